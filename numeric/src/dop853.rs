@@ -1,0 +1,260 @@
+//! One step of DOP853, the explicit Runge–Kutta method of order 8 with error estimates of orders 5 and 3.
+//!
+//! Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed., §II.5 and its program `dop853`.
+
+use crate::scalar::Scalar;
+
+/// Stages of a step.
+const STAGES: usize = 12;
+
+/// Weights of the earlier stages in each stage's argument.
+const A: [[f64; STAGES]; STAGES] = [
+    [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [0.05260015195876773, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [0.0197250569845379, 0.0591751709536137, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [0.02958758547680685, 0.0, 0.08876275643042054, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [0.2413651341592667, 0.0, -0.8845494793282861, 0.924834003261792, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [
+        0.037037037037037035,
+        0.0,
+        0.0,
+        0.17082860872947386,
+        0.12546768756682242,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    ],
+    [
+        0.037109375,
+        0.0,
+        0.0,
+        0.17025221101954405,
+        0.06021653898045596,
+        -0.017578125,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    ],
+    [
+        0.03709200011850479,
+        0.0,
+        0.0,
+        0.17038392571223998,
+        0.10726203044637328,
+        -0.015319437748624402,
+        0.008273789163814023,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    ],
+    [
+        0.6241109587160757,
+        0.0,
+        0.0,
+        -3.3608926294469414,
+        -0.868219346841726,
+        27.59209969944671,
+        20.154067550477894,
+        -43.48988418106996,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    ],
+    [
+        0.47766253643826434,
+        0.0,
+        0.0,
+        -2.4881146199716677,
+        -0.590290826836843,
+        21.230051448181193,
+        15.279233632882423,
+        -33.28821096898486,
+        -0.020331201708508627,
+        0.0,
+        0.0,
+        0.0,
+    ],
+    [
+        -0.9371424300859873,
+        0.0,
+        0.0,
+        5.186372428844064,
+        1.0914373489967295,
+        -8.149787010746927,
+        -18.52006565999696,
+        22.739487099350505,
+        2.4936055526796523,
+        -3.0467644718982196,
+        0.0,
+        0.0,
+    ],
+    [
+        2.273310147516538,
+        0.0,
+        0.0,
+        -10.53449546673725,
+        -2.0008720582248625,
+        -17.9589318631188,
+        27.94888452941996,
+        -2.8589982771350235,
+        -8.87285693353063,
+        12.360567175794303,
+        0.6433927460157636,
+        0.0,
+    ],
+];
+
+/// Weights of the stages in the result.
+const B: [f64; STAGES] = [
+    0.054293734116568765,
+    0.0,
+    0.0,
+    0.0,
+    0.0,
+    4.450312892752409,
+    1.8915178993145003,
+    -5.801203960010585,
+    0.3111643669578199,
+    -0.1521609496625161,
+    0.20136540080403034,
+    0.04471061572777259,
+];
+
+/// Error estimate of order 5.
+const E5: [f64; STAGES] = [
+    0.01312004499419488,
+    0.0,
+    0.0,
+    0.0,
+    0.0,
+    -1.2251564463762044,
+    -0.4957589496572502,
+    1.6643771824549864,
+    -0.35032884874997366,
+    0.3341791187130175,
+    0.08192320648511571,
+    -0.022355307863886294,
+];
+
+/// Error estimate of order 3.
+const E3: [f64; STAGES] = [
+    -0.18980075407240762,
+    0.0,
+    0.0,
+    0.0,
+    0.0,
+    4.450312892752409,
+    1.8915178993145003,
+    -5.801203960010585,
+    -0.4226823213237919,
+    -0.1521609496625161,
+    0.20136540080403034,
+    0.02265179219836082,
+];
+
+/// Largest error (as a multiple of the tolerance) is raised to this power when the next step is chosen: −1/8.
+const ORDER: f64 = 8.0;
+
+/// The result of one step.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<S: Scalar, const N: usize> {
+    /// State after the step.
+    pub state: [S; N],
+    /// Error estimate as a multiple of the tolerance: the step is good where it is ≤ 1; a NaN is bad.
+    pub error: S::Value,
+}
+
+/// One step of length `h` from `y`, where `k0` = f(y).
+///
+/// `f` gives the derivative of the state with respect to the independent variable, whatever that is: time, or the value
+/// of an event function (Hénon's trick: then the step ends on the event, to round-off, with no root to search). The
+/// first `checked` components enter the error estimate, each relative to 1 + |y|.
+///
+/// Not promised: that a step which the estimate accepts contains no kink.
+#[inline(always)]
+pub fn step<S: Scalar, const N: usize>(
+    f: impl Fn(&[S; N]) -> [S; N],
+    y: &[S; N],
+    k0: &[S; N],
+    h: S,
+    checked: usize,
+    tolerance: f64,
+) -> Step<S, N> {
+    let mut k = [*k0; STAGES];
+    // Written out, so that each stage's weights are constants and the zeros among them cost nothing.
+    macro_rules! stage {
+        ($($n:literal)*) => {$(
+            let z: [S; N] = std::array::from_fn(|i| h.mul_add(weighted::<S, N, $n>(&A[$n], &k, i), y[i]));
+            k[$n] = f(&z);
+        )*};
+    }
+    stage!(1 2 3 4 5 6 7 8 9 10 11);
+    let state: [S; N] = std::array::from_fn(|i| h.mul_add(weighted::<S, N, 12>(&B, &k, i), y[i]));
+    Step { error: error(&k, y, &state, h.value(), checked, tolerance), state }
+}
+
+/// Σ weights[j] k[j][i] over the first `M` stages, in two chains so that they overlap.
+#[inline(always)]
+fn weighted<S: Scalar, const N: usize, const M: usize>(
+    weights: &[f64; STAGES],
+    k: &[[S; N]; STAGES],
+    i: usize,
+) -> S {
+    let mut even = k[0][i] * S::of(weights[0]);
+    let mut odd: Option<S> = None;
+    for j in 1..M {
+        if weights[j] != 0.0 {
+            let w = S::of(weights[j]);
+            if j % 2 == 0 {
+                even = k[j][i].mul_add(w, even);
+            } else {
+                odd = Some(odd.map_or(k[j][i] * w, |o| k[j][i].mul_add(w, o)));
+            }
+        }
+    }
+    odd.map_or(even, |o| even + o)
+}
+
+/// Hairer's combined estimate |h| e₅² / √(n (e₅² + e₃²/100)), over the first `checked` components.
+#[inline(always)]
+fn error<S: Scalar, const N: usize>(
+    k: &[[S; N]; STAGES],
+    y: &[S; N],
+    state: &[S; N],
+    h: S::Value,
+    checked: usize,
+    tolerance: f64,
+) -> S::Value {
+    let one = S::Value::of(1.0);
+    let k: [[S::Value; N]; STAGES] = std::array::from_fn(|j| k[j].map(Scalar::value));
+    let mut sums = [S::Value::of(0.0); 2];
+    for i in 0..checked {
+        let scale = one / (one + y[i].value().abs().max(state[i].value().abs()));
+        for (sum, weights) in sums.iter_mut().zip([&E5, &E3]) {
+            let e = weighted::<S::Value, N, 12>(weights, &k, i) * scale;
+            *sum = e.mul_add(e, *sum);
+        }
+    }
+    let [e5, e3] = sums;
+    // The least number keeps 0/0 out where nothing moves.
+    let denominator =
+        (e3.mul_add(S::Value::of(0.01), e5) + S::Value::of(f64::MIN_POSITIVE)) * S::Value::of(checked as f64);
+    h.abs() * e5 / denominator.sqrt() * S::Value::of(1.0 / tolerance)
+}
+
+/// Factor by which the next step may be longer (or must be shorter) after one with this `error`.
+///
+/// In [0.2, 6]; a NaN error gives 0.2.
+pub fn step_factor(error: f64) -> f64 {
+    if error.is_nan() { 0.2 } else { (0.9 * error.max(1e-12).powf(-1.0 / ORDER)).clamp(0.2, 6.0) }
+}

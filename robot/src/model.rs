@@ -1,0 +1,202 @@
+//! A robot as the models see it: plain numbers in SI units.
+
+/// Absolute pressure (Pa), > 0. Gauge pressures are [`GaugePressure`]; the two never mix without an ambient pressure.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct AbsolutePressure(pub f64);
+
+/// Pressure above the ambient one (Pa).
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct GaugePressure(pub f64);
+
+impl GaugePressure {
+    /// Absolute pressure (Pa) where the surroundings are at `ambient`.
+    pub fn absolute(self, ambient: AbsolutePressure) -> AbsolutePressure {
+        AbsolutePressure(self.0 + ambient.0)
+    }
+}
+
+impl AbsolutePressure {
+    /// Pressure (Pa) above `ambient`.
+    pub fn gauge(self, ambient: AbsolutePressure) -> GaugePressure {
+        GaugePressure(self.0 - ambient.0)
+    }
+}
+
+/// A robot that rolls onto a leg and fires it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Robot {
+    /// What it is called.
+    pub name: String,
+    /// The wheel with all that turns with it.
+    pub body: Body,
+    /// The leg that jumps.
+    pub leg: Leg,
+    /// What surrounds the robot.
+    pub environment: Environment,
+    /// Measurement and actuation errors, one standard deviation each, behind the error bands.
+    pub errors: Errors,
+}
+
+/// The wheel, which turns with the leg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Mass m (kg), > 0.
+    pub mass: f64,
+    /// Moment of inertia I about the wheel's centre (kg m²), ≥ 0.
+    pub inertia: f64,
+    /// Foot to wheel centre with the leg retracted, r_s (m), > 0; also the wheel's radius.
+    pub radius: f64,
+    /// Legs, evenly spaced around the wheel, ≥ 1.
+    pub legs: u32,
+}
+
+/// A telescoping leg: what drives it and what resists.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Leg {
+    /// Greatest extension d (m), > 0.
+    pub stroke: f64,
+    /// From the command to the first flow or force, t_d (s), ≥ 0; the same on closing.
+    pub delay: f64,
+    /// Viscous friction β (N s/m), ≥ 0.
+    pub viscous_friction: f64,
+    /// Coulomb friction F_f (N), ≥ 0.
+    pub coulomb_friction: f64,
+    /// Spring that pulls the leg back in: −(k d + preload).
+    pub return_spring: Option<ReturnSpring>,
+    /// Cushion before the end of the stroke.
+    pub cushion: Option<Cushion>,
+    /// What pushes.
+    pub drive: Drive,
+}
+
+/// Return spring: the force −(k d + preload) on the leg's force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReturnSpring {
+    /// Stiffness k (N/m), ≥ 0.
+    pub stiffness: f64,
+    /// Force at d = 0 (N), ≥ 0.
+    pub preload: f64,
+}
+
+/// End-stop cushion: −(k (d − d_c) + c ḋ) over the last `length` = stroke − d_c.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cushion {
+    /// Length (m), in (0, stroke).
+    pub length: f64,
+    /// Stiffness k (N/m), ≥ 0.
+    pub stiffness: f64,
+    /// Damping c (N s/m), ≥ 0.
+    pub damping: f64,
+}
+
+/// What pushes the leg out.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Drive {
+    /// A pneumatic cylinder behind a three-way valve.
+    Pneumatic(Cylinder),
+    /// A spring released from compression: k (compression − d), while positive.
+    Spring {
+        /// Stiffness k (N/m), > 0.
+        stiffness: f64,
+        /// Compression at d = 0 (m), > 0.
+        compression: f64,
+    },
+    /// A constant force while commanded, none afterwards.
+    Constant {
+        /// Force (N), > 0.
+        force: f64,
+    },
+    /// A measured force over extension and speed while commanded, none afterwards.
+    Table(ForceTable),
+}
+
+/// A pneumatic cylinder: chamber, valve, supply, and the effects that a plain one leaves out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cylinder {
+    /// Bore diameter (m), > 0.
+    pub bore: f64,
+    /// Chamber volume at d = 0, V_0 (m³), > 0.
+    pub dead_volume: f64,
+    /// Supply pressure above ambient, ≥ 0.
+    pub supply: GaugePressure,
+    /// Discharge coefficient of the valve's orifice C_f, in (0, 1].
+    pub discharge_coefficient: f64,
+    /// Radius of the valve's orifice (m), > 0.
+    pub orifice_radius: f64,
+    /// Gas constants.
+    pub gas: Gas,
+    /// Gas temperature T (K), > 0.
+    pub temperature: f64,
+    /// Fall of the supply pressure with the mass flow drawn (Pa s/kg), ≥ 0; 0 is off.
+    pub supply_droop: f64,
+    /// Effective area C_f A of an orifice from the chamber to the atmosphere, always open (m²), ≥ 0; 0 is off.
+    pub leak_area: f64,
+    /// Opening to the atmosphere once d passes it.
+    pub exhaust_port: Option<ExhaustPort>,
+    /// Exponent n in the chamber's equation in place of κ, in [1, κ]; none: adiabatic.
+    pub polytropic_exponent: Option<f64>,
+    /// Coulomb friction of the seal for each pascal of the chamber's gauge pressure (N/Pa), ≥ 0; 0 is off.
+    pub seal_friction: f64,
+}
+
+/// An opening to the atmosphere short of the end of the stroke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExhaustPort {
+    /// Extension from which it is open (m), in (0, stroke).
+    pub position: f64,
+    /// Effective area C_f A (m²), > 0.
+    pub area: f64,
+}
+
+/// A calorically perfect gas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gas {
+    /// Ratio of specific heats κ, > 1.
+    pub heat_ratio: f64,
+    /// Specific gas constant R_g (J/(kg K)), > 0.
+    pub constant: f64,
+}
+
+impl Gas {
+    /// Dry air.
+    pub const AIR: Gas = Gas { heat_ratio: 1.4, constant: 287.05 };
+    /// Carbon dioxide.
+    pub const CO2: Gas = Gas { heat_ratio: 1.30, constant: 188.9 };
+    /// Nitrogen.
+    pub const NITROGEN: Gas = Gas { heat_ratio: 1.4, constant: 296.8 };
+}
+
+/// Measured force over extension and speed, on a full grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForceTable {
+    /// Extensions (m), strictly increasing, from 0 to at least the stroke; at least 2.
+    pub extensions: Vec<f64>,
+    /// Speeds (m/s), strictly increasing, from 0; at least 2.
+    pub speeds: Vec<f64>,
+    /// Force (N) at `extensions[i]`, `speeds[j]`: `forces[i * speeds.len() + j]`.
+    pub forces: Vec<f64>,
+}
+
+/// What surrounds the robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Environment {
+    /// Gravity g (m/s²), ≥ 0.
+    pub gravity: f64,
+    /// Ambient pressure P_a.
+    pub ambient: AbsolutePressure,
+    /// Drag per mass in flight, c in −c |v| v (1/m), ≥ 0; 0 is off.
+    pub drag: f64,
+}
+
+/// One standard deviation of what is measured or commanded in a jump; 0 is exact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// Approach rate ω (rad/s), ≥ 0.
+    pub rate: f64,
+    /// Firing angle α_f (rad), ≥ 0.
+    pub firing_angle: f64,
+    /// Valve opening time (s), ≥ 0.
+    pub valve_open: f64,
+    /// Supply pressure (Pa), ≥ 0.
+    pub supply: f64,
+}
