@@ -1,6 +1,6 @@
 //! Eight numbers side by side in SIMD registers.
 
-use wide::{CmpLt, f64x8};
+use wide::f64x8;
 
 use crate::scalar::{SERIES_LIMIT, Scalar, series_sin_cos};
 

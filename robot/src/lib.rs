@@ -1,8 +1,10 @@
 //! What a jumping robot is: parameters with units, TOML files, checks.
 
 mod model;
+mod parameter;
 
 pub use model::*;
+pub use parameter::Parameter;
 
 impl Robot {
     /// The thesis' planar robot without its boom (MODEL.md).
