@@ -4,12 +4,11 @@ use saltus_numeric::{Scalar, Single, dop853};
 
 use crate::StanceError;
 
-/// Numbers in a state: lean, rate, extension, speed, pressure, temperature ratio, time, and one that rounds the state
-/// up to a SIMD register.
+/// Numbers in a state: lean, rate, extension, speed, gas, time, and two that round the state up to a SIMD register.
 pub(crate) const WIDTH: usize = 8;
 
 /// Components whose error is controlled: all but time.
-pub(crate) const CHECKED: usize = 6;
+pub(crate) const CHECKED: usize = 5;
 
 /// A state of the stance: see [`index`].
 pub(crate) type State<S> = [S; WIDTH];
@@ -24,17 +23,12 @@ pub(crate) mod index {
     pub(crate) const EXTENSION: usize = 2;
     /// Extension rate ḋ (m/s).
     pub(crate) const SPEED: usize = 3;
-    /// Chamber pressure (MPa, so that one tolerance fits all components).
-    pub(crate) const PRESSURE: usize = 4;
-    /// Temperature ratio z of the valve's law.
-    pub(crate) const RATIO: usize = 5;
+    /// The gas, as the variable u of the valve's law: pressure (MPa) or temperature ratio, about 1 both.
+    pub(crate) const GAS: usize = 4;
     /// Time (s).
-    pub(crate) const TIME: usize = 6;
+    pub(crate) const TIME: usize = 5;
 }
 use index::TIME;
-
-/// Pascals in the unit of pressure that states carry.
-pub(crate) const MEGA: f64 = 1e6;
 
 /// A phase of the stance: smooth dynamics and the guards that end it.
 pub(crate) trait Phase<S: Single, const M: usize> {

@@ -1,10 +1,10 @@
 //! One stance from its start to lift-off: the phases in their order.
 
 use saltus_numeric::{Scalar, Single};
-use saltus_pneumatics::{Chamber, Drive, Flow, Switches};
+use saltus_pneumatics::{Chamber, Drive, Flow, MEGA, Switches};
 
-use crate::advance::index::{EXTENSION, LEAN, PRESSURE, RATE, RATIO, SPEED, TIME};
-use crate::advance::{MEGA, Pace, Phase, State, WIDTH, advance};
+use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
+use crate::advance::{Pace, State, WIDTH, advance};
 use crate::phase::{Extension, Held, Piece};
 use crate::{Launch, Stance, StanceError};
 
@@ -91,7 +91,7 @@ impl<S: Scalar> LiftOff<S> {
             rate: y[RATE],
             extension: y[EXTENSION],
             extension_rate: y[SPEED],
-            pressure: y[PRESSURE] * S::of(MEGA),
+            pressure: y[GAS] * S::of(MEGA),
             reach: stance.radius + y[EXTENSION],
         }
     }
@@ -172,8 +172,7 @@ impl<S: Single> Stance<S> {
     fn start(&self, launch: &Launch<S>) -> State<S> {
         let mut y = [S::of(0.0); WIDTH];
         (y[LEAN], y[RATE]) = (launch.lean, launch.rate);
-        y[PRESSURE] = self.ambient() * S::of(1.0 / MEGA);
-        y[RATIO] = S::of(1.0);
+        y[GAS] = self.ambient() * S::of(1.0 / MEGA);
         y
     }
 
@@ -243,13 +242,15 @@ impl<S: Single> Stance<S> {
         }
         let mut side = 0.0;
         loop {
-            let piece = self.piece(&mut y, true, side, false);
+            let piece = self.enter(&mut y, true, side, false);
             let filling = Held { stance: self, piece, energized: true, target: None, early };
             if filling.excess(&y).value() > 0.0 && launch.valve_open.value() > 0.0 {
+                self.leave(&mut y, piece.as_ref());
                 return Ok(Next::On(y));
             }
             let event =
                 advance(&filling, &mut y, Some(close), pace, &mut |a, b| observer.held(&filling, a, b))?;
+            self.leave(&mut y, piece.as_ref());
             match event {
                 Some(Held::<S>::BREAK_AWAY) => return Ok(Next::On(y)),
                 Some(Held::<S>::EDGE) => side = 1.0,
@@ -275,17 +276,28 @@ impl<S: Single> Stance<S> {
         }
         let mut y = *fired;
         (y[LEAN], y[RATE], y[TIME]) = (freed.lean, freed.rate, fired[TIME] + freed.time);
-        y[PRESSURE] = freed.pressure * S::of(1.0 / MEGA);
+        y[GAS] = freed.pressure * S::of(1.0 / MEGA);
         Some(y)
     }
 
-    /// The chamber's piece at `y`, whose temperature ratio it sets.
-    fn piece(&self, y: &mut State<S>, energized: bool, side: f64, port_open: bool) -> Option<Piece<S>> {
+    /// The chamber's piece at `y`, where the gas is given by its pressure (MPa) and becomes the piece's own variable.
+    fn enter(&self, y: &mut State<S>, energized: bool, side: f64, port_open: bool) -> Option<Piece<S>> {
         let chamber = self.leg.chamber()?;
-        let p = y[PRESSURE] * S::of(MEGA);
-        let piece = Piece::new(chamber, energized, p, side, port_open);
-        y[RATIO] = chamber.temperature_ratio(piece.flow, p);
+        let p = y[GAS] * S::of(MEGA);
+        let mut piece = Piece::new(chamber, energized, p, side, port_open);
+        if piece.flow == Flow::FillBalanced && y[SPEED].value() > 0.0 {
+            // The growing volume takes the pressure below the supply's at once.
+            piece = Piece::new(chamber, energized, p, -1.0, port_open);
+        }
+        y[GAS] = chamber.variable(piece.flow, p);
         Some(piece)
+    }
+
+    /// Back from the piece's own variable to the pressure (MPa).
+    fn leave(&self, y: &mut State<S>, piece: Option<&Piece<S>>) {
+        if let (Some(chamber), Some(piece)) = (self.leg.chamber(), piece) {
+            y[GAS] = chamber.pressure(piece.flow, y[GAS]) * S::of(1.0 / MEGA);
+        }
     }
 
     /// Phase 4: the leg extends until lift-off.
@@ -303,19 +315,17 @@ impl<S: Single> Stance<S> {
         let mut side = 0.0;
         loop {
             let port_open = self.port().is_some_and(|port| port.value() <= passed.value());
-            let mut piece = self.piece(&mut y, switches.energized, side, port_open);
-            if piece.is_some_and(|p| p.flow == Flow::FillBalanced) {
-                // The growing volume takes the pressure below the supply's at once.
-                piece = self.piece(&mut y, switches.energized, -1.0, port_open);
-            }
+            let piece = self.enter(&mut y, switches.energized, side, port_open);
             switches.cushioned = self.leg.cushion_start().is_some_and(|c| c.value() <= passed.value());
             let next = self.next_switch(passed);
             let phase = Extension { stance: self, piece, switches, next };
-            if phase.force(&y).value.value() <= 0.0 {
+            if phase.force(&y).value() <= 0.0 {
+                self.leave(&mut y, piece.as_ref());
                 return Ok((Outcome::Force, y));
             }
             let end = (switches.energized && closes).then_some(close);
             let event = advance(&phase, &mut y, end, pace, &mut |a, b| observer.extension(&phase, a, b))?;
+            self.leave(&mut y, piece.as_ref());
             side = 0.0;
             match event {
                 None => switches.energized = false,
@@ -393,9 +403,4 @@ impl<S: Scalar> Stance<S> {
         let pressure = growth.mul_add(time - self.leg.delay, chamber.ambient);
         SeriesBreakAway { time, lean, rate, pressure, residual, tail: series.tail(time) }
     }
-}
-
-/// A phase's rates at a state, for those who look at it afterwards.
-pub(crate) fn rates_at<S: Single, P: Phase<S, M>, const M: usize>(phase: &P, y: &State<S>) -> State<S> {
-    phase.rates(y)
 }

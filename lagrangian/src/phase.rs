@@ -3,20 +3,22 @@
 use std::f64::consts::FRAC_PI_2;
 
 use saltus_numeric::Single;
-use saltus_pneumatics::{Chamber, Drive, Flow, Switches, Valve};
+use saltus_pneumatics::{Chamber, Drive, Flow, Force, GasState, Switches, Valve};
 
 use crate::Stance;
-use crate::advance::index::{EXTENSION, LEAN, PRESSURE, RATE, RATIO, SPEED, TIME};
-use crate::advance::{MEGA, Phase, State, WIDTH};
+use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
+use crate::advance::{Phase, State, WIDTH};
 
-/// The smooth piece that the chamber is on: the valve's law, and the pressures at which it ends.
+/// The smooth piece that the chamber is on: the valve's law, and where it ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece<S: Single> {
     pub flow: Flow,
     valve: Valve<S>,
-    /// Pressures (MPa) at which the law switches: falling to the first, rising to the second.
+    /// u at which the law switches, on its two sides; with the pressure falling to the first, rising to the second.
     low: S,
     high: S,
+    /// 1 where u rises with the pressure, −1 where it falls.
+    sign: S,
     port_open: bool,
     extras: bool,
 }
@@ -28,13 +30,12 @@ impl<S: Single> Piece<S> {
         let flow = chamber.flow(energized, nudged);
         let extras = chamber.has_extras();
         let (fill, exhaust) = (chamber.fill_edge(), chamber.exhaust_edge());
-        let mut edges = [fill, chamber.balance_above(), exhaust];
-        if !energized {
-            edges[..2].copy_from_slice(&[chamber.balance_below(), exhaust]);
-        } else if !extras {
-            edges[2] = fill;
-        }
-        let (mut low, mut high) = (S::of(0.0), S::of(f64::MAX / MEGA));
+        let edges = match (energized, extras) {
+            (true, true) => [fill, chamber.balance_above(), exhaust],
+            (true, false) => [fill, chamber.balance_above(), fill],
+            (false, _) => [chamber.balance_below(), exhaust, exhaust],
+        };
+        let (mut low, mut high) = (S::of(1.0), S::of(1e12));
         for edge in edges {
             if edge.value() < nudged.value() && edge.value() > low.value() {
                 low = edge;
@@ -43,21 +44,32 @@ impl<S: Single> Piece<S> {
                 high = edge;
             }
         }
-        let micro = S::of(1.0 / MEGA);
-        Piece { flow, valve: chamber.on(flow), low: low * micro, high: high * micro, port_open, extras }
+        Piece {
+            flow,
+            valve: chamber.valve(flow),
+            low: chamber.variable(flow, low),
+            high: chamber.variable(flow, high),
+            sign: S::of(if flow == Flow::ExhaustSubsonic { -1.0 } else { 1.0 }),
+            port_open,
+            extras,
+        }
     }
 
-    /// Rates of pressure (MPa/s) and of z at pressure `p` (Pa), where `inverse` is 1/(V P).
+    /// How far the pressure is past the upper and the lower edge, in u.
     #[inline(always)]
-    fn rates(&self, chamber: &Chamber<S>, p: S, z: S, d: S, speed: S, inverse: S) -> (S, S) {
-        let (mut rate, mut z_rate) = chamber.rates(&self.valve, p, z, speed, inverse);
-        if self.extras {
-            let more = chamber.pressure_per_mass(chamber.volume(d))
-                * chamber.extra_inflow(self.flow, p, self.port_open);
-            z_rate = z_rate + self.valve.ratio_rate(z, more / p);
-            rate = rate + more;
+    fn guards(&self, u: S) -> (S, S) {
+        (self.sign * (u - self.high), self.sign * (self.low - u))
+    }
+
+    /// u̇ with the terms that the valve's plain law leaves out.
+    #[inline(always)]
+    fn rate(&self, chamber: &Chamber<S>, u: S, gas: &GasState<S>) -> S {
+        if !self.extras {
+            return gas.rate;
         }
-        (rate * S::of(1.0 / MEGA), z_rate)
+        let inflow = chamber.extra_inflow(self.flow, gas.pressure, self.port_open);
+        let change = chamber.pressure_per_mass() * gas.inverses.1 * inflow;
+        gas.rate + chamber.variable_rate(self.flow, u, gas.pressure, change)
     }
 }
 
@@ -88,26 +100,37 @@ impl<S: Single> Held<'_, S> {
     /// (P − P_a) A − F_f + m ω² r_s − m g cos φ, with the drive's other terms where it has them.
     pub(crate) fn excess(&self, y: &State<S>) -> S {
         let stance = self.stance;
-        let zero = S::of(0.0);
-        let push = stance.leg.force(self.switches(), zero, zero, y[PRESSURE] * S::of(MEGA)).value;
         let (_, cos) = y[LEAN].sin_cos();
-        push + stance.mass * (y[RATE] * y[RATE] * stance.radius - stance.gravity * cos)
+        self.force(y).value + stance.mass * (y[RATE] * y[RATE] * stance.radius - stance.gravity * cos)
     }
 
-    fn switches(&self) -> Switches {
-        Switches { energized: self.energized, cushioned: false }
+    /// The leg's force at rest.
+    fn force(&self, y: &State<S>) -> Force<S> {
+        let switches = Switches { energized: self.energized, cushioned: false };
+        let zero = S::of(0.0);
+        self.stance.leg.force(switches, zero, zero, self.pressure(y))
+    }
+
+    /// Chamber pressure (Pa); while the valve is at rest, u is the pressure.
+    pub(crate) fn pressure(&self, y: &State<S>) -> S {
+        match (self.stance.leg.chamber(), &self.piece) {
+            (Some(chamber), Some(piece)) => chamber.pressure(piece.flow, y[GAS]),
+            _ => y[GAS] * S::of(saltus_pneumatics::MEGA),
+        }
     }
 
     /// d(excess)/dt (N/s).
     fn excess_rate(&self, y: &State<S>, dy: &State<S>) -> S {
         let stance = self.stance;
-        let zero = S::of(0.0);
-        let force = stance.leg.force(self.switches(), zero, zero, y[PRESSURE] * S::of(MEGA));
+        let change = match (stance.leg.chamber(), &self.piece) {
+            (Some(chamber), Some(piece)) => {
+                chamber.pressure_rate(piece.flow, y[GAS], self.pressure(y), dy[GAS])
+            }
+            _ => S::of(0.0),
+        };
         let (sin, _) = y[LEAN].sin_cos();
-        force.wrt_pressure * dy[PRESSURE] * S::of(MEGA)
-            + stance.mass
-                * y[RATE]
-                * (S::of(2.0) * dy[RATE] * stance.radius + stance.gravity * sin)
+        self.force(y).wrt_pressure * change
+            + stance.mass * y[RATE] * (S::of(2.0) * dy[RATE] * stance.radius + stance.gravity * sin)
     }
 }
 
@@ -124,10 +147,9 @@ impl<S: Single> Phase<S, 6> for Held<'_, S> {
         dy[RATE] = self.stance.pendulum.stiffness * sin;
         dy[TIME] = S::of(1.0);
         if let (Some(piece), Some(chamber)) = (&self.piece, self.stance.leg.chamber()) {
-            let p = y[PRESSURE] * S::of(MEGA);
             let zero = S::of(0.0);
-            let inverse = S::of(1.0) / (chamber.dead_volume * p);
-            (dy[PRESSURE], dy[RATIO]) = piece.rates(chamber, p, y[RATIO], zero, zero, inverse);
+            let gas = chamber.gas(&piece.valve, y[GAS], zero, zero, S::of(1.0));
+            dy[GAS] = piece.rate(chamber, y[GAS], &gas);
         }
         dy
     }
@@ -138,7 +160,7 @@ impl<S: Single> Phase<S, 6> for Held<'_, S> {
             self.target.map_or(never, |target| y[LEAN] - target),
             self.target.map_or(never, |_| -y[RATE]),
             if self.energized { self.excess(y) * S::of(FORCE_SCALE) } else { never },
-            self.piece.map_or(never, |piece| y[PRESSURE] - piece.high),
+            self.piece.map_or(never, |piece| piece.guards(y[GAS]).0),
             self.early.map_or(never, |early| y[LEAN] - S::of(early)),
             y[LEAN].abs() - S::of(FRAC_PI_2),
         ]
@@ -152,7 +174,7 @@ impl<S: Single> Phase<S, 6> for Held<'_, S> {
             on(self.target.is_some(), dy[LEAN]),
             on(self.target.is_some(), -dy[RATE]),
             on(self.energized, self.excess_rate(y, dy) * S::of(FORCE_SCALE)),
-            on(self.piece.is_some(), dy[PRESSURE]),
+            self.piece.map_or(zero, |piece| piece.sign * dy[GAS]),
             on(self.early.is_some(), dy[LEAN]),
             aside,
         ]
@@ -177,14 +199,28 @@ impl<S: Single> Extension<'_, S> {
     pub(crate) const EDGE_BELOW: usize = 3;
     pub(crate) const HALT: usize = 4;
 
-    /// The leg's force with its derivatives.
+    /// The leg's force with its derivatives at pressure `p` (Pa).
     #[inline(always)]
-    pub(crate) fn force(&self, y: &State<S>) -> saltus_pneumatics::Force<S> {
-        let p = y[PRESSURE] * S::of(MEGA);
+    fn force_at(&self, y: &State<S>, p: S) -> Force<S> {
         let leg = &self.stance.leg;
         match (&leg.drive, self.stance.plain) {
             (Drive::Pneumatic(chamber), true) => leg.plain_force(chamber, y[SPEED], p),
             _ => leg.force(self.switches, y[EXTENSION], y[SPEED], p),
+        }
+    }
+
+    /// The leg's force (N).
+    #[inline(always)]
+    pub(crate) fn force(&self, y: &State<S>) -> S {
+        self.force_at(y, self.pressure(y)).value
+    }
+
+    /// Chamber pressure (Pa); 0 for a leg without a chamber.
+    #[inline(always)]
+    pub(crate) fn pressure(&self, y: &State<S>) -> S {
+        match (self.stance.leg.chamber(), &self.piece) {
+            (Some(chamber), Some(piece)) => chamber.pressure(piece.flow, y[GAS]),
+            _ => S::of(0.0),
         }
     }
 }
@@ -194,29 +230,38 @@ impl<S: Single> Phase<S, 5> for Extension<'_, S> {
     #[inline(always)]
     fn rates(&self, y: &State<S>) -> State<S> {
         let stance = self.stance;
-        let force = self.force(y).value;
         match (stance.leg.chamber(), &self.piece) {
-            (Some(chamber), Some(piece)) => stance.motion(y, force, |p, inverse| {
-                piece.rates(chamber, p, y[RATIO], y[EXTENSION], y[SPEED], inverse)
-            }),
-            _ => stance.motion_without_gas(y, force),
+            (Some(chamber), Some(piece)) => {
+                let (mut dy, gas) =
+                    stance.motion(y, chamber, &piece.valve, |p| self.force_at(y, p).value);
+                dy[GAS] = piece.rate(chamber, y[GAS], &gas);
+                dy
+            }
+            _ => stance.motion_without_gas(y, self.force(y)),
         }
     }
 
     #[inline(always)]
     fn guards(&self, y: &State<S>) -> [S; 5] {
         let never = S::of(NEVER);
-        let (above, below) =
-            self.piece.map_or((never, never), |p| (y[PRESSURE] - p.high, p.low - y[PRESSURE]));
-        [y[EXTENSION] - self.next, -self.force(y).value * S::of(FORCE_SCALE), above, below, -y[SPEED]]
+        let (above, below) = self.piece.map_or((never, never), |piece| piece.guards(y[GAS]));
+        [y[EXTENSION] - self.next, -self.force(y) * S::of(FORCE_SCALE), above, below, -y[SPEED]]
     }
 
     #[inline(always)]
     fn guard_rates(&self, y: &State<S>, dy: &State<S>) -> [S; 5] {
-        let force = self.force(y);
+        let (p, change, sign) = match (self.stance.leg.chamber(), &self.piece) {
+            (Some(chamber), Some(piece)) => {
+                let p = chamber.pressure(piece.flow, y[GAS]);
+                (p, chamber.pressure_rate(piece.flow, y[GAS], p, dy[GAS]), piece.sign)
+            }
+            _ => (S::of(0.0), S::of(0.0), S::of(1.0)),
+        };
+        let force = self.force_at(y, p);
         let change = force.wrt_extension * dy[EXTENSION]
             + force.wrt_speed * dy[SPEED]
-            + force.wrt_pressure * dy[PRESSURE] * S::of(MEGA);
-        [dy[EXTENSION], -change * S::of(FORCE_SCALE), dy[PRESSURE], -dy[PRESSURE], -dy[SPEED]]
+            + force.wrt_pressure * change;
+        let rise = sign * dy[GAS];
+        [dy[EXTENSION], -change * S::of(FORCE_SCALE), rise, -rise, -dy[SPEED]]
     }
 }

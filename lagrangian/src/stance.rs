@@ -1,12 +1,12 @@
 //! The model of a stance: a robot's equations of motion on one foot.
 
 use saltus_numeric::{Scalar, Single};
-use saltus_pneumatics::Leg;
+use saltus_pneumatics::{Chamber, GasState, Leg, Valve};
 use saltus_robot::{Parameter, Robot};
 
 use crate::StanceError;
-use crate::advance::index::{EXTENSION, LEAN, PRESSURE, RATE, RATIO, SPEED, TIME};
-use crate::advance::{MEGA, State, WIDTH};
+use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
+use crate::advance::State;
 use crate::pendulum::Pendulum;
 
 /// Error tolerance at which every result is right to at least ten digits.
@@ -83,29 +83,22 @@ impl<S: Scalar> Stance<S> {
         self
     }
 
-    /// Derivative of a state while the leg extends under `force` (N); `gas` gives the rates of pressure (MPa/s) and of
-    /// z from the pressure (Pa) and 1/(V P).
-    ///
-    /// The three divisions of the model are one: by (I + m R²) V P.
+    /// Derivative of a state while the leg extends; `force` gives the leg's force (N) from the chamber's pressure (Pa).
     #[inline(always)]
     pub(crate) fn motion<const N: usize>(
         &self,
         y: &[S; N],
-        force: S,
-        gas: impl FnOnce(S, S) -> (S, S),
-    ) -> [S; N] {
-        let p = y[PRESSURE] * S::of(MEGA);
-        let compressed = match self.leg.chamber() {
-            Some(chamber) => chamber.volume(y[EXTENSION]) * p,
-            None => S::of(1.0),
-        };
+        chamber: &Chamber<S>,
+        valve: &Valve<S>,
+        force: impl FnOnce(S) -> S,
+    ) -> ([S; N], GasState<S>) {
         let reach = self.radius + y[EXTENSION];
         let lever = self.mass * reach;
         let about_foot = lever.mul_add(reach, self.inertia);
-        let inverse = S::of(1.0) / (about_foot * compressed);
-        let mut dy = self.kinematics(y, force, lever * (inverse * compressed), reach);
-        (dy[PRESSURE], dy[RATIO]) = gas(p, inverse * about_foot);
-        dy
+        let gas = chamber.gas(valve, y[GAS], y[EXTENSION], y[SPEED], about_foot);
+        let mut dy = self.kinematics(y, force(gas.pressure), lever * gas.inverses.0, reach);
+        dy[GAS] = gas.rate;
+        (dy, gas)
     }
 
     /// As [`motion`](Self::motion), for a leg without a chamber.

@@ -38,16 +38,44 @@ pub struct Chamber<S> {
 
 /// What the valve does to the chamber while nothing switches: one smooth piece of the orifice law.
 ///
-/// Carries the piece as ṁ = (`constant` + `proportional` P) w, with w = 1 where choked and w = √(z(z−1)) elsewhere,
-/// where z = (P_u/P_d)^((κ−1)/κ) is carried along as a state: no power is left in the equations.
+/// Each piece carries the pressure as the variable u in which it is smoothest: the pressure itself (MPa) where the flow
+/// is sonic, the temperature ratio e = (P_d/P_u)^((κ−1)/κ) where it is subsonic. All obey
+/// V u̇ = `constant` + u (`flow` X + `expansion` ḋ), with X = 1 (sonic), √(1−e)/e (filling), r √(1−e)/e (exhausting),
+/// where r = e^(κ/(κ−1)) is the pressure ratio.
 #[derive(Clone, Copy, Debug)]
 pub struct Valve<S: Scalar> {
-    constant: S,
-    proportional: S,
-    choked: S::Mask,
-    /// ż = `exponent` z Ṗ/P: −(κ−1)/κ while filling, (κ−1)/κ while exhausting, 0 where z is not needed.
-    exponent: S,
+    /// The coefficients of the law, one for each lane.
+    pub law: ValveLaw<S>,
+    /// The flow is sonic, or nothing flows.
+    pub sonic: S::Mask,
+    /// The flow is subsonic and out of the chamber.
+    pub outward: S::Mask,
 }
+
+/// Coefficients of a [`Valve`]'s law.
+#[derive(Clone, Copy, Debug)]
+pub struct ValveLaw<S> {
+    /// m³ MPa/s.
+    pub constant: S,
+    /// m³/s.
+    pub flow: S,
+    /// m².
+    pub expansion: S,
+}
+
+/// What the gas does at an instant.
+#[derive(Clone, Copy, Debug)]
+pub struct GasState<S> {
+    /// Pressure P (Pa).
+    pub pressure: S,
+    /// u̇ (MPa/s or 1/s).
+    pub rate: S,
+    /// 1/`about_foot` as given, and 1/V (1/m³).
+    pub inverses: (S, S),
+}
+
+/// Pascals in the unit of pressure that u has.
+pub const MEGA: f64 = 1e6;
 
 /// Which piece of the orifice law a valve is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,18 +94,10 @@ pub enum Flow {
     ExhaustBalanced,
 }
 
-impl<S: Scalar> Valve<S> {
-    /// ż of a relative pressure change Ṗ/P (1/s).
-    #[inline(always)]
-    pub fn ratio_rate(&self, z: S, relative: S) -> S {
-        self.exponent * z * relative
-    }
-}
-
 impl Flow {
-    /// Whether the valve is energized.
-    pub fn is_fill(self) -> bool {
-        matches!(self, Flow::FillChoked | Flow::FillSubsonic | Flow::FillBalanced)
+    /// Whether the pressure is carried as the temperature ratio.
+    pub fn is_subsonic(self) -> bool {
+        matches!(self, Flow::FillSubsonic | Flow::ExhaustSubsonic)
     }
 }
 
@@ -149,39 +169,58 @@ impl<S: Scalar> Chamber<S> {
         self.port.map(|(position, _)| position)
     }
 
-    /// The coefficients of a piece of the valve's law: (constant, proportional, exponent of z).
+    /// The coefficients of the piece `flow` of the valve's law.
     #[inline(always)]
-    pub fn coefficients(&self, flow: Flow) -> (S, S, S) {
+    pub fn valve_law(&self, flow: Flow) -> ValveLaw<S> {
         let zero = S::of(0.0);
-        let (choked, subsonic) =
-            (self.conductance * S::of(self.law.choked), self.conductance * S::of(self.law.subsonic));
+        let heat = self.heating * self.conductance;
+        let (sonic, subsonic) = (heat * S::of(self.law.choked), heat * S::of(self.law.subsonic));
+        let growth = self.exponent * self.area;
         let k = S::of(self.law.temperature_exponent);
-        match flow {
-            Flow::FillChoked => (choked * self.sonic_supply(), zero, zero),
-            Flow::FillSubsonic => (zero, subsonic, -k),
-            Flow::ExhaustChoked => (zero, -choked, zero),
-            Flow::ExhaustSubsonic => (-(subsonic * self.ambient), zero, k),
-            Flow::FillBalanced | Flow::ExhaustBalanced => (zero, zero, zero),
-        }
+        let (constant, flow, expansion) = match flow {
+            Flow::FillChoked => (sonic * self.sonic_supply() * S::of(1.0 / MEGA), zero, -growth),
+            Flow::FillSubsonic => (zero, k * subsonic, -(k * growth)),
+            Flow::ExhaustChoked => (zero, -sonic, -growth),
+            Flow::ExhaustSubsonic => (zero, k * subsonic, k * growth),
+            Flow::FillBalanced | Flow::ExhaustBalanced => (zero, zero, -growth),
+        };
+        ValveLaw { constant, flow, expansion }
     }
 
-    /// A valve from its coefficients; `choked` where z is not needed.
-    #[inline(always)]
-    pub fn valve(&self, (constant, proportional, exponent): (S, S, S), choked: S::Mask) -> Valve<S> {
-        Valve { constant, proportional, choked, exponent }
-    }
-
-    /// Rates of pressure `p` (Pa/s) and of z through the valve alone, while the volume `v` (m³) grows by A `speed`.
+    /// The gas at `u` while the leg at extension `d` (m) extends at `speed` (m/s).
     ///
-    /// `inverse` is 1/(V P), which the caller has at hand.
+    /// Every division of the model is done here, in one: `about_foot` is what the caller would divide by.
     #[inline(always)]
-    pub fn rates(&self, valve: &Valve<S>, p: S, z: S, speed: S, inverse: S) -> (S, S) {
-        let w = S::select(valve.choked, || S::of(1.0), || z.mul_add(z, -z).max(S::of(0.0)).sqrt());
-        let inflow = valve.proportional.mul_add(p, valve.constant) * w;
-        // V Ṗ
-        let growth = self.heating * inflow - self.exponent * p * self.area * speed;
-        let relative = growth * inverse;
-        (relative * p, valve.ratio_rate(z, relative))
+    pub fn gas(&self, valve: &Valve<S>, u: S, d: S, speed: S, about_foot: S) -> GasState<S> {
+        let one = S::of(1.0);
+        let volume = self.volume(d);
+        let ratio = S::select(valve.sonic, || one, || self.law.pressure_ratio(u));
+        let divisor = u * ratio;
+        let rest = about_foot * volume;
+        let inverse = one / (rest * divisor);
+        let inverse_divisor = inverse * rest;
+        let pressure = S::select(
+            valve.sonic,
+            || u * S::of(MEGA),
+            || S::select(valve.outward, || self.ambient * (inverse_divisor * u), || self.supply * ratio),
+        );
+        let x = S::select(
+            valve.sonic,
+            || one,
+            || {
+                let root = (one - u).max(S::of(0.0)).sqrt() * inverse_divisor;
+                // Inwards √(1−e)/e, outwards r √(1−e)/e.
+                S::select(valve.outward, || root * ratio * ratio, || root * ratio)
+            },
+        );
+        let law = &valve.law;
+        let relative = law.flow.mul_add(x, law.expansion * speed);
+        let inverse_volume = inverse * (about_foot * divisor);
+        GasState {
+            pressure,
+            rate: u.mul_add(relative, law.constant) * inverse_volume,
+            inverses: (inverse * (volume * divisor), inverse_volume),
+        }
     }
 }
 
@@ -206,16 +245,49 @@ impl<S: Single> Chamber<S> {
     }
 
     /// The valve on the piece `flow`.
-    pub fn on(&self, flow: Flow) -> Valve<S> {
-        self.valve(self.coefficients(flow), !matches!(flow, Flow::FillSubsonic | Flow::ExhaustSubsonic))
+    pub fn valve(&self, flow: Flow) -> Valve<S> {
+        Valve {
+            law: self.valve_law(flow),
+            sonic: !flow.is_subsonic(),
+            outward: flow == Flow::ExhaustSubsonic,
+        }
     }
 
-    /// z at pressure `p` (Pa) on the piece `flow`; 1 where it is not needed.
-    pub fn temperature_ratio(&self, flow: Flow, p: S) -> S {
+    /// u at pressure `p` (Pa) on the piece `flow`.
+    pub fn variable(&self, flow: Flow, p: S) -> S {
         match flow {
-            Flow::FillSubsonic => self.law.temperature_ratio(self.supply, p),
-            Flow::ExhaustSubsonic => self.law.temperature_ratio(p, self.ambient),
-            _ => S::of(1.0),
+            Flow::FillSubsonic => self.law.temperature_ratio(p, self.supply),
+            Flow::ExhaustSubsonic => self.law.temperature_ratio(self.ambient, p),
+            _ => p * S::of(1.0 / MEGA),
+        }
+    }
+
+    /// Pressure (Pa) at `u` on the piece `flow`.
+    pub fn pressure(&self, flow: Flow, u: S) -> S {
+        match flow {
+            Flow::FillSubsonic => self.supply * self.law.pressure_ratio(u),
+            Flow::ExhaustSubsonic => self.ambient / self.law.pressure_ratio(u),
+            _ => u * S::of(MEGA),
+        }
+    }
+
+    /// u̇ that belongs to a pressure change (Pa/s) at pressure `p` on the piece `flow`; negative outwards.
+    pub fn variable_rate(&self, flow: Flow, u: S, p: S, change: S) -> S {
+        let k = S::of(self.law.temperature_exponent);
+        match flow {
+            Flow::FillSubsonic => k * u * change / p,
+            Flow::ExhaustSubsonic => -(k * u * change / p),
+            _ => change * S::of(1.0 / MEGA),
+        }
+    }
+
+    /// Pressure change (Pa/s) that belongs to u̇: the inverse of [`variable_rate`](Self::variable_rate).
+    pub fn pressure_rate(&self, flow: Flow, u: S, p: S, rate: S) -> S {
+        let k = S::of(self.law.temperature_exponent);
+        match flow {
+            Flow::FillSubsonic => rate * p / (k * u),
+            Flow::ExhaustSubsonic => -(rate * p / (k * u)),
+            _ => rate * S::of(MEGA),
         }
     }
 
@@ -236,9 +308,9 @@ impl<S: Single> Chamber<S> {
         inflow
     }
 
-    /// n R T/V, by which a mass flow (kg/s) raises the pressure (Pa/s).
-    pub fn pressure_per_mass(&self, volume: S) -> S {
-        self.heating / volume
+    /// n R T (J/kg): a mass flow (kg/s) into the volume V raises the pressure by n R T/V times as much (Pa/s).
+    pub fn pressure_per_mass(&self) -> S {
+        self.heating
     }
 
     /// Whether anything but the valve's plain law acts on the pressure.

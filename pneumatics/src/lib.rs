@@ -10,7 +10,7 @@ mod leg;
 mod orifice;
 mod table;
 
-pub use chamber::{Chamber, Flow, Valve};
+pub use chamber::{Chamber, Flow, GasState, MEGA, Valve, ValveLaw};
 pub use leg::{Drive, Force, Leg, Switches};
 pub use orifice::OrificeLaw;
 pub use table::ForceSurface;

@@ -19,6 +19,8 @@ pub struct OrificeLaw {
     pub heat_ratio: f64,
     /// (κ − 1)/κ: the exponent between a pressure ratio and the isentropic temperature ratio.
     pub temperature_exponent: f64,
+    /// κ = 7/5, as in air and nitrogen: powers of κ/(κ − 1) are then e³√e.
+    is_diatomic: bool,
 }
 
 impl OrificeLaw {
@@ -31,6 +33,7 @@ impl OrificeLaw {
             critical_ratio: (2.0 / (k + 1.0)).powf(k / (k - 1.0)),
             heat_ratio: k,
             temperature_exponent: (k - 1.0) / k,
+            is_diatomic: k == 1.4,
         }
     }
 
@@ -51,8 +54,14 @@ impl OrificeLaw {
         upstream * S::of(self.subsonic) * (ratio / cooling) * headroom.sqrt()
     }
 
-    /// (upstream/downstream)^((κ−1)/κ): ratio of the temperatures across an isentropic expansion.
-    pub fn temperature_ratio<S: Scalar>(&self, upstream: S, downstream: S) -> S {
-        (upstream / downstream).pow(S::of(self.temperature_exponent))
+    /// e = (downstream/upstream)^((κ−1)/κ): ratio of the temperatures across an isentropic expansion.
+    pub fn temperature_ratio<S: Scalar>(&self, downstream: S, upstream: S) -> S {
+        (downstream / upstream).pow(S::of(self.temperature_exponent))
+    }
+
+    /// The pressure ratio e^(κ/(κ−1)) that belongs to the temperature ratio `e`.
+    #[inline(always)]
+    pub fn pressure_ratio<S: Scalar>(&self, e: S) -> S {
+        if self.is_diatomic { e * e * e * e.sqrt() } else { e.pow(S::of(1.0 / self.temperature_exponent)) }
     }
 }
