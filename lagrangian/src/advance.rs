@@ -1,6 +1,7 @@
 //! Integration of one smooth phase up to its first event.
 
-use saltus_numeric::{Scalar, Single, dop853};
+use saltus_numeric::dop853::{self, Derivative};
+use saltus_numeric::{Scalar, Single};
 
 use crate::StanceError;
 
@@ -30,14 +31,27 @@ pub(crate) mod index {
 }
 use index::TIME;
 
-/// A phase of the stance: smooth dynamics and the guards that end it.
-pub(crate) trait Phase<S: Single, const M: usize> {
-    /// Derivative of the state in time.
-    fn rates(&self, y: &State<S>) -> State<S>;
+/// A phase of the stance: smooth dynamics in time, and the guards that end it.
+pub(crate) trait Phase<S: Single, const M: usize>: Derivative<S, WIDTH> {
     /// Guards: an event happens where one rises through 0.
     fn guards(&self, y: &State<S>) -> [S; M];
     /// Time derivatives of the guards, where `dy` is the state's.
     fn guard_rates(&self, y: &State<S>, dy: &State<S>) -> [S; M];
+}
+
+/// A phase with the value of a guard as independent variable.
+struct AlongGuard<'a, P, const M: usize> {
+    phase: &'a P,
+    guard: usize,
+}
+
+impl<S: Single, P: Phase<S, M>, const M: usize> Derivative<S, WIDTH> for AlongGuard<'_, P, M> {
+    #[inline(always)]
+    fn at(&self, y: &State<S>) -> State<S> {
+        let dy = self.phase.at(y);
+        let inverse = S::of(1.0) / self.phase.guard_rates(y, &dy)[self.guard];
+        dy.map(|d| d * inverse)
+    }
 }
 
 /// A guard nearer to 0 than this at the start of a phase is the one that was just passed.
@@ -71,7 +85,7 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
     let begin = y[TIME].value();
     let mut guards = phase.guards(y);
     let mut armed: [bool; M] = std::array::from_fn(|i| guards[i].value() < PASSED);
-    let mut dy = phase.rates(y);
+    let mut dy = phase.at(y);
     loop {
         let left = end.map(|e| e - y[TIME]);
         let longest = left.map_or(f64::INFINITY, Scalar::value);
@@ -105,7 +119,7 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
         // The last step ends on `end` with its derivatives.
         let last = foreseen.is_none() && length >= longest;
         let h = if last { left.unwrap_or(S::of(length)) } else { S::of(length) };
-        let step = dop853::step(|z| phase.rates(z), y, &dy, h, CHECKED, pace.tolerance);
+        let step = dop853::step(phase, y, &dy, h, CHECKED, pace.tolerance);
         if step.error.is_nan() || step.error > 1.0 {
             pace.step = length * dop853::step_factor(step.error);
             continue;
@@ -114,10 +128,14 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
         let next_guards = phase.guards(&next);
         let crossed = crossing(&guards, &next_guards, &armed);
         if let Some((i, fraction)) = crossed {
-            if let Some(event) = event_behind(phase, &next, i, next_guards[i], pace.tolerance).filter(|event| {
-                let time = event[TIME].value();
-                time > now && time <= next[TIME].value() && first_passed(phase, event, &armed, i).is_none()
-            }) {
+            if let Some(event) =
+                event_behind(phase, &next, i, next_guards[i], pace.tolerance).filter(|event| {
+                    let time = event[TIME].value();
+                    time > now
+                        && time <= next[TIME].value()
+                        && first_passed(phase, event, &armed, i).is_none()
+                })
+            {
                 observe(y, &event);
                 *y = event;
                 return Ok(Some(i));
@@ -143,7 +161,7 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
             return Ok(None);
         }
         guards = next_guards;
-        dy = phase.rates(y);
+        dy = phase.at(y);
     }
 }
 
@@ -209,14 +227,9 @@ fn event_step<S: Single, P: Phase<S, M>, const M: usize>(
     rate: S,
     tolerance: f64,
 ) -> Option<State<S>> {
-    let along = |z: &State<S>| {
-        let dz = phase.rates(z);
-        let inverse = S::of(1.0) / phase.guard_rates(z, &dz)[i];
-        dz.map(|d| d * inverse)
-    };
     let inverse = S::of(1.0) / rate;
     let k0 = dy.map(|d| d * inverse);
-    let step = dop853::step(along, y, &k0, -guard, CHECKED, tolerance);
+    let step = dop853::step(&AlongGuard { phase, guard: i }, y, &k0, -guard, CHECKED, tolerance);
     (step.error <= 1.0).then_some(step.state)
 }
 
@@ -228,7 +241,7 @@ fn event_behind<S: Single, P: Phase<S, M>, const M: usize>(
     guard: S,
     tolerance: f64,
 ) -> Option<State<S>> {
-    let dy = phase.rates(y);
+    let dy = phase.at(y);
     let rate = phase.guard_rates(y, &dy)[i];
     event_step(phase, y, &dy, i, guard, rate, tolerance)
 }

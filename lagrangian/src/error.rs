@@ -15,7 +15,9 @@ pub enum StanceError {
         allowed: &'static str,
     },
     /// The error control asks for steps below round-off: the model is stiffer there than the method can follow.
-    #[error("the step at {time} s fell below {step} s: the leg's parameters make the stance too stiff to integrate")]
+    #[error(
+        "the step at {time} s fell below {step} s: the leg's parameters make the stance too stiff to integrate"
+    )]
     StepTooSmall {
         /// Time in the stance (s).
         time: f64,

@@ -106,7 +106,7 @@ pub(crate) enum Next<S> {
 }
 
 /// First step (s) tried in a stance.
-const FIRST_STEP: f64 = 4e-3;
+const FIRST_STEP: f64 = 3e-3;
 
 /// What watches the steps of a stance.
 pub(crate) trait Observer<S: Single> {
@@ -328,7 +328,10 @@ impl<S: Single> Stance<S> {
             self.leave(&mut y, piece.as_ref());
             side = 0.0;
             match event {
-                None => switches.energized = false,
+                None => {
+                    switches.energized = false;
+                    pace.step = pace.step.min(FIRST_STEP);
+                }
                 Some(Extension::<S>::REACHED) if next.value() < self.leg.stroke.value() => passed = next,
                 Some(Extension::<S>::REACHED) => return Ok((self.unless_fallen(Outcome::Stroke, &y), y)),
                 Some(Extension::<S>::FORCE) => return Ok((self.unless_fallen(Outcome::Force, &y), y)),

@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use saltus_numeric::Single;
+use saltus_numeric::dop853::Derivative;
 use saltus_pneumatics::{Chamber, Drive, Flow, Force, GasState, Switches, Valve};
 
 use crate::Stance;
@@ -139,8 +140,8 @@ const NEVER: f64 = -1.0;
 /// Forces (N) are scaled by this in guards, so that they are about 1.
 const FORCE_SCALE: f64 = 0.01;
 
-impl<S: Single> Phase<S, 6> for Held<'_, S> {
-    fn rates(&self, y: &State<S>) -> State<S> {
+impl<S: Single> Derivative<S, WIDTH> for Held<'_, S> {
+    fn at(&self, y: &State<S>) -> State<S> {
         let mut dy = [S::of(0.0); WIDTH];
         let (sin, _) = y[LEAN].sin_cos();
         dy[LEAN] = y[RATE];
@@ -153,7 +154,9 @@ impl<S: Single> Phase<S, 6> for Held<'_, S> {
         }
         dy
     }
+}
 
+impl<S: Single> Phase<S, 6> for Held<'_, S> {
     fn guards(&self, y: &State<S>) -> [S; 6] {
         let never = S::of(NEVER);
         [
@@ -225,22 +228,24 @@ impl<S: Single> Extension<'_, S> {
     }
 }
 
-impl<S: Single> Phase<S, 5> for Extension<'_, S> {
+impl<S: Single> Derivative<S, WIDTH> for Extension<'_, S> {
     /// The thesis' equations of motion (§5.2.1) with the leg's force and the chamber's pressure.
     #[inline(always)]
-    fn rates(&self, y: &State<S>) -> State<S> {
+    fn at(&self, y: &State<S>) -> State<S> {
         let stance = self.stance;
         match (stance.leg.chamber(), &self.piece) {
             (Some(chamber), Some(piece)) => {
-                let (mut dy, gas) =
-                    stance.motion(y, chamber, &piece.valve, |p| self.force_at(y, p).value);
+                let (gas, about) = stance.gas(y, chamber, &piece.valve);
+                let mut dy = stance.motion(y, self.force_at(y, gas.pressure).value, about);
                 dy[GAS] = piece.rate(chamber, y[GAS], &gas);
                 dy
             }
-            _ => stance.motion_without_gas(y, self.force(y)),
+            _ => stance.motion(y, self.force(y), stance.about_foot(y).inverse()),
         }
     }
+}
 
+impl<S: Single> Phase<S, 5> for Extension<'_, S> {
     #[inline(always)]
     fn guards(&self, y: &State<S>) -> [S; 5] {
         let never = S::of(NEVER);
@@ -258,9 +263,8 @@ impl<S: Single> Phase<S, 5> for Extension<'_, S> {
             _ => (S::of(0.0), S::of(0.0), S::of(1.0)),
         };
         let force = self.force_at(y, p);
-        let change = force.wrt_extension * dy[EXTENSION]
-            + force.wrt_speed * dy[SPEED]
-            + force.wrt_pressure * change;
+        let change =
+            force.wrt_extension * dy[EXTENSION] + force.wrt_speed * dy[SPEED] + force.wrt_pressure * change;
         let rise = sign * dy[GAS];
         [dy[EXTENSION], -change * S::of(FORCE_SCALE), rise, -rise, -dy[SPEED]]
     }

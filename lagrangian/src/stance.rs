@@ -5,8 +5,8 @@ use saltus_pneumatics::{Chamber, GasState, Leg, Valve};
 use saltus_robot::{Parameter, Robot};
 
 use crate::StanceError;
-use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
 use crate::advance::State;
+use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
 use crate::pendulum::Pendulum;
 
 /// Error tolerance at which every result is right to at least ten digits.
@@ -35,6 +35,30 @@ pub struct Stance<S> {
     pub(crate) pendulum: Pendulum<S>,
     /// The leg is a pneumatic one without optional terms.
     pub(crate) plain: bool,
+}
+
+/// Inertia about the foot.
+pub(crate) struct AboutFoot<S> {
+    /// R (m).
+    reach: S,
+    /// m R (kg m).
+    lever: S,
+    /// I + m R² (kg m²).
+    inertia: S,
+}
+
+impl<S: Scalar> AboutFoot<S> {
+    pub(crate) fn inverse(&self) -> Pivoting<S> {
+        Pivoting { reach: self.reach, lever: self.lever / self.inertia }
+    }
+}
+
+/// What the pivoting of an extending leg depends on.
+pub(crate) struct Pivoting<S> {
+    /// R (m).
+    reach: S,
+    /// m R/(I + m R²) (1/m).
+    lever: S,
 }
 
 /// The force of the ground on the foot.
@@ -83,40 +107,36 @@ impl<S: Scalar> Stance<S> {
         self
     }
 
-    /// Derivative of a state while the leg extends; `force` gives the leg's force (N) from the chamber's pressure (Pa).
+    /// The robot's inertia about the foot.
     #[inline(always)]
-    pub(crate) fn motion<const N: usize>(
+    pub(crate) fn about_foot<const N: usize>(&self, y: &[S; N]) -> AboutFoot<S> {
+        let reach = self.radius + y[EXTENSION];
+        let lever = self.mass * reach;
+        AboutFoot { reach, lever, inertia: lever.mul_add(reach, self.inertia) }
+    }
+
+    /// The gas in the chamber, with the robot's inertia about the foot; their divisions are one.
+    #[inline(always)]
+    pub(crate) fn gas<const N: usize>(
         &self,
         y: &[S; N],
         chamber: &Chamber<S>,
         valve: &Valve<S>,
-        force: impl FnOnce(S) -> S,
-    ) -> ([S; N], GasState<S>) {
-        let reach = self.radius + y[EXTENSION];
-        let lever = self.mass * reach;
-        let about_foot = lever.mul_add(reach, self.inertia);
-        let gas = chamber.gas(valve, y[GAS], y[EXTENSION], y[SPEED], about_foot);
-        let mut dy = self.kinematics(y, force(gas.pressure), lever * gas.inverses.0, reach);
-        dy[GAS] = gas.rate;
-        (dy, gas)
+    ) -> (GasState<S>, Pivoting<S>) {
+        let about = self.about_foot(y);
+        let gas = chamber.gas(valve, y[GAS], y[EXTENSION], y[SPEED], about.inertia);
+        (gas, Pivoting { reach: about.reach, lever: about.lever * gas.inverses.0 })
     }
 
-    /// As [`motion`](Self::motion), for a leg without a chamber.
+    /// Derivative in time of a state while the leg extends under `force` (N), the gas left out.
     #[inline(always)]
-    pub(crate) fn motion_without_gas<const N: usize>(&self, y: &[S; N], force: S) -> [S; N] {
-        let reach = self.radius + y[EXTENSION];
-        let lever = self.mass * reach;
-        self.kinematics(y, force, lever / lever.mul_add(reach, self.inertia), reach)
-    }
-
-    /// The mechanical part, where `lever` is m R/(I + m R²).
-    #[inline(always)]
-    fn kinematics<const N: usize>(&self, y: &[S; N], force: S, lever: S, reach: S) -> [S; N] {
+    pub(crate) fn motion<const N: usize>(&self, y: &[S; N], force: S, about: Pivoting<S>) -> [S; N] {
+        let Pivoting { reach, lever } = about;
         let (sin, cos) = y[LEAN].sin_cos();
         let (rate, speed) = (y[RATE], y[SPEED]);
         let mut dy = [S::of(0.0); N];
         dy[LEAN] = rate;
-        dy[RATE] = lever * (self.gravity * sin - (rate + rate) * speed);
+        dy[RATE] = lever * self.gravity.mul_add(sin, -((rate + rate) * speed));
         dy[EXTENSION] = speed;
         dy[SPEED] = force.mul_add(self.inverse_mass, (rate * rate).mul_add(reach, -(self.gravity * cos)));
         dy[TIME] = S::of(1.0);

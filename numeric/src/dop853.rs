@@ -171,16 +171,20 @@ pub struct Step<S: Scalar, const N: usize> {
     pub error: S::Value,
 }
 
-/// One step of length `h` from `y`, where `k0` = f(y).
-///
-/// `f` gives the derivative of the state with respect to the independent variable, whatever that is: time, or the value
-/// of an event function (Hénon's trick: then the step ends on the event, to round-off, with no root to search). The
+/// A derivative of the state with respect to the independent variable, whatever that is: time, or the value of an event
+/// function (Hénon's trick: then a step ends on the event, to round-off, with no root to search).
+pub trait Derivative<S, const N: usize> {
+    /// The derivative at the state `y`.
+    fn at(&self, y: &[S; N]) -> [S; N];
+}
+
+/// One step of length `h` from `y`, where `k0` is the derivative there. The
 /// first `checked` components enter the error estimate, each relative to 1 + |y|.
 ///
 /// Not promised: that a step which the estimate accepts contains no kink.
 #[inline(always)]
 pub fn step<S: Scalar, const N: usize>(
-    f: impl Fn(&[S; N]) -> [S; N],
+    f: &impl Derivative<S, N>,
     y: &[S; N],
     k0: &[S; N],
     h: S,
@@ -191,35 +195,44 @@ pub fn step<S: Scalar, const N: usize>(
     // Written out, so that each stage's weights are constants and the zeros among them cost nothing.
     macro_rules! stage {
         ($($n:literal)*) => {$(
-            let z: [S; N] = std::array::from_fn(|i| h.mul_add(weighted::<S, N, $n>(&A[$n], &k, i), y[i]));
-            k[$n] = f(&z);
+            k[$n] = f.at(&along(y, h, &weighted::<S, N, $n>(&A[$n], &k)));
         )*};
     }
     stage!(1 2 3 4 5 6 7 8 9 10 11);
-    let state: [S; N] = std::array::from_fn(|i| h.mul_add(weighted::<S, N, 12>(&B, &k, i), y[i]));
+    let state = along(y, h, &weighted::<S, N, STAGES>(&B, &k));
     Step { error: error(&k, y, &state, h.value(), checked, tolerance), state }
 }
 
-/// Σ weights[j] k[j][i] over the first `M` stages, in two chains so that they overlap.
+/// y + h k.
+#[inline(always)]
+fn along<S: Scalar, const N: usize>(y: &[S; N], h: S, k: &[S; N]) -> [S; N] {
+    let mut z = *y;
+    for i in 0..N {
+        z[i] = h.mul_add(k[i], z[i]);
+    }
+    z
+}
+
+/// Σ weights[j] k[j] over the first `M` stages, in two chains so that they overlap.
 #[inline(always)]
 fn weighted<S: Scalar, const N: usize, const M: usize>(
     weights: &[f64; STAGES],
     k: &[[S; N]; STAGES],
-    i: usize,
-) -> S {
-    let mut even = k[0][i] * S::of(weights[0]);
-    let mut odd: Option<S> = None;
-    for j in 1..M {
+) -> [S; N] {
+    let mut sums = [[S::of(0.0); N]; 2];
+    for j in 0..M {
         if weights[j] != 0.0 {
             let w = S::of(weights[j]);
-            if j % 2 == 0 {
-                even = k[j][i].mul_add(w, even);
-            } else {
-                odd = Some(odd.map_or(k[j][i] * w, |o| k[j][i].mul_add(w, o)));
+            let sum = &mut sums[j % 2];
+            for i in 0..N {
+                sum[i] = k[j][i].mul_add(w, sum[i]);
             }
         }
     }
-    odd.map_or(even, |o| even + o)
+    for i in 0..N {
+        sums[0][i] = sums[0][i] + sums[1][i];
+    }
+    sums[0]
 }
 
 /// Hairer's combined estimate |h| e₅² / √(n (e₅² + e₃²/100)), over the first `checked` components.
@@ -234,15 +247,20 @@ fn error<S: Scalar, const N: usize>(
 ) -> S::Value {
     let one = S::Value::of(1.0);
     let k: [[S::Value; N]; STAGES] = std::array::from_fn(|j| k[j].map(Scalar::value));
-    let mut sums = [S::Value::of(0.0); 2];
-    for i in 0..checked {
-        let scale = one / (one + y[i].value().abs().max(state[i].value().abs()));
-        for (sum, weights) in sums.iter_mut().zip([&E5, &E3]) {
-            let e = weighted::<S::Value, N, 12>(weights, &k, i) * scale;
-            *sum = e.mul_add(e, *sum);
-        }
+    let mut scale = [one; N];
+    for i in 0..N {
+        scale[i] = one / (one + y[i].value().abs().max(state[i].value().abs()));
     }
-    let [e5, e3] = sums;
+    let squares = |weights| {
+        let e = weighted::<S::Value, N, STAGES>(weights, &k);
+        let mut sum = S::Value::of(0.0);
+        for i in 0..checked {
+            let scaled = e[i] * scale[i];
+            sum = scaled.mul_add(scaled, sum);
+        }
+        sum
+    };
+    let (e5, e3) = (squares(&E5), squares(&E3));
     // The least number keeps 0/0 out where nothing moves.
     let denominator =
         (e3.mul_add(S::Value::of(0.01), e5) + S::Value::of(f64::MIN_POSITIVE)) * S::Value::of(checked as f64);

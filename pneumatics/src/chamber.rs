@@ -327,7 +327,11 @@ impl<S: Single> Chamber<S> {
         // Fifty halvings reach round-off where Newton does not; one further Newton step carries the derivatives.
         for _ in 0..50 {
             let residual = law(m) - m;
-            if residual.value() > 0.0 { low = m.value() } else { high = m.value() }
+            if residual.value() > 0.0 {
+                low = m.value()
+            } else {
+                high = m.value()
+            }
             let width = 1e-7 * high.max(1e-12);
             let slope = (law(m + S::of(width)) - law(m - S::of(width))).value() / (2.0 * width) - 1.0;
             let next = m - residual * S::of(1.0 / slope);

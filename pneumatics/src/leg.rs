@@ -120,7 +120,7 @@ impl<S: Scalar> Leg<S> {
     pub fn plain_force(&self, chamber: &Chamber<S>, speed: S, p: S) -> Force<S> {
         let push = (p - chamber.ambient).mul_add(chamber.area, -self.coulomb);
         Force {
-            value: push - self.viscous * speed,
+            value: (-self.viscous).mul_add(speed, push),
             wrt_extension: S::of(0.0),
             wrt_speed: -self.viscous,
             wrt_pressure: chamber.area,
@@ -155,13 +155,11 @@ impl<S: Single> Leg<S> {
     pub fn drive_force(&self, switches: Switches, d: S, speed: S, p: S) -> Force<S> {
         let zero = S::of(0.0);
         let on = |f: S| if switches.energized { f } else { zero };
-        let constant =
-            |value: S| Force { value, wrt_extension: zero, wrt_speed: zero, wrt_pressure: zero };
+        let constant = |value: S| Force { value, wrt_extension: zero, wrt_speed: zero, wrt_pressure: zero };
         match &self.drive {
-            Drive::Pneumatic(chamber) => Force {
-                wrt_pressure: chamber.area,
-                ..constant(self.plain_drive_force(chamber, p))
-            },
+            Drive::Pneumatic(chamber) => {
+                Force { wrt_pressure: chamber.area, ..constant(self.plain_drive_force(chamber, p)) }
+            }
             Drive::Spring(stiffness, compression) => {
                 let left = *compression - d;
                 if switches.energized && left.value() > 0.0 {

@@ -63,12 +63,8 @@ fn weights<S: Single>(grid: &[f64], x: S) -> Stencil<S> {
     // Hermite basis: value and slope at both ends, and their derivatives.
     let c = S::of;
     let basis = [c(2.0) * t3 - c(3.0) * t2 + one, t3 - c(2.0) * t2 + t, c(3.0) * t2 - c(2.0) * t3, t3 - t2];
-    let slopes = [
-        c(6.0) * (t2 - t),
-        c(3.0) * t2 - c(4.0) * t + one,
-        c(6.0) * (t - t2),
-        c(3.0) * t2 - c(2.0) * t,
-    ];
+    let slopes =
+        [c(6.0) * (t2 - t), c(3.0) * t2 - c(4.0) * t + one, c(6.0) * (t - t2), c(3.0) * t2 - c(2.0) * t];
     let points = [k.saturating_sub(1), k, k + 1, (k + 2).min(last)];
     let combine = |b: [S; 4]| {
         // Slope at a grid point by the difference of its neighbours.
