@@ -20,7 +20,11 @@ mod jump;
 mod pendulum;
 mod phase;
 mod stance;
+mod touch_down;
+mod trace;
 
 pub use error::StanceError;
 pub use jump::{LiftOff, Outcome};
 pub use stance::{FINE, Launch, Reaction, Stance};
+pub use touch_down::TouchDown;
+pub use trace::{Contact, EnergyLedger, Sample, Trace};

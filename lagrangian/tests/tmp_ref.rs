@@ -74,3 +74,19 @@ fn worst_rows() {
         println!("W {x:?}");
     }
 }
+#[test]
+fn trace() {
+    let s = Stance::<f64>::new(&Robot::rats_planar(), |_, x| x);
+    let t0 = std::time::Instant::now();
+    let t = s.trace(&Launch { rate: 5.0, lean: -0.35, firing_angle: -0.1, valve_open: 0.1 }).unwrap();
+    println!(
+        "T {:?} {:?} {:?} res {:e} n {} {:?}",
+        t.lift_off,
+        t.contact,
+        t.energy,
+        t.energy.residual(),
+        t.samples.len(),
+        t0.elapsed()
+    );
+    println!("T {:?}", s.jump(&Launch { rate: 5.0, lean: -0.35, firing_angle: -0.1, valve_open: 0.1 }));
+}
