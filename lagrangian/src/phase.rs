@@ -62,15 +62,21 @@ impl<S: Single> Piece<S> {
         (self.sign * (u - self.high), self.sign * (self.low - u))
     }
 
+    /// The gas in the chamber of a retracted leg.
+    fn gas_at_rest(&self, chamber: &Chamber<S>, u: S) -> GasState<S> {
+        let zero = S::of(0.0);
+        chamber.gas(&self.valve, u, zero, zero, S::of(1.0))
+    }
+
     /// u̇ with the terms that the valve's plain law leaves out.
     #[inline(always)]
-    fn rate(&self, chamber: &Chamber<S>, u: S, gas: &GasState<S>) -> S {
+    fn rate(&self, chamber: &Chamber<S>, gas: &GasState<S>) -> S {
         if !self.extras {
             return gas.rate;
         }
         let inflow = chamber.extra_inflow(self.flow, gas.pressure, self.port_open);
         let change = chamber.pressure_per_mass() * gas.inverses.1 * inflow;
-        gas.rate + chamber.variable_rate(self.flow, u, gas.pressure, change)
+        gas.rate + change / gas.pressure_per_variable
     }
 }
 
@@ -125,7 +131,7 @@ impl<S: Single> Held<'_, S> {
         let stance = self.stance;
         let change = match (stance.leg.chamber(), &self.piece) {
             (Some(chamber), Some(piece)) => {
-                chamber.pressure_rate(piece.flow, y[GAS], self.pressure(y), dy[GAS])
+                dy[GAS] * piece.gas_at_rest(chamber, y[GAS]).pressure_per_variable
             }
             _ => S::of(0.0),
         };
@@ -148,9 +154,8 @@ impl<S: Single> Derivative<S, WIDTH> for Held<'_, S> {
         dy[RATE] = self.stance.pendulum.stiffness * sin;
         dy[TIME] = S::of(1.0);
         if let (Some(piece), Some(chamber)) = (&self.piece, self.stance.leg.chamber()) {
-            let zero = S::of(0.0);
-            let gas = chamber.gas(&piece.valve, y[GAS], zero, zero, S::of(1.0));
-            dy[GAS] = piece.rate(chamber, y[GAS], &gas);
+            let gas = piece.gas_at_rest(chamber, y[GAS]);
+            dy[GAS] = piece.rate(chamber, &gas);
         }
         dy
     }
@@ -237,7 +242,7 @@ impl<S: Single> Derivative<S, WIDTH> for Extension<'_, S> {
             (Some(chamber), Some(piece)) => {
                 let (gas, about) = stance.gas(y, chamber, &piece.valve);
                 let mut dy = stance.motion(y, self.force_at(y, gas.pressure).value, about);
-                dy[GAS] = piece.rate(chamber, y[GAS], &gas);
+                dy[GAS] = piece.rate(chamber, &gas);
                 dy
             }
             _ => stance.motion(y, self.force(y), stance.about_foot(y).inverse()),
@@ -257,8 +262,8 @@ impl<S: Single> Phase<S, 5> for Extension<'_, S> {
     fn guard_rates(&self, y: &State<S>, dy: &State<S>) -> [S; 5] {
         let (p, change, sign) = match (self.stance.leg.chamber(), &self.piece) {
             (Some(chamber), Some(piece)) => {
-                let p = chamber.pressure(piece.flow, y[GAS]);
-                (p, chamber.pressure_rate(piece.flow, y[GAS], p, dy[GAS]), piece.sign)
+                let gas = self.stance.gas(y, chamber, &piece.valve).0;
+                (gas.pressure, gas.pressure_per_variable * dy[GAS], piece.sign)
             }
             _ => (S::of(0.0), S::of(0.0), S::of(1.0)),
         };

@@ -61,6 +61,8 @@ pub struct ValveLaw<S> {
     pub flow: S,
     /// m².
     pub expansion: S,
+    /// d ln P/d ln u: 1 where u is the pressure, ±κ/(κ−1) where it is the temperature ratio.
+    pub stiffness: S,
 }
 
 /// What the gas does at an instant.
@@ -70,6 +72,8 @@ pub struct GasState<S> {
     pub pressure: S,
     /// u̇ (MPa/s or 1/s).
     pub rate: S,
+    /// Ṗ (Pa/s) over u̇.
+    pub pressure_per_variable: S,
     /// 1/`about_foot` as given, and 1/V (1/m³).
     pub inverses: (S, S),
 }
@@ -177,14 +181,15 @@ impl<S: Scalar> Chamber<S> {
         let (sonic, subsonic) = (heat * S::of(self.law.choked), heat * S::of(self.law.subsonic));
         let growth = self.exponent * self.area;
         let k = S::of(self.law.temperature_exponent);
-        let (constant, flow, expansion) = match flow {
-            Flow::FillChoked => (sonic * self.sonic_supply() * S::of(1.0 / MEGA), zero, -growth),
-            Flow::FillSubsonic => (zero, k * subsonic, -(k * growth)),
-            Flow::ExhaustChoked => (zero, -sonic, -growth),
-            Flow::ExhaustSubsonic => (zero, k * subsonic, k * growth),
-            Flow::FillBalanced | Flow::ExhaustBalanced => (zero, zero, -growth),
+        let one = S::of(1.0);
+        let (constant, flow, expansion, stiffness) = match flow {
+            Flow::FillChoked => (sonic * self.sonic_supply() * S::of(1.0 / MEGA), zero, -growth, one),
+            Flow::FillSubsonic => (zero, k * subsonic, -(k * growth), one / k),
+            Flow::ExhaustChoked => (zero, -sonic, -growth, one),
+            Flow::ExhaustSubsonic => (zero, k * subsonic, k * growth, -(one / k)),
+            Flow::FillBalanced | Flow::ExhaustBalanced => (zero, zero, -growth, one),
         };
-        ValveLaw { constant, flow, expansion }
+        ValveLaw { constant, flow, expansion, stiffness }
     }
 
     /// The gas at `u` while the leg at extension `d` (m) extends at `speed` (m/s).
@@ -219,6 +224,7 @@ impl<S: Scalar> Chamber<S> {
         GasState {
             pressure,
             rate: u.mul_add(relative, law.constant) * inverse_volume,
+            pressure_per_variable: law.stiffness * pressure * (inverse_divisor * ratio),
             inverses: (inverse * (volume * divisor), inverse_volume),
         }
     }
@@ -268,26 +274,6 @@ impl<S: Single> Chamber<S> {
             Flow::FillSubsonic => self.supply * self.law.pressure_ratio(u),
             Flow::ExhaustSubsonic => self.ambient / self.law.pressure_ratio(u),
             _ => u * S::of(MEGA),
-        }
-    }
-
-    /// u̇ that belongs to a pressure change (Pa/s) at pressure `p` on the piece `flow`; negative outwards.
-    pub fn variable_rate(&self, flow: Flow, u: S, p: S, change: S) -> S {
-        let k = S::of(self.law.temperature_exponent);
-        match flow {
-            Flow::FillSubsonic => k * u * change / p,
-            Flow::ExhaustSubsonic => -(k * u * change / p),
-            _ => change * S::of(1.0 / MEGA),
-        }
-    }
-
-    /// Pressure change (Pa/s) that belongs to u̇: the inverse of [`variable_rate`](Self::variable_rate).
-    pub fn pressure_rate(&self, flow: Flow, u: S, p: S, rate: S) -> S {
-        let k = S::of(self.law.temperature_exponent);
-        match flow {
-            Flow::FillSubsonic => rate * p / (k * u),
-            Flow::ExhaustSubsonic => -(rate * p / (k * u)),
-            _ => rate * S::of(MEGA),
         }
     }
 
