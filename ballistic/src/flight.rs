@@ -89,7 +89,7 @@ impl<S: Single> Flight<S> {
     ///
     /// # Errors
     /// [`FlightError::AboveApex`] if that height is never reached, [`FlightError::NoGravity`] if nothing brings the wheel
-    /// down to it, [`FlightError::NotFinite`] if a number is infinite or not one.
+    /// down to it, [`FlightError::NotFinite`] or [`FlightError::HeightNotFinite`] if a number is infinite or not one.
     #[inline]
     pub fn time_to_height(&self, height: S) -> Result<S, FlightError> {
         let time = self.descent_time(height);
@@ -128,17 +128,24 @@ impl<S: Single> Flight<S> {
         }
     }
 
+    /// Refuses a state that is infinite or not a number.
+    pub(crate) fn check_finite(&self) -> Result<(), FlightError> {
+        let Flight { x, y, vx, vy, gravity } = self.values();
+        let finite = [x, y, vx, vy, gravity].iter().all(|number| number.is_finite());
+        if finite { Ok(()) } else { Err(FlightError::NotFinite { x, y, vx, vy, gravity }) }
+    }
+
     /// Why the wheel does not come down to `height`; the apex time if it does, and only round-off says no.
     #[cold]
     fn never_at(&self, height: S) -> Result<S, FlightError> {
-        let Flight { x, y, vx, vy, gravity } = self.values();
+        self.check_finite()?;
         let (height, apex) = (height.value(), self.apex_height().value());
-        if ![x, y, vx, vy, gravity, height].iter().all(|number| number.is_finite()) {
-            Err(FlightError::NotFinite { x, y, vx, vy, gravity })
+        if !height.is_finite() {
+            Err(FlightError::HeightNotFinite { height })
         } else if height > apex {
             Err(FlightError::AboveApex { height, apex })
-        } else if gravity == 0.0 {
-            Err(FlightError::NoGravity { height, speed: vy })
+        } else if self.gravity.value() == 0.0 {
+            Err(FlightError::NoGravity { height, speed: self.vy.value() })
         } else {
             Ok(self.apex_time())
         }

@@ -8,8 +8,18 @@
 
 #[cfg(test)]
 mod check;
+mod clearance;
 mod error;
 mod flight;
+mod obstacle;
+mod outline;
+mod path;
+mod polynomial;
+mod terrain;
 
+pub use clearance::{Clearance, Disc, ExtendedLeg};
 pub use error::FlightError;
 pub use flight::Flight;
+pub use obstacle::Obstacle;
+pub use outline::Feature;
+pub use terrain::{Landing, Terrain};

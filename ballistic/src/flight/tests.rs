@@ -38,6 +38,8 @@ fn without_gravity() {
 fn numbers_that_are_none_are_named() {
     let flight = Flight { x: 0.0, y: f64::NAN, vx: 1.0, vy: 1.0, gravity: 9.8 };
     assert!(matches!(flight.time_to_height(0.0), Err(FlightError::NotFinite { .. })));
+    let deep = Flight { y: 0.0, ..flight }.time_to_height(f64::NEG_INFINITY);
+    assert_eq!(deep, Err(FlightError::HeightNotFinite { height: f64::NEG_INFINITY }));
 }
 
 #[test]
