@@ -22,7 +22,7 @@ pub enum FlightError {
         /// Vertical speed at lift-off (m/s).
         speed: f64,
     },
-    /// The lift-off state, the gravity or the drag is infinite or not a number.
+    /// The lift-off state or the gravity is infinite or not a number.
     #[error("lift-off at ({x}, {y}) m with ({vx}, {vy}) m/s under {gravity} m/s² gives no finite flight")]
     NotFinite {
         /// Forward position at lift-off (m).
@@ -35,6 +35,18 @@ pub enum FlightError {
         vy: f64,
         /// Gravity (m/s²).
         gravity: f64,
+    },
+    /// A drag that is negative, infinite or not a number.
+    #[error("a drag of {drag} 1/m is not a finite number ≥ 0")]
+    BadDrag {
+        /// Drag per mass c (1/m).
+        drag: f64,
+    },
+    /// A time at which a flight with drag was not yet under way.
+    #[error("with drag nothing is known of the time {time} s before lift-off")]
+    BeforeLiftOff {
+        /// Time (s) after lift-off, < 0.
+        time: f64,
     },
     /// A height that is infinite or not a number.
     #[error("{height} m is no height to come down to")]

@@ -9,6 +9,7 @@
 #[cfg(test)]
 mod check;
 mod clearance;
+mod drag;
 mod error;
 mod flight;
 mod obstacle;
@@ -18,6 +19,7 @@ mod polynomial;
 mod terrain;
 
 pub use clearance::{Clearance, Disc, ExtendedLeg};
+pub use drag::DragFlight;
 pub use error::FlightError;
 pub use flight::Flight;
 pub use obstacle::Obstacle;

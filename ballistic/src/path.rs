@@ -3,7 +3,7 @@
 use saltus_numeric::Single;
 
 use crate::Flight;
-use crate::outline::{Corner, Edge, difference, dot};
+use crate::outline::{Corner, Edge};
 use crate::polynomial::Polynomial;
 
 /// Motion of the wheel's centre at an instant.
@@ -27,19 +27,21 @@ pub(crate) trait Path<S: Single> {
     fn arcs(&self, from: f64, to: f64) -> impl Iterator<Item = Arc>;
 }
 
-/// A piece of a parabola.
+/// A piece of a parabola, over its own time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arc {
-    /// The parabola.
-    pub(crate) flight: Flight<f64>,
-    /// Time (s) at which the parabola's own time is 0.
+    /// Forward position (m).
+    pub(crate) x: Polynomial,
+    /// Height (m).
+    pub(crate) y: Polynomial,
+    /// Time (s) after lift-off at which the arc's own time is 0.
     pub(crate) start: f64,
-    /// From when to when it is followed (s).
+    /// From when to when it is followed (s after lift-off).
     pub(crate) span: [f64; 2],
 }
 
 impl Arc {
-    /// The arc's times at which `polynomial`, in the parabola's own time, changes its sign.
+    /// The times (s after lift-off) at which `polynomial`, over the arc's own time, changes its sign.
     pub(crate) fn roots(&self, polynomial: &Polynomial) -> impl Iterator<Item = f64> {
         let [from, to] = self.span.map(|t| t - self.start);
         let roots = polynomial.roots(from, to);
@@ -47,20 +49,21 @@ impl Arc {
         (0..roots.as_slice().len()).map(move |i| start + roots.as_slice()[i])
     }
 
-    /// Signed distance to the line through an edge, over the parabola's own time.
+    /// Signed distance to the line through an edge.
     pub(crate) fn distance(&self, edge: &Edge) -> Polynomial {
-        let Flight { x, y, vx, vy, gravity } = self.flight;
-        let offset = difference([x, y], edge.origin);
-        let n = edge.normal;
-        Polynomial::quadratic(dot(offset, n), dot([vx, vy], n), -0.5 * gravity * n[1])
+        let [x, y] = self.offset(edge.origin);
+        x.scaled(edge.normal[0]) + y.scaled(edge.normal[1])
     }
 
-    /// Squared distance to a corner, over the parabola's own time.
+    /// Squared distance to a corner.
     pub(crate) fn squared_distance(&self, corner: &Corner) -> Polynomial {
-        let Flight { x, y, vx, vy, gravity } = self.flight;
-        let [x, y] = difference([x, y], corner.at);
-        let (x, y) = (Polynomial::quadratic(x, vx, 0.0), Polynomial::quadratic(y, vy, -0.5 * gravity));
+        let [x, y] = self.offset(corner.at);
         x * x + y * y
+    }
+
+    /// Position seen from `origin`.
+    fn offset(&self, origin: [f64; 2]) -> [Polynomial; 2] {
+        [self.x - Polynomial::constant(origin[0]), self.y - Polynomial::constant(origin[1])]
     }
 }
 
@@ -74,7 +77,13 @@ impl<S: Single> Path<S> for Flight<S> {
     }
 
     fn arcs(&self, from: f64, to: f64) -> impl Iterator<Item = Arc> {
-        std::iter::once(Arc { flight: self.values(), start: 0.0, span: [from, to] })
+        let Flight { x, y, vx, vy, gravity } = self.values();
+        std::iter::once(Arc {
+            x: Polynomial::quadratic(x, vx, 0.0),
+            y: Polynomial::quadratic(y, vy, -0.5 * gravity),
+            start: 0.0,
+            span: [from, to],
+        })
     }
 }
 

@@ -38,6 +38,14 @@ impl Polynomial {
         Polynomial([c0, c1, c2, 0.0, 0.0])
     }
 
+    pub(crate) fn constant(c0: f64) -> Self {
+        Self::quadratic(c0, 0.0, 0.0)
+    }
+
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        Polynomial(self.0.map(|c| c * factor))
+    }
+
     pub(crate) fn at(&self, t: f64) -> f64 {
         self.0.iter().rev().fold(0.0, |sum, c| sum * t + c)
     }
@@ -59,7 +67,7 @@ impl Polynomial {
         let mut left = from;
         for &right in slope.roots(from, to).as_slice().iter().chain([&to]) {
             if left <= right && (self.at(left) < 0.0) != (self.at(right) < 0.0) {
-                roots.push(self.root_between(&slope, left, right));
+                roots.push(root_between(left, right, |t| [self.at(t), slope.at(t)]));
             }
             left = right;
         }
@@ -74,29 +82,35 @@ impl Polynomial {
         let ratio = |k: usize| (self.0[degree - k] / self.0[degree]).abs().powf(1.0 / k as f64);
         Some(2.0 * (1..=degree).map(ratio).fold(f64::MIN_POSITIVE, f64::max))
     }
+}
 
-    /// The root between `low` and `high`, where the signs differ.
-    fn root_between(&self, slope: &Self, mut low: f64, mut high: f64) -> f64 {
-        /// Bisection alone would need fewer for any interval of this crate.
-        const MOST: usize = 200;
-        let negative_low = self.at(low) < 0.0;
-        let mut t = low.midpoint(high);
-        for _ in 0..MOST {
-            let value = self.at(t);
-            if (value < 0.0) == negative_low {
-                low = t;
-            } else {
-                high = t;
-            }
-            let newton = t - value / slope.at(t);
-            let next = if low <= newton && newton <= high { newton } else { low.midpoint(high) };
-            if (next - t).abs() <= f64::EPSILON * t.abs() {
-                return next;
-            }
-            t = next;
-        }
-        t
+/// The root between `low` and `high` of a function, given as its value and its slope, with different signs there.
+///
+/// Newton's method, with a bisection wherever it would leave what is left of the interval.
+pub(crate) fn root_between(mut low: f64, mut high: f64, function: impl Fn(f64) -> [f64; 2]) -> f64 {
+    /// Seldom more than ten are needed; bisection alone comes to round-off in a hundred.
+    const MOST: usize = 200;
+    let at_low = function(low)[0];
+    if at_low == 0.0 {
+        return low;
     }
+    let negative_low = at_low < 0.0;
+    let mut t = low.midpoint(high);
+    for _ in 0..MOST {
+        let [value, slope] = function(t);
+        if (value < 0.0) == negative_low {
+            low = t;
+        } else {
+            high = t;
+        }
+        let newton = t - value / slope;
+        let next = if low <= newton && newton <= high { newton } else { low.midpoint(high) };
+        if (next - t).abs() <= f64::EPSILON * t.abs() {
+            return next;
+        }
+        t = next;
+    }
+    t
 }
 
 impl Add for Polynomial {

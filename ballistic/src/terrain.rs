@@ -144,8 +144,12 @@ impl Terrain {
 
     /// That the wheel does not come down.
     pub(crate) fn never_lands<S: Single>(&self, flight: &Flight<S>, radius: S) -> FlightError {
-        let (_, gap) = self.outline.nearest([flight.x.value(), flight.y.value()]);
-        FlightError::NeverLands { gap, radius: radius.value() }
+        FlightError::NeverLands { gap: self.gap([flight.x, flight.y]), radius: radius.value() }
+    }
+
+    /// Distance (m) from the surface, negative below it.
+    pub(crate) fn gap<S: Single>(&self, position: [S; 2]) -> f64 {
+        self.outline.nearest(position.map(S::value)).1
     }
 }
 

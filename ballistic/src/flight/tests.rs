@@ -1,7 +1,7 @@
 //! The parabola against its invariants, its symmetries and finite differences.
 
 use proptest::prelude::*;
-use saltus_numeric::Dual;
+use saltus_numeric::{Dual, LANES, Lanes};
 
 use super::*;
 use crate::check::{check_slopes, close, config, dual, flights};
@@ -49,6 +49,22 @@ fn the_later_root_keeps_its_digits_where_the_textbook_formula_loses_them() {
     let expected = 1e-9 / 40.0 * (1.0 - 9.8e-9 / 3200.0);
     let time = flight.time_to_height(0.0).unwrap();
     assert!((time / expected - 1.0).abs() < 1e-15, "{time} instead of {expected}");
+}
+
+#[test]
+fn eight_flights_at_once_are_the_same() {
+    let [vy, heights] =
+        [[-3.0, -1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0], [0.9, 0.5, 0.1, 1.5, 0.0, 1.0, 0.2, -1.0]];
+    let of = Lanes::of;
+    let lanes = Flight { x: of(0.0), y: of(1.0), vx: of(2.0), vy: Lanes::from(vy), gravity: of(9.8) };
+    let (apex, time) = (lanes.apex_height(), lanes.descent_time(Lanes::from(heights)));
+    for i in 0..LANES {
+        let flight = Flight { x: 0.0, y: 1.0, vx: 2.0, vy: vy[i], gravity: 9.8 };
+        assert_eq!(apex.to_array()[i], flight.apex_height());
+        let one = flight.descent_time(heights[i]);
+        // Out of reach is not a number in both.
+        assert!(time.to_array()[i] == one || one.is_nan() && time.to_array()[i].is_nan());
+    }
 }
 
 #[test]
