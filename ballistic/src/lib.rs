@@ -1,1 +1,27 @@
-//! To be written.
+//! Flight of the wheel's centre after lift-off: apex, landing, clearance over obstacles.
+//!
+//! * [`Flight`]: the parabola in closed form, for plain numbers, duals and SIMD lanes.
+//!
+//! The plane is that of the motion: x forward, y up, SI units. The ground is at y = 0 unless said otherwise.
+
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+#[cfg(test)]
+mod check;
+mod clearance;
+mod drag;
+mod error;
+mod flight;
+mod obstacle;
+mod outline;
+mod path;
+mod polynomial;
+mod terrain;
+
+pub use clearance::{Clearance, Disc, ExtendedLeg};
+pub use drag::DragFlight;
+pub use error::FlightError;
+pub use flight::Flight;
+pub use obstacle::Obstacle;
+pub use outline::Feature;
+pub use terrain::{Landing, Terrain};
