@@ -40,7 +40,8 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Node, RobotError> {
         reason: one_line(error.message()),
     })?;
     let value = Spanned::new(table.span(), DeValue::Table(table.into_inner()));
-    Ok(node(value, text, &|offset| lines.place(offset)))
+    let root = node(value, text, &|offset| lines.place(offset));
+    Ok(Node { place: lines.whole_file(), ..root })
 }
 
 /// Sets in `document` what the `index`-th override `text`, `KEY=VALUE`, says. A value that is not TOML is a bare string.

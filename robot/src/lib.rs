@@ -60,6 +60,9 @@ impl Robot {
     /// The thesis' planar robot without its boom: `rats-planar`.
     ///
     /// Source: `robots/rats-planar.toml`.
+    ///
+    /// # Panics
+    /// Never: a test reads it.
     pub fn rats_planar() -> Robot {
         Robot::builtin("rats-planar").expect("rats-planar is built in")
     }
@@ -67,7 +70,7 @@ impl Robot {
     /// The built-in robot `name`, if there is one.
     ///
     /// # Panics
-    /// Never: tests read each of them.
+    /// Never: a test reads each of them.
     pub fn builtin(name: &str) -> Option<Robot> {
         let (name, text) = built_in(name)?;
         Some(read(text, name, Files::BuiltIn, &[]).expect("the built-in robots are sound"))

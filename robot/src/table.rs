@@ -127,39 +127,53 @@ struct Row {
 
 /// The rows of the CSV file.
 fn rows(text: &str, file: &Arc<str>) -> Result<Vec<Row>, RobotError> {
-    let place = |position: Option<&csv::Position>| Place::File {
-        file: file.clone(),
-        line: position.map(csv::Position::line),
-    };
-    let not_csv = |source: csv::Error| RobotError::NotCsv { place: place(source.position()), source };
-    let mut reader =
-        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
+    let place = |line| Place::File { file: file.clone(), line };
+    let not_csv = |source: csv::Error| RobotError::NotCsv { place: place(None), source };
+    // Flexible, as a row of another length is told here, with its line.
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .flexible(true)
+        .from_reader(text.as_bytes());
     let header = reader.headers().map_err(not_csv)?.clone();
     let order = COLUMNS.map(|column| header.iter().position(|cell| cell == column));
     let ([Some(extension), Some(speed), Some(force)], 3) = (order, header.len()) else {
-        let found = cut(&header.iter().collect::<Vec<_>>().join(","));
-        return Err(RobotError::WrongColumns {
-            place: place(header.position()),
-            found,
-            allowed: COLUMNS.join(","),
-        });
+        let place = place(Some(line(text, &header)));
+        return Err(RobotError::WrongColumns { place, found: joined(&header), allowed: COLUMNS.join(",") });
     };
     reader
         .into_records()
         .map(|record| {
             let record = record.map_err(not_csv)?;
-            let cell = |at: usize| {
-                finite(&record[at]).ok_or_else(|| RobotError::NotAllowed {
-                    place: place(record.position()),
-                    key: header[at].into(),
-                    value: cut(&record[at]),
-                    allowed: "a finite number".into(),
-                })
+            let line = line(text, &record);
+            let refuse = |key: &str, value: String, allowed: &str| RobotError::NotAllowed {
+                place: place(Some(line)),
+                key: key.into(),
+                value,
+                allowed: allowed.into(),
             };
-            let line = record.position().map_or(0, csv::Position::line);
+            if record.len() != header.len() {
+                return Err(refuse("row", joined(&record), "3 cells"));
+            }
+            let cell = |at: usize| {
+                finite(&record[at]).ok_or_else(|| refuse(&header[at], cut(&record[at]), "a finite number"))
+            };
             Ok(Row { extension: cell(extension)?, speed: cell(speed)?, force: cell(force)?, line })
         })
         .collect()
+}
+
+fn joined(record: &csv::StringRecord) -> String {
+    cut(&record.iter().collect::<Vec<_>>().join(","))
+}
+
+/// The line of `record` in `text`.
+fn line(text: &str, record: &csv::StringRecord) -> u64 {
+    let position = record.position().expect("a record that was read has a position");
+    // The position is where the reader began to skip empty lines and comments.
+    let rest = usize::try_from(position.byte()).ok().and_then(|byte| text.get(byte..)).unwrap_or_default();
+    let skipped = rest.lines().take_while(|line| line.is_empty() || line.starts_with('#')).count();
+    position.line() + skipped as u64
 }
 
 /// The table of `rows`, if they hold each point of a grid once.

@@ -48,7 +48,7 @@ pub(crate) struct Quantity {
 
 const MILLI: Unit = Unit::Decimal(-3);
 /// One pound-force per square inch (Pa).
-const PSI: Unit = Unit::Times(6894.757293168);
+const PSI: Unit = Unit::Times(6_894.757_293_168);
 const DEGREE: Unit = Unit::Times(PI / 180.0);
 
 macro_rules! quantities {
@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn other_units_are_one_product() {
-        assert_eq!(PSI.si("120"), 120.0 * 6894.757293168);
+        assert_eq!(PSI.si("120"), 120.0 * 6_894.757_293_168);
         assert_eq!(DEGREE.si("30"), 30.0_f64.to_radians());
     }
 }

@@ -24,7 +24,7 @@ fn rats_planar_is_the_nominal_robot() {
             drive: Drive::Pneumatic(Cylinder {
                 bore: 0.01905,
                 dead_volume: 5.4e-6,
-                supply: GaugePressure(120.0 * 6894.757293168),
+                supply: GaugePressure(120.0 * 6_894.757_293_168),
                 discharge_coefficient: 0.5378,
                 orifice_radius: 1.0215e-3,
                 gas: Gas::AIR,
@@ -55,7 +55,7 @@ fn rats_planar_errors_follow_from_its_sensors() {
     check(errors.rate, 2.0_f64.sqrt() * encoder / 0.05);
     check(errors.firing_angle, encoder.hypot(uniform(5.0 * loop_time)));
     check(errors.valve_open, uniform(loop_time));
-    assert_eq!(errors.supply, 2.0 * 6894.757293168);
+    assert_eq!(errors.supply, 2.0 * 6_894.757_293_168);
 }
 
 /// Force (N) on the wheel at the beginning of the stroke, with the valve long open.
