@@ -103,9 +103,13 @@ fn grid(value: &Value, rows: usize, columns: usize) -> Option<Vec<f64>> {
 /// The force table in the CSV file `file`.
 fn csv_table(file: &str, stroke: f64, files: Files) -> Result<ForceTable, RobotError> {
     let (name, text) = files.read(file)?;
-    let file: Arc<str> = name.into();
+    parse_csv(&text, &name.into(), stroke)
+}
+
+/// The force table in `text`, which messages call `file`.
+fn parse_csv(text: &str, file: &Arc<str>, stroke: f64) -> Result<ForceTable, RobotError> {
     let whole_file = Place::File { file: file.clone(), line: None };
-    let table = full_grid(rows(&text, &file)?, &file)?;
+    let table = full_grid(rows(text, file)?, file)?;
     for (column, numbers, axis) in
         [(COLUMNS[0], &table.extensions, Axis::covering(stroke)), (COLUMNS[1], &table.speeds, Axis::SPEEDS)]
     {
@@ -207,4 +211,82 @@ fn full_grid(mut rows: Vec<Row>, file: &Arc<str>) -> Result<ForceTable, RobotErr
         }
     }
     Ok(ForceTable { extensions, speeds, forces: rows.iter().map(|row| row.force).collect() })
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    use super::*;
+
+    const SOUND: &str = include_str!("../../robots/table-hopper-force.csv");
+    const STROKE: f64 = 0.05;
+
+    fn read(text: &str) -> Result<ForceTable, RobotError> {
+        parse_csv(text, &"force.csv".into(), STROKE)
+    }
+
+    /// Reading `text` does not panic and gives nothing outside its domain.
+    fn check(text: &str) -> Result<(), TestCaseError> {
+        match read(text) {
+            Ok(ForceTable { extensions, speeds, forces }) => {
+                prop_assert!(Axis::covering(STROKE).admits(&extensions), "{:?}", extensions);
+                prop_assert!(Axis::SPEEDS.admits(&speeds), "{:?}", speeds);
+                prop_assert_eq!(forces.len(), extensions.len() * speeds.len());
+                prop_assert!([extensions, speeds, forces].concat().iter().all(|x| x.is_finite()));
+            }
+            Err(error) => prop_assert!(error.to_string().starts_with("force.csv")),
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_thin_table_is_not_blown_up() {
+        // Each row at an extension and a speed of its own: a full grid would have 10^10 points.
+        let rows: String = (0..100_000).map(|i| format!("{i},{i},1\n")).collect();
+        let error = read(&format!("extension_m,speed_m_s,force_n\n{rows}")).expect_err("points are missing");
+        assert!(
+            error.to_string().starts_with("force.csv: extension 0 m, speed 1 m/s: must be given"),
+            "{error}"
+        );
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig {
+            rng_seed: RngSeed::Fixed(1),
+            failure_persistence: None,
+            ..ProptestConfig::with_cases(512)
+        })]
+
+        #[test]
+        fn arbitrary_text(text in any::<String>(), cells in "([0-9.eE+-]{0,4},[0-9]{0,2},[0-9a-z\"]{0,3}\r?\n){0,9}") {
+            check(&text)?;
+            check(&format!("extension_m,speed_m_s,force_n\n{text}"))?;
+            check(&format!("extension_m,speed_m_s,force_n\n{cells}"))?;
+        }
+
+        #[test]
+        fn mutations_of_a_sound_file(
+            flips in prop::collection::vec((any::<usize>(), any::<u8>()), 0..4),
+            end in 0..=SOUND.len(),
+            row in 0..36_usize,
+            cell in 0..3_usize,
+            odd in prop::sample::select(&["nan", "inf", "-inf", "1e400", "-0", "1e308", "-1", "", "0x1", "1_0"][..]),
+        ) {
+            let mut bytes = SOUND.as_bytes().to_vec();
+            for (at, byte) in flips {
+                let at = at % bytes.len();
+                bytes[at] = byte;
+            }
+            check(&String::from_utf8_lossy(&bytes))?;
+            check(&String::from_utf8_lossy(&bytes[..end]))?;
+
+            let mut lines: Vec<String> = SOUND.lines().map(Into::into).collect();
+            let mut cells: Vec<&str> = lines[3 + row].split(',').collect();
+            cells[cell] = odd;
+            lines[3 + row] = cells.join(",");
+            check(&lines.join("\n"))?;
+        }
+    }
 }
