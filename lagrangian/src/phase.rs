@@ -95,12 +95,12 @@ pub(crate) struct Held<'a, S: Single> {
 
 impl<S: Single> Held<'_, S> {
     /// Numbers of the guards.
+    ///
+    /// The others end the stance: 1, at rest before the target; 5, fallen over.
     pub(crate) const TARGET: usize = 0;
-    pub(crate) const STALL: usize = 1;
     pub(crate) const BREAK_AWAY: usize = 2;
     pub(crate) const EDGE: usize = 3;
     pub(crate) const EARLY: usize = 4;
-    pub(crate) const FALLEN: usize = 5;
 
     /// The force (N) by which the leg is pushed beyond what holds it: positive where it breaks away.
     ///
@@ -201,11 +201,11 @@ pub(crate) struct Extension<'a, S: Single> {
 
 impl<S: Single> Extension<'_, S> {
     /// Numbers of the guards.
+    /// Numbers of the guards; the last, 4, is the leg's coming to a halt.
     pub(crate) const REACHED: usize = 0;
     pub(crate) const FORCE: usize = 1;
     pub(crate) const EDGE_ABOVE: usize = 2;
     pub(crate) const EDGE_BELOW: usize = 3;
-    pub(crate) const HALT: usize = 4;
 
     /// The leg's force with its derivatives at pressure `p` (Pa).
     #[inline(always)]

@@ -178,6 +178,13 @@ pub trait Derivative<S, const N: usize> {
     fn at(&self, y: &[S; N]) -> [S; N];
 }
 
+impl<S, const N: usize, F: Fn(&[S; N]) -> [S; N]> Derivative<S, N> for F {
+    #[inline(always)]
+    fn at(&self, y: &[S; N]) -> [S; N] {
+        self(y)
+    }
+}
+
 /// One step of length `h` from `y`, where `k0` is the derivative there. The
 /// first `checked` components enter the error estimate, each relative to 1 + |y|.
 ///
