@@ -1,0 +1,17 @@
+//! The `saltus` command: it parses, calls and prints; what is computed is computed in the library.
+
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+mod cli;
+mod error;
+mod output;
+mod plot;
+mod progress;
+mod quantity;
+mod range;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::main()
+}
