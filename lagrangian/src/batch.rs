@@ -82,7 +82,8 @@ impl Batch {
             let column = |f: fn(&Launch) -> f64| {
                 Lanes::from(std::array::from_fn::<f64, LANES, _>(|i| f(&chunk[i.min(chunk.len() - 1)])))
             };
-            let (lean, angle, open) = (column(|l| l.lean), column(|l| l.firing_angle), column(|l| l.valve_open));
+            let (lean, angle, open) =
+                (column(|l| l.lean), column(|l| l.firing_angle), column(|l| l.valve_open));
             let start = self.eight.closed_start(column(|l| l.rate), lean, angle, open, chamber);
             let rows = start.columns.map(Lanes::to_array);
             let sound = start.sound.to_array();
@@ -137,7 +138,8 @@ impl Stance<Lanes> {
         (fired[LEAN], fired[RATE]) = (fire_lean, fire_rate);
         let freed = self.series_break_away(chamber, &fired);
         let wait = freed.time - self.leg.delay;
-        let on_ground = pendulum.keeps_ground(invariant, lean.fast_min(freed.lean), lean.fast_max(freed.lean));
+        let on_ground =
+            pendulum.keeps_ground(invariant, lean.fast_min(freed.lean), lean.fast_max(freed.lean));
         for holds in [
             freed.residual.abs().simd_lt(of(1e-6)),
             freed.tail.simd_lt(of(1e-16)),
@@ -149,7 +151,13 @@ impl Stance<Lanes> {
             sound &= holds;
         }
         ClosedStart {
-            columns: [freed.lean, freed.rate, freed.pressure * of(1.0 / MEGA), time_fire + freed.time, time_fire],
+            columns: [
+                freed.lean,
+                freed.rate,
+                freed.pressure * of(1.0 / MEGA),
+                time_fire + freed.time,
+                time_fire,
+            ],
             sound,
         }
     }
@@ -206,29 +214,24 @@ struct Field<'a> {
 }
 
 impl Field<'_> {
-    /// Rates in time, and of the guards.
+    /// Rates in time, the guards, and their rates.
     #[inline(always)]
-    fn rates(&self, y: &[Lanes; MOVING]) -> ([Lanes; MOVING], [Lanes; GUARDS]) {
+    fn look(&self, y: &[Lanes; MOVING]) -> ([Lanes; MOVING], [Lanes; GUARDS], [Lanes; GUARDS]) {
         let (gas, about) = self.stance.gas(y, self.chamber, &self.valve);
         let force = self.stance.leg.plain_force(self.chamber, y[SPEED], gas.pressure);
         let mut dy = self.stance.motion(y, force.value, about);
         dy[GAS] = gas.rate;
-        let change = force.wrt_pressure.mul_add(gas.rate * gas.pressure_per_variable, force.wrt_speed * dy[SPEED]);
+        let change =
+            force.wrt_pressure.mul_add(gas.rate * gas.pressure_per_variable, force.wrt_speed * dy[SPEED]);
         let rise = self.sign * gas.rate;
-        (dy, [y[SPEED], change * Lanes::of(-FORCE_SCALE), rise, -rise])
-    }
-
-    /// The guards, and the speed of the leg, which must not vanish.
-    #[inline(always)]
-    fn guards(&self, y: &[Lanes; MOVING]) -> [Lanes; GUARDS] {
-        let (gas, _) = self.stance.gas(y, self.chamber, &self.valve);
-        let force = self.stance.leg.plain_force(self.chamber, y[SPEED], gas.pressure).value;
-        [
+        let scale = Lanes::of(-FORCE_SCALE);
+        let guards = [
             y[EXTENSION] - self.stance.leg.stroke,
-            force * Lanes::of(-FORCE_SCALE),
+            force.value * scale,
             self.sign * (y[GAS] - self.high),
             self.sign * (self.low - y[GAS]),
-        ]
+        ];
+        (dy, guards, [y[SPEED], change * scale, rise, -rise])
     }
 
     /// Derivative with respect to each lane's independent variable.
@@ -249,8 +252,8 @@ impl Field<'_> {
 impl Derivative<Lanes, MOVING> for Field<'_> {
     #[inline(always)]
     fn at(&self, y: &[Lanes; MOVING]) -> [Lanes; MOVING] {
-        let (dy, guards) = self.rates(y);
-        self.scaled(dy, &guards)
+        let (dy, _, guard_rates) = self.look(y);
+        self.scaled(dy, &guard_rates)
     }
 }
 
@@ -292,14 +295,14 @@ impl<'a> Crew<'a> {
         }
         while self.lanes.iter().any(Option::is_some) {
             let y = self.states.map(Lanes::from);
-            let (dy, guard_rates) = self.field.rates(&y);
-            let guards = self.field.guards(&y).map(Lanes::to_array);
+            let (dy, guards, guard_rates) = self.field.look(&y);
+            let guards = guards.map(Lanes::to_array);
             self.plan(&guards, &guard_rates.map(Lanes::to_array));
             let lengths: [f64; LANES] = std::array::from_fn(|i| self.lanes[i].map_or(0.0, |l| l.length));
             let k0 = self.field.scaled(dy, &guard_rates);
             let step = dop853::step(&self.field, &y, &k0, Lanes::from(lengths), CHECKED, self.one.tolerance);
             let next = step.state.map(Lanes::to_array);
-            let next_guards = self.field.guards(&step.state).map(Lanes::to_array);
+            let next_guards = self.field.look(&step.state).1.map(Lanes::to_array);
             let error = step.error.to_array();
             for i in 0..LANES {
                 let state = std::array::from_fn(|k| next[k][i]);
