@@ -82,7 +82,7 @@ impl<S: Scalar> LiftOff<S> {
         (self.extension_rate * sin + across * cos, self.extension_rate * cos - across * sin)
     }
 
-    fn new(stance: &Stance<S>, outcome: Outcome, time_fire: S, y: &State<S>) -> LiftOff<S> {
+    pub(crate) fn new(stance: &Stance<S>, outcome: Outcome, time_fire: S, y: &State<S>) -> LiftOff<S> {
         LiftOff {
             outcome,
             time_fire,
@@ -106,7 +106,7 @@ pub(crate) enum Next<S> {
 }
 
 /// First step (s) tried in a stance.
-const FIRST_STEP: f64 = 3e-3;
+pub(crate) const FIRST_STEP: f64 = 3e-3;
 
 /// What watches the steps of a stance.
 pub(crate) trait Observer<S: Single> {
@@ -343,7 +343,7 @@ impl<S: Single> Stance<S> {
     }
 
     /// A wheel at or below the ground has not lifted off.
-    fn unless_fallen(&self, outcome: Outcome, y: &State<S>) -> Outcome {
+    pub(crate) fn unless_fallen(&self, outcome: Outcome, y: &State<S>) -> Outcome {
         if y[LEAN].value().abs() < std::f64::consts::FRAC_PI_2 { outcome } else { Outcome::FallBack }
     }
 

@@ -15,6 +15,7 @@
 //! Angles are leans from the ground's normal, forward positive (φ = π/2 − α); the loaded foot is the origin.
 
 mod advance;
+mod batch;
 mod error;
 mod jump;
 mod pendulum;
@@ -23,6 +24,7 @@ mod stance;
 mod touch_down;
 mod trace;
 
+pub use batch::Batch;
 pub use error::StanceError;
 pub use jump::{LiftOff, Outcome};
 pub use stance::{FINE, Launch, Reaction, Stance};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use saltus_numeric::{Scalar, Single};
+use saltus_numeric::{Lanes, Scalar, Single};
 
 /// The inverted pendulum that a robot with a held leg is: φ̈ = c sin φ.
 #[derive(Clone, Copy, Debug)]
@@ -94,6 +94,27 @@ impl<S: Scalar> Pendulum<S> {
             c[n] = y * S::of(-1.0 / n as f64);
         }
         Series { lean: a, cos: c }
+    }
+}
+
+impl Pendulum<Lanes> {
+    /// Where the ground never has to pull between the leans `low` and `high`: see [`Pendulum::lift_off_lean`].
+    pub(crate) fn keeps_ground(&self, invariant: Lanes, low: Lanes, high: Lanes) -> Lanes {
+        let of = Lanes::of;
+        let (a, b, c) = (
+            of(3.0) * self.gravity * self.share,
+            self.radius * invariant,
+            self.gravity * (of(1.0) - self.share),
+        );
+        let normal = |x: Lanes| c + x * (a * x - b);
+        let zero = of(0.0);
+        let (x, y) = (low.sin_cos().1, high.sin_cos().1);
+        let around_top = low.simd_lt(zero) & high.simd_gt(zero);
+        let most = around_top.select(of(1.0), x.fast_max(y));
+        let least = x.fast_min(y);
+        // The quadratic is least at b/2a, or at the end nearest to it.
+        let worst = (b / (of(2.0) * a)).fast_max(least).fast_min(most);
+        normal(worst).simd_gt(zero)
     }
 }
 

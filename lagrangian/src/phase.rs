@@ -14,12 +14,12 @@ use crate::advance::{Phase, State, WIDTH};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece<S: Single> {
     pub flow: Flow,
-    valve: Valve<S>,
+    pub valve: Valve<S>,
     /// u at which the law switches, on its two sides; with the pressure falling to the first, rising to the second.
-    low: S,
-    high: S,
+    pub low: S,
+    pub high: S,
     /// 1 where u rises with the pressure, −1 where it falls.
-    sign: S,
+    pub sign: S,
     port_open: bool,
     extras: bool,
 }
@@ -144,7 +144,7 @@ impl<S: Single> Held<'_, S> {
 /// A guard that never acts.
 const NEVER: f64 = -1.0;
 /// Forces (N) are scaled by this in guards, so that they are about 1.
-const FORCE_SCALE: f64 = 0.01;
+pub(crate) const FORCE_SCALE: f64 = 0.01;
 
 impl<S: Single> Derivative<S, WIDTH> for Held<'_, S> {
     fn at(&self, y: &State<S>) -> State<S> {

@@ -1,7 +1,7 @@
 //! A stance in full: its course, the ground's reaction, and where the energy went.
 
-use saltus_numeric::dop853::{self, Derivative};
 use saltus_numeric::Single;
+use saltus_numeric::dop853::{self, Derivative};
 use saltus_pneumatics::Force;
 
 use crate::advance::index::{EXTENSION, LEAN, RATE, SPEED, TIME};

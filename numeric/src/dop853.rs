@@ -198,15 +198,29 @@ pub fn step<S: Scalar, const N: usize>(
     checked: usize,
     tolerance: f64,
 ) -> Step<S, N> {
-    let mut k = [*k0; STAGES];
-    // Written out, so that each stage's weights are constants and the zeros among them cost nothing.
-    macro_rules! stage {
-        ($($n:literal)*) => {$(
-            k[$n] = f.at(&along(y, h, &weighted::<S, N, $n>(&A[$n], &k)));
-        )*};
+    // Written out, so that each stage's weights are constants, the zeros among them cost nothing, and no stage is
+    // copied.
+    macro_rules! stages {
+        ($($n:literal: $k:ident from $($earlier:ident)*;)*) => {
+            $(let $k = f.at(&along(y, h, &weighted(&A[$n], &[$($earlier),*])));
+            let $k = &$k;)*
+        };
     }
-    stage!(1 2 3 4 5 6 7 8 9 10 11);
-    let state = along(y, h, &weighted::<S, N, STAGES>(&B, &k));
+    stages! {
+        1: k1 from k0;
+        2: k2 from k0 k1;
+        3: k3 from k0 k1 k2;
+        4: k4 from k0 k1 k2 k3;
+        5: k5 from k0 k1 k2 k3 k4;
+        6: k6 from k0 k1 k2 k3 k4 k5;
+        7: k7 from k0 k1 k2 k3 k4 k5 k6;
+        8: k8 from k0 k1 k2 k3 k4 k5 k6 k7;
+        9: k9 from k0 k1 k2 k3 k4 k5 k6 k7 k8;
+        10: k10 from k0 k1 k2 k3 k4 k5 k6 k7 k8 k9;
+        11: k11 from k0 k1 k2 k3 k4 k5 k6 k7 k8 k9 k10;
+    }
+    let k = [k0, k1, k2, k3, k4, k5, k6, k7, k8, k9, k10, k11];
+    let state = along(y, h, &weighted(&B, &k));
     Step { error: error(&k, y, &state, h.value(), checked, tolerance), state }
 }
 
@@ -222,10 +236,7 @@ fn along<S: Scalar, const N: usize>(y: &[S; N], h: S, k: &[S; N]) -> [S; N] {
 
 /// Σ weights[j] k[j] over the first `M` stages, in two chains so that they overlap.
 #[inline(always)]
-fn weighted<S: Scalar, const N: usize, const M: usize>(
-    weights: &[f64; STAGES],
-    k: &[[S; N]; STAGES],
-) -> [S; N] {
+fn weighted<S: Scalar, const N: usize, const M: usize>(weights: &[f64; STAGES], k: &[&[S; N]; M]) -> [S; N] {
     let mut sums = [[S::of(0.0); N]; 2];
     for j in 0..M {
         if weights[j] != 0.0 {
@@ -245,33 +256,34 @@ fn weighted<S: Scalar, const N: usize, const M: usize>(
 /// Hairer's combined estimate |h| e₅² / √(n (e₅² + e₃²/100)), over the first `checked` components.
 #[inline(always)]
 fn error<S: Scalar, const N: usize>(
-    k: &[[S; N]; STAGES],
+    k: &[&[S; N]; STAGES],
     y: &[S; N],
     state: &[S; N],
     h: S::Value,
     checked: usize,
     tolerance: f64,
 ) -> S::Value {
-    let one = S::Value::of(1.0);
-    let k: [[S::Value; N]; STAGES] = std::array::from_fn(|j| k[j].map(Scalar::value));
-    let mut scale = [one; N];
-    for i in 0..N {
-        scale[i] = one / (one + y[i].value().abs().max(state[i].value().abs()));
-    }
-    let squares = |weights| {
-        let e = weighted::<S::Value, N, STAGES>(weights, &k);
-        let mut sum = S::Value::of(0.0);
-        for i in 0..checked {
-            let scaled = e[i] * scale[i];
-            sum = scaled.mul_add(scaled, sum);
+    let of = S::Value::of;
+    let (mut e5, mut e3) = ([of(0.0); N], [of(0.0); N]);
+    for j in 0..STAGES {
+        if E5[j] != 0.0 {
+            for i in 0..N {
+                let slope = k[j][i].value();
+                e5[i] = slope.mul_add(of(E5[j]), e5[i]);
+                e3[i] = slope.mul_add(of(E3[j]), e3[i]);
+            }
         }
-        sum
-    };
-    let (e5, e3) = (squares(&E5), squares(&E3));
+    }
+    let mut squares = [of(0.0); 2];
+    for i in 0..checked {
+        let scale = of(1.0) / (of(1.0) + y[i].value().abs().max(state[i].value().abs()));
+        let (high, low) = (e5[i] * scale, e3[i] * scale);
+        squares = [high.mul_add(high, squares[0]), low.mul_add(low, squares[1])];
+    }
+    let [e5, e3] = squares;
     // The least number keeps 0/0 out where nothing moves.
-    let denominator =
-        (e3.mul_add(S::Value::of(0.01), e5) + S::Value::of(f64::MIN_POSITIVE)) * S::Value::of(checked as f64);
-    h.abs() * e5 / denominator.sqrt() * S::Value::of(1.0 / tolerance)
+    let denominator = (e3.mul_add(of(0.01), e5) + of(f64::MIN_POSITIVE)) * of(checked as f64);
+    h.abs() * e5 / denominator.sqrt() * of(1.0 / tolerance)
 }
 
 /// Factor by which the next step may be longer (or must be shorter) after one with this `error`.

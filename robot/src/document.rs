@@ -73,17 +73,15 @@ pub(crate) fn set(document: &mut Node, index: usize, text: &str) -> Result<(), R
 }
 
 /// `path` with `keys` appended, dotted; a key that is not bare is quoted.
-pub(crate) fn join<S: AsRef<str>>(path: &str, keys: &[S]) -> String {
-    let is_bare =
-        |key: &str| !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c));
-    let mut joined = path.to_owned();
-    for key in keys.iter().map(AsRef::as_ref) {
-        if !joined.is_empty() {
-            joined.push('.');
-        }
-        joined.push_str(&if is_bare(key) { cut(key) } else { format!("{:?}", cut(key)) });
-    }
-    joined
+pub(crate) fn join(path: &str, keys: &[impl AsRef<str>]) -> String {
+    let path = Some(path.to_owned()).filter(|path| !path.is_empty());
+    let keys = keys.iter().map(|key| shown(key.as_ref()));
+    path.into_iter().chain(keys).collect::<Vec<_>>().join(".")
+}
+
+fn shown(key: &str) -> String {
+    let is_bare = !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c));
+    if is_bare { cut(key) } else { format!("{:?}", cut(key)) }
 }
 
 /// The keys of a dotted key; none if it is not one.

@@ -1,6 +1,6 @@
 //! What a jumping robot is: parameters with units, TOML files, checks.
 //!
-//! A robot file is TOML with the unit in each key's name; [`Robot::to_toml`] writes one, `robots/` has more. Reading it gives the
+//! A robot file is TOML with the unit in each key's name; `robots/README.md` lists the keys. Reading it gives the
 //! [`Robot`] that the models see, in SI, each value checked; an unknown key, a value outside its domain or a quantity given twice is
 //! an error that names the place. [`resolve`] is what a command line needs: a built-in robot or a file, with overrides.
 //!
@@ -38,6 +38,8 @@ pub use model::*;
 pub use parameter::Parameter;
 
 /// The robot `name_or_path`, built in or in a file, with each of `overrides` applied in turn.
+///
+/// A built-in name comes before a file of that name, which is then `./name`.
 ///
 /// An override is `KEY=VALUE` with a dotted key of the robot file and a TOML value; a value that is not TOML is text without
 /// quotes. It may name a quantity in another unit than the file does, add optional keys and tables, or replace a whole table.

@@ -33,11 +33,12 @@ pub(crate) fn force_table(s: &mut Section, stroke: f64, files: Files) -> ForceTa
 
 /// The force table of the lists in `s`.
 fn listed_table(mut s: Section, stroke: f64) -> Result<ForceTable, RobotError> {
-    let (cover_stroke, from_zero) = (Axis::covering(stroke), Axis::SPEEDS);
-    let axis = |value: &Value, axis: Axis| numbers(value).filter(|numbers| axis.admits(numbers));
-    let extensions =
-        s.value("extensions_m", &cover_stroke.describe(), |v| axis(v, cover_stroke)).unwrap_or_default();
-    let speeds = s.value("speeds_m_s", &from_zero.describe(), |v| axis(v, from_zero)).unwrap_or_default();
+    let mut axis = |key: &str, axis: Axis| {
+        let read = |value: &Value| numbers(value).filter(|numbers| axis.admits(numbers));
+        s.value(key, &axis.allowed, read).unwrap_or_default()
+    };
+    let extensions = axis("extensions_m", Axis::extensions(stroke));
+    let speeds = axis("speeds_m_s", Axis::speeds());
     let (rows, columns) = (extensions.len(), speeds.len());
     let allowed = format!(
         "a list of {rows} lists, one for each extension, of {columns} finite numbers, one for each speed"
@@ -47,31 +48,27 @@ fn listed_table(mut s: Section, stroke: f64) -> Result<ForceTable, RobotError> {
 }
 
 /// What the extensions or the speeds of a table must be.
-#[derive(Clone, Copy)]
 struct Axis {
-    /// Least last value (SI), with what it is.
-    reach: Option<(f64, &'static str)>,
+    /// Least last value (SI).
+    reach: f64,
+    /// The same in words.
+    allowed: String,
 }
 
 impl Axis {
-    const SPEEDS: Axis = Axis { reach: None };
-
-    fn covering(stroke: f64) -> Axis {
-        Axis { reach: Some((stroke, "m, the stroke")) }
+    fn extensions(stroke: f64) -> Axis {
+        let speeds = Axis::speeds();
+        Axis { reach: stroke, allowed: format!("{} to at least {stroke} m, the stroke", speeds.allowed) }
     }
 
-    fn admits(self, numbers: &[f64]) -> bool {
-        numbers.len() >= 2
-            && numbers[0] == 0.0
-            && numbers.is_sorted_by(|a, b| a < b)
-            && self.reach.is_none_or(|(reach, _)| numbers.last().is_some_and(|&last| last >= reach))
+    fn speeds() -> Axis {
+        Axis { reach: 0.0, allowed: "at least 2 finite numbers, strictly increasing from 0".into() }
     }
 
-    fn describe(self) -> String {
-        let increasing = "at least 2 finite numbers, strictly increasing from 0";
-        match self.reach {
-            Some((reach, what)) => format!("{increasing} to at least {reach} {what}"),
-            None => increasing.into(),
+    fn admits(&self, numbers: &[f64]) -> bool {
+        match numbers {
+            [first, .., last] => *first == 0.0 && *last >= self.reach && numbers.is_sorted_by(|a, b| a < b),
+            _ => false,
         }
     }
 }
@@ -108,14 +105,16 @@ fn csv_table(file: &str, stroke: f64, files: Files) -> Result<ForceTable, RobotE
 
 /// The force table in `text`, which messages call `file`.
 fn parse_csv(text: &str, file: &Arc<str>, stroke: f64) -> Result<ForceTable, RobotError> {
-    let whole_file = Place::File { file: file.clone(), line: None };
     let table = full_grid(rows(text, file)?, file)?;
-    for (column, numbers, axis) in
-        [(COLUMNS[0], &table.extensions, Axis::covering(stroke)), (COLUMNS[1], &table.speeds, Axis::SPEEDS)]
-    {
+    let axes = [(&table.extensions, Axis::extensions(stroke)), (&table.speeds, Axis::speeds())];
+    for ((numbers, axis), column) in axes.into_iter().zip(COLUMNS) {
         if !axis.admits(numbers) {
-            let (place, value, allowed) = (whole_file, cut(&format!("{numbers:?}")), axis.describe());
-            return Err(RobotError::NotAllowed { place, key: column.into(), value, allowed });
+            return Err(RobotError::NotAllowed {
+                place: Place::File { file: file.clone(), line: None },
+                key: column.into(),
+                value: cut(&format!("{numbers:?}")),
+                allowed: axis.allowed,
+            });
         }
     }
     Ok(table)
@@ -231,8 +230,8 @@ mod tests {
     fn check(text: &str) -> Result<(), TestCaseError> {
         match read(text) {
             Ok(ForceTable { extensions, speeds, forces }) => {
-                prop_assert!(Axis::covering(STROKE).admits(&extensions), "{:?}", extensions);
-                prop_assert!(Axis::SPEEDS.admits(&speeds), "{:?}", speeds);
+                prop_assert!(Axis::extensions(STROKE).admits(&extensions), "{:?}", extensions);
+                prop_assert!(Axis::speeds().admits(&speeds), "{:?}", speeds);
                 prop_assert_eq!(forces.len(), extensions.len() * speeds.len());
                 prop_assert!([extensions, speeds, forces].concat().iter().all(|x| x.is_finite()));
             }
@@ -244,8 +243,9 @@ mod tests {
     #[test]
     fn a_thin_table_is_not_blown_up() {
         // Each row at an extension and a speed of its own: a full grid would have 10^10 points.
-        let rows: String = (0..100_000).map(|i| format!("{i},{i},1\n")).collect();
-        let error = read(&format!("extension_m,speed_m_s,force_n\n{rows}")).expect_err("points are missing");
+        let rows: Vec<String> = (0..100_000).map(|i| format!("{i},{i},1")).collect();
+        let error = read(&format!("extension_m,speed_m_s,force_n\n{}", rows.join("\n")))
+            .expect_err("points are missing");
         assert!(
             error.to_string().starts_with("force.csv: extension 0 m, speed 1 m/s: must be given"),
             "{error}"

@@ -1,6 +1,6 @@
 //! A robot as a robot file.
 
-use std::fmt::{self, Write};
+use std::fmt::{self, Formatter};
 
 use crate::{Cylinder, Drive, Environment, Errors, ForceTable, Leg, Robot};
 
@@ -20,13 +20,20 @@ impl Robot {
     /// # Ok::<(), saltus_robot::RobotError>(())
     /// ```
     pub fn to_toml(&self) -> String {
-        let mut file = String::new();
-        write_robot(&mut file, self).expect("a String takes all that is written");
-        file
+        RobotFile(self).to_string()
     }
 }
 
-fn write_robot(f: &mut String, robot: &Robot) -> fmt::Result {
+/// A robot whose display is its file.
+struct RobotFile<'a>(&'a Robot);
+
+impl fmt::Display for RobotFile<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write_robot(f, self.0)
+    }
+}
+
+fn write_robot(f: &mut Formatter<'_>, robot: &Robot) -> fmt::Result {
     let Robot { name, body, leg, environment, errors } = robot;
     writeln!(f, "name = {}", quoted(name))?;
     writeln!(f, "\n[body]")?;
@@ -39,7 +46,7 @@ fn write_robot(f: &mut String, robot: &Robot) -> fmt::Result {
     write_errors(f, errors)
 }
 
-fn write_leg(f: &mut String, leg: &Leg) -> fmt::Result {
+fn write_leg(f: &mut Formatter<'_>, leg: &Leg) -> fmt::Result {
     let (kind, delay) = match leg.drive {
         Drive::Pneumatic(_) => ("pneumatic", "valve_delay_s"),
         Drive::Spring { .. } => ("spring", "release_delay_s"),
@@ -75,7 +82,7 @@ fn write_leg(f: &mut String, leg: &Leg) -> fmt::Result {
     Ok(())
 }
 
-fn write_cylinder(f: &mut String, cylinder: &Cylinder) -> fmt::Result {
+fn write_cylinder(f: &mut Formatter<'_>, cylinder: &Cylinder) -> fmt::Result {
     let gas = cylinder.gas;
     writeln!(f, "bore_m = {:?}", cylinder.bore)?;
     writeln!(f, "dead_volume_m3 = {:?}", cylinder.dead_volume)?;
@@ -98,7 +105,7 @@ fn write_cylinder(f: &mut String, cylinder: &Cylinder) -> fmt::Result {
     Ok(())
 }
 
-fn write_table(f: &mut String, table: &ForceTable) -> fmt::Result {
+fn write_table(f: &mut Formatter<'_>, table: &ForceTable) -> fmt::Result {
     writeln!(f, "\n[leg.table]")?;
     writeln!(f, "extensions_m = {:?}", table.extensions)?;
     writeln!(f, "speeds_m_s = {:?}", table.speeds)?;
@@ -110,14 +117,14 @@ fn write_table(f: &mut String, table: &ForceTable) -> fmt::Result {
     writeln!(f, "]")
 }
 
-fn write_environment(f: &mut String, environment: &Environment) -> fmt::Result {
+fn write_environment(f: &mut Formatter<'_>, environment: &Environment) -> fmt::Result {
     writeln!(f, "\n[environment]")?;
     writeln!(f, "gravity_m_s2 = {:?}", environment.gravity)?;
     writeln!(f, "ambient_pressure_pa = {:?}", environment.ambient.0)?;
     writeln!(f, "drag_per_m = {:?}", environment.drag)
 }
 
-fn write_errors(f: &mut String, errors: &Errors) -> fmt::Result {
+fn write_errors(f: &mut Formatter<'_>, errors: &Errors) -> fmt::Result {
     writeln!(f, "\n[errors]")?;
     writeln!(f, "rate_rad_s = {:?}", errors.rate)?;
     writeln!(f, "firing_angle_rad = {:?}", errors.firing_angle)?;

@@ -134,3 +134,22 @@ fn a_force_table_is_a_set_of_rows() {
     std::fs::remove_dir_all(&folder).expect("the folder made above");
     assert_eq!(tidy, untidy);
 }
+
+/// Each example of robots/README.md is a sound robot file.
+#[test]
+fn the_examples_of_the_readme_are_sound() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
+    let readme = include_str!("../../robots/README.md");
+    let examples: Vec<&str> =
+        readme.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    assert_eq!(examples.len(), 5);
+    let everything = Robot::parse(examples[0], "README.md", &folder).expect("sound").to_toml();
+    // An effect left out would be written as 0, or not at all.
+    assert!(!everything.contains("= 0.0\n"), "{everything}");
+    for key in ["polytropic_exponent", "exhaust_port", "return_spring", "cushion"] {
+        assert!(everything.contains(key), "{key}");
+    }
+    for example in examples {
+        Robot::parse(example, "README.md", &folder).unwrap_or_else(|error| panic!("{error}"));
+    }
+}
