@@ -4,13 +4,13 @@
 //! onto its leg and fires it 0.1 rad before the upright:
 //!
 //! ```
-//! use saltus::{Launch, Robot, Stance, flight_of};
+//! use saltus::{Launch, Planner, Robot};
 //!
-//! let robot = Robot::rats_planar();
-//! let lift_off = Stance::<f64>::new(&robot, |_, x| x).jump(&Launch::at_firing(5.0, -0.1, 0.1))?;
-//! let flight = flight_of(&lift_off, &robot);
-//! assert!(flight.apex_height() > 0.57 && flight.range_to_height(0.0)? > 0.9);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! let planner = Planner::new(Robot::rats_planar());
+//! let jump = planner.jump(&Launch::at_firing(5.0, -0.1, 0.1))?;
+//! assert!(jump.apex().is_some_and(|apex| (apex - 0.556).abs() < 1e-3));
+//! assert!(jump.distance(0.0).is_some_and(|distance| (distance - 0.907).abs() < 1e-3));
+//! # Ok::<(), saltus::StanceError>(())
 //! ```
 //!
 //! The `saltus` command does the same from a shell: `saltus simulate --omega 5 --alpha-f -0.1`.
@@ -21,12 +21,7 @@ pub use saltus_planner as planner;
 pub use saltus_pneumatics as pneumatics;
 pub use saltus_robot as robot;
 
-pub use saltus_ballistic::{Flight, FlightError};
+pub use saltus_ballistic::{DragFlight, Flight, FlightError};
 pub use saltus_lagrangian::{Launch, LiftOff, Outcome, Stance, StanceError, Trace};
+pub use saltus_planner::{Jump, Planner};
 pub use saltus_robot::{Robot, RobotError, resolve};
-
-/// The flight in vacuum that a lift-off begins.
-pub fn flight_of(lift_off: &LiftOff, robot: &Robot) -> Flight<f64> {
-    let ((x, y), (vx, vy)) = (lift_off.position(), lift_off.velocity());
-    Flight { x, y, vx, vy, gravity: robot.environment.gravity }
-}

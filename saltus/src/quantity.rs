@@ -51,17 +51,15 @@ impl Quantity {
         legal: |x| x > 0.0 && x <= 1e3,
     };
     /// Height (m), which may be below the foot.
-    pub(crate) const HEIGHT: Quantity = Quantity {
-        suffixes: METRES,
-        allowed: "a height from -1000 to 1000 m",
-        legal: |x| x.abs() <= 1e3,
-    };
+    pub(crate) const HEIGHT: Quantity =
+        Quantity { suffixes: METRES, allowed: "a height from -1000 to 1000 m", legal: |x| x.abs() <= 1e3 };
 
     /// The number that `text` gives, in the SI unit.
     pub(crate) fn parse(&self, text: &str) -> Result<f64, QuantityError> {
         let refused = || QuantityError { value: cut(text), allowed: self.allowed };
         let text = text.trim();
-        let split = self.suffixes.iter().find_map(|(suffix, scale)| Some((text.strip_suffix(suffix)?, *scale)));
+        let split =
+            self.suffixes.iter().find_map(|(suffix, scale)| Some((text.strip_suffix(suffix)?, *scale)));
         let (digits, scale) = split.unwrap_or((text, Scale::Times(1.0)));
         let number: f64 = digits.trim_end().parse().map_err(|_| refused())?;
         let number = match scale {

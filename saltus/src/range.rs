@@ -130,7 +130,9 @@ mod tests {
 
     #[test]
     fn wrong_ranges_are_refused() {
-        for text in ["", ":", "1:2", "1:2:3:4", "1:2:0", "1:2:1", "1:2:-3", "1:2:2.5", "1:2:1e3", "1,", "nan:1:2"] {
+        for text in
+            ["", ":", "1:2", "1:2:3:4", "1:2:0", "1:2:1", "1:2:-3", "1:2:2.5", "1:2:1e3", "1,", "nan:1:2"]
+        {
             assert!(rates(text).is_err(), "{text}");
         }
         assert!(rates("1:2:1000001").is_err());

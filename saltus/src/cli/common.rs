@@ -1,5 +1,6 @@
 //! What every command takes: the robot, and where the answer goes.
 
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -28,6 +29,28 @@ pub(crate) struct Common {
     /// Write the report to this file instead of standard output
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
+}
+
+/// The option of commands with much to compute.
+#[derive(Args, Debug)]
+pub(crate) struct Threads {
+    /// Threads to work with; the answer does not depend on it [default: as many as the machine has]
+    #[arg(long, value_name = "COUNT", help_heading = "Robot and output")]
+    threads: Option<NonZeroUsize>,
+}
+
+impl Threads {
+    /// Most threads that are of use.
+    const MOST: usize = 256;
+
+    /// How many.
+    pub(crate) fn count(&self) -> NonZeroUsize {
+        let most = NonZeroUsize::MIN.saturating_add(Threads::MOST - 1);
+        self.threads
+            .or_else(|| std::thread::available_parallelism().ok())
+            .unwrap_or(NonZeroUsize::MIN)
+            .min(most)
+    }
 }
 
 /// The option of commands with something to see.
@@ -83,7 +106,9 @@ impl Common {
 
     fn check_distinct(&self, plot: &Path) -> Result<(), CliError> {
         match &self.out {
-            Some(out) if out == plot => Err(CliError::flag("--plot", plot.display(), "another file than --out")),
+            Some(out) if out == plot => {
+                Err(CliError::flag("--plot", plot.display(), "another file than --out"))
+            }
             _ => Ok(()),
         }
     }

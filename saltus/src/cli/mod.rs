@@ -1,6 +1,5 @@
 //! The commands: one file each.
 
-mod batch;
 mod common;
 mod completions;
 mod simulate;

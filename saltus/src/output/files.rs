@@ -31,7 +31,8 @@ impl Files {
     ///
     /// Whatever fails, no file is there in part.
     pub(crate) fn write(self) -> Result<(), CliError> {
-        let staged = self.files.iter().map(|(path, bytes)| Staged::new(path, bytes)).collect::<Result<Vec<_>, _>>()?;
+        let staged =
+            self.files.iter().map(|(path, bytes)| Staged::new(path, bytes)).collect::<Result<Vec<_>, _>>()?;
         for file in staged {
             file.publish()?;
         }

@@ -140,10 +140,7 @@ mod tests {
 
     #[test]
     fn one_table_in_three_formats() {
-        assert_eq!(
-            table().csv(),
-            "rate_rad_s,outcome,apex_m\n0.10000000000000001,stroke,0.5\n5,stall,\n"
-        );
+        assert_eq!(table().csv(), "rate_rad_s,outcome,apex_m\n0.10000000000000001,stroke,0.5\n5,stall,\n");
         assert_eq!(
             Value::from(table().json()),
             json!([

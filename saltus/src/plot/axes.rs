@@ -23,6 +23,7 @@ const LEFT: u32 = 70;
 const BOTTOM: u32 = 52;
 const RIGHT: u32 = 24;
 const TOP: u32 = 14;
+const EDGE: u32 = 8;
 /// Height of the title line.
 const TITLE: u32 = 34;
 
@@ -61,13 +62,15 @@ impl Pen {
     }
 
     /// Text, of which `horizontal` and `vertical` is where it is put.
-    pub(crate) fn text(self, size: u32, color: RGBColor, horizontal: HPos, vertical: VPos) -> TextStyle<'static> {
+    pub(crate) fn text(
+        self,
+        size: u32,
+        color: RGBColor,
+        horizontal: HPos,
+        vertical: VPos,
+    ) -> TextStyle<'static> {
         let font = (FAMILY, f64::from(size * self.scale)).into_font();
-        TextStyle {
-            font,
-            color: color.to_backend_color(),
-            pos: Pos::new(horizontal, vertical),
-        }
+        TextStyle { font, color: color.to_backend_color(), pos: Pos::new(horizontal, vertical) }
     }
 }
 
@@ -88,6 +91,8 @@ impl Axes {
             .x_label_area_size(pen.length(BOTTOM))
             .y_label_area_size(pen.length(LEFT))
             .margin_top(pen.length(TOP))
+            .margin_left(pen.length(EDGE))
+            .margin_bottom(pen.length(EDGE))
             .margin_right(pen.length(RIGHT))
             .build_cartesian_2d(self.x.1.clone(), self.y.1.clone())?;
         let label = |size| pen.text(size, INK, HPos::Center, VPos::Center);
@@ -122,11 +127,11 @@ impl Axes {
             let missing = 0.5 * ((y.end - y.start) / TALLEST - (x.end - x.start));
             *x = x.start - missing..x.end + missing;
         }
-        let across = f64::from(width - LEFT - RIGHT);
+        let across = f64::from(width - LEFT - EDGE - RIGHT);
         // Between the flattest and the tallest of a drawing's width.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let up = (across * (y.end - y.start) / (x.end - x.start)).round() as u32;
-        up + TOP + BOTTOM + TITLE
+        up + TOP + BOTTOM + EDGE + TITLE
     }
 }
 
@@ -137,7 +142,7 @@ pub(crate) fn titled<DB: DrawingBackend>(
     title: &str,
 ) -> Result<DrawingArea<DB, Shift>, plotters::drawing::DrawingAreaErrorKind<DB::ErrorType>> {
     let (line, rest) = area.split_vertically(pen.length(TITLE));
-    let place = (pen.offset(LEFT.cast_signed()), pen.offset(TITLE.cast_signed() * 3 / 5));
+    let place = (pen.offset((LEFT + EDGE).cast_signed()), pen.offset(TITLE.cast_signed() * 3 / 5));
     line.draw_text(title, &pen.text(16, INK, HPos::Left, VPos::Center), place)?;
     Ok(rest)
 }

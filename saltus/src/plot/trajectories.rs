@@ -15,7 +15,7 @@ const WIDTH: u32 = 960;
 /// Space (m) under the ground for the labels.
 const CELLAR: f64 = 0.06;
 /// Least distance between two labels.
-const LABEL: i32 = 44;
+const LABEL: i32 = 36;
 /// Distance between two dots of a flight.
 const DOTS: f64 = 5.0;
 

@@ -70,9 +70,14 @@ fn places(header: &ByteRecord, file: &str) -> Result<[usize; 4], CliError> {
             (Some(place), None) => Ok(place),
             (None, _) => Err(CliError::content(
                 format!("{file}:1"),
-                format!("no column {name}: the header must name {}", COLUMNS.map(|(name, _)| name).join(", ")),
+                format!(
+                    "no column {name}: the header must name {}",
+                    COLUMNS.map(|(name, _)| name).join(", ")
+                ),
             )),
-            (Some(_), Some(_)) => Err(CliError::content(format!("{file}:1"), format!("column {name} is there twice"))),
+            (Some(_), Some(_)) => {
+                Err(CliError::content(format!("{file}:1"), format!("column {name} is there twice")))
+            }
         }
     };
     let [rate, lean, angle, time] = COLUMNS.map(|(name, _)| place(name));
@@ -118,7 +123,8 @@ mod tests {
 
     #[test]
     fn other_columns_are_ignored() {
-        let launches = parse("note,valve_open_s,alpha_f_rad,phi0_rad,omega0_rad_s\r\nx, 0.1 ,-0.1,-0.2,5\r\n").unwrap();
+        let launches =
+            parse("note,valve_open_s,alpha_f_rad,phi0_rad,omega0_rad_s\r\nx, 0.1 ,-0.1,-0.2,5\r\n").unwrap();
         let launch = Launch { rate: 5.0, lean: -0.2, firing_angle: -0.1, valve_open: 0.1 };
         assert_eq!(launches, [(2, launch)]);
         assert_eq!(parse(&format!("\u{feff}{HEADER}\n5,0,0,0.1")).unwrap().len(), 1);
@@ -130,15 +136,27 @@ mod tests {
             let error = parse(text).unwrap_err();
             assert!(error.contains(message), "{text:?}: {error}");
         };
-        check("", "a.csv:1: no column omega0_rad_s: the header must name omega0_rad_s, phi0_rad, alpha_f_rad, valve_open_s");
+        check(
+            "",
+            "a.csv:1: no column omega0_rad_s: the header must name omega0_rad_s, phi0_rad, alpha_f_rad, valve_open_s",
+        );
         check("omega0_rad_s,phi0_rad,alpha_f_rad\n", "no column valve_open_s");
         check(&format!("{HEADER},phi0_rad\n"), "a.csv:1: column phi0_rad is there twice");
         check(HEADER, "a.csv: no rows");
         check(&format!("{HEADER}\n5,0,0,0.1\n5,0\n"), "a.csv:3: 2 fields where the header has 4");
-        check(&format!("{HEADER}\n5,0,0,nan\n"), "a.csv:2: valve_open_s = nan: must be a time from 0 to 1000 s");
-        check(&format!("{HEADER}\n,0,0,0.1\n"), "a.csv:2: omega0_rad_s = : must be a number from 0 to 1000 rad/s");
+        check(
+            &format!("{HEADER}\n5,0,0,nan\n"),
+            "a.csv:2: valve_open_s = nan: must be a time from 0 to 1000 s",
+        );
+        check(
+            &format!("{HEADER}\n,0,0,0.1\n"),
+            "a.csv:2: omega0_rad_s = : must be a number from 0 to 1000 rad/s",
+        );
         check(&format!("{HEADER}\n5,2,0,0.1\n"), "a.csv:2: phi0_rad = 2: must be an angle strictly between");
-        check(&format!("{HEADER}\n5,0,{},0.1\n", "9".repeat(100)), &format!("alpha_f_rad = {}…", "9".repeat(40)));
+        check(
+            &format!("{HEADER}\n5,0,{},0.1\n", "9".repeat(100)),
+            &format!("alpha_f_rad = {}…", "9".repeat(40)),
+        );
     }
 
     proptest! {
