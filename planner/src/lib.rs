@@ -1,5 +1,8 @@
 //! Firing tables, linear laws, feasibility maps and the QP over obstacles.
 
 mod jump;
+mod proxy;
+mod table;
 
 pub use jump::{Jump, PLANNING_TOLERANCE, Planner, SensitiveJump, Sensitivity};
+pub use table::{Cell, Entry, FIRING_ANGLES, Measure, Nearest, Roots, Table, TableError, TableRequest};
