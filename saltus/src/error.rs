@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use saltus::planner::TableError;
 use saltus::{RobotError, StanceError};
 
 /// Bad input, or a place that could not be read or written: exit code 2.
@@ -12,7 +13,7 @@ pub(crate) enum CliError {
     #[error(transparent)]
     Robot(#[from] RobotError),
     /// A value of a flag, or flags that do not go together.
-    #[error("{flag} {value}: must be {allowed}")]
+    #[error("{flag}{}{value}: must be {allowed}", if value.is_empty() { "" } else { " " })]
     Flag {
         /// The flag as typed.
         flag: &'static str,
@@ -59,6 +60,9 @@ pub(crate) enum CliError {
         /// Why not.
         source: StanceError,
     },
+    /// What the planner does not take.
+    #[error(transparent)]
+    Request(#[from] TableError),
     /// A file that the system does not let us read.
     #[error("{}: cannot be read: {source}", file.display())]
     Read {

@@ -85,11 +85,6 @@ pub(crate) struct QuantityError {
 }
 
 /// Parser of a flag.
-pub(crate) fn rate(text: &str) -> Result<f64, QuantityError> {
-    Quantity::RATE.parse(text)
-}
-
-/// Parser of a flag.
 pub(crate) fn angle(text: &str) -> Result<f64, QuantityError> {
     Quantity::ANGLE.parse(text)
 }

@@ -2,7 +2,11 @@
 
 mod common;
 mod completions;
+mod law;
+mod map;
 mod simulate;
+mod table;
+mod target;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -28,6 +32,9 @@ Examples:
   saltus simulate --omega 5 --alpha-f -0.1
   saltus simulate --omega 5 --alpha-f -0.25:0.05:7 --plot figure-5.9.svg
   saltus simulate --batch jumps.csv --out answers.csv
+  saltus table --omega 3:6:61 --distance 0.6
+  saltus law --omega 3:6:5 --distance 1
+  saltus map --omega 2:7:51 --alpha-f -0.5:0.5:41 --plot map.png
 
 Exit codes: 0 done, 1 the answer is no, 2 bad input.
 `saltus help COMMAND` explains a command and its output.";
@@ -35,6 +42,9 @@ Exit codes: 0 done, 1 the answer is no, 2 bad input.
 #[derive(Debug, Subcommand)]
 enum Command {
     Simulate(simulate::Simulate),
+    Table(table::Table),
+    Law(law::Law),
+    Map(map::Map),
     Completions(completions::Completions),
 }
 
@@ -43,12 +53,17 @@ enum Command {
 pub(crate) enum Status {
     /// Done.
     Done,
+    /// The answer is no.
+    No,
 }
 
 impl Command {
     fn run(self) -> Result<Status, CliError> {
         match self {
             Command::Simulate(command) => command.run(),
+            Command::Table(command) => command.run(),
+            Command::Law(command) => command.run(),
+            Command::Map(command) => command.run(),
             Command::Completions(command) => command.run(),
         }
     }
@@ -58,6 +73,7 @@ impl Command {
 pub(crate) fn main() -> ExitCode {
     match Cli::parse().command.run() {
         Ok(Status::Done) => ExitCode::SUCCESS,
+        Ok(Status::No) => ExitCode::FAILURE,
         Err(error) => {
             // Where stderr is closed, the exit code has to do.
             let _ = writeln!(std::io::stderr(), "error: {error}");

@@ -14,8 +14,9 @@ use super::palette::{GREY, INK, RED, viridis};
 const WIDTH: u32 = 960;
 /// Space (m) under the ground for the labels.
 const CELLAR: f64 = 0.06;
-/// Least distance between two labels.
-const LABEL: i32 = 36;
+/// Width of a label's character, and least distance between two labels.
+const CHARACTER: usize = 8;
+const GAP: usize = 6;
 /// Distance between two dots of a flight.
 const DOTS: f64 = 5.0;
 
@@ -74,13 +75,15 @@ impl Trajectories {
     /// The labels, leaving out those that would overlap.
     fn draw_labels<DB: DrawingBackend>(&self, chart: &Chart<'_, DB>, pen: Pen) -> Drawn<DB> {
         let place = |path: &Trajectory| chart.plotting_area().map_coordinate(&(path.end().0, 0.0)).0;
-        let mut taken: Vec<i32> = Vec::new();
+        let mut taken: Vec<(i32, i32)> = Vec::new();
         let style = pen.text(13, INK, HPos::Center, VPos::Top);
         for path in self.paths.iter().filter(|path| !path.flight.is_empty()) {
             let x = place(path);
-            if taken.iter().all(|other| (x - other).abs() >= pen.offset(LABEL)) {
+            let width = path.label.chars().count().saturating_mul(CHARACTER) + GAP;
+            let half = pen.offset(i32::try_from(width / 2).unwrap_or(i32::MAX / 4));
+            if taken.iter().all(|(other, reach)| (x - other).abs() >= half + reach) {
                 label(chart, &path.label, &style, (path.end().0, 0.0), (0, pen.offset(7)))?;
-                taken.push(x);
+                taken.push((x, half));
             }
         }
         let words = format!("stance solid, flight dotted; under each path {}", self.labels);

@@ -5,7 +5,6 @@ use std::num::NonZeroUsize;
 use saltus::lagrangian::{Batch, Contact, EnergyLedger, FINE, Sample};
 use saltus::{DragFlight, Flight, Jump, Launch, LiftOff, Robot, StanceError};
 
-use crate::error::CliError;
 use crate::progress::Progress;
 
 /// Jumps that are computed side by side. It does not depend on the number of threads, so neither does the result.
@@ -35,23 +34,32 @@ pub(super) struct Bearing {
     pub(super) energy: EnergyLedger,
 }
 
-/// The answers to `launches`, each with what messages call it, in their order.
+/// A jump that cannot be computed.
+pub(super) struct Failed {
+    /// Its place among the launches.
+    pub(super) index: usize,
+    /// Why not.
+    pub(super) source: StanceError,
+}
+
+/// The answers to `launches` in their order, or the first that cannot be had.
 pub(super) fn simulate(
     robot: &Robot,
-    launches: &[(String, Launch)],
+    launches: &[Launch],
     detail: Detail,
     threads: NonZeroUsize,
-) -> Result<Vec<Answer>, CliError> {
+) -> Result<Vec<Answer>, Failed> {
     let work = Work {
         robot,
         batch: Batch::new(robot, FINE),
         detail,
         progress: Progress::new("jumps", launches.len()),
     };
-    let chunks: Vec<&[(String, Launch)]> = launches.chunks(SIDE_BY_SIDE).collect();
+    let chunks: Vec<(usize, &[Launch])> = launches.chunks(SIDE_BY_SIDE).enumerate().collect();
     let shares: Vec<_> = chunks.chunks(chunks.len().div_ceil(threads.get()).max(1)).collect();
-    let share = |chunks: &[&[(String, Launch)]]| -> Result<Vec<Answer>, CliError> {
-        let answers: Result<Vec<_>, _> = chunks.iter().map(|chunk| work.chunk(chunk)).collect();
+    let share = |chunks: &[(usize, &[Launch])]| -> Result<Vec<Answer>, Failed> {
+        let answers: Result<Vec<_>, _> =
+            chunks.iter().map(|(i, chunk)| work.chunk(i * SIDE_BY_SIDE, chunk)).collect();
         Ok(answers?.into_iter().flatten().collect())
     };
     if let [only] = shares[..] {
@@ -75,12 +83,12 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    fn chunk(&self, launches: &[(String, Launch)]) -> Result<Vec<Answer>, CliError> {
-        let plain: Vec<Launch> = launches.iter().map(|(_, launch)| *launch).collect();
-        let ends = self.batch.jumps(&plain);
-        let answers = ends.into_iter().zip(launches).map(|(end, (name, launch))| {
-            let failed = |source| CliError::Jump { jump: name.clone(), source };
-            self.answer(launch, end.map_err(failed)?).map_err(failed)
+    /// The answers to `launches`, of which the first has the place `start`.
+    fn chunk(&self, start: usize, launches: &[Launch]) -> Result<Vec<Answer>, Failed> {
+        let ends = self.batch.jumps(launches);
+        let answers = ends.into_iter().zip(launches).enumerate().map(|(i, (end, launch))| {
+            let answer = end.and_then(|end| self.answer(launch, end));
+            answer.map_err(|source| Failed { index: start + i, source })
         });
         let answers = answers.collect();
         self.progress.advance(launches.len());

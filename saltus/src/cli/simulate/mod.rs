@@ -9,7 +9,7 @@ mod text;
 use std::path::PathBuf;
 
 use clap::Args;
-use saltus::Launch;
+use saltus::{Launch, StanceError};
 
 use super::Status;
 use super::common::{Common, PlotOption, Threads};
@@ -86,14 +86,15 @@ A jump that does not take off is an answer: the exit code is 0.";
 impl Simulate {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         let robot = self.common.robot()?;
-        let launches = self.launches()?;
+        let (launches, lines) = self.launches()?;
         let drawn = self.plot.is_set();
         if drawn && launches.len() > MOST_DRAWN {
             let allowed = format!("used with {MOST_DRAWN} jumps at most, not {}", launches.len());
             return Err(CliError::flag("--plot", "", allowed));
         }
         let detail = compute::Detail { stance: self.batch.is_none(), path: drawn };
-        let answers = compute::simulate(&robot, &launches, detail, self.threads.count())?;
+        let answers = compute::simulate(&robot, &launches, detail, self.threads.count())
+            .map_err(|failed| self.failed(&launches[failed.index], lines.get(failed.index), failed.source))?;
         let report = match self.common.format() {
             Format::Csv => report::table(&answers, &robot).csv(),
             Format::Json => report::json(&answers, &robot),
@@ -104,35 +105,49 @@ impl Simulate {
         Ok(Status::Done)
     }
 
-    /// The launches, each with what messages call it.
-    fn launches(&self) -> Result<Vec<(String, Launch)>, CliError> {
-        if let Some(path) = &self.batch {
-            let named = |(line, launch)| (format!("{}:{line}", path.display()), launch);
-            return Ok(batch::load(path)?.into_iter().map(named).collect());
+    /// The launches, and the lines of the batch on which they stand.
+    fn launches(&self) -> Result<(Vec<Launch>, Vec<u64>), CliError> {
+        match &self.batch {
+            Some(path) => Ok(batch::load(path)?.into_iter().map(|(line, launch)| (launch, line)).unzip()),
+            None => Ok((self.combinations()?, Vec::new())),
         }
-        let missing = |flag| CliError::Missing { flag, allowed: "a launch needs it, or give a --batch" };
+    }
+
+    /// Every combination of the flags' values.
+    fn combinations(&self) -> Result<Vec<Launch>, CliError> {
+        let missing = |flag| CliError::Missing { flag, allowed: "a jump needs it, or give a --batch" };
         let rates = self.omega.as_ref().ok_or_else(|| missing("--omega"))?;
         let angles = self.alpha_f.as_ref().ok_or_else(|| missing("--alpha-f"))?;
         let times = self.valve_open.clone().unwrap_or_else(|| Values::from(0.1));
         let count = rates.len().saturating_mul(angles.len()).saturating_mul(times.len());
         if count > MOST_JUMPS {
-            let allowed = format!("combined into {MOST_JUMPS} jumps at most");
-            return Err(CliError::flag(
-                "--omega, --alpha-f and --valve-open",
-                format!("({count} jumps)"),
-                allowed,
-            ));
+            let allowed = format!("{MOST_JUMPS} combinations at most, not {count}");
+            return Err(CliError::flag("--omega, --alpha-f, --valve-open", "", allowed));
         }
         let mut launches = Vec::with_capacity(count);
         for &rate in rates.iter() {
             for &firing_angle in angles.iter() {
                 let lean = self.start_lean.unwrap_or(firing_angle);
-                launches.extend(times.iter().map(|&valve_open| {
-                    let name = format!("--omega {rate} --alpha-f {firing_angle} --valve-open {valve_open}");
-                    (name, Launch { rate, lean, firing_angle, valve_open })
+                launches.extend(times.iter().map(|&valve_open| Launch {
+                    rate,
+                    lean,
+                    firing_angle,
+                    valve_open,
                 }));
             }
         }
         Ok(launches)
+    }
+
+    /// Why the jump of `launch`, on a line of the batch if there is one, could not be computed.
+    fn failed(&self, launch: &Launch, line: Option<&u64>, source: StanceError) -> CliError {
+        let jump = match (&self.batch, line) {
+            (Some(path), Some(line)) => format!("{}:{line}", path.display()),
+            _ => format!(
+                "--omega {} --alpha-f {} --valve-open {}",
+                launch.rate, launch.firing_angle, launch.valve_open
+            ),
+        };
+        CliError::Jump { jump, source }
     }
 }
