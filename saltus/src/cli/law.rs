@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::Status;
 use super::common::{Common, PlotOption};
-use super::target::TargetFlags;
+use super::target::{Kind, TargetFlags};
 use crate::error::CliError;
 use crate::output::{self, Cell, Format, Table as Rows, digits};
 use crate::plot::Drawing;
@@ -107,8 +107,7 @@ impl Law {
     }
 
     fn rows(&self, found: &[Found]) -> Rows {
-        let is_distance = self.target.kind().name() == "distance";
-        let mut rows = Rows::new(if is_distance { DISTANCES } else { CLEARANCES });
+        let mut rows = Rows::new(if self.target.kind() == Kind::Distance { DISTANCES } else { CLEARANCES });
         found.iter().for_each(|one| rows.push(self.row(one)));
         rows
     }
@@ -117,7 +116,8 @@ impl Law {
         let law = one.law.as_ref();
         let number = |key: &dyn Fn(&planner::Law) -> f64| Cell::from(law.map(key));
         let valid = law.and_then(|law| law.valid_range(self.tolerance));
-        let count = |key: &dyn Fn(&planner::Law) -> usize| law.map_or(Cell::Empty, |law| Cell::Count(key(law)));
+        let count =
+            |key: &dyn Fn(&planner::Law) -> usize| law.map_or(Cell::Empty, |law| Cell::Count(key(law)));
         let near = |key: &dyn Fn(&(f64, Nearest)) -> f64| Cell::from(one.nearest.as_ref().map(key));
         vec![
             one.target.into(),
@@ -188,7 +188,11 @@ impl Law {
             ),
             None => format!("  valid      nowhere within {} m", digits(self.tolerance, 5)),
         });
-        lines.push(format!("  fitted to  {} rates, {} more are out of reach", law.points.len(), law.out_of_reach.len()));
+        lines.push(format!(
+            "  fitted to  {} rates, {} more are out of reach",
+            law.points.len(),
+            law.out_of_reach.len()
+        ));
         lines.join("\n") + "\n"
     }
 
@@ -200,12 +204,21 @@ impl Law {
         }
         let line = |one: &Found| {
             let law = one.law.as_ref()?;
-            let label = format!("{} m: A = {} s, B = {} rad", digits(one.target, 4), digits(law.slope, 4), digits(law.intercept, 4));
+            let label = format!(
+                "{} m: A = {} s, B = {} rad",
+                digits(one.target, 4),
+                digits(law.slope, 4),
+                digits(law.intercept, 4)
+            );
             let points = law.points.iter().map(|p| (p.rate, p.exact, p.fitted)).collect();
             Some(Line { label: label.replace('-', "−"), points })
         };
         Ok(Drawing::Law(LawPlot {
-            title: format!("{}: linear law of the firing angle for a {}", robot.name, self.target.kind().name()),
+            title: format!(
+                "{}: linear law of the firing angle for a {}",
+                robot.name,
+                self.target.kind().name()
+            ),
             lines: found.iter().filter_map(line).collect(),
         }))
     }
@@ -222,11 +235,16 @@ fn find(planner: &Planner, request: &TableRequest) -> Result<Vec<Found>, CliErro
 }
 
 /// The rate that gets nearest to `target`, and how.
-fn nearest(planner: &Planner, request: &TableRequest, target: f64) -> Result<Option<(f64, Nearest)>, CliError> {
+fn nearest(
+    planner: &Planner,
+    request: &TableRequest,
+    target: f64,
+) -> Result<Option<(f64, Nearest)>, CliError> {
     let table = planner.table(&TableRequest { targets: vec![target], ..request.clone() })?;
     let reached = table.cells.iter().filter_map(|cell| {
         let exact = cell.entries.first();
-        let exact = exact.map(|entry| Nearest { value: entry.value, firing_angle: entry.jump.launch.firing_angle });
+        let exact =
+            exact.map(|entry| Nearest { value: entry.value, firing_angle: entry.jump.launch.firing_angle });
         Some((cell.rate, exact.or(cell.nearest)?))
     });
     let gap = |(_, nearest): &(f64, Nearest)| (nearest.value - target).abs();

@@ -152,33 +152,46 @@ impl Table {
     fn text(&self, rows: &Rows, robot: &Robot) -> String {
         let landing = format!("landing with the centre at {} m", digits(self.target.landing_height(), 5));
         match self.target.kind() {
-            Kind::Distance => format!("{}: firing angles for distances, {landing}\n{}", robot.name, rows.text(&[
-                ("omega_rad_s", "ω", "rad/s"),
-                ("distance_m", "distance", "m"),
-                ("alpha_f_rad", "α_f", "rad"),
-                ("alpha_f_late_rad", "or", "rad"),
-                ("distance_sd_m", "± distance", "m"),
-                ("apex_m", "apex", "m"),
-                ("apex_sd_m", "± apex", "m"),
-                ("status", "status", ""),
-                ("nearest_distance_m", "nearest", "m"),
-                ("nearest_alpha_f_rad", "at α_f", "rad"),
-            ])),
-            Kind::Clearance => format!("{}: firing angles for clearances, {landing}\n{}", robot.name, rows.text(&[
-                ("omega_rad_s", "ω", "rad/s"),
-                ("clearance_m", "clearance", "m"),
-                ("alpha_f_rad", "α_f", "rad"),
-                ("alpha_f_late_rad", "or", "rad"),
-                ("apex_m", "apex", "m"),
-                ("land_m", "landing", "m"),
-                ("status", "status", ""),
-                ("nearest_clearance_m", "nearest", "m"),
-                ("nearest_alpha_f_rad", "at α_f", "rad"),
-            ])),
+            Kind::Distance => format!(
+                "{}: firing angles for distances, {landing}\n{}",
+                robot.name,
+                rows.text(&[
+                    ("omega_rad_s", "ω", "rad/s"),
+                    ("distance_m", "distance", "m"),
+                    ("alpha_f_rad", "α_f", "rad"),
+                    ("alpha_f_late_rad", "or", "rad"),
+                    ("distance_sd_m", "± distance", "m"),
+                    ("apex_m", "apex", "m"),
+                    ("apex_sd_m", "± apex", "m"),
+                    ("status", "status", ""),
+                    ("nearest_distance_m", "nearest", "m"),
+                    ("nearest_alpha_f_rad", "at α_f", "rad"),
+                ])
+            ),
+            Kind::Clearance => format!(
+                "{}: firing angles for clearances, {landing}\n{}",
+                robot.name,
+                rows.text(&[
+                    ("omega_rad_s", "ω", "rad/s"),
+                    ("clearance_m", "clearance", "m"),
+                    ("alpha_f_rad", "α_f", "rad"),
+                    ("alpha_f_late_rad", "or", "rad"),
+                    ("apex_m", "apex", "m"),
+                    ("land_m", "landing", "m"),
+                    ("status", "status", ""),
+                    ("nearest_clearance_m", "nearest", "m"),
+                    ("nearest_alpha_f_rad", "at α_f", "rad"),
+                ])
+            ),
         }
     }
 
-    fn curves(&self, table: &planner::Table, request: &TableRequest, robot: &Robot) -> Result<Drawing, CliError> {
+    fn curves(
+        &self,
+        table: &planner::Table,
+        request: &TableRequest,
+        robot: &Robot,
+    ) -> Result<Drawing, CliError> {
         const MOST: usize = 40;
         let width = request.targets.len();
         if width > MOST {
@@ -191,7 +204,9 @@ impl Table {
             points: table.cells.iter().skip(i).step_by(width).map(point).collect(),
         };
         let what = match request.measure {
-            Measure::Distance { landing_height } => format!("distance to y = {} m", digits(landing_height, 4)),
+            Measure::Distance { landing_height } => {
+                format!("distance to y = {} m", digits(landing_height, 4))
+            }
             Measure::Clearance { .. } => format!("{kind} over the obstacle"),
         };
         Ok(Drawing::Curves(Curves {
@@ -212,6 +227,7 @@ fn point(cell: &planner::Cell) -> (f64, Option<f64>) {
 fn sensitivities(both: Option<[Sensitivity; 2]>, robot: &Robot) -> Vec<Cell> {
     let Some(both) = both else { return vec![Cell::Empty; 10] };
     let deviations = both.iter().map(|one| one.standard_deviation(&robot.errors));
-    let slopes = both.iter().flat_map(|one| [one.by_rate, one.by_firing_angle, one.by_valve_open, one.by_supply]);
+    let slopes =
+        both.iter().flat_map(|one| [one.by_rate, one.by_firing_angle, one.by_valve_open, one.by_supply]);
     deviations.chain(slopes).map(Cell::from).collect()
 }

@@ -91,12 +91,23 @@ impl TargetFlags {
     pub(crate) fn request(&self, roots: Roots, robot: &Robot) -> Result<TableRequest, CliError> {
         let (targets, measure) = match (&self.distance, &self.clearance, self.obstacle) {
             (Some(distances), ..) => (distances, Measure::Distance { landing_height: self.landing_height }),
-            (None, Some(clearances), Some(block)) => (clearances, Measure::Clearance { obstacle: block.obstacle(robot)? }),
-            _ => return Err(CliError::Missing { flag: "--distance", allowed: "or --clearance with an --obstacle" }),
+            (None, Some(clearances), Some(block)) => {
+                (clearances, Measure::Clearance { obstacle: block.obstacle(robot)? })
+            }
+            _ => {
+                return Err(CliError::Missing {
+                    flag: "--distance",
+                    allowed: "or --clearance with an --obstacle",
+                });
+            }
         };
         let count = self.omega.len().saturating_mul(targets.len());
         if count > MOST {
-            return Err(CliError::flag("--omega", "", format!("{MOST} pairs of rate and target at most, not {count}")));
+            return Err(CliError::flag(
+                "--omega",
+                "",
+                format!("{MOST} pairs of rate and target at most, not {count}"),
+            ));
         }
         Ok(TableRequest {
             rates: self.omega.to_vec(),
@@ -115,11 +126,16 @@ impl TargetFlags {
 impl Block {
     fn obstacle(self, robot: &Robot) -> Result<Obstacle, CliError> {
         let Block { front, width, height } = self;
-        let refused = |allowed: String| CliError::flag("--obstacle", format!("{front},{width},{height}"), allowed);
+        let refused =
+            |allowed: String| CliError::flag("--obstacle", format!("{front},{width},{height}"), allowed);
         if front < robot.body.radius {
-            return Err(refused(format!("ahead of the wheel: FRONT at least its radius, {} m", robot.body.radius)));
+            return Err(refused(format!(
+                "ahead of the wheel: FRONT at least its radius, {} m",
+                robot.body.radius
+            )));
         }
-        Obstacle::block([front, 0.0], [front + width, height]).map_err(|error| refused(format!("a box ({error})")))
+        Obstacle::block([front, 0.0], [front + width, height])
+            .map_err(|error| refused(format!("a box ({error})")))
     }
 }
 

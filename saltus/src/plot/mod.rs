@@ -1,6 +1,10 @@
 //! Drawings as SVG and PNG, with the font they need built in.
 
 mod axes;
+mod contour;
+pub(crate) mod curves;
+pub(crate) mod law;
+pub(crate) mod map;
 mod palette;
 pub(crate) mod trajectories;
 
@@ -17,6 +21,12 @@ pub(crate) use axes::tick;
 pub(crate) enum Drawing {
     /// Paths of the wheel's centre.
     Trajectories(trajectories::Trajectories),
+    /// Firing angles over approach rates.
+    Curves(curves::Curves),
+    /// Linear laws.
+    Law(law::LawPlot),
+    /// What is reachable.
+    Map(map::MapPlot),
 }
 
 /// A file to draw to.
@@ -100,6 +110,9 @@ impl Drawing {
     fn size(&self) -> (u32, u32) {
         match self {
             Drawing::Trajectories(drawing) => drawing.size(),
+            Drawing::Curves(drawing) => drawing.size(),
+            Drawing::Law(drawing) => drawing.size(),
+            Drawing::Map(drawing) => drawing.size(),
         }
     }
 
@@ -107,6 +120,9 @@ impl Drawing {
         area.fill(&WHITE)?;
         match self {
             Drawing::Trajectories(drawing) => drawing.draw(area, pen)?,
+            Drawing::Curves(drawing) => drawing.draw(area, pen)?,
+            Drawing::Law(drawing) => drawing.draw(area, pen)?,
+            Drawing::Map(drawing) => drawing.draw(area, pen)?,
         }
         area.present()
     }
