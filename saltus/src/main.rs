@@ -4,6 +4,7 @@
 
 mod cli;
 mod error;
+mod input;
 mod output;
 mod plot;
 mod progress;

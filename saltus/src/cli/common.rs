@@ -22,6 +22,14 @@ pub(crate) struct Common {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
 
+    #[command(flatten)]
+    output: OutputFlags,
+}
+
+/// Where the answer goes.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Robot and output")]
+pub(crate) struct OutputFlags {
     /// Format of the report; without it as --out's ending says (.json, .csv), else text
     #[arg(long, value_enum)]
     format: Option<Format>,
@@ -74,7 +82,16 @@ impl Common {
     pub(crate) fn robot(&self) -> Result<Robot, CliError> {
         Ok(saltus::resolve(&self.robot, &self.overrides)?)
     }
+}
 
+impl std::ops::Deref for Common {
+    type Target = OutputFlags;
+    fn deref(&self) -> &OutputFlags {
+        &self.output
+    }
+}
+
+impl OutputFlags {
     /// The format asked for.
     pub(crate) fn format(&self) -> Format {
         let by_name = || self.out.as_deref().and_then(Format::of_file);

@@ -64,6 +64,7 @@ impl Command {
             Command::Table(command) => command.run(),
             Command::Law(command) => command.run(),
             Command::Map(command) => command.run(),
+            Command::Parkour(command) => command.run(),
             Command::Completions(command) => command.run(),
         }
     }

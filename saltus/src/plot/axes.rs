@@ -101,7 +101,7 @@ impl Axes {
             .x_desc(self.x.0)
             .y_desc(self.y.0)
             .x_labels(9)
-            .y_labels(7)
+            .y_labels(9)
             .axis_desc_style(label(15))
             .label_style(label(13))
             .x_label_formatter(&|x| tick(*x))

@@ -1,12 +1,12 @@
 //! Contour lines of a quantity on a grid, by marching squares.
 
-/// Some eight round numbers between `low` and `high`.
+/// Some ten round numbers between `low` and `high`.
 pub(super) fn levels(low: f64, high: f64) -> Vec<f64> {
     let width = high - low;
     if width <= 0.0 || !width.is_finite() {
         return Vec::new();
     }
-    let raw = width / 8.0;
+    let raw = width / 12.0;
     let power = 10_f64.powf(raw.log10().floor());
     let step =
         [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|step| *step >= raw).unwrap_or(power);
@@ -46,10 +46,7 @@ mod tests {
 
     #[test]
     fn levels_are_round_and_inside() {
-        assert_eq!(
-            levels(0.0, 0.8),
-            [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8].map(|x: f64| (x * 10.0).round() * 0.1)
-        );
+        assert_eq!(levels(-0.3, 5.2), [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0]);
         assert!(levels(1.0, 1.0).is_empty());
         assert!(levels(-3.0, 12.0).iter().all(|x| (-3.0..=12.0).contains(x)));
     }

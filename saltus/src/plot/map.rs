@@ -14,6 +14,8 @@ use super::palette::{INK, viridis};
 const WIDTH: u32 = 760;
 const HEIGHT: u32 = 470;
 const TITLE: u32 = 34;
+/// Height of the line over a panel.
+const HEAD: u32 = 28;
 /// Width of the scale beside a panel.
 const SCALE: u32 = 96;
 
@@ -56,7 +58,9 @@ impl MapPlot {
         pen: Pen,
         panel: &Panel,
     ) -> Drawn<DB> {
-        let (left, right) = area.split_horizontally(pen.length(WIDTH - SCALE));
+        let (head, body) = area.split_vertically(pen.length(HEAD));
+        self.draw_legend(&head, pen, panel)?;
+        let (left, right) = body.split_horizontally(pen.length(WIDTH - SCALE));
         let (x, y) = (edges(&self.rates), edges(&self.angles));
         let (low, high) = span(panel.values.iter().flatten().copied());
         let share = |value: f64| if high > low { (value - low) / (high - low) } else { 0.5 };
@@ -73,8 +77,7 @@ impl MapPlot {
         }))?;
         let levels = levels(low, high);
         self.draw_contours(&mut chart, pen, panel, &levels)?;
-        draw_scale(&right, pen, panel, (low, high), &levels)?;
-        self.draw_legend(&chart, pen, panel)
+        draw_scale(&right, pen, (low, high), &levels)
     }
 
     fn draw_contours<DB: DrawingBackend>(
@@ -92,40 +95,54 @@ impl MapPlot {
         Ok(())
     }
 
-    /// What the grey cells are.
-    fn draw_legend<DB: DrawingBackend>(&self, chart: &Chart<'_, DB>, pen: Pen, panel: &Panel) -> Drawn<DB> {
+    /// What the colours and the grey cells are.
+    fn draw_legend<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        pen: Pen,
+        panel: &Panel,
+    ) -> Drawn<DB> {
         let mut names: Vec<&str> = Vec::new();
         for (outcome, value) in self.outcomes.iter().zip(&panel.values) {
             if value.is_none() && !names.contains(outcome) {
                 names.push(outcome);
             }
         }
-        let plain = chart.plotting_area().strip_coord_spec();
-        let mut top = pen.offset(8);
+        let middle = pen.offset(HEAD.cast_signed() * 2 / 3);
+        let style = pen.text(13, INK, HPos::Left, VPos::Center);
+        let mut left = pen.offset(78);
+        area.draw_text(&panel.title, &style, (left, middle))?;
+        left += width(&panel.title, pen);
         for name in names {
-            let (left, size) = (pen.offset(8), pen.offset(12));
-            let (from, to) = ((left, top), (left + size, top + size));
-            plain.draw(&Rectangle::new([from, to], grey(name).filled()))?;
-            plain.draw(&Rectangle::new([from, to], pen.line(INK, 1)))?;
-            let style = pen.text(12, INK, HPos::Left, VPos::Center);
+            let half = pen.offset(6);
+            let square = [(left, middle - half), (left + 2 * half, middle + half)];
+            area.draw(&Rectangle::new(square, grey(name).filled()))?;
+            area.draw(&Rectangle::new(square, pen.line(INK, 1)))?;
             let words = if matches!(name, "stroke" | "force") { "does not get there" } else { name };
-            plain.draw_text(words, &style, (left + size + pen.offset(6), top + size / 2))?;
-            top += pen.offset(18);
+            left += 3 * half;
+            area.draw_text(words, &style, (left, middle))?;
+            left += width(words, pen);
         }
         Ok(())
     }
+}
+
+/// Some more than the width of a text.
+fn width(text: &str, pen: Pen) -> i32 {
+    const CHARACTER: i32 = 8;
+    let count = i32::try_from(text.chars().count()).unwrap_or(0);
+    pen.offset(CHARACTER.saturating_mul(count) + 20)
 }
 
 /// The colours' meaning, with the levels of the contours.
 fn draw_scale<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     pen: Pen,
-    panel: &Panel,
     (low, high): (f64, f64),
     levels: &[f64],
 ) -> Drawn<DB> {
     const STEPS: i32 = 100;
-    let (top, bottom) = (pen.offset(34), pen.offset(HEIGHT.cast_signed() - 76));
+    let (top, bottom) = (pen.offset(14), pen.offset((HEIGHT - HEAD).cast_signed() - 61));
     let (left, right) = (pen.offset(2), pen.offset(18));
     let place = |share: f64| f64::from(bottom) - share * f64::from(bottom - top);
     for i in 0..STEPS {
@@ -139,12 +156,7 @@ fn draw_scale<DB: DrawingBackend>(
         area.draw(&PathElement::new(vec![(left, row), (right, row)], pen.line(RGBColor(255, 255, 255), 1)))?;
         area.draw_text(&tick(level), &style, (right + pen.offset(6), row))?;
     }
-    let style = pen.text(13, INK, HPos::Right, VPos::Center);
-    area.draw_text(
-        &panel.title,
-        &style,
-        (area.dim_in_pixel().0.cast_signed() - pen.offset(10), pen.offset(16)),
-    )
+    Ok(())
 }
 
 /// A row of pixels; rows fit.
