@@ -4,6 +4,7 @@ mod common;
 mod completions;
 mod law;
 mod map;
+mod parkour;
 mod simulate;
 mod table;
 mod target;
@@ -45,6 +46,7 @@ enum Command {
     Table(table::Table),
     Law(law::Law),
     Map(map::Map),
+    Parkour(parkour::Parkour),
     Completions(completions::Completions),
 }
 

@@ -65,7 +65,9 @@ fn too_large(file: &str) -> CliError {
 /// Where each of [`COLUMNS`] stands.
 fn places(header: &ByteRecord, file: &str) -> Result<[usize; 4], CliError> {
     let place = |name: &str| {
-        let mut found = (0..header.len()).filter(|&i| &header[i] == name.as_bytes());
+        // A byte order mark is no part of the first name.
+        let named = |cell: &[u8]| cell.strip_prefix(b"\xef\xbb\xbf").unwrap_or(cell) == name.as_bytes();
+        let mut found = (0..header.len()).filter(|&i| named(&header[i]));
         match (found.next(), found.next()) {
             (Some(place), None) => Ok(place),
             (None, _) => Err(CliError::content(
