@@ -137,7 +137,8 @@ proptest! {
 
     #[test]
     fn slopes_are_those_of_finite_differences(flight in jumps(), obstacle in stars(), to in 0.2..1.0) {
-        prop_assume!(flight.gravity > 0.5);
+        // Differences move gravity, which must stay positive.
+        let flight = Flight { gravity: flight.gravity.max(1.0), ..flight };
         let disc = Disc::wheel(0.2);
         let clearance = |f: Flight<f64>| f.clearance(&disc, &obstacle, 0.0, to).unwrap();
         let here = clearance(flight);

@@ -111,7 +111,8 @@ proptest! {
 
     #[test]
     fn the_vacuum_is_the_limit_and_the_bound(flight in flights()) {
-        prop_assume!(flight.vacuum.vx.abs() > 0.1);
+        // Near the top a height to round-off is no range to round-off.
+        prop_assume!(flight.vacuum.vx.abs() > 0.1 && flight.vacuum.vy.abs() > 0.1);
         let flight = DragFlight { vacuum: Flight { x: 0.0, ..flight.vacuum }, ..flight };
         let height = flight.vacuum.y;
         let vacuum = flight.vacuum.range_to_height(height);
@@ -142,8 +143,8 @@ proptest! {
         let vacuum = Flight { x: x * scale, y: y * scale, vx: vx * speed, vy: vy * speed, gravity };
         let scaled = DragFlight { vacuum, drag: flight.drag / scale };
         let range = scaled.range_to_height(0.1 * scale).unwrap() / scale;
-        // A step's tolerance of 1e-13 is relative to 1 m and 1 m/s, whatever the scale: ten times as much at a tenth.
-        prop_assert!(close(range, flight.range_to_height(0.1).unwrap(), 1e-10));
+        // A step's tolerance is relative to 1 m and 1 m/s, whatever the scale, so that the steps differ.
+        prop_assert!(close(range, flight.range_to_height(0.1).unwrap(), 1e-12));
     }
 
     #[test]
@@ -173,7 +174,7 @@ proptest! {
 
     #[test]
     fn slopes_are_those_of_finite_differences(flight in flights(), t in 0.1..1.0) {
-        // Steps of 1e-3 must stay clear of where the functions bend.
+        // Differences must stay clear of vy = 0, where the functions bend.
         prop_assume!(flight.vacuum.vy.abs() > 0.1);
         let d = DragFlight { vacuum: dual(flight.vacuum), drag: Dual::of(flight.drag) };
         let of = Dual::of;
@@ -195,12 +196,12 @@ proptest! {
         let [x, y, vx, vy, gravity] = [x, y, vx, vy, gravity].map(constant);
         let vacuum = Flight { x, y, vx, vy, gravity };
         let d = DragFlight { vacuum, drag: Dual::variable(flight.drag, 0) };
-        let h = 1e-3 * flight.drag;
+        let h = 1e-2 * flight.drag;
         let range = |drag: f64| DragFlight { drag, ..flight }.range_to_height(0.1).unwrap();
         let central = |h: f64| (range(flight.drag + h) - range(flight.drag - h)) / (2.0 * h);
         let numeric = (4.0 * central(h / 2.0) - central(h)) / 3.0;
-        // Round-off 1e-13 over steps down to 1e-7.
-        prop_assert!(close(d.range_to_height(constant(0.1)).unwrap().slope[0], numeric, 2e-6));
+        // Round-off 1e-13 over steps down to 1e-6.
+        prop_assert!(close(d.range_to_height(constant(0.1)).unwrap().slope[0], numeric, 1e-6));
         let position = d.position(Dual::variable(t, 1));
         for (position, velocity) in position.into_iter().zip(flight.velocity(t)) {
             prop_assert!(close(position.slope[1], velocity, 1e-10));
