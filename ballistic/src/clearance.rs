@@ -149,7 +149,7 @@ fn least<S: Single>(path: &impl Path<S>, outline: &Outline, span: [S; 2], radius
     };
     let mut best = at(values[0], Cause::End(span[0])).or(at(values[1], Cause::End(span[1])));
     for arc in path.arcs(values[0], values[1]) {
-        // A minimum or a crossing may hide between two arcs.
+        // A minimum may sit in the bend between two arcs.
         best = best.or(at(arc.span[0], Cause::Level));
         for_each_level(outline, &arc, |time| best = best.or(at(time, Cause::Level)));
         if best.gap < NEAR {

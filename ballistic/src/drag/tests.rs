@@ -41,6 +41,27 @@ fn bad_questions_say_why() {
     assert!(matches!(fast.time_to_height(0.0), Err(FlightError::NotFinite { .. })));
 }
 
+/// Up and down through the apex, where |v| v has a kink.
+fn check_vertical_jump(drag: f64, gravity: f64, vy: f64) {
+    let terminal = f64::sqrt(gravity / drag);
+    let flight = DragFlight { vacuum: Flight { x: 0.0, y: 1.0, vx: 0.0, vy, gravity }, drag };
+    let (apex, rise) = (flight.apex_height(), flight.apex_time());
+    assert!(close(apex, 1.0 + (vy / terminal).powi(2).ln_1p() / (2.0 * drag), 1e-12));
+    assert!(close(rise, terminal / gravity * (vy / terminal).atan(), 1e-12));
+    let fall = vy / gravity;
+    let height = apex - (gravity * fall / terminal).cosh().ln() / drag;
+    assert!(close(flight.position(rise + fall)[1], height, 1e-12));
+    // The well-known speed back at the height of lift-off, v / √(1 + v²/v_t²).
+    let down = flight.velocity(flight.time_to_height(1.0).unwrap())[1];
+    assert!(close(down, -vy / (1.0 + (vy / terminal).powi(2)).sqrt(), 1e-12));
+}
+
+#[test]
+fn vertical_jumps_that_steps_across_the_apex_got_wrong() {
+    check_vertical_jump(0.283_457_439_187_988_7, 9.267_007_540_876_671, 5.966_996_482_718_977);
+    check_vertical_jump(7.523_427_566_230_847, 1.344_922_813_793_219, 3.724_619_374_048_160_6);
+}
+
 proptest! {
     #![proptest_config(config())]
 
@@ -73,16 +94,10 @@ proptest! {
     }
 
     #[test]
-    fn a_vertical_jump_is_that_of_the_closed_form(drag in 1e-3..10.0_f64, gravity in 1.0..20.0, vy in 0.1..10.0_f64) {
-        let terminal = f64::sqrt(gravity / drag);
-        let vacuum = Flight { x: 0.0, y: 1.0, vx: 0.0, vy, gravity };
-        let flight = DragFlight { vacuum, drag };
-        prop_assert!(close(flight.apex_height(), 1.0 + (vy / terminal).powi(2).ln_1p() / (2.0 * drag), 1e-12));
-        let rise = terminal / gravity * (vy / terminal).atan();
-        prop_assert!(close(flight.apex_time(), rise, 1e-12));
-        // Down again: the well-known speed at the height of lift-off, v / √(1 + v²/v_t²).
-        let down = flight.velocity(flight.time_to_height(1.0).unwrap())[1];
-        prop_assert!(close(down, -vy / (1.0 + (vy / terminal).powi(2)).sqrt(), 1e-12));
+    fn a_vertical_jump_is_that_of_the_closed_form(
+        drag in 1e-3..10.0_f64, gravity in 1.0..20.0_f64, vy in 0.1..10.0_f64,
+    ) {
+        check_vertical_jump(drag, gravity, vy);
     }
 
     #[test]
@@ -206,6 +221,16 @@ proptest! {
         for (position, velocity) in position.into_iter().zip(flight.velocity(t)) {
             prop_assert!(close(position.slope[1], velocity, 1e-10));
         }
+    }
+}
+
+#[test]
+fn a_drop_from_rest_has_slopes() {
+    let vacuum = Flight { vx: 0.0, vy: 0.0, ..HOP };
+    let d = DragFlight { vacuum: dual(vacuum), drag: Dual::of(0.1) };
+    for i in 0..2 {
+        let at = |vacuum| DragFlight { vacuum, drag: 0.1 }.position(0.3)[i];
+        check_slopes(vacuum, d.position(Dual::of(0.3))[i], at);
     }
 }
 
