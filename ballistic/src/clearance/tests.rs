@@ -54,7 +54,8 @@ fn the_deepest_point_is_where_two_features_tie() {
         assert!((found.distance - expected).abs() < 1e-14, "{found:?}");
         assert!((found.time - time).abs() < 1e-14, "{found:?}");
     };
-    // Steeply through a long slab: top and bottom. No distance is level inside; only the crossing tells that there is one.
+    // Steeply through a long slab: top and bottom. No distance is level inside; only the crossing tells that there is
+    // one.
     check(&[[0.0, 0.0], [10.0, 0.0], [10.0, 1.0], [0.0, 1.0]], [3.0, 4.5], [0.5, -1.0], -0.5, 4.0);
     // Down the diagonal of an L: its reflex corner, and the sides.
     let l = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];

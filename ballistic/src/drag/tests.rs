@@ -6,6 +6,7 @@ use saltus_numeric::{Dual, Scalar};
 use super::*;
 use crate::ExtendedLeg;
 use crate::check::{check_slopes, close, config, dual};
+use crate::path::Path;
 
 const HOP: Flight<f64> = Flight { x: 0.0, y: 1.0, vx: 2.0, vy: 4.0, gravity: 9.8 };
 
@@ -172,6 +173,20 @@ proptest! {
         let least = points.iter().map(|&p| obstacle.outline.nearest(p).1).fold(f64::INFINITY, f64::min) - 0.2;
         prop_assert!(found.distance <= least + 1e-8, "{found:?}, but a sample at {least}");
         prop_assert!(found.distance >= least - step, "{found:?}, but the samples stay above {least}");
+    }
+
+    #[test]
+    fn arcs_keep_to_the_path(flight in flights()) {
+        let track = Track::new(&flight, 1.0);
+        for arc in track.arcs(0.0, 1.0) {
+            let [from, to] = arc.span;
+            for share in [0.2, 0.8] {
+                let t = from + share * (to - from);
+                let [x, y] = track.node(t).position();
+                let miss = (arc.x.at(t - arc.start) - x).hypot(arc.y.at(t - arc.start) - y);
+                prop_assert!(miss < 1e-8, "{miss} at {t} on {arc:?}");
+            }
+        }
     }
 
     #[test]
