@@ -162,9 +162,6 @@ const E3: [f64; STAGES] = [
     0.02265179219836082,
 ];
 
-/// Largest error (as a multiple of the tolerance) is raised to this power when the next step is chosen: −1/8.
-const ORDER: f64 = 8.0;
-
 /// The result of one step.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<S: Scalar, const N: usize> {
@@ -174,87 +171,124 @@ pub struct Step<S: Scalar, const N: usize> {
     pub error: S::Value,
 }
 
-/// One step of length `h` from `y`, where `k0` = f(y).
-///
-/// `f` gives the derivative of the state with respect to the independent variable, whatever that is: time, or the value
-/// of an event function (Hénon's trick: then the step ends on the event, to round-off, with no root to search). The
+/// A derivative of the state with respect to the independent variable, whatever that is: time, or the value of an event
+/// function (Hénon's trick: then a step ends on the event, to round-off, with no root to search).
+pub trait Derivative<S, const N: usize> {
+    /// The derivative at the state `y`.
+    fn at(&self, y: &[S; N]) -> [S; N];
+}
+
+impl<S, const N: usize, F: Fn(&[S; N]) -> [S; N]> Derivative<S, N> for F {
+    #[inline(always)]
+    fn at(&self, y: &[S; N]) -> [S; N] {
+        self(y)
+    }
+}
+
+/// One step of length `h` from `y`, where `k0` is the derivative there. The
 /// first `checked` components enter the error estimate, each relative to 1 + |y|.
 ///
 /// Not promised: that a step which the estimate accepts contains no kink.
 #[inline(always)]
 pub fn step<S: Scalar, const N: usize>(
-    f: impl Fn(&[S; N]) -> [S; N],
+    f: &impl Derivative<S, N>,
     y: &[S; N],
     k0: &[S; N],
     h: S,
     checked: usize,
     tolerance: f64,
 ) -> Step<S, N> {
-    let mut k = [*k0; STAGES];
-    // Written out, so that each stage's weights are constants and the zeros among them cost nothing.
-    macro_rules! stage {
-        ($($n:literal)*) => {$(
-            let z: [S; N] = std::array::from_fn(|i| h.mul_add(weighted::<S, N, $n>(&A[$n], &k, i), y[i]));
-            k[$n] = f(&z);
-        )*};
+    // Written out, so that each stage's weights are constants, the zeros among them cost nothing, and no stage is
+    // copied.
+    macro_rules! stages {
+        ($($n:literal: $k:ident from $($earlier:ident)*;)*) => {
+            $(let $k = f.at(&along(y, h, &weighted(&A[$n], &[$($earlier),*])));
+            let $k = &$k;)*
+        };
     }
-    stage!(1 2 3 4 5 6 7 8 9 10 11);
-    let state: [S; N] = std::array::from_fn(|i| h.mul_add(weighted::<S, N, 12>(&B, &k, i), y[i]));
+    stages! {
+        1: k1 from k0;
+        2: k2 from k0 k1;
+        3: k3 from k0 k1 k2;
+        4: k4 from k0 k1 k2 k3;
+        5: k5 from k0 k1 k2 k3 k4;
+        6: k6 from k0 k1 k2 k3 k4 k5;
+        7: k7 from k0 k1 k2 k3 k4 k5 k6;
+        8: k8 from k0 k1 k2 k3 k4 k5 k6 k7;
+        9: k9 from k0 k1 k2 k3 k4 k5 k6 k7 k8;
+        10: k10 from k0 k1 k2 k3 k4 k5 k6 k7 k8 k9;
+        11: k11 from k0 k1 k2 k3 k4 k5 k6 k7 k8 k9 k10;
+    }
+    let k = [k0, k1, k2, k3, k4, k5, k6, k7, k8, k9, k10, k11];
+    let state = along(y, h, &weighted(&B, &k));
     Step { error: error(&k, y, &state, h.value(), checked, tolerance), state }
 }
 
-/// Σ weights[j] k[j][i] over the first `M` stages, in two chains so that they overlap.
+/// y + h k.
 #[inline(always)]
-fn weighted<S: Scalar, const N: usize, const M: usize>(
-    weights: &[f64; STAGES],
-    k: &[[S; N]; STAGES],
-    i: usize,
-) -> S {
-    let mut even = k[0][i] * S::of(weights[0]);
-    let mut odd: Option<S> = None;
-    for j in 1..M {
+fn along<S: Scalar, const N: usize>(y: &[S; N], h: S, k: &[S; N]) -> [S; N] {
+    let mut z = *y;
+    for i in 0..N {
+        z[i] = h.mul_add(k[i], z[i]);
+    }
+    z
+}
+
+/// Σ weights[j] k[j] over the first `M` stages, in two chains so that they overlap.
+#[inline(always)]
+fn weighted<S: Scalar, const N: usize, const M: usize>(weights: &[f64; STAGES], k: &[&[S; N]; M]) -> [S; N] {
+    let mut sums = [[S::of(0.0); N]; 2];
+    for j in 0..M {
         if weights[j] != 0.0 {
             let w = S::of(weights[j]);
-            if j % 2 == 0 {
-                even = k[j][i].mul_add(w, even);
-            } else {
-                odd = Some(odd.map_or(k[j][i] * w, |o| k[j][i].mul_add(w, o)));
+            let sum = &mut sums[j % 2];
+            for i in 0..N {
+                sum[i] = k[j][i].mul_add(w, sum[i]);
             }
         }
     }
-    odd.map_or(even, |o| even + o)
+    for i in 0..N {
+        sums[0][i] = sums[0][i] + sums[1][i];
+    }
+    sums[0]
 }
 
 /// Hairer's combined estimate |h| e₅² / √(n (e₅² + e₃²/100)), over the first `checked` components.
 #[inline(always)]
 fn error<S: Scalar, const N: usize>(
-    k: &[[S; N]; STAGES],
+    k: &[&[S; N]; STAGES],
     y: &[S; N],
     state: &[S; N],
     h: S::Value,
     checked: usize,
     tolerance: f64,
 ) -> S::Value {
-    let one = S::Value::of(1.0);
-    let k: [[S::Value; N]; STAGES] = std::array::from_fn(|j| k[j].map(Scalar::value));
-    let mut sums = [S::Value::of(0.0); 2];
-    for i in 0..checked {
-        let scale = one / (one + y[i].value().abs().max(state[i].value().abs()));
-        for (sum, weights) in sums.iter_mut().zip([&E5, &E3]) {
-            let e = weighted::<S::Value, N, 12>(weights, &k, i) * scale;
-            *sum = e.mul_add(e, *sum);
+    let of = S::Value::of;
+    let (mut e5, mut e3) = ([of(0.0); N], [of(0.0); N]);
+    for j in 0..STAGES {
+        if E5[j] != 0.0 {
+            for i in 0..N {
+                let slope = k[j][i].value();
+                e5[i] = slope.mul_add(of(E5[j]), e5[i]);
+                e3[i] = slope.mul_add(of(E3[j]), e3[i]);
+            }
         }
     }
-    let [e5, e3] = sums;
+    let mut squares = [of(0.0); 2];
+    for i in 0..checked {
+        let scale = of(1.0) / (of(1.0) + y[i].value().abs().max(state[i].value().abs()));
+        let (high, low) = (e5[i] * scale, e3[i] * scale);
+        squares = [high.mul_add(high, squares[0]), low.mul_add(low, squares[1])];
+    }
+    let [e5, e3] = squares;
     // The least number keeps 0/0 out where nothing moves.
-    let denominator =
-        (e3.mul_add(S::Value::of(0.01), e5) + S::Value::of(f64::MIN_POSITIVE)) * S::Value::of(checked as f64);
-    h.abs() * e5 / denominator.sqrt() * S::Value::of(1.0 / tolerance)
+    let denominator = (e3.mul_add(of(0.01), e5) + of(f64::MIN_POSITIVE)) * of(checked as f64);
+    h.abs() * e5 / denominator.sqrt() * of(1.0 / tolerance)
 }
 
 /// Factor by which the next step may be longer (or must be shorter) after one with this `error`.
 ///
-/// In [0.2, 6]; a NaN error gives 0.2.
+/// 0.85 error^(−1/8), in [0.2, 5]; a NaN error gives 0.2.
 pub fn step_factor(error: f64) -> f64 {
-    if error.is_nan() { 0.2 } else { (0.9 * error.max(1e-12).powf(-1.0 / ORDER)).clamp(0.2, 6.0) }
+    if error.is_nan() { 0.2 } else { (0.85 * error.max(1e-12).sqrt().sqrt().sqrt().recip()).clamp(0.2, 5.0) }
 }

@@ -1,6 +1,6 @@
 //! Eight numbers side by side in SIMD registers.
 
-use wide::{CmpLt, f64x8};
+use wide::f64x8;
 
 use crate::scalar::{SERIES_LIMIT, Scalar, series_sin_cos};
 
@@ -32,11 +32,14 @@ impl Scalar for Lanes {
     }
     #[inline(always)]
     fn sin_cos(self) -> (Lanes, Lanes) {
-        if f64x8::abs(self).simd_lt(Lanes::splat(SERIES_LIMIT)).all() {
-            series_sin_cos(self)
-        } else {
-            f64x8::sin_cos(self)
+        let (sin, cos) = series_sin_cos(self);
+        let far = f64x8::abs(self).simd_gt(Lanes::splat(SERIES_LIMIT));
+        if !far.any() {
+            return (sin, cos);
         }
+        // Lane by lane, so that no lane's result depends on its neighbours.
+        let (far_sin, far_cos) = f64x8::sin_cos(self);
+        (far.select(far_sin, sin), far.select(far_cos, cos))
     }
     #[inline(always)]
     fn pow(self, n: Lanes) -> Lanes {

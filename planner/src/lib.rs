@@ -1,1 +1,12 @@
-//! To be written.
+//! Firing tables, linear laws, feasibility maps and the QP over obstacles.
+
+mod jump;
+mod law;
+mod map;
+mod proxy;
+mod table;
+
+pub use jump::{Jump, PLANNING_TOLERANCE, Planner, SensitiveJump, Sensitivity};
+pub use law::{Law, LawPoint};
+pub use map::{Map, MapRequest, Spot, SpotResult};
+pub use table::{Cell, Entry, FIRING_ANGLES, Measure, Nearest, Roots, Table, TableError, TableRequest};

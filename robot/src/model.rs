@@ -139,6 +139,13 @@ pub struct Cylinder {
     pub seal_friction: f64,
 }
 
+impl Cylinder {
+    /// Effective area of the valve's orifice, C_f A_v (m²).
+    pub fn valve_area(&self) -> f64 {
+        self.discharge_coefficient * std::f64::consts::PI * self.orifice_radius * self.orifice_radius
+    }
+}
+
 /// An opening to the atmosphere short of the end of the stroke.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExhaustPort {

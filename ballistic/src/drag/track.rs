@@ -67,7 +67,7 @@ impl<S: Single> DragFlight<S> {
     /// One step of length `h` (s).
     fn step(&self, node: &Node<S>, h: S) -> (Node<S>, f64) {
         let rates = |state: &[S; 4]| self.rates(state);
-        let step = dop853::step(rates, &node.state, &rates(&node.state), h, 4, TOLERANCE);
+        let step = dop853::step(&rates, &node.state, &rates(&node.state), h, 4, TOLERANCE);
         (Node { time: node.time + h, state: step.state, step: node.step }, step.error)
     }
 

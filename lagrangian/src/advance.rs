@@ -1,0 +1,247 @@
+//! Integration of one smooth phase up to its first event.
+
+use saltus_numeric::dop853::{self, Derivative};
+use saltus_numeric::{Scalar, Single};
+
+use crate::StanceError;
+
+/// Numbers in a state: lean, rate, extension, speed, gas, time, and two that round the state up to a SIMD register.
+pub(crate) const WIDTH: usize = 8;
+
+/// Components whose error is controlled: all but time.
+pub(crate) const CHECKED: usize = 5;
+
+/// A state of the stance: see [`index`].
+pub(crate) type State<S> = [S; WIDTH];
+
+/// Where each quantity is in a [`State`].
+pub(crate) mod index {
+    /// Lean φ (rad).
+    pub(crate) const LEAN: usize = 0;
+    /// Lean rate ω (rad/s).
+    pub(crate) const RATE: usize = 1;
+    /// Extension d (m).
+    pub(crate) const EXTENSION: usize = 2;
+    /// Extension rate ḋ (m/s).
+    pub(crate) const SPEED: usize = 3;
+    /// The gas, as the variable u of the valve's law: pressure (MPa) or temperature ratio, about 1 both.
+    pub(crate) const GAS: usize = 4;
+    /// Time (s).
+    pub(crate) const TIME: usize = 5;
+}
+use index::TIME;
+
+/// A phase of the stance: smooth dynamics in time, and the guards that end it.
+pub(crate) trait Phase<S: Single, const M: usize>: Derivative<S, WIDTH> {
+    /// Guards: an event happens where one rises through 0.
+    fn guards(&self, y: &State<S>) -> [S; M];
+    /// Time derivatives of the guards, where `dy` is the state's.
+    fn guard_rates(&self, y: &State<S>, dy: &State<S>) -> [S; M];
+}
+
+/// A phase with the value of a guard as independent variable.
+struct AlongGuard<'a, P, const M: usize> {
+    phase: &'a P,
+    guard: usize,
+}
+
+impl<S: Single, P: Phase<S, M>, const M: usize> Derivative<S, WIDTH> for AlongGuard<'_, P, M> {
+    #[inline(always)]
+    fn at(&self, y: &State<S>) -> State<S> {
+        let dy = self.phase.at(y);
+        let inverse = S::of(1.0) / self.phase.guard_rates(y, &dy)[self.guard];
+        dy.map(|d| d * inverse)
+    }
+}
+
+/// A guard nearer to 0 than this at the start of a phase is the one that was just passed.
+const PASSED: f64 = -1e-9;
+/// Shortest step (s).
+const LEAST_STEP: f64 = 1e-13;
+/// Longest phase (s).
+const LONGEST: f64 = 30.0;
+
+/// Progress of an integration that all phases of a jump share.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace {
+    /// Length of the next step to try (s).
+    pub step: f64,
+    /// Error tolerance.
+    pub tolerance: f64,
+}
+
+/// Carries `y` through `phase` to its first event, whose number is returned, or to the time `end` (none).
+///
+/// The step that meets an event takes the guard as independent variable (Hénon 1982), so that it ends on the event to
+/// round-off without a search; where that fails, ordinary steps close in until it works. `observe` sees the state
+/// before and after each step.
+pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
+    phase: &P,
+    y: &mut State<S>,
+    end: Option<S>,
+    pace: &mut Pace,
+    observe: &mut impl FnMut(&State<S>, &State<S>),
+) -> Result<Option<usize>, StanceError> {
+    let begin = y[TIME].value();
+    let mut guards = phase.guards(y);
+    let mut armed: [bool; M] = std::array::from_fn(|i| guards[i].value() < PASSED);
+    let mut dy = phase.at(y);
+    loop {
+        let left = end.map(|e| e - y[TIME]);
+        let longest = left.map_or(f64::INFINITY, Scalar::value);
+        if longest <= 0.0 {
+            return Ok(None);
+        }
+        let now = y[TIME].value();
+        if now - begin > LONGEST {
+            return Err(StanceError::TooLong { time: now });
+        }
+        let trial = pace.step.min(longest);
+        let rates = phase.guard_rates(y, &dy);
+        let foreseen = foresee(&guards, &rates, &armed, 0.9 * trial);
+        let mut length = trial;
+        if let Some((i, wait)) = foreseen {
+            let reached = event_step(phase, y, &dy, i, guards[i], rates[i], pace.tolerance);
+            if let Some(next) = reached.filter(|next| {
+                let time = next[TIME].value();
+                time > now && time <= now + longest && first_passed(phase, next, &armed, i).is_none()
+            }) {
+                observe(y, &next);
+                *y = next;
+                pace.step = pace.step.max(wait);
+                return Ok(Some(i));
+            }
+            length = 0.5 * wait;
+        }
+        if length < LEAST_STEP && longest > LEAST_STEP {
+            return Err(StanceError::StepTooSmall { time: now, step: length });
+        }
+        // The last step ends on `end` with its derivatives.
+        let last = foreseen.is_none() && length >= longest;
+        let h = if last { left.unwrap_or(S::of(length)) } else { S::of(length) };
+        let step = dop853::step(phase, y, &dy, h, CHECKED, pace.tolerance);
+        if step.error.is_nan() || step.error > 1.0 {
+            pace.step = length * dop853::step_factor(step.error);
+            continue;
+        }
+        let mut next = step.state;
+        let next_guards = phase.guards(&next);
+        let crossed = crossing(&guards, &next_guards, &armed);
+        if let Some((i, fraction)) = crossed {
+            if let Some(event) =
+                event_behind(phase, &next, i, next_guards[i], pace.tolerance).filter(|event| {
+                    let time = event[TIME].value();
+                    time > now
+                        && time <= next[TIME].value()
+                        && first_passed(phase, event, &armed, i).is_none()
+                })
+            {
+                observe(y, &event);
+                *y = event;
+                return Ok(Some(i));
+            }
+            pace.step = length * (0.9 * fraction).clamp(0.1, 0.5);
+            continue;
+        }
+        if last {
+            next[TIME] = end.unwrap_or(next[TIME]);
+        }
+        observe(y, &next);
+        *y = next;
+        if !last || length >= pace.step {
+            pace.step = length * dop853::step_factor(step.error);
+        }
+        for i in 0..M {
+            if !armed[i] && next_guards[i].value() >= 0.0 {
+                return Ok(Some(i));
+            }
+            armed[i] = true;
+        }
+        if last {
+            return Ok(None);
+        }
+        guards = next_guards;
+        dy = phase.at(y);
+    }
+}
+
+/// The guard that straight extrapolation brings to 0 first, within `horizon` (s), and when.
+#[inline(always)]
+fn foresee<S: Single, const M: usize>(
+    guards: &[S; M],
+    rates: &[S; M],
+    armed: &[bool; M],
+    horizon: f64,
+) -> Option<(usize, f64)> {
+    let mut first = None;
+    let mut soonest = horizon;
+    for i in 0..M {
+        let (g, rate) = (guards[i].value(), rates[i].value());
+        if armed[i] && g < 0.0 && -g < rate * soonest {
+            soonest = -g / rate;
+            first = Some((i, soonest));
+        }
+    }
+    first
+}
+
+/// The guard that rose through 0 between two states, the earliest by straight interpolation, and at which fraction.
+#[inline(always)]
+fn crossing<S: Single, const M: usize>(
+    before: &[S; M],
+    after: &[S; M],
+    armed: &[bool; M],
+) -> Option<(usize, f64)> {
+    let mut first: Option<(usize, f64)> = None;
+    for i in 0..M {
+        let (a, b) = (before[i].value(), after[i].value());
+        if armed[i] && a < 0.0 && b >= 0.0 {
+            let fraction = a / (a - b);
+            if first.is_none_or(|(_, f)| fraction < f) {
+                first = Some((i, fraction));
+            }
+        }
+    }
+    first
+}
+
+/// Another guard than `event` that is positive at `y`.
+#[inline(always)]
+fn first_passed<S: Single, P: Phase<S, M>, const M: usize>(
+    phase: &P,
+    y: &State<S>,
+    armed: &[bool; M],
+    event: usize,
+) -> Option<usize> {
+    let guards = phase.guards(y);
+    (0..M).find(|&i| i != event && armed[i] && guards[i].value() > 0.0)
+}
+
+/// The state at which guard `i` vanishes, by one step along it from `y`; none where the step is not accurate.
+fn event_step<S: Single, P: Phase<S, M>, const M: usize>(
+    phase: &P,
+    y: &State<S>,
+    dy: &State<S>,
+    i: usize,
+    guard: S,
+    rate: S,
+    tolerance: f64,
+) -> Option<State<S>> {
+    let inverse = S::of(1.0) / rate;
+    let k0 = dy.map(|d| d * inverse);
+    let step = dop853::step(&AlongGuard { phase, guard: i }, y, &k0, -guard, CHECKED, tolerance);
+    (step.error <= 1.0).then_some(step.state)
+}
+
+/// As [`event_step`], backwards from a state `y` that is past the event.
+fn event_behind<S: Single, P: Phase<S, M>, const M: usize>(
+    phase: &P,
+    y: &State<S>,
+    i: usize,
+    guard: S,
+    tolerance: f64,
+) -> Option<State<S>> {
+    let dy = phase.at(y);
+    let rate = phase.guard_rates(y, &dy)[i];
+    event_step(phase, y, &dy, i, guard, rate, tolerance)
+}

@@ -1,0 +1,409 @@
+//! One stance from its start to lift-off: the phases in their order.
+
+use saltus_numeric::{Scalar, Single};
+use saltus_pneumatics::{Chamber, Drive, Flow, MEGA, Switches};
+
+use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
+use crate::advance::{Pace, State, WIDTH, advance};
+use crate::phase::{Extension, Held, Piece};
+use crate::{Launch, Stance, StanceError};
+
+/// How a stance ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Outcome {
+    /// Lift-off at the end of the stroke.
+    Stroke,
+    /// Lift-off because the leg's force fell to 0.
+    Force,
+    /// The robot came to rest before it reached the firing angle.
+    Stall,
+    /// The valve closed (or the robot fell over) before the leg could move.
+    NoBreakAway,
+    /// The ground would have had to pull while the leg was still held: the robot came too fast.
+    EarlyLiftOff,
+    /// The leg extended, came to a halt and sank back.
+    FallBack,
+}
+
+impl Outcome {
+    /// Its name in files: `stroke`, `force`, `stall`, `no-break-away`, `early-lift-off`, `fall-back`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Outcome::Stroke => "stroke",
+            Outcome::Force => "force",
+            Outcome::Stall => "stall",
+            Outcome::NoBreakAway => "no-break-away",
+            Outcome::EarlyLiftOff => "early-lift-off",
+            Outcome::FallBack => "fall-back",
+        }
+    }
+
+    /// Whether the robot flies.
+    pub fn is_jump(self) -> bool {
+        matches!(self, Outcome::Stroke | Outcome::Force)
+    }
+}
+
+/// The end of a stance. Only where [`Outcome::is_jump`] holds is it a lift-off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LiftOff<S = f64> {
+    /// How the stance ended.
+    pub outcome: Outcome,
+    /// When the leg was fired (s from the start); NaN where it was not.
+    pub time_fire: S,
+    /// When the stance ended (s from the start).
+    pub time: S,
+    /// Lean φ (rad).
+    pub lean: S,
+    /// Lean rate ω (rad/s).
+    pub rate: S,
+    /// Extension d (m).
+    pub extension: S,
+    /// Extension rate ḋ (m/s).
+    pub extension_rate: S,
+    /// Chamber pressure (Pa, absolute); the ambient one for a leg without a chamber.
+    pub pressure: S,
+    /// Foot to wheel centre R (m).
+    pub reach: S,
+}
+
+impl<S: Scalar> LiftOff<S> {
+    /// Wheel centre (m): forwards and above the foot.
+    pub fn position(&self) -> (S, S) {
+        let (sin, cos) = self.lean.sin_cos();
+        (self.reach * sin, self.reach * cos)
+    }
+
+    /// Velocity (m/s) of the wheel centre: forwards and upwards.
+    pub fn velocity(&self) -> (S, S) {
+        let (sin, cos) = self.lean.sin_cos();
+        let across = self.reach * self.rate;
+        (self.extension_rate * sin + across * cos, self.extension_rate * cos - across * sin)
+    }
+
+    pub(crate) fn new(stance: &Stance<S>, outcome: Outcome, time_fire: S, y: &State<S>) -> LiftOff<S> {
+        LiftOff {
+            outcome,
+            time_fire,
+            time: y[TIME],
+            lean: y[LEAN],
+            rate: y[RATE],
+            extension: y[EXTENSION],
+            extension_rate: y[SPEED],
+            pressure: y[GAS] * S::of(MEGA),
+            reach: stance.radius + y[EXTENSION],
+        }
+    }
+}
+
+/// Where a part of the stance leads.
+pub(crate) enum Next<S> {
+    /// On to the next part, from this state.
+    On(State<S>),
+    /// To an end.
+    End(Outcome, State<S>),
+}
+
+/// First step (s) tried in a stance.
+pub(crate) const FIRST_STEP: f64 = 3e-3;
+
+/// What watches the steps of a stance.
+pub(crate) trait Observer<S: Single> {
+    /// A step in a held phase.
+    fn held(&mut self, phase: &Held<'_, S>, from: &State<S>, to: &State<S>);
+    /// A step in the extension.
+    fn extension(&mut self, phase: &Extension<'_, S>, from: &State<S>, to: &State<S>);
+    /// Whether every part must be stepped through, closed forms left aside.
+    const STEPWISE: bool;
+}
+
+/// Watches nothing.
+pub(crate) struct Unobserved;
+
+impl<S: Single> Observer<S> for Unobserved {
+    fn held(&mut self, _: &Held<'_, S>, _: &State<S>, _: &State<S>) {}
+    #[inline(always)]
+    fn extension(&mut self, _: &Extension<'_, S>, _: &State<S>, _: &State<S>) {}
+    const STEPWISE: bool = false;
+}
+
+impl<S: Single> Stance<S> {
+    /// One stance, from `launch` to its end.
+    ///
+    /// Pivoting and filling go by closed forms where these are exact to round-off, the extension by an eighth-order
+    /// method with events on its steps.
+    ///
+    /// Source: thesis §5.2, MODEL "One jump, phase by phase".
+    ///
+    /// # Errors
+    /// [`StanceError::Input`] for an input outside its domain; [`StanceError::StepTooSmall`] or
+    /// [`StanceError::TooLong`] where the leg's parameters allow no solution.
+    pub fn jump(&self, launch: &Launch<S>) -> Result<LiftOff<S>, StanceError> {
+        self.run(launch, &mut Unobserved)
+    }
+
+    pub(crate) fn run(
+        &self,
+        launch: &Launch<S>,
+        observer: &mut impl Observer<S>,
+    ) -> Result<LiftOff<S>, StanceError> {
+        launch.check()?;
+        let start = self.start(launch);
+        let invariant = self.pendulum.invariant(launch.lean, launch.rate);
+        let early = self.pendulum.lift_off_lean(invariant, launch.lean);
+        let mut pace = Pace { step: FIRST_STEP, tolerance: self.tolerance };
+        let end = |outcome, time_fire, y: &State<S>| Ok(LiftOff::new(self, outcome, time_fire, y));
+
+        let fired = match self.pivot(launch, start, early, &mut pace, observer)? {
+            Next::On(y) => y,
+            Next::End(outcome, y) => return end(outcome, S::of(f64::NAN), &y),
+        };
+        let time_fire = fired[TIME];
+        let close = time_fire + self.leg.delay + launch.valve_open;
+        let freed = match self.fill(launch, fired, close, early, &mut pace, observer)? {
+            Next::On(y) => y,
+            Next::End(outcome, y) => return end(outcome, time_fire, &y),
+        };
+        let (outcome, y) = self.extend(freed, close, &mut pace, observer)?;
+        end(outcome, time_fire, &y)
+    }
+
+    fn start(&self, launch: &Launch<S>) -> State<S> {
+        let mut y = [S::of(0.0); WIDTH];
+        (y[LEAN], y[RATE]) = (launch.lean, launch.rate);
+        y[GAS] = self.ambient() * S::of(1.0 / MEGA);
+        y
+    }
+
+    /// Ambient pressure (Pa), as far as the leg knows it.
+    fn ambient(&self) -> S {
+        self.leg.chamber().map_or(S::of(101_325.0), |c| c.ambient)
+    }
+
+    /// Phase 1: the robot pivots on the retracted leg until it reaches the firing angle.
+    fn pivot<O: Observer<S>>(
+        &self,
+        launch: &Launch<S>,
+        mut y: State<S>,
+        early: Option<f64>,
+        pace: &mut Pace,
+        observer: &mut O,
+    ) -> Result<Next<S>, StanceError> {
+        let (from, to) = (launch.lean, launch.firing_angle);
+        if early.is_some_and(|early| early <= from.value()) {
+            return Ok(Next::End(Outcome::EarlyLiftOff, y));
+        }
+        if from.value() >= to.value() {
+            return Ok(Next::On(y));
+        }
+        if launch.rate.value() <= 0.0 && from.value() <= 0.0 {
+            return Ok(Next::End(Outcome::Stall, y));
+        }
+        let invariant = self.pendulum.invariant(from, launch.rate);
+        if !O::STEPWISE
+            && early.is_none_or(|early| early > to.value())
+            && let Some(time) = self.pendulum.time(invariant, from, to)
+        {
+            (y[LEAN], y[RATE], y[TIME]) = (to, self.pendulum.rate_squared(invariant, to).sqrt(), time);
+            return Ok(Next::On(y));
+        }
+        let held = Held { stance: self, piece: None, energized: false, target: Some(to), early };
+        let event = advance(&held, &mut y, None, pace, &mut |a, b| observer.held(&held, a, b))?;
+        Ok(match event {
+            Some(Held::<S>::TARGET) => Next::On(y),
+            Some(Held::<S>::EARLY) => Next::End(Outcome::EarlyLiftOff, y),
+            _ => Next::End(Outcome::Stall, y),
+        })
+    }
+
+    /// Phases 2 and 3: the valve's delay, then filling until the leg breaks away.
+    fn fill<O: Observer<S>>(
+        &self,
+        launch: &Launch<S>,
+        mut y: State<S>,
+        close: S,
+        early: Option<f64>,
+        pace: &mut Pace,
+        observer: &mut O,
+    ) -> Result<Next<S>, StanceError> {
+        if !O::STEPWISE
+            && let Some(freed) = self.break_away_by_series(&y, launch.valve_open, early)
+        {
+            return Ok(Next::On(freed));
+        }
+        let open = y[TIME] + self.leg.delay;
+        let waiting = Held { stance: self, piece: None, energized: false, target: None, early };
+        let event = advance(&waiting, &mut y, Some(open), pace, &mut |a, b| observer.held(&waiting, a, b))?;
+        match event {
+            Some(Held::<S>::EARLY) => return Ok(Next::End(Outcome::EarlyLiftOff, y)),
+            Some(_) => return Ok(Next::End(Outcome::NoBreakAway, y)),
+            None => {}
+        }
+        let mut side = 0.0;
+        loop {
+            let piece = self.enter(&mut y, true, side, false);
+            let filling = Held { stance: self, piece, energized: true, target: None, early };
+            if filling.excess(&y).value() > 0.0 && launch.valve_open.value() > 0.0 {
+                self.leave(&mut y, piece.as_ref());
+                return Ok(Next::On(y));
+            }
+            let event =
+                advance(&filling, &mut y, Some(close), pace, &mut |a, b| observer.held(&filling, a, b))?;
+            self.leave(&mut y, piece.as_ref());
+            match event {
+                Some(Held::<S>::BREAK_AWAY) => return Ok(Next::On(y)),
+                Some(Held::<S>::EDGE) => side = 1.0,
+                Some(Held::<S>::EARLY) => return Ok(Next::End(Outcome::EarlyLiftOff, y)),
+                _ => return Ok(Next::End(Outcome::NoBreakAway, y)),
+            }
+        }
+    }
+
+    /// Break-away of a plain pneumatic leg while sonic flow fills its chamber: the pressure then rises linearly, and a
+    /// power series carries the pivoting. None where that does not hold to round-off.
+    fn break_away_by_series(&self, fired: &State<S>, valve_open: S, early: Option<f64>) -> Option<State<S>> {
+        let chamber = self.leg.chamber().filter(|_| self.plain)?;
+        let freed = self.series_break_away(chamber, fired);
+        let wait = freed.time - self.leg.delay;
+        let is_valid = freed.residual.value().abs() < 1e-6
+            && freed.tail.value() < 1e-16
+            && (0.0..=valve_open.value()).contains(&wait.value())
+            && freed.pressure.value() <= chamber.fill_edge().value()
+            && early.is_none_or(|early| freed.lean.value() < early);
+        if !is_valid {
+            return None;
+        }
+        let mut y = *fired;
+        (y[LEAN], y[RATE], y[TIME]) = (freed.lean, freed.rate, fired[TIME] + freed.time);
+        y[GAS] = freed.pressure * S::of(1.0 / MEGA);
+        Some(y)
+    }
+
+    /// The chamber's piece at `y`, where the gas is given by its pressure (MPa) and becomes the piece's own variable.
+    fn enter(&self, y: &mut State<S>, energized: bool, side: f64, port_open: bool) -> Option<Piece<S>> {
+        let chamber = self.leg.chamber()?;
+        let p = y[GAS] * S::of(MEGA);
+        let mut piece = Piece::new(chamber, energized, p, side, port_open);
+        if piece.flow == Flow::FillBalanced && y[SPEED].value() > 0.0 {
+            // The growing volume takes the pressure below the supply's at once.
+            piece = Piece::new(chamber, energized, p, -1.0, port_open);
+        }
+        y[GAS] = chamber.variable(piece.flow, p);
+        Some(piece)
+    }
+
+    /// Back from the piece's own variable to the pressure (MPa).
+    fn leave(&self, y: &mut State<S>, piece: Option<&Piece<S>>) {
+        if let (Some(chamber), Some(piece)) = (self.leg.chamber(), piece) {
+            y[GAS] = chamber.pressure(piece.flow, y[GAS]) * S::of(1.0 / MEGA);
+        }
+    }
+
+    /// Phase 4: the leg extends until lift-off.
+    fn extend(
+        &self,
+        mut y: State<S>,
+        close: S,
+        pace: &mut Pace,
+        observer: &mut impl Observer<S>,
+    ) -> Result<(Outcome, State<S>), StanceError> {
+        // A released spring is not caught again.
+        let closes = !matches!(self.leg.drive, Drive::Spring(..));
+        let mut switches = Switches { energized: true, cushioned: false };
+        let mut passed = S::of(0.0);
+        let mut side = 0.0;
+        loop {
+            let port_open = self.port().is_some_and(|port| port.value() <= passed.value());
+            let piece = self.enter(&mut y, switches.energized, side, port_open);
+            switches.cushioned = self.leg.cushion_start().is_some_and(|c| c.value() <= passed.value());
+            let next = self.next_switch(passed);
+            let phase = Extension { stance: self, piece, switches, next };
+            if phase.force(&y).value() <= 0.0 {
+                self.leave(&mut y, piece.as_ref());
+                return Ok((Outcome::Force, y));
+            }
+            let end = (switches.energized && closes).then_some(close);
+            let event = advance(&phase, &mut y, end, pace, &mut |a, b| observer.extension(&phase, a, b))?;
+            self.leave(&mut y, piece.as_ref());
+            side = 0.0;
+            match event {
+                None => {
+                    switches.energized = false;
+                    pace.step = pace.step.min(FIRST_STEP);
+                }
+                Some(Extension::<S>::REACHED) if next.value() < self.leg.stroke.value() => passed = next,
+                Some(Extension::<S>::REACHED) => return Ok((self.unless_fallen(Outcome::Stroke, &y), y)),
+                Some(Extension::<S>::FORCE) => return Ok((self.unless_fallen(Outcome::Force, &y), y)),
+                Some(Extension::<S>::EDGE_ABOVE) => side = 1.0,
+                Some(Extension::<S>::EDGE_BELOW) => side = -1.0,
+                Some(_) => return Ok((Outcome::FallBack, y)),
+            }
+        }
+    }
+
+    /// A wheel at or below the ground has not lifted off.
+    pub(crate) fn unless_fallen(&self, outcome: Outcome, y: &State<S>) -> Outcome {
+        if y[LEAN].value().abs() < std::f64::consts::FRAC_PI_2 { outcome } else { Outcome::FallBack }
+    }
+
+    fn port(&self) -> Option<S> {
+        self.leg.chamber().and_then(Chamber::port)
+    }
+
+    /// The first extension (m) past `d` at which something switches; the end of the stroke at the latest.
+    fn next_switch(&self, d: S) -> S {
+        let mut next = self.leg.stroke;
+        let mut consider = |x: S| {
+            if x.value() > d.value() && x.value() < next.value() {
+                next = x;
+            }
+        };
+        self.port().into_iter().for_each(&mut consider);
+        self.leg.cushion_start().into_iter().for_each(&mut consider);
+        if let Drive::Table(surface) = &self.leg.drive {
+            surface.knots().iter().for_each(|&x| consider(S::of(x)));
+        }
+        next
+    }
+}
+
+/// Where the series says that the leg breaks away.
+pub(crate) struct SeriesBreakAway<S> {
+    /// Time (s) from firing.
+    pub time: S,
+    pub lean: S,
+    pub rate: S,
+    /// Chamber pressure (Pa).
+    pub pressure: S,
+    /// What is left of the break-away condition (N).
+    pub residual: S,
+    /// Size of the series' last term.
+    pub tail: S,
+}
+
+impl<S: Scalar> Stance<S> {
+    /// Solves (P − P_a) A − F_f + m ω² r_s − m g cos φ = 0 with P = P_a + Ṗ (t − t_d), by Newton steps from the last
+    /// solution's usual place; the caller judges the result.
+    #[inline(always)]
+    pub(crate) fn series_break_away(&self, chamber: &Chamber<S>, fired: &[S; WIDTH]) -> SeriesBreakAway<S> {
+        let series = self.pendulum.series(fired[LEAN], fired[RATE]);
+        let growth = chamber.sonic_filling_rate();
+        let zero = S::of(0.0);
+        let mut time = self.leg.delay + S::of(1e-3);
+        let mut residual = zero;
+        // Quadratic convergence from a millisecond away: four steps reach round-off, derivatives included.
+        for _ in 0..5 {
+            let (lean, rate, cos) = series.at(time);
+            let pressure = growth.mul_add(time - self.leg.delay, chamber.ambient);
+            let push = self.leg.plain_force(chamber, zero, pressure).value;
+            residual = push + self.mass * (rate * rate * self.radius - self.gravity * cos);
+            let (sin, _) = lean.sin_cos();
+            let swing = S::of(2.0) * self.radius * self.pendulum.stiffness + self.gravity;
+            time = time - residual / (growth * chamber.area + self.mass * rate * sin * swing);
+        }
+        let (lean, rate, _) = series.at(time);
+        let pressure = growth.mul_add(time - self.leg.delay, chamber.ambient);
+        SeriesBreakAway { time, lean, rate, pressure, residual, tail: series.tail(time) }
+    }
+}

@@ -1,0 +1,276 @@
+//! The phases of a stance: their dynamics, and the guards that end them.
+
+use std::f64::consts::FRAC_PI_2;
+
+use saltus_numeric::Single;
+use saltus_numeric::dop853::Derivative;
+use saltus_pneumatics::{Chamber, Drive, Flow, Force, GasState, Switches, Valve};
+
+use crate::Stance;
+use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
+use crate::advance::{Phase, State, WIDTH};
+
+/// The smooth piece that the chamber is on: the valve's law, and where it ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece<S: Single> {
+    pub flow: Flow,
+    pub valve: Valve<S>,
+    /// u at which the law switches, on its two sides; with the pressure falling to the first, rising to the second.
+    pub low: S,
+    pub high: S,
+    /// 1 where u rises with the pressure, −1 where it falls.
+    pub sign: S,
+    port_open: bool,
+    extras: bool,
+}
+
+impl<S: Single> Piece<S> {
+    /// The piece at pressure `p` (Pa), or just above or below it where `side` is ±1.
+    pub(crate) fn new(chamber: &Chamber<S>, energized: bool, p: S, side: f64, port_open: bool) -> Piece<S> {
+        let nudged = p * S::of(1.0 + 1e-9 * side);
+        let flow = chamber.flow(energized, nudged);
+        let extras = chamber.has_extras();
+        let (fill, exhaust) = (chamber.fill_edge(), chamber.exhaust_edge());
+        let edges = match (energized, extras) {
+            (true, true) => [fill, chamber.balance_above(), exhaust],
+            (true, false) => [fill, chamber.balance_above(), fill],
+            (false, _) => [chamber.balance_below(), exhaust, exhaust],
+        };
+        let (mut low, mut high) = (S::of(1.0), S::of(1e12));
+        for edge in edges {
+            if edge.value() < nudged.value() && edge.value() > low.value() {
+                low = edge;
+            }
+            if edge.value() >= nudged.value() && edge.value() < high.value() {
+                high = edge;
+            }
+        }
+        Piece {
+            flow,
+            valve: chamber.valve(flow),
+            low: chamber.variable(flow, low),
+            high: chamber.variable(flow, high),
+            sign: S::of(if flow == Flow::ExhaustSubsonic { -1.0 } else { 1.0 }),
+            port_open,
+            extras,
+        }
+    }
+
+    /// How far the pressure is past the upper and the lower edge, in u.
+    #[inline(always)]
+    fn guards(&self, u: S) -> (S, S) {
+        (self.sign * (u - self.high), self.sign * (self.low - u))
+    }
+
+    /// The gas in the chamber of a retracted leg.
+    fn gas_at_rest(&self, chamber: &Chamber<S>, u: S) -> GasState<S> {
+        let zero = S::of(0.0);
+        chamber.gas(&self.valve, u, zero, zero, S::of(1.0))
+    }
+
+    /// u̇ with the terms that the valve's plain law leaves out.
+    #[inline(always)]
+    fn rate(&self, chamber: &Chamber<S>, gas: &GasState<S>) -> S {
+        if !self.extras {
+            return gas.rate;
+        }
+        let inflow = chamber.extra_inflow(self.flow, gas.pressure, self.port_open);
+        let change = chamber.pressure_per_mass() * gas.inverses.1 * inflow;
+        gas.rate + change / gas.pressure_per_variable
+    }
+}
+
+/// The leg held at d = 0 by its end stop: the robot pivots, and the chamber may fill.
+pub(crate) struct Held<'a, S: Single> {
+    pub stance: &'a Stance<S>,
+    /// The chamber's piece while energized.
+    pub piece: Option<Piece<S>>,
+    /// Whether the drive pushes, so that the leg may break away.
+    pub energized: bool,
+    /// Lean (rad) at which the phase ends.
+    pub target: Option<S>,
+    /// Lean (rad) at which the ground would have to pull.
+    pub early: Option<f64>,
+}
+
+impl<S: Single> Held<'_, S> {
+    /// Numbers of the guards.
+    ///
+    /// The others end the stance: 1, at rest before the target; 5, fallen over.
+    pub(crate) const TARGET: usize = 0;
+    pub(crate) const BREAK_AWAY: usize = 2;
+    pub(crate) const EDGE: usize = 3;
+    pub(crate) const EARLY: usize = 4;
+
+    /// The force (N) by which the leg is pushed beyond what holds it: positive where it breaks away.
+    ///
+    /// (P − P_a) A − F_f + m ω² r_s − m g cos φ, with the drive's other terms where it has them.
+    pub(crate) fn excess(&self, y: &State<S>) -> S {
+        let stance = self.stance;
+        let (_, cos) = y[LEAN].sin_cos();
+        self.force(y).value + stance.mass * (y[RATE] * y[RATE] * stance.radius - stance.gravity * cos)
+    }
+
+    /// The leg's force at rest.
+    fn force(&self, y: &State<S>) -> Force<S> {
+        let switches = Switches { energized: self.energized, cushioned: false };
+        let zero = S::of(0.0);
+        self.stance.leg.force(switches, zero, zero, self.pressure(y))
+    }
+
+    /// Chamber pressure (Pa); while the valve is at rest, u is the pressure.
+    pub(crate) fn pressure(&self, y: &State<S>) -> S {
+        match (self.stance.leg.chamber(), &self.piece) {
+            (Some(chamber), Some(piece)) => chamber.pressure(piece.flow, y[GAS]),
+            _ => y[GAS] * S::of(saltus_pneumatics::MEGA),
+        }
+    }
+
+    /// d(excess)/dt (N/s).
+    fn excess_rate(&self, y: &State<S>, dy: &State<S>) -> S {
+        let stance = self.stance;
+        let change = match (stance.leg.chamber(), &self.piece) {
+            (Some(chamber), Some(piece)) => {
+                dy[GAS] * piece.gas_at_rest(chamber, y[GAS]).pressure_per_variable
+            }
+            _ => S::of(0.0),
+        };
+        let (sin, _) = y[LEAN].sin_cos();
+        self.force(y).wrt_pressure * change
+            + stance.mass * y[RATE] * (S::of(2.0) * dy[RATE] * stance.radius + stance.gravity * sin)
+    }
+}
+
+/// A guard that never acts.
+const NEVER: f64 = -1.0;
+/// Forces (N) are scaled by this in guards, so that they are about 1.
+pub(crate) const FORCE_SCALE: f64 = 0.01;
+
+impl<S: Single> Derivative<S, WIDTH> for Held<'_, S> {
+    fn at(&self, y: &State<S>) -> State<S> {
+        let mut dy = [S::of(0.0); WIDTH];
+        let (sin, _) = y[LEAN].sin_cos();
+        dy[LEAN] = y[RATE];
+        dy[RATE] = self.stance.pendulum.stiffness * sin;
+        dy[TIME] = S::of(1.0);
+        if let (Some(piece), Some(chamber)) = (&self.piece, self.stance.leg.chamber()) {
+            let gas = piece.gas_at_rest(chamber, y[GAS]);
+            dy[GAS] = piece.rate(chamber, &gas);
+        }
+        dy
+    }
+}
+
+impl<S: Single> Phase<S, 6> for Held<'_, S> {
+    fn guards(&self, y: &State<S>) -> [S; 6] {
+        let never = S::of(NEVER);
+        [
+            self.target.map_or(never, |target| y[LEAN] - target),
+            self.target.map_or(never, |_| -y[RATE]),
+            if self.energized { self.excess(y) * S::of(FORCE_SCALE) } else { never },
+            self.piece.map_or(never, |piece| piece.guards(y[GAS]).0),
+            self.early.map_or(never, |early| y[LEAN] - S::of(early)),
+            y[LEAN].abs() - S::of(FRAC_PI_2),
+        ]
+    }
+
+    fn guard_rates(&self, y: &State<S>, dy: &State<S>) -> [S; 6] {
+        let zero = S::of(0.0);
+        let on = |active: bool, rate: S| if active { rate } else { zero };
+        let aside = if y[LEAN].value() < 0.0 { -dy[LEAN] } else { dy[LEAN] };
+        [
+            on(self.target.is_some(), dy[LEAN]),
+            on(self.target.is_some(), -dy[RATE]),
+            on(self.energized, self.excess_rate(y, dy) * S::of(FORCE_SCALE)),
+            self.piece.map_or(zero, |piece| piece.sign * dy[GAS]),
+            on(self.early.is_some(), dy[LEAN]),
+            aside,
+        ]
+    }
+}
+
+/// The leg extending.
+pub(crate) struct Extension<'a, S: Single> {
+    pub stance: &'a Stance<S>,
+    /// The chamber's piece, for a pneumatic leg.
+    pub piece: Option<Piece<S>>,
+    pub switches: Switches,
+    /// The next extension (m) at which something switches: the stroke's end at the latest.
+    pub next: S,
+}
+
+impl<S: Single> Extension<'_, S> {
+    /// Numbers of the guards.
+    /// Numbers of the guards; the last, 4, is the leg's coming to a halt.
+    pub(crate) const REACHED: usize = 0;
+    pub(crate) const FORCE: usize = 1;
+    pub(crate) const EDGE_ABOVE: usize = 2;
+    pub(crate) const EDGE_BELOW: usize = 3;
+
+    /// The leg's force with its derivatives at pressure `p` (Pa).
+    #[inline(always)]
+    fn force_at(&self, y: &State<S>, p: S) -> Force<S> {
+        let leg = &self.stance.leg;
+        match (&leg.drive, self.stance.plain) {
+            (Drive::Pneumatic(chamber), true) => leg.plain_force(chamber, y[SPEED], p),
+            _ => leg.force(self.switches, y[EXTENSION], y[SPEED], p),
+        }
+    }
+
+    /// The leg's force (N).
+    #[inline(always)]
+    pub(crate) fn force(&self, y: &State<S>) -> S {
+        self.force_at(y, self.pressure(y)).value
+    }
+
+    /// Chamber pressure (Pa); 0 for a leg without a chamber.
+    #[inline(always)]
+    pub(crate) fn pressure(&self, y: &State<S>) -> S {
+        match (self.stance.leg.chamber(), &self.piece) {
+            (Some(chamber), Some(piece)) => chamber.pressure(piece.flow, y[GAS]),
+            _ => S::of(0.0),
+        }
+    }
+}
+
+impl<S: Single> Derivative<S, WIDTH> for Extension<'_, S> {
+    /// The thesis' equations of motion (§5.2.1) with the leg's force and the chamber's pressure.
+    #[inline(always)]
+    fn at(&self, y: &State<S>) -> State<S> {
+        let stance = self.stance;
+        match (stance.leg.chamber(), &self.piece) {
+            (Some(chamber), Some(piece)) => {
+                let (gas, about) = stance.gas(y, chamber, &piece.valve);
+                let mut dy = stance.motion(y, self.force_at(y, gas.pressure).value, about);
+                dy[GAS] = piece.rate(chamber, &gas);
+                dy
+            }
+            _ => stance.motion(y, self.force(y), stance.about_foot(y).inverse()),
+        }
+    }
+}
+
+impl<S: Single> Phase<S, 5> for Extension<'_, S> {
+    #[inline(always)]
+    fn guards(&self, y: &State<S>) -> [S; 5] {
+        let never = S::of(NEVER);
+        let (above, below) = self.piece.map_or((never, never), |piece| piece.guards(y[GAS]));
+        [y[EXTENSION] - self.next, -self.force(y) * S::of(FORCE_SCALE), above, below, -y[SPEED]]
+    }
+
+    #[inline(always)]
+    fn guard_rates(&self, y: &State<S>, dy: &State<S>) -> [S; 5] {
+        let (p, change, sign) = match (self.stance.leg.chamber(), &self.piece) {
+            (Some(chamber), Some(piece)) => {
+                let gas = self.stance.gas(y, chamber, &piece.valve).0;
+                (gas.pressure, gas.pressure_per_variable * dy[GAS], piece.sign)
+            }
+            _ => (S::of(0.0), S::of(0.0), S::of(1.0)),
+        };
+        let force = self.force_at(y, p);
+        let change =
+            force.wrt_extension * dy[EXTENSION] + force.wrt_speed * dy[SPEED] + force.wrt_pressure * change;
+        let rise = sign * dy[GAS];
+        [dy[EXTENSION], -change * S::of(FORCE_SCALE), rise, -rise, -dy[SPEED]]
+    }
+}

@@ -1,0 +1,305 @@
+//! A stance in full: its course, the ground's reaction, and where the energy went.
+
+use saltus_numeric::Single;
+use saltus_numeric::dop853::{self, Derivative};
+use saltus_pneumatics::Force;
+
+use crate::advance::index::{EXTENSION, LEAN, RATE, SPEED, TIME};
+use crate::advance::{CHECKED, State};
+use crate::jump::Observer;
+use crate::phase::{Extension, Held};
+use crate::{Launch, LiftOff, Reaction, Stance, StanceError};
+
+/// A stance with what happened on the way.
+#[derive(Clone, Debug)]
+pub struct Trace<S = f64> {
+    /// How it ended.
+    pub lift_off: LiftOff<S>,
+    /// Its course: every integration step in `samples_per_step` parts.
+    pub samples: Vec<Sample<S>>,
+    /// The ground's reaction along the whole stance.
+    pub contact: Contact<S>,
+    /// Work and energy.
+    pub energy: EnergyLedger<S>,
+}
+
+/// The robot at an instant of its stance.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<S = f64> {
+    /// Time (s) from the start.
+    pub time: S,
+    /// Lean φ (rad) and its rate (rad/s).
+    pub lean: S,
+    /// Lean rate ω (rad/s).
+    pub rate: S,
+    /// Extension d (m).
+    pub extension: S,
+    /// Extension rate ḋ (m/s).
+    pub extension_rate: S,
+    /// Chamber pressure (Pa, absolute); 0 for a leg without a chamber.
+    pub pressure: S,
+    /// The ground's force on the foot.
+    pub reaction: Reaction<S>,
+}
+
+/// What the foot asks of the ground along a stance.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact<S = f64> {
+    /// Least normal force (N); where it is negative the foot would have left the ground.
+    pub least_normal: S,
+    /// When it occurs (s).
+    pub least_normal_time: f64,
+    /// Greatest |friction/normal|: the friction coefficient that the stance needs; infinite where the normal force
+    /// reaches 0.
+    pub friction_needed: S,
+    /// When it occurs (s).
+    pub friction_needed_time: f64,
+}
+
+/// Where the energy of a stance comes from and goes to (J). It closes: `drive` − `losses` − `springs` = Δ(`kinetic` +
+/// `potential`).
+#[derive(Clone, Copy, Debug)]
+pub struct EnergyLedger<S = f64> {
+    /// Work of the drive (the gas) on the leg.
+    pub drive: S,
+    /// Taken by friction, seal and cushion damping.
+    pub losses: S,
+    /// Change of the kinetic energy.
+    pub kinetic: S,
+    /// Change of the potential energy of the weight.
+    pub potential: S,
+}
+
+impl EnergyLedger<f64> {
+    /// What is left unexplained (J).
+    pub fn residual(&self) -> f64 {
+        self.drive - self.losses - self.kinetic - self.potential
+    }
+}
+
+/// Parts into which each integration step is divided for samples and quadrature.
+const PARTS: usize = 8;
+
+/// Gauss–Legendre nodes (on [0, 1]) and weights of 5 points, exact to degree 9, for the work within a step.
+const GAUSS: [(f64, f64); 5] = [
+    (0.046_910_077_030_668, 0.118_463_442_528_094_54),
+    (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
+    (0.5, 0.284_444_444_444_444_44),
+    (0.769_234_655_052_841_5, 0.239_314_335_249_683_24),
+    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
+];
+
+impl<S: Single> Stance<S> {
+    /// One stance with its course, contact and energy; every phase is stepped through, closed forms left aside.
+    ///
+    /// # Errors
+    /// As [`Stance::jump`].
+    pub fn trace(&self, launch: &Launch<S>) -> Result<Trace<S>, StanceError> {
+        let mut recorder = Recorder::new(self);
+        let lift_off = self.run(launch, &mut recorder)?;
+        Ok(recorder.finish(lift_off))
+    }
+}
+
+/// What a phase tells of a state.
+trait Look<S: Single>: Derivative<S, { crate::advance::WIDTH }> {
+    /// Chamber pressure (Pa).
+    fn gas_pressure(&self, y: &State<S>) -> S;
+    /// The drive's force and the leg's whole force (N).
+    fn forces(&self, y: &State<S>) -> (S, S);
+}
+
+impl<S: Single> Look<S> for Held<'_, S> {
+    fn gas_pressure(&self, y: &State<S>) -> S {
+        self.pressure(y)
+    }
+    fn forces(&self, _: &State<S>) -> (S, S) {
+        (S::of(0.0), S::of(0.0))
+    }
+}
+
+impl<S: Single> Look<S> for Extension<'_, S> {
+    fn gas_pressure(&self, y: &State<S>) -> S {
+        self.pressure(y)
+    }
+    fn forces(&self, y: &State<S>) -> (S, S) {
+        let p = self.pressure(y);
+        let Force { value, .. } = self.stance.leg.drive_force(self.switches, y[EXTENSION], y[SPEED], p);
+        (value, self.force(y))
+    }
+}
+
+struct Recorder<'a, S: Single> {
+    stance: &'a Stance<S>,
+    samples: Vec<Sample<S>>,
+    contact: Option<Contact<S>>,
+    drive: S,
+    losses: S,
+    first: Option<State<S>>,
+    last: Option<State<S>>,
+}
+
+impl<S: Single> Observer<S> for Recorder<'_, S> {
+    fn held(&mut self, phase: &Held<'_, S>, from: &State<S>, to: &State<S>) {
+        self.step(phase, from, to);
+    }
+    fn extension(&mut self, phase: &Extension<'_, S>, from: &State<S>, to: &State<S>) {
+        self.step(phase, from, to);
+    }
+    const STEPWISE: bool = true;
+}
+
+impl<'a, S: Single> Recorder<'a, S> {
+    fn new(stance: &'a Stance<S>) -> Self {
+        let zero = S::of(0.0);
+        Recorder {
+            stance,
+            samples: Vec::new(),
+            contact: None,
+            drive: zero,
+            losses: zero,
+            first: None,
+            last: None,
+        }
+    }
+
+    /// Takes in the step of `phase` between two states. A state inside a step is a shorter step.
+    fn step(&mut self, phase: &impl Look<S>, from: &State<S>, to: &State<S>) {
+        self.first.get_or_insert(*from);
+        self.last = Some(*to);
+        let start = phase.at(from);
+        let length = to[TIME] - from[TIME];
+        let inside = |fraction: f64| match fraction {
+            0.0 => *from,
+            1.0 => *to,
+            _ => {
+                dop853::step(phase, from, &start, length * S::of(fraction), CHECKED, self.stance.tolerance)
+                    .state
+            }
+        };
+        for (x, weight) in GAUSS {
+            let y = inside(x);
+            let (drive, force) = phase.forces(&y);
+            let share = y[SPEED] * length * S::of(weight);
+            self.drive = self.drive + drive * share;
+            self.losses = self.losses + (drive - force) * share;
+        }
+        let sample = |y: &State<S>| self.stance.sample(phase, y);
+        let parts: Vec<Sample<S>> = (0..=PARTS).map(|i| sample(&inside(i as f64 / PARTS as f64))).collect();
+        let mut contact = self.contact;
+        for (i, here) in parts.iter().enumerate() {
+            let neighbours = i.checked_sub(1).map(|j| &parts[j]).zip(parts.get(i + 1));
+            // Between samples an extremum shows as a middle sample that beats both neighbours.
+            let refined = neighbours.map(|(a, b)| (a.reaction, b.reaction)).map(|(a, b)| {
+                let refine = |measure: &dyn Fn(&Reaction<S>) -> f64| {
+                    (measure(&here.reaction) > measure(&a) && measure(&here.reaction) >= measure(&b)).then(
+                        || {
+                            let centre = i as f64 / PARTS as f64;
+                            let width = 1.0 / PARTS as f64;
+                            sample(&inside(greatest(centre - width, centre + width, |x| {
+                                measure(&sample(&inside(x)).reaction)
+                            })))
+                        },
+                    )
+                };
+                (refine(&|r| -r.normal.value()), refine(&Reaction::demand))
+            });
+            let (normal, friction) = refined.unwrap_or((None, None));
+            for found in [Some(*here), normal, friction].into_iter().flatten() {
+                contact = Some(Contact::with(contact, &found));
+            }
+        }
+        self.contact = contact;
+        let skip = usize::from(!self.samples.is_empty());
+        self.samples.extend(parts.into_iter().skip(skip));
+    }
+
+    fn finish(self, lift_off: LiftOff<S>) -> Trace<S> {
+        let zero = S::of(0.0);
+        let ends = self.first.zip(self.last);
+        let (kinetic, potential) = ends.map_or((zero, zero), |(a, b)| {
+            let ((ka, pa), (kb, pb)) = (self.stance.energy(&a), self.stance.energy(&b));
+            (kb - ka, pb - pa)
+        });
+        let nothing = Contact {
+            least_normal: S::of(f64::NAN),
+            least_normal_time: f64::NAN,
+            friction_needed: S::of(f64::NAN),
+            friction_needed_time: f64::NAN,
+        };
+        Trace {
+            lift_off,
+            samples: self.samples,
+            contact: self.contact.unwrap_or(nothing),
+            energy: EnergyLedger { drive: self.drive, losses: self.losses, kinetic, potential },
+        }
+    }
+}
+
+impl<S: Single> Stance<S> {
+    fn sample(&self, phase: &impl Look<S>, y: &State<S>) -> Sample<S> {
+        Sample {
+            time: y[TIME],
+            lean: y[LEAN],
+            rate: y[RATE],
+            extension: y[EXTENSION],
+            extension_rate: y[SPEED],
+            pressure: phase.gas_pressure(y),
+            reaction: self.reaction(y, &phase.at(y)),
+        }
+    }
+}
+
+impl<S: Single> Reaction<S> {
+    /// |friction/normal|: the friction coefficient that keeps the foot still; infinite where the ground would have to
+    /// pull.
+    pub fn demand(&self) -> f64 {
+        let (n, t) = (self.normal.value(), self.friction.value());
+        if n > 0.0 { (t / n).abs() } else { f64::INFINITY }
+    }
+
+    /// [`demand`](Self::demand) with its derivatives.
+    fn friction_coefficient(&self) -> S {
+        if self.normal.value() > 0.0 { (self.friction / self.normal).abs() } else { S::of(f64::INFINITY) }
+    }
+}
+
+impl<S: Single> Contact<S> {
+    fn with(before: Option<Self>, sample: &Sample<S>) -> Self {
+        let time = sample.time.value();
+        let new = Contact {
+            least_normal: sample.reaction.normal,
+            least_normal_time: time,
+            friction_needed: sample.reaction.friction_coefficient(),
+            friction_needed_time: time,
+        };
+        let Some(mut best) = before else { return new };
+        if new.least_normal.value() < best.least_normal.value() {
+            (best.least_normal, best.least_normal_time) = (new.least_normal, time);
+        }
+        if new.friction_needed.value() > best.friction_needed.value() {
+            (best.friction_needed, best.friction_needed_time) = (new.friction_needed, time);
+        }
+        best
+    }
+}
+
+/// Where in [a, b] a function with one maximum is greatest, by golden section to 1e-9 of the interval.
+fn greatest(mut a: f64, mut b: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
+    let (mut x, mut y) = (b - golden * (b - a), a + golden * (b - a));
+    let (mut fx, mut fy) = (f(x), f(y));
+    // The function is flat to round-off closer than the square root of it.
+    while b - a > 1e-9 {
+        if fx < fy {
+            (a, x, fx) = (x, y, fy);
+            y = a + golden * (b - a);
+            fy = f(y);
+        } else {
+            (b, y, fy) = (y, x, fx);
+            x = b - golden * (b - a);
+            fx = f(x);
+        }
+    }
+    0.5 * (a + b)
+}

@@ -1,0 +1,334 @@
+//! The chamber of a pneumatic leg: how its pressure changes.
+
+use saltus_numeric::{Scalar, Single};
+use saltus_robot::{Cylinder, Parameter, Robot};
+
+use crate::orifice::OrificeLaw;
+
+/// The chamber between the valve and the piston, with everything that fills or empties it.
+///
+/// Ṗ = n R T ṁ/V − n P A ḋ/V, with V = V_0 + A d and n = κ unless the exponent is given.
+///
+/// Source: thesis §4.3.1, MODEL "Leg force".
+#[derive(Clone, Copy, Debug)]
+pub struct Chamber<S> {
+    /// Piston area A (m²).
+    pub area: S,
+    /// Volume at d = 0, V_0 (m³).
+    pub dead_volume: S,
+    /// Supply pressure P_s (Pa).
+    pub supply: S,
+    /// Ambient pressure P_a (Pa).
+    pub ambient: S,
+    /// The orifice law of the gas.
+    pub law: OrificeLaw,
+    /// Conductance of the valve C_f A_v/√T (m²/√K).
+    conductance: S,
+    /// Conductance of the leak (m²/√K).
+    leak: S,
+    /// Extension (m) from which the exhaust port is open, and its conductance (m²/√K).
+    port: Option<(S, S)>,
+    /// Fall of the supply pressure with the mass flow (Pa s/kg).
+    droop: S,
+    /// n R T (J/kg).
+    heating: S,
+    /// Exponent n.
+    exponent: S,
+}
+
+/// What the valve does to the chamber while nothing switches: one smooth piece of the orifice law.
+///
+/// Each piece carries the pressure as the variable u in which it is smoothest: the pressure itself (MPa) where the flow
+/// is sonic, the temperature ratio e = (P_d/P_u)^((κ−1)/κ) where it is subsonic. All obey
+/// V u̇ = `constant` + u (`flow` X + `expansion` ḋ), with X = 1 (sonic), √(1−e)/e (filling), r √(1−e)/e (exhausting),
+/// where r = e^(κ/(κ−1)) is the pressure ratio.
+#[derive(Clone, Copy, Debug)]
+pub struct Valve<S: Scalar> {
+    /// The coefficients of the law, one for each lane.
+    pub law: ValveLaw<S>,
+    /// The flow is sonic, or nothing flows.
+    pub sonic: S::Mask,
+    /// The flow is subsonic and out of the chamber.
+    pub outward: S::Mask,
+}
+
+/// Coefficients of a [`Valve`]'s law.
+#[derive(Clone, Copy, Debug)]
+pub struct ValveLaw<S> {
+    /// m³ MPa/s.
+    pub constant: S,
+    /// m³/s.
+    pub flow: S,
+    /// m².
+    pub expansion: S,
+    /// d ln P/d ln u: 1 where u is the pressure, ±κ/(κ−1) where it is the temperature ratio.
+    pub stiffness: S,
+}
+
+/// What the gas does at an instant.
+#[derive(Clone, Copy, Debug)]
+pub struct GasState<S> {
+    /// Pressure P (Pa).
+    pub pressure: S,
+    /// u̇ (MPa/s or 1/s).
+    pub rate: S,
+    /// Ṗ (Pa/s) over u̇.
+    pub pressure_per_variable: S,
+    /// 1/`about_foot` as given, and 1/V (1/m³).
+    pub inverses: (S, S),
+}
+
+/// Pascals in the unit of pressure that u has.
+pub const MEGA: f64 = 1e6;
+
+/// Which piece of the orifice law a valve is on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flow {
+    /// Energized, sonic.
+    FillChoked,
+    /// Energized, subsonic.
+    FillSubsonic,
+    /// Energized, at the supply pressure, where nothing flows.
+    FillBalanced,
+    /// At rest, sonic.
+    ExhaustChoked,
+    /// At rest, subsonic.
+    ExhaustSubsonic,
+    /// At rest, at ambient pressure, where nothing flows.
+    ExhaustBalanced,
+}
+
+impl Flow {
+    /// Whether the pressure is carried as the temperature ratio.
+    pub fn is_subsonic(self) -> bool {
+        matches!(self, Flow::FillSubsonic | Flow::ExhaustSubsonic)
+    }
+}
+
+impl<S: Scalar> Chamber<S> {
+    /// The chamber of `cylinder` in `robot`; `lift` turns a parameter into a number of the wanted kind.
+    pub(crate) fn new(robot: &Robot, cylinder: &Cylinder, lift: impl Fn(Parameter, f64) -> S) -> Chamber<S> {
+        let gas = cylinder.gas;
+        let exponent = cylinder.polytropic_exponent.unwrap_or(gas.heat_ratio);
+        let of_area = |area: f64| area / cylinder.temperature.sqrt();
+        let ambient = robot.environment.ambient;
+        Chamber {
+            area: S::of(std::f64::consts::PI * cylinder.bore * cylinder.bore / 4.0),
+            dead_volume: lift(Parameter::DeadVolume, cylinder.dead_volume),
+            supply: lift(Parameter::Supply, cylinder.supply.absolute(ambient).0),
+            ambient: S::of(ambient.0),
+            law: OrificeLaw::new(gas),
+            conductance: lift(Parameter::ValveArea, cylinder.valve_area())
+                * S::of(1.0 / cylinder.temperature.sqrt()),
+            leak: S::of(of_area(cylinder.leak_area)),
+            port: cylinder.exhaust_port.map(|p| (S::of(p.position), S::of(of_area(p.area)))),
+            droop: S::of(cylinder.supply_droop),
+            heating: S::of(exponent * gas.constant * cylinder.temperature),
+            exponent: S::of(exponent),
+        }
+    }
+
+    /// Volume (m³) at extension `d` (m).
+    #[inline(always)]
+    pub fn volume(&self, d: S) -> S {
+        self.area.mul_add(d, self.dead_volume)
+    }
+
+    /// Pressure change (Pa/s) with the leg held, when sonic flow fills the chamber; none of the other effects.
+    pub fn sonic_filling_rate(&self) -> S {
+        self.heating * self.conductance * S::of(self.law.choked) * self.supply / self.dead_volume
+    }
+
+    /// Pressure (Pa) at which filling turns from sonic to subsonic.
+    #[inline(always)]
+    pub fn fill_edge(&self) -> S {
+        self.sonic_supply() * S::of(self.law.critical_ratio)
+    }
+
+    /// Pressure (Pa) at which exhausting turns from sonic to subsonic.
+    #[inline(always)]
+    pub fn exhaust_edge(&self) -> S {
+        self.ambient * S::of(1.0 / self.law.critical_ratio)
+    }
+
+    /// Pressure (Pa) from which filling counts as over: just short of the supply's, which it reaches at rate 0.
+    pub fn balance_above(&self) -> S {
+        self.supply * S::of(1.0 - 1e-12)
+    }
+
+    /// Pressure (Pa) from which exhausting counts as over: just above ambient, which it reaches at rate 0.
+    pub fn balance_below(&self) -> S {
+        self.ambient * S::of(1.0 + 1e-12)
+    }
+
+    /// Supply pressure (Pa) while sonic flow draws on it.
+    #[inline(always)]
+    fn sonic_supply(&self) -> S {
+        let drawn = self.conductance * S::of(self.law.choked) * self.droop;
+        self.supply / (S::of(1.0) + drawn)
+    }
+
+    /// The extension (m) at which the exhaust port opens.
+    pub fn port(&self) -> Option<S> {
+        self.port.map(|(position, _)| position)
+    }
+
+    /// The coefficients of the piece `flow` of the valve's law.
+    #[inline(always)]
+    pub fn valve_law(&self, flow: Flow) -> ValveLaw<S> {
+        let zero = S::of(0.0);
+        let heat = self.heating * self.conductance;
+        let (sonic, subsonic) = (heat * S::of(self.law.choked), heat * S::of(self.law.subsonic));
+        let growth = self.exponent * self.area;
+        let k = S::of(self.law.temperature_exponent);
+        let one = S::of(1.0);
+        let (constant, flow, expansion, stiffness) = match flow {
+            Flow::FillChoked => (sonic * self.sonic_supply() * S::of(1.0 / MEGA), zero, -growth, one),
+            Flow::FillSubsonic => (zero, k * subsonic, -(k * growth), one / k),
+            Flow::ExhaustChoked => (zero, -sonic, -growth, one),
+            Flow::ExhaustSubsonic => (zero, k * subsonic, k * growth, -(one / k)),
+            Flow::FillBalanced | Flow::ExhaustBalanced => (zero, zero, -growth, one),
+        };
+        ValveLaw { constant, flow, expansion, stiffness }
+    }
+
+    /// The gas at `u` while the leg at extension `d` (m) extends at `speed` (m/s).
+    ///
+    /// Every division of the model is done here, in one: `about_foot` is what the caller would divide by.
+    #[inline(always)]
+    pub fn gas(&self, valve: &Valve<S>, u: S, d: S, speed: S, about_foot: S) -> GasState<S> {
+        let one = S::of(1.0);
+        let volume = self.volume(d);
+        let ratio = S::select(valve.sonic, || one, || self.law.pressure_ratio(u));
+        let divisor = u * ratio;
+        let rest = about_foot * volume;
+        let inverse = one / (rest * divisor);
+        let inverse_divisor = inverse * rest;
+        let pressure = S::select(
+            valve.sonic,
+            || u * S::of(MEGA),
+            || S::select(valve.outward, || self.ambient * (inverse_divisor * u), || self.supply * ratio),
+        );
+        let x = S::select(
+            valve.sonic,
+            || one,
+            || {
+                let root = (one - u).max(S::of(0.0)).sqrt() * inverse_divisor;
+                // Inwards √(1−e)/e, outwards r √(1−e)/e.
+                S::select(valve.outward, || root * ratio * ratio, || root * ratio)
+            },
+        );
+        let law = &valve.law;
+        let relative = law.flow.mul_add(x, law.expansion * speed);
+        let inverse_volume = inverse * (about_foot * divisor);
+        GasState {
+            pressure,
+            rate: u.mul_add(relative, law.constant) * inverse_volume,
+            pressure_per_variable: law.stiffness * pressure * (inverse_divisor * ratio),
+            inverses: (inverse * (volume * divisor), inverse_volume),
+        }
+    }
+}
+
+impl<S: Single> Chamber<S> {
+    /// The piece of the valve's law at pressure `p` (Pa), just after it was energized or released.
+    pub fn flow(&self, energized: bool, p: S) -> Flow {
+        let p = p.value();
+        if energized {
+            let edge = self.fill_edge().value();
+            match p {
+                p if p < edge => Flow::FillChoked,
+                p if p < self.balance_above().value() => Flow::FillSubsonic,
+                _ => Flow::FillBalanced,
+            }
+        } else {
+            match p {
+                p if p > self.exhaust_edge().value() => Flow::ExhaustChoked,
+                p if p > self.balance_below().value() => Flow::ExhaustSubsonic,
+                _ => Flow::ExhaustBalanced,
+            }
+        }
+    }
+
+    /// The valve on the piece `flow`.
+    pub fn valve(&self, flow: Flow) -> Valve<S> {
+        Valve {
+            law: self.valve_law(flow),
+            sonic: !flow.is_subsonic(),
+            outward: flow == Flow::ExhaustSubsonic,
+        }
+    }
+
+    /// u at pressure `p` (Pa) on the piece `flow`.
+    pub fn variable(&self, flow: Flow, p: S) -> S {
+        match flow {
+            Flow::FillSubsonic => self.law.temperature_ratio(p, self.supply),
+            Flow::ExhaustSubsonic => self.law.temperature_ratio(self.ambient, p),
+            _ => p * S::of(1.0 / MEGA),
+        }
+    }
+
+    /// Pressure (Pa) at `u` on the piece `flow`.
+    pub fn pressure(&self, flow: Flow, u: S) -> S {
+        match flow {
+            Flow::FillSubsonic => self.supply * self.law.pressure_ratio(u),
+            Flow::ExhaustSubsonic => self.ambient / self.law.pressure_ratio(u),
+            _ => u * S::of(MEGA),
+        }
+    }
+
+    /// Mass flow (kg/s) into the chamber besides the valve's plain law: leak, exhaust port, and what a drooping
+    /// supply takes back.
+    pub fn extra_inflow(&self, flow: Flow, p: S, port_open: bool) -> S {
+        let mut out = self.leak;
+        if let (true, Some((_, conductance))) = (port_open, self.port) {
+            out = out + conductance;
+        }
+        let mut inflow = S::of(0.0);
+        if out.value() > 0.0 {
+            inflow = inflow - out * self.law.flow(p, self.ambient);
+        }
+        if self.droop.value() > 0.0 && flow == Flow::FillSubsonic {
+            inflow = inflow + self.drooping_flow(p) - self.conductance * self.law.flow(self.supply, p);
+        }
+        inflow
+    }
+
+    /// n R T (J/kg): a mass flow (kg/s) into the volume V raises the pressure by n R T/V times as much (Pa/s).
+    pub fn pressure_per_mass(&self) -> S {
+        self.heating
+    }
+
+    /// Whether anything but the valve's plain law acts on the pressure.
+    pub fn has_extras(&self) -> bool {
+        self.leak.value() > 0.0 || self.port.is_some() || self.droop.value() > 0.0
+    }
+
+    /// Mass flow (kg/s) from a supply that falls by `droop` × the flow: ṁ = q(P_s − k ṁ, P), by bisection-guarded
+    /// Newton steps (the right side falls with ṁ, so the root is the only one).
+    fn drooping_flow(&self, p: S) -> S {
+        let law = |m: S| self.conductance * self.law.flow(self.supply - self.droop * m, p);
+        let (mut low, mut high) = (0.0, law(S::of(0.0)).value());
+        let mut m = S::of(high / (1.0 + high * self.droop.value() / self.supply.value()));
+        // Fifty halvings reach round-off where Newton does not; one further Newton step carries the derivatives.
+        for _ in 0..50 {
+            let residual = law(m) - m;
+            if residual.value() > 0.0 {
+                low = m.value()
+            } else {
+                high = m.value()
+            }
+            let width = 1e-7 * high.max(1e-12);
+            let slope = (law(m + S::of(width)) - law(m - S::of(width))).value() / (2.0 * width) - 1.0;
+            let next = m - residual * S::of(1.0 / slope);
+            if !(low..=high).contains(&next.value()) {
+                m = S::of(0.5 * (low + high));
+            } else if (next - m).value().abs() <= 1e-15 * high {
+                return next;
+            } else {
+                m = next;
+            }
+        }
+        m
+    }
+}

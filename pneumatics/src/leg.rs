@@ -1,0 +1,209 @@
+//! The axial force of a leg, whatever drives it.
+
+use std::sync::Arc;
+
+use saltus_numeric::{Scalar, Single};
+use saltus_robot::{Parameter, Robot};
+
+use crate::chamber::Chamber;
+use crate::table::ForceSurface;
+
+/// A leg: its drive and everything that resists it.
+#[derive(Clone, Debug)]
+pub struct Leg<S> {
+    /// Greatest extension (m).
+    pub stroke: S,
+    /// From the command to the first flow or force (s).
+    pub delay: S,
+    /// What pushes.
+    pub drive: Drive<S>,
+    /// β (N s/m).
+    viscous: S,
+    /// F_f (N).
+    coulomb: S,
+    /// Seal friction for each pascal of gauge pressure (N/Pa).
+    seal: S,
+    /// Return spring (N/m, N).
+    spring: Option<(S, S)>,
+    /// End-stop cushion.
+    cushion: Option<Cushion<S>>,
+}
+
+/// End-stop cushion: where it begins (m), its stiffness (N/m) and damping (N s/m).
+#[derive(Clone, Copy, Debug)]
+struct Cushion<S> {
+    start: S,
+    stiffness: S,
+    damping: S,
+}
+
+/// What pushes the leg out.
+#[derive(Clone, Debug)]
+pub enum Drive<S> {
+    /// A chamber under pressure.
+    Pneumatic(Chamber<S>),
+    /// A spring released from compression: stiffness (N/m), compression at d = 0 (m).
+    Spring(S, S),
+    /// A constant force (N).
+    Constant(S),
+    /// A measured force over extension and speed.
+    Table(Arc<ForceSurface>),
+}
+
+/// An axial force (N) and how it changes.
+#[derive(Clone, Copy, Debug)]
+pub struct Force<S> {
+    /// The force F on the wheel (N); positive pushes it away from the foot.
+    pub value: S,
+    /// ∂F/∂d (N/m).
+    pub wrt_extension: S,
+    /// ∂F/∂ḋ (N s/m).
+    pub wrt_speed: S,
+    /// ∂F/∂P (m²).
+    pub wrt_pressure: S,
+}
+
+/// What switches the force of a leg on and off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Switches {
+    /// The drive pushes: the valve is open, or the latch is off.
+    pub energized: bool,
+    /// The leg is inside its end-stop cushion.
+    pub cushioned: bool,
+}
+
+impl<S: Scalar> Leg<S> {
+    /// The leg of `robot`; `lift` turns a parameter into a number of the wanted kind.
+    pub fn new(robot: &Robot, lift: impl Fn(Parameter, f64) -> S + Copy) -> Leg<S> {
+        let leg = &robot.leg;
+        let (drive, seal) = match &leg.drive {
+            saltus_robot::Drive::Pneumatic(c) => {
+                (Drive::Pneumatic(Chamber::new(robot, c, lift)), c.seal_friction)
+            }
+            saltus_robot::Drive::Spring { stiffness, compression } => {
+                (Drive::Spring(S::of(*stiffness), S::of(*compression)), 0.0)
+            }
+            saltus_robot::Drive::Constant { force } => (Drive::Constant(S::of(*force)), 0.0),
+            saltus_robot::Drive::Table(table) => (Drive::Table(Arc::new(ForceSurface::new(table))), 0.0),
+        };
+        let stroke = lift(Parameter::Stroke, leg.stroke);
+        Leg {
+            stroke,
+            delay: lift(Parameter::Delay, leg.delay),
+            drive,
+            viscous: lift(Parameter::ViscousFriction, leg.viscous_friction),
+            coulomb: lift(Parameter::CoulombFriction, leg.coulomb_friction),
+            seal: S::of(seal),
+            spring: leg.return_spring.map(|s| (S::of(s.stiffness), S::of(s.preload))),
+            cushion: leg.cushion.map(|c| Cushion {
+                start: stroke - S::of(c.length),
+                stiffness: S::of(c.stiffness),
+                damping: S::of(c.damping),
+            }),
+        }
+    }
+
+    /// The chamber, if the leg is pneumatic.
+    #[inline(always)]
+    pub fn chamber(&self) -> Option<&Chamber<S>> {
+        match &self.drive {
+            Drive::Pneumatic(chamber) => Some(chamber),
+            _ => None,
+        }
+    }
+
+    /// Force (N) of a plain pneumatic leg that extends at `speed` (m/s) under pressure `p` (Pa): the terms that no
+    /// option switches.
+    ///
+    /// F = (P − P_a) A − β ḋ − F_f
+    #[inline(always)]
+    pub fn plain_force(&self, chamber: &Chamber<S>, speed: S, p: S) -> Force<S> {
+        let push = (p - chamber.ambient).mul_add(chamber.area, -self.coulomb);
+        Force {
+            value: (-self.viscous).mul_add(speed, push),
+            wrt_extension: S::of(0.0),
+            wrt_speed: -self.viscous,
+            wrt_pressure: chamber.area,
+        }
+    }
+
+    /// The force of the drive alone, before friction and springs, times speed is the power (W) that it gives.
+    ///
+    /// Friction, springs and cushion take `drive_force − force` times speed.
+    #[inline(always)]
+    pub fn plain_drive_force(&self, chamber: &Chamber<S>, p: S) -> S {
+        (p - chamber.ambient) * chamber.area
+    }
+}
+
+impl<S: Single> Leg<S> {
+    /// Whether the leg is a pneumatic one with none of the optional terms.
+    pub fn is_plain(&self) -> bool {
+        self.chamber().is_some_and(|c| !c.has_extras())
+            && self.spring.is_none()
+            && self.cushion.is_none()
+            && self.seal.value() == 0.0
+    }
+
+    /// The extension (m) at which the cushion begins.
+    pub fn cushion_start(&self) -> Option<S> {
+        self.cushion.map(|c| c.start)
+    }
+
+    /// Force of the drive alone (N), with its derivatives.
+    #[inline(always)]
+    pub fn drive_force(&self, switches: Switches, d: S, speed: S, p: S) -> Force<S> {
+        let zero = S::of(0.0);
+        let on = |f: S| if switches.energized { f } else { zero };
+        let constant = |value: S| Force { value, wrt_extension: zero, wrt_speed: zero, wrt_pressure: zero };
+        match &self.drive {
+            Drive::Pneumatic(chamber) => {
+                Force { wrt_pressure: chamber.area, ..constant(self.plain_drive_force(chamber, p)) }
+            }
+            Drive::Spring(stiffness, compression) => {
+                let left = *compression - d;
+                if switches.energized && left.value() > 0.0 {
+                    Force { wrt_extension: -*stiffness, ..constant(*stiffness * left) }
+                } else {
+                    constant(zero)
+                }
+            }
+            Drive::Constant(force) => constant(on(*force)),
+            Drive::Table(surface) => {
+                let (value, wrt_extension, wrt_speed) = surface.force(d, speed);
+                Force { wrt_extension: on(wrt_extension), wrt_speed: on(wrt_speed), ..constant(on(value)) }
+            }
+        }
+    }
+
+    /// Force F (N) on the wheel of a leg at extension `d` (m) that extends at `speed` (m/s) ≥ 0 under the chamber
+    /// pressure `p` (Pa; ignored by the drives that have none).
+    ///
+    /// F = drive − β ḋ − F_f − seal (P − P_a) − (k d + preload) − cushion
+    ///
+    /// Source: MODEL "Leg force"; the optional terms as in the robot file.
+    #[inline(always)]
+    pub fn force(&self, switches: Switches, d: S, speed: S, p: S) -> Force<S> {
+        let mut f = self.drive_force(switches, d, speed, p);
+        f.value = f.value - self.viscous.mul_add(speed, self.coulomb);
+        f.wrt_speed = f.wrt_speed - self.viscous;
+        if let Some(chamber) = self.chamber()
+            && self.seal.value() > 0.0
+        {
+            let gauge = p - chamber.ambient;
+            let sign = if gauge.value() < 0.0 { -self.seal } else { self.seal };
+            f.value = f.value - sign * gauge;
+            f.wrt_pressure = f.wrt_pressure - sign;
+        }
+        if let Some((stiffness, preload)) = self.spring {
+            f.value = f.value - stiffness.mul_add(d, preload);
+            f.wrt_extension = f.wrt_extension - stiffness;
+        }
+        if let (true, Some(c)) = (switches.cushioned, self.cushion) {
+            f.value = f.value - c.stiffness * (d - c.start) - c.damping * speed;
+            f.wrt_extension = f.wrt_extension - c.stiffness;
+            f.wrt_speed = f.wrt_speed - c.damping;
+        }
+        f
+    }
+}

@@ -1,0 +1,249 @@
+//! Reading one table of a robot file: typed, checked, with no key left over.
+
+use crate::document::{Node, Table, Value, join};
+use crate::domain::Domain;
+use crate::units::{Quantity, Unit};
+use crate::{Place, RobotError};
+
+/// A table being read.
+///
+/// Reading takes keys out and goes on after the first problem, with a stand-in such as NaN; [`Section::finish`] then lets nothing out.
+/// So an unknown key, which is mostly a misspelt one, is reported before the key that it leaves missing.
+pub(crate) struct Section {
+    /// Dotted key; empty for the whole file.
+    path: String,
+    place: Place,
+    entries: Table,
+    /// Keys asked for so far.
+    known: Vec<String>,
+    problem: Option<RobotError>,
+}
+
+impl Section {
+    /// The table `node`, whose dotted key is `path`.
+    pub(crate) fn new(path: String, node: Node) -> Result<Section, RobotError> {
+        let Node { place, source, value } = node;
+        match value {
+            Value::Table(entries) => Ok(Section { path, place, entries, known: Vec::new(), problem: None }),
+            _ => Err(RobotError::NotAllowed { place, key: path, value: source, allowed: "a table".into() }),
+        }
+    }
+
+    /// `read`, unless a key is left or there was a problem.
+    pub(crate) fn finish<T>(mut self, read: T) -> Result<T, RobotError> {
+        let Some((key, node)) = self.entries.iter().min_by_key(|(_, node)| &node.place) else {
+            return self.stop_at_problem().map(|()| read);
+        };
+        let nearest = self.known.iter().min_by_key(|known| edits(known, key)).map_or("", String::as_str);
+        Err(RobotError::UnknownKey {
+            place: node.place.clone(),
+            key: self.dotted(key),
+            nearest: self.dotted(nearest),
+        })
+    }
+
+    /// The first problem so far, for readers that rest on what was read before.
+    pub(crate) fn stop_at_problem(&mut self) -> Result<(), RobotError> {
+        self.problem.take().map_or(Ok(()), Err)
+    }
+
+    /// The number `stem` in SI, in whichever of its units it is given.
+    pub(crate) fn number(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> f64 {
+        self.one_of(&[(stem, domain)], quantity).1
+    }
+
+    /// The number `stem` in SI, if given.
+    pub(crate) fn optional(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> Option<f64> {
+        self.optional_one_of(&[(stem, domain)], quantity).map(|(_, number)| number)
+    }
+
+    /// Which of several ways to give a number was taken, and the number in SI.
+    pub(crate) fn one_of(&mut self, ways: &[(&str, Domain)], quantity: Quantity) -> (usize, f64) {
+        self.optional_one_of(ways, quantity).unwrap_or_else(|| {
+            let (keys, _) = spellings(ways, quantity);
+            self.missing(&keys);
+            (0, f64::NAN)
+        })
+    }
+
+    fn optional_one_of(&mut self, ways: &[(&str, Domain)], quantity: Quantity) -> Option<(usize, f64)> {
+        let (keys, meanings) = spellings(ways, quantity);
+        let spelling = self.given(&keys)?;
+        let node = self.take(&keys[spelling])?;
+        let (way, unit) = meanings[spelling];
+        let domain = ways[way].1;
+        let number = match &node.value {
+            Value::Number(literal) => unit.si(literal),
+            _ => f64::NAN,
+        };
+        if !domain.contains(number) {
+            self.refuse(&keys[spelling], node, domain.describe(quantity.si));
+        }
+        Some((way, number))
+    }
+
+    /// What `read` makes of the value of `key`; a value of which it makes nothing is not what is `allowed`.
+    pub(crate) fn value<T>(
+        &mut self,
+        key: &str,
+        allowed: &str,
+        read: impl FnOnce(&Value) -> Option<T>,
+    ) -> Option<T> {
+        let Some(node) = self.take(key) else {
+            self.missing(&[key]);
+            return None;
+        };
+        let value = read(&node.value);
+        if value.is_none() {
+            self.refuse(key, node, allowed.into());
+        }
+        value
+    }
+
+    /// The text `key`.
+    pub(crate) fn text(&mut self, key: &str) -> String {
+        let read = |value: &Value| match value {
+            Value::Text(text) if !text.is_empty() => Some(text.clone()),
+            _ => None,
+        };
+        self.value(key, "text in quotes, not empty", read).unwrap_or_default()
+    }
+
+    /// The whole number `key`, ≥ 1.
+    pub(crate) fn count(&mut self, key: &str) -> u32 {
+        let read = |value: &Value| match value {
+            Value::Number(literal) => literal.parse().ok().filter(|&count| count >= 1),
+            _ => None,
+        };
+        self.value(key, "a whole number ≥ 1", read).unwrap_or_default()
+    }
+
+    /// What the text `key` stands for among `choices`, which `allowed` lists.
+    pub(crate) fn choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)], allowed: &str) -> T {
+        let read = |value: &Value| match value {
+            Value::Text(text) => choices.iter().find(|(name, _)| name == text).map(|&(_, choice)| choice),
+            _ => None,
+        };
+        self.value(key, allowed, read).unwrap_or(choices[0].1)
+    }
+
+    /// Whether `key` is given, and as a table.
+    pub(crate) fn is_table(&self, key: &str) -> bool {
+        matches!(self.entries.get(key), Some(Node { value: Value::Table(_), .. }))
+    }
+
+    /// The table `key`, which must be there; an empty one stands in.
+    pub(crate) fn table(&mut self, key: &str) -> Section {
+        let path = self.dotted(key);
+        let section = self.take(key).map(|node| Section::new(path.clone(), node));
+        match section {
+            Some(Ok(section)) => return section,
+            Some(Err(error)) => self.problem(error),
+            None => self.missing(&[key]),
+        }
+        Section { path, place: self.place.clone(), entries: Table::new(), known: Vec::new(), problem: None }
+    }
+
+    /// The table `key` through `read`, if given; not read after a problem, on which `read` might rest.
+    pub(crate) fn optional_table<T>(
+        &mut self,
+        key: &str,
+        read: impl FnOnce(Section) -> Result<T, RobotError>,
+    ) -> Option<T> {
+        let (path, node) = (self.dotted(key), self.take(key)?);
+        self.attempt(|| Section::new(path, node).and_then(read))
+    }
+
+    /// What `read` gives, unless there was a problem before, on which it might rest.
+    pub(crate) fn attempt<T>(&mut self, read: impl FnOnce() -> Result<T, RobotError>) -> Option<T> {
+        if self.problem.is_some() {
+            return None;
+        }
+        read().map_err(|error| self.problem(error)).ok()
+    }
+
+    /// Which of `keys`, spellings of one thing, is given. An override drops what the file or an earlier override spells otherwise.
+    pub(crate) fn given(&mut self, keys: &[impl AsRef<str>]) -> Option<usize> {
+        let mut given: Vec<(usize, Node)> = Vec::new();
+        for (spelling, key) in keys.iter().enumerate() {
+            given.extend(self.take(key.as_ref()).map(|node| (spelling, node)));
+        }
+        given.sort_by(|(_, a), (_, b)| a.place.cmp(&b.place));
+        let (newest, node) = given.pop()?;
+        if let Some((other, _)) = given.iter().rfind(|(_, other)| other.place.same_source(&node.place)) {
+            let (key, other) = (self.dotted(keys[newest].as_ref()), self.dotted(keys[*other].as_ref()));
+            self.problem(RobotError::GivenTwice { place: node.place.clone(), key, other });
+        }
+        self.entries.insert(keys[newest].as_ref().into(), node);
+        Some(newest)
+    }
+
+    /// Notes that none of `keys`, spellings of one thing, is given.
+    pub(crate) fn missing(&mut self, keys: &[impl AsRef<str>]) {
+        let keys = keys.iter().map(|key| self.dotted(key.as_ref())).collect();
+        self.problem(RobotError::MissingKey { place: self.place.clone(), keys });
+    }
+
+    fn take(&mut self, key: &str) -> Option<Node> {
+        self.known.push(key.into());
+        self.entries.remove(key)
+    }
+
+    fn dotted(&self, key: &str) -> String {
+        join(&self.path, &[key])
+    }
+
+    fn refuse(&mut self, key: &str, Node { place, source: value, .. }: Node, allowed: String) {
+        let key = self.dotted(key);
+        self.problem(RobotError::NotAllowed { place, key, value, allowed });
+    }
+
+    fn problem(&mut self, problem: RobotError) {
+        self.problem.get_or_insert(problem);
+    }
+}
+
+/// The keys that say one of `ways` in one of the units of `quantity`, and what each means.
+fn spellings(ways: &[(&str, Domain)], quantity: Quantity) -> (Vec<String>, Vec<(usize, Unit)>) {
+    ways.iter()
+        .enumerate()
+        .flat_map(|(way, (stem, _))| {
+            quantity.units.iter().map(move |&(suffix, unit)| (format!("{stem}{suffix}"), (way, unit)))
+        })
+        .unzip()
+}
+
+/// Characters to insert, delete or replace to get from `a` to `b` (Levenshtein); of a long text only the beginning counts.
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().take(64).collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, from) in a.chars().take(64).enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, &to) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(from != to);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edits_count_single_characters() {
+        let check = |a: &str, b: &str, count: usize| {
+            assert_eq!(edits(a, b), count, "{a} {b}");
+            assert_eq!(edits(b, a), count, "{b} {a}");
+        };
+        check("", "", 0);
+        check("", "abc", 3);
+        check("bore_mm", "bore_mm", 0);
+        check("bore_mm", "boer_mm", 2);
+        check("bore_mm", "bore_m", 1);
+        check("kitten", "sitting", 3);
+    }
+}

@@ -1,0 +1,122 @@
+//! Units at the boundary: which suffixes a quantity's key may carry, and their conversion to SI.
+
+use std::f64::consts::PI;
+
+/// How a number in some unit becomes SI.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Unit {
+    /// SI times a power of ten.
+    Decimal(i64),
+    /// SI times a factor.
+    Times(f64),
+}
+
+impl Unit {
+    /// The SI unit itself.
+    pub(crate) const SI: Unit = Unit::Decimal(0);
+
+    /// The decimal `literal` in SI; not finite where it is not a decimal or too large.
+    pub(crate) fn si(self, literal: &str) -> f64 {
+        // Adding 0 turns −0 into 0: an effect that is off is off with the same bits.
+        0.0 + match self {
+            Unit::Decimal(power) => shifted(literal, power),
+            Unit::Times(factor) => literal.parse().unwrap_or(f64::NAN) * factor,
+        }
+    }
+}
+
+/// The number nearest to `literal` × 10^`power`.
+///
+/// The decimal is shifted before it is rounded, so that 19.05 mm and 0.01905 m are the same number to the last bit.
+fn shifted(literal: &str, power: i64) -> f64 {
+    let (mantissa, exponent) = literal.split_once(['e', 'E']).unwrap_or((literal, "0"));
+    exponent
+        .parse()
+        .ok()
+        .and_then(|e: i64| format!("{mantissa}e{}", e.saturating_add(power)).parse().ok())
+        .unwrap_or(f64::NAN)
+}
+
+/// A kind of quantity: its SI unit and the suffixes of the units that files may use, the SI one first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Quantity {
+    /// SI unit as messages write it.
+    pub(crate) si: &'static str,
+    /// Key suffix and unit.
+    pub(crate) units: &'static [(&'static str, Unit)],
+}
+
+const MILLI: Unit = Unit::Decimal(-3);
+/// One pound-force per square inch (Pa).
+const PSI: Unit = Unit::Times(6_894.757_293_168);
+const DEGREE: Unit = Unit::Times(PI / 180.0);
+
+macro_rules! quantities {
+    ($($name:ident, $si:literal: $($suffix:literal $unit:expr),+;)+) => {
+        $(pub(crate) const $name: Quantity = Quantity { si: $si, units: &[$(($suffix, $unit)),+] };)+
+    };
+}
+
+quantities! {
+    NUMBER, "": "" Unit::SI;
+    MASS, "kg": "_kg" Unit::SI, "_g" MILLI;
+    INERTIA, "kg m²": "_kg_m2" Unit::SI;
+    LENGTH, "m": "_m" Unit::SI, "_mm" MILLI;
+    AREA, "m²": "_m2" Unit::SI, "_mm2" Unit::Decimal(-6);
+    VOLUME, "m³": "_m3" Unit::SI, "_cm3" Unit::Decimal(-6);
+    TIME, "s": "_s" Unit::SI, "_ms" MILLI;
+    ACCELERATION, "m/s²": "_m_s2" Unit::SI;
+    ANGLE, "rad": "_rad" Unit::SI, "_deg" DEGREE;
+    ANGULAR_RATE, "rad/s": "_rad_s" Unit::SI, "_deg_s" DEGREE;
+    FORCE, "N": "_n" Unit::SI;
+    STIFFNESS, "N/m": "_n_per_m" Unit::SI, "_n_per_mm" Unit::Decimal(3);
+    DAMPING, "N s/m": "_n_s_per_m" Unit::SI;
+    PRESSURE, "Pa": "_pa" Unit::SI, "_kpa" Unit::Decimal(3), "_bar" Unit::Decimal(5), "_psi" PSI;
+    PRESSURE_PER_FLOW, "Pa s/kg": "_pa_s_per_kg" Unit::SI;
+    FORCE_PER_PRESSURE, "N/Pa": "_n_per_pa" Unit::SI, "_mm2" Unit::Decimal(-6);
+    TEMPERATURE, "K": "_k" Unit::SI;
+    GAS_CONSTANT, "J/(kg K)": "_j_per_kg_k" Unit::SI;
+    PER_LENGTH, "1/m": "_per_m" Unit::SI;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimal_units_round_once() {
+        let check = |power: i64, literal: &str, si: f64| {
+            assert_eq!(Unit::Decimal(power).si(literal), si, "{literal} shifted by {power}");
+        };
+        check(-3, "19.05", 0.01905);
+        check(-3, "1.0215", 1.0215e-3);
+        check(-3, "10", 0.010);
+        check(-3, "+1.5e3", 1.5);
+        check(-3, "61.7", 0.0617);
+        check(-6, "5.4", 5.4e-6);
+        check(5, "8.3", 830_000.0);
+        check(3, "1E-400", 0.0);
+        check(-3, "1e310", 1e307);
+    }
+
+    #[test]
+    fn what_is_no_finite_decimal_stays_not_finite() {
+        for literal in ["nan", "-inf", "1e400", "1e99999999999999999999", "", "e", "0x10", "1_0"] {
+            assert!(!Unit::Decimal(-3).si(literal).is_finite(), "{literal}");
+            assert!(!PSI.si(literal).is_finite() || literal.is_empty(), "{literal}");
+        }
+    }
+
+    #[test]
+    fn negative_zero_is_zero() {
+        for unit in [Unit::SI, PSI] {
+            assert_eq!(unit.si("-0.0").to_bits(), 0);
+        }
+    }
+
+    #[test]
+    fn other_units_are_one_product() {
+        assert_eq!(PSI.si("120"), 120.0 * 6_894.757_293_168);
+        assert_eq!(DEGREE.si("30"), 30.0_f64.to_radians());
+    }
+}

@@ -1,0 +1,460 @@
+//! Robot files, overrides and force tables that are wrong, and what each is told.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use saltus_robot::{Robot, resolve};
+
+/// A sound robot file whose lines the messages below count.
+const SOUND: &str = r#"name = "hopper"
+[body]
+mass_kg = 2.75
+inertia_kg_m2 = 0.0792
+wheel_radius_m = 0.24
+legs = 5
+[leg]
+kind = "pneumatic"
+stroke_m = 0.06
+valve_delay_ms = 10
+viscous_friction_n_s_per_m = 5.2843
+coulomb_friction_n = 9.7003
+bore_mm = 19.05
+dead_volume_m3 = 5.4e-6
+supply_pressure_gauge_psi = 120
+discharge_coefficient = 0.5378
+orifice_radius_mm = 1.0215
+gas = "air"
+gas_temperature_k = 293.15
+[leg.cushion]
+length_mm = 4
+stiffness_n_per_m = 1e4
+damping_n_s_per_m = 30
+[environment]
+gravity_m_s2 = 9.80665
+ambient_pressure_pa = 101325
+"#;
+
+/// What is said of `text` as `hopper.toml`.
+fn complaint(text: &str) -> String {
+    match Robot::parse(text, "hopper.toml", Path::new(".")) {
+        Ok(robot) => panic!("accepted:\n{text}\n{robot:?}"),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// The sound file with `line` in place of `old`.
+#[track_caller]
+fn check(old: &str, line: &str, expected: &str) {
+    assert!(SOUND.contains(old), "{old} is not in the sound file");
+    assert_eq!(complaint(&SOUND.replacen(old, line, 1)), expected);
+}
+
+#[test]
+fn the_sound_file_is_sound() {
+    let robot = Robot::parse(SOUND, "hopper.toml", Path::new(".")).expect("sound");
+    assert_eq!(robot.leg.cushion.map(|cushion| cushion.length), Some(0.004));
+}
+
+#[test]
+fn numbers_outside_their_domains() {
+    check("bore_mm = 19.05", "bore_mm = -3", "hopper.toml:13: leg.bore_mm = -3: must be a finite number > 0");
+    check("= 2.75", "= 0", "hopper.toml:3: body.mass_kg = 0: must be a finite number > 0");
+    check("= 2.75", "= nan", "hopper.toml:3: body.mass_kg = nan: must be a finite number > 0");
+    check("= 2.75", "= inf", "hopper.toml:3: body.mass_kg = inf: must be a finite number > 0");
+    check("= 2.75", "= 1e400", "hopper.toml:3: body.mass_kg = 1e400: must be a finite number > 0");
+    check("= 0.24", "= -0.0", "hopper.toml:5: body.wheel_radius_m = -0.0: must be a finite number > 0");
+    check("= 19.05", "= 1e-400", "hopper.toml:13: leg.bore_mm = 1e-400: must be a finite number > 0");
+    check("= 0.0792", "= -1", "hopper.toml:4: body.inertia_kg_m2 = -1: must be a finite number ≥ 0");
+    check(
+        "delay_ms = 10",
+        "delay_ms = -1",
+        "hopper.toml:10: leg.valve_delay_ms = -1: must be a finite number ≥ 0",
+    );
+    check("= 120", "= -1", "hopper.toml:15: leg.supply_pressure_gauge_psi = -1: must be a finite number ≥ 0");
+    check(
+        "= 0.5378",
+        "= 1.1",
+        "hopper.toml:16: leg.discharge_coefficient = 1.1: must be a finite number > 0 and ≤ 1",
+    );
+    check(
+        "gauge_psi = 120",
+        "absolute_pa = 100000",
+        "hopper.toml:15: leg.supply_pressure_absolute_pa = 100000: must be a finite number ≥ 101325 Pa",
+    );
+    check(
+        "= 120",
+        "= 1e308",
+        "hopper.toml:15: leg.supply_pressure_gauge_psi = 1e308: must be a finite number ≥ 0",
+    );
+}
+
+#[test]
+fn numbers_that_do_not_fit_together() {
+    check(
+        "length_mm = 4",
+        "length_mm = 60",
+        "hopper.toml:21: leg.cushion.length_mm = 60: must be a finite number > 0 and < 0.06 m",
+    );
+    check(
+        "[leg.cushion]",
+        "exhaust_port = { position_m = 0.06, area_mm2 = 3 }\n[leg.cushion]",
+        "hopper.toml:20: leg.exhaust_port.position_m = 0.06: must be a finite number > 0 and < 0.06 m",
+    );
+    check(
+        "[leg.cushion]",
+        "polytropic_exponent = 1.5\n[leg.cushion]",
+        "hopper.toml:20: leg.polytropic_exponent = 1.5: must be a finite number ≥ 1 and ≤ 1.4",
+    );
+    check(
+        "gas = \"air\"",
+        "gas = \"co2\"\npolytropic_exponent = 1.35",
+        "hopper.toml:19: leg.polytropic_exponent = 1.35: must be a finite number ≥ 1 and ≤ 1.3",
+    );
+}
+
+#[test]
+fn values_of_the_wrong_type() {
+    check("= 2.75", "= \"2.75\"", "hopper.toml:3: body.mass_kg = \"2.75\": must be a finite number > 0");
+    check("= 2.75", "= true", "hopper.toml:3: body.mass_kg = true: must be a finite number > 0");
+    check("= 2.75", "= [2.75]", "hopper.toml:3: body.mass_kg = [2.75]: must be a finite number > 0");
+    check("= 2.75", "= 1979-05-27", "hopper.toml:3: body.mass_kg = 1979-05-27: must be a finite number > 0");
+    check("= 2.75", "= { x = 1 }", "hopper.toml:3: body.mass_kg = { x = 1 }: must be a finite number > 0");
+    check("legs = 5", "legs = 0", "hopper.toml:6: body.legs = 0: must be a whole number ≥ 1");
+    check("legs = 5", "legs = 2.5", "hopper.toml:6: body.legs = 2.5: must be a whole number ≥ 1");
+    check("legs = 5", "legs = -1", "hopper.toml:6: body.legs = -1: must be a whole number ≥ 1");
+    check(
+        "legs = 5",
+        "legs = 4294967296",
+        "hopper.toml:6: body.legs = 4294967296: must be a whole number ≥ 1",
+    );
+    check("\"hopper\"", "5", "hopper.toml:1: name = 5: must be text in quotes, not empty");
+    check("\"hopper\"", "\"\"", "hopper.toml:1: name = \"\": must be text in quotes, not empty");
+    check(
+        "\"pneumatic\"",
+        "\"piston\"",
+        "hopper.toml:8: leg.kind = \"piston\": must be pneumatic, spring, constant or table",
+    );
+    check(
+        "\"air\"",
+        "\"helium\"",
+        "hopper.toml:18: leg.gas = \"helium\": must be air, co2, nitrogen or a table of heat_ratio and constant_j_per_kg_k",
+    );
+    check(
+        "\"air\"",
+        "{ heat_ratio = 1, constant_j_per_kg_k = 287 }",
+        "hopper.toml:18: leg.gas.heat_ratio = 1: must be a finite number > 1",
+    );
+    check(
+        "[body]",
+        "[errors]\nrate_rad_s = -1\n[body]",
+        "hopper.toml:3: errors.rate_rad_s = -1: must be a finite number ≥ 0",
+    );
+    check("[body]", "errors = 3\n[body]", "hopper.toml:2: errors = 3: must be a table");
+    check(
+        "[environment]",
+        "[[environment]]",
+        "hopper.toml:24: environment = [[environment]]: must be a table",
+    );
+}
+
+#[test]
+fn keys_unknown_missing_or_twice() {
+    check(
+        "mass_kg",
+        "mas_kg",
+        "hopper.toml:3: unknown key body.mas_kg; the nearest known key is body.mass_kg",
+    );
+    check(
+        "mass_kg",
+        "mass_lb",
+        "hopper.toml:3: unknown key body.mass_lb; the nearest known key is body.mass_kg",
+    );
+    check("[body]", "[bodi]", "hopper.toml:2: unknown key bodi; the nearest known key is body");
+    check("[leg.cushion]", "[cushion]", "hopper.toml:20: unknown key cushion; the nearest known key is name");
+    check(
+        "mass_kg",
+        "\"mass kg\" = 1\nmass_kg",
+        "hopper.toml:3: unknown key body.\"mass kg\"; the nearest known key is body.mass_kg",
+    );
+    check(
+        "valve_delay_ms",
+        "release_delay_ms",
+        "hopper.toml:10: unknown key leg.release_delay_ms; the nearest known key is leg.valve_delay_ms",
+    );
+    check(
+        "damping_n_s_per_m = 30",
+        "damping_n_s_per_m = 30\nsize = 3",
+        "hopper.toml:24: unknown key leg.cushion.size; the nearest known key is leg.cushion.length_m",
+    );
+    check("name = \"hopper\"", "", "hopper.toml: missing key name");
+    check("mass_kg = 2.75", "", "hopper.toml:2: missing key body.mass_kg or body.mass_g");
+    check("legs = 5", "", "hopper.toml:2: missing key body.legs");
+    check("kind = \"pneumatic\"", "", "hopper.toml:7: missing key leg.kind");
+    check("stroke_m = 0.06", "", "hopper.toml:7: missing key leg.stroke_m or leg.stroke_mm");
+    check("length_mm = 4", "", "hopper.toml:20: missing key leg.cushion.length_m or leg.cushion.length_mm");
+    check(
+        "ambient_pressure_pa = 101325",
+        "",
+        "hopper.toml:24: missing key environment.ambient_pressure_pa or environment.ambient_pressure_kpa or \
+         environment.ambient_pressure_bar or environment.ambient_pressure_psi",
+    );
+    check(
+        "bore_mm = 19.05",
+        "bore_mm = 19.05\nbore_m = 0.01905",
+        "hopper.toml:14: leg.bore_m is already given as leg.bore_mm; give one of them",
+    );
+    check(
+        "[leg.cushion]",
+        "supply_pressure_absolute_pa = 9e5\n[leg.cushion]",
+        "hopper.toml:20: leg.supply_pressure_absolute_pa is already given as leg.supply_pressure_gauge_psi; \
+         give one of them",
+    );
+    check("mass_kg = 2.75", "mass_kg = 2.75\nmass_kg = 2.75", "hopper.toml:4: not TOML: duplicate key");
+    check("[leg]", "[body]", "hopper.toml:7: not TOML: duplicate key");
+}
+
+#[test]
+fn text_that_is_not_toml() {
+    let check = |text: &str, expected: &str| assert_eq!(complaint(text), expected);
+    check("", "hopper.toml: missing key name");
+    check("# nothing\n", "hopper.toml: missing key name");
+
+    // What follows is in the words of the `toml` crate.
+    let check = |text: &str, place: &str| {
+        let complaint = complaint(text);
+        assert!(complaint.starts_with(&format!("{place}: not TOML: ")), "{complaint}");
+    };
+    check("name\n", "hopper.toml:1");
+    check("name = \"hopper\n", "hopper.toml:1");
+    check("name = hopper\n", "hopper.toml:1");
+    check("name = 'h'\n\n[body\n", "hopper.toml:3");
+    check("name = 'h'\nmass = 1,5\n", "hopper.toml:2");
+    check("{}", "hopper.toml:1");
+    check("\0\u{1}\u{7f}", "hopper.toml:1");
+    // Nested so deeply that a recursive reader would run out of stack.
+    check(&format!("{} = 1", "a.".repeat(100_000) + "a"), "hopper.toml");
+    check(&format!("[{}]", "a.".repeat(100_000) + "a"), "hopper.toml");
+    check(&format!("a = {}", "[".repeat(100_000)), "hopper.toml:1");
+    check(&format!("a = {}", "{a=".repeat(100_000)), "hopper.toml:1");
+    check(&"[".repeat(100_000), "hopper.toml:1");
+}
+
+#[test]
+fn long_values_and_keys_are_cut() {
+    let long = "x".repeat(1 << 20);
+    let key = complaint(&format!("{long} = 1\n"));
+    assert_eq!(key, format!("hopper.toml:1: unknown key {}…; the nearest known key is name", "x".repeat(40)));
+    let value = complaint(&SOUND.replacen("2.75", &format!("\"{long}\""), 1));
+    assert_eq!(
+        value,
+        format!("hopper.toml:3: body.mass_kg = \"{}…: must be a finite number > 0", "x".repeat(39))
+    );
+}
+
+/// `rats-planar` with `overrides`.
+#[track_caller]
+fn check_set(overrides: &[&str], expected: &str) {
+    let overrides: Vec<String> = overrides.iter().map(|&text| text.into()).collect();
+    match resolve("rats-planar", &overrides) {
+        Ok(robot) => panic!("accepted: {overrides:?}\n{robot:?}"),
+        Err(error) => assert_eq!(error.to_string(), expected),
+    }
+}
+
+#[test]
+fn overrides() {
+    check_set(&["leg.foo=1"], "--set leg.foo=1: unknown key leg.foo; the nearest known key is leg.gas");
+    check_set(
+        &["leg.boer_mm=1"],
+        "--set leg.boer_mm=1: unknown key leg.boer_mm; the nearest known key is leg.bore_mm",
+    );
+    check_set(&["mass_kg=1"], "--set mass_kg=1: unknown key mass_kg; the nearest known key is name");
+    check_set(&["leg.bore_mm=-3"], "--set leg.bore_mm=-3: leg.bore_mm = -3: must be a finite number > 0");
+    check_set(
+        &["leg.bore_mm=wide"],
+        "--set leg.bore_mm=wide: leg.bore_mm = wide: must be a finite number > 0",
+    );
+    check_set(&["leg.bore_mm="], "--set leg.bore_mm=: leg.bore_mm = : must be a finite number > 0");
+    check_set(&["leg.bore_mm=1 2"], "--set leg.bore_mm=1 2: leg.bore_mm = 1 2: must be a finite number > 0");
+    check_set(&["body.legs=2.5"], "--set body.legs=2.5: body.legs = 2.5: must be a whole number ≥ 1");
+    check_set(
+        &["leg.return_spring.stiffness_n_per_m=50"],
+        "--set leg.return_spring.stiffness_n_per_m=50: missing key leg.return_spring.preload_n",
+    );
+    check_set(
+        &["leg.gas.heat_ratio=1.3"],
+        "--set leg.gas.heat_ratio=1.3: leg.gas = \"air\": must be a table",
+    );
+    check_set(&["leg=3"], "--set leg=3: leg = 3: must be a table");
+    check_set(&["leg.cushion=soft"], "--set leg.cushion=soft: leg.cushion = soft: must be a table");
+    check_set(
+        &["leg.cushion={length_mm=1, length_m=1, stiffness_n_per_m=1, damping_n_s_per_m=1}"],
+        "--set leg.cushion={length_mm=1, length_m=1, stiffness_n_per_m=1, damping_n_s_per_m=1}: \
+         leg.cushion.length_mm is already given as leg.cushion.length_m; give one of them",
+    );
+    check_set(
+        &["leg.kind=spring"],
+        "robots/rats-planar.toml:15: unknown key leg.valve_delay_ms; the nearest known key is leg.release_delay_ms",
+    );
+    let not_an_override = "must be KEY=VALUE with a dotted key, as in leg.stroke_m=0.05";
+    for text in
+        ["leg.bore_mm", "", "=", "=3", "leg..bore_mm=3", ".=3", "leg bore=3", "a\nb=3", "[leg]\nbore_mm=3"]
+    {
+        check_set(&[text], &format!("--set {text}: {not_an_override}"));
+    }
+}
+
+/// A folder of its own below the system's temporary one, removed when dropped.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Folder {
+        let path = std::env::temp_dir().join(format!("saltus-robot-{}-{name}", std::process::id()));
+        fs::create_dir_all(&path).expect("a writable temporary folder");
+        Folder(path)
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> String {
+        let path = self.0.join(name);
+        fs::write(&path, bytes).expect("a writable temporary folder");
+        path.display().to_string()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // What stays behind harms nobody.
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn complaint_about(path: &str) -> String {
+    resolve(path, &[]).expect_err("a bad file").to_string()
+}
+
+#[test]
+fn files_that_are_no_robot_files() {
+    let folder = Folder::new("files");
+    let no_robot = "no such robot or file; built in are rats-planar, spring-hopper, table-hopper";
+    assert_eq!(complaint_about("ratz"), format!("ratz: {no_robot}"));
+    assert_eq!(complaint_about(""), format!(": {no_robot}"));
+    let missing = folder.0.join("missing.toml").display().to_string();
+    assert_eq!(complaint_about(&missing), format!("{missing}: {no_robot}"));
+    let directory = folder.0.display().to_string();
+    assert!(complaint_about(&directory).starts_with(&format!("{directory}: cannot be read: ")));
+    let empty = folder.write("empty.toml", b"");
+    assert_eq!(complaint_about(&empty), format!("{empty}: missing key name"));
+    let binary = folder.write("binary.toml", b"name = \"\xff\xfe\"");
+    assert_eq!(complaint_about(&binary), format!("{binary}: byte 8 is not UTF-8 text"));
+    let huge = folder.write("huge.toml", &vec![b'\n'; (4 << 20) + 1]);
+    assert_eq!(
+        complaint_about(&huge),
+        format!("{huge}: larger than 4 MiB, the most a robot file or force table may have")
+    );
+    let large = folder.write("large.toml", &vec![b'\n'; 4 << 20]);
+    assert_eq!(complaint_about(&large), format!("{large}: missing key name"));
+}
+
+/// A robot with a force table; `leg.file` and `leg.table` are left to add.
+const TABLE_LEG: &str = r#"name = "hopper"
+body = { mass_kg = 1, inertia_kg_m2 = 0.01, wheel_radius_m = 0.2, legs = 3 }
+environment = { gravity_m_s2 = 9.81, ambient_pressure_kpa = 101 }
+[leg]
+kind = "table"
+stroke_mm = 50
+release_delay_ms = 2
+viscous_friction_n_s_per_m = 0
+coulomb_friction_n = 0
+"#;
+
+#[test]
+fn force_tables_in_csv_files() {
+    let folder = Folder::new("csv");
+    let check = |csv: &str, expected: &str| {
+        let file = folder.write("force.csv", csv.as_bytes());
+        let robot = folder.write("hopper.toml", format!("{TABLE_LEG}file = \"force.csv\"\n").as_bytes());
+        assert_eq!(complaint_about(&robot), expected.replace("force.csv", &file));
+    };
+    let columns = "must be extension_m,speed_m_s,force_n";
+    let extensions =
+        "must be at least 2 finite numbers, strictly increasing from 0 to at least 0.05 m, the stroke";
+    let speeds = "must be at least 2 finite numbers, strictly increasing from 0";
+    let header = "extension_m,speed_m_s,force_n\n";
+    check("", &format!("force.csv:1: columns : {columns}"));
+    check("a,b,c\n1,2,3\n", &format!("force.csv:1: columns a,b,c: {columns}"));
+    check(
+        "extension_m,speed_m_s,force_n,extra\n",
+        &format!("force.csv:1: columns extension_m,speed_m_s,force_n,extra: {columns}"),
+    );
+    check(
+        "extension_m,speed_m_s,force_n,force_n\n",
+        &format!("force.csv:1: columns extension_m,speed_m_s,force_n,force_n: {columns}"),
+    );
+    check(header, &format!("force.csv: extension_m = []: {extensions}"));
+    check(&format!("{header}0,0,1\n0,1,2\n"), &format!("force.csv: extension_m = [0.0]: {extensions}"));
+    check(
+        &format!("{header}0,0,1\n0,1,2\n0.04,0,3\n0.04,1,4\n"),
+        &format!("force.csv: extension_m = [0.0, 0.04]: {extensions}"),
+    );
+    check(
+        &format!("{header}0.01,0,1\n0.01,1,2\n0.05,0,3\n0.05,1,4\n"),
+        &format!("force.csv: extension_m = [0.01, 0.05]: {extensions}"),
+    );
+    check(&format!("{header}0,0,1\n0.05,0,2\n"), &format!("force.csv: speed_m_s = [0.0]: {speeds}"));
+    check(
+        &format!("{header}0,0,1\n0,1,2\n0.05,0,3\n"),
+        "force.csv: extension 0.05 m, speed 1 m/s: must be given; the grid has each extension at each speed",
+    );
+    check(
+        &format!("{header}0,0,1\n0,1,2\n0.05,0,3\n# twice\n0.05,0,4\n"),
+        "force.csv:6: extension 0.05 m, speed 0 m/s: must be given once; line 4 has it too",
+    );
+    check(&format!("{header}0,0,fast\n"), "force.csv:2: force_n = fast: must be a finite number");
+    check(&format!("{header}0,0,1\nnan,0,1\n"), "force.csv:3: extension_m = nan: must be a finite number");
+    check(&format!("{header}0,inf,1\n"), "force.csv:2: speed_m_s = inf: must be a finite number");
+    check(&format!("{header}0,0,\n"), "force.csv:2: force_n = : must be a finite number");
+    check(&format!("{header}0,0,1\n0,1\n"), "force.csv:3: row = 0,1: must be 3 cells");
+}
+
+#[test]
+fn force_tables_in_the_robot_file() {
+    let check = |table: &str, expected: &str| assert_eq!(complaint(&format!("{TABLE_LEG}{table}")), expected);
+    let sound = "extensions_m = [0, 0.05]\nspeeds_m_s = [0, 1]\nforces_n = [[1, 2], [3, 4]]\n";
+    Robot::parse(&format!("{TABLE_LEG}[leg.table]\n{sound}"), "hopper.toml", Path::new(".")).expect("sound");
+
+    let forces = "must be a list of 2 lists, one for each extension, of 2 finite numbers, one for each speed";
+    check("", "hopper.toml:4: missing key leg.file or leg.table");
+    check("file = 3\n", "hopper.toml:10: leg.file = 3: must be text in quotes, not empty");
+    check("table = 3\n", "hopper.toml:10: leg.table = 3: must be a table");
+    check("fiel = 'force.csv'\n", "hopper.toml:10: unknown key leg.fiel; the nearest known key is leg.file");
+    check(
+        &format!("file = \"force.csv\"\n[leg.table]\n{sound}"),
+        "hopper.toml:11: leg.table is already given as leg.file; give one of them",
+    );
+    check("[leg.table]\n", "hopper.toml:10: missing key leg.table.extensions_m");
+    check(
+        "[leg.table]\nextensions_m = [0, 0.02, 0.01, 0.05]\n",
+        "hopper.toml:11: leg.table.extensions_m = [0, 0.02, 0.01, 0.05]: must be at least 2 finite numbers, \
+         strictly increasing from 0 to at least 0.05 m, the stroke",
+    );
+    check(
+        &format!("[leg.table]\n{}", sound.replace("[0, 1]", "[0, 1, 1]")),
+        "hopper.toml:12: leg.table.speeds_m_s = [0, 1, 1]: must be at least 2 finite numbers, strictly \
+         increasing from 0",
+    );
+    check(
+        &format!("[leg.table]\n{}", sound.replace("[0, 1]", "[0, nan]")),
+        "hopper.toml:12: leg.table.speeds_m_s = [0, nan]: must be at least 2 finite numbers, strictly \
+         increasing from 0",
+    );
+    for wrong in
+        ["3", "[]", "[[1, 2]]", "[[1, 2], [3]]", "[[1, 2], [3, inf]]", "[[1, 2], [3, \"4\"]]", "[1, 2, 3, 4]"]
+    {
+        check(
+            &format!("[leg.table]\n{}", sound.replace("[[1, 2], [3, 4]]", wrong)),
+            &format!("hopper.toml:13: leg.table.forces_n = {wrong}: {forces}"),
+        );
+    }
+    let missing = complaint(&format!("{TABLE_LEG}file = \"no-such.csv\"\n"));
+    assert!(missing.starts_with("./no-such.csv: cannot be read: "), "{missing}");
+}

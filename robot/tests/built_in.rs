@@ -1,0 +1,106 @@
+//! The built-in robots: what they hold, and that they can jump.
+
+use std::path::Path;
+
+use saltus_robot::{
+    AbsolutePressure, Body, Cylinder, Drive, Environment, ForceTable, Gas, GaugePressure, Leg, Robot, resolve,
+};
+
+/// MODEL.md, nominal robot, number for number.
+#[test]
+fn rats_planar_is_the_nominal_robot() {
+    let robot = Robot::rats_planar();
+    assert_eq!(robot.name, "rats-planar");
+    assert_eq!(robot.body, Body { mass: 2.75, inertia: 0.0792, radius: 0.24, legs: 5 });
+    assert_eq!(
+        robot.leg,
+        Leg {
+            stroke: 0.06,
+            delay: 0.010,
+            viscous_friction: 5.2843,
+            coulomb_friction: 9.7003,
+            return_spring: None,
+            cushion: None,
+            drive: Drive::Pneumatic(Cylinder {
+                bore: 0.01905,
+                dead_volume: 5.4e-6,
+                supply: GaugePressure(120.0 * 6_894.757_293_168),
+                discharge_coefficient: 0.5378,
+                orifice_radius: 1.0215e-3,
+                gas: Gas::AIR,
+                temperature: 293.15,
+                supply_droop: 0.0,
+                leak_area: 0.0,
+                exhaust_port: None,
+                polytropic_exponent: None,
+                seal_friction: 0.0,
+            }),
+        }
+    );
+    assert_eq!(
+        robot.environment,
+        Environment { gravity: 9.80665, ambient: AbsolutePressure(101_325.0), drag: 0.0 }
+    );
+}
+
+/// The derivations in the comments of rats-planar.toml.
+#[test]
+fn rats_planar_errors_follow_from_its_sensors() {
+    let uniform = |step: f64| step / 12.0_f64.sqrt();
+    let errors = Robot::rats_planar().errors;
+    let (encoder, loop_time) = (uniform(std::f64::consts::TAU / 800.0), 1e-3);
+    // The file states three digits.
+    let check =
+        |stated: f64, derived: f64| assert!((stated / derived - 1.0).abs() < 5e-3, "{stated} {derived}");
+    check(errors.rate, 2.0_f64.sqrt() * encoder / 0.05);
+    check(errors.firing_angle, encoder.hypot(uniform(5.0 * loop_time)));
+    check(errors.valve_open, uniform(loop_time));
+    assert_eq!(errors.supply, 2.0 * 6_894.757_293_168);
+}
+
+/// Force (N) on the wheel at the beginning of the stroke, with the valve long open.
+fn starting_force(leg: &Leg) -> f64 {
+    let drive = match &leg.drive {
+        Drive::Pneumatic(c) => c.supply.0 * std::f64::consts::PI * (c.bore / 2.0).powi(2),
+        Drive::Spring { stiffness, compression } => stiffness * compression,
+        Drive::Constant { force } => *force,
+        Drive::Table(table) => table.forces[0],
+    };
+    drive - leg.coulomb_friction
+}
+
+#[test]
+fn every_built_in_robot_can_jump() {
+    assert!(Robot::builtin_names().count() >= 3);
+    for name in Robot::builtin_names() {
+        let robot = Robot::builtin(name).expect("built in");
+        assert_eq!(robot.name, name);
+        let weight = robot.body.mass * robot.environment.gravity;
+        assert!(starting_force(&robot.leg) > 2.0 * weight, "{name}");
+    }
+    assert_eq!(Robot::builtin("rats"), None);
+}
+
+/// The files on the disk, with the files that they name, are the ones built in.
+#[test]
+fn built_in_robots_are_the_files_in_robots() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
+    for name in Robot::builtin_names() {
+        let path = folder.join(name).with_extension("toml");
+        assert_eq!(Robot::load(&path).expect("in the repository"), Robot::builtin(name).expect("built in"));
+        assert_eq!(resolve(name, &[]).expect("built in"), Robot::builtin(name).expect("built in"));
+    }
+}
+
+#[test]
+fn the_table_hopper_has_its_csv_file() {
+    let Drive::Table(ForceTable { extensions, speeds, forces }) =
+        Robot::builtin("table-hopper").expect("built in").leg.drive
+    else {
+        panic!("a force table");
+    };
+    assert_eq!(extensions, [0.0, 0.01, 0.02, 0.03, 0.04, 0.05]);
+    assert_eq!(speeds, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    assert_eq!(forces.len(), 36);
+    assert_eq!((forces[0], forces[1], forces[6]), (161.5, 131.5, 179.7));
+}
