@@ -1,1 +1,4 @@
-//! To be written.
+//! Firing tables, linear laws, feasibility maps and the QP over obstacles.
+
+pub mod course;
+pub mod parkour;
