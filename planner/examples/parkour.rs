@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let course = Course::from(instance);
         let mut best = f64::INFINITY;
         let mut answer = plan(&hopper, &course, &settings)?;
-        for _ in 0..20 {
+        for _ in 0..5 {
             let begin = Instant::now();
             answer = plan(&hopper, &course, &settings)?;
             best = best.min(begin.elapsed().as_secs_f64());

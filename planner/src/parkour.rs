@@ -164,6 +164,13 @@ impl Hopper {
         leap.edges.iter().map(over).fold(f64::INFINITY, f64::min)
     }
 
+    /// How much further (m) a flight falls below its tangent than one that lands at its apex, L tan θ − 2 H.
+    fn descent(&self, leap: &Leap, distance: f64, angle: f64) -> f64 {
+        let (sin, cos) = angle.sin_cos();
+        let start = self.start(leap, (sin, cos));
+        (distance - start[0]) * sin / cos + 2.0 * (start[1] - leap.to)
+    }
+
     /// Lowest launch angle (rad) at which `margin`, which grows with the angle, is not negative.
     fn steepen(&self, margin: impl Fn(f64) -> f64) -> Option<f64> {
         let Span { low, high } = self.angle;
@@ -244,6 +251,7 @@ impl Jumper for Hopper {
         let mut robot = |name, value| margins.push(Margin { limit: Limit::Robot(name), value });
         robot("least launch speed", arc.speed - Slope::of(self.speed.low));
         robot("greatest launch speed", Slope::of(self.speed.high) - arc.speed);
+        robot("landing from above", arc.fall + arc.start[1] - Slope::of(leap.to));
         robot("least flight time", arc.time - Slope::of(self.time.low));
         robot("greatest flight time", Slope::of(self.time.high) - arc.time);
         for edge in &leap.edges {
@@ -257,7 +265,7 @@ impl Jumper for Hopper {
         let distance = landing - foot;
         let margin = |angle: f64| {
             let arc = self.arc(leap, distance, angle);
-            let robot = self.excess_speed(&arc).min(arc.time - self.time.low);
+            let robot = self.excess_speed(&arc).min(arc.time - self.time.low).min(self.descent(leap, distance, angle));
             self.most_over(leap, Span::point(foot), Span::point(landing), angle).min(robot)
         };
         [distance, self.steepen(margin).unwrap_or(self.angle.high)]
@@ -266,10 +274,13 @@ impl Jumper for Hopper {
     /// At a given launch angle the time grows concavely with the distance, and so it falls at the least speed: chords
     /// bound it from below.
     fn envelope(&self, leap: &Leap, feet: Span, landings: Span, reach: Span) -> Option<Envelope> {
-        let angle = if leap.edges.is_empty() {
+        let furthest = reach.high.min(landings.high - feet.low);
+        let angle = if leap.edges.is_empty() && leap.to <= leap.from {
             self.angle.low
         } else {
-            self.steepen(|angle| self.most_over(leap, feet, landings, angle))?
+            self.steepen(|angle| {
+                self.most_over(leap, feet, landings, angle).min(self.descent(leap, furthest, angle))
+            })?
         };
         let Span { low, high } = self.reach(leap, angle)?.meet(reach).meet(landings - feet);
         if low > high {

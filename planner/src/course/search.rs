@@ -33,7 +33,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { sigmas: 0.0, gap: 1e-6, resolution: 1e-6, nodes: 100_000, solver: sqp::Settings::default() }
+        Settings { sigmas: 0.0, gap: 1e-5, resolution: 1e-4, nodes: 100_000, solver: sqp::Settings::default() }
     }
 }
 
@@ -91,7 +91,7 @@ pub fn plan<J: Jumper>(jumper: &J, course: &Course, settings: &Settings) -> Resu
     course.check()?;
     let terrain = Terrain::new(course, jumper.edge_margin());
     let choices = choices(jumper, course, &terrain);
-    let mut search = Search { jumper, course, settings, choices: &choices, best: None, nodes: 0, open: BinaryHeap::new() };
+    let mut search = Search { jumper, course, settings, choices: &choices, best: None, nodes: 0, solves: 0, open: BinaryHeap::new() };
     let bound = search.run();
     let (nodes, complete) = (search.nodes, search.open.is_empty() || search.nodes < settings.nodes);
     Ok(match &search.best {
@@ -204,6 +204,7 @@ struct Search<'a, J> {
     choices: &'a [Choice],
     best: Option<Best>,
     nodes: usize,
+    solves: usize,
     open: BinaryHeap<Node>,
 }
 
@@ -248,6 +249,7 @@ impl<J: Jumper> Search<'_, J> {
             }
             self.split(node, worst);
         } else if !self.split(node, worst) {
+            self.solves+=1; if std::env::var("DBG").is_ok() && self.solves<60 {eprintln!("leaf {} ch {} bound {} worst {} {:?} {:?} relaxed {:?} exc {:?} dec {:?} leap {:?}", self.nodes, node.choice,node.bound,worst,node.windows,node.reach,node.relaxed,trial.excess,trial.decisions,self.choices[node.choice].leaps[worst]);}
             let report = sqp::solve(&self.problem(node.choice), &trial.decisions, &self.settings.solver);
             if report.violation <= self.settings.solver.feasibility {
                 self.offer(Best { choice: node.choice, decisions: report.x, cost: report.cost });
@@ -371,6 +373,7 @@ impl<J: Jumper> Search<'_, J> {
             landing = flight.landing.value;
             jumps.push(Jump { leap: leap.clone(), foot, landing, decisions, deviation: flight.deviation.value });
         }
+        if std::env::var("DBG").is_ok() {eprintln!("solves {} choices {} open {}", self.solves, self.choices.len(), self.open.len());}
         Plan { jumps, cost: report.cost, bound: bound.min(report.cost), nodes: self.nodes, complete, report }
     }
 }
