@@ -133,7 +133,7 @@ impl Hopper {
     ///
     /// With a point e ahead of the start and r = L − e before the end, the height is
     /// p_z + tan θ · e r/(e + r) + H (e/(e + r))²; the first product grows with e and with r.
-    fn most_over(&self, leap: &Leap, feet: Span, landings: Span, angle: f64) -> f64 {
+    fn most_over(&self, leap: &Leap, feet: Span, landings: Span, furthest: f64, angle: f64) -> f64 {
         let (sin, cos) = angle.sin_cos();
         let [px, pz] = self.start(leap, (sin, cos));
         let rise = leap.to - pz;
@@ -144,7 +144,10 @@ impl Hopper {
             if ahead.low + behind.low <= 0.0 {
                 return f64::INFINITY;
             }
-            let product = ahead.high * behind.high / (ahead.high + behind.high);
+            // The product is greatest half way, as far as there is room.
+            let length = (ahead.high + behind.high).min(furthest - px);
+            let part = Span::new(length - behind.high, ahead.high).clamp(0.5 * length);
+            let product = part * (length - part) / length;
             let square = |e: f64, r: f64| (e / (e + r)).powi(2);
             let corners = [
                 square(ahead.low, behind.low),
@@ -235,7 +238,7 @@ impl Hopper {
     /// Least time (s) over a distance at `angle` or steeper, with the least speed.
     fn least_time(&self, leap: &Leap, distance: f64, angle: f64) -> f64 {
         let slow = |angle: f64| self.excess_speed(&self.arc(leap, distance, angle));
-        let angle = self.steepen(slow).unwrap_or(angle).max(angle);
+        let angle = self.steepen(slow).unwrap_or(self.angle.high).max(angle);
         let time = self.arc(leap, distance, angle).time;
         if time.is_finite() { time } else { 0.0 }
     }
@@ -266,7 +269,7 @@ impl Jumper for Hopper {
         let margin = |angle: f64| {
             let arc = self.arc(leap, distance, angle);
             let robot = self.excess_speed(&arc).min(arc.time - self.time.low).min(self.descent(leap, distance, angle));
-            self.most_over(leap, Span::point(foot), Span::point(landing), angle).min(robot)
+            self.most_over(leap, Span::point(foot), Span::point(landing), distance, angle).min(robot)
         };
         [distance, self.steepen(margin).unwrap_or(self.angle.high)]
     }
@@ -279,7 +282,7 @@ impl Jumper for Hopper {
             self.angle.low
         } else {
             self.steepen(|angle| {
-                self.most_over(leap, feet, landings, angle).min(self.descent(leap, furthest, angle))
+                self.most_over(leap, feet, landings, furthest, angle).min(self.descent(leap, furthest, angle))
             })?
         };
         let Span { low, high } = self.reach(leap, angle)?.meet(reach).meet(landings - feet);

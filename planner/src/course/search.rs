@@ -33,7 +33,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { sigmas: 0.0, gap: 1e-5, resolution: 1e-4, nodes: 100_000, solver: sqp::Settings::default() }
+        Settings { sigmas: 0.0, gap: 1e-5, resolution: 1e-7, nodes: 100_000, solver: sqp::Settings::default() }
     }
 }
 
@@ -63,6 +63,8 @@ pub struct Plan {
     pub bound: f64,
     /// Nodes looked at.
     pub nodes: usize,
+    /// Programs solved by SQP, beside the last.
+    pub solves: usize,
     /// Whether the search ran to its end, so that `bound` is within the gap of `cost`, and not into its limit of nodes.
     pub complete: bool,
     /// The solver's last word on the choice.
@@ -91,7 +93,7 @@ pub fn plan<J: Jumper>(jumper: &J, course: &Course, settings: &Settings) -> Resu
     course.check()?;
     let terrain = Terrain::new(course, jumper.edge_margin());
     let choices = choices(jumper, course, &terrain);
-    let mut search = Search { jumper, course, settings, choices: &choices, best: None, nodes: 0, solves: 0, open: BinaryHeap::new() };
+    let mut search = Search { jumper, course, settings, choices: &choices, best: None, nodes: 0, solves: 0, tries: vec![0; choices.len()], open: BinaryHeap::new() };
     let bound = search.run();
     let (nodes, complete) = (search.nodes, search.open.is_empty() || search.nodes < settings.nodes);
     Ok(match &search.best {
@@ -156,6 +158,9 @@ fn backward_reach<J: Jumper>(jumper: &J, course: &Course, terrain: &Terrain) -> 
     alive
 }
 
+/// How often the relaxed footholds of a choice are out of reach before the solver looks for better ones.
+const FIRST_SOLVE: usize = 8;
+
 /// Part of a choice.
 struct Node {
     choice: usize,
@@ -205,6 +210,8 @@ struct Search<'a, J> {
     best: Option<Best>,
     nodes: usize,
     solves: usize,
+    /// Nodes of each choice whose relaxed footholds were out of reach.
+    tries: Vec<usize>,
     open: BinaryHeap<Node>,
 }
 
@@ -241,19 +248,28 @@ impl<J: Jumper> Search<'_, J> {
     /// Tries the node's relaxed footholds, then splits it, or solves it where it is too small to be split.
     fn look_at(&mut self, node: &Node) {
         let trial = self.aim(node);
-        let worst = (0..trial.excess.len()).max_by(|&a, &b| trial.excess[a].total_cmp(&trial.excess[b])).unwrap_or(0);
         if trial.cost.is_finite() {
-            self.offer(Best { choice: node.choice, decisions: trial.decisions, cost: trial.cost });
+            self.offer(Best { choice: node.choice, decisions: trial.decisions.clone(), cost: trial.cost });
             if node.bound >= self.worth() {
                 return;
             }
-            self.split(node, worst);
-        } else if !self.split(node, worst) {
-            self.solves+=1; if std::env::var("DBG").is_ok() && self.solves<60 {eprintln!("leaf {} ch {} bound {} worst {} {:?} {:?} relaxed {:?} exc {:?} dec {:?} leap {:?}", self.nodes, node.choice,node.bound,worst,node.windows,node.reach,node.relaxed,trial.excess,trial.decisions,self.choices[node.choice].leaps[worst]);}
-            let report = sqp::solve(&self.problem(node.choice), &trial.decisions, &self.settings.solver);
-            if report.violation <= self.settings.solver.feasibility {
-                self.offer(Best { choice: node.choice, decisions: report.x, cost: report.cost });
+            self.split(node, &trial);
+        } else {
+            self.tries[node.choice] += 1;
+            let tries = self.tries[node.choice];
+            if !self.split(node, &trial) || (tries >= FIRST_SOLVE && tries.is_power_of_two()) {
+                self.solve(node.choice, &trial.decisions);
             }
+        }
+    }
+
+    /// Looks for a local optimum of a choice.
+    fn solve(&mut self, choice: usize, decisions: &[f64]) {
+        self.solves += 1;
+        let report = sqp::solve(&self.problem(choice), decisions, &self.settings.solver);
+        if std::env::var("DBG").is_ok() {eprintln!("n {} ch {} it {} {:?} cost {} viol {} kkt {}", self.nodes, choice, report.iterations, report.status, report.cost, report.violation, report.kkt_residual);}
+        if report.violation <= self.settings.solver.feasibility {
+            self.offer(Best { choice, decisions: report.x, cost: report.cost });
         }
     }
 
@@ -286,30 +302,34 @@ impl<J: Jumper> Search<'_, J> {
         trial
     }
 
-    /// Splits the widest of what the envelope of a jump depends on; false if all of that is narrow.
-    fn split(&mut self, node: &Node, jump: usize) -> bool {
-        let before = if jump == 0 { Span::point(self.course.start) } else { node.windows[jump - 1] };
-        let [landing, _] = node.relaxed[jump];
-        let from = if jump == 0 { self.course.start } else { node.relaxed[jump - 1][0] };
-        let distance = landing - from - roll(self.jumper, jump);
-        let sees_place = !self.choices[node.choice].leaps[jump].edges.is_empty();
-        let mut parts = [(node.reach[jump], distance), (node.windows[jump], landing), (before, from)];
-        if !sees_place {
-            parts[1].0 = Span::point(0.0);
-            parts[2].0 = Span::point(0.0);
+    /// Splits the widest of all that the envelopes of costlier jumps depend on; false if all of that is narrow.
+    fn split(&mut self, node: &Node, trial: &Trial) -> bool {
+        let choice = &self.choices[node.choice];
+        let mut widest = (self.settings.resolution, None);
+        let mut consider = |span: Span, at: f64, part: Part| {
+            if span.width() > widest.0 {
+                widest = (span.width(), Some((span, at, part)));
+            }
+        };
+        let (mut before, mut from) = (Span::point(self.course.start), self.course.start);
+        for (jump, leap) in choice.leaps.iter().enumerate() {
+            let [landing, _] = node.relaxed[jump];
+            if trial.excess[jump] > 0.1 * self.settings.gap {
+                consider(node.reach[jump], landing - from - roll(self.jumper, jump), Part::Distance(jump));
+                if !leap.edges.is_empty() {
+                    consider(node.windows[jump], landing, Part::Landing(jump));
+                    consider(before, from, Part::Landing(jump.wrapping_sub(1)));
+                }
+            }
+            (before, from) = (node.windows[jump], landing);
         }
-        let widest = (0..3).max_by(|&a, &b| parts[a].0.width().total_cmp(&parts[b].0.width()).then(b.cmp(&a))).unwrap_or(0);
-        let (span, at) = parts[widest];
-        if span.width() <= self.settings.resolution {
-            return false;
-        }
+        let Some((span, at, part)) = widest.1 else { return false };
         let at = Span::new(span.low + 0.1 * span.width(), span.high - 0.1 * span.width()).clamp(at);
         for half in [Span::new(span.low, at), Span::new(at, span.high)] {
             let (mut windows, mut reach) = (node.windows.clone(), node.reach.clone());
-            match widest {
-                0 => reach[jump] = half,
-                1 => windows[jump] = half,
-                _ => windows[jump - 1] = half,
+            match part {
+                Part::Distance(jump) => reach[jump] = half,
+                Part::Landing(jump) => windows[jump] = half,
             }
             self.add(node.choice, windows, reach);
         }
@@ -373,9 +393,17 @@ impl<J: Jumper> Search<'_, J> {
             landing = flight.landing.value;
             jumps.push(Jump { leap: leap.clone(), foot, landing, decisions, deviation: flight.deviation.value });
         }
-        if std::env::var("DBG").is_ok() {eprintln!("solves {} choices {} open {}", self.solves, self.choices.len(), self.open.len());}
-        Plan { jumps, cost: report.cost, bound: bound.min(report.cost), nodes: self.nodes, complete, report }
+        Plan { jumps, cost: report.cost, bound: bound.min(report.cost), nodes: self.nodes, solves: self.solves, complete, report }
     }
+}
+
+/// What a split halves.
+#[derive(Clone, Copy)]
+enum Part {
+    /// How far a jump goes.
+    Distance(usize),
+    /// Where it lands.
+    Landing(usize),
 }
 
 /// Jumps between given footholds.
