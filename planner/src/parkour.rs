@@ -134,7 +134,7 @@ impl Hopper {
     /// With a point e ahead of the start and r = L − e before the end, the height is
     /// p_z + tan θ · e r/(e + r) + H (e/(e + r))²; the first product grows with e and with r.
     fn most_over(&self, leap: &Leap, feet: Span, landings: Span, furthest: f64, angle: f64) -> f64 {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = Scalar::sin_cos(angle);
         let [px, pz] = self.start(leap, (sin, cos));
         let rise = leap.to - pz;
         let over = |edge: &Edge| {
@@ -169,14 +169,14 @@ impl Hopper {
 
     /// How much further (m) a flight falls below its tangent than one that lands at its apex, L tan θ − 2 H.
     fn descent(&self, leap: &Leap, distance: f64, angle: f64) -> f64 {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = Scalar::sin_cos(angle);
         let start = self.start(leap, (sin, cos));
         (distance - start[0]) * sin / cos + 2.0 * (start[1] - leap.to)
     }
 
-    /// Lowest launch angle (rad) at which `margin`, which grows with the angle, is not negative.
-    fn steepen(&self, margin: impl Fn(f64) -> f64) -> Option<f64> {
-        let Span { low, high } = self.angle;
+    /// Lowest launch angle (rad) from `low` up at which `margin`, which grows with the angle, is not negative.
+    fn steepen(&self, low: f64, margin: impl Fn(f64) -> f64) -> Option<f64> {
+        let high = self.angle.high;
         let at_low = margin(low);
         if at_low >= 0.0 {
             return Some(low);
@@ -187,7 +187,7 @@ impl Hopper {
 
     /// Distance (m) of a jump at a speed and an angle; none if it does not get as high as the landing.
     fn distance(&self, leap: &Leap, speed: f64, angle: f64) -> Option<f64> {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = Scalar::sin_cos(angle);
         let start = self.start(leap, (sin, cos));
         let up = speed * sin;
         let square = up * up + 2.0 * self.gravity * (start[1] - leap.to);
@@ -198,7 +198,7 @@ impl Hopper {
     /// tan θ = v/√(v² − 2 g H).
     fn past_longest(&self, leap: &Leap, speed: f64, angle: f64) -> bool {
         // The start moves with the angle, by less than a hundredth of a radian's worth.
-        let (sin, cos) = (angle - 0.01).sin_cos();
+        let (sin, cos) = Scalar::sin_cos(angle - 0.01);
         let square = speed * speed + 2.0 * self.gravity * (self.start(leap, (sin, cos))[1] - leap.to);
         square > 0.0 && square * sin * sin > speed * speed * cos * cos
     }
@@ -211,7 +211,7 @@ impl Hopper {
             Some(distance) => distance,
             // At least up to the apex: v² sin 2θ/2g.
             None => {
-                let start = self.start(leap, steepest.sin_cos());
+                let start = self.start(leap, Scalar::sin_cos(steepest));
                 start[0] + speed.low * speed.low * (2.0 * steepest).sin() / (2.0 * self.gravity)
             }
         };
@@ -219,8 +219,8 @@ impl Hopper {
             self.distance(leap, speed.high, angle)?
         } else {
             // The longest jump at any angle: v √(v² − 2 g H)/g.
-            let ahead = self.start(leap, angle.sin_cos())[0];
-            let above = self.start(leap, steepest.sin_cos())[1];
+            let ahead = self.start(leap, Scalar::sin_cos(angle))[0];
+            let above = self.start(leap, Scalar::sin_cos(steepest))[1];
             let square = speed.high * speed.high + 2.0 * self.gravity * (above - leap.to);
             if square < 0.0 {
                 return None;
@@ -238,7 +238,7 @@ impl Hopper {
     /// Least time (s) over a distance at `angle` or steeper, with the least speed.
     fn least_time(&self, leap: &Leap, distance: f64, angle: f64) -> f64 {
         let slow = |angle: f64| self.excess_speed(&self.arc(leap, distance, angle));
-        let angle = self.steepen(slow).unwrap_or(self.angle.high).max(angle);
+        let angle = self.steepen(angle, slow).unwrap_or(self.angle.high);
         let time = self.arc(leap, distance, angle).time;
         if time.is_finite() { time } else { 0.0 }
     }
@@ -271,7 +271,7 @@ impl Jumper for Hopper {
             let robot = self.excess_speed(&arc).min(arc.time - self.time.low).min(self.descent(leap, distance, angle));
             self.most_over(leap, Span::point(foot), Span::point(landing), distance, angle).min(robot)
         };
-        [distance, self.steepen(margin).unwrap_or(self.angle.high)]
+        [distance, self.steepen(self.angle.low, margin).unwrap_or(self.angle.high)]
     }
 
     /// At a given launch angle the time grows concavely with the distance, and so it falls at the least speed: chords
@@ -281,7 +281,7 @@ impl Jumper for Hopper {
         let angle = if leap.edges.is_empty() && leap.to <= leap.from {
             self.angle.low
         } else {
-            self.steepen(|angle| {
+            self.steepen(self.angle.low, |angle| {
                 self.most_over(leap, feet, landings, furthest, angle).min(self.descent(leap, furthest, angle))
             })?
         };

@@ -33,7 +33,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { sigmas: 0.0, gap: 1e-5, resolution: 1e-7, nodes: 100_000, solver: sqp::Settings::default() }
+        Settings { sigmas: 0.0, gap: 5e-5, resolution: 1e-7, nodes: 1_000, solver: sqp::Settings::default() }
     }
 }
 
@@ -93,7 +93,7 @@ pub fn plan<J: Jumper>(jumper: &J, course: &Course, settings: &Settings) -> Resu
     course.check()?;
     let terrain = Terrain::new(course, jumper.edge_margin());
     let choices = choices(jumper, course, &terrain);
-    let mut search = Search { jumper, course, settings, choices: &choices, best: None, nodes: 0, solves: 0, tries: vec![0; choices.len()], open: BinaryHeap::new() };
+    let mut search = Search { jumper, course, settings, choices: &choices, best: None, nodes: 0, solves: 0, serial: 0, tries: vec![0; choices.len()], open: BinaryHeap::new() };
     let bound = search.run();
     let (nodes, complete) = (search.nodes, search.open.is_empty() || search.nodes < settings.nodes);
     Ok(match &search.best {
@@ -158,8 +158,12 @@ fn backward_reach<J: Jumper>(jumper: &J, course: &Course, terrain: &Terrain) -> 
     alive
 }
 
-/// How often the relaxed footholds of a choice are out of reach before the solver looks for better ones.
-const FIRST_SOLVE: usize = 8;
+/// The solver looks for footholds of a choice whenever the relaxed ones have been out of reach this often, this often
+/// squared, and so on.
+const SOLVE_BASE: usize = 8;
+
+/// Quadratic programs that are spent on one such attempt.
+const SEARCH_ITERATIONS: usize = 20;
 
 /// Part of a choice.
 struct Node {
@@ -170,10 +174,20 @@ struct Node {
     reach: Vec<Span>,
     /// No plan in this node costs less.
     bound: f64,
+    /// The jumps' envelopes.
+    bounded: Vec<Bounded>,
     /// Landings (m) of the bound, and what each jump costs in it.
     relaxed: Vec<[f64; 2]>,
     /// Order of creation, so that equal bounds are looked at in a fixed order.
     serial: usize,
+}
+
+/// A jump's envelope and what it holds for.
+#[derive(Clone, Copy)]
+struct Bounded {
+    feet: Span,
+    window: Span,
+    envelope: Envelope,
 }
 
 impl PartialEq for Node {
@@ -210,6 +224,7 @@ struct Search<'a, J> {
     best: Option<Best>,
     nodes: usize,
     solves: usize,
+    serial: usize,
     /// Nodes of each choice whose relaxed footholds were out of reach.
     tries: Vec<usize>,
     open: BinaryHeap<Node>,
@@ -219,7 +234,7 @@ impl<J: Jumper> Search<'_, J> {
     /// Looks at nodes until none can be better; the bound on what is left.
     fn run(&mut self) -> f64 {
         for (choice, Choice { windows, .. }) in self.choices.iter().enumerate() {
-            self.add(choice, windows.clone(), vec![Span::ALL; windows.len()]);
+            self.add(choice, windows.clone(), vec![Span::ALL; windows.len()], &[]);
         }
         while let Some(node) = self.open.pop() {
             if self.nodes >= self.settings.nodes || node.bound >= self.worth() {
@@ -257,7 +272,7 @@ impl<J: Jumper> Search<'_, J> {
         } else {
             self.tries[node.choice] += 1;
             let tries = self.tries[node.choice];
-            if !self.split(node, &trial) || (tries >= FIRST_SOLVE && tries.is_power_of_two()) {
+            if !self.split(node, &trial) || is_power(tries, SOLVE_BASE) {
                 self.solve(node.choice, &trial.decisions);
             }
         }
@@ -266,8 +281,8 @@ impl<J: Jumper> Search<'_, J> {
     /// Looks for a local optimum of a choice.
     fn solve(&mut self, choice: usize, decisions: &[f64]) {
         self.solves += 1;
-        let report = sqp::solve(&self.problem(choice), decisions, &self.settings.solver);
-        if std::env::var("DBG").is_ok() {eprintln!("n {} ch {} it {} {:?} cost {} viol {} kkt {}", self.nodes, choice, report.iterations, report.status, report.cost, report.violation, report.kkt_residual);}
+        let solver = sqp::Settings { iterations: SEARCH_ITERATIONS, ..self.settings.solver };
+        let report = sqp::solve(&self.problem(choice), decisions, &solver);
         if report.violation <= self.settings.solver.feasibility {
             self.offer(Best { choice, decisions: report.x, cost: report.cost });
         }
@@ -331,46 +346,67 @@ impl<J: Jumper> Search<'_, J> {
                 Part::Distance(jump) => reach[jump] = half,
                 Part::Landing(jump) => windows[jump] = half,
             }
-            self.add(node.choice, windows, reach);
+            self.add(node.choice, windows, reach, &node.bounded);
         }
         true
     }
 
-    /// Adds the part of a choice within windows and distances, unless its bound says that it is not worth it.
-    fn add(&mut self, choice: usize, mut windows: Vec<Span>, mut reach: Vec<Span>) {
-        let Some((bound, relaxed)) = self.relax(&self.choices[choice], &mut windows, &mut reach) else { return };
+    /// Adds the part of a choice within windows and distances, unless its bound says that it is not worth it. What is
+    /// `known` of the jumps' envelopes is used again where it holds.
+    fn add(&mut self, choice: usize, mut windows: Vec<Span>, mut reach: Vec<Span>, known: &[Bounded]) {
+        let Some(bounded) = self.bound(&self.choices[choice], &mut windows, &mut reach, known) else { return };
+        let Some((bound, relaxed)) = self.relax(&bounded) else { return };
         if bound < self.worth() {
-            let serial = self.nodes * 2 + self.open.len();
-            self.open.push(Node { choice, windows, reach, bound, relaxed, serial });
+            let serial = self.serial;
+            self.serial += 1;
+            self.open.push(Node { choice, windows, reach, bound, bounded, relaxed, serial });
         }
     }
 
-    /// Narrows windows and distances to what the jumps can do, and gives the least sum of their envelopes with the
-    /// landings where it is and each jump's part of it.
-    fn relax(&self, choice: &Choice, windows: &mut [Span], reach: &mut [Span]) -> Option<(f64, Vec<[f64; 2]>)> {
-        let jumps = choice.leaps.len();
-        for jump in (1..jumps).rev() {
+    /// Narrows windows and distances to what the jumps can do, and bounds each jump's cost.
+    fn bound(
+        &self,
+        choice: &Choice,
+        windows: &mut [Span],
+        reach: &mut [Span],
+        known: &[Bounded],
+    ) -> Option<Vec<Bounded>> {
+        for jump in (1..windows.len()).rev() {
             let shift = Span::point(roll(self.jumper, jump));
             windows[jump - 1] = windows[jump - 1].meet(windows[jump] - reach[jump] - shift);
         }
-        let mut feet = Span::point(self.course.start);
-        let mut chain: Vec<(CostToCome, f64, Envelope)> = Vec::with_capacity(jumps);
-        let mut come = CostToCome::start(self.course.start);
-        for jump in 0..jumps {
-            let shift = roll(self.jumper, jump);
-            feet = feet + Span::point(shift);
-            let envelope = self.jumper.envelope(&choice.leaps[jump], feet, windows[jump], reach[jump])?;
-            let next = come.jump(shift, &envelope, windows[jump])?;
+        let mut bounded = Vec::with_capacity(windows.len());
+        let mut landing = Span::point(self.course.start);
+        for (jump, leap) in choice.leaps.iter().enumerate() {
+            let feet = landing + Span::point(roll(self.jumper, jump));
+            let holds = |b: &&Bounded| {
+                b.feet == feet && b.window == windows[jump] && b.envelope.reach() == reach[jump]
+            };
+            let envelope = match known.get(jump).filter(holds) {
+                Some(known) => known.envelope,
+                None => self.jumper.envelope(leap, feet, windows[jump], reach[jump])?,
+            };
             reach[jump] = envelope.reach();
             windows[jump] = windows[jump].meet(feet + reach[jump]);
-            feet = windows[jump];
-            chain.push((come, shift, envelope));
-            come = next;
+            landing = windows[jump];
+            bounded.push(Bounded { feet, window: landing, envelope });
+        }
+        Some(bounded)
+    }
+
+    /// The least sum of the envelopes, with the landings where it is and each jump's part of it.
+    fn relax(&self, bounded: &[Bounded]) -> Option<(f64, Vec<[f64; 2]>)> {
+        let mut chain = Vec::with_capacity(bounded.len());
+        let mut come = CostToCome::start(self.course.start);
+        for (jump, b) in bounded.iter().enumerate() {
+            let next = come.jump(roll(self.jumper, jump), &b.envelope, b.window)?;
+            chain.push(std::mem::replace(&mut come, next));
         }
         let [mut landing, bound] = come.least();
-        let mut relaxed = vec![[0.0; 2]; jumps];
-        for (jump, (come, shift, envelope)) in chain.iter().enumerate().rev() {
-            let from = come.origin(*shift, envelope, landing);
+        let mut relaxed = vec![[0.0; 2]; bounded.len()];
+        for (jump, come) in chain.iter().enumerate().rev() {
+            let (shift, envelope) = (roll(self.jumper, jump), &bounded[jump].envelope);
+            let from = come.origin(shift, envelope, landing);
             relaxed[jump] = [landing, envelope.at(landing - from - shift)];
             landing = from;
         }
@@ -395,6 +431,14 @@ impl<J: Jumper> Search<'_, J> {
         }
         Plan { jumps, cost: report.cost, bound: bound.min(report.cost), nodes: self.nodes, solves: self.solves, complete, report }
     }
+}
+
+/// Whether `n` is a power of `base`, the first one or higher.
+fn is_power(mut n: usize, base: usize) -> bool {
+    while n > base && n.is_multiple_of(base) {
+        n /= base;
+    }
+    n == base
 }
 
 /// What a split halves.
