@@ -33,7 +33,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { sigmas: 0.0, gap: 5e-5, resolution: 1e-7, nodes: 1_000, solver: sqp::Settings::default() }
+        Settings { sigmas: 0.0, gap: 5e-5, resolution: 1e-7, nodes: 400, solver: sqp::Settings::default() }
     }
 }
 
@@ -158,12 +158,14 @@ fn backward_reach<J: Jumper>(jumper: &J, course: &Course, terrain: &Terrain) -> 
     alive
 }
 
-/// The solver looks for footholds of a choice whenever the relaxed ones have been out of reach this often, this often
-/// squared, and so on.
-const SOLVE_BASE: usize = 8;
+/// The solver looks for better footholds of a choice after this many of its nodes, this many squared, and so on.
+const SOLVE_BASE: usize = 16;
 
 /// Quadratic programs that are spent on one such attempt.
-const SEARCH_ITERATIONS: usize = 20;
+const SEARCH_ITERATIONS: usize = 12;
+
+/// First trust region of such an attempt: the relaxed footholds are near, and few rows matter within it.
+const SEARCH_RADIUS: f64 = 0.03;
 
 /// Part of a choice.
 struct Node {
@@ -225,7 +227,7 @@ struct Search<'a, J> {
     nodes: usize,
     solves: usize,
     serial: usize,
-    /// Nodes of each choice whose relaxed footholds were out of reach.
+    /// Nodes of each choice that had to be split.
     tries: Vec<usize>,
     open: BinaryHeap<Node>,
 }
@@ -265,23 +267,20 @@ impl<J: Jumper> Search<'_, J> {
         let trial = self.aim(node);
         if trial.cost.is_finite() {
             self.offer(Best { choice: node.choice, decisions: trial.decisions.clone(), cost: trial.cost });
-            if node.bound >= self.worth() {
-                return;
-            }
-            self.split(node, &trial);
-        } else {
-            self.tries[node.choice] += 1;
-            let tries = self.tries[node.choice];
-            if !self.split(node, &trial) || is_power(tries, SOLVE_BASE) {
-                self.solve(node.choice, &trial.decisions);
-            }
+        }
+        if node.bound >= self.worth() {
+            return;
+        }
+        self.tries[node.choice] += 1;
+        if !self.split(node, &trial) || is_power(self.tries[node.choice], SOLVE_BASE) {
+            self.solve(node.choice, &trial.decisions);
         }
     }
 
     /// Looks for a local optimum of a choice.
     fn solve(&mut self, choice: usize, decisions: &[f64]) {
         self.solves += 1;
-        let solver = sqp::Settings { iterations: SEARCH_ITERATIONS, ..self.settings.solver };
+        let solver = sqp::Settings { iterations: SEARCH_ITERATIONS, radius: SEARCH_RADIUS, ..self.settings.solver };
         let report = sqp::solve(&self.problem(choice), decisions, &solver);
         if report.violation <= self.settings.solver.feasibility {
             self.offer(Best { choice, decisions: report.x, cost: report.cost });

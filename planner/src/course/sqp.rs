@@ -58,7 +58,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { iterations: 100, tolerance: 1e-11, feasibility: 1e-10, radius: 0.1 }
+        Settings { iterations: 100, tolerance: 1e-10, feasibility: 1e-10, radius: 0.1 }
     }
 }
 
@@ -102,7 +102,7 @@ pub struct Report {
 const PRICE_LIMIT: f64 = 1e8;
 
 /// Least size of the trust region.
-const RADIUS_LIMIT: f64 = 1e-13;
+const RADIUS_LIMIT: f64 = 1e-9;
 
 /// Solves a program from `x`.
 pub fn solve<P: Nlp>(nlp: &P, x: &[f64], settings: &Settings) -> Report {
