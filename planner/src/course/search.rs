@@ -33,7 +33,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { sigmas: 0.0, gap: 5e-5, resolution: 1e-7, nodes: 400, solver: sqp::Settings::default() }
+        Settings { sigmas: 0.0, gap: 5e-5, resolution: 1e-7, nodes: 100_000, solver: sqp::Settings::default() }
     }
 }
 
@@ -319,20 +319,21 @@ impl<J: Jumper> Search<'_, J> {
     /// Splits the widest of all that the envelopes of costlier jumps depend on; false if all of that is narrow.
     fn split(&mut self, node: &Node, trial: &Trial) -> bool {
         let choice = &self.choices[node.choice];
-        let mut widest = (self.settings.resolution, None);
-        let mut consider = |span: Span, at: f64, part: Part| {
-            if span.width() > widest.0 {
-                widest = (span.width(), Some((span, at, part)));
+        let mut widest = (0.0, None);
+        let mut consider = |span: Span, at: f64, excess: f64, part: Part| {
+            let weight = span.width() * excess.min(0.1);
+            if span.width() > self.settings.resolution && weight > widest.0 {
+                widest = (weight, Some((span, at, part)));
             }
         };
         let (mut before, mut from) = (Span::point(self.course.start), self.course.start);
         for (jump, leap) in choice.leaps.iter().enumerate() {
             let [landing, _] = node.relaxed[jump];
             if trial.excess[jump] > 0.1 * self.settings.gap {
-                consider(node.reach[jump], landing - from - roll(self.jumper, jump), Part::Distance(jump));
+                consider(node.reach[jump], landing - from - roll(self.jumper, jump), trial.excess[jump], Part::Distance(jump));
                 if !leap.edges.is_empty() {
-                    consider(node.windows[jump], landing, Part::Landing(jump));
-                    consider(before, from, Part::Landing(jump.wrapping_sub(1)));
+                    consider(node.windows[jump], landing, trial.excess[jump], Part::Landing(jump));
+                    consider(before, from, trial.excess[jump], Part::Landing(jump.wrapping_sub(1)));
                 }
             }
             (before, from) = (node.windows[jump], landing);
