@@ -33,7 +33,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { sigmas: 0.0, gap: 5e-5, resolution: 1e-7, nodes: 100_000, solver: sqp::Settings::default() }
+        Settings { sigmas: 0.0, gap: 5e-5, resolution: 1e-7, nodes: 500, solver: sqp::Settings::default() }
     }
 }
 
@@ -166,6 +166,9 @@ const SEARCH_ITERATIONS: usize = 12;
 
 /// First trust region of such an attempt: the relaxed footholds are near, and few rows matter within it.
 const SEARCH_RADIUS: f64 = 0.03;
+
+/// What a jump that cannot be made counts for above its envelope (in units of the cost), to weigh it against others.
+const INFEASIBLE_EXCESS: f64 = 0.1;
 
 /// Part of a choice.
 struct Node {
@@ -316,30 +319,32 @@ impl<J: Jumper> Search<'_, J> {
         trial
     }
 
-    /// Splits the widest of all that the envelopes of costlier jumps depend on; false if all of that is narrow.
+    /// Halves a window or a distance, the one with the greatest width times excess of a jump that depends on it; false if
+    /// all of that is narrow.
     fn split(&mut self, node: &Node, trial: &Trial) -> bool {
         let choice = &self.choices[node.choice];
         let mut widest = (0.0, None);
-        let mut consider = |span: Span, at: f64, excess: f64, part: Part| {
-            let weight = span.width() * excess.min(0.1);
+        let mut consider = |span: Span, weight: f64, part: Part| {
+            let weight = span.width() * weight;
             if span.width() > self.settings.resolution && weight > widest.0 {
-                widest = (weight, Some((span, at, part)));
+                widest = (weight, Some((span, part)));
             }
         };
-        let (mut before, mut from) = (Span::point(self.course.start), self.course.start);
+        let mut before = Span::point(self.course.start);
         for (jump, leap) in choice.leaps.iter().enumerate() {
-            let [landing, _] = node.relaxed[jump];
-            if trial.excess[jump] > 0.1 * self.settings.gap {
-                consider(node.reach[jump], landing - from - roll(self.jumper, jump), trial.excess[jump], Part::Distance(jump));
+            // An infeasible jump counts as a dear one.
+            let excess = trial.excess[jump].min(INFEASIBLE_EXCESS);
+            if excess > 0.1 * self.settings.gap {
+                consider(node.reach[jump], 0.5 * excess, Part::Distance(jump));
                 if !leap.edges.is_empty() {
-                    consider(node.windows[jump], landing, trial.excess[jump], Part::Landing(jump));
-                    consider(before, from, trial.excess[jump], Part::Landing(jump.wrapping_sub(1)));
+                    consider(node.windows[jump], excess, Part::Landing(jump));
+                    consider(before, excess, Part::Landing(jump.wrapping_sub(1)));
                 }
             }
-            (before, from) = (node.windows[jump], landing);
+            before = node.windows[jump];
         }
-        let Some((span, at, part)) = widest.1 else { return false };
-        let at = Span::new(span.low + 0.1 * span.width(), span.high - 0.1 * span.width()).clamp(at);
+        let Some((span, part)) = widest.1 else { return false };
+        let at = f64::midpoint(span.low, span.high);
         for half in [Span::new(span.low, at), Span::new(at, span.high)] {
             let (mut windows, mut reach) = (node.windows.clone(), node.reach.clone());
             match part {
