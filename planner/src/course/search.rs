@@ -98,7 +98,7 @@ pub fn plan<J: Jumper>(jumper: &J, course: &Course, settings: &Settings) -> Resu
     let (nodes, complete) = (search.nodes, search.open.is_empty() || search.nodes < settings.nodes);
     Ok(match &search.best {
         Some(best) => Answer::Plan(search.finish(best, bound.min(best.cost), complete)),
-        None if complete => Answer::Infeasible(nearest(jumper, course, &terrain, settings)),
+        None if complete => Answer::Infeasible(nearest(jumper, course, settings)),
         None => Answer::Undecided { nodes },
     })
 }
