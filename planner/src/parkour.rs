@@ -336,3 +336,6 @@ fn rising_root(f: impl Fn(f64) -> f64, mut below: [f64; 2], mut above: [f64; 2])
     }
     end
 }
+
+#[cfg(test)]
+mod tests;

@@ -158,12 +158,13 @@ impl<'a, P: Nlp> Iterate<'a, P> {
     /// One quadratic program, and the step if it is good. The status if there is nothing left to do.
     fn advance(&mut self) -> Option<Status> {
         let (violation, row) = self.violation(&self.at);
-        let Some(step) = self.propose(violation) else {
+        let Some(step) = self.propose(&self.at.values.clone(), violation) else {
             self.radius *= 0.25;
             return None;
         };
         let promise = step.gain + self.price * (violation - step.give);
-        if promise <= self.settings.tolerance || !promise.is_finite() {
+        // What is promised for a lesser violation is known to the violation's round-off.
+        if promise <= self.settings.tolerance + self.settings.feasibility * self.price || !promise.is_finite() {
             if violation <= self.settings.feasibility {
                 return Some(Status::Converged);
             }
@@ -174,18 +175,26 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         None
     }
 
-    /// Takes the step if the penalty function falls by a fair part of the promise, and fits the trust region to it.
+    /// Takes the step, or the step corrected for the rows' curvature, if the penalty function falls by a fair part of the
+    /// promise, and fits the trust region to it.
     fn try_step(&mut self, step: &Step, violation: f64, promise: f64) {
-        let moved = |((x, d), b): ((&f64, &f64), &Span)| b.clamp(x + d * b.width());
-        let x: Vec<f64> = self.x.iter().zip(&step.d).zip(&self.bounds).map(moved).collect();
-        self.nlp.evaluate(&x, &mut self.trial);
-        let after = self.violation(&self.trial).0;
-        let fall = self.at.cost - self.trial.cost + self.price * (violation - after);
-        let ratio = fall / promise;
+        let mut x = self.moved(&step.d);
+        let mut ratio = self.fall(&x, violation) / promise;
+        if !(ratio >= 0.25) && self.violation(&self.trial).0 > violation {
+            if let Some(corrected) = self.correct(step, violation) {
+                let (first, first_ratio) = (x, ratio);
+                x = self.moved(&corrected.d);
+                ratio = self.fall(&x, violation) / promise;
+                if !(ratio > first_ratio) {
+                    x = first;
+                    ratio = self.fall(&x, violation) / promise;
+                }
+            }
+        }
         let length = step.d.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
         if ratio > 0.75 && length > 0.9 * self.radius {
             self.radius = (2.0 * self.radius).min(1.0);
-        } else if ratio.is_nan() || ratio < 0.25 {
+        } else if !(ratio >= 0.25) {
             self.radius = 0.25 * self.radius.min(length);
         }
         if ratio > 1e-3 {
@@ -193,6 +202,30 @@ impl<'a, P: Nlp> Iterate<'a, P> {
             std::mem::swap(&mut self.at, &mut self.trial);
             self.hessian = self.curvature();
         }
+    }
+
+    /// The iterate after a step.
+    fn moved(&self, d: &[f64]) -> Vec<f64> {
+        self.x.iter().zip(d).zip(&self.bounds).map(|((x, d), b)| b.clamp(x + d * b.width())).collect()
+    }
+
+    /// By how much the penalty function falls from here, where the violation is `violation`, to `x`.
+    fn fall(&mut self, x: &[f64], violation: f64) -> f64 {
+        self.nlp.evaluate(x, &mut self.trial);
+        let after = self.violation(&self.trial).0;
+        self.at.cost - self.trial.cost + self.price * (violation - after)
+    }
+
+    /// The second-order correction: the step again, with the rows' values from where it led.
+    fn correct(&mut self, step: &Step, violation: f64) -> Option<Step> {
+        let n = self.x.len();
+        let linear = |slopes: &[f64]| slopes.iter().zip(&step.d).zip(&self.bounds).map(|((s, d), b)| s * d * b.width()).sum();
+        let change: Vec<f64> = self.at.jacobian.chunks_exact(n).map(linear).collect();
+        let values: Vec<f64> = self.trial.values.iter().zip(change).map(|(v, c): (&f64, f64)| v - c).collect();
+        let multipliers = self.multipliers.clone();
+        let corrected = if values.iter().all(|v| v.is_finite()) { self.propose(&values, violation) } else { None };
+        self.multipliers = multipliers;
+        corrected
     }
 
     /// Greatest violation of a row, and which; infinite where a value is not finite.
@@ -208,13 +241,14 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         worst
     }
 
-    /// Solves the quadratic program here; updates the multipliers and the price.
-    fn propose(&mut self, violation: f64) -> Option<Step> {
+    /// Solves the quadratic program with the rows' slopes here and the given values; updates the multipliers and the
+    /// price.
+    fn propose(&mut self, values: &[f64], violation: f64) -> Option<Step> {
         self.count += 1;
         let n = self.x.len();
         let elastic = violation > self.settings.feasibility;
-        let rows = self.relevant_rows();
-        let qp = self.subproblem(&rows, elastic);
+        let rows = self.relevant_rows(values);
+        let qp = self.subproblem(&rows, values, elastic);
         let Outcome::Solved { x: mut d, multipliers } = qp.solve() else { return None };
         let give = if elastic { d[n].max(0.0) } else { 0.0 };
         d.truncate(n);
@@ -236,18 +270,18 @@ impl<'a, P: Nlp> Iterate<'a, P> {
     }
 
     /// Rows that can become active within the trust region.
-    fn relevant_rows(&self) -> Vec<usize> {
+    fn relevant_rows(&self, values: &[f64]) -> Vec<usize> {
         let n = self.x.len();
         let can_fall = |row: usize| -> f64 {
             let slopes = self.at.jacobian[row * n..][..n].iter().zip(&self.bounds);
             self.radius * slopes.map(|(s, b)| (s * b.width()).abs()).sum::<f64>()
         };
-        let relevant = |&row: &usize| row < self.nlp.equalities() || self.at.values[row] <= can_fall(row);
-        (0..self.at.values.len()).filter(relevant).collect()
+        let relevant = |&row: &usize| row < self.nlp.equalities() || values[row] <= can_fall(row);
+        (0..values.len()).filter(relevant).collect()
     }
 
     /// The quadratic program in the step, in units of the ranges, and, if elastic, in the give of the rows.
-    fn subproblem(&self, rows: &[usize], elastic: bool) -> Qp {
+    fn subproblem(&self, rows: &[usize], values: &[f64], elastic: bool) -> Qp {
         let n = self.x.len();
         let size = n + usize::from(elastic);
         let equalities = if elastic { 0 } else { self.nlp.equalities() };
@@ -260,7 +294,7 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         for &row in rows {
             let slopes = self.at.jacobian[row * n..][..n].iter().zip(&self.bounds);
             let slopes: Vec<f64> = slopes.map(|(s, b)| s * b.width()).collect();
-            let value = self.at.values[row];
+            let value = values[row];
             qp.push(slopes.iter().copied(), elastic, -value);
             if elastic && row < self.nlp.equalities() {
                 qp.push(slopes.iter().map(|s| -s), elastic, value);
@@ -350,3 +384,6 @@ fn without_negative_curvature(hessian: DMatrix<f64>) -> Vec<f64> {
     eigen.eigenvalues.iter_mut().for_each(|e| *e = e.max(0.0));
     eigen.recompose().as_slice().to_vec()
 }
+
+#[cfg(test)]
+mod tests;
