@@ -72,8 +72,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         println!(
             "{:18} {:8.1} µs  {:6} nodes {:4} solves {:3} QPs  {:?} kkt {:.1e} violation {:.1e}  {:.6} s, bound {:.6}, gain {:+.6}",
-            instance.id, best * 1e6, plan.nodes, plan.solves, plan.report.iterations, plan.report.status, plan.report.kkt_residual,
-            plan.report.violation, plan.cost, plan.bound, published - plan.cost
+            instance.id,
+            best * 1e6,
+            plan.nodes,
+            plan.solves,
+            plan.report.iterations,
+            plan.report.status,
+            plan.report.kkt_residual,
+            plan.report.violation,
+            plan.cost,
+            plan.bound,
+            published - plan.cost
         );
         let launches: Vec<_> = plan.jumps.iter().map(|j| hopper.launch(j)).collect();
         plans.push(json!({

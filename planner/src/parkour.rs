@@ -249,7 +249,13 @@ impl Jumper for Hopper {
         [Span::new(0.0, self.leg + self.speed.high * self.angle.low.cos() * self.time.high), self.angle]
     }
 
-    fn fly(&self, leap: &Leap, foot: Slope, [distance, angle]: [Slope; 2], margins: &mut Vec<Margin<Slope>>) -> Flight<Slope> {
+    fn fly(
+        &self,
+        leap: &Leap,
+        foot: Slope,
+        [distance, angle]: [Slope; 2],
+        margins: &mut Vec<Margin<Slope>>,
+    ) -> Flight<Slope> {
         let arc = self.arc(leap, distance, angle);
         let mut robot = |name, value| margins.push(Margin { limit: Limit::Robot(name), value });
         robot("least launch speed", arc.speed - Slope::of(self.speed.low));
@@ -268,7 +274,10 @@ impl Jumper for Hopper {
         let distance = landing - foot;
         let margin = |angle: f64| {
             let arc = self.arc(leap, distance, angle);
-            let robot = self.excess_speed(&arc).min(arc.time - self.time.low).min(self.descent(leap, distance, angle));
+            let robot = self
+                .excess_speed(&arc)
+                .min(arc.time - self.time.low)
+                .min(self.descent(leap, distance, angle));
             self.most_over(leap, Span::point(foot), Span::point(landing), distance, angle).min(robot)
         };
         [distance, self.steepen(self.angle.low, margin).unwrap_or(self.angle.high)]
@@ -290,7 +299,9 @@ impl Jumper for Hopper {
             return None;
         }
         let least = |distance| [distance, self.least_time(leap, distance, angle)];
-        let slowest = self.distance(leap, self.speed.low, angle).filter(|_| self.past_longest(leap, self.speed.low, angle));
+        let slowest = self
+            .distance(leap, self.speed.low, angle)
+            .filter(|_| self.past_longest(leap, self.speed.low, angle));
         Some(match slowest {
             Some(middle) if low < middle && middle < high => {
                 Envelope::new(&[least(low), [middle, self.arc(leap, middle, angle).time], least(high)])

@@ -56,7 +56,9 @@ impl Envelope {
 
     /// Length and slope of each piece.
     fn pieces(&self) -> impl Iterator<Item = [f64; 2]> {
-        self.points[..self.len].windows(2).map(|w| [w[1][0] - w[0][0], (w[1][1] - w[0][1]) / (w[1][0] - w[0][0])])
+        self.points[..self.len]
+            .windows(2)
+            .map(|w| [w[1][0] - w[0][0], (w[1][1] - w[0][1]) / (w[1][0] - w[0][0])])
     }
 }
 

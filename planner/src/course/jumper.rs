@@ -88,7 +88,13 @@ pub trait Jumper {
     /// Flies a jump, and adds its margins to `margins`: as many and in the same order for a given leap.
     ///
     /// A jump that does not reach the surface gives a landing or a cost that is not finite.
-    fn fly(&self, leap: &Leap, foot: Slope, decisions: [Slope; 2], margins: &mut Vec<Margin<Slope>>) -> Flight<Slope>;
+    fn fly(
+        &self,
+        leap: &Leap,
+        foot: Slope,
+        decisions: [Slope; 2],
+        margins: &mut Vec<Margin<Slope>>,
+    ) -> Flight<Slope>;
 
     /// The best known decisions for a jump from `foot` to `landing` (m): where the solver starts, and already the
     /// answer where the jumper can solve this in closed form.

@@ -56,7 +56,8 @@ pub(super) fn nearest<J: Jumper>(jumper: &J, course: &Course, settings: &Setting
 /// Sequences of grounds, whatever the robot can do.
 fn choices(course: &Course, terrain: &Terrain) -> Vec<Choice> {
     let mut found = Vec::new();
-    let mut open: Vec<(&Ground, usize, Choice)> = vec![(&terrain.start, 0, Choice { leaps: vec![], windows: vec![] })];
+    let mut open: Vec<(&Ground, usize, Choice)> =
+        vec![(&terrain.start, 0, Choice { leaps: vec![], windows: vec![] })];
     while let Some((from, first, choice)) = open.pop() {
         let jump = choice.leaps.len();
         if jump == course.jumps {
@@ -157,8 +158,12 @@ impl<J: Jumper> Nlp for Elastic<'_, J> {
         let mut hard = Evaluation::default();
         self.problem.evaluate(&x[..n], &mut hard);
         // The last two rows are the landing's distances from the ends of its ground; the goal's differ by constants.
-        let (window, goal, m) = (self.problem.choice.windows[self.course.jumps - 1], self.course.goal, hard.values.len());
-        hard.values.extend([hard.values[m - 2] + window.low - goal.low, hard.values[m - 1] + goal.high - window.high]);
+        let (window, goal, m) =
+            (self.problem.choice.windows[self.course.jumps - 1], self.course.goal, hard.values.len());
+        hard.values.extend([
+            hard.values[m - 2] + window.low - goal.low,
+            hard.values[m - 1] + goal.high - window.high,
+        ]);
         hard.jacobian.extend_from_within((m - 2) * n..);
         let size = x.len();
         at.cost = if hard.cost.is_finite() { x[n..].iter().sum() } else { f64::NAN };

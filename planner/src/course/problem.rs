@@ -30,7 +30,13 @@ pub(super) struct Problem<'a, J> {
 
 impl<J: Jumper> Problem<'_, J> {
     /// Flies jump number `jump`; `margins` gets all its margins.
-    pub(super) fn fly(&self, jump: usize, foot: f64, x: [f64; 2], margins: &mut Vec<Margin<Slope>>) -> Flight<Slope> {
+    pub(super) fn fly(
+        &self,
+        jump: usize,
+        foot: f64,
+        x: [f64; 2],
+        margins: &mut Vec<Margin<Slope>>,
+    ) -> Flight<Slope> {
         margins.clear();
         let decisions = [Slope::variable(x[0], 1), Slope::variable(x[1], 2)];
         let leap = &self.choice.leaps[jump];
@@ -40,7 +46,8 @@ impl<J: Jumper> Problem<'_, J> {
             margins.push(Margin { limit: Limit::Goal, value: flight.landing - Slope::of(low) });
         } else {
             let keep = flight.deviation * Slope::of(self.sigmas);
-            let (after, before) = (flight.landing - Slope::of(low) - keep, Slope::of(high) - flight.landing - keep);
+            let (after, before) =
+                (flight.landing - Slope::of(low) - keep, Slope::of(high) - flight.landing - keep);
             margins.push(Margin { limit: Limit::Landing(Side::Front), value: after });
             margins.push(Margin { limit: Limit::Landing(Side::Back), value: before });
         }

@@ -37,9 +37,13 @@ impl Qp {
         // clarabel's rows are A x + s = b with s ≥ 0.
         let rows = sparse(m, n, |i, j| -self.rows[i * n + j]);
         let bounds: Vec<f64> = self.bounds.iter().map(|b| -b).collect();
-        let cones = [SupportedConeT::ZeroConeT(self.equalities), SupportedConeT::NonnegativeConeT(m - self.equalities)];
+        let cones = [
+            SupportedConeT::ZeroConeT(self.equalities),
+            SupportedConeT::NonnegativeConeT(m - self.equalities),
+        ];
         let cones = if self.equalities == 0 { &cones[1..] } else { &cones[..] };
-        let Ok(mut solver) = DefaultSolver::new(&hessian, &self.gradient, &rows, &bounds, cones, settings()) else {
+        let Ok(mut solver) = DefaultSolver::new(&hessian, &self.gradient, &rows, &bounds, cones, settings())
+        else {
             return Outcome::Stopped;
         };
         solver.solve();

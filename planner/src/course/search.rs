@@ -93,7 +93,18 @@ pub fn plan<J: Jumper>(jumper: &J, course: &Course, settings: &Settings) -> Resu
     course.check()?;
     let terrain = Terrain::new(course, jumper.edge_margin());
     let choices = choices(jumper, course, &terrain);
-    let mut search = Search { jumper, course, settings, choices: &choices, best: None, nodes: 0, solves: 0, serial: 0, tries: vec![0; choices.len()], open: BinaryHeap::new() };
+    let mut search = Search {
+        jumper,
+        course,
+        settings,
+        choices: &choices,
+        best: None,
+        nodes: 0,
+        solves: 0,
+        serial: 0,
+        tries: vec![0; choices.len()],
+        open: BinaryHeap::new(),
+    };
     let bound = search.run();
     let (nodes, complete) = (search.nodes, search.open.is_empty() || search.nodes < settings.nodes);
     Ok(match &search.best {
@@ -123,7 +134,11 @@ fn choices<J: Jumper>(jumper: &J, course: &Course, terrain: &Terrain) -> Vec<Cho
             if !to.span.is_empty() {
                 let mut choice = choice.clone();
                 choice.leaps.push(leap);
-                choice.windows.push(if jump + 1 == course.jumps { ground.span.meet(course.goal) } else { ground.span });
+                choice.windows.push(if jump + 1 == course.jumps {
+                    ground.span.meet(course.goal)
+                } else {
+                    ground.span
+                });
                 open.push((to, index, choice));
             }
         }
@@ -162,7 +177,7 @@ fn backward_reach<J: Jumper>(jumper: &J, course: &Course, terrain: &Terrain) -> 
 const SOLVE_BASE: usize = 16;
 
 /// Quadratic programs that are spent on one such attempt.
-const SEARCH_ITERATIONS: usize = 12;
+const SEARCH_ITERATIONS: usize = 8;
 
 /// First trust region of such an attempt: the relaxed footholds are near, and few rows matter within it.
 const SEARCH_RADIUS: f64 = 0.03;
@@ -283,7 +298,8 @@ impl<J: Jumper> Search<'_, J> {
     /// Looks for a local optimum of a choice.
     fn solve(&mut self, choice: usize, decisions: &[f64]) {
         self.solves += 1;
-        let solver = sqp::Settings { iterations: SEARCH_ITERATIONS, radius: SEARCH_RADIUS, ..self.settings.solver };
+        let solver =
+            sqp::Settings { iterations: SEARCH_ITERATIONS, radius: SEARCH_RADIUS, ..self.settings.solver };
         let report = sqp::solve(&self.problem(choice), decisions, &solver);
         if report.violation <= self.settings.solver.feasibility {
             self.offer(Best { choice, decisions: report.x, cost: report.cost });
@@ -359,7 +375,9 @@ impl<J: Jumper> Search<'_, J> {
     /// Adds the part of a choice within windows and distances, unless its bound says that it is not worth it. What is
     /// `known` of the jumps' envelopes is used again where it holds.
     fn add(&mut self, choice: usize, mut windows: Vec<Span>, mut reach: Vec<Span>, known: &[Bounded]) {
-        let Some(bounded) = self.bound(&self.choices[choice], &mut windows, &mut reach, known) else { return };
+        let Some(bounded) = self.bound(&self.choices[choice], &mut windows, &mut reach, known) else {
+            return;
+        };
         let Some((bound, relaxed)) = self.relax(&bounded) else { return };
         if bound < self.worth() {
             let serial = self.serial;
@@ -432,9 +450,23 @@ impl<J: Jumper> Search<'_, J> {
             let decisions = [report.x[2 * jump], report.x[2 * jump + 1]];
             let flight = problem.fly(jump, foot, decisions, &mut margins);
             landing = flight.landing.value;
-            jumps.push(Jump { leap: leap.clone(), foot, landing, decisions, deviation: flight.deviation.value });
+            jumps.push(Jump {
+                leap: leap.clone(),
+                foot,
+                landing,
+                decisions,
+                deviation: flight.deviation.value,
+            });
         }
-        Plan { jumps, cost: report.cost, bound: bound.min(report.cost), nodes: self.nodes, solves: self.solves, complete, report }
+        Plan {
+            jumps,
+            cost: report.cost,
+            bound: bound.min(report.cost),
+            nodes: self.nodes,
+            solves: self.solves,
+            complete,
+            report,
+        }
     }
 }
 

@@ -149,8 +149,19 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         nlp.evaluate(&x, &mut at);
         let multipliers = vec![0.0; at.values.len()];
         let (trial, radius, price) = (at.clone(), settings.radius, 10.0);
-        let mut iterate =
-            Iterate { nlp, settings, bounds, x, at, trial, hessian: Vec::new(), multipliers, radius, price, count: 0 };
+        let mut iterate = Iterate {
+            nlp,
+            settings,
+            bounds,
+            x,
+            at,
+            trial,
+            hessian: Vec::new(),
+            multipliers,
+            radius,
+            price,
+            count: 0,
+        };
         iterate.hessian = iterate.curvature();
         iterate
     }
@@ -164,7 +175,8 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         };
         let promise = step.gain + self.price * (violation - step.give);
         // What is promised for a lesser violation is known to the violation's round-off.
-        if promise <= self.settings.tolerance + self.settings.feasibility * self.price || !promise.is_finite() {
+        if promise <= self.settings.tolerance + self.settings.feasibility * self.price || !promise.is_finite()
+        {
             if violation <= self.settings.feasibility {
                 return Some(Status::Converged);
             }
@@ -180,12 +192,12 @@ impl<'a, P: Nlp> Iterate<'a, P> {
     fn try_step(&mut self, step: &Step, violation: f64, promise: f64) {
         let mut x = self.moved(&step.d);
         let mut ratio = self.fall(&x, violation) / promise;
-        if !(ratio >= 0.25) && self.violation(&self.trial).0 > violation {
+        if (ratio.is_nan() || ratio < 0.25) && self.violation(&self.trial).0 > violation {
             if let Some(corrected) = self.correct(step, violation) {
                 let (first, first_ratio) = (x, ratio);
                 x = self.moved(&corrected.d);
                 ratio = self.fall(&x, violation) / promise;
-                if !(ratio > first_ratio) {
+                if ratio.is_nan() || ratio <= first_ratio {
                     x = first;
                     ratio = self.fall(&x, violation) / promise;
                 }
@@ -194,7 +206,7 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         let length = step.d.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
         if ratio > 0.75 && length > 0.9 * self.radius {
             self.radius = (2.0 * self.radius).min(1.0);
-        } else if !(ratio >= 0.25) {
+        } else if ratio.is_nan() || ratio < 0.25 {
             self.radius = 0.25 * self.radius.min(length);
         }
         if ratio > 1e-3 {
@@ -219,11 +231,15 @@ impl<'a, P: Nlp> Iterate<'a, P> {
     /// The second-order correction: the step again, with the rows' values from where it led.
     fn correct(&mut self, step: &Step, violation: f64) -> Option<Step> {
         let n = self.x.len();
-        let linear = |slopes: &[f64]| slopes.iter().zip(&step.d).zip(&self.bounds).map(|((s, d), b)| s * d * b.width()).sum();
+        let linear = |slopes: &[f64]| {
+            slopes.iter().zip(&step.d).zip(&self.bounds).map(|((s, d), b)| s * d * b.width()).sum()
+        };
         let change: Vec<f64> = self.at.jacobian.chunks_exact(n).map(linear).collect();
-        let values: Vec<f64> = self.trial.values.iter().zip(change).map(|(v, c): (&f64, f64)| v - c).collect();
+        let values: Vec<f64> =
+            self.trial.values.iter().zip(change).map(|(v, c): (&f64, f64)| v - c).collect();
         let multipliers = self.multipliers.clone();
-        let corrected = if values.iter().all(|v| v.is_finite()) { self.propose(&values, violation) } else { None };
+        let corrected =
+            if values.iter().all(|v| v.is_finite()) { self.propose(&values, violation) } else { None };
         self.multipliers = multipliers;
         corrected
     }
@@ -265,7 +281,9 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         if 1.5 * sum > self.price && give <= self.settings.feasibility {
             self.price = 2.0 * sum;
         }
-        let gain = -(0..n).map(|i| d[i] * (qp.gradient[i] + 0.5 * dot(&self.hessian[i * n..][..n], &d))).sum::<f64>();
+        let gain = -(0..n)
+            .map(|i| d[i] * (qp.gradient[i] + 0.5 * dot(&self.hessian[i * n..][..n], &d)))
+            .sum::<f64>();
         Some(Step { d, give, gain })
     }
 
@@ -351,7 +369,11 @@ impl<'a, P: Nlp> Iterate<'a, P> {
     fn report(self, status: Status) -> Report {
         let pushes = |((slope, x), b): ((f64, &f64), &Span)| {
             let edge = 1e-9 * b.width();
-            if (*x <= b.low + edge && slope > 0.0) || (*x >= b.high - edge && slope < 0.0) { 0.0 } else { slope.abs() }
+            if (*x <= b.low + edge && slope > 0.0) || (*x >= b.high - edge && slope < 0.0) {
+                0.0
+            } else {
+                slope.abs()
+            }
         };
         let slopes = self.lagrangian(&self.at).into_iter().zip(&self.x).zip(&self.bounds);
         let kkt_residual = slopes.map(pushes).fold(0.0, f64::max);

@@ -65,7 +65,9 @@ pub enum CourseError {
         allowed: &'static str,
     },
     /// Two boxes in one place.
-    #[error("course `{course}`: obstacles[{first}] and obstacles[{second}] overlap, allowed: disjoint obstacles")]
+    #[error(
+        "course `{course}`: obstacles[{first}] and obstacles[{second}] overlap, allowed: disjoint obstacles"
+    )]
     Overlap {
         /// Identity of the course.
         course: String,
@@ -86,18 +88,38 @@ impl Course {
         let size = |x: f64| x > 0.0 && x <= MAX_LENGTH;
         let (a_length, a_size) = ("from -10000 to 10000 m", "above 0, to 10000 m");
         self.require("start_x_m", self.start, length(self.start), a_length)?;
-        self.require("start_height_m", self.start_height, (0.0..=MAX_LENGTH).contains(&self.start_height), "0 to 10000 m")?;
+        self.require(
+            "start_height_m",
+            self.start_height,
+            (0.0..=MAX_LENGTH).contains(&self.start_height),
+            "0 to 10000 m",
+        )?;
         self.require("jumps", self.jumps as f64, (1..=MAX_JUMPS).contains(&self.jumps), "1 to 12")?;
         self.require("goal_x_m", self.goal.low, length(self.goal.low), a_length)?;
         self.require("goal_x_m", self.goal.high, length(self.goal.high), a_length)?;
-        self.require("goal_x_m", self.goal.high, !self.goal.is_empty(), "a zone that ends behind its beginning")?;
-        self.require("obstacles (number)", self.obstacles.len() as f64, self.obstacles.len() <= MAX_ITEMS, "0 to 64")?;
+        self.require(
+            "goal_x_m",
+            self.goal.high,
+            !self.goal.is_empty(),
+            "a zone that ends behind its beginning",
+        )?;
+        self.require(
+            "obstacles (number)",
+            self.obstacles.len() as f64,
+            self.obstacles.len() <= MAX_ITEMS,
+            "0 to 64",
+        )?;
         for (i, o) in self.obstacles.iter().enumerate() {
             self.require(&format!("obstacles[{i}].center_x_m"), o.center, length(o.center), a_length)?;
             self.require(&format!("obstacles[{i}].width_m"), o.width, size(o.width), a_size)?;
             self.require(&format!("obstacles[{i}].height_m"), o.height, size(o.height), a_size)?;
         }
-        self.require("no_landing (number)", self.no_landing.len() as f64, self.no_landing.len() <= MAX_ITEMS, "0 to 64")?;
+        self.require(
+            "no_landing (number)",
+            self.no_landing.len() as f64,
+            self.no_landing.len() <= MAX_ITEMS,
+            "0 to 64",
+        )?;
         for (i, a) in self.no_landing.iter().enumerate() {
             let center = f64::midpoint(a.low, a.high);
             self.require(&format!("no_landing[{i}].center_x_m"), center, length(center), a_length)?;

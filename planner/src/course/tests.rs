@@ -5,7 +5,15 @@ use crate::parkour::Hopper;
 
 fn course(jumps: usize, goal: f64) -> Course {
     let (obstacles, no_landing) = (Vec::new(), Vec::new());
-    Course { id: "test".into(), start: 0.0, start_height: 0.0, jumps, goal: Span::point(goal), obstacles, no_landing }
+    Course {
+        id: "test".into(),
+        start: 0.0,
+        start_height: 0.0,
+        jumps,
+        goal: Span::point(goal),
+        obstacles,
+        no_landing,
+    }
 }
 
 fn answer(course: &Course) -> Answer {
@@ -33,9 +41,13 @@ fn a_goal_too_far_moves_back_to_the_longest_jumps() {
 
 #[test]
 fn a_box_too_high_has_to_sink() {
-    let tall = |height| Course { obstacles: vec![Obstacle { center: 0.4, width: 0.1, height }], ..course(1, 0.75) };
+    let tall =
+        |height| Course { obstacles: vec![Obstacle { center: 0.4, width: 0.1, height }], ..course(1, 0.75) };
     let relief = relief(&tall(0.4));
-    assert!(relief.gives.iter().all(|g| matches!(g.limit, Limit::Edge { obstacle: 0, .. } | Limit::Goal)), "{relief:?}");
+    assert!(
+        relief.gives.iter().all(|g| matches!(g.limit, Limit::Edge { obstacle: 0, .. } | Limit::Goal)),
+        "{relief:?}"
+    );
     assert!(relief.total > 0.01 && relief.total < 0.4, "{relief:?}");
     assert!(matches!(answer(&tall(0.05)), Answer::Plan(_)));
 }

@@ -57,10 +57,12 @@ fn derivatives_agree_with_central_differences() {
 fn the_flight_is_the_parabola_of_its_launch() {
     let hopper = Hopper::default();
     for leap in leaps() {
-        let jump = Jump { leap: leap.clone(), foot: 0.0, landing: 0.7, decisions: [0.7, 1.25], deviation: 0.0 };
+        let jump =
+            Jump { leap: leap.clone(), foot: 0.0, landing: 0.7, decisions: [0.7, 1.25], deviation: 0.0 };
         let Launch { flight_time: t, speed: v, angle } = hopper.launch(&jump);
         let x = hopper.leg * angle.cos() + hopper.foot[0] + v * angle.cos() * t;
-        let z = leap.from + hopper.leg * angle.sin() + hopper.foot[1] + v * angle.sin() * t - hopper.gravity / 2.0 * t * t;
+        let z = leap.from + hopper.leg * angle.sin() + hopper.foot[1] + v * angle.sin() * t
+            - hopper.gravity / 2.0 * t * t;
         // Round-off.
         assert!((x - 0.7).abs() < 1e-14 && (z - leap.to).abs() < 1e-14, "{leap:?}: {x} {z}");
     }
