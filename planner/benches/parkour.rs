@@ -27,7 +27,7 @@ fn course(i: &Value) -> Course {
         id: i["id"].as_str().unwrap_or_default().into(),
         start: number(i, "start_x_m"),
         start_height: number(i, "start_height_m"),
-        jumps: i["jumps"].as_u64().unwrap_or(0) as usize,
+        jumps: i["jumps"].as_u64().and_then(|n| usize::try_from(n).ok()).unwrap_or(0),
         goal: Span::point(number(i, "goal_x_m")),
         obstacles: items("obstacles").iter().map(obstacle).collect(),
         no_landing: items("no_landing").iter().map(area).collect(),

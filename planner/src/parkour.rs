@@ -206,15 +206,11 @@ impl Hopper {
     /// Distances (m) within which all jumps at `angle` or steeper lie.
     fn reach(&self, leap: &Leap, angle: f64) -> Option<Span> {
         let (speed, steepest) = (self.speed, self.angle.high);
+        // At least up to the apex: v² sin 2θ/2g.
+        let up = speed.low * speed.low * (2.0 * steepest).sin() / (2.0 * self.gravity);
+        let to_apex = self.start(leap, Scalar::sin_cos(steepest))[0] + up;
         let shortest = self.distance(leap, speed.low, steepest);
-        let low = match shortest.filter(|_| self.past_longest(leap, speed.low, angle)) {
-            Some(distance) => distance,
-            // At least up to the apex: v² sin 2θ/2g.
-            None => {
-                let start = self.start(leap, Scalar::sin_cos(steepest));
-                start[0] + speed.low * speed.low * (2.0 * steepest).sin() / (2.0 * self.gravity)
-            }
-        };
+        let low = shortest.filter(|_| self.past_longest(leap, speed.low, angle)).unwrap_or(to_apex);
         let high = if self.past_longest(leap, speed.high, angle) {
             self.distance(leap, speed.high, angle)?
         } else {

@@ -109,12 +109,10 @@ impl<'a, J: Jumper> Elastic<'a, J> {
         if report.violation > ROUND_OFF {
             return Relief { gives: Vec::new(), total: f64::INFINITY, decisions: Vec::new() };
         }
-        let give = |(&row, &amount): (&usize, &f64)| match self.rows.get(row) {
-            Some(&(jump, limit)) => Give { jump, limit, amount },
-            None => {
-                let forward = if row == self.rows.len() { -1.0 } else { 1.0 };
-                Give { jump: self.course.jumps - 1, limit: Limit::Goal, amount: forward * amount }
-            }
+        let give = |(&row, &amount): (&usize, &f64)| {
+            let forward = if row == self.rows.len() { -1.0 } else { 1.0 };
+            let goal = Give { jump: self.course.jumps - 1, limit: Limit::Goal, amount: forward * amount };
+            self.rows.get(row).map_or(goal, |&(jump, limit)| Give { jump, limit, amount })
         };
         let mut gives: Vec<Give> = self.soft.iter().zip(&report.x[n..]).map(give).collect();
         gives.retain(|g| g.amount.abs() > ROUND_OFF);

@@ -192,15 +192,14 @@ impl<'a, P: Nlp> Iterate<'a, P> {
     fn try_step(&mut self, step: &Step, violation: f64, promise: f64) {
         let mut x = self.moved(&step.d);
         let mut ratio = self.fall(&x, violation) / promise;
-        if (ratio.is_nan() || ratio < 0.25) && self.violation(&self.trial).0 > violation {
-            if let Some(corrected) = self.correct(step, violation) {
-                let (first, first_ratio) = (x, ratio);
-                x = self.moved(&corrected.d);
+        let curved = (ratio.is_nan() || ratio < 0.25) && self.violation(&self.trial).0 > violation;
+        if let Some(corrected) = curved.then(|| self.correct(step, violation)).flatten() {
+            let (first, first_ratio) = (x, ratio);
+            x = self.moved(&corrected.d);
+            ratio = self.fall(&x, violation) / promise;
+            if ratio.is_nan() || ratio <= first_ratio {
+                x = first;
                 ratio = self.fall(&x, violation) / promise;
-                if ratio.is_nan() || ratio <= first_ratio {
-                    x = first;
-                    ratio = self.fall(&x, violation) / promise;
-                }
             }
         }
         let length = step.d.iter().fold(0.0, |m: f64, d| m.max(d.abs()));

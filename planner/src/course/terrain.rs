@@ -40,7 +40,9 @@ impl Terrain {
             grounds = grounds.into_iter().flat_map(|g| without(g, *area)).collect();
         }
         let travel = Span::new(course.start, course.goal.high);
-        grounds.iter_mut().for_each(|g| g.span = g.span.meet(travel));
+        for ground in &mut grounds {
+            ground.span = ground.span.meet(travel);
+        }
         grounds.retain(|g| !g.span.is_empty());
         let start = Ground { span: Span::point(course.start), height: course.start_height };
         Terrain { start, grounds, edges }
