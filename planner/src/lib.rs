@@ -1,8 +1,10 @@
 //! Firing tables, linear laws, feasibility maps and the QP over obstacles.
 
+pub mod course;
 mod jump;
 mod law;
 mod map;
+pub mod parkour;
 mod proxy;
 mod table;
 

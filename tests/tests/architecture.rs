@@ -1,0 +1,196 @@
+//! Dependencies point one way: the crates' manifests against the table of the design.
+//!
+//! A new arrow is a commit of its own and a line in [`MAY_USE`].
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use toml::{Table, Value};
+
+/// Which of our crates each crate may use. A crate that is not here may not exist.
+const MAY_USE: [(&str, &[&str]); 13] = [
+    ("numeric", &[]),
+    ("robot", &[]),
+    ("pneumatics", &["numeric", "robot"]),
+    ("lagrangian", &["numeric", "robot", "pneumatics"]),
+    ("ballistic", &["numeric", "robot"]),
+    ("planner", &["numeric", "robot", "lagrangian", "ballistic"]),
+    // Its equations are derived another way: never lagrangian or ballistic.
+    ("sim-check", &["robot", "pneumatics"]),
+    ("diagnosis", &["numeric", "robot", "pneumatics", "lagrangian", "ballistic", "sim-check"]),
+    ("gait", &["robot", "planner", "sim-check"]),
+    ("controller", &[]),
+    ("saltus", ALL),
+    ("tests", ALL),
+    ("python", &["saltus"]),
+];
+
+/// What the shells and the tests may use.
+const ALL: &[&str] = &[
+    "numeric",
+    "robot",
+    "pneumatics",
+    "lagrangian",
+    "ballistic",
+    "planner",
+    "sim-check",
+    "diagnosis",
+    "gait",
+    "controller",
+    "saltus",
+];
+
+/// Crates of others that only some of ours may know; the tests may know any.
+const KNOWN_TO: [(&str, &[&str]); 8] = [
+    ("clarabel", &["planner"]),
+    ("clap", &["saltus"]),
+    ("clap_complete", &["saltus"]),
+    ("plotters", &["saltus"]),
+    ("serde", &["robot", "saltus"]),
+    ("serde_json", &["robot", "saltus"]),
+    ("csv", &["robot", "saltus"]),
+    ("toml", &["robot", "saltus"]),
+];
+
+/// Crates that read and write files and talk to a person; the others compute.
+const SHELLS: [&str; 4] = ["robot", "saltus", "tests", "python"];
+
+/// What the source of a crate that computes does not say.
+const INPUT_OUTPUT: [&str; 8] =
+    ["std::fs", "std::io", "std::net", "std::env", "std::process", "print!(", "println!(", "dbg!("];
+
+/// A crate of the workspace.
+struct Member {
+    folder: String,
+    manifest: Table,
+}
+
+impl Member {
+    fn package(&self) -> &str {
+        self.manifest["package"]["name"].as_str().expect("a package has a name")
+    }
+
+    /// Names of what it depends on to run and to build, and, if `with_tests`, to be tested.
+    fn dependencies(&self, with_tests: bool) -> Vec<String> {
+        let mut kinds = vec!["dependencies", "build-dependencies"];
+        if with_tests {
+            kinds.push("dev-dependencies");
+        }
+        let targets = self.manifest.get("target").and_then(Value::as_table);
+        let tables = targets.into_iter().flat_map(Table::values).filter_map(Value::as_table);
+        std::iter::once(&self.manifest)
+            .chain(tables)
+            .flat_map(|table| kinds.iter().filter_map(|kind| table.get(*kind)?.as_table()))
+            .flat_map(Table::iter)
+            .map(|(key, value)| renamed(value).unwrap_or(key).to_owned())
+            .collect()
+    }
+}
+
+/// The package behind a dependency's key, where it is another.
+fn renamed(dependency: &Value) -> Option<&str> {
+    dependency.get("package")?.as_str()
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn manifest(folder: &Path) -> Table {
+    let path = folder.join("Cargo.toml");
+    let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    text.parse().unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn members() -> Vec<Member> {
+    let workspace = manifest(&root());
+    let folders = workspace["workspace"]["members"].as_array().expect("a list of members");
+    folders
+        .iter()
+        .map(|folder| folder.as_str().expect("members are folders").to_owned())
+        .map(|folder| Member { manifest: manifest(&root().join(&folder)), folder })
+        .collect()
+}
+
+/// What `arrows` the table forbids, as `from -> to`.
+fn forbidden(arrows: &[(&str, &str)]) -> Vec<String> {
+    let allowed = |from: &str, to: &str| {
+        MAY_USE.iter().any(|(folder, uses)| *folder == from && (uses.contains(&to) || from == to))
+    };
+    arrows
+        .iter()
+        .filter(|(from, to)| !allowed(from, to))
+        .map(|(from, to)| format!("{from} -> {to}"))
+        .collect()
+}
+
+#[test]
+fn arrows_between_our_crates_are_those_of_the_table() {
+    let members = members();
+    let folder_of = |package: &str| {
+        members.iter().find(|member| member.package() == package).map(|member| member.folder.as_str())
+    };
+    let mut arrows = Vec::new();
+    for member in &members {
+        assert!(
+            MAY_USE.iter().any(|(folder, _)| *folder == member.folder),
+            "{} is not in the table",
+            member.folder
+        );
+        // What a controller is tested with does not run on the robot.
+        let with_tests = member.folder != "controller";
+        for dependency in member.dependencies(with_tests) {
+            arrows.extend(folder_of(&dependency).map(|to| (member.folder.as_str(), to)));
+        }
+    }
+    assert!(arrows.contains(&("lagrangian", "pneumatics")), "no arrows were found: {arrows:?}");
+    assert_eq!(forbidden(&arrows), Vec::<String>::new());
+}
+
+#[test]
+fn the_check_sees_a_wrong_arrow() {
+    let arrows =
+        [("planner", "saltus"), ("robot", "numeric"), ("ballistic", "lagrangian"), ("saltus", "robot")];
+    assert_eq!(forbidden(&arrows), ["planner -> saltus", "robot -> numeric", "ballistic -> lagrangian"]);
+}
+
+#[test]
+fn crates_of_others_stay_where_they_belong() {
+    for member in members().iter().filter(|member| member.folder != "tests") {
+        for dependency in member.dependencies(false) {
+            let known_to = KNOWN_TO.iter().find(|(name, _)| *name == dependency);
+            let allowed = known_to.is_none_or(|(_, folders)| folders.contains(&member.folder.as_str()));
+            assert!(allowed, "{} knows {dependency}", member.folder);
+        }
+    }
+}
+
+#[test]
+fn the_core_does_no_input_or_output() {
+    let mut looked_at = 0;
+    for member in members().iter().filter(|member| !SHELLS.contains(&member.folder.as_str())) {
+        for path in rust_files(&root().join(&member.folder).join("src")) {
+            let text = fs::read_to_string(&path).expect("a source file");
+            looked_at += 1;
+            for (number, line) in text.lines().enumerate() {
+                let code = line.split("//").next().unwrap_or_default();
+                let said = INPUT_OUTPUT.iter().find(|word| code.contains(*word));
+                assert!(said.is_none(), "{}:{}: {}", path.display(), number + 1, line.trim());
+            }
+        }
+    }
+    assert!(looked_at > 20, "only {looked_at} files were looked at");
+}
+
+/// Every `.rs` below `folder`.
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let paths = entries.map(|entry| entry.expect("a readable folder").path());
+    paths
+        .flat_map(|path| match path.extension() {
+            _ if path.is_dir() => rust_files(&path),
+            Some(extension) if extension == "rs" => vec![path],
+            _ => Vec::new(),
+        })
+        .collect()
+}
