@@ -6,8 +6,8 @@ use std::path::Path;
 
 use crate::error::CliError;
 
-/// The text in the file at `path`, which may have `limit_mib` MiB at most.
-pub(crate) fn text(path: &Path, limit_mib: u64) -> Result<String, CliError> {
+/// The bytes of the file at `path`, which may have `limit_mib` MiB at most.
+pub(crate) fn bytes(path: &Path, limit_mib: u64) -> Result<Vec<u8>, CliError> {
     let limit = limit_mib << 20;
     let mut bytes = Vec::new();
     // One byte more than the limit tells a file at the limit from a larger or an endless one.
@@ -15,12 +15,15 @@ pub(crate) fn text(path: &Path, limit_mib: u64) -> Result<String, CliError> {
         .and_then(|file| file.take(limit + 1).read_to_end(&mut bytes))
         .map_err(|source| CliError::Read { file: path.into(), source })?;
     if bytes.len() as u64 > limit {
-        return Err(CliError::content(
-            path.display(),
-            format!("larger than {limit_mib} MiB, the most it may have"),
-        ));
+        let reason = format!("larger than {limit_mib} MiB, the most it may have");
+        return Err(CliError::content(path.display(), reason));
     }
-    String::from_utf8(bytes).map_err(|error| {
+    Ok(bytes)
+}
+
+/// The text of the file at `path`, which may have `limit_mib` MiB at most.
+pub(crate) fn text(path: &Path, limit_mib: u64) -> Result<String, CliError> {
+    String::from_utf8(bytes(path, limit_mib)?).map_err(|error| {
         let offset = error.utf8_error().valid_up_to();
         CliError::content(path.display(), format!("byte {offset} is not UTF-8 text"))
     })

@@ -1,13 +1,12 @@
 //! Launches from a CSV file.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use csv::ByteRecord;
 use saltus::Launch;
 
 use crate::error::{CliError, cut};
+use crate::input;
 use crate::quantity::Quantity;
 
 /// Greatest size of a file (MiB): some millions of rows.
@@ -22,35 +21,22 @@ const COLUMNS: [(&str, Quantity); 4] = [
 ];
 
 /// The launches in the file at `path`, each with its line.
-pub(crate) fn load(path: &Path) -> Result<Vec<(u64, Launch)>, CliError> {
-    let unreadable = |source| CliError::Read { file: path.into(), source };
-    let file = File::open(path).map_err(unreadable)?;
-    let (name, about) = (path.display().to_string(), file.metadata().map_err(unreadable)?);
-    if about.is_dir() {
-        return Err(unreadable(std::io::ErrorKind::IsADirectory.into()));
-    } else if about.len() > LIMIT_MIB << 20 {
-        return Err(too_large(&name));
-    }
-    read(file, &name)
+pub(super) fn load(path: &Path) -> Result<Vec<(u64, Launch)>, CliError> {
+    read(&input::bytes(path, LIMIT_MIB)?, &path.display().to_string())
 }
 
 /// The launches that `source` holds; messages call it `file`.
 ///
 /// The first row names the columns. The four of a launch may stand anywhere; all others are ignored.
-fn read(source: impl Read, file: &str) -> Result<Vec<(u64, Launch)>, CliError> {
-    // One byte more than the limit tells a file at the limit from a larger or an endless one.
-    let limit = LIMIT_MIB << 20;
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(source.take(limit + 1));
-    let header = reader.byte_headers().map_err(|error| not_csv(&error, file))?;
+fn read(source: &[u8], file: &str) -> Result<Vec<(u64, Launch)>, CliError> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(source);
+    let header = reader.byte_headers().map_err(|error| not_csv(&error, source, file))?;
     let places = places(header, file)?;
     let mut launches = Vec::new();
     let mut record = ByteRecord::new();
-    while reader.read_byte_record(&mut record).map_err(|error| not_csv(&error, file))? {
-        let line = record.position().map_or(0, csv::Position::line);
+    while reader.read_byte_record(&mut record).map_err(|error| not_csv(&error, source, file))? {
+        let line = record.position().map_or(0, |position| line(position, source));
         launches.push((line, launch(&record, places, file, line)?));
-    }
-    if reader.position().byte() > limit {
-        return Err(too_large(file));
     }
     if launches.is_empty() {
         return Err(CliError::content(file, "no rows: at least one jump is needed below the header"));
@@ -58,8 +44,11 @@ fn read(source: impl Read, file: &str) -> Result<Vec<(u64, Launch)>, CliError> {
     Ok(launches)
 }
 
-fn too_large(file: &str) -> CliError {
-    CliError::content(file, format!("larger than {LIMIT_MIB} MiB, the most a batch may have"))
+/// The line of a record. Where lines end with CR LF, its position is still before the LF.
+fn line(position: &csv::Position, source: &[u8]) -> u64 {
+    let start = usize::try_from(position.byte()).unwrap_or(usize::MAX);
+    let breaks = source.get(start..).unwrap_or_default().iter().take_while(|byte| byte.is_ascii_whitespace());
+    position.line() + breaks.filter(|byte| **byte == b'\n').count() as u64
 }
 
 /// Where each of [`COLUMNS`] stands.
@@ -101,10 +90,10 @@ fn launch(record: &ByteRecord, places: [usize; 4], file: &str, line: u64) -> Res
     Ok(Launch { rate: number(0)?, lean: number(1)?, firing_angle: number(2)?, valve_open: number(3)? })
 }
 
-fn not_csv(error: &csv::Error, file: &str) -> CliError {
+fn not_csv(error: &csv::Error, source: &[u8], file: &str) -> CliError {
     match error.kind() {
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => CliError::content(
-            pos.as_ref().map_or(file.to_owned(), |pos| format!("{file}:{}", pos.line())),
+            pos.as_ref().map_or(file.to_owned(), |pos| format!("{file}:{}", line(pos, source))),
             format!("{len} fields where the header has {expected_len}"),
         ),
         _ => CliError::content(file, error),
@@ -164,10 +153,10 @@ mod tests {
     proptest! {
         #[test]
         fn any_bytes_are_read_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
-            let _ = read(&bytes[..], "a.csv");
+            let _ = read(&bytes, "a.csv");
             let mut file = format!("{HEADER}\n").into_bytes();
             file.extend(bytes);
-            for (_, launch) in read(&file[..], "a.csv").unwrap_or_default() {
+            for (_, launch) in read(&file, "a.csv").unwrap_or_default() {
                 prop_assert!(launch.rate >= 0.0 && launch.lean.abs() < 1.6 && launch.valve_open.is_finite());
             }
         }
