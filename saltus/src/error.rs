@@ -93,10 +93,12 @@ impl CliError {
     /// Exit code of every error.
     pub(crate) const EXIT: u8 = 2;
 
+    #[allow(clippy::needless_pass_by_value)] // A reference shows itself just as well.
     pub(crate) fn flag(flag: &'static str, value: impl ToString, allowed: impl Into<String>) -> CliError {
         CliError::Flag { flag, value: value.to_string(), allowed: allowed.into() }
     }
 
+    #[allow(clippy::needless_pass_by_value)]
     pub(crate) fn content(file: impl ToString, reason: impl ToString) -> CliError {
         CliError::Content { file: file.to_string(), reason: reason.to_string() }
     }

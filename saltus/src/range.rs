@@ -62,9 +62,8 @@ fn extend(values: &mut Vec<f64>, text: &str, quantity: &Quantity) -> Result<(), 
         [value] => values.push(quantity.parse(value)?),
         [start, stop, count] => {
             let (start, stop) = (quantity.parse(start)?, quantity.parse(stop)?);
-            let count = match count.trim().parse() {
-                Ok(count @ 1..=MOST) => count,
-                _ => return Err(RangeError::Count(cut(count))),
+            let Ok(count @ 1..=MOST) = count.trim().parse() else {
+                return Err(RangeError::Count(cut(count)));
             };
             if count == 1 && start != stop {
                 return Err(RangeError::OneOfTwo(cut(text)));

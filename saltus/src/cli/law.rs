@@ -108,7 +108,9 @@ impl Law {
 
     fn rows(&self, found: &[Found]) -> Rows {
         let mut rows = Rows::new(if self.target.kind() == Kind::Distance { DISTANCES } else { CLEARANCES });
-        found.iter().for_each(|one| rows.push(self.row(one)));
+        for one in found {
+            rows.push(self.row(one));
+        }
         rows
     }
 

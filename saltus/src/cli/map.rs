@@ -129,30 +129,27 @@ impl Map {
     }
 
     fn text(&self, map: &planner::Map, rows: &Rows, robot: &Robot) -> String {
-        let height = digits(self.landing_height, 5);
-        let mut text =
-            format!("{}: {} launches, landing with the centre at {height} m\n", robot.name, map.spots.len());
-        for (name, count) in outcomes(map) {
-            text.push_str(&format!("  {name:<16} {count}\n"));
+        let (count, height) = (map.spots.len(), digits(self.landing_height, 5));
+        let mut lines =
+            vec![format!("{}: {count} launches, landing with the centre at {height} m", robot.name)];
+        lines.extend(outcomes(map).into_iter().map(|(name, count)| format!("  {name:<16} {count}")));
+        lines.extend([
+            extremes(map, "distance", |spot| spot.distance),
+            extremes(map, "apex", |spot| spot.apex),
+        ]);
+        if count > MOST_LISTED {
+            lines.push("  each of them: --format csv, --format json or --plot".into());
+            return lines.join("\n") + "\n";
         }
-        for (name, key) in
-            [("distance", (|r| r.distance) as fn(&SpotResult) -> Option<f64>), ("apex", |r| r.apex)]
-        {
-            text.push_str(&extremes(map, name, key));
-        }
-        if map.spots.len() <= MOST_LISTED {
-            text.push_str(&rows.text(&[
-                ("omega_rad_s", "ω", "rad/s"),
-                ("alpha_f_rad", "α_f", "rad"),
-                ("outcome", "outcome", ""),
-                ("distance_m", "distance", "m"),
-                ("apex_m", "apex", "m"),
-                ("friction_needed", "friction", "needed"),
-            ]));
-        } else {
-            text.push_str("  each of them: --format csv, --format json or --plot\n");
-        }
-        text
+        let listed = rows.text(&[
+            ("omega_rad_s", "ω", "rad/s"),
+            ("alpha_f_rad", "α_f", "rad"),
+            ("outcome", "outcome", ""),
+            ("distance_m", "distance", "m"),
+            ("apex_m", "apex", "m"),
+            ("friction_needed", "friction", "needed"),
+        ]);
+        lines.join("\n") + "\n" + &listed
     }
 
     fn drawing(&self, map: &planner::Map, robot: &Robot) -> MapPlot {
@@ -212,7 +209,7 @@ fn extremes(map: &planner::Map, name: &str, key: fn(&SpotResult) -> Option<f64>)
     let values = || map.spots.iter().filter_map(|spot| Some((key(spot.result.as_ref().ok()?)?, spot.launch)));
     let least = values().min_by(|a, b| a.0.total_cmp(&b.0));
     let most = values().max_by(|a, b| a.0.total_cmp(&b.0));
-    let (Some(least), Some(most)) = (least, most) else { return format!("  {name:<16} none\n") };
+    let (Some(least), Some(most)) = (least, most) else { return format!("  {name:<16} none") };
     let at = |(value, launch): (f64, saltus::Launch)| {
         format!(
             "{} m at ω = {}, α_f = {}",
@@ -221,5 +218,5 @@ fn extremes(map: &planner::Map, name: &str, key: fn(&SpotResult) -> Option<f64>)
             digits(launch.firing_angle, 4)
         )
     };
-    format!("  {name:<16} from {} to {}\n", at(least), at(most))
+    format!("  {name:<16} from {} to {}", at(least), at(most))
 }

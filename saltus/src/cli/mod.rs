@@ -3,6 +3,7 @@
 mod common;
 mod completions;
 mod law;
+mod limits;
 mod map;
 mod parkour;
 mod simulate;

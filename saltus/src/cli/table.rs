@@ -114,7 +114,9 @@ impl Table {
     fn rows(&self, table: &planner::Table, robot: &Robot) -> Rows {
         let kind = self.target.kind();
         let mut rows = Rows::new(if kind == Kind::Distance { DISTANCES } else { CLEARANCES });
-        table.cells.iter().for_each(|cell| rows.push(self.row(cell, kind, robot)));
+        for cell in &table.cells {
+            rows.push(self.row(cell, kind, robot));
+        }
         rows
     }
 
@@ -213,7 +215,7 @@ impl Table {
             title: format!("{}: firing angle for a {what}", robot.name),
             x: "approach rate ω (rad/s)",
             y: "firing angle α_f (rad)",
-            curves: request.targets.iter().enumerate().map(curve).collect(),
+            lines: request.targets.iter().enumerate().map(curve).collect(),
         }))
     }
 }

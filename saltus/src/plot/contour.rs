@@ -37,7 +37,7 @@ type Corner = ((f64, f64), f64);
 /// Where a value passes 0 on the way between two corners.
 fn crossing(((p, u), (q, v)): (Corner, Corner)) -> Option<(f64, f64)> {
     let share = u / (u - v);
-    ((u > 0.0) != (v > 0.0)).then(|| (p.0 + share * (q.0 - p.0), p.1 + share * (q.1 - p.1)))
+    ((u > 0.0) != (v > 0.0)).then_some((p.0 + share * (q.0 - p.0), p.1 + share * (q.1 - p.1)))
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ pub(crate) struct Curves {
     pub(crate) title: String,
     pub(crate) x: &'static str,
     pub(crate) y: &'static str,
-    pub(crate) curves: Vec<Curve>,
+    pub(crate) lines: Vec<Curve>,
 }
 
 /// One curve; where there is no value it is interrupted.
@@ -25,21 +25,19 @@ pub(crate) struct Curve {
 }
 
 impl Curves {
-    pub(crate) fn size(&self) -> (u32, u32) {
-        (900, 620)
-    }
+    pub(crate) const SIZE: (u32, u32) = (900, 620);
 
     pub(crate) fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, pen: Pen) -> Drawn<DB> {
-        let all = || self.curves.iter().flat_map(|curve| &curve.points);
+        let all = || self.lines.iter().flat_map(|curve| &curve.points);
         let x = span(all().map(|(x, _)| *x));
         let y = span(all().filter_map(|(_, y)| *y));
         // Room for the labels on the right.
         let x = padded(x.0, x.1 + 0.1 * (x.1 - x.0), 0.03);
         let axes = Axes { x: (self.x, x), y: (self.y, padded(y.0, y.1, 0.06)) };
         let mut chart = axes.build(&titled(area, pen, &self.title)?, pen)?;
-        let last = self.curves.len().saturating_sub(1).max(1) as f64;
+        let last = self.lines.len().saturating_sub(1).max(1) as f64;
         let mut taken: Vec<i32> = Vec::new();
-        for (i, curve) in self.curves.iter().enumerate() {
+        for (i, curve) in self.lines.iter().enumerate() {
             let color = viridis(0.88 * i as f64 / last);
             for run in curve.runs() {
                 chart.draw_series([PathElement::new(run.clone(), pen.line(color, 2))])?;

@@ -27,9 +27,7 @@ pub(crate) struct Line {
 }
 
 impl LawPlot {
-    pub(crate) fn size(&self) -> (u32, u32) {
-        (WIDTH, ANGLES + RESIDUALS)
-    }
+    pub(crate) const SIZE: (u32, u32) = (WIDTH, ANGLES + RESIDUALS);
 
     pub(crate) fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, pen: Pen) -> Drawn<DB> {
         let (upper, lower) = area.split_vertically(pen.length(ANGLES));
@@ -97,10 +95,8 @@ impl LawPlot {
             plain.draw_text(text, &style, (right, pen.offset(8 + 18 * row)))
         };
         note("dots exact, lines fitted", INK, 0)?;
-        let mut row = 1;
-        for (i, line) in self.lines.iter().enumerate() {
+        for ((i, line), row) in self.lines.iter().enumerate().zip(1..) {
             note(&line.label, self.color(i), row)?;
-            row += 1;
         }
         Ok(())
     }

@@ -110,8 +110,8 @@ impl Drawing {
     fn size(&self) -> (u32, u32) {
         match self {
             Drawing::Trajectories(drawing) => drawing.size(),
-            Drawing::Curves(drawing) => drawing.size(),
-            Drawing::Law(drawing) => drawing.size(),
+            Drawing::Curves(_) => curves::Curves::SIZE,
+            Drawing::Law(_) => law::LawPlot::SIZE,
             Drawing::Map(drawing) => drawing.size(),
         }
     }

@@ -6,12 +6,12 @@ mod instances;
 use std::path::PathBuf;
 
 use clap::Args;
-use saltus::planner::course::{Answer, Course, Limit, Plan, Relief, Settings, Side, plan};
+use saltus::planner::course::{Answer, Course, Plan, Settings, plan};
 use saltus::planner::parkour::{Hopper, Launch};
 use serde_json::{Value, json};
 
-use super::Status;
 use super::common::OutputFlags;
+use super::{Status, limits};
 use crate::error::CliError;
 use crate::output::{self, Cell, Format, Table};
 use crate::progress::Progress;
@@ -50,9 +50,9 @@ ignored.
 JSON: {\"plans\": [{\"id\": NAME, \"flight_time_s\": […], \"launch_speed_m_s\": […], \"launch_angle_rad\": […],
 \"total_flight_time_s\": …, \"foot_x_m\": […], \"landing_x_m\": […], \"proven\": whether no plan is faster}], \"without_plan\":
 [{\"id\": NAME, \"status\": infeasible or undecided, \"nearest\": [{\"jump\": …, \"limit\": …, \"amount_m\": …}]}]}: the limits by
-which the nearest course with a plan differs, and by how much.
+which the nearest course with a plan differs, and by how much. Jumps and obstacles are counted from 1.
 
-CSV columns, one row for each jump: course (its place in FILE, from 0), jump, flight_time_s, launch_speed_m_s, launch_angle_rad,
+CSV columns, one row for each jump: course and jump (counted from 1), flight_time_s, launch_speed_m_s, launch_angle_rad,
 foot_x_m, landing_x_m.
 
 Parameters for --set: gravity_m_s2, least_speed_m_s, greatest_speed_m_s, least_angle_rad, greatest_angle_rad, least_time_s,
@@ -125,23 +125,7 @@ fn nearest_json(course: &Course, answer: &Answer) -> Option<Value> {
         Answer::Infeasible(relief) => ("infeasible", relief.gives.as_slice()),
         Answer::Undecided { .. } => ("undecided", &[][..]),
     };
-    let nearest: Vec<Value> = gives
-        .iter()
-        .map(|give| json!({ "jump": give.jump, "limit": limit(&give.limit), "amount_m": give.amount }))
-        .collect();
-    Some(json!({ "id": course.id, "status": status, "nearest": nearest }))
-}
-
-/// What a limit is about.
-fn limit(limit: &Limit) -> String {
-    match limit {
-        Limit::Edge { obstacle, side: Side::Front } => format!("front edge of obstacles[{obstacle}]"),
-        Limit::Edge { obstacle, side: Side::Back } => format!("back edge of obstacles[{obstacle}]"),
-        Limit::Landing(Side::Front) => "beginning of the ground to land on".into(),
-        Limit::Landing(Side::Back) => "end of the ground to land on".into(),
-        Limit::Goal => "goal".into(),
-        Limit::Robot(name) => (*name).into(),
-    }
+    Some(json!({ "id": course.id, "status": status, "nearest": limits::json(gives) }))
 }
 
 fn table(answers: &[(&Course, Answer)], hopper: &Hopper) -> Table {
@@ -149,7 +133,7 @@ fn table(answers: &[(&Course, Answer)], hopper: &Hopper) -> Table {
     for (i, (_, answer)) in answers.iter().enumerate() {
         let Answer::Plan(plan) = answer else { continue };
         for (k, (jump, launch)) in plan.jumps.iter().zip(launches(plan, hopper)).enumerate() {
-            let mut row = vec![Cell::Count(i), Cell::Count(k)];
+            let mut row = vec![Cell::Count(i + 1), Cell::Count(k + 1)];
             let numbers = [launch.flight_time, launch.speed, launch.angle, jump.foot, jump.landing];
             row.extend(numbers.map(Cell::from));
             table.push(row);
@@ -166,19 +150,11 @@ fn text(answers: &[(&Course, Answer)], hopper: &Hopper) -> String {
                 let total = total_time(&launches(plan, hopper));
                 format!("  {:<16} {} jumps, {total:.4} s in flight", course.id, plan.jumps.len())
             }
-            Answer::Infeasible(relief) => format!("  {:<16} infeasible{}", course.id, nearest_text(relief)),
+            Answer::Infeasible(relief) => {
+                format!("  {:<16} infeasible; {}", course.id, limits::text(&relief.gives))
+            }
             Answer::Undecided { nodes } => format!("  {:<16} undecided after {nodes} nodes", course.id),
         });
     }
     lines.join("\n") + "\n"
-}
-
-fn nearest_text(relief: &Relief) -> String {
-    let give = |give: &saltus::planner::course::Give| {
-        format!("jump {}: {} by {:.3} m", give.jump + 1, limit(&give.limit), give.amount)
-    };
-    match relief.gives[..] {
-        [] => ", and no course near it has a plan".into(),
-        _ => format!("; would need: {}", relief.gives.iter().map(give).collect::<Vec<_>>().join(", ")),
-    }
 }

@@ -7,12 +7,13 @@ use super::text::short;
 use crate::plot::tick;
 use crate::plot::trajectories::{Trajectories, Trajectory};
 
+/// What may tell two launches apart.
+type Key = fn(&Launch) -> f64;
+
 /// The paths of the wheel's centre.
 pub(super) fn family(answers: &[Answer], robot: &Robot) -> Trajectories {
-    let differs = |key: fn(&Launch) -> f64| {
-        answers.windows(2).any(|w| key(&w[0].jump.launch) != key(&w[1].jump.launch))
-    };
-    let keys: [(&str, fn(&Launch) -> f64); 4] = [
+    let differs = |key: Key| answers.windows(2).any(|w| key(&w[0].jump.launch) != key(&w[1].jump.launch));
+    let keys: [(&str, Key); 4] = [
         ("firing angle α_f (rad)", |launch| launch.firing_angle),
         ("approach rate ω₀ (rad/s)", |launch| launch.rate),
         ("valve opening time (s)", |launch| launch.valve_open),

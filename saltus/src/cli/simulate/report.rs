@@ -32,7 +32,9 @@ const COLUMNS: &[&str] = &[
 /// One row for each jump.
 pub(super) fn table(answers: &[Answer], robot: &Robot) -> Table {
     let mut table = Table::new(COLUMNS);
-    answers.iter().for_each(|answer| table.push(row(answer, robot)));
+    for answer in answers {
+        table.push(row(answer, robot));
+    }
     table
 }
 
