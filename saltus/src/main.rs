@@ -10,6 +10,7 @@ mod plot;
 mod progress;
 mod quantity;
 mod range;
+mod section;
 
 use std::process::ExitCode;
 

@@ -6,6 +6,7 @@ mod law;
 mod limits;
 mod map;
 mod parkour;
+mod plan;
 mod simulate;
 mod table;
 mod target;
@@ -37,6 +38,8 @@ Examples:
   saltus table --omega 3:6:61 --distance 0.6
   saltus law --omega 3:6:5 --distance 1
   saltus map --omega 2:7:51 --alpha-f -0.5:0.5:41 --plot map.png
+  saltus plan course.toml --plot plan.svg
+  saltus parkour instances.json --out plans.json
 
 Exit codes: 0 done, 1 the answer is no, 2 bad input.
 `saltus help COMMAND` explains a command and its output.";
@@ -47,6 +50,7 @@ enum Command {
     Table(table::Table),
     Law(law::Law),
     Map(map::Map),
+    Plan(plan::Plan),
     Parkour(parkour::Parkour),
     Completions(completions::Completions),
 }
@@ -67,6 +71,7 @@ impl Command {
             Command::Table(command) => command.run(),
             Command::Law(command) => command.run(),
             Command::Map(command) => command.run(),
+            Command::Plan(command) => command.run(),
             Command::Parkour(command) => command.run(),
             Command::Completions(command) => command.run(),
         }

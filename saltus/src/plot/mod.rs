@@ -6,6 +6,7 @@ pub(crate) mod curves;
 pub(crate) mod law;
 pub(crate) mod map;
 mod palette;
+pub(crate) mod scene;
 pub(crate) mod trajectories;
 
 use std::path::{Path, PathBuf};
@@ -27,6 +28,8 @@ pub(crate) enum Drawing {
     Law(law::LawPlot),
     /// What is reachable.
     Map(map::MapPlot),
+    /// A plan on its course.
+    Scene(scene::Scene),
 }
 
 /// A file to draw to.
@@ -113,6 +116,7 @@ impl Drawing {
             Drawing::Curves(_) => curves::Curves::SIZE,
             Drawing::Law(_) => law::LawPlot::SIZE,
             Drawing::Map(drawing) => drawing.size(),
+            Drawing::Scene(drawing) => drawing.size(),
         }
     }
 
@@ -123,6 +127,7 @@ impl Drawing {
             Drawing::Curves(drawing) => drawing.draw(area, pen)?,
             Drawing::Law(drawing) => drawing.draw(area, pen)?,
             Drawing::Map(drawing) => drawing.draw(area, pen)?,
+            Drawing::Scene(drawing) => drawing.draw(area, pen)?,
         }
         area.present()
     }

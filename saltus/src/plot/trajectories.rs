@@ -113,7 +113,11 @@ impl Trajectory {
 }
 
 /// Points along `path` at equal distances on the drawing.
-fn dots<DB: DrawingBackend>(chart: &Chart<'_, DB>, path: &[(f64, f64)], pen: Pen) -> Vec<(f64, f64)> {
+pub(super) fn dots<DB: DrawingBackend>(
+    chart: &Chart<'_, DB>,
+    path: &[(f64, f64)],
+    pen: Pen,
+) -> Vec<(f64, f64)> {
     let pixel = |at: &(f64, f64)| {
         let (x, y) = chart.plotting_area().map_coordinate(at);
         (f64::from(x), f64::from(y))
