@@ -102,7 +102,7 @@ pub fn plan<J: Jumper>(jumper: &J, course: &Course, settings: &Settings) -> Resu
         nodes: 0,
         solves: 0,
         serial: 0,
-        tries: vec![0; choices.len()],
+        tries: 0,
         open: BinaryHeap::new(),
     };
     let bound = search.run();
@@ -173,7 +173,7 @@ fn backward_reach<J: Jumper>(jumper: &J, course: &Course, terrain: &Terrain) -> 
     alive
 }
 
-/// The solver looks for better footholds of a choice after this many of its nodes, this many squared, and so on.
+/// The solver looks for better footholds after this many nodes, this many squared, and so on.
 const SOLVE_BASE: usize = 16;
 
 /// Quadratic programs that are spent on one such attempt.
@@ -245,8 +245,8 @@ struct Search<'a, J> {
     nodes: usize,
     solves: usize,
     serial: usize,
-    /// Nodes of each choice that had to be split.
-    tries: Vec<usize>,
+    /// Nodes that had to be split.
+    tries: usize,
     open: BinaryHeap<Node>,
 }
 
@@ -289,18 +289,23 @@ impl<J: Jumper> Search<'_, J> {
         if node.bound >= self.worth() {
             return;
         }
-        self.tries[node.choice] += 1;
-        if !self.split(node, &trial) || is_power(self.tries[node.choice], SOLVE_BASE) {
-            self.solve(node.choice, &trial.decisions);
+        self.tries += 1;
+        if !self.split(node, &trial) {
+            self.solve(node.choice, &trial.decisions, &self.settings.solver);
+        } else if is_power(self.tries, SOLVE_BASE) {
+            let quick = sqp::Settings {
+                iterations: SEARCH_ITERATIONS,
+                radius: SEARCH_RADIUS,
+                ..self.settings.solver
+            };
+            self.solve(node.choice, &trial.decisions, &quick);
         }
     }
 
     /// Looks for a local optimum of a choice.
-    fn solve(&mut self, choice: usize, decisions: &[f64]) {
+    fn solve(&mut self, choice: usize, decisions: &[f64], solver: &sqp::Settings) {
         self.solves += 1;
-        let solver =
-            sqp::Settings { iterations: SEARCH_ITERATIONS, radius: SEARCH_RADIUS, ..self.settings.solver };
-        let report = sqp::solve(&self.problem(choice), decisions, &solver);
+        let report = sqp::solve(&self.problem(choice), decisions, solver);
         if report.violation <= self.settings.solver.feasibility {
             self.offer(Best { choice, decisions: report.x, cost: report.cost });
         }
