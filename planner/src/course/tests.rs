@@ -104,7 +104,7 @@ struct Thrower {
 }
 
 impl Thrower {
-    fn flight<S: Single>(&self, leap: &Leap, speed: S, angle: S) -> [S; 3] {
+    fn flight<S: Single>(leap: &Leap, speed: S, angle: S) -> [S; 3] {
         let (sin, cos) = angle.sin_cos();
         let (up, ahead) = (speed * sin, speed * cos);
         let time = (up + (up * up - S::of(2.0 * 9.81 * (leap.to - leap.from))).sqrt()) * S::of(1.0 / 9.81);
@@ -123,7 +123,7 @@ impl Jumper for Thrower {
         [speed, angle]: [Slope; 2],
         margins: &mut Vec<Margin<Slope>>,
     ) -> Flight<Slope> {
-        let [up, ahead, time] = self.flight(leap, speed, angle);
+        let [up, ahead, time] = Thrower::flight(leap, speed, angle);
         for e in &leap.edges {
             let t = (Slope::of(e.x) - foot) / ahead;
             let over = Slope::of(leap.from - e.top - 0.05) + up * t - t * t * Slope::of(9.81 / 2.0);
