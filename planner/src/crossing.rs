@@ -10,9 +10,11 @@ use saltus_numeric::{Scalar, Single};
 use saltus_robot::Parameter;
 
 use crate::course::{
-    self, Answer, Course, CourseError, Envelope, Flight, Jumper, Leap, Limit, Margin, Relief, Side, Slope, Span,
+    self, Answer, Course, CourseError, Envelope, Flight, Jumper, Leap, Limit, Margin, Relief, Side, Slope,
+    Span,
 };
 use crate::jump::{Jump, Planner};
+use crate::table::FIRING_ANGLES;
 
 /// What is to be crossed, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,6 +142,30 @@ pub enum CrossingError {
 }
 
 impl Crossing {
+    /// `course` at one approach rate (rad/s): stances start at firing angles of [`FIRING_ANGLES`], the valve opens for 20
+    /// to 100 ms, the last landing should be in the middle of the goal, and nothing else is asked for.
+    ///
+    /// A decimetre off the target costs as much as opening the valve for a second.
+    pub fn new(course: Course, rate: f64) -> Crossing {
+        Crossing {
+            target: f64::midpoint(course.goal.low, course.goal.high),
+            course,
+            rates: vec![rate],
+            start_lean: None,
+            firing_angles: Span::new(FIRING_ANGLES.0, FIRING_ANGLES.1),
+            valve_open: Span::new(0.02, 0.1),
+            zones: Vec::new(),
+            roll: 0.0,
+            clearance: 0.0,
+            edge_margin: 0.0,
+            leg_out: 0.0,
+            friction: None,
+            sigmas: 0.0,
+            deviation_weight: 100.0,
+            effort_weight: 1.0,
+        }
+    }
+
     /// The approach rate (rad/s) of jump number `jump`.
     fn rate(&self, jump: usize) -> f64 {
         self.rates[jump.min(self.rates.len() - 1)]
@@ -159,25 +185,51 @@ impl Crossing {
             ("approach_rate_rad_s", bad_rate.unwrap_or(0.0), bad_rate.is_none(), "from 0 to 1000 rad/s"),
             ("start_lean_rad", self.start_lean.unwrap_or(0.0), self.start_lean.is_none_or(upright), angle),
             ("firing_angle_rad", angles.low, upright(angles.low), angle),
-            ("firing_angle_rad", angles.high, upright(angles.high) && angles.high > angles.low, "above its least value, below pi/2 rad"),
+            (
+                "firing_angle_rad",
+                angles.high,
+                upright(angles.high) && angles.high > angles.low,
+                "above its least value, below pi/2 rad",
+            ),
             ("valve_open_s", valve.low, valve.low > 0.0 && valve.low <= 1e3, "above 0, to 1000 s"),
-            ("valve_open_s", valve.high, valve.high > valve.low && valve.high <= 1e3, "above its least value, to 1000 s"),
+            (
+                "valve_open_s",
+                valve.high,
+                valve.high > valve.low && valve.high <= 1e3,
+                "above its least value, to 1000 s",
+            ),
             ("target_x_m", self.target, self.target.abs() <= 1e4, "from -10000 to 10000 m"),
             ("roll_m", self.roll, length(self.roll), positive),
             ("clearance_m", self.clearance, length(self.clearance), positive),
             ("edge_margin_m", self.edge_margin, length(self.edge_margin), positive),
             ("leg_out_s", self.leg_out, length(self.leg_out), positive),
-            ("friction_coefficient", self.friction.unwrap_or(0.0), self.friction.is_none_or(length), positive),
+            (
+                "friction_coefficient",
+                self.friction.unwrap_or(0.0),
+                self.friction.is_none_or(length),
+                positive,
+            ),
             ("margin_sigmas", self.sigmas, length(self.sigmas), positive),
-            ("deviation_weight", self.deviation_weight, self.deviation_weight >= 0.0 && self.deviation_weight.is_finite(), positive),
-            ("effort_weight", self.effort_weight, self.effort_weight >= 0.0 && self.effort_weight.is_finite(), positive),
+            (
+                "deviation_weight",
+                self.deviation_weight,
+                self.deviation_weight >= 0.0 && self.deviation_weight.is_finite(),
+                positive,
+            ),
+            (
+                "effort_weight",
+                self.effort_weight,
+                self.effort_weight >= 0.0 && self.effort_weight.is_finite(),
+                positive,
+            ),
         ];
         for (key, value, holds, allowed) in cases {
             if !holds {
                 return Err(CrossingError::Input { key, value, allowed });
             }
         }
-        let backwards = self.zones.iter().flatten().find(|z| z.is_empty() || !z.low.is_finite() || !z.high.is_finite());
+        let backwards =
+            self.zones.iter().flatten().find(|z| z.is_empty() || !z.low.is_finite() || !z.high.is_finite());
         match backwards {
             Some(zone) => Err(CrossingError::Input {
                 key: "land.to_x_m",
@@ -259,7 +311,13 @@ impl Planner {
             if let Some(friction) = crossing.friction {
                 check("friction needed".into(), friction_needed, Span::new(0.0, friction));
             }
-            jumps.push(PlannedJump { foot: [foot, from], jump, landing: [landing, to], deviation, friction_needed });
+            jumps.push(PlannedJump {
+                foot: [foot, from],
+                jump,
+                landing: [landing, to],
+                deviation,
+                friction_needed,
+            });
             foot = landing + crossing.roll;
         }
         Ok(CrossingPlan { jumps, search, checks })
@@ -500,8 +558,8 @@ impl Jumper for Roller<'_> {
         let off = landing - Slope::of(self.crossing.target);
         let is_last = leap.jump + 1 == self.crossing.course.jumps;
         let weight = if is_last { self.crossing.deviation_weight } else { 0.0 };
-        let cost = Slope::of(weight) * off * off
-            + Slope::of(self.crossing.effort_weight) * valve_open * valve_open;
+        let cost =
+            Slope::of(weight) * off * off + Slope::of(self.crossing.effort_weight) * valve_open * valve_open;
         Flight { landing, cost, deviation: Slope::of(deviation) }
     }
 
@@ -515,7 +573,8 @@ impl Jumper for Roller<'_> {
             .iter()
             .filter_map(|jump| {
                 let distance = jump.distance(height)?;
-                let short: f64 = leap.edges.iter().map(|edge| self.shortfall(leap, edge.x - foot, edge.top, jump)).sum();
+                let short: f64 =
+                    leap.edges.iter().map(|edge| self.shortfall(leap, edge.x - foot, edge.top, jump)).sum();
                 Some((jump.launch.firing_angle, distance, short))
             })
             .collect();
