@@ -54,9 +54,9 @@ pub struct Clearance<S> {
 impl<S: Single> Flight<S> {
     /// Least clearance of `disc` over `obstacle` from time `from` to `to` (s) after lift-off.
     ///
-    /// The minimum over time of the centre's signed distance to the obstacle less the radius. It is found among the roots
-    /// of polynomials, without sampling, and carries exact derivatives: those of an inner minimum with its time held fixed,
-    /// those of a minimum at an end with that end.
+    /// The minimum over time of the centre's signed distance to the obstacle less the radius. It is found among the
+    /// roots of polynomials, without sampling, and carries exact derivatives: those of an inner minimum with its time
+    /// held fixed, those of a minimum at an end with that end.
     ///
     /// Not promised: derivatives where two minima are equal, or where the centre touches a vertex.
     ///
@@ -149,28 +149,34 @@ fn least<S: Single>(path: &impl Path<S>, outline: &Outline, span: [S; 2], radius
     };
     let mut best = at(values[0], Cause::End(span[0])).or(at(values[1], Cause::End(span[1])));
     for arc in path.arcs(values[0], values[1]) {
-        // A minimum or a crossing may hide between two arcs.
+        // A minimum may sit in the bend between two arcs.
         best = best.or(at(arc.span[0], Cause::Level));
         for_each_level(outline, &arc, |time| best = best.or(at(time, Cause::Level)));
         if best.gap < NEAR {
             for_each_tie(outline, &arc, |time, a, b| best = best.or(at(time, Cause::Tie(a, b))));
         }
     }
-    let time = match best.cause {
-        Cause::End(time) => time,
-        Cause::Level => settle(best.time, values, |t| {
-            let Gap { rate, bend, .. } = outline.gap(best.feature, &path.state(t));
-            [rate, bend]
-        }),
-        Cause::Tie(a, b) => settle(best.time, values, |t| {
-            let (a, b) = (outline.gap(a, &path.state(t)), outline.gap(b, &path.state(t)));
-            [a.value - b.value, a.rate - b.rate]
-        }),
-    };
+    let time = settled(path, outline, &best, values);
     let state = path.state(time);
     let gap = outline.gap(best.feature, &state).value;
     let point = outline.foot(best.feature, state.position, gap);
     Clearance { distance: gap - radius, time, centre: state.position, feature: best.feature, point }
+}
+
+/// The time of the minimum on the path itself, with its derivatives.
+fn settled<S: Single>(path: &impl Path<S>, outline: &Outline, best: &Best<S>, span: [f64; 2]) -> S {
+    match best.cause {
+        Cause::End(time) => time,
+        Cause::Level => settle(best.time, span, |t| {
+            let Gap { rate, bend, .. } = outline.gap(best.feature, &path.state(t));
+            [rate, bend]
+        }),
+        Cause::Tie(a, b) => settle(best.time, span, |t| {
+            let state = path.state(t);
+            let (a, b) = (outline.gap(a, &state), outline.gap(b, &state));
+            [a.value - b.value, a.rate - b.rate]
+        }),
+    }
 }
 
 /// Times at which the distance to a feature is level, or an edge's line is crossed, which shows that the path dips in.

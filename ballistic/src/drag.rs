@@ -1,8 +1,9 @@
 //! Flight through air: the drag −c |v| v as a named term on top of the parabola.
 //!
-//! There is no closed form. The path is integrated by DOP853 over time, and an event (the apex, a height) is located to
-//! round-off as a root of the step that contains it: the step's length is what is solved for, so nothing is interpolated.
-//! Height as the independent variable (Hénon's trick) would do the same but for the apex, where it stands still.
+//! There is no closed form. The path is integrated by DOP853 over time, and an event (the apex, a height) is located
+//! to round-off as a root of the step that contains it: the step's length is what is solved for, so nothing is
+//! interpolated. Height as the independent variable (Hénon's trick) would do the same but for the apex, where it
+//! stands still.
 
 mod track;
 
@@ -35,7 +36,8 @@ pub struct DragFlight<S> {
 }
 
 impl<S: Single> DragFlight<S> {
-    /// Position [x, y] (m) of the wheel's centre at time `t` (s) after lift-off; not a number for t < 0 if there is drag.
+    /// Position [x, y] (m) of the wheel's centre at time `t` (s) after lift-off; not a number for t < 0 if there is
+    /// drag.
     pub fn position(&self, t: S) -> [S; 2] {
         if self.is_vacuum() {
             self.vacuum.position(t)
@@ -44,8 +46,8 @@ impl<S: Single> DragFlight<S> {
         }
     }
 
-    /// Velocity [v_x, v_y] (m/s) of the wheel's centre at time `t` (s) after lift-off; not a number for t < 0 if there is
-    /// drag.
+    /// Velocity [v_x, v_y] (m/s) of the wheel's centre at time `t` (s) after lift-off; not a number for t < 0 if
+    /// there is drag.
     pub fn velocity(&self, t: S) -> [S; 2] {
         if self.is_vacuum() {
             self.vacuum.velocity(t)
@@ -112,8 +114,9 @@ impl<S: Single> DragFlight<S> {
 
     /// Least clearance of `disc` over `obstacle` from time `from` to `to` (s) after lift-off, as [`Flight::clearance`].
     ///
-    /// Accurate to 1e-8 m: to that the path is approximated by parabolas in the search for minima. Each is then settled on
-    /// the path itself, so that only two minima closer than that can be taken for each other, or one shallower be missed.
+    /// Accurate to 1e-8 m: to that the path is approximated by parabolas in the search for minima. Each is then
+    /// settled on the path itself, so that only two minima closer than that can be taken for each other, or one
+    /// shallower be missed.
     ///
     /// # Errors
     /// As [`Flight::clearance`]; [`FlightError::BadDrag`], [`FlightError::BeforeLiftOff`].

@@ -88,8 +88,9 @@ impl<S: Single> Flight<S> {
     /// Source: MODEL.md, phase 5; thesis §5.2.2.
     ///
     /// # Errors
-    /// [`FlightError::AboveApex`] if that height is never reached, [`FlightError::NoGravity`] if nothing brings the wheel
-    /// down to it, [`FlightError::NotFinite`] or [`FlightError::HeightNotFinite`] if a number is infinite or not one.
+    /// [`FlightError::AboveApex`] if that height is never reached, [`FlightError::NoGravity`] if nothing brings the
+    /// wheel down to it, [`FlightError::NotFinite`] or [`FlightError::HeightNotFinite`] if a number is infinite or
+    /// not one.
     #[inline]
     pub fn time_to_height(&self, height: S) -> Result<S, FlightError> {
         let time = self.descent_time(height);

@@ -56,7 +56,8 @@ pub(crate) struct Gap<S> {
 }
 
 impl Edge {
-    /// The edge from `start` along `tangent` over `range`, with the solid to its `side`: 1 on the left, −1 on the right.
+    /// The edge from `start` along `tangent` over `range`, with the solid to its `side`: 1 on the left, −1 on the
+    /// right.
     pub(crate) fn new(origin: [f64; 2], tangent: [f64; 2], range: [f64; 2], side: f64) -> Self {
         Edge { origin, tangent, normal: [side * tangent[1], -side * tangent[0]], range }
     }

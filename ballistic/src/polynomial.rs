@@ -2,8 +2,8 @@
 //!
 //! The roots come from those of the derivative, which cut the interval into pieces on which the polynomial is
 //! monotonic: a sign change then brackets exactly one root, and Newton's method, kept inside the bracket, ends on
-//! round-off. Closed formulas (those of the crate `roots`, say) lose digits where the leading coefficient is small, as in
-//! low gravity; this does not, and a leading coefficient of zero is no special case.
+//! round-off. Closed formulas (those of the crate `roots`, say) lose digits where the leading coefficient is small,
+//! as in low gravity; this does not, and a leading coefficient of zero is no special case.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -57,12 +57,14 @@ impl Polynomial {
 
     /// Where the polynomial changes its sign in [`from`, `to`]; `to` may be infinite.
     ///
-    /// Roots of even multiplicity are none of these. A zero counts as positive: one at `from` is a root if the polynomial
-    /// falls below zero there.
+    /// Roots of even multiplicity are none of these. A zero counts as positive: one at `from` is a root if the
+    /// polynomial falls below zero there.
     pub(crate) fn roots(&self, from: f64, to: f64) -> Roots {
         let mut roots = Roots::default();
-        let Some(bound) = self.root_bound() else { return roots };
-        let to = to.min(bound);
+        if self.0[1..].iter().all(|&c| c == 0.0) {
+            return roots;
+        }
+        let to = if to.is_finite() { to } else { self.root_bound() };
         let slope = self.derivative();
         let mut left = from;
         for &right in slope.roots(from, to).as_slice().iter().chain([&to]) {
@@ -74,13 +76,13 @@ impl Polynomial {
         roots
     }
 
-    /// Magnitude that no root exceeds; none for a constant.
+    /// Magnitude that no root of a polynomial which is no constant exceeds.
     ///
     /// Source: Fujiwara, Tôhoku Mathematical Journal 10 (1916) 167–171.
-    fn root_bound(&self) -> Option<f64> {
-        let degree = self.0.iter().rposition(|&c| c != 0.0).filter(|&degree| degree > 0)?;
+    fn root_bound(&self) -> f64 {
+        let degree = self.0.iter().rposition(|&c| c != 0.0).unwrap_or(0);
         let ratio = |k: usize| (self.0[degree - k] / self.0[degree]).abs().powf(1.0 / k as f64);
-        Some(2.0 * (1..=degree).map(ratio).fold(f64::MIN_POSITIVE, f64::max))
+        2.0 * (1..=degree).map(ratio).fold(0.0, f64::max)
     }
 }
 

@@ -100,8 +100,8 @@ impl Terrain {
 
     /// The landing of a disc of `radius` on a path, if it lands from time 0 to `horizon` (s).
     ///
-    /// The first time at which the distance to the nearest feature falls to the radius. A foot that has just pushed off may
-    /// leave the wheel nearer than that: what counts is coming down.
+    /// The first time at which the distance to the nearest feature falls to the radius. A foot that has just pushed
+    /// off may leave the wheel nearer than that: what counts is coming down.
     pub(crate) fn touchdown<S: Single>(
         &self,
         path: &impl Path<S>,
@@ -156,8 +156,8 @@ impl Terrain {
 impl<S: Single> Flight<S> {
     /// Where a wheel of `radius` (m) lands on `terrain`: its centre comes down to that distance from the surface.
     ///
-    /// On flat ground the centre is at its height plus the radius: `land_rs` of MODEL.md. A wheel that is nearer at lift-off,
-    /// as a leaning leg may leave it, must rise first. Grazing is not landing.
+    /// On flat ground the centre is at its height plus the radius: `land_rs` of MODEL.md. A wheel that is nearer at
+    /// lift-off, as a leaning leg may leave it, must rise first. Grazing is not landing.
     ///
     /// ```
     /// use saltus_ballistic::{Flight, FlightError, Terrain};

@@ -33,10 +33,19 @@ use index::TIME;
 
 /// A phase of the stance: smooth dynamics in time, and the guards that end it.
 pub(crate) trait Phase<S: Single, const M: usize>: Derivative<S, WIDTH> {
+    /// Everything about a state, in one go.
+    fn look(&self, y: &State<S>) -> Look<S, M>;
+}
+
+/// What a phase tells of a state.
+#[derive(Clone, Copy)]
+pub(crate) struct Look<S, const M: usize> {
+    /// Derivative of the state in time.
+    pub rates: State<S>,
     /// Guards: an event happens where one rises through 0.
-    fn guards(&self, y: &State<S>) -> [S; M];
-    /// Time derivatives of the guards, where `dy` is the state's.
-    fn guard_rates(&self, y: &State<S>, dy: &State<S>) -> [S; M];
+    pub guards: [S; M],
+    /// Time derivatives of the guards.
+    pub guard_rates: [S; M],
 }
 
 /// A phase with the value of a guard as independent variable.
@@ -48,9 +57,9 @@ struct AlongGuard<'a, P, const M: usize> {
 impl<S: Single, P: Phase<S, M>, const M: usize> Derivative<S, WIDTH> for AlongGuard<'_, P, M> {
     #[inline(always)]
     fn at(&self, y: &State<S>) -> State<S> {
-        let dy = self.phase.at(y);
-        let inverse = S::of(1.0) / self.phase.guard_rates(y, &dy)[self.guard];
-        dy.map(|d| d * inverse)
+        let look = self.phase.look(y);
+        let inverse = S::of(1.0) / look.guard_rates[self.guard];
+        look.rates.map(|d| d * inverse)
     }
 }
 
@@ -83,9 +92,8 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
     observe: &mut impl FnMut(&State<S>, &State<S>),
 ) -> Result<Option<usize>, StanceError> {
     let begin = y[TIME].value();
-    let mut guards = phase.guards(y);
-    let mut armed: [bool; M] = std::array::from_fn(|i| guards[i].value() < PASSED);
-    let mut dy = phase.at(y);
+    let mut here = phase.look(y);
+    let mut armed = here.guards.map(|guard| guard.value() < PASSED);
     loop {
         let left = end.map(|e| e - y[TIME]);
         let longest = left.map_or(f64::INFINITY, Scalar::value);
@@ -97,11 +105,10 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
             return Err(StanceError::TooLong { time: now });
         }
         let trial = pace.step.min(longest);
-        let rates = phase.guard_rates(y, &dy);
-        let foreseen = foresee(&guards, &rates, &armed, 0.9 * trial);
+        let foreseen = foresee(&here, &armed, 0.9 * trial);
         let mut length = trial;
         if let Some((i, wait)) = foreseen {
-            let reached = event_step(phase, y, &dy, i, guards[i], rates[i], pace.tolerance);
+            let reached = event_step(phase, y, &here, i, pace.tolerance);
             if let Some(next) = reached.filter(|next| {
                 let time = next[TIME].value();
                 time > now && time <= now + longest && first_passed(phase, next, &armed, i).is_none()
@@ -119,23 +126,19 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
         // The last step ends on `end` with its derivatives.
         let last = foreseen.is_none() && length >= longest;
         let h = if last { left.unwrap_or(S::of(length)) } else { S::of(length) };
-        let step = dop853::step(phase, y, &dy, h, CHECKED, pace.tolerance);
+        let step = dop853::step(phase, y, &here.rates, h, CHECKED, pace.tolerance);
         if step.error.is_nan() || step.error > 1.0 {
             pace.step = length * dop853::step_factor(step.error);
             continue;
         }
         let mut next = step.state;
-        let next_guards = phase.guards(&next);
-        let crossed = crossing(&guards, &next_guards, &armed);
+        let there = phase.look(&next);
+        let crossed = crossing(&here.guards, &there.guards, &armed);
         if let Some((i, fraction)) = crossed {
-            if let Some(event) =
-                event_behind(phase, &next, i, next_guards[i], pace.tolerance).filter(|event| {
-                    let time = event[TIME].value();
-                    time > now
-                        && time <= next[TIME].value()
-                        && first_passed(phase, event, &armed, i).is_none()
-                })
-            {
+            if let Some(event) = event_step(phase, &next, &there, i, pace.tolerance).filter(|event| {
+                let time = event[TIME].value();
+                time > now && time <= next[TIME].value() && first_passed(phase, event, &armed, i).is_none()
+            }) {
                 observe(y, &event);
                 *y = event;
                 return Ok(Some(i));
@@ -152,7 +155,7 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
             pace.step = length * dop853::step_factor(step.error);
         }
         for i in 0..M {
-            if !armed[i] && next_guards[i].value() >= 0.0 {
+            if !armed[i] && there.guards[i].value() >= 0.0 {
                 return Ok(Some(i));
             }
             armed[i] = true;
@@ -160,23 +163,21 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
         if last {
             return Ok(None);
         }
-        guards = next_guards;
-        dy = phase.at(y);
+        here = there;
     }
 }
 
 /// The guard that straight extrapolation brings to 0 first, within `horizon` (s), and when.
 #[inline(always)]
 fn foresee<S: Single, const M: usize>(
-    guards: &[S; M],
-    rates: &[S; M],
+    look: &Look<S, M>,
     armed: &[bool; M],
     horizon: f64,
 ) -> Option<(usize, f64)> {
     let mut first = None;
     let mut soonest = horizon;
     for i in 0..M {
-        let (g, rate) = (guards[i].value(), rates[i].value());
+        let (g, rate) = (look.guards[i].value(), look.guard_rates[i].value());
         if armed[i] && g < 0.0 && -g < rate * soonest {
             soonest = -g / rate;
             first = Some((i, soonest));
@@ -213,35 +214,22 @@ fn first_passed<S: Single, P: Phase<S, M>, const M: usize>(
     armed: &[bool; M],
     event: usize,
 ) -> Option<usize> {
-    let guards = phase.guards(y);
+    let guards = phase.look(y).guards;
     (0..M).find(|&i| i != event && armed[i] && guards[i].value() > 0.0)
 }
 
-/// The state at which guard `i` vanishes, by one step along it from `y`; none where the step is not accurate.
+/// The state at which guard `i` vanishes, by one step along it from `y`, forwards or back; none where the step is not
+/// accurate.
 fn event_step<S: Single, P: Phase<S, M>, const M: usize>(
     phase: &P,
     y: &State<S>,
-    dy: &State<S>,
+    look: &Look<S, M>,
     i: usize,
-    guard: S,
-    rate: S,
     tolerance: f64,
 ) -> Option<State<S>> {
-    let inverse = S::of(1.0) / rate;
-    let k0 = dy.map(|d| d * inverse);
-    let step = dop853::step(&AlongGuard { phase, guard: i }, y, &k0, -guard, CHECKED, tolerance);
+    let inverse = S::of(1.0) / look.guard_rates[i];
+    let k0 = look.rates.map(|d| d * inverse);
+    let along = AlongGuard { phase, guard: i };
+    let step = dop853::step(&along, y, &k0, -look.guards[i], CHECKED, tolerance);
     (step.error <= 1.0).then_some(step.state)
-}
-
-/// As [`event_step`], backwards from a state `y` that is past the event.
-fn event_behind<S: Single, P: Phase<S, M>, const M: usize>(
-    phase: &P,
-    y: &State<S>,
-    i: usize,
-    guard: S,
-    tolerance: f64,
-) -> Option<State<S>> {
-    let dy = phase.at(y);
-    let rate = phase.guard_rates(y, &dy)[i];
-    event_step(phase, y, &dy, i, guard, rate, tolerance)
 }

@@ -1,4 +1,4 @@
-//! Many stances at once: eight jumps side by side in SIMD lanes, each on its own phase, step and event.
+//! Many stances at once: several jumps side by side in SIMD lanes, each on its own phase, step and event.
 //!
 //! A lane that finishes takes the next jump, so that none idles. What a plain pneumatic leg does in all but rare cases is
 //! done here; a jump that is anything else is handed to [`Stance::jump`], whose results these equal within the tolerance.
@@ -31,7 +31,7 @@ const PASSED: f64 = -1e-9;
 #[derive(Clone, Debug)]
 pub struct Batch {
     one: Stance<f64>,
-    eight: Stance<Lanes>,
+    many: Stance<Lanes>,
 }
 
 /// A jump at the start of its extension.
@@ -46,8 +46,8 @@ struct Ready {
 impl Batch {
     /// The model of `robot` with an error `tolerance` as in [`Stance`].
     pub fn new(robot: &Robot, tolerance: f64) -> Batch {
-        let eight = Stance::<Lanes>::assemble(robot, |_, x| Lanes::of(x)).with_tolerance(tolerance);
-        Batch { one: Stance::new(robot, |_, x| x).with_tolerance(tolerance), eight }
+        let many = Stance::<Lanes>::assemble(robot, |_, x| Lanes::of(x)).with_tolerance(tolerance);
+        Batch { one: Stance::new(robot, |_, x| x).with_tolerance(tolerance), many }
     }
 
     /// The model of a single jump.
@@ -61,11 +61,11 @@ impl Batch {
     /// Each as [`Stance::jump`].
     pub fn jumps(&self, launches: &[Launch]) -> Vec<Result<LiftOff, StanceError>> {
         let mut ends = vec![None; launches.len()];
-        if let (Some(chamber), Some(lane_chamber)) = (self.one.leg.chamber(), self.eight.leg.chamber())
+        if let (Some(chamber), Some(lane_chamber)) = (self.one.leg.chamber(), self.many.leg.chamber())
             && self.one.plain
         {
             let ready = self.prepare(launches, lane_chamber);
-            let mut crew = Crew::new(&self.one, chamber, &self.eight, lane_chamber);
+            let mut crew = Crew::new(&self.one, chamber, &self.many, lane_chamber);
             crew.work(&ready, &mut ends);
         }
         ends.into_iter()
@@ -74,7 +74,7 @@ impl Batch {
             .collect()
     }
 
-    /// Pivoting and filling by their closed forms, eight at a time; leaves out every jump for which these do not hold to
+    /// Pivoting and filling by their closed forms, several at a time; leaves out every jump for which these do not hold to
     /// round-off.
     fn prepare(&self, launches: &[Launch], chamber: &Chamber<Lanes>) -> Vec<Ready> {
         let mut ready = Vec::with_capacity(launches.len());
@@ -84,7 +84,7 @@ impl Batch {
             };
             let (lean, angle, open) =
                 (column(|l| l.lean), column(|l| l.firing_angle), column(|l| l.valve_open));
-            let start = self.eight.closed_start(column(|l| l.rate), lean, angle, open, chamber);
+            let start = self.many.closed_start(column(|l| l.rate), lean, angle, open, chamber);
             let rows = start.columns.map(Lanes::to_array);
             let sound = start.sound.to_array();
             for (i, launch) in chunk.iter().enumerate() {
@@ -103,7 +103,7 @@ impl Batch {
     }
 }
 
-/// The start of eight extensions: lean, rate, pressure (MPa), time, time of firing; and in which lanes this is exact.
+/// The start of several extensions: lean, rate, pressure (MPa), time, time of firing; and in which lanes this is exact.
 struct ClosedStart {
     columns: [Lanes; 5],
     sound: Lanes,
@@ -188,7 +188,7 @@ struct Lane {
     patience: u32,
 }
 
-/// Eight lanes at work.
+/// The lanes at work.
 struct Crew<'a> {
     one: &'a Stance<f64>,
     chamber: &'a Chamber<f64>,
@@ -197,7 +197,7 @@ struct Crew<'a> {
     states: [[f64; LANES]; MOVING],
 }
 
-/// The equations of motion in eight lanes, each with its piece of the valve's law and its independent variable.
+/// The equations of motion in all lanes, each with its piece of the valve's law and its independent variable.
 struct Field<'a> {
     stance: &'a Stance<Lanes>,
     chamber: &'a Chamber<Lanes>,
@@ -266,13 +266,13 @@ impl<'a> Crew<'a> {
     fn new(
         one: &'a Stance<f64>,
         chamber: &'a Chamber<f64>,
-        eight: &'a Stance<Lanes>,
+        many: &'a Stance<Lanes>,
         lane_chamber: &'a Chamber<Lanes>,
     ) -> Self {
         let (zero, unit) = (Lanes::of(0.0), Lanes::of(1.0));
         let law = ValveLaw { constant: zero, flow: zero, expansion: zero, stiffness: unit };
         let field = Field {
-            stance: eight,
+            stance: many,
             chamber: lane_chamber,
             // An idle lane rests: sonic, nothing flows, half a megapascal.
             valve: Valve { law, sonic: unit.simd_gt(zero), outward: unit.simd_lt(zero) },

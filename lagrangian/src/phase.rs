@@ -8,7 +8,7 @@ use saltus_pneumatics::{Chamber, Drive, Flow, Force, GasState, Switches, Valve};
 
 use crate::Stance;
 use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
-use crate::advance::{Phase, State, WIDTH};
+use crate::advance::{Look, Phase, State, WIDTH};
 
 /// The smooth piece that the chamber is on: the valve's law, and where it ends.
 #[derive(Clone, Copy, Debug)]
@@ -30,26 +30,13 @@ impl<S: Single> Piece<S> {
         let nudged = p * S::of(1.0 + 1e-9 * side);
         let flow = chamber.flow(energized, nudged);
         let extras = chamber.has_extras();
-        let (fill, exhaust) = (chamber.fill_edge(), chamber.exhaust_edge());
-        let edges = match (energized, extras) {
-            (true, true) => [fill, chamber.balance_above(), exhaust],
-            (true, false) => [fill, chamber.balance_above(), fill],
-            (false, _) => [chamber.balance_below(), exhaust, exhaust],
-        };
-        let (mut low, mut high) = (S::of(1.0), S::of(1e12));
-        for edge in edges {
-            if edge.value() < nudged.value() && edge.value() > low.value() {
-                low = edge;
-            }
-            if edge.value() >= nudged.value() && edge.value() < high.value() {
-                high = edge;
-            }
-        }
+        let (low, high) =
+            if extras { edges_with_extras(chamber, energized, flow, nudged) } else { chamber.edges(flow) };
         Piece {
             flow,
             valve: chamber.valve(flow),
-            low: chamber.variable(flow, low),
-            high: chamber.variable(flow, high),
+            low,
+            high,
             sign: S::of(if flow == Flow::ExhaustSubsonic { -1.0 } else { 1.0 }),
             port_open,
             extras,
@@ -78,6 +65,26 @@ impl<S: Single> Piece<S> {
         let change = chamber.pressure_per_mass() * gas.inverses.1 * inflow;
         gas.rate + change / gas.pressure_per_variable
     }
+}
+
+/// The edges (in u) around pressure `p` (Pa) of a chamber that also leaks: those of the valve, and of the leak's own flow.
+fn edges_with_extras<S: Single>(chamber: &Chamber<S>, energized: bool, flow: Flow, p: S) -> (S, S) {
+    let exhaust = chamber.exhaust_edge();
+    let edges = if energized {
+        [chamber.fill_edge(), chamber.balance_above(), exhaust]
+    } else {
+        [chamber.balance_below(), exhaust, exhaust]
+    };
+    let (mut low, mut high) = (S::of(1.0), S::of(1e12));
+    for edge in edges {
+        if edge.value() < p.value() && edge.value() > low.value() {
+            low = edge;
+        }
+        if edge.value() >= p.value() && edge.value() < high.value() {
+            high = edge;
+        }
+    }
+    (chamber.variable(flow, low), chamber.variable(flow, high))
 }
 
 /// The leg held at d = 0 by its end stop: the robot pivots, and the chamber may fill.
@@ -162,30 +169,20 @@ impl<S: Single> Derivative<S, WIDTH> for Held<'_, S> {
 }
 
 impl<S: Single> Phase<S, 6> for Held<'_, S> {
-    fn guards(&self, y: &State<S>) -> [S; 6] {
-        let never = S::of(NEVER);
-        [
-            self.target.map_or(never, |target| y[LEAN] - target),
-            self.target.map_or(never, |_| -y[RATE]),
-            if self.energized { self.excess(y) * S::of(FORCE_SCALE) } else { never },
-            self.piece.map_or(never, |piece| piece.guards(y[GAS]).0),
-            self.early.map_or(never, |early| y[LEAN] - S::of(early)),
-            y[LEAN].abs() - S::of(FRAC_PI_2),
-        ]
-    }
-
-    fn guard_rates(&self, y: &State<S>, dy: &State<S>) -> [S; 6] {
-        let zero = S::of(0.0);
-        let on = |active: bool, rate: S| if active { rate } else { zero };
+    fn look(&self, y: &State<S>) -> Look<S, 6> {
+        let (never, zero, scale) = (S::of(NEVER), S::of(0.0), S::of(FORCE_SCALE));
+        let dy = self.at(y);
+        let idle = (never, zero);
         let aside = if y[LEAN].value() < 0.0 { -dy[LEAN] } else { dy[LEAN] };
-        [
-            on(self.target.is_some(), dy[LEAN]),
-            on(self.target.is_some(), -dy[RATE]),
-            on(self.energized, self.excess_rate(y, dy) * S::of(FORCE_SCALE)),
-            self.piece.map_or(zero, |piece| piece.sign * dy[GAS]),
-            on(self.early.is_some(), dy[LEAN]),
-            aside,
-        ]
+        let guards = [
+            self.target.map_or(idle, |target| (y[LEAN] - target, dy[LEAN])),
+            self.target.map_or(idle, |_| (-y[RATE], -dy[RATE])),
+            if self.energized { (self.excess(y) * scale, self.excess_rate(y, &dy) * scale) } else { idle },
+            self.piece.map_or(idle, |piece| (piece.guards(y[GAS]).0, piece.sign * dy[GAS])),
+            self.early.map_or(idle, |early| (y[LEAN] - S::of(early), dy[LEAN])),
+            (y[LEAN].abs() - S::of(FRAC_PI_2), aside),
+        ];
+        Look { rates: dy, guards: guards.map(|g| g.0), guard_rates: guards.map(|g| g.1) }
     }
 }
 
@@ -234,43 +231,48 @@ impl<S: Single> Extension<'_, S> {
 }
 
 impl<S: Single> Derivative<S, WIDTH> for Extension<'_, S> {
-    /// The thesis' equations of motion (§5.2.1) with the leg's force and the chamber's pressure.
     #[inline(always)]
     fn at(&self, y: &State<S>) -> State<S> {
+        self.dynamics(y).0
+    }
+}
+
+impl<S: Single> Extension<'_, S> {
+    /// The thesis' equations of motion (§5.2.1) with the leg's force and the chamber's pressure: the state's derivative,
+    /// the force, and Ṗ (Pa/s).
+    #[inline(always)]
+    fn dynamics(&self, y: &State<S>) -> (State<S>, Force<S>, S) {
         let stance = self.stance;
         match (stance.leg.chamber(), &self.piece) {
             (Some(chamber), Some(piece)) => {
                 let (gas, about) = stance.gas(y, chamber, &piece.valve);
-                let mut dy = stance.motion(y, self.force_at(y, gas.pressure).value, about);
+                let force = self.force_at(y, gas.pressure);
+                let mut dy = stance.motion(y, force.value, about);
                 dy[GAS] = piece.rate(chamber, &gas);
-                dy
+                (dy, force, dy[GAS] * gas.pressure_per_variable)
             }
-            _ => stance.motion(y, self.force(y), stance.about_foot(y).inverse()),
+            _ => {
+                let force = self.force_at(y, S::of(0.0));
+                (stance.motion(y, force.value, stance.about_foot(y).inverse()), force, S::of(0.0))
+            }
         }
     }
 }
 
 impl<S: Single> Phase<S, 5> for Extension<'_, S> {
     #[inline(always)]
-    fn guards(&self, y: &State<S>) -> [S; 5] {
-        let never = S::of(NEVER);
+    fn look(&self, y: &State<S>) -> Look<S, 5> {
+        let (never, scale) = (S::of(NEVER), S::of(-FORCE_SCALE));
+        let (dy, force, pressure_rate) = self.dynamics(y);
+        let change = force
+            .wrt_pressure
+            .mul_add(pressure_rate, force.wrt_speed.mul_add(dy[SPEED], force.wrt_extension * dy[EXTENSION]));
         let (above, below) = self.piece.map_or((never, never), |piece| piece.guards(y[GAS]));
-        [y[EXTENSION] - self.next, -self.force(y) * S::of(FORCE_SCALE), above, below, -y[SPEED]]
-    }
-
-    #[inline(always)]
-    fn guard_rates(&self, y: &State<S>, dy: &State<S>) -> [S; 5] {
-        let (p, change, sign) = match (self.stance.leg.chamber(), &self.piece) {
-            (Some(chamber), Some(piece)) => {
-                let gas = self.stance.gas(y, chamber, &piece.valve).0;
-                (gas.pressure, gas.pressure_per_variable * dy[GAS], piece.sign)
-            }
-            _ => (S::of(0.0), S::of(0.0), S::of(1.0)),
-        };
-        let force = self.force_at(y, p);
-        let change =
-            force.wrt_extension * dy[EXTENSION] + force.wrt_speed * dy[SPEED] + force.wrt_pressure * change;
-        let rise = sign * dy[GAS];
-        [dy[EXTENSION], -change * S::of(FORCE_SCALE), rise, -rise, -dy[SPEED]]
+        let rise = self.piece.map_or(S::of(0.0), |piece| piece.sign * dy[GAS]);
+        Look {
+            rates: dy,
+            guards: [y[EXTENSION] - self.next, force.value * scale, above, below, -y[SPEED]],
+            guard_rates: [dy[EXTENSION], change * scale, rise, -rise, -dy[SPEED]],
+        }
     }
 }

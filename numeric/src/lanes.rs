@@ -1,14 +1,17 @@
-//! Eight numbers side by side in SIMD registers.
+//! Several numbers side by side in a SIMD register.
 
-use wide::f64x8;
+#[cfg(not(target_feature = "avx512f"))]
+use wide::f64x4 as Register;
+#[cfg(target_feature = "avx512f")]
+use wide::f64x8 as Register;
 
 use crate::scalar::{SERIES_LIMIT, Scalar, series_sin_cos};
 
-/// Eight numbers side by side: eight jumps in one go.
-pub type Lanes = f64x8;
+/// Several numbers side by side, as many as the processor's registers hold: so many jumps go at once.
+pub type Lanes = Register;
 
 /// Numbers in a [`Lanes`].
-pub const LANES: usize = 8;
+pub const LANES: usize = if cfg!(target_feature = "avx512f") { 8 } else { 4 };
 
 impl Scalar for Lanes {
     type Value = Lanes;
@@ -24,19 +27,22 @@ impl Scalar for Lanes {
     }
     #[inline(always)]
     fn mul_add(self, a: Lanes, b: Lanes) -> Lanes {
-        f64x8::mul_add(self, a, b)
+        Register::mul_add(self, a, b)
     }
     #[inline(always)]
     fn sqrt(self) -> Lanes {
-        f64x8::sqrt(self)
+        Register::sqrt(self)
     }
     #[inline(always)]
     fn sin_cos(self) -> (Lanes, Lanes) {
-        if f64x8::abs(self).simd_lt(Lanes::splat(SERIES_LIMIT)).all() {
-            series_sin_cos(self)
-        } else {
-            f64x8::sin_cos(self)
+        let (sin, cos) = series_sin_cos(self);
+        let far = Register::abs(self).simd_gt(Lanes::splat(SERIES_LIMIT));
+        if !far.any() {
+            return (sin, cos);
         }
+        // Lane by lane, so that no lane's result depends on its neighbours.
+        let (far_sin, far_cos) = Register::sin_cos(self);
+        (far.select(far_sin, sin), far.select(far_cos, cos))
     }
     #[inline(always)]
     fn pow(self, n: Lanes) -> Lanes {
@@ -48,7 +54,7 @@ impl Scalar for Lanes {
     }
     #[inline(always)]
     fn abs(self) -> Lanes {
-        f64x8::abs(self)
+        Register::abs(self)
     }
     #[inline(always)]
     fn less(self, other: Lanes) -> Lanes {

@@ -1,7 +1,7 @@
 //! The numbers that Saltus computes with, and the step they go through.
 //!
 //! * [`Scalar`]: what the equations of motion are written in, once; `f64` for one jump, [`Dual`] for a jump with its
-//!   exact derivatives, [`Lanes`] for eight jumps in one SIMD register.
+//!   exact derivatives, [`Lanes`] for several jumps in one SIMD register.
 //! * [`dop853`]: one step of the Runge–Kutta method of order 8 that all of them are integrated with, and the choice of
 //!   the independent variable that turns it into an exact event locator.
 

@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// A number that the equations of motion can be evaluated in.
 ///
 /// `f64` gives one jump, [`Dual`](crate::Dual) one jump with its exact derivatives, [`Lanes`](crate::Lanes)
-/// eight jumps at a time. Angles given to [`sin_cos`](Scalar::sin_cos) are leans: any size is right, those below a
+/// several jumps at a time. Angles given to [`sin_cos`](Scalar::sin_cos) are leans: any size is right, those below a
 /// right angle are fast.
 pub trait Scalar:
     Copy

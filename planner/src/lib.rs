@@ -1,5 +1,14 @@
 //! Firing tables, linear laws, feasibility maps and the QP over obstacles.
 
+pub mod course;
 mod jump;
+mod law;
+mod map;
+pub mod parkour;
+mod proxy;
+mod table;
 
 pub use jump::{Jump, PLANNING_TOLERANCE, Planner, SensitiveJump, Sensitivity};
+pub use law::{Law, LawPoint};
+pub use map::{Map, MapRequest, Spot, SpotResult};
+pub use table::{Cell, Entry, FIRING_ANGLES, Measure, Nearest, Roots, Table, TableError, TableRequest};

@@ -34,6 +34,8 @@ pub struct Chamber<S> {
     heating: S,
     /// Exponent n.
     exponent: S,
+    /// e where sonic flow turns subsonic: 2/(κ+1).
+    critical_temperature_ratio: S,
 }
 
 /// What the valve does to the chamber while nothing switches: one smooth piece of the orifice law.
@@ -125,6 +127,7 @@ impl<S: Scalar> Chamber<S> {
             droop: S::of(cylinder.supply_droop),
             heating: S::of(exponent * gas.constant * cylinder.temperature),
             exponent: S::of(exponent),
+            critical_temperature_ratio: S::of(2.0 / (gas.heat_ratio + 1.0)),
         }
     }
 
@@ -194,38 +197,35 @@ impl<S: Scalar> Chamber<S> {
 
     /// The gas at `u` while the leg at extension `d` (m) extends at `speed` (m/s).
     ///
-    /// Every division of the model is done here, in one: `about_foot` is what the caller would divide by.
+    /// The inverse of `about_foot`, which the caller would divide by, comes with that of the volume.
     #[inline(always)]
     pub fn gas(&self, valve: &Valve<S>, u: S, d: S, speed: S, about_foot: S) -> GasState<S> {
         let one = S::of(1.0);
         let volume = self.volume(d);
+        let inverse = one / (about_foot * volume);
+        let (inverse_about_foot, inverse_volume) = (inverse * volume, inverse * about_foot);
+        let inverse_u = one / u;
         let ratio = S::select(valve.sonic, || one, || self.law.pressure_ratio(u));
-        let divisor = u * ratio;
-        let rest = about_foot * volume;
-        let inverse = one / (rest * divisor);
-        let inverse_divisor = inverse * rest;
         let pressure = S::select(
             valve.sonic,
             || u * S::of(MEGA),
-            || S::select(valve.outward, || self.ambient * (inverse_divisor * u), || self.supply * ratio),
+            || S::select(valve.outward, || self.ambient / ratio, || self.supply * ratio),
         );
         let x = S::select(
             valve.sonic,
             || one,
             || {
-                let root = (one - u).max(S::of(0.0)).sqrt() * inverse_divisor;
-                // Inwards √(1−e)/e, outwards r √(1−e)/e.
-                S::select(valve.outward, || root * ratio * ratio, || root * ratio)
+                let root = (one - u).max(S::of(0.0)).sqrt() * inverse_u;
+                S::select(valve.outward, || root * ratio, || root)
             },
         );
         let law = &valve.law;
         let relative = law.flow.mul_add(x, law.expansion * speed);
-        let inverse_volume = inverse * (about_foot * divisor);
         GasState {
             pressure,
             rate: u.mul_add(relative, law.constant) * inverse_volume,
-            pressure_per_variable: law.stiffness * pressure * (inverse_divisor * ratio),
-            inverses: (inverse * (volume * divisor), inverse_volume),
+            pressure_per_variable: law.stiffness * pressure * inverse_u,
+            inverses: (inverse_about_foot, inverse_volume),
         }
     }
 }
@@ -265,6 +265,20 @@ impl<S: Single> Chamber<S> {
             Flow::FillSubsonic => self.law.temperature_ratio(p, self.supply),
             Flow::ExhaustSubsonic => self.law.temperature_ratio(self.ambient, p),
             _ => p * S::of(1.0 / MEGA),
+        }
+    }
+
+    /// Where the piece `flow` of the plain valve's law ends, in u: with the pressure falling, and rising.
+    pub fn edges(&self, flow: Flow) -> (S, S) {
+        let (micro, never) = (S::of(1.0 / MEGA), S::of(1e6));
+        let balance = S::of(1.0 - 1e-12 * self.law.temperature_exponent);
+        match flow {
+            Flow::FillChoked => (S::of(0.0), self.fill_edge() * micro),
+            Flow::FillSubsonic => (self.critical_temperature_ratio, balance),
+            Flow::FillBalanced => (self.balance_above() * micro, never),
+            Flow::ExhaustChoked => (self.exhaust_edge() * micro, never),
+            Flow::ExhaustSubsonic => (balance, self.critical_temperature_ratio),
+            Flow::ExhaustBalanced => (S::of(0.0), self.balance_below() * micro),
         }
     }
 

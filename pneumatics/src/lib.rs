@@ -1,6 +1,6 @@
 //! The force of a leg: orifice, valve and chamber of a pneumatic cylinder, and the other drives a leg can have.
 //!
-//! Everything is generic over [`Scalar`](saltus_numeric::Scalar): one jump, a jump with its derivatives, or eight jumps
+//! Everything is generic over [`Scalar`](saltus_numeric::Scalar): one jump, a jump with its derivatives, or several jumps
 //! at a time. Pressures are absolute, in pascals.
 //!
 //! Source: thesis §4.3; the exact reading is in the reference model (`docs/model.md`).

@@ -175,7 +175,7 @@ proptest! {
 
     #[test]
     fn slopes_are_those_of_finite_differences(
-        // Steps of 1e-3 must stay clear of vy = 0 and of the apex, where the functions bend.
+        // Differences must stay clear of vy = 0 and of the apex, where the functions bend.
         (x, y, vx, vy, gravity) in (-1.0..1.0, 0.3..2.0, -5.0..5.0, 0.5..5.0_f64, 3.0..20.0),
         down in any::<bool>(),
         t in 0.0..1.0,

@@ -1,0 +1,410 @@
+//! Sequential quadratic programming with exact first derivatives.
+//!
+//! At each iterate the constraints are linearised, the Lagrangian's Hessian is taken by differences of exact gradients
+//! and made positive semidefinite, and the quadratic program is solved within a trust region, a box in units of the
+//! variables' ranges. A step is taken if it lowers the exact penalty function
+//!
+//! ```text
+//! φ(x) = f(x) + ν · greatest violation
+//! ```
+//!
+//! An iterate that violates a constraint gets an elastic program: one more variable, how much every row gives way, at
+//! the price ν. So no subproblem is infeasible, and a program without a feasible point ends where the greatest violation
+//! is locally least.
+//!
+//! Source: Nocedal & Wright, Numerical Optimization, 2nd ed., chapter 18 (18.5, Sℓ1QP), with the greatest violation in
+//! place of their sum.
+
+use nalgebra::DMatrix;
+
+use super::Span;
+use super::qp::{Outcome, Qp};
+
+/// A smooth program: least cost with values = 0 in the first rows and ≥ 0 in the others, within bounds.
+pub trait Nlp {
+    /// Allowed values of each variable; finite and with a width, which is its unit in the solver.
+    fn bounds(&self) -> Vec<Span>;
+    /// Leading rows that must be 0.
+    fn equalities(&self) -> usize;
+    /// Cost and rows at `x`, with their exact first derivatives.
+    fn evaluate(&self, x: &[f64], at: &mut Evaluation);
+}
+
+/// Cost and rows of a program, with derivatives. What is not finite counts as a point that cannot be used.
+#[derive(Clone, Debug, Default)]
+pub struct Evaluation {
+    /// Cost.
+    pub cost: f64,
+    /// Its gradient: n.
+    pub gradient: Vec<f64>,
+    /// Rows: m.
+    pub values: Vec<f64>,
+    /// Their derivatives, row after row: m × n.
+    pub jacobian: Vec<f64>,
+}
+
+/// How the solver stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Most quadratic programs to solve.
+    pub iterations: usize,
+    /// Least promise of a step, in units of the cost, that is worth taking it.
+    pub tolerance: f64,
+    /// Greatest violation of a row that counts as none.
+    pub feasibility: f64,
+    /// First size of the trust region, in units of the variables' ranges.
+    pub radius: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Settings {
+        Settings { iterations: 100, tolerance: 1e-10, feasibility: 1e-10, radius: 0.1 }
+    }
+}
+
+/// Why the solver stopped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Status {
+    /// No step promises anything, and every row holds.
+    Converged,
+    /// No step lessens the violation of `row`, the worst one, by `violation`.
+    Infeasible {
+        /// Index of the row.
+        row: usize,
+        /// By how much it is violated, in the row's unit.
+        violation: f64,
+    },
+    /// Too many iterations, or steps too short to go on.
+    IterationLimit,
+}
+
+/// What the solver did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// Why it stopped.
+    pub status: Status,
+    /// The last iterate.
+    pub x: Vec<f64>,
+    /// Cost there.
+    pub cost: f64,
+    /// Greatest violation of a row there.
+    pub violation: f64,
+    /// Greatest component of the Lagrangian's gradient there, in units of the variables' ranges; components that push
+    /// against a bound do not count.
+    pub kkt_residual: f64,
+    /// Multipliers of the rows.
+    pub multipliers: Vec<f64>,
+    /// Quadratic programs solved.
+    pub iterations: usize,
+}
+
+/// Greatest price of a violation.
+const PRICE_LIMIT: f64 = 1e8;
+
+/// Least size of the trust region.
+const RADIUS_LIMIT: f64 = 1e-9;
+
+/// Solves a program from `x`.
+pub fn solve<P: Nlp>(nlp: &P, x: &[f64], settings: &Settings) -> Report {
+    let mut iterate = Iterate::new(nlp, x, settings);
+    let mut status = Status::IterationLimit;
+    while iterate.count < settings.iterations && iterate.radius > RADIUS_LIMIT {
+        if let Some(end) = iterate.advance() {
+            status = end;
+            break;
+        }
+    }
+    iterate.report(status)
+}
+
+/// A step that the quadratic program proposes.
+struct Step {
+    /// In units of the ranges.
+    d: Vec<f64>,
+    /// By how much the rows still give way.
+    give: f64,
+    /// How much less the cost is in the model.
+    gain: f64,
+}
+
+struct Iterate<'a, P> {
+    nlp: &'a P,
+    settings: &'a Settings,
+    bounds: Vec<Span>,
+    x: Vec<f64>,
+    at: Evaluation,
+    trial: Evaluation,
+    hessian: Vec<f64>,
+    multipliers: Vec<f64>,
+    radius: f64,
+    price: f64,
+    count: usize,
+}
+
+impl<'a, P: Nlp> Iterate<'a, P> {
+    fn new(nlp: &'a P, x: &[f64], settings: &'a Settings) -> Self {
+        let bounds = nlp.bounds();
+        let x: Vec<f64> = x.iter().zip(&bounds).map(|(x, b)| b.clamp(*x)).collect();
+        let mut at = Evaluation::default();
+        nlp.evaluate(&x, &mut at);
+        let multipliers = vec![0.0; at.values.len()];
+        let (trial, radius, price) = (at.clone(), settings.radius, 10.0);
+        let mut iterate = Iterate {
+            nlp,
+            settings,
+            bounds,
+            x,
+            at,
+            trial,
+            hessian: Vec::new(),
+            multipliers,
+            radius,
+            price,
+            count: 0,
+        };
+        iterate.hessian = iterate.curvature();
+        iterate
+    }
+
+    /// One quadratic program, and the step if it is good. The status if there is nothing left to do.
+    fn advance(&mut self) -> Option<Status> {
+        let (violation, row) = self.violation(&self.at);
+        let Some(step) = self.propose(&self.at.values.clone(), violation) else {
+            self.radius *= 0.25;
+            return None;
+        };
+        let promise = step.gain + self.price * (violation - step.give);
+        // What is promised for a lesser violation is known to the violation's round-off.
+        if promise <= self.settings.tolerance + self.settings.feasibility * self.price || !promise.is_finite()
+        {
+            if violation <= self.settings.feasibility {
+                return Some(Status::Converged);
+            }
+            self.price *= 10.0;
+            return (self.price > PRICE_LIMIT).then_some(Status::Infeasible { row, violation });
+        }
+        self.try_step(&step, violation, promise);
+        None
+    }
+
+    /// Takes the step, or the step corrected for the rows' curvature, if the penalty function falls by a fair part of the
+    /// promise, and fits the trust region to it.
+    fn try_step(&mut self, step: &Step, violation: f64, promise: f64) {
+        let mut x = self.moved(&step.d);
+        let mut ratio = self.fall(&x, violation) / promise;
+        let curved = (ratio.is_nan() || ratio < 0.25) && self.violation(&self.trial).0 > violation;
+        if let Some(corrected) = curved.then(|| self.correct(step, violation)).flatten() {
+            let (first, first_ratio) = (x, ratio);
+            x = self.moved(&corrected.d);
+            ratio = self.fall(&x, violation) / promise;
+            if ratio.is_nan() || ratio <= first_ratio {
+                x = first;
+                ratio = self.fall(&x, violation) / promise;
+            }
+        }
+        let length = step.d.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
+        if ratio > 0.75 && length > 0.9 * self.radius {
+            self.radius = (2.0 * self.radius).min(1.0);
+        } else if ratio.is_nan() || ratio < 0.25 {
+            self.radius = 0.25 * self.radius.min(length);
+        }
+        if ratio > 1e-3 {
+            self.x = x;
+            std::mem::swap(&mut self.at, &mut self.trial);
+            self.hessian = self.curvature();
+        }
+    }
+
+    /// The iterate after a step.
+    fn moved(&self, d: &[f64]) -> Vec<f64> {
+        self.x.iter().zip(d).zip(&self.bounds).map(|((x, d), b)| b.clamp(x + d * b.width())).collect()
+    }
+
+    /// By how much the penalty function falls from here, where the violation is `violation`, to `x`.
+    fn fall(&mut self, x: &[f64], violation: f64) -> f64 {
+        self.nlp.evaluate(x, &mut self.trial);
+        let after = self.violation(&self.trial).0;
+        self.at.cost - self.trial.cost + self.price * (violation - after)
+    }
+
+    /// The second-order correction: the step again, with the rows' values from where it led.
+    fn correct(&mut self, step: &Step, violation: f64) -> Option<Step> {
+        let n = self.x.len();
+        let linear = |slopes: &[f64]| {
+            slopes.iter().zip(&step.d).zip(&self.bounds).map(|((s, d), b)| s * d * b.width()).sum()
+        };
+        let change: Vec<f64> = self.at.jacobian.chunks_exact(n).map(linear).collect();
+        let values: Vec<f64> =
+            self.trial.values.iter().zip(change).map(|(v, c): (&f64, f64)| v - c).collect();
+        let multipliers = self.multipliers.clone();
+        let corrected =
+            if values.iter().all(|v| v.is_finite()) { self.propose(&values, violation) } else { None };
+        self.multipliers = multipliers;
+        corrected
+    }
+
+    /// Greatest violation of a row, and which; infinite where a value is not finite.
+    fn violation(&self, at: &Evaluation) -> (f64, usize) {
+        let equalities = self.nlp.equalities();
+        let mut worst = (if at.cost.is_finite() { 0.0 } else { f64::INFINITY }, 0);
+        for (row, &value) in at.values.iter().enumerate() {
+            let violation = if row < equalities { value.abs() } else { -value };
+            if violation > worst.0 || violation.is_nan() {
+                worst = (if violation.is_nan() { f64::INFINITY } else { violation }, row);
+            }
+        }
+        worst
+    }
+
+    /// Solves the quadratic program with the rows' slopes here and the given values; updates the multipliers and the
+    /// price.
+    fn propose(&mut self, values: &[f64], violation: f64) -> Option<Step> {
+        self.count += 1;
+        let n = self.x.len();
+        let elastic = violation > self.settings.feasibility;
+        let rows = self.relevant_rows(values);
+        let qp = self.subproblem(&rows, values, elastic);
+        let Outcome::Solved { x: mut d, multipliers } = qp.solve() else { return None };
+        let give = if elastic { d[n].max(0.0) } else { 0.0 };
+        d.truncate(n);
+        self.multipliers.fill(0.0);
+        // In the elastic program each equality is two rows.
+        let signed = rows.iter().flat_map(|&row| {
+            let twice = elastic && row < self.nlp.equalities();
+            std::iter::once((row, 1.0)).chain(twice.then_some((row, -1.0)))
+        });
+        for ((row, sign), multiplier) in signed.zip(&multipliers) {
+            self.multipliers[row] += sign * multiplier;
+        }
+        let sum: f64 = self.multipliers.iter().map(|m| m.abs()).sum();
+        if 1.5 * sum > self.price && give <= self.settings.feasibility {
+            self.price = 2.0 * sum;
+        }
+        let gain = -(0..n)
+            .map(|i| d[i] * (qp.gradient[i] + 0.5 * dot(&self.hessian[i * n..][..n], &d)))
+            .sum::<f64>();
+        Some(Step { d, give, gain })
+    }
+
+    /// Rows that can become active within the trust region.
+    fn relevant_rows(&self, values: &[f64]) -> Vec<usize> {
+        let n = self.x.len();
+        let can_fall = |row: usize| -> f64 {
+            let slopes = self.at.jacobian[row * n..][..n].iter().zip(&self.bounds);
+            self.radius * slopes.map(|(s, b)| (s * b.width()).abs()).sum::<f64>()
+        };
+        let relevant = |&row: &usize| row < self.nlp.equalities() || values[row] <= can_fall(row);
+        (0..values.len()).filter(relevant).collect()
+    }
+
+    /// The quadratic program in the step, in units of the ranges, and, if elastic, in the give of the rows.
+    fn subproblem(&self, rows: &[usize], values: &[f64], elastic: bool) -> Qp {
+        let n = self.x.len();
+        let size = n + usize::from(elastic);
+        let equalities = if elastic { 0 } else { self.nlp.equalities() };
+        let mut qp = Qp { hessian: vec![0.0; size * size], equalities, ..Qp::default() };
+        for i in 0..n {
+            qp.hessian[i * size..][..n].copy_from_slice(&self.hessian[i * n..][..n]);
+        }
+        qp.gradient.extend(self.at.gradient.iter().zip(&self.bounds).map(|(g, b)| g * b.width()));
+        qp.gradient.extend(elastic.then_some(self.price));
+        for &row in rows {
+            let slopes = self.at.jacobian[row * n..][..n].iter().zip(&self.bounds);
+            let slopes: Vec<f64> = slopes.map(|(s, b)| s * b.width()).collect();
+            let value = values[row];
+            qp.push(slopes.iter().copied(), elastic, -value);
+            if elastic && row < self.nlp.equalities() {
+                qp.push(slopes.iter().map(|s| -s), elastic, value);
+            }
+        }
+        for (i, b) in self.bounds.iter().enumerate() {
+            let unit = |sign: f64| (0..n).map(move |j| if i == j { sign } else { 0.0 });
+            qp.push(unit(1.0), false, ((b.low - self.x[i]) / b.width()).max(-self.radius).min(0.0));
+            qp.push(unit(-1.0), false, ((self.x[i] - b.high) / b.width()).max(-self.radius).min(0.0));
+        }
+        if elastic {
+            qp.push((0..n).map(|_| 0.0), true, 0.0);
+        }
+        qp
+    }
+
+    /// The Lagrangian's gradient at an evaluation, in units of the ranges.
+    fn lagrangian(&self, at: &Evaluation) -> Vec<f64> {
+        let n = self.x.len();
+        let mut slope = at.gradient.clone();
+        for (row, &multiplier) in self.multipliers.iter().enumerate().filter(|(_, m)| **m != 0.0) {
+            for (s, j) in slope.iter_mut().zip(&at.jacobian[row * n..][..n]) {
+                *s -= multiplier * j;
+            }
+        }
+        slope.iter().zip(&self.bounds).map(|(s, b)| s * b.width()).collect()
+    }
+
+    /// The Lagrangian's Hessian by forward differences of its gradient, in units of the ranges, without its negative
+    /// eigenvalues.
+    fn curvature(&mut self) -> Vec<f64> {
+        // Balances truncation against round-off of gradients that are exact to 1e-16.
+        const DIFFERENCE: f64 = 1e-7;
+        let n = self.x.len();
+        let base = self.lagrangian(&self.at);
+        let mut hessian = DMatrix::zeros(n, n);
+        let mut x = self.x.clone();
+        for i in 0..n {
+            let b = self.bounds[i];
+            let h = if (x[i] - b.low) > 0.5 * b.width() { -DIFFERENCE } else { DIFFERENCE };
+            x[i] += h * b.width();
+            let mut trial = std::mem::take(&mut self.trial);
+            self.nlp.evaluate(&x, &mut trial);
+            for (j, slope) in self.lagrangian(&trial).into_iter().enumerate() {
+                hessian[(i, j)] += 0.5 * (slope - base[j]) / h;
+                hessian[(j, i)] += 0.5 * (slope - base[j]) / h;
+            }
+            self.trial = trial;
+            x[i] = self.x[i];
+        }
+        without_negative_curvature(hessian)
+    }
+
+    fn report(self, status: Status) -> Report {
+        let pushes = |((slope, x), b): ((f64, &f64), &Span)| {
+            let edge = 1e-9 * b.width();
+            if (*x <= b.low + edge && slope > 0.0) || (*x >= b.high - edge && slope < 0.0) {
+                0.0
+            } else {
+                slope.abs()
+            }
+        };
+        let slopes = self.lagrangian(&self.at).into_iter().zip(&self.x).zip(&self.bounds);
+        let kkt_residual = slopes.map(pushes).fold(0.0, f64::max);
+        let violation = self.violation(&self.at).0;
+        let (cost, iterations) = (self.at.cost, self.count);
+        Report { status, x: self.x, cost, violation, kkt_residual, multipliers: self.multipliers, iterations }
+    }
+}
+
+impl Qp {
+    /// Adds a row: slopes, whether the elastic variable helps it, and its bound.
+    fn push(&mut self, slopes: impl Iterator<Item = f64>, elastic: bool, bound: f64) {
+        let start = self.rows.len();
+        self.rows.extend(slopes);
+        self.rows.resize(start + self.gradient.len(), f64::from(u8::from(elastic)));
+        self.bounds.push(bound);
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The nearest positive semidefinite matrix, by columns; zero where a derivative is not finite.
+fn without_negative_curvature(hessian: DMatrix<f64>) -> Vec<f64> {
+    if hessian.iter().any(|h| !h.is_finite()) {
+        return vec![0.0; hessian.len()];
+    }
+    let mut eigen = hessian.symmetric_eigen();
+    eigen.eigenvalues.iter_mut().for_each(|e| *e = e.max(0.0));
+    eigen.recompose().as_slice().to_vec()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,150 @@
+//! The course as it is given, and what is allowed in it.
+
+use super::Span;
+
+/// Greatest number of jumps that one plan may have.
+pub const MAX_JUMPS: usize = 12;
+
+/// Greatest number of obstacles and of no-landing areas, each.
+const MAX_ITEMS: usize = 64;
+
+/// Greatest magnitude of a position or size (m), to keep round-off below a nanometre.
+const MAX_LENGTH: f64 = 1e4;
+
+/// A box on the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Obstacle {
+    /// Middle (m).
+    pub center: f64,
+    /// Extent along the travel (m), > 0.
+    pub width: f64,
+    /// Top above the ground (m), > 0.
+    pub height: f64,
+}
+
+impl Obstacle {
+    /// From the front edge to the back edge (m).
+    pub fn span(&self) -> Span {
+        Span::new(self.center - self.width / 2.0, self.center + self.width / 2.0)
+    }
+}
+
+/// What is to be jumped. Positions are along the travel, heights above the ground.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Course {
+    /// What the errors call it.
+    pub id: String,
+    /// First foothold (m).
+    pub start: f64,
+    /// Height of the first foothold (m).
+    pub start_height: f64,
+    /// Jumps to make, 1 to [`MAX_JUMPS`].
+    pub jumps: usize,
+    /// Where the last jump lands (m): an exact place where its ends are equal, else a zone.
+    pub goal: Span,
+    /// Boxes that do not overlap, in any order.
+    pub obstacles: Vec<Obstacle>,
+    /// Where no jump may land (m).
+    pub no_landing: Vec<Span>,
+}
+
+/// A course that cannot even be tried.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CourseError {
+    /// A value outside its domain.
+    #[error("course `{course}`: {key} = {value}, allowed: {allowed}")]
+    Value {
+        /// Identity of the course.
+        course: String,
+        /// Key of the value, as in course files.
+        key: String,
+        /// What was given.
+        value: f64,
+        /// What may be given.
+        allowed: &'static str,
+    },
+    /// Two boxes in one place.
+    #[error(
+        "course `{course}`: obstacles[{first}] and obstacles[{second}] overlap, allowed: disjoint obstacles"
+    )]
+    Overlap {
+        /// Identity of the course.
+        course: String,
+        /// Index of the obstacle in front.
+        first: usize,
+        /// Index of the other one.
+        second: usize,
+    },
+}
+
+impl Course {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`CourseError`] with the first value that is not allowed.
+    pub fn check(&self) -> Result<(), CourseError> {
+        let length = |x: f64| x.abs() <= MAX_LENGTH;
+        let size = |x: f64| x > 0.0 && x <= MAX_LENGTH;
+        let (a_length, a_size) = ("from -10000 to 10000 m", "above 0, to 10000 m");
+        self.require("start_x_m", self.start, length(self.start), a_length)?;
+        self.require(
+            "start_height_m",
+            self.start_height,
+            (0.0..=MAX_LENGTH).contains(&self.start_height),
+            "0 to 10000 m",
+        )?;
+        self.require("jumps", self.jumps as f64, (1..=MAX_JUMPS).contains(&self.jumps), "1 to 12")?;
+        self.require("goal_x_m", self.goal.low, length(self.goal.low), a_length)?;
+        self.require("goal_x_m", self.goal.high, length(self.goal.high), a_length)?;
+        self.require(
+            "goal_x_m",
+            self.goal.high,
+            !self.goal.is_empty(),
+            "a zone that ends behind its beginning",
+        )?;
+        self.require(
+            "obstacles (number)",
+            self.obstacles.len() as f64,
+            self.obstacles.len() <= MAX_ITEMS,
+            "0 to 64",
+        )?;
+        for (i, o) in self.obstacles.iter().enumerate() {
+            self.require(&format!("obstacles[{i}].center_x_m"), o.center, length(o.center), a_length)?;
+            self.require(&format!("obstacles[{i}].width_m"), o.width, size(o.width), a_size)?;
+            self.require(&format!("obstacles[{i}].height_m"), o.height, size(o.height), a_size)?;
+        }
+        self.require(
+            "no_landing (number)",
+            self.no_landing.len() as f64,
+            self.no_landing.len() <= MAX_ITEMS,
+            "0 to 64",
+        )?;
+        for (i, a) in self.no_landing.iter().enumerate() {
+            let center = f64::midpoint(a.low, a.high);
+            self.require(&format!("no_landing[{i}].center_x_m"), center, length(center), a_length)?;
+            self.require(&format!("no_landing[{i}].width_m"), a.width(), size(a.width()), a_size)?;
+        }
+        self.check_overlap()
+    }
+
+    fn require(&self, key: &str, value: f64, holds: bool, allowed: &'static str) -> Result<(), CourseError> {
+        if holds {
+            return Ok(());
+        }
+        Err(CourseError::Value { course: self.id.clone(), key: key.into(), value, allowed })
+    }
+
+    /// Touching boxes are two steps of a stair; a nanometre of overlap is round-off.
+    fn check_overlap(&self) -> Result<(), CourseError> {
+        let mut order: Vec<usize> = (0..self.obstacles.len()).collect();
+        order.sort_by(|&a, &b| self.obstacles[a].center.total_cmp(&self.obstacles[b].center));
+        for pair in order.windows(2) {
+            let (first, second) = (pair[0], pair[1]);
+            if self.obstacles[first].span().high > self.obstacles[second].span().low + 1e-9 {
+                return Err(CourseError::Overlap { course: self.id.clone(), first, second });
+            }
+        }
+        Ok(())
+    }
+}
