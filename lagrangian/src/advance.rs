@@ -63,7 +63,7 @@ impl<S: Single, P: Phase<S, M>, const M: usize> Derivative<S, WIDTH> for AlongGu
     }
 }
 
-/// A guard nearer to 0 than this at the start of a phase is the one that was just passed.
+/// A guard nearer to 0 than this at the start of a phase, and falling, is the one that was just passed.
 const PASSED: f64 = -1e-9;
 /// Shortest step (s).
 const LEAST_STEP: f64 = 1e-13;
@@ -93,7 +93,18 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
 ) -> Result<Option<usize>, StanceError> {
     let begin = y[TIME].value();
     let mut here = phase.look(y);
-    let mut armed = here.guards.map(|guard| guard.value() < PASSED);
+    let mut armed: [bool; M] = std::array::from_fn(|i| {
+        let (guard, rate) = (here.guards[i].value(), here.guard_rates[i].value());
+        guard < PASSED || (guard < 0.0 && rate > 0.0)
+    });
+    // Two events at once: the other one is due now.
+    let due = |i: &usize| {
+        let (guard, rate) = (here.guards[*i].value(), here.guard_rates[*i].value());
+        (0.0..=-PASSED).contains(&guard) && rate > 0.0
+    };
+    if let Some(i) = (0..M).find(due) {
+        return Ok(Some(i));
+    }
     loop {
         let left = end.map(|e| e - y[TIME]);
         let longest = left.map_or(f64::INFINITY, Scalar::value);

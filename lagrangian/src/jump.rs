@@ -108,6 +108,9 @@ pub(crate) enum Next<S> {
 /// First step (s) tried in a stance.
 pub(crate) const FIRST_STEP: f64 = 3e-3;
 
+/// Pieces after which an extension is given up: a leg has a few switches, a measured table as many as it has rows.
+const MOST_PIECES: usize = 100_000;
+
 /// What watches the steps of a stance.
 pub(crate) trait Observer<S: Single> {
     /// A step in a held phase.
@@ -313,7 +316,7 @@ impl<S: Single> Stance<S> {
         let mut switches = Switches { energized: true, cushioned: false };
         let mut passed = S::of(0.0);
         let mut side = 0.0;
-        loop {
+        for _ in 0..MOST_PIECES {
             let port_open = self.port().is_some_and(|port| port.value() <= passed.value());
             let piece = self.enter(&mut y, switches.energized, side, port_open);
             switches.cushioned = self.leg.cushion_start().is_some_and(|c| c.value() <= passed.value());
@@ -340,6 +343,7 @@ impl<S: Single> Stance<S> {
                 Some(_) => return Ok((Outcome::FallBack, y)),
             }
         }
+        Err(StanceError::TooLong { time: y[TIME].value() })
     }
 
     /// A wheel at or below the ground has not lifted off.

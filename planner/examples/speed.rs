@@ -1,4 +1,4 @@
-//! Accuracy and speed together: reference rows, random jumps, the 61 × 36 firing table.
+//! Accuracy and speed together: reference rows, random jumps, the 61 × 36 firing table, a plan over a box.
 //!
 //! `cargo run --release -p saltus-planner --example speed`, from the repository's root.
 
@@ -19,7 +19,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         .collect();
     compare("192 reference rows", &planner, &rows);
     compare("20000 random jumps", &planner, &random(20_000));
-    table(&planner)
+    table(&planner)?;
+    plan(&planner)
 }
 
 /// Accuracy of the planner's jumps against fine ones, and the time of each.

@@ -1,6 +1,7 @@
 //! Firing tables, linear laws, feasibility maps and the QP over obstacles.
 
 pub mod course;
+mod crossing;
 mod jump;
 mod law;
 mod map;
@@ -8,6 +9,7 @@ pub mod parkour;
 mod proxy;
 mod table;
 
+pub use crossing::{Check, Crossing, CrossingAnswer, CrossingError, CrossingPlan, PlannedJump};
 pub use jump::{Jump, PLANNING_TOLERANCE, Planner, SensitiveJump, Sensitivity};
 pub use law::{Law, LawPoint};
 pub use map::{Map, MapRequest, Spot, SpotResult};

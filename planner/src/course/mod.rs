@@ -10,6 +10,7 @@
 //! What a robot can do is a [`Jumper`]. Not promised here: that the jumper is right; whoever calls [`plan`] flies the
 //! plan in the full model afterwards.
 
+mod choices;
 mod envelope;
 mod jumper;
 mod nearest;

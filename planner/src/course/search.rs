@@ -9,10 +9,11 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
+use super::choices::{choices, roll};
 use super::envelope::CostToCome;
 use super::nearest::{Relief, nearest};
 use super::problem::{Choice, Problem};
-use super::terrain::{Ground, Terrain};
+use super::terrain::Terrain;
 use super::{Course, CourseError, Envelope, Jumper, Leap, Span, sqp};
 
 /// How a course is planned.
@@ -102,7 +103,7 @@ pub fn plan<J: Jumper>(jumper: &J, course: &Course, settings: &Settings) -> Resu
         nodes: 0,
         solves: 0,
         serial: 0,
-        tries: vec![0; choices.len()],
+        tries: 0,
         open: BinaryHeap::new(),
     };
     let bound = search.run();
@@ -114,66 +115,7 @@ pub fn plan<J: Jumper>(jumper: &J, course: &Course, settings: &Settings) -> Resu
     })
 }
 
-/// All sequences of grounds that the jumps' reach allows.
-fn choices<J: Jumper>(jumper: &J, course: &Course, terrain: &Terrain) -> Vec<Choice> {
-    let alive = backward_reach(jumper, course, terrain);
-    let mut found = Vec::new();
-    let mut open = vec![(terrain.start, 0, Choice { leaps: Vec::new(), windows: Vec::new() })];
-    while let Some((from, first, choice)) = open.pop() {
-        let jump = choice.leaps.len();
-        if jump == course.jumps {
-            found.push(choice);
-            continue;
-        }
-        for (index, ground) in terrain.grounds.iter().enumerate().skip(first) {
-            let Some(window) = alive[jump][index] else { continue };
-            let leap = terrain.leap(jump, &from, ground);
-            let feet = from.span + Span::point(roll(jumper, jump));
-            let Some(envelope) = jumper.envelope(&leap, feet, window, Span::ALL) else { continue };
-            let to = Ground { span: (feet + envelope.reach()).meet(window), ..*ground };
-            if !to.span.is_empty() {
-                let mut choice = choice.clone();
-                choice.leaps.push(leap);
-                choice.windows.push(if jump + 1 == course.jumps {
-                    ground.span.meet(course.goal)
-                } else {
-                    ground.span
-                });
-                open.push((to, index, choice));
-            }
-        }
-    }
-    found
-}
-
-fn roll<J: Jumper>(jumper: &J, jump: usize) -> f64 {
-    if jump == 0 { 0.0 } else { jumper.roll(jump) }
-}
-
-/// For each jump and ground, the part of the ground from which the goal can still be reached if the jump lands there.
-fn backward_reach<J: Jumper>(jumper: &J, course: &Course, terrain: &Terrain) -> Vec<Vec<Option<Span>>> {
-    let at_goal = |g: &Ground| Some(g.span.meet(course.goal)).filter(|s| !s.is_empty());
-    let mut alive = vec![terrain.grounds.iter().map(at_goal).collect::<Vec<_>>()];
-    for jump in (1..course.jumps).rev() {
-        let shift = Span::point(roll(jumper, jump));
-        let part = |(index, from): (usize, &Ground)| {
-            let mut hull = Span::NONE;
-            for (to, window) in terrain.grounds.iter().zip(&alive[0]).skip(index) {
-                let Some(window) = *window else { continue };
-                let leap = terrain.leap(jump, from, to);
-                if let Some(envelope) = jumper.envelope(&leap, from.span + shift, window, Span::ALL) {
-                    hull = hull.hull((window - envelope.reach() - shift).meet(from.span));
-                }
-            }
-            Some(hull).filter(|s| !s.is_empty())
-        };
-        let parts = terrain.grounds.iter().enumerate().map(part).collect();
-        alive.insert(0, parts);
-    }
-    alive
-}
-
-/// The solver looks for better footholds of a choice after this many of its nodes, this many squared, and so on.
+/// The solver looks for better footholds after this many nodes, this many squared, and so on.
 const SOLVE_BASE: usize = 16;
 
 /// Quadratic programs that are spent on one such attempt.
@@ -245,8 +187,8 @@ struct Search<'a, J> {
     nodes: usize,
     solves: usize,
     serial: usize,
-    /// Nodes of each choice that had to be split.
-    tries: Vec<usize>,
+    /// Nodes that had to be split.
+    tries: usize,
     open: BinaryHeap<Node>,
 }
 
@@ -289,18 +231,23 @@ impl<J: Jumper> Search<'_, J> {
         if node.bound >= self.worth() {
             return;
         }
-        self.tries[node.choice] += 1;
-        if !self.split(node, &trial) || is_power(self.tries[node.choice], SOLVE_BASE) {
-            self.solve(node.choice, &trial.decisions);
+        self.tries += 1;
+        if !self.split(node, &trial) {
+            self.solve(node.choice, &trial.decisions, &self.settings.solver);
+        } else if is_power(self.tries, SOLVE_BASE) {
+            let quick = sqp::Settings {
+                iterations: SEARCH_ITERATIONS,
+                radius: SEARCH_RADIUS,
+                ..self.settings.solver
+            };
+            self.solve(node.choice, &trial.decisions, &quick);
         }
     }
 
     /// Looks for a local optimum of a choice.
-    fn solve(&mut self, choice: usize, decisions: &[f64]) {
+    fn solve(&mut self, choice: usize, decisions: &[f64], solver: &sqp::Settings) {
         self.solves += 1;
-        let solver =
-            sqp::Settings { iterations: SEARCH_ITERATIONS, radius: SEARCH_RADIUS, ..self.settings.solver };
-        let report = sqp::solve(&self.problem(choice), decisions, &solver);
+        let report = sqp::solve(&self.problem(choice), decisions, solver);
         if report.violation <= self.settings.solver.feasibility {
             self.offer(Best { choice, decisions: report.x, cost: report.cost });
         }

@@ -1,0 +1,571 @@
+//! The rolling robot on a course: firing angles and valve opening times over obstacles.
+//!
+//! [`Planner::cross`] makes the robot a [`Jumper`]: each of its jumps is flown by the full stance and flight with exact
+//! derivatives, and [`course::plan`] searches and solves. The plan is then flown again, finely, and held against every
+//! limit: see [`Check`].
+
+use saltus_ballistic::{Disc, DragFlight, ExtendedLeg, Obstacle as Solid};
+use saltus_lagrangian::{FINE, Launch, Stance, StanceError};
+use saltus_numeric::{Scalar, Single};
+use saltus_robot::Parameter;
+
+use crate::course::{
+    self, Answer, Course, CourseError, Envelope, Flight, Jumper, Leap, Limit, Margin, Relief, Side, Slope, Span,
+};
+use crate::jump::{Jump, Planner};
+
+/// What is to be crossed, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Crossing {
+    /// Start, goal, obstacles and no-landing areas. A landing is where the wheel's centre comes down to r_s above the
+    /// surface; the next foot stands there, or after the roll.
+    pub course: Course,
+    /// Approach rate ω (rad/s) of each jump; the last holds for all that follow.
+    pub rates: Vec<f64>,
+    /// Lean at the start of each stance (rad); none: stances start at their firing angles.
+    pub start_lean: Option<f64>,
+    /// Allowed firing angles (rad).
+    pub firing_angles: Span,
+    /// Allowed valve opening times (s).
+    pub valve_open: Span,
+    /// Where each jump has to land (m), beside the course's own limits; none or missing: anywhere.
+    pub zones: Vec<Option<Span>>,
+    /// Where the last landing should be (m): deviation from it costs.
+    pub target: f64,
+    /// Distance (m) that the robot rolls between a landing and the next foothold, ≥ 0.
+    pub roll: f64,
+    /// Least clearance (m) of the wheel over obstacles, ≥ 0.
+    pub clearance: f64,
+    /// Least distance (m) of a landing from an obstacle's edge, ≥ 0.
+    pub edge_margin: f64,
+    /// Time (s) after lift-off during which the fired leg is still out, so that the extended leg must stay clear too.
+    pub leg_out: f64,
+    /// Friction coefficient of the ground; none: the foot holds.
+    pub friction: Option<f64>,
+    /// Standard deviations of the landing that are kept from the ends of its ground or zone, ≥ 0.
+    pub sigmas: f64,
+    /// Cost of a squared metre off the target (1/m²), ≥ 0.
+    pub deviation_weight: f64,
+    /// Cost of a squared second of open valve (1/s²), ≥ 0: the control effort.
+    pub effort_weight: f64,
+}
+
+/// What crossing a course comes to.
+#[derive(Clone, Debug)]
+pub enum CrossingAnswer {
+    /// A plan, and how it fared in the check.
+    Plan(CrossingPlan),
+    /// There is none: what blocks, and how the nearest course that has one differs.
+    Infeasible(Relief),
+    /// None was found within the search's limit of nodes.
+    Undecided {
+        /// Nodes looked at.
+        nodes: usize,
+    },
+}
+
+/// A plan for a course.
+#[derive(Clone, Debug)]
+pub struct CrossingPlan {
+    /// Jump after jump.
+    pub jumps: Vec<PlannedJump>,
+    /// The search's own account.
+    pub search: course::Plan,
+    /// Every limit, held against the full model.
+    pub checks: Vec<Check>,
+}
+
+impl CrossingPlan {
+    /// Whether every limit holds in the full model.
+    pub fn is_verified(&self) -> bool {
+        self.checks.iter().all(Check::holds)
+    }
+}
+
+/// One jump of a plan, as the full model flies it.
+#[derive(Clone, Debug)]
+pub struct PlannedJump {
+    /// Foothold (m), and the height of its surface (m).
+    pub foot: [f64; 2],
+    /// The jump; its positions count from the foothold.
+    pub jump: Jump,
+    /// Landing (m along the course), and the height of its surface (m).
+    pub landing: [f64; 2],
+    /// Standard deviation of the landing (m), to first order.
+    pub deviation: f64,
+    /// Friction coefficient that the stance needs.
+    pub friction_needed: f64,
+}
+
+/// A limit in the full model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    /// Index of the jump.
+    pub jump: usize,
+    /// What is limited, with its unit.
+    pub what: String,
+    /// What it comes to.
+    pub value: f64,
+    /// Least and greatest allowed.
+    pub allowed: Span,
+}
+
+impl Check {
+    /// A micrometre, or a millionth, is the solver's round-off.
+    pub fn holds(&self) -> bool {
+        self.value >= self.allowed.low - 1e-6 && self.value <= self.allowed.high + 1e-6
+    }
+}
+
+/// A crossing that cannot even be tried.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CrossingError {
+    /// The course is wrong.
+    #[error(transparent)]
+    Course(#[from] CourseError),
+    /// A number is outside its domain.
+    #[error("{key} = {value}: must be {allowed}")]
+    Input {
+        /// Key, as in course files.
+        key: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A stance cannot be computed.
+    #[error(transparent)]
+    Stance(#[from] StanceError),
+}
+
+impl Crossing {
+    /// The approach rate (rad/s) of jump number `jump`.
+    fn rate(&self, jump: usize) -> f64 {
+        self.rates[jump.min(self.rates.len() - 1)]
+    }
+
+    fn check(&self) -> Result<(), CrossingError> {
+        self.course.check()?;
+        let upright = |x: f64| x.abs() < std::f64::consts::FRAC_PI_2;
+        let length = |x: f64| (0.0..=1e4).contains(&x);
+        let positive = "0 or above";
+        let angle = "between -pi/2 and pi/2 rad, exclusive";
+        let first_rate = self.rates.first().copied().unwrap_or(f64::NAN);
+        let bad_rate = self.rates.iter().copied().find(|r| !(0.0..=1e3).contains(r));
+        let (angles, valve) = (self.firing_angles, self.valve_open);
+        let cases = [
+            ("approach_rate_rad_s", first_rate, !first_rate.is_nan(), "at least one number"),
+            ("approach_rate_rad_s", bad_rate.unwrap_or(0.0), bad_rate.is_none(), "from 0 to 1000 rad/s"),
+            ("start_lean_rad", self.start_lean.unwrap_or(0.0), self.start_lean.is_none_or(upright), angle),
+            ("firing_angle_rad", angles.low, upright(angles.low), angle),
+            ("firing_angle_rad", angles.high, upright(angles.high) && angles.high > angles.low, "above its least value, below pi/2 rad"),
+            ("valve_open_s", valve.low, valve.low > 0.0 && valve.low <= 1e3, "above 0, to 1000 s"),
+            ("valve_open_s", valve.high, valve.high > valve.low && valve.high <= 1e3, "above its least value, to 1000 s"),
+            ("target_x_m", self.target, self.target.abs() <= 1e4, "from -10000 to 10000 m"),
+            ("roll_m", self.roll, length(self.roll), positive),
+            ("clearance_m", self.clearance, length(self.clearance), positive),
+            ("edge_margin_m", self.edge_margin, length(self.edge_margin), positive),
+            ("leg_out_s", self.leg_out, length(self.leg_out), positive),
+            ("friction_coefficient", self.friction.unwrap_or(0.0), self.friction.is_none_or(length), positive),
+            ("margin_sigmas", self.sigmas, length(self.sigmas), positive),
+            ("deviation_weight", self.deviation_weight, self.deviation_weight >= 0.0 && self.deviation_weight.is_finite(), positive),
+            ("effort_weight", self.effort_weight, self.effort_weight >= 0.0 && self.effort_weight.is_finite(), positive),
+        ];
+        for (key, value, holds, allowed) in cases {
+            if !holds {
+                return Err(CrossingError::Input { key, value, allowed });
+            }
+        }
+        let backwards = self.zones.iter().flatten().find(|z| z.is_empty() || !z.low.is_finite() || !z.high.is_finite());
+        match backwards {
+            Some(zone) => Err(CrossingError::Input {
+                key: "land.to_x_m",
+                value: zone.high,
+                allowed: "finite and not before its from_x_m",
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Planner {
+    /// Plans `crossing`.
+    ///
+    /// # Errors
+    /// [`CrossingError`] for a value outside its domain. A course without a plan is an answer, not an error.
+    pub fn cross(&self, crossing: &Crossing) -> Result<CrossingAnswer, CrossingError> {
+        crossing.check()?;
+        let roller = Roller::new(self, crossing);
+        let settings = course::Settings {
+            sigmas: crossing.sigmas,
+            // One program for each choice of grounds: a choice's distances are smooth in its decisions.
+            resolution: f64::INFINITY,
+            solver: SOLVER,
+            ..course::Settings::default()
+        };
+        Ok(match course::plan(&roller, &crossing.course, &settings)? {
+            Answer::Plan(plan) => CrossingAnswer::Plan(self.verify(crossing, plan)?),
+            Answer::Infeasible(relief) => CrossingAnswer::Infeasible(relief),
+            Answer::Undecided { nodes } => CrossingAnswer::Undecided { nodes },
+        })
+    }
+
+    /// Flies a plan in the full model and holds it against every limit.
+    fn verify(&self, crossing: &Crossing, search: course::Plan) -> Result<CrossingPlan, StanceError> {
+        let (mut jumps, mut checks) = (Vec::new(), Vec::new());
+        let stance = self.stance().clone().with_tolerance(FINE);
+        let sensitive = self.sensitive_stance();
+        let radius = self.robot().body.radius;
+        let mut foot = crossing.course.start;
+        for (index, planned) in search.jumps.iter().enumerate() {
+            let [firing_angle, valve_open] = planned.decisions;
+            let launch = launch(crossing, index, firing_angle, valve_open);
+            let trace = stance.trace(&launch)?;
+            let jump = Jump { stance: trace.lift_off, ..self.jump(&launch)? };
+            let (from, to) = (planned.leap.from, planned.leap.to);
+            let distance = jump.distance(radius + to - from).unwrap_or(f64::NAN);
+            let landing = foot + distance;
+            let deviation = self.landing_deviation(&sensitive, &launch, radius + to - from);
+            let mut check = |what: String, value: f64, allowed: Span| {
+                checks.push(Check { jump: index, what, value, allowed });
+            };
+            let keep = Span::new(crossing.sigmas * deviation, -crossing.sigmas * deviation);
+            let ground = ground(crossing, landing, to);
+            check("landing (m)".into(), landing, ground + keep);
+            if let Some(zone) = crossing.zones.get(index).copied().flatten() {
+                check("landing in its zone (m)".into(), landing, zone + keep);
+            }
+            if index + 1 == search.jumps.len() {
+                check("landing in the goal (m)".into(), landing, crossing.course.goal);
+            }
+            for (number, obstacle) in crossing.course.obstacles.iter().enumerate() {
+                let (span, top) = (obstacle.span(), obstacle.height);
+                let on_it = |height: f64, x: f64| height == top && x >= span.low && x <= span.high;
+                if on_it(from, foot) || on_it(to, landing) {
+                    continue;
+                }
+                let gap = flight_gap(crossing, &jump, radius, [foot, from], to, [span.low, span.high, top]);
+                check(format!("clearance of obstacle {} (m)", number + 1), gap, above(crossing.clearance));
+                let path = trace.samples.iter().map(|s| {
+                    let (sin, cos) = Scalar::sin_cos(s.lean);
+                    let reach = radius + s.extension;
+                    box_distance([foot + reach * sin, from + reach * cos], span, top) - radius
+                });
+                let gap = path.fold(f64::INFINITY, f64::min);
+                check(format!("clearance of obstacle {} in the stance (m)", number + 1), gap, above(0.0));
+            }
+            let friction_needed = trace.contact.friction_needed;
+            if let Some(friction) = crossing.friction {
+                check("friction needed".into(), friction_needed, Span::new(0.0, friction));
+            }
+            jumps.push(PlannedJump { foot: [foot, from], jump, landing: [landing, to], deviation, friction_needed });
+            foot = landing + crossing.roll;
+        }
+        Ok(CrossingPlan { jumps, search, checks })
+    }
+
+    /// Standard deviation (m) of the landing at `height` (m) above the foot, to first order; 0 where there is none.
+    fn landing_deviation(
+        &self,
+        stance: &Stance<saltus_numeric::Dual<4>>,
+        launch: &Launch,
+        height: f64,
+    ) -> f64 {
+        self.sensitive_jump(stance, launch)
+            .ok()
+            .and_then(|jump| jump.distance(height))
+            .map_or(0.0, |d| crate::Sensitivity::new(d).standard_deviation(&self.robot().errors))
+    }
+}
+
+fn above(low: f64) -> Span {
+    Span::new(low, f64::INFINITY)
+}
+
+fn launch(crossing: &Crossing, jump: usize, firing_angle: f64, valve_open: f64) -> Launch {
+    let lean = crossing.start_lean.unwrap_or(firing_angle);
+    Launch { rate: crossing.rate(jump), lean, firing_angle, valve_open }
+}
+
+/// The part of the surface of height `to` around `landing` (m) on which a jump may land.
+fn ground(crossing: &Crossing, landing: f64, to: f64) -> Span {
+    let mut span = Span::ALL;
+    let mut exclude = |area: Span| {
+        if landing >= f64::midpoint(area.low, area.high) {
+            span.low = span.low.max(area.high);
+        } else {
+            span.high = span.high.min(area.low);
+        }
+    };
+    crossing.course.no_landing.iter().for_each(|area| exclude(*area));
+    for obstacle in &crossing.course.obstacles {
+        let (body, margin) = (obstacle.span(), crossing.edge_margin);
+        if to == obstacle.height && landing >= body.low && landing <= body.high {
+            span = span.meet(Span::new(body.low + margin, body.high - margin));
+        } else {
+            let half = f64::midpoint(body.low, body.high);
+            if landing >= half {
+                span.low = span.low.max(body.high + margin);
+            } else {
+                span.high = span.high.min(body.low - margin);
+            }
+        }
+    }
+    span
+}
+
+/// Distance (m) from a point to a box on the ground; 0 inside.
+fn box_distance([x, y]: [f64; 2], span: Span, top: f64) -> f64 {
+    (x - span.clamp(x)).hypot((y - top).max(0.0))
+}
+
+/// Least clearance (m) of a flying jump from the box [front, back, top].
+fn flight_gap(
+    crossing: &Crossing,
+    jump: &Jump,
+    radius: f64,
+    [foot, from]: [f64; 2],
+    to: f64,
+    [front, back, top]: [f64; 3],
+) -> f64 {
+    let gap = || {
+        let flight = jump.flight?;
+        let solid = Solid::block([front - foot, -from], [back - foot, top - from]).ok()?;
+        clearance(&flight, crossing, radius, jump.stance.reach, &solid, radius + to - from)
+    };
+    gap().unwrap_or(f64::NAN)
+}
+
+/// Least clearance (m) of the wheel, and of its leg while that is out, from lift-off until the centre is down at `height`.
+fn clearance<S: Single>(
+    flight: &DragFlight<S>,
+    crossing: &Crossing,
+    radius: f64,
+    reach: S,
+    solid: &Solid,
+    height: f64,
+) -> Option<S> {
+    let landing = flight.time_to_height(S::of(height)).ok()?;
+    let leg = (crossing.leg_out > 0.0).then(|| ExtendedLeg { reach, until: S::of(crossing.leg_out) });
+    let disc = Disc { radius: S::of(radius), leg };
+    flight.clearance(&disc, solid, S::of(0.0), landing).ok().map(|c| c.distance)
+}
+
+/// Costs are about 1 and lengths are known to a nanometre, so that a closer solution would fit noise; the start is within
+/// a third of the range of the answer.
+const SOLVER: course::sqp::Settings =
+    course::sqp::Settings { iterations: 60, tolerance: 1e-7, feasibility: 1e-8, radius: 0.3 };
+
+/// Firing angles at which the reach of the jumps is sampled.
+const SAMPLES: usize = 24;
+
+/// The robot as a [`Jumper`]: decisions are firing angle (rad) and valve opening time (s).
+struct Roller<'a> {
+    planner: &'a Planner,
+    crossing: &'a Crossing,
+    /// The model with the derivatives of a [`Slope`].
+    stance: Stance<Slope>,
+    sensitive: Stance<saltus_numeric::Dual<4>>,
+    /// For each jump its flights over the firing angles, with the valve open longest and then shortest.
+    samples: Vec<[Vec<Jump>; 2]>,
+}
+
+impl<'a> Roller<'a> {
+    fn new(planner: &'a Planner, crossing: &'a Crossing) -> Roller<'a> {
+        let lift = |_: Parameter, x: f64| Slope::of(x);
+        let stance = Stance::new(planner.robot(), lift).with_tolerance(planner.stance().tolerance);
+        let angles = crossing.firing_angles;
+        let sample = |jump: usize| {
+            [crossing.valve_open.high, crossing.valve_open.low].map(|valve_open| {
+                let launches: Vec<Launch> = (0..SAMPLES)
+                    .map(|i| angles.low + angles.width() * i as f64 / (SAMPLES - 1) as f64)
+                    .map(|angle| launch(crossing, jump, angle, valve_open))
+                    .collect();
+                planner.jumps(&launches).into_iter().filter_map(Result::ok).collect()
+            })
+        };
+        // Jumps at the same rate share their samples.
+        let mut samples: Vec<[Vec<Jump>; 2]> = Vec::new();
+        for jump in 0..crossing.course.jumps {
+            let twin = (0..jump).find(|&k| crossing.rate(k) == crossing.rate(jump));
+            samples.push(twin.map_or_else(|| sample(jump), |k| samples[k].clone()));
+        }
+        Roller { planner, crossing, stance, sensitive: planner.sensitive_stance(), samples }
+    }
+
+    /// Height (m) of the wheel's centre above the foot at the landing.
+    fn landing_height(&self, leap: &Leap) -> f64 {
+        self.planner.robot().body.radius + leap.to - leap.from
+    }
+
+    /// By how much (m) the wheel's rim is too low where its centre is over `x` (m from the foothold): a cheap stand-in for
+    /// the clearance, for starting points.
+    fn shortfall(&self, leap: &Leap, x: f64, top: f64, jump: &Jump) -> f64 {
+        let Some(DragFlight { vacuum: flight, .. }) = jump.flight else { return 1.0 };
+        let [_, y] = flight.position(((x - flight.x) / flight.vx).max(0.0));
+        let needed = top - leap.from + self.planner.robot().body.radius + self.crossing.clearance;
+        (needed - y).max(0.0)
+    }
+
+    fn distances<'b>(&'b self, leap: &'b Leap, longest: bool) -> impl Iterator<Item = (f64, f64)> + 'b {
+        let height = self.landing_height(leap);
+        self.samples[leap.jump][usize::from(!longest)]
+            .iter()
+            .filter_map(move |jump| Some((jump.launch.firing_angle, jump.distance(height)?)))
+    }
+
+    /// The jump's landing and margins, from the derivatives' own stance; none where it does not reach the surface.
+    fn try_fly(
+        &self,
+        leap: &Leap,
+        foot: Slope,
+        launch: &Launch<Slope>,
+        margins: &mut Vec<Margin<Slope>>,
+    ) -> Option<Slope> {
+        let trace = match self.crossing.friction {
+            Some(_) => Some(self.stance.trace(launch).ok()?),
+            None => None,
+        };
+        let end = trace.as_ref().map_or_else(|| self.stance.jump(launch), |t| Ok(t.lift_off)).ok()?;
+        let environment = &self.planner.robot().environment;
+        let (gravity, drag) = (Slope::of(environment.gravity), Slope::of(environment.drag));
+        let flight = Jump::new(*launch, end, gravity, drag).flight?;
+        let height = self.landing_height(leap);
+        let landing = foot + flight.range_to_height(Slope::of(height)).ok()?;
+        // The flight along the course, so that clearances know how the foothold moves.
+        let mut along = flight;
+        along.vacuum.x = along.vacuum.x + foot;
+        for edge in &leap.edges {
+            // A thin post at the edge: the path is concave, so that between two edges it is clear if it is over both.
+            let width = 1e-3;
+            let (front, back) =
+                if edge.side == Side::Front { (edge.x, edge.x + width) } else { (edge.x - width, edge.x) };
+            let post = Solid::block([front, -leap.from - 1e-3], [back, edge.top - leap.from]).ok()?;
+            let radius = self.planner.robot().body.radius;
+            let gap = clearance(&along, self.crossing, radius, end.reach, &post, height)?;
+            let limit = Limit::Edge { obstacle: edge.obstacle, side: edge.side };
+            margins.push(Margin { limit, value: gap - Slope::of(self.crossing.clearance) });
+        }
+        if let (Some(friction), Some(trace)) = (self.crossing.friction, trace) {
+            let value = Slope::of(friction) - trace.contact.friction_needed;
+            margins.push(Margin { limit: Limit::Robot("friction"), value });
+        }
+        Some(landing)
+    }
+
+    /// Limits of every jump, in their order, for one that does not reach the surface.
+    fn no_margins(&self, leap: &Leap, margins: &mut Vec<Margin<Slope>>) {
+        let nothing = |limit| Margin { limit, value: Slope::of(f64::NAN) };
+        margins.clear();
+        let edges = leap.edges.iter().map(|e| Limit::Edge { obstacle: e.obstacle, side: e.side });
+        margins.extend(edges.map(nothing));
+        margins.extend(self.crossing.friction.map(|_| nothing(Limit::Robot("friction"))));
+    }
+}
+
+impl Jumper for Roller<'_> {
+    fn decisions(&self, _: usize) -> [Span; 2] {
+        [self.crossing.firing_angles, self.crossing.valve_open]
+    }
+
+    fn fly(
+        &self,
+        leap: &Leap,
+        foot: Slope,
+        [firing_angle, valve_open]: [Slope; 2],
+        margins: &mut Vec<Margin<Slope>>,
+    ) -> Flight<Slope> {
+        let lean = self.crossing.start_lean.map_or(firing_angle, Slope::of);
+        let rate = Slope::of(self.crossing.rate(leap.jump));
+        let before = margins.len();
+        let landing = self.try_fly(leap, foot, &Launch { rate, lean, firing_angle, valve_open }, margins);
+        if landing.is_none() {
+            margins.truncate(before);
+            self.no_margins(leap, margins);
+        }
+        let landing = landing.unwrap_or(Slope::of(f64::NAN));
+        let plain = launch(self.crossing, leap.jump, firing_angle.value, valve_open.value);
+        let deviation = if self.crossing.sigmas > 0.0 {
+            self.planner.landing_deviation(&self.sensitive, &plain, self.landing_height(leap))
+        } else {
+            0.0
+        };
+        if let Some(zone) = self.crossing.zones.get(leap.jump).copied().flatten() {
+            let keep = Slope::of(self.crossing.sigmas * deviation);
+            let limit = Limit::Robot("landing zone");
+            margins.push(Margin { limit, value: landing - Slope::of(zone.low) - keep });
+            margins.push(Margin { limit, value: Slope::of(zone.high) - landing - keep });
+        }
+        let off = landing - Slope::of(self.crossing.target);
+        let is_last = leap.jump + 1 == self.crossing.course.jumps;
+        let weight = if is_last { self.crossing.deviation_weight } else { 0.0 };
+        let cost = Slope::of(weight) * off * off
+            + Slope::of(self.crossing.effort_weight) * valve_open * valve_open;
+        Flight { landing, cost, deviation: Slope::of(deviation) }
+    }
+
+    /// The sampled jump that misses the landing and the heights over the edges least, moved onto the landing where it
+    /// lies between two samples and nothing is in the way; the valve closes at its lift-off, as later is waste.
+    fn aim(&self, leap: &Leap, foot: f64, landing: f64) -> [f64; 2] {
+        let wanted = landing - foot;
+        let height = self.landing_height(leap);
+        let samples = &self.samples[leap.jump][0];
+        let points: Vec<(f64, f64, f64)> = samples
+            .iter()
+            .filter_map(|jump| {
+                let distance = jump.distance(height)?;
+                let short: f64 = leap.edges.iter().map(|edge| self.shortfall(leap, edge.x - foot, edge.top, jump)).sum();
+                Some((jump.launch.firing_angle, distance, short))
+            })
+            .collect();
+        let free = points.windows(2).find(|w| {
+            (w[0].1 - wanted) * (w[1].1 - wanted) <= 0.0 && w[0].2 + w[1].2 <= 0.0 && w[0].1 != w[1].1
+        });
+        let angle = match free {
+            Some(&[a, b]) => a.0 + (b.0 - a.0) * (wanted - a.1) / (b.1 - a.1),
+            _ => points
+                .iter()
+                .min_by(|a, b| {
+                    let miss = |p: &(f64, f64, f64)| (p.1 - wanted).abs() + 10.0 * p.2;
+                    miss(a).total_cmp(&miss(b))
+                })
+                .map_or(0.0, |p| p.0),
+        };
+        let used = samples
+            .iter()
+            .min_by(|a, b| {
+                let off = |jump: &Jump| (jump.launch.firing_angle - angle).abs();
+                off(a).total_cmp(&off(b))
+            })
+            .map_or(f64::INFINITY, |jump| {
+                // A little earlier, where the opening time begins to matter.
+                0.97 * (jump.stance.time - jump.stance.time_fire - self.planner.robot().leg.delay)
+            });
+        [angle, self.crossing.valve_open.clamp(used)]
+    }
+
+    fn envelope(&self, leap: &Leap, feet: Span, landings: Span, reach: Span) -> Option<Envelope> {
+        let mut possible = Span::NONE;
+        for (_, distance) in self.distances(leap, true).chain(self.distances(leap, false)) {
+            possible = possible.hull(Span::point(distance));
+        }
+        // The samples may miss the ends of the range by a little.
+        let slack = 0.05 * possible.width();
+        let possible = Span::new(possible.low - slack, possible.high + slack);
+        let span = possible.meet(landings - feet).meet(reach);
+        let least = self.crossing.effort_weight * self.crossing.valve_open.low.powi(2);
+        (!span.is_empty()).then(|| Envelope::level(span, least))
+    }
+
+    fn edge_margin(&self) -> f64 {
+        self.crossing.edge_margin
+    }
+
+    fn roll(&self, _: usize) -> f64 {
+        self.crossing.roll
+    }
+}
+
+#[cfg(test)]
+mod tests;
