@@ -188,6 +188,8 @@ struct Best {
     choice: usize,
     decisions: Vec<f64>,
     cost: f64,
+    /// The solver's, where it has already had the last word on these.
+    report: Option<sqp::Report>,
 }
 
 struct Search<'a, J> {
@@ -238,7 +240,8 @@ impl<J: Jumper> Search<'_, J> {
     fn look_at(&mut self, node: &Node) {
         let trial = self.aim(node);
         if trial.cost.is_finite() {
-            self.offer(Best { choice: node.choice, decisions: trial.decisions.clone(), cost: trial.cost });
+            let decisions = trial.decisions.clone();
+            self.offer(Best { choice: node.choice, decisions, cost: trial.cost, report: None });
         }
         if node.bound >= self.worth() {
             return;
@@ -261,7 +264,9 @@ impl<J: Jumper> Search<'_, J> {
         self.solves += 1;
         let report = sqp::solve(&self.problem(choice), decisions, solver);
         if report.violation <= self.settings.solver.feasibility {
-            self.offer(Best { choice, decisions: report.x, cost: report.cost });
+            let is_final = report.status == sqp::Status::Converged && *solver == self.settings.solver;
+            let (decisions, cost) = (report.x.clone(), report.cost);
+            self.offer(Best { choice, decisions, cost, report: is_final.then_some(report) });
         }
     }
 
@@ -398,7 +403,8 @@ impl<J: Jumper> Search<'_, J> {
     /// Lets the solver have the last word on the best decisions.
     fn finish(&self, best: &Best, bound: f64, complete: bool) -> Plan {
         let problem = self.problem(best.choice);
-        let mut report = sqp::solve(&problem, &best.decisions, &self.settings.solver);
+        let solve = || sqp::solve(&problem, &best.decisions, &self.settings.solver);
+        let mut report = best.report.clone().unwrap_or_else(solve);
         if report.violation > self.settings.solver.feasibility || report.cost > best.cost {
             report.x.clone_from(&best.decisions);
             report.cost = best.cost;

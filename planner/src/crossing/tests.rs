@@ -3,7 +3,7 @@
 use saltus_robot::Robot;
 
 use super::*;
-use crate::course::Obstacle;
+use crate::course::{Obstacle, Side};
 
 /// The 21 cm box of thesis §5.2.3, its middle `center` (m) before the foot.
 fn box_jump(center: f64, rate: f64) -> Crossing {
