@@ -13,6 +13,8 @@ pub(crate) enum Cell {
     Number(f64),
     /// A word.
     Word(&'static str),
+    /// Yes or no.
+    Flag(bool),
     /// A whole number.
     Count(usize),
     /// There is no such value.
@@ -36,6 +38,7 @@ impl Cell {
         match self {
             Cell::Number(x) => full(*x),
             Cell::Word(word) => (*word).into(),
+            Cell::Flag(flag) => flag.to_string(),
             Cell::Count(n) => n.to_string(),
             Cell::Empty => String::new(),
         }
@@ -45,6 +48,7 @@ impl Cell {
         match self {
             Cell::Number(x) => json!(x),
             Cell::Word(word) => json!(word),
+            Cell::Flag(flag) => json!(flag),
             Cell::Count(n) => json!(n),
             Cell::Empty => Value::Null,
         }
@@ -54,6 +58,7 @@ impl Cell {
         match self {
             Cell::Number(x) => digits(*x, 4),
             Cell::Empty => "–".into(),
+            Cell::Flag(flag) => if *flag { "yes" } else { "no" }.into(),
             other => other.csv(),
         }
     }

@@ -56,7 +56,7 @@ height_m; [[land]] from_x_m, to_x_m, jump (where that jump must land); [[avoid]]
 where the wheel's centre comes down to the wheel's radius above the surface.
 
 CSV columns, one row for each jump: jump, omega_rad_s, phi0_rad, alpha_f_rad, valve_open_s, foot_x_m, foot_y_m, apex_m (above the
-ground), land_x_m, land_y_m (surface), land_sd_m (standard deviation from the robot's [errors]), friction_needed, holds (whether
+ground), land_x_m, land_y_m (surface), land_sd_m (standard deviation from the robot's [errors]), friction_needed, holds (true or false: whether
 all limits of the jump hold in the full model).
 
 JSON: {\"command\": \"plan\", \"robot\": NAME, \"course\": FILE, \"status\": verified, not-verified, infeasible or undecided,
