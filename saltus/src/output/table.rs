@@ -88,8 +88,12 @@ impl Table {
         let mut text = self.columns.join(",");
         text.push('\n');
         for row in &self.rows {
-            let cells: Vec<String> = row.iter().map(Cell::csv).collect();
-            text.push_str(&cells.join(","));
+            for (i, cell) in row.iter().enumerate() {
+                if i > 0 {
+                    text.push(',');
+                }
+                text.push_str(&cell.csv());
+            }
             text.push('\n');
         }
         text
