@@ -1,0 +1,385 @@
+//! Random robots and launches.
+//!
+//! [`ordinary`] robots can jump, or nearly: their numbers are drawn around scales that fit together. [`legal`] robots are
+//! anything that a robot file admits.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use saltus_lagrangian::Launch;
+use saltus_robot::{
+    AbsolutePressure, Body, Cushion, Cylinder, Drive, Environment, Errors, ExhaustPort, ForceTable, Gas,
+    GaugePressure, Leg, ReturnSpring, Robot,
+};
+
+/// What pushes, and which of the optional terms may be on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A pneumatic leg without optional terms.
+    Plain,
+    /// A pneumatic leg with any of them.
+    Pneumatic,
+    /// A released spring, with the leg's optional terms.
+    Spring,
+    /// A constant force, with the leg's optional terms.
+    Constant,
+    /// A force table, with the leg's optional terms.
+    Table,
+}
+
+impl Kind {
+    /// Every kind.
+    pub const ALL: [Kind; 5] = [Kind::Plain, Kind::Pneumatic, Kind::Spring, Kind::Constant, Kind::Table];
+}
+
+/// `cases` cases from a fixed seed.
+pub fn cases(cases: u32) -> ProptestConfig {
+    ProptestConfig {
+        rng_seed: RngSeed::Fixed(1),
+        failure_persistence: None,
+        ..ProptestConfig::with_cases(cases)
+    }
+}
+
+/// Numbers in [0, 1), taken one after the other; after the last come halves.
+struct Draw(std::vec::IntoIter<f64>);
+
+impl Draw {
+    fn unit(&mut self) -> f64 {
+        self.0.next().unwrap_or(0.5)
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// Evenly distributed in the logarithm.
+    fn scale(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.unit())
+    }
+
+    /// 0 as often as not, else up to `most`.
+    fn perhaps(&mut self, most: f64) -> f64 {
+        let on = self.unit() < 0.5;
+        let x = self.unit();
+        if on { 0.0 } else { most * x }
+    }
+
+    fn option<T>(&mut self, some: impl FnOnce(&mut Draw) -> T) -> Option<T> {
+        let on = self.unit() < 0.4;
+        let x = some(self);
+        on.then_some(x)
+    }
+}
+
+/// A robot of `kind` that can jump, or nearly, from any of its parameters at 0.
+pub fn ordinary(kind: Kind) -> impl Strategy<Value = Robot> {
+    prop::collection::vec(0.0..1.0, 64).prop_map(move |units| robot(kind, &mut Draw(units.into_iter())))
+}
+
+/// As [`ordinary`], of any kind.
+pub fn any_ordinary() -> impl Strategy<Value = Robot> {
+    prop::sample::select(&Kind::ALL[..]).prop_flat_map(ordinary)
+}
+
+/// A launch that suits `robot`: from rest to a little faster than the ground can hold, leans of all sizes, mostly small.
+pub fn launch(robot: &Robot) -> impl Strategy<Value = Launch> + use<> {
+    let top = (robot.environment.gravity / robot.body.radius).sqrt();
+    let time = stroke_time(robot);
+    let lean = || prop_oneof![3 => -0.4..0.4, 1 => -1.5..1.5];
+    let rate = prop_oneof![1 => Just(0.0), 6 => 0.0..1.1 * top];
+    let firing = prop_oneof![1 => Just(None), 2 => lean().prop_map(Some)];
+    (rate, lean(), firing, 0.0..4.0 * time).prop_map(|(rate, lean, firing, valve_open)| Launch {
+        rate,
+        lean,
+        firing_angle: firing.unwrap_or(lean),
+        valve_open,
+    })
+}
+
+/// A robot with a launch that suits it.
+pub fn jump(robots: impl Strategy<Value = Robot>) -> impl Strategy<Value = (Robot, Launch)> {
+    robots.prop_flat_map(|robot| {
+        let launch = launch(&robot);
+        (Just(robot), launch)
+    })
+}
+
+/// About the time (s) that the drive needs for a stroke.
+pub fn stroke_time(robot: &Robot) -> f64 {
+    let force = match &robot.leg.drive {
+        Drive::Pneumatic(c) => c.supply.0 * PI / 4.0 * c.bore * c.bore,
+        Drive::Spring { stiffness, compression } => stiffness * compression,
+        Drive::Constant { force } => *force,
+        Drive::Table(table) => table.forces.iter().copied().fold(0.0, f64::max),
+    };
+    (2.0 * robot.leg.stroke * robot.body.mass / force).sqrt()
+}
+
+fn robot(kind: Kind, draw: &mut Draw) -> Robot {
+    let (mass, radius) = (draw.scale(0.05, 200.0), draw.scale(0.05, 1.0));
+    let gravity = draw.scale(1.6, 25.0);
+    let inertia = draw.perhaps(1.5) * mass * radius * radius;
+    let stroke = radius * draw.scale(0.03, 0.9);
+    // The force of the drive from three times the weight on, and the time that it needs for a stroke.
+    let force = mass * gravity * draw.scale(3.0, 150.0);
+    let time = (2.0 * stroke * mass / force).sqrt();
+    let optional = kind != Kind::Plain;
+    let return_spring = draw.option(|d| ReturnSpring {
+        stiffness: d.perhaps(0.3) * force / stroke,
+        preload: d.perhaps(0.2) * force,
+    });
+    let cushion = draw.option(|d| Cushion {
+        length: d.between(0.05, 0.5) * stroke,
+        stiffness: d.perhaps(2.0) * force / stroke,
+        damping: d.perhaps(0.5) * force * time / stroke,
+    });
+    let ambient = AbsolutePressure(draw.scale(1e4, 3e5));
+    let leg = Leg {
+        stroke,
+        delay: draw.perhaps(1.0) * time,
+        viscous_friction: draw.perhaps(0.3) * force * time / stroke,
+        coulomb_friction: draw.perhaps(0.2) * force,
+        return_spring: return_spring.filter(|_| optional),
+        cushion: cushion.filter(|_| optional),
+        drive: match kind {
+            Kind::Plain | Kind::Pneumatic => {
+                Drive::Pneumatic(cylinder(optional, draw, stroke, force, time, ambient))
+            }
+            Kind::Spring => {
+                let compression = stroke * draw.between(0.5, 3.0);
+                Drive::Spring { stiffness: force / compression, compression }
+            }
+            Kind::Constant => Drive::Constant { force },
+            Kind::Table => Drive::Table(force_table(draw, stroke, force, time)),
+        },
+    };
+    Robot {
+        name: "random".into(),
+        body: Body { mass, inertia, radius, legs: 1 },
+        leg,
+        environment: Environment { gravity, ambient, drag: 0.0 },
+        errors: Errors::default(),
+    }
+}
+
+fn cylinder(
+    optional: bool,
+    draw: &mut Draw,
+    stroke: f64,
+    force: f64,
+    time: f64,
+    ambient: AbsolutePressure,
+) -> Cylinder {
+    let supply = draw.scale(3e4, 3e6);
+    let area = force / supply;
+    let dead_volume = area * stroke * draw.scale(0.02, 2.0);
+    let gas = match draw.unit() {
+        x if x < 0.3 => Gas::AIR,
+        x if x < 0.5 => Gas::CO2,
+        x if x < 0.7 => Gas::NITROGEN,
+        _ => Gas { heat_ratio: draw.between(1.05, 1.67), constant: draw.scale(50.0, 4000.0) },
+    };
+    let temperature = draw.between(150.0, 600.0);
+    // The valve fills the extended leg in about the time of a stroke.
+    let volume = dead_volume + area * stroke;
+    let heat = gas.constant * temperature;
+    let effective = draw.scale(0.2, 5.0) * supply * volume / (time * heat.sqrt() * (supply + ambient.0));
+    let discharge_coefficient = draw.between(0.2, 1.0);
+    let flow = effective * (supply + ambient.0) / heat.sqrt();
+    let supply_droop = draw.perhaps(0.3) * supply / flow;
+    let leak_area = draw.perhaps(0.3) * effective;
+    let exhaust_port = draw.option(|d| ExhaustPort {
+        position: d.between(0.2, 0.95) * stroke,
+        area: d.scale(0.3, 5.0) * effective,
+    });
+    let polytropic_exponent = draw.option(|d| d.between(1.0, gas.heat_ratio));
+    let seal_friction = draw.perhaps(0.2) * area;
+    let on = |x: f64| if optional { x } else { 0.0 };
+    Cylinder {
+        bore: (4.0 * area / PI).sqrt(),
+        dead_volume,
+        supply: GaugePressure(supply),
+        discharge_coefficient,
+        orifice_radius: (effective / discharge_coefficient / PI).sqrt(),
+        gas,
+        temperature,
+        supply_droop: on(supply_droop),
+        leak_area: on(leak_area),
+        exhaust_port: exhaust_port.filter(|_| optional),
+        polytropic_exponent: polytropic_exponent.filter(|_| optional),
+        seal_friction: on(seal_friction),
+    }
+}
+
+fn force_table(draw: &mut Draw, stroke: f64, force: f64, time: f64) -> ForceTable {
+    let rows = 2 + (3.0 * draw.unit()) as usize;
+    let columns = 2 + (3.0 * draw.unit()) as usize;
+    let reach = draw.between(1.0, 1.3) * stroke;
+    let extensions: Vec<f64> = (0..rows).map(|i| reach * (i as f64 / (rows - 1) as f64).powf(1.2)).collect();
+    let speeds: Vec<f64> =
+        (0..columns).map(|j| 2.0 * stroke / time * j as f64 / (columns - 1) as f64).collect();
+    let forces = extensions
+        .iter()
+        .flat_map(|_| {
+            let start = draw.between(0.6, 1.2);
+            let fall = draw.between(0.0, 0.5);
+            let last = (columns - 1) as f64;
+            (0..columns).map(move |j| force * (start - fall * j as f64 / last))
+        })
+        .collect();
+    ForceTable { extensions, speeds, forces }
+}
+
+/// Any finite number > 0, from the smallest to the greatest.
+fn positive() -> impl Strategy<Value = f64> {
+    use proptest::num::f64::{NORMAL, POSITIVE, SUBNORMAL};
+    prop_oneof![
+        2 => (POSITIVE | NORMAL | SUBNORMAL).prop_map(f64::abs),
+        3 => (-12.0..12.0_f64).prop_map(|exponent| 10_f64.powf(exponent)),
+    ]
+}
+
+/// Any robot that a robot file admits: an ordinary one, in which from one number to all are replaced by any legal ones.
+pub fn legal() -> impl Strategy<Value = Robot> {
+    const NUMBERS: usize = 40;
+    let chance = prop_oneof![Just(0.05), Just(0.3), Just(1.0)];
+    let wild = prop::collection::vec((0.0..1.0_f64, prop_oneof![1 => Just(0.0), 6 => positive()]), NUMBERS);
+    (any_ordinary(), chance, wild).prop_map(|(mut robot, chance, wild)| {
+        let mut wild = wild.into_iter();
+        let mut replace = |number: &mut f64, low: f64| {
+            if let Some((luck, x)) = wild.next()
+                && luck < chance
+                && x > low
+            {
+                *number = x;
+            }
+        };
+        // Where 0 is legal, any number above −1 is.
+        let (zero, above_zero) = (-1.0, 0.0);
+        let (body, leg, environment) = (&mut robot.body, &mut robot.leg, &mut robot.environment);
+        replace(&mut body.mass, above_zero);
+        replace(&mut body.inertia, zero);
+        replace(&mut body.radius, above_zero);
+        replace(&mut environment.gravity, zero);
+        replace(&mut environment.ambient.0, above_zero);
+        let stroke = leg.stroke;
+        replace(&mut leg.stroke, above_zero);
+        let stretch = leg.stroke / stroke;
+        for number in [&mut leg.delay, &mut leg.viscous_friction, &mut leg.coulomb_friction] {
+            replace(number, zero);
+        }
+        if let Some(spring) = &mut leg.return_spring {
+            replace(&mut spring.stiffness, zero);
+            replace(&mut spring.preload, zero);
+        }
+        if let Some(cushion) = &mut leg.cushion {
+            cushion.length *= stretch;
+            replace(&mut cushion.stiffness, zero);
+            replace(&mut cushion.damping, zero);
+        }
+        leg.cushion = leg.cushion.filter(|cushion| cushion.length > 0.0 && cushion.length < leg.stroke);
+        match &mut leg.drive {
+            Drive::Pneumatic(c) => replace_cylinder(c, leg.stroke, stretch, &mut replace),
+            Drive::Spring { stiffness, compression } => {
+                replace(stiffness, above_zero);
+                replace(compression, above_zero);
+            }
+            Drive::Constant { force } => replace(force, above_zero),
+            Drive::Table(table) => {
+                table.extensions = vec![0.0, leg.stroke];
+                table.forces.truncate(2 * table.speeds.len());
+                let count = table.forces.len();
+                for i in 0..count {
+                    replace(&mut table.forces[i], zero);
+                    if i % 3 == 1 {
+                        table.forces[i] = -table.forces[i];
+                    }
+                }
+            }
+        }
+        robot
+    })
+}
+
+fn replace_cylinder(c: &mut Cylinder, stroke: f64, stretch: f64, replace: &mut impl FnMut(&mut f64, f64)) {
+    let (zero, above_zero) = (-1.0, 0.0);
+    for number in
+        [&mut c.bore, &mut c.dead_volume, &mut c.orifice_radius, &mut c.temperature, &mut c.gas.constant]
+    {
+        replace(number, above_zero);
+    }
+    for number in [&mut c.supply.0, &mut c.supply_droop, &mut c.leak_area, &mut c.seal_friction] {
+        replace(number, zero);
+    }
+    replace(&mut c.discharge_coefficient, above_zero);
+    c.discharge_coefficient = c.discharge_coefficient.min(1.0);
+    replace(&mut c.gas.heat_ratio, 1.0);
+    if let Some(port) = &mut c.exhaust_port {
+        port.position *= stretch;
+        replace(&mut port.area, above_zero);
+    }
+    c.exhaust_port = c.exhaust_port.filter(|port| port.position > 0.0 && port.position < stroke);
+    c.polytropic_exponent = c.polytropic_exponent.map(|n| n.min(c.gas.heat_ratio));
+}
+
+/// Any launch at all: also such as no robot can be given.
+pub fn any_launch() -> impl Strategy<Value = Launch> {
+    let number = || {
+        prop_oneof![
+            2 => any::<f64>(),
+            1 => prop::num::f64::ANY,
+            1 => prop::sample::select(&ODD[..]),
+            3 => -2.0..2.0,
+        ]
+    };
+    (number(), number(), number(), number()).prop_map(|(rate, lean, firing_angle, valve_open)| Launch {
+        rate,
+        lean,
+        firing_angle,
+        valve_open,
+    })
+}
+
+/// A launch inside its domain, also at its edges.
+pub fn legal_launch() -> impl Strategy<Value = Launch> {
+    let edge = FRAC_PI_2.next_down();
+    let angle = move || {
+        prop_oneof![
+            8 => -FRAC_PI_2..FRAC_PI_2,
+            1 => prop::sample::select(vec![0.0, -0.0, edge, -edge, 1e-300, -1e-300, 5e-324, 1e-9]),
+        ]
+    };
+    let positive = || {
+        prop_oneof![
+            4 => 0.0..10.0,
+            2 => (-300.0..3.0_f64).prop_map(|exponent| 10_f64.powf(exponent)),
+            1 => prop::sample::select(vec![0.0, -0.0, 5e-324, 1e3]),
+        ]
+    };
+    (positive(), angle(), prop::option::of(angle()), positive()).prop_map(
+        |(rate, lean, angle, valve_open)| Launch {
+            rate,
+            lean,
+            firing_angle: angle.unwrap_or(lean),
+            valve_open,
+        },
+    )
+}
+
+/// Numbers that break things.
+const ODD: [f64; 12] = [
+    0.0,
+    -0.0,
+    f64::NAN,
+    f64::INFINITY,
+    f64::NEG_INFINITY,
+    f64::MAX,
+    f64::MIN,
+    f64::MIN_POSITIVE,
+    5e-324,
+    FRAC_PI_2,
+    -FRAC_PI_2,
+    1e3,
+];
