@@ -133,6 +133,20 @@ fn what_is_out_of_reach_is_answered_with_the_nearest() {
 }
 
 #[test]
+fn a_clearance_is_that_of_a_jump_over_the_obstacle() {
+    let folder = Folder::new("clearance");
+    let (_, low) =
+        rows(&folder.done("table --omega 5 --clearance 2cm --obstacle 0.4,0.05,0.1 --format csv", 0));
+    // Where the wheel lands, its rim is beyond the box.
+    assert!(number(&low[0][4]) > 0.45 + 0.02, "{low:?}");
+    let (header, high) =
+        rows(&folder.done("table --omega 5 --clearance 2cm --obstacle 0.4,0.21,0.4 --format csv", 1));
+    let nearest = &high[0][header.iter().position(|name| name == "nearest_clearance_m").unwrap()];
+    assert!(nearest.is_empty() || number(nearest) < 0.02, "{high:?}");
+    folder.done("law --omega 4:6:5 --clearance 2cm --obstacle 0.4,0.05,0.1 --firing-angles -0.33:0.8", 0);
+}
+
+#[test]
 fn the_law_is_that_of_the_model() {
     let folder = Folder::new("law");
     let text = folder.done("law --omega 3:6:5 --distance 1 --format json", 0);
