@@ -495,13 +495,7 @@ impl<'a> Roller<'a> {
         let mut along = flight;
         along.vacuum.x = along.vacuum.x + foot;
         for edge in &leap.edges {
-            // A thin post at the edge: the path is concave, so that between two edges it is clear if it is over both.
-            let width = 1e-3;
-            let (front, back) =
-                if edge.side == Side::Front { (edge.x, edge.x + width) } else { (edge.x - width, edge.x) };
-            let post = Solid::block([front, -leap.from - 1e-3], [back, edge.top - leap.from]).ok()?;
-            let radius = self.planner.robot().body.radius;
-            let gap = clearance(&along, self.crossing, radius, end.reach, &post, height)?;
+            let gap = self.edge_gap(&along, edge.x, leap.from, edge.top, end.reach, height)?;
             let limit = Limit::Edge { obstacle: edge.obstacle, side: edge.side };
             margins.push(Margin { limit, value: gap - Slope::of(self.crossing.clearance) });
         }
@@ -510,6 +504,27 @@ impl<'a> Roller<'a> {
             margins.push(Margin { limit: Limit::Robot("friction"), value });
         }
         Some(landing)
+    }
+
+    /// Clearance (m) over the edge of a box. The path is concave, so that between two edges it is clear if it is over both.
+    fn edge_gap(
+        &self,
+        flight: &DragFlight<Slope>,
+        x: f64,
+        from: f64,
+        top: f64,
+        reach: Slope,
+        height: f64,
+    ) -> Option<Slope> {
+        let radius = self.planner.robot().body.radius;
+        if flight.drag.value == 0.0 && self.crossing.leg_out == 0.0 {
+            let landing = flight.vacuum.time_to_height(Slope::of(height)).ok()?;
+            let distance = flight.vacuum.distance_to_point([x, top - from], Slope::of(0.0), landing);
+            return Some(distance - Slope::of(radius));
+        }
+        // A post a millimetre thin stands for the edge.
+        let post = Solid::block([x - 5e-4, -from - 1e-3], [x + 5e-4, top - from]).ok()?;
+        clearance(flight, self.crossing, radius, reach, &post, height)
     }
 
     /// Limits of every jump, in their order, for one that does not reach the surface.

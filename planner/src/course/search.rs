@@ -108,9 +108,21 @@ pub fn plan<J: Jumper>(jumper: &J, course: &Course, settings: &Settings) -> Resu
     };
     let bound = search.run();
     let (nodes, complete) = (search.nodes, search.open.is_empty() || search.nodes < settings.nodes);
+    if search.best.is_none() && complete {
+        let relief = nearest(jumper, course, settings);
+        if relief.total > 0.0 || relief.decisions.is_empty() {
+            return Ok(Answer::Infeasible(relief));
+        }
+        // Nothing has to give: the solver did not find its way from where it started, but does from there.
+        for choice in 0..choices.len() {
+            search.solve(choice, relief.decisions.as_flattened(), &settings.solver);
+        }
+        if search.best.is_none() {
+            return Ok(Answer::Infeasible(relief));
+        }
+    }
     Ok(match &search.best {
         Some(best) => Answer::Plan(search.finish(best, bound.min(best.cost), complete)),
-        None if complete => Answer::Infeasible(nearest(jumper, course, settings)),
         None => Answer::Undecided { nodes },
     })
 }
