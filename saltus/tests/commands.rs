@@ -209,6 +209,8 @@ fn help_has_examples_and_every_shell_is_completed() {
         }
         assert!(folder.done("--help", 0).contains(command));
     }
+    let help = folder.done("simulate --help", 0);
+    assert!(saltus::Robot::builtin_names().all(|name| help.contains(name)));
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let script = folder.done(&format!("completions {shell}"), 0);
         assert!(script.contains("simulate") && script.contains("start-lean"), "{shell}");
