@@ -515,9 +515,15 @@ impl<'a> Roller<'a> {
     ) -> Option<Slope> {
         let radius = self.planner.robot().body.radius;
         if flight.drag.value == 0.0 && self.crossing.leg_out == 0.0 {
-            let landing = flight.vacuum.time_to_height(Slope::of(height)).ok()?;
-            let distance = flight.vacuum.distance_to_point([x, top - from], Slope::of(0.0), landing);
-            return Some(distance - Slope::of(radius));
+            let vacuum = &flight.vacuum;
+            let corner = [x, top - from];
+            let landing = vacuum.time_to_height(Slope::of(height)).ok()?;
+            let distance = vacuum.distance_to_point(corner, Slope::of(0.0), landing);
+            // A centre that passes below the corner is inside the box: the distance counts as negative.
+            let passing = (corner[0] - vacuum.x.value) / vacuum.vx.value;
+            let is_inside = (0.0..=landing.value).contains(&passing)
+                && vacuum.position(Slope::of(passing))[1].value < corner[1];
+            return Some(if is_inside { -distance } else { distance } - Slope::of(radius));
         }
         // A post a millimetre thin stands for the edge.
         let post = Solid::block([x - 5e-4, -from - 1e-3], [x + 5e-4, top - from]).ok()?;

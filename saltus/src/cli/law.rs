@@ -97,7 +97,6 @@ impl Law {
             let _progress = Progress::new("law", 0);
             find(&planner, &request)?
         };
-        self.check_passing(&found, &request, &planner)?;
         let rows = self.rows(&found);
         let report = match self.common.format() {
             Format::Csv => rows.csv(),
@@ -107,30 +106,6 @@ impl Law {
         let drawing = || self.drawing(&found, planner.robot());
         self.common.write_with_plot(report, &self.plot, drawing)?;
         Ok(if found.iter().all(|one| one.law.is_some()) { Status::Done } else { Status::No })
-    }
-
-    /// Refuses a law whose jumps keep clear of the obstacle by coming down before it.
-    fn check_passing(
-        &self,
-        found: &[Found],
-        request: &TableRequest,
-        planner: &Planner,
-    ) -> Result<(), CliError> {
-        for point in found.iter().filter_map(|one| one.law.as_ref()).flat_map(|law| &law.points) {
-            let lean = request.start_lean.unwrap_or(point.exact);
-            let launch =
-                Launch { rate: point.rate, lean, firing_angle: point.exact, valve_open: request.valve_open };
-            let passes = planner.jump(&launch).is_ok_and(|jump| self.target.passes(&jump, planner.robot()));
-            if !passes {
-                let value = format!("{} m", digits(point.target, 5));
-                let (rate, angle) = (digits(point.rate, 5), digits(point.exact, 4));
-                let allowed = format!(
-                    "asked for with --firing-angles that pass the obstacle: at {rate} rad/s the least angle that keeps clear, {angle} rad, comes down before it"
-                );
-                return Err(CliError::flag("--clearance", value, allowed));
-            }
-        }
-        Ok(())
     }
 
     fn rows(&self, found: &[Found]) -> Rows {

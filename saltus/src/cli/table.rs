@@ -46,7 +46,7 @@ is one), distance_sd_m and apex_sd_m (standard deviations from the robot's [erro
 distance_by_omega_m_s_per_rad, distance_by_alpha_f_m_per_rad, distance_by_valve_open_m_per_s, \
 distance_by_supply_m_per_pa and apex_by_… (for distances only), nearest_distance_m (or \
 nearest_clearance_m) and nearest_alpha_f_rad (where infeasible: the nearest that is reached; a negative \
-clearance is a hit). Numbers have 17 significant digits; a cell is empty where there is no such thing.
+clearance is a hit, or a landing before the obstacle's end). Numbers have 17 significant digits; a cell is empty where there is no such thing.
 
 JSON: {\"command\": \"table\", \"robot\": NAME, \"measure\": \"distance\" or \"clearance\", \
 \"landing_height_m\": …, \"rows\": [{the columns, null where empty}]}.
@@ -96,15 +96,10 @@ impl Table {
         let robot = self.common.robot()?;
         let request = self.target.request(Roots::All, &robot)?;
         let planner = Planner::new(robot);
-        let mut table = {
+        let table = {
             let _progress = Progress::new("table", 0);
             planner.table(&request)?
         };
-        if self.target.kind() == Kind::Clearance {
-            for cell in &mut table.cells {
-                self.target.keep_passing(cell, &request, &planner);
-            }
-        }
         let rows = self.rows(&table, planner.robot());
         let report = match self.common.format() {
             Format::Csv => rows.csv(),

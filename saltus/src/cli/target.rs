@@ -1,14 +1,14 @@
 //! What a jump is to reach: the flags that `table` and `law` share.
 
 use clap::Args;
+use saltus::Robot;
 use saltus::ballistic::Obstacle;
-use saltus::planner::{Cell, FIRING_ANGLES, Measure, Nearest, Roots, TableRequest};
-use saltus::{Jump, Launch, Planner, Robot};
+use saltus::planner::{FIRING_ANGLES, Measure, Roots, TableRequest};
 
 use super::common::Threads;
 use crate::error::{CliError, cut};
 use crate::quantity::{self, Quantity};
-use crate::range::{Values, distances, linspace, rates};
+use crate::range::{Values, distances, rates};
 
 /// Most pairs of approach rate and target.
 const MOST: usize = 1_000_000;
@@ -81,38 +81,6 @@ impl Kind {
 impl TargetFlags {
     pub(crate) fn kind(&self) -> Kind {
         if self.clearance.is_some() { Kind::Clearance } else { Kind::Distance }
-    }
-
-    /// Whether a jump passes the obstacle: one that comes down before it keeps clear of it, too.
-    pub(crate) fn passes(&self, jump: &Jump, robot: &Robot) -> bool {
-        let landing = jump.distance(robot.body.radius);
-        self.obstacle.is_none_or(|block| landing.is_some_and(|x| x >= block.front + block.width))
-    }
-
-    /// Drops the angles of `cell` whose jumps come down before the obstacle; where none is left, finds the nearest clearance
-    /// of those that pass it.
-    pub(crate) fn keep_passing(&self, cell: &mut Cell, request: &TableRequest, planner: &Planner) {
-        /// Angles tried: steps of some milliradians.
-        const TRIED: usize = 401;
-        cell.entries.retain(|entry| self.passes(&entry.jump, planner.robot()));
-        if !cell.entries.is_empty() {
-            return;
-        }
-        let launch = |firing_angle| Launch {
-            rate: cell.rate,
-            lean: request.start_lean.unwrap_or(firing_angle),
-            firing_angle,
-            valve_open: request.valve_open,
-        };
-        let (low, high) = request.firing_angles;
-        let launches: Vec<Launch> = linspace(low, high, TRIED).map(launch).collect();
-        let passing = planner.jumps(&launches).into_iter().flatten();
-        let passing = passing.filter(|jump| self.passes(jump, planner.robot())).filter_map(|jump| {
-            let value = request.measure.of(planner, &jump)?;
-            Some(Nearest { value, firing_angle: jump.launch.firing_angle })
-        });
-        let gap = |nearest: &Nearest| (nearest.value - cell.target).abs();
-        cell.nearest = passing.min_by(|a, b| gap(a).total_cmp(&gap(b)));
     }
 
     pub(crate) fn landing_height(&self) -> f64 {
