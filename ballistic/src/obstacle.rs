@@ -38,6 +38,11 @@ impl Obstacle {
             (0..n).map(|i| Corner::new(vertices[i], &edges[(i + n - 1) % n], &edges[i], side)).collect();
         Ok(Obstacle { outline: Outline { edges, corners } })
     }
+
+    /// Forward position (m) of the vertex that is furthest ahead.
+    pub fn back(&self) -> f64 {
+        self.outline.corners.iter().map(|corner| corner.at[0]).fold(f64::NEG_INFINITY, f64::max)
+    }
 }
 
 /// Area (m²) of a polygon, positive if its vertices go round counterclockwise.

@@ -247,10 +247,11 @@ fn weighted<S: Scalar, const N: usize, const M: usize>(weights: &[f64; STAGES], 
             }
         }
     }
+    let [mut even, odd] = sums;
     for i in 0..N {
-        sums[0][i] = sums[0][i] + sums[1][i];
+        even[i] = even[i] + odd[i];
     }
-    sums[0]
+    even
 }
 
 /// Hairer's combined estimate |h| e₅² / √(n (e₅² + e₃²/100)), over the first `checked` components.

@@ -4,14 +4,13 @@
 //! derivatives, and [`course::plan`] searches and solves. The plan is then flown again, finely, and held against every
 //! limit: see [`Check`].
 
-use saltus_ballistic::{Disc, DragFlight, ExtendedLeg, Obstacle as Solid};
+use saltus_ballistic::{Disc, DragFlight, ExtendedLeg, Flight, Obstacle as Solid};
 use saltus_lagrangian::{FINE, Launch, Stance, StanceError};
-use saltus_numeric::{Scalar, Single};
+use saltus_numeric::{Dual, Scalar, Single};
 use saltus_robot::Parameter;
 
 use crate::course::{
-    self, Answer, Course, CourseError, Envelope, Flight, Jumper, Leap, Limit, Margin, Relief, Side, Slope,
-    Span,
+    self, Answer, Course, CourseError, Envelope, Jumper, Leap, Limit, Margin, Relief, Slope, Span,
 };
 use crate::jump::{Jump, Planner};
 use crate::table::FIRING_ANGLES;
@@ -324,12 +323,7 @@ impl Planner {
     }
 
     /// Standard deviation (m) of the landing at `height` (m) above the foot, to first order; 0 where there is none.
-    fn landing_deviation(
-        &self,
-        stance: &Stance<saltus_numeric::Dual<4>>,
-        launch: &Launch,
-        height: f64,
-    ) -> f64 {
+    fn landing_deviation(&self, stance: &Stance<Dual<4>>, launch: &Launch, height: f64) -> f64 {
         self.sensitive_jump(stance, launch)
             .ok()
             .and_then(|jump| jump.distance(height))
@@ -410,29 +404,32 @@ fn clearance<S: Single>(
     flight.clearance(&disc, solid, S::of(0.0), landing).ok().map(|c| c.distance)
 }
 
-/// Costs are about 1 and lengths are known to a nanometre, so that a closer solution would fit noise; the start is within
-/// a third of the range of the answer.
+/// Costs are about 1 and a tenth of a millimetre off the target costs 1e-6; the start is within a third of the range of the answer.
 const SOLVER: course::sqp::Settings =
-    course::sqp::Settings { iterations: 60, tolerance: 1e-7, feasibility: 1e-8, radius: 0.3 };
+    course::sqp::Settings { iterations: 60, tolerance: 1e-6, feasibility: 1e-7, radius: 0.3 };
+
+/// Error tolerance of the stances while searching: lengths are then right to some ten nanometres, well within what the
+/// check of the finished plan allows.
+const SEARCH_TOLERANCE: f64 = 2e-8;
 
 /// Firing angles at which the reach of the jumps is sampled.
-const SAMPLES: usize = 24;
+const SAMPLES: usize = 16;
 
 /// The robot as a [`Jumper`]: decisions are firing angle (rad) and valve opening time (s).
 struct Roller<'a> {
     planner: &'a Planner,
     crossing: &'a Crossing,
-    /// The model with the derivatives of a [`Slope`].
-    stance: Stance<Slope>,
-    sensitive: Stance<saltus_numeric::Dual<4>>,
+    /// The model with the derivatives by the two decisions.
+    stance: Stance<Dual<2>>,
+    sensitive: Stance<Dual<4>>,
     /// For each jump its flights over the firing angles, with the valve open longest and then shortest.
     samples: Vec<[Vec<Jump>; 2]>,
 }
 
 impl<'a> Roller<'a> {
     fn new(planner: &'a Planner, crossing: &'a Crossing) -> Roller<'a> {
-        let lift = |_: Parameter, x: f64| Slope::of(x);
-        let stance = Stance::new(planner.robot(), lift).with_tolerance(planner.stance().tolerance);
+        let stance =
+            Stance::new(planner.robot(), |_: Parameter, x: f64| Dual::of(x)).with_tolerance(SEARCH_TOLERANCE);
         let angles = crossing.firing_angles;
         let sample = |jump: usize| {
             [crossing.valve_open.high, crossing.valve_open.low].map(|valve_open| {
@@ -478,7 +475,7 @@ impl<'a> Roller<'a> {
         &self,
         leap: &Leap,
         foot: Slope,
-        launch: &Launch<Slope>,
+        launch: &Launch<Dual<2>>,
         margins: &mut Vec<Margin<Slope>>,
     ) -> Option<Slope> {
         let trace = match self.crossing.friction {
@@ -487,29 +484,50 @@ impl<'a> Roller<'a> {
         };
         let end = trace.as_ref().map_or_else(|| self.stance.jump(launch), |t| Ok(t.lift_off)).ok()?;
         let environment = &self.planner.robot().environment;
-        let (gravity, drag) = (Slope::of(environment.gravity), Slope::of(environment.drag));
-        let flight = Jump::new(*launch, end, gravity, drag).flight?;
+        let (gravity, drag) = (Dual::of(environment.gravity), Dual::of(environment.drag));
+        let flight = widen_flight(&Jump::new(*launch, end, gravity, drag).flight?);
         let height = self.landing_height(leap);
         let landing = foot + flight.range_to_height(Slope::of(height)).ok()?;
         // The flight along the course, so that clearances know how the foothold moves.
         let mut along = flight;
         along.vacuum.x = along.vacuum.x + foot;
         for edge in &leap.edges {
-            // A thin post at the edge: the path is concave, so that between two edges it is clear if it is over both.
-            let width = 1e-3;
-            let (front, back) =
-                if edge.side == Side::Front { (edge.x, edge.x + width) } else { (edge.x - width, edge.x) };
-            let post = Solid::block([front, -leap.from - 1e-3], [back, edge.top - leap.from]).ok()?;
-            let radius = self.planner.robot().body.radius;
-            let gap = clearance(&along, self.crossing, radius, end.reach, &post, height)?;
+            let gap = self.edge_gap(&along, edge.x, leap.from, edge.top, widen(end.reach), height)?;
             let limit = Limit::Edge { obstacle: edge.obstacle, side: edge.side };
             margins.push(Margin { limit, value: gap - Slope::of(self.crossing.clearance) });
         }
         if let (Some(friction), Some(trace)) = (self.crossing.friction, trace) {
-            let value = Slope::of(friction) - trace.contact.friction_needed;
+            let value = Slope::of(friction) - widen(trace.contact.friction_needed);
             margins.push(Margin { limit: Limit::Robot("friction"), value });
         }
         Some(landing)
+    }
+
+    /// Clearance (m) over the edge of a box. The path is concave, so that between two edges it is clear if it is over both.
+    fn edge_gap(
+        &self,
+        flight: &DragFlight<Slope>,
+        x: f64,
+        from: f64,
+        top: f64,
+        reach: Slope,
+        height: f64,
+    ) -> Option<Slope> {
+        let radius = self.planner.robot().body.radius;
+        if flight.drag.value == 0.0 && self.crossing.leg_out == 0.0 {
+            let vacuum = &flight.vacuum;
+            let corner = [x, top - from];
+            let landing = vacuum.time_to_height(Slope::of(height)).ok()?;
+            let distance = vacuum.distance_to_point(corner, Slope::of(0.0), landing);
+            // A centre that passes below the corner is inside the box: the distance counts as negative.
+            let passing = (corner[0] - vacuum.x.value) / vacuum.vx.value;
+            let is_inside = (0.0..=landing.value).contains(&passing)
+                && vacuum.position(Slope::of(passing))[1].value < corner[1];
+            return Some(if is_inside { -distance } else { distance } - Slope::of(radius));
+        }
+        // A post a millimetre thin stands for the edge.
+        let post = Solid::block([x - 5e-4, -from - 1e-3], [x + 5e-4, top - from]).ok()?;
+        clearance(flight, self.crossing, radius, reach, &post, height)
     }
 
     /// Limits of every jump, in their order, for one that does not reach the surface.
@@ -520,6 +538,19 @@ impl<'a> Roller<'a> {
         margins.extend(edges.map(nothing));
         margins.extend(self.crossing.friction.map(|_| nothing(Limit::Robot("friction"))));
     }
+}
+
+/// A number with its slopes by the two decisions, as one that could also depend on the foothold.
+fn widen(x: Dual<2>) -> Slope {
+    let [by_angle, by_opening] = x.slope;
+    Slope { value: x.value, slope: [0.0, by_angle, by_opening] }
+}
+
+/// As [`widen`], for a flight.
+fn widen_flight(flight: &DragFlight<Dual<2>>) -> DragFlight<Slope> {
+    let Flight { x, y, vx, vy, gravity } = flight.vacuum;
+    let vacuum = Flight { x: widen(x), y: widen(y), vx: widen(vx), vy: widen(vy), gravity: widen(gravity) };
+    DragFlight { vacuum, drag: widen(flight.drag) }
 }
 
 impl Jumper for Roller<'_> {
@@ -533,11 +564,13 @@ impl Jumper for Roller<'_> {
         foot: Slope,
         [firing_angle, valve_open]: [Slope; 2],
         margins: &mut Vec<Margin<Slope>>,
-    ) -> Flight<Slope> {
-        let lean = self.crossing.start_lean.map_or(firing_angle, Slope::of);
-        let rate = Slope::of(self.crossing.rate(leap.jump));
+    ) -> course::Flight<Slope> {
+        let (angle, open) = (Dual::variable(firing_angle.value, 0), Dual::variable(valve_open.value, 1));
+        let lean = self.crossing.start_lean.map_or(angle, Dual::of);
+        let rate = Dual::of(self.crossing.rate(leap.jump));
         let before = margins.len();
-        let landing = self.try_fly(leap, foot, &Launch { rate, lean, firing_angle, valve_open }, margins);
+        let launch_here = Launch { rate, lean, firing_angle: angle, valve_open: open };
+        let landing = self.try_fly(leap, foot, &launch_here, margins);
         if landing.is_none() {
             margins.truncate(before);
             self.no_margins(leap, margins);
@@ -560,7 +593,7 @@ impl Jumper for Roller<'_> {
         let weight = if is_last { self.crossing.deviation_weight } else { 0.0 };
         let cost =
             Slope::of(weight) * off * off + Slope::of(self.crossing.effort_weight) * valve_open * valve_open;
-        Flight { landing, cost, deviation: Slope::of(deviation) }
+        course::Flight { landing, cost, deviation: Slope::of(deviation) }
     }
 
     /// The sampled jump that misses the landing and the heights over the edges least, moved onto the landing where it

@@ -37,7 +37,8 @@ pub enum Measure {
         /// Height (m) of the wheel's centre at the landing.
         landing_height: f64,
     },
-    /// Least distance (m) of the flying wheel from an obstacle, given from the foot at x = 0; negative inside.
+    /// Least distance (m) of the flying wheel from an obstacle, given from the foot at x = 0, or how far beyond it the
+    /// wheel's centre lands, whichever is less; negative where the wheel hits the obstacle or lands before its end.
     Clearance {
         /// The obstacle.
         obstacle: Obstacle,
@@ -139,7 +140,8 @@ impl Measure {
                 let radius = planner.robot().body.radius;
                 let landing = flight.time_to_height(radius).ok()?;
                 let clearance = flight.clearance(&Disc::wheel(radius), obstacle, 0.0, landing).ok()?;
-                Some(clearance.distance)
+                let beyond = flight.range_to_height(radius).ok()? - obstacle.back();
+                Some(clearance.distance.min(beyond))
             }
         };
         value.filter(|v| v.is_finite())

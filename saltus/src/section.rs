@@ -18,8 +18,7 @@ struct Source<'a> {
 impl Source<'_> {
     /// The line (from 1) of a place.
     fn line(&self, place: usize) -> u64 {
-        let before = self.text.as_bytes().get(..place).unwrap_or_default();
-        before.iter().filter(|byte| **byte == b'\n').count() as u64 + 1
+        self.text.get(..place).map_or(1, |before| before.split('\n').count() as u64)
     }
 
     fn refused(&self, key: String, place: Range<usize>, allowed: &str) -> CliError {

@@ -22,6 +22,15 @@ fn folder(test: &str) -> Folder {
     folder.write("binary.csv", [HEADER.as_bytes(), b"\n5,0,\xff\xfe,0.1\n"].concat());
     folder.write("robot.toml", "name = \"x\"\n");
     folder.write("broken.toml", "name = = 3\n");
+    folder.write("course.toml", "approach_rate_rad_s = 5\ntarget_x_m = 1\nlength_m = 3\n");
+    folder.write("rate.toml", "approach_rate_rad_s = -5\ntarget_x_m = 1\n");
+    folder.write(
+        "narrow.toml",
+        "approach_rate_rad_s = 5\ntarget_x_m = 1\n[[obstacle]]\nfront_x_m = 1\nwidth_m = 0\nheight_m = 1\n",
+    );
+    folder.write("broken.json", "{\"instances\": [");
+    folder.write("none.json", "{\"instances\": []}");
+    folder.write("jumps.json", r#"{"instances": [{"id": "a", "start_x_m": 0, "start_height_m": 0, "jumps": 0, "goal_x_m": 1, "obstacles": [], "no_landing": []}]}"#);
     std::fs::create_dir(folder.path("folder")).unwrap();
     folder
 }
@@ -95,6 +104,10 @@ const CASES: &[(&str, &[&str])] = &[
         &["--landing-height", "must be a height from -1000 to 1000 m"],
     ),
     ("law --omega 3:6:5 --distance 1 --tolerance 0", &["--tolerance", "\"0\" must be a length above 0"]),
+    (
+        "law --omega 4:6:5 --clearance 2cm --obstacle 0.4,0.05,0.1",
+        &["--clearance 0.02 m: must be asked for with --firing-angles"],
+    ),
     ("map --omega 5", &["--alpha-f <ANGLES>"]),
     // Robots.
     ("simulate --omega 5 --alpha-f 0 --robot rat", &["rat: no such robot or file", "rats-planar"]),
@@ -124,6 +137,28 @@ const CASES: &[(&str, &[&str])] = &[
     ("simulate --batch ragged.csv", &["ragged.csv:2: 3 fields where the header has 4"]),
     ("simulate --batch twice.csv", &["twice.csv:1: column phi0_rad is there twice"]),
     ("simulate --batch binary.csv", &["binary.csv:2: alpha_f_rad = "]),
+    // Courses.
+    ("plan", &["<COURSE.toml>"]),
+    ("plan nowhere.toml", &["nowhere.toml: cannot be read"]),
+    ("plan course.toml --plot a.svg", &["course.toml:3: unknown key length_m: known are jumps, start_x_m"]),
+    (
+        "plan rate.toml --out a.json",
+        &["rate.toml:1: approach_rate_rad_s = -5: must be a number from 0 to 1000 rad/s"],
+    ),
+    ("plan narrow.toml", &["narrow.toml:5: obstacle[0].width_m = 0: must be a length above 0"]),
+    ("plan broken.toml", &["broken.toml:1: not TOML"]),
+    ("plan binary.csv", &["binary.csv: byte 51 is not UTF-8 text"]),
+    ("parkour", &["<FILE>"]),
+    ("parkour broken.json --out a.json", &["broken.json: not JSON: EOF while parsing"]),
+    ("parkour none.json", &["none.json: instances is empty"]),
+    ("parkour jumps.json", &["jumps.json: instances[0].jumps = 0: must be a whole number from 1 to 12"]),
+    ("parkour none.json --robot rats-planar", &["--robot rats-planar: must be mppc-hopper"]),
+    ("parkour none.json --set speed=3", &["--set speed=3: must be one of gravity_m_s2"]),
+    ("parkour none.json --set gravity_m_s2=0", &["--set gravity_m_s2=0: must be a number above 0"]),
+    (
+        "parkour none.json --set greatest_speed_m_s=1",
+        &["least speed 1.5, greatest 1: must be the least below the greatest"],
+    ),
     // Files that are written.
     ("simulate --omega 5 --alpha-f 0 --format xml", &["invalid value 'xml'", "text, json, csv"]),
     ("simulate --omega 5 --alpha-f 0 --out folder", &["folder: cannot be written"]),

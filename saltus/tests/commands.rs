@@ -133,6 +133,20 @@ fn what_is_out_of_reach_is_answered_with_the_nearest() {
 }
 
 #[test]
+fn a_clearance_is_that_of_a_jump_over_the_obstacle() {
+    let folder = Folder::new("clearance");
+    let (_, low) =
+        rows(&folder.done("table --omega 5 --clearance 2cm --obstacle 0.4,0.05,0.1 --format csv", 0));
+    // Where the wheel lands, its rim is beyond the box.
+    assert!(number(&low[0][4]) > 0.45 + 0.02, "{low:?}");
+    let (header, high) =
+        rows(&folder.done("table --omega 5 --clearance 2cm --obstacle 0.4,0.21,0.4 --format csv", 1));
+    let nearest = &high[0][header.iter().position(|name| name == "nearest_clearance_m").unwrap()];
+    assert!(nearest.is_empty() || number(nearest) < 0.02, "{high:?}");
+    folder.done("law --omega 4:6:5 --clearance 2cm --obstacle 0.4,0.05,0.1 --firing-angles -0.33:0.8", 0);
+}
+
+#[test]
 fn the_law_is_that_of_the_model() {
     let folder = Folder::new("law");
     let text = folder.done("law --omega 3:6:5 --distance 1 --format json", 0);
@@ -186,7 +200,7 @@ fn a_jump_without_lift_off_is_an_answer() {
 #[test]
 fn help_has_examples_and_every_shell_is_completed() {
     let folder = Folder::new("help");
-    for command in ["simulate", "table", "law", "map"] {
+    for command in ["simulate", "table", "law", "map", "plan", "parkour"] {
         let help = folder.done(&format!("{command} --help"), 0);
         for word in
             ["Examples:", "--robot", "--set", "--format", "--out", "JSON:", "CSV columns", "exit code"]
@@ -195,11 +209,70 @@ fn help_has_examples_and_every_shell_is_completed() {
         }
         assert!(folder.done("--help", 0).contains(command));
     }
+    let help = folder.done("simulate --help", 0);
+    assert!(saltus::Robot::builtin_names().all(|name| help.contains(name)));
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let script = folder.done(&format!("completions {shell}"), 0);
         assert!(script.contains("simulate") && script.contains("start-lean"), "{shell}");
     }
     assert!(folder.done("--version", 0).starts_with("saltus "));
+}
+
+const BOX: &str = "\
+approach_rate_rad_s = 5
+goal_from_x_m = 0.7
+goal_to_x_m = 1.1
+clearance_m = 0.02
+[[obstacle]]
+front_x_m = 0.4
+width_m = 0.05
+height_m = 0.1
+";
+
+#[test]
+fn a_plan_clears_the_box_and_a_wall_has_none() {
+    let folder = Folder::new("plan");
+    folder.write("box.toml", BOX);
+    folder.write("high.toml", BOX.replace("height_m = 0.1", "height_m = 0.3"));
+    folder.write("wall.toml", BOX.replace("height_m = 0.1", "height_m = 2"));
+    let (header, rows) = rows(&folder.done("plan box.toml --format csv", 0));
+    assert_eq!(header[..5], ["jump", "omega_rad_s", "phi0_rad", "alpha_f_rad", "valve_open_s"]);
+    // The plan's jump, simulated: the centre comes down to the wheel's radius where the plan says.
+    let (angle, open, land) = (&rows[0][3], &rows[0][4], number(&rows[0][8]));
+    let line = format!("simulate --omega 5 --alpha-f {angle} --valve-open {open} --format json");
+    let jump: serde_json::Value = serde_json::from_str(&folder.done(&line, 0)).unwrap();
+    assert!((jump["jumps"][0]["land_rs_m"].as_f64().unwrap() - land).abs() < 1e-6);
+    let json: serde_json::Value =
+        serde_json::from_str(&folder.done("plan box.toml --format json", 0)).unwrap();
+    assert_eq!(
+        (json["status"].as_str(), json["jumps"][0]["holds"].as_bool()),
+        (Some("verified"), Some(true))
+    );
+    for file in ["high", "wall"] {
+        let text = folder.done(&format!("plan {file}.toml"), 1);
+        assert!(text.contains("infeasible") && text.contains("the nearest course that has a plan"), "{text}");
+    }
+}
+
+#[test]
+fn parkour_plans_are_no_slower_than_the_published_ones() {
+    let folder = Folder::new("parkour");
+    std::fs::copy(reference("instances.json"), folder.path("instances.json")).unwrap();
+    folder.done("parkour instances.json --out plans.json", 0);
+    let parse = |name: &str| serde_json::from_str::<serde_json::Value>(&folder.read(name)).unwrap();
+    let (plans, problems) = (parse("plans.json"), parse("instances.json"));
+    for (plan, problem) in
+        plans["plans"].as_array().unwrap().iter().zip(problems["instances"].as_array().unwrap())
+    {
+        assert_eq!(plan["id"], problem["id"]);
+        let times = plan["flight_time_s"].as_array().unwrap();
+        assert_eq!(times.len() as u64, problem["jumps"].as_u64().unwrap());
+        let total: f64 = times.iter().map(|time| time.as_f64().unwrap()).sum();
+        // The published times have eight digits and 1e-4 s of their solver's tolerance.
+        assert!(total <= problem["published"]["total_flight_time_s"].as_f64().unwrap() + 1e-4);
+    }
+    let slow = folder.done("parkour instances.json --set greatest_speed_m_s=1.6", 1);
+    assert!(slow.contains("infeasible"), "{slow}");
 }
 
 #[test]

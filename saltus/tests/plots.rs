@@ -6,18 +6,32 @@ mod common;
 
 use common::Folder;
 
-const PLOTS: [(&str, &str); 6] = [
+const PLOTS: [(&str, &str); 7] = [
     ("family", "simulate --omega 5 --alpha-f -0.25:0.05:7"),
     ("stall", "simulate --omega 0.1 --alpha-f 0 --start-lean -0.5"),
     ("angles", "table --omega 3:6:7 --distance 0.4:1:4"),
     ("law", "law --omega 3:6:5 --distance 1"),
     ("laws", "law --omega 3:6:5 --distance 0.6,1"),
+    ("scene", "plan box.toml"),
     ("map", "map --omega 2:7:11 --alpha-f -0.5:0.5:9"),
 ];
+
+const BOX: &str = "\
+approach_rate_rad_s = 5
+target_x_m = 0.9
+[[obstacle]]
+front_x_m = 0.4
+width_m = 0.05
+height_m = 0.1
+[[avoid]]
+from_x_m = 0.5
+to_x_m = 0.7
+";
 
 #[test]
 fn an_svg_is_well_formed_and_says_what_it_shows() {
     let folder = Folder::new("svg");
+    folder.write("box.toml", BOX);
     for (name, line) in PLOTS {
         folder.done(&format!("{line} --plot {name}.svg"), 0);
         let text = folder.read(&format!("{name}.svg"));
@@ -55,6 +69,7 @@ fn check_well_formed(text: &str) {
 #[test]
 fn a_png_decodes_and_is_not_blank() {
     let folder = Folder::new("png");
+    folder.write("box.toml", BOX);
     for (name, line) in PLOTS {
         folder.done(&format!("{line} --plot {name}.png"), 0);
         let file = std::fs::File::open(folder.path(&format!("{name}.png"))).unwrap();

@@ -3,7 +3,7 @@
 use saltus_robot::Robot;
 
 use super::*;
-use crate::course::Obstacle;
+use crate::course::{Obstacle, Side};
 
 /// The 21 cm box of thesis §5.2.3, its middle `center` (m) before the foot.
 fn box_jump(center: f64, rate: f64) -> Crossing {
@@ -136,6 +136,21 @@ fn a_box_too_far_is_answered_with_the_nearest_course() {
     let mut lower = box_jump(0.46, 4.0);
     lower.course.obstacles[0].height -= 1.05 * relief.total;
     assert!(planned(&lower).is_verified());
+}
+
+#[test]
+fn nobody_jumps_through_a_wall() {
+    let planner = Planner::new(Robot::rats_planar());
+    for height in [0.5, 1.0, 2.0] {
+        let mut wall = box_jump(0.46, 5.0);
+        wall.course.obstacles[0].height = height;
+        let answer = planner.cross(&wall).expect("a legal crossing");
+        let CrossingAnswer::Infeasible(relief) = answer else { panic!("{answer:?}") };
+        // The highest box that this robot clears is between 0.21 m and 0.3 m high; before a wall that would have to sink
+        // by more than 0.35 m it is nearer to move the goal to this side.
+        let sinks = height - 0.3..height - 0.15;
+        assert!(sinks.contains(&relief.total) || (0.3..0.4).contains(&relief.total), "{height}: {relief:?}");
+    }
 }
 
 #[test]

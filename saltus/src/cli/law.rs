@@ -2,7 +2,7 @@
 
 use clap::Args;
 use saltus::planner::{self, LawPoint, Nearest, Roots, TableRequest};
-use saltus::{Planner, Robot};
+use saltus::{Launch, Planner, Robot};
 use serde_json::{Value, json};
 
 use super::Status;
@@ -38,18 +38,20 @@ Examples:
   saltus law --omega 3:6:5 --distance 1
   saltus law --omega 3:6:61 --distance 0.6,0.8,1 --tolerance 2cm --plot law.png
 
-The law is fitted by least squares to the least firing angle of each approach rate that reaches the target; then the jump that
-it fires at each of these rates is simulated. Valid is the longest run of rates whose jumps miss the target by --tolerance at
-most.
+The law is fitted by least squares to the least firing angle of each approach rate that reaches the \
+target; then the jump that it fires at each of these rates is simulated. Valid is the longest run of \
+rates whose jumps miss the target by --tolerance at most.
 
-CSV columns, one row for each target: distance_m (or clearance_m), slope_s (A), intercept_rad (B), residual_greatest_rad,
-residual_rms_rad (fitted less exact angle), miss_greatest_m, miss_rms_m (reached less wanted; empty if one of the jumps fails),
-valid_from_rad_s, valid_to_rad_s, rates (fitted), rates_out_of_reach, status (feasible; partly where some rates are out of
-reach; infeasible where fewer than two rates reach it), nearest_distance_m (or nearest_clearance_m), nearest_omega_rad_s and
+CSV columns, one row for each target: distance_m (or clearance_m), slope_s (A), intercept_rad (B), \
+residual_greatest_rad, residual_rms_rad (fitted less exact angle), miss_greatest_m, miss_rms_m (reached \
+less wanted; empty if one of the jumps fails), valid_from_rad_s, valid_to_rad_s, rates (fitted), \
+rates_out_of_reach, status (feasible; partly where some rates are out of reach; infeasible where fewer \
+than two rates reach it), nearest_distance_m (or nearest_clearance_m), nearest_omega_rad_s and \
 nearest_alpha_f_rad (where infeasible: the nearest that is reached). Numbers have 17 significant digits.
 
-JSON: {\"command\": \"law\", \"robot\": NAME, \"measure\": …, \"landing_height_m\": …, \"tolerance_m\": …, \"laws\": [{the columns,
-\"points\": [{omega_rad_s, alpha_f_exact_rad, alpha_f_law_rad, residual_rad, miss_m}]}]}.
+JSON: {\"command\": \"law\", \"robot\": NAME, \"measure\": …, \"landing_height_m\": …, \"tolerance_m\": \
+…, \"laws\": [{the columns, \"points\": [{omega_rad_s, alpha_f_exact_rad, alpha_f_law_rad, residual_rad, \
+miss_m}]}]}.
 
 The exit code is 1 if a target is infeasible.";
 

@@ -67,13 +67,14 @@ Examples:
 Values: a number, start:stop:count (both ends included), or several of these with commas.
 Suffixes: rad/s, deg/s; rad, deg; s, ms; m, cm, mm.
 
-CSV columns, one row for each approach rate and firing angle, angles within rates: omega_rad_s, alpha_f_rad, outcome (as for
-`saltus simulate`; not-computed where the model cannot be integrated), distance_m (where the centre comes down to the landing
-height), apex_m, friction_needed (the coefficient that keeps the foot still; empty without --friction, and inf where the ground
-would have to pull). Numbers have 17 significant digits; a cell is empty where there is no such thing.
+CSV columns, one row for each approach rate and firing angle, angles within rates: omega_rad_s, \
+alpha_f_rad, outcome (as for `saltus simulate`; not-computed where the model cannot be integrated), \
+distance_m (where the centre comes down to the landing height), apex_m, friction_needed (the coefficient \
+that keeps the foot still; empty without --friction, and inf where the ground would have to pull). \
+Numbers have 17 significant digits; a cell is empty where there is no such thing.
 
-JSON: {\"command\": \"map\", \"robot\": NAME, \"landing_height_m\": …, \"spots\": [{the columns, null where empty}]}; a friction
-that is infinite is the text \"inf\".
+JSON: {\"command\": \"map\", \"robot\": NAME, \"landing_height_m\": …, \"spots\": [{the columns, null \
+where empty}]}; a friction that is infinite is the text \"inf\".
 
 The exit code is 1 if none of the launches lands.";
 

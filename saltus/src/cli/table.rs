@@ -38,17 +38,18 @@ Examples:
 Values: a number, start:stop:count (both ends included), or several of these with commas.
 Suffixes: rad/s, deg/s; rad, deg; s, ms; m, cm, mm.
 
-CSV columns, one row for each approach rate and target, targets within rates: omega_rad_s, distance_m (or clearance_m; as asked
-for), alpha_f_rad (the least angle that serves), apex_m, land_m (where the centre comes down to the landing height), t_liftoff_s
-(from the start of the stance), status (feasible, infeasible, or no-jump where no angle takes off), alpha_f_late_rad (the next
-angle that serves, if there is one), distance_sd_m and apex_sd_m (standard deviations from the robot's [errors]), their
-sensitivities distance_by_omega_m_s_per_rad, distance_by_alpha_f_m_per_rad, distance_by_valve_open_m_per_s,
-distance_by_supply_m_per_pa and apex_by_… (for distances only), nearest_distance_m (or nearest_clearance_m) and
-nearest_alpha_f_rad (where infeasible: the nearest that is reached). Numbers have 17 significant digits; a cell is empty where
-there is no such thing.
+CSV columns, one row for each approach rate and target, targets within rates: omega_rad_s, distance_m (or \
+clearance_m; as asked for), alpha_f_rad (the least angle that serves), apex_m, land_m (where the centre \
+comes down to the landing height), t_liftoff_s (from the start of the stance), status (feasible, \
+infeasible, or no-jump where no angle takes off), alpha_f_late_rad (the next angle that serves, if there \
+is one), distance_sd_m and apex_sd_m (standard deviations from the robot's [errors]), their sensitivities \
+distance_by_omega_m_s_per_rad, distance_by_alpha_f_m_per_rad, distance_by_valve_open_m_per_s, \
+distance_by_supply_m_per_pa and apex_by_… (for distances only), nearest_distance_m (or \
+nearest_clearance_m) and nearest_alpha_f_rad (where infeasible: the nearest that is reached; a negative \
+clearance is a hit, or a landing before the obstacle's end). Numbers have 17 significant digits; a cell is empty where there is no such thing.
 
-JSON: {\"command\": \"table\", \"robot\": NAME, \"measure\": \"distance\" or \"clearance\", \"landing_height_m\": …, \"rows\": [{the
-columns, null where empty}]}.
+JSON: {\"command\": \"table\", \"robot\": NAME, \"measure\": \"distance\" or \"clearance\", \
+\"landing_height_m\": …, \"rows\": [{the columns, null where empty}]}.
 
 The exit code is 1 if any row is infeasible.";
 
@@ -124,8 +125,8 @@ impl Table {
         let first = cell.entries.first();
         let status = match (first, &cell.nearest) {
             (Some(_), _) => "feasible",
-            (None, Some(_)) => "infeasible",
-            (None, None) => "no-jump",
+            (None, None) if kind == Kind::Distance => "no-jump",
+            (None, _) => "infeasible",
         };
         let angle = |entry: &Entry| entry.jump.launch.firing_angle;
         let mut row = vec![cell.rate.into(), cell.target.into(), first.map(angle).into()];

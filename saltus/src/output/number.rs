@@ -9,18 +9,23 @@ pub(crate) fn full(x: f64) -> String {
     let scientific = format!("{x:.16e}");
     let Some((mantissa, exponent)) = scientific.split_once('e') else { return scientific };
     let exponent: i32 = exponent.parse().unwrap_or_default();
-    if (-4..DIGITS).contains(&exponent) {
-        let decimals = usize::try_from(DIGITS - 1 - exponent).unwrap_or_default();
-        trimmed(&format!("{x:.decimals$}")).to_owned()
-    } else {
+    if !(-4..DIGITS).contains(&exponent) {
+        let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
         let sign = if exponent < 0 { '-' } else { '+' };
-        format!("{}e{sign}{:02}", trimmed(mantissa), exponent.unsigned_abs())
+        return format!("{mantissa}e{sign}{:02}", exponent.unsigned_abs());
     }
-}
-
-/// A decimal number without the zeros that end it.
-fn trimmed(text: &str) -> &str {
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
+    let sign = if x < 0.0 { "-" } else { "" };
+    let digits: String = mantissa.chars().filter(char::is_ascii_digit).collect();
+    let digits = digits.trim_end_matches('0');
+    // How many digits stand before the point.
+    match usize::try_from(exponent + 1) {
+        Ok(whole @ 1..) if digits.len() <= whole => format!("{sign}{digits:0<whole$}"),
+        Ok(whole @ 1..) => format!("{sign}{}.{}", &digits[..whole], &digits[whole..]),
+        _ => format!(
+            "{sign}0.{}{digits}",
+            "000".get(..(-1 - exponent).unsigned_abs() as usize).unwrap_or_default()
+        ),
+    }
 }
 
 /// `x` with `count` significant digits at most, for people.
@@ -50,6 +55,10 @@ mod tests {
         check(0.3, "0.29999999999999999");
         check(101_325.0, "101325");
         check(1e-4, "0.0001");
+        check(0.5, "0.5");
+        check(-0.012_5, "-0.012500000000000001");
+        check(100.0, "100");
+        check(12.5, "12.5");
         check(1e-5, "1.0000000000000001e-05");
         check(1.5e17, "1.5e+17");
         check(1e16, "10000000000000000");

@@ -13,6 +13,8 @@ pub(crate) enum Cell {
     Number(f64),
     /// A word.
     Word(&'static str),
+    /// Yes or no.
+    Flag(bool),
     /// A whole number.
     Count(usize),
     /// There is no such value.
@@ -36,6 +38,7 @@ impl Cell {
         match self {
             Cell::Number(x) => full(*x),
             Cell::Word(word) => (*word).into(),
+            Cell::Flag(flag) => flag.to_string(),
             Cell::Count(n) => n.to_string(),
             Cell::Empty => String::new(),
         }
@@ -45,6 +48,7 @@ impl Cell {
         match self {
             Cell::Number(x) => json!(x),
             Cell::Word(word) => json!(word),
+            Cell::Flag(flag) => json!(flag),
             Cell::Count(n) => json!(n),
             Cell::Empty => Value::Null,
         }
@@ -54,6 +58,7 @@ impl Cell {
         match self {
             Cell::Number(x) => digits(*x, 4),
             Cell::Empty => "–".into(),
+            Cell::Flag(flag) => if *flag { "yes" } else { "no" }.into(),
             other => other.csv(),
         }
     }
@@ -83,8 +88,12 @@ impl Table {
         let mut text = self.columns.join(",");
         text.push('\n');
         for row in &self.rows {
-            let cells: Vec<String> = row.iter().map(Cell::csv).collect();
-            text.push_str(&cells.join(","));
+            for (i, cell) in row.iter().enumerate() {
+                if i > 0 {
+                    text.push(',');
+                }
+                text.push_str(&cell.csv());
+            }
             text.push('\n');
         }
         text

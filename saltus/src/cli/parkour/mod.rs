@@ -41,22 +41,24 @@ Examples:
   saltus parkour instances.json --out plans.json
   saltus parkour instances.json --set greatest_speed_m_s=3 --format text
 
-For each course, the jumps' launch angle, launch speed and flight time are chosen so that the total flight time is least.
+For each course, the jumps' launch angle, launch speed and flight time are chosen so that the total \
+flight time is least.
 
-FILE: {\"instances\": [{\"id\": NAME, \"start_x_m\": …, \"start_height_m\": …, \"jumps\": COUNT, \"goal_x_m\": …, \"obstacles\":
-[{\"center_x_m\": …, \"width_m\": …, \"height_m\": …}], \"no_landing\": [{\"center_x_m\": …, \"width_m\": …}]}]}. Other keys are
-ignored.
+FILE: {\"instances\": [{\"id\": NAME, \"start_x_m\": …, \"start_height_m\": …, \"jumps\": COUNT, \
+\"goal_x_m\": …, \"obstacles\": [{\"center_x_m\": …, \"width_m\": …, \"height_m\": …}], \"no_landing\": \
+[{\"center_x_m\": …, \"width_m\": …}]}]}. Other keys are ignored.
 
-JSON: {\"plans\": [{\"id\": NAME, \"flight_time_s\": […], \"launch_speed_m_s\": […], \"launch_angle_rad\": […],
-\"total_flight_time_s\": …, \"foot_x_m\": […], \"landing_x_m\": […], \"proven\": whether no plan is faster}], \"without_plan\":
-[{\"id\": NAME, \"status\": infeasible or undecided, \"nearest\": [{\"jump\": …, \"limit\": …, \"amount_m\": …}]}]}: the limits by
-which the nearest course with a plan differs, and by how much. Jumps and obstacles are counted from 1.
+JSON: {\"plans\": [{\"id\": NAME, \"flight_time_s\": […], \"launch_speed_m_s\": […], \
+\"launch_angle_rad\": […], \"total_flight_time_s\": …, \"foot_x_m\": […], \"landing_x_m\": […], \
+\"proven\": whether no plan is faster}], \"without_plan\": [{\"id\": NAME, \"status\": infeasible or \
+undecided, \"nearest\": [{\"jump\": …, \"limit\": …, \"amount_m\": …}]}]}: the limits by which the \
+nearest course with a plan differs, and by how much. Jumps and obstacles are counted from 1.
 
-CSV columns, one row for each jump: course and jump (counted from 1), flight_time_s, launch_speed_m_s, launch_angle_rad,
-foot_x_m, landing_x_m.
+CSV columns, one row for each jump: course and jump (counted from 1), flight_time_s, launch_speed_m_s, \
+launch_angle_rad, foot_x_m, landing_x_m.
 
-Parameters for --set: gravity_m_s2, least_speed_m_s, greatest_speed_m_s, least_angle_rad, greatest_angle_rad, least_time_s,
-greatest_time_s, clearance_m, edge_margin_m.
+Parameters for --set: gravity_m_s2, least_speed_m_s, greatest_speed_m_s, least_angle_rad, \
+greatest_angle_rad, least_time_s, greatest_time_s, clearance_m, edge_margin_m.
 
 The exit code is 1 if a course has no plan.";
 

@@ -15,7 +15,7 @@ const LIMIT_MIB: u64 = 4;
 /// Most obstacles, and most zones of a kind.
 const MOST: usize = 64;
 /// Places (m) that the planner takes.
-const ANYWHERE: Span = Span::new(-1e4, 1e4);
+pub(super) const ANYWHERE: Span = Span::new(-1e4, 1e4);
 
 /// The course in the file at `path`.
 pub(super) fn load(path: &Path) -> Result<Crossing, CliError> {

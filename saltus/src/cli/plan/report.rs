@@ -5,6 +5,7 @@ use saltus::planner::course::Span;
 use saltus::planner::{Check, CrossingAnswer, CrossingPlan, PlannedJump};
 use serde_json::{Value, json};
 
+use super::course::ANYWHERE;
 use crate::cli::limits;
 use crate::output::{self, Cell, Table, digits};
 
@@ -60,7 +61,7 @@ fn row(i: usize, planned: &PlannedJump, checks: &[Check]) -> Vec<Cell> {
     row.extend(
         [planned.landing[0], planned.landing[1], planned.deviation, planned.friction_needed].map(Cell::from),
     );
-    row.push(Cell::Word(if holds { "yes" } else { "no" }));
+    row.push(Cell::Flag(holds));
     row
 }
 
@@ -127,7 +128,9 @@ fn checks_text(plan: &CrossingPlan) -> String {
 }
 
 fn allowed(span: Span) -> String {
-    match (span.low.is_finite(), span.high.is_finite()) {
+    // What the course leaves open spans all that the planner takes.
+    let limits = |x: f64| x.abs() < ANYWHERE.high;
+    match (limits(span.low), limits(span.high)) {
         (true, true) => format!("allowed from {} to {}", digits(span.low, 4), digits(span.high, 4)),
         (true, false) => format!("allowed from {}", digits(span.low, 4)),
         (false, true) => format!("allowed up to {}", digits(span.high, 4)),

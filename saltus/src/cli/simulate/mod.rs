@@ -65,21 +65,24 @@ Examples:
   saltus simulate --omega 5 --alpha-f -0.25:0.05:7 --plot figure-5.9.svg
   saltus simulate --batch jumps.csv --out answers.csv
 
-Values: a number, start:stop:count (both ends included), or several of these with commas; every combination is simulated.
+Values: a number, start:stop:count (both ends included), or several of these with commas; every \
+combination is simulated.
 Suffixes: rad/s, deg/s; rad, deg; s, ms.
 
-Outcomes: stroke (lift-off at the end of the stroke), force (lift-off because the leg's force fell to 0); without a flight:
-stall (came to rest before the firing angle), no-break-away (the valve closed before the leg moved), early-lift-off (left the
-ground before the leg was fired), fall-back (the leg sank back).
+Outcomes: stroke (lift-off at the end of the stroke), force (lift-off because the leg's force fell to 0); \
+without a flight: stall (came to rest before the firing angle), no-break-away (the valve closed before \
+the leg moved), early-lift-off (left the ground before the leg was fired), fall-back (the leg sank back).
 
-CSV columns: omega0_rad_s, phi0_rad, alpha_f_rad, valve_open_s, outcome, t_fire_s, t_liftoff_s; at lift-off phi_rad (lean),
-omega_rad_s (lean rate), d_m, d_dot_m_s (extension and its rate), pressure_pa (chamber, absolute), x_m, y_m, vx_m_s, vy_m_s
-(wheel centre, from the foot); apex_m (greatest height of the centre), land_rs_m and land_0_m (where the centre comes down to
-the wheel's radius and to 0). Numbers have 17 significant digits; a cell is empty where there is no such thing.
+CSV columns: omega0_rad_s, phi0_rad, alpha_f_rad, valve_open_s, outcome, t_fire_s, t_liftoff_s; at \
+lift-off phi_rad (lean), omega_rad_s (lean rate), d_m, d_dot_m_s (extension and its rate), pressure_pa \
+(chamber, absolute), x_m, y_m, vx_m_s, vy_m_s (wheel centre, from the foot); apex_m (greatest height of \
+the centre), land_rs_m and land_0_m (where the centre comes down to the wheel's radius and to 0). Numbers \
+have 17 significant digits; a cell is empty where there is no such thing.
 
-JSON: {\"command\": \"simulate\", \"robot\": NAME, \"jumps\": [{the columns, null where empty}]}. Without --batch, each jump also
-has \"contact\" {least_normal_n, least_normal_time_s, friction_needed, friction_needed_time_s} (friction_needed is null where
-the ground would have to pull) and \"energy\" {drive_j, losses_j, kinetic_j, potential_j}.
+JSON: {\"command\": \"simulate\", \"robot\": NAME, \"jumps\": [{the columns, null where empty}]}. Without \
+--batch, each jump also has \"contact\" {least_normal_n, least_normal_time_s, friction_needed, \
+friction_needed_time_s} (friction_needed is null where the ground would have to pull) and \"energy\" \
+{drive_j, losses_j, kinetic_j, potential_j}.
 
 A jump that does not take off is an answer: the exit code is 0.";
 
