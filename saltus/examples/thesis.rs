@@ -1,0 +1,76 @@
+//! Writes `docs/thesis.md`: chapter 5 of the thesis, section 5.1's valve times and section 5.2, beside what Saltus gets.
+//!
+//! `cargo run --release -p saltus --example thesis`
+//!
+//! Every number is computed here but those of the thesis, which are constants with their place; every claim about ours is
+//! held against the numbers first, so that the page is not written when it would say something that is no longer so.
+
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+
+#[path = "thesis/chart.rs"]
+mod chart;
+#[path = "thesis/family.rs"]
+mod family;
+#[path = "thesis/jumper.rs"]
+mod jumper;
+#[path = "thesis/law.rs"]
+mod law;
+#[path = "thesis/obstacle.rs"]
+mod obstacle;
+#[path = "thesis/valve.rs"]
+mod valve;
+
+/// What a section needs or an error.
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+/// A part of the page, with its drawings by name.
+struct Section {
+    text: String,
+    drawings: Vec<(&'static str, String)>,
+}
+
+const COMMAND: &str = "cargo run --release -p saltus --example thesis";
+
+/// Valve opening time (s) of jumps: past the end of the stroke, as section 5.2.3 keeps it.
+const VALVE_OPEN: f64 = 0.1;
+
+fn main() -> Outcome<()> {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    fs::create_dir_all(docs.join("thesis"))?;
+    let mut page = format!(
+        "<!-- Written by `{COMMAND}`: do not edit. -->\n\n\
+         # The thesis beside Saltus\n\n\
+         Chapter 5 of the thesis on the robot RATS: the valve times of section 5.1 and the jumps of section 5.2, each figure and number \
+         beside what Saltus gets with the robot `rats-planar`. Nothing is tuned to agree. The model is in [model.md](model.md); this page \
+         and its drawings are written by\n\n    {COMMAND}\n\n\
+         The thesis' plots are known here by their axes, captions and text only, so a comparison with a curve is one with its ends.\n"
+    );
+    for section in [valve::section()?, family::section()?, law::section()?, obstacle::section()?] {
+        page.push('\n');
+        page.push_str(section.text.trim());
+        page.push('\n');
+        for (name, svg) in section.drawings {
+            fs::write(docs.join("thesis").join(name), svg)?;
+        }
+    }
+    page.push_str(
+        "\n## Running (5.1)\n\n\
+         \"From rest to 3.2 m/s in less than 3 seconds\", the gaits and their firing angles are results of a wheel that runs on leg after \
+         leg, with slip and with several legs at work. Saltus models one jump of one leg; these are not modelled here, and nothing on this \
+         page says anything about them.\n",
+    );
+    fs::write(docs.join("thesis.md"), page)?;
+    Ok(())
+}
+
+/// Refuses to go on where a claim of the page does not hold.
+fn claim(holds: bool, what: &str) -> Outcome<()> {
+    if holds { Ok(()) } else { Err(format!("the page claims what is not so: {what}").into()) }
+}
+
+/// A negative number with a real minus sign.
+fn signed(x: f64, digits: usize) -> String {
+    format!("{x:.digits$}").replace('-', "−")
+}
