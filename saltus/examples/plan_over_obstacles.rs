@@ -16,12 +16,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         start: 0.0,
         start_height: 0.0,
         jumps: 1,
-        goal: Span::new(0.7, 1.0),
-        obstacles: vec![Obstacle { center: 0.39, width: 0.21, height: 0.21 }],
+        goal: Span::new(0.8, 1.0),
+        obstacles: vec![Obstacle { center: 0.435, width: 0.21, height: 0.21 }],
         no_landing: Vec::new(),
     };
-    // At 5 rad/s; the wheel stays a centimetre clear of the box, and the foot must hold on rubber.
-    let crossing = Crossing { clearance: 0.01, friction: Some(0.8), ..Crossing::new(course, 5.0) };
+    // At 5.5 rad/s; the wheel stays a centimetre clear of the box, and the foot must hold on rubber.
+    let crossing = Crossing { clearance: 0.01, friction: Some(0.8), ..Crossing::new(course, 5.5) };
 
     match planner.cross(&crossing)? {
         CrossingAnswer::Plan(plan) => {

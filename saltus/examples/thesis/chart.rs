@@ -21,6 +21,7 @@ pub(crate) type Axis = (&'static str, f64, f64);
 pub(crate) enum Stroke {
     Solid,
     Dotted,
+    Faint,
 }
 
 /// A chart in the making.
@@ -59,6 +60,7 @@ impl Chart {
             points.iter().map(|p| self.place(*p)).map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
         let dashes = match stroke {
             Stroke::Solid => "",
+            Stroke::Faint => " opacity=\"0.25\"",
             Stroke::Dotted => " stroke-dasharray=\"2 4\"",
         };
         let points = points.join(" ");
@@ -88,7 +90,7 @@ impl Chart {
         self.mark(format_args!("<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{text}</text>"));
     }
 
-    /// A line of the key, in the lower left corner or the upper right one.
+    /// A line of the key, in the upper right corner.
     pub(crate) fn key(&mut self, text: &str, color: &str) {
         let y = TOP + 18.0 + 17.0 * self.keys as f64;
         let x = WIDTH - RIGHT - 8.0;

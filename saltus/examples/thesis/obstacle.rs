@@ -41,13 +41,12 @@ pub(crate) fn section() -> Outcome<Section> {
         let metre = best_front(&planner, entry.jump)?;
         metre_rows += &row(&planner, rate, &metre, radius)?;
         metre_margins.push(metre.margin);
-        if rate == RATES[4] {
-            draw(&mut chart, &planner, &best, COLORS[0], "best at 6 rad/s")?;
-            draw(&mut chart, &planner, &metre, COLORS[1], "one metre at 6 rad/s")?;
-        }
     }
     let least = least_rate(&planner)?;
     let slow = best_at(&planner, least)?;
+    let fast = best_at(&planner, RATES[4])?;
+    draw(&mut chart, &planner, &slow, COLORS[1], &format!("{least:.2} rad/s: just clears the box"))?;
+    draw(&mut chart, &planner, &fast, COLORS[0], &format!("{} rad/s", RATES[4]))?;
     let metre_clears = metre_margins.iter().any(|margin| *margin > 0.0);
     let text = format!(
         "## The box of 21 cm (5.2.3, figures 5.10 and 5.11)\n\n\
@@ -167,7 +166,7 @@ fn draw(chart: &mut Chart, planner: &Planner, over: &Over, color: &str, key: &st
         let (x, y) = flight[i * (flight.len() - 1) / 4];
         let rim = range(0.0, std::f64::consts::TAU, 73);
         let rim: Vec<_> = rim.iter().map(|t| (x + radius * t.cos(), y + radius * t.sin())).collect();
-        chart.line(&rim, "#d0d0d0", Stroke::Solid);
+        chart.line(&rim, color, Stroke::Faint);
     }
     chart.line(&stance, color, Stroke::Solid);
     chart.line(&flight, color, Stroke::Dotted);

@@ -45,11 +45,11 @@ pub(crate) fn section() -> Outcome<Section> {
     ];
     let mut chart = Chart::new(
         ("valve opening time (ms)", 15.0, 80.0),
-        ("greatest pivot angle of the boom (rad)", 0.0, 0.24),
+        ("greatest pivot angle of the boom (rad)", 0.0, 0.28),
         330.0,
     );
     chart.block((TIMES.0, ANGLES.0), (TIMES.1, ANGLES.1), "#f1efe6");
-    chart.text((26.5, 0.149), "axes of figure 5.2");
+    chart.text((53.5, 0.05), "axes of figure 5.2");
     let mut rows = String::new();
     for (i, (name, overrides)) in robots.iter().enumerate() {
         let planner = planner(overrides)?;
