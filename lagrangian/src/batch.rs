@@ -511,7 +511,7 @@ impl<'a> Crew<'a> {
             y[k] = column[i];
         }
         y[GAS] = self.chamber.pressure(lane.piece.flow, y[GAS]) / MEGA;
-        let outcome = self.one.unless_fallen(outcome, &y);
+        let outcome = outcome.unless_fallen(y[LEAN]);
         Some(LiftOff::new(self.one, outcome, lane.ready.time_fire, &y))
     }
 }

@@ -39,6 +39,11 @@ impl Outcome {
         }
     }
 
+    /// A wheel at or below the ground has not lifted off, whatever its leg did.
+    pub(crate) fn unless_fallen(self, lean: f64) -> Outcome {
+        if lean.abs() < std::f64::consts::FRAC_PI_2 { self } else { Outcome::FallBack }
+    }
+
     /// Whether the robot flies.
     pub fn is_jump(self) -> bool {
         matches!(self, Outcome::Stroke | Outcome::Force)
@@ -336,19 +341,16 @@ impl<S: Single> Stance<S> {
                     pace.step = pace.step.min(FIRST_STEP);
                 }
                 Some(Extension::<S>::REACHED) if next.value() < self.leg.stroke.value() => passed = next,
-                Some(Extension::<S>::REACHED) => return Ok((self.unless_fallen(Outcome::Stroke, &y), y)),
-                Some(Extension::<S>::FORCE) => return Ok((self.unless_fallen(Outcome::Force, &y), y)),
+                Some(Extension::<S>::REACHED) => {
+                    return Ok((Outcome::Stroke.unless_fallen(y[LEAN].value()), y));
+                }
+                Some(Extension::<S>::FORCE) => return Ok((Outcome::Force.unless_fallen(y[LEAN].value()), y)),
                 Some(Extension::<S>::EDGE_ABOVE) => side = 1.0,
                 Some(Extension::<S>::EDGE_BELOW) => side = -1.0,
                 Some(_) => return Ok((Outcome::FallBack, y)),
             }
         }
         Err(StanceError::TooLong { time: y[TIME].value() })
-    }
-
-    /// A wheel at or below the ground has not lifted off.
-    pub(crate) fn unless_fallen(&self, outcome: Outcome, y: &State<S>) -> Outcome {
-        if y[LEAN].value().abs() < std::f64::consts::FRAC_PI_2 { outcome } else { Outcome::FallBack }
     }
 
     fn port(&self) -> Option<S> {

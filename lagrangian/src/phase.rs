@@ -243,18 +243,15 @@ impl<S: Single> Extension<'_, S> {
     #[inline(always)]
     fn dynamics(&self, y: &State<S>) -> (State<S>, Force<S>, S) {
         let stance = self.stance;
-        match (stance.leg.chamber(), &self.piece) {
-            (Some(chamber), Some(piece)) => {
-                let (gas, about) = stance.gas(y, chamber, &piece.valve);
-                let force = self.force_at(y, gas.pressure);
-                let mut dy = stance.motion(y, force.value, about);
-                dy[GAS] = piece.rate(chamber, &gas);
-                (dy, force, dy[GAS] * gas.pressure_per_variable)
-            }
-            _ => {
-                let force = self.force_at(y, S::of(0.0));
-                (stance.motion(y, force.value, stance.about_foot(y).inverse()), force, S::of(0.0))
-            }
+        if let (Some(chamber), Some(piece)) = (stance.leg.chamber(), &self.piece) {
+            let (gas, about) = stance.gas(y, chamber, &piece.valve);
+            let force = self.force_at(y, gas.pressure);
+            let mut dy = stance.motion(y, force.value, about);
+            dy[GAS] = piece.rate(chamber, &gas);
+            (dy, force, dy[GAS] * gas.pressure_per_variable)
+        } else {
+            let force = self.force_at(y, S::of(0.0));
+            (stance.motion(y, force.value, stance.about_foot(y).inverse()), force, S::of(0.0))
         }
     }
 }

@@ -54,6 +54,7 @@ impl<S: Scalar> AboutFoot<S> {
 }
 
 /// What the pivoting of an extending leg depends on.
+#[derive(Clone, Copy)]
 pub(crate) struct Pivoting<S> {
     /// R (m).
     reach: S,
@@ -193,16 +194,16 @@ impl Launch<f64> {
 impl<S: Single> Launch<S> {
     pub(crate) fn check(&self) -> Result<(), StanceError> {
         let angle = "a finite angle strictly between -pi/2 and pi/2 rad";
-        let upright = |x: f64| x.abs() < std::f64::consts::FRAC_PI_2;
-        let positive = |x: f64| (0.0..=1e3).contains(&x);
-        let cases: [(&'static str, S, fn(f64) -> bool, &'static str); 4] = [
-            ("approach rate (rad/s)", self.rate, positive, "from 0 to 1000 rad/s"),
-            ("start lean (rad)", self.lean, upright, angle),
-            ("firing angle (rad)", self.firing_angle, upright, angle),
-            ("valve opening time (s)", self.valve_open, positive, "from 0 to 1000 s"),
+        let is_upright = |x: S| x.value().abs() < std::f64::consts::FRAC_PI_2;
+        let is_moderate = |x: S| (0.0..=1e3).contains(&x.value());
+        let cases = [
+            ("approach rate (rad/s)", self.rate, is_moderate(self.rate), "from 0 to 1000 rad/s"),
+            ("start lean (rad)", self.lean, is_upright(self.lean), angle),
+            ("firing angle (rad)", self.firing_angle, is_upright(self.firing_angle), angle),
+            ("valve opening time (s)", self.valve_open, is_moderate(self.valve_open), "from 0 to 1000 s"),
         ];
         for (name, x, is_legal, allowed) in cases {
-            if !is_legal(x.value()) {
+            if !is_legal {
                 return Err(StanceError::Input { name, value: x.value(), allowed });
             }
         }

@@ -119,9 +119,9 @@ impl Piece {
             let (f, slope) = self.at(x);
             let f = f - value;
             if (f > 0.0) == rising {
-                b = x
+                b = x;
             } else {
-                a = x
+                a = x;
             }
             let newton = x - f / slope;
             let next = if newton > a && newton < b { newton } else { 0.5 * (a + b) };

@@ -328,9 +328,9 @@ impl<S: Single> Chamber<S> {
         for _ in 0..50 {
             let residual = law(m) - m;
             if residual.value() > 0.0 {
-                low = m.value()
+                low = m.value();
             } else {
-                high = m.value()
+                high = m.value();
             }
             let width = 1e-7 * high.max(1e-12);
             let slope = (law(m + S::of(width)) - law(m - S::of(width))).value() / (2.0 * width) - 1.0;

@@ -104,10 +104,6 @@ const CASES: &[(&str, &[&str])] = &[
         &["--landing-height", "must be a height from -1000 to 1000 m"],
     ),
     ("law --omega 3:6:5 --distance 1 --tolerance 0", &["--tolerance", "\"0\" must be a length above 0"]),
-    (
-        "law --omega 4:6:5 --clearance 2cm --obstacle 0.4,0.05,0.1",
-        &["--clearance 0.02 m: must be asked for with --firing-angles"],
-    ),
     ("map --omega 5", &["--alpha-f <ANGLES>"]),
     // Robots.
     ("simulate --omega 5 --alpha-f 0 --robot rat", &["rat: no such robot or file", "rats-planar"]),

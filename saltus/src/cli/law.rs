@@ -2,7 +2,7 @@
 
 use clap::Args;
 use saltus::planner::{self, LawPoint, Nearest, Roots, TableRequest};
-use saltus::{Launch, Planner, Robot};
+use saltus::{Planner, Robot};
 use serde_json::{Value, json};
 
 use super::Status;
