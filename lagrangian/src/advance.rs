@@ -67,6 +67,8 @@ impl<S: Single, P: Phase<S, M>, const M: usize> Derivative<S, WIDTH> for AlongGu
 const PASSED: f64 = -1e-9;
 /// Shortest step (s).
 const LEAST_STEP: f64 = 1e-13;
+/// Most steps of one jump: an ordinary one takes ten to a hundred.
+const MOST_STEPS: u32 = 10_000;
 /// Longest phase (s).
 const LONGEST: f64 = 30.0;
 
@@ -77,6 +79,8 @@ pub(crate) struct Pace {
     pub step: f64,
     /// Error tolerance.
     pub tolerance: f64,
+    /// Steps tried so far.
+    pub steps: u32,
 }
 
 /// Carries `y` through `phase` to its first event, whose number is returned, or to the time `end` (none).
@@ -114,6 +118,10 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
         let now = y[TIME].value();
         if now - begin > LONGEST {
             return Err(StanceError::TooLong { time: now });
+        }
+        pace.steps += 1;
+        if pace.steps > MOST_STEPS {
+            return Err(StanceError::TooManySteps { time: now, steps: MOST_STEPS });
         }
         let trial = pace.step.min(longest);
         let foreseen = foresee(&here, &armed, 0.9 * trial);

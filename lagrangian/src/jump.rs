@@ -140,8 +140,8 @@ impl<S: Single> Stance<S> {
     /// Source: thesis §5.2, MODEL "One jump, phase by phase".
     ///
     /// # Errors
-    /// [`StanceError::Input`] for an input outside its domain; [`StanceError::StepTooSmall`] or
-    /// [`StanceError::TooLong`] where the leg's parameters allow no solution.
+    /// [`StanceError::Input`] for an input outside its domain; [`StanceError::StepTooSmall`],
+    /// [`StanceError::TooManySteps`] or [`StanceError::TooLong`] where the leg's parameters allow no solution.
     pub fn jump(&self, launch: &Launch<S>) -> Result<LiftOff<S>, StanceError> {
         self.run(launch, &mut Unobserved)
     }
@@ -155,7 +155,7 @@ impl<S: Single> Stance<S> {
         let start = self.start(launch);
         let invariant = self.pendulum.invariant(launch.lean, launch.rate);
         let early = self.pendulum.lift_off_lean(invariant, launch.lean);
-        let mut pace = Pace { step: FIRST_STEP, tolerance: self.tolerance };
+        let mut pace = Pace { step: FIRST_STEP, tolerance: self.tolerance, steps: 0 };
         let end = |outcome, time_fire, y: &State<S>| Ok(LiftOff::new(self, outcome, time_fire, y));
 
         let fired = match self.pivot(launch, start, early, &mut pace, observer)? {

@@ -252,8 +252,13 @@ impl<S: Single> Chamber<S> {
 
     /// The valve on the piece `flow`.
     pub fn valve(&self, flow: Flow) -> Valve<S> {
+        let mut law = self.valve_law(flow);
+        if self.droops(flow) {
+            // The whole of this flow is among the extra ones: near balance the plain one is all cancellation.
+            law.flow = S::of(0.0);
+        }
         Valve {
-            law: self.valve_law(flow),
+            law,
             sonic: !flow.is_subsonic(),
             outward: flow == Flow::ExhaustSubsonic,
         }
@@ -291,8 +296,13 @@ impl<S: Single> Chamber<S> {
         }
     }
 
-    /// Mass flow (kg/s) into the chamber besides the valve's plain law: leak, exhaust port, and what a drooping
-    /// supply takes back.
+    /// Whether the supply droops on the piece `flow` in a way that the plain law does not know.
+    fn droops(&self, flow: Flow) -> bool {
+        self.droop.value() > 0.0 && flow == Flow::FillSubsonic
+    }
+
+    /// Mass flow (kg/s) into the chamber besides that of [`valve`](Chamber::valve): leak, exhaust port, and all that
+    /// a drooping supply gives below sonic speed.
     pub fn extra_inflow(&self, flow: Flow, p: S, port_open: bool) -> S {
         let mut out = self.leak;
         if let (true, Some((_, conductance))) = (port_open, self.port) {
@@ -302,8 +312,8 @@ impl<S: Single> Chamber<S> {
         if out.value() > 0.0 {
             inflow = inflow - out * self.law.flow(p, self.ambient);
         }
-        if self.droop.value() > 0.0 && flow == Flow::FillSubsonic {
-            inflow = inflow + self.drooping_flow(p) - self.conductance * self.law.flow(self.supply, p);
+        if self.droops(flow) {
+            inflow = inflow + self.drooping_flow(p);
         }
         inflow
     }
@@ -337,7 +347,7 @@ impl<S: Single> Chamber<S> {
             let next = m - residual * S::of(1.0 / slope);
             if !(low..=high).contains(&next.value()) {
                 m = S::of(0.5 * (low + high));
-            } else if (next - m).value().abs() <= 1e-15 * high {
+            } else if (next - m).value().abs() <= 1e-14 * high {
                 return next;
             } else {
                 m = next;
