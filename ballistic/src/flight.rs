@@ -3,6 +3,7 @@
 use saltus_numeric::{Scalar, Single};
 
 use crate::FlightError;
+use crate::polynomial::Polynomial;
 
 /// A flight in vacuum, given by the state of the wheel's centre at lift-off, where t = 0.
 ///
@@ -107,6 +108,32 @@ impl<S: Single> Flight<S> {
     #[inline]
     pub fn range_to_height(&self, height: S) -> Result<S, FlightError> {
         Ok(self.vx.mul_add(self.time_to_height(height)?, self.x))
+    }
+
+    /// Least distance (m) from the wheel's centre to `point` (m) from time `from` to `to` (s) after lift-off, with its
+    /// exact derivatives: a corner that the wheel passes, at a tenth of the price of [`clearance`](Flight::clearance).
+    ///
+    /// The squared distance is a quartic in time; its minima are among the roots of its derivative and the ends.
+    pub fn distance_to_point(&self, point: [f64; 2], from: S, to: S) -> S {
+        let Flight { x, y, vx, vy, gravity } = self.values();
+        let (x, y) = (x - point[0], y - point[1]);
+        let slope = Polynomial([
+            x * vx + y * vy,
+            vx * vx + vy * vy - gravity * y,
+            -1.5 * gravity * vy,
+            0.5 * gravity * gravity,
+            0.0,
+        ]);
+        let squared = |t: S| {
+            let [x, y] = self.position(t);
+            let (x, y) = (x - S::of(point[0]), y - S::of(point[1]));
+            x * x + y * y
+        };
+        let roots = slope.roots(from.value(), to.value());
+        // At an inner minimum the time counts as constant: the distance does not change with it.
+        let inner = roots.as_slice().iter().map(|&t| S::of(t));
+        let nearer = |a: S, b: S| if b.value() < a.value() { b } else { a };
+        inner.map(&squared).fold(nearer(squared(from), squared(to)), nearer).sqrt()
     }
 
     /// Points (t, x, y) of the path at `count` evenly spaced times from `from` to `to` (s), both included: for plots.

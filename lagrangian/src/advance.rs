@@ -65,6 +65,8 @@ impl<S: Single, P: Phase<S, M>, const M: usize> Derivative<S, WIDTH> for AlongGu
 
 /// A guard nearer to 0 than this at the start of a phase, and falling, is the one that was just passed.
 const PASSED: f64 = -1e-9;
+/// A guard that changes by less (1/s) stands still but for round-off.
+const STANDING: f64 = 1e-6;
 /// Shortest step (s).
 const LEAST_STEP: f64 = 1e-13;
 /// Most steps of one jump: an ordinary one takes ten to a hundred.
@@ -104,7 +106,7 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
     // Two events at once: the other one is due now.
     let due = |i: &usize| {
         let (guard, rate) = (here.guards[*i].value(), here.guard_rates[*i].value());
-        (0.0..=-PASSED).contains(&guard) && rate > 0.0
+        (0.0..=-PASSED).contains(&guard) && rate > STANDING
     };
     if let Some(i) = (0..M).find(due) {
         return Ok(Some(i));

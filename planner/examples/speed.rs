@@ -6,8 +6,9 @@ use std::error::Error;
 use std::time::Instant;
 
 use saltus_lagrangian::Launch;
+use saltus_planner::course::{Course, Obstacle, Span};
 use saltus_planner::{
-    FIRING_ANGLES, Jump, Measure, PLANNING_TOLERANCE, Planner, Roots, TableRequest,
+    Crossing, CrossingAnswer, FIRING_ANGLES, Jump, Measure, PLANNING_TOLERANCE, Planner, Roots, TableRequest,
 };
 use saltus_robot::Robot;
 
@@ -102,6 +103,29 @@ fn table(planner: &Planner) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// The 21 cm box of thesis §5.2.3, 46 cm before the foot at 5 rad/s, with and without friction as a limit.
+fn plan(planner: &Planner) -> Result<(), Box<dyn Error>> {
+    let course = Course {
+        id: "box".into(),
+        start: 0.0,
+        start_height: 0.0,
+        jumps: 1,
+        goal: Span::new(0.7, 1.1),
+        obstacles: vec![Obstacle { center: 0.46, width: 0.21, height: 0.21 }],
+        no_landing: Vec::new(),
+    };
+    for friction in [None, Some(0.5)] {
+        let crossing = Crossing { friction, ..Crossing::new(course.clone(), 5.0) };
+        let CrossingAnswer::Plan(plan) = planner.cross(&crossing)? else { return Err("no plan".into()) };
+        let [least, median, most] = time(|| usize::from(planner.cross(&crossing).is_ok())).map(|s| s * 1e3);
+        println!(
+            "saltus plan over a 21 cm box, friction limit {friction:?}: {median:.3} ms [{least:.3}..{most:.3}], verified: {}",
+            plan.is_verified()
+        );
+    }
+    Ok(())
+}
+
 /// Least, median and greatest time (s) of nine runs, each long enough to be measured.
 fn time(run: impl Fn() -> usize) -> [f64; 3] {
     let mut times: Vec<f64> = (0..9)
@@ -138,6 +162,7 @@ fn random(count: usize) -> Vec<Launch> {
 
 /// The numbers of a CSV file; its words become NaN.
 fn read(path: &str) -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
-    let text = std::fs::read_to_string(path).map_err(|e| format!("{path}: {e}; run from the repository's root"))?;
+    let text =
+        std::fs::read_to_string(path).map_err(|e| format!("{path}: {e}; run from the repository's root"))?;
     Ok(text.lines().skip(1).map(|l| l.split(',').map(|x| x.parse().unwrap_or(f64::NAN)).collect()).collect())
 }

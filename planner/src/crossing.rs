@@ -4,15 +4,16 @@
 //! derivatives, and [`course::plan`] searches and solves. The plan is then flown again, finely, and held against every
 //! limit: see [`Check`].
 
-use saltus_ballistic::{Disc, DragFlight, ExtendedLeg, Obstacle as Solid};
+use saltus_ballistic::{Disc, DragFlight, ExtendedLeg, Flight, Obstacle as Solid};
 use saltus_lagrangian::{FINE, Launch, Stance, StanceError};
-use saltus_numeric::{Scalar, Single};
+use saltus_numeric::{Dual, Scalar, Single};
 use saltus_robot::Parameter;
 
 use crate::course::{
-    self, Answer, Course, CourseError, Envelope, Flight, Jumper, Leap, Limit, Margin, Relief, Side, Slope, Span,
+    self, Answer, Course, CourseError, Envelope, Jumper, Leap, Limit, Margin, Relief, Slope, Span,
 };
 use crate::jump::{Jump, Planner};
+use crate::table::FIRING_ANGLES;
 
 /// What is to be crossed, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,6 +141,30 @@ pub enum CrossingError {
 }
 
 impl Crossing {
+    /// `course` at one approach rate (rad/s): stances start at firing angles of [`FIRING_ANGLES`], the valve opens for 20
+    /// to 100 ms, the last landing should be in the middle of the goal, and nothing else is asked for.
+    ///
+    /// A decimetre off the target costs as much as opening the valve for a second.
+    pub fn new(course: Course, rate: f64) -> Crossing {
+        Crossing {
+            target: f64::midpoint(course.goal.low, course.goal.high),
+            course,
+            rates: vec![rate],
+            start_lean: None,
+            firing_angles: Span::new(FIRING_ANGLES.0, FIRING_ANGLES.1),
+            valve_open: Span::new(0.02, 0.1),
+            zones: Vec::new(),
+            roll: 0.0,
+            clearance: 0.0,
+            edge_margin: 0.0,
+            leg_out: 0.0,
+            friction: None,
+            sigmas: 0.0,
+            deviation_weight: 100.0,
+            effort_weight: 1.0,
+        }
+    }
+
     /// The approach rate (rad/s) of jump number `jump`.
     fn rate(&self, jump: usize) -> f64 {
         self.rates[jump.min(self.rates.len() - 1)]
@@ -159,25 +184,51 @@ impl Crossing {
             ("approach_rate_rad_s", bad_rate.unwrap_or(0.0), bad_rate.is_none(), "from 0 to 1000 rad/s"),
             ("start_lean_rad", self.start_lean.unwrap_or(0.0), self.start_lean.is_none_or(upright), angle),
             ("firing_angle_rad", angles.low, upright(angles.low), angle),
-            ("firing_angle_rad", angles.high, upright(angles.high) && angles.high > angles.low, "above its least value, below pi/2 rad"),
+            (
+                "firing_angle_rad",
+                angles.high,
+                upright(angles.high) && angles.high > angles.low,
+                "above its least value, below pi/2 rad",
+            ),
             ("valve_open_s", valve.low, valve.low > 0.0 && valve.low <= 1e3, "above 0, to 1000 s"),
-            ("valve_open_s", valve.high, valve.high > valve.low && valve.high <= 1e3, "above its least value, to 1000 s"),
+            (
+                "valve_open_s",
+                valve.high,
+                valve.high > valve.low && valve.high <= 1e3,
+                "above its least value, to 1000 s",
+            ),
             ("target_x_m", self.target, self.target.abs() <= 1e4, "from -10000 to 10000 m"),
             ("roll_m", self.roll, length(self.roll), positive),
             ("clearance_m", self.clearance, length(self.clearance), positive),
             ("edge_margin_m", self.edge_margin, length(self.edge_margin), positive),
             ("leg_out_s", self.leg_out, length(self.leg_out), positive),
-            ("friction_coefficient", self.friction.unwrap_or(0.0), self.friction.is_none_or(length), positive),
+            (
+                "friction_coefficient",
+                self.friction.unwrap_or(0.0),
+                self.friction.is_none_or(length),
+                positive,
+            ),
             ("margin_sigmas", self.sigmas, length(self.sigmas), positive),
-            ("deviation_weight", self.deviation_weight, self.deviation_weight >= 0.0 && self.deviation_weight.is_finite(), positive),
-            ("effort_weight", self.effort_weight, self.effort_weight >= 0.0 && self.effort_weight.is_finite(), positive),
+            (
+                "deviation_weight",
+                self.deviation_weight,
+                self.deviation_weight >= 0.0 && self.deviation_weight.is_finite(),
+                positive,
+            ),
+            (
+                "effort_weight",
+                self.effort_weight,
+                self.effort_weight >= 0.0 && self.effort_weight.is_finite(),
+                positive,
+            ),
         ];
         for (key, value, holds, allowed) in cases {
             if !holds {
                 return Err(CrossingError::Input { key, value, allowed });
             }
         }
-        let backwards = self.zones.iter().flatten().find(|z| z.is_empty() || !z.low.is_finite() || !z.high.is_finite());
+        let backwards =
+            self.zones.iter().flatten().find(|z| z.is_empty() || !z.low.is_finite() || !z.high.is_finite());
         match backwards {
             Some(zone) => Err(CrossingError::Input {
                 key: "land.to_x_m",
@@ -259,19 +310,20 @@ impl Planner {
             if let Some(friction) = crossing.friction {
                 check("friction needed".into(), friction_needed, Span::new(0.0, friction));
             }
-            jumps.push(PlannedJump { foot: [foot, from], jump, landing: [landing, to], deviation, friction_needed });
+            jumps.push(PlannedJump {
+                foot: [foot, from],
+                jump,
+                landing: [landing, to],
+                deviation,
+                friction_needed,
+            });
             foot = landing + crossing.roll;
         }
         Ok(CrossingPlan { jumps, search, checks })
     }
 
     /// Standard deviation (m) of the landing at `height` (m) above the foot, to first order; 0 where there is none.
-    fn landing_deviation(
-        &self,
-        stance: &Stance<saltus_numeric::Dual<4>>,
-        launch: &Launch,
-        height: f64,
-    ) -> f64 {
+    fn landing_deviation(&self, stance: &Stance<Dual<4>>, launch: &Launch, height: f64) -> f64 {
         self.sensitive_jump(stance, launch)
             .ok()
             .and_then(|jump| jump.distance(height))
@@ -352,29 +404,32 @@ fn clearance<S: Single>(
     flight.clearance(&disc, solid, S::of(0.0), landing).ok().map(|c| c.distance)
 }
 
-/// Costs are about 1 and lengths are known to a nanometre, so that a closer solution would fit noise; the start is within
-/// a third of the range of the answer.
+/// Costs are about 1 and a tenth of a millimetre off the target costs 1e-6; the start is within a third of the range of the answer.
 const SOLVER: course::sqp::Settings =
-    course::sqp::Settings { iterations: 60, tolerance: 1e-7, feasibility: 1e-8, radius: 0.3 };
+    course::sqp::Settings { iterations: 60, tolerance: 1e-6, feasibility: 1e-7, radius: 0.3 };
+
+/// Error tolerance of the stances while searching: lengths are then right to some ten nanometres, well within what the
+/// check of the finished plan allows.
+const SEARCH_TOLERANCE: f64 = 2e-8;
 
 /// Firing angles at which the reach of the jumps is sampled.
-const SAMPLES: usize = 24;
+const SAMPLES: usize = 16;
 
 /// The robot as a [`Jumper`]: decisions are firing angle (rad) and valve opening time (s).
 struct Roller<'a> {
     planner: &'a Planner,
     crossing: &'a Crossing,
-    /// The model with the derivatives of a [`Slope`].
-    stance: Stance<Slope>,
-    sensitive: Stance<saltus_numeric::Dual<4>>,
+    /// The model with the derivatives by the two decisions.
+    stance: Stance<Dual<2>>,
+    sensitive: Stance<Dual<4>>,
     /// For each jump its flights over the firing angles, with the valve open longest and then shortest.
     samples: Vec<[Vec<Jump>; 2]>,
 }
 
 impl<'a> Roller<'a> {
     fn new(planner: &'a Planner, crossing: &'a Crossing) -> Roller<'a> {
-        let lift = |_: Parameter, x: f64| Slope::of(x);
-        let stance = Stance::new(planner.robot(), lift).with_tolerance(planner.stance().tolerance);
+        let stance =
+            Stance::new(planner.robot(), |_: Parameter, x: f64| Dual::of(x)).with_tolerance(SEARCH_TOLERANCE);
         let angles = crossing.firing_angles;
         let sample = |jump: usize| {
             [crossing.valve_open.high, crossing.valve_open.low].map(|valve_open| {
@@ -420,7 +475,7 @@ impl<'a> Roller<'a> {
         &self,
         leap: &Leap,
         foot: Slope,
-        launch: &Launch<Slope>,
+        launch: &Launch<Dual<2>>,
         margins: &mut Vec<Margin<Slope>>,
     ) -> Option<Slope> {
         let trace = match self.crossing.friction {
@@ -429,29 +484,44 @@ impl<'a> Roller<'a> {
         };
         let end = trace.as_ref().map_or_else(|| self.stance.jump(launch), |t| Ok(t.lift_off)).ok()?;
         let environment = &self.planner.robot().environment;
-        let (gravity, drag) = (Slope::of(environment.gravity), Slope::of(environment.drag));
-        let flight = Jump::new(*launch, end, gravity, drag).flight?;
+        let (gravity, drag) = (Dual::of(environment.gravity), Dual::of(environment.drag));
+        let flight = widen_flight(&Jump::new(*launch, end, gravity, drag).flight?);
         let height = self.landing_height(leap);
         let landing = foot + flight.range_to_height(Slope::of(height)).ok()?;
         // The flight along the course, so that clearances know how the foothold moves.
         let mut along = flight;
         along.vacuum.x = along.vacuum.x + foot;
         for edge in &leap.edges {
-            // A thin post at the edge: the path is concave, so that between two edges it is clear if it is over both.
-            let width = 1e-3;
-            let (front, back) =
-                if edge.side == Side::Front { (edge.x, edge.x + width) } else { (edge.x - width, edge.x) };
-            let post = Solid::block([front, -leap.from - 1e-3], [back, edge.top - leap.from]).ok()?;
-            let radius = self.planner.robot().body.radius;
-            let gap = clearance(&along, self.crossing, radius, end.reach, &post, height)?;
+            let gap = self.edge_gap(&along, edge.x, leap.from, edge.top, widen(end.reach), height)?;
             let limit = Limit::Edge { obstacle: edge.obstacle, side: edge.side };
             margins.push(Margin { limit, value: gap - Slope::of(self.crossing.clearance) });
         }
         if let (Some(friction), Some(trace)) = (self.crossing.friction, trace) {
-            let value = Slope::of(friction) - trace.contact.friction_needed;
+            let value = Slope::of(friction) - widen(trace.contact.friction_needed);
             margins.push(Margin { limit: Limit::Robot("friction"), value });
         }
         Some(landing)
+    }
+
+    /// Clearance (m) over the edge of a box. The path is concave, so that between two edges it is clear if it is over both.
+    fn edge_gap(
+        &self,
+        flight: &DragFlight<Slope>,
+        x: f64,
+        from: f64,
+        top: f64,
+        reach: Slope,
+        height: f64,
+    ) -> Option<Slope> {
+        let radius = self.planner.robot().body.radius;
+        if flight.drag.value == 0.0 && self.crossing.leg_out == 0.0 {
+            let landing = flight.vacuum.time_to_height(Slope::of(height)).ok()?;
+            let distance = flight.vacuum.distance_to_point([x, top - from], Slope::of(0.0), landing);
+            return Some(distance - Slope::of(radius));
+        }
+        // A post a millimetre thin stands for the edge.
+        let post = Solid::block([x - 5e-4, -from - 1e-3], [x + 5e-4, top - from]).ok()?;
+        clearance(flight, self.crossing, radius, reach, &post, height)
     }
 
     /// Limits of every jump, in their order, for one that does not reach the surface.
@@ -462,6 +532,19 @@ impl<'a> Roller<'a> {
         margins.extend(edges.map(nothing));
         margins.extend(self.crossing.friction.map(|_| nothing(Limit::Robot("friction"))));
     }
+}
+
+/// A number with its slopes by the two decisions, as one that could also depend on the foothold.
+fn widen(x: Dual<2>) -> Slope {
+    let [by_angle, by_opening] = x.slope;
+    Slope { value: x.value, slope: [0.0, by_angle, by_opening] }
+}
+
+/// As [`widen`], for a flight.
+fn widen_flight(flight: &DragFlight<Dual<2>>) -> DragFlight<Slope> {
+    let Flight { x, y, vx, vy, gravity } = flight.vacuum;
+    let vacuum = Flight { x: widen(x), y: widen(y), vx: widen(vx), vy: widen(vy), gravity: widen(gravity) };
+    DragFlight { vacuum, drag: widen(flight.drag) }
 }
 
 impl Jumper for Roller<'_> {
@@ -475,11 +558,13 @@ impl Jumper for Roller<'_> {
         foot: Slope,
         [firing_angle, valve_open]: [Slope; 2],
         margins: &mut Vec<Margin<Slope>>,
-    ) -> Flight<Slope> {
-        let lean = self.crossing.start_lean.map_or(firing_angle, Slope::of);
-        let rate = Slope::of(self.crossing.rate(leap.jump));
+    ) -> course::Flight<Slope> {
+        let (angle, open) = (Dual::variable(firing_angle.value, 0), Dual::variable(valve_open.value, 1));
+        let lean = self.crossing.start_lean.map_or(angle, Dual::of);
+        let rate = Dual::of(self.crossing.rate(leap.jump));
         let before = margins.len();
-        let landing = self.try_fly(leap, foot, &Launch { rate, lean, firing_angle, valve_open }, margins);
+        let launch_here = Launch { rate, lean, firing_angle: angle, valve_open: open };
+        let landing = self.try_fly(leap, foot, &launch_here, margins);
         if landing.is_none() {
             margins.truncate(before);
             self.no_margins(leap, margins);
@@ -500,9 +585,9 @@ impl Jumper for Roller<'_> {
         let off = landing - Slope::of(self.crossing.target);
         let is_last = leap.jump + 1 == self.crossing.course.jumps;
         let weight = if is_last { self.crossing.deviation_weight } else { 0.0 };
-        let cost = Slope::of(weight) * off * off
-            + Slope::of(self.crossing.effort_weight) * valve_open * valve_open;
-        Flight { landing, cost, deviation: Slope::of(deviation) }
+        let cost =
+            Slope::of(weight) * off * off + Slope::of(self.crossing.effort_weight) * valve_open * valve_open;
+        course::Flight { landing, cost, deviation: Slope::of(deviation) }
     }
 
     /// The sampled jump that misses the landing and the heights over the edges least, moved onto the landing where it
@@ -515,7 +600,8 @@ impl Jumper for Roller<'_> {
             .iter()
             .filter_map(|jump| {
                 let distance = jump.distance(height)?;
-                let short: f64 = leap.edges.iter().map(|edge| self.shortfall(leap, edge.x - foot, edge.top, jump)).sum();
+                let short: f64 =
+                    leap.edges.iter().map(|edge| self.shortfall(leap, edge.x - foot, edge.top, jump)).sum();
                 Some((jump.launch.firing_angle, distance, short))
             })
             .collect();

@@ -1,1 +1,27 @@
-//! To be written.
+//! Saltus plans the jumps of legged robots and checks its own plans.
+//!
+//! This is the front door: what a program needs of the crates behind it. A jump of the thesis' robot that rolls at 5 rad/s
+//! onto its leg and fires it 0.1 rad before the upright:
+//!
+//! ```
+//! use saltus::{Launch, Planner, Robot};
+//!
+//! let planner = Planner::new(Robot::rats_planar());
+//! let jump = planner.jump(&Launch::at_firing(5.0, -0.1, 0.1))?;
+//! assert!(jump.apex().is_some_and(|apex| (apex - 0.556).abs() < 1e-3));
+//! assert!(jump.distance(0.0).is_some_and(|distance| (distance - 0.907).abs() < 1e-3));
+//! # Ok::<(), saltus::StanceError>(())
+//! ```
+//!
+//! The `saltus` command does the same from a shell: `saltus simulate --omega 5 --alpha-f -0.1`.
+
+pub use saltus_ballistic as ballistic;
+pub use saltus_lagrangian as lagrangian;
+pub use saltus_planner as planner;
+pub use saltus_pneumatics as pneumatics;
+pub use saltus_robot as robot;
+
+pub use saltus_ballistic::{DragFlight, Flight, FlightError};
+pub use saltus_lagrangian::{Launch, LiftOff, Outcome, Stance, StanceError, Trace};
+pub use saltus_planner::{Jump, Planner};
+pub use saltus_robot::{Robot, RobotError, resolve};

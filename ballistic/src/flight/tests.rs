@@ -195,3 +195,38 @@ proptest! {
         check_slopes(flight, d.range_to_height(of(0.1)).unwrap(), |f| f.range_to_height(0.1).unwrap());
     }
 }
+
+#[test]
+fn distance_to_a_corner_is_the_clearance_of_a_box_passed_above() {
+    let flight = Flight { x: 0.02, y: 0.3, vx: 1.4, vy: 2.6, gravity: 9.8 };
+    let landing = flight.time_to_height(0.24).unwrap();
+    for x in [0.2, 0.4, 0.7] {
+        // A box that begins or ends at x is nearest with one of its corners.
+        let block = crate::Obstacle::block([x, 0.0], [x + 1e-9, 0.2]).unwrap();
+        let clearance = flight.clearance(&crate::Disc::wheel(0.0), &block, 0.0, landing).unwrap();
+        let distance = flight.distance_to_point([x, 0.2], 0.0, landing);
+        // The box is a nanometre wide.
+        assert!((distance - clearance.distance).abs() < 2e-9, "{x}: {distance} {}", clearance.distance);
+    }
+}
+
+#[test]
+fn distance_to_a_point_has_exact_derivatives() {
+    let at = |v: [f64; 4]| {
+        let [x, y, vx, vy] = std::array::from_fn(|i| Dual::<4>::variable(v[i], i));
+        let flight = Flight { x, y, vx, vy, gravity: Dual::of(9.8) };
+        let landing = flight.time_to_height(Dual::of(0.24)).unwrap();
+        // The second point is nearest at the landing, whose time depends on everything.
+        [[0.4, 0.2], [3.0, 0.0]].map(|point| flight.distance_to_point(point, Dual::of(0.0), landing))
+    };
+    let start = [0.02, 0.3, 1.4, 2.6];
+    for i in 0..4 {
+        let shifted = |h: f64| at(std::array::from_fn(|k| start[k] + if k == i { h } else { 0.0 }));
+        let (up, down, here) = (shifted(1e-5), shifted(-1e-5), at(start));
+        for k in 0..2 {
+            let difference = (up[k].value - down[k].value) / 2e-5;
+            // Central differences: 1e-10 of curvature, 1e-16/1e-5 of round-off.
+            assert!((here[k].slope[i] - difference).abs() < 1e-8, "{i} {k}: {:?} {difference}", here[k]);
+        }
+    }
+}

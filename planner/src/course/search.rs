@@ -108,9 +108,21 @@ pub fn plan<J: Jumper>(jumper: &J, course: &Course, settings: &Settings) -> Resu
     };
     let bound = search.run();
     let (nodes, complete) = (search.nodes, search.open.is_empty() || search.nodes < settings.nodes);
+    if search.best.is_none() && complete {
+        let relief = nearest(jumper, course, settings);
+        if relief.total > 0.0 || relief.decisions.is_empty() {
+            return Ok(Answer::Infeasible(relief));
+        }
+        // Nothing has to give: the solver did not find its way from where it started, but does from there.
+        for choice in 0..choices.len() {
+            search.solve(choice, relief.decisions.as_flattened(), &settings.solver);
+        }
+        if search.best.is_none() {
+            return Ok(Answer::Infeasible(relief));
+        }
+    }
     Ok(match &search.best {
         Some(best) => Answer::Plan(search.finish(best, bound.min(best.cost), complete)),
-        None if complete => Answer::Infeasible(nearest(jumper, course, settings)),
         None => Answer::Undecided { nodes },
     })
 }
@@ -176,6 +188,8 @@ struct Best {
     choice: usize,
     decisions: Vec<f64>,
     cost: f64,
+    /// The solver's, where it has already had the last word on these.
+    report: Option<sqp::Report>,
 }
 
 struct Search<'a, J> {
@@ -226,7 +240,8 @@ impl<J: Jumper> Search<'_, J> {
     fn look_at(&mut self, node: &Node) {
         let trial = self.aim(node);
         if trial.cost.is_finite() {
-            self.offer(Best { choice: node.choice, decisions: trial.decisions.clone(), cost: trial.cost });
+            let decisions = trial.decisions.clone();
+            self.offer(Best { choice: node.choice, decisions, cost: trial.cost, report: None });
         }
         if node.bound >= self.worth() {
             return;
@@ -249,7 +264,9 @@ impl<J: Jumper> Search<'_, J> {
         self.solves += 1;
         let report = sqp::solve(&self.problem(choice), decisions, solver);
         if report.violation <= self.settings.solver.feasibility {
-            self.offer(Best { choice, decisions: report.x, cost: report.cost });
+            let is_final = report.status == sqp::Status::Converged && *solver == self.settings.solver;
+            let (decisions, cost) = (report.x.clone(), report.cost);
+            self.offer(Best { choice, decisions, cost, report: is_final.then_some(report) });
         }
     }
 
@@ -386,7 +403,8 @@ impl<J: Jumper> Search<'_, J> {
     /// Lets the solver have the last word on the best decisions.
     fn finish(&self, best: &Best, bound: f64, complete: bool) -> Plan {
         let problem = self.problem(best.choice);
-        let mut report = sqp::solve(&problem, &best.decisions, &self.settings.solver);
+        let solve = || sqp::solve(&problem, &best.decisions, &self.settings.solver);
+        let mut report = best.report.clone().unwrap_or_else(solve);
         if report.violation > self.settings.solver.feasibility || report.cost > best.cost {
             report.x.clone_from(&best.decisions);
             report.cost = best.cost;

@@ -1,0 +1,303 @@
+//! `saltus law`: the linear law of the firing angle over the approach rate.
+
+use clap::Args;
+use saltus::planner::{self, LawPoint, Nearest, Roots, TableRequest};
+use saltus::{Launch, Planner, Robot};
+use serde_json::{Value, json};
+
+use super::Status;
+use super::common::{Common, PlotOption};
+use super::target::{Kind, TargetFlags};
+use crate::error::CliError;
+use crate::output::{self, Cell, Format, Table as Rows, digits};
+use crate::plot::Drawing;
+use crate::plot::law::{LawPlot, Line};
+use crate::progress::Progress;
+use crate::quantity;
+
+/// Fit the linear law α_f = A ω + B that reaches a distance or a clearance
+#[derive(Args, Debug)]
+#[command(after_help = "`saltus law --help` explains the output.", after_long_help = LONG_HELP)]
+pub(crate) struct Law {
+    #[command(flatten)]
+    target: TargetFlags,
+
+    /// Miss (m) up to which the law counts as valid
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::extent, allow_hyphen_values = true, default_value = "0.01")]
+    tolerance: f64,
+
+    #[command(flatten)]
+    plot: PlotOption,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+const LONG_HELP: &str = "\
+Examples:
+  saltus law --omega 3:6:5 --distance 1
+  saltus law --omega 3:6:61 --distance 0.6,0.8,1 --tolerance 2cm --plot law.png
+
+The law is fitted by least squares to the least firing angle of each approach rate that reaches the \
+target; then the jump that it fires at each of these rates is simulated. Valid is the longest run of \
+rates whose jumps miss the target by --tolerance at most.
+
+CSV columns, one row for each target: distance_m (or clearance_m), slope_s (A), intercept_rad (B), \
+residual_greatest_rad, residual_rms_rad (fitted less exact angle), miss_greatest_m, miss_rms_m (reached \
+less wanted; empty if one of the jumps fails), valid_from_rad_s, valid_to_rad_s, rates (fitted), \
+rates_out_of_reach, status (feasible; partly where some rates are out of reach; infeasible where fewer \
+than two rates reach it), nearest_distance_m (or nearest_clearance_m), nearest_omega_rad_s and \
+nearest_alpha_f_rad (where infeasible: the nearest that is reached). Numbers have 17 significant digits.
+
+JSON: {\"command\": \"law\", \"robot\": NAME, \"measure\": …, \"landing_height_m\": …, \"tolerance_m\": \
+…, \"laws\": [{the columns, \"points\": [{omega_rad_s, alpha_f_exact_rad, alpha_f_law_rad, residual_rad, \
+miss_m}]}]}.
+
+The exit code is 1 if a target is infeasible.";
+
+/// Columns after the target's own.
+macro_rules! columns {
+    ($target:literal, $nearest:literal) => {
+        &[
+            $target,
+            "slope_s",
+            "intercept_rad",
+            "residual_greatest_rad",
+            "residual_rms_rad",
+            "miss_greatest_m",
+            "miss_rms_m",
+            "valid_from_rad_s",
+            "valid_to_rad_s",
+            "rates",
+            "rates_out_of_reach",
+            "status",
+            $nearest,
+            "nearest_omega_rad_s",
+            "nearest_alpha_f_rad",
+        ]
+    };
+}
+
+const DISTANCES: &[&str] = columns!("distance_m", "nearest_distance_m");
+const CLEARANCES: &[&str] = columns!("clearance_m", "nearest_clearance_m");
+
+/// The law of one target, or how near one gets to it.
+struct Found {
+    target: f64,
+    law: Option<planner::Law>,
+    nearest: Option<(f64, Nearest)>,
+}
+
+impl Law {
+    pub(crate) fn run(self) -> Result<Status, CliError> {
+        let robot = self.common.robot()?;
+        let request = self.target.request(Roots::Least, &robot)?;
+        let planner = Planner::new(robot);
+        let found = {
+            let _progress = Progress::new("law", 0);
+            find(&planner, &request)?
+        };
+        self.check_passing(&found, &request, &planner)?;
+        let rows = self.rows(&found);
+        let report = match self.common.format() {
+            Format::Csv => rows.csv(),
+            Format::Json => self.json(&rows, &found, planner.robot()),
+            Format::Text => self.text(&found, planner.robot()),
+        };
+        let drawing = || self.drawing(&found, planner.robot());
+        self.common.write_with_plot(report, &self.plot, drawing)?;
+        Ok(if found.iter().all(|one| one.law.is_some()) { Status::Done } else { Status::No })
+    }
+
+    /// Refuses a law whose jumps keep clear of the obstacle by coming down before it.
+    fn check_passing(
+        &self,
+        found: &[Found],
+        request: &TableRequest,
+        planner: &Planner,
+    ) -> Result<(), CliError> {
+        for point in found.iter().filter_map(|one| one.law.as_ref()).flat_map(|law| &law.points) {
+            let lean = request.start_lean.unwrap_or(point.exact);
+            let launch =
+                Launch { rate: point.rate, lean, firing_angle: point.exact, valve_open: request.valve_open };
+            let passes = planner.jump(&launch).is_ok_and(|jump| self.target.passes(&jump, planner.robot()));
+            if !passes {
+                let value = format!("{} m", digits(point.target, 5));
+                let (rate, angle) = (digits(point.rate, 5), digits(point.exact, 4));
+                let allowed = format!(
+                    "asked for with --firing-angles that pass the obstacle: at {rate} rad/s the least angle that keeps clear, {angle} rad, comes down before it"
+                );
+                return Err(CliError::flag("--clearance", value, allowed));
+            }
+        }
+        Ok(())
+    }
+
+    fn rows(&self, found: &[Found]) -> Rows {
+        let mut rows = Rows::new(if self.target.kind() == Kind::Distance { DISTANCES } else { CLEARANCES });
+        for one in found {
+            rows.push(self.row(one));
+        }
+        rows
+    }
+
+    fn row(&self, one: &Found) -> Vec<Cell> {
+        let law = one.law.as_ref();
+        let number = |key: &dyn Fn(&planner::Law) -> f64| Cell::from(law.map(key));
+        let valid = law.and_then(|law| law.valid_range(self.tolerance));
+        let count =
+            |key: &dyn Fn(&planner::Law) -> usize| law.map_or(Cell::Empty, |law| Cell::Count(key(law)));
+        let near = |key: &dyn Fn(&(f64, Nearest)) -> f64| Cell::from(one.nearest.as_ref().map(key));
+        vec![
+            one.target.into(),
+            number(&|law| law.slope),
+            number(&|law| law.intercept),
+            number(&|law| law.residuals().0),
+            number(&|law| law.residuals().1),
+            number(&|law| law.misses().0),
+            number(&|law| law.misses().1),
+            valid.map(|(from, _)| from).into(),
+            valid.map(|(_, to)| to).into(),
+            count(&|law| law.points.len()),
+            count(&|law| law.out_of_reach.len()),
+            Cell::Word(match law {
+                Some(law) if law.out_of_reach.is_empty() => "feasible",
+                Some(_) => "partly",
+                None => "infeasible",
+            }),
+            near(&|(_, nearest)| nearest.value),
+            near(&|(rate, _)| *rate),
+            near(&|(_, nearest)| nearest.firing_angle),
+        ]
+    }
+
+    fn json(&self, rows: &Rows, found: &[Found], robot: &Robot) -> String {
+        let mut laws = rows.json();
+        for (object, one) in laws.iter_mut().zip(found) {
+            let points: Vec<Value> = one.law.iter().flat_map(|law| &law.points).map(point_json).collect();
+            object.insert("points".into(), points.into());
+        }
+        output::json(&json!({
+            "command": "law",
+            "robot": robot.name,
+            "measure": self.target.kind().name(),
+            "landing_height_m": self.target.landing_height(),
+            "tolerance_m": self.tolerance,
+            "laws": laws,
+        }))
+    }
+
+    fn text(&self, found: &[Found], robot: &Robot) -> String {
+        let mut text = format!("{}: firing angle α_f (rad) over approach rate ω (rad/s)\n", robot.name);
+        for one in found {
+            let title = format!("{} {} m: ", self.target.kind().name(), digits(one.target, 5));
+            text.push_str(&title);
+            text.push_str(&match &one.law {
+                Some(law) => self.law_text(law),
+                None => nothing_text(one),
+            });
+        }
+        text
+    }
+
+    fn law_text(&self, law: &planner::Law) -> String {
+        let sign = if law.intercept < 0.0 { '-' } else { '+' };
+        let ((residual, residual_rms), (miss, miss_rms)) = (law.residuals(), law.misses());
+        let mut lines = vec![
+            format!("α_f = {} s · ω {sign} {} rad", digits(law.slope, 5), digits(law.intercept.abs(), 5)),
+            format!("  residual   {} rad at most, {} rad RMS", digits(residual, 3), digits(residual_rms, 3)),
+            format!("  miss       {} m at most, {} m RMS", digits(miss, 3), digits(miss_rms, 3)),
+        ];
+        lines.push(match law.valid_range(self.tolerance) {
+            Some((from, to)) => format!(
+                "  valid      from {} to {} rad/s, within {} m",
+                digits(from, 5),
+                digits(to, 5),
+                digits(self.tolerance, 5)
+            ),
+            None => format!("  valid      nowhere within {} m", digits(self.tolerance, 5)),
+        });
+        lines.push(format!(
+            "  fitted to  {} rates, {} more are out of reach",
+            law.points.len(),
+            law.out_of_reach.len()
+        ));
+        lines.join("\n") + "\n"
+    }
+
+    fn drawing(&self, found: &[Found], robot: &Robot) -> Result<Drawing, CliError> {
+        const MOST: usize = 12;
+        if found.len() > MOST {
+            let allowed = format!("used with {MOST} targets at most, not {}", found.len());
+            return Err(CliError::flag("--plot", "", allowed));
+        }
+        let line = |one: &Found| {
+            let law = one.law.as_ref()?;
+            let label = format!(
+                "{} m: A = {} s, B = {} rad",
+                digits(one.target, 4),
+                digits(law.slope, 4),
+                digits(law.intercept, 4)
+            );
+            let points = law.points.iter().map(|p| (p.rate, p.exact, p.fitted)).collect();
+            Some(Line { label: label.replace('-', "−"), points })
+        };
+        Ok(Drawing::Law(LawPlot {
+            title: format!(
+                "{}: linear law of the firing angle for a {}",
+                robot.name,
+                self.target.kind().name()
+            ),
+            lines: found.iter().filter_map(line).collect(),
+        }))
+    }
+}
+
+fn find(planner: &Planner, request: &TableRequest) -> Result<Vec<Found>, CliError> {
+    let laws = planner.laws(request)?;
+    let mut found = Vec::with_capacity(laws.len());
+    for (law, &target) in laws.into_iter().zip(&request.targets) {
+        let nearest = if law.is_none() { nearest(planner, request, target)? } else { None };
+        found.push(Found { target, law, nearest });
+    }
+    Ok(found)
+}
+
+/// The rate that gets nearest to `target`, and how.
+fn nearest(
+    planner: &Planner,
+    request: &TableRequest,
+    target: f64,
+) -> Result<Option<(f64, Nearest)>, CliError> {
+    let table = planner.table(&TableRequest { targets: vec![target], ..request.clone() })?;
+    let reached = table.cells.iter().filter_map(|cell| {
+        let exact = cell.entries.first();
+        let exact =
+            exact.map(|entry| Nearest { value: entry.value, firing_angle: entry.jump.launch.firing_angle });
+        Some((cell.rate, exact.or(cell.nearest)?))
+    });
+    let gap = |(_, nearest): &(f64, Nearest)| (nearest.value - target).abs();
+    Ok(reached.min_by(|a, b| gap(a).total_cmp(&gap(b))))
+}
+
+fn nothing_text(one: &Found) -> String {
+    match &one.nearest {
+        Some((rate, nearest)) => format!(
+            "infeasible: fewer than two rates reach it; the nearest is {} m at ω = {} rad/s, α_f = {} rad\n",
+            digits(nearest.value, 5),
+            digits(*rate, 5),
+            digits(nearest.firing_angle, 5)
+        ),
+        None => "infeasible: the robot does not jump at any of these rates\n".into(),
+    }
+}
+
+fn point_json(point: &LawPoint) -> Value {
+    json!({
+        "omega_rad_s": point.rate,
+        "alpha_f_exact_rad": point.exact,
+        "alpha_f_law_rad": point.fitted,
+        "residual_rad": point.residual(),
+        "miss_m": point.miss(),
+    })
+}

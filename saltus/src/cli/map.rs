@@ -1,0 +1,223 @@
+//! `saltus map`: what is reachable over approach rate and firing angle.
+
+use clap::Args;
+use saltus::planner::{self, MapRequest, Spot, SpotResult};
+use saltus::{Outcome, Planner, Robot};
+use serde_json::json;
+
+use super::Status;
+use super::common::{Common, PlotOption, Threads};
+use crate::error::CliError;
+use crate::output::{self, Cell, Format, Table as Rows, digits};
+use crate::plot::Drawing;
+use crate::plot::map::{MapPlot, Panel};
+use crate::progress::Progress;
+use crate::quantity;
+use crate::range::{Values, angles, rates};
+
+/// Most launches of a map, and most that its plot shows.
+const MOST: usize = 1_000_000;
+const MOST_DRAWN: usize = 40_000;
+/// Most launches that the text lists one by one.
+const MOST_LISTED: usize = 60;
+
+/// Map what is reachable: distance and apex over approach rates and firing angles
+#[derive(Args, Debug)]
+#[command(after_help = "`saltus map --help` explains the output.", after_long_help = LONG_HELP)]
+pub(crate) struct Map {
+    /// Approach rates ω (rad/s)
+    #[arg(long, value_name = "RATES", value_parser = rates, allow_hyphen_values = true)]
+    omega: Values,
+
+    /// Firing angles α_f (rad)
+    #[arg(long, value_name = "ANGLES", value_parser = angles, allow_hyphen_values = true)]
+    alpha_f: Values,
+
+    /// Height of the wheel's centre at the landing (m)
+    #[arg(long, value_name = "HEIGHT", value_parser = quantity::height, allow_hyphen_values = true, default_value = "0")]
+    landing_height: f64,
+
+    /// Valve opening time t_v (s)
+    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true, default_value = "0.1")]
+    valve_open: f64,
+
+    /// Lean φ₀ (rad) at which the stance starts [default: the firing angle]
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
+    start_lean: Option<f64>,
+
+    /// Give the friction that each stance needs too, which takes some ten times as long
+    #[arg(long)]
+    friction: bool,
+
+    #[command(flatten)]
+    threads: Threads,
+
+    #[command(flatten)]
+    plot: PlotOption,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+const LONG_HELP: &str = "\
+Examples:
+  saltus map --omega 2:7:51 --alpha-f -0.5:0.5:41 --plot map.png
+  saltus map --omega 2:7:51 --alpha-f -30deg:30deg:61 --friction --out map.csv
+
+Values: a number, start:stop:count (both ends included), or several of these with commas.
+Suffixes: rad/s, deg/s; rad, deg; s, ms; m, cm, mm.
+
+CSV columns, one row for each approach rate and firing angle, angles within rates: omega_rad_s, \
+alpha_f_rad, outcome (as for `saltus simulate`; not-computed where the model cannot be integrated), \
+distance_m (where the centre comes down to the landing height), apex_m, friction_needed (the coefficient \
+that keeps the foot still; empty without --friction, and inf where the ground would have to pull). \
+Numbers have 17 significant digits; a cell is empty where there is no such thing.
+
+JSON: {\"command\": \"map\", \"robot\": NAME, \"landing_height_m\": …, \"spots\": [{the columns, null \
+where empty}]}; a friction that is infinite is the text \"inf\".
+
+The exit code is 1 if none of the launches lands.";
+
+const COLUMNS: &[&str] =
+    &["omega_rad_s", "alpha_f_rad", "outcome", "distance_m", "apex_m", "friction_needed"];
+
+impl Map {
+    pub(crate) fn run(self) -> Result<Status, CliError> {
+        let count = self.omega.len().saturating_mul(self.alpha_f.len());
+        if count > MOST {
+            return Err(CliError::flag(
+                "--omega, --alpha-f",
+                "",
+                format!("{MOST} combinations at most, not {count}"),
+            ));
+        }
+        if self.plot.is_set() && count > MOST_DRAWN {
+            let allowed = format!("used with {MOST_DRAWN} combinations at most, not {count}");
+            return Err(CliError::flag("--plot", "", allowed));
+        }
+        let planner = Planner::new(self.common.robot()?);
+        let map = {
+            let _progress = Progress::new("map", 0);
+            planner.map(&self.request())?
+        };
+        let rows = rows(&map);
+        let report = match self.common.format() {
+            Format::Csv => rows.csv(),
+            Format::Json => output::json(&json!({
+                "command": "map",
+                "robot": planner.robot().name,
+                "landing_height_m": self.landing_height,
+                "spots": rows.json(),
+            })),
+            Format::Text => self.text(&map, &rows, planner.robot()),
+        };
+        let drawing = || Ok(Drawing::Map(self.drawing(&map, planner.robot())));
+        self.common.write_with_plot(report, &self.plot, drawing)?;
+        let lands = |spot: &Spot| spot.result.as_ref().is_ok_and(|result| result.distance.is_some());
+        Ok(if map.spots.iter().any(lands) { Status::Done } else { Status::No })
+    }
+
+    fn request(&self) -> MapRequest {
+        MapRequest {
+            rates: self.omega.to_vec(),
+            firing_angles: self.alpha_f.to_vec(),
+            valve_open: self.valve_open,
+            start_lean: self.start_lean,
+            landing_height: self.landing_height,
+            friction: self.friction,
+            threads: self.threads.count().get(),
+        }
+    }
+
+    fn text(&self, map: &planner::Map, rows: &Rows, robot: &Robot) -> String {
+        let (count, height) = (map.spots.len(), digits(self.landing_height, 5));
+        let mut lines =
+            vec![format!("{}: {count} launches, landing with the centre at {height} m", robot.name)];
+        lines.extend(outcomes(map).into_iter().map(|(name, count)| format!("  {name:<16} {count}")));
+        lines.extend([
+            extremes(map, "distance", |spot| spot.distance),
+            extremes(map, "apex", |spot| spot.apex),
+        ]);
+        if count > MOST_LISTED {
+            lines.push("  each of them: --format csv, --format json or --plot".into());
+            return lines.join("\n") + "\n";
+        }
+        let listed = rows.text(&[
+            ("omega_rad_s", "ω", "rad/s"),
+            ("alpha_f_rad", "α_f", "rad"),
+            ("outcome", "outcome", ""),
+            ("distance_m", "distance", "m"),
+            ("apex_m", "apex", "m"),
+            ("friction_needed", "friction", "needed"),
+        ]);
+        lines.join("\n") + "\n" + &listed
+    }
+
+    fn drawing(&self, map: &planner::Map, robot: &Robot) -> MapPlot {
+        let panel = |title: String, key: fn(&SpotResult) -> Option<f64>| Panel {
+            title,
+            values: map.spots.iter().map(|spot| spot.result.as_ref().ok().and_then(key)).collect(),
+        };
+        let landing = format!("distance (m) to y = {} m", digits(self.landing_height, 4));
+        MapPlot {
+            title: format!("{}: what is reachable", robot.name),
+            rates: self.omega.to_vec(),
+            angles: self.alpha_f.to_vec(),
+            panels: vec![panel(landing, |r| r.distance), panel("apex (m)".into(), |r| r.apex)],
+            outcomes: map.spots.iter().map(outcome).collect(),
+        }
+    }
+}
+
+fn rows(map: &planner::Map) -> Rows {
+    let mut rows = Rows::new(COLUMNS);
+    for spot in &map.spots {
+        let result = spot.result.as_ref().ok();
+        let friction = match result.and_then(|result| result.friction_needed) {
+            Some(f64::INFINITY) => Cell::Word("inf"),
+            needed => Cell::from(needed),
+        };
+        rows.push(vec![
+            spot.launch.rate.into(),
+            spot.launch.firing_angle.into(),
+            Cell::Word(outcome(spot)),
+            result.and_then(|result| result.distance).into(),
+            result.and_then(|result| result.apex).into(),
+            friction,
+        ]);
+    }
+    rows
+}
+
+fn outcome(spot: &Spot) -> &'static str {
+    spot.result.as_ref().map_or("not-computed", |result| Outcome::name(result.outcome))
+}
+
+/// How often each outcome occurs, in the order of their first occurrence.
+fn outcomes(map: &planner::Map) -> Vec<(&'static str, usize)> {
+    let mut counts: Vec<(&'static str, usize)> = Vec::new();
+    for name in map.spots.iter().map(outcome) {
+        match counts.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((name, 1)),
+        }
+    }
+    counts
+}
+
+/// Least and greatest value, and where they are.
+fn extremes(map: &planner::Map, name: &str, key: fn(&SpotResult) -> Option<f64>) -> String {
+    let values = || map.spots.iter().filter_map(|spot| Some((key(spot.result.as_ref().ok()?)?, spot.launch)));
+    let least = values().min_by(|a, b| a.0.total_cmp(&b.0));
+    let most = values().max_by(|a, b| a.0.total_cmp(&b.0));
+    let (Some(least), Some(most)) = (least, most) else { return format!("  {name:<16} none") };
+    let at = |(value, launch): (f64, saltus::Launch)| {
+        format!(
+            "{} m at ω = {}, α_f = {}",
+            digits(value, 4),
+            digits(launch.rate, 4),
+            digits(launch.firing_angle, 4)
+        )
+    };
+    format!("  {name:<16} from {} to {}", at(least), at(most))
+}

@@ -1,0 +1,102 @@
+//! The commands: one file each.
+
+mod common;
+mod completions;
+mod law;
+mod limits;
+mod map;
+mod parkour;
+mod plan;
+mod simulate;
+mod table;
+mod target;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::error::CliError;
+
+/// Plans the jumps of legged robots.
+///
+/// A robot rolls onto one leg and pivots over it; at the firing angle the leg pushes off, and the robot flies. Angles are leans
+/// of the leg from the upright, forward positive, in rad; everything else is in SI units, and every column's name ends with its
+/// unit.
+#[derive(Debug, Parser)]
+#[command(name = "saltus", version, propagate_version = true, after_help = AFTER_HELP)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  saltus simulate --omega 5 --alpha-f -0.1
+  saltus simulate --omega 5 --alpha-f -0.25:0.05:7 --plot figure-5.9.svg
+  saltus simulate --batch jumps.csv --out answers.csv
+  saltus table --omega 3:6:61 --distance 0.6
+  saltus law --omega 3:6:5 --distance 1
+  saltus map --omega 2:7:51 --alpha-f -0.5:0.5:41 --plot map.png
+  saltus plan course.toml --plot plan.svg
+  saltus parkour instances.json --out plans.json
+
+Exit codes: 0 done, 1 the answer is no, 2 bad input.
+`saltus help COMMAND` explains a command and its output.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Simulate(simulate::Simulate),
+    Table(table::Table),
+    Law(law::Law),
+    Map(map::Map),
+    Plan(plan::Plan),
+    Parkour(parkour::Parkour),
+    Completions(completions::Completions),
+}
+
+/// What a command that was carried out says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Status {
+    /// Done.
+    Done,
+    /// The answer is no.
+    No,
+}
+
+impl Command {
+    fn run(self) -> Result<Status, CliError> {
+        match self {
+            Command::Simulate(command) => command.run(),
+            Command::Table(command) => command.run(),
+            Command::Law(command) => command.run(),
+            Command::Map(command) => command.run(),
+            Command::Plan(command) => command.run(),
+            Command::Parkour(command) => command.run(),
+            Command::Completions(command) => command.run(),
+        }
+    }
+}
+
+/// Parses the command line, runs its command and says how it went.
+pub(crate) fn main() -> ExitCode {
+    match Cli::parse().command.run() {
+        Ok(Status::Done) => ExitCode::SUCCESS,
+        Ok(Status::No) => ExitCode::FAILURE,
+        Err(error) => {
+            // Where stderr is closed, the exit code has to do.
+            let _ = writeln!(std::io::stderr(), "error: {error}");
+            ExitCode::from(CliError::EXIT)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        super::Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,59 @@
+//! Plans as a drawing.
+
+use saltus::lagrangian::Sample;
+use saltus::planner::course::Span;
+use saltus::planner::{Crossing, CrossingAnswer, PlannedJump};
+use saltus::{Planner, Stance};
+
+use crate::output::digits;
+use crate::plot::scene::{Leap, Scene};
+
+/// The course with the plan, if there is one.
+pub(super) fn scene(answer: &CrossingAnswer, crossing: &Crossing, planner: &Planner, file: &str) -> Scene {
+    let jumps = match answer {
+        CrossingAnswer::Plan(plan) => plan.jumps.as_slice(),
+        _ => &[],
+    };
+    let ends = |span: &Span| (span.low, span.high);
+    let boxes = crossing.course.obstacles.iter().map(|obstacle| (ends(&obstacle.span()), obstacle.height));
+    Scene {
+        title: match jumps {
+            [] => format!("{}: no plan for {file}", planner.robot().name),
+            _ => format!("{}: plan for {file}", planner.robot().name),
+        },
+        radius: planner.robot().body.radius,
+        start: (crossing.course.start, crossing.course.start_height),
+        obstacles: boxes.collect(),
+        avoid: crossing.course.no_landing.iter().map(ends).collect(),
+        land: crossing.zones.iter().flatten().map(ends).collect(),
+        target: crossing.target,
+        leaps: jumps.iter().map(|jump| leap(jump, planner.stance(), planner.robot().body.radius)).collect(),
+    }
+}
+
+fn leap(planned: &PlannedJump, stance: &Stance<f64>, radius: f64) -> Leap {
+    const POINTS: usize = 400;
+    let [x, y] = planned.foot;
+    let launch = &planned.jump.launch;
+    let centre = |sample: &Sample| {
+        let (reach, (sin, cos)) = (radius + sample.extension, sample.lean.sin_cos());
+        (x + reach * sin, y + reach * cos)
+    };
+    // The plan was flown already, so there is a trace.
+    let samples = stance.trace(launch).map(|trace| trace.samples).unwrap_or_default();
+    let end = radius + planned.landing[1] - y;
+    let flight = planned.jump.flight.and_then(|flight| Some((flight, flight.time_to_height(end).ok()?)));
+    let flight = flight.map_or(Vec::new(), |(flight, time)| {
+        flight.samples(0.0, time, POINTS).map(|(_, dx, dy)| (x + dx, y + dy)).collect()
+    });
+    Leap {
+        foot: (x, y),
+        stance: samples.iter().map(centre).collect(),
+        flight,
+        label: format!(
+            "α_f = {} rad, valve {} ms",
+            digits(launch.firing_angle, 3),
+            digits(1e3 * launch.valve_open, 3)
+        ),
+    }
+}

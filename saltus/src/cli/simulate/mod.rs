@@ -1,0 +1,156 @@
+//! `saltus simulate`: what becomes of one jump, or of many.
+
+mod batch;
+mod compute;
+mod family;
+mod report;
+mod text;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use saltus::{Launch, StanceError};
+
+use super::Status;
+use super::common::{Common, PlotOption, Threads};
+use crate::error::CliError;
+use crate::output::Format;
+use crate::plot::Drawing;
+use crate::quantity;
+use crate::range::{Values, angles, rates, times};
+
+/// Most jumps that one call without a batch makes.
+const MOST_JUMPS: usize = 1_000_000;
+/// Most jumps that a plot of trajectories shows.
+const MOST_DRAWN: usize = 100;
+
+/// Simulate one jump, or many
+#[derive(Args, Debug)]
+#[command(after_help = "`saltus simulate --help` explains the output.", after_long_help = LONG_HELP)]
+pub(crate) struct Simulate {
+    /// Approach rate(s) ω₀ (rad/s): how fast the robot leans forward at the start
+    #[arg(long, value_name = "RATE", value_parser = rates, allow_hyphen_values = true)]
+    omega: Option<Values>,
+
+    /// Firing angle(s) α_f (rad): the lean at which the leg is fired; forward of the upright is positive
+    #[arg(long, value_name = "ANGLE", value_parser = angles, allow_hyphen_values = true)]
+    alpha_f: Option<Values>,
+
+    /// Valve opening time(s) t_v (s) [default: 0.1]
+    #[arg(long, value_name = "TIME", value_parser = times, allow_hyphen_values = true)]
+    valve_open: Option<Values>,
+
+    /// Lean φ₀ (rad) at which the stance starts [default: the firing angle]
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
+    start_lean: Option<f64>,
+
+    /// Read the launches from this CSV file: columns omega0_rad_s, phi0_rad, alpha_f_rad, valve_open_s
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["omega", "alpha_f", "valve_open", "start_lean"])]
+    batch: Option<PathBuf>,
+
+    #[command(flatten)]
+    threads: Threads,
+
+    #[command(flatten)]
+    plot: PlotOption,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+const LONG_HELP: &str = "\
+Examples:
+  saltus simulate --omega 5 --alpha-f -0.1
+  saltus simulate --omega 5 --alpha-f -6deg --valve-open 25ms --set leg.stroke_m=0.05
+  saltus simulate --omega 5 --alpha-f -0.25:0.05:7 --plot figure-5.9.svg
+  saltus simulate --batch jumps.csv --out answers.csv
+
+Values: a number, start:stop:count (both ends included), or several of these with commas; every \
+combination is simulated.
+Suffixes: rad/s, deg/s; rad, deg; s, ms.
+
+Outcomes: stroke (lift-off at the end of the stroke), force (lift-off because the leg's force fell to 0); \
+without a flight: stall (came to rest before the firing angle), no-break-away (the valve closed before \
+the leg moved), early-lift-off (left the ground before the leg was fired), fall-back (the leg sank back).
+
+CSV columns: omega0_rad_s, phi0_rad, alpha_f_rad, valve_open_s, outcome, t_fire_s, t_liftoff_s; at \
+lift-off phi_rad (lean), omega_rad_s (lean rate), d_m, d_dot_m_s (extension and its rate), pressure_pa \
+(chamber, absolute), x_m, y_m, vx_m_s, vy_m_s (wheel centre, from the foot); apex_m (greatest height of \
+the centre), land_rs_m and land_0_m (where the centre comes down to the wheel's radius and to 0). Numbers \
+have 17 significant digits; a cell is empty where there is no such thing.
+
+JSON: {\"command\": \"simulate\", \"robot\": NAME, \"jumps\": [{the columns, null where empty}]}. Without \
+--batch, each jump also has \"contact\" {least_normal_n, least_normal_time_s, friction_needed, \
+friction_needed_time_s} (friction_needed is null where the ground would have to pull) and \"energy\" \
+{drive_j, losses_j, kinetic_j, potential_j}.
+
+A jump that does not take off is an answer: the exit code is 0.";
+
+impl Simulate {
+    pub(crate) fn run(self) -> Result<Status, CliError> {
+        let robot = self.common.robot()?;
+        let (launches, lines) = self.launches()?;
+        let drawn = self.plot.is_set();
+        if drawn && launches.len() > MOST_DRAWN {
+            let allowed = format!("used with {MOST_DRAWN} jumps at most, not {}", launches.len());
+            return Err(CliError::flag("--plot", "", allowed));
+        }
+        let detail = compute::Detail { stance: self.batch.is_none(), path: drawn };
+        let answers = compute::simulate(&robot, &launches, detail, self.threads.count())
+            .map_err(|failed| self.failed(&launches[failed.index], lines.get(failed.index), failed.source))?;
+        let report = match self.common.format() {
+            Format::Csv => report::table(&answers, &robot).csv(),
+            Format::Json => report::json(&answers, &robot),
+            Format::Text => text::text(&answers, &robot),
+        };
+        let drawing = || Ok(Drawing::Trajectories(family::family(&answers, &robot)));
+        self.common.write_with_plot(report, &self.plot, drawing)?;
+        Ok(Status::Done)
+    }
+
+    /// The launches, and the lines of the batch on which they stand.
+    fn launches(&self) -> Result<(Vec<Launch>, Vec<u64>), CliError> {
+        match &self.batch {
+            Some(path) => Ok(batch::load(path)?.into_iter().map(|(line, launch)| (launch, line)).unzip()),
+            None => Ok((self.combinations()?, Vec::new())),
+        }
+    }
+
+    /// Every combination of the flags' values.
+    fn combinations(&self) -> Result<Vec<Launch>, CliError> {
+        let missing = |flag| CliError::Missing { flag, allowed: "a jump needs it, or give a --batch" };
+        let rates = self.omega.as_ref().ok_or_else(|| missing("--omega"))?;
+        let angles = self.alpha_f.as_ref().ok_or_else(|| missing("--alpha-f"))?;
+        let times = self.valve_open.clone().unwrap_or_else(|| Values::from(0.1));
+        let count = rates.len().saturating_mul(angles.len()).saturating_mul(times.len());
+        if count > MOST_JUMPS {
+            let allowed = format!("{MOST_JUMPS} combinations at most, not {count}");
+            return Err(CliError::flag("--omega, --alpha-f, --valve-open", "", allowed));
+        }
+        let mut launches = Vec::with_capacity(count);
+        for &rate in rates.iter() {
+            for &firing_angle in angles.iter() {
+                let lean = self.start_lean.unwrap_or(firing_angle);
+                launches.extend(times.iter().map(|&valve_open| Launch {
+                    rate,
+                    lean,
+                    firing_angle,
+                    valve_open,
+                }));
+            }
+        }
+        Ok(launches)
+    }
+
+    /// Why the jump of `launch`, on a line of the batch if there is one, could not be computed.
+    fn failed(&self, launch: &Launch, line: Option<&u64>, source: StanceError) -> CliError {
+        let jump = match (&self.batch, line) {
+            (Some(path), Some(line)) => format!("{}:{line}", path.display()),
+            _ => format!(
+                "--omega {} --alpha-f {} --valve-open {}",
+                launch.rate, launch.firing_angle, launch.valve_open
+            ),
+        };
+        CliError::Jump { jump, source }
+    }
+}

@@ -1,0 +1,94 @@
+//! Jumps in words.
+
+use saltus::{Flight, Jump, Outcome, Robot};
+
+use super::compute::{Answer, Bearing};
+use super::report::table;
+use crate::output::digits;
+
+/// What people see of many jumps: column, title, unit.
+const SHOWN: &[(&str, &str, &str)] = &[
+    ("omega0_rad_s", "ω₀", "rad/s"),
+    ("phi0_rad", "φ₀", "rad"),
+    ("alpha_f_rad", "α_f", "rad"),
+    ("valve_open_s", "valve open", "s"),
+    ("outcome", "outcome", ""),
+    ("t_liftoff_s", "lift-off", "s"),
+    ("apex_m", "apex", "m"),
+    ("land_rs_m", "landing at r_s", "m"),
+    ("land_0_m", "landing at 0", "m"),
+];
+
+/// Few jumps in full, many as a table.
+pub(super) fn text(answers: &[Answer], robot: &Robot) -> String {
+    match answers {
+        [answer] => one(answer, robot),
+        _ => format!("{}: {} jumps\n{}", robot.name, answers.len(), table(answers, robot).text(SHOWN)),
+    }
+}
+
+/// One jump in words.
+fn one(answer: &Answer, robot: &Robot) -> String {
+    let Jump { launch, stance: lift_off, flight } = &answer.jump;
+    let mut lines = vec![
+        format!("{}: one jump", robot.name),
+        line("approach rate", launch.rate, "rad/s"),
+        line("start lean", launch.lean, "rad"),
+        line("firing angle", launch.firing_angle, "rad"),
+        line("valve open", launch.valve_open, "s"),
+        format!("  {:<16} {}: {}", "outcome", lift_off.outcome.name(), meaning(lift_off.outcome)),
+    ];
+    if let Some(flight) = flight {
+        let Flight { x, y, vx, vy, .. } = flight.vacuum;
+        lines.extend([
+            line("lift-off", lift_off.time, "s after the start"),
+            format!("  {:<16} {} m forward, {} m up", "  centre at", short(x), short(y)),
+            format!("  {:<16} {} m/s forward, {} m/s up", "  speed", short(vx), short(vy)),
+            format!(
+                "  {:<16} {} rad, {} rad/s",
+                "  lean and rate",
+                short(lift_off.lean),
+                short(lift_off.rate)
+            ),
+            line("apex", flight.apex_height(), "m"),
+        ]);
+        for (height, name) in [(robot.body.radius, "landing at r_s"), (0.0, "landing at 0")] {
+            lines.push(match flight.range_to_height(height) {
+                Ok(x) => line(name, x, &format!("m ahead of the foot, centre at {height} m")),
+                Err(error) => format!("  {name:<16} never: {error}"),
+            });
+        }
+    }
+    lines.extend(answer.bearing.as_ref().map(bearing).unwrap_or_default());
+    lines.join("\n") + "\n"
+}
+
+fn bearing(Bearing { contact, energy }: &Bearing) -> [String; 3] {
+    let friction = match contact.friction_needed {
+        needed if needed.is_finite() => line("friction needed", needed, "at least, for the foot not to slip"),
+        _ => format!("  {:<16} any: the ground would have to pull", "friction needed"),
+    };
+    let work = format!("{} J by the drive, {} J lost", short(energy.drive), short(energy.losses));
+    [line("least normal", contact.least_normal, "N"), friction, format!("  {:<16} {work}", "work")]
+}
+
+fn line(name: &str, x: f64, unit: &str) -> String {
+    format!("  {name:<16} {} {unit}", short(x))
+}
+
+/// A number for people.
+pub(super) fn short(x: f64) -> String {
+    digits(x, 5)
+}
+
+fn meaning(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Stroke => "lift-off at the end of the stroke",
+        Outcome::Force => "lift-off because the leg's force fell to 0",
+        Outcome::Stall => "came to rest before the firing angle",
+        Outcome::NoBreakAway => "the valve closed before the leg moved",
+        Outcome::EarlyLiftOff => "left the ground before the leg was fired",
+        Outcome::FallBack => "the leg came to a halt and sank back",
+        _ => "ended without lift-off",
+    }
+}

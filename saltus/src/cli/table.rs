@@ -1,0 +1,241 @@
+//! `saltus table`: firing angles over approach rates.
+
+use clap::Args;
+use saltus::planner::{self, Entry, Measure, Nearest, Roots, Sensitivity, TableRequest};
+use saltus::{Planner, Robot};
+use serde_json::json;
+
+use super::Status;
+use super::common::{Common, PlotOption};
+use super::target::{Kind, TargetFlags};
+use crate::error::CliError;
+use crate::output::{self, Cell, Format, Table as Rows, digits};
+use crate::plot::Drawing;
+use crate::plot::curves::{Curve, Curves};
+use crate::progress::Progress;
+
+/// Tabulate the firing angles that reach distances or clearances, over approach rates
+#[derive(Args, Debug)]
+#[command(after_help = "`saltus table --help` explains the output.", after_long_help = LONG_HELP)]
+pub(crate) struct Table {
+    #[command(flatten)]
+    target: TargetFlags,
+
+    #[command(flatten)]
+    plot: PlotOption,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+const LONG_HELP: &str = "\
+Examples:
+  saltus table --omega 3:6:61 --distance 0.6
+  saltus table --omega 3:6:61 --distance 0.3:1.0:36 --out table.csv
+  saltus table --omega 5 --distance 0.8 --landing-height 0.24 --start-lean -0.5
+  saltus table --omega 4:6:5 --clearance 2cm --obstacle 0.4,0.05,0.1 --plot angles.svg
+
+Values: a number, start:stop:count (both ends included), or several of these with commas.
+Suffixes: rad/s, deg/s; rad, deg; s, ms; m, cm, mm.
+
+CSV columns, one row for each approach rate and target, targets within rates: omega_rad_s, distance_m (or \
+clearance_m; as asked for), alpha_f_rad (the least angle that serves), apex_m, land_m (where the centre \
+comes down to the landing height), t_liftoff_s (from the start of the stance), status (feasible, \
+infeasible, or no-jump where no angle takes off), alpha_f_late_rad (the next angle that serves, if there \
+is one), distance_sd_m and apex_sd_m (standard deviations from the robot's [errors]), their sensitivities \
+distance_by_omega_m_s_per_rad, distance_by_alpha_f_m_per_rad, distance_by_valve_open_m_per_s, \
+distance_by_supply_m_per_pa and apex_by_… (for distances only), nearest_distance_m (or \
+nearest_clearance_m) and nearest_alpha_f_rad (where infeasible: the nearest that is reached; a negative \
+clearance is a hit). Numbers have 17 significant digits; a cell is empty where there is no such thing.
+
+JSON: {\"command\": \"table\", \"robot\": NAME, \"measure\": \"distance\" or \"clearance\", \
+\"landing_height_m\": …, \"rows\": [{the columns, null where empty}]}.
+
+The exit code is 1 if any row is infeasible.";
+
+/// Columns of a table of distances.
+const DISTANCES: &[&str] = &[
+    "omega_rad_s",
+    "distance_m",
+    "alpha_f_rad",
+    "apex_m",
+    "land_m",
+    "t_liftoff_s",
+    "status",
+    "alpha_f_late_rad",
+    "distance_sd_m",
+    "apex_sd_m",
+    "distance_by_omega_m_s_per_rad",
+    "distance_by_alpha_f_m_per_rad",
+    "distance_by_valve_open_m_per_s",
+    "distance_by_supply_m_per_pa",
+    "apex_by_omega_m_s_per_rad",
+    "apex_by_alpha_f_m_per_rad",
+    "apex_by_valve_open_m_per_s",
+    "apex_by_supply_m_per_pa",
+    "nearest_distance_m",
+    "nearest_alpha_f_rad",
+];
+
+/// Columns of a table of clearances.
+const CLEARANCES: &[&str] = &[
+    "omega_rad_s",
+    "clearance_m",
+    "alpha_f_rad",
+    "apex_m",
+    "land_m",
+    "t_liftoff_s",
+    "status",
+    "alpha_f_late_rad",
+    "nearest_clearance_m",
+    "nearest_alpha_f_rad",
+];
+
+impl Table {
+    pub(crate) fn run(self) -> Result<Status, CliError> {
+        let robot = self.common.robot()?;
+        let request = self.target.request(Roots::All, &robot)?;
+        let planner = Planner::new(robot);
+        let mut table = {
+            let _progress = Progress::new("table", 0);
+            planner.table(&request)?
+        };
+        if self.target.kind() == Kind::Clearance {
+            for cell in &mut table.cells {
+                self.target.keep_passing(cell, &request, &planner);
+            }
+        }
+        let rows = self.rows(&table, planner.robot());
+        let report = match self.common.format() {
+            Format::Csv => rows.csv(),
+            Format::Json => self.json(&rows, planner.robot()),
+            Format::Text => self.text(&rows, planner.robot()),
+        };
+        let drawing = || self.curves(&table, &request, planner.robot());
+        self.common.write_with_plot(report, &self.plot, drawing)?;
+        let all_feasible = table.cells.iter().all(|cell| !cell.entries.is_empty());
+        Ok(if all_feasible { Status::Done } else { Status::No })
+    }
+
+    fn rows(&self, table: &planner::Table, robot: &Robot) -> Rows {
+        let kind = self.target.kind();
+        let mut rows = Rows::new(if kind == Kind::Distance { DISTANCES } else { CLEARANCES });
+        for cell in &table.cells {
+            rows.push(self.row(cell, kind, robot));
+        }
+        rows
+    }
+
+    fn row(&self, cell: &planner::Cell, kind: Kind, robot: &Robot) -> Vec<Cell> {
+        let first = cell.entries.first();
+        let status = match (first, &cell.nearest) {
+            (Some(_), _) => "feasible",
+            (None, None) if kind == Kind::Distance => "no-jump",
+            (None, _) => "infeasible",
+        };
+        let angle = |entry: &Entry| entry.jump.launch.firing_angle;
+        let mut row = vec![cell.rate.into(), cell.target.into(), first.map(angle).into()];
+        row.push(first.and_then(|entry| entry.jump.apex()).into());
+        row.push(first.and_then(|entry| entry.jump.distance(self.target.landing_height())).into());
+        row.push(first.map(|entry| entry.jump.stance.time).into());
+        row.extend([Cell::Word(status), cell.entries.get(1).map(angle).into()]);
+        if kind == Kind::Distance {
+            row.extend(sensitivities(first.and_then(|entry| entry.sensitivity), robot));
+        }
+        let nearest = |key: fn(&Nearest) -> f64| Cell::from(cell.nearest.as_ref().map(key));
+        row.extend([nearest(|n| n.value), nearest(|n| n.firing_angle)]);
+        row
+    }
+
+    fn json(&self, rows: &Rows, robot: &Robot) -> String {
+        output::json(&json!({
+            "command": "table",
+            "robot": robot.name,
+            "measure": self.target.kind().name(),
+            "landing_height_m": self.target.landing_height(),
+            "rows": rows.json(),
+        }))
+    }
+
+    fn text(&self, rows: &Rows, robot: &Robot) -> String {
+        let landing = format!("landing with the centre at {} m", digits(self.target.landing_height(), 5));
+        match self.target.kind() {
+            Kind::Distance => format!(
+                "{}: firing angles for distances, {landing}\n{}",
+                robot.name,
+                rows.text(&[
+                    ("omega_rad_s", "ω", "rad/s"),
+                    ("distance_m", "distance", "m"),
+                    ("alpha_f_rad", "α_f", "rad"),
+                    ("alpha_f_late_rad", "or", "rad"),
+                    ("distance_sd_m", "± distance", "m"),
+                    ("apex_m", "apex", "m"),
+                    ("apex_sd_m", "± apex", "m"),
+                    ("status", "status", ""),
+                    ("nearest_distance_m", "nearest", "m"),
+                    ("nearest_alpha_f_rad", "at α_f", "rad"),
+                ])
+            ),
+            Kind::Clearance => format!(
+                "{}: firing angles for clearances, {landing}\n{}",
+                robot.name,
+                rows.text(&[
+                    ("omega_rad_s", "ω", "rad/s"),
+                    ("clearance_m", "clearance", "m"),
+                    ("alpha_f_rad", "α_f", "rad"),
+                    ("alpha_f_late_rad", "or", "rad"),
+                    ("apex_m", "apex", "m"),
+                    ("land_m", "landing", "m"),
+                    ("status", "status", ""),
+                    ("nearest_clearance_m", "nearest", "m"),
+                    ("nearest_alpha_f_rad", "at α_f", "rad"),
+                ])
+            ),
+        }
+    }
+
+    fn curves(
+        &self,
+        table: &planner::Table,
+        request: &TableRequest,
+        robot: &Robot,
+    ) -> Result<Drawing, CliError> {
+        const MOST: usize = 40;
+        let width = request.targets.len();
+        if width > MOST {
+            let allowed = format!("used with {MOST} targets at most, not {width}");
+            return Err(CliError::flag("--plot", "", allowed));
+        }
+        let kind = self.target.kind().name();
+        let curve = |(i, target): (usize, &f64)| Curve {
+            label: format!("{} m", digits(*target, 4)),
+            points: table.cells.iter().skip(i).step_by(width).map(point).collect(),
+        };
+        let what = match request.measure {
+            Measure::Distance { landing_height } => {
+                format!("distance to y = {} m", digits(landing_height, 4))
+            }
+            Measure::Clearance { .. } => format!("{kind} over the obstacle"),
+        };
+        Ok(Drawing::Curves(Curves {
+            title: format!("{}: firing angle for a {what}", robot.name),
+            x: "approach rate ω (rad/s)",
+            y: "firing angle α_f (rad)",
+            lines: request.targets.iter().enumerate().map(curve).collect(),
+        }))
+    }
+}
+
+/// Rate and least firing angle of a cell, none where there is no angle.
+fn point(cell: &planner::Cell) -> (f64, Option<f64>) {
+    (cell.rate, cell.entries.first().map(|entry| entry.jump.launch.firing_angle))
+}
+
+/// Standard deviations and sensitivities of distance and apex.
+fn sensitivities(both: Option<[Sensitivity; 2]>, robot: &Robot) -> Vec<Cell> {
+    let Some(both) = both else { return vec![Cell::Empty; 10] };
+    let deviations = both.iter().map(|one| one.standard_deviation(&robot.errors));
+    let slopes =
+        both.iter().flat_map(|one| [one.by_rate, one.by_firing_angle, one.by_valve_open, one.by_supply]);
+    deviations.chain(slopes).map(Cell::from).collect()
+}

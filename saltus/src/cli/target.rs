@@ -1,0 +1,195 @@
+//! What a jump is to reach: the flags that `table` and `law` share.
+
+use clap::Args;
+use saltus::ballistic::Obstacle;
+use saltus::planner::{Cell, FIRING_ANGLES, Measure, Nearest, Roots, TableRequest};
+use saltus::{Jump, Launch, Planner, Robot};
+
+use super::common::Threads;
+use crate::error::{CliError, cut};
+use crate::quantity::{self, Quantity};
+use crate::range::{Values, distances, linspace, rates};
+
+/// Most pairs of approach rate and target.
+const MOST: usize = 1_000_000;
+
+/// Flags that say what is to be reached, and how.
+#[derive(Args, Debug)]
+pub(crate) struct TargetFlags {
+    /// Approach rates ω (rad/s)
+    #[arg(long, value_name = "RATES", value_parser = rates, allow_hyphen_values = true)]
+    omega: Values,
+
+    /// Distances to reach (m): from the foot to where the wheel's centre comes down to the landing height
+    #[arg(long, value_name = "LENGTHS", value_parser = distances, allow_hyphen_values = true)]
+    #[arg(required_unless_present = "clearance", conflicts_with_all = ["clearance", "obstacle"])]
+    distance: Option<Values>,
+
+    /// Clearances to keep (m): least distance between the flying wheel and the obstacle
+    #[arg(long, value_name = "LENGTHS", value_parser = distances, allow_hyphen_values = true, requires = "obstacle")]
+    clearance: Option<Values>,
+
+    /// Box on the ground (m): its front edge's distance from the foot, its width, its height
+    #[arg(long, value_name = "FRONT,WIDTH,HEIGHT", value_parser = block, allow_hyphen_values = true)]
+    #[arg(requires = "clearance")]
+    obstacle: Option<Block>,
+
+    /// Height of the wheel's centre at the landing (m)
+    #[arg(long, value_name = "HEIGHT", value_parser = quantity::height, allow_hyphen_values = true, default_value = "0")]
+    landing_height: f64,
+
+    /// Valve opening time t_v (s)
+    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true, default_value = "0.1")]
+    valve_open: f64,
+
+    /// Lean φ₀ (rad) at which the stance starts [default: the firing angle]
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
+    start_lean: Option<f64>,
+
+    /// Firing angles α_f (rad) to choose from [default: -0.6:0.8]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = limits, allow_hyphen_values = true)]
+    firing_angles: Option<(f64, f64)>,
+
+    #[command(flatten)]
+    threads: Threads,
+}
+
+/// A box on the ground (m).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Block {
+    front: f64,
+    width: f64,
+    height: f64,
+}
+
+/// What is reached: how columns and people call it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Distance,
+    Clearance,
+}
+
+impl Kind {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Kind::Distance => "distance",
+            Kind::Clearance => "clearance",
+        }
+    }
+}
+
+impl TargetFlags {
+    pub(crate) fn kind(&self) -> Kind {
+        if self.clearance.is_some() { Kind::Clearance } else { Kind::Distance }
+    }
+
+    /// Whether a jump passes the obstacle: one that comes down before it keeps clear of it, too.
+    pub(crate) fn passes(&self, jump: &Jump, robot: &Robot) -> bool {
+        let landing = jump.distance(robot.body.radius);
+        self.obstacle.is_none_or(|block| landing.is_some_and(|x| x >= block.front + block.width))
+    }
+
+    /// Drops the angles of `cell` whose jumps come down before the obstacle; where none is left, finds the nearest clearance
+    /// of those that pass it.
+    pub(crate) fn keep_passing(&self, cell: &mut Cell, request: &TableRequest, planner: &Planner) {
+        /// Angles tried: steps of some milliradians.
+        const TRIED: usize = 401;
+        cell.entries.retain(|entry| self.passes(&entry.jump, planner.robot()));
+        if !cell.entries.is_empty() {
+            return;
+        }
+        let launch = |firing_angle| Launch {
+            rate: cell.rate,
+            lean: request.start_lean.unwrap_or(firing_angle),
+            firing_angle,
+            valve_open: request.valve_open,
+        };
+        let (low, high) = request.firing_angles;
+        let launches: Vec<Launch> = linspace(low, high, TRIED).map(launch).collect();
+        let passing = planner.jumps(&launches).into_iter().flatten();
+        let passing = passing.filter(|jump| self.passes(jump, planner.robot())).filter_map(|jump| {
+            let value = request.measure.of(planner, &jump)?;
+            Some(Nearest { value, firing_angle: jump.launch.firing_angle })
+        });
+        let gap = |nearest: &Nearest| (nearest.value - cell.target).abs();
+        cell.nearest = passing.min_by(|a, b| gap(a).total_cmp(&gap(b)));
+    }
+
+    pub(crate) fn landing_height(&self) -> f64 {
+        self.landing_height
+    }
+
+    /// The request, for every angle that serves or only for the least.
+    pub(crate) fn request(&self, roots: Roots, robot: &Robot) -> Result<TableRequest, CliError> {
+        let (targets, measure) = match (&self.distance, &self.clearance, self.obstacle) {
+            (Some(distances), ..) => (distances, Measure::Distance { landing_height: self.landing_height }),
+            (None, Some(clearances), Some(block)) => {
+                (clearances, Measure::Clearance { obstacle: block.obstacle(robot)? })
+            }
+            _ => {
+                return Err(CliError::Missing {
+                    flag: "--distance",
+                    allowed: "or --clearance with an --obstacle",
+                });
+            }
+        };
+        let count = self.omega.len().saturating_mul(targets.len());
+        if count > MOST {
+            return Err(CliError::flag(
+                "--omega",
+                "",
+                format!("{MOST} pairs of rate and target at most, not {count}"),
+            ));
+        }
+        Ok(TableRequest {
+            rates: self.omega.to_vec(),
+            measure,
+            targets: targets.to_vec(),
+            valve_open: self.valve_open,
+            start_lean: self.start_lean,
+            firing_angles: self.firing_angles.unwrap_or(FIRING_ANGLES),
+            roots,
+            sensitivities: roots == Roots::All,
+            threads: self.threads.count().get(),
+        })
+    }
+}
+
+impl Block {
+    fn obstacle(self, robot: &Robot) -> Result<Obstacle, CliError> {
+        let Block { front, width, height } = self;
+        let refused =
+            |allowed: String| CliError::flag("--obstacle", format!("{front},{width},{height}"), allowed);
+        if front < robot.body.radius {
+            return Err(refused(format!(
+                "ahead of the wheel: FRONT at least its radius, {} m",
+                robot.body.radius
+            )));
+        }
+        Obstacle::block([front, 0.0], [front + width, height])
+            .map_err(|error| refused(format!("a box ({error})")))
+    }
+}
+
+/// Parser of a flag.
+fn block(text: &str) -> Result<Block, String> {
+    let parts: Vec<&str> = text.split(',').collect();
+    let [front, width, height] = parts[..] else {
+        return Err(format!("{:?} must be three lengths, as in 0.4,0.21,0.21", cut(text)));
+    };
+    let front = Quantity::DISTANCE.parse(front).map_err(|error| format!("FRONT {error}"))?;
+    let width = quantity::extent(width).map_err(|error| format!("WIDTH {error}"))?;
+    let height = quantity::extent(height).map_err(|error| format!("HEIGHT {error}"))?;
+    Ok(Block { front, width, height })
+}
+
+/// Parser of a flag.
+fn limits(text: &str) -> Result<(f64, f64), String> {
+    let refused = || format!("{:?} must be two angles, the lower first, as in -0.6:0.8", cut(text));
+    let (low, high) = text.split_once(':').ok_or_else(refused)?;
+    let (low, high) = (
+        quantity::angle(low).map_err(|error| error.to_string())?,
+        quantity::angle(high).map_err(|error| error.to_string())?,
+    );
+    if low < high { Ok((low, high)) } else { Err(refused()) }
+}

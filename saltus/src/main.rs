@@ -1,0 +1,19 @@
+//! The `saltus` command: it parses, calls and prints; what is computed is computed in the library.
+
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+mod cli;
+mod error;
+mod input;
+mod output;
+mod plot;
+mod progress;
+mod quantity;
+mod range;
+mod section;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::main()
+}

@@ -1,0 +1,40 @@
+//! What a command hands back: a report in one of three formats, and files that appear whole or not at all.
+
+mod files;
+mod number;
+mod table;
+
+use std::path::Path;
+
+use clap::ValueEnum;
+
+pub(crate) use files::{Files, print};
+pub(crate) use number::digits;
+pub(crate) use table::{Cell, Table};
+
+/// Format of a report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    /// For people: aligned, rounded, with units.
+    Text,
+    /// One object; every number in full.
+    Json,
+    /// A header with units and one line for each row; every number with 17 significant digits.
+    Csv,
+}
+
+impl Format {
+    /// The format that a file's name asks for, if it does.
+    pub(crate) fn of_file(path: &Path) -> Option<Format> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "json" => Some(Format::Json),
+            "csv" => Some(Format::Csv),
+            _ => None,
+        }
+    }
+}
+
+/// A JSON document as it is written.
+pub(crate) fn json(document: &serde_json::Value) -> String {
+    format!("{document:#}\n")
+}

@@ -1,0 +1,87 @@
+//! Progress of work that takes longer than a second, on stderr when that is a terminal.
+
+use std::io::{IsTerminal, Write, stderr};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// How long work may take unseen.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// Time between two looks at the counter.
+const PACE: Duration = Duration::from_millis(100);
+
+/// A line on the terminal that goes when the work is done.
+#[derive(Debug)]
+pub(crate) struct Progress {
+    done: Arc<AtomicUsize>,
+    ended: Arc<AtomicBool>,
+    watcher: Mutex<Option<JoinHandle<()>>>,
+}
+
+impl Progress {
+    /// Watches work called `what` in `total` parts; 0 where the parts are not counted.
+    pub(crate) fn new(what: &'static str, total: usize) -> Progress {
+        let (done, ended) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
+        let seen = (Arc::clone(&done), Arc::clone(&ended));
+        let watch = move || watch(what, total, &seen.0, &seen.1);
+        let watcher = stderr().is_terminal().then(|| std::thread::spawn(watch));
+        Progress { done, ended, watcher: Mutex::new(watcher) }
+    }
+
+    /// Counts `parts` more as done.
+    pub(crate) fn advance(&self, parts: usize) {
+        self.done.fetch_add(parts, Ordering::Relaxed);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.ended.store(true, Ordering::Relaxed);
+        if let Some(watcher) = self.watcher.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            watcher.thread().unpark();
+            // A watcher that died has shown what it could.
+            let _ = watcher.join();
+        }
+    }
+}
+
+fn watch(what: &str, total: usize, done: &AtomicUsize, ended: &AtomicBool) {
+    let start = Instant::now();
+    let mut shown = false;
+    while !ended.load(Ordering::Relaxed) {
+        std::thread::park_timeout(PACE);
+        if start.elapsed() >= PATIENCE {
+            shown = true;
+            show(&line(what, total, done.load(Ordering::Relaxed), start.elapsed()));
+        }
+    }
+    if shown {
+        show("");
+    }
+}
+
+fn line(what: &str, total: usize, done: usize, elapsed: Duration) -> String {
+    let seconds = elapsed.as_secs();
+    match (100 * done).checked_div(total) {
+        Some(percent) => format!("{what}: {done} of {total} ({percent} %), {seconds} s"),
+        None => format!("{what}: {seconds} s"),
+    }
+}
+
+fn show(line: &str) {
+    // Nobody waits for the progress of a lost terminal.
+    let _ = write!(stderr(), "\r\x1b[K{line}").and_then(|()| stderr().flush());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_say_how_far_the_work_is() {
+        let elapsed = Duration::from_millis(2500);
+        assert_eq!(line("jumps", 200, 50, elapsed), "jumps: 50 of 200 (25 %), 2 s");
+        assert_eq!(line("plan", 0, 0, elapsed), "plan: 2 s");
+    }
+}

@@ -1,0 +1,148 @@
+//! Numbers with units as flags and files give them: `5`, `-15deg`, `25ms`.
+
+use crate::error::cut;
+
+/// A kind of number: its unit, others that it may be given in, and what is allowed.
+#[derive(Debug)]
+pub(crate) struct Quantity {
+    /// The unit of a number without a suffix, and whether that number is `divided` or multiplied to get there.
+    suffixes: &'static [(&'static str, Scale)],
+    /// What is allowed, for messages.
+    pub(crate) allowed: &'static str,
+    legal: fn(f64) -> bool,
+}
+
+/// How a unit becomes the SI one. Division by a power of ten rounds to what the user typed.
+#[derive(Clone, Copy, Debug)]
+enum Scale {
+    Times(f64),
+    Over(f64),
+}
+
+impl Quantity {
+    /// Approach rate (rad/s).
+    pub(crate) const RATE: Quantity = Quantity {
+        suffixes: &[("rad/s", Scale::Times(1.0)), ("deg/s", DEGREES)],
+        allowed: "a number from 0 to 1000 rad/s",
+        legal: |x| (0.0..=1e3).contains(&x),
+    };
+    /// Lean (rad).
+    pub(crate) const ANGLE: Quantity = Quantity {
+        suffixes: &[("rad", Scale::Times(1.0)), ("deg", DEGREES)],
+        allowed: "an angle strictly between -pi/2 and pi/2 rad",
+        legal: |x| x.abs() < std::f64::consts::FRAC_PI_2,
+    };
+    /// Time (s).
+    pub(crate) const TIME: Quantity = Quantity {
+        suffixes: &[("ms", Scale::Over(1e3)), ("s", Scale::Times(1.0))],
+        allowed: "a time from 0 to 1000 s",
+        legal: |x| (0.0..=1e3).contains(&x),
+    };
+    /// Distance (m).
+    pub(crate) const DISTANCE: Quantity = Quantity {
+        suffixes: METRES,
+        allowed: "a distance from 0 to 1000 m",
+        legal: |x| (0.0..=1e3).contains(&x),
+    };
+    /// Place along a course (m).
+    pub(crate) const PLACE: Quantity =
+        Quantity { suffixes: METRES, allowed: "a place from -10000 to 10000 m", legal: |x| x.abs() <= 1e4 };
+    /// Length that may be 0 (m).
+    pub(crate) const SIZE: Quantity = Quantity {
+        suffixes: METRES,
+        allowed: "a length from 0 to 1000 m",
+        legal: |x| (0.0..=1e3).contains(&x),
+    };
+    /// Time that a valve is open (s).
+    pub(crate) const OPEN: Quantity = Quantity {
+        suffixes: &[("ms", Scale::Over(1e3)), ("s", Scale::Times(1.0))],
+        allowed: "a time above 0 and up to 1000 s",
+        legal: |x| x > 0.0 && x <= 1e3,
+    };
+    /// Number without a unit.
+    pub(crate) const FACTOR: Quantity =
+        Quantity { suffixes: &[], allowed: "a number from 0 to 10000", legal: |x| (0.0..=1e4).contains(&x) };
+    /// Extent of an obstacle (m).
+    pub(crate) const EXTENT: Quantity = Quantity {
+        suffixes: METRES,
+        allowed: "a length above 0 and up to 1000 m",
+        legal: |x| x > 0.0 && x <= 1e3,
+    };
+    /// Height (m), which may be below the foot.
+    pub(crate) const HEIGHT: Quantity =
+        Quantity { suffixes: METRES, allowed: "a height from -1000 to 1000 m", legal: |x| x.abs() <= 1e3 };
+
+    /// The number that `text` gives, in the SI unit.
+    pub(crate) fn parse(&self, text: &str) -> Result<f64, QuantityError> {
+        let refused = || QuantityError { value: cut(text), allowed: self.allowed };
+        let text = text.trim();
+        let split =
+            self.suffixes.iter().find_map(|(suffix, scale)| Some((text.strip_suffix(suffix)?, *scale)));
+        let (digits, scale) = split.unwrap_or((text, Scale::Times(1.0)));
+        let number: f64 = digits.trim_end().parse().map_err(|_| refused())?;
+        let number = match scale {
+            Scale::Times(factor) => number * factor,
+            Scale::Over(divisor) => number / divisor,
+        };
+        if number.is_finite() && (self.legal)(number) { Ok(number) } else { Err(refused()) }
+    }
+}
+
+const DEGREES: Scale = Scale::Times(std::f64::consts::PI / 180.0);
+
+/// `m` is the end of the others, so it stands last.
+const METRES: &[(&str, Scale)] =
+    &[("mm", Scale::Over(1e3)), ("cm", Scale::Over(1e2)), ("m", Scale::Times(1.0))];
+
+/// A text that is not an allowed number.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{value:?} must be {allowed}")]
+pub(crate) struct QuantityError {
+    value: String,
+    allowed: &'static str,
+}
+
+/// Parser of a flag.
+pub(crate) fn angle(text: &str) -> Result<f64, QuantityError> {
+    Quantity::ANGLE.parse(text)
+}
+
+/// Parser of a flag.
+pub(crate) fn time(text: &str) -> Result<f64, QuantityError> {
+    Quantity::TIME.parse(text)
+}
+
+/// Parser of a flag.
+pub(crate) fn height(text: &str) -> Result<f64, QuantityError> {
+    Quantity::HEIGHT.parse(text)
+}
+
+/// Parser of a flag.
+pub(crate) fn extent(text: &str) -> Result<f64, QuantityError> {
+    Quantity::EXTENT.parse(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_converted_and_domains_kept() {
+        let check = |quantity: &Quantity, text: &str, expected: Option<f64>| {
+            assert_eq!(quantity.parse(text).ok(), expected, "{text}");
+        };
+        check(&Quantity::RATE, "5", Some(5.0));
+        check(&Quantity::RATE, "5 rad/s", Some(5.0));
+        check(&Quantity::RATE, "180deg/s", Some(std::f64::consts::PI));
+        check(&Quantity::RATE, "-1", None);
+        check(&Quantity::ANGLE, "-90deg", None);
+        check(&Quantity::ANGLE, "-0.25rad", Some(-0.25));
+        check(&Quantity::TIME, "25ms", Some(0.025));
+        check(&Quantity::TIME, "0.1s", Some(0.1));
+        check(&Quantity::DISTANCE, "21cm", Some(0.21));
+        check(&Quantity::DISTANCE, "600 mm", Some(0.6));
+        for text in ["", " ", "nan", "inf", "-inf", "1e999", "5m", "0x5", "5 5", "1e-", "m"] {
+            check(&Quantity::RATE, text, None);
+        }
+    }
+}

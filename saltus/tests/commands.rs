@@ -1,0 +1,292 @@
+//! Good runs of each command: what they print, and their exit codes.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{Folder, reference, rows};
+
+fn number(cell: &str) -> f64 {
+    cell.parse().unwrap()
+}
+
+#[test]
+fn a_batch_answers_like_the_reference() {
+    let folder = Folder::new("batch");
+    std::fs::copy(reference("jumps.csv"), folder.path("jumps.csv")).unwrap();
+    assert_eq!(folder.done("simulate --batch jumps.csv --out answers.csv", 0), "");
+    let (header, answers) = rows(&folder.read("answers.csv"));
+    let (expected_header, expected) = rows(&folder.read("jumps.csv"));
+    assert_eq!(header, expected_header);
+    assert_eq!(answers.len(), expected.len());
+    for (answer, expected) in answers.iter().zip(&expected) {
+        assert_eq!(answer[4], expected[4]);
+        for (name, (a, b)) in
+            header.iter().zip(answer.iter().zip(expected)).filter(|(name, _)| *name != "outcome")
+        {
+            // MODEL.md: a correct implementation agrees to 1e-8; numbers near 0 are compared with a millimetre.
+            assert!((number(a) - number(b)).abs() <= 1e-8 * number(b).abs().max(1e-3), "{name}: {a} {b}");
+        }
+    }
+    assert_eq!(folder.names(), ["answers.csv", "jumps.csv"]);
+}
+
+#[test]
+fn a_table_answers_like_the_reference() {
+    let folder = Folder::new("table");
+    let (_, expected) = rows(&std::fs::read_to_string(reference("table.csv")).unwrap());
+    folder.done("table --omega 3:6:61 --distance 0.3:1.0:36 --out table.csv", 0);
+    let (header, answers) = rows(&folder.read("table.csv"));
+    assert_eq!(header[..4], ["omega_rad_s", "distance_m", "alpha_f_rad", "apex_m"]);
+    assert_eq!(answers.len(), 61 * 36);
+    for expected in &expected {
+        let answer = answers.iter().find(|row| row[..2] == expected[..2]).unwrap();
+        // Columns: angle, apex, landing, time here; angle, landing, apex, time there; 1e-10 of error there.
+        for (a, b) in [(2, 2), (3, 4), (4, 3), (5, 5)] {
+            assert!((number(&answer[a]) - number(&expected[b])).abs() < 1e-8, "{answer:?} {expected:?}");
+        }
+    }
+}
+
+#[test]
+fn formats_agree() {
+    let folder = Folder::new("formats");
+    let line = "simulate --omega 5 --alpha-f -0.2,-0.1";
+    let (header, csv) = rows(&folder.done(&format!("{line} --format csv"), 0));
+    let json: serde_json::Value =
+        serde_json::from_str(&folder.done(&format!("{line} --format json"), 0)).unwrap();
+    assert_eq!((json["command"].as_str(), json["robot"].as_str()), (Some("simulate"), Some("rats-planar")));
+    for (i, row) in csv.iter().enumerate() {
+        for (name, cell) in header.iter().zip(row).filter(|(name, _)| *name != "outcome") {
+            assert_eq!(json["jumps"][i][name].as_f64(), Some(number(cell)), "{name}");
+        }
+    }
+    assert!(json["jumps"][0]["contact"]["friction_needed"].as_f64().unwrap() > 0.0);
+    assert!(json["jumps"][0]["energy"]["drive_j"].as_f64().unwrap() > 0.0);
+    let text = folder.done(line, 0);
+    assert!(text.contains("α_f") && text.contains("-0.2") && text.contains("stroke"), "{text}");
+}
+
+#[test]
+fn the_name_of_the_file_chooses_the_format() {
+    let folder = Folder::new("name");
+    folder.done("simulate --omega 5 --alpha-f 0 --out a.json", 0);
+    folder.done("simulate --omega 5 --alpha-f 0 --out a.csv", 0);
+    folder.done("simulate --omega 5 --alpha-f 0 --out a.txt", 0);
+    folder.done("simulate --omega 5 --alpha-f 0 --out b.txt --format csv", 0);
+    assert!(folder.read("a.json").starts_with('{'));
+    assert!(folder.read("a.csv").starts_with("omega0_rad_s,"));
+    assert!(folder.read("a.txt").starts_with("rats-planar: one jump"));
+    assert_eq!(folder.read("a.csv"), folder.read("b.txt"));
+    assert_eq!(folder.names(), ["a.csv", "a.json", "a.txt", "b.txt"]);
+}
+
+#[test]
+fn units_are_converted() {
+    let folder = Folder::new("units");
+    let check = |a: &str, b: &str| assert_eq!(folder.done(a, 0), folder.done(b, 0), "{a}");
+    check(
+        "simulate --omega 5 --alpha-f 0 --valve-open 25ms --start-lean -0.1",
+        "simulate --omega 5rad/s --alpha-f 0deg --valve-open 0.025 --start-lean=-0.1rad",
+    );
+    check("table --omega 5 --distance 60cm", "table --omega 5 --distance 0.6");
+}
+
+#[test]
+fn overrides_change_the_robot() {
+    let folder = Folder::new("overrides");
+    let apex = |set: &str| {
+        let (header, rows) =
+            rows(&folder.done(&format!("simulate --omega 5 --alpha-f 0 --format csv {set}"), 0));
+        number(&rows[0][header.iter().position(|name| name == "apex_m").unwrap()])
+    };
+    let weaker = apex("--set leg.supply_pressure_gauge_psi=60");
+    assert!(weaker < apex("") && weaker > 0.24, "{weaker}");
+    assert!(apex("--set leg.supply_pressure_gauge_psi=60 --set leg.supply_pressure_gauge_psi=120") > weaker);
+    folder.write("hopper.toml", folder_robot());
+    assert!(
+        folder.done("simulate --omega 5 --alpha-f 0 --robot hopper.toml", 0).starts_with("mine: one jump")
+    );
+}
+
+fn folder_robot() -> String {
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots/rats-planar.toml");
+    let text = std::fs::read_to_string(file).unwrap();
+    text.replacen("\"rats-planar\"", "\"mine\"", 1)
+}
+
+#[test]
+fn what_is_out_of_reach_is_answered_with_the_nearest() {
+    let folder = Folder::new("reach");
+    let (header, rows) = rows(&folder.done("table --omega 5 --distance 0.6,3 --format csv", 1));
+    let column = |name: &str| header.iter().position(|known| known == name).unwrap();
+    assert_eq!((&*rows[0][column("status")], &*rows[1][column("status")]), ("feasible", "infeasible"));
+    assert_eq!(rows[1][column("alpha_f_rad")], "");
+    let (nearest, angle) =
+        (number(&rows[1][column("nearest_distance_m")]), &rows[1][column("nearest_alpha_f_rad")]);
+    let there = folder.done(&format!("table --omega 5 --distance {}", nearest - 1e-6), 0);
+    assert!(there.contains("feasible"), "{there}");
+    folder.done(&format!("table --omega 5 --distance {}", nearest + 1e-6), 1);
+    assert!((number(angle) - 0.266).abs() < 1e-3, "{angle}");
+    let law = folder.done("law --omega 3:6:5 --distance 9", 1);
+    assert!(law.contains("infeasible") && law.contains("nearest is 1.2344 m at ω = 6 rad/s"), "{law}");
+}
+
+#[test]
+fn a_clearance_is_that_of_a_jump_over_the_obstacle() {
+    let folder = Folder::new("clearance");
+    let (_, low) =
+        rows(&folder.done("table --omega 5 --clearance 2cm --obstacle 0.4,0.05,0.1 --format csv", 0));
+    // Where the wheel lands, its rim is beyond the box.
+    assert!(number(&low[0][4]) > 0.45 + 0.02, "{low:?}");
+    let (header, high) =
+        rows(&folder.done("table --omega 5 --clearance 2cm --obstacle 0.4,0.21,0.4 --format csv", 1));
+    let nearest = &high[0][header.iter().position(|name| name == "nearest_clearance_m").unwrap()];
+    assert!(nearest.is_empty() || number(nearest) < 0.02, "{high:?}");
+    folder.done("law --omega 4:6:5 --clearance 2cm --obstacle 0.4,0.05,0.1 --firing-angles -0.33:0.8", 0);
+}
+
+#[test]
+fn the_law_is_that_of_the_model() {
+    let folder = Folder::new("law");
+    let text = folder.done("law --omega 3:6:5 --distance 1 --format json", 0);
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let law = &json["laws"][0];
+    // MODEL.md: −0.14 s and 0.68 rad to the digits given, linear to within 0.01 rad.
+    assert!((law["slope_s"].as_f64().unwrap() + 0.14).abs() < 0.01, "{law}");
+    assert!((law["intercept_rad"].as_f64().unwrap() - 0.68).abs() < 0.03, "{law}");
+    assert!(law["residual_greatest_rad"].as_f64().unwrap() < 0.01);
+    assert_eq!(law["points"].as_array().unwrap().len(), 5);
+    let words = folder.done("law --omega 3:6:5 --distance 1", 0);
+    assert!(words.contains("α_f = -0.14") && words.contains("rad RMS"), "{words}");
+}
+
+#[test]
+fn maps_name_every_outcome() {
+    let folder = Folder::new("map");
+    let (header, rows) = rows(&folder.done("map --omega 0,5,7 --alpha-f 0:0.2:3 --friction --format csv", 0));
+    assert_eq!(header, ["omega_rad_s", "alpha_f_rad", "outcome", "distance_m", "apex_m", "friction_needed"]);
+    assert_eq!(rows.len(), 9);
+    assert!(rows[..6].iter().all(|row| row[2] == "stroke" && number(&row[5]) >= 0.0));
+    assert!(rows[6..].iter().all(|row| row[2] == "early-lift-off" && row[3].is_empty()));
+    folder.done("map --omega 7 --alpha-f 0", 1);
+}
+
+#[test]
+fn the_answer_does_not_depend_on_the_number_of_threads() {
+    let folder = Folder::new("threads");
+    for line in [
+        "simulate --omega 3:6:40 --alpha-f -0.2:0.2:20 --format csv",
+        "table --omega 3:6:7 --distance 0.6 --format csv",
+        "map --omega 3:6:7 --alpha-f 0:0.2:5 --format csv",
+    ] {
+        let one = folder.done(&format!("{line} --threads 1"), 0);
+        assert_eq!(one, folder.done(&format!("{line} --threads 3"), 0), "{line}");
+        assert_eq!(one, folder.done(line, 0), "{line}");
+    }
+}
+
+#[test]
+fn a_jump_without_lift_off_is_an_answer() {
+    let folder = Folder::new("stall");
+    let (header, rows) =
+        rows(&folder.done("simulate --omega 0.1 --alpha-f 0 --start-lean -0.5 --format csv", 0));
+    assert_eq!(rows[0][4], "stall");
+    assert!(header.iter().zip(&rows[0]).skip(5).all(|(_, cell)| cell.is_empty()), "{rows:?}");
+    let text = folder.done("simulate --omega 0.1 --alpha-f 0 --start-lean -0.5", 0);
+    assert!(text.contains("came to rest before the firing angle"), "{text}");
+}
+
+#[test]
+fn help_has_examples_and_every_shell_is_completed() {
+    let folder = Folder::new("help");
+    for command in ["simulate", "table", "law", "map", "plan", "parkour"] {
+        let help = folder.done(&format!("{command} --help"), 0);
+        for word in
+            ["Examples:", "--robot", "--set", "--format", "--out", "JSON:", "CSV columns", "exit code"]
+        {
+            assert!(help.contains(word), "{command}: {word}");
+        }
+        assert!(folder.done("--help", 0).contains(command));
+    }
+    let help = folder.done("simulate --help", 0);
+    assert!(saltus::Robot::builtin_names().all(|name| help.contains(name)));
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = folder.done(&format!("completions {shell}"), 0);
+        assert!(script.contains("simulate") && script.contains("start-lean"), "{shell}");
+    }
+    assert!(folder.done("--version", 0).starts_with("saltus "));
+}
+
+const BOX: &str = "\
+approach_rate_rad_s = 5
+goal_from_x_m = 0.7
+goal_to_x_m = 1.1
+clearance_m = 0.02
+[[obstacle]]
+front_x_m = 0.4
+width_m = 0.05
+height_m = 0.1
+";
+
+#[test]
+fn a_plan_clears_the_box_and_a_wall_has_none() {
+    let folder = Folder::new("plan");
+    folder.write("box.toml", BOX);
+    folder.write("high.toml", BOX.replace("height_m = 0.1", "height_m = 0.3"));
+    folder.write("wall.toml", BOX.replace("height_m = 0.1", "height_m = 2"));
+    let (header, rows) = rows(&folder.done("plan box.toml --format csv", 0));
+    assert_eq!(header[..5], ["jump", "omega_rad_s", "phi0_rad", "alpha_f_rad", "valve_open_s"]);
+    // The plan's jump, simulated: the centre comes down to the wheel's radius where the plan says.
+    let (angle, open, land) = (&rows[0][3], &rows[0][4], number(&rows[0][8]));
+    let line = format!("simulate --omega 5 --alpha-f {angle} --valve-open {open} --format json");
+    let jump: serde_json::Value = serde_json::from_str(&folder.done(&line, 0)).unwrap();
+    assert!((jump["jumps"][0]["land_rs_m"].as_f64().unwrap() - land).abs() < 1e-6);
+    let json: serde_json::Value =
+        serde_json::from_str(&folder.done("plan box.toml --format json", 0)).unwrap();
+    assert_eq!(
+        (json["status"].as_str(), json["jumps"][0]["holds"].as_bool()),
+        (Some("verified"), Some(true))
+    );
+    // Whatever the search thinks of a wall, the full model does not let a plan through it.
+    let wall = folder.done("plan wall.toml", 1);
+    assert!(!wall.contains(": verified"), "{wall}");
+    let text = folder.done("plan high.toml", 1);
+    assert!(text.contains("infeasible") && text.contains("the nearest course that has a plan"), "{text}");
+}
+
+#[test]
+fn parkour_plans_are_no_slower_than_the_published_ones() {
+    let folder = Folder::new("parkour");
+    std::fs::copy(reference("instances.json"), folder.path("instances.json")).unwrap();
+    folder.done("parkour instances.json --out plans.json", 0);
+    let parse = |name: &str| serde_json::from_str::<serde_json::Value>(&folder.read(name)).unwrap();
+    let (plans, problems) = (parse("plans.json"), parse("instances.json"));
+    for (plan, problem) in
+        plans["plans"].as_array().unwrap().iter().zip(problems["instances"].as_array().unwrap())
+    {
+        assert_eq!(plan["id"], problem["id"]);
+        let times = plan["flight_time_s"].as_array().unwrap();
+        assert_eq!(times.len() as u64, problem["jumps"].as_u64().unwrap());
+        let total: f64 = times.iter().map(|time| time.as_f64().unwrap()).sum();
+        // The published times have eight digits and 1e-4 s of their solver's tolerance.
+        assert!(total <= problem["published"]["total_flight_time_s"].as_f64().unwrap() + 1e-4);
+    }
+    let slow = folder.done("parkour instances.json --set greatest_speed_m_s=1.6", 1);
+    assert!(slow.contains("infeasible"), "{slow}");
+}
+
+#[test]
+fn files_are_replaced_whole_and_devices_are_written_to() {
+    let folder = Folder::new("replace");
+    folder.write("a.csv", "old");
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("a.csv", folder.path("link.csv")).unwrap();
+    folder.done("simulate --omega 5 --alpha-f 0 --out link.csv", 0);
+    assert!(folder.read("a.csv").starts_with("omega0"));
+    assert!(std::fs::symlink_metadata(folder.path("link.csv")).unwrap().is_symlink());
+    let shown = folder.done("simulate --omega 5 --alpha-f 0 --out /dev/stdout", 0);
+    assert_eq!(shown, folder.done("simulate --omega 5 --alpha-f 0 --out -", 0));
+    assert!(shown.starts_with("rats-planar"));
+    assert_eq!(folder.names(), ["a.csv", "link.csv"]);
+}
