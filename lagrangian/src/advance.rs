@@ -132,7 +132,7 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
             let reached = event_step(phase, y, &here, i, pace.tolerance);
             if let Some(next) = reached.filter(|next| {
                 let time = next[TIME].value();
-                time > now && time <= now + longest && first_passed(phase, next, &armed, i).is_none()
+                time >= now && time <= now + longest && first_passed(phase, next, &armed, i).is_none()
             }) {
                 observe(y, &next);
                 *y = next;
@@ -158,7 +158,7 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
         if let Some((i, fraction)) = crossed {
             if let Some(event) = event_step(phase, &next, &there, i, pace.tolerance).filter(|event| {
                 let time = event[TIME].value();
-                time > now && time <= next[TIME].value() && first_passed(phase, event, &armed, i).is_none()
+                time >= now && time <= next[TIME].value() && first_passed(phase, event, &armed, i).is_none()
             }) {
                 observe(y, &event);
                 *y = event;

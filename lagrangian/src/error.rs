@@ -25,7 +25,9 @@ pub enum StanceError {
         step: f64,
     },
     /// The leg's parameters make the stance so stiff that no end was in sight.
-    #[error("{steps} steps came no further than {time} s: the leg's parameters make the stance too stiff to integrate")]
+    #[error(
+        "{steps} steps came no further than {time} s: the leg's parameters make the stance too stiff to integrate"
+    )]
     TooManySteps {
         /// Time in the stance (s).
         time: f64,

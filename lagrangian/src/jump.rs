@@ -175,13 +175,8 @@ impl<S: Single> Stance<S> {
     fn start(&self, launch: &Launch<S>) -> State<S> {
         let mut y = [S::of(0.0); WIDTH];
         (y[LEAN], y[RATE]) = (launch.lean, launch.rate);
-        y[GAS] = self.ambient() * S::of(1.0 / MEGA);
+        y[GAS] = self.ambient * S::of(1.0 / MEGA);
         y
-    }
-
-    /// Ambient pressure (Pa), as far as the leg knows it.
-    fn ambient(&self) -> S {
-        self.leg.chamber().map_or(S::of(101_325.0), |c| c.ambient)
     }
 
     /// Phase 1: the robot pivots on the retracted leg until it reaches the firing angle.
@@ -273,7 +268,7 @@ impl<S: Single> Stance<S> {
             && freed.tail.value() < 1e-16
             && (0.0..=valve_open.value()).contains(&wait.value())
             && freed.pressure.value() <= chamber.fill_edge().value()
-            && early.is_none_or(|early| freed.lean.value() < early);
+            && early.is_none_or(|early| freed.lean.value().abs() < early);
         if !is_valid {
             return None;
         }

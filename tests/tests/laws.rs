@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use proptest::prelude::*;
-use saltus_lagrangian::{FINE, Launch, LiftOff, Outcome, Stance, TouchDown};
+use saltus_lagrangian::{FINE, Launch, LiftOff, Outcome, Sample, Stance, TouchDown};
 use saltus_robot::{Drive, GaugePressure, Robot};
 use saltus_tests::oracle::held_normal;
 use saltus_tests::robots::{Kind, any_ordinary, cases, jump, launch, ordinary, stroke_time};
@@ -71,6 +71,9 @@ fn in_units(robot: &Robot, length: f64, mass: f64, time: f64) -> Robot {
     scaled
 }
 
+/// Weights of the closed Newton–Cotes rule on nine points, exact to degree 9.
+const NEWTON_COTES: [f64; 9] = [989.0, 5888.0, -928.0, 10496.0, -4540.0, 10496.0, -928.0, 5888.0, 989.0];
+
 /// A spring leg without losses.
 fn lossless(mut robot: Robot) -> Robot {
     robot.leg.viscous_friction = 0.0;
@@ -90,7 +93,7 @@ proptest! {
         // What is asked for: 1e-9 of the work done, by the drive or, while the leg is held, by the weight.
         let work = ledger.drive.abs() + ledger.losses.abs() + ledger.potential.abs() + ledger.kinetic.abs();
         prop_assert!(ledger.residual().abs() <= 1e-9 * work, "{:e} of {:?}", ledger.residual(), ledger);
-        prop_assert!(ledger.losses >= -1e-9 * work || matches!(robot.leg.return_spring, Some(_)), "{:?}", ledger);
+        prop_assert!(ledger.losses >= -1e-9 * work || robot.leg.return_spring.is_some(), "{:?}", ledger);
     }
 
     #[test]
@@ -98,7 +101,7 @@ proptest! {
         let Drive::Spring { stiffness, compression } = robot.leg.drive else { unreachable!() };
         let trace = stance(&robot).trace(&launch).expect("a stance");
         let (m, i) = (robot.body.mass, robot.body.inertia);
-        let parts = |s: &saltus_lagrangian::Sample| {
+        let parts = |s: &Sample| {
             let reach = robot.body.radius + s.extension;
             let left = compression - s.extension;
             [
@@ -118,15 +121,35 @@ proptest! {
     }
 
     #[test]
-    fn without_gravity_the_angular_momentum_is_kept((mut robot, launch) in jump(any_ordinary())) {
+    fn only_the_weight_changes_the_angular_momentum((robot, launch) in jump(any_ordinary())) {
+        // A leg's force has no moment about the foot: d/dt (I + m R²) ω = m g R sin φ, with any leg.
+        let trace = stance(&robot).trace(&launch).expect("a stance");
+        let (m, g) = (robot.body.mass, robot.environment.gravity);
+        let reach = |s: &Sample| robot.body.radius + s.extension;
+        let momentum = |s: &Sample| (robot.body.inertia + m * reach(s) * reach(s)) * s.rate;
+        let moment = |s: &Sample| m * g * reach(s) * s.lean.sin();
+        let size = m * (g * robot.body.radius.powi(3)).sqrt();
+        // Each integration step comes as eight equal parts.
+        for step in (0..trace.samples.len().saturating_sub(1)).step_by(8) {
+            let parts = &trace.samples[step..=step + 8];
+            let length = parts[8].time - parts[0].time;
+            let impulse: f64 = parts.iter().zip(NEWTON_COTES).map(|(s, weight)| weight * moment(s)).sum::<f64>()
+                * length
+                / NEWTON_COTES.iter().sum::<f64>();
+            let change = momentum(&parts[8]) - momentum(&parts[0]);
+            // The error control's 1e-12 a step, on momenta whose squares and products count a few times over.
+            prop_assert!((change - impulse).abs() <= 1e-10 * size, "{change} {impulse}");
+        }
+    }
+
+    #[test]
+    fn without_gravity_a_robot_at_rest_only_rises((mut robot, launch) in jump(any_ordinary())) {
+        // Without weight any motion around the foot takes the robot off the ground; from rest it goes straight out.
         robot.environment.gravity = 0.0;
-        let trace = stance(&robot).trace(&Launch { firing_angle: launch.lean, ..launch }).expect("a stance");
-        let momentum = |reach: f64, rate: f64| (robot.body.inertia + robot.body.mass * reach * reach) * rate;
-        let start = momentum(robot.body.radius, launch.rate);
+        let launch = Launch { rate: 0.0, firing_angle: launch.lean, ..launch };
+        let trace = stance(&robot).trace(&launch).expect("a stance");
         for sample in &trace.samples {
-            // A leg's force has no moment about the foot; the steps keep the product of two state variables to 1e-10.
-            let now = momentum(robot.body.radius + sample.extension, sample.rate);
-            prop_assert!((now - start).abs() <= 1e-10 * start.abs(), "{start} {now}");
+            prop_assert!(sample.lean == launch.lean && sample.rate == 0.0, "{sample:?}");
         }
     }
 
@@ -209,9 +232,14 @@ proptest! {
             if let Drive::Pneumatic(cylinder) = &mut robot.leg.drive {
                 cylinder.supply = GaugePressure(cylinder.supply.0 * supply);
             }
-            apex(&robot, &stance(&robot).jump(&Launch::at_firing(0.0, 0.0, open)).expect("a stance"))
+            let end = stance(&robot).jump(&Launch::at_firing(0.0, 0.0, open)).expect("a stance");
+            let starves = end.outcome == Outcome::Force && end.time < robot.leg.delay + open;
+            (apex(&robot, &end), starves)
         };
-        let (low, high) = (hop(1.0), hop(more));
+        let ((low, starves), (high, starves_too)) = (hop(1.0), hop(more));
+        // A leg that outruns its valve, so that its force falls to 0 while that is open, bounces on its gas: the law is
+        // about legs that push.
+        prop_assume!(!starves && !starves_too);
         // Each is right to ten digits.
         prop_assert!(high >= low - 1e-9 * low, "{low} {high}");
     }
@@ -224,9 +252,10 @@ proptest! {
         // Each is right to ten digits.
         prop_assert!(apex(&robot, &long) >= apex(&robot, &short) * (1.0 - 1e-9), "{:?} {:?}", short, long);
         if short.outcome.is_jump() && short.time < robot.leg.delay + open {
-            // The leg was off the ground before the valve closed: nothing is left to change.
-            let same = LiftOff { ..long };
-            prop_assert_eq!(short, same);
+            // The leg was off the ground before the valve closed: nothing is left to change but the steps' lengths.
+            prop_assert_eq!(short.outcome, long.outcome);
+            prop_assert!((apex(&robot, &short) - apex(&robot, &long)).abs() <= 1e-9 * apex(&robot, &long));
+            prop_assert!((short.time - long.time).abs() <= 1e-9 * long.time);
         }
     }
 

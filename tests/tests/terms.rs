@@ -94,27 +94,31 @@ proptest! {
     }
 }
 
-/// With every term off, the general equations are those of the plain leg to the bit: a leg that the code does not take
-/// for plain, but whose terms come to nothing.
+/// Terms of strength 0 are off: the base model to the bit. A leg that the code does not take for plain, but whose terms
+/// come to nothing, goes by the general equations: the base model to round-off.
 #[test]
 fn off_is_the_base_model_to_the_bit() {
     for rate in [3.0, 4.5, 6.0] {
         for angle in [-0.25, -0.1, 0.05] {
             let launch = Launch { rate, lean: -0.35, firing_angle: angle, valve_open: 0.04 };
-            let trace =
-                |robot: &Robot| format!("{:?}", stance(robot).trace(&launch).expect("a stance").lift_off);
-            let base = trace(&Robot::rats_planar());
+            let lift_off = |robot: &Robot| stance(robot).trace(&launch).expect("a stance").lift_off;
+            let base = lift_off(&Robot::rats_planar());
             let explicit = rats(|robot| {
                 robot.environment.drag = 0.0;
                 let c = cylinder(robot);
                 (c.supply_droop, c.leak_area, c.seal_friction) = (0.0, 0.0, 0.0);
                 c.polytropic_exponent = Some(c.gas.heat_ratio);
             });
-            assert_eq!(base, trace(&explicit));
+            assert_eq!(base, lift_off(&explicit));
             let general = rats(|robot| {
                 robot.leg.return_spring = Some(ReturnSpring { stiffness: 0.0, preload: 0.0 });
             });
-            assert_eq!(base, trace(&general));
+            // The general equations add the same numbers in another order: a few roundings over some tens of steps.
+            let (a, b) = (lift_off(&general), base);
+            assert_eq!(a.outcome, b.outcome);
+            for (x, y) in [(a.time, b.time), (a.lean, b.lean), (a.rate, b.rate), (a.pressure, b.pressure)] {
+                assert!((x - y).abs() <= 1e-13 * y.abs(), "{x} {y}");
+            }
         }
     }
 }
@@ -122,7 +126,7 @@ fn off_is_the_base_model_to_the_bit() {
 #[test]
 fn each_term_acts_as_it_is_named() {
     let base = apex(&Robot::rats_planar());
-    let lower: [(&str, Robot); 12] = [
+    let lower: [(&str, Robot); 11] = [
         ("leak", rats(|r| cylinder(r).leak_area = 1e-7)),
         ("droop", rats(|r| cylinder(r).supply_droop = 1e6)),
         ("seal friction", rats(|r| cylinder(r).seal_friction = 1e-5)),
@@ -137,8 +141,6 @@ fn each_term_acts_as_it_is_named() {
         ),
         ("cushion", rats(|r| r.leg.cushion = Some(Cushion { length: 4e-3, stiffness: 1e4, damping: 0.0 }))),
         ("damping", rats(|r| r.leg.cushion = Some(Cushion { length: 4e-3, stiffness: 0.0, damping: 30.0 }))),
-        // Heat that the wall takes: the same gas fills the chamber to less pressure.
-        ("polytropic exponent", rats(|r| cylinder(r).polytropic_exponent = Some(1.2))),
         ("viscous friction", rats(|r| r.leg.viscous_friction += 1.0)),
         ("Coulomb friction", rats(|r| r.leg.coulomb_friction += 1.0)),
         // More molar mass: a slower flow, and a lower κ.
@@ -150,6 +152,13 @@ fn each_term_acts_as_it_is_named() {
     }
     // Less molar mass than air.
     assert!(apex(&rats(|r| cylinder(r).gas = Gas::NITROGEN)) > base);
+    // The wall takes heat: the chamber fills more slowly, but its gas cools less as it expands, so that either may win.
+    let breaks_away = |robot: &Robot| {
+        let trace = stance(robot).trace(&Launch::at_firing(0.0, 0.0, 0.1)).expect("a stance");
+        trace.samples.iter().rfind(|sample| sample.extension == 0.0).map(|sample| sample.time)
+    };
+    let cooled = rats(|r| cylinder(r).polytropic_exponent = Some(1.2));
+    assert!(breaks_away(&cooled) > breaks_away(&Robot::rats_planar()));
     // A delay shifts an upright hop and changes nothing else.
     let (now, later) = (hop(&Robot::rats_planar()), hop(&rats(|r| r.leg.delay += 0.01)));
     assert!(
