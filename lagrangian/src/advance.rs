@@ -69,6 +69,8 @@ const PASSED: f64 = -1e-9;
 const STANDING: f64 = 1e-6;
 /// Shortest step (s).
 const LEAST_STEP: f64 = 1e-13;
+/// Most steps of one jump: an ordinary one takes ten to a hundred.
+const MOST_STEPS: u32 = 10_000;
 /// Longest phase (s).
 const LONGEST: f64 = 30.0;
 
@@ -79,6 +81,8 @@ pub(crate) struct Pace {
     pub step: f64,
     /// Error tolerance.
     pub tolerance: f64,
+    /// Steps tried so far.
+    pub steps: u32,
 }
 
 /// Carries `y` through `phase` to its first event, whose number is returned, or to the time `end` (none).
@@ -117,6 +121,10 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
         if now - begin > LONGEST {
             return Err(StanceError::TooLong { time: now });
         }
+        pace.steps += 1;
+        if pace.steps > MOST_STEPS {
+            return Err(StanceError::TooManySteps { time: now, steps: MOST_STEPS });
+        }
         let trial = pace.step.min(longest);
         let foreseen = foresee(&here, &armed, 0.9 * trial);
         let mut length = trial;
@@ -124,7 +132,7 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
             let reached = event_step(phase, y, &here, i, pace.tolerance);
             if let Some(next) = reached.filter(|next| {
                 let time = next[TIME].value();
-                time > now && time <= now + longest && first_passed(phase, next, &armed, i).is_none()
+                time >= now && time <= now + longest && first_passed(phase, next, &armed, i).is_none()
             }) {
                 observe(y, &next);
                 *y = next;
@@ -150,7 +158,7 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
         if let Some((i, fraction)) = crossed {
             if let Some(event) = event_step(phase, &next, &there, i, pace.tolerance).filter(|event| {
                 let time = event[TIME].value();
-                time > now && time <= next[TIME].value() && first_passed(phase, event, &armed, i).is_none()
+                time >= now && time <= next[TIME].value() && first_passed(phase, event, &armed, i).is_none()
             }) {
                 observe(y, &event);
                 *y = event;

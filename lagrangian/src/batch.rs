@@ -94,6 +94,13 @@ impl Batch {
                     let [lean, rate, gas, time, time_fire] = row;
                     let mut state = [0.0; WIDTH];
                     (state[LEAN], state[RATE], state[GAS], state[TIME]) = (lean, rate, gas, time);
+                    // Where the robot's own swing pulls the leg out, there may be no force left to push with.
+                    let pushes = self.one.leg.chamber().is_some_and(|chamber| {
+                        self.one.leg.plain_force(chamber, 0.0, gas * MEGA).value > 0.0
+                    });
+                    if !pushes {
+                        continue;
+                    }
                     let close = time_fire + self.one.leg.delay + launch.valve_open;
                     ready.push(Ready { job: block * LANES + i, state, time_fire, close });
                 }

@@ -24,6 +24,16 @@ pub enum StanceError {
         /// The step (s).
         step: f64,
     },
+    /// The leg's parameters make the stance so stiff that no end was in sight.
+    #[error(
+        "{steps} steps came no further than {time} s: the leg's parameters make the stance too stiff to integrate"
+    )]
+    TooManySteps {
+        /// Time in the stance (s).
+        time: f64,
+        /// Steps taken.
+        steps: u32,
+    },
     /// The stance lasts longer than any jump.
     #[error("no lift-off within {time} s")]
     TooLong {

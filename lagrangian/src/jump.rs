@@ -145,8 +145,8 @@ impl<S: Single> Stance<S> {
     /// Source: thesis §5.2, MODEL "One jump, phase by phase".
     ///
     /// # Errors
-    /// [`StanceError::Input`] for an input outside its domain; [`StanceError::StepTooSmall`] or
-    /// [`StanceError::TooLong`] where the leg's parameters allow no solution.
+    /// [`StanceError::Input`] for an input outside its domain; [`StanceError::StepTooSmall`],
+    /// [`StanceError::TooManySteps`] or [`StanceError::TooLong`] where the leg's parameters allow no solution.
     pub fn jump(&self, launch: &Launch<S>) -> Result<LiftOff<S>, StanceError> {
         self.run(launch, &mut Unobserved)
     }
@@ -160,7 +160,7 @@ impl<S: Single> Stance<S> {
         let start = self.start(launch);
         let invariant = self.pendulum.invariant(launch.lean, launch.rate);
         let early = self.pendulum.lift_off_lean(invariant, launch.lean);
-        let mut pace = Pace { step: FIRST_STEP, tolerance: self.tolerance };
+        let mut pace = Pace { step: FIRST_STEP, tolerance: self.tolerance, steps: 0 };
         let end = |outcome, time_fire, y: &State<S>| Ok(LiftOff::new(self, outcome, time_fire, y));
 
         let fired = match self.pivot(launch, start, early, &mut pace, observer)? {
@@ -180,13 +180,8 @@ impl<S: Single> Stance<S> {
     fn start(&self, launch: &Launch<S>) -> State<S> {
         let mut y = [S::of(0.0); WIDTH];
         (y[LEAN], y[RATE]) = (launch.lean, launch.rate);
-        y[GAS] = self.ambient() * S::of(1.0 / MEGA);
+        y[GAS] = self.ambient * S::of(1.0 / MEGA);
         y
-    }
-
-    /// Ambient pressure (Pa), as far as the leg knows it.
-    fn ambient(&self) -> S {
-        self.leg.chamber().map_or(S::of(101_325.0), |c| c.ambient)
     }
 
     /// Phase 1: the robot pivots on the retracted leg until it reaches the firing angle.
@@ -278,7 +273,7 @@ impl<S: Single> Stance<S> {
             && freed.tail.value() < 1e-16
             && (0.0..=valve_open.value()).contains(&wait.value())
             && freed.pressure.value() <= chamber.fill_edge().value()
-            && early.is_none_or(|early| freed.lean.value() < early);
+            && early.is_none_or(|early| freed.lean.value().abs() < early);
         if !is_valid {
             return None;
         }

@@ -96,7 +96,7 @@ pub(crate) struct Held<'a, S: Single> {
     pub energized: bool,
     /// Lean (rad) at which the phase ends.
     pub target: Option<S>,
-    /// Lean (rad) at which the ground would have to pull.
+    /// Lean (rad) at which the ground would have to pull: on both sides where it is positive.
     pub early: Option<f64>,
 }
 
@@ -179,7 +179,11 @@ impl<S: Single> Phase<S, 6> for Held<'_, S> {
             self.target.map_or(idle, |_| (-y[RATE], -dy[RATE])),
             if self.energized { (self.excess(y) * scale, self.excess_rate(y, &dy) * scale) } else { idle },
             self.piece.map_or(idle, |piece| (piece.guards(y[GAS]).0, piece.sign * dy[GAS])),
-            self.early.map_or(idle, |early| (y[LEAN] - S::of(early), dy[LEAN])),
+            // The ground lets go of a robot that falls back where it would of one that falls ahead.
+            self.early.map_or(idle, |early| match early {
+                early if early > 0.0 => (y[LEAN].abs() - S::of(early), aside),
+                early => (y[LEAN] - S::of(early), dy[LEAN]),
+            }),
             (y[LEAN].abs() - S::of(FRAC_PI_2), aside),
         ];
         Look { rates: dy, guards: guards.map(|g| g.0), guard_rates: guards.map(|g| g.1) }
@@ -220,12 +224,12 @@ impl<S: Single> Extension<'_, S> {
         self.force_at(y, self.pressure(y)).value
     }
 
-    /// Chamber pressure (Pa); 0 for a leg without a chamber.
+    /// Chamber pressure (Pa); the ambient one for a leg without a chamber.
     #[inline(always)]
     pub(crate) fn pressure(&self, y: &State<S>) -> S {
         match (self.stance.leg.chamber(), &self.piece) {
             (Some(chamber), Some(piece)) => chamber.pressure(piece.flow, y[GAS]),
-            _ => S::of(0.0),
+            _ => y[GAS] * S::of(saltus_pneumatics::MEGA),
         }
     }
 }

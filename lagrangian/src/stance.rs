@@ -31,6 +31,8 @@ pub struct Stance<S> {
     pub leg: Leg<S>,
     /// Error tolerance of a step, relative to 1 + |state| with the pressure in MPa.
     pub tolerance: f64,
+    /// P_a (Pa).
+    pub(crate) ambient: S,
     pub(crate) inverse_mass: S,
     pub(crate) pendulum: Pendulum<S>,
     /// The leg is a pneumatic one without optional terms.
@@ -95,6 +97,7 @@ impl<S: Scalar> Stance<S> {
             gravity,
             leg: Leg::new(robot, lift),
             tolerance: FINE,
+            ambient: S::of(robot.environment.ambient.0),
             inverse_mass: S::of(1.0) / mass,
             pendulum: Pendulum::new(mass, inertia, radius, gravity),
             plain: true,

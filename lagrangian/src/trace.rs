@@ -36,7 +36,7 @@ pub struct Sample<S = f64> {
     pub extension: S,
     /// Extension rate ḋ (m/s).
     pub extension_rate: S,
-    /// Chamber pressure (Pa, absolute); 0 for a leg without a chamber.
+    /// Chamber pressure (Pa, absolute); the ambient one for a leg without a chamber.
     pub pressure: S,
     /// The ground's force on the foot.
     pub reaction: Reaction<S>,

@@ -215,7 +215,8 @@ impl<S: Scalar> Chamber<S> {
             valve.sonic,
             || one,
             || {
-                let root = (one - u).max(S::of(0.0)).sqrt() * inverse_u;
+                // Not 0: where the flow ends, its slopes are infinite, and a dual would not be a number.
+                let root = (one - u).max(S::of(f64::MIN_POSITIVE)).sqrt() * inverse_u;
                 S::select(valve.outward, || root * ratio, || root)
             },
         );
@@ -252,11 +253,12 @@ impl<S: Single> Chamber<S> {
 
     /// The valve on the piece `flow`.
     pub fn valve(&self, flow: Flow) -> Valve<S> {
-        Valve {
-            law: self.valve_law(flow),
-            sonic: !flow.is_subsonic(),
-            outward: flow == Flow::ExhaustSubsonic,
+        let mut law = self.valve_law(flow);
+        if self.droops(flow) {
+            // The whole of this flow is among the extra ones: near balance the plain one is all cancellation.
+            law.flow = S::of(0.0);
         }
+        Valve { law, sonic: !flow.is_subsonic(), outward: flow == Flow::ExhaustSubsonic }
     }
 
     /// u at pressure `p` (Pa) on the piece `flow`.
@@ -291,8 +293,13 @@ impl<S: Single> Chamber<S> {
         }
     }
 
-    /// Mass flow (kg/s) into the chamber besides the valve's plain law: leak, exhaust port, and what a drooping
-    /// supply takes back.
+    /// Whether the supply droops on the piece `flow` in a way that the plain law does not know.
+    fn droops(&self, flow: Flow) -> bool {
+        self.droop.value() > 0.0 && flow == Flow::FillSubsonic
+    }
+
+    /// Mass flow (kg/s) into the chamber besides that of [`valve`](Chamber::valve): leak, exhaust port, and all that
+    /// a drooping supply gives below sonic speed.
     pub fn extra_inflow(&self, flow: Flow, p: S, port_open: bool) -> S {
         let mut out = self.leak;
         if let (true, Some((_, conductance))) = (port_open, self.port) {
@@ -302,8 +309,8 @@ impl<S: Single> Chamber<S> {
         if out.value() > 0.0 {
             inflow = inflow - out * self.law.flow(p, self.ambient);
         }
-        if self.droop.value() > 0.0 && flow == Flow::FillSubsonic {
-            inflow = inflow + self.drooping_flow(p) - self.conductance * self.law.flow(self.supply, p);
+        if self.droops(flow) {
+            inflow = inflow + self.drooping_flow(p);
         }
         inflow
     }
@@ -318,31 +325,34 @@ impl<S: Single> Chamber<S> {
         self.leak.value() > 0.0 || self.port.is_some() || self.droop.value() > 0.0
     }
 
-    /// Mass flow (kg/s) from a supply that falls by `droop` × the flow: ṁ = q(P_s − k ṁ, P), by bisection-guarded
-    /// Newton steps (the right side falls with ṁ, so the root is the only one).
+    /// Mass flow (kg/s) from a supply that falls by `droop` × the flow: ṁ = q(P_s − k ṁ, P), below sonic speed.
+    ///
+    /// With w = √(1 − e) of the temperature ratio e across the valve, ṁ = C C_2 P w/(1 − w²), and the supply's balance
+    /// P (1 − w²)^(−κ/(κ−1)) + k ṁ = P_s is smooth, rising and convex in w: Newton's steps from the flow without droop
+    /// come down to its root, and never past it.
     fn drooping_flow(&self, p: S) -> S {
-        let law = |m: S| self.conductance * self.law.flow(self.supply - self.droop * m, p);
-        let (mut low, mut high) = (0.0, law(S::of(0.0)).value());
-        let mut m = S::of(high / (1.0 + high * self.droop.value() / self.supply.value()));
-        // Fifty halvings reach round-off where Newton does not; one further Newton step carries the derivatives.
+        let (one, two) = (S::of(1.0), S::of(2.0));
+        let valve = self.conductance * S::of(self.law.subsonic) * p;
+        let power = 1.0 / self.law.temperature_exponent;
+        let cold = self.law.temperature_ratio(p, self.supply).value();
+        let mut w = S::of((1.0 - cold).max(0.0).sqrt());
+        let newton = |w: S| {
+            let e = one - w * w;
+            let upstream = p * e.pow(S::of(-power));
+            let flow = valve * w / e;
+            let slope = (S::of(power) * upstream * two * w + self.droop * valve * (one + w * w) / e) / e;
+            w - (upstream + self.droop * flow - self.supply) / slope
+        };
+        // It takes four to ten; one more carries the derivatives.
         for _ in 0..50 {
-            let residual = law(m) - m;
-            if residual.value() > 0.0 {
-                low = m.value();
-            } else {
-                high = m.value();
-            }
-            let width = 1e-7 * high.max(1e-12);
-            let slope = (law(m + S::of(width)) - law(m - S::of(width))).value() / (2.0 * width) - 1.0;
-            let next = m - residual * S::of(1.0 / slope);
-            if !(low..=high).contains(&next.value()) {
-                m = S::of(0.5 * (low + high));
-            } else if (next - m).value().abs() <= 1e-15 * high {
-                return next;
-            } else {
-                m = next;
+            let next = newton(w);
+            let is_last = (next - w).value().abs() <= 1e-14 * w.value();
+            w = next;
+            if is_last {
+                break;
             }
         }
-        m
+        w = newton(w);
+        valve * w / (one - w * w)
     }
 }

@@ -160,13 +160,9 @@ impl<S: Single> Leg<S> {
             Drive::Pneumatic(chamber) => {
                 Force { wrt_pressure: chamber.area, ..constant(self.plain_drive_force(chamber, p)) }
             }
+            // Not cut off at 0, where the stance ends: so the event is one of a smooth function.
             Drive::Spring(stiffness, compression) => {
-                let left = *compression - d;
-                if switches.energized && left.value() > 0.0 {
-                    Force { wrt_extension: -*stiffness, ..constant(*stiffness * left) }
-                } else {
-                    constant(zero)
-                }
+                Force { wrt_extension: on(-*stiffness), ..constant(on(*stiffness * (*compression - d))) }
             }
             Drive::Constant(force) => constant(on(*force)),
             Drive::Table(surface) => {

@@ -297,7 +297,7 @@ fn force(robot: &Robot, mode: Mode, y: &State) -> (f64, f64) {
             seal = cylinder.seal_friction * gauge.abs();
             gauge * PI / 4.0 * cylinder.bore * cylinder.bore
         }
-        Drive::Spring { stiffness, compression } => on(stiffness * (compression - d).max(0.0)),
+        Drive::Spring { stiffness, compression } => on(stiffness * (compression - d)),
         Drive::Constant { force } => on(*force),
         Drive::Table(table) => on(table_force(table, d, speed)),
     };
