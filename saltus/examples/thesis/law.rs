@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use saltus::Planner;
-use saltus::planner::{Law, LawPoint, Measure, Roots};
+use saltus::planner::{Entry, Law, LawPoint, Measure, Roots};
 
 use crate::chart::{COLORS, Chart, Stroke};
 use crate::jumper::{Reading, planner, range};
@@ -53,10 +53,11 @@ pub(crate) fn section() -> Outcome<Section> {
          No choice above gives A = {} and B = {B} together. What would flatten the slope is not decided by the thesis' text, and nothing \
          here is tuned to hide it.\n\n\
          ### Early and late\n\n\
-         Where {DISTANCE:.0} m is in reach there are two angles for it: the law's early one, and one past the angle that goes farthest, from \
+         Where {DISTANCE:.0} m is in reach there are as a rule two angles for it: the law's early one, and one past the angle that goes farthest, from \
          which the robot flies low. The thesis mentions one only, and rightly: the late jumps never rise to y = r_s = {radius} m, so that the \
          wheel would touch the ground. (That a wheel touches at y = r_s holds for every landing at y = 0 as well, which is a reading of the \
-         thesis' metre and not a place to land.)\n\n{}",
+         thesis' metre and not a place to land.) Where there is no late one, a robot so fast and so far over pulls itself off its foot \
+         before the pressure pushes.\n\n{}",
         signed(A, 1),
         list(&RATES),
         1e3 * LINEAR,
@@ -252,26 +253,35 @@ fn roots(planner: &Planner) -> Outcome<String> {
         "| ω (rad/s) | early α_f (rad) | apex (m) | late α_f (rad) | apex (m) | farthest (m) | at α_f (rad) |\n\
          | --- | --- | --- | --- | --- | --- | --- |\n",
     );
+    let radius = planner.robot().body.radius;
     let table = planner.table(&Reading::PLAIN.request(&RATES, DISTANCE, Roots::All))?;
     // The nearest to a distance that nobody reaches is the farthest jump.
     let farthest = planner.table(&Reading::PLAIN.request(&RATES, 100.0, Roots::All))?;
     for (cell, far) in table.cells.iter().zip(&farthest.cells) {
-        let [early, late] = cell.entries.as_slice() else {
-            return Err(format!("{} angles for one distance", cell.entries.len()).into());
+        let (early, late) = match cell.entries.as_slice() {
+            [early, late] => (early, Some(late)),
+            [early] => (early, None),
+            others => return Err(format!("{} angles for one distance", others.len()).into()),
         };
         let far = far.nearest.ok_or("no farthest jump")?;
-        claim(
-            early.jump.launch.firing_angle < far.firing_angle
-                && far.firing_angle < late.jump.launch.firing_angle,
-            "the farthest angle is between the two",
-        )?;
-        claim(late.jump.apex() < Some(planner.robot().body.radius), "the late jump flies low")?;
-        claim(early.jump.apex() > Some(planner.robot().body.radius), "the early jump flies high")?;
-        write!(rows, "| {} |", cell.rate)?;
-        for entry in [early, late] {
+        claim(early.jump.launch.firing_angle < far.firing_angle, "the early angle is before the farthest")?;
+        claim(early.jump.apex() > Some(radius), "the early jump flies high")?;
+        let write = |entry: &Entry| -> Outcome<String> {
             let apex = entry.jump.apex().ok_or("no apex")?;
-            write!(rows, " {} | {apex:.4} |", signed(entry.jump.launch.firing_angle, 4))?;
-        }
+            Ok(format!(" {} | {apex:.4} |", signed(entry.jump.launch.firing_angle, 4)))
+        };
+        let late = match late {
+            Some(late) => {
+                claim(
+                    late.jump.launch.firing_angle > far.firing_angle,
+                    "the late angle is past the farthest",
+                )?;
+                claim(late.jump.apex() < Some(radius), "the late jump flies low")?;
+                write(late)?
+            }
+            None => " none | |".to_owned(),
+        };
+        write!(rows, "| {} |{}{late}", cell.rate, write(early)?)?;
         writeln!(rows, " {:.3} | {} |", far.value, signed(far.firing_angle, 3))?;
     }
     Ok(rows)
