@@ -65,6 +65,7 @@ type Event<'a> = &'a dyn Fn(&State) -> f64;
 
 /// What is switched on.
 #[derive(Clone, Copy)]
+#[allow(clippy::struct_excessive_bools, reason = "four things that switch, each on its own")]
 struct Mode {
     energized: bool,
     extending: bool,

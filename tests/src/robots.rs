@@ -213,6 +213,7 @@ fn cylinder(
     }
 }
 
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0, 1 or 2")]
 fn force_table(draw: &mut Draw, stroke: f64, force: f64, time: f64) -> ForceTable {
     let rows = 2 + (3.0 * draw.unit()) as usize;
     let columns = 2 + (3.0 * draw.unit()) as usize;
