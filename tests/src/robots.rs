@@ -54,6 +54,12 @@ impl Draw {
         low + (high - low) * self.unit()
     }
 
+    /// From 2 to 4.
+    fn count(&mut self) -> usize {
+        let thirds = self.unit();
+        2 + [1.0 / 3.0, 2.0 / 3.0].iter().filter(|third| thirds > **third).count()
+    }
+
     /// Evenly distributed in the logarithm.
     fn scale(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.unit())
@@ -213,9 +219,10 @@ fn cylinder(
     }
 }
 
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0, 1 or 2")]
 fn force_table(draw: &mut Draw, stroke: f64, force: f64, time: f64) -> ForceTable {
-    let rows = 2 + (3.0 * draw.unit()) as usize;
-    let columns = 2 + (3.0 * draw.unit()) as usize;
+    let rows = draw.count();
+    let columns = draw.count();
     let reach = draw.between(1.0, 1.3) * stroke;
     let extensions: Vec<f64> = (0..rows).map(|i| reach * (i as f64 / (rows - 1) as f64).powf(1.2)).collect();
     let speeds: Vec<f64> =

@@ -154,6 +154,34 @@ proptest! {
     }
 
     #[test]
+    fn the_ground_bears_the_leg_and_its_turning((robot, launch) in jump(ordinary(Kind::Spring).prop_map(lossless))) {
+        let Drive::Spring { stiffness, compression } = robot.leg.drive else { unreachable!() };
+        let trace = stance(&robot).trace(&launch).expect("a stance");
+        let (m, i, g) = (robot.body.mass, robot.body.inertia, robot.environment.gravity);
+        let contact = trace.contact;
+        for s in &trace.samples {
+            let reach = robot.body.radius + s.extension;
+            let (sin, cos) = s.lean.sin_cos();
+            let turning = m * reach * (g * sin - 2.0 * s.rate * s.extension_rate) / (i + m * reach * reach);
+            // The leg's force, or that of the end stop while it is held, along the leg; −I φ̈/R across it.
+            let along = if s.extension > 0.0 {
+                stiffness * (compression - s.extension)
+            } else {
+                m * (g * cos - s.rate * s.rate * reach)
+            };
+            let across = -i * turning / reach;
+            let (normal, friction) = (along * cos - across * sin, along * sin + across * cos);
+            let size = m * g + stiffness * compression;
+            // A handful of roundings of the forces at work.
+            let is_first = s.extension == 0.0 && s.reaction.normal > normal + 1e-9 * size;
+            prop_assert!(is_first || (s.reaction.normal - normal).abs() <= 1e-12 * size, "{s:?}: {normal}");
+            prop_assert!(is_first || (s.reaction.friction - friction).abs() <= 1e-12 * size, "{s:?}: {friction}");
+            prop_assert!(contact.least_normal <= s.reaction.normal);
+            prop_assert!(contact.friction_needed >= s.reaction.demand());
+        }
+    }
+
+    #[test]
     fn without_leg_force_the_pendulum_keeps_its_energy((mut robot, launch) in jump(any_ordinary())) {
         // A delay that no stance outlasts: the leg never pushes.
         robot.leg.delay = 1e3;
