@@ -5,8 +5,8 @@ use saltus_lagrangian::{Batch, Launch, LiftOff, Stance, StanceError};
 use saltus_numeric::{Dual, Single};
 use saltus_robot::{Parameter, Robot};
 
-/// Error tolerance of the planner's stances: apex and landing are then right to nine digits (`peers/README.md` has the
-/// measurement).
+/// Error tolerance of the planner's stances: apex and landing are then right to nine digits (`bench/README.md` says how
+/// it is measured).
 pub const PLANNING_TOLERANCE: f64 = 2e-9;
 
 /// A robot, ready to plan its jumps.
