@@ -66,7 +66,6 @@ type Event<'a> = &'a dyn Fn(&State) -> f64;
 /// What is switched on.
 #[allow(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 #[derive(Clone, Copy)]
-#[allow(clippy::struct_excessive_bools, reason = "four things that switch, each on its own")]
 struct Mode {
     energized: bool,
     extending: bool,
