@@ -5,10 +5,10 @@
 use crate::scalar::Scalar;
 
 /// Stages of a step.
-const STAGES: usize = 12;
+pub const STAGES: usize = 12;
 
 /// Weights of the earlier stages in each stage's argument.
-const A: [[f64; STAGES]; STAGES] = [
+pub const A: [[f64; STAGES]; STAGES] = [
     [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
     [0.05260015195876773, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
     [0.0197250569845379, 0.0591751709536137, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -115,7 +115,7 @@ const A: [[f64; STAGES]; STAGES] = [
 ];
 
 /// Weights of the stages in the result.
-const B: [f64; STAGES] = [
+pub const B: [f64; STAGES] = [
     0.054293734116568765,
     0.0,
     0.0,
@@ -131,7 +131,7 @@ const B: [f64; STAGES] = [
 ];
 
 /// Error estimate of order 5.
-const E5: [f64; STAGES] = [
+pub const E5: [f64; STAGES] = [
     0.01312004499419488,
     0.0,
     0.0,
@@ -147,7 +147,7 @@ const E5: [f64; STAGES] = [
 ];
 
 /// Error estimate of order 3.
-const E3: [f64; STAGES] = [
+pub const E3: [f64; STAGES] = [
     -0.18980075407240762,
     0.0,
     0.0,

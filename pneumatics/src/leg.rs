@@ -172,6 +172,14 @@ impl<S: Single> Leg<S> {
         }
     }
 
+    /// What dry friction (N) sets against motion at the chamber pressure `p` (Pa): that of the rod, and of the seal.
+    pub fn dry_friction(&self, p: S) -> S {
+        match self.chamber() {
+            Some(chamber) => self.seal.mul_add((p - chamber.ambient).abs(), self.coulomb),
+            None => self.coulomb,
+        }
+    }
+
     /// Force F (N) on the wheel of a leg at extension `d` (m) that extends at `speed` (m/s) ≥ 0 under the chamber
     /// pressure `p` (Pa; ignored by the drives that have none).
     ///

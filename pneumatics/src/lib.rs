@@ -8,9 +8,11 @@
 mod chamber;
 mod leg;
 mod orifice;
+mod piece;
 mod table;
 
 pub use chamber::{Chamber, Flow, GasState, MEGA, Valve, ValveLaw};
 pub use leg::{Drive, Force, Leg, Switches};
 pub use orifice::OrificeLaw;
+pub use piece::Piece;
 pub use table::ForceSurface;

@@ -1,0 +1,436 @@
+//! Which contacts hold, which slide and which let go: Coulomb's law and end stops as a complementarity problem.
+//!
+//! With w = A λ + b, where w are accelerations (or velocities after an impact) along the constraints' directions and λ the forces
+//! (or impulses) along them: a row that holds has w = 0 and its λ within its bounds; one at a bound has λ there and moves away
+//! from it. Solved by a semismooth Newton method (guess who holds, solve, correct the guess), and where that cycles by projected
+//! Gauss–Seidel iteration.
+//!
+//! Source: Pang & Trinkle, Complementarity formulations, Math. Prog. 73 (1996); Hintermüller, Ito, Kunisch, SIAM J. Optim. 13 (2003).
+
+use crate::linear;
+
+/// What a constraint does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Grip {
+    /// It does not move.
+    Held,
+    /// Its force is at the lower bound, and it moves up (w ≥ 0).
+    Low,
+    /// Its force is at the upper bound, and it moves down (w ≤ 0).
+    High,
+    /// Two-dimensional friction at its bound: it moves along this unit vector.
+    Along([f64; 2]),
+}
+
+/// Bounds of a constraint's force.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Bounds {
+    /// Between two numbers: one row.
+    Between(f64, f64),
+    /// At most `limit` times the force of the row `normal`, or `limit` itself: one row, or two in a disc.
+    Friction { normal: Option<usize>, limit: f64, rows: usize },
+}
+
+/// A constraint: its rows begin at `row`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Element {
+    pub row: usize,
+    pub bounds: Bounds,
+    pub grip: Grip,
+}
+
+impl Element {
+    fn rows(&self) -> usize {
+        match self.bounds {
+            Bounds::Between(..) => 1,
+            Bounds::Friction { rows, .. } => rows,
+        }
+    }
+}
+
+/// w = A λ + b and what each row may do.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Problem {
+    pub rows: usize,
+    /// A, row by row.
+    pub a: Vec<f64>,
+    pub b: Vec<f64>,
+    pub elements: Vec<Element>,
+    /// The solution λ.
+    pub force: Vec<f64>,
+    /// The solution's w.
+    pub motion: Vec<f64>,
+    system: Vec<f64>,
+    right: Vec<f64>,
+    held: Vec<usize>,
+    /// Each row's force: a constant, and a multiple of another row's.
+    known: Vec<Known>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Known {
+    Unknown,
+    Is(f64),
+    Times(usize, f64),
+}
+
+impl Problem {
+    /// λ and w for the grips as they are; whether rows were redundant, so that λ is one of many.
+    pub(crate) fn solve(&mut self) -> bool {
+        let m = self.rows;
+        self.known.clear();
+        self.known.resize(m, Known::Is(0.0));
+        self.held.clear();
+        for e in &self.elements {
+            if e.grip == Grip::Held && !self.is_idle(e) {
+                for k in e.row..e.row + e.rows() {
+                    self.known[k] = Known::Unknown;
+                    self.held.push(k);
+                }
+            }
+        }
+        for e in &self.elements {
+            let direction = match e.grip {
+                Grip::Held => continue,
+                Grip::Low => [-1.0, 0.0],
+                Grip::High => [1.0, 0.0],
+                Grip::Along(d) => [-d[0], -d[1]],
+            };
+            for k in 0..e.rows() {
+                self.known[e.row + k] = match e.bounds {
+                    Bounds::Between(low, high) => Known::Is(if e.grip == Grip::Low { low } else { high }),
+                    Bounds::Friction { normal: None, limit, .. } => Known::Is(limit * direction[k]),
+                    Bounds::Friction { normal: Some(n), limit, .. } => match self.known[n] {
+                        Known::Unknown => Known::Times(n, limit * direction[k]),
+                        _ => Known::Is(0.0),
+                    },
+                };
+            }
+        }
+        let h = self.held.len();
+        self.system.clear();
+        self.system.resize(h * h, 0.0);
+        self.right.clear();
+        for i in 0..h {
+            let row = &self.a[self.held[i] * m..(self.held[i] + 1) * m];
+            let mut right = -self.b[self.held[i]];
+            for (c, entry) in row.iter().enumerate() {
+                match self.known[c] {
+                    Known::Unknown => {}
+                    Known::Is(force) => right -= entry * force,
+                    Known::Times(..) => {}
+                }
+            }
+            self.right.push(right);
+            for j in 0..h {
+                self.system[i * h + j] += row[self.held[j]];
+            }
+            for (c, entry) in row.iter().enumerate() {
+                if let Known::Times(n, factor) = self.known[c]
+                    && let Some(j) = self.held.iter().position(|&k| k == n)
+                {
+                    self.system[i * h + j] += entry * factor;
+                }
+            }
+        }
+        let redundant = linear::solve(&mut self.system, h, &mut self.right);
+        self.force.clear();
+        self.force.resize(m, 0.0);
+        for (i, &k) in self.held.iter().enumerate() {
+            self.force[k] = self.right[i];
+        }
+        for k in 0..m {
+            match self.known[k] {
+                Known::Unknown => {}
+                Known::Is(force) => self.force[k] = force,
+                Known::Times(n, factor) => self.force[k] = factor * self.force[n],
+            }
+        }
+        self.set_motion();
+        redundant
+    }
+
+    /// Whether an element is the friction of a contact that is open.
+    fn is_idle(&self, e: &Element) -> bool {
+        match e.bounds {
+            Bounds::Friction { normal: Some(n), .. } => {
+                self.elements.iter().any(|other| other.row == n && other.grip != Grip::Held)
+            }
+            _ => false,
+        }
+    }
+
+    fn set_motion(&mut self) {
+        let m = self.rows;
+        self.motion.clear();
+        for i in 0..m {
+            let row = &self.a[i * m..(i + 1) * m];
+            let w: f64 = row.iter().zip(&self.force).map(|(a, f)| a * f).sum();
+            self.motion.push(w + self.b[i]);
+        }
+    }
+
+    /// Whether an element's rows do not move, though its force may be at a bound.
+    pub(crate) fn stands(&self, e: &Element) -> bool {
+        self.motion[e.row..e.row + e.rows()].iter().all(|w| w.abs() <= 10.0 * self.still())
+    }
+
+    /// How small a motion counts as none: what is left of numbers of this size after cancelling.
+    fn still(&self) -> f64 {
+        1e-10 * self.b.iter().fold(0.0_f64, |s, x| s.max(x.abs())) + 1e-14
+    }
+
+    /// The bound of a friction element's force.
+    fn limit(&self, e: &Element) -> f64 {
+        match e.bounds {
+            Bounds::Between(_, high) => high,
+            Bounds::Friction { normal: None, limit, .. } => limit,
+            Bounds::Friction { normal: Some(n), limit, .. } => {
+                if self.force[n] > 0.0 {
+                    limit * self.force[n]
+                } else {
+                    0.0
+                }
+            }
+        }
+    }
+
+    /// Finds the grips that obey every law, from those given; false where there are none.
+    pub(crate) fn resolve(&mut self) -> bool {
+        for _ in 0..40 {
+            self.solve();
+            if !self.correct() {
+                return self.force.iter().all(|f| f.is_finite());
+            }
+        }
+        self.relax() && self.obeys()
+    }
+
+    /// Corrects the grips that the present solution contradicts; whether there were any.
+    fn correct(&mut self) -> bool {
+        let still = self.still();
+        let mut changed = false;
+        for i in 0..self.elements.len() {
+            let e = self.elements[i];
+            if self.is_idle(&e) {
+                continue;
+            }
+            let next = self.next(&e, still);
+            if !same(next, e.grip) {
+                self.elements[i].grip = next;
+                changed = true;
+            }
+        }
+        changed
+    }
+
+    fn next(&self, e: &Element, still: f64) -> Grip {
+        let (f, w) = (self.force[e.row], self.motion[e.row]);
+        let slack = 1e-12 * self.force.iter().fold(0.0_f64, |s, x| s.max(x.abs()));
+        let (low, high) = match e.bounds {
+            Bounds::Between(low, high) => (low, high),
+            Bounds::Friction { rows: 1, .. } => (-self.limit(e), self.limit(e)),
+            Bounds::Friction { .. } => return self.next_in_disc(e, still, slack),
+        };
+        match e.grip {
+            Grip::Held if f < low - slack => Grip::Low,
+            Grip::Held if f > high + slack => Grip::High,
+            Grip::Low if w < -still => Grip::Held,
+            Grip::High if w > still => Grip::Held,
+            grip => grip,
+        }
+    }
+
+    fn next_in_disc(&self, e: &Element, still: f64, slack: f64) -> Grip {
+        let pick = |x: &[f64]| [x[e.row], x[e.row + 1]];
+        let (f, w) = (pick(&self.force), pick(&self.motion));
+        let (size, speed) = (f[0].hypot(f[1]), w[0].hypot(w[1]));
+        match e.grip {
+            Grip::Along(d) => {
+                if speed <= still {
+                    return e.grip;
+                }
+                let ahead = w[0] * d[0] + w[1] * d[1];
+                if ahead < 0.0 { Grip::Held } else { Grip::Along([w[0] / speed, w[1] / speed]) }
+            }
+            _ if size > self.limit(e) + slack && size > 0.0 => Grip::Along([-f[0] / size, -f[1] / size]),
+            grip => grip,
+        }
+    }
+
+    /// Projected Gauss–Seidel iteration, then the grips that its solution has.
+    fn relax(&mut self) -> bool {
+        let m = self.rows;
+        self.force.clear();
+        self.force.resize(m, 0.0);
+        let row = |a: &[f64], b: &[f64], f: &[f64], i: usize| -> f64 {
+            a[i * m..(i + 1) * m].iter().zip(f).map(|(a, f)| a * f).sum::<f64>() + b[i]
+        };
+        let mut converged = false;
+        for _ in 0..20_000 {
+            let mut change = 0.0_f64;
+            for i in 0..self.elements.len() {
+                let e = self.elements[i];
+                let limit = self.limit(&e);
+                let before = [self.force[e.row], if e.rows() == 2 { self.force[e.row + 1] } else { 0.0 }];
+                if e.rows() == 1 {
+                    let (low, high) = match e.bounds {
+                        Bounds::Between(low, high) => (low, high),
+                        Bounds::Friction { .. } => (-limit, limit),
+                    };
+                    let w = row(&self.a, &self.b, &self.force, e.row);
+                    self.force[e.row] = (before[0] - w / self.a[e.row * m + e.row]).clamp(low, high);
+                } else {
+                    let w = [0, 1].map(|k| row(&self.a, &self.b, &self.force, e.row + k));
+                    let step = 1.0 / self.a[e.row * m + e.row].max(self.a[(e.row + 1) * m + e.row + 1]);
+                    let next = [before[0] - step * w[0], before[1] - step * w[1]];
+                    let size = next[0].hypot(next[1]);
+                    let scale = if size > limit { limit / size } else { 1.0 };
+                    self.force[e.row] = next[0] * scale;
+                    self.force[e.row + 1] = next[1] * scale;
+                }
+                for k in 0..e.rows() {
+                    change = change.max((self.force[e.row + k] - before[k]).abs());
+                }
+            }
+            let size = self.force.iter().fold(0.0_f64, |s, x| s.max(x.abs()));
+            if change <= 1e-13 * size + 1e-300 {
+                converged = true;
+                break;
+            }
+        }
+        self.set_motion();
+        let still = 1e3 * self.still();
+        for i in 0..self.elements.len() {
+            let e = self.elements[i];
+            let w = self.motion[e.row];
+            self.elements[i].grip = if e.rows() == 2 {
+                let v = [w, self.motion[e.row + 1]];
+                let speed = v[0].hypot(v[1]);
+                if speed <= still { Grip::Held } else { Grip::Along([v[0] / speed, v[1] / speed]) }
+            } else if w > still {
+                Grip::Low
+            } else if w < -still {
+                Grip::High
+            } else {
+                Grip::Held
+            };
+        }
+        converged
+    }
+
+    /// Whether the present forces and motions obey every law, up to round-off of an iteration.
+    fn obeys(&self) -> bool {
+        let still = 1e4 * self.still();
+        let slack = 1e-8 * self.force.iter().fold(0.0_f64, |s, x| s.max(x.abs())) + 1e-12;
+        self.elements.iter().all(|e| {
+            if self.is_idle(e) {
+                return true;
+            }
+            let (f, w) = (self.force[e.row], self.motion[e.row]);
+            match e.bounds {
+                Bounds::Between(low, high) => {
+                    f >= low - slack
+                        && f <= high + slack
+                        && (w <= still || f <= low + slack)
+                        && (w >= -still || f >= high - slack)
+                }
+                Bounds::Friction { rows, .. } => {
+                    let size = if rows == 2 { f.hypot(self.force[e.row + 1]) } else { f.abs() };
+                    size <= self.limit(e) + slack
+                }
+            }
+        })
+    }
+}
+
+fn same(a: Grip, b: Grip) -> bool {
+    match (a, b) {
+        (Grip::Along(p), Grip::Along(q)) => (p[0] - q[0]).hypot(p[1] - q[1]) < 1e-13,
+        _ => a == b,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn contact(a: Vec<f64>, b: Vec<f64>, limit: f64) -> Problem {
+        let rows = b.len();
+        let elements = vec![
+            Element { row: 0, bounds: Bounds::Between(0.0, f64::INFINITY), grip: Grip::Held },
+            Element {
+                row: 1,
+                bounds: Bounds::Friction { normal: Some(0), limit, rows: rows - 1 },
+                grip: Grip::Held,
+            },
+        ];
+        Problem { rows, a, b, elements, ..Problem::default() }
+    }
+
+    #[test]
+    fn a_block_on_the_ground_stands_slides_or_leaves() {
+        let unit = vec![1.0, 0.0, 0.0, 1.0];
+        let mut stands = contact(unit.clone(), vec![-10.0, 3.0], 0.5);
+        assert!(stands.resolve());
+        assert_eq!(stands.force, [10.0, -3.0]);
+        let mut slides = contact(unit.clone(), vec![-10.0, 6.0], 0.5);
+        assert!(slides.resolve());
+        assert_eq!((slides.force[1], slides.motion[1]), (-5.0, 1.0));
+        let mut leaves = contact(unit, vec![10.0, 6.0], 0.5);
+        assert!(leaves.resolve());
+        assert_eq!(leaves.force, [0.0, 0.0]);
+    }
+
+    #[test]
+    fn no_friction_slides_along_what_pushes() {
+        let mut unit = vec![0.0; 9];
+        (0..3).for_each(|k| unit[k * 4] = 1.0);
+        let mut slides = contact(unit, vec![-10.0, 3.0, 4.0], 0.1);
+        assert!(slides.resolve());
+        let f = &slides.force;
+        assert!((f[1] + 0.6).abs() < 1e-12 && (f[2] + 0.8).abs() < 1e-12, "{f:?}");
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { rng_seed: proptest::test_runner::RngSeed::Fixed(1), failure_persistence: None, ..ProptestConfig::with_cases(500) })]
+
+        /// Whatever the masses and the pushes: contact forces obey Signorini's and Coulomb's laws. Low friction, so that rigid
+        /// bodies always have an answer.
+        #[test]
+        fn forces_obey_the_laws(
+            j in prop::collection::vec(-1.0..1.0_f64, 36),
+            b in prop::collection::vec(-10.0..10.0_f64, 6),
+            limit in 0.0..0.3_f64,
+        ) {
+            // A = J Jᵀ + a bit on the diagonal: two contacts of a body with six freedoms.
+            let a: Vec<f64> = (0..36)
+                .map(|k| {
+                    let (r, c) = (k / 6, k % 6);
+                    (0..6).map(|i| j[r * 6 + i] * j[c * 6 + i]).sum::<f64>() + if r == c { 0.5 } else { 0.0 }
+                })
+                .collect();
+            let elements = [0, 3]
+                .into_iter()
+                .flat_map(|row| [
+                    Element { row, bounds: Bounds::Between(0.0, f64::INFINITY), grip: Grip::Held },
+                    Element { row: row + 1, bounds: Bounds::Friction { normal: Some(row), limit, rows: 2 }, grip: Grip::Held },
+                ])
+                .collect();
+            let mut p = Problem { rows: 6, a, b, elements, ..Problem::default() };
+            prop_assert!(p.resolve());
+            for n in [0, 3] {
+                let (f, w) = (p.force[n], p.motion[n]);
+                prop_assert!(f >= -1e-9 && w >= -1e-6 && (f * w).abs() < 1e-5, "normal {f} {w}");
+                let (t, v) = ([p.force[n + 1], p.force[n + 2]], [p.motion[n + 1], p.motion[n + 2]]);
+                let (size, speed) = (t[0].hypot(t[1]), v[0].hypot(v[1]));
+                prop_assert!(size <= limit * f + 1e-7);
+                if speed > 1e-5 && f > 1e-6 {
+                    prop_assert!((size - limit * f).abs() < 1e-6);
+                    prop_assert!((t[0] * v[0] + t[1] * v[1] + size * speed).abs() < 1e-5 * (1.0 + speed));
+                }
+            }
+        }
+    }
+}

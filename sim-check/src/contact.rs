@@ -1,0 +1,289 @@
+//! What can touch what: points and small spheres of the robot, and the ground, slopes, boxes and steps.
+
+use crate::SimError;
+use crate::spatial::Vec3;
+
+/// A point or a sphere of a body, which can touch surfaces.
+#[derive(Clone, Debug)]
+pub struct ContactPoint {
+    /// What it is called.
+    pub name: String,
+    /// Index of its body.
+    pub body: usize,
+    /// Its centre (m), body frame.
+    pub center: Vec3,
+    /// Radius of the sphere (m), ≥ 0; 0 is a point.
+    pub radius: f64,
+}
+
+/// Something that stands still and can be touched.
+#[derive(Clone, Debug)]
+pub enum Surface {
+    /// All that is below a plane: the ground, or a slope.
+    Plane {
+        /// A point of it (m).
+        point: Vec3,
+        /// Unit vector out of it.
+        normal: Vec3,
+    },
+    /// A block with faces along the world's axes: an obstacle, or a step.
+    Block {
+        /// Least x, y, z (m).
+        low: Vec3,
+        /// Greatest x, y, z (m).
+        high: Vec3,
+    },
+}
+
+/// How a sphere's centre lies to a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Proximity {
+    /// Distance from the surface (m), negative inside.
+    pub distance: f64,
+    /// Unit vector out of the surface.
+    pub normal: Vec3,
+    /// The part of the centre's velocity that turns the normal, over the distance: 0 on a face.
+    turning: [Vec3; 2],
+}
+
+impl Proximity {
+    /// How fast the normal turns (1/s) where the centre moves at `velocity` (m/s).
+    pub(crate) fn normal_rate(&self, velocity: &Vec3) -> Vec3 {
+        self.turning.iter().map(|axis| axis * axis.dot(velocity)).sum::<Vec3>() / self.distance.max(1e-9)
+    }
+}
+
+impl Surface {
+    /// Flat ground at height 0 (m), or a slope through the origin that rises by `slope` (rad) along x.
+    pub fn ground(slope: f64) -> Surface {
+        Surface::Plane { point: Vec3::zeros(), normal: Vec3::new(-slope.sin(), 0.0, slope.cos()) }
+    }
+
+    /// What messages call it.
+    pub(crate) fn name(&self) -> &'static str {
+        match self {
+            Surface::Plane { .. } => "the ground",
+            Surface::Block { .. } => "a block",
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), SimError> {
+        let wrong = |name: &str, value, allowed| Err(SimError::Input { name: name.into(), value, allowed });
+        match self {
+            Surface::Plane { point, normal } => {
+                if !point.iter().all(|x| x.is_finite()) {
+                    return wrong("plane's point (m)", f64::NAN, "finite");
+                }
+                if (normal.norm() - 1.0).abs() < 1e-9 {
+                    Ok(())
+                } else {
+                    wrong("plane normal's length", normal.norm(), "1")
+                }
+            }
+            Surface::Block { low, high } => {
+                let size = (high - low).min();
+                if size > 0.0 && size.is_finite() {
+                    Ok(())
+                } else {
+                    wrong("block's least side (m)", size, "a finite number > 0")
+                }
+            }
+        }
+    }
+
+    /// How `center` (m) lies to this surface.
+    pub(crate) fn proximity(&self, center: &Vec3) -> Proximity {
+        match self {
+            Surface::Plane { point, normal } => Proximity {
+                distance: normal.dot(&(center - point)),
+                normal: *normal,
+                turning: [Vec3::zeros(); 2],
+            },
+            Surface::Block { low, high } => block_proximity(low, high, center),
+        }
+    }
+}
+
+fn block_proximity(low: &Vec3, high: &Vec3, center: &Vec3) -> Proximity {
+    let nearest = center.sup(low).inf(high);
+    let away = center - nearest;
+    let distance = away.norm();
+    if distance == 0.0 {
+        // Inside: out through the nearest face.
+        let mut best =
+            Proximity { distance: f64::NEG_INFINITY, normal: Vec3::zeros(), turning: [Vec3::zeros(); 2] };
+        for k in 0..3 {
+            for (depth, sign) in [(low[k] - center[k], -1.0), (center[k] - high[k], 1.0)] {
+                if depth > best.distance {
+                    best.distance = depth;
+                    best.normal = Vec3::zeros();
+                    best.normal[k] = sign;
+                }
+            }
+        }
+        return best;
+    }
+    let normal = away / distance;
+    // The directions in which the nearest point of the block stays where it is.
+    let fixed = |k: usize| away[k] != 0.0;
+    let mut turning = [Vec3::zeros(); 2];
+    match (0..3).filter(|&k| fixed(k)).count() {
+        2 => {
+            let free = (0..3).find(|&k| !fixed(k)).unwrap_or(0);
+            let mut edge = Vec3::zeros();
+            edge[free] = 1.0;
+            turning[0] = edge.cross(&normal);
+        }
+        3 => {
+            let (a, b) = across(&normal);
+            turning = [a, b];
+        }
+        _ => {}
+    }
+    Proximity { distance, normal, turning }
+}
+
+/// Two unit vectors across `normal` and each other.
+pub(crate) fn across(normal: &Vec3) -> (Vec3, Vec3) {
+    let axis = if normal.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() };
+    let first = (axis - normal * normal.dot(&axis)).normalize();
+    (first, normal.cross(&first))
+}
+
+/// Which way the robot travels: along it and across it, friction may differ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Travel {
+    /// Along x.
+    Straight,
+    /// Around the vertical through this point (m).
+    Around(Vec3),
+}
+
+impl Travel {
+    /// Unit vectors along and across the travel, both along a surface with this `normal` at `point` (m).
+    pub(crate) fn directions(&self, point: &Vec3, normal: &Vec3) -> (Vec3, Vec3) {
+        let ahead = match self {
+            Travel::Straight => Vec3::x(),
+            Travel::Around(base) => {
+                let from = point - base;
+                Vec3::new(-from.y, from.x, 0.0)
+            }
+        };
+        let along = ahead - normal * normal.dot(&ahead);
+        let length = along.norm();
+        // Where a surface faces the travel, there is no along.
+        if length > 1e-9 * ahead.norm() && length > 0.0 {
+            let along = along / length;
+            (along, normal.cross(&along))
+        } else {
+            across(normal)
+        }
+    }
+}
+
+/// Coulomb's law at the feet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Friction {
+    /// The same in every direction: the force is in a cone.
+    Cone {
+        /// Coefficient while the point stands, ≥ 0; infinite: it never slips.
+        standing: f64,
+        /// Coefficient while it slips, ≥ 0, ≤ `standing`.
+        slipping: f64,
+    },
+    /// Along the travel and across it, each by itself.
+    Axes {
+        /// Along the travel: standing and slipping.
+        along: (f64, f64),
+        /// Across it: standing and slipping; 0 is none.
+        across: (f64, f64),
+    },
+}
+
+impl Friction {
+    /// No slip along the travel, no friction across it.
+    pub const TRAVEL_STICKS: Friction =
+        Friction::Axes { along: (f64::INFINITY, f64::INFINITY), across: (0.0, 0.0) };
+
+    pub(crate) fn check(&self) -> Result<(), SimError> {
+        let pairs = match *self {
+            Friction::Cone { standing, slipping } => vec![(standing, slipping)],
+            Friction::Axes { along, across } => vec![along, across],
+        };
+        for (standing, slipping) in pairs {
+            if standing.is_nan() || standing < 0.0 {
+                let name = "static friction coefficient".into();
+                return Err(SimError::Input { name, value: standing, allowed: "a number ≥ 0, or inf" });
+            }
+            if slipping.is_nan() || slipping < 0.0 || slipping > standing {
+                let name = "kinetic friction coefficient".into();
+                return Err(SimError::Input {
+                    name,
+                    value: slipping,
+                    allowed: "a number from 0 to the static one",
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How contacts answer to being pressed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Coulomb's law.
+    pub friction: Friction,
+    /// Restitution of rigid contacts e, in [0, 1): the speed of rebound over that of the impact.
+    pub restitution: f64,
+    /// Spring (N/m) and damper (N s/m) under each point; none: rigid.
+    pub compliance: Option<(f64, f64)>,
+}
+
+impl Material {
+    pub(crate) fn check(&self) -> Result<(), SimError> {
+        self.friction.check()?;
+        let wrong = |name: &str, value, allowed| Err(SimError::Input { name: name.into(), value, allowed });
+        if !(0.0..=1.0).contains(&self.restitution) {
+            return wrong("restitution", self.restitution, "from 0 to 1");
+        }
+        match self.compliance {
+            Some((stiffness, _)) if !(stiffness > 0.0 && stiffness.is_finite()) => {
+                wrong("contact stiffness (N/m)", stiffness, "a finite number > 0")
+            }
+            Some((_, damping)) if !(damping >= 0.0 && damping.is_finite()) => {
+                wrong("contact damping (N s/m)", damping, "a finite number ≥ 0")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_block_is_as_far_as_its_nearest_point() {
+        let block = Surface::Block { low: Vec3::new(0.0, -1.0, 0.0), high: Vec3::new(2.0, 1.0, 1.0) };
+        let check = |center: [f64; 3], distance: f64, normal: [f64; 3]| {
+            let found = block.proximity(&Vec3::from(center));
+            assert!((found.distance - distance).abs() < 1e-15, "{center:?}: {}", found.distance);
+            assert!((found.normal - Vec3::from(normal)).norm() < 1e-15, "{center:?}: {}", found.normal);
+        };
+        check([1.0, 0.0, 1.5], 0.5, [0.0, 0.0, 1.0]);
+        check([-0.25, 0.0, 0.5], 0.25, [-1.0, 0.0, 0.0]);
+        check([-3.0, 0.0, 5.0], 5.0, [-0.6, 0.0, 0.8]);
+        check([1.0, 0.0, 0.9], -0.1_f64.mul_add(1.0, 0.0), [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn normals_turn_as_differences_say() {
+        let block = Surface::Block { low: Vec3::zeros(), high: Vec3::new(2.0, 1.0, 1.0) };
+        for center in [Vec3::new(-0.3, 0.5, 1.4), Vec3::new(-0.3, -0.2, 1.4), Vec3::new(0.3, 0.2, 1.4)] {
+            let velocity = Vec3::new(0.7, -0.4, 0.3);
+            let normal = |t: f64| block.proximity(&(center + velocity * t)).normal;
+            let difference = (normal(1e-6) - normal(-1e-6)) / 2e-6;
+            assert!((block.proximity(&center).normal_rate(&velocity) - difference).norm() < 1e-8);
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! What can be wrong with a mechanism, or with where it starts.
+
+/// A mechanism that cannot be, a start that cannot be, or a motion that cannot go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SimError {
+    /// A number is outside its domain.
+    #[error("{name} = {value}: must be {allowed}")]
+    Input {
+        /// What was given, with its unit.
+        name: String,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A list has the wrong length.
+    #[error("{name}: {given} numbers given, {wanted} wanted")]
+    Length {
+        /// What was given.
+        name: &'static str,
+        /// How many there are.
+        given: usize,
+        /// How many there must be.
+        wanted: usize,
+    },
+    /// A joint can move nothing: the bodies beyond it have no mass, or no inertia about it.
+    #[error("joint of body '{body}': what it moves has no inertia along it; give the bodies beyond it mass")]
+    NoInertia {
+        /// The body that the joint carries.
+        body: String,
+    },
+    /// The start has a point inside the ground or an obstacle.
+    #[error(
+        "point '{point}' starts {depth} m inside {surface}; a start must not penetrate by more than {allowed} m"
+    )]
+    Penetration {
+        /// Name of the contact point.
+        point: String,
+        /// Name of the surface.
+        surface: String,
+        /// How deep it is (m).
+        depth: f64,
+        /// Greatest depth (m) that counts as touching.
+        allowed: f64,
+    },
+    /// A joint starts beyond an end stop.
+    #[error("joint of body '{body}' starts at {value}, outside its stops {low} to {high}")]
+    BeyondStop {
+        /// The body that the joint carries.
+        body: String,
+        /// Position (m or rad).
+        value: f64,
+        /// Lower stop (m or rad).
+        low: f64,
+        /// Upper stop (m or rad).
+        high: f64,
+    },
+    /// No contact forces agree with Coulomb's law and rigid bodies.
+    #[error(
+        "t = {time} s: no contact forces agree with rigid bodies and these friction coefficients \
+         (Painlevé's paradox); a compliant ground (ground.stiffness_n_per_m) has an answer"
+    )]
+    Inconsistent {
+        /// When (s).
+        time: f64,
+    },
+    /// More events than a motion can have.
+    #[error("t = {time} s: more than {limit} events within {span} s; the last was: {last}")]
+    TooManyEvents {
+        /// When (s).
+        time: f64,
+        /// The greatest number that is allowed.
+        limit: usize,
+        /// In which time (s).
+        span: f64,
+        /// The last of them.
+        last: String,
+    },
+    /// The integrator cannot go on.
+    #[error(
+        "t = {time} s: the motion cannot be integrated further (step of {step} s); a number is infinite or not one"
+    )]
+    Stuck {
+        /// When (s).
+        time: f64,
+        /// The step (s).
+        step: f64,
+    },
+}

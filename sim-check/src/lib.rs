@@ -1,0 +1,20 @@
+//! The whole robot in space: a tree of bodies with contact, friction and slip, derived without `lagrangian` and `ballistic`.
+
+mod complementarity;
+mod contact;
+mod error;
+mod linear;
+mod machine;
+mod mechanism;
+mod mode;
+mod sim;
+mod spatial;
+mod step;
+mod tree;
+
+pub use contact::{ContactPoint, Friction, Material, Surface, Travel};
+pub use error::SimError;
+pub use mechanism::{Drag, JointParts, LegPart, Mechanism};
+pub use sim::{Contact, Event, Happening, Ledger, Pause, Settings, Sim, Watch};
+pub use spatial::{Inertia, Motion, Vec3, Wrench};
+pub use tree::{Body, Joint, Placement, Pose, Tree};

@@ -1,0 +1,186 @@
+//! What is simulated: bodies, joints with what acts in them, legs, contact points, surroundings.
+
+use saltus_pneumatics::Leg;
+
+use crate::SimError;
+use crate::contact::{ContactPoint, Material, Surface, Travel};
+use crate::spatial::Vec3;
+use crate::tree::{Joint, Pose, Tree};
+
+/// A mechanism and what surrounds it.
+#[derive(Clone, Debug)]
+pub struct Mechanism {
+    /// The bodies.
+    pub tree: Tree,
+    /// What acts in the joint of each body (joints of one coordinate; the others' parts are not used).
+    pub joints: Vec<JointParts>,
+    /// Telescoping legs.
+    pub legs: Vec<LegPart>,
+    /// What can touch.
+    pub points: Vec<ContactPoint>,
+    /// What can be touched.
+    pub surfaces: Vec<Surface>,
+    /// How contacts answer.
+    pub material: Material,
+    /// Which way is along the travel.
+    pub travel: Travel,
+    /// Acceleration of gravity (m/s²).
+    pub gravity: Vec3,
+    /// Air drag.
+    pub drag: Option<Drag>,
+}
+
+/// What acts in a joint of one coordinate x (m or rad).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointParts {
+    /// Inelastic end stops; infinite: none.
+    pub stops: (f64, f64),
+    /// Spring −k (x − rest): k (N/m or N m/rad) ≥ 0, and rest.
+    pub spring: (f64, f64),
+    /// Damper −c ẋ: c ≥ 0.
+    pub damping: f64,
+    /// Dry friction (N or N m), ≥ 0.
+    pub friction: f64,
+}
+
+impl Default for JointParts {
+    fn default() -> JointParts {
+        JointParts {
+            stops: (f64::NEG_INFINITY, f64::INFINITY),
+            spring: (0.0, 0.0),
+            damping: 0.0,
+            friction: 0.0,
+        }
+    }
+}
+
+/// A leg: the prismatic joint of a body, driven.
+///
+/// Its stops (0 and the stroke) and its friction are the leg's.
+#[derive(Clone, Debug)]
+pub struct LegPart {
+    /// The body that slides.
+    pub body: usize,
+    /// What pushes it, and what resists.
+    pub leg: Leg<f64>,
+    /// Without mass of its own: once its foot is off the ground, nothing tells where it is, and it stays.
+    pub massless: bool,
+}
+
+/// Air drag −c |v| v on a body's origin.
+#[derive(Clone, Copy, Debug)]
+pub struct Drag {
+    /// The body.
+    pub body: usize,
+    /// c (kg/m), ≥ 0.
+    pub coefficient: f64,
+}
+
+impl Mechanism {
+    /// A mechanism of these bodies alone: nothing in their joints, nothing to touch.
+    pub fn new(tree: Tree, gravity: Vec3) -> Mechanism {
+        Mechanism {
+            joints: vec![JointParts::default(); tree.bodies().len()],
+            tree,
+            legs: Vec::new(),
+            points: Vec::new(),
+            surfaces: Vec::new(),
+            material: Material {
+                friction: crate::contact::Friction::Cone { standing: 0.0, slipping: 0.0 },
+                restitution: 0.0,
+                compliance: None,
+            },
+            travel: Travel::Straight,
+            gravity,
+            drag: None,
+        }
+    }
+
+    /// The leg that slides `body`.
+    pub(crate) fn leg_of(&self, body: usize) -> Option<usize> {
+        self.legs.iter().position(|leg| leg.body == body)
+    }
+
+    /// End stops of the joint of `body`.
+    pub(crate) fn stops(&self, body: usize) -> (f64, f64) {
+        match self.leg_of(body) {
+            Some(i) => (0.0, self.legs[i].leg.stroke),
+            None => self.joints[body].stops,
+        }
+    }
+
+    /// The pairs of a point and a surface.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + use<'_> {
+        let surfaces = self.surfaces.len();
+        (0..self.points.len()).flat_map(move |p| (0..surfaces).map(move |s| (p, s)))
+    }
+
+    /// Checks every number, and that each joint has something to move at coordinates `q`.
+    pub(crate) fn check(&self, q: &[f64]) -> Result<(), SimError> {
+        let wrong = |name: String, value, allowed| Err(SimError::Input { name, value, allowed });
+        if self.joints.len() != self.tree.bodies().len() {
+            let (given, wanted) = (self.joints.len(), self.tree.bodies().len());
+            return Err(SimError::Length { name: "joints", given, wanted });
+        }
+        if let Some(g) = self.gravity.iter().find(|g| !g.is_finite()) {
+            return wrong("gravity (m/s²)".into(), *g, "finite");
+        }
+        self.material.check()?;
+        self.surfaces.iter().try_for_each(Surface::check)?;
+        for point in &self.points {
+            if point.body >= self.tree.bodies().len() {
+                return wrong(
+                    format!("body of point '{}'", point.name),
+                    point.body as f64,
+                    "one of the tree's",
+                );
+            }
+            if !(point.radius >= 0.0 && point.radius.is_finite()) {
+                return wrong(
+                    format!("radius of point '{}' (m)", point.name),
+                    point.radius,
+                    "a finite number ≥ 0",
+                );
+            }
+            if !point.center.iter().all(|x| x.is_finite()) {
+                return wrong(format!("centre of point '{}' (m)", point.name), f64::NAN, "finite");
+            }
+        }
+        for (body, parts) in self.tree.bodies().iter().zip(&self.joints) {
+            let numbers = [parts.spring.0, parts.damping, parts.friction];
+            if let Some(x) = numbers.into_iter().find(|x| !(*x >= 0.0 && x.is_finite())) {
+                return wrong(
+                    format!("spring, damper or friction in the joint of '{}'", body.name),
+                    x,
+                    "a finite number ≥ 0",
+                );
+            }
+            if parts.spring.1.is_nan() || parts.stops.0.is_nan() || parts.stops.1.is_nan() {
+                return wrong(format!("rest or stop in the joint of '{}'", body.name), f64::NAN, "a number");
+            }
+        }
+        for leg in &self.legs {
+            match self.tree.bodies().get(leg.body) {
+                Some(body) if matches!(body.joint, Joint::Prismatic(_)) => {}
+                _ => return wrong("body of a leg".into(), leg.body as f64, "one on a prismatic joint"),
+            }
+        }
+        self.check_inertia(q)
+    }
+
+    fn check_inertia(&self, q: &[f64]) -> Result<(), SimError> {
+        let n = self.tree.velocities();
+        let (mut pose, mut mass, mut bias) = (Pose::default(), vec![0.0; n * n], vec![0.0; n]);
+        pose.set(&self.tree, q, &vec![0.0; n]);
+        pose.equations(&self.tree, &self.gravity, &mut mass, &mut bias);
+        for (i, body) in self.tree.bodies().iter().enumerate() {
+            let first = self.tree.velocity_of(i);
+            for k in first..first + body.joint.sizes().1 {
+                if !(mass[k * n + k] > 0.0) {
+                    return Err(SimError::NoInertia { body: body.name.clone() });
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,489 @@
+//! A tree of rigid bodies in reduced coordinates: where everything is, and the equations of motion M(q) v̇ + h(q, v) = τ.
+//!
+//! Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5 (Newton–Euler) and 6 (composite bodies), with every
+//! quantity in world axes about one origin.
+
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
+
+use crate::SimError;
+use crate::spatial::{Inertia, Motion, Vec3, Wrench};
+
+/// Where a frame is in another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// Its axes, as columns.
+    pub rotation: Matrix3<f64>,
+    /// Its origin (m).
+    pub position: Vec3,
+}
+
+impl Placement {
+    /// The frame itself.
+    pub fn identity() -> Placement {
+        Placement { rotation: Matrix3::identity(), position: Vec3::zeros() }
+    }
+
+    /// A frame with the same axes, at `position` (m).
+    pub fn at(position: Vec3) -> Placement {
+        Placement { rotation: Matrix3::identity(), position }
+    }
+
+    /// The frame `inner`, which is given in this one, in this one's own surroundings.
+    #[inline]
+    pub fn then(&self, inner: &Placement) -> Placement {
+        Placement {
+            rotation: self.rotation * inner.rotation,
+            position: self.position + self.rotation * inner.position,
+        }
+    }
+
+    /// A point (m) of this frame in its surroundings.
+    #[inline]
+    pub fn point(&self, inner: &Vec3) -> Vec3 {
+        self.position + self.rotation * inner
+    }
+}
+
+/// How a body can move on its parent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Joint {
+    /// Turns about a unit axis through the joint's origin: 1 coordinate (rad).
+    Revolute(Vec3),
+    /// Slides along a unit axis: 1 coordinate (m).
+    Prismatic(Vec3),
+    /// Moves freely, on the world only: 7 coordinates, the position (m) and a unit quaternion (w, x, y, z); 6 velocities, linear
+    /// (m/s) and angular (rad/s), both in world axes.
+    Free,
+}
+
+impl Joint {
+    /// Numbers of coordinates and of velocities.
+    pub fn sizes(&self) -> (usize, usize) {
+        match self {
+            Joint::Revolute(_) | Joint::Prismatic(_) => (1, 1),
+            Joint::Free => (7, 6),
+        }
+    }
+}
+
+/// A rigid body and the joint that carries it.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// What it is called.
+    pub name: String,
+    /// Index of the body that carries it; none: the world.
+    pub parent: Option<usize>,
+    /// The joint.
+    pub joint: Joint,
+    /// The joint's frame in its parent's; the body's frame is there where the joint's coordinate is 0.
+    pub placement: Placement,
+    /// Mass (kg), ≥ 0.
+    pub mass: f64,
+    /// Centre of mass (m), body frame.
+    pub center: Vec3,
+    /// Moments of inertia (kg m²) about the centre, body axes.
+    pub inertia: Matrix3<f64>,
+}
+
+/// A tree of bodies, each after its parent.
+#[derive(Clone, Debug, Default)]
+pub struct Tree {
+    bodies: Vec<Body>,
+    /// First coordinate and first velocity of each body's joint.
+    first: Vec<(usize, usize)>,
+    /// Body that each velocity belongs to.
+    carrier: Vec<usize>,
+    /// The velocity before it on the way to the world.
+    before: Vec<Option<usize>>,
+    coordinates: usize,
+}
+
+impl Tree {
+    /// Adds `body` and gives its index.
+    ///
+    /// # Errors
+    /// [`SimError::Input`] for numbers that no body has, or a parent that is not there yet.
+    pub fn add(&mut self, body: Body) -> Result<usize, SimError> {
+        self.check(&body)?;
+        let index = self.bodies.len();
+        let (coordinates, velocities) = body.joint.sizes();
+        self.first.push((self.coordinates, self.carrier.len()));
+        self.coordinates += coordinates;
+        let mut before = body.parent.and_then(|p| self.last_velocity(p));
+        for _ in 0..velocities {
+            self.before.push(before);
+            before = Some(self.carrier.len());
+            self.carrier.push(index);
+        }
+        self.bodies.push(body);
+        Ok(index)
+    }
+
+    fn check(&self, body: &Body) -> Result<(), SimError> {
+        let wrong = |what: &str, value, allowed| {
+            Err(SimError::Input { name: format!("body '{}': {what}", body.name), value, allowed })
+        };
+        let finite = |values: &[f64]| values.iter().copied().find(|x| !x.is_finite());
+        if !(body.mass >= 0.0 && body.mass.is_finite()) {
+            return wrong("mass (kg)", body.mass, "a finite number ≥ 0");
+        }
+        let placement = &body.placement;
+        let numbers = [body.center.as_slice(), body.inertia.as_slice(), placement.position.as_slice()];
+        if let Some(x) = numbers.into_iter().find_map(finite) {
+            return wrong("geometry (m, kg m²)", x, "finite");
+        }
+        let turned = (placement.rotation.transpose() * placement.rotation - Matrix3::identity()).abs().max();
+        if !(turned < 1e-9 && placement.rotation.determinant() > 0.0) {
+            return wrong("placement's rotation, deviation", turned, "a rotation matrix");
+        }
+        let principal = body.inertia.symmetric_eigenvalues();
+        let asymmetric = (body.inertia - body.inertia.transpose()).abs().max();
+        let (sum, greatest) = (principal.sum(), principal.max());
+        // Round-off of a rod, whose moment about its own axis is nearly 0.
+        let slack = 1e-12 * greatest.max(f64::MIN_POSITIVE);
+        if principal.min() < -slack || 2.0 * greatest > sum + slack || asymmetric > slack {
+            return wrong(
+                "principal moment (kg m²)",
+                if principal.min() < 0.0 { principal.min() } else { greatest },
+                "symmetric, none negative, none above the sum of the other two",
+            );
+        }
+        match body.joint {
+            Joint::Revolute(axis) | Joint::Prismatic(axis) if (axis.norm() - 1.0).abs() > 1e-12 => {
+                return wrong("joint axis' length", axis.norm(), "1");
+            }
+            Joint::Free if body.parent.is_some() => {
+                return wrong("free joint's parent", body.parent.unwrap_or(0) as f64, "the world");
+            }
+            _ => {}
+        }
+        match body.parent {
+            Some(p) if p >= self.bodies.len() => wrong("parent", p as f64, "a body that was added before"),
+            _ => Ok(()),
+        }
+    }
+
+    /// The bodies, in the order in which they were added.
+    pub fn bodies(&self) -> &[Body] {
+        &self.bodies
+    }
+
+    /// Index of the body called `name`.
+    pub fn find(&self, name: &str) -> Option<usize> {
+        self.bodies.iter().position(|b| b.name == name)
+    }
+
+    /// Number of coordinates q.
+    pub fn coordinates(&self) -> usize {
+        self.coordinates
+    }
+
+    /// Number of velocities v.
+    pub fn velocities(&self) -> usize {
+        self.carrier.len()
+    }
+
+    /// First coordinate of the joint that carries `body`.
+    pub fn coordinate_of(&self, body: usize) -> usize {
+        self.first[body].0
+    }
+
+    /// First velocity of the joint that carries `body`.
+    pub fn velocity_of(&self, body: usize) -> usize {
+        self.first[body].1
+    }
+
+    /// The last velocity that moves `body`.
+    fn last_velocity(&self, body: usize) -> Option<usize> {
+        let mut here = Some(body);
+        while let Some(b) = here {
+            let velocities = self.bodies[b].joint.sizes().1;
+            if velocities > 0 {
+                return Some(self.first[b].1 + velocities - 1);
+            }
+            here = self.bodies[b].parent;
+        }
+        None
+    }
+
+    /// The velocities that move `body`, last first.
+    pub(crate) fn path(&self, body: usize) -> impl Iterator<Item = usize> + '_ {
+        std::iter::successors(self.last_velocity(body), |&k| self.before[k])
+    }
+
+    /// q̇ at coordinates `q` and velocities `v`.
+    pub(crate) fn coordinate_rates(&self, q: &[f64], v: &[f64], rates: &mut [f64]) {
+        for (body, &(iq, iv)) in self.bodies.iter().zip(&self.first) {
+            match body.joint {
+                Joint::Revolute(_) | Joint::Prismatic(_) => rates[iq] = v[iv],
+                Joint::Free => {
+                    rates[iq..iq + 3].copy_from_slice(&v[iv..iv + 3]);
+                    let (w, spin) = (&v[iv + 3..iv + 6], &q[iq + 3..iq + 7]);
+                    let rate = Quaternion::new(0.0, w[0], w[1], w[2])
+                        * Quaternion::new(spin[0], spin[1], spin[2], spin[3])
+                        * 0.5;
+                    rates[iq + 3..iq + 7].copy_from_slice(&[rate.w, rate.i, rate.j, rate.k]);
+                }
+            }
+        }
+    }
+
+    /// Brings quaternions back to length 1.
+    pub(crate) fn normalize(&self, q: &mut [f64]) {
+        for (body, &(iq, _)) in self.bodies.iter().zip(&self.first) {
+            if body.joint == Joint::Free {
+                let spin = &mut q[iq + 3..iq + 7];
+                let length = spin.iter().map(|x| x * x).sum::<f64>().sqrt();
+                spin.iter_mut().for_each(|x| *x /= length);
+            }
+        }
+    }
+
+    /// The tree in which each of `held` (by body) stays on its parent as it is at the coordinates `q`.
+    pub(crate) fn weld(&self, held: &[bool], q: &[f64]) -> Welded {
+        let mut welded = Welded {
+            tree: Tree::default(),
+            home: Vec::new(),
+            coordinates: Vec::new(),
+            velocities: Vec::new(),
+        };
+        for (i, body) in self.bodies.iter().enumerate() {
+            let carried = match body.parent {
+                Some(p) => {
+                    let (home, placement): (Option<usize>, Placement) = welded.home[p];
+                    (home, placement.then(&body.placement))
+                }
+                None => (None, body.placement),
+            };
+            let (iq, iv) = self.first[i];
+            if held[i] {
+                let moved = joint_placement(&body.joint, &q[iq..]);
+                let home = (carried.0, carried.1.then(&moved));
+                if let Some(h) = home.0 {
+                    welded.tree.bodies[h].merge(body, &home.1);
+                }
+                welded.home.push(home);
+                continue;
+            }
+            let (coordinates, velocities) = body.joint.sizes();
+            welded.coordinates.extend(iq..iq + coordinates);
+            welded.velocities.extend(iv..iv + velocities);
+            let body = Body { parent: carried.0, placement: carried.1, ..body.clone() };
+            let index = welded.tree.push(body);
+            welded.home.push((Some(index), Placement::identity()));
+        }
+        welded
+    }
+
+    /// Adds a body that needs no check.
+    fn push(&mut self, body: Body) -> usize {
+        let sound = self.add(body.clone());
+        sound.unwrap_or_else(|_| {
+            unreachable!("a body of a sound tree is sound: {}", body.name);
+        })
+    }
+}
+
+impl Body {
+    /// Takes in `other`, whose frame is at `placement` in this body's.
+    fn merge(&mut self, other: &Body, placement: &Placement) {
+        let center = placement.point(&other.center);
+        let turned = placement.rotation * other.inertia * placement.rotation.transpose();
+        let mass = self.mass + other.mass;
+        if mass == 0.0 {
+            return;
+        }
+        let about = |mass: f64, from: Vec3| {
+            (Matrix3::identity() * from.norm_squared() - from * from.transpose()) * mass
+        };
+        let both = (self.center * self.mass + center * other.mass) / mass;
+        self.inertia += turned + about(self.mass, self.center - both) + about(other.mass, center - both);
+        (self.center, self.mass) = (both, mass);
+    }
+}
+
+/// A tree with some joints held.
+#[derive(Clone, Debug)]
+pub(crate) struct Welded {
+    pub tree: Tree,
+    /// Each body of the whole tree: the body that it is now part of (none: the world), and its frame there.
+    pub home: Vec<(Option<usize>, Placement)>,
+    /// Each coordinate and velocity in the whole tree.
+    pub coordinates: Vec<usize>,
+    pub velocities: Vec<usize>,
+}
+
+/// The body's frame in its joint's at the joint's coordinates, which `q` begins with.
+fn joint_placement(joint: &Joint, q: &[f64]) -> Placement {
+    match joint {
+        Joint::Revolute(axis) => Placement { rotation: turn(axis, q[0]), position: Vec3::zeros() },
+        Joint::Prismatic(axis) => Placement::at(axis * q[0]),
+        Joint::Free => Placement {
+            rotation: UnitQuaternion::new_normalize(Quaternion::new(q[3], q[4], q[5], q[6]))
+                .to_rotation_matrix()
+                .into_inner(),
+            position: Vec3::new(q[0], q[1], q[2]),
+        },
+    }
+}
+
+/// Rotation by `angle` (rad) about the unit vector `axis`.
+#[inline]
+fn turn(axis: &Vec3, angle: f64) -> Matrix3<f64> {
+    let (s, c) = angle.sin_cos();
+    let (x, y, z) = (axis.x, axis.y, axis.z);
+    let k = 1.0 - c;
+    Matrix3::new(
+        c + x * x * k,
+        x * y * k - z * s,
+        x * z * k + y * s,
+        y * x * k + z * s,
+        c + y * y * k,
+        y * z * k - x * s,
+        z * x * k - y * s,
+        z * y * k + x * s,
+        c + z * z * k,
+    )
+}
+
+/// Where a tree is and how it moves.
+#[derive(Clone, Debug, Default)]
+pub struct Pose {
+    /// Each body's frame in the world.
+    pub frames: Vec<Placement>,
+    /// Each body's velocity.
+    pub velocities: Vec<Motion>,
+    /// What each velocity moves its body along.
+    pub(crate) axes: Vec<Motion>,
+    /// Each body's acceleration where all v̇ are 0.
+    pub(crate) bias: Vec<Motion>,
+    inertias: Vec<Inertia>,
+    composites: Vec<Inertia>,
+    wrenches: Vec<Wrench>,
+}
+
+impl Pose {
+    /// Puts `tree` at coordinates `q` and velocities `v`.
+    pub fn set(&mut self, tree: &Tree, q: &[f64], v: &[f64]) {
+        self.frames.clear();
+        self.velocities.clear();
+        self.axes.clear();
+        self.bias.clear();
+        let world = (Placement::identity(), Motion::default(), Motion::default());
+        for (body, &(iq, iv)) in tree.bodies.iter().zip(&tree.first) {
+            let (parent, velocity, bias) = match body.parent {
+                Some(p) => (self.frames[p], self.velocities[p], self.bias[p]),
+                None => world,
+            };
+            let joint = parent.then(&body.placement);
+            let frame;
+            let (moved, extra) = match &body.joint {
+                Joint::Revolute(axis) => {
+                    frame =
+                        Placement { rotation: joint.rotation * turn(axis, q[iq]), position: joint.position };
+                    let angular = joint.rotation * axis;
+                    let along = Motion { angular, linear: joint.position.cross(&angular) };
+                    self.axes.push(along);
+                    (along * v[iv], velocity.cross(&along) * v[iv])
+                }
+                Joint::Prismatic(axis) => {
+                    let linear = joint.rotation * axis;
+                    frame = Placement { rotation: joint.rotation, position: joint.position + linear * q[iq] };
+                    let along = Motion { angular: Vec3::zeros(), linear };
+                    self.axes.push(along);
+                    (along * v[iv], velocity.cross(&along) * v[iv])
+                }
+                Joint::Free => {
+                    frame = joint.then(&joint_placement(&body.joint, &q[iq..iq + 7]));
+                    let (turned, at) = (joint.rotation, frame.position);
+                    let column = |k: usize| turned.column(k).into_owned();
+                    let linear = (0..3).map(|k| Motion { angular: Vec3::zeros(), linear: column(k) });
+                    let angular = (0..3).map(|k| Motion { angular: column(k), linear: at.cross(&column(k)) });
+                    self.axes.extend(linear.chain(angular));
+                    let speed = turned * Vec3::new(v[iv], v[iv + 1], v[iv + 2]);
+                    let spin = turned * Vec3::new(v[iv + 3], v[iv + 4], v[iv + 5]);
+                    let moved = Motion { angular: spin, linear: speed + at.cross(&spin) };
+                    // The axes of rotation keep their direction and move with the body's origin.
+                    (moved, Motion { angular: Vec3::zeros(), linear: speed.cross(&spin) })
+                }
+            };
+            self.frames.push(frame);
+            self.velocities.push(velocity + moved);
+            self.bias.push(bias + extra);
+        }
+    }
+
+    /// M (row by row, `tree.velocities()` squared) and h, under gravity `gravity` (m/s²).
+    pub(crate) fn equations(&mut self, tree: &Tree, gravity: &Vec3, mass: &mut [f64], bias: &mut [f64]) {
+        let n = tree.velocities();
+        self.inertias.clear();
+        self.wrenches.clear();
+        for (i, body) in tree.bodies.iter().enumerate() {
+            let frame = &self.frames[i];
+            let inertia = if body.mass == 0.0 {
+                Inertia::default()
+            } else {
+                let turned = frame.rotation * body.inertia * frame.rotation.transpose();
+                Inertia::new(body.mass, &frame.point(&body.center), &turned)
+            };
+            let v = &self.velocities[i];
+            let a = self.bias[i] + Motion { angular: Vec3::zeros(), linear: -gravity };
+            self.inertias.push(inertia);
+            self.wrenches.push(inertia.times(&a) + v.cross_wrench(&inertia.times(v)));
+        }
+        self.composites.clone_from(&self.inertias);
+        for (i, body) in tree.bodies.iter().enumerate().rev() {
+            if let Some(p) = body.parent {
+                let (composite, wrench) = (self.composites[i], self.wrenches[i]);
+                self.composites[p] += composite;
+                self.wrenches[p] += wrench;
+            }
+        }
+        mass[..n * n].fill(0.0);
+        for k in 0..n {
+            let body = tree.carrier[k];
+            let along = &self.axes[k];
+            bias[k] = along.dot(&self.wrenches[body]);
+            let momentum = self.composites[body].times(along);
+            let mut other = Some(k);
+            while let Some(l) = other {
+                let coupling = self.axes[l].dot(&momentum);
+                mass[k * n + l] = coupling;
+                mass[l * n + k] = coupling;
+                other = tree.before[l];
+            }
+        }
+    }
+
+    /// Kinetic energy (J) of `tree`.
+    pub fn kinetic_energy(&self, tree: &Tree) -> f64 {
+        self.parts(tree).map(|(inertia, v)| 0.5 * v.dot(&inertia.times(&v))).sum()
+    }
+
+    /// Potential energy (J) of the weight under `gravity` (m/s²), 0 at the world's origin.
+    pub fn potential_energy(&self, tree: &Tree, gravity: &Vec3) -> f64 {
+        self.parts(tree).map(|(inertia, _)| -inertia.first.dot(gravity)).sum()
+    }
+
+    /// Momentum: the linear one (kg m/s), and the angular one about the centre of mass (kg m²/s).
+    pub fn momentum(&self, tree: &Tree) -> (Vec3, Vec3) {
+        let mut total = Wrench::default();
+        let (mut mass, mut first) = (0.0, Vec3::zeros());
+        for (inertia, v) in self.parts(tree) {
+            total += inertia.times(&v);
+            mass += inertia.mass;
+            first += inertia.first;
+        }
+        let center = if mass > 0.0 { first / mass } else { first };
+        (total.force, total.moment - center.cross(&total.force))
+    }
+
+    /// Each body's inertia and velocity.
+    fn parts<'a>(&'a self, tree: &'a Tree) -> impl Iterator<Item = (Inertia, Motion)> + 'a {
+        tree.bodies.iter().enumerate().map(|(i, body)| {
+            let frame = &self.frames[i];
+            let turned = frame.rotation * body.inertia * frame.rotation.transpose();
+            (Inertia::new(body.mass, &frame.point(&body.center), &turned), self.velocities[i])
+        })
+    }
+}
