@@ -9,8 +9,8 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use saltus_lagrangian::Launch;
 use saltus_robot::{
-    AbsolutePressure, Body, Cushion, Cylinder, Drive, Environment, Errors, ExhaustPort, ForceTable, Gas,
-    GaugePressure, Leg, ReturnSpring, Robot,
+    AbsolutePressure, Body, Cushion, Cylinder, Drive, Environment, Errors, ExhaustPort, Foot, ForceTable,
+    Gas, GaugePressure, Ground, Leg, LegBody, ReturnSpring, Robot,
 };
 
 /// What pushes, and which of the optional terms may be on.
@@ -160,11 +160,23 @@ fn robot(kind: Kind, draw: &mut Draw) -> Robot {
             Kind::Constant => Drive::Constant { force },
             Kind::Table => Drive::Table(force_table(draw, stroke, force, time)),
         },
+        body: LegBody::default(),
     };
     Robot {
         name: "random".into(),
-        body: Body { mass, inertia, radius, legs: 1 },
+        body: Body {
+            mass,
+            inertia,
+            radius,
+            legs: 1,
+            imbalance: 0.0,
+            imbalance_angle: 0.0,
+            axle_friction: 0.0,
+        },
         leg,
+        boom: None,
+        foot: Foot::default(),
+        ground: Ground::default(),
         environment: Environment { gravity, ambient, drag: 0.0 },
         errors: Errors::default(),
     }
