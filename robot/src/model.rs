@@ -44,6 +44,27 @@ pub struct Robot {
 }
 
 impl Robot {
+    /// Mass (kg) that the axle accelerates: m, and with a boom m + m_b/3 + m_c (l/L)².
+    ///
+    /// The boom is taken as level: docs/model.md says what that leaves out.
+    pub fn axle_mass(&self) -> f64 {
+        self.body.mass + self.boom.map_or(0.0, |boom| boom.inertial_mass())
+    }
+
+    /// Gravity (m/s²) that pulls at the axle, ≥ 0: g, and with a boom g (m + m_b/2 − m_c l/L)/(m + m_b/3 + m_c (l/L)²).
+    ///
+    /// The axle falls at it, and [`axle_mass`](Self::axle_mass) times it is what stands on a foot at rest.
+    pub fn axle_gravity(&self) -> f64 {
+        let gravity = self.environment.gravity;
+        self.boom_weight().map_or(gravity, |added| gravity * ((self.body.mass + added) / self.axle_mass()))
+    }
+
+    /// Mass (kg) whose weight the boom adds at the axle, m_b/2 − m_c l/L, never below −m; none without a boom.
+    pub fn boom_weight(&self) -> Option<f64> {
+        // A counterweight that balances the robot may be off by round-off, and nothing falls upwards.
+        self.boom.map(|boom| boom.weighing_mass().max(-self.body.mass))
+    }
+
     /// Mass (kg) of the wheel without its legs, > 0.
     pub fn wheel_mass(&self) -> f64 {
         self.body.mass - f64::from(self.body.legs) * self.leg.body.mass
@@ -248,6 +269,18 @@ pub struct Boom {
     pub counterweight: Option<Counterweight>,
     /// Bending stiffness, as that of a hinge halfway (N m/rad), > 0; none: rigid.
     pub flex: Option<f64>,
+}
+
+impl Boom {
+    /// Mass (kg) at the axle that has the boom's inertia about its base: m_b/3 + m_c (l/L)².
+    pub fn inertial_mass(&self) -> f64 {
+        self.mass / 3.0 + self.counterweight.map_or(0.0, |c| c.mass * (c.distance / self.length).powi(2))
+    }
+
+    /// Mass (kg) at the axle that has the boom's moment of weight about its base: m_b/2 − m_c l/L.
+    fn weighing_mass(&self) -> f64 {
+        self.mass / 2.0 - self.counterweight.map_or(0.0, |c| c.mass * (c.distance / self.length))
+    }
 }
 
 /// A point mass on the boom's line, behind its base.
