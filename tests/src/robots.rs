@@ -9,8 +9,8 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use saltus_lagrangian::Launch;
 use saltus_robot::{
-    AbsolutePressure, Body, Boom, Counterweight, Cushion, Cylinder, Drive, Environment, Errors, ExhaustPort, Foot, ForceTable,
-    Gas, GaugePressure, Ground, Leg, LegBody, ReturnSpring, Robot,
+    AbsolutePressure, Body, Boom, Counterweight, Cushion, Cylinder, Drive, Environment, Errors, ExhaustPort,
+    Foot, ForceTable, Gas, GaugePressure, Ground, Leg, LegBody, ReturnSpring, Robot,
 };
 
 /// What pushes, and which of the optional terms may be on.
@@ -89,7 +89,7 @@ pub fn any_ordinary() -> impl Strategy<Value = Robot> {
     prop::sample::select(&Kind::ALL[..]).prop_flat_map(ordinary)
 }
 
-/// `robots` on booms of up to three times their mass, every other one with a counterweight that takes part of the weight.
+/// `robots` on booms of up to three times their mass, some with a counterweight that takes part of the weight.
 pub fn on_boom(robots: impl Strategy<Value = Robot>) -> impl Strategy<Value = Robot> {
     (robots, prop::collection::vec(0.0..1.0, 8)).prop_map(|(mut robot, units)| {
         let mut draw = Draw(units.into_iter());
@@ -334,6 +334,10 @@ pub fn legal() -> impl Strategy<Value = Robot> {
                 }
             }
         }
+        let mut boom = Boom { mass: 0.0, length: 1.0, radius: 0.0, counterweight: None, flex: None };
+        replace(&mut boom.mass, zero);
+        replace(&mut boom.length, above_zero);
+        robot.boom = (boom.mass > 0.0).then_some(boom);
         robot
     })
 }
