@@ -16,16 +16,18 @@ pub const FINE: f64 = 1e-12;
 ///
 /// φ̈ = m R (g sin φ − 2 φ̇ ḋ)/(I + m R²) and d̈ = F/m + φ̇² R − g cos φ.
 ///
+/// With a boom, m and g are the mass and the gravity at the axle.
+///
 /// Source: thesis §5.2.1, with the lean φ = π/2 − α.
 #[derive(Clone, Debug)]
 pub struct Stance<S> {
-    /// m (kg).
+    /// m (kg): the robot's, with what the boom adds at the axle.
     pub mass: S,
     /// I (kg m²).
     pub inertia: S,
     /// r_s (m).
     pub radius: S,
-    /// g (m/s²).
+    /// g (m/s²), at the axle.
     pub gravity: S,
     /// The leg.
     pub leg: Leg<S>,
@@ -90,6 +92,7 @@ impl<S: Scalar> Stance<S> {
         let inertia = lift(Parameter::Inertia, robot.body.inertia);
         let radius = lift(Parameter::Radius, robot.body.radius);
         let gravity = lift(Parameter::Gravity, robot.environment.gravity);
+        let (mass, gravity) = at_axle(robot, mass, gravity);
         Stance {
             mass,
             inertia,
@@ -172,6 +175,14 @@ impl<S: Scalar> Stance<S> {
             self.mass * self.gravity * reach * cos,
         )
     }
+}
+
+/// Mass and gravity at the axle of `robot` with its own `mass` and `gravity`: [`Robot::axle_mass`] and
+/// [`Robot::axle_gravity`] to the bit, with derivatives.
+fn at_axle<S: Scalar>(robot: &Robot, mass: S, gravity: S) -> (S, S) {
+    let Some((boom, weight)) = robot.boom.zip(robot.boom_weight()) else { return (mass, gravity) };
+    let inertial = mass + S::of(boom.inertial_mass());
+    (inertial, gravity * ((mass + S::of(weight)) / inertial))
 }
 
 /// What a jump is given: how the robot comes, and what is commanded.

@@ -483,8 +483,8 @@ impl<'a> Roller<'a> {
             None => None,
         };
         let end = trace.as_ref().map_or_else(|| self.stance.jump(launch), |t| Ok(t.lift_off)).ok()?;
-        let environment = &self.planner.robot().environment;
-        let (gravity, drag) = (Dual::of(environment.gravity), Dual::of(environment.drag));
+        let robot = self.planner.robot();
+        let (gravity, drag) = (Dual::of(robot.axle_gravity()), Dual::of(robot.environment.drag));
         let flight = widen_flight(&Jump::new(*launch, end, gravity, drag).flight?);
         let height = self.landing_height(leap);
         let landing = foot + flight.range_to_height(Slope::of(height)).ok()?;

@@ -127,8 +127,7 @@ impl Planner {
     }
 
     fn fly(&self, launch: &Launch, end: LiftOff) -> Jump {
-        let environment = &self.robot.environment;
-        Jump::new(*launch, end, environment.gravity, environment.drag)
+        Jump::new(*launch, end, self.robot.axle_gravity(), self.robot.environment.drag)
     }
 
     /// The stance with the supply pressure as the direction `3` of its derivatives.
@@ -160,7 +159,7 @@ impl Planner {
             valve_open: Dual::variable(launch.valve_open, 2),
         };
         let end = stance.jump(&launch)?;
-        let environment = &self.robot.environment;
-        Ok(Jump::new(launch, end, Dual::of(environment.gravity), Dual::of(environment.drag)))
+        let (gravity, drag) = (self.robot.axle_gravity(), self.robot.environment.drag);
+        Ok(Jump::new(launch, end, Dual::of(gravity), Dual::of(drag)))
     }
 }

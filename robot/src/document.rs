@@ -146,12 +146,12 @@ fn node(value: Spanned<DeValue<'_>>, text: &str, place: &impl Fn(usize) -> Place
     Node { place: place(span.start), source: cut(text.get(span).unwrap_or_default()), value }
 }
 
-/// A decimal literal for `integer`, which TOML also writes in other bases.
+/// A decimal literal for `integer`, which TOML also writes in other bases; one too large for any number stands for the largest.
 fn decimal(integer: &DeInteger<'_>) -> String {
     match integer.radix() {
         10 => integer.as_str().into(),
         radix => {
-            i128::from_str_radix(integer.as_str(), radix).map_or("inf".into(), |value| value.to_string())
+            i128::from_str_radix(integer.as_str(), radix).map_or("1e999".into(), |value| value.to_string())
         }
     }
 }

@@ -2,40 +2,60 @@
 
 use std::ops::{Bound, RangeBounds};
 
-/// An interval of finite numbers (SI).
+/// An interval of finite numbers (SI), perhaps with infinity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Domain {
     low: Bound<f64>,
     high: Bound<f64>,
+    /// Whether infinity belongs to it.
+    endless: bool,
+    /// Why its bounds are where they are, for messages; mostly empty.
+    reason: &'static str,
 }
 
 impl Domain {
-    pub(crate) const POSITIVE: Domain = Domain { low: Bound::Excluded(0.0), high: Bound::Unbounded };
+    /// Every finite number.
+    pub(crate) const FINITE: Domain = Domain::from(Bound::Unbounded);
+    pub(crate) const POSITIVE: Domain = Domain::above(0.0);
     pub(crate) const NON_NEGATIVE: Domain = Domain::at_least(0.0);
+
+    const fn from(low: Bound<f64>) -> Domain {
+        Domain { low, high: Bound::Unbounded, endless: false, reason: "" }
+    }
 
     /// x > `low`.
     pub(crate) const fn above(low: f64) -> Domain {
-        Domain { low: Bound::Excluded(low), high: Bound::Unbounded }
+        Domain::from(Bound::Excluded(low))
     }
 
     /// x ≥ `low`.
     pub(crate) const fn at_least(low: f64) -> Domain {
-        Domain { low: Bound::Included(low), high: Bound::Unbounded }
+        Domain::from(Bound::Included(low))
     }
 
     /// The same, and x < `high`.
     pub(crate) const fn below(self, high: f64) -> Domain {
-        Domain { low: self.low, high: Bound::Excluded(high) }
+        Domain { high: Bound::Excluded(high), ..self }
     }
 
     /// The same, and x ≤ `high`.
     pub(crate) const fn up_to(self, high: f64) -> Domain {
-        Domain { low: self.low, high: Bound::Included(high) }
+        Domain { high: Bound::Included(high), ..self }
     }
 
-    /// Whether `x` is finite and inside.
+    /// The same, and infinity.
+    pub(crate) const fn or_infinite(self) -> Domain {
+        Domain { endless: true, ..self }
+    }
+
+    /// The same with the reason for its bounds.
+    pub(crate) const fn because(self, reason: &'static str) -> Domain {
+        Domain { reason, ..self }
+    }
+
+    /// Whether `x` is inside; what is not finite mostly is not.
     pub(crate) fn contains(self, x: f64) -> bool {
-        x.is_finite() && (self.low, self.high).contains(&x)
+        (x.is_finite() && (self.low, self.high).contains(&x)) || (self.endless && x == f64::INFINITY)
     }
 
     /// What is allowed, for messages, with bounds in `unit`.
@@ -52,7 +72,9 @@ impl Domain {
         };
         let bounds: Vec<String> =
             [low, high].into_iter().flatten().map(|(sign, bound)| written(sign, bound, unit)).collect();
-        format!("a finite number {}", bounds.join(" and ")).trim_end().into()
+        let number = format!("a finite number {}", bounds.join(" and "));
+        let endless = if self.endless { ", or inf" } else { "" };
+        format!("{}{endless}{}", number.trim_end(), self.reason)
     }
 }
 
@@ -84,5 +106,20 @@ mod tests {
             &[0.9, 1.5],
         );
         check(Domain::above(1.0), "a finite number > 1 m", &[1.1], &[1.0]);
+        check(Domain::FINITE, "a finite number", &[-1.0, 0.0], &[]);
+        check(
+            Domain::POSITIVE.because(", or not at all"),
+            "a finite number > 0, or not at all",
+            &[1.0],
+            &[0.0],
+        );
+    }
+
+    #[test]
+    fn infinity_is_inside_where_a_domain_says_so() {
+        let domain = Domain::NON_NEGATIVE.or_infinite();
+        assert_eq!(domain.describe(""), "a finite number ≥ 0, or inf");
+        assert!([0.0, f64::INFINITY].iter().all(|&x| domain.contains(x)));
+        assert!([-1.0, f64::NEG_INFINITY, f64::NAN].iter().all(|&x| !domain.contains(x)));
     }
 }

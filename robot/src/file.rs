@@ -6,11 +6,13 @@
 use crate::document::Node;
 use crate::domain::Domain;
 use crate::files::Files;
+use crate::rig::{boom, foot, ground, leg_body};
 use crate::section::Section;
 use crate::table::force_table;
 use crate::units::{
     ACCELERATION, ANGLE, ANGULAR_RATE, AREA, DAMPING, FORCE, FORCE_PER_PRESSURE, GAS_CONSTANT, INERTIA,
-    LENGTH, MASS, NUMBER, PER_LENGTH, PRESSURE, PRESSURE_PER_FLOW, STIFFNESS, TEMPERATURE, TIME, VOLUME,
+    LENGTH, MASS, NUMBER, PER_LENGTH, PRESSURE, PRESSURE_PER_FLOW, STIFFNESS, TEMPERATURE, TIME, TORQUE,
+    VOLUME,
 };
 use crate::{
     AbsolutePressure, Body, Cushion, Cylinder, Drive, Environment, Errors, ExhaustPort, Gas, GaugePressure,
@@ -27,13 +29,20 @@ pub(crate) fn robot(document: Node, files: Files) -> Result<Robot, RobotError> {
     let (body_table, leg_table, environment_table) =
         (s.table("body"), s.table("leg"), s.table("environment"));
     let errors = s.optional_table("errors", errors);
+    let (foot, ground) = (s.optional_table("foot", foot), s.optional_table("ground", ground));
+    // What may stand there depends on the body.
+    let boom_table = s.optional_table("boom", Ok);
     s.finish(())?;
 
     let environment = environment(environment_table)?;
+    let body = body(body_table)?;
     Ok(Robot {
         name,
-        body: body(body_table)?,
-        leg: leg(leg_table, environment.ambient, files)?,
+        body,
+        leg: leg(leg_table, &body, environment.ambient, files)?,
+        boom: boom_table.map(|s| boom(s, body.mass)).transpose()?,
+        foot: foot.unwrap_or_default(),
+        ground: ground.unwrap_or_default(),
         environment,
         errors: errors.unwrap_or_default(),
     })
@@ -45,6 +54,9 @@ fn body(mut s: Section) -> Result<Body, RobotError> {
         inertia: s.number("inertia", INERTIA, NON_NEGATIVE),
         radius: s.number("wheel_radius", LENGTH, POSITIVE),
         legs: s.count("legs"),
+        imbalance: s.optional("imbalance", LENGTH, NON_NEGATIVE).unwrap_or(0.0),
+        imbalance_angle: s.optional("imbalance_angle", ANGLE, Domain::FINITE).unwrap_or(0.0),
+        axle_friction: s.optional("axle_friction", TORQUE, NON_NEGATIVE).unwrap_or(0.0),
     };
     s.finish(body)
 }
@@ -84,7 +96,7 @@ const KINDS: [(&str, Kind); 4] = [
     ("table", Kind::Table),
 ];
 
-fn leg(mut s: Section, ambient: AbsolutePressure, files: Files) -> Result<Leg, RobotError> {
+fn leg(mut s: Section, body: &Body, ambient: AbsolutePressure, files: Files) -> Result<Leg, RobotError> {
     let kind = s.choice("kind", &KINDS, "pneumatic, spring, constant or table");
     // Without its kind, nobody knows the leg's keys.
     s.stop_at_problem()?;
@@ -106,6 +118,7 @@ fn leg(mut s: Section, ambient: AbsolutePressure, files: Files) -> Result<Leg, R
             Kind::Constant => Drive::Constant { force: s.number("force", FORCE, POSITIVE) },
             Kind::Table => Drive::Table(force_table(&mut s, stroke, files)),
         },
+        body: leg_body(&mut s, body),
     };
     s.finish(leg)
 }

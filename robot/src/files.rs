@@ -7,8 +7,9 @@ use std::path::Path;
 use crate::RobotError;
 
 /// Built-in robots: name and robot file.
-pub(crate) const ROBOTS: [(&str, &str); 3] = [
+pub(crate) const ROBOTS: [(&str, &str); 4] = [
     ("rats-planar", include_str!("../../robots/rats-planar.toml")),
+    ("rats-boom", include_str!("../../robots/rats-boom.toml")),
     ("spring-hopper", include_str!("../../robots/spring-hopper.toml")),
     ("table-hopper", include_str!("../../robots/table-hopper.toml")),
 ];

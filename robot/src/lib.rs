@@ -24,6 +24,7 @@ mod file;
 mod files;
 mod model;
 mod parameter;
+mod rig;
 mod section;
 mod table;
 mod units;

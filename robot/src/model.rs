@@ -31,16 +31,55 @@ pub struct Robot {
     pub body: Body,
     /// The leg that jumps.
     pub leg: Leg,
+    /// The boom that holds the axle; none: the robot moves freely in its plane.
+    pub boom: Option<Boom>,
+    /// The tip of each leg.
+    pub foot: Foot,
+    /// What the feet stand on.
+    pub ground: Ground,
     /// What surrounds the robot.
     pub environment: Environment,
     /// Measurement and actuation errors, one standard deviation each, behind the error bands.
     pub errors: Errors,
 }
 
-/// The wheel, which turns with the leg.
+impl Robot {
+    /// Mass (kg) that the axle accelerates: m, and with a boom m + m_b/3 + m_c (l/L)².
+    ///
+    /// The boom is taken as level: docs/model.md says what that leaves out.
+    pub fn axle_mass(&self) -> f64 {
+        self.body.mass + self.boom.map_or(0.0, |boom| boom.inertial_mass())
+    }
+
+    /// Gravity (m/s²) that pulls at the axle, ≥ 0: g, and with a boom g (m + m_b/2 − m_c l/L)/(m + m_b/3 + m_c (l/L)²).
+    ///
+    /// The axle falls at it, and [`axle_mass`](Self::axle_mass) times it is what stands on a foot at rest.
+    pub fn axle_gravity(&self) -> f64 {
+        let gravity = self.environment.gravity;
+        self.boom_weight().map_or(gravity, |added| gravity * ((self.body.mass + added) / self.axle_mass()))
+    }
+
+    /// Mass (kg) whose weight the boom adds at the axle, m_b/2 − m_c l/L, never below −m; none without a boom.
+    pub fn boom_weight(&self) -> Option<f64> {
+        // A counterweight that balances the robot may be off by round-off, and nothing falls upwards.
+        self.boom.map(|boom| boom.weighing_mass().max(-self.body.mass))
+    }
+
+    /// Mass (kg) of the wheel without its legs, > 0.
+    pub fn wheel_mass(&self) -> f64 {
+        self.body.mass - f64::from(self.body.legs) * self.leg.body.mass
+    }
+
+    /// Moment of inertia (kg m²) about the axle of the wheel without its legs, ≥ 0.
+    pub fn wheel_inertia(&self) -> f64 {
+        self.body.inertia - f64::from(self.body.legs) * self.leg.body.inertia_about_axle()
+    }
+}
+
+/// The wheel with all its legs, retracted, which turn with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// Mass m (kg), > 0.
+    /// Mass m (kg), > 0; of it, the legs' part is [`Leg::body`].
     pub mass: f64,
     /// Moment of inertia I about the wheel's centre (kg m²), ≥ 0.
     pub inertia: f64,
@@ -48,6 +87,12 @@ pub struct Body {
     pub radius: f64,
     /// Legs, evenly spaced around the wheel, ≥ 1.
     pub legs: u32,
+    /// Distance of the wheel's centre of mass from the axle (m), ≥ 0.
+    pub imbalance: f64,
+    /// Where around the axle that centre is (rad), forwards from the leg that jumps.
+    pub imbalance_angle: f64,
+    /// Dry friction torque of the axle against the wheel's spin (N m), ≥ 0.
+    pub axle_friction: f64,
 }
 
 /// A telescoping leg: what drives it and what resists.
@@ -67,6 +112,33 @@ pub struct Leg {
     pub cushion: Option<Cushion>,
     /// What pushes.
     pub drive: Drive,
+    /// Mass and shape of the part that moves.
+    pub body: LegBody,
+}
+
+/// The moving part of a leg, rod and foot, as a solid cylinder along the leg; of no mass by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LegBody {
+    /// Mass (kg), ≥ 0.
+    pub mass: f64,
+    /// Distance of its centre of mass from the axle with the leg retracted (m), ≥ 0.
+    pub center: f64,
+    /// Length L of the cylinder (m), ≥ 0.
+    pub length: f64,
+    /// Radius r of the cylinder (m), ≥ 0.
+    pub radius: f64,
+}
+
+impl LegBody {
+    /// Moment of inertia (kg m²) about its centre of mass, across the leg: m (3 r² + L²)/12.
+    pub fn inertia(&self) -> f64 {
+        self.mass * (3.0 * self.radius * self.radius + self.length * self.length) / 12.0
+    }
+
+    /// Moment of inertia (kg m²) about the axle with the leg retracted.
+    pub fn inertia_about_axle(&self) -> f64 {
+        self.inertia() + self.mass * self.center * self.center
+    }
 }
 
 /// Return spring: the force −(k d + preload) on the leg's force.
@@ -182,6 +254,82 @@ pub struct ForceTable {
     pub speeds: Vec<f64>,
     /// Force (N) at `extensions[i]`, `speeds[j]`: `forces[i * speeds.len() + j]`.
     pub forces: Vec<f64>,
+}
+
+/// A boom that holds the axle at its end: a solid cylinder, on a universal joint at its base.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Boom {
+    /// Mass m_b (kg), ≥ 0.
+    pub mass: f64,
+    /// Length L from the base to the axle (m), > 0.
+    pub length: f64,
+    /// Radius of the cylinder (m), ≥ 0.
+    pub radius: f64,
+    /// A mass behind the base.
+    pub counterweight: Option<Counterweight>,
+    /// Bending stiffness, as that of a hinge halfway (N m/rad), > 0; none: rigid.
+    pub flex: Option<f64>,
+}
+
+impl Boom {
+    /// Mass (kg) at the axle that has the boom's inertia about its base: m_b/3 + m_c (l/L)².
+    pub fn inertial_mass(&self) -> f64 {
+        self.mass / 3.0 + self.counterweight.map_or(0.0, |c| c.mass * (c.distance / self.length).powi(2))
+    }
+
+    /// Mass (kg) at the axle that has the boom's moment of weight about its base: m_b/2 − m_c l/L.
+    fn weighing_mass(&self) -> f64 {
+        self.mass / 2.0 - self.counterweight.map_or(0.0, |c| c.mass * (c.distance / self.length))
+    }
+}
+
+/// A point mass on the boom's line, behind its base.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Counterweight {
+    /// Mass m_c (kg), ≥ 0; at most what the robot and its boom weigh there.
+    pub mass: f64,
+    /// Distance l behind the base (m), > 0.
+    pub distance: f64,
+}
+
+/// The tip of a leg.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Foot {
+    /// Radius of the sphere that touches the ground (m), ≥ 0; 0: a point.
+    pub radius: f64,
+}
+
+/// What the feet stand on; by default it is rigid, level, inelastic, and lets nothing slip along the travel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ground {
+    /// Friction coefficient along the travel until a foot slips, ≥ 0; infinite: no slip.
+    pub static_friction: f64,
+    /// Friction coefficient along the travel while a foot slips, ≥ 0; infinite: no slip.
+    pub kinetic_friction: f64,
+    /// Friction coefficient across the travel, slipping or not, ≥ 0.
+    pub across_friction: f64,
+    /// Coefficient of restitution of a foot's impact, in [0, 1).
+    pub restitution: f64,
+    /// Stiffness (N/m), > 0; none: rigid.
+    pub stiffness: Option<f64>,
+    /// Damping (N s/m), ≥ 0, where it is not rigid.
+    pub damping: f64,
+    /// Slope along the travel (rad), uphill positive, in (−π/4, π/4).
+    pub slope: f64,
+}
+
+impl Default for Ground {
+    fn default() -> Ground {
+        Ground {
+            static_friction: f64::INFINITY,
+            kinetic_friction: f64::INFINITY,
+            across_friction: 0.0,
+            restitution: 0.0,
+            stiffness: None,
+            damping: 0.0,
+            slope: 0.0,
+        }
+    }
 }
 
 /// What surrounds the robot.

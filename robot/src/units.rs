@@ -15,13 +15,17 @@ impl Unit {
     /// The SI unit itself.
     pub(crate) const SI: Unit = Unit::Decimal(0);
 
-    /// The decimal `literal` in SI; not finite where it is not a decimal or too large.
+    /// The decimal `literal` in SI, infinite for `inf`; NaN where it is anything else or too large.
     pub(crate) fn si(self, literal: &str) -> f64 {
-        // Adding 0 turns −0 into 0: an effect that is off is off with the same bits.
-        0.0 + match self {
+        if matches!(literal, "inf" | "+inf") {
+            return f64::INFINITY;
+        }
+        let number = match self {
             Unit::Decimal(power) => shifted(literal, power),
             Unit::Times(factor) => literal.parse().unwrap_or(f64::NAN) * factor,
-        }
+        };
+        // Adding 0 turns −0 into 0: an effect that is off is off with the same bits.
+        if number.is_finite() { 0.0 + number } else { f64::NAN }
     }
 }
 
@@ -70,6 +74,8 @@ quantities! {
     ANGULAR_RATE, "rad/s": "_rad_s" Unit::SI, "_deg_s" DEGREE;
     FORCE, "N": "_n" Unit::SI;
     STIFFNESS, "N/m": "_n_per_m" Unit::SI, "_n_per_mm" Unit::Decimal(3);
+    TORQUE, "N m": "_n_m" Unit::SI;
+    ANGULAR_STIFFNESS, "N m/rad": "_n_m_per_rad" Unit::SI;
     DAMPING, "N s/m": "_n_s_per_m" Unit::SI;
     PRESSURE, "Pa": "_pa" Unit::SI, "_kpa" Unit::Decimal(3), "_bar" Unit::Decimal(5), "_psi" PSI;
     PRESSURE_PER_FLOW, "Pa s/kg": "_pa_s_per_kg" Unit::SI;
@@ -104,6 +110,17 @@ mod tests {
         for literal in ["nan", "-inf", "1e400", "1e99999999999999999999", "", "e", "0x10", "1_0"] {
             assert!(!Unit::Decimal(-3).si(literal).is_finite(), "{literal}");
             assert!(!PSI.si(literal).is_finite() || literal.is_empty(), "{literal}");
+        }
+    }
+
+    #[test]
+    fn only_inf_is_infinite() {
+        for unit in [Unit::SI, MILLI, PSI] {
+            assert_eq!(unit.si("inf"), f64::INFINITY);
+            assert_eq!(unit.si("+inf"), f64::INFINITY);
+            for literal in ["-inf", "1e400", "nan", "infinity"] {
+                assert!(unit.si(literal).is_nan(), "{literal}");
+            }
         }
     }
 

@@ -2,7 +2,9 @@
 
 use std::fmt::{self, Formatter};
 
-use crate::{Cylinder, Drive, Environment, Errors, ForceTable, Leg, Robot};
+use crate::{
+    Body, Boom, Cylinder, Drive, Environment, Errors, Foot, ForceTable, Ground, Leg, LegBody, Robot,
+};
 
 impl Robot {
     /// The robot file, in SI units, that [`Robot::parse`] reads as this very robot, to the last bit.
@@ -34,16 +36,67 @@ impl fmt::Display for RobotFile<'_> {
 }
 
 fn write_robot(f: &mut Formatter<'_>, robot: &Robot) -> fmt::Result {
-    let Robot { name, body, leg, environment, errors } = robot;
+    let Robot { name, body, leg, boom, foot, ground, environment, errors } = robot;
     writeln!(f, "name = {}", quoted(name))?;
+    write_body(f, body)?;
+    write_leg(f, leg)?;
+    if let Some(boom) = boom {
+        write_boom(f, boom)?;
+    }
+    if *foot != Foot::default() {
+        writeln!(f, "\n[foot]")?;
+        writeln!(f, "radius_m = {:?}", foot.radius)?;
+    }
+    if *ground != Ground::default() {
+        write_ground(f, ground)?;
+    }
+    write_environment(f, environment)?;
+    write_errors(f, errors)
+}
+
+fn write_body(f: &mut Formatter<'_>, body: &Body) -> fmt::Result {
     writeln!(f, "\n[body]")?;
     writeln!(f, "mass_kg = {:?}", body.mass)?;
     writeln!(f, "inertia_kg_m2 = {:?}", body.inertia)?;
     writeln!(f, "wheel_radius_m = {:?}", body.radius)?;
     writeln!(f, "legs = {}", body.legs)?;
-    write_leg(f, leg)?;
-    write_environment(f, environment)?;
-    write_errors(f, errors)
+    if (body.imbalance, body.imbalance_angle) != (0.0, 0.0) {
+        writeln!(f, "imbalance_m = {:?}", body.imbalance)?;
+        writeln!(f, "imbalance_angle_rad = {:?}", body.imbalance_angle)?;
+    }
+    if body.axle_friction != 0.0 {
+        writeln!(f, "axle_friction_n_m = {:?}", body.axle_friction)?;
+    }
+    Ok(())
+}
+
+fn write_boom(f: &mut Formatter<'_>, boom: &Boom) -> fmt::Result {
+    writeln!(f, "\n[boom]")?;
+    writeln!(f, "mass_kg = {:?}", boom.mass)?;
+    writeln!(f, "length_m = {:?}", boom.length)?;
+    writeln!(f, "radius_m = {:?}", boom.radius)?;
+    if let Some(stiffness) = boom.flex {
+        writeln!(f, "bending_stiffness_n_m_per_rad = {stiffness:?}")?;
+    }
+    if let Some(counterweight) = &boom.counterweight {
+        writeln!(f, "\n[boom.counterweight]")?;
+        writeln!(f, "mass_kg = {:?}", counterweight.mass)?;
+        writeln!(f, "distance_m = {:?}", counterweight.distance)?;
+    }
+    Ok(())
+}
+
+fn write_ground(f: &mut Formatter<'_>, ground: &Ground) -> fmt::Result {
+    writeln!(f, "\n[ground]")?;
+    writeln!(f, "static_friction = {:?}", ground.static_friction)?;
+    writeln!(f, "kinetic_friction = {:?}", ground.kinetic_friction)?;
+    writeln!(f, "across_friction = {:?}", ground.across_friction)?;
+    writeln!(f, "restitution = {:?}", ground.restitution)?;
+    if let Some(stiffness) = ground.stiffness {
+        writeln!(f, "stiffness_n_per_m = {stiffness:?}")?;
+    }
+    writeln!(f, "damping_n_s_per_m = {:?}", ground.damping)?;
+    writeln!(f, "slope_rad = {:?}", ground.slope)
 }
 
 fn write_leg(f: &mut Formatter<'_>, leg: &Leg) -> fmt::Result {
@@ -59,6 +112,12 @@ fn write_leg(f: &mut Formatter<'_>, leg: &Leg) -> fmt::Result {
     writeln!(f, "{delay} = {:?}", leg.delay)?;
     writeln!(f, "viscous_friction_n_s_per_m = {:?}", leg.viscous_friction)?;
     writeln!(f, "coulomb_friction_n = {:?}", leg.coulomb_friction)?;
+    if leg.body != LegBody::default() {
+        writeln!(f, "mass_kg = {:?}", leg.body.mass)?;
+        writeln!(f, "center_m = {:?}", leg.body.center)?;
+        writeln!(f, "rod_length_m = {:?}", leg.body.length)?;
+        writeln!(f, "rod_radius_m = {:?}", leg.body.radius)?;
+    }
     match &leg.drive {
         Drive::Pneumatic(cylinder) => write_cylinder(f, cylinder)?,
         Drive::Spring { stiffness, compression } => {

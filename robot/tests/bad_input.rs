@@ -112,6 +112,95 @@ fn numbers_that_do_not_fit_together() {
     );
 }
 
+/// `line` added to the body (from line 7), the leg (from line 20) or the file (from line 27) of the sound file.
+#[test]
+fn keys_of_a_rig() {
+    let body = |line: &str, expected: &str| check("[leg]", &format!("{line}\n[leg]"), expected);
+    body("imbalance_mm = -1", "hopper.toml:7: body.imbalance_mm = -1: must be a finite number ≥ 0");
+    body(
+        "imbalance_angle_deg = inf",
+        "hopper.toml:7: body.imbalance_angle_deg = inf: must be a finite number",
+    );
+    body("axle_friction_n_m = -1", "hopper.toml:7: body.axle_friction_n_m = -1: must be a finite number ≥ 0");
+
+    let leg =
+        |line: &str, expected: &str| check("[leg.cushion]", &format!("{line}\n[leg.cushion]"), expected);
+    leg("center_m = -0.1", "hopper.toml:20: leg.center_m = -0.1: must be a finite number ≥ 0");
+    leg("rod_length_m = -0.1", "hopper.toml:20: leg.rod_length_m = -0.1: must be a finite number ≥ 0");
+    leg("rod_radius_mm = nan", "hopper.toml:20: leg.rod_radius_mm = nan: must be a finite number ≥ 0");
+    leg("mass_kg = 0.05", "hopper.toml:7: missing key leg.center_m or leg.center_mm");
+    leg(
+        "mass_g = 550\ncenter_m = 0.1",
+        "hopper.toml:20: leg.mass_g = 550: must be a finite number ≥ 0 and < 0.55 kg, for all legs to have less than \
+         body.mass",
+    );
+    // 0.0792/(5 · 1²) = 0.01584 kg at 1 m.
+    leg(
+        "mass_kg = 0.4\ncenter_m = 1",
+        "hopper.toml:20: leg.mass_kg = 0.4: must be a finite number ≥ 0 and < 0.01584 kg, for all legs to \
+         have less than body.inertia",
+    );
+
+    let rig = |lines: &str, expected: &str| assert_eq!(complaint(&format!("{SOUND}{lines}\n")), expected);
+    rig(
+        "boom = 3",
+        "hopper.toml:27: unknown key environment.boom; the nearest known key is environment.drag_per_m",
+    );
+    rig("[boom]\nlength_m = 2", "hopper.toml:27: missing key boom.mass_kg or boom.mass_g");
+    rig("[boom]\nmass_kg = 1", "hopper.toml:27: missing key boom.length_m or boom.length_mm");
+    rig("[boom]\nmass_kg = -1", "hopper.toml:28: boom.mass_kg = -1: must be a finite number ≥ 0");
+    rig(
+        "[boom]\nmass_kg = 1\nlength_m = 0",
+        "hopper.toml:29: boom.length_m = 0: must be a finite number > 0",
+    );
+    let boom = "[boom]\nmass_kg = 0.5\nlength_m = 2";
+    rig(
+        &format!("{boom}\nradius_mm = -5"),
+        "hopper.toml:30: boom.radius_mm = -5: must be a finite number ≥ 0",
+    );
+    rig(
+        &format!("{boom}\nbending_stiffness_n_m_per_rad = 0"),
+        "hopper.toml:30: boom.bending_stiffness_n_m_per_rad = 0: must be a finite number > 0",
+    );
+    rig(
+        &format!("{boom}\ncounterweight = {{ mass_kg = 1, distance_m = 0 }}"),
+        "hopper.toml:30: boom.counterweight.distance_m = 0: must be a finite number > 0",
+    );
+    rig(
+        &format!("{boom}\ncounterweight = {{ distance_m = 1 }}"),
+        "hopper.toml:30: missing key boom.counterweight.mass_kg or boom.counterweight.mass_g",
+    );
+    // (2.75 + 0.5/2) · 2/0.5 = 12 kg balance robot and boom.
+    rig(
+        &format!("{boom}\ncounterweight = {{ mass_kg = 12.5, distance_m = 0.5 }}"),
+        "hopper.toml:30: boom.counterweight.mass_kg = 12.5: must be a finite number ≥ 0 and ≤ 12 kg, which balances \
+         robot and boom",
+    );
+
+    rig("[foot]\nradius_mm = -1", "hopper.toml:28: foot.radius_mm = -1: must be a finite number ≥ 0");
+    rig(
+        "[foot]\nlength_mm = 1",
+        "hopper.toml:28: unknown key foot.length_mm; the nearest known key is foot.radius_mm",
+    );
+
+    let ground = |line: &str, allowed: &str| {
+        rig(
+            &format!("[ground]\n{line}"),
+            &format!("hopper.toml:28: ground.{line}: must be a finite number {allowed}"),
+        );
+    };
+    for bad in ["-1", "-inf", "nan", "1e400"] {
+        ground(&format!("static_friction = {bad}"), "≥ 0, or inf");
+        ground(&format!("kinetic_friction = {bad}"), "≥ 0, or inf");
+    }
+    ground("across_friction = inf", "≥ 0");
+    ground("restitution = 1", "≥ 0 and < 1");
+    ground("restitution = -0.1", "≥ 0 and < 1");
+    ground("stiffness_n_per_m = 0", "> 0");
+    ground("damping_n_s_per_m = -1", "≥ 0");
+    ground("slope_deg = 45", "> -0.7853981633974483 rad and < 0.7853981633974483 rad");
+}
+
 #[test]
 fn values_of_the_wrong_type() {
     check("= 2.75", "= \"2.75\"", "hopper.toml:3: body.mass_kg = \"2.75\": must be a finite number > 0");
@@ -170,7 +259,7 @@ fn keys_unknown_missing_or_twice() {
         "hopper.toml:3: unknown key body.mass_lb; the nearest known key is body.mass_kg",
     );
     check("[body]", "[bodi]", "hopper.toml:2: unknown key bodi; the nearest known key is body");
-    check("[leg.cushion]", "[cushion]", "hopper.toml:20: unknown key cushion; the nearest known key is name");
+    check("[leg.cushion]", "[cushion]", "hopper.toml:20: unknown key cushion; the nearest known key is foot");
     check(
         "mass_kg",
         "\"mass kg\" = 1\nmass_kg",
@@ -335,7 +424,7 @@ fn complaint_about(path: &str) -> String {
 #[test]
 fn files_that_are_no_robot_files() {
     let folder = Folder::new("files");
-    let no_robot = "no such robot or file; built in are rats-planar, spring-hopper, table-hopper";
+    let no_robot = "no such robot or file; built in are rats-planar, rats-boom, spring-hopper, table-hopper";
     assert_eq!(complaint_about("ratz"), format!("ratz: {no_robot}"));
     assert_eq!(complaint_about(""), format!(": {no_robot}"));
     let missing = folder.0.join("missing.toml").display().to_string();

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use saltus_robot::{
-    AbsolutePressure, Body, Cylinder, Drive, Environment, ForceTable, Gas, GaugePressure, Leg, Robot, resolve,
+    AbsolutePressure, Body, Boom, Cylinder, Drive, Environment, Foot, ForceTable, Gas, GaugePressure, Ground,
+    Leg, LegBody, Robot, resolve,
 };
 
 /// MODEL.md, nominal robot, number for number.
@@ -11,7 +12,17 @@ use saltus_robot::{
 fn rats_planar_is_the_nominal_robot() {
     let robot = Robot::rats_planar();
     assert_eq!(robot.name, "rats-planar");
-    assert_eq!(robot.body, Body { mass: 2.75, inertia: 0.0792, radius: 0.24, legs: 5 });
+    let body = Body {
+        mass: 2.75,
+        inertia: 0.0792,
+        radius: 0.24,
+        legs: 5,
+        imbalance: 0.0,
+        imbalance_angle: 0.0,
+        axle_friction: 0.0,
+    };
+    assert_eq!(robot.body, body);
+    assert_eq!((robot.boom, robot.foot, robot.ground), (None, Foot::default(), Ground::default()));
     assert_eq!(
         robot.leg,
         Leg {
@@ -35,12 +46,37 @@ fn rats_planar_is_the_nominal_robot() {
                 polytropic_exponent: None,
                 seal_friction: 0.0,
             }),
+            body: LegBody::default(),
         }
     );
     assert_eq!(
         robot.environment,
         Environment { gravity: 9.80665, ambient: AbsolutePressure(101_325.0), drag: 0.0 }
     );
+}
+
+/// MODEL.md, the full planar robot on its boom: rats-planar with the masses and shapes of its parts.
+#[test]
+fn rats_boom_is_the_full_rig() {
+    let robot = Robot::builtin("rats-boom").expect("built in");
+    let rod = LegBody { mass: 0.05, center: 0.19, length: 0.1, radius: 0.007 };
+    assert_eq!(robot.leg.body, rod);
+    let boom = Boom { mass: 0.5, length: 2.12, radius: 0.015, counterweight: None, flex: None };
+    assert_eq!(robot.boom, Some(boom));
+
+    // The totals in the file are the sums of the parts to the last digit written there.
+    let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-13, "{a} {b}");
+    close(robot.wheel_mass(), 2.5);
+    close(robot.wheel_inertia(), 0.072);
+    close(0.072, 0.5 * 2.5 * robot.body.radius * robot.body.radius);
+    close(rod.inertia(), 0.05 * (3.0 * 0.007 * 0.007 + 0.1 * 0.1) / 12.0);
+    close(rod.center + 0.5 * rod.length, robot.body.radius);
+
+    let planar = Robot::rats_planar();
+    let mut rest = robot;
+    rest.name.clone_from(&planar.name);
+    (rest.boom, rest.leg.body, rest.body.inertia) = (None, planar.leg.body, planar.body.inertia);
+    assert_eq!(rest, planar);
 }
 
 /// The derivations in the comments of rats-planar.toml.

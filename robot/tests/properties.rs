@@ -5,8 +5,8 @@ use std::path::Path;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use saltus_robot::{
-    AbsolutePressure, Body, Cushion, Cylinder, Drive, Environment, Errors, ExhaustPort, ForceTable, Gas,
-    GaugePressure, Leg, ReturnSpring, Robot, RobotError, resolve,
+    AbsolutePressure, Body, Boom, Counterweight, Cushion, Cylinder, Drive, Environment, Errors, ExhaustPort,
+    Foot, ForceTable, Gas, GaugePressure, Ground, Leg, LegBody, ReturnSpring, Robot, RobotError, resolve,
 };
 
 fn parse(text: &str) -> Result<Robot, RobotError> {
@@ -102,6 +102,7 @@ fn leg() -> impl Strategy<Value = Leg> {
                 return_spring: spring.map(|(stiffness, preload)| ReturnSpring { stiffness, preload }),
                 cushion: cushion.map(|(stiffness, damping)| Cushion { length: part, stiffness, damping }),
                 drive,
+                body: LegBody::default(),
             },
         )
     })
@@ -109,28 +110,95 @@ fn leg() -> impl Strategy<Value = Leg> {
 
 /// Any robot in its domain.
 fn robot() -> impl Strategy<Value = Robot> {
-    let body = (positive(), non_negative(), positive(), 1..=u32::MAX)
-        .prop_map(|(mass, inertia, radius, legs)| Body { mass, inertia, radius, legs });
+    let size = (positive(), non_negative(), positive(), 1..=u32::MAX);
+    let (angle, torque) = (prop_oneof![positive().prop_map(|angle| -angle), non_negative()], non_negative());
+    let body = (size, non_negative(), angle, torque).prop_map(
+        |((mass, inertia, radius, legs), imbalance, imbalance_angle, axle_friction)| Body {
+            mass,
+            inertia,
+            radius,
+            legs,
+            imbalance,
+            imbalance_angle,
+            axle_friction,
+        },
+    );
     let environment = (non_negative(), positive(), non_negative()).prop_map(|(gravity, ambient, drag)| {
         Environment { gravity, ambient: AbsolutePressure(ambient), drag }
     });
     let errors = (non_negative(), non_negative(), non_negative(), non_negative()).prop_map(
         |(rate, firing_angle, valve_open, supply)| Errors { rate, firing_angle, valve_open, supply },
     );
-    ("(?s).+", body, leg(), environment, errors).prop_map(|(name, body, leg, environment, errors)| Robot {
-        name,
-        body,
-        leg,
-        environment,
-        errors,
-    })
+    ("(?s).+", body, leg(), (rod(), rig()), environment, errors).prop_map(
+        |(name, body, mut leg, (rod, (boom, radius, ground)), environment, errors)| {
+            // Not every rod leaves the wheel something, nor every counterweight the robot some weight.
+            leg.body = rod;
+            let robot = Robot { name, body, leg, boom, foot: Foot { radius }, ground, environment, errors };
+            if fits(&robot) { robot } else { stripped(robot) }
+        },
+    )
+}
+
+/// Any moving part of a leg; half of them weigh nothing.
+fn rod() -> impl Strategy<Value = LegBody> {
+    (non_negative(), non_negative(), non_negative(), non_negative())
+        .prop_map(|(mass, center, length, radius)| LegBody { mass, center, length, radius })
+}
+
+/// Any boom, foot radius and ground.
+fn rig() -> impl Strategy<Value = (Option<Boom>, f64, Ground)> {
+    let counterweight =
+        (non_negative(), positive()).prop_map(|(mass, distance)| Counterweight { mass, distance });
+    let sizes = (non_negative(), positive(), non_negative());
+    let boom = (sizes, prop::option::of(counterweight), prop::option::of(positive())).prop_map(
+        |((mass, length, radius), counterweight, flex)| Boom { mass, length, radius, counterweight, flex },
+    );
+    let friction = || prop_oneof![1 => Just(f64::INFINITY), 3 => non_negative()];
+    let soft = (prop::option::of(positive()), non_negative());
+    let ground = (friction(), friction(), non_negative(), 0.0..1.0, soft, -0.78..0.78).prop_map(
+        |(static_friction, kinetic_friction, across_friction, restitution, (stiffness, damping), slope)| {
+            Ground {
+                static_friction,
+                kinetic_friction,
+                across_friction,
+                restitution,
+                stiffness,
+                damping,
+                // Files have no −0.
+                slope: slope + 0.0,
+            }
+        },
+    );
+    (prop::option::of(boom), non_negative(), ground)
+}
+
+/// Whether the legs leave the wheel mass and inertia, and a counterweight the robot its weight.
+fn fits(robot: &Robot) -> bool {
+    let Robot { body, leg, boom, .. } = robot;
+    let legs = f64::from(body.legs);
+    let unit = LegBody { mass: 1.0, ..leg.body };
+    let moment = |boom: &Boom| (body.mass + 0.5 * boom.mass) * boom.length;
+    let light = leg.body.mass == 0.0
+        || leg.body.mass < body.mass / legs
+            && (unit.inertia_about_axle() == 0.0
+                || leg.body.mass < body.inertia / (legs * unit.inertia_about_axle()));
+    light && boom.iter().all(|boom| boom.counterweight.is_none_or(|c| c.mass <= moment(boom) / c.distance))
+}
+
+/// `robot` without what does not fit.
+fn stripped(mut robot: Robot) -> Robot {
+    robot.leg.body.mass = 0.0;
+    if let Some(boom) = &mut robot.boom {
+        boom.counterweight = None;
+    }
+    robot
 }
 
 /// Each domain of model.rs, written out again.
 fn is_sound(robot: &Robot) -> bool {
     let positive = |x: f64| x.is_finite() && x > 0.0;
     let non_negative = |x: f64| x.is_finite() && x >= 0.0;
-    let Robot { name, body, leg, environment, errors } = robot;
+    let Robot { name, body, leg, boom, foot, ground, environment, errors } = robot;
     let drive = match &leg.drive {
         Drive::Pneumatic(c) => {
             [c.bore, c.dead_volume, c.orifice_radius, c.temperature, c.gas.constant].into_iter().all(positive)
@@ -156,7 +224,25 @@ fn is_sound(robot: &Robot) -> bool {
                 && [extensions, speeds, forces].into_iter().flatten().all(|x| x.is_finite())
         }
     };
+    let rod = &leg.body;
+    let rig = [rod.mass, rod.center, rod.length, rod.radius, foot.radius].into_iter().all(non_negative)
+        && boom.is_none_or(|boom| {
+            non_negative(boom.mass)
+                && positive(boom.length)
+                && non_negative(boom.radius)
+                && boom.counterweight.is_none_or(|c| non_negative(c.mass) && positive(c.distance))
+                && boom.flex.is_none_or(positive)
+        })
+        && [ground.static_friction, ground.kinetic_friction].into_iter().all(|x| x >= 0.0)
+        && [ground.across_friction, ground.damping].into_iter().all(non_negative)
+        && (0.0..1.0).contains(&ground.restitution)
+        && ground.stiffness.is_none_or(positive)
+        && ground.slope.abs() < std::f64::consts::FRAC_PI_4
+        && fits(robot);
     drive
+        && rig
+        && [body.imbalance, body.axle_friction].into_iter().all(non_negative)
+        && body.imbalance_angle.is_finite()
         && !name.is_empty()
         && body.legs >= 1
         && [body.mass, body.radius, leg.stroke, environment.ambient.0].into_iter().all(positive)
@@ -247,7 +333,7 @@ proptest! {
     }
 
     #[test]
-    fn flipped_bytes(file in 0..5_usize, flips in prop::collection::vec((any::<usize>(), any::<u8>()), 1..4)) {
+    fn flipped_bytes(file in 0..6_usize, flips in prop::collection::vec((any::<usize>(), any::<u8>()), 1..4)) {
         let mut bytes = sound_files()[file].clone().into_bytes();
         for (at, byte) in flips {
             let at = at % bytes.len();
@@ -257,13 +343,13 @@ proptest! {
     }
 
     #[test]
-    fn truncated_files(file in 0..5_usize, end in any::<usize>()) {
+    fn truncated_files(file in 0..6_usize, end in any::<usize>()) {
         let text = sound_files()[file].clone().into_bytes();
         check_reading(&String::from_utf8_lossy(&text[..end % text.len()]))?;
     }
 
     #[test]
-    fn odd_numbers(file in 0..5_usize, index in any::<usize>(), number in prop::sample::select(&ODD_NUMBERS[..])) {
+    fn odd_numbers(file in 0..6_usize, index in any::<usize>(), number in prop::sample::select(&ODD_NUMBERS[..])) {
         check_reading(&with_number(&sound_files()[file], index, number))?;
     }
 

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use saltus_robot::{Cushion, Cylinder, Drive, ExhaustPort, Gas, GaugePressure, ReturnSpring, Robot, resolve};
+use saltus_robot::{
+    Cushion, Cylinder, Drive, ExhaustPort, Gas, GaugePressure, Ground, ReturnSpring, Robot, resolve,
+};
 
 /// `rats-planar` with `overrides`.
 #[track_caller]
@@ -96,6 +98,21 @@ fn overrides_add_optional_tables() {
     assert_eq!(robot.name, "my own rats");
 }
 
+/// A foot that slips resists as much as one that does not yet, unless the file says otherwise.
+#[test]
+fn ground_friction() {
+    let ground = |overrides: &[&str]| rats_with(overrides).ground;
+    let plain = Ground::default();
+    assert_eq!(ground(&["ground.static_friction=inf"]), plain);
+    assert_eq!(ground(&["ground.slope_rad=-0.0"]).slope.to_bits(), 0);
+    let rough = ground(&["ground.static_friction=0.8"]);
+    assert_eq!(rough, Ground { static_friction: 0.8, kinetic_friction: 0.8, ..plain });
+    let rough = ground(&["ground.static_friction=0.8", "ground.kinetic_friction=0.6"]);
+    assert_eq!(rough, Ground { static_friction: 0.8, kinetic_friction: 0.6, ..plain });
+    let late = ground(&["ground.kinetic_friction=0.6"]);
+    assert_eq!(late, Ground { kinetic_friction: 0.6, ..plain });
+}
+
 #[test]
 fn an_override_replaces_a_whole_leg() {
     let robot = rats_with(&[
@@ -146,7 +163,21 @@ fn the_examples_of_the_readme_are_sound() {
     let everything = Robot::parse(examples[0], "README.md", &folder).expect("sound").to_toml();
     // An effect left out would be written as 0, or not at all.
     assert!(!everything.contains("= 0.0\n"), "{everything}");
-    for key in ["polytropic_exponent", "exhaust_port", "return_spring", "cushion"] {
+    let optional = [
+        "polytropic_exponent",
+        "exhaust_port",
+        "return_spring",
+        "cushion",
+        "imbalance",
+        "axle_friction",
+        "rod_length",
+        "boom",
+        "counterweight",
+        "bending_stiffness",
+        "foot",
+        "ground",
+    ];
+    for key in optional {
         assert!(everything.contains(key), "{key}");
     }
     for example in examples {

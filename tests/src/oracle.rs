@@ -98,12 +98,12 @@ pub fn solve_twice(robot: &Robot, launch: &Launch, step: f64) -> (End, [f64; 8])
     (fine, std::array::from_fn(|i| (a[i] - b[i]).abs()))
 }
 
-/// Normal force over the weight on a foot whose leg is held at d = 0: 1 + ÿ/g, with y = r_s sin α.
+/// Normal force over the weight on a foot whose leg is held at d = 0: 1 + m ÿ/weight, with y = r_s sin α.
 pub fn held_normal(robot: &Robot, lean: f64, rate: f64) -> f64 {
-    let (m, i, r, g) = (robot.body.mass, robot.body.inertia, robot.body.radius, robot.environment.gravity);
+    let ((m, weight), i, r) = (at_axle(robot), robot.body.inertia, robot.body.radius);
     let (sin, cos) = (FRAC_PI_2 - lean).sin_cos();
-    let acceleration = -m * g * r * cos / (i + m * r * r);
-    1.0 + r * (acceleration * cos - rate * rate * sin) / g
+    let acceleration = -weight * r * cos / (i + m * r * r);
+    1.0 + m * r * (acceleration * cos - rate * rate * sin) / weight
 }
 
 impl Oracle<'_> {
@@ -140,11 +140,11 @@ impl Oracle<'_> {
             None => {}
         }
 
-        // 3. Filling until break-away: (P − P_a) A − F_f + m ω² r_s − m g cos φ > 0.
+        // 3. Filling until break-away: (P − P_a) A − F_f + m ω² r_s − weight cos φ > 0.
         let filling = Mode { energized: true, ..held };
-        let (m, r, g) = (robot.body.mass, robot.body.radius, robot.environment.gravity);
+        let ((m, weight), r) = (at_axle(robot), robot.body.radius);
         let excess = |y: &State| {
-            force(robot, filling, y).1 + m * y[ALPHA_DOT] * y[ALPHA_DOT] * r - m * g * y[ALPHA].sin()
+            force(robot, filling, y).1 + m * y[ALPHA_DOT] * y[ALPHA_DOT] * r - weight * y[ALPHA].sin()
         };
         if launch.valve_open <= 0.0 {
             return self.end("no-break-away", fire);
@@ -264,19 +264,32 @@ impl Oracle<'_> {
     }
 }
 
+/// Mass (kg) that moves with the axle and weight (N) that hangs on it: moments of the boom about its base, over its length.
+fn at_axle(robot: &Robot) -> (f64, f64) {
+    let (m, g) = (robot.body.mass, robot.environment.gravity);
+    let Some(boom) = robot.boom else { return (m, m * g) };
+    let length = boom.length;
+    let (mut inertia, mut torque) = (boom.mass * length * length / 3.0, boom.mass * g * length / 2.0);
+    if let Some(counterweight) = boom.counterweight {
+        inertia += counterweight.mass * counterweight.distance * counterweight.distance;
+        torque -= counterweight.mass * g * counterweight.distance;
+    }
+    (m + inertia / (length * length), m * g + torque / length)
+}
+
 /// The equations of motion of thesis §5.2.1 and of the chamber of §4.3.1.
 fn derivative(robot: &Robot, mode: Mode, y: &State) -> State {
-    let (m, i, g) = (robot.body.mass, robot.body.inertia, robot.environment.gravity);
+    let ((m, weight), i) = (at_axle(robot), robot.body.inertia);
     let big_r = robot.body.radius + y[D];
     let (sin, cos) = y[ALPHA].sin_cos();
     let (drive, total) = force(robot, mode, y);
     let mut dy = [0.0; 7];
     dy[ALPHA] = y[ALPHA_DOT];
     dy[ALPHA_DOT] =
-        (-m * g * big_r * cos - 2.0 * m * y[ALPHA_DOT] * y[D_DOT] * big_r) / (i + m * big_r * big_r);
+        (-weight * big_r * cos - 2.0 * m * y[ALPHA_DOT] * y[D_DOT] * big_r) / (i + m * big_r * big_r);
     if mode.extending {
         dy[D] = y[D_DOT];
-        dy[D_DOT] = total / m + y[ALPHA_DOT] * y[ALPHA_DOT] * big_r - g * sin;
+        dy[D_DOT] = total / m + y[ALPHA_DOT] * y[ALPHA_DOT] * big_r - weight / m * sin;
         dy[DRIVE] = drive * y[D_DOT];
         dy[LOSSES] = (drive - total) * y[D_DOT];
     }

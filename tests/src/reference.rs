@@ -88,7 +88,7 @@ pub fn firings() -> Vec<Firing> {
 /// If the wheel does not come down to y = r_s: no row of the reference is such a jump.
 pub fn columns(robot: &Robot, end: &LiftOff) -> [f64; 14] {
     let ((x, y), (vx, vy)) = (end.position(), end.velocity());
-    let flight = Flight { x, y, vx, vy, gravity: robot.environment.gravity };
+    let flight = Flight { x, y, vx, vy, gravity: robot.axle_gravity() };
     let landing = |height: f64| flight.range_to_height(height).expect("the wheel comes down");
     [
         end.time_fire,

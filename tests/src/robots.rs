@@ -9,8 +9,8 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use saltus_lagrangian::Launch;
 use saltus_robot::{
-    AbsolutePressure, Body, Cushion, Cylinder, Drive, Environment, Errors, ExhaustPort, ForceTable, Gas,
-    GaugePressure, Leg, ReturnSpring, Robot,
+    AbsolutePressure, Body, Boom, Counterweight, Cushion, Cylinder, Drive, Environment, Errors, ExhaustPort,
+    Foot, ForceTable, Gas, GaugePressure, Ground, Leg, LegBody, ReturnSpring, Robot,
 };
 
 /// What pushes, and which of the optional terms may be on.
@@ -89,9 +89,25 @@ pub fn any_ordinary() -> impl Strategy<Value = Robot> {
     prop::sample::select(&Kind::ALL[..]).prop_flat_map(ordinary)
 }
 
+/// `robots` on booms of up to three times their mass, some with a counterweight that takes part of the weight.
+pub fn on_boom(robots: impl Strategy<Value = Robot>) -> impl Strategy<Value = Robot> {
+    (robots, prop::collection::vec(0.0..1.0, 8)).prop_map(|(mut robot, units)| {
+        let mut draw = Draw(units.into_iter());
+        let mass = draw.between(0.0, 3.0) * robot.body.mass;
+        let length = draw.scale(1.0, 30.0) * robot.body.radius;
+        let counterweight = draw.option(|d| {
+            let distance = d.scale(0.1, 1.0) * length;
+            let moment = (robot.body.mass + 0.5 * mass) * length;
+            Counterweight { mass: d.between(0.0, 0.7) * moment / distance, distance }
+        });
+        robot.boom = Some(Boom { mass, length, radius: 0.0, counterweight, flex: None });
+        robot
+    })
+}
+
 /// A launch that suits `robot`: from rest to a little faster than the ground can hold, leans of all sizes, mostly small.
 pub fn launch(robot: &Robot) -> impl Strategy<Value = Launch> + use<> {
-    let top = (robot.environment.gravity / robot.body.radius).sqrt();
+    let top = (robot.axle_gravity() / robot.body.radius).sqrt();
     let time = stroke_time(robot);
     let lean = || prop_oneof![3 => -0.4..0.4, 1 => -1.5..1.5];
     let rate = prop_oneof![1 => Just(0.0), 6 => 0.0..1.1 * top];
@@ -120,7 +136,7 @@ pub fn stroke_time(robot: &Robot) -> f64 {
         Drive::Constant { force } => *force,
         Drive::Table(table) => table.forces.iter().copied().fold(0.0, f64::max),
     };
-    (2.0 * robot.leg.stroke * robot.body.mass / force).sqrt()
+    (2.0 * robot.leg.stroke * robot.axle_mass() / force).sqrt()
 }
 
 fn robot(kind: Kind, draw: &mut Draw) -> Robot {
@@ -160,11 +176,23 @@ fn robot(kind: Kind, draw: &mut Draw) -> Robot {
             Kind::Constant => Drive::Constant { force },
             Kind::Table => Drive::Table(force_table(draw, stroke, force, time)),
         },
+        body: LegBody::default(),
     };
     Robot {
         name: "random".into(),
-        body: Body { mass, inertia, radius, legs: 1 },
+        body: Body {
+            mass,
+            inertia,
+            radius,
+            legs: 1,
+            imbalance: 0.0,
+            imbalance_angle: 0.0,
+            axle_friction: 0.0,
+        },
         leg,
+        boom: None,
+        foot: Foot::default(),
+        ground: Ground::default(),
         environment: Environment { gravity, ambient, drag: 0.0 },
         errors: Errors::default(),
     }
@@ -306,6 +334,10 @@ pub fn legal() -> impl Strategy<Value = Robot> {
                 }
             }
         }
+        let mut boom = Boom { mass: 0.0, length: 1.0, radius: 0.0, counterweight: None, flex: None };
+        replace(&mut boom.mass, zero);
+        replace(&mut boom.length, above_zero);
+        robot.boom = (boom.mass > 0.0).then_some(boom);
         robot
     })
 }

@@ -5,7 +5,9 @@ use saltus_lagrangian::{Batch, FINE, Launch, LiftOff, Outcome, Stance, StanceErr
 use saltus_numeric::{Dual, Scalar, Single};
 use saltus_planner::PLANNING_TOLERANCE;
 use saltus_robot::{Drive, GaugePressure, Parameter, Robot};
-use saltus_tests::robots::{Kind, any_launch, any_ordinary, cases, jump, launch, ordinary, stroke_time};
+use saltus_tests::robots::{
+    Kind, any_launch, any_ordinary, cases, jump, launch, on_boom, ordinary, stroke_time,
+};
 
 fn stance(robot: &Robot) -> Stance<f64> {
     Stance::new(robot, |_, x| x)
@@ -240,6 +242,29 @@ proptest! {
         let gauge = (dual.pressure.value / robot.environment.ambient.0 - 1.0).abs();
         let at_root = dual.outcome == Outcome::Force && gauge < 1e-3;
         check_derivatives(&robot, &launch, if at_root { 1e-2 } else { 1e-4 })?;
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(100))]
+
+    #[test]
+    fn on_a_boom_all_routes_are_one((robot, launch) in jump(on_boom(any_ordinary()))) {
+        let plain = stance(&robot).jump(&launch).expect("a stance");
+        // The tolerances of the tests above.
+        agree(&robot, &plain, &stance(&robot).trace(&launch).expect("a stance").lift_off, 1e-9)?;
+        for end in Batch::new(&robot, FINE).jumps(&[launch; 9]) {
+            agree(&robot, &end.expect("a stance"), &plain, 1e-9)?;
+        }
+        let dual = with_derivatives(&robot, &launch).expect("a stance");
+        for ((name, x, _), (_, y, _)) in numbers(&robot, &plain).into_iter().zip(numbers(&robot, &dual)) {
+            prop_assert_eq!(x.to_bits(), y.value.to_bits(), "{}: {} {}", name, x, y.value);
+        }
+        if plain.outcome.is_jump() {
+            let gauge = (plain.pressure / robot.environment.ambient.0 - 1.0).abs();
+            let at_root = plain.outcome == Outcome::Force && gauge < 1e-3;
+            check_derivatives(&robot, &launch, if at_root { 1e-2 } else { 1e-4 })?;
+        }
     }
 }
 

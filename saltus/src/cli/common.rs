@@ -14,7 +14,7 @@ use crate::plot::{Drawing, PlotFile};
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Robot and output")]
 pub(crate) struct Common {
-    /// Robot: a built-in one (rats-planar, spring-hopper, table-hopper) or a TOML file
+    /// Robot: a built-in one (rats-planar, rats-boom, spring-hopper, table-hopper) or a TOML file
     #[arg(long, value_name = "NAME|FILE", default_value = "rats-planar")]
     robot: String,
 

@@ -111,9 +111,8 @@ impl Work<'_> {
     }
 
     fn flight(&self, end: &LiftOff) -> Option<DragFlight<f64>> {
-        let environment = &self.robot.environment;
         let ((x, y), (vx, vy)) = (end.position(), end.velocity());
-        let vacuum = Flight { x, y, vx, vy, gravity: environment.gravity };
-        end.outcome.is_jump().then_some(DragFlight { vacuum, drag: environment.drag })
+        let vacuum = Flight { x, y, vx, vy, gravity: self.robot.axle_gravity() };
+        end.outcome.is_jump().then_some(DragFlight { vacuum, drag: self.robot.environment.drag })
     }
 }
