@@ -24,7 +24,7 @@ fn a_batch_answers_like_the_reference() {
         for (name, (a, b)) in
             header.iter().zip(answer.iter().zip(expected)).filter(|(name, _)| *name != "outcome")
         {
-            // MODEL.md: a correct implementation agrees to 1e-8; numbers near 0 are compared with a millimetre.
+            // A correct implementation agrees to 1e-8; numbers near 0 are compared with a millimetre.
             assert!((number(a) - number(b)).abs() <= 1e-8 * number(b).abs().max(1e-3), "{name}: {a} {b}");
         }
     }
@@ -152,7 +152,7 @@ fn the_law_is_that_of_the_model() {
     let text = folder.done("law --omega 3:6:5 --distance 1 --format json", 0);
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let law = &json["laws"][0];
-    // MODEL.md: −0.14 s and 0.68 rad to the digits given, linear to within 0.01 rad.
+    // The thesis' law for 1 m, 5.2.3: −0.14 s and 0.68 rad to the digits given, linear to within 0.01 rad.
     assert!((law["slope_s"].as_f64().unwrap() + 0.14).abs() < 0.01, "{law}");
     assert!((law["intercept_rad"].as_f64().unwrap() - 0.68).abs() < 0.03, "{law}");
     assert!(law["residual_greatest_rad"].as_f64().unwrap() < 0.01);
