@@ -45,8 +45,7 @@ impl Field<'_> {
         if corners.iter().any(|corner| self.kinds[place(*corner)] != self.kinds[place((i, j))]) {
             return None;
         }
-        let known =
-            corners.map(|(i, j)| Some(((self.x[i], self.y[j]), self.values[place((i, j))]? - level)));
+        let known = corners.map(|(i, j)| Some(((self.x[i], self.y[j]), self.values[place((i, j))]? - level)));
         match known {
             [Some(a), Some(b), Some(c), Some(d)] => Some([a, b, c, d]),
             _ => None,
@@ -78,9 +77,8 @@ mod tests {
         let axis = [0.0, 1.0, 2.0];
         let values: Vec<_> = axis.iter().flat_map(|x| axis.map(|y| Some(x + y))).collect();
         let mut kinds = ["stroke"; 9];
-        let lines = |kinds: &[&'static str]| {
-            Field { x: &axis, y: &axis, values: &values, kinds }.segments(1.5)
-        };
+        let lines =
+            |kinds: &[&'static str]| Field { x: &axis, y: &axis, values: &values, kinds }.segments(1.5);
         assert_eq!(lines(&kinds).len(), 3);
         assert!(lines(&kinds).iter().flatten().all(|(x, y)| (x + y - 1.5).abs() < 1e-12));
         // None is drawn from one kind to another.

@@ -87,8 +87,7 @@ impl MapPlot {
         panel: &Panel,
         levels: &[f64],
     ) -> Drawn<DB> {
-        let field =
-            Field { x: &self.rates, y: &self.angles, values: &panel.values, kinds: &self.outcomes };
+        let field = Field { x: &self.rates, y: &self.angles, values: &panel.values, kinds: &self.outcomes };
         let style = pen.line(RGBColor(255, 255, 255), 1);
         for &level in levels {
             let lines = field.segments(level).into_iter();
