@@ -159,6 +159,10 @@ fn the_law_is_that_of_the_model() {
     assert_eq!(law["points"].as_array().unwrap().len(), 5);
     let words = folder.done("law --omega 3:6:5 --distance 1", 0);
     assert!(words.contains("α_f = -0.14") && words.contains("rad RMS"), "{words}");
+    let one = folder.done("law --omega 5 --distance 1", 1);
+    assert!(one.contains("there is one alone: ω = 5 rad/s"), "{one}");
+    let none = folder.done("law --omega 5,6 --distance 5", 1);
+    assert!(none.contains("no rate reaches it; the nearest is 1.2"), "{none}");
 }
 
 #[test]
@@ -273,6 +277,14 @@ fn parkour_plans_are_no_slower_than_the_published_ones() {
     }
     let slow = folder.done("parkour instances.json --set greatest_speed_m_s=1.6", 1);
     assert!(slow.contains("infeasible"), "{slow}");
+    let one = folder.done("parkour instances.json --course static-02", 0);
+    assert!(one.contains("1 course\n") && one.contains("static-02") && !one.contains("static-00"), "{one}");
+    let none = folder.run(&["parkour", "instances.json", "--course", "static-99"]);
+    assert_eq!(none.code, Some(2));
+    assert!(
+        none.err.contains("--course static-99: must be the id of a course in instances.json"),
+        "{none:?}"
+    );
 }
 
 #[test]
