@@ -1,13 +1,16 @@
 #!/usr/bin/env bash
-# Saltus and other solvers of the same model, interleaved: bench/side-by-side.sh PEERS_DIR [ROUNDS]
+# Saltus and other solvers of the same model, interleaved: bench/side-by-side.sh DIR [ROUNDS]
+# DIR holds the others, built as bench/README.md describes.
 set -euo pipefail
-peers=$(realpath "${1:?usage: bench/side-by-side.sh PEERS_DIR [ROUNDS]}")
+others=$(realpath "${1:?usage: bench/side-by-side.sh DIR [ROUNDS]}")
 rounds=${2:-3}
 cd "$(dirname "$0")/.."
 cargo build --quiet --release -p saltus-planner --example speed
+speed=${CARGO_TARGET_DIR:-target}/release/examples/speed
 export JUMPS="$PWD/tests/reference/jumps.csv"
+# Lines are chosen by sed, which reads to the end: a reader that stops early would end the writer, and with it this script.
 for _ in $(seq "$rounds"); do
-    target/release/examples/speed
-    (cd "$peers/A" && ./best | head -1 && ./offgrid | grep 'tol 2e-09' | head -1)
-    (cd "$peers/B" && ./table | grep 'tol 2e-09')
+    "$speed"
+    (cd "$others/A" && ./best | sed -n 1p && ./offgrid | sed -n '/^hand.*tol 2e-09/p')
+    (cd "$others/B" && ./table | sed -n '/tol 2e-09/p')
 done

@@ -48,7 +48,7 @@ impl<S: Scalar> Flight<S> {
     ///
     /// Infinite where the wheel rises without gravity.
     ///
-    /// Source: MODEL.md, phase 5, `apex`.
+    /// Source: docs/model.md, phase 5, the apex.
     #[inline]
     pub fn apex_height(&self) -> S {
         let rise = || (self.vy * self.vy / (self.gravity + self.gravity)) + self.y;
@@ -86,7 +86,7 @@ impl<S: Single> Flight<S> {
     ///
     /// The later root of y + v_y t − g t²/2 = `height`.
     ///
-    /// Source: MODEL.md, phase 5; thesis §5.2.2.
+    /// Source: docs/model.md, phase 5; thesis §5.2.2.
     ///
     /// # Errors
     /// [`FlightError::AboveApex`] if that height is never reached, [`FlightError::NoGravity`] if nothing brings the
@@ -101,7 +101,7 @@ impl<S: Single> Flight<S> {
 
     /// Forward position (m) at which the wheel's centre comes down to `height` (m).
     ///
-    /// Source: MODEL.md, phase 5, `land_rs` and `land_0`.
+    /// Source: docs/model.md, phase 5, the distance to a landing height.
     ///
     /// # Errors
     /// As [`time_to_height`](Flight::time_to_height).

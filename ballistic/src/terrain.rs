@@ -156,8 +156,8 @@ impl Terrain {
 impl<S: Single> Flight<S> {
     /// Where a wheel of `radius` (m) lands on `terrain`: its centre comes down to that distance from the surface.
     ///
-    /// On flat ground the centre is at its height plus the radius: `land_rs` of MODEL.md. A wheel that is nearer at
-    /// lift-off, as a leaning leg may leave it, must rise first. Grazing is not landing.
+    /// On flat ground the centre is at its height plus the radius. A wheel that is nearer at lift-off, as a
+    /// leaning leg may leave it, must rise first. Grazing is not landing.
     ///
     /// ```
     /// use saltus_ballistic::{Flight, FlightError, Terrain};

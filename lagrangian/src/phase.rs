@@ -125,7 +125,7 @@ impl<S: Single> Held<'_, S> {
         self.stance.leg.force(switches, zero, zero, self.pressure(y))
     }
 
-    /// Chamber pressure (Pa); while the valve is at rest, u is the pressure.
+    /// Chamber pressure (Pa); without a piece, u is the pressure (MPa).
     pub(crate) fn pressure(&self, y: &State<S>) -> S {
         match (self.stance.leg.chamber(), &self.piece) {
             (Some(chamber), Some(piece)) => chamber.pressure(piece.flow, y[GAS]),
@@ -201,7 +201,6 @@ pub(crate) struct Extension<'a, S: Single> {
 }
 
 impl<S: Single> Extension<'_, S> {
-    /// Numbers of the guards.
     /// Numbers of the guards; the last, 4, is the leg's coming to a halt.
     pub(crate) const REACHED: usize = 0;
     pub(crate) const FORCE: usize = 1;

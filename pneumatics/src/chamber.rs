@@ -9,7 +9,7 @@ use crate::orifice::OrificeLaw;
 ///
 /// Ṗ = n R T ṁ/V − n P A ḋ/V, with V = V_0 + A d and n = κ unless the exponent is given.
 ///
-/// Source: thesis §4.3.1, MODEL "Leg force".
+/// Source: thesis §4.3.1, docs/model.md, "Pneumatic drive".
 #[derive(Clone, Copy, Debug)]
 pub struct Chamber<S> {
     /// Piston area A (m²).

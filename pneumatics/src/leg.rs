@@ -185,7 +185,7 @@ impl<S: Single> Leg<S> {
     ///
     /// F = drive − β ḋ − F_f − seal (P − P_a) − (k d + preload) − cushion
     ///
-    /// Source: MODEL "Leg force"; the optional terms as in the robot file.
+    /// Source: docs/model.md, "Force of the leg"; the optional terms as in the robot file.
     #[inline(always)]
     pub fn force(&self, switches: Switches, d: S, speed: S, p: S) -> Force<S> {
         let mut f = self.drive_force(switches, d, speed, p);

@@ -7,7 +7,7 @@ use saltus_robot::{
     Leg, LegBody, Robot, resolve,
 };
 
-/// MODEL.md, nominal robot, number for number.
+/// The nominal robot of docs/model.md, number for number: thesis, tables 4.1 and 4.2.
 #[test]
 fn rats_planar_is_the_nominal_robot() {
     let robot = Robot::rats_planar();

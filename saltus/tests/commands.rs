@@ -24,7 +24,7 @@ fn a_batch_answers_like_the_reference() {
         for (name, (a, b)) in
             header.iter().zip(answer.iter().zip(expected)).filter(|(name, _)| *name != "outcome")
         {
-            // MODEL.md: a correct implementation agrees to 1e-8; numbers near 0 are compared with a millimetre.
+            // A correct implementation agrees to 1e-8; numbers near 0 are compared with a millimetre.
             assert!((number(a) - number(b)).abs() <= 1e-8 * number(b).abs().max(1e-3), "{name}: {a} {b}");
         }
     }
@@ -152,13 +152,17 @@ fn the_law_is_that_of_the_model() {
     let text = folder.done("law --omega 3:6:5 --distance 1 --format json", 0);
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let law = &json["laws"][0];
-    // MODEL.md: −0.14 s and 0.68 rad to the digits given, linear to within 0.01 rad.
+    // The thesis' law for 1 m, 5.2.3: −0.14 s and 0.68 rad to the digits given, linear to within 0.01 rad.
     assert!((law["slope_s"].as_f64().unwrap() + 0.14).abs() < 0.01, "{law}");
     assert!((law["intercept_rad"].as_f64().unwrap() - 0.68).abs() < 0.03, "{law}");
     assert!(law["residual_greatest_rad"].as_f64().unwrap() < 0.01);
     assert_eq!(law["points"].as_array().unwrap().len(), 5);
     let words = folder.done("law --omega 3:6:5 --distance 1", 0);
     assert!(words.contains("α_f = -0.14") && words.contains("rad RMS"), "{words}");
+    let one = folder.done("law --omega 5 --distance 1", 1);
+    assert!(one.contains("there is one alone: ω = 5 rad/s"), "{one}");
+    let none = folder.done("law --omega 5,6 --distance 5", 1);
+    assert!(none.contains("no rate reaches it; the nearest is 1.2"), "{none}");
 }
 
 #[test]
@@ -273,6 +277,14 @@ fn parkour_plans_are_no_slower_than_the_published_ones() {
     }
     let slow = folder.done("parkour instances.json --set greatest_speed_m_s=1.6", 1);
     assert!(slow.contains("infeasible"), "{slow}");
+    let one = folder.done("parkour instances.json --course static-02", 0);
+    assert!(one.contains("1 course\n") && one.contains("static-02") && !one.contains("static-00"), "{one}");
+    let none = folder.run(&["parkour", "instances.json", "--course", "static-99"]);
+    assert_eq!(none.code, Some(2));
+    assert!(
+        none.err.contains("--course static-99: must be the id of a course in instances.json"),
+        "{none:?}"
+    );
 }
 
 #[test]

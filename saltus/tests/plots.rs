@@ -4,9 +4,9 @@
 
 mod common;
 
-use common::Folder;
+use common::{Folder, reference};
 
-const PLOTS: [(&str, &str); 7] = [
+const PLOTS: [(&str, &str); 8] = [
     ("family", "simulate --omega 5 --alpha-f -0.25:0.05:7"),
     ("stall", "simulate --omega 0.1 --alpha-f 0 --start-lean -0.5"),
     ("angles", "table --omega 3:6:7 --distance 0.4:1:4"),
@@ -14,6 +14,7 @@ const PLOTS: [(&str, &str); 7] = [
     ("laws", "law --omega 3:6:5 --distance 0.6,1"),
     ("scene", "plan box.toml"),
     ("map", "map --omega 2:7:11 --alpha-f -0.5:0.5:9"),
+    ("hops", "parkour instances.json"),
 ];
 
 const BOX: &str = "\
@@ -28,15 +29,23 @@ from_x_m = 0.5
 to_x_m = 0.7
 ";
 
+/// A folder with the courses.
+fn folder(name: &str) -> Folder {
+    let folder = Folder::new(name);
+    folder.write("box.toml", BOX);
+    std::fs::copy(reference("instances.json"), folder.path("instances.json")).unwrap();
+    folder
+}
+
 #[test]
 fn an_svg_is_well_formed_and_says_what_it_shows() {
-    let folder = Folder::new("svg");
-    folder.write("box.toml", BOX);
+    let folder = folder("svg");
     for (name, line) in PLOTS {
         folder.done(&format!("{line} --plot {name}.svg"), 0);
         let text = folder.read(&format!("{name}.svg"));
         check_well_formed(&text);
-        assert!(text.contains("rats-planar") && text.contains("<text"), "{name}");
+        let robot = if name == "hops" { "mppc-hopper" } else { "rats-planar" };
+        assert!(text.contains(robot) && text.contains("<text"), "{name}");
         assert!(
             text.matches("<circle").count() + text.matches("<poly").count() + text.matches("<rect").count()
                 > 8
@@ -68,8 +77,7 @@ fn check_well_formed(text: &str) {
 
 #[test]
 fn a_png_decodes_and_is_not_blank() {
-    let folder = Folder::new("png");
-    folder.write("box.toml", BOX);
+    let folder = folder("png");
     for (name, line) in PLOTS {
         folder.done(&format!("{line} --plot {name}.png"), 0);
         let file = std::fs::File::open(folder.path(&format!("{name}.png"))).unwrap();

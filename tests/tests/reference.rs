@@ -10,7 +10,7 @@ const RELATIVE: f64 = 1e-8;
 /// Near 0: the lean and the landing pass through it, and the file gives 14 digits of numbers about 1.
 const ABSOLUTE: f64 = 1e-10;
 /// At the planner's tolerance of 2e-9 a step's error may be that much of 1 + |state|; a stance has some ten steps, and
-/// the least columns are about 0.01: the scale that the peers' comparison takes for numbers near 0.
+/// the least columns are about 0.01, the least scale that relative errors are taken by.
 const PLANNED: f64 = 1e-8;
 
 /// Every row of `jumps.csv` as `solve` computes it, within `allowed(reference)`.

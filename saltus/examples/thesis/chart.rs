@@ -84,10 +84,12 @@ impl Chart {
         ));
     }
 
-    pub(crate) fn text(&mut self, at: (f64, f64), text: &str) {
+    pub(crate) fn text(&mut self, at: (f64, f64), text: &str, color: &str) {
         let (x, y) = self.place(at);
         let text = text.replace('-', "−");
-        self.mark(format_args!("<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{text}</text>"));
+        self.mark(format_args!(
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\" style=\"fill:{color}\">{text}</text>"
+        ));
     }
 
     /// A line of the key, in the upper right corner.

@@ -15,7 +15,7 @@ const AXES: (f64, f64) = (0.5, 0.55);
 pub(crate) fn section() -> Outcome<Section> {
     let planner = planner(&[])?;
     let radius = planner.robot().body.radius;
-    let mut chart = Chart::equal(("x (m)", -0.1, 1.25), ("y (m)", -0.06, 0.7));
+    let mut chart = Chart::equal(("x (m)", -0.1, 1.25), ("y (m)", -0.11, 0.7));
     chart.block((0.0, 0.1), AXES, "#f1efe6");
     chart.line(&[(-0.1, 0.0), (1.25, 0.0)], COLORS[6], Stroke::Solid);
     chart.key("shaded: the axes of figure 5.9", COLORS[6]);
@@ -32,7 +32,9 @@ pub(crate) fn section() -> Outcome<Section> {
         let [stance, flight] = path(&planner, &jump, 0.0)?;
         chart.line(&stance, COLORS[i], Stroke::Solid);
         chart.line(&flight, COLORS[i], Stroke::Dotted);
-        chart.text((ground, -0.045), &format!("{angle:.2}"));
+        // Landings lie close together: every other label goes lower.
+        let below = if i % 2 == 0 { -0.04 } else { -0.08 };
+        chart.text((ground, below), &format!("{angle:.2}"), COLORS[i]);
         reached.push((apex, level, ground));
         let trace = planner.stance().trace(&jump.launch)?;
         writeln!(

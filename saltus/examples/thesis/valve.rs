@@ -49,7 +49,7 @@ pub(crate) fn section() -> Outcome<Section> {
         330.0,
     );
     chart.block((TIMES.0, ANGLES.0), (TIMES.1, ANGLES.1), "#f1efe6");
-    chart.text((53.5, 0.05), "axes of figure 5.2");
+    chart.text((53.5, 0.05), "axes of figure 5.2", COLORS[6]);
     let mut rows = String::new();
     for (i, (name, overrides)) in robots.iter().enumerate() {
         let planner = planner(overrides)?;

@@ -98,13 +98,6 @@ impl OutputFlags {
         self.format.or_else(by_name).unwrap_or(Format::Text)
     }
 
-    /// Writes the report.
-    pub(crate) fn write(&self, report: String) -> Result<(), CliError> {
-        let mut files = Files::default();
-        files.report(self.out.as_deref(), report);
-        files.write()
-    }
-
     /// Writes the report and the plot, if one is asked for: both or neither.
     pub(crate) fn write_with_plot(
         &self,

@@ -38,6 +38,9 @@ Examples:
   saltus law --omega 3:6:5 --distance 1
   saltus law --omega 3:6:61 --distance 0.6,0.8,1 --tolerance 2cm --plot law.png
 
+Values: a number, start:stop:count (both ends included), or several of these with commas.
+Suffixes: rad/s, deg/s; rad, deg; s, ms; m, cm, mm.
+
 The law is fitted by least squares to the least firing angle of each approach rate that reaches the \
 target; then the jump that it fires at each of these rates is simulated. Valid is the longest run of \
 rates whose jumps miss the target by --tolerance at most.
@@ -46,8 +49,9 @@ CSV columns, one row for each target: distance_m (or clearance_m), slope_s (A), 
 residual_greatest_rad, residual_rms_rad (fitted less exact angle), miss_greatest_m, miss_rms_m (reached \
 less wanted; empty if one of the jumps fails), valid_from_rad_s, valid_to_rad_s, rates (fitted), \
 rates_out_of_reach, status (feasible; partly where some rates are out of reach; infeasible where fewer \
-than two rates reach it), nearest_distance_m (or nearest_clearance_m), nearest_omega_rad_s and \
-nearest_alpha_f_rad (where infeasible: the nearest that is reached). Numbers have 17 significant digits.
+than the two rates that a line takes reach it), nearest_distance_m (or nearest_clearance_m), nearest_omega_rad_s and \
+nearest_alpha_f_rad (where infeasible: the nearest that is reached, the target itself where one rate alone reaches it). \
+Numbers have 17 significant digits.
 
 JSON: {\"command\": \"law\", \"robot\": NAME, \"measure\": …, \"landing_height_m\": …, \"tolerance_m\": \
 …, \"laws\": [{the columns, \"points\": [{omega_rad_s, alpha_f_exact_rad, alpha_f_law_rad, residual_rad, \
@@ -85,7 +89,15 @@ const CLEARANCES: &[&str] = columns!("clearance_m", "nearest_clearance_m");
 struct Found {
     target: f64,
     law: Option<planner::Law>,
-    nearest: Option<(f64, Nearest)>,
+    nearest: Option<Near>,
+}
+
+/// The rate (rad/s) that gets nearest to a target without a law, and how.
+struct Near {
+    rate: f64,
+    /// Whether it reaches the target: a line takes two rates that do.
+    reaches: bool,
+    at: Nearest,
 }
 
 impl Law {
@@ -122,7 +134,7 @@ impl Law {
         let valid = law.and_then(|law| law.valid_range(self.tolerance));
         let count =
             |key: &dyn Fn(&planner::Law) -> usize| law.map_or(Cell::Empty, |law| Cell::Count(key(law)));
-        let near = |key: &dyn Fn(&(f64, Nearest)) -> f64| Cell::from(one.nearest.as_ref().map(key));
+        let near = |key: fn(&Near) -> f64| Cell::from(one.nearest.as_ref().map(key));
         vec![
             one.target.into(),
             number(&|law| law.slope),
@@ -140,9 +152,9 @@ impl Law {
                 Some(_) => "partly",
                 None => "infeasible",
             }),
-            near(&|(_, nearest)| nearest.value),
-            near(&|(rate, _)| *rate),
-            near(&|(_, nearest)| nearest.firing_angle),
+            near(|near| near.at.value),
+            near(|near| near.rate),
+            near(|near| near.at.firing_angle),
         ]
     }
 
@@ -238,32 +250,28 @@ fn find(planner: &Planner, request: &TableRequest) -> Result<Vec<Found>, CliErro
     Ok(found)
 }
 
-/// The rate that gets nearest to `target`, and how.
-fn nearest(
-    planner: &Planner,
-    request: &TableRequest,
-    target: f64,
-) -> Result<Option<(f64, Nearest)>, CliError> {
+/// The rate that gets nearest to `target`.
+fn nearest(planner: &Planner, request: &TableRequest, target: f64) -> Result<Option<Near>, CliError> {
     let table = planner.table(&TableRequest { targets: vec![target], ..request.clone() })?;
     let reached = table.cells.iter().filter_map(|cell| {
         let exact = cell.entries.first();
         let exact =
             exact.map(|entry| Nearest { value: entry.value, firing_angle: entry.jump.launch.firing_angle });
-        Some((cell.rate, exact.or(cell.nearest)?))
+        Some(Near { rate: cell.rate, reaches: exact.is_some(), at: exact.or(cell.nearest)? })
     });
-    let gap = |(_, nearest): &(f64, Nearest)| (nearest.value - target).abs();
+    let gap = |near: &Near| (near.at.value - target).abs();
     Ok(reached.min_by(|a, b| gap(a).total_cmp(&gap(b))))
 }
 
 fn nothing_text(one: &Found) -> String {
-    match &one.nearest {
-        Some((rate, nearest)) => format!(
-            "infeasible: fewer than two rates reach it; the nearest is {} m at ω = {} rad/s, α_f = {} rad\n",
-            digits(nearest.value, 5),
-            digits(*rate, 5),
-            digits(nearest.firing_angle, 5)
-        ),
-        None => "infeasible: the robot does not jump at any of these rates\n".into(),
+    let Some(Near { rate, reaches, at }) = &one.nearest else {
+        return "infeasible: the robot does not jump at any of these rates\n".into();
+    };
+    let place = format!("ω = {} rad/s, α_f = {} rad", digits(*rate, 5), digits(at.firing_angle, 5));
+    if *reaches {
+        format!("infeasible: a line takes two rates that reach it, and there is one alone: {place}\n")
+    } else {
+        format!("infeasible: no rate reaches it; the nearest is {} m at {place}\n", digits(at.value, 5))
     }
 }
 

@@ -81,6 +81,9 @@ The exit code is 1 if none of the launches lands.";
 const COLUMNS: &[&str] =
     &["omega_rad_s", "alpha_f_rad", "outcome", "distance_m", "apex_m", "friction_needed"];
 
+/// Launches for each thread to compute before progress is shown.
+const BLOCK: usize = 4096;
+
 impl Map {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         let count = self.omega.len().saturating_mul(self.alpha_f.len());
@@ -96,10 +99,7 @@ impl Map {
             return Err(CliError::flag("--plot", "", allowed));
         }
         let planner = Planner::new(self.common.robot()?);
-        let map = {
-            let _progress = Progress::new("map", 0);
-            planner.map(&self.request())?
-        };
+        let map = self.compute(&planner)?;
         let rows = rows(&map);
         let report = match self.common.format() {
             Format::Csv => rows.csv(),
@@ -117,9 +117,23 @@ impl Map {
         Ok(if map.spots.iter().any(lands) { Status::Done } else { Status::No })
     }
 
-    fn request(&self) -> MapRequest {
+    /// The map, some rates after the others, so that one sees how far it is.
+    fn compute(&self, planner: &Planner) -> Result<planner::Map, CliError> {
+        let rates = self.omega.to_vec();
+        let progress = Progress::new("approach rates", rates.len());
+        let threads = self.threads.count().get();
+        let size = (BLOCK * threads).div_ceil(self.alpha_f.len()).max(threads);
+        let mut spots = Vec::with_capacity(rates.len() * self.alpha_f.len());
+        for rates in rates.chunks(size) {
+            spots.extend(planner.map(&self.request(rates))?.spots);
+            progress.advance(rates.len());
+        }
+        Ok(planner::Map { spots })
+    }
+
+    fn request(&self, rates: &[f64]) -> MapRequest {
         MapRequest {
-            rates: self.omega.to_vec(),
+            rates: rates.to_vec(),
             firing_angles: self.alpha_f.to_vec(),
             valve_open: self.valve_open,
             start_lean: self.start_lean,

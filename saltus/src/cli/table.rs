@@ -91,15 +91,15 @@ const CLEARANCES: &[&str] = &[
     "nearest_alpha_f_rad",
 ];
 
+/// Rates for each thread to compute before progress is shown.
+const BLOCK: usize = 64;
+
 impl Table {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         let robot = self.common.robot()?;
         let request = self.target.request(Roots::All, &robot)?;
         let planner = Planner::new(robot);
-        let table = {
-            let _progress = Progress::new("table", 0);
-            planner.table(&request)?
-        };
+        let table = compute(&planner, &request)?;
         let rows = self.rows(&table, planner.robot());
         let report = match self.common.format() {
             Format::Csv => rows.csv(),
@@ -219,6 +219,19 @@ impl Table {
             lines: request.targets.iter().enumerate().map(curve).collect(),
         }))
     }
+}
+
+/// The table, some rates after the others, so that one sees how far it is.
+fn compute(planner: &Planner, request: &TableRequest) -> Result<planner::Table, CliError> {
+    let progress = Progress::new("approach rates", request.rates.len());
+    let mut part = request.clone();
+    let mut cells = Vec::with_capacity(request.rates.len() * request.targets.len());
+    for rates in request.rates.chunks(BLOCK * request.threads) {
+        part.rates = rates.to_vec();
+        cells.extend(planner.table(&part)?.cells);
+        progress.advance(rates.len());
+    }
+    Ok(planner::Table { cells })
 }
 
 /// Rate and least firing angle of a cell, none where there is no angle.

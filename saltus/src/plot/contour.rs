@@ -14,22 +14,43 @@ pub(super) fn levels(low: f64, high: f64) -> Vec<f64> {
     (0..20).map(|i| (first + f64::from(i)) * step).take_while(|level| *level <= high).collect()
 }
 
-/// The contour of `level`: straight pieces within the squares between neighbours. Values lie y within x.
-pub(super) fn segments(x: &[f64], y: &[f64], values: &[Option<f64>], level: f64) -> Vec<[(f64, f64); 2]> {
-    let mut found = Vec::new();
-    for i in 1..x.len() {
-        for j in 1..y.len() {
-            let corners = [(i - 1, j - 1), (i, j - 1), (i, j), (i - 1, j)];
-            let known =
-                corners.map(|(i, j)| values[i * y.len() + j].map(|value| ((x[i], y[j]), value - level)));
-            if let [Some(a), Some(b), Some(c), Some(d)] = known {
-                let crossings: Vec<_> =
-                    [(a, b), (b, c), (c, d), (d, a)].into_iter().filter_map(crossing).collect();
-                found.extend(crossings.chunks_exact(2).map(|pair| [pair[0], pair[1]]));
+/// A quantity on a grid, y within x. It is continuous only where the kind is the same.
+pub(super) struct Field<'a> {
+    pub(super) x: &'a [f64],
+    pub(super) y: &'a [f64],
+    pub(super) values: &'a [Option<f64>],
+    pub(super) kinds: &'a [&'static str],
+}
+
+impl Field<'_> {
+    /// The contour of `level`: straight pieces within the squares between neighbours of one kind.
+    pub(super) fn segments(&self, level: f64) -> Vec<[(f64, f64); 2]> {
+        let mut found = Vec::new();
+        for i in 1..self.x.len() {
+            for j in 1..self.y.len() {
+                if let Some([a, b, c, d]) = self.square(i, j, level) {
+                    let crossings: Vec<_> =
+                        [(a, b), (b, c), (c, d), (d, a)].into_iter().filter_map(crossing).collect();
+                    found.extend(crossings.chunks_exact(2).map(|pair| [pair[0], pair[1]]));
+                }
             }
         }
+        found
     }
-    found
+
+    /// The corners of a square, its last being (i, j), with their values above `level`.
+    fn square(&self, i: usize, j: usize, level: f64) -> Option<[Corner; 4]> {
+        let corners = [(i - 1, j - 1), (i, j - 1), (i, j), (i - 1, j)];
+        let place = |(i, j): (usize, usize)| i * self.y.len() + j;
+        if corners.iter().any(|corner| self.kinds[place(*corner)] != self.kinds[place((i, j))]) {
+            return None;
+        }
+        let known = corners.map(|(i, j)| Some(((self.x[i], self.y[j]), self.values[place((i, j))]? - level)));
+        match known {
+            [Some(a), Some(b), Some(c), Some(d)] => Some([a, b, c, d]),
+            _ => None,
+        }
+    }
 }
 
 type Corner = ((f64, f64), f64);
@@ -55,8 +76,13 @@ mod tests {
     fn the_contour_of_a_plane_is_a_line() {
         let axis = [0.0, 1.0, 2.0];
         let values: Vec<_> = axis.iter().flat_map(|x| axis.map(|y| Some(x + y))).collect();
-        let lines = segments(&axis, &axis, &values, 1.5);
-        assert!(!lines.is_empty());
-        assert!(lines.iter().flatten().all(|(x, y)| (x + y - 1.5).abs() < 1e-12));
+        let mut kinds = ["stroke"; 9];
+        let lines =
+            |kinds: &[&'static str]| Field { x: &axis, y: &axis, values: &values, kinds }.segments(1.5);
+        assert_eq!(lines(&kinds).len(), 3);
+        assert!(lines(&kinds).iter().flatten().all(|(x, y)| (x + y - 1.5).abs() < 1e-12));
+        // None is drawn from one kind to another.
+        kinds[0] = "force";
+        assert_eq!(lines(&kinds).len(), 2);
     }
 }

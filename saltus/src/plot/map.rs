@@ -7,7 +7,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 use super::Drawn;
 use super::axes::{Axes, Chart, Pen, tick, titled};
-use super::contour::{levels, segments};
+use super::contour::{Field, levels};
 use super::curves::span;
 use super::palette::{INK, viridis};
 
@@ -87,10 +87,11 @@ impl MapPlot {
         panel: &Panel,
         levels: &[f64],
     ) -> Drawn<DB> {
+        let field = Field { x: &self.rates, y: &self.angles, values: &panel.values, kinds: &self.outcomes };
+        let style = pen.line(RGBColor(255, 255, 255), 1);
         for &level in levels {
-            let lines = segments(&self.rates, &self.angles, &panel.values, level);
-            let style = pen.line(RGBColor(255, 255, 255), 1);
-            chart.draw_series(lines.into_iter().map(|line| PathElement::new(line.to_vec(), style)))?;
+            let lines = field.segments(level).into_iter();
+            chart.draw_series(lines.map(|line| PathElement::new(line.to_vec(), style)))?;
         }
         Ok(())
     }

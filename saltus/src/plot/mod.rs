@@ -3,6 +3,8 @@
 mod axes;
 mod contour;
 pub(crate) mod curves;
+pub(crate) mod ground;
+pub(crate) mod hops;
 pub(crate) mod law;
 pub(crate) mod map;
 mod palette;
@@ -30,6 +32,8 @@ pub(crate) enum Drawing {
     Map(map::MapPlot),
     /// A plan on its course.
     Scene(scene::Scene),
+    /// Plans of the hopper.
+    Hops(hops::Hops),
 }
 
 /// A file to draw to.
@@ -117,6 +121,7 @@ impl Drawing {
             Drawing::Law(_) => law::LawPlot::SIZE,
             Drawing::Map(drawing) => drawing.size(),
             Drawing::Scene(drawing) => drawing.size(),
+            Drawing::Hops(drawing) => drawing.size(),
         }
     }
 
@@ -128,6 +133,7 @@ impl Drawing {
             Drawing::Law(drawing) => drawing.draw(area, pen)?,
             Drawing::Map(drawing) => drawing.draw(area, pen)?,
             Drawing::Scene(drawing) => drawing.draw(area, pen)?,
+            Drawing::Hops(drawing) => drawing.draw(area, pen)?,
         }
         area.present()
     }

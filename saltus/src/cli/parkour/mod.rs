@@ -2,6 +2,7 @@
 
 mod hopper;
 mod instances;
+mod scene;
 
 use std::path::PathBuf;
 
@@ -10,10 +11,12 @@ use saltus::planner::course::{Answer, Course, Plan, Settings, plan};
 use saltus::planner::parkour::{Hopper, Launch};
 use serde_json::{Value, json};
 
-use super::common::OutputFlags;
+use super::common::{OutputFlags, PlotOption};
 use super::{Status, limits};
-use crate::error::CliError;
+use crate::error::{CliError, cut};
 use crate::output::{self, Cell, Format, Table};
+use crate::plot::Drawing;
+use crate::plot::hops::Hops;
 use crate::progress::Progress;
 
 /// Plan the jumps of a one-leg hopper over courses of obstacles
@@ -24,6 +27,10 @@ pub(crate) struct Parkour {
     #[arg(value_name = "FILE")]
     file: PathBuf,
 
+    /// Plan this course alone; may be repeated
+    #[arg(long = "course", value_name = "ID")]
+    chosen: Vec<String>,
+
     /// Robot: the hopper of the problem set, of which --set overrides parameters
     #[arg(long, value_name = "NAME", default_value = hopper::NAME, help_heading = "Robot and output")]
     robot: String,
@@ -33,6 +40,9 @@ pub(crate) struct Parkour {
     overrides: Vec<String>,
 
     #[command(flatten)]
+    plot: PlotOption,
+
+    #[command(flatten)]
     output: OutputFlags,
 }
 
@@ -40,6 +50,7 @@ const LONG_HELP: &str = "\
 Examples:
   saltus parkour instances.json --out plans.json
   saltus parkour instances.json --set greatest_speed_m_s=3 --format text
+  saltus parkour instances.json --course static-08 --plot course.svg
 
 For each course, the jumps' launch angle, launch speed and flight time are chosen so that the total \
 flight time is least.
@@ -68,7 +79,7 @@ const COLUMNS: &[&str] =
 impl Parkour {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         let hopper = hopper::resolve(&self.robot, &self.overrides)?;
-        let courses = instances::load(&self.file)?;
+        let courses = self.courses()?;
         let progress = Progress::new("courses", courses.len());
         let mut answers = Vec::with_capacity(courses.len());
         for course in &courses {
@@ -83,14 +94,41 @@ impl Parkour {
             Format::Csv => table(&answers, &hopper).csv(),
             Format::Text => text(&answers, &hopper),
         };
-        self.output.write(report)?;
+        let drawing = || Ok(Drawing::Hops(scene::hops(&answers, &hopper)));
+        self.output.write_with_plot(report, &self.plot, drawing)?;
         let all = answers.iter().all(|(_, answer)| matches!(answer, Answer::Plan(_)));
         Ok(if all { Status::Done } else { Status::No })
     }
 }
 
+impl Parkour {
+    /// The courses to plan.
+    fn courses(&self) -> Result<Vec<Course>, CliError> {
+        let mut courses = instances::load(&self.file)?;
+        if let Some(id) = self.chosen.iter().find(|id| courses.iter().all(|course| course.id != **id)) {
+            let file = self.file.display();
+            return Err(CliError::flag("--course", cut(id), format!("the id of a course in {file}")));
+        }
+        courses.retain(|course| self.chosen.is_empty() || self.chosen.contains(&course.id));
+        if self.plot.is_set() && courses.len() > Hops::MOST {
+            let allowed = format!(
+                "used with {} courses at most, not {}: choose some with --course",
+                Hops::MOST,
+                courses.len()
+            );
+            return Err(CliError::flag("--plot", "", allowed));
+        }
+        Ok(courses)
+    }
+}
+
 fn launches(plan: &Plan, hopper: &Hopper) -> Vec<Launch> {
     plan.jumps.iter().map(|jump| hopper.launch(jump)).collect()
+}
+
+/// A number of jumps in words.
+fn jumps(count: usize) -> String {
+    format!("{count} {}", if count == 1 { "jump" } else { "jumps" })
 }
 
 fn total_time(launches: &[Launch]) -> f64 {
@@ -145,12 +183,14 @@ fn table(answers: &[(&Course, Answer)], hopper: &Hopper) -> Table {
 }
 
 fn text(answers: &[(&Course, Answer)], hopper: &Hopper) -> String {
-    let mut lines = vec![format!("{}: {} courses", hopper::NAME, answers.len())];
+    let count = answers.len();
+    let mut lines =
+        vec![format!("{}: {count} {}", hopper::NAME, if count == 1 { "course" } else { "courses" })];
     for (course, answer) in answers {
         lines.push(match answer {
             Answer::Plan(plan) => {
                 let total = total_time(&launches(plan, hopper));
-                format!("  {:<16} {} jumps, {total:.4} s in flight", course.id, plan.jumps.len())
+                format!("  {:<16} {}, {total:.4} s in flight", course.id, jumps(plan.jumps.len()))
             }
             Answer::Infeasible(relief) => {
                 format!("  {:<16} infeasible; {}", course.id, limits::text(&relief.gives))

@@ -6,6 +6,7 @@ use saltus::planner::{Crossing, CrossingAnswer, PlannedJump};
 use saltus::{Planner, Stance};
 
 use crate::output::digits;
+use crate::plot::ground::Ground;
 use crate::plot::scene::{Leap, Scene};
 
 /// The course with the plan, if there is one.
@@ -23,10 +24,13 @@ pub(super) fn scene(answer: &CrossingAnswer, crossing: &Crossing, planner: &Plan
         },
         radius: planner.robot().body.radius,
         start: (crossing.course.start, crossing.course.start_height),
-        obstacles: boxes.collect(),
-        avoid: crossing.course.no_landing.iter().map(ends).collect(),
-        land: crossing.zones.iter().flatten().map(ends).collect(),
-        target: crossing.target,
+        ground: Ground {
+            obstacles: boxes.collect(),
+            avoid: crossing.course.no_landing.iter().map(ends).collect(),
+            land: crossing.zones.iter().flatten().map(ends).collect(),
+            target: crossing.target,
+            target_name: "target",
+        },
         leaps: jumps.iter().map(|jump| leap(jump, planner.stance(), planner.robot().body.radius)).collect(),
     }
 }
