@@ -750,9 +750,16 @@ fn slide(touch: &Touch, axis: usize, width: usize, grip: Grip) -> Vec3 {
         };
     }
     let speed = touch.speeds.y.hypot(touch.speeds.z);
-    // From rest, the direction is that in which it begins.
     match grip {
+        // From rest, the direction is that in which it begins.
         Grip::Along(d) if speed <= 1e-3 * STANDING => touch.along * d[0] + touch.across * d[1],
-        _ => (touch.along * touch.speeds.y + touch.across * touch.speeds.z) / speed,
+        grip => {
+            // Past the instant of rest friction goes on as it was, so that the instant can be located.
+            let ahead = match grip {
+                Grip::Along(d) => touch.speeds.y * d[0] + touch.speeds.z * d[1],
+                _ => speed,
+            };
+            (touch.along * touch.speeds.y + touch.across * touch.speeds.z) / speed.copysign(ahead)
+        }
     }
 }

@@ -285,6 +285,12 @@ impl Tree {
 }
 
 impl Body {
+    /// Fixes a point of `mass` (kg) to the body at `place` (m, body frame).
+    pub fn add_point_mass(&mut self, mass: f64, place: Vec3) {
+        let point = Body { mass, center: Vec3::zeros(), inertia: Matrix3::zeros(), ..self.clone() };
+        self.merge(&point, &Placement::at(place));
+    }
+
     /// Takes in `other`, whose frame is at `placement` in this body's.
     fn merge(&mut self, other: &Body, placement: &Placement) {
         let center = placement.point(&other.center);
