@@ -3,9 +3,9 @@
 //! A lane that finishes takes the next jump, so that none idles. What a plain pneumatic leg does in all but rare cases is
 //! done here; a jump that is anything else is handed to [`Stance::jump`], whose results these equal within the tolerance.
 
-use saltus_numeric::dop853::{self, Derivative};
+use saltus_numeric::dop853::{self, Derivative, Step};
 use saltus_numeric::{LANES, Lanes, Scalar};
-use saltus_pneumatics::{Chamber, MEGA, Valve, ValveLaw};
+use saltus_pneumatics::{Chamber, Flow, MEGA, Valve, ValveLaw};
 use saltus_robot::Robot;
 
 use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
@@ -23,7 +23,7 @@ const FORCE: usize = 1;
 const ABOVE: usize = 2;
 const BELOW: usize = 3;
 /// Steps after which a lane gives its jump away.
-const PATIENCE: u32 = 500;
+const PATIENCE: f64 = 500.0;
 /// A guard nearer to 0 than this is the one that was just passed.
 const PASSED: f64 = -1e-9;
 
@@ -170,38 +170,57 @@ impl Stance<Lanes> {
     }
 }
 
-/// What a lane does next.
-#[derive(Clone, Copy, PartialEq)]
-enum Plan {
-    /// An ordinary step, the last one before the valve closes if `bool` holds.
-    Step(bool),
-    /// A step onto a guard, which straight extrapolation expects after so many seconds.
-    Event(usize, f64),
-}
-
-/// A jump in its lane.
+/// The jump in a lane.
 #[derive(Clone, Copy)]
-struct Lane {
+struct Job {
     ready: Ready,
-    piece: Piece<f64>,
-    /// When the valve closes; infinite once it has.
-    end: f64,
-    step: f64,
-    armed: [bool; GUARDS],
-    /// The next step is an ordinary one, no longer than this.
-    cautious: Option<f64>,
-    plan: Plan,
-    length: f64,
-    patience: u32,
+    /// The piece of the valve's law that it is on.
+    flow: Flow,
 }
 
-/// The lanes at work.
+/// The lanes at work. Masks are all ones (which is a NaN) where they hold, and 0 elsewhere.
 struct Crew<'a> {
     one: &'a Stance<f64>,
     chamber: &'a Chamber<f64>,
     field: Field<'a>,
-    lanes: [Option<Lane>; LANES],
-    states: [[f64; LANES]; MOVING],
+    jobs: [Option<Job>; LANES],
+    states: [Lanes; MOVING],
+    /// When the valve closes; infinite once it has.
+    end: Lanes,
+    /// Length (s) of the next ordinary step.
+    step: Lanes,
+    /// Where not infinite, the next step is an ordinary one, no longer than this (s).
+    limit: Lanes,
+    /// Steps left before the jump is given away.
+    patience: Lanes,
+    /// Guards that may act: all, once a step has been taken on the piece.
+    armed: [Lanes; GUARDS],
+}
+
+/// What each lane does next.
+struct Plan {
+    /// Length of the step, in time or along a guard.
+    length: Lanes,
+    /// The guard whose event the step goes onto; negative where it is an ordinary step.
+    event: Lanes,
+    /// When straight extrapolation expects that event (s from now).
+    wait: Lanes,
+    /// Where the step is the last one before the valve closes, if it is an ordinary one.
+    last: Lanes,
+    /// Guards that were just passed.
+    fresh: [Lanes; GUARDS],
+}
+
+/// A step of all lanes and how it was planned, lane by lane.
+struct Taken {
+    length: [f64; LANES],
+    event: [f64; LANES],
+    wait: [f64; LANES],
+    fresh: [[f64; LANES]; GUARDS],
+    error: [f64; LANES],
+    next: [[f64; LANES]; MOVING],
+    before: [[f64; LANES]; GUARDS],
+    after: [[f64; LANES]; GUARDS],
 }
 
 /// The equations of motion in all lanes, each with its piece of the valve's law and its independent variable.
@@ -290,9 +309,20 @@ impl<'a> Crew<'a> {
             along: [zero; GUARDS],
             any_event: false,
         };
-        let mut states = [[0.0; LANES]; MOVING];
-        states[GAS] = [0.5; LANES];
-        Crew { one, chamber, field, lanes: [None; LANES], states }
+        let mut crew = Crew {
+            one,
+            chamber,
+            field,
+            jobs: [None; LANES],
+            states: [zero; MOVING],
+            end: zero,
+            step: zero,
+            limit: zero,
+            patience: zero,
+            armed: [zero; GUARDS],
+        };
+        crew.states[GAS] = Lanes::of(0.5);
+        crew
     }
 
     fn work(&mut self, ready: &[Ready], ends: &mut [Option<LiftOff>]) {
@@ -300,67 +330,69 @@ impl<'a> Crew<'a> {
         for lane in 0..LANES {
             self.take(lane, queue.next());
         }
-        while self.lanes.iter().any(Option::is_some) {
-            let y = self.states.map(Lanes::from);
-            let (dy, guards, guard_rates) = self.field.look(&y);
-            let guards = guards.map(Lanes::to_array);
-            self.plan(&guards, &guard_rates.map(Lanes::to_array));
-            let lengths: [f64; LANES] = std::array::from_fn(|i| self.lanes[i].map_or(0.0, |l| l.length));
-            let k0 = self.field.scaled(dy, &guard_rates);
-            let step = dop853::step(&self.field, &y, &k0, Lanes::from(lengths), CHECKED, self.one.tolerance);
-            let next = step.state.map(Lanes::to_array);
-            let next_guards = self.field.look(&step.state).1.map(Lanes::to_array);
-            let error = step.error.to_array();
-            for i in 0..LANES {
-                let state = std::array::from_fn(|k| next[k][i]);
-                if let Some(end) = self.judge(
-                    i,
-                    error[i],
-                    &state,
-                    &std::array::from_fn(|g| guards[g][i]),
-                    &std::array::from_fn(|g| next_guards[g][i]),
-                ) {
-                    if let (Some(end), Some(lane)) = (end.0, self.lanes[i]) {
-                        ends[lane.ready.job] = Some(end);
-                    }
+        while self.jobs.iter().any(Option::is_some) {
+            let (dy, before, rates) = self.field.look(&self.states);
+            let plan = self.plan(&before, &rates);
+            let k0 = self.field.scaled(dy, &rates);
+            let step = dop853::step(&self.field, &self.states, &k0, plan.length, CHECKED, self.one.tolerance);
+            let after = self.field.look(&step.state).1;
+            let usual = self.go_on(&plan, &step, &before, &after);
+            if usual.all() {
+                continue;
+            }
+            let taken = Taken {
+                length: plan.length.to_array(),
+                event: plan.event.to_array(),
+                wait: plan.wait.to_array(),
+                fresh: plan.fresh.map(Lanes::to_array),
+                error: step.error.to_array(),
+                next: step.state.map(Lanes::to_array),
+                before: before.map(Lanes::to_array),
+                after: after.map(Lanes::to_array),
+            };
+            let usual = usual.to_array();
+            for i in (0..LANES).filter(|&i| usual[i] == 0.0) {
+                let Some(job) = self.jobs[i] else { continue };
+                if let Some(Given(end)) = self.judge(i, &taken) {
+                    ends[job.ready.job] = end;
                     self.take(i, queue.next());
                 }
             }
         }
     }
 
-    /// Gives lane `i` its next jump, or rest.
+    /// Gives lane `i` its next jump, or rest: steps of no length.
     fn take(&mut self, i: usize, ready: Option<&Ready>) {
         let Some(ready) = ready else {
-            self.lanes[i] = None;
+            self.jobs[i] = None;
             for (k, column) in self.states.iter_mut().enumerate() {
-                column[i] = if k == GAS { 0.5 } else { 0.0 };
+                set(column, i, if k == GAS { 0.5 } else { 0.0 });
             }
+            set(&mut self.end, i, 0.0);
             return;
         };
         let p = ready.state[GAS] * MEGA;
         let piece = Piece::new(self.chamber, true, p, 0.0, false);
-        self.lanes[i] = Some(Lane {
-            ready: *ready,
-            piece,
-            end: ready.close,
-            step: FIRST_STEP,
-            armed: [false; GUARDS],
-            cautious: None,
-            plan: Plan::Step(false),
-            length: 0.0,
-            patience: PATIENCE,
-        });
+        self.jobs[i] = Some(Job { ready: *ready, flow: piece.flow });
+        set(&mut self.end, i, ready.close);
+        set(&mut self.step, i, FIRST_STEP);
+        set(&mut self.limit, i, f64::INFINITY);
+        set(&mut self.patience, i, PATIENCE);
         let mut state = ready.state;
         state[GAS] = self.chamber.variable(piece.flow, p);
-        self.enter(i, piece, &state);
+        self.move_to(i, &state[..MOVING]);
+        self.enter(i, piece);
     }
 
-    /// Puts lane `i` on `piece` of the valve's law at `state`.
-    fn enter(&mut self, i: usize, piece: Piece<f64>, state: &[f64]) {
+    /// Puts lane `i` at `state`.
+    fn move_to(&mut self, i: usize, state: &[f64]) {
         for (column, value) in self.states.iter_mut().zip(state) {
-            column[i] = *value;
+            set(column, i, *value);
         }
+    }
+
+    /// Puts lane `i` on `piece` of the valve's law.
+    fn enter(&mut self, i: usize, piece: Piece<f64>) {
         let field = &mut self.field;
         let law = piece.valve.law;
         set(&mut field.valve.law.constant, i, law.constant);
@@ -373,122 +405,127 @@ impl<'a> Crew<'a> {
         set(&mut field.sign, i, piece.sign);
         set(&mut field.low, i, piece.low);
         set(&mut field.high, i, piece.high);
-        if let Some(lane) = &mut self.lanes[i] {
-            lane.piece = piece;
-            lane.armed = [false; GUARDS];
+        for armed in &mut self.armed {
+            set(armed, i, 0.0);
         }
     }
 
     /// Decides what each lane does next.
-    fn plan(&mut self, guards: &[[f64; LANES]; GUARDS], rates: &[[f64; LANES]; GUARDS]) {
-        self.field.any_event = false;
-        for i in 0..LANES {
-            let mut along = [0.0; GUARDS];
-            if let Some(lane) = &mut self.lanes[i] {
-                let left = lane.end - self.states[TIME][i];
-                let trial = lane.step.min(left);
-                lane.plan = Plan::Step(lane.step >= left);
-                lane.length = trial;
-                if let Some(limit) = lane.cautious {
-                    lane.length = trial.min(limit);
-                    lane.plan = Plan::Step(lane.length >= left);
-                } else {
-                    let mut soonest = 0.9 * trial;
-                    for g in 0..GUARDS {
-                        let (value, rate) = (guards[g][i], rates[g][i]);
-                        let fresh = !lane.armed[g] && value > PASSED;
-                        if !fresh && value < 0.0 && -value < rate * soonest {
-                            soonest = -value / rate;
-                            lane.plan = Plan::Event(g, soonest);
-                            lane.length = -value;
-                        }
-                    }
-                }
-                if let Plan::Event(g, _) = lane.plan {
-                    along[g] = 1.0;
-                    self.field.any_event = true;
-                }
-            }
-            let in_time = if along == [0.0; GUARDS] { 1.0 } else { 0.0 };
-            set(&mut self.field.in_time, i, in_time);
-            for (register, value) in self.field.along.iter_mut().zip(along) {
-                set(register, i, value);
-            }
+    #[inline(always)]
+    fn plan(&mut self, guards: &[Lanes; GUARDS], rates: &[Lanes; GUARDS]) -> Plan {
+        let of = Lanes::of;
+        let left = self.end - self.states[TIME];
+        let trial = self.step.fast_min(left);
+        let length = trial.fast_min(self.limit);
+        let is_free = self.limit.simd_eq(of(f64::INFINITY));
+        let mut plan = Plan {
+            length,
+            event: of(-1.0),
+            wait: is_free.select(of(0.9) * trial, of(0.0)),
+            last: length.simd_ge(left),
+            fresh: [of(0.0); GUARDS],
+        };
+        for g in 0..GUARDS {
+            let (value, rate) = (guards[g], rates[g]);
+            let fresh = !self.armed[g] & value.simd_gt(of(PASSED));
+            let due = !fresh & value.simd_lt(of(0.0)) & (-value).simd_lt(rate * plan.wait);
+            plan.wait = due.select(-value / rate, plan.wait);
+            plan.length = due.select(-value, plan.length);
+            plan.event = due.select(of(g as f64), plan.event);
+            plan.fresh[g] = fresh;
         }
+        let in_time = plan.event.simd_lt(of(0.0));
+        self.field.any_event = !in_time.all();
+        self.field.in_time = in_time & of(1.0);
+        self.field.along = std::array::from_fn(|g| plan.event.simd_eq(of(g as f64)) & of(1.0));
+        plan
     }
 
-    /// Accepts or refuses the step of lane `i`; `Some` where the lane is done with its jump: with its end, or (inner
-    /// none) giving it away.
-    fn judge(
+    /// Accepts or refuses the ordinary steps that nothing comes of, and says in which lanes; the others need a closer look.
+    #[inline(always)]
+    fn go_on(
         &mut self,
-        i: usize,
-        error: f64,
-        next: &[f64; MOVING],
-        before: &[f64; GUARDS],
-        after: &[f64; GUARDS],
-    ) -> Option<Given> {
-        let mut lane = self.lanes[i]?;
-        lane.patience -= 1;
+        plan: &Plan,
+        step: &Step<Lanes, MOVING>,
+        before: &[Lanes; GUARDS],
+        after: &[Lanes; GUARDS],
+    ) -> Lanes {
+        let of = Lanes::of;
+        let good = step.error.simd_le(of(1.0));
+        let mut eventful = plan.last;
+        for g in 0..GUARDS {
+            eventful |= (plan.fresh[g] | before[g].simd_lt(of(0.0))) & after[g].simd_ge(of(0.0));
+        }
+        self.patience -= of(1.0);
+        let unusual = self.field.in_time.simd_eq(of(0.0))
+            | self.patience.simd_le(of(0.0))
+            | step.state[SPEED].simd_le(of(0.0))
+            | (good & eventful);
+        let usual = !unusual;
+        let moved = usual & good;
+        for (state, next) in self.states.iter_mut().zip(&step.state) {
+            *state = moved.select(*next, *state);
+        }
+        for armed in &mut self.armed {
+            *armed |= moved;
+        }
+        self.step = usual.select(plan.length * dop853::step_factor(step.error), self.step);
+        self.limit = usual.select(of(f64::INFINITY), self.limit);
+        usual
+    }
+
+    /// Accepts or refuses the unusual step of lane `i`; `Some` where the lane is done with its jump.
+    fn judge(&mut self, i: usize, taken: &Taken) -> Option<Given> {
+        let next: [f64; MOVING] = std::array::from_fn(|k| taken.next[k][i]);
         // A leg that comes to a halt, or too many steps, are for the careful one.
-        if lane.patience == 0 || next[SPEED] <= 0.0 {
+        if self.patience.as_array()[i] <= 0.0 || next[SPEED] <= 0.0 {
             return Some(Given(None));
         }
-        let now = self.states[TIME][i];
-        let was_fresh: [bool; GUARDS] = std::array::from_fn(|g| !lane.armed[g] && before[g] > PASSED);
-        let good = error <= 1.0;
-        match lane.plan {
-            Plan::Event(g, wait) => {
-                let others = (0..GUARDS).all(|o| o == g || was_fresh[o] || after[o] <= 0.0);
-                if good && others && next[TIME] > now && next[TIME] <= lane.end {
-                    lane.step = lane.step.max(wait);
-                    self.lanes[i] = Some(lane);
-                    return self.event(i, g, next);
-                }
-                lane.cautious = Some(0.5 * wait);
+        let is_fresh = |g: usize| taken.fresh[g][i] != 0.0;
+        let good = taken.error[i] <= 1.0;
+        let (length, wait) = (taken.length[i], taken.wait[i]);
+        let (now, end) = (self.states[TIME].as_array()[i], self.end.as_array()[i]);
+        if let Some(g) = (0..GUARDS).find(|&g| taken.event[i] == g as f64) {
+            let others = (0..GUARDS).all(|o| o == g || is_fresh(o) || taken.after[o][i] <= 0.0);
+            if good && others && next[TIME] > now && next[TIME] <= end {
+                let step = self.step.as_array()[i].max(wait);
+                set(&mut self.step, i, step);
+                return self.event(i, g, &next);
             }
-            Plan::Step(last) => {
-                lane.cautious = None;
-                let crossed = (0..GUARDS)
-                    .filter(|&g| !was_fresh[g] && before[g] < 0.0 && after[g] >= 0.0)
-                    .map(|g| before[g] / (before[g] - after[g]))
-                    .fold(f64::INFINITY, f64::min);
-                if !good {
-                    lane.step = lane.length * dop853::step_factor(error);
-                } else if crossed < f64::INFINITY {
-                    // Close in on the event, so that it is foreseen.
-                    lane.step = lane.length;
-                    lane.cautious = Some(lane.length * (0.9 * crossed).max(0.1));
-                } else if (0..GUARDS).any(|g| was_fresh[g] && after[g] >= 0.0) {
-                    return Some(Given(None));
-                } else {
-                    lane.armed = [true; GUARDS];
-                    for (column, value) in self.states.iter_mut().zip(next) {
-                        column[i] = *value;
-                    }
-                    if !last || lane.length >= lane.step {
-                        lane.step = lane.length * dop853::step_factor(error);
-                    }
-                    if last {
-                        self.states[TIME][i] = lane.end;
-                        lane.end = f64::INFINITY;
-                        lane.step = lane.step.min(FIRST_STEP);
-                        self.lanes[i] = Some(lane);
-                        return self.switch(i, false, 0.0);
-                    }
-                }
-            }
+            set(&mut self.limit, i, 0.5 * wait);
+            return None;
         }
-        self.lanes[i] = Some(lane);
-        None
+        let crossed = (0..GUARDS)
+            .map(|g| (g, taken.before[g][i], taken.after[g][i]))
+            .filter(|&(g, before, after)| !is_fresh(g) && before < 0.0 && after >= 0.0)
+            .map(|(_, before, after)| before / (before - after))
+            .fold(f64::INFINITY, f64::min);
+        if crossed < f64::INFINITY {
+            // Close in on the event, so that it is foreseen.
+            set(&mut self.step, i, length);
+            set(&mut self.limit, i, length * (0.9 * crossed).max(0.1));
+            return None;
+        }
+        if (0..GUARDS).any(|g| is_fresh(g) && taken.after[g][i] >= 0.0) {
+            return Some(Given(None));
+        }
+        // The valve closes.
+        self.move_to(i, &next);
+        set(&mut self.states[TIME], i, end);
+        set(&mut self.limit, i, f64::INFINITY);
+        set(&mut self.end, i, f64::INFINITY);
+        let mut step = self.step.as_array()[i];
+        if length >= step {
+            step = length * dop853::step_factor(taken.error[i]);
+        }
+        set(&mut self.step, i, step.min(FIRST_STEP));
+        self.switch(i, false, 0.0)
     }
 
     /// The event of guard `g` at the state `next` of lane `i`.
     fn event(&mut self, i: usize, g: usize, next: &[f64; MOVING]) -> Option<Given> {
-        for (column, value) in self.states.iter_mut().zip(next) {
-            column[i] = *value;
-        }
-        let lane = self.lanes[i]?;
-        let energized = lane.end < f64::INFINITY;
+        self.move_to(i, next);
+        let energized = self.end.as_array()[i] < f64::INFINITY;
         match g {
             ABOVE => self.switch(i, energized, 1.0),
             BELOW => self.switch(i, energized, -1.0),
@@ -500,26 +537,26 @@ impl<'a> Crew<'a> {
 
     /// Puts lane `i` on the piece of the valve's law that its pressure calls for.
     fn switch(&mut self, i: usize, energized: bool, side: f64) -> Option<Given> {
-        let lane = self.lanes[i]?;
-        let mut state: [f64; MOVING] = std::array::from_fn(|k| self.states[k][i]);
-        let p = self.chamber.pressure(lane.piece.flow, state[GAS]);
+        let job = self.jobs[i].as_mut()?;
+        let p = self.chamber.pressure(job.flow, self.states[GAS].as_array()[i]);
         let piece = Piece::new(self.chamber, energized, p, side, false);
-        state[GAS] = self.chamber.variable(piece.flow, p);
-        self.enter(i, piece, &state);
+        job.flow = piece.flow;
+        set(&mut self.states[GAS], i, self.chamber.variable(piece.flow, p));
+        self.enter(i, piece);
         // With the valve closed the leg may have no force left: that is for the careful one.
-        let push = self.one.leg.plain_force(self.chamber, state[SPEED], p).value;
+        let push = self.one.leg.plain_force(self.chamber, self.states[SPEED].as_array()[i], p).value;
         (push <= 0.0).then_some(Given(None))
     }
 
     fn end(&self, i: usize, outcome: Outcome) -> Option<LiftOff> {
-        let lane = self.lanes[i]?;
+        let job = self.jobs[i]?;
         let mut y = [0.0; WIDTH];
-        for (k, column) in self.states.iter().enumerate() {
-            y[k] = column[i];
+        for (y, column) in y.iter_mut().zip(&self.states) {
+            *y = column.as_array()[i];
         }
-        y[GAS] = self.chamber.pressure(lane.piece.flow, y[GAS]) / MEGA;
+        y[GAS] = self.chamber.pressure(job.flow, y[GAS]) / MEGA;
         let outcome = outcome.unless_fallen(y[LEAN]);
-        Some(LiftOff::new(self.one, outcome, lane.ready.time_fire, &y))
+        Some(LiftOff::new(self.one, outcome, job.ready.time_fire, &y))
     }
 }
 

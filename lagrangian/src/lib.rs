@@ -16,6 +16,7 @@
 
 mod advance;
 mod batch;
+mod contact;
 mod error;
 mod jump;
 mod pendulum;
@@ -25,8 +26,9 @@ mod touch_down;
 mod trace;
 
 pub use batch::Batch;
+pub use contact::Contact;
 pub use error::StanceError;
 pub use jump::{LiftOff, Outcome};
 pub use stance::{FINE, Launch, Reaction, Stance};
 pub use touch_down::TouchDown;
-pub use trace::{Contact, EnergyLedger, Sample, Trace};
+pub use trace::{EnergyLedger, Sample, Trace};

@@ -8,7 +8,7 @@ use crate::advance::index::{EXTENSION, LEAN, RATE, SPEED, TIME};
 use crate::advance::{CHECKED, State};
 use crate::jump::Observer;
 use crate::phase::{Extension, Held};
-use crate::{Launch, LiftOff, Reaction, Stance, StanceError};
+use crate::{Contact, Launch, LiftOff, Reaction, Stance, StanceError};
 
 /// A stance with what happened on the way.
 #[derive(Clone, Debug)]
@@ -40,20 +40,6 @@ pub struct Sample<S = f64> {
     pub pressure: S,
     /// The ground's force on the foot.
     pub reaction: Reaction<S>,
-}
-
-/// What the foot asks of the ground along a stance.
-#[derive(Clone, Copy, Debug)]
-pub struct Contact<S = f64> {
-    /// Least normal force (N); where it is negative the foot would have left the ground.
-    pub least_normal: S,
-    /// When it occurs (s).
-    pub least_normal_time: f64,
-    /// Greatest |friction/normal|: the friction coefficient that the stance needs; infinite where the normal force
-    /// reaches 0.
-    pub friction_needed: S,
-    /// When it occurs (s).
-    pub friction_needed_time: f64,
 }
 
 /// Where the energy of a stance comes from and goes to (J). It closes: `drive` − `losses` − `springs` = Δ(`kinetic` +
@@ -132,7 +118,7 @@ impl<S: Single> Look<S> for Extension<'_, S> {
 struct Recorder<'a, S: Single> {
     stance: &'a Stance<S>,
     samples: Vec<Sample<S>>,
-    contact: Option<Contact<S>>,
+    contact: Contact<S>,
     drive: S,
     losses: S,
     first: Option<State<S>>,
@@ -155,7 +141,7 @@ impl<'a, S: Single> Recorder<'a, S> {
         Recorder {
             stance,
             samples: Vec::new(),
-            contact: None,
+            contact: Contact::none(),
             drive: zero,
             losses: zero,
             first: None,
@@ -186,7 +172,6 @@ impl<'a, S: Single> Recorder<'a, S> {
         }
         let sample = |y: &State<S>| self.stance.sample(phase, y);
         let parts: Vec<Sample<S>> = (0..=PARTS).map(|i| sample(&inside(i as f64 / PARTS as f64))).collect();
-        let mut contact = self.contact;
         for (i, here) in parts.iter().enumerate() {
             let neighbours = i.checked_sub(1).map(|j| &parts[j]).zip(parts.get(i + 1));
             // Between samples an extremum shows as a middle sample that beats both neighbours.
@@ -206,10 +191,9 @@ impl<'a, S: Single> Recorder<'a, S> {
             });
             let (normal, friction) = refined.unwrap_or((None, None));
             for found in [Some(*here), normal, friction].into_iter().flatten() {
-                contact = Some(Contact::with(contact, &found));
+                self.contact.extend(found.time.value(), &found.reaction);
             }
         }
-        self.contact = contact;
         let skip = usize::from(!self.samples.is_empty());
         self.samples.extend(parts.into_iter().skip(skip));
     }
@@ -221,16 +205,10 @@ impl<'a, S: Single> Recorder<'a, S> {
             let ((ka, pa), (kb, pb)) = (self.stance.energy(&a), self.stance.energy(&b));
             (kb - ka, pb - pa)
         });
-        let nothing = Contact {
-            least_normal: S::of(f64::NAN),
-            least_normal_time: f64::NAN,
-            friction_needed: S::of(f64::NAN),
-            friction_needed_time: f64::NAN,
-        };
         Trace {
             lift_off,
             samples: self.samples,
-            contact: self.contact.unwrap_or(nothing),
+            contact: self.contact,
             energy: EnergyLedger { drive: self.drive, losses: self.losses, kinetic, potential },
         }
     }
@@ -247,40 +225,6 @@ impl<S: Single> Stance<S> {
             pressure: phase.gas_pressure(y),
             reaction: self.reaction(y, &phase.at(y)),
         }
-    }
-}
-
-impl<S: Single> Reaction<S> {
-    /// |friction/normal|: the friction coefficient that keeps the foot still; infinite where the ground would have to
-    /// pull.
-    pub fn demand(&self) -> f64 {
-        let (n, t) = (self.normal.value(), self.friction.value());
-        if n > 0.0 { (t / n).abs() } else { f64::INFINITY }
-    }
-
-    /// [`demand`](Self::demand) with its derivatives.
-    fn friction_coefficient(&self) -> S {
-        if self.normal.value() > 0.0 { (self.friction / self.normal).abs() } else { S::of(f64::INFINITY) }
-    }
-}
-
-impl<S: Single> Contact<S> {
-    fn with(before: Option<Self>, sample: &Sample<S>) -> Self {
-        let time = sample.time.value();
-        let new = Contact {
-            least_normal: sample.reaction.normal,
-            least_normal_time: time,
-            friction_needed: sample.reaction.friction_coefficient(),
-            friction_needed_time: time,
-        };
-        let Some(mut best) = before else { return new };
-        if new.least_normal.value() < best.least_normal.value() {
-            (best.least_normal, best.least_normal_time) = (new.least_normal, time);
-        }
-        if new.friction_needed.value() > best.friction_needed.value() {
-            (best.friction_needed, best.friction_needed_time) = (new.friction_needed, time);
-        }
-        best
     }
 }
 

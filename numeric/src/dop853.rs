@@ -290,6 +290,12 @@ fn error<S: Scalar, const N: usize>(
 /// Factor by which the next step may be longer (or must be shorter) after one with this `error`.
 ///
 /// 0.85 error^(−1/8), in [0.2, 5]; a NaN error gives 0.2.
-pub fn step_factor(error: f64) -> f64 {
-    if error.is_nan() { 0.2 } else { (0.85 * error.max(1e-12).sqrt().sqrt().sqrt().recip()).clamp(0.2, 5.0) }
+#[inline(always)]
+pub fn step_factor<S: Scalar>(error: S) -> S {
+    let factor = || {
+        let root = error.max(S::of(1e-12)).sqrt().sqrt().sqrt();
+        let at_least = (S::of(0.85) * (S::of(1.0) / root)).max(S::of(0.2));
+        -(-at_least).max(S::of(-5.0))
+    };
+    S::select(error.less(S::of(f64::INFINITY)), factor, || S::of(0.2))
 }

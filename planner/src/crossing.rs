@@ -478,11 +478,12 @@ impl<'a> Roller<'a> {
         launch: &Launch<Dual<2>>,
         margins: &mut Vec<Margin<Slope>>,
     ) -> Option<Slope> {
-        let trace = match self.crossing.friction {
-            Some(_) => Some(self.stance.trace(launch).ok()?),
-            None => None,
+        let (end, needed) = if self.crossing.friction.is_some() {
+            let (end, contact) = self.stance.contact(launch).ok()?;
+            (end, Some(contact.friction_needed))
+        } else {
+            (self.stance.jump(launch).ok()?, None)
         };
-        let end = trace.as_ref().map_or_else(|| self.stance.jump(launch), |t| Ok(t.lift_off)).ok()?;
         let robot = self.planner.robot();
         let (gravity, drag) = (Dual::of(robot.axle_gravity()), Dual::of(robot.environment.drag));
         let flight = widen_flight(&Jump::new(*launch, end, gravity, drag).flight?);
@@ -496,8 +497,8 @@ impl<'a> Roller<'a> {
             let limit = Limit::Edge { obstacle: edge.obstacle, side: edge.side };
             margins.push(Margin { limit, value: gap - Slope::of(self.crossing.clearance) });
         }
-        if let (Some(friction), Some(trace)) = (self.crossing.friction, trace) {
-            let value = Slope::of(friction) - widen(trace.contact.friction_needed);
+        if let (Some(friction), Some(needed)) = (self.crossing.friction, needed) {
+            let value = Slope::of(friction) - widen(needed);
             margins.push(Margin { limit: Limit::Robot("friction"), value });
         }
         Some(landing)

@@ -5,6 +5,7 @@ mod crossing;
 mod jump;
 mod law;
 mod map;
+pub mod parallel;
 pub mod parkour;
 mod proxy;
 mod table;

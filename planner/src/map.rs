@@ -3,7 +3,11 @@
 use saltus_lagrangian::{Launch, Outcome, Stance, StanceError};
 
 use crate::jump::Planner;
+use crate::parallel::in_chunks;
 use crate::table::TableError;
+
+/// Launches that are computed side by side.
+const LAUNCHES: usize = 256;
 
 /// What a map asks for.
 #[derive(Clone, Debug)]
@@ -83,15 +87,7 @@ impl Planner {
                 })
             })
             .collect();
-        let size = launches.len().div_ceil(request.threads);
-        let parts: Vec<Vec<Spot>> = std::thread::scope(|scope| {
-            let workers: Vec<_> =
-                launches.chunks(size).map(|launches| scope.spawn(|| self.spots(request, launches))).collect();
-            workers
-                .into_iter()
-                .map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-                .collect()
-        });
+        let parts = in_chunks(&launches, LAUNCHES, request.threads, |launches| self.spots(request, launches));
         Ok(Map { spots: parts.into_iter().flatten().collect() })
     }
 

@@ -4,6 +4,7 @@ use saltus_ballistic::{Disc, Obstacle};
 use saltus_lagrangian::{Launch, StanceError};
 
 use crate::jump::{Jump, Planner, Sensitivity};
+use crate::parallel::in_chunks;
 use crate::proxy::{Branch, NODES, Piece, nodes};
 
 /// What a firing table asks for.
@@ -127,6 +128,8 @@ pub enum TableError {
 const INTERPOLANT: f64 = 2e-9;
 /// Residual (m) at which an entry counts as solved: below the error of the jump itself.
 const RESIDUAL: f64 = 5e-10;
+/// Rows that are worked on together: few, so that threads share them evenly, and enough to keep SIMD lanes full.
+const ROWS: usize = 4;
 /// Intervals (rad) are not divided below this.
 const NARROW: f64 = 1e-4;
 
@@ -159,26 +162,8 @@ impl Planner {
     /// [`TableError`] for a request outside its domain.
     pub fn table(&self, request: &TableRequest) -> Result<Table, TableError> {
         request.check()?;
-        let threads = request.threads.min(request.rates.len());
-        let size = request.rates.len().div_ceil(threads);
-        let chunks: Vec<&[f64]> = request.rates.chunks(size).collect();
-        let mut parts: Vec<Vec<Cell>> = Vec::new();
-        if let [one] = chunks[..] {
-            parts.push(Rows::new(self, request, one).cells());
-        } else {
-            std::thread::scope(|scope| {
-                let workers: Vec<_> = chunks
-                    .iter()
-                    .map(|rates| scope.spawn(|| Rows::new(self, request, rates).cells()))
-                    .collect();
-                for worker in workers {
-                    match worker.join() {
-                        Ok(cells) => parts.push(cells),
-                        Err(panic) => std::panic::resume_unwind(panic),
-                    }
-                }
-            });
-        }
+        let cells = |rates: &[f64]| Rows::new(self, request, rates).cells();
+        let parts = in_chunks(&request.rates, ROWS, request.threads, cells);
         Ok(Table { cells: parts.into_iter().flatten().collect() })
     }
 }
