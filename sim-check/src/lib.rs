@@ -3,6 +3,7 @@
 mod complementarity;
 mod contact;
 mod error;
+mod jump;
 mod linear;
 mod machine;
 mod mechanism;
@@ -15,6 +16,7 @@ mod tree;
 
 pub use contact::{ContactPoint, Friction, Material, Surface, Travel};
 pub use error::SimError;
+pub use jump::{End, Launch, LiftOff, Plan, Report, Sample};
 pub use mechanism::{Drag, JointParts, LegPart, Mechanism};
 pub use rig::Rig;
 pub use sim::{Contact, Event, Happening, Ledger, Pause, Settings, Sim, Watch};

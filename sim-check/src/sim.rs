@@ -155,6 +155,7 @@ pub struct Sim<'a> {
     commands: Vec<(f64, usize, bool)>,
     events: Vec<Event>,
     impacts: f64,
+    touching: bool,
     steps: usize,
     evaluations: usize,
     next: Vec<f64>,
@@ -204,6 +205,7 @@ impl<'a> Sim<'a> {
             commands: Vec::new(),
             events: Vec::new(),
             impacts: 0.0,
+            touching: true,
             steps: 0,
             evaluations: 0,
             guards: Vec::new(),
@@ -398,20 +400,38 @@ impl<'a> Sim<'a> {
                 allowed: "a number",
             });
         }
+        loop {
+            if let Some(pause) = self.run_eventwise(until, watches)? {
+                return Ok(pause);
+            }
+        }
+    }
+
+    /// As [`run`](Self::run), but comes back with none after each event of the mechanism's own.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn run_eventwise(&mut self, until: f64, watches: &[Watch<'_>]) -> Result<Option<Pause>, SimError> {
         while self.time < until {
+            let events = self.events.len();
             if let Some(&(at, leg, on)) = self.commands.last()
                 && at <= self.time
             {
                 self.commands.pop();
                 self.switch_valve(leg, on)?;
-                continue;
+            } else if let Some(watch) = self.advance(until, watches)? {
+                return Ok(Some(Pause::Watch(watch)));
             }
-            let pause = self.advance(until, watches)?;
-            if let Some(watch) = pause {
-                return Ok(Pause::Watch(watch));
+            if self.events.len() > events {
+                return Ok(None);
             }
         }
-        Ok(Pause::Time)
+        Ok(Some(Pause::Time))
+    }
+
+    /// From now on nothing that is in the air touches anything: a flight goes on as if there were no ground.
+    pub fn stop_touching(&mut self) {
+        self.touching = false;
     }
 
     /// One step, or the part of one that ends at an event, which then happens.
@@ -580,7 +600,7 @@ impl<'a> Sim<'a> {
         if !self.machine.sound {
             guards.push((Guard::Redundant, f64::NAN));
         }
-        contact_guards(&mut self.machine, &self.mode, &mut guards);
+        contact_guards(&self.machine, &self.mode, self.touching, &mut guards);
         joint_guards(&self.machine, &self.mode, y, &mut guards);
         leg_guards(&self.machine, &self.mode, y, &mut guards);
         for (i, watch) in watches.iter().enumerate() {
@@ -986,9 +1006,9 @@ impl<'a> Sim<'a> {
     }
 }
 
-fn contact_guards(machine: &mut Machine<'_>, mode: &Mode, guards: &mut Vec<(Guard, f64)>) {
+fn contact_guards(machine: &Machine<'_>, mode: &Mode, touching: bool, guards: &mut Vec<(Guard, f64)>) {
     for c in 0..mode.contacts.len() {
-        if !mode.contacts[c].closed {
+        if touching && !mode.contacts[c].closed {
             guards.push((Guard::Touch(c), machine.lie(c).gap));
         }
     }

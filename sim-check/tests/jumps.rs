@@ -1,0 +1,80 @@
+//! The whole robot against the reference jumps: two derivations of one jump.
+
+use saltus_robot::Robot;
+use saltus_sim_check::{End, Launch, Plan, Rig, SimError};
+
+/// The columns of the reference rows, by name.
+struct Rows {
+    names: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Rows {
+    fn read() -> Rows {
+        let text = include_str!("../../tests/reference/jumps.csv");
+        let mut lines = text.lines().map(|line| line.split(',').map(String::from).collect::<Vec<_>>());
+        Rows { names: lines.next().unwrap_or_default(), rows: lines.collect() }
+    }
+
+    fn text<'a>(&self, row: &'a [String], name: &str) -> &'a str {
+        let column = self.names.iter().position(|n| n == name).expect("a column of the reference");
+        &row[column]
+    }
+
+    fn number(&self, row: &[String], name: &str) -> f64 {
+        self.text(row, name).parse().expect("a number")
+    }
+}
+
+#[test]
+fn massless_legs_on_rigid_ground_jump_as_the_reference() -> Result<(), SimError> {
+    let rig = Rig::new(&Robot::rats_planar(), &[])?;
+    let rows = Rows::read();
+    let (mut worst, mut count) = (0.0_f64, 0);
+    let began = std::time::Instant::now();
+    for row in &rows.rows {
+        let n = |name: &str| rows.number(row, name);
+        if rows.text(row, "outcome") != "stroke" {
+            continue;
+        }
+        let launch = Launch {
+            rate: n("omega0_rad_s"),
+            lean: n("phi0_rad"),
+            firing_angle: n("alpha_f_rad"),
+            valve_open: n("valve_open_s"),
+        };
+        let plan = Plan { sample: 0.02, ..Plan::default() };
+        let report = rig.jump(&launch, &plan)?;
+        assert_eq!(report.end, End::Landed, "{launch:?}");
+        let l = report.lift_off.expect("it landed");
+        assert!(l.at_end_stop, "{launch:?}");
+        let pairs = [
+            ("t_fire_s", l.time_fire),
+            ("t_liftoff_s", l.time),
+            ("phi_rad", l.lean),
+            ("omega_rad_s", l.rate),
+            ("d_m", l.extension),
+            ("pressure_pa", l.pressure),
+            ("x_m", l.axle[0]),
+            ("y_m", l.axle[1]),
+            ("vx_m_s", l.axle_rates[0]),
+            ("vy_m_s", l.axle_rates[1]),
+            ("apex_m", report.apex),
+            ("land_rs_m", report.landing),
+            ("land_0_m", report.landing_at),
+        ];
+        for (name, found) in pairs {
+            let error = (found - n(name)).abs() / n(name).abs().max(0.01);
+            assert!(error < 1e-4, "{name}: {found} for {} in {launch:?}", n(name));
+            worst = worst.max(error);
+        }
+        assert!(report.residual.abs() < 1e-8, "{}", report.residual);
+        count += 1;
+    }
+    println!(
+        "{count} jumps, worst {worst:.1e}, {:.2} ms each",
+        began.elapsed().as_secs_f64() * 1e3 / f64::from(count)
+    );
+    assert!(count > 50);
+    Ok(())
+}
