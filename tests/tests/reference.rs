@@ -5,7 +5,7 @@ use saltus_planner::PLANNING_TOLERANCE;
 use saltus_robot::Robot;
 use saltus_tests::reference::{Hop, JUMP_COLUMNS, Row, columns, hops, jumps};
 
-/// What the reference page asks of a correct implementation.
+/// What the reference data's README asks of a correct implementation.
 const RELATIVE: f64 = 1e-8;
 /// Near 0: the lean and the landing pass through it, and the file gives 14 digits of numbers about 1.
 const ABSOLUTE: f64 = 1e-10;
