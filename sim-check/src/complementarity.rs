@@ -115,10 +115,8 @@ impl Problem {
             let row = &self.a[self.held[i] * m..(self.held[i] + 1) * m];
             let mut right = -self.b[self.held[i]];
             for (c, entry) in row.iter().enumerate() {
-                match self.known[c] {
-                    Known::Unknown => {}
-                    Known::Is(force) => right -= entry * force,
-                    Known::Times(..) => {}
+                if let Known::Is(force) = self.known[c] {
+                    right -= entry * force;
                 }
             }
             self.right.push(right);

@@ -177,7 +177,7 @@ impl Recorder<'_> {
         let fire = |_: f64, q: &[f64], _: &[f64]| launch.firing_angle - q[lean];
         let rest = |_: f64, _: &[f64], v: &[f64]| v[rate];
         if launch.lean < launch.firing_angle {
-            if !(launch.rate > 0.0) {
+            if launch.rate <= 0.0 {
                 return Ok(self.finish(End::Stalled, None));
             }
             let until = self.plan.patience;
@@ -201,7 +201,7 @@ impl Recorder<'_> {
         if !extended {
             return Ok(self.finish(End::EarlyLiftOff, Some(lift_off)));
         }
-        Ok(self.descend(lift_off)?)
+        self.descend(lift_off)
     }
 
     /// Whether the jumping foot has left the ground.

@@ -9,12 +9,12 @@ pub(crate) fn cholesky(m: &mut [f64], n: usize) -> bool {
         let (above, rest) = m.split_at_mut(j * n);
         let row = &mut rest[..n];
         for k in 0..j {
-            let other = &above[k * n..k * n + k + 1];
+            let other = &above[k * n..=k * n + k];
             let dot: f64 = (0..k).map(|i| row[i] * other[i]).sum();
             row[k] = (row[k] - dot) / other[k];
         }
         let pivot = row[j] - row[..j].iter().map(|x| x * x).sum::<f64>();
-        if !(pivot > 0.0) {
+        if pivot <= 0.0 || pivot.is_nan() {
             return false;
         }
         row[j] = pivot.sqrt();
@@ -25,7 +25,7 @@ pub(crate) fn cholesky(m: &mut [f64], n: usize) -> bool {
 /// L⁻¹ b, in place.
 pub(crate) fn forward(l: &[f64], n: usize, b: &mut [f64]) {
     for i in 0..n {
-        let row = &l[i * n..i * n + i + 1];
+        let row = &l[i * n..=i * n + i];
         let dot: f64 = (0..i).map(|k| row[k] * b[k]).sum();
         b[i] = (b[i] - dot) / row[i];
     }
@@ -96,7 +96,8 @@ fn eliminate(a: &mut [f64], m: usize, b: &mut [f64], least: f64) -> bool {
                 pivot = i;
             }
         }
-        if !(a[pivot * m + j].abs() > least) {
+        let size = a[pivot * m + j].abs();
+        if size <= least || size.is_nan() {
             return false;
         }
         if pivot != j {

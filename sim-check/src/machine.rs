@@ -540,9 +540,10 @@ impl<'a> Machine<'a> {
             let (Some(k), joint) = (self.dof[body], mode.joints[body]) else { continue };
             let dry = self.dry_friction(body);
             let bounds = match (rows, joint) {
-                (_, JointMode::Latched) => continue,
+                (_, JointMode::Latched) | (Rows::Holding, JointMode::Free | JointMode::Sliding(_)) => {
+                    continue;
+                }
                 (Rows::Holding, JointMode::Held(_)) => Bounds::Between(f64::NEG_INFINITY, f64::INFINITY),
-                (Rows::Holding, _) => continue,
                 (Rows::Impact, JointMode::Held(Stop::Low)) => Bounds::Between(0.0, f64::INFINITY),
                 (Rows::Impact, JointMode::Held(Stop::High)) => Bounds::Between(f64::NEG_INFINITY, 0.0),
                 (Rows::Impact, _) => continue,

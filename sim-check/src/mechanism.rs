@@ -176,7 +176,7 @@ impl Mechanism {
         for (i, body) in self.tree.bodies().iter().enumerate() {
             let first = self.tree.velocity_of(i);
             for k in first..first + body.joint.sizes().1 {
-                if !(mass[k * n + k] > 0.0) {
+                if mass[k * n + k] <= 0.0 || mass[k * n + k].is_nan() {
                     return Err(SimError::NoInertia { body: body.name.clone() });
                 }
             }

@@ -134,10 +134,10 @@ impl Rig {
     /// [`SimError::Input`] for a lean or a rate that is not a number, or a lean at which the wheel would be below the ground.
     pub fn stand(&self, lean: f64, rate: f64) -> Result<(Vec<f64>, Vec<f64>), SimError> {
         let wrong = |name: &str, value, allowed| Err(SimError::Input { name: name.into(), value, allowed });
-        if !(lean.abs() < 1.5) {
+        if lean.is_nan() || lean.abs() >= 1.5 {
             return wrong("start lean (rad)", lean, "between -1.5 and 1.5");
         }
-        if !(rate.abs() < 1e3) {
+        if rate.is_nan() || rate.abs() >= 1e3 {
             return wrong("approach rate (rad/s)", rate, "a finite number below 1000");
         }
         let tree = &self.mechanism.tree;

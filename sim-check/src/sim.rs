@@ -508,8 +508,7 @@ impl<'a> Sim<'a> {
             h = self.root(guard, h, before, watches);
             // Another may have come first.
             let values = self.guard_values(self.time + h, watches, true);
-            let other =
-                values.iter().find(|(g, value)| *value < 0.0 && *g != guard && !self.trails(*g, before));
+            let other = values.iter().find(|(g, value)| *value < 0.0 && *g != guard && !trails(*g, before));
             match other {
                 Some(&(other, _)) if h > 0.0 => {
                     let earlier = self.root(other, h, before, watches);
@@ -528,11 +527,6 @@ impl<'a> Sim<'a> {
         }
     }
 
-    /// Whether a guard was violated, by round-off, before the step.
-    fn trails(&self, guard: Guard, before: &[(Guard, f64)]) -> bool {
-        before.iter().any(|(g, value)| *g == guard && *value < 0.0)
-    }
-
     /// When, within the step of `h`, `guard` comes to 0; just past it. `next` is left there.
     fn root(&mut self, guard: Guard, h: f64, before: &[(Guard, f64)], watches: &[Watch<'_>]) -> f64 {
         let value = |sim: &mut Self, s: f64| {
@@ -544,7 +538,7 @@ impl<'a> Sim<'a> {
         let (mut a, mut fa) = (0.0, start);
         let (mut b, mut fb) = (h, value(self, h));
         // A guard that starts at 0 and comes back has its root inside: look for where it is well above 0.
-        if !(fa > 0.0) {
+        if fa <= 0.0 || fa.is_nan() {
             let mut s = h;
             for _ in 0..24 {
                 s *= 0.5;
@@ -555,7 +549,7 @@ impl<'a> Sim<'a> {
                 }
                 (b, fb) = (s, f);
             }
-            if !(fa > 0.0) {
+            if fa <= 0.0 || fa.is_nan() {
                 value(self, b);
                 return b;
             }
@@ -813,7 +807,7 @@ impl<'a> Sim<'a> {
         let approaching = self.machine.problem.elements.iter().any(|e| {
             let w = self.machine.problem.b[e.row];
             match e.bounds {
-                Bounds::Between(low, _) if low == 0.0 => w < -STANDING,
+                Bounds::Between(0.0, _) => w < -STANDING,
                 Bounds::Between(..) => w > STANDING,
                 Bounds::Friction { .. } => false,
             }
@@ -1006,6 +1000,11 @@ impl<'a> Sim<'a> {
     }
 }
 
+/// Whether a guard was violated, by round-off, before the step.
+fn trails(guard: Guard, before: &[(Guard, f64)]) -> bool {
+    before.iter().any(|(g, value)| *g == guard && *value < 0.0)
+}
+
 fn contact_guards(machine: &Machine<'_>, mode: &Mode, touching: bool, guards: &mut Vec<(Guard, f64)>) {
     for c in 0..mode.contacts.len() {
         if touching && !mode.contacts[c].closed {
@@ -1123,7 +1122,7 @@ fn check_start(mechanism: &Mechanism, q: &[f64], v: &[f64], settings: &Settings)
     }
     let wrong = |name: &str, value, allowed| Err(SimError::Input { name: name.into(), value, allowed });
     for (name, list) in [("coordinate", q), ("velocity", v)] {
-        if let Some(x) = list.iter().find(|x| !(x.abs() < 1e9)) {
+        if let Some(x) = list.iter().find(|x| x.is_nan() || x.abs() >= 1e9) {
             return wrong(name, *x, "a finite number below 1e9");
         }
     }

@@ -234,7 +234,9 @@ impl Tree {
             if body.joint == Joint::Free {
                 let spin = &mut q[iq + 3..iq + 7];
                 let length = spin.iter().map(|x| x * x).sum::<f64>().sqrt();
-                spin.iter_mut().for_each(|x| *x /= length);
+                for x in spin {
+                    *x /= length;
+                }
             }
         }
     }
@@ -269,14 +271,14 @@ impl Tree {
             welded.coordinates.extend(iq..iq + coordinates);
             welded.velocities.extend(iv..iv + velocities);
             let body = Body { parent: carried.0, placement: carried.1, ..body.clone() };
-            let index = welded.tree.push(body);
+            let index = welded.tree.push(&body);
             welded.home.push((Some(index), Placement::identity()));
         }
         welded
     }
 
     /// Adds a body that needs no check.
-    fn push(&mut self, body: Body) -> usize {
+    fn push(&mut self, body: &Body) -> usize {
         let sound = self.add(body.clone());
         sound.unwrap_or_else(|_| {
             unreachable!("a body of a sound tree is sound: {}", body.name);

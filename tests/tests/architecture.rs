@@ -16,7 +16,7 @@ const MAY_USE: [(&str, &[&str]); 13] = [
     ("ballistic", &["numeric", "robot"]),
     ("planner", &["numeric", "robot", "lagrangian", "ballistic"]),
     // Its equations are derived another way: never lagrangian or ballistic.
-    ("sim-check", &["robot", "pneumatics"]),
+    ("sim-check", &["numeric", "robot", "pneumatics"]),
     ("diagnosis", &["numeric", "robot", "pneumatics", "lagrangian", "ballistic", "sim-check"]),
     ("gait", &["robot", "planner", "sim-check"]),
     ("controller", &[]),
