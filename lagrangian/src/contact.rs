@@ -1,7 +1,7 @@
 //! What the foot asks of the ground along a stance, at the price of little more than the stance.
 
-use saltus_numeric::dop853::{self, Derivative};
 use saltus_numeric::Single;
+use saltus_numeric::dop853::{self, Derivative};
 
 use crate::advance::index::TIME;
 use crate::advance::{CHECKED, State, WIDTH};

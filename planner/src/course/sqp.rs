@@ -104,6 +104,10 @@ const PRICE_LIMIT: f64 = 1e8;
 /// Least size of the trust region.
 const RADIUS_LIMIT: f64 = 1e-9;
 
+/// Steps (in units of the ranges) and changes of the multipliers (of their sum) below these leave the Hessian as it is.
+const SHORT: f64 = 0.01;
+const STEADY: f64 = 0.05;
+
 /// Solves a program from `x`.
 pub fn solve<P: Nlp>(nlp: &P, x: &[f64], settings: &Settings) -> Report {
     let mut iterate = Iterate::new(nlp, x, settings);
@@ -135,6 +139,8 @@ struct Iterate<'a, P> {
     at: Evaluation,
     trial: Evaluation,
     hessian: Vec<f64>,
+    /// The multipliers that the Hessian was taken with.
+    weights: Vec<f64>,
     multipliers: Vec<f64>,
     radius: f64,
     price: f64,
@@ -157,6 +163,7 @@ impl<'a, P: Nlp> Iterate<'a, P> {
             at,
             trial,
             hessian: Vec::new(),
+            weights: Vec::new(),
             multipliers,
             radius,
             price,
@@ -211,8 +218,16 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         if ratio > 1e-3 {
             self.x = x;
             std::mem::swap(&mut self.at, &mut self.trial);
-            self.hessian = self.curvature();
+            if length > SHORT || self.multipliers_moved() {
+                self.hessian = self.curvature();
+            }
         }
+    }
+
+    /// Whether the multipliers are no longer about those of the Hessian.
+    fn multipliers_moved(&self) -> bool {
+        let moved: f64 = self.multipliers.iter().zip(&self.weights).map(|(a, b)| (a - b).abs()).sum();
+        moved > STEADY * self.multipliers.iter().map(|m| m.abs()).sum::<f64>()
     }
 
     /// The iterate after a step.
@@ -346,6 +361,7 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         // Balances truncation against round-off of gradients that are exact to 1e-16.
         const DIFFERENCE: f64 = 1e-7;
         let n = self.x.len();
+        self.weights.clone_from(&self.multipliers);
         let base = self.lagrangian(&self.at);
         let mut hessian = DMatrix::zeros(n, n);
         let mut x = self.x.clone();
