@@ -142,7 +142,7 @@ impl<S: Single> Stance<S> {
     /// Pivoting and filling go by closed forms where these are exact to round-off, the extension by an eighth-order
     /// method with events on its steps.
     ///
-    /// Source: thesis §5.2, MODEL "One jump, phase by phase".
+    /// Source: thesis §5.2, docs/model.md, "One jump, phase by phase".
     ///
     /// # Errors
     /// [`StanceError::Input`] for an input outside its domain; [`StanceError::StepTooSmall`],
