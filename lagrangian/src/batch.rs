@@ -5,13 +5,13 @@
 
 use saltus_numeric::dop853::{self, Derivative, Step};
 use saltus_numeric::{LANES, Lanes, Scalar};
-use saltus_pneumatics::{Chamber, Flow, MEGA, Valve, ValveLaw};
+use saltus_pneumatics::{Chamber, Flow, MEGA, Piece, Valve, ValveLaw};
 use saltus_robot::Robot;
 
 use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
 use crate::advance::{CHECKED, State, WIDTH};
 use crate::jump::FIRST_STEP;
-use crate::phase::{FORCE_SCALE, Piece};
+use crate::phase::FORCE_SCALE;
 use crate::{Launch, LiftOff, Outcome, Stance, StanceError};
 
 /// Numbers in a state that move.

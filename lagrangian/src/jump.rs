@@ -1,11 +1,11 @@
 //! One stance from its start to lift-off: the phases in their order.
 
 use saltus_numeric::{Scalar, Single};
-use saltus_pneumatics::{Chamber, Drive, Flow, MEGA, Switches};
+use saltus_pneumatics::{Chamber, Drive, Flow, MEGA, Piece, Switches};
 
 use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
 use crate::advance::{Pace, State, WIDTH, advance};
-use crate::phase::{Extension, Held, Piece};
+use crate::phase::{Extension, Held};
 use crate::{Launch, Stance, StanceError};
 
 /// How a stance ends.

@@ -4,88 +4,11 @@ use std::f64::consts::FRAC_PI_2;
 
 use saltus_numeric::Single;
 use saltus_numeric::dop853::Derivative;
-use saltus_pneumatics::{Chamber, Drive, Flow, Force, GasState, Switches, Valve};
+use saltus_pneumatics::{Drive, Force, Piece, Switches};
 
 use crate::Stance;
 use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
 use crate::advance::{Look, Phase, State, WIDTH};
-
-/// The smooth piece that the chamber is on: the valve's law, and where it ends.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Piece<S: Single> {
-    pub flow: Flow,
-    pub valve: Valve<S>,
-    /// u at which the law switches, on its two sides; with the pressure falling to the first, rising to the second.
-    pub low: S,
-    pub high: S,
-    /// 1 where u rises with the pressure, −1 where it falls.
-    pub sign: S,
-    port_open: bool,
-    extras: bool,
-}
-
-impl<S: Single> Piece<S> {
-    /// The piece at pressure `p` (Pa), or just above or below it where `side` is ±1.
-    pub(crate) fn new(chamber: &Chamber<S>, energized: bool, p: S, side: f64, port_open: bool) -> Piece<S> {
-        let nudged = p * S::of(1.0 + 1e-9 * side);
-        let flow = chamber.flow(energized, nudged);
-        let extras = chamber.has_extras();
-        let (low, high) =
-            if extras { edges_with_extras(chamber, energized, flow, nudged) } else { chamber.edges(flow) };
-        Piece {
-            flow,
-            valve: chamber.valve(flow),
-            low,
-            high,
-            sign: S::of(if flow == Flow::ExhaustSubsonic { -1.0 } else { 1.0 }),
-            port_open,
-            extras,
-        }
-    }
-
-    /// How far the pressure is past the upper and the lower edge, in u.
-    #[inline(always)]
-    fn guards(&self, u: S) -> (S, S) {
-        (self.sign * (u - self.high), self.sign * (self.low - u))
-    }
-
-    /// The gas in the chamber of a retracted leg.
-    fn gas_at_rest(&self, chamber: &Chamber<S>, u: S) -> GasState<S> {
-        let zero = S::of(0.0);
-        chamber.gas(&self.valve, u, zero, zero, S::of(1.0))
-    }
-
-    /// u̇ with the terms that the valve's plain law leaves out.
-    #[inline(always)]
-    fn rate(&self, chamber: &Chamber<S>, gas: &GasState<S>) -> S {
-        if !self.extras {
-            return gas.rate;
-        }
-        let inflow = chamber.extra_inflow(self.flow, gas.pressure, self.port_open);
-        let change = chamber.pressure_per_mass() * gas.inverses.1 * inflow;
-        gas.rate + change / gas.pressure_per_variable
-    }
-}
-
-/// The edges (in u) around pressure `p` (Pa) of a chamber that also leaks: those of the valve, and of the leak's own flow.
-fn edges_with_extras<S: Single>(chamber: &Chamber<S>, energized: bool, flow: Flow, p: S) -> (S, S) {
-    let exhaust = chamber.exhaust_edge();
-    let edges = if energized {
-        [chamber.fill_edge(), chamber.balance_above(), exhaust]
-    } else {
-        [chamber.balance_below(), exhaust, exhaust]
-    };
-    let (mut low, mut high) = (S::of(1.0), S::of(1e12));
-    for edge in edges {
-        if edge.value() < p.value() && edge.value() > low.value() {
-            low = edge;
-        }
-        if edge.value() >= p.value() && edge.value() < high.value() {
-            high = edge;
-        }
-    }
-    (chamber.variable(flow, low), chamber.variable(flow, high))
-}
 
 /// The leg held at d = 0 by its end stop: the robot pivots, and the chamber may fill.
 pub(crate) struct Held<'a, S: Single> {

@@ -46,6 +46,12 @@ impl<S: Single> Piece<S> {
         (self.sign * (u - self.high), self.sign * (self.low - u))
     }
 
+    /// The gas at `u` in the chamber of a retracted leg.
+    pub fn gas_at_rest(&self, chamber: &Chamber<S>, u: S) -> GasState<S> {
+        let zero = S::of(0.0);
+        chamber.gas(&self.valve, u, zero, zero, S::of(1.0))
+    }
+
     /// The gas at `u` in the chamber of a leg at extension `d` (m) that extends at `speed` (m/s), and u̇ with every term.
     pub fn gas(&self, chamber: &Chamber<S>, u: S, d: S, speed: S) -> (GasState<S>, S) {
         let gas = chamber.gas(&self.valve, u, d, speed, S::of(1.0));
