@@ -28,7 +28,7 @@ pub struct Trace<S = f64> {
 pub struct Sample<S = f64> {
     /// Time (s) from the start.
     pub time: S,
-    /// Lean φ (rad) and its rate (rad/s).
+    /// Lean φ (rad).
     pub lean: S,
     /// Lean rate ω (rad/s).
     pub rate: S,

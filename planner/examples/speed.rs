@@ -118,8 +118,9 @@ fn plan(planner: &Planner) -> Result<(), Box<dyn Error>> {
         let crossing = Crossing { friction, ..Crossing::new(course.clone(), 5.0) };
         let CrossingAnswer::Plan(plan) = planner.cross(&crossing)? else { return Err("no plan".into()) };
         let [least, median, most] = time(|| usize::from(planner.cross(&crossing).is_ok())).map(|s| s * 1e3);
+        let limit = friction.map_or("no friction limit".into(), |mu| format!("friction at most {mu}"));
         println!(
-            "saltus plan over a 21 cm box, friction limit {friction:?}: {median:.3} ms [{least:.3}..{most:.3}], verified: {}",
+            "saltus plan over a 21 cm box, {limit}: {median:.3} ms [{least:.3}..{most:.3}], verified: {}",
             plan.is_verified()
         );
     }

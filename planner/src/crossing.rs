@@ -5,7 +5,7 @@
 //! limit: see [`Check`].
 
 use saltus_ballistic::{Disc, DragFlight, ExtendedLeg, Flight, Obstacle as Solid};
-use saltus_lagrangian::{FINE, Launch, Stance, StanceError};
+use saltus_lagrangian::{Launch, Stance, StanceError};
 use saltus_numeric::{Dual, Scalar, Single};
 use saltus_robot::Parameter;
 
@@ -265,15 +265,16 @@ impl Planner {
     /// Flies a plan in the full model and holds it against every limit.
     fn verify(&self, crossing: &Crossing, search: course::Plan) -> Result<CrossingPlan, StanceError> {
         let (mut jumps, mut checks) = (Vec::new(), Vec::new());
-        let stance = self.stance().clone().with_tolerance(FINE);
         let sensitive = self.sensitive_stance();
-        let radius = self.robot().body.radius;
+        let robot = self.robot();
+        let (radius, gravity, drag) = (robot.body.radius, robot.axle_gravity(), robot.environment.drag);
         let mut foot = crossing.course.start;
         for (index, planned) in search.jumps.iter().enumerate() {
             let [firing_angle, valve_open] = planned.decisions;
             let launch = launch(crossing, index, firing_angle, valve_open);
-            let trace = stance.trace(&launch)?;
-            let jump = Jump { stance: trace.lift_off, ..self.jump(&launch)? };
+            // Ten times finer than the search, and without its closed forms.
+            let trace = self.stance().trace(&launch)?;
+            let jump = Jump::new(launch, trace.lift_off, gravity, drag);
             let (from, to) = (planned.leap.from, planned.leap.to);
             let distance = jump.distance(radius + to - from).unwrap_or(f64::NAN);
             let landing = foot + distance;

@@ -5,6 +5,11 @@ use saltus::{Launch, Planner, resolve};
 
 use crate::{Outcome, VALVE_OPEN};
 
+/// Length (m) of the boom, table 4.1.
+pub(crate) const BOOM_LENGTH: f64 = 2.12;
+/// The boom, table 4.1, as a robot file has it.
+pub(crate) const BOOM: [&str; 3] = ["boom.mass_kg=0.5", "boom.length_m=2.12", "boom.radius_m=0.015"];
+
 /// A planner for `rats-planar` with these overrides.
 pub(crate) fn planner(overrides: &[&str]) -> Outcome<Planner> {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();

@@ -6,7 +6,7 @@ use saltus::Planner;
 use saltus::planner::{Entry, Law, LawPoint, Measure, Roots};
 
 use crate::chart::{COLORS, Chart, Stroke};
-use crate::jumper::{Reading, planner, range};
+use crate::jumper::{BOOM, Reading, planner, range};
 use crate::{Outcome, Section, claim, signed};
 
 /// The thesis' law: A (s), B (rad), and the distance (m) that it is for.
@@ -222,12 +222,10 @@ fn robots() -> Outcome<String> {
     let body = nominal.robot().body;
     // ⅖ m r²: table 4.1's solid sphere in place of the thin disc.
     let sphere = format!("body.inertia_kg_m2={}", 0.4 * body.mass * body.radius * body.radius);
-    // A third of the boom's 0.5 kg moves with the wheel.
-    let boom = format!("body.mass_kg={}", body.mass + 0.5 / 3.0);
     let robots: [(&str, &[&str]); 6] = [
         ("nominal: thin disc, bore 19.05 mm, no boom", &[]),
         ("solid sphere", &[&sphere]),
-        ("a third of the boom's mass", &[&boom]),
+        ("with the boom", &BOOM),
         ("bore 16 mm", &["leg.bore_mm=16"]),
         ("bore 22 mm", &["leg.bore_mm=22"]),
         ("bore 27 mm", &["leg.bore_mm=27"]),

@@ -5,14 +5,9 @@ use std::fmt::Write;
 use saltus::{Launch, Planner};
 
 use crate::chart::{COLORS, Chart, Stroke};
-use crate::jumper::{planner, range};
+use crate::jumper::{BOOM, BOOM_LENGTH, planner, range};
 use crate::{Outcome, Section, claim};
 
-/// Boom (m, kg), table 4.1.
-const BOOM_LENGTH: f64 = 2.12;
-const BOOM_MASS: f64 = 0.5;
-/// Wheel and legs (kg), table 4.1.
-const MASS: f64 = 2.75;
 /// Figure 5.2: its horizontal axis (ms), its vertical one (rad), and the time (ms) past which its text sees no gain.
 const TIMES: (f64, f64) = (20.0, 60.0);
 const ANGLES: (f64, f64) = (0.04, 0.16);
@@ -34,14 +29,13 @@ fn stroke_time(planner: &Planner) -> Outcome<f64> {
 }
 
 pub(crate) fn section() -> Outcome<Section> {
-    let mass = |kilograms: f64| format!("body.mass_kg={kilograms}");
-    let with_boom = mass(MASS + BOOM_MASS / 3.0);
+    let with_boom = |bore: &[&'static str]| [&BOOM, bore].concat();
     let robots: [(&str, Vec<&str>); 5] = [
-        ("nominal bore, a third of the boom's mass", vec![&with_boom]),
+        ("nominal bore, with the boom", with_boom(&[])),
         ("no boom", vec![]),
-        ("bore 16 mm", vec![&with_boom, "leg.bore_mm=16"]),
-        ("bore 22 mm", vec![&with_boom, "leg.bore_mm=22"]),
-        ("bore 27 mm", vec![&with_boom, "leg.bore_mm=27"]),
+        ("bore 16 mm", with_boom(&["leg.bore_mm=16"])),
+        ("bore 22 mm", with_boom(&["leg.bore_mm=22"])),
+        ("bore 27 mm", with_boom(&["leg.bore_mm=27"])),
     ];
     let mut chart = Chart::new(
         ("valve opening time (ms)", 15.0, 80.0),
@@ -81,8 +75,7 @@ pub(crate) fn section() -> Outcome<Section> {
     let full = stroke_time(&nominal)?;
     let text = format!(
         "## Valve times (5.1, figure 5.2)\n\n\
-         A hop on one upright leg, from rest. The boom adds a third of its mass to the wheel's, and the pivot angle is \
-         asin((apex − r_s)/{BOOM_LENGTH} m).\n\n\
+         A hop on one upright leg, from rest. The boom swings about its far end, and the pivot angle is asin((apex − r_s)/{BOOM_LENGTH} m).\n\n\
          ![Pivot angle over valve opening time](thesis/valve-times.svg)\n\n\
          | | thesis | Saltus |\n| --- | --- | --- |\n\
          | pivot angle at {low:.0} ms | the axis begins at {a0} rad | {least:.4} rad |\n\
@@ -91,8 +84,7 @@ pub(crate) fn section() -> Outcome<Section> {
          | valve time of the running gait, 5.1.2 | {RUNNING:.0} ms, by trial and error | gives {share:.0} % of the height that an open valve gives |\n\n\
          The agreement at the ends is not evidence: the thesis does not give the bore, and this figure is what it was chosen by. The shape \
          and the time are. The thesis explains the end of the gain by exhaust ports that the piston passes; the model has the end of the \
-         stroke there, at which the robot is off the ground. Other bores, and the robot without \
-         the boom's mass:\n\n\
+         stroke there, at which the robot is off the ground. Other bores, and the robot without its boom:\n\n\
          | robot | {low:.0} ms | {RUNNING:.0} ms | {NO_GAIN:.0} ms | {high:.0} ms | stroke ends (ms) |\n| --- | --- | --- | --- | --- | --- |\n{rows}",
         low = TIMES.0,
         high = TIMES.1,

@@ -242,8 +242,9 @@ fn point(cell: &planner::Cell) -> (f64, Option<f64>) {
 /// Standard deviations and sensitivities of distance and apex.
 fn sensitivities(both: Option<[Sensitivity; 2]>, robot: &Robot) -> Vec<Cell> {
     let Some(both) = both else { return vec![Cell::Empty; 10] };
-    let deviations = both.iter().map(|one| one.standard_deviation(&robot.errors));
+    // A robot file that states no errors has no bands.
+    let deviations = both.iter().map(|one| Some(one.standard_deviation(&robot.errors)).filter(|d| *d > 0.0));
     let slopes =
         both.iter().flat_map(|one| [one.by_rate, one.by_firing_angle, one.by_valve_open, one.by_supply]);
-    deviations.chain(slopes).map(Cell::from).collect()
+    deviations.map(Cell::from).chain(slopes.map(Cell::from)).collect()
 }

@@ -58,9 +58,9 @@ fn row(i: usize, planned: &PlannedJump, checks: &[Check]) -> Vec<Cell> {
     let mut row = vec![Cell::Count(i + 1)];
     row.extend(numbers.map(Cell::from));
     row.push(planned.jump.apex().map(|apex| planned.foot[1] + apex).into());
-    row.extend(
-        [planned.landing[0], planned.landing[1], planned.deviation, planned.friction_needed].map(Cell::from),
-    );
+    row.extend(planned.landing.map(Cell::from));
+    row.push(Some(planned.deviation).filter(|d| *d > 0.0).into());
+    row.push(planned.friction_needed.into());
     row.push(Cell::Flag(holds));
     row
 }
