@@ -10,6 +10,7 @@ mod plan;
 mod simulate;
 mod table;
 mod target;
+mod verify;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -39,6 +40,7 @@ Examples:
   saltus law --omega 3:6:5 --distance 1
   saltus map --omega 2:7:51 --alpha-f -0.5:0.5:41 --plot map.png
   saltus plan course.toml --plot plan.svg
+  saltus verify course.toml --plant rats-boom --friction 0.3:1:8
   saltus parkour instances.json --out plans.json
 
 Exit codes: 0 done, 1 the answer is no, 2 bad input.
@@ -51,6 +53,7 @@ enum Command {
     Law(law::Law),
     Map(map::Map),
     Plan(plan::Plan),
+    Verify(verify::Verify),
     Parkour(parkour::Parkour),
     Completions(completions::Completions),
 }
@@ -72,6 +75,7 @@ impl Command {
             Command::Law(command) => command.run(),
             Command::Map(command) => command.run(),
             Command::Plan(command) => command.run(),
+            Command::Verify(command) => command.run(),
             Command::Parkour(command) => command.run(),
             Command::Completions(command) => command.run(),
         }
