@@ -2,6 +2,7 @@
 
 mod common;
 mod completions;
+mod export;
 mod law;
 mod limits;
 mod map;
@@ -40,6 +41,7 @@ Examples:
   saltus map --omega 2:7:51 --alpha-f -0.5:0.5:41 --plot map.png
   saltus plan course.toml --plot plan.svg
   saltus parkour instances.json --out plans.json
+  saltus export mjcf --robot rats-boom --out rats-boom.xml
 
 Exit codes: 0 done, 1 the answer is no, 2 bad input.
 `saltus help COMMAND` explains a command and its output.";
@@ -52,6 +54,7 @@ enum Command {
     Map(map::Map),
     Plan(plan::Plan),
     Parkour(parkour::Parkour),
+    Export(export::Export),
     Completions(completions::Completions),
 }
 
@@ -73,6 +76,7 @@ impl Command {
             Command::Map(command) => command.run(),
             Command::Plan(command) => command.run(),
             Command::Parkour(command) => command.run(),
+            Command::Export(command) => command.run(),
             Command::Completions(command) => command.run(),
         }
     }
