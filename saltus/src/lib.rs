@@ -15,6 +15,8 @@
 //!
 //! The `saltus` command does the same from a shell: `saltus simulate --omega 5 --alpha-f -0.1`.
 
+pub mod verify;
+
 pub use saltus_ballistic as ballistic;
 pub use saltus_lagrangian as lagrangian;
 pub use saltus_planner as planner;

@@ -267,11 +267,12 @@ impl Recorder<'_> {
         heights.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (which, height) in heights {
             let above = |_: f64, q: &[f64], _: &[f64]| rig.axle(q)[1] - height;
-            let here = rig.axle(self.sim.coordinates());
-            if here[1] < height {
+            if apex < height {
                 continue;
             }
-            if self.go(until, &[&above], |_| false)? == Stopped::Watch(0) {
+            let here = rig.axle(self.sim.coordinates());
+            // The second of two equal heights is where the first is.
+            if here[1] <= height + 1e-12 || self.go(until, &[&above], |_| false)? == Stopped::Watch(0) {
                 landings[which] = rig.axle(self.sim.coordinates())[0];
             }
         }

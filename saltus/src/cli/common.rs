@@ -97,6 +97,11 @@ impl Common {
     pub(crate) fn robot(&self) -> Result<Robot, CliError> {
         self.robot.robot()
     }
+
+    /// The robot with its overrides and `more`.
+    pub(crate) fn robot_with(&self, more: &[String]) -> Result<Robot, CliError> {
+        Ok(saltus::resolve(&self.robot, &[self.overrides.as_slice(), more].concat())?)
+    }
 }
 
 impl std::ops::Deref for Common {
