@@ -53,6 +53,12 @@ const CASES: &[(&str, &[&str])] = &[
     ("simulate --omega 5 --omega 6 --alpha-f 0", &["'--omega <RATE>' cannot be used multiple times"]),
     ("completions csh", &["invalid value 'csh'", "bash"]),
     ("completions", &["<SHELL>"]),
+    ("export", &["Usage: saltus export"]),
+    ("export urdf", &["unrecognized subcommand 'urdf'"]),
+    ("export mjcf --robot nobody", &["nobody"]),
+    ("export mjcf --robot broken.toml --out a.xml", &["broken.toml"]),
+    ("export mjcf --set leg.stroke_m=-1", &["leg.stroke_m"]),
+    ("export mjcf --out nowhere/a.xml", &["nowhere/a.xml: cannot be written"]),
     // Numbers.
     ("simulate --omega five --alpha-f 0", &["--omega", "\"five\" must be a number from 0 to 1000 rad/s"]),
     ("simulate --omega nan --alpha-f 0", &["--omega", "\"nan\" must be a number from 0 to 1000 rad/s"]),

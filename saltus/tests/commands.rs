@@ -366,3 +366,18 @@ fn files_are_replaced_whole_and_devices_are_written_to() {
     assert!(shown.starts_with("rats-planar"));
     assert_eq!(folder.names(), ["a.csv", "link.csv"]);
 }
+
+#[test]
+fn a_robot_is_exported_to_mujoco() {
+    let folder = Folder::new("export");
+    let shown = folder.done("export mjcf --robot rats-boom", 0);
+    assert_eq!(folder.done("export mjcf --robot rats-boom --out boom.xml", 0), "");
+    assert_eq!(folder.read("boom.xml"), shown);
+    assert!(
+        shown.contains("<mujoco model=\"rats-boom\">") && shown.trim_end().ends_with("</mujoco>"),
+        "{shown}"
+    );
+    let rough = folder.done("export mjcf --robot rats-boom --set ground.static_friction=0.8", 0);
+    assert_eq!(rough.matches("friction=\"0 0.8 0 0 0\"").count(), 5, "{rough}");
+    assert_eq!(folder.names(), ["boom.xml"]);
+}

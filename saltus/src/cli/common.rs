@@ -10,10 +10,10 @@ use crate::error::CliError;
 use crate::output::{Files, Format};
 use crate::plot::{Drawing, PlotFile};
 
-/// Options of every command.
+/// Which robot.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Robot and output")]
-pub(crate) struct Common {
+pub(crate) struct RobotFlags {
     /// Robot: a built-in one (rats-planar, rats-boom, spring-hopper, table-hopper) or a TOML file
     #[arg(long, value_name = "NAME|FILE", default_value = "rats-planar")]
     robot: String,
@@ -21,6 +21,21 @@ pub(crate) struct Common {
     /// Override a parameter of the robot by its dotted key, as in leg.stroke_m=0.05; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
+}
+
+impl RobotFlags {
+    /// The robot with its overrides.
+    pub(crate) fn robot(&self) -> Result<Robot, CliError> {
+        Ok(saltus::resolve(&self.robot, &self.overrides)?)
+    }
+}
+
+/// Options of every command that reports.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Robot and output")]
+pub(crate) struct Common {
+    #[command(flatten)]
+    robot: RobotFlags,
 
     #[command(flatten)]
     output: OutputFlags,
@@ -80,7 +95,7 @@ impl PlotOption {
 impl Common {
     /// The robot with its overrides.
     pub(crate) fn robot(&self) -> Result<Robot, CliError> {
-        Ok(saltus::resolve(&self.robot, &self.overrides)?)
+        self.robot.robot()
     }
 
     /// The robot with its overrides and `more`.

@@ -2,6 +2,7 @@
 
 mod common;
 mod completions;
+mod export;
 mod law;
 mod limits;
 mod map;
@@ -42,6 +43,7 @@ Examples:
   saltus plan course.toml --plot plan.svg
   saltus verify course.toml --plant rats-boom --friction 0.3:1:8
   saltus parkour instances.json --out plans.json
+  saltus export mjcf --robot rats-boom --out rats-boom.xml
 
 Exit codes: 0 done, 1 the answer is no, 2 bad input.
 `saltus help COMMAND` explains a command and its output.";
@@ -55,6 +57,7 @@ enum Command {
     Plan(plan::Plan),
     Verify(verify::Verify),
     Parkour(parkour::Parkour),
+    Export(export::Export),
     Completions(completions::Completions),
 }
 
@@ -77,6 +80,7 @@ impl Command {
             Command::Plan(command) => command.run(),
             Command::Verify(command) => command.run(),
             Command::Parkour(command) => command.run(),
+            Command::Export(command) => command.run(),
             Command::Completions(command) => command.run(),
         }
     }
