@@ -100,7 +100,7 @@ impl Common {
 
     /// The robot with its overrides and `more`.
     pub(crate) fn robot_with(&self, more: &[String]) -> Result<Robot, CliError> {
-        Ok(saltus::resolve(&self.robot, &[self.overrides.as_slice(), more].concat())?)
+        Ok(saltus::resolve(&self.robot.robot, &[self.robot.overrides.as_slice(), more].concat())?)
     }
 }
 
