@@ -1,0 +1,128 @@
+//! A mass on a guide, driven by a measured force.
+
+use super::{FREE, simple, unknown};
+use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+
+/// What is given of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drive {
+    /// Mass (kg), if it is known.
+    pub mass: Option<f64>,
+    /// When (s) each force was measured.
+    pub time: Vec<f64>,
+    /// Force (N).
+    pub force: Vec<f64>,
+}
+
+/// Slides.
+#[derive(Clone, Debug)]
+pub struct Slides {
+    channels: Vec<Channel>,
+    logs: Vec<Log>,
+    drives: Vec<Drive>,
+    causes: Vec<Cause>,
+    mass_is_known: bool,
+}
+
+/// Longest step (s).
+const STEP: f64 = 1e-3;
+
+impl Slides {
+    /// Slides whose one channel is the position (m).
+    pub fn new(channel: Channel, logs: Vec<Log>, drives: Vec<Drive>) -> Slides {
+        let mass_is_known = drives.iter().all(|d| d.mass.is_some());
+        let mut causes = vec![
+            simple("coulomb-friction", "coulomb_friction_n", 0.0, (0.0, 1e5), 0.5, &[1.0, 5.0]),
+            simple("viscous-friction", "viscous_friction_n_s_per_m", 0.0, (0.0, 1e6), 0.5, &[1.0, 10.0]),
+            simple("air-drag", "drag_n_s2_per_m2", 0.0, (0.0, 1e5), 0.1, &[1.0]),
+            Cause {
+                id: "return-spring",
+                parameters: vec![
+                    unknown("stiffness_n_per_m", 0.0, (0.0, 1e7), 5.0),
+                    unknown("preload_n", 0.0, (-1e5, 1e5), 0.5),
+                ],
+            },
+            simple("sensor-offset", "force_offset_n", 0.0, FREE, 0.1, &[]),
+            simple("sensor-delay", "position_delay_s", 0.0, (0.0, 0.5), 1e-3, &[0.01]),
+            simple("encoder-scale", "position_scale", 1.0, (0.2, 5.0), 0.01, &[]),
+        ];
+        if mass_is_known {
+            causes.push(simple("mass", "mass_share", 1.0, (0.05, 20.0), 0.02, &[0.8, 1.25]));
+        }
+        Slides { channels: vec![channel], logs, drives, causes, mass_is_known }
+    }
+
+    fn term(&self, id: &str, parameter: usize, terms: &Terms) -> f64 {
+        self.causes.iter().position(|c| c.id == id).map_or(1.0, |i| terms.get(i, parameter))
+    }
+}
+
+impl Kind for Slides {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn logs(&self) -> &[Log] {
+        &self.logs
+    }
+
+    /// Where and how fast it starts; its mass where nobody knows it.
+    fn unknowns(&self, run: usize) -> Vec<Parameter> {
+        let readings = &self.logs[run].readings;
+        let start = readings.first().map_or(0.0, |r| r.value);
+        let mut all = vec![unknown("start_m", start, FREE, 1e-3), unknown("start_speed_m_s", 0.0, FREE, 0.01)];
+        if !self.mass_is_known {
+            all.push(unknown("mass_kg", 1.0, (1e-4, 1e5), 0.1));
+        }
+        all
+    }
+
+    fn causes(&self) -> &[Cause] {
+        &self.causes
+    }
+
+    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+        let drive = &self.drives[run];
+        let mass = match (drive.mass, unknowns.get(2)) {
+            (_, Some(&mass)) => mass,
+            (Some(mass), None) => mass * self.term("mass", 0, terms),
+            _ => return None,
+        };
+        let [dry, viscous, drag] =
+            ["coulomb-friction", "viscous-friction", "air-drag"].map(|id| self.term(id, 0, terms));
+        let (stiffness, preload) = (self.term("return-spring", 0, terms), self.term("return-spring", 1, terms));
+        let offset = self.term("sensor-offset", 0, terms);
+        let (delay, scale) = (self.term("sensor-delay", 0, terms), self.term("encoder-scale", 0, terms));
+        let (start, mut x, mut v) = (unknowns[0], unknowns[0], unknowns[1]);
+        let mut now = *drive.time.first()?;
+        let mut at = 0;
+        let force = |at: usize, t: f64| {
+            let (a, b) = (at, (at + 1).min(drive.time.len() - 1));
+            let width = drive.time[b] - drive.time[a];
+            let share = if width > 0.0 { ((t - drive.time[a]) / width).clamp(0.0, 1.0) } else { 0.0 };
+            drive.force[a] + share * (drive.force[b] - drive.force[a]) + offset
+        };
+        let mut out = Vec::with_capacity(self.logs[run].readings.len());
+        for reading in &self.logs[run].readings {
+            let until = reading.time - delay;
+            while now < until {
+                while at + 1 < drive.time.len() && drive.time[at + 1] <= now {
+                    at += 1;
+                }
+                let h = STEP.min(until - now);
+                // The middle of the step; dry friction takes what is left of the speed and no more.
+                let middle = x + 0.5 * h * v;
+                let push = force(at, now + 0.5 * h) - stiffness * (middle - start) - preload
+                    - viscous * v
+                    - drag * v.abs() * v;
+                let free = v + h * push / mass;
+                let next = free.signum() * (free.abs() - h * dry / mass).max(0.0);
+                x += 0.5 * h * (v + next);
+                v = next;
+                now += h;
+            }
+            out.push(scale * x);
+        }
+        out.iter().all(|x| x.is_finite()).then_some(out)
+    }
+}

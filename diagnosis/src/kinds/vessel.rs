@@ -1,0 +1,161 @@
+//! A vessel filling or discharging through an orifice.
+
+use super::{FREE, simple, unknown};
+use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+
+/// What is given of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vessel {
+    /// Volume (m³).
+    pub volume: f64,
+    /// Diameter of the orifice (m).
+    pub orifice: f64,
+    /// Pressure (Pa) and temperature (K) at time 0.
+    pub pressure: f64,
+    /// See `pressure`.
+    pub temperature: f64,
+    /// Pressure (Pa) outside.
+    pub ambient: f64,
+    /// Area of the wall (m²); none: that of a sphere.
+    pub wall: Option<f64>,
+}
+
+/// Vessels.
+#[derive(Clone, Debug)]
+pub struct Vessels {
+    channels: Vec<Channel>,
+    logs: Vec<Log>,
+    vessels: Vec<Vessel>,
+    causes: Vec<Cause>,
+}
+
+const HEAT: usize = 0;
+const GAS: usize = 1;
+const OUTSIDE: usize = 2;
+const OFFSET: usize = 3;
+const SCALE: usize = 4;
+const DELAY: usize = 5;
+
+/// Air and carbon dioxide: κ and R (J/(kg K)).
+const AIR: (f64, f64) = (1.4, 287.05);
+const CARBON_DIOXIDE: (f64, f64) = (1.30, 188.9);
+
+impl Vessels {
+    /// Vessels with the channels `pressure_pa`, `temperature_k` or both.
+    pub fn new(channels: Vec<Channel>, logs: Vec<Log>, vessels: Vec<Vessel>) -> Vessels {
+        let causes = vec![
+            // Natural convection, Nu = c Ra^⅓; turbulent, c is 0.1 to 0.15.
+            simple("heat-transfer", "convection", 0.0, (0.0, 5.0), 0.02, &[0.1]),
+            simple("gas-type", "carbon_dioxide_share", 0.0, (0.0, 1.0), 0.1, &[1.0]),
+            simple("supply-pressure", "outside_pressure_pa", 0.0, (-1e6, 1e6), 1e3, &[]),
+            simple("sensor-offset", "pressure_offset_pa", 0.0, FREE, 1e3, &[]),
+            simple("encoder-scale", "pressure_scale", 1.0, (0.2, 5.0), 0.01, &[]),
+            simple("sensor-delay", "delay_s", 0.0, (0.0, 10.0), 0.1, &[]),
+        ];
+        Vessels { channels, logs, vessels, causes }
+    }
+}
+
+/// Dimensionless flow through an orifice from `up` to `down` (Pa).
+fn flow_function(up: f64, down: f64, kappa: f64) -> f64 {
+    let critical = (2.0 / (kappa + 1.0)).powf(kappa / (kappa - 1.0));
+    let ratio = (down / up).clamp(0.0, 1.0);
+    if ratio <= critical {
+        return (kappa * (2.0 / (kappa + 1.0)).powf((kappa + 1.0) / (kappa - 1.0))).sqrt();
+    }
+    let part = ratio.powf(2.0 / kappa) - ratio.powf((kappa + 1.0) / kappa);
+    (2.0 * kappa / (kappa - 1.0) * part.max(0.0)).sqrt()
+}
+
+impl Kind for Vessels {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn logs(&self) -> &[Log] {
+        &self.logs
+    }
+
+    /// What the orifice lets through of the ideal flow, which no drawing tells.
+    fn unknowns(&self, _: usize) -> Vec<Parameter> {
+        vec![unknown("discharge_coefficient", 0.8, (0.05, 1.5), 0.02)]
+    }
+
+    fn causes(&self) -> &[Cause] {
+        &self.causes
+    }
+
+    /// Mass and energy of the gas: dU = h_in dm + Q, with natural convection from a wall that stays at the first temperature.
+    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+        let vessel = &self.vessels[run];
+        let share = terms.get(GAS, 0);
+        let mix = |a: f64, b: f64| a + share * (b - a);
+        let (kappa, gas) = (mix(AIR.0, CARBON_DIOXIDE.0), mix(AIR.1, CARBON_DIOXIDE.1));
+        let area = std::f64::consts::FRAC_PI_4 * vessel.orifice * vessel.orifice * unknowns[0];
+        let outside = vessel.ambient + terms.get(OUTSIDE, 0);
+        if outside <= 0.0 {
+            return None;
+        }
+        let wall = vessel.wall.unwrap_or_else(|| (36.0 * std::f64::consts::PI).cbrt() * vessel.volume.powf(2.0 / 3.0));
+        let rates = |[mass, temperature]: [f64; 2]| {
+            let pressure = mass * gas * temperature / vessel.volume;
+            let (up, down, source, sign) = if pressure > outside {
+                (pressure, outside, temperature, -1.0)
+            } else {
+                (outside, pressure, vessel.temperature, 1.0)
+            };
+            let flow = sign * area * up / (gas * source).sqrt() * flow_function(up, down, kappa);
+            let heat = terms.get(HEAT, 0) * wall * convection(mass / vessel.volume, vessel.temperature, temperature);
+            let heat_capacity = gas / (kappa - 1.0);
+            // Inflow brings the enthalpy of outside, outflow takes that of inside.
+            let brought = flow * (kappa * source - temperature) * heat_capacity;
+            [flow, (brought + heat) / (mass * heat_capacity)]
+        };
+        let mut state = [vessel.pressure * vessel.volume / (gas * vessel.temperature), vessel.temperature];
+        let mut now = 0.0;
+        let mut out = Vec::with_capacity(self.logs[run].readings.len());
+        let last = self.logs[run].readings.last()?.time;
+        let longest = last / 2000.0;
+        for reading in &self.logs[run].readings {
+            let length = reading.time - terms.get(DELAY, 0) - now;
+            if length > 0.0 {
+                // As many steps as the longest allows.
+                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+                let count = (length / longest).ceil().clamp(1.0, 1e5) as usize;
+                for _ in 0..count {
+                    state = runge_kutta(state, length / count as f64, &rates);
+                }
+                now += length;
+            }
+            let [mass, temperature] = state;
+            out.push(match self.channels[reading.channel].name {
+                "pressure_pa" => {
+                    terms.get(SCALE, 0) * mass * gas * temperature / vessel.volume + terms.get(OFFSET, 0)
+                }
+                _ => temperature,
+            });
+        }
+        out.iter().all(|x| x.is_finite()).then_some(out)
+    }
+}
+
+/// Heat (W/m²) from a wall at `wall` (K) to air of this density (kg/m³) at `inside` (K), for Nu = Ra^⅓: no length matters.
+fn convection(density: f64, wall: f64, inside: f64) -> f64 {
+    // Air near 280 K: conductivity W/(m K), viscosity Pa s, heat capacity J/(kg K).
+    const CONDUCTIVITY: f64 = 0.0246;
+    const VISCOSITY: f64 = 1.75e-5;
+    const CAPACITY: f64 = 1006.0;
+    let difference = wall - inside;
+    let film = 0.5 * (wall + inside);
+    let rayleigh = 9.81 / film * difference.abs() * density * density * CAPACITY / (VISCOSITY * CONDUCTIVITY);
+    CONDUCTIVITY * rayleigh.cbrt() * difference
+}
+
+fn runge_kutta(y: [f64; 2], h: f64, f: &impl Fn([f64; 2]) -> [f64; 2]) -> [f64; 2] {
+    let add = |k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
+    let a = f(y);
+    let b = f(add(a, 0.5 * h));
+    let c = f(add(b, 0.5 * h));
+    let d = f(add(c, h));
+    std::array::from_fn(|k| y[k] + h / 6.0 * (a[k] + 2.0 * b[k] + 2.0 * c[k] + d[k]))
+}

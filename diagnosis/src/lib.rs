@@ -1,0 +1,13 @@
+//! What measured data say is wrong with a simulation: which named cause, how surely, and what knowing it is worth.
+//!
+//! An experiment of some [`Kind`] has its data and the model of them, with every [`Cause`] that could be at work as a term that is off.
+//! [`diagnose`] switches them on one at a time while data that were left out ask for it.
+
+mod choose;
+mod fit;
+mod kind;
+pub mod kinds;
+
+pub use choose::{Candidate, Diagnosis, Finding, Settings, diagnose};
+pub use fit::Fit;
+pub use kind::{Cause, Channel, Kind, Log, Parameter, Reading, Terms};
