@@ -2,6 +2,9 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+// Until `saltus verify` calls it.
+#[allow(dead_code, unused_imports)]
+mod animation;
 mod cli;
 mod error;
 mod input;
