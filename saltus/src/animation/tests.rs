@@ -33,17 +33,19 @@ fn jump(robot: &Robot, firing_angle: f64) -> Jump {
     let flight = planned.flight.unwrap();
     let end = flight.time_to_height(height).unwrap();
     let path = stance.chain(flight.samples(0.0, end, 100).map(|(_, x, y)| [x, y])).collect();
-    let land = planned.distance(height).unwrap();
     let asked = Asked {
         name: format!("fired at {firing_angle} rad"),
-        verdict: format!("lands {:+.1} mm from where it was planned", (report.landing_at - land) * 1e3),
+        verdict: String::new(),
         passed: report.slips_at.is_none(),
         planned: path,
         planned_apex_m: flight.apex_height(),
-        planned_land_m: land,
+        planned_land_m: planned.distance(height).unwrap(),
         landing_height_m: height,
     };
-    Jump::of(&rig, &report, asked)
+    let mut jump = Jump::of(&rig, &report, asked);
+    jump.verdict =
+        format!("lands {:+.1} mm from where it was planned", (jump.land_m - jump.planned_land_m) * 1e3);
+    jump
 }
 
 fn slippery() -> Robot {
