@@ -83,7 +83,8 @@ impl Outcome {
         self.flown.apex.map(|y| y - self.trial.apex)
     }
 
-    fn miss(&self) -> Option<f64> {
+    /// Simulated less wanted landing (m).
+    pub(super) fn miss(&self) -> Option<f64> {
         self.flown.landing.map(|x| x - self.trial.wanted)
     }
 }
