@@ -265,7 +265,9 @@ fn a_plan_is_verified_as_it_was_planned_and_slips_where_it_must() {
     folder.write("box.toml", BOX);
     let text = folder.done("verify box.toml --samples 20 --animate page.html", 0);
     // What a browser makes of the page is seen by tests/animation/check.
-    assert!(folder.read("page.html").contains("rats-planar") && folder.read("page.html").ends_with("</html>\n"));
+    assert!(
+        folder.read("page.html").contains("rats-planar") && folder.read("page.html").ends_with("</html>\n")
+    );
     assert!(text.contains("PASS") && text.contains("slip                             none"), "{text}");
     let json: serde_json::Value =
         serde_json::from_str(&folder.done("verify box.toml --samples 0 --format json", 0)).unwrap();
