@@ -221,6 +221,8 @@ class Robot:
 
     def gas(self, pressure, start, end, extension, speed, opens, closes):
         """The pressure (Pa) at `end`, past the valve's opening and closing on the way; until it opens the leg is latched."""
+        if end <= opens:
+            return pressure
         for first, last, energised in ((opens, closes, True), (closes, math.inf, False)):
             begin, stop = max(start, first), min(end, last)
             if begin < stop:

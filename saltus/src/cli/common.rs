@@ -26,7 +26,12 @@ pub(crate) struct RobotFlags {
 impl RobotFlags {
     /// The robot with its overrides.
     pub(crate) fn robot(&self) -> Result<Robot, CliError> {
-        Ok(saltus::resolve(&self.robot, &self.overrides)?)
+        self.robot_with(&[])
+    }
+
+    /// The robot with its overrides and `more`.
+    fn robot_with(&self, more: &[String]) -> Result<Robot, CliError> {
+        Ok(saltus::resolve(&self.robot, &[self.overrides.as_slice(), more].concat())?)
     }
 }
 
@@ -100,7 +105,7 @@ impl Common {
 
     /// The robot with its overrides and `more`.
     pub(crate) fn robot_with(&self, more: &[String]) -> Result<Robot, CliError> {
-        Ok(saltus::resolve(&self.robot, &[self.overrides.as_slice(), more].concat())?)
+        self.robot.robot_with(more)
     }
 }
 
