@@ -3,7 +3,7 @@
 
     python3 -m venv target/mujoco && target/mujoco/bin/pip install -r tests/mujoco/requirements.txt
     cargo build -p saltus --bins
-    target/mujoco/bin/python bench/mujoco.py > mujoco.csv
+    target/mujoco/bin/python bench/mujoco_speed.py > mujoco.csv
 
 Only MuJoCo's own work is timed: the force of the leg over time is computed first, in one fine run with the chamber of
 tests/mujoco/jump.py, and so are the instants of firing; then whole jumps are flown in one call of mujoco.rollout, on one
