@@ -403,7 +403,7 @@ fn missing(robot: &Robot) -> Vec<String> {
     say(leg.cushion.is_some(), "the end-stop cushion: take its force from the motor's".into());
     say(
         leg.body.mass == 0.0,
-        "legs without mass: each has 1e-6 of the robot's, which soft constraints push badly; better give leg.mass_kg".into(),
+        "legs without mass: each has 1e-6 of the robot's, and a drive pushes it through ground and end stop; give leg.mass_kg".into(),
     );
     say(!ground.static_friction.is_finite(), format!("infinite friction: the coefficient is {NO_SLIP}"));
     say(
