@@ -173,6 +173,22 @@ impl Problem {
         self.motion[e.row..e.row + e.rows()].iter().all(|w| w.abs() <= 10.0 * self.still())
     }
 
+    /// Where forces are one choice of many, one at its bound says nothing: there, after [`resolve`](Self::resolve), what
+    /// stands is to hold.
+    pub(crate) fn hold_what_stands(&mut self) {
+        let grips: Vec<Grip> = self.elements.iter().map(|e| e.grip).collect();
+        for i in 0..self.elements.len() {
+            if self.stands(&self.elements[i]) {
+                self.elements[i].grip = Grip::Held;
+            }
+        }
+        if !self.solve() {
+            for (e, grip) in self.elements.iter_mut().zip(grips) {
+                e.grip = grip;
+            }
+        }
+    }
+
     /// How small a motion counts as none: what is left of numbers of this size after cancelling.
     fn still(&self) -> f64 {
         1e-10 * self.b.iter().fold(0.0_f64, |s, x| s.max(x.abs())) + 1e-14

@@ -196,9 +196,9 @@ impl Recorder<'_> {
             Stopped::Left => {}
             _ => return Ok(self.finish(End::NoLiftOff, None)),
         }
-        let extended = self.sim.events().iter().any(|e| e.what == Happening::BreakAway(self.rig.legs[0]));
         let lift_off = self.lift_off(time_fire);
-        if !extended {
+        // A foot that leaves before its leg moves was not thrown off.
+        if lift_off.extension <= 1e-12 {
             return Ok(self.finish(End::EarlyLiftOff, Some(lift_off)));
         }
         self.descend(lift_off)

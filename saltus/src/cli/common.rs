@@ -26,12 +26,7 @@ pub(crate) struct RobotFlags {
 impl RobotFlags {
     /// The robot with its overrides.
     pub(crate) fn robot(&self) -> Result<Robot, CliError> {
-        self.robot_with(&[])
-    }
-
-    /// The robot with its overrides and `more`.
-    fn robot_with(&self, more: &[String]) -> Result<Robot, CliError> {
-        Ok(saltus::resolve(&self.robot, &[self.overrides.as_slice(), more].concat())?)
+        Ok(saltus::resolve(&self.robot, &self.overrides)?)
     }
 }
 
@@ -105,7 +100,7 @@ impl Common {
 
     /// The robot with its overrides and `more`.
     pub(crate) fn robot_with(&self, more: &[String]) -> Result<Robot, CliError> {
-        self.robot.robot_with(more)
+        Ok(saltus::resolve(&self.robot.robot, &[self.robot.overrides.as_slice(), more].concat())?)
     }
 }
 

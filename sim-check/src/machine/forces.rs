@@ -1,0 +1,84 @@
+//! Applied forces: joints, legs, drag.
+
+use saltus_pneumatics::Switches;
+
+use super::{DRAG_LOSS, DRIVE, JOINT_LOSS, Machine};
+use crate::mode::{JointMode, Mode};
+
+impl Machine<'_> {
+    /// Forces in joints and legs, and what they do.
+    pub(super) fn apply_joints(&mut self, y: &[f64], mode: &Mode) {
+        for body in 0..self.dof.len() {
+            let Some(k) = self.dof[body] else { continue };
+            let parts = &self.mechanism.joints[body];
+            if mode.joints[body] == JointMode::Latched {
+                continue;
+            }
+            let speed = self.v[k];
+            let mut force = -parts.damping * speed;
+            if let JointMode::Sliding(sign) = mode.joints[body] {
+                force -= sign * parts.friction;
+            }
+            self.powers[JOINT_LOSS] -= force * speed;
+            if parts.spring.0 > 0.0 {
+                // A spring keeps its energy: it is not a loss.
+                let x = y[self.mechanism.tree.coordinate_of(body)];
+                force -= parts.spring.0 * (x - parts.spring.1);
+            }
+            self.free[k] += force;
+        }
+        for i in 0..self.mechanism.legs.len() {
+            self.apply_leg(i, y, mode);
+        }
+    }
+
+    pub(super) fn apply_leg(&mut self, i: usize, y: &[f64], mode: &Mode) {
+        let part = &self.mechanism.legs[i];
+        let (leg, state) = (&part.leg, &mode.legs[i]);
+        let d = y[self.mechanism.tree.coordinate_of(part.body)];
+        let speed = self.dof[part.body].map_or(0.0, |k| self.v[k]);
+        let u = y[self.layout.gas() + i];
+        (self.gas_rates[i], self.pressures[i]) = match (leg.chamber(), &state.piece) {
+            (Some(chamber), Some(piece)) => {
+                let (gas, rate) = piece.gas(chamber, u, d, speed);
+                (rate, gas.pressure)
+            }
+            _ => (0.0, 0.0),
+        };
+        let (Some(k), false) = (self.dof[part.body], mode.joints[part.body] == JointMode::Latched) else {
+            return;
+        };
+        let switches = Switches { energized: state.energized, cushioned: state.cushioned };
+        let drive = leg.drive_force(switches, d, speed, self.pressures[i]).value;
+        let dry = leg.dry_friction(self.pressures[i]);
+        // The leg's own law is that of an extending one: dry friction is put right for the others.
+        let without = leg.force(switches, d, speed, self.pressures[i]).value + dry;
+        let force = match mode.joints[part.body] {
+            JointMode::Sliding(sign) => without - sign * dry,
+            _ => without,
+        };
+        self.powers[DRIVE] += drive * speed;
+        self.powers[JOINT_LOSS] += (drive - force) * speed;
+        self.free[k] += force;
+    }
+
+    pub(super) fn apply_drag(&mut self) {
+        let Some(drag) = self.mechanism.drag else { return };
+        let (Some(body), placement) = self.welded.home[drag.body] else { return };
+        let at = self.pose.frames[body].then(&placement).position;
+        let velocity = self.pose.velocities[body].at(&at);
+        let force = velocity * (-drag.coefficient * velocity.norm());
+        self.powers[DRAG_LOSS] -= force.dot(&velocity);
+        for k in self.welded.tree.path(body) {
+            self.free[k] += self.pose.axes[k].at(&at).dot(&force);
+        }
+    }
+
+    /// Dry friction (N or N m) in the joint of `body`, at the present pressure.
+    pub(crate) fn dry_friction(&self, body: usize) -> f64 {
+        match self.mechanism.leg_of(body) {
+            Some(i) => self.mechanism.legs[i].leg.dry_friction(self.pressures[i]),
+            None => self.mechanism.joints[body].friction,
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! The equations of motion of a mechanism in a given mode: accelerations, contact forces, and what guards need to know.
+
+mod answer;
+mod forces;
+mod rows;
+
+use crate::complementarity::Problem;
+use crate::linear::cholesky;
+use crate::mechanism::Mechanism;
+use crate::mode::Mode;
+use crate::spatial::Vec3;
+use crate::tree::{Pose, Welded};
+
+/// Where things are in the continuous state: q | v | a chamber variable for each leg | works.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layout {
+    pub coordinates: usize,
+    pub velocities: usize,
+    pub legs: usize,
+}
+
+/// Works (J) that are integrated along: of the drives, lost in joints and legs, lost in contacts, of drag.
+pub(crate) const WORKS: usize = 4;
+pub(crate) const DRIVE: usize = 0;
+pub(crate) const JOINT_LOSS: usize = 1;
+pub(crate) const CONTACT_LOSS: usize = 2;
+pub(crate) const DRAG_LOSS: usize = 3;
+
+impl Layout {
+    pub(crate) fn size(&self) -> usize {
+        self.coordinates + self.velocities + self.legs + WORKS
+    }
+    pub(crate) fn q<'a>(&self, y: &'a [f64]) -> &'a [f64] {
+        &y[..self.coordinates]
+    }
+    pub(crate) fn v<'a>(&self, y: &'a [f64]) -> &'a [f64] {
+        &y[self.coordinates..self.coordinates + self.velocities]
+    }
+    pub(crate) fn gas(&self) -> usize {
+        self.coordinates + self.velocities
+    }
+    pub(crate) fn works(&self) -> usize {
+        self.gas() + self.legs
+    }
+}
+
+/// Velocity (m/s or rad/s) below which something counts as standing: round-off of what an event or an impact leaves.
+pub(crate) const STANDING: f64 = 1e-9;
+
+/// What a constraint row belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Owner {
+    Normal(usize),
+    /// Contact, and 0 for along (or a cone's both), 1 for across.
+    Tangent(usize, usize),
+    /// Body.
+    Joint(usize),
+}
+
+/// How a closed contact lies.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Touch {
+    pub contact: usize,
+    /// Where it touches (m).
+    pub place: Vec3,
+    pub normal: Vec3,
+    pub along: Vec3,
+    pub across: Vec3,
+    /// Distance between point and surface (m).
+    pub gap: f64,
+    /// Speeds along normal, along and across (m/s).
+    pub speeds: Vec3,
+    /// Spring and damper's force (N); none: rigid.
+    pub spring: Option<f64>,
+}
+
+/// Which constraints take part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rows {
+    /// Those that hold in the mode.
+    Holding,
+    /// All that touch and stand, to be decided.
+    Candidates,
+    /// All that touch, to take an impact.
+    Impact,
+}
+
+/// A mechanism with its latched joints welded, and room to work.
+pub(crate) struct Machine<'a> {
+    pub mechanism: &'a Mechanism,
+    pub layout: Layout,
+    pub pairs: Vec<(usize, usize)>,
+    welded: Welded,
+    /// Each contact point: its body in the welded tree, and its centre there.
+    points: Vec<(Option<usize>, Vec3)>,
+    /// Velocity index in the welded tree of the joint of each body, if it moves.
+    dof: Vec<Option<usize>>,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    pose: Pose,
+    mass: Vec<f64>,
+    /// Applied forces less h, then M⁻¹ of them.
+    free: Vec<f64>,
+    /// Constraint rows J, force directions G, and L⁻¹ of both.
+    jacobian: Vec<f64>,
+    directions: Vec<f64>,
+    reduced: Vec<f64>,
+    reduced_directions: Vec<f64>,
+    rates: Vec<f64>,
+    /// Speeds along the rows.
+    pub speeds: Vec<f64>,
+    pub owners: Vec<Owner>,
+    pub problem: Problem,
+    pub touches: Vec<Touch>,
+    /// Accelerations (welded).
+    pub acceleration: Vec<f64>,
+    /// Whether the contact forces are one choice of many.
+    pub redundant: bool,
+    /// Pressure of each chamber (Pa).
+    pub pressures: Vec<f64>,
+    powers: [f64; WORKS],
+    /// Chamber rates u̇.
+    gas_rates: Vec<f64>,
+    /// Mass matrix was positive definite, and all was finite.
+    pub sound: bool,
+}
+
+impl<'a> Machine<'a> {
+    pub(crate) fn new(mechanism: &'a Mechanism) -> Machine<'a> {
+        let layout = Layout {
+            coordinates: mechanism.tree.coordinates(),
+            velocities: mechanism.tree.velocities(),
+            legs: mechanism.legs.len(),
+        };
+        let welded = mechanism.tree.weld(&vec![false; mechanism.tree.bodies().len()], &[]);
+        let mut machine = Machine {
+            mechanism,
+            layout,
+            pairs: mechanism.pairs().collect(),
+            welded,
+            points: Vec::new(),
+            dof: Vec::new(),
+            q: Vec::new(),
+            v: Vec::new(),
+            pose: Pose::default(),
+            mass: Vec::new(),
+            free: Vec::new(),
+            jacobian: Vec::new(),
+            directions: Vec::new(),
+            reduced: Vec::new(),
+            reduced_directions: Vec::new(),
+            rates: vec![0.0; layout.coordinates],
+            speeds: Vec::new(),
+            owners: Vec::new(),
+            problem: Problem::default(),
+            touches: Vec::new(),
+            acceleration: Vec::new(),
+            redundant: false,
+            pressures: vec![0.0; layout.legs],
+            powers: [0.0; WORKS],
+            gas_rates: vec![0.0; layout.legs],
+            sound: true,
+        };
+        machine.resize();
+        machine
+    }
+
+    /// Welds the joints that `mode` latches, as they are in `y`.
+    pub(crate) fn weld(&mut self, mode: &Mode, y: &[f64]) {
+        self.welded = self.mechanism.tree.weld(&mode.latched(), self.layout.q(y));
+        self.resize();
+    }
+
+    fn resize(&mut self) {
+        let home = |body: usize| &self.welded.home[body];
+        self.points =
+            self.mechanism.points.iter().map(|p| (home(p.body).0, home(p.body).1.point(&p.center))).collect();
+        self.dof = (0..self.mechanism.tree.bodies().len())
+            .map(|body| {
+                let k = self.mechanism.tree.velocity_of(body);
+                self.welded.velocities.iter().position(|&full| full == k)
+            })
+            .collect();
+        let n = self.n();
+        self.mass.resize(n * n, 0.0);
+        self.free.resize(n, 0.0);
+        self.acceleration.resize(n, 0.0);
+    }
+
+    /// Number of velocities that move.
+    fn n(&self) -> usize {
+        self.welded.tree.velocities()
+    }
+
+    /// The derivative of the state `y` in `mode`; NaN where the equations have no answer.
+    pub(crate) fn derivative(&mut self, y: &[f64], mode: &Mode, dy: &mut [f64]) {
+        self.look(y, mode);
+        dy.fill(0.0);
+        if !self.sound {
+            dy.fill(f64::NAN);
+            return;
+        }
+        let layout = self.layout;
+        self.welded.tree.coordinate_rates(&self.q, &self.v, &mut self.rates);
+        for (i, &full) in self.welded.coordinates.iter().enumerate() {
+            dy[full] = self.rates[i];
+        }
+        for (k, &full) in self.welded.velocities.iter().enumerate() {
+            dy[layout.coordinates + full] = self.acceleration[k];
+        }
+        dy[layout.gas()..layout.works()].copy_from_slice(&self.gas_rates);
+        dy[layout.works()..].copy_from_slice(&self.powers);
+    }
+
+    /// Accelerations and constraint forces at `y` in `mode`.
+    pub(crate) fn look(&mut self, y: &[f64], mode: &Mode) {
+        self.assemble(y, mode, Rows::Holding);
+        self.redundant = self.problem.solve();
+        self.accelerate();
+        self.account(mode);
+    }
+
+    /// Mass matrix, forces and constraint rows at `y`.
+    pub(crate) fn assemble(&mut self, y: &[f64], mode: &Mode, rows: Rows) {
+        self.place(y);
+        let n = self.n();
+        self.pose.equations(&self.welded.tree, &self.mechanism.gravity, &mut self.mass, &mut self.free);
+        self.free.iter_mut().for_each(|x| *x = -*x);
+        self.powers = [0.0; WORKS];
+        self.apply_joints(y, mode);
+        self.apply_drag();
+        self.sound = cholesky(&mut self.mass, n);
+        self.touch(mode);
+        self.clear_rows();
+        self.contact_rows(mode, rows);
+        self.joint_rows(mode, rows);
+        self.couple(rows);
+    }
+
+    /// Puts the welded tree where `y` says.
+    pub(crate) fn place(&mut self, y: &[f64]) {
+        let (q, v) = (self.layout.q(y), self.layout.v(y));
+        self.q.clear();
+        self.q.extend(self.welded.coordinates.iter().map(|&i| q[i]));
+        self.v.clear();
+        self.v.extend(self.welded.velocities.iter().map(|&i| v[i]));
+        self.pose.set(&self.welded.tree, &self.q, &self.v);
+    }
+
+    /// Speed in the joint of `body`.
+    pub(crate) fn joint_speed(&self, y: &[f64], body: usize) -> f64 {
+        y[self.layout.coordinates + self.mechanism.tree.velocity_of(body)]
+    }
+}

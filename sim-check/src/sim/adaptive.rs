@@ -1,0 +1,166 @@
+//! Steps under error control, each ending on the first event within it.
+
+use saltus_numeric::dop853::step_factor;
+
+use super::Sim;
+use super::Watch;
+use super::guards::{Guard, trails};
+use crate::SimError;
+
+impl Sim<'_> {
+    /// One step, or the part of one that ends at an event, which then happens.
+    pub(super) fn advance(&mut self, until: f64, watches: &[Watch<'_>]) -> Result<Option<usize>, SimError> {
+        let stop = self.commands.last().map_or(until, |c| c.0.min(until));
+        let room = stop - self.time;
+        self.start_step();
+        let before = self.guard_values(self.time, watches, false);
+        let mut h = self.step.min(self.settings.longest_step);
+        // A step that would leave a sliver takes it along.
+        if room < h * (1.0 + 1e-9) {
+            h = room;
+        }
+        loop {
+            let error = self.try_step(h);
+            if error <= 1.0 {
+                self.step = (h * step_factor(error)).max(self.step.min(h));
+                if h < room {
+                    self.step = h * step_factor(error);
+                }
+                break;
+            }
+            self.step = h * step_factor(error);
+            if self.step < 1e-15 * (1.0 + self.time.abs()) {
+                return Err(SimError::Stuck { time: self.time, step: self.step });
+            }
+            h = self.step;
+        }
+        self.steps += 1;
+        let after = self.guard_values(self.time + h, watches, true);
+        let first = after.iter().find(|(_, value)| *value < 0.0 || value.is_nan()).copied();
+        let Some((guard, _)) = first else {
+            self.accept(self.time + h, h == room, stop);
+            return Ok(None);
+        };
+        let (guard, h) = self.locate(guard, h, &before, watches);
+        self.accept(self.time + h, false, stop);
+        self.happen(guard)
+    }
+
+    /// The derivative at the start of a step.
+    pub(super) fn start_step(&mut self) {
+        self.evaluations += 1;
+        self.machine.derivative(&self.y, &self.mode, self.stages.start());
+    }
+
+    /// Steps by `h` into `next`; the error.
+    pub(super) fn try_step(&mut self, h: f64) -> f64 {
+        let (machine, mode) = (&mut self.machine, &self.mode);
+        let checked = self.layout.works();
+        self.evaluations += 11;
+        let f = |y: &[f64], dy: &mut [f64]| machine.derivative(y, mode, dy);
+        self.stages.step(f, &self.y, h, (checked, self.settings.tolerance), &mut self.next)
+    }
+
+    pub(super) fn accept(&mut self, time: f64, is_stop: bool, stop: f64) {
+        std::mem::swap(&mut self.y, &mut self.next);
+        self.machine.mechanism.tree.normalize(&mut self.y[..self.layout.coordinates]);
+        self.time = if is_stop { stop } else { time };
+        // Twice what is needed where the machine is already there; it is one evaluation of twelve.
+        self.machine.look(&self.y, &self.mode);
+        self.machine.project(&mut self.y, &self.mode);
+    }
+
+    /// The first guard that is violated on the way to `h`, and when: `next` is left there.
+    pub(super) fn locate(
+        &mut self,
+        mut guard: Guard,
+        mut h: f64,
+        before: &[(Guard, f64)],
+        watches: &[Watch<'_>],
+    ) -> (Guard, f64) {
+        loop {
+            h = self.root(guard, h, before, watches);
+            // Another may have come first.
+            let values = self.guard_values(self.time + h, watches, true);
+            let other = values.iter().find(|(g, value)| *value < 0.0 && *g != guard && !trails(*g, before));
+            match other {
+                Some(&(other, _)) if h > 0.0 => {
+                    let earlier = self.root(other, h, before, watches);
+                    if earlier >= h {
+                        return (guard, h);
+                    }
+                    (guard, h) = (other, earlier);
+                    self.try_step(h);
+                    let values = self.guard_values(self.time + h, watches, true);
+                    if values.iter().all(|(g, value)| *value >= 0.0 || *g == guard) {
+                        return (guard, h);
+                    }
+                }
+                _ => return (guard, h),
+            }
+        }
+    }
+
+    /// When, within the step of `h`, `guard` comes to 0; just past it. `next` is left there.
+    pub(super) fn root(
+        &mut self,
+        guard: Guard,
+        h: f64,
+        before: &[(Guard, f64)],
+        watches: &[Watch<'_>],
+    ) -> f64 {
+        let value = |sim: &mut Self, s: f64| {
+            sim.try_step(s);
+            let values = sim.guard_values(sim.time + s, watches, true);
+            values.iter().find(|(g, _)| *g == guard).map_or(f64::NAN, |v| v.1)
+        };
+        let start = before.iter().find(|(g, _)| *g == guard).map_or(f64::NAN, |v| v.1);
+        let (mut a, mut fa) = (0.0, start);
+        let (mut b, mut fb) = (h, value(self, h));
+        // A guard that starts at 0 and comes back has its root inside: look for where it is well above 0.
+        if fa <= 0.0 || fa.is_nan() {
+            let mut s = h;
+            for _ in 0..24 {
+                s *= 0.5;
+                let f = value(self, s);
+                if f > 0.0 {
+                    (a, fa) = (s, f);
+                    break;
+                }
+                (b, fb) = (s, f);
+            }
+            if fa <= 0.0 || fa.is_nan() {
+                value(self, b);
+                return b;
+            }
+        }
+        // Illinois, which keeps the bracket, with bisection where it is slow.
+        let resolution = 2.0 * f64::EPSILON * (self.time.abs() + h);
+        let mut side = 0;
+        for i in 0..80 {
+            if b - a <= resolution || fb == 0.0 {
+                break;
+            }
+            let mut s = (a * fb - b * fa) / (fb - fa);
+            if i % 8 == 7 || !(s > a && s < b) {
+                s = 0.5 * (a + b);
+            }
+            let f = value(self, s);
+            if f > 0.0 {
+                (a, fa) = (s, f);
+                if side == 1 {
+                    fb *= 0.5;
+                }
+                side = 1;
+            } else {
+                (b, fb) = (s, f);
+                if side == -1 {
+                    fa *= 0.5;
+                }
+                side = -1;
+            }
+        }
+        value(self, b);
+        b
+    }
+}

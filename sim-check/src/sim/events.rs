@@ -1,0 +1,225 @@
+//! What happens at an event.
+
+use saltus_pneumatics::Piece;
+
+use super::guards::Guard;
+use super::{BURST, BURST_SPAN, Event, Happening, Sim};
+use crate::SimError;
+use crate::complementarity::{Bounds, Grip};
+use crate::machine::{Owner, Rows, STANDING};
+use crate::mode::{ContactMode, JointMode, Stop};
+
+impl Sim<'_> {
+    /// Lets the event of `guard` happen; the watch that it was, if it was one.
+    pub(super) fn happen(&mut self, guard: Guard) -> Result<Option<usize>, SimError> {
+        self.count(guard)?;
+        let pair = |sim: &Self, c: usize| sim.machine.pairs[c];
+        match guard {
+            Guard::Watch(i) => return Ok(Some(i)),
+            Guard::Touch(c) => {
+                let (p, s) = pair(self, c);
+                self.log(Happening::TouchDown(p, s));
+                self.mode.contacts[c].closed = true;
+                self.impact(Some(c), self.machine.mechanism.material.restitution)?;
+                self.settle(None)?;
+            }
+            Guard::Lift(c) => {
+                self.open(c);
+                self.settle(Some(guard))?;
+            }
+            Guard::SlipStart(c, axis) => {
+                let (p, s) = pair(self, c);
+                self.log(Happening::Slip(p, s));
+                self.let_slip(c, axis);
+                self.settle(Some(guard))?;
+            }
+            Guard::SlipEnd(..) | Guard::Redundant => self.settle(None)?,
+            Guard::Release(body) => {
+                self.log(Happening::BreakAway(body));
+                let pull = self.machine.force_of(Owner::Joint(body)).first().copied().unwrap_or(0.0);
+                self.mode.joints[body] = self.moving(body, -pull.signum());
+                self.settle(Some(guard))?;
+            }
+            Guard::Halt(body) => {
+                self.log(Happening::Halt(body));
+                self.set_joint_speed(body, 0.0);
+                self.settle(None)?;
+            }
+            Guard::Stop(body, stop) => {
+                self.log(Happening::EndStop(body));
+                self.reach_stop(body, stop)?;
+            }
+            Guard::Edge(leg, side) => self.cross_edge(leg, side),
+            Guard::Cushion(leg) => {
+                self.log(Happening::Switch(leg));
+                self.mode.legs[leg].cushioned ^= true;
+            }
+            Guard::Port(leg) => {
+                self.log(Happening::Switch(leg));
+                self.mode.legs[leg].port_open ^= true;
+                self.renew_piece(leg, 0.0);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Counts events, which must not go on without time.
+    pub(super) fn count(&mut self, guard: Guard) -> Result<(), SimError> {
+        if self.time - self.burst.0 > BURST_SPAN {
+            self.burst = (self.time, 0);
+        }
+        self.burst.1 += 1;
+        if self.burst.1 > BURST {
+            return Err(SimError::TooManyEvents {
+                time: self.time,
+                limit: BURST,
+                span: BURST_SPAN,
+                last: format!("{guard:?}"),
+            });
+        }
+        Ok(())
+    }
+
+    pub(super) fn log(&mut self, what: Happening) {
+        self.events.push(Event { time: self.time, what });
+    }
+
+    /// Opens contact `c`. A leg without mass has nowhere to go without it: it stays as it is.
+    pub(super) fn open(&mut self, c: usize) {
+        let (point, surface) = self.machine.pairs[c];
+        self.log(Happening::LiftOff(point, surface));
+        self.mode.contacts[c] = ContactMode::OPEN;
+        let mechanism = self.machine.mechanism;
+        let body = mechanism.points[point].body;
+        if mechanism.legs.iter().any(|leg| leg.body == body && leg.massless) {
+            self.set_joint_speed(body, 0.0);
+            self.mode.joints[body] = JointMode::Latched;
+            self.machine.weld(&self.mode, &self.y);
+        }
+    }
+
+    /// Lets a standing contact slip against the force that held it.
+    pub(super) fn let_slip(&mut self, c: usize, axis: usize) {
+        let force = self.machine.force_of(Owner::Tangent(c, axis)).to_vec();
+        self.mode.contacts[c].grips[axis] = match force[..] {
+            [f] if f > 0.0 => Grip::High,
+            [_] => Grip::Low,
+            [a, b] => {
+                let size = a.hypot(b);
+                Grip::Along([-a / size, -b / size])
+            }
+            _ => Grip::Held,
+        };
+    }
+
+    /// The mode of a joint that moves in the direction `sign`.
+    pub(super) fn moving(&self, body: usize, sign: f64) -> JointMode {
+        let mechanism = self.machine.mechanism;
+        let dry = match mechanism.leg_of(body) {
+            Some(_) => true,
+            None => mechanism.joints[body].friction > 0.0,
+        };
+        if dry { JointMode::Sliding(sign) } else { JointMode::Free }
+    }
+
+    pub(super) fn set_joint_speed(&mut self, body: usize, speed: f64) {
+        let k = self.layout.coordinates + self.machine.mechanism.tree.velocity_of(body);
+        self.y[k] = speed;
+    }
+
+    pub(super) fn reach_stop(&mut self, body: usize, stop: Stop) -> Result<(), SimError> {
+        let (low, high) = self.machine.mechanism.stops(body);
+        self.y[self.machine.mechanism.tree.coordinate_of(body)] = if stop == Stop::Low { low } else { high };
+        self.mode.joints[body] = JointMode::Held(stop);
+        self.impact(None, 0.0)?;
+        self.settle(None)
+    }
+
+    /// Where the joint of `body`, which stands, is held.
+    pub(super) fn stop_of(&self, body: usize) -> Stop {
+        let (low, high) = self.machine.mechanism.stops(body);
+        let x = self.y[self.machine.mechanism.tree.coordinate_of(body)];
+        if x <= low {
+            Stop::Low
+        } else if x >= high {
+            Stop::High
+        } else {
+            Stop::Between
+        }
+    }
+
+    /// The valve of `leg` opens or closes, its latch is let go or caught.
+    pub(super) fn switch_valve(&mut self, leg: usize, on: bool) -> Result<(), SimError> {
+        self.log(Happening::Valve(leg, on));
+        let body = self.machine.mechanism.legs[leg].body;
+        self.mode.legs[leg].energized = on;
+        self.renew_piece(leg, 0.0);
+        if self.mode.joints[body] == JointMode::Latched {
+            let (low, high) = self.machine.mechanism.stops(body);
+            let d = self.y[self.machine.mechanism.tree.coordinate_of(body)];
+            let stop = if d <= low {
+                Stop::Low
+            } else if d >= high {
+                Stop::High
+            } else {
+                Stop::Between
+            };
+            self.mode.joints[body] = JointMode::Held(stop);
+            self.machine.weld(&self.mode, &self.y);
+        }
+        self.settle(None)
+    }
+
+    /// Puts the chamber of `leg` on the piece of its law that holds now, or just above or below where `side` is ±1.
+    pub(super) fn renew_piece(&mut self, leg: usize, side: f64) {
+        let Some(chamber) = self.machine.mechanism.legs[leg].leg.chamber() else { return };
+        let mode = &mut self.mode.legs[leg];
+        let at = self.layout.gas() + leg;
+        let pressure = mode.piece.map_or(chamber.ambient, |piece| chamber.pressure(piece.flow, self.y[at]));
+        let piece = Piece::new(chamber, mode.energized, pressure, side, mode.port_open);
+        self.y[at] = chamber.variable(piece.flow, pressure);
+        mode.piece = Some(piece);
+    }
+
+    pub(super) fn cross_edge(&mut self, leg: usize, side: f64) {
+        self.log(Happening::Switch(leg));
+        self.renew_piece(leg, side);
+    }
+
+    /// Takes out, by impulses, what velocity there is into contacts and stops; the new contact, if any, rebounds.
+    pub(super) fn impact(&mut self, hit: Option<usize>, restitution: f64) -> Result<(), SimError> {
+        let before = self.pose().kinetic_energy(&self.machine.mechanism.tree);
+        self.machine.assemble(&self.y, &self.mode, Rows::Impact);
+        if self.machine.problem.rows == 0 {
+            return Ok(());
+        }
+        let approaching = self.machine.problem.elements.iter().any(|e| {
+            let w = self.machine.problem.b[e.row];
+            match e.bounds {
+                Bounds::Between(0.0, _) => w < -STANDING,
+                Bounds::Between(..) => w > STANDING,
+                Bounds::Friction { .. } => false,
+            }
+        });
+        if !approaching {
+            return Ok(());
+        }
+        for r in 0..self.machine.problem.rows {
+            if let Owner::Normal(c) = self.machine.owners[r]
+                && (hit == Some(c))
+            {
+                let w = self.machine.problem.b[r];
+                if w < -self.settings.rest_speed {
+                    self.machine.problem.b[r] += restitution * w;
+                }
+            }
+        }
+        if !self.machine.problem.resolve() {
+            return Err(SimError::Inconsistent { time: self.time });
+        }
+        self.machine.jump(&mut self.y);
+        let after = self.pose().kinetic_energy(&self.machine.mechanism.tree);
+        self.impacts += before - after;
+        Ok(())
+    }
+}

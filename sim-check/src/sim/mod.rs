@@ -1,0 +1,250 @@
+//! A motion through its events: touch-down and lift-off, slip and stick, end stops, valves.
+
+mod adaptive;
+mod events;
+mod guards;
+mod report;
+mod settle;
+mod start;
+
+pub use report::{Contact, Ledger};
+
+use self::guards::Guard;
+use self::start::{check_start, first_mode};
+use crate::SimError;
+use crate::machine::{Layout, Machine};
+use crate::mechanism::Mechanism;
+use crate::mode::Mode;
+use crate::step::Stages;
+
+/// How a motion is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Error allowed in each step, relative to 1 + |y| for every coordinate, velocity and pressure variable; > 0.
+    pub tolerance: f64,
+    /// Longest step (s), > 0: an event that comes and goes within one step is not seen.
+    pub longest_step: f64,
+    /// Impacts slower than this (m/s) do not rebound, ≥ 0: else a ball that comes to rest bounces for ever.
+    pub rest_speed: f64,
+    /// How deep a start may be inside a surface (m), ≥ 0; it then counts as touching.
+    pub penetration: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Settings {
+        Settings { tolerance: 1e-10, longest_step: 0.01, rest_speed: 1e-3, penetration: 1e-9 }
+    }
+}
+
+/// Why a motion paused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pause {
+    /// The time was reached.
+    Time,
+    /// The watch of this number came to 0 from above.
+    Watch(usize),
+}
+
+/// Something that happened.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// When (s).
+    pub time: f64,
+    /// What.
+    pub what: Happening,
+}
+
+/// What can happen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Happening {
+    /// A point touches a surface (their numbers).
+    TouchDown(usize, usize),
+    /// A point leaves a surface.
+    LiftOff(usize, usize),
+    /// A standing point begins to slip.
+    Slip(usize, usize),
+    /// A slipping point comes to stand.
+    Stick(usize, usize),
+    /// The joint of a body reaches an end stop.
+    EndStop(usize),
+    /// The joint of a body, held before, begins to move.
+    BreakAway(usize),
+    /// The joint of a body comes to rest.
+    Halt(usize),
+    /// The valve of a leg opens or its latch is let go (true), or it closes.
+    Valve(usize, bool),
+    /// A switch inside a leg: the orifice law's pieces, cushion, port.
+    Switch(usize),
+}
+
+/// A function that pauses a motion where it comes to 0 from above, of time (s), coordinates and velocities.
+pub type Watch<'w> = &'w dyn Fn(f64, &[f64], &[f64]) -> f64;
+
+/// A mechanism in motion.
+pub struct Sim<'a> {
+    machine: Machine<'a>,
+    settings: Settings,
+    layout: Layout,
+    time: f64,
+    y: Vec<f64>,
+    mode: Mode,
+    stages: Stages,
+    step: f64,
+    /// Commands to come: time, leg, on or off; latest first.
+    commands: Vec<(f64, usize, bool)>,
+    events: Vec<Event>,
+    impacts: f64,
+    touching: bool,
+    steps: usize,
+    evaluations: usize,
+    next: Vec<f64>,
+    guards: Vec<(Guard, f64)>,
+    /// Events since time moved on.
+    burst: (f64, usize),
+}
+
+/// Events that may happen within [`BURST_SPAN`] seconds before a motion counts as stuck in them.
+const BURST: usize = 2000;
+const BURST_SPAN: f64 = 1e-3;
+
+impl<'a> Sim<'a> {
+    /// `mechanism` at coordinates `q` and velocities `v`, its legs' valves at rest and unfired legs latched where they are.
+    ///
+    /// Points within `settings.penetration` of a surface touch it. Velocities into what touches are taken as they are: an impact
+    /// takes them out at once.
+    ///
+    /// # Errors
+    /// [`SimError`] for a mechanism or a start that cannot be.
+    pub fn new(
+        mechanism: &'a Mechanism,
+        q: &[f64],
+        v: &[f64],
+        settings: Settings,
+    ) -> Result<Sim<'a>, SimError> {
+        let mut machine = Machine::new(mechanism);
+        let layout = machine.layout;
+        check_start(mechanism, q, v, &settings)?;
+        let mut y = vec![0.0; layout.size()];
+        y[..layout.coordinates].copy_from_slice(q);
+        y[layout.coordinates..layout.gas()].copy_from_slice(v);
+        mechanism.tree.normalize(&mut y[..layout.coordinates]);
+        let mode = first_mode(mechanism, &mut y, layout);
+        machine.weld(&mode, &y);
+        let stages = Stages::new(layout.size());
+        let mut sim = Sim {
+            next: y.clone(),
+            machine,
+            settings,
+            layout,
+            time: 0.0,
+            y,
+            mode,
+            stages,
+            step: 1e-4,
+            commands: Vec::new(),
+            events: Vec::new(),
+            impacts: 0.0,
+            touching: true,
+            steps: 0,
+            evaluations: 0,
+            guards: Vec::new(),
+            burst: (0.0, 0),
+        };
+        sim.begin()?;
+        Ok(sim)
+    }
+
+    /// Time (s).
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Coordinates q.
+    pub fn coordinates(&self) -> &[f64] {
+        self.layout.q(&self.y)
+    }
+
+    /// Velocities v.
+    pub fn velocities(&self) -> &[f64] {
+        self.layout.v(&self.y)
+    }
+
+    /// What has happened so far.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// Steps taken and derivatives evaluated so far.
+    pub fn effort(&self) -> (usize, usize) {
+        (self.steps, self.evaluations)
+    }
+
+    /// Commands leg `leg` now, for `opening` seconds from when its drive answers, after its delay.
+    ///
+    /// # Errors
+    /// [`SimError::Input`] for a leg that is not there, or an opening time that is not a finite number ≥ 0.
+    pub fn fire(&mut self, leg: usize, opening: f64) -> Result<(), SimError> {
+        let legs = self.layout.legs;
+        if leg >= legs {
+            return Err(SimError::Input {
+                name: "leg".into(),
+                value: leg as f64,
+                allowed: "the number of a leg",
+            });
+        }
+        if !(opening >= 0.0 && opening.is_finite()) {
+            let name = "valve opening time (s)".into();
+            return Err(SimError::Input { name, value: opening, allowed: "a finite number ≥ 0" });
+        }
+        let delay = self.machine.mechanism.legs[leg].leg.delay;
+        self.commands.extend([(self.time + delay, leg, true), (self.time + delay + opening, leg, false)]);
+        self.commands.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.cmp(&b.2)));
+        Ok(())
+    }
+
+    /// Goes on until `until` (s), or until a watch comes to 0 from above, whichever is first.
+    ///
+    /// # Errors
+    /// [`SimError`] where the motion cannot go on.
+    pub fn run(&mut self, until: f64, watches: &[Watch<'_>]) -> Result<Pause, SimError> {
+        if until.is_nan() {
+            return Err(SimError::Input {
+                name: "time to run until (s)".into(),
+                value: until,
+                allowed: "a number",
+            });
+        }
+        loop {
+            if let Some(pause) = self.run_eventwise(until, watches)? {
+                return Ok(pause);
+            }
+        }
+    }
+
+    /// As [`run`](Self::run), but comes back with none after each event of the mechanism's own.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn run_eventwise(&mut self, until: f64, watches: &[Watch<'_>]) -> Result<Option<Pause>, SimError> {
+        while self.time < until {
+            let events = self.events.len();
+            if let Some(&(at, leg, on)) = self.commands.last()
+                && at <= self.time
+            {
+                self.commands.pop();
+                self.switch_valve(leg, on)?;
+            } else if let Some(watch) = self.advance(until, watches)? {
+                return Ok(Some(Pause::Watch(watch)));
+            }
+            if self.events.len() > events {
+                return Ok(None);
+            }
+        }
+        Ok(Some(Pause::Time))
+    }
+
+    /// From now on nothing that is in the air touches anything: a flight goes on as if there were no ground.
+    pub fn stop_touching(&mut self) {
+        self.touching = false;
+    }
+}

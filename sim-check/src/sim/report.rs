@@ -1,0 +1,158 @@
+//! What a motion tells: contacts, reactions, work and energy.
+
+use super::Sim;
+use crate::complementarity::Grip;
+use crate::machine::{CONTACT_LOSS, DRAG_LOSS, DRIVE, JOINT_LOSS, Owner, STANDING, Touch, WORKS};
+use crate::spatial::Vec3;
+use crate::tree::Pose;
+
+impl Sim<'_> {
+    /// Where every body is.
+    pub fn pose(&self) -> Pose {
+        let mut pose = Pose::default();
+        pose.set(&self.machine.mechanism.tree, self.coordinates(), self.velocities());
+        pose
+    }
+
+    /// Chamber pressure (Pa) of leg `leg`; 0 for one without a chamber.
+    pub fn pressure(&self, leg: usize) -> f64 {
+        let mode = &self.mode.legs[leg];
+        let part = &self.machine.mechanism.legs[leg];
+        match (part.leg.chamber(), &mode.piece) {
+            (Some(chamber), Some(piece)) => chamber.pressure(piece.flow, self.y[self.layout.gas() + leg]),
+            _ => 0.0,
+        }
+    }
+
+    /// The contacts that are closed, with their forces.
+    pub fn contacts(&mut self) -> Vec<Contact> {
+        self.machine.look(&self.y, &self.mode);
+        self.machine.touches.iter().map(|touch| self.contact(touch)).collect()
+    }
+
+    pub(super) fn contact(&self, touch: &Touch) -> Contact {
+        let c = touch.contact;
+        let normal = touch.spring.map_or_else(|| self.machine.normal_force(c), |f| f.max(0.0));
+        let mut parts = Vec3::new(normal, 0.0, 0.0);
+        for (axis, (standing, slipping, width)) in self.machine.friction().into_iter().enumerate() {
+            if standing == 0.0 {
+                continue;
+            }
+            match self.mode.contacts[c].grips[axis] {
+                Grip::Held => {
+                    for (k, force) in self.machine.force_of(Owner::Tangent(c, axis)).iter().enumerate() {
+                        parts[1 + axis + k] = *force;
+                    }
+                }
+                Grip::Low => parts[1 + axis] = -slipping * normal,
+                Grip::High => parts[1 + axis] = slipping * normal,
+                Grip::Along(d) => {
+                    let speed = touch.speeds.y.hypot(touch.speeds.z);
+                    let way =
+                        if speed > STANDING { [touch.speeds.y / speed, touch.speeds.z / speed] } else { d };
+                    for k in 0..width {
+                        parts[1 + k] = -slipping * normal * way[k];
+                    }
+                }
+            }
+        }
+        let (point, surface) = self.machine.pairs[c];
+        Contact {
+            point,
+            surface,
+            place: touch.place,
+            force: touch.normal * parts.x + touch.along * parts.y + touch.across * parts.z,
+            parts,
+            slip: [touch.speeds.y, touch.speeds.z],
+        }
+    }
+
+    /// The force (N or N m) that holds the joint of `body`, 0 where it moves.
+    pub fn joint_reaction(&mut self, body: usize) -> f64 {
+        self.machine.look(&self.y, &self.mode);
+        self.machine.force_of(Owner::Joint(body)).first().copied().unwrap_or(0.0)
+    }
+
+    /// Work and energy.
+    pub fn ledger(&self) -> Ledger {
+        let mechanism = self.machine.mechanism;
+        let pose = self.pose();
+        let works = &self.y[self.layout.works()..self.layout.works() + WORKS];
+        let mut springs = 0.0;
+        for (body, parts) in mechanism.joints.iter().enumerate() {
+            if parts.spring.0 > 0.0 {
+                let x = self.y[mechanism.tree.coordinate_of(body)] - parts.spring.1;
+                springs += 0.5 * parts.spring.0 * x * x;
+            }
+        }
+        if let Some((stiffness, _)) = mechanism.material.compliance {
+            let closed = self.mode.contacts.iter().enumerate().filter(|(_, c)| c.closed);
+            springs += closed
+                .map(|(c, _)| {
+                    let (p, s) = self.machine.pairs[c];
+                    let point = &mechanism.points[p];
+                    let center = pose.frames[point.body].point(&point.center);
+                    let gap = mechanism.surfaces[s].proximity(&center).distance - point.radius;
+                    0.5 * stiffness * gap * gap
+                })
+                .sum::<f64>();
+        }
+        Ledger {
+            kinetic: pose.kinetic_energy(&mechanism.tree),
+            potential: pose.potential_energy(&mechanism.tree, &mechanism.gravity),
+            springs,
+            drive: works[DRIVE],
+            joints: works[JOINT_LOSS],
+            contacts: works[CONTACT_LOSS],
+            drag: works[DRAG_LOSS],
+            impacts: self.impacts,
+        }
+    }
+}
+
+/// A contact at an instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact {
+    /// Number of the point.
+    pub point: usize,
+    /// Number of the surface.
+    pub surface: usize,
+    /// Where (m).
+    pub place: Vec3,
+    /// The surface's force on the point (N), world axes.
+    pub force: Vec3,
+    /// Its parts along the normal, the travel and across it (N).
+    pub parts: Vec3,
+    /// Slip velocity along the travel and across it (m/s).
+    pub slip: [f64; 2],
+}
+
+/// Work and energy since the start (J): `drive` + Δ`springs` … closes with what is in the bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// Kinetic energy of the bodies.
+    pub kinetic: f64,
+    /// Potential energy of their weight, 0 at height 0.
+    pub potential: f64,
+    /// Energy in the springs of joints and compliant contacts.
+    pub springs: f64,
+    /// Work of the drives so far.
+    pub drive: f64,
+    /// Lost so far in joints and legs, dry friction, dampers and the legs' own springs among them.
+    pub joints: f64,
+    /// Lost so far where feet slip, and in the ground's dampers.
+    pub contacts: f64,
+    /// Lost so far to the air.
+    pub drag: f64,
+    /// Lost so far in impacts.
+    pub impacts: f64,
+}
+
+impl Ledger {
+    /// What, between `start` and `self`, no entry explains (J).
+    pub fn residual(&self, start: &Ledger) -> f64 {
+        let stored = |l: &Ledger| l.kinetic + l.potential + l.springs;
+        let lost = |l: &Ledger| l.joints + l.contacts + l.drag + l.impacts - l.drive;
+        stored(self) - stored(start) + lost(self) - lost(start)
+    }
+}
