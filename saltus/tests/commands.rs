@@ -382,6 +382,6 @@ fn a_robot_is_exported_to_mujoco() {
         "{shown}"
     );
     let rough = folder.done("export mjcf --robot rats-boom --set ground.static_friction=0.8", 0);
-    assert_eq!(rough.matches("friction=\"0 0.8 0 0 0\"").count(), 5, "{rough}");
+    assert_eq!(rough.matches("friction=\"0.001 0.8 0 0 0\"").count(), 5, "{rough}");
     assert_eq!(folder.names(), ["boom.xml"]);
 }
