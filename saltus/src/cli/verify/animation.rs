@@ -46,7 +46,7 @@ fn jump(outcome: &Outcome, context: &Context<'_>) -> Result<Jump, SimError> {
         name = format!("jump {}: {name}", trial.jump + 1);
     }
     if let Some(friction) = trial.friction {
-        name += &format!(", friction {}", digits(friction, 3));
+        name = format!("{name}, friction {}", digits(friction, 3));
     }
     if trial.disturbance.is_some() {
         name += ", with errors: the worst";
