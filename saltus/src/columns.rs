@@ -26,6 +26,9 @@ pub(crate) enum Need {
     Nothing,
 }
 
+/// A row's line, and its numbers; none where a cell is empty.
+pub(crate) type Row<const N: usize> = (u64, [Option<f64>; N]);
+
 /// The rows of `source` in these columns, each with its line; messages call it `file`.
 ///
 /// The first row names the columns. Those that are read may stand anywhere; all others are ignored.
@@ -33,7 +36,7 @@ pub(crate) fn read<const N: usize>(
     source: &[u8],
     file: &str,
     columns: &[Column; N],
-) -> Result<Vec<(u64, [Option<f64>; N])>, CliError> {
+) -> Result<Vec<Row<N>>, CliError> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(source);
     let header = reader.byte_headers().map_err(|error| not_csv(&error, source, file))?;
     let mut places = [None; N];

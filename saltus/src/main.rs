@@ -2,6 +2,7 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+mod animation;
 mod cli;
 mod columns;
 mod error;

@@ -174,6 +174,11 @@ const CASES: &[(&str, &[&str])] = &[
     ("verify --law=-0.1,0.4 --omega 5 --accuracy 1", &["--accuracy", "from 1e-13 to 0.01"]),
     ("verify --law=-0.1,0.4 --omega 5 --samples 1e9", &["--samples"]),
     ("verify --law=-0.1,0.4 --omega 5 --tolerance 0", &["--tolerance", "above 0"]),
+    ("verify course2.toml --animate a.txt", &["--animate", "the name must end in .html"]),
+    (
+        "verify course2.toml --samples 0 --out a.html --animate a.html",
+        &["--animate a.html: must be another file than --out"],
+    ),
     ("verify course2.toml --omega 5", &["--omega: must be left out where a course says"]),
     ("verify falling.csv", &["falling.csv:3: omega_rad_s = 4: must be above the one before"]),
     ("verify two.csv", &["--distance: must be one of the distances in two.csv: 0.6, 0.8"]),

@@ -263,7 +263,11 @@ fn a_plan_clears_the_box_and_a_wall_has_none() {
 fn a_plan_is_verified_as_it_was_planned_and_slips_where_it_must() {
     let folder = Folder::new("verify");
     folder.write("box.toml", BOX);
-    let text = folder.done("verify box.toml --samples 20", 0);
+    let text = folder.done("verify box.toml --samples 20 --animate page.html", 0);
+    // What a browser makes of the page is seen by tests/animation/check.
+    assert!(
+        folder.read("page.html").contains("rats-planar") && folder.read("page.html").ends_with("</html>\n")
+    );
     assert!(text.contains("PASS") && text.contains("slip                             none"), "{text}");
     let json: serde_json::Value =
         serde_json::from_str(&folder.done("verify box.toml --samples 0 --format json", 0)).unwrap();
@@ -378,6 +382,6 @@ fn a_robot_is_exported_to_mujoco() {
         "{shown}"
     );
     let rough = folder.done("export mjcf --robot rats-boom --set ground.static_friction=0.8", 0);
-    assert_eq!(rough.matches("friction=\"0 0.8 0 0 0\"").count(), 5, "{rough}");
+    assert_eq!(rough.matches("friction=\"0.001 0.8 0 0 0\"").count(), 5, "{rough}");
     assert_eq!(folder.names(), ["boom.xml"]);
 }

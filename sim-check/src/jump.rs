@@ -304,8 +304,9 @@ impl Recorder<'_> {
         // The last sample of a stance is that of a foot in the air.
         let standing: Vec<&Sample> = self.samples.iter().filter(|s| s.time < stance).collect();
         let least_normal = standing.iter().map(|s| s.force[0]).fold(f64::INFINITY, f64::min);
-        let needed = standing.iter().filter(|s| s.force[0] > 0.0).map(|s| (s.force[1] / s.force[0]).abs());
-        let friction_needed = needed.fold(0.0, f64::max);
+        let needed = |s: &&Sample| (s.force[0] > 0.0).then(|| (s.force[1] / s.force[0]).abs());
+        let last = lift_off.filter(|l| l.at_end_stop).and_then(|l| at_end(&standing, l.time, needed));
+        let friction_needed = standing.iter().filter_map(needed).chain(last).fold(0.0, f64::max);
         let slips_at = self
             .sim
             .events()
@@ -333,6 +334,17 @@ impl Recorder<'_> {
             samples: self.samples,
         }
     }
+}
+
+/// What `of` comes to at the end of the stance, which is later than its last sample: by the parabola through the last three.
+fn at_end(standing: &[&Sample], end: f64, of: impl Fn(&&Sample) -> Option<f64>) -> Option<f64> {
+    let [.., a, b, c] = standing else { return None };
+    let (fa, fb, fc) = (of(a)?, of(b)?, of(c)?);
+    let (ta, tb, tc) = (a.time - end, b.time - end, c.time - end);
+    let value = fa * tb * tc / ((ta - tb) * (ta - tc))
+        + fb * ta * tc / ((tb - ta) * (tb - tc))
+        + fc * ta * tb / ((tc - ta) * (tc - tb));
+    value.is_finite().then_some(value)
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

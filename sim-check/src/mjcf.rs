@@ -17,6 +17,9 @@ use crate::tree::Joint;
 /// v_n < μ v_t. A leg of lean φ that is picked up at its end stop leaves with v_t/v_n = tan φ: it is let go up to φ = acot 2 = 0.46 rad.
 const NO_SLIP: f64 = 2.0;
 
+/// Least friction coefficient across the travel: with less beside one along it, MuJoCo's solver chatters between pushing and not.
+const LEAST_FRICTION: f64 = 1e-3;
+
 /// Radius (m) of the sphere that stands for a foot that is a point.
 const POINT: f64 = 1e-5;
 
@@ -110,6 +113,8 @@ impl Writer<'_> {
                 ("timestep", "0.0001".into()),
                 ("integrator", "implicitfast".into()),
                 ("cone", "elliptic".into()),
+                // At its default of 1e-8 the solver gives up while two coefficients of friction are far apart.
+                ("tolerance", "1e-15".into()),
                 ("gravity", vector(&self.rig.mechanism.gravity)),
             ],
         );
@@ -294,7 +299,11 @@ impl Writer<'_> {
         let finite = |mu: f64| number(if mu.is_finite() { mu } else { NO_SLIP });
         let along = finite(ground.static_friction);
         // MuJoCo's first tangent is y, which is across the travel.
-        let across = if self.rig.boom.is_some() { finite(ground.across_friction) } else { along.clone() };
+        let across = if self.rig.boom.is_some() {
+            finite(ground.across_friction.max(LEAST_FRICTION))
+        } else {
+            along.clone()
+        };
         self.xml.open("contact", &[]);
         for point in &self.rig.mechanism.points {
             self.xml.leaf(
@@ -394,7 +403,7 @@ fn missing(robot: &Robot) -> Vec<String> {
     say(leg.cushion.is_some(), "the end-stop cushion: take its force from the motor's".into());
     say(
         leg.body.mass == 0.0,
-        "legs without mass: each has 1e-6 of the robot's, which soft constraints push badly; better give leg.mass_kg".into(),
+        "legs without mass: each has 1e-6 of the robot's, and a drive pushes it through ground and end stop; give leg.mass_kg".into(),
     );
     say(!ground.static_friction.is_finite(), format!("infinite friction: the coefficient is {NO_SLIP}"));
     say(
@@ -405,6 +414,10 @@ fn missing(robot: &Robot) -> Vec<String> {
         robot.boom.is_some(),
         "friction by the direction of travel: across it is along y, as where the boom stands at turn 0"
             .into(),
+    );
+    say(
+        robot.boom.is_some() && ground.across_friction < LEAST_FRICTION,
+        format!("a coefficient of friction across it below {LEAST_FRICTION}: it is that"),
     );
     say(robot.foot.radius == 0.0, format!("feet that are points: they are spheres of radius {POINT} m"));
     say(ground.restitution > 0.0, format!("a foot's restitution of {}", ground.restitution));
@@ -466,7 +479,11 @@ impl Xml {
 }
 
 fn listed(attributes: &[(&str, String)]) -> String {
-    attributes.iter().map(|(key, value)| format!(" {key}=\"{}\"", escaped(value))).collect()
+    let mut text = String::new();
+    for (key, value) in attributes {
+        let _ = write!(text, " {key}=\"{}\"", escaped(value));
+    }
+    text
 }
 
 /// `text` without the characters that XML has no way to write.

@@ -10,8 +10,12 @@ jump.py, Saltus its own simulation (`sim-check/examples/jumps.rs`). The robots a
 MuJoCo's time step is halved from run to run, and its constraints are as stiff as each step allows; differences are taken to
 the last run, and `settled` is what the last halving still changed.
 
-Where the foot stands to the end of the stroke, apices must agree to 3 mm and landings to 10 mm; where the force of the leg
-falls to 0 before, the foot of the one lets go at once, of the other slowly, and differences are only printed. Exit code 1 if
+The ground's coefficient of friction is 1 on both sides. Saltus' own, infinite, gives the same jumps, but MuJoCo's cone of friction
+is convex: it holds on to a foot that leaves at the speed v_n while it moves along at v_t until v_n > mu v_t. A leg of lean phi that
+is picked up at its end stop has v_t/v_n = tan phi, so that with mu above cot phi MuJoCo pulls at a foot that is in the air: at
+6 rad/s and a firing angle of 0 (phi = 0.31, cot phi = 3.1), the landing of rats-free is off by 2 mm at mu = 3, 16 mm at 4, 90 mm at 1000.
+
+Where the foot stands, apices must agree to 3 mm and landings to 10 mm; where it slips, differences are only printed. Exit code 1 if
 a jump misses, 2 if it cannot be flown.
 """
 
@@ -29,7 +33,7 @@ from jump import Launch, Robot
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 APEX, LANDING = 3e-3, 10e-3  # m
 SLIP = 1e-3  # m: a foot that moved less stood
-STEPS = [4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5]  # s
+STEPS = [4e-4, 2e-4, 1e-4, 5e-5]  # s
 FAST = [2e-4, 1e-4]  # s
 
 
@@ -87,12 +91,12 @@ def compare(name, file, binaries, folder, steps, out):
         apex, landing = float(row["apex_m"]), float(row["landing_m"])
         ends = "stroke" if row["at_end_stop"] == "true" else "force"
         differences = last.apex - apex, last.landing - landing
-        stands = ends == "stroke" and last.slip < SLIP
+        stands = abs(float(row["slipped_m"])) < SLIP and last.slip < SLIP
         within = abs(differences[0]) <= APEX and abs(differences[1]) <= LANDING
-        verdict = ("ok" if within else "MISS") if stands else "not judged"
+        verdict = ("ok" if within else "MISS") if stands else "slips"
         misses += verdict == "MISS"
         print(
-            f"{launch.rate:6.3f} {launch.firing_angle:6.3f} {launch.valve_open:5.2f} |"
+            f"{launch.rate:6.3f} {launch.firing_angle:6.3f} {launch.valve_open:5.3f} |"
             f" {apex:10.4f} {landing:8.4f} {ends:>7} |"
             f" {1e3 * differences[0]:6.3f} ({1e3 * (last.apex - former.apex):6.3f})"
             f" {1e3 * differences[1]:7.3f} ({1e3 * (last.landing - former.landing):6.3f})"
@@ -118,7 +122,7 @@ COLUMNS = (
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--fast", action="store_true", help="two coarse time steps instead of five")
+    parser.add_argument("--fast", action="store_true", help="two coarse time steps instead of four")
     parser.add_argument("--binaries", type=pathlib.Path, default=ROOT / "target/debug", help="where saltus and examples/jumps are")
     parser.add_argument("--friction", default="1", help="coefficient along the travel; inf is 2 in MuJoCo")
     parser.add_argument("--csv", type=pathlib.Path, help="write every run to this file")

@@ -34,6 +34,7 @@ class Result:
     fire: float = math.nan
     lift_off: float = math.nan
     extension: float = math.nan  # of the leg at lift-off
+    airborne: float = math.nan  # when the foot was 1 mm up, and the ground was taken away
     slip: float = 0.0  # greatest distance of the standing foot from its foothold, along the travel
     sink: float = 0.0  # greatest depth of the foot in the ground
     overshoot: float = 0.0  # of the end stop
@@ -205,7 +206,7 @@ class Robot:
                     result.lift_off, result.extension = n * step, d.qpos[self.leg]
                 if gap > 1e-3:
                     # From here on there is no ground, as in Saltus' jump.
-                    off = True
+                    off, result.airborne = True, n * step
                     m.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
             if axle[1] < before[1] and off and not risen:
                 risen = True
@@ -221,6 +222,8 @@ class Robot:
 
     def gas(self, pressure, start, end, extension, speed, opens, closes):
         """The pressure (Pa) at `end`, past the valve's opening and closing on the way; until it opens the leg is latched."""
+        if end <= opens:
+            return pressure
         for first, last, energised in ((opens, closes, True), (closes, math.inf, False)):
             begin, stop = max(start, first), min(end, last)
             if begin < stop:

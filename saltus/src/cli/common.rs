@@ -125,20 +125,33 @@ impl OutputFlags {
         option: &PlotOption,
         drawing: impl FnOnce() -> Result<Drawing, CliError>,
     ) -> Result<(), CliError> {
+        self.write_with(report, option, drawing, None)
+    }
+
+    /// As [`write_with_plot`](Self::write_with_plot), with one page more.
+    pub(crate) fn write_with(
+        &self,
+        report: String,
+        option: &PlotOption,
+        drawing: impl FnOnce() -> Result<Drawing, CliError>,
+        page: Option<(&Path, String)>,
+    ) -> Result<(), CliError> {
         let mut files = Files::default();
         if let Some(plot) = &option.plot {
-            self.check_distinct(plot.path())?;
+            self.check_distinct("--plot", plot.path())?;
             files.add(plot.path(), plot.draw(&drawing()?)?);
+        }
+        if let Some((path, html)) = page {
+            self.check_distinct("--animate", path)?;
+            files.add(path, html.into_bytes());
         }
         files.report(self.out.as_deref(), report);
         files.write()
     }
 
-    fn check_distinct(&self, plot: &Path) -> Result<(), CliError> {
+    fn check_distinct(&self, flag: &'static str, file: &Path) -> Result<(), CliError> {
         match &self.out {
-            Some(out) if out == plot => {
-                Err(CliError::flag("--plot", plot.display(), "another file than --out"))
-            }
+            Some(out) if out == file => Err(CliError::flag(flag, file.display(), "another file than --out")),
             _ => Ok(()),
         }
     }

@@ -76,8 +76,8 @@ fn check_bodies(robot: &Robot) {
                     ),
                 };
                 for (a, b) in found.iter().zip(&expected) {
-                    // What is added to moments that are 0.
-                    assert!((a - b).abs() <= LEAST_INERTIA, "{name}: {found:?} {expected:?}");
+                    // What is added to moments that are 0, and its round-off.
+                    assert!((a - b).abs() <= 1.001 * LEAST_INERTIA, "{name}: {found:?} {expected:?}");
                 }
                 total += body.mass;
             }

@@ -67,7 +67,7 @@ fn paths(nominal: &[&Outcome], context: &Context<'_>) -> Panel {
 }
 
 /// The planner's path of the axle.
-fn planned(task: &Task, context: &Context<'_>) -> Vec<(f64, f64)> {
+pub(super) fn planned(task: &Task, context: &Context<'_>) -> Vec<(f64, f64)> {
     const POINTS: usize = 120;
     let radius = context.planner.robot().body.radius;
     let Ok(trace) = context.planner.stance().trace(&task.launch) else { return Vec::new() };

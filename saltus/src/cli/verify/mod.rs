@@ -1,9 +1,12 @@
 //! `saltus verify`: plans, laws and tables in the multi-body simulation.
 
+mod animation;
 mod drawing;
 mod report;
 mod subject;
 mod trial;
+
+use std::path::PathBuf;
 
 use clap::Args;
 use saltus::Planner;
@@ -66,6 +69,10 @@ pub(crate) struct Verify {
     #[command(flatten)]
     threads: Threads,
 
+    /// Write a page that plays the jumps in a browser: those without errors, and the worst of the others
+    #[arg(long, value_name = "FILE.html", value_parser = page_file, help_heading = "Robot and output")]
+    animate: Option<PathBuf>,
+
     #[command(flatten)]
     plot: PlotOption,
 
@@ -75,7 +82,7 @@ pub(crate) struct Verify {
 
 const LONG_HELP: &str = "\
 Examples:
-  saltus verify box.toml --friction 0.3:1:8 --plot verify.svg
+  saltus verify box.toml --friction 0.3:1:8 --plot verify.svg --animate verify.html
   saltus verify --law=-0.146,0.704 --distance 1 --omega 3:6:7 --plant rats-boom
   saltus table --omega 3:6:31 --distance 0.8 --out table.csv
   saltus verify table.csv --plant rats-boom --samples 200 --out verified.csv
@@ -133,7 +140,12 @@ impl Verify {
             Format::Json => report::json(&outcomes, &verdict, &scene),
             Format::Text => report::text(&outcomes, &verdict, &scene),
         };
-        self.common.write_with_plot(report, &self.plot, || Ok(drawing::sheet(&outcomes, &scene)))?;
+        let page = self.animate.as_deref().map(|file| {
+            let html = animation::html(&outcomes, &scene);
+            html.map(|html| (file, html)).map_err(|error| CliError::content(file.display(), error))
+        });
+        let drawing = || Ok(drawing::sheet(&outcomes, &scene));
+        self.common.write_with(report, &self.plot, drawing, page.transpose()?)?;
         Ok(if verdict.passes { Status::Done } else { Status::No })
     }
 
@@ -173,6 +185,13 @@ impl Verify {
         let parts = saltus::planner::parallel::in_chunks(trials, 1, self.threads.count().get(), fly);
         parts.into_iter().flatten().collect()
     }
+}
+
+/// Parser of a flag.
+fn page_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_page = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"));
+    if is_page { Ok(path) } else { Err("the name must end in .html".into()) }
 }
 
 /// Parser of a flag.

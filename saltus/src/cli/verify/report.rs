@@ -83,7 +83,8 @@ impl Outcome {
         self.flown.apex.map(|y| y - self.trial.apex)
     }
 
-    fn miss(&self) -> Option<f64> {
+    /// Simulated less wanted landing (m).
+    pub(super) fn miss(&self) -> Option<f64> {
         self.flown.landing.map(|x| x - self.trial.wanted)
     }
 }
@@ -279,6 +280,9 @@ pub(super) fn json(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
     }))
 }
 
+/// The jumps of a plan and of a short table are few enough to be told one by one.
+const FEW: usize = 12;
+
 /// For people.
 pub(super) fn text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) -> String {
     let mut text = format!(
@@ -293,8 +297,6 @@ pub(super) fn text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
             text.push_str(&grounds_text(verdict, errors));
         }
     }
-    // The jumps of a plan and of a short table are few enough to be told one by one.
-    const FEW: usize = 12;
     let nominal: Vec<&Outcome> = outcomes.iter().filter(|o| o.trial.disturbance.is_none()).collect();
     if nominal.len() <= FEW {
         let mut table = Table::new(COLUMNS);
@@ -330,9 +332,10 @@ pub(super) fn text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
 
 fn group_text(group: &Group, context: &Context<'_>) -> String {
     let number = |x: Option<f64>| x.map_or("–".to_owned(), |x| digits(x, 3));
-    let title = match group.errors {
-        false => "without errors".to_owned(),
-        true => format!("with errors drawn, seed {}", context.seed),
+    let title = if group.errors {
+        format!("with errors drawn, seed {}", context.seed)
+    } else {
+        "without errors".to_owned()
     };
     let mut lines =
         vec![format!("\n{title}: {} of {} jumps pass, {} land", group.passed, group.jumps, group.landed)];

@@ -64,8 +64,8 @@ pub(super) struct Subject {
 }
 
 pub(super) enum Kind {
-    /// The jumps of a plan.
-    Plan(Vec<Stage>),
+    /// The jumps of a plan, and what stands on its course: front, back and top (m) of each.
+    Plan { stages: Vec<Stage>, solids: Vec<[f64; 3]> },
     /// A rule for the firing angle.
     Rule(Rule),
 }
@@ -73,6 +73,8 @@ pub(super) enum Kind {
 /// A jump of a plan.
 pub(super) struct Stage {
     pub(super) task: Task,
+    /// Foothold along the course, and height of its surface (m).
+    pub(super) foot: [f64; 2],
     /// Apex and landing (m) above and from the foothold, as planned.
     pub(super) apex: f64,
     pub(super) landing: f64,
@@ -282,12 +284,14 @@ fn plan(flags: &SubjectFlags, path: &Path, planner: &Planner) -> Result<Subject,
                     .collect(),
                 leg_out: crossing.leg_out,
             },
+            foot: planned.foot,
             apex: planned.jump.apex().unwrap_or(f64::NAN),
             landing: landing - foot,
         }
     };
     let stages = plan.jumps.iter().map(stage).collect();
-    Ok(Subject { title: format!("the plan for {file}"), kind: Kind::Plan(stages) })
+    let solids = crossing.course.obstacles.iter().map(|o| [o.span().low, o.span().high, o.height]).collect();
+    Ok(Subject { title: format!("the plan for {file}"), kind: Kind::Plan { stages, solids } })
 }
 
 /// Parser of a flag.

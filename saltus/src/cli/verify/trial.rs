@@ -25,6 +25,8 @@ pub(super) struct Trial {
     pub(super) jump: usize,
     /// As measured and commanded.
     pub(super) task: Task,
+    /// Foothold along the course, and height of its surface (m).
+    pub(super) foot: [f64; 2],
     /// None: without errors.
     pub(super) disturbance: Option<Disturbance>,
     /// Friction coefficient of the ground; none: the robot's own.
@@ -83,6 +85,7 @@ pub(super) fn draw(
     let make = |jump, task: Task, [apex, landing, wanted]: [f64; 3]| Trial {
         jump,
         task,
+        foot: [0.0; 2],
         disturbance: None,
         friction: None,
         apex,
@@ -91,10 +94,13 @@ pub(super) fn draw(
         tolerance: scatter.tolerance,
     };
     let nominal: Vec<Trial> = match &subject.kind {
-        Kind::Plan(stages) => stages
+        Kind::Plan { stages, .. } => stages
             .iter()
             .enumerate()
-            .map(|(i, stage)| make(i, stage.task.clone(), [stage.apex, stage.landing, stage.landing]))
+            .map(|(i, stage)| Trial {
+                foot: stage.foot,
+                ..make(i, stage.task.clone(), [stage.apex, stage.landing, stage.landing])
+            })
             .collect(),
         Kind::Rule(rule) => rule
             .rates
@@ -110,7 +116,7 @@ pub(super) fn draw(
         frictions.iter().flat_map(|&mu| nominal.iter().map(move |trial| on(trial, mu))).collect();
     for i in 0..scatter.samples {
         let mut trial = match &subject.kind {
-            Kind::Plan(_) => nominal[i % nominal.len()].clone(),
+            Kind::Plan { .. } => nominal[i % nominal.len()].clone(),
             Kind::Rule(rule) => {
                 let task = rule.task(drawn_rate(&rule.rates, &mut random));
                 make(0, task.clone(), planned(planner, &task, rule.distance)?)
@@ -126,7 +132,7 @@ pub(super) fn draw(
 /// Samples in a row on one friction coefficient: one for each jump of a plan.
 fn nominal_turn(subject: &Subject) -> usize {
     match &subject.kind {
-        Kind::Plan(stages) => stages.len().max(1),
+        Kind::Plan { stages, .. } => stages.len().max(1),
         Kind::Rule(_) => 1,
     }
 }
