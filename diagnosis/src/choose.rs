@@ -49,6 +49,8 @@ pub struct Finding {
 /// What the data say.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
+    /// Every cause alone, the best first.
+    pub tried: Vec<Candidate>,
     /// The causes, the most telling first.
     pub findings: Vec<Finding>,
     /// Whether what is left is not noise, and no candidate explains it.
@@ -80,6 +82,7 @@ pub fn diagnose(kind: &dyn Kind, settings: &Settings) -> Option<Diagnosis> {
     let before = fit(kind, &[], &runs, &all, None)?;
     let mut current = before.clone();
     let mut findings = Vec::new();
+    let mut tried = Vec::new();
     let mut inflation = excess(kind, &before);
     while findings.len() < settings.most {
         let mut candidates: Vec<Candidate> = (0..kind.causes().len())
@@ -91,6 +94,9 @@ pub fn diagnose(kind: &dyn Kind, settings: &Settings) -> Option<Diagnosis> {
             })
             .collect();
         candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        if findings.is_empty() {
+            tried.clone_from(&candidates);
+        }
         let Some(best) = candidates.first() else { break };
         // What is left under the best candidate tells how much a unit of loss is worth.
         inflation = excess(kind, &best.fit);
@@ -125,7 +131,7 @@ pub fn diagnose(kind: &dyn Kind, settings: &Settings) -> Option<Diagnosis> {
     }
     let unknown = is_unexplained(kind, &before, &current, settings);
     let held_out = held_out_rms(kind, &before, &current, &folds);
-    Some(Diagnosis { findings, unknown, before, after: current, inflation, held_out })
+    Some(Diagnosis { tried, findings, unknown, before, after: current, inflation, held_out })
 }
 
 /// χ² of so much freedom that is exceeded with the rest of `probability`.

@@ -256,9 +256,14 @@ pub(crate) fn fit(kind: &dyn Kind, on: &[usize], runs: &[usize], mask: &Mask, fr
         }
     }
     let mut best: Option<Fit> = None;
-    for start in starts {
+    // The unknowns from where they are, and from their first guesses: a wrong model may have led them astray.
+    let begins = [&unknowns, &first];
+    let begins = if unknowns == first { &begins[..1] } else { &begins[..] };
+    let pairs = starts.iter().flat_map(|start| begins.iter().map(move |begin| (start, begin)));
+    for (start, begin) in pairs {
         let layout = Layout::new(kind, on, runs, true);
-        let mut problem = Problem { kind, layout, mask, terms: start, unknowns: unknowns.clone() };
+        let mut problem =
+            Problem { kind, layout, mask, terms: start.clone(), unknowns: (*begin).clone() };
         let mut x = problem.layout.read(&problem.terms, &problem.unknowns);
         let Some((loss, information)) = problem.solve(&mut x) else { continue };
         if best.as_ref().is_none_or(|b| loss < b.loss) {
