@@ -135,7 +135,12 @@ impl Sim<'_> {
                 return b;
             }
         }
-        let resolution = 2.0 * f64::EPSILON * (self.time.abs() + h);
+        // To round-off, or where that would not be seen: but a foot that comes to stand must have come to.
+        let finest = 2.0 * f64::EPSILON * (self.time.abs() + h);
+        let resolution = match guard {
+            Guard::SlipEnd(..) => finest,
+            _ => finest.max(1e-3 * self.settings.tolerance * h),
+        };
         let b = past_root((a, fa), (b, fb), resolution, |s| value(self, s));
         value(self, b);
         b
