@@ -2,7 +2,7 @@
 //! a foot sticks truly, and impulses in fixed steps.
 //!
 //! `cargo run --release -p saltus-sim-check --example formulations` prints the worst over the launches: differences of apex and landing
-//! from the first formulation, how far the foot that should stick has crept along the travel by lift-off, and CPU time a jump.
+//! from the first formulation at a friction coefficient of 1, how far the foot that should stick has crept along the travel by lift-off, and CPU time a jump.
 
 use std::error::Error;
 use std::time::Instant;
@@ -19,21 +19,30 @@ fn main() -> Result<(), Box<dyn Error>> {
     let adaptive = Settings { tolerance: 1e-8, ..Settings::default() };
     let fixed = |h| Settings { stepping: Stepping::Fixed(h), ..Settings::default() };
     for name in ["rats-boom", "rats-planar"] {
-        let rigid = Rig::new(&saltus_robot::resolve(name, &[])?, &[])?;
+        let friction = |coefficient: &str| {
+            [
+                format!("ground.static_friction={coefficient}"),
+                format!("ground.kinetic_friction={coefficient}"),
+            ]
+        };
+        let rigid = Rig::new(&saltus_robot::resolve(name, &friction("1.0"))?, &[])?;
         let best = jumps(&rigid, adaptive)?;
         row(name, "rigid by events", "tolerance 1e-8", &best, &best);
         for exponent in 4..=7 {
             let stiffness = 10_f64.powi(exponent);
             // A quarter of critical damping under the robot's 2.75 kg.
             let damping = 0.5 * (stiffness * 2.75).sqrt();
-            let ground = [
-                format!("ground.stiffness_n_per_m={stiffness:.1}"),
-                format!("ground.damping_n_s_per_m={damping:.3}"),
-            ];
-            let soft = Rig::new(&saltus_robot::resolve(name, &ground)?, &[])?;
+            let ground = |coefficient: &str| {
+                let [standing, slipping] = friction(coefficient);
+                let stiffness = format!("ground.stiffness_n_per_m={stiffness:.1}");
+                [standing, slipping, stiffness, format!("ground.damping_n_s_per_m={damping:.3}")]
+            };
+            let soft = Rig::new(&saltus_robot::resolve(name, &ground("1.0"))?, &[])?;
             let setting = format!("1e{exponent} N/m");
             row(name, "compliant by events", &setting, &jumps(&soft, adaptive)?, &best);
             row(name, "compliant in steps of 1 ms", &setting, &jumps(&soft, fixed(1e-3))?, &best);
+            let sticky = Rig::new(&saltus_robot::resolve(name, &ground("inf"))?, &[])?;
+            row(name, "compliant by events and no slip ever", &setting, &jumps(&sticky, adaptive)?, &best);
         }
         for h in [4e-3, 1e-3, 2.5e-4] {
             let setting = format!("{} ms", h * 1e3);

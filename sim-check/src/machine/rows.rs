@@ -206,15 +206,16 @@ impl Machine<'_> {
         let bias = self.contact_bias(touch, body, &center);
         let grips = mode.contacts[c].grips;
         for (axis, (standing, slipping, width)) in self.friction().into_iter().enumerate() {
-            // A spring takes an impact in its own time: the feet's rows have no part in one.
-            if standing == 0.0 || rows == Rows::Impact {
+            // A spring takes an impact in its own time: only what cannot slip has a part in one.
+            if standing == 0.0 || (rows == Rows::Impact && standing.is_finite()) {
                 continue;
             }
             let speed =
                 if width == 2 { touch.speeds.y.hypot(touch.speeds.z) } else { touch.speeds[1 + axis].abs() };
             let stands = match rows {
                 Rows::Holding => grips[axis] == Grip::Held,
-                _ => speed <= STANDING,
+                Rows::Candidates => speed <= STANDING,
+                Rows::Impact => true,
             };
             if stands {
                 let row = self.problem.rows;

@@ -11,6 +11,9 @@ use crate::complementarity::{Bounds, Element, Grip};
 use crate::linear::{backward, cholesky, forward};
 use crate::mode::{JointMode, Mode, Stop};
 
+/// Square of the angle (rad) by which a foot on compliant ground swings in a step that resolves it.
+const RESOLVED: f64 = 0.1;
+
 impl Machine<'_> {
     /// The problem of a step of `h` (s) that starts at the velocities of `start`; `middle` is the state half way, and
     /// `acceleration` the one that led there (all velocities).
@@ -114,14 +117,21 @@ impl Machine<'_> {
             self.speeds[r] = before;
         }
         let Some((stiffness, damping)) = self.mechanism.material.compliance else { return };
-        let give = 0.25 * h * h * stiffness + 0.5 * h * damping;
         for r in 0..m {
             if let Owner::Normal(c) = self.owners[r]
                 && let Some(touch) = self.touches.iter().find(|t| t.contact == c)
             {
                 let gap = touch.gap - 0.5 * h * touch.speeds.x;
+                let before = self.speeds[r];
+                // Where the step resolves the bounce, the mean of both ends; else the end, which does not ring.
+                let is_resolved = h * h * stiffness * self.problem.a[r * m + r] < RESOLVED;
+                let (give, speed) = if is_resolved {
+                    (0.25 * h * h * stiffness + 0.5 * h * damping, before)
+                } else {
+                    (h * h * stiffness + h * damping, 0.0)
+                };
                 self.problem.a[r * m + r] += 1.0 / give;
-                self.problem.b[r] += self.speeds[r] + h * stiffness * gap / give;
+                self.problem.b[r] += speed + h * stiffness * gap / give;
             }
         }
     }

@@ -450,7 +450,7 @@ impl Sim<'_> {
                     self.log(Happening::Halt(body));
                 }
                 self.mode.joints[body] = JointMode::Held(stop);
-                self.y[k] = 0.0;
+                self.machine.put_at_stop(&mut self.y, body, stop);
             }
             grip => {
                 if stood {
