@@ -173,6 +173,11 @@ impl Problem {
         self.motion[e.row..e.row + e.rows()].iter().all(|w| w.abs() <= 10.0 * self.still())
     }
 
+    /// Whether the force of an element is at a bound and it moves faster than `speed`.
+    pub(crate) fn lets_go(&self, e: &Element, speed: f64) -> bool {
+        e.grip != Grip::Held && self.motion[e.row].abs() > speed
+    }
+
     /// Where forces are one choice of many, one at its bound says nothing: there, after [`resolve`](Self::resolve), what
     /// stands is to hold.
     pub(crate) fn hold_what_stands(&mut self) {

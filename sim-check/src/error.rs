@@ -87,4 +87,14 @@ pub enum SimError {
         /// The step (s).
         step: f64,
     },
+    /// A fixed step has led to numbers that are none, or beyond all bounds.
+    #[error(
+        "t = {time} s: the motion diverges in fixed steps of {step} s; take shorter ones, or adaptive ones"
+    )]
+    Diverged {
+        /// When (s).
+        time: f64,
+        /// The step (s).
+        step: f64,
+    },
 }

@@ -45,7 +45,8 @@ pub(crate) fn backward(l: &[f64], n: usize, b: &mut [f64]) {
 /// Pivots below this part of the greatest are rows that say what others have said.
 const REDUNDANT: f64 = 1e-12;
 
-/// Solves the m × m system `a` x = `b` (row by row); x is left in `b`. Where rows are redundant, the x of least norm, and true.
+/// Solves the m × m system `a` x = `b` (row by row); x is left in `b`. Where rows are redundant, the x of least norm, and true;
+/// of numbers that are none, NaN.
 pub(crate) fn solve(a: &mut [f64], m: usize, b: &mut [f64]) -> bool {
     let scale = a[..m * m].iter().fold(0.0_f64, |s, x| s.max(x.abs()));
     let whole = Small::of(&a[..m * m], &b[..m]);
@@ -53,6 +54,10 @@ pub(crate) fn solve(a: &mut [f64], m: usize, b: &mut [f64]) -> bool {
         return false;
     }
     let (a, right) = whole.get();
+    if !a.iter().all(|x| x.is_finite()) {
+        b[..m].fill(f64::NAN);
+        return true;
+    }
     let svd = DMatrix::from_row_slice(m, m, a).svd(true, true);
     let least = svd.singular_values.max() * 1e-11;
     match svd.solve(&DVector::from_row_slice(right), least) {

@@ -5,6 +5,7 @@ use saltus_numeric::dop853::step_factor;
 use super::Sim;
 use super::Watch;
 use super::guards::{Guard, trails};
+use super::root::past_root;
 use crate::SimError;
 
 impl Sim<'_> {
@@ -134,32 +135,13 @@ impl Sim<'_> {
                 return b;
             }
         }
-        // Illinois, which keeps the bracket, with bisection where it is slow.
-        let resolution = 2.0 * f64::EPSILON * (self.time.abs() + h);
-        let mut side = 0;
-        for i in 0..80 {
-            if b - a <= resolution || fb == 0.0 {
-                break;
-            }
-            let mut s = (a * fb - b * fa) / (fb - fa);
-            if i % 8 == 7 || !(s > a && s < b) {
-                s = 0.5 * (a + b);
-            }
-            let f = value(self, s);
-            if f > 0.0 {
-                (a, fa) = (s, f);
-                if side == 1 {
-                    fb *= 0.5;
-                }
-                side = 1;
-            } else {
-                (b, fb) = (s, f);
-                if side == -1 {
-                    fa *= 0.5;
-                }
-                side = -1;
-            }
-        }
+        // To round-off, or where that would not be seen: but a foot that comes to stand must have come to.
+        let finest = 2.0 * f64::EPSILON * (self.time.abs() + h);
+        let resolution = match guard {
+            Guard::SlipEnd(..) => finest,
+            _ => finest.max(1e-3 * self.settings.tolerance * h),
+        };
+        let b = past_root((a, fa), (b, fb), resolution, |s| value(self, s));
         value(self, b);
         b
     }

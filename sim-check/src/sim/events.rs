@@ -3,7 +3,7 @@
 use saltus_pneumatics::Piece;
 
 use super::guards::Guard;
-use super::{BURST, BURST_SPAN, Event, Happening, Sim};
+use super::{BURST, BURST_SPAN, Event, Happening, Sim, Stepping};
 use crate::SimError;
 use crate::complementarity::{Bounds, Grip};
 use crate::machine::{Owner, Rows, STANDING};
@@ -186,6 +186,14 @@ impl Sim<'_> {
         self.renew_piece(leg, side);
     }
 
+    /// Impacts slower than this (m/s) do not rebound: in fixed steps not those either whose flight would be within a step.
+    fn rest_speed(&self) -> f64 {
+        match self.settings.stepping {
+            Stepping::Adaptive => self.settings.rest_speed,
+            Stepping::Fixed(h) => self.settings.rest_speed.max(h * self.machine.mechanism.gravity.norm()),
+        }
+    }
+
     /// Takes out, by impulses, what velocity there is into contacts and stops; the new contact, if any, rebounds.
     pub(super) fn impact(&mut self, hit: Option<usize>, restitution: f64) -> Result<(), SimError> {
         let before = self.pose().kinetic_energy(&self.machine.mechanism.tree);
@@ -198,6 +206,7 @@ impl Sim<'_> {
             match e.bounds {
                 Bounds::Between(0.0, _) => w < -STANDING,
                 Bounds::Between(..) => w > STANDING,
+                Bounds::Friction { normal: None, limit, .. } => limit == f64::INFINITY && w.abs() > STANDING,
                 Bounds::Friction { .. } => false,
             }
         });
@@ -209,7 +218,7 @@ impl Sim<'_> {
                 && (hit == Some(c))
             {
                 let w = self.machine.problem.b[r];
-                if w < -self.settings.rest_speed {
+                if w < -self.rest_speed() {
                     self.machine.problem.b[r] += restitution * w;
                 }
             }

@@ -2,13 +2,16 @@
 
 mod adaptive;
 mod events;
+mod fixed;
 mod guards;
 mod report;
+mod root;
 mod settle;
 mod start;
 
 pub use report::{Contact, Ledger};
 
+use self::fixed::Fixed;
 use self::guards::Guard;
 use self::start::{check_start, first_mode};
 use crate::SimError;
@@ -28,11 +31,38 @@ pub struct Settings {
     pub rest_speed: f64,
     /// How deep a start may be inside a surface (m), ≥ 0; it then counts as touching.
     pub penetration: f64,
+    /// How long steps are.
+    pub stepping: Stepping,
+}
+
+/// How long steps are, and where events lie in them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stepping {
+    /// As long as the tolerance allows, each event to round-off: for answers.
+    Adaptive,
+    /// This long (s), above 0 and at most [`Stepping::LONGEST`]: for controllers and learning.
+    ///
+    /// Contacts, end stops and dry friction are laws of impulses and end velocities (Moreau–Jean). Smooth motion is of second order;
+    /// touch-down, end stops and commands cut a step in parts, while slip, break-away and lift-off happen within one.
+    Fixed(f64),
+}
+
+impl Stepping {
+    /// The usual fixed step (s).
+    pub const USUAL: Stepping = Stepping::Fixed(1e-3);
+    /// The longest fixed step (s).
+    pub const LONGEST: f64 = 0.1;
 }
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { tolerance: 1e-10, longest_step: 0.01, rest_speed: 1e-3, penetration: 1e-9 }
+        Settings {
+            tolerance: 1e-10,
+            longest_step: 0.01,
+            rest_speed: 1e-3,
+            penetration: 1e-9,
+            stepping: Stepping::Adaptive,
+        }
     }
 }
 
@@ -99,6 +129,8 @@ pub struct Sim<'a> {
     evaluations: usize,
     next: Vec<f64>,
     guards: Vec<(Guard, f64)>,
+    /// Room for fixed steps, where they are fixed.
+    fixed: Option<Fixed>,
     /// Events since time moved on.
     burst: (f64, usize),
 }
@@ -148,6 +180,10 @@ impl<'a> Sim<'a> {
             steps: 0,
             evaluations: 0,
             guards: Vec::new(),
+            fixed: match settings.stepping {
+                Stepping::Adaptive => None,
+                Stepping::Fixed(h) => Some(Fixed::new(h, layout)),
+            },
             burst: (0.0, 0),
         };
         sim.begin()?;
@@ -233,7 +269,7 @@ impl<'a> Sim<'a> {
             {
                 self.commands.pop();
                 self.switch_valve(leg, on)?;
-            } else if let Some(watch) = self.advance(until, watches)? {
+            } else if let Some(watch) = self.go_on(until, watches)? {
                 return Ok(Some(Pause::Watch(watch)));
             }
             if self.events.len() > events {
@@ -241,6 +277,18 @@ impl<'a> Sim<'a> {
             }
         }
         Ok(Some(Pause::Time))
+    }
+
+    /// One step, or the part of one that ends at an event; the watch that came to 0, if one did.
+    fn go_on(&mut self, until: f64, watches: &[Watch<'_>]) -> Result<Option<usize>, SimError> {
+        match self.fixed.take() {
+            None => self.advance(until, watches),
+            Some(mut fixed) => {
+                let found = self.advance_fixed(&mut fixed, until, watches);
+                self.fixed = Some(fixed);
+                found
+            }
+        }
     }
 
     /// From now on nothing that is in the air touches anything: a flight goes on as if there were no ground.

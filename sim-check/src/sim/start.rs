@@ -2,7 +2,7 @@
 
 use saltus_pneumatics::Piece;
 
-use super::{Settings, Sim};
+use super::{Settings, Sim, Stepping};
 use crate::SimError;
 use crate::machine::Layout;
 use crate::mechanism::Mechanism;
@@ -77,6 +77,11 @@ pub(super) fn check_start(
     let positive = [("tolerance", settings.tolerance), ("longest step (s)", settings.longest_step)];
     if let Some((name, value)) = positive.into_iter().find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
         return wrong(name, value, "a finite number > 0");
+    }
+    if let Stepping::Fixed(h) = settings.stepping
+        && !(h > 0.0 && h <= Stepping::LONGEST)
+    {
+        return wrong("fixed step (s)", h, "above 0, at most 0.1");
     }
     let not_negative = [("rest speed (m/s)", settings.rest_speed), ("penetration (m)", settings.penetration)];
     if let Some((name, value)) = not_negative.into_iter().find(|(_, x)| !(*x >= 0.0 && x.is_finite())) {
