@@ -1,6 +1,6 @@
 //! Steps of fixed length.
 
-use saltus_pneumatics::{Chamber, Flow, Piece};
+use saltus_pneumatics::{Chamber, Flow, Leg, Piece};
 
 use super::guards::Guard;
 use super::root::past_root;
@@ -84,12 +84,12 @@ impl Sim<'_> {
         self.try_fixed(fixed, h)?;
         let found = self.first_crossed(fixed, h, watches)?;
         let Some((guard, at)) = found else {
-            self.accept_fixed(fixed, h)?;
+            self.accept_fixed(fixed, h);
             self.time = end;
             return Ok(None);
         };
         if at > 0.0 {
-            self.accept_fixed(fixed, at)?;
+            self.accept_fixed(fixed, at);
             self.time = if at < h { self.time + at } else { end };
         } else {
             self.restore(fixed);
@@ -338,8 +338,8 @@ impl Sim<'_> {
         let stop = |x: f64, stop| (x.is_finite() && !held(stop)).then_some(Guard::Stop(body, stop));
         let leg = self.machine.leg_of(body);
         let part = leg.map(|i| &self.machine.mechanism.legs[i].leg);
-        let cushion = part.and_then(|leg| leg.cushion_start()).and(leg).map(Guard::Cushion);
-        let port = part.and_then(|leg| leg.chamber()).and_then(Chamber::port).and(leg).map(Guard::Port);
+        let cushion = part.and_then(Leg::cushion_start).and(leg).map(Guard::Cushion);
+        let port = part.and_then(Leg::chamber).and_then(Chamber::port).and(leg).map(Guard::Port);
         [stop(low, Stop::Low), stop(high, Stop::High), cushion, port]
     }
 
@@ -409,7 +409,7 @@ impl Sim<'_> {
     }
 
     /// Takes over the step of `h` that was tried.
-    fn accept_fixed(&mut self, fixed: &mut Fixed, h: f64) -> Result<(), SimError> {
+    fn accept_fixed(&mut self, fixed: &mut Fixed, h: f64) {
         std::mem::swap(&mut self.y, &mut self.next);
         // `next` is now the state before.
         self.adopt_step(h);
@@ -417,7 +417,6 @@ impl Sim<'_> {
         self.machine.correct_step(&mut self.y, slack);
         self.machine.mechanism.tree.normalize(&mut self.y[..self.layout.coordinates]);
         std::mem::swap(&mut fixed.acceleration, &mut fixed.next_acceleration);
-        Ok(())
     }
 
     /// Takes over who held and who moved in the step.
