@@ -19,6 +19,8 @@ mod jumper;
 mod law;
 #[path = "thesis/obstacle.rs"]
 mod obstacle;
+#[path = "thesis/slip.rs"]
+mod slip;
 #[path = "thesis/valve.rs"]
 mod valve;
 
@@ -47,7 +49,9 @@ fn main() -> Outcome<()> {
          and its drawings are written by\n\n    {COMMAND}\n\n\
          The thesis' plots are known here by their axes, captions and text only, so a comparison with a curve is one with its ends.\n"
     );
-    for section in [valve::section()?, family::section()?, law::section()?, obstacle::section()?] {
+    for section in
+        [valve::section()?, family::section()?, law::section()?, obstacle::section()?, slip::section()?]
+    {
         page.push('\n');
         page.push_str(section.text.trim());
         page.push('\n');
@@ -58,7 +62,7 @@ fn main() -> Outcome<()> {
     page.push_str(
         "\n## Running (5.1)\n\n\
          \"From rest to 3.2 m/s in less than 3 seconds\", the gaits and their firing angles are results of a wheel that runs on leg after \
-         leg, with slip and with several legs at work. Saltus models one jump of one leg; these are not modelled here, and nothing on this \
+         leg, with several legs at work. Saltus models one jump of one leg; these are not modelled here, and nothing on this \
          page says anything about them.\n",
     );
     fs::write(docs.join("thesis.md"), page)?;
@@ -72,5 +76,8 @@ fn claim(holds: bool, what: &str) -> Outcome<()> {
 
 /// A negative number with a real minus sign.
 fn signed(x: f64, digits: usize) -> String {
-    format!("{x:.digits$}").replace('-', "−")
+    let text = format!("{x:.digits$}");
+    // What rounds to nothing has no sign.
+    let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
+    if is_zero { text.replace('-', "") } else { text.replace('-', "−") }
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use saltus::planner::TableError;
+use saltus::sim_check::SimError;
 use saltus::{RobotError, StanceError};
 
 /// Bad input, or a place that could not be read or written: exit code 2.
@@ -63,6 +64,9 @@ pub(crate) enum CliError {
     /// What the planner does not take.
     #[error(transparent)]
     Request(#[from] TableError),
+    /// A robot that cannot be a rig of bodies.
+    #[error(transparent)]
+    Rig(#[from] SimError),
     /// A file that the system does not let us read.
     #[error("{}: cannot be read: {source}", file.display())]
     Read {

@@ -15,11 +15,14 @@
 //!
 //! The `saltus` command does the same from a shell: `saltus simulate --omega 5 --alpha-f -0.1`.
 
+pub mod verify;
+
 pub use saltus_ballistic as ballistic;
 pub use saltus_lagrangian as lagrangian;
 pub use saltus_planner as planner;
 pub use saltus_pneumatics as pneumatics;
 pub use saltus_robot as robot;
+pub use saltus_sim_check as sim_check;
 
 pub use saltus_ballistic::{DragFlight, Flight, FlightError};
 pub use saltus_lagrangian::{Launch, LiftOff, Outcome, Stance, StanceError, Trace};

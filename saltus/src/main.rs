@@ -2,7 +2,9 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+mod animation;
 mod cli;
+mod columns;
 mod error;
 mod input;
 mod output;

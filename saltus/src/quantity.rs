@@ -108,6 +108,16 @@ pub(crate) fn angle(text: &str) -> Result<f64, QuantityError> {
 }
 
 /// Parser of a flag.
+pub(crate) fn distance(text: &str) -> Result<f64, QuantityError> {
+    Quantity::DISTANCE.parse(text)
+}
+
+/// Parser of a flag.
+pub(crate) fn factor(text: &str) -> Result<f64, QuantityError> {
+    Quantity::FACTOR.parse(text)
+}
+
+/// Parser of a flag.
 pub(crate) fn time(text: &str) -> Result<f64, QuantityError> {
     Quantity::TIME.parse(text)
 }

@@ -100,6 +100,11 @@ pub(crate) fn times(text: &str) -> Result<Values, RangeError> {
 }
 
 /// Parser of a flag.
+pub(crate) fn frictions(text: &str) -> Result<Values, RangeError> {
+    Values::parse(text, &Quantity::FACTOR)
+}
+
+/// Parser of a flag.
 pub(crate) fn distances(text: &str) -> Result<Values, RangeError> {
     Values::parse(text, &Quantity::DISTANCE)
 }

@@ -28,6 +28,10 @@ fn folder(test: &str) -> Folder {
         "narrow.toml",
         "approach_rate_rad_s = 5\ntarget_x_m = 1\n[[obstacle]]\nfront_x_m = 1\nwidth_m = 0\nheight_m = 1\n",
     );
+    folder.write("course2.toml", "approach_rate_rad_s = 5\ntarget_x_m = 0.9\n");
+    folder.write("falling.csv", "omega_rad_s,alpha_f_rad\n5,0\n4,0\n");
+    folder.write("two.csv", "omega_rad_s,distance_m,alpha_f_rad\n5,0.6,0\n5,0.8,0.1\n");
+    folder.write("gaps.csv", "omega_rad_s,alpha_f_rad\n5,\n");
     folder.write("broken.json", "{\"instances\": [");
     folder.write("none.json", "{\"instances\": []}");
     folder.write("jumps.json", r#"{"instances": [{"id": "a", "start_x_m": 0, "start_height_m": 0, "jumps": 0, "goal_x_m": 1, "obstacles": [], "no_landing": []}]}"#);
@@ -49,6 +53,12 @@ const CASES: &[(&str, &[&str])] = &[
     ("simulate --omega 5 --omega 6 --alpha-f 0", &["'--omega <RATE>' cannot be used multiple times"]),
     ("completions csh", &["invalid value 'csh'", "bash"]),
     ("completions", &["<SHELL>"]),
+    ("export", &["Usage: saltus export"]),
+    ("export urdf", &["unrecognized subcommand 'urdf'"]),
+    ("export mjcf --robot nobody", &["nobody"]),
+    ("export mjcf --robot broken.toml --out a.xml", &["broken.toml"]),
+    ("export mjcf --set leg.stroke_m=-1", &["leg.stroke_m"]),
+    ("export mjcf --out nowhere/a.xml", &["nowhere/a.xml: cannot be written"]),
     // Numbers.
     ("simulate --omega five --alpha-f 0", &["--omega", "\"five\" must be a number from 0 to 1000 rad/s"]),
     ("simulate --omega nan --alpha-f 0", &["--omega", "\"nan\" must be a number from 0 to 1000 rad/s"]),
@@ -142,6 +152,39 @@ const CASES: &[(&str, &[&str])] = &[
         &["rate.toml:1: approach_rate_rad_s = -5: must be a number from 0 to 1000 rad/s"],
     ),
     ("plan narrow.toml", &["narrow.toml:5: obstacle[0].width_m = 0: must be a length above 0"]),
+    ("verify", &["COURSE.toml|TABLE.csv"]),
+    ("verify nowhere.toml", &["nowhere.toml: cannot be read"]),
+    ("verify rate.toml --out a.csv", &["rate.toml:1: approach_rate_rad_s = -5"]),
+    ("verify broken.toml --samples 0", &["broken.toml:1: not TOML"]),
+    (
+        "verify empty.csv",
+        &["empty.csv:1: no column omega_rad_s: the header must name omega_rad_s, alpha_f_rad"],
+    ),
+    ("verify --law=-0.1,0.4", &["--omega <RATES>"]),
+    ("verify --law=-0.1 --omega 5", &["--law", "\"-0.1\" must be a slope (s) and an intercept (rad)"]),
+    ("verify --law=-0.1,9 --omega 5", &["--law -0.1,9", "between -pi/2 and pi/2 rad; at 5 rad/s it is 8.5"]),
+    ("verify --law=-0.1,0.4 --omega 5 box.toml", &["cannot be used with"]),
+    ("verify --law=-0.1,0.4 --omega 5 --plant rover", &["rover"]),
+    ("verify --law=-0.1,0.4 --omega 5 --plant-set leg.bore_mm=-1", &["bore_mm", "-1"]),
+    (
+        "verify --law=-0.1,0.4 --omega 5 --friction=-1",
+        &["--friction", "\"-1\" must be a number from 0 to 10000"],
+    ),
+    ("verify --law=-0.1,0.4 --omega 5 --share 2", &["--share", "2 must be a share from 0 to 1"]),
+    ("verify --law=-0.1,0.4 --omega 5 --accuracy 1", &["--accuracy", "from 1e-13 to 0.01"]),
+    ("verify --law=-0.1,0.4 --omega 5 --samples 1e9", &["--samples"]),
+    ("verify --law=-0.1,0.4 --omega 5 --tolerance 0", &["--tolerance", "above 0"]),
+    ("verify course2.toml --animate a.txt", &["--animate", "the name must end in .html"]),
+    (
+        "verify course2.toml --samples 0 --out a.html --animate a.html",
+        &["--animate a.html: must be another file than --out"],
+    ),
+    ("verify course2.toml --omega 5", &["--omega: must be left out where a course says"]),
+    ("verify falling.csv", &["falling.csv:3: omega_rad_s = 4: must be above the one before"]),
+    ("verify two.csv", &["--distance: must be one of the distances in two.csv: 0.6, 0.8"]),
+    ("verify two.csv --distance 0.7", &["--distance 0.7: must be one of those in two.csv: 0.6, 0.8"]),
+    ("verify gaps.csv", &["gaps.csv: no row with a firing angle"]),
+    ("verify two.csv --distance 0.6 --omega 9", &["--omega 9: must be within the table: from 5 to 5 rad/s"]),
     ("plan broken.toml", &["broken.toml:1: not TOML"]),
     ("plan binary.csv", &["binary.csv: byte 51 is not UTF-8 text"]),
     ("parkour", &["<FILE>"]),

@@ -183,6 +183,7 @@ fn the_answer_does_not_depend_on_the_number_of_threads() {
         "simulate --omega 3:6:40 --alpha-f -0.2:0.2:20 --format csv",
         "table --omega 3:6:7 --distance 0.6 --format csv",
         "map --omega 3:6:7 --alpha-f 0:0.2:5 --format csv",
+        "verify --law=-0.13,0.5 --omega 4:6:3 --samples 9 --format csv",
     ] {
         let one = folder.done(&format!("{line} --threads 1"), 0);
         assert_eq!(one, folder.done(&format!("{line} --threads 3"), 0), "{line}");
@@ -204,7 +205,7 @@ fn a_jump_without_lift_off_is_an_answer() {
 #[test]
 fn help_has_examples_and_every_shell_is_completed() {
     let folder = Folder::new("help");
-    for command in ["simulate", "table", "law", "map", "plan", "parkour"] {
+    for command in ["simulate", "table", "law", "map", "plan", "verify", "parkour"] {
         let help = folder.done(&format!("{command} --help"), 0);
         for word in
             ["Examples:", "--robot", "--set", "--format", "--out", "JSON:", "CSV columns", "exit code"]
@@ -259,6 +260,74 @@ fn a_plan_clears_the_box_and_a_wall_has_none() {
 }
 
 #[test]
+fn a_plan_is_verified_as_it_was_planned_and_slips_where_it_must() {
+    let folder = Folder::new("verify");
+    folder.write("box.toml", BOX);
+    let text = folder.done("verify box.toml --samples 20 --animate page.html", 0);
+    // What a browser makes of the page is seen by tests/animation/check.
+    assert!(
+        folder.read("page.html").contains("rats-planar") && folder.read("page.html").ends_with("</html>\n")
+    );
+    assert!(text.contains("PASS") && text.contains("slip                             none"), "{text}");
+    let json: serde_json::Value =
+        serde_json::from_str(&folder.done("verify box.toml --samples 0 --format json", 0)).unwrap();
+    let row = &json["rows"][0];
+    // Two derivations of one jump.
+    for key in ["apex_error_m", "land_error_m"] {
+        assert!(row[key].as_f64().unwrap().abs() < 1e-5, "{key}: {row}");
+    }
+    let plan: serde_json::Value =
+        serde_json::from_str(&folder.done("plan box.toml --format json", 0)).unwrap();
+    let checks = plan["checks"].as_array().unwrap().iter();
+    let clearances = checks.filter(|c| c["what"].as_str().unwrap().starts_with("clearance"));
+    let least = clearances.map(|c| c["value"].as_f64().unwrap()).fold(f64::INFINITY, f64::min);
+    assert!((row["clearance_m"].as_f64().unwrap() - least).abs() < 1e-4, "{least}: {row}");
+    let needed = row["friction_needed"].as_f64().unwrap();
+    let line = format!(
+        "verify box.toml --samples 0 --tolerance 5mm --friction {},{} --format csv",
+        0.6 * needed,
+        1.01 * needed
+    );
+    let (header, rows) = rows(&folder.done(&line, 1));
+    let cell = |row: usize, name: &str| rows[row][header.iter().position(|h| h == name).unwrap()].clone();
+    assert!(!cell(0, "slip_start_s").is_empty() && number(&cell(0, "land_error_m")) < -0.01, "{rows:?}");
+    assert!(cell(1, "slip_start_s").is_empty() && number(&cell(1, "land_error_m")).abs() < 1e-5, "{rows:?}");
+}
+
+#[test]
+fn a_table_is_verified_between_its_rows_and_the_boom_is_seen() {
+    let folder = Folder::new("verify-table");
+    folder.done("table --omega 3:6:13 --distance 0.8 --out table.csv", 0);
+    // Scatter off: what remains is the line between rows, well under a millimetre.
+    let line = "verify table.csv --samples 30 --scatter 0 --tolerance 1mm";
+    assert!(folder.done(line, 0).contains("30 of 30 jumps pass"));
+    let json: serde_json::Value =
+        serde_json::from_str(&folder.done(&format!("{line} --plant rats-boom --format json"), 1)).unwrap();
+    assert_eq!((json["plant"].as_str(), json["passes"].as_bool()), (Some("rats-boom"), Some(false)));
+    let error = json["groups"][0]["land_error_mean_m"].as_f64().unwrap();
+    assert!((-0.07..-0.03).contains(&error), "the boom costs centimetres: {error}");
+    let planned_for = "table --robot rats-boom --omega 3:6:13 --distance 0.8 --out table.csv";
+    folder.done(planned_for, 0);
+    let line = "verify table.csv --robot rats-boom --samples 0 --tolerance 2cm";
+    assert!(folder.done(line, 0).contains("PASS"));
+}
+
+#[test]
+fn errors_scatter_the_landings_as_their_first_order_says() {
+    let folder = Folder::new("verify-errors");
+    let table: serde_json::Value =
+        serde_json::from_str(&folder.done("table --omega 5 --distance 0.8 --format json", 0)).unwrap();
+    let expected = table["rows"][0]["distance_sd_m"].as_f64().unwrap();
+    let angle = table["rows"][0]["alpha_f_rad"].as_f64().unwrap();
+    let line = format!("verify --law=0,{angle} --omega 5 --samples 400 --format json --tolerance 1 --seed 3");
+    let json: serde_json::Value = serde_json::from_str(&folder.done(&line, 0)).unwrap();
+    let found = json["groups"][1]["land_error_sd_m"].as_f64().unwrap();
+    // 400 draws leave 3.5 % of uncertainty.
+    assert!((found / expected - 1.0).abs() < 0.15, "{found} m simulated, {expected} m to first order");
+    assert_ne!(folder.done(&line, 0), folder.done(&line.replace("--seed 3", "--seed 4"), 0));
+}
+
+#[test]
 fn parkour_plans_are_no_slower_than_the_published_ones() {
     let folder = Folder::new("parkour");
     std::fs::copy(reference("instances.json"), folder.path("instances.json")).unwrap();
@@ -300,4 +369,19 @@ fn files_are_replaced_whole_and_devices_are_written_to() {
     assert_eq!(shown, folder.done("simulate --omega 5 --alpha-f 0 --out -", 0));
     assert!(shown.starts_with("rats-planar"));
     assert_eq!(folder.names(), ["a.csv", "link.csv"]);
+}
+
+#[test]
+fn a_robot_is_exported_to_mujoco() {
+    let folder = Folder::new("export");
+    let shown = folder.done("export mjcf --robot rats-boom", 0);
+    assert_eq!(folder.done("export mjcf --robot rats-boom --out boom.xml", 0), "");
+    assert_eq!(folder.read("boom.xml"), shown);
+    assert!(
+        shown.contains("<mujoco model=\"rats-boom\">") && shown.trim_end().ends_with("</mujoco>"),
+        "{shown}"
+    );
+    let rough = folder.done("export mjcf --robot rats-boom --set ground.static_friction=0.8", 0);
+    assert_eq!(rough.matches("friction=\"0.001 0.8 0 0 0\"").count(), 5, "{rough}");
+    assert_eq!(folder.names(), ["boom.xml"]);
 }

@@ -196,9 +196,9 @@ impl Recorder<'_> {
             Stopped::Left => {}
             _ => return Ok(self.finish(End::NoLiftOff, None)),
         }
-        let extended = self.sim.events().iter().any(|e| e.what == Happening::BreakAway(self.rig.legs[0]));
         let lift_off = self.lift_off(time_fire);
-        if !extended {
+        // A foot that leaves before its leg moves was not thrown off.
+        if lift_off.extension <= 1e-12 {
             return Ok(self.finish(End::EarlyLiftOff, Some(lift_off)));
         }
         self.descend(lift_off)
@@ -272,11 +272,12 @@ impl Recorder<'_> {
         heights.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (which, height) in heights {
             let above = |_: f64, q: &[f64], _: &[f64]| rig.axle(q)[1] - height;
-            let here = rig.axle(self.sim.coordinates());
-            if here[1] < height {
+            if apex < height {
                 continue;
             }
-            if self.go(until, &[&above], |_| false)? == Stopped::Watch(0) {
+            let here = rig.axle(self.sim.coordinates());
+            // The second of two equal heights is where the first is.
+            if here[1] <= height + 1e-12 || self.go(until, &[&above], |_| false)? == Stopped::Watch(0) {
                 landings[which] = rig.axle(self.sim.coordinates())[0];
             }
         }
@@ -308,8 +309,9 @@ impl Recorder<'_> {
         // The last sample of a stance is that of a foot in the air.
         let standing: Vec<&Sample> = self.samples.iter().filter(|s| s.time < stance).collect();
         let least_normal = standing.iter().map(|s| s.force[0]).fold(f64::INFINITY, f64::min);
-        let needed = standing.iter().filter(|s| s.force[0] > 0.0).map(|s| (s.force[1] / s.force[0]).abs());
-        let friction_needed = needed.fold(0.0, f64::max);
+        let needed = |s: &&Sample| (s.force[0] > 0.0).then(|| (s.force[1] / s.force[0]).abs());
+        let last = lift_off.filter(|l| l.at_end_stop).and_then(|l| at_end(&standing, l.time, needed));
+        let friction_needed = standing.iter().filter_map(needed).chain(last).fold(0.0, f64::max);
         let slips_at = self
             .sim
             .events()
@@ -337,6 +339,17 @@ impl Recorder<'_> {
             samples: self.samples,
         }
     }
+}
+
+/// What `of` comes to at the end of the stance, which is later than its last sample: by the parabola through the last three.
+fn at_end(standing: &[&Sample], end: f64, of: impl Fn(&&Sample) -> Option<f64>) -> Option<f64> {
+    let [.., a, b, c] = standing else { return None };
+    let (fa, fb, fc) = (of(a)?, of(b)?, of(c)?);
+    let (ta, tb, tc) = (a.time - end, b.time - end, c.time - end);
+    let value = fa * tb * tc / ((ta - tb) * (ta - tc))
+        + fb * ta * tc / ((tb - ta) * (tb - tc))
+        + fc * ta * tb / ((tc - ta) * (tc - tb));
+    value.is_finite().then_some(value)
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,19 +12,19 @@ use crate::law::{DISTANCE, RATES};
 use crate::{Outcome, Section, claim, signed};
 
 /// Side of the box (m), figure 5.10.
-const SIDE: f64 = 0.21;
+pub(crate) const SIDE: f64 = 0.21;
 /// Approach rates (rad/s) between which the least that clears the box is looked for.
 const SLOW: f64 = 1.0;
 const FAST: f64 = 6.0;
 
 /// A jump over the box.
 #[derive(Clone, Copy)]
-struct Over {
-    jump: Jump,
+pub(crate) struct Over {
+    pub(crate) jump: Jump,
     /// From the foot to the front of the box (m).
-    front: f64,
+    pub(crate) front: f64,
     /// Least distance of the wheel from the box (m), negative inside.
-    margin: f64,
+    pub(crate) margin: f64,
 }
 
 pub(crate) fn section() -> Outcome<Section> {
@@ -117,7 +117,7 @@ fn best_front(planner: &Planner, jump: Jump) -> Outcome<Over> {
 }
 
 /// The best firing angle and place of the box at `rate`.
-fn best_at(planner: &Planner, rate: f64) -> Outcome<Over> {
+pub(crate) fn best_at(planner: &Planner, rate: f64) -> Outcome<Over> {
     let over = |angle: f64| best_front(planner, planner.jump(&Reading::PLAIN.launch(rate, angle))?);
     let (angle, _) = greatest(-0.5, 0.3, 33, |angle| Ok(over(angle).map_or(-1.0, |over| over.margin)))?;
     over(angle)

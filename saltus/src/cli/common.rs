@@ -10,10 +10,10 @@ use crate::error::CliError;
 use crate::output::{Files, Format};
 use crate::plot::{Drawing, PlotFile};
 
-/// Options of every command.
+/// Which robot.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Robot and output")]
-pub(crate) struct Common {
+pub(crate) struct RobotFlags {
     /// Robot: a built-in one (rats-planar, rats-boom, spring-hopper, table-hopper) or a TOML file
     #[arg(long, value_name = "NAME|FILE", default_value = "rats-planar")]
     robot: String,
@@ -21,6 +21,21 @@ pub(crate) struct Common {
     /// Override a parameter of the robot by its dotted key, as in leg.stroke_m=0.05; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
+}
+
+impl RobotFlags {
+    /// The robot with its overrides.
+    pub(crate) fn robot(&self) -> Result<Robot, CliError> {
+        Ok(saltus::resolve(&self.robot, &self.overrides)?)
+    }
+}
+
+/// Options of every command that reports.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Robot and output")]
+pub(crate) struct Common {
+    #[command(flatten)]
+    robot: RobotFlags,
 
     #[command(flatten)]
     output: OutputFlags,
@@ -80,7 +95,12 @@ impl PlotOption {
 impl Common {
     /// The robot with its overrides.
     pub(crate) fn robot(&self) -> Result<Robot, CliError> {
-        Ok(saltus::resolve(&self.robot, &self.overrides)?)
+        self.robot.robot()
+    }
+
+    /// The robot with its overrides and `more`.
+    pub(crate) fn robot_with(&self, more: &[String]) -> Result<Robot, CliError> {
+        Ok(saltus::resolve(&self.robot.robot, &[self.robot.overrides.as_slice(), more].concat())?)
     }
 }
 
@@ -105,20 +125,33 @@ impl OutputFlags {
         option: &PlotOption,
         drawing: impl FnOnce() -> Result<Drawing, CliError>,
     ) -> Result<(), CliError> {
+        self.write_with(report, option, drawing, None)
+    }
+
+    /// As [`write_with_plot`](Self::write_with_plot), with one page more.
+    pub(crate) fn write_with(
+        &self,
+        report: String,
+        option: &PlotOption,
+        drawing: impl FnOnce() -> Result<Drawing, CliError>,
+        page: Option<(&Path, String)>,
+    ) -> Result<(), CliError> {
         let mut files = Files::default();
         if let Some(plot) = &option.plot {
-            self.check_distinct(plot.path())?;
+            self.check_distinct("--plot", plot.path())?;
             files.add(plot.path(), plot.draw(&drawing()?)?);
+        }
+        if let Some((path, html)) = page {
+            self.check_distinct("--animate", path)?;
+            files.add(path, html.into_bytes());
         }
         files.report(self.out.as_deref(), report);
         files.write()
     }
 
-    fn check_distinct(&self, plot: &Path) -> Result<(), CliError> {
+    fn check_distinct(&self, flag: &'static str, file: &Path) -> Result<(), CliError> {
         match &self.out {
-            Some(out) if out == plot => {
-                Err(CliError::flag("--plot", plot.display(), "another file than --out"))
-            }
+            Some(out) if out == file => Err(CliError::flag(flag, file.display(), "another file than --out")),
             _ => Ok(()),
         }
     }

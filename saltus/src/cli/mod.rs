@@ -2,6 +2,7 @@
 
 mod common;
 mod completions;
+mod export;
 mod law;
 mod limits;
 mod map;
@@ -10,6 +11,7 @@ mod plan;
 mod simulate;
 mod table;
 mod target;
+mod verify;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -39,7 +41,9 @@ Examples:
   saltus law --omega 3:6:5 --distance 1
   saltus map --omega 2:7:51 --alpha-f -0.5:0.5:41 --plot map.png
   saltus plan course.toml --plot plan.svg
+  saltus verify course.toml --plant rats-boom --friction 0.3:1:8
   saltus parkour instances.json --out plans.json
+  saltus export mjcf --robot rats-boom --out rats-boom.xml
 
 Exit codes: 0 done, 1 the answer is no, 2 bad input.
 `saltus help COMMAND` explains a command and its output.";
@@ -51,7 +55,9 @@ enum Command {
     Law(law::Law),
     Map(map::Map),
     Plan(plan::Plan),
+    Verify(verify::Verify),
     Parkour(parkour::Parkour),
+    Export(export::Export),
     Completions(completions::Completions),
 }
 
@@ -72,7 +78,9 @@ impl Command {
             Command::Law(command) => command.run(),
             Command::Map(command) => command.run(),
             Command::Plan(command) => command.run(),
+            Command::Verify(command) => command.run(),
             Command::Parkour(command) => command.run(),
+            Command::Export(command) => command.run(),
             Command::Completions(command) => command.run(),
         }
     }

@@ -124,6 +124,11 @@ impl TargetFlags {
 }
 
 impl Block {
+    /// Front, back and top (m).
+    pub(crate) fn ends(&self) -> [f64; 3] {
+        [self.front, self.front + self.width, self.height]
+    }
+
     fn obstacle(self, robot: &Robot) -> Result<Obstacle, CliError> {
         let Block { front, width, height } = self;
         let refused =
@@ -140,7 +145,7 @@ impl Block {
 }
 
 /// Parser of a flag.
-fn block(text: &str) -> Result<Block, String> {
+pub(crate) fn block(text: &str) -> Result<Block, String> {
     let parts: Vec<&str> = text.split(',').collect();
     let [front, width, height] = parts[..] else {
         return Err(format!("{:?} must be three lengths, as in 0.4,0.21,0.21", cut(text)));

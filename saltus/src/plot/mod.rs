@@ -7,8 +7,9 @@ pub(crate) mod ground;
 pub(crate) mod hops;
 pub(crate) mod law;
 pub(crate) mod map;
-mod palette;
+pub(crate) mod palette;
 pub(crate) mod scene;
+pub(crate) mod sheet;
 pub(crate) mod trajectories;
 
 use std::path::{Path, PathBuf};
@@ -34,6 +35,8 @@ pub(crate) enum Drawing {
     Scene(scene::Scene),
     /// Plans of the hopper.
     Hops(hops::Hops),
+    /// Several charts.
+    Sheet(sheet::Sheet),
 }
 
 /// A file to draw to.
@@ -122,6 +125,7 @@ impl Drawing {
             Drawing::Map(drawing) => drawing.size(),
             Drawing::Scene(drawing) => drawing.size(),
             Drawing::Hops(drawing) => drawing.size(),
+            Drawing::Sheet(drawing) => drawing.size(),
         }
     }
 
@@ -134,6 +138,7 @@ impl Drawing {
             Drawing::Map(drawing) => drawing.draw(area, pen)?,
             Drawing::Scene(drawing) => drawing.draw(area, pen)?,
             Drawing::Hops(drawing) => drawing.draw(area, pen)?,
+            Drawing::Sheet(drawing) => drawing.draw(area, pen)?,
         }
         area.present()
     }

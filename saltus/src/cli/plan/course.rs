@@ -18,7 +18,7 @@ const MOST: usize = 64;
 pub(super) const ANYWHERE: Span = Span::new(-1e4, 1e4);
 
 /// The course in the file at `path`.
-pub(super) fn load(path: &Path) -> Result<Crossing, CliError> {
+pub(in crate::cli) fn load(path: &Path) -> Result<Crossing, CliError> {
     parse(&input::text(path, LIMIT_MIB)?, &path.display().to_string())
 }
 

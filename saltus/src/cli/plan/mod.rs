@@ -1,6 +1,6 @@
 //! `saltus plan`: the rolling robot over a course of obstacles.
 
-mod course;
+pub(super) mod course;
 mod report;
 mod scene;
 

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use csv::ByteRecord;
 use saltus::Launch;
 
-use crate::error::{CliError, cut};
+use crate::columns::{self, Column, Need};
+use crate::error::CliError;
 use crate::input;
 use crate::quantity::Quantity;
 
@@ -13,11 +13,11 @@ use crate::quantity::Quantity;
 const LIMIT_MIB: u64 = 256;
 
 /// The columns that are read, and what they hold.
-const COLUMNS: [(&str, Quantity); 4] = [
-    ("omega0_rad_s", Quantity::RATE),
-    ("phi0_rad", Quantity::ANGLE),
-    ("alpha_f_rad", Quantity::ANGLE),
-    ("valve_open_s", Quantity::TIME),
+const COLUMNS: [Column; 4] = [
+    Column { name: "omega0_rad_s", quantity: Quantity::RATE, need: Need::Value },
+    Column { name: "phi0_rad", quantity: Quantity::ANGLE, need: Need::Value },
+    Column { name: "alpha_f_rad", quantity: Quantity::ANGLE, need: Need::Value },
+    Column { name: "valve_open_s", quantity: Quantity::TIME, need: Need::Value },
 ];
 
 /// The launches in the file at `path`, each with its line.
@@ -26,78 +26,17 @@ pub(super) fn load(path: &Path) -> Result<Vec<(u64, Launch)>, CliError> {
 }
 
 /// The launches that `source` holds; messages call it `file`.
-///
-/// The first row names the columns. The four of a launch may stand anywhere; all others are ignored.
 fn read(source: &[u8], file: &str) -> Result<Vec<(u64, Launch)>, CliError> {
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(source);
-    let header = reader.byte_headers().map_err(|error| not_csv(&error, source, file))?;
-    let places = places(header, file)?;
-    let mut launches = Vec::new();
-    let mut record = ByteRecord::new();
-    while reader.read_byte_record(&mut record).map_err(|error| not_csv(&error, source, file))? {
-        let line = record.position().map_or(0, |position| line(position, source));
-        launches.push((line, launch(&record, places, file, line)?));
-    }
-    if launches.is_empty() {
+    let rows = columns::read(source, file, &COLUMNS)?;
+    if rows.is_empty() {
         return Err(CliError::content(file, "no rows: at least one jump is needed below the header"));
     }
-    Ok(launches)
-}
-
-/// The line of a record. Where lines end with CR LF, its position is still before the LF.
-fn line(position: &csv::Position, source: &[u8]) -> u64 {
-    let start = usize::try_from(position.byte()).unwrap_or(usize::MAX);
-    let breaks = source.get(start..).unwrap_or_default().iter().take_while(|byte| byte.is_ascii_whitespace());
-    position.line() + breaks.filter(|byte| **byte == b'\n').count() as u64
-}
-
-/// Where each of [`COLUMNS`] stands.
-fn places(header: &ByteRecord, file: &str) -> Result<[usize; 4], CliError> {
-    let place = |name: &str| {
-        // A byte order mark is no part of the first name.
-        let named = |cell: &[u8]| cell.strip_prefix(b"\xef\xbb\xbf").unwrap_or(cell) == name.as_bytes();
-        let mut found = (0..header.len()).filter(|&i| named(&header[i]));
-        match (found.next(), found.next()) {
-            (Some(place), None) => Ok(place),
-            (None, _) => Err(CliError::content(
-                format!("{file}:1"),
-                format!(
-                    "no column {name}: the header must name {}",
-                    COLUMNS.map(|(name, _)| name).join(", ")
-                ),
-            )),
-            (Some(_), Some(_)) => {
-                Err(CliError::content(format!("{file}:1"), format!("column {name} is there twice")))
-            }
-        }
+    let launch = |row: [Option<f64>; 4]| {
+        // Each is there.
+        let [rate, lean, firing_angle, valve_open] = row.map(Option::unwrap_or_default);
+        Launch { rate, lean, firing_angle, valve_open }
     };
-    let [rate, lean, angle, time] = COLUMNS.map(|(name, _)| place(name));
-    Ok([rate?, lean?, angle?, time?])
-}
-
-fn launch(record: &ByteRecord, places: [usize; 4], file: &str, line: u64) -> Result<Launch, CliError> {
-    let number = |i: usize| {
-        let (key, quantity) = &COLUMNS[i];
-        let text = String::from_utf8_lossy(record.get(places[i]).unwrap_or_default());
-        quantity.parse(&text).map_err(|_| CliError::Value {
-            file: file.into(),
-            line,
-            key: (*key).into(),
-            value: cut(&text),
-            allowed: quantity.allowed.into(),
-        })
-    };
-    Ok(Launch { rate: number(0)?, lean: number(1)?, firing_angle: number(2)?, valve_open: number(3)? })
-}
-
-fn not_csv(error: &csv::Error, source: &[u8], file: &str) -> CliError {
-    match error.kind() {
-        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => CliError::content(
-            pos.as_ref().map_or(file.to_owned(), |pos| format!("{file}:{}", line(pos, source))),
-            format!("{len} fields where the header has {expected_len}"),
-        ),
-        _ => CliError::content(file, error),
-    }
+    Ok(rows.into_iter().map(|(line, row)| (line, launch(row))).collect())
 }
 
 #[cfg(test)]

@@ -1,0 +1,211 @@
+//! `saltus verify`: plans, laws and tables in the multi-body simulation.
+
+mod animation;
+mod drawing;
+mod report;
+mod subject;
+mod trial;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use saltus::Planner;
+use saltus::verify::Plant;
+
+use self::subject::{Subject, SubjectFlags};
+use self::trial::{Outcome, Trial};
+use super::Status;
+use super::common::{Common, PlotOption, Threads};
+use crate::error::CliError;
+use crate::output::Format;
+use crate::progress::Progress;
+use crate::quantity::{self, Quantity};
+use crate::range::{Values, frictions};
+
+/// Verify a plan, a law or a table in the multi-body simulation, with foot slip
+#[derive(Args, Debug)]
+#[command(after_help = "`saltus verify --help` explains the output.", after_long_help = LONG_HELP)]
+pub(crate) struct Verify {
+    #[command(flatten)]
+    subject: SubjectFlags,
+
+    /// Robot that jumps, where it is not the one planned for: a built-in one or a TOML file
+    #[arg(long, value_name = "NAME|FILE", help_heading = "The robot that jumps")]
+    plant: Option<String>,
+
+    /// Override a parameter of the robot that jumps; may be repeated
+    #[arg(long = "plant-set", value_name = "KEY=VALUE", help_heading = "The robot that jumps")]
+    plant_overrides: Vec<String>,
+
+    /// Friction coefficients of the ground along the travel [default: the robot's own]
+    #[arg(long, value_name = "COEFFICIENTS", value_parser = frictions, help_heading = "The robot that jumps")]
+    friction: Option<Values>,
+
+    /// Jumps with errors drawn from the robot's [errors], beside those without
+    #[arg(long, value_name = "COUNT", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    #[arg(help_heading = "Errors")]
+    samples: u32,
+
+    /// Size of the drawn errors, as a multiple of the robot's [errors]
+    #[arg(long, value_name = "FACTOR", value_parser = quantity::factor, default_value = "1", help_heading = "Errors")]
+    scatter: f64,
+
+    /// Seed of the drawn errors
+    #[arg(long, value_name = "NUMBER", default_value_t = 1, help_heading = "Errors")]
+    seed: u64,
+
+    /// How far (m) a landing may be from where it is wanted
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::extent, default_value = "0.05", help_heading = "What passes")]
+    tolerance: f64,
+
+    /// Share of the jumps with drawn errors that have to pass
+    #[arg(long, value_name = "SHARE", value_parser = share, default_value = "0.9", help_heading = "What passes")]
+    share: f64,
+
+    /// Error that the integrator may make in each step, relative to 1 + |y|
+    #[arg(long, value_name = "NUMBER", value_parser = accuracy, default_value = "1e-9", help_heading = "Robot and output")]
+    accuracy: f64,
+
+    #[command(flatten)]
+    threads: Threads,
+
+    /// Write a page that plays the jumps in a browser: those without errors, and the worst of the others
+    #[arg(long, value_name = "FILE.html", value_parser = page_file, help_heading = "Robot and output")]
+    animate: Option<PathBuf>,
+
+    #[command(flatten)]
+    plot: PlotOption,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+const LONG_HELP: &str = "\
+Examples:
+  saltus verify box.toml --friction 0.3:1:8 --plot verify.svg --animate verify.html
+  saltus verify --law=-0.146,0.704 --distance 1 --omega 3:6:7 --plant rats-boom
+  saltus table --omega 3:6:31 --distance 0.8 --out table.csv
+  saltus verify table.csv --plant rats-boom --samples 200 --out verified.csv
+
+What is verified: a course (its plan is made first, as `saltus plan` does), a table that `saltus table` \
+wrote as CSV (between its rates it is linear), or a law α_f = A ω + B.
+
+Each jump is simulated with the whole robot in space: mass of the legs, boom, end stops, contact and slip \
+of the foot, all as the robot file says. First come jumps without errors: every jump of the plan, every \
+row of the table or every rate of --omega, on every friction coefficient. Then come jumps with errors: \
+the approach rate that is measured is drawn evenly from the range, and the true one, the firing angle, the \
+valve time and the supply pressure differ by errors with the standard deviations of the robot's [errors]; \
+the friction coefficients take turns.
+
+A jump passes if it lands within --tolerance of where it is wanted (the plan's landing, the table's or \
+--distance) and clears what is in its way. All is well if every jump without errors passes, and of the \
+others --share do.
+
+CSV columns, one row for each jump simulated: trial, errors (true or false: whether any were drawn), jump \
+(its number in the plan), omega_rad_s (measured), omega_true_rad_s, alpha_f_rad (commanded), valve_open_s, \
+friction_coefficient (empty: the robot's own), outcome (landed, early-lift-off, no-lift-off or stalled), \
+apex_m, apex_planned_m, apex_error_m, land_m, land_planned_m, land_error_m (simulated less planned), \
+land_wanted_m, miss_m (simulated less wanted), clearance_m (least distance between wheel and obstacles), \
+slip_start_s (time at which the foot first slips along the travel), slip_m and slip_across_m (net until \
+lift-off), friction_needed (greatest |force along the travel|/normal force), normal_least_n, \
+energy_residual_j (what the energy ledger leaves unexplained), passes.
+
+JSON: {\"command\": \"verify\", \"robot\": NAME, \"plant\": NAME, \"subject\": …, \"seed\": …, \
+\"tolerance_m\": …, \"share\": …, \"passes\": true or false, \"groups\": [{\"errors\", \
+\"friction_coefficient\", \"jumps\", \"passed\", \"landed\", \"slipped\", \"land_error_mean_m\", \
+\"land_error_sd_m\", \"miss_rms_m\", \"miss_greatest_m\", \"apex_error_mean_m\", \
+\"clearance_least_m\", …}], \"rows\": [{the columns}]}.
+
+The exit code is 1 if the verification fails.";
+
+impl Verify {
+    pub(crate) fn run(self) -> Result<Status, CliError> {
+        let planner = Planner::new(self.common.robot()?);
+        let plant = Plant::new(self.plant()?, self.accuracy);
+        plant.rig().map_err(|error| CliError::content(&plant.robot().name, error))?;
+        let subject = Subject::load(&self.subject, &planner)?;
+        let trials = trial::draw(&subject, &planner, &self.ground(), &self.scatter())?;
+        let outcomes = self.fly(&plant, &trials)?;
+        let verdict = report::Verdict::of(&outcomes, self.share);
+        let scene = report::Context {
+            planner: &planner,
+            plant: &plant,
+            subject: &subject,
+            tolerance: self.tolerance,
+            share: self.share,
+            seed: self.seed,
+        };
+        let report = match self.common.format() {
+            Format::Csv => report::rows(&outcomes).csv(),
+            Format::Json => report::json(&outcomes, &verdict, &scene),
+            Format::Text => report::text(&outcomes, &verdict, &scene),
+        };
+        let page = self.animate.as_deref().map(|file| {
+            let html = animation::html(&outcomes, &scene);
+            html.map(|html| (file, html)).map_err(|error| CliError::content(file.display(), error))
+        });
+        let drawing = || Ok(drawing::sheet(&outcomes, &scene));
+        self.common.write_with(report, &self.plot, drawing, page.transpose()?)?;
+        Ok(if verdict.passes { Status::Done } else { Status::No })
+    }
+
+    /// The robot that jumps.
+    fn plant(&self) -> Result<saltus::Robot, CliError> {
+        match (&self.plant, self.plant_overrides.is_empty()) {
+            (Some(name), _) => Ok(saltus::resolve(name, &self.plant_overrides)?),
+            (None, true) => self.common.robot(),
+            (None, false) => self.common.robot_with(&self.plant_overrides),
+        }
+    }
+
+    fn ground(&self) -> Vec<Option<f64>> {
+        self.friction.as_ref().map_or(vec![None], |values| values.iter().copied().map(Some).collect())
+    }
+
+    fn scatter(&self) -> trial::Scatter {
+        trial::Scatter {
+            samples: self.samples as usize,
+            factor: self.scatter,
+            seed: self.seed,
+            tolerance: self.tolerance,
+        }
+    }
+
+    fn fly(&self, plant: &Plant, trials: &[Trial]) -> Result<Vec<Outcome>, CliError> {
+        let progress = Progress::new("jumps", trials.len());
+        let fly = |part: &[Trial]| -> Vec<Result<Outcome, CliError>> {
+            part.iter()
+                .map(|trial| {
+                    let outcome = trial.fly(plant);
+                    progress.advance(1);
+                    outcome
+                })
+                .collect()
+        };
+        let parts = saltus::planner::parallel::in_chunks(trials, 1, self.threads.count().get(), fly);
+        parts.into_iter().flatten().collect()
+    }
+}
+
+/// Parser of a flag.
+fn page_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_page = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"));
+    if is_page { Ok(path) } else { Err("the name must end in .html".into()) }
+}
+
+/// Parser of a flag.
+fn share(text: &str) -> Result<f64, String> {
+    let share = Quantity::FACTOR.parse(text).map_err(|error| error.to_string())?;
+    if share <= 1.0 { Ok(share) } else { Err(format!("{share} must be a share from 0 to 1")) }
+}
+
+/// Parser of a flag.
+fn accuracy(text: &str) -> Result<f64, String> {
+    let number = Quantity::FACTOR.parse(text).map_err(|error| error.to_string())?;
+    if (1e-13..=1e-2).contains(&number) {
+        Ok(number)
+    } else {
+        Err(format!("{number} must be a number from 1e-13 to 0.01"))
+    }
+}

@@ -1,0 +1,328 @@
+//! What is verified: a plan, a table or a law.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use saltus::planner::{CrossingAnswer, PlannedJump};
+use saltus::verify::Task;
+use saltus::{Launch, Planner};
+
+use crate::cli::plan::course;
+use crate::cli::target::{Block, block};
+use crate::columns::{self, Column, Need};
+use crate::error::{CliError, cut};
+use crate::input;
+use crate::output::digits;
+use crate::quantity::{self, Quantity};
+use crate::range::{Values, rates};
+
+/// Greatest size of a table (MiB).
+const LIMIT_MIB: u64 = 64;
+
+/// Flags that say what is verified.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "What is verified")]
+pub(crate) struct SubjectFlags {
+    /// Course (.toml), whose plan is made first, or table (.csv)
+    #[arg(value_name = "COURSE.toml|TABLE.csv", required_unless_present = "law", conflicts_with = "law")]
+    file: Option<PathBuf>,
+
+    /// Law α_f = A ω + B: A (s) and B (rad)
+    #[arg(long, value_name = "A,B", value_parser = line, allow_hyphen_values = true, requires = "omega")]
+    law: Option<(f64, f64)>,
+
+    /// Approach rates ω (rad/s) of a law, or of a table in place of its own
+    #[arg(long, value_name = "RATES", value_parser = rates, allow_hyphen_values = true)]
+    omega: Option<Values>,
+
+    /// Distance (m) that the law is for, or the one of the table's distances to verify
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::distance, allow_hyphen_values = true)]
+    distance: Option<f64>,
+
+    /// Box in the way of a law or a table (m): its front edge's distance from the foot, its width, its height
+    #[arg(long, value_name = "FRONT,WIDTH,HEIGHT", value_parser = block, allow_hyphen_values = true)]
+    obstacle: Option<Block>,
+
+    /// Height of the wheel's centre at the landing of a law or a table (m) [default: 0]
+    #[arg(long, value_name = "HEIGHT", value_parser = quantity::height, allow_hyphen_values = true)]
+    landing_height: Option<f64>,
+
+    /// Valve opening time t_v (s) of a law or a table [default: 0.1]
+    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
+    valve_open: Option<f64>,
+
+    /// Lean φ₀ (rad) at which the stance of a law or a table starts [default: the firing angle]
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
+    start_lean: Option<f64>,
+}
+
+/// What is verified.
+pub(super) struct Subject {
+    /// As the report calls it.
+    pub(super) title: String,
+    pub(super) kind: Kind,
+}
+
+pub(super) enum Kind {
+    /// The jumps of a plan, and what stands on its course: front, back and top (m) of each.
+    Plan { stages: Vec<Stage>, solids: Vec<[f64; 3]> },
+    /// A rule for the firing angle.
+    Rule(Rule),
+}
+
+/// A jump of a plan.
+pub(super) struct Stage {
+    pub(super) task: Task,
+    /// Foothold along the course, and height of its surface (m).
+    pub(super) foot: [f64; 2],
+    /// Apex and landing (m) above and from the foothold, as planned.
+    pub(super) apex: f64,
+    pub(super) landing: f64,
+}
+
+/// A firing angle for every approach rate.
+pub(super) struct Rule {
+    steering: Steering,
+    /// Rates (rad/s) of the jumps without errors; the others are between the least and the greatest.
+    pub(super) rates: Vec<f64>,
+    /// Where it should land (m); none: where planned.
+    pub(super) distance: Option<f64>,
+    landing_height: f64,
+    valve_open: f64,
+    start_lean: Option<f64>,
+    obstacles: Vec<[f64; 3]>,
+}
+
+enum Steering {
+    Law {
+        slope: f64,
+        intercept: f64,
+    },
+    /// Rates and angles, rates ascending.
+    Table(Vec<(f64, f64)>),
+}
+
+impl Rule {
+    /// The jump at an approach rate (rad/s).
+    pub(super) fn task(&self, rate: f64) -> Task {
+        let firing_angle = self.steering.angle(rate);
+        let lean = self.start_lean.unwrap_or(firing_angle);
+        Task {
+            launch: Launch { rate, lean, firing_angle, valve_open: self.valve_open },
+            landing_height: self.landing_height,
+            obstacles: self.obstacles.clone(),
+            leg_out: 0.0,
+        }
+    }
+}
+
+impl Steering {
+    /// The firing angle (rad) at a rate (rad/s); a table ends with its last segments.
+    fn angle(&self, rate: f64) -> f64 {
+        match self {
+            Steering::Law { slope, intercept } => slope * rate + intercept,
+            Steering::Table(points) => {
+                let after = points.partition_point(|(r, _)| *r < rate).clamp(1, points.len().max(2) - 1);
+                match (points.get(after - 1), points.get(after)) {
+                    (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (rate - a.0) / (b.0 - a.0),
+                    _ => points[0].1,
+                }
+            }
+        }
+    }
+}
+
+impl Subject {
+    pub(super) fn load(flags: &SubjectFlags, planner: &Planner) -> Result<Subject, CliError> {
+        match (&flags.file, flags.law) {
+            (Some(file), None) if is_table(file) => table(flags, file),
+            (Some(file), None) => plan(flags, file, planner),
+            (_, Some((slope, intercept))) => law(flags, slope, intercept),
+            _ => Err(CliError::Missing { flag: "COURSE.toml", allowed: "or TABLE.csv, or --law" }),
+        }
+    }
+}
+
+fn is_table(file: &Path) -> bool {
+    file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))
+}
+
+fn law(flags: &SubjectFlags, slope: f64, intercept: f64) -> Result<Subject, CliError> {
+    let rates = flags.omega.as_ref().map(|rates| rates.to_vec()).unwrap_or_default();
+    let sign = if intercept < 0.0 { '−' } else { '+' };
+    let formula = format!("{} s · ω {sign} {} rad", digits(slope, 5), digits(intercept.abs(), 5));
+    let steering = Steering::Law { slope, intercept };
+    for &rate in &rates {
+        let angle = steering.angle(rate);
+        if angle.abs() >= std::f64::consts::FRAC_PI_2 {
+            let allowed = format!(
+                "one whose angles are between -pi/2 and pi/2 rad; at {rate} rad/s it is {}",
+                digits(angle, 4)
+            );
+            return Err(CliError::flag("--law", format!("{slope},{intercept}"), allowed));
+        }
+    }
+    let title = format!("the law α_f = {formula}");
+    Ok(Subject { title, kind: Kind::Rule(rule(flags, steering, rates, flags.distance)) })
+}
+
+fn rule(flags: &SubjectFlags, steering: Steering, rates: Vec<f64>, distance: Option<f64>) -> Rule {
+    Rule {
+        steering,
+        rates,
+        distance,
+        landing_height: flags.landing_height.unwrap_or(0.0),
+        valve_open: flags.valve_open.unwrap_or(0.1),
+        start_lean: flags.start_lean,
+        obstacles: flags.obstacle.iter().map(Block::ends).collect(),
+    }
+}
+
+/// A table as `saltus table` writes it.
+fn table(flags: &SubjectFlags, path: &Path) -> Result<Subject, CliError> {
+    const COLUMNS: [Column; 3] = [
+        Column { name: "omega_rad_s", quantity: Quantity::RATE, need: Need::Value },
+        Column { name: "alpha_f_rad", quantity: Quantity::ANGLE, need: Need::Column },
+        Column { name: "distance_m", quantity: Quantity::DISTANCE, need: Need::Nothing },
+    ];
+    let file = path.display().to_string();
+    let rows = columns::read(&input::bytes(path, LIMIT_MIB)?, &file, &COLUMNS)?;
+    let distance = the_distance(flags, rows.iter().filter_map(|(_, row)| row[2]), &file)?;
+    let here = |row: &[Option<f64>; 3]| distance.is_none() || row[2].is_none() || row[2] == distance;
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    for (line, row) in rows.iter().filter(|(_, row)| here(row)) {
+        let ([Some(rate), Some(angle)], last) = ([row[0], row[1]], points.last()) else { continue };
+        if last.is_some_and(|(before, _)| *before >= rate) {
+            let allowed = "above the one before: rates ascend, with one row for each".into();
+            let (key, value) = ("omega_rad_s".into(), rate.to_string());
+            return Err(CliError::Value { file, line: *line, key, value, allowed });
+        }
+        points.push((rate, angle));
+    }
+    if points.is_empty() {
+        return Err(CliError::content(file, "no row with a firing angle"));
+    }
+    let rates = match &flags.omega {
+        Some(rates) => within(rates, &points)?,
+        None => points.iter().map(|(rate, _)| *rate).collect(),
+    };
+    let title = format!("the table {file}");
+    Ok(Subject { title, kind: Kind::Rule(rule(flags, Steering::Table(points), rates, distance)) })
+}
+
+/// The rates, none of which a table leaves out.
+fn within(rates: &Values, points: &[(f64, f64)]) -> Result<Vec<f64>, CliError> {
+    let (low, high) = (points[0].0, points[points.len() - 1].0);
+    match rates.iter().find(|rate| !(low..=high).contains(*rate)) {
+        Some(rate) => {
+            Err(CliError::flag("--omega", rate, format!("within the table: from {low} to {high} rad/s")))
+        }
+        None => Ok(rates.to_vec()),
+    }
+}
+
+/// The distance (m) of a table that is verified.
+fn the_distance(
+    flags: &SubjectFlags,
+    rows: impl Iterator<Item = f64>,
+    file: &str,
+) -> Result<Option<f64>, CliError> {
+    let mut all: Vec<f64> = rows.collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    let listed = || all.iter().take(12).map(f64::to_string).collect::<Vec<_>>().join(", ");
+    match (flags.distance, all.as_slice()) {
+        (wanted, []) => Ok(wanted),
+        (None, [only]) => Ok(Some(*only)),
+        (None, _) => {
+            Err(CliError::flag("--distance", "", format!("one of the distances in {file}: {}", listed())))
+        }
+        (Some(wanted), _) => {
+            let found = all.iter().copied().find(|d| (d - wanted).abs() <= 1e-9);
+            found.map(Some).ok_or_else(|| {
+                CliError::flag("--distance", wanted, format!("one of those in {file}: {}", listed()))
+            })
+        }
+    }
+}
+
+/// The plan of a course.
+fn plan(flags: &SubjectFlags, path: &Path, planner: &Planner) -> Result<Subject, CliError> {
+    let alone = [
+        ("--omega", flags.omega.is_some()),
+        ("--distance", flags.distance.is_some()),
+        ("--obstacle", flags.obstacle.is_some()),
+        ("--landing-height", flags.landing_height.is_some()),
+        ("--valve-open", flags.valve_open.is_some()),
+        ("--start-lean", flags.start_lean.is_some()),
+    ];
+    if let Some((flag, _)) = alone.into_iter().find(|(_, is_given)| *is_given) {
+        return Err(CliError::flag(flag, "", "left out where a course says what is to be done"));
+    }
+    let crossing = course::load(path)?;
+    let file = path.display().to_string();
+    let answer = planner.cross(&crossing).map_err(|error| CliError::content(&file, error))?;
+    let CrossingAnswer::Plan(plan) = answer else {
+        let reason = "no plan crosses this course; `saltus plan` says what blocks it";
+        return Err(CliError::content(file, reason));
+    };
+    let radius = planner.robot().body.radius;
+    let stage = |planned: &PlannedJump| {
+        let ([foot, from], [landing, to]) = (planned.foot, planned.landing);
+        // What it stands or lands on is not in its way.
+        let under = |span: saltus::planner::course::Span, top: f64| {
+            let on_it = |x: f64, height: f64| height == top && x >= span.low && x <= span.high;
+            on_it(foot, from) || on_it(landing, to)
+        };
+        let solids = crossing.course.obstacles.iter().filter(|o| !under(o.span(), o.height));
+        Stage {
+            task: Task {
+                launch: planned.jump.launch,
+                landing_height: radius + to - from,
+                obstacles: solids
+                    .map(|o| [o.span().low - foot, o.span().high - foot, o.height - from])
+                    .collect(),
+                leg_out: crossing.leg_out,
+            },
+            foot: planned.foot,
+            apex: planned.jump.apex().unwrap_or(f64::NAN),
+            landing: landing - foot,
+        }
+    };
+    let stages = plan.jumps.iter().map(stage).collect();
+    let solids = crossing.course.obstacles.iter().map(|o| [o.span().low, o.span().high, o.height]).collect();
+    Ok(Subject { title: format!("the plan for {file}"), kind: Kind::Plan { stages, solids } })
+}
+
+/// Parser of a flag.
+fn line(text: &str) -> Result<(f64, f64), String> {
+    let refused =
+        || format!("{:?} must be a slope (s) and an intercept (rad), as in -0.146,0.704", cut(text));
+    let (slope, intercept) = text.split_once(',').ok_or_else(refused)?;
+    let number = |part: &str| part.trim().parse::<f64>().ok().filter(|x| x.abs() <= 1e3).ok_or_else(refused);
+    Ok((number(slope)?, number(intercept)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_are_linear_between_and_beyond_their_rates() {
+        let table = Steering::Table(vec![(3.0, 0.0), (4.0, -0.1), (6.0, -0.5)]);
+        for (rate, angle) in
+            [(3.0, 0.0), (3.5, -0.05), (4.0, -0.1), (5.0, -0.3), (6.0, -0.5), (2.0, 0.1), (7.0, -0.7)]
+        {
+            assert!((table.angle(rate) - angle).abs() < 1e-12, "{rate}");
+        }
+        assert_eq!(Steering::Table(vec![(3.0, 0.2)]).angle(5.0), 0.2);
+    }
+
+    #[test]
+    fn laws_are_two_numbers() {
+        assert_eq!(line("-0.146,0.704"), Ok((-0.146, 0.704)));
+        for text in ["", "1", "a,b", "1,nan", "1,2,3", "1e9,0"] {
+            assert!(line(text).is_err(), "{text}");
+        }
+    }
+}

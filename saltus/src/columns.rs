@@ -1,0 +1,104 @@
+//! Columns of numbers from CSV files.
+
+use csv::ByteRecord;
+
+use crate::error::{CliError, cut};
+use crate::quantity::Quantity;
+
+/// A column that is read.
+pub(crate) struct Column {
+    /// Its name in the header.
+    pub(crate) name: &'static str,
+    /// What it holds.
+    pub(crate) quantity: Quantity,
+    /// What has to be there.
+    pub(crate) need: Need,
+}
+
+/// What has to be there of a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Need {
+    /// A value in every row.
+    Value,
+    /// The column, whose cells may be empty.
+    Column,
+    /// Nothing.
+    Nothing,
+}
+
+/// A row's line, and its numbers; none where a cell is empty.
+pub(crate) type Row<const N: usize> = (u64, [Option<f64>; N]);
+
+/// The rows of `source` in these columns, each with its line; messages call it `file`.
+///
+/// The first row names the columns. Those that are read may stand anywhere; all others are ignored.
+pub(crate) fn read<const N: usize>(
+    source: &[u8],
+    file: &str,
+    columns: &[Column; N],
+) -> Result<Vec<Row<N>>, CliError> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(source);
+    let header = reader.byte_headers().map_err(|error| not_csv(&error, source, file))?;
+    let mut places = [None; N];
+    for (place, column) in places.iter_mut().zip(columns) {
+        *place = find(header, column, columns, file)?;
+    }
+    let mut rows = Vec::new();
+    let mut record = ByteRecord::new();
+    while reader.read_byte_record(&mut record).map_err(|error| not_csv(&error, source, file))? {
+        let line = record.position().map_or(0, |position| line(position, source));
+        let mut row = [None; N];
+        for ((cell, column), place) in row.iter_mut().zip(columns).zip(places) {
+            let text = place.and_then(|i| record.get(i)).map(String::from_utf8_lossy).unwrap_or_default();
+            if column.need == Need::Value || !text.is_empty() {
+                *cell = Some(number(&text, column, file, line)?);
+            }
+        }
+        rows.push((line, row));
+    }
+    Ok(rows)
+}
+
+/// The line of a record. Where lines end with CR LF, its position is still before the LF.
+fn line(position: &csv::Position, source: &[u8]) -> u64 {
+    let start = usize::try_from(position.byte()).unwrap_or(usize::MAX);
+    let breaks = source.get(start..).unwrap_or_default().iter().take_while(|byte| byte.is_ascii_whitespace());
+    position.line() + breaks.filter(|byte| **byte == b'\n').count() as u64
+}
+
+/// Where a column stands.
+fn find(header: &ByteRecord, column: &Column, all: &[Column], file: &str) -> Result<Option<usize>, CliError> {
+    let name = column.name;
+    // A byte order mark is no part of the first name.
+    let named = |cell: &[u8]| cell.strip_prefix(b"\xef\xbb\xbf").unwrap_or(cell) == name.as_bytes();
+    let mut found = (0..header.len()).filter(|&i| named(&header[i]));
+    match (found.next(), found.next()) {
+        (_, Some(_)) => Err(CliError::content(format!("{file}:1"), format!("column {name} is there twice"))),
+        (None, _) if column.need != Need::Nothing => {
+            let needed: Vec<&str> = all.iter().filter(|c| c.need != Need::Nothing).map(|c| c.name).collect();
+            let reason = format!("no column {name}: the header must name {}", needed.join(", "));
+            Err(CliError::content(format!("{file}:1"), reason))
+        }
+        (place, _) => Ok(place),
+    }
+}
+
+fn number(text: &str, column: &Column, file: &str, line: u64) -> Result<f64, CliError> {
+    column.quantity.parse(text).map_err(|_| CliError::Value {
+        file: file.into(),
+        line,
+        key: column.name.into(),
+        value: cut(text),
+        allowed: column.quantity.allowed.into(),
+    })
+}
+
+fn not_csv(error: &csv::Error, source: &[u8], file: &str) -> CliError {
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => CliError::content(
+            pos.as_ref().map_or(file.to_owned(), |pos| format!("{file}:{}", line(pos, source))),
+            format!("{len} fields where the header has {expected_len}"),
+        ),
+        _ => CliError::content(file, error),
+    }
+}

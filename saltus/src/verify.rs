@@ -1,0 +1,212 @@
+//! Verification: planned jumps in the multi-body simulation, with foot slip, a boom, and everything else that the plan leaves out.
+//!
+//! ```
+//! use saltus::verify::{Plant, Task};
+//! use saltus::{Launch, Planner, Robot};
+//!
+//! let launch = Launch::at_firing(5.0, -0.1, 0.1);
+//! let planned = Planner::new(Robot::rats_planar()).jump(&launch)?;
+//! let plant = Plant::new(saltus::resolve("rats-boom", &[])?, 1e-8);
+//! let flown = plant.fly(&Task { launch, landing_height: 0.0, obstacles: Vec::new(), leg_out: 0.0 })?;
+//! // What the boom costs.
+//! let error = flown.landing.unwrap_or(f64::NAN) - planned.distance(0.0).unwrap_or(f64::NAN);
+//! assert!(error.abs() > 0.02 && error.abs() < 0.10, "{error}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use saltus_lagrangian::Launch;
+use saltus_robot::{Drive, Errors, Robot};
+use saltus_sim_check::{End, Report, Rig, SimError};
+
+/// A robot to verify on.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    robot: Robot,
+    tolerance: f64,
+}
+
+/// A jump to be verified.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Task {
+    /// How it starts, and what it is commanded.
+    pub launch: Launch,
+    /// Height (m) of the axle above the foothold at which it lands.
+    pub landing_height: f64,
+    /// Boxes in the way: front, back and top (m from the foothold).
+    pub obstacles: Vec<[f64; 3]>,
+    /// Time (s) after lift-off during which the fired leg is still out and has to stay clear too.
+    pub leg_out: f64,
+}
+
+/// By how much the robot differs from the one that was planned for, and its start from what was measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Disturbance {
+    /// Added to the approach rate (rad/s).
+    pub rate: f64,
+    /// Added to the firing angle (rad).
+    pub firing_angle: f64,
+    /// Added to the valve opening time (s); the sum is 0 at least.
+    pub valve_open: f64,
+    /// Added to the supply pressure (Pa) of a pneumatic leg; the sum is that of the surroundings at least.
+    pub supply: f64,
+}
+
+/// How a jump went.
+#[derive(Clone, Debug)]
+pub struct Flown {
+    /// Greatest height (m) of the axle above the foothold; none where it did not take off.
+    pub apex: Option<f64>,
+    /// Travel (m) from the foothold to the landing; none where it does not get there.
+    pub landing: Option<f64>,
+    /// Least distance (m) between the wheel and an obstacle; none without obstacles. Negative: how far they overlap.
+    pub clearance: Option<f64>,
+    /// Everything else.
+    pub report: Report,
+}
+
+impl Flown {
+    /// How it ended, in a word.
+    pub fn outcome(&self) -> &'static str {
+        match self.report.end {
+            End::Landed => "landed",
+            End::NoLiftOff => "no-lift-off",
+            End::Stalled => "stalled",
+            End::EarlyLiftOff => "early-lift-off",
+        }
+    }
+
+    /// Net way (m) that the foot slipped along the travel until lift-off, forward positive.
+    pub fn slip(&self) -> f64 {
+        self.report.slipped[0]
+    }
+}
+
+impl Disturbance {
+    /// The one that comes of `normal`, four independent standard normal numbers, for `errors`.
+    pub fn drawn(errors: &Errors, normal: [f64; 4]) -> Disturbance {
+        Disturbance {
+            rate: errors.rate * normal[0],
+            firing_angle: errors.firing_angle * normal[1],
+            valve_open: errors.valve_open * normal[2],
+            supply: errors.supply * normal[3],
+        }
+    }
+}
+
+impl Plant {
+    /// `robot` as bodies in space, integrated with an error `tolerance` for each step.
+    pub fn new(robot: Robot, tolerance: f64) -> Plant {
+        Plant { robot, tolerance }
+    }
+
+    /// The robot.
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// The rig that jumps.
+    ///
+    /// # Errors
+    /// [`SimError`] for a robot whose parts cannot be bodies.
+    pub fn rig(&self) -> Result<Rig, SimError> {
+        Rig::new(&self.robot, &[])
+    }
+
+    /// On ground of this coefficient of friction along the travel, standing and slipping.
+    pub fn on_friction(&self, coefficient: f64) -> Plant {
+        let mut plant = self.clone();
+        plant.robot.ground.static_friction = coefficient;
+        plant.robot.ground.kinetic_friction = coefficient;
+        plant
+    }
+
+    /// With its supply pressure changed as `disturbance` says, and `task` as it then really is.
+    pub fn disturbed(&self, task: &Task, disturbance: &Disturbance) -> (Plant, Task) {
+        let (mut plant, mut task) = (self.clone(), task.clone());
+        if let Drive::Pneumatic(cylinder) = &mut plant.robot.leg.drive {
+            cylinder.supply.0 = (cylinder.supply.0 + disturbance.supply).max(0.0);
+        }
+        let launch = &mut task.launch;
+        // A stance that starts at its firing angle keeps doing so.
+        if launch.lean == launch.firing_angle {
+            launch.lean += disturbance.firing_angle;
+        }
+        launch.firing_angle += disturbance.firing_angle;
+        launch.rate = (launch.rate + disturbance.rate).max(0.0);
+        launch.valve_open = (launch.valve_open + disturbance.valve_open).max(0.0);
+        (plant, task)
+    }
+
+    /// Simulates a jump.
+    ///
+    /// # Errors
+    /// [`SimError`] for a robot, a start or a command that cannot be, or a motion that cannot go on.
+    pub fn fly(&self, task: &Task) -> Result<Flown, SimError> {
+        use saltus_sim_check::{Plan, Settings};
+        let Launch { rate, lean, firing_angle, valve_open } = task.launch;
+        let launch = saltus_sim_check::Launch { rate, lean, firing_angle, valve_open };
+        let settings = Settings { tolerance: self.tolerance, ..Settings::default() };
+        let plan = Plan { settings, landing_height: task.landing_height, ..Plan::default() };
+        let report = self.rig()?.jump(&launch, &plan)?;
+        let number = |x: f64| x.is_finite().then_some(x);
+        Ok(Flown {
+            apex: number(report.apex),
+            landing: number(report.landing_at),
+            clearance: self.clearance(task, &report),
+            report,
+        })
+    }
+
+    /// Least distance (m) between the wheel and the task's obstacles until the landing.
+    fn clearance(&self, task: &Task, report: &Report) -> Option<f64> {
+        let radius = self.robot.body.radius;
+        let lift_off = report.lift_off.map_or(f64::INFINITY, |l| l.time);
+        let end = report.samples.iter().position(|s| s.time > lift_off && s.axle[1] < task.landing_height);
+        let samples = &report.samples[..end.unwrap_or(report.samples.len())];
+        let gap = |axle: [f64; 2], time: f64, extension: f64, [front, back, top]: &[f64; 3]| {
+            let out = time >= lift_off && time < lift_off + task.leg_out;
+            let reach = radius + if out { extension } else { 0.0 };
+            let [x, y] = axle;
+            // A centre under the top is inside: the overlap counts from the nearest side.
+            let across = (front - x).max(x - back);
+            if across < 0.0 && y < *top {
+                return across.max(y - top) - reach;
+            }
+            across.max(0.0).hypot((y - top).max(0.0)) - reach
+        };
+        let one = |solid: &[f64; 3]| {
+            let here = |i: usize| gap(samples[i].axle, samples[i].time, samples[i].extension, solid);
+            let nearest = (0..samples.len()).min_by(|&a, &b| here(a).total_cmp(&here(b)))?;
+            let triple = samples.get(nearest.checked_sub(1)?..nearest + 2);
+            let Some([before, at, after]) = triple else { return Some(here(nearest)) };
+            if before.time == at.time || at.time == after.time {
+                return Some(here(nearest));
+            }
+            // Between the samples the path is a parabola but for a nanometre.
+            let along = |t: f64| {
+                let (a, b, c) = (before.time, at.time, after.time);
+                let weights = [
+                    (t - b) * (t - c) / ((a - b) * (a - c)),
+                    (t - a) * (t - c) / ((b - a) * (b - c)),
+                    (t - a) * (t - b) / ((c - a) * (c - b)),
+                ];
+                let mix = |k: usize| {
+                    weights[0] * before.axle[k] + weights[1] * at.axle[k] + weights[2] * after.axle[k]
+                };
+                gap([mix(0), mix(1)], t, at.extension, solid)
+            };
+            Some(least(before.time, after.time, along).min(here(nearest)))
+        };
+        task.obstacles.iter().filter_map(one).reduce(f64::min)
+    }
+}
+
+/// The least value in [a, b] of a function with one minimum, by golden section.
+fn least(mut a: f64, mut b: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
+    for _ in 0..40 {
+        let (x, y) = (b - golden * (b - a), a + golden * (b - a));
+        if f(x) < f(y) { b = y } else { a = x }
+    }
+    f(f64::midpoint(a, b))
+}
