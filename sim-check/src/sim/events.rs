@@ -90,6 +90,12 @@ impl Sim<'_> {
         self.log(Happening::LiftOff(point, surface));
         self.mode.contacts[c] = ContactMode::OPEN;
         let mechanism = self.machine.mechanism;
+        if let Some((stiffness, _)) = mechanism.material.compliance {
+            // A damped spring lets go before it is slack; what is left in it stays in the ground.
+            self.machine.place(&self.y);
+            let depth = self.machine.lie(c).gap.min(0.0);
+            self.impacts += 0.5 * stiffness * depth * depth;
+        }
         let body = mechanism.points[point].body;
         if mechanism.legs.iter().any(|leg| leg.body == body && leg.massless) {
             self.set_joint_speed(body, 0.0);

@@ -218,7 +218,7 @@ fn share(text: &str) -> Result<f64, String> {
 /// Parser of a flag.
 fn fixed_step(text: &str) -> Result<f64, String> {
     let step = quantity::time(text).map_err(|error| error.to_string())?;
-    if step >= 1e-6 && step <= Stepping::LONGEST {
+    if (1e-6..=Stepping::LONGEST).contains(&step) {
         Ok(step)
     } else {
         Err(format!("{step} must be a time from 1e-6 to {} s", Stepping::LONGEST))
