@@ -256,6 +256,7 @@ fn a_plan_clears_the_box_and_a_wall_has_none() {
     for file in ["high", "wall"] {
         let text = folder.done(&format!("plan {file}.toml"), 1);
         assert!(text.contains("infeasible") && text.contains("the nearest course that has a plan"), "{text}");
+        assert!(folder.done(&format!("verify {file}.toml"), 1).contains("no plan crosses this course"));
     }
 }
 

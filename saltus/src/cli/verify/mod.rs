@@ -124,14 +124,22 @@ JSON: {\"command\": \"verify\", \"robot\": NAME, \"plant\": NAME, \"subject\": â
 With --fixed-step the integrator takes steps of one length, as a controller or a learner would; every jump is then simulated with error \
 control as well, and the report says how far the two differ (JSON: \"step_cost\").
 
-The exit code is 1 if the verification fails.";
+The exit code is 1 if the verification fails, and if no plan crosses the course: then nothing is drawn.";
 
 impl Verify {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         let planner = Planner::new(self.common.robot()?);
         let plant = Plant::new(self.plant()?, self.accuracy);
         plant.rig().map_err(|error| CliError::content(&plant.robot().name, error))?;
-        let subject = Subject::load(&self.subject, &planner)?;
+        let Some(subject) = Subject::load(&self.subject, &planner)? else {
+            let report = match self.common.format() {
+                Format::Csv => report::rows(&[]).csv(),
+                Format::Json => report::no_plan_json(&planner, &plant),
+                Format::Text => report::NO_PLAN.to_owned(),
+            };
+            self.common.write_report(report)?;
+            return Ok(Status::No);
+        };
         let trials = trial::draw(&subject, &planner, &self.ground(), &self.scatter())?;
         let exact = self.fly(&plant, &trials)?;
         // What fixed steps cost is seen beside the jumps without them.

@@ -291,6 +291,23 @@ fn row(i: usize, outcome: &Outcome) -> Vec<Cell> {
     ]
 }
 
+/// What there is to say of a course without a plan.
+pub(super) const NO_PLAN: &str =
+    "no plan crosses this course: `saltus plan` says what blocks it, and the nearest that has one\n";
+
+/// The same as a document.
+pub(super) fn no_plan_json(planner: &Planner, plant: &Plant) -> String {
+    output::json(&json!({
+        "command": "verify",
+        "robot": planner.robot().name,
+        "plant": plant.robot().name,
+        "passes": false,
+        "reason": NO_PLAN.trim(),
+        "groups": [],
+        "rows": [],
+    }))
+}
+
 /// The document.
 pub(super) fn json(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) -> String {
     output::json(&json!({
