@@ -5,9 +5,9 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 launches=${1:-3}
 target=${CARGO_TARGET_DIR:-target}
-cargo build --quiet --release -p saltus-sim-check --example speed
+cargo build --quiet --release -p saltus-sim-check --example work_precision
 cargo build --quiet --release -p saltus --bins
 for _ in 1 2; do
-    "$target/release/examples/speed"
+    "$target/release/examples/work_precision"
     target/mujoco/bin/python bench/mujoco_speed.py --binaries "$target/release" --launches "$launches"
 done
