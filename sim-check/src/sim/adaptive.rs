@@ -2,10 +2,9 @@
 
 use saltus_numeric::dop853::step_factor;
 
-use super::Sim;
-use super::Watch;
 use super::guards::{Guard, trails};
 use super::root::past_root;
+use super::{JUST_LEFT, Sim, Watch};
 use crate::SimError;
 
 impl Sim<'_> {
@@ -14,6 +13,11 @@ impl Sim<'_> {
         let stop = self.commands.last().map_or(until, |c| c.0.min(until));
         let room = stop - self.time;
         self.start_step();
+        self.floors.clear();
+        self.floors.extend((0..self.mode.contacts.len()).map(|c| {
+            let gap = self.machine.lie(c).gap;
+            if gap < JUST_LEFT { gap } else { 0.0 }
+        }));
         let before = self.guard_values(self.time, watches, false);
         let mut h = self.step.min(self.settings.longest_step);
         // A step that would leave a sliver takes it along.

@@ -20,6 +20,7 @@ impl Sim<'_> {
                 let (p, s) = pair(self, c);
                 self.log(Happening::TouchDown(p, s));
                 self.mode.contacts[c].closed = true;
+                self.join(c);
                 self.impact(Some(c), self.machine.mechanism.material.restitution)?;
                 self.settle(None)?;
             }
@@ -232,9 +233,54 @@ impl Sim<'_> {
         if !self.machine.problem.resolve() {
             return Err(SimError::Inconsistent { time: self.time });
         }
+        self.capture(hit);
         self.machine.jump(&mut self.y);
         let after = self.pose().kinetic_energy(&self.machine.mechanism.tree);
         self.impacts += before - after;
         Ok(())
+    }
+
+    /// Where contact `c` closes more slowly than the rest speed: closes those that are as slow and as good as closed.
+    fn join(&mut self, c: usize) {
+        let slow = self.settings.rest_speed;
+        if self.machine.mechanism.material.compliance.is_some() || !self.touching {
+            return;
+        }
+        self.machine.place(&self.y);
+        if self.machine.lie(c).speeds.x < -slow {
+            return;
+        }
+        for other in 0..self.mode.contacts.len() {
+            let lies = self.machine.lie(other);
+            let near = lies.gap <= self.settings.penetration && lies.speeds.x.abs() < slow;
+            if near && !self.mode.contacts[other].closed {
+                let (p, s) = self.machine.pairs[other];
+                self.log(Happening::TouchDown(p, s));
+                self.mode.contacts[other].closed = true;
+            }
+        }
+    }
+
+    /// Keeps what touches together in a slow impact.
+    ///
+    /// A body that rocks flat hits with one corner and lifts another ever more slowly, infinitely often in a finite time. So where the
+    /// corner that hits is slower than the rest speed, those that it would lift more slowly than that stay on their surfaces.
+    fn capture(&mut self, hit: Option<usize>) {
+        let (machine, slow) = (&mut self.machine, self.settings.rest_speed);
+        let of_hit = hit.map(Owner::Normal);
+        let hits_slowly = |r: usize| Some(machine.owners[r]) == of_hit && machine.problem.b[r] >= -slow;
+        if !(0..machine.problem.rows).any(hits_slowly) {
+            return;
+        }
+        let plain = machine.problem.clone();
+        for e in &mut machine.problem.elements {
+            let lifts = (0.0..slow).contains(&plain.motion[e.row]);
+            if lifts && matches!(machine.owners[e.row], Owner::Normal(_)) {
+                (e.bounds, e.grip) = (Bounds::Between(f64::NEG_INFINITY, f64::INFINITY), Grip::Held);
+            }
+        }
+        if !machine.problem.resolve() {
+            machine.problem = plain;
+        }
     }
 }

@@ -131,6 +131,8 @@ pub struct Sim<'a> {
     guards: Vec<(Guard, f64)>,
     /// Room for fixed steps, where they are fixed.
     fixed: Option<Fixed>,
+    /// Each contact's gap (m) at the start of a step where it is below [`JUST_LEFT`], else 0: a point in the air touches from there.
+    floors: Vec<f64>,
     /// Events since time moved on.
     burst: (f64, usize),
 }
@@ -138,6 +140,9 @@ pub struct Sim<'a> {
 /// Events that may happen within [`BURST_SPAN`] seconds before a motion counts as stuck in them.
 const BURST: usize = 2000;
 const BURST_SPAN: f64 = 1e-3;
+
+/// A gap (m) below which round-off says whether a point that has just left its surface is above it.
+const JUST_LEFT: f64 = 1e-12;
 
 impl<'a> Sim<'a> {
     /// `mechanism` at coordinates `q` and velocities `v`, its legs' valves at rest and unfired legs latched where they are.
@@ -184,6 +189,7 @@ impl<'a> Sim<'a> {
                 Stepping::Adaptive => None,
                 Stepping::Fixed(h) => Some(Fixed::new(h, layout)),
             },
+            floors: Vec::new(),
             burst: (0.0, 0),
         };
         sim.begin()?;
