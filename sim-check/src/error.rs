@@ -77,6 +77,14 @@ pub enum SimError {
         /// The last of them.
         last: String,
     },
+    /// More steps than were allowed.
+    #[error("t = {time} s: {limit} steps were not enough; what moves is too stiff or too fast")]
+    TooManySteps {
+        /// When (s).
+        time: f64,
+        /// The number of steps allowed.
+        limit: usize,
+    },
     /// The integrator cannot go on.
     #[error(
         "t = {time} s: the motion cannot be integrated further (step of {step} s); a number is infinite or not one"

@@ -152,7 +152,9 @@ impl Tree {
             );
         }
         match body.joint {
-            Joint::Revolute(axis) | Joint::Prismatic(axis) if (axis.norm() - 1.0).abs() > 1e-12 => {
+            Joint::Revolute(axis) | Joint::Prismatic(axis)
+                if (axis.norm() - 1.0).abs() > 1e-12 || axis.norm().is_nan() =>
+            {
                 return wrong("joint axis' length", axis.norm(), "1");
             }
             Joint::Free if body.parent.is_some() => {

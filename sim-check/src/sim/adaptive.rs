@@ -10,6 +10,9 @@ use crate::SimError;
 impl Sim<'_> {
     /// One step, or the part of one that ends at an event, which then happens.
     pub(super) fn advance(&mut self, until: f64, watches: &[Watch<'_>]) -> Result<Option<usize>, SimError> {
+        if self.steps >= self.settings.most_steps {
+            return Err(SimError::TooManySteps { time: self.time, limit: self.settings.most_steps });
+        }
         let stop = self.commands.last().map_or(until, |c| c.0.min(until));
         let room = stop - self.time;
         self.start_step();

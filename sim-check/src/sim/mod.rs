@@ -31,6 +31,8 @@ pub struct Settings {
     pub rest_speed: f64,
     /// How deep a start may be inside a surface (m), ≥ 0; it then counts as touching.
     pub penetration: f64,
+    /// Steps that an adaptive motion may take: one that is too stiff for the integrator ends in an error.
+    pub most_steps: usize,
     /// How long steps are.
     pub stepping: Stepping,
 }
@@ -61,6 +63,7 @@ impl Default for Settings {
             longest_step: 0.01,
             rest_speed: 1e-3,
             penetration: 1e-9,
+            most_steps: 1_000_000,
             stepping: Stepping::Adaptive,
         }
     }
@@ -158,9 +161,9 @@ impl<'a> Sim<'a> {
         v: &[f64],
         settings: Settings,
     ) -> Result<Sim<'a>, SimError> {
+        check_start(mechanism, q, v, &settings)?;
         let mut machine = Machine::new(mechanism);
         let layout = machine.layout;
-        check_start(mechanism, q, v, &settings)?;
         let mut y = vec![0.0; layout.size()];
         y[..layout.coordinates].copy_from_slice(q);
         y[layout.coordinates..layout.gas()].copy_from_slice(v);
@@ -249,13 +252,6 @@ impl<'a> Sim<'a> {
     /// # Errors
     /// [`SimError`] where the motion cannot go on.
     pub fn run(&mut self, until: f64, watches: &[Watch<'_>]) -> Result<Pause, SimError> {
-        if until.is_nan() {
-            return Err(SimError::Input {
-                name: "time to run until (s)".into(),
-                value: until,
-                allowed: "a number",
-            });
-        }
         loop {
             if let Some(pause) = self.run_eventwise(until, watches)? {
                 return Ok(pause);
@@ -268,6 +264,13 @@ impl<'a> Sim<'a> {
     /// # Errors
     /// As [`run`](Self::run).
     pub fn run_eventwise(&mut self, until: f64, watches: &[Watch<'_>]) -> Result<Option<Pause>, SimError> {
+        if until.is_nan() {
+            return Err(SimError::Input {
+                name: "time to run until (s)".into(),
+                value: until,
+                allowed: "a number",
+            });
+        }
         while self.time < until {
             let events = self.events.len();
             if let Some(&(at, leg, on)) = self.commands.last()
