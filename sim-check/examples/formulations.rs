@@ -10,7 +10,7 @@ use std::time::Instant;
 use saltus_sim_check::{Launch, Plan, Pose, Report, Rig, Settings, Stepping};
 
 const RATES: [f64; 3] = [2.5, 3.0, 3.5];
-const CALLS: u32 = if cfg!(debug_assertions) { 1 } else { 20 };
+const CALLS: u32 = if cfg!(debug_assertions) { 2 } else { 20 };
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!(
