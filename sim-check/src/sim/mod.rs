@@ -27,7 +27,8 @@ pub struct Settings {
     pub tolerance: f64,
     /// Longest step (s), > 0: an event that comes and goes within one step is not seen.
     pub longest_step: f64,
-    /// Impacts slower than this (m/s) do not rebound, ≥ 0: else a ball that comes to rest bounces for ever.
+    /// Impacts slower than this (m/s) do not rebound, ≥ 0, and do not lift what lies beside them: else a ball that comes to rest bounces for
+    /// ever, and a box rocks.
     pub rest_speed: f64,
     /// How deep a start may be inside a surface (m), ≥ 0; it then counts as touching.
     pub penetration: f64,
