@@ -16,13 +16,14 @@
 
 use saltus_lagrangian::Launch;
 use saltus_robot::{Drive, Errors, Robot};
-use saltus_sim_check::{End, Report, Rig, SimError};
+use saltus_sim_check::{End, Report, Rig, SimError, Stepping};
 
 /// A robot to verify on.
 #[derive(Clone, Debug)]
 pub struct Plant {
     robot: Robot,
     tolerance: f64,
+    stepping: Stepping,
 }
 
 /// A jump to be verified.
@@ -96,7 +97,7 @@ impl Disturbance {
 impl Plant {
     /// `robot` as bodies in space, integrated with an error `tolerance` for each step.
     pub fn new(robot: Robot, tolerance: f64) -> Plant {
-        Plant { robot, tolerance }
+        Plant { robot, tolerance, stepping: Stepping::Adaptive }
     }
 
     /// The robot.
@@ -110,6 +111,11 @@ impl Plant {
     /// [`SimError`] for a robot whose parts cannot be bodies.
     pub fn rig(&self) -> Result<Rig, SimError> {
         Rig::new(&self.robot, &[])
+    }
+
+    /// Stepped otherwise.
+    pub fn stepped(&self, stepping: Stepping) -> Plant {
+        Plant { stepping, ..self.clone() }
     }
 
     /// On ground of this coefficient of friction along the travel, standing and slipping.
@@ -145,7 +151,7 @@ impl Plant {
         use saltus_sim_check::{Plan, Settings};
         let Launch { rate, lean, firing_angle, valve_open } = task.launch;
         let launch = saltus_sim_check::Launch { rate, lean, firing_angle, valve_open };
-        let settings = Settings { tolerance: self.tolerance, ..Settings::default() };
+        let settings = Settings { tolerance: self.tolerance, stepping: self.stepping, ..Settings::default() };
         let plan = Plan { settings, landing_height: task.landing_height, ..Plan::default() };
         let report = self.rig()?.jump(&launch, &plan)?;
         let number = |x: f64| x.is_finite().then_some(x);

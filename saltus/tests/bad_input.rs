@@ -174,6 +174,7 @@ const CASES: &[(&str, &[&str])] = &[
     ("verify --law=-0.1,0.4 --omega 5 --accuracy 1", &["--accuracy", "from 1e-13 to 0.01"]),
     ("verify --law=-0.1,0.4 --omega 5 --samples 1e9", &["--samples"]),
     ("verify --law=-0.1,0.4 --omega 5 --tolerance 0", &["--tolerance", "above 0"]),
+    ("verify course2.toml --fixed-step 0", &["--fixed-step", "must be a time from 1e-6 to"]),
     ("verify course2.toml --animate a.txt", &["--animate", "the name must end in .html"]),
     (
         "verify course2.toml --samples 0 --out a.html --animate a.html",

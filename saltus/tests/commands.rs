@@ -256,6 +256,7 @@ fn a_plan_clears_the_box_and_a_wall_has_none() {
     for file in ["high", "wall"] {
         let text = folder.done(&format!("plan {file}.toml"), 1);
         assert!(text.contains("infeasible") && text.contains("the nearest course that has a plan"), "{text}");
+        assert!(folder.done(&format!("verify {file}.toml"), 1).contains("no plan crosses this course"));
     }
 }
 
@@ -282,6 +283,11 @@ fn a_plan_is_verified_as_it_was_planned_and_slips_where_it_must() {
     let clearances = checks.filter(|c| c["what"].as_str().unwrap().starts_with("clearance"));
     let least = clearances.map(|c| c["value"].as_f64().unwrap()).fold(f64::INFINITY, f64::min);
     assert!((row["clearance_m"].as_f64().unwrap() - least).abs() < 1e-4, "{least}: {row}");
+    let fixed: serde_json::Value =
+        serde_json::from_str(&folder.done("verify box.toml --samples 0 --fixed-step 1ms --format json", 0))
+            .unwrap();
+    let cost = fixed["step_cost"]["landing_greatest_m"].as_f64().unwrap();
+    assert!(cost > 1e-7 && cost < 1e-3, "{cost}");
     let needed = row["friction_needed"].as_f64().unwrap();
     let line = format!(
         "verify box.toml --samples 0 --tolerance 5mm --friction {},{} --format csv",

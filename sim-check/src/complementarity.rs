@@ -173,6 +173,11 @@ impl Problem {
         self.motion[e.row..e.row + e.rows()].iter().all(|w| w.abs() <= 10.0 * self.still())
     }
 
+    /// Whether the force of an element is at a bound and it moves faster than `speed`.
+    pub(crate) fn lets_go(&self, e: &Element, speed: f64) -> bool {
+        e.grip != Grip::Held && self.motion[e.row].abs() > speed
+    }
+
     /// Where forces are one choice of many, one at its bound says nothing: there, after [`resolve`](Self::resolve), what
     /// stands is to hold.
     pub(crate) fn hold_what_stands(&mut self) {
@@ -217,7 +222,9 @@ impl Problem {
                 return self.force.iter().all(|f| f.is_finite());
             }
         }
-        self.relax() && self.obeys()
+        // Near the onset of slip iteration is slow: what it has found counts if it obeys the laws.
+        self.relax();
+        self.obeys()
     }
 
     /// Corrects the grips that the present solution contradicts; whether there were any.
@@ -273,14 +280,13 @@ impl Problem {
     }
 
     /// Projected Gauss–Seidel iteration, then the grips that its solution has.
-    fn relax(&mut self) -> bool {
+    fn relax(&mut self) {
         let m = self.rows;
         self.force.clear();
         self.force.resize(m, 0.0);
         let row = |a: &[f64], b: &[f64], f: &[f64], i: usize| -> f64 {
             a[i * m..(i + 1) * m].iter().zip(f).map(|(a, f)| a * f).sum::<f64>() + b[i]
         };
-        let mut converged = false;
         for _ in 0..20_000 {
             let mut change = 0.0_f64;
             for i in 0..self.elements.len() {
@@ -309,7 +315,6 @@ impl Problem {
             }
             let size = self.force.iter().fold(0.0_f64, |s, x| s.max(x.abs()));
             if change <= 1e-13 * size + 1e-300 {
-                converged = true;
                 break;
             }
         }
@@ -330,7 +335,6 @@ impl Problem {
                 Grip::Held
             };
         }
-        converged
     }
 
     /// Whether the present forces and motions obey every law, up to round-off of an iteration.

@@ -77,11 +77,29 @@ pub enum SimError {
         /// The last of them.
         last: String,
     },
+    /// More steps than were allowed.
+    #[error("t = {time} s: {limit} steps were not enough; what moves is too stiff or too fast")]
+    TooManySteps {
+        /// When (s).
+        time: f64,
+        /// The number of steps allowed.
+        limit: usize,
+    },
     /// The integrator cannot go on.
     #[error(
         "t = {time} s: the motion cannot be integrated further (step of {step} s); a number is infinite or not one"
     )]
     Stuck {
+        /// When (s).
+        time: f64,
+        /// The step (s).
+        step: f64,
+    },
+    /// A fixed step has led to numbers that are none, or beyond all bounds.
+    #[error(
+        "t = {time} s: the motion diverges in fixed steps of {step} s; take shorter ones, or adaptive ones"
+    )]
+    Diverged {
         /// When (s).
         time: f64,
         /// The step (s).

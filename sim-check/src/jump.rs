@@ -2,7 +2,7 @@
 
 use crate::SimError;
 use crate::rig::Rig;
-use crate::sim::{Happening, Ledger, Pause, Settings, Sim};
+use crate::sim::{Happening, Ledger, Pause, Settings, Sim, Stepping};
 
 /// Where a jump starts and how its leg is commanded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -216,8 +216,13 @@ impl Recorder<'_> {
         watches: &[crate::sim::Watch<'_>],
         left: impl Fn(&Self) -> bool,
     ) -> Result<Stopped, SimError> {
+        // Samples do not cut fixed steps.
+        let sample = match self.plan.settings.stepping {
+            Stepping::Adaptive => self.plan.sample,
+            Stepping::Fixed(h) => h * (self.plan.sample / h - 1e-9).ceil().max(1.0),
+        };
         while self.sim.time() < until {
-            let next = (self.sim.time() + self.plan.sample).min(until);
+            let next = (self.sim.time() + sample).min(until);
             let pause = self.sim.run_eventwise(next, watches)?;
             if left(self) {
                 return Ok(Stopped::Left);

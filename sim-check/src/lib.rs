@@ -3,6 +3,7 @@
 mod complementarity;
 mod contact;
 mod error;
+mod gas;
 mod jump;
 mod linear;
 mod machine;
@@ -21,6 +22,6 @@ pub use jump::{End, Launch, LiftOff, Plan, Report, Sample};
 pub use mechanism::{Drag, JointParts, LegPart, Mechanism};
 pub use mjcf::mjcf;
 pub use rig::Rig;
-pub use sim::{Contact, Event, Happening, Ledger, Pause, Settings, Sim, Watch};
+pub use sim::{Contact, Event, Happening, Ledger, Pause, Settings, Sim, Stepping, Watch};
 pub use spatial::{Inertia, Motion, Vec3, Wrench};
 pub use tree::{Body, Joint, Placement, Pose, Tree};

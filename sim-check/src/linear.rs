@@ -45,7 +45,8 @@ pub(crate) fn backward(l: &[f64], n: usize, b: &mut [f64]) {
 /// Pivots below this part of the greatest are rows that say what others have said.
 const REDUNDANT: f64 = 1e-12;
 
-/// Solves the m × m system `a` x = `b` (row by row); x is left in `b`. Where rows are redundant, the x of least norm, and true.
+/// Solves the m × m system `a` x = `b` (row by row); x is left in `b`. Where rows are redundant, the x of least norm, and true;
+/// of numbers that are none, NaN.
 pub(crate) fn solve(a: &mut [f64], m: usize, b: &mut [f64]) -> bool {
     let scale = a[..m * m].iter().fold(0.0_f64, |s, x| s.max(x.abs()));
     let whole = Small::of(&a[..m * m], &b[..m]);
@@ -53,13 +54,59 @@ pub(crate) fn solve(a: &mut [f64], m: usize, b: &mut [f64]) -> bool {
         return false;
     }
     let (a, right) = whole.get();
-    let svd = DMatrix::from_row_slice(m, m, a).svd(true, true);
-    let least = svd.singular_values.max() * 1e-11;
-    match svd.solve(&DVector::from_row_slice(right), least) {
-        Ok(x) => b[..m].copy_from_slice(x.as_slice()),
-        Err(_) => b[..m].fill(f64::NAN),
+    match least_norm(a, right, m) {
+        Some(x) => b[..m].copy_from_slice(&x),
+        None => b[..m].fill(f64::NAN),
     }
     true
+}
+
+/// The x of least norm that solves the equations of `a` x = `b` which pivots above [`REDUNDANT`] of the greatest lead; none where
+/// there is a number that is not finite.
+///
+/// Elimination with full pivoting gives a solution and the null space, onto which that solution must have no part.
+fn least_norm(a: &[f64], b: &[f64], m: usize) -> Option<Vec<f64>> {
+    let mut a = DMatrix::from_row_slice(m, m, a);
+    let mut b = DVector::from_row_slice(b);
+    let least = REDUNDANT * a.amax();
+    let mut order: Vec<usize> = (0..m).collect();
+    let mut rank = 0;
+    while rank < m {
+        let (i, j) = a.view_range(rank.., rank..).icamax_full();
+        let (i, j) = (i + rank, j + rank);
+        if a[(i, j)].is_nan() || a[(i, j)].abs() <= least {
+            break;
+        }
+        a.swap_rows(rank, i);
+        b.swap_rows(rank, i);
+        a.swap_columns(rank, j);
+        order.swap(rank, j);
+        // Gauss–Jordan: what leads here is nowhere else.
+        let pivot = a[(rank, rank)];
+        for row in (0..m).filter(|&row| row != rank) {
+            let factor = a[(row, rank)] / pivot;
+            for k in rank..m {
+                let part = factor * a[(rank, k)];
+                a[(row, k)] -= part;
+            }
+            let part = factor * b[rank];
+            b[row] -= part;
+        }
+        rank += 1;
+    }
+    let pivots = a.diagonal();
+    let mut x = DVector::from_fn(m, |i, _| if i < rank { b[i] / pivots[i] } else { 0.0 });
+    let null = DMatrix::from_fn(m, m - rank, |i, k| match i {
+        i if i < rank => -a[(i, rank + k)] / pivots[i],
+        i => f64::from(i == rank + k),
+    });
+    if null.ncols() > 0 {
+        let part = (null.transpose() * &null).cholesky()?.solve(&(null.transpose() * &x));
+        x -= null * part;
+    }
+    let mut found = vec![0.0; m];
+    order.iter().zip(x.iter()).for_each(|(&k, x)| found[k] = *x);
+    found.iter().all(|x| x.is_finite()).then_some(found)
 }
 
 /// A copy of a system, which for the usual three rows or fewer needs no heap.
@@ -138,6 +185,38 @@ mod tests {
         let mut b = [2.0, 2.0];
         assert!(solve(&mut a, 2, &mut b));
         assert!((b[0] - 1.0).abs() < 1e-14 && (b[1] - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn redundant_systems_are_solved_to_round_off() {
+        // The normals of four corners that slide: rank 3, not symmetric.
+        let left = [[1.0, 0.3, -0.2], [0.9, -1.1, 0.4], [1.2, 0.7, 1.5], [1.1, -0.7, 2.1]];
+        let right = [[1.0, 0.4, 0.6, 0.0], [0.2, 1.3, -0.7, 0.4], [0.5, -0.6, 1.7, 0.6]];
+        let mut a = [0.0; 16];
+        for (i, j) in (0..16).map(|k| (k / 4, k % 4)) {
+            a[i * 4 + j] = (0..3).map(|k| left[i][k] * right[k][j]).sum();
+        }
+        let whole = a;
+        let null = null_of(&right);
+        let some = [0.3, 1.0, -0.4, 2.0];
+        let mut b: Vec<f64> = (0..4).map(|i| (0..4).map(|k| a[i * 4 + k] * some[k]).sum()).collect();
+        let wanted = b.clone();
+        assert!(solve(&mut a, 4, &mut b));
+        for i in 0..4 {
+            let got: f64 = (0..4).map(|k| whole[i * 4 + k] * b[k]).sum();
+            assert!((got - wanted[i]).abs() < 1e-14, "row {i}: {got} for {}", wanted[i]);
+        }
+        let part: f64 = (0..4).map(|k| null[k] * b[k]).sum();
+        assert!(part.abs() < 1e-14, "{part} along the null space");
+    }
+
+    /// The vector across three rows of four: their signed minors.
+    fn null_of(rows: &[[f64; 4]; 3]) -> [f64; 4] {
+        std::array::from_fn(|skipped| {
+            let columns: Vec<usize> = (0..4).filter(|&k| k != skipped).collect();
+            let minor = nalgebra::Matrix3::from_fn(|i, j| rows[i][columns[j]]).determinant();
+            if skipped % 2 == 0 { minor } else { -minor }
+        })
     }
 
     #[test]

@@ -158,7 +158,16 @@ impl Mechanism {
             if parts.spring.1.is_nan() || parts.stops.0.is_nan() || parts.stops.1.is_nan() {
                 return wrong(format!("rest or stop in the joint of '{}'", body.name), f64::NAN, "a number");
             }
+            if parts.spring.1.is_infinite() {
+                let name = format!("rest of the spring in the joint of '{}'", body.name);
+                return wrong(name, parts.spring.1, "finite");
+            }
+            if parts.stops.0 > parts.stops.1 {
+                let name = format!("stops in the joint of '{}', low above high", body.name);
+                return wrong(name, parts.stops.0, "at most the high one");
+            }
         }
+        self.check_surroundings()?;
         for leg in &self.legs {
             match self.tree.bodies().get(leg.body) {
                 Some(body) if matches!(body.joint, Joint::Prismatic(_)) => {}
@@ -166,6 +175,22 @@ impl Mechanism {
             }
         }
         self.check_inertia(q)
+    }
+
+    fn check_surroundings(&self) -> Result<(), SimError> {
+        let wrong = |name: &str, value, allowed| Err(SimError::Input { name: name.into(), value, allowed });
+        match (self.drag, self.travel) {
+            (Some(drag), _) if drag.body >= self.tree.bodies().len() => {
+                wrong("body of the drag", drag.body as f64, "one of the tree's")
+            }
+            (Some(drag), _) if !(drag.coefficient >= 0.0 && drag.coefficient.is_finite()) => {
+                wrong("drag coefficient (kg/m)", drag.coefficient, "a finite number ≥ 0")
+            }
+            (_, Travel::Around(center)) if !center.iter().all(|x| x.is_finite()) => {
+                wrong("centre of the travel (m)", f64::NAN, "finite")
+            }
+            _ => Ok(()),
+        }
     }
 
     fn check_inertia(&self, q: &[f64]) -> Result<(), SimError> {

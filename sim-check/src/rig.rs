@@ -95,7 +95,10 @@ impl Rig {
     /// Travel x (m, along the arc L ψ with a boom) and height z (m) of the axle.
     pub fn axle(&self, q: &[f64]) -> [f64; 2] {
         match self.boom {
-            Some(length) => [length * q[0], self.pose_at(q).frames[self.wheel].position.z],
+            Some(length) => {
+                let (pivot, bend, part) = self.boom_angles(q, length);
+                [length * q[0], self.radius + part * (pivot.sin() + (pivot + bend).sin())]
+            }
             None => [q[0], q[1]],
         }
     }
@@ -104,13 +107,19 @@ impl Rig {
     pub fn axle_rates(&self, q: &[f64], v: &[f64]) -> [f64; 2] {
         match self.boom {
             Some(length) => {
-                let mut pose = Pose::default();
-                pose.set(&self.mechanism.tree, q, v);
-                let at = pose.frames[self.wheel].position;
-                [length * v[0], pose.velocities[self.wheel].at(&at).z]
+                let (pivot, bend, part) = self.boom_angles(q, length);
+                let (_, bending, _) = self.boom_angles(v, length);
+                let rate = v[1] * pivot.cos() + (v[1] + bending) * (pivot + bend).cos();
+                [length * v[0], part * rate]
             }
             None => [v[0], v[1]],
         }
+    }
+
+    /// A boom's pivot angle and bend among `x`, coordinates or velocities, and the length of each half (m).
+    fn boom_angles(&self, x: &[f64], length: f64) -> (f64, f64, f64) {
+        let bend = if self.lean_coordinate() == 3 { x[2] } else { 0.0 };
+        (x[1], bend, 0.5 * length)
     }
 
     fn pose_at(&self, q: &[f64]) -> Pose {

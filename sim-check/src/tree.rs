@@ -96,6 +96,8 @@ pub struct Tree {
     /// The velocity before it on the way to the world.
     before: Vec<Option<usize>>,
     coordinates: usize,
+    /// Whether each body's placement has its parent's axes.
+    straight: Vec<bool>,
 }
 
 impl Tree {
@@ -115,6 +117,7 @@ impl Tree {
             before = Some(self.carrier.len());
             self.carrier.push(index);
         }
+        self.straight.push(body.placement.rotation == Matrix3::identity());
         self.bodies.push(body);
         Ok(index)
     }
@@ -149,7 +152,9 @@ impl Tree {
             );
         }
         match body.joint {
-            Joint::Revolute(axis) | Joint::Prismatic(axis) if (axis.norm() - 1.0).abs() > 1e-12 => {
+            Joint::Revolute(axis) | Joint::Prismatic(axis)
+                if (axis.norm() - 1.0).abs() > 1e-12 || axis.norm().is_nan() =>
+            {
                 return wrong("joint axis' length", axis.norm(), "1");
             }
             Joint::Free if body.parent.is_some() => {
@@ -354,6 +359,39 @@ fn turn(axis: &Vec3, angle: f64) -> Matrix3<f64> {
     )
 }
 
+/// `rotation` after a turn by `angle` (rad) about the unit vector `axis` of its own; about a base axis only two columns change.
+#[inline]
+fn turned(rotation: &Matrix3<f64>, axis: &Vec3, angle: f64) -> Matrix3<f64> {
+    let Some(k) = (0..3).find(|&k| axis[k].abs() == 1.0) else { return rotation * turn(axis, angle) };
+    let (s, c) = angle.sin_cos();
+    let s = s * axis[k];
+    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+    let mut turned = *rotation;
+    for row in 0..3 {
+        let (a, b) = (rotation[(row, i)], rotation[(row, j)]);
+        turned[(row, i)] = c * a + s * b;
+        turned[(row, j)] = c * b - s * a;
+    }
+    turned
+}
+
+/// R I Rᵀ of a symmetric I.
+#[inline]
+fn rotated(rotation: &Matrix3<f64>, inertia: &Matrix3<f64>) -> Matrix3<f64> {
+    let half = rotation * inertia;
+    let mut whole = Matrix3::zeros();
+    for row in 0..3 {
+        for column in 0..=row {
+            let sum = half[(row, 0)] * rotation[(column, 0)]
+                + half[(row, 1)] * rotation[(column, 1)]
+                + half[(row, 2)] * rotation[(column, 2)];
+            whole[(row, column)] = sum;
+            whole[(column, row)] = sum;
+        }
+    }
+    whole
+}
+
 /// Where a tree is and how it moves.
 #[derive(Clone, Debug, Default)]
 pub struct Pose {
@@ -378,17 +416,23 @@ impl Pose {
         self.axes.clear();
         self.bias.clear();
         let world = (Placement::identity(), Motion::default(), Motion::default());
-        for (body, &(iq, iv)) in tree.bodies.iter().zip(&tree.first) {
+        for ((body, &(iq, iv)), straight) in tree.bodies.iter().zip(&tree.first).zip(&tree.straight) {
             let (parent, velocity, bias) = match body.parent {
                 Some(p) => (self.frames[p], self.velocities[p], self.bias[p]),
                 None => world,
             };
-            let joint = parent.then(&body.placement);
+            let joint = if *straight {
+                Placement { rotation: parent.rotation, position: parent.point(&body.placement.position) }
+            } else {
+                parent.then(&body.placement)
+            };
             let frame;
             let (moved, extra) = match &body.joint {
                 Joint::Revolute(axis) => {
-                    frame =
-                        Placement { rotation: joint.rotation * turn(axis, q[iq]), position: joint.position };
+                    frame = Placement {
+                        rotation: turned(&joint.rotation, axis, q[iq]),
+                        position: joint.position,
+                    };
                     let angular = joint.rotation * axis;
                     let along = Motion { angular, linear: joint.position.cross(&angular) };
                     self.axes.push(along);
@@ -431,13 +475,16 @@ impl Pose {
             let inertia = if body.mass == 0.0 {
                 Inertia::default()
             } else {
-                let turned = frame.rotation * body.inertia * frame.rotation.transpose();
-                Inertia::new(body.mass, &frame.point(&body.center), &turned)
+                Inertia::new(body.mass, &frame.point(&body.center), &rotated(&frame.rotation, &body.inertia))
             };
             let v = &self.velocities[i];
             let a = self.bias[i] + Motion { angular: Vec3::zeros(), linear: -gravity };
             self.inertias.push(inertia);
-            self.wrenches.push(inertia.times(&a) + v.cross_wrench(&inertia.times(v)));
+            self.wrenches.push(if body.mass == 0.0 {
+                Wrench::default()
+            } else {
+                inertia.times(&a) + v.cross_wrench(&inertia.times(v))
+            });
         }
         self.composites.clone_from(&self.inertias);
         for (i, body) in tree.bodies.iter().enumerate().rev() {

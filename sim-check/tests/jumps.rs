@@ -79,6 +79,21 @@ fn massless_legs_on_rigid_ground_jump_as_the_reference() -> Result<(), SimError>
     Ok(())
 }
 
+/// What a ground that gives takes and keeps is in the ledger too.
+#[test]
+fn the_energy_ledger_closes_on_ground_that_gives() -> Result<(), SimError> {
+    let mut robot = Robot::builtin("rats-boom").expect("a built-in robot");
+    (robot.ground.static_friction, robot.ground.kinetic_friction) = (1.0, 1.0);
+    for (stiffness, damping) in [(1e5, 0.0), (1e5, 300.0), (1e6, 1000.0)] {
+        (robot.ground.stiffness, robot.ground.damping) = (Some(stiffness), damping);
+        let launch = Launch { rate: 5.0, lean: -0.3, firing_angle: -0.1, valve_open: 0.1 };
+        let report = Rig::new(&robot, &[])?.jump(&launch, &Plan::default())?;
+        println!("{stiffness:.0e} N/m, {damping} N s/m: {:.1e} J unexplained", report.residual);
+        assert!(report.residual.abs() < 1e-6, "{}", report.residual);
+    }
+    Ok(())
+}
+
 /// Jumps that end before the stroke does. The reference ends the stance where the leg's axial force F comes to 0, the simulation where the
 /// normal force does, N = F cos φ − T sin φ. The tangential T = I ω̇/R stays finite where F vanishes, so that leaning forward N
 /// comes to 0 before F and leaning back after it. Ground that cannot pull makes the simulation the right one, by 1.3 ms, 0.1 mm of

@@ -2,31 +2,11 @@
 
 use nalgebra::{Matrix3, UnitQuaternion};
 use saltus_sim_check::{
-    Body, ContactPoint, Friction, Happening, Joint, JointParts, Mechanism, Placement, Settings, Sim,
-    SimError, Surface, Tree, Vec3,
+    ContactPoint, Friction, Happening, Joint, Mechanism, Settings, Sim, SimError, Surface, Tree, Vec3,
 };
 
-const G: f64 = 9.80665;
-
-fn down() -> Vec3 {
-    Vec3::new(0.0, 0.0, -G)
-}
-
-fn body(
-    name: &str,
-    parent: Option<usize>,
-    joint: Joint,
-    at: Vec3,
-    mass: f64,
-    center: Vec3,
-    inertia: Matrix3<f64>,
-) -> Body {
-    Body { name: name.into(), parent, joint, placement: Placement::at(at), mass, center, inertia }
-}
-
-fn diagonal(x: f64, y: f64, z: f64) -> Matrix3<f64> {
-    Matrix3::from_diagonal(&Vec3::new(x, y, z))
-}
+mod bodies;
+use bodies::{G, body, diagonal, down, free_body, spinning};
 
 /// Arithmetic–geometric mean.
 fn agm(mut a: f64, mut b: f64) -> f64 {
@@ -125,47 +105,10 @@ fn a_double_pendulum_is_lagranges_and_keeps_its_energy() -> Result<(), SimError>
     Ok(())
 }
 
-/// A free body with `legs` more bodies on springs, so that something moves inside.
-fn free_body(legs: usize) -> Result<Mechanism, SimError> {
-    let mut tree = Tree::default();
-    let hub = tree.add(body(
-        "hub",
-        None,
-        Joint::Free,
-        Vec3::zeros(),
-        2.5,
-        Vec3::new(0.01, -0.02, 0.03),
-        diagonal(0.05, 0.06, 0.08),
-    ))?;
-    for k in 0..legs {
-        // Directions spread over a sphere by the golden angle.
-        let z = 1.0 - 2.0 * (k as f64 + 0.5) / legs as f64;
-        let turn = 2.399_963_229_728_653 * k as f64;
-        let way = Vec3::new((1.0 - z * z).sqrt() * turn.cos(), (1.0 - z * z).sqrt() * turn.sin(), z);
-        tree.add(body(
-            &format!("leg {k}"),
-            Some(hub),
-            Joint::Prismatic(way),
-            way * 0.2,
-            0.05,
-            Vec3::zeros(),
-            diagonal(1e-5, 1e-5, 1e-5),
-        ))?;
-    }
-    let mut mechanism = Mechanism::new(tree, down());
-    for parts in &mut mechanism.joints[1..] {
-        *parts = JointParts { spring: (80.0, 0.0), ..JointParts::default() };
-    }
-    Ok(mechanism)
-}
-
 #[test]
 fn a_free_body_keeps_energy_and_momentum_for_five_seconds() -> Result<(), SimError> {
     let mechanism = free_body(12)?;
-    let mut q = vec![0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0];
-    q.extend([0.01; 12]);
-    let mut v = vec![0.3, -0.2, 4.0, 3.0, 7.0, -2.0];
-    v.extend([0.1; 12]);
+    let (q, v) = spinning(12);
     let mut sim = Sim::new(&mechanism, &q, &v, Settings::default())?;
     let (start, (linear, angular)) = (sim.ledger(), sim.pose().momentum(&mechanism.tree));
     sim.run(5.0, &[])?;

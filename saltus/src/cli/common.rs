@@ -118,6 +118,13 @@ impl OutputFlags {
         self.format.or_else(by_name).unwrap_or(Format::Text)
     }
 
+    /// Writes the report alone.
+    pub(crate) fn write_report(&self, report: String) -> Result<(), CliError> {
+        let mut files = Files::default();
+        files.report(self.out.as_deref(), report);
+        files.write()
+    }
+
     /// Writes the report and the plot, if one is asked for: both or neither.
     pub(crate) fn write_with_plot(
         &self,

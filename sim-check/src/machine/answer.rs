@@ -52,18 +52,24 @@ impl Machine<'_> {
         })
     }
 
-    /// Adds the velocity jumps that the problem's impulses make to `y`.
-    pub(crate) fn jump(&self, y: &mut [f64]) {
+    /// Sets `change` to what the problem's impulses change the velocities by.
+    fn change_by_impulses(&mut self) {
         let n = self.n();
-        let mut change = vec![0.0; n];
+        self.change.clear();
+        self.change.resize(n, 0.0);
         for r in 0..self.problem.rows {
             for k in 0..n {
-                change[k] += self.problem.force[r] * self.reduced[r * n + k];
+                self.change[k] += self.problem.force[r] * self.reduced[r * n + k];
             }
         }
-        backward(&self.mass, n, &mut change);
+        backward(&self.mass, n, &mut self.change);
+    }
+
+    /// Adds the velocity jumps that the problem's impulses make to `y`.
+    pub(crate) fn jump(&mut self, y: &mut [f64]) {
+        self.change_by_impulses();
         for (k, &full) in self.welded.velocities.iter().enumerate() {
-            y[self.layout.coordinates + full] += change[k];
+            y[self.layout.coordinates + full] += self.change[k];
         }
     }
 
@@ -73,12 +79,24 @@ impl Machine<'_> {
         if self.problem.rows == 0 {
             return;
         }
+        self.hold_rows();
+        self.problem.b.clone_from(&self.speeds);
+        self.problem.solve();
+        self.jump(y);
+        self.close_gaps(y);
+        for (body, joint) in mode.joints.iter().enumerate() {
+            if let (JointMode::Held(stop), Some(_)) = (joint, self.dof[body]) {
+                self.put_at_stop(y, body, *stop);
+            }
+        }
+    }
+
+    /// Makes the problem that of moving by least kinetic energy, along M⁻¹ Jᵀ, with every row held.
+    pub(super) fn hold_rows(&mut self) {
         for e in &mut self.problem.elements {
             e.grip = Grip::Held;
         }
-        let n = self.n();
-        // Both corrections are least in kinetic energy, so they go along M⁻¹ Jᵀ.
-        let m = self.problem.rows;
+        let (n, m) = (self.n(), self.problem.rows);
         self.problem.a.clear();
         for r in 0..m {
             for c in 0..m {
@@ -86,41 +104,33 @@ impl Machine<'_> {
                 self.problem.a.push(dot);
             }
         }
-        self.problem.b.clone_from(&self.speeds);
-        self.problem.solve();
-        self.jump(y);
-        let gaps: Vec<f64> = self
-            .owners
-            .iter()
-            .map(|owner| match owner {
+    }
+
+    /// Moves `y` out of the rigid contacts' penetration, of a problem whose rows are all held.
+    pub(super) fn close_gaps(&mut self, y: &mut [f64]) {
+        for (r, owner) in self.owners.iter().enumerate() {
+            self.problem.b[r] = match owner {
                 Owner::Normal(c) => self.touches.iter().find(|t| t.contact == *c).map_or(0.0, |t| t.gap),
                 _ => 0.0,
-            })
-            .collect();
-        self.problem.b = gaps;
-        self.problem.solve();
-        let mut change = vec![0.0; n];
-        for r in 0..m {
-            for k in 0..n {
-                change[k] += self.problem.force[r] * self.reduced[r * n + k];
-            }
+            };
         }
-        backward(&self.mass, n, &mut change);
-        self.welded.tree.coordinate_rates(&self.q, &change, &mut self.rates);
+        self.problem.solve();
+        self.change_by_impulses();
+        self.welded.tree.coordinate_rates(&self.q, &self.change, &mut self.rates);
         for (i, &full) in self.welded.coordinates.iter().enumerate() {
             y[full] += self.rates[i];
         }
-        for (body, joint) in mode.joints.iter().enumerate() {
-            if let (JointMode::Held(stop), Some(_)) = (joint, self.dof[body]) {
-                y[self.layout.coordinates + self.mechanism.tree.velocity_of(body)] = 0.0;
-                let (low, high) = self.mechanism.stops(body);
-                let x = &mut y[self.mechanism.tree.coordinate_of(body)];
-                match stop {
-                    Stop::Low => *x = low,
-                    Stop::High => *x = high,
-                    Stop::Between => {}
-                }
-            }
+    }
+
+    /// Puts the joint of `body` to rest where it is held.
+    pub(crate) fn put_at_stop(&self, y: &mut [f64], body: usize, stop: Stop) {
+        y[self.layout.coordinates + self.mechanism.tree.velocity_of(body)] = 0.0;
+        let (low, high) = self.stops[body];
+        let x = &mut y[self.mechanism.tree.coordinate_of(body)];
+        match stop {
+            Stop::Low => *x = low,
+            Stop::High => *x = high,
+            Stop::Between => {}
         }
     }
 }

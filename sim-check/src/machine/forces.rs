@@ -1,6 +1,6 @@
 //! Applied forces: joints, legs, drag.
 
-use saltus_pneumatics::Switches;
+use saltus_pneumatics::{Flow, MEGA, Piece, Switches};
 
 use super::{DRAG_LOSS, DRIVE, JOINT_LOSS, Machine};
 use crate::mode::{JointMode, Mode};
@@ -8,6 +8,8 @@ use crate::mode::{JointMode, Mode};
 impl Machine<'_> {
     /// Forces in joints and legs, and what they do.
     pub(super) fn apply_joints(&mut self, y: &[f64], mode: &Mode) {
+        self.stiffness.fill(0.0);
+        self.damping.fill(0.0);
         for body in 0..self.dof.len() {
             let Some(k) = self.dof[body] else { continue };
             let parts = &self.mechanism.joints[body];
@@ -26,6 +28,8 @@ impl Machine<'_> {
                 force -= parts.spring.0 * (x - parts.spring.1);
             }
             self.free[k] += force;
+            self.stiffness[k] = parts.spring.0;
+            self.damping[k] = parts.damping;
         }
         for i in 0..self.mechanism.legs.len() {
             self.apply_leg(i, y, mode);
@@ -38,21 +42,31 @@ impl Machine<'_> {
         let d = y[self.mechanism.tree.coordinate_of(part.body)];
         let speed = self.dof[part.body].map_or(0.0, |k| self.v[k]);
         let u = y[self.layout.gas() + i];
+        let is_latched = mode.joints[part.body] == JointMode::Latched;
         (self.gas_rates[i], self.pressures[i]) = match (leg.chamber(), &state.piece) {
+            // Nothing flows, nothing moves.
+            (Some(chamber), Some(Piece { flow: Flow::ExhaustBalanced, .. }))
+                if is_latched && !chamber.has_extras() =>
+            {
+                (0.0, u * MEGA)
+            }
             (Some(chamber), Some(piece)) => {
                 let (gas, rate) = piece.gas(chamber, u, d, speed);
                 (rate, gas.pressure)
             }
             _ => (0.0, 0.0),
         };
-        let (Some(k), false) = (self.dof[part.body], mode.joints[part.body] == JointMode::Latched) else {
+        let (Some(k), false) = (self.dof[part.body], is_latched) else {
             return;
         };
         let switches = Switches { energized: state.energized, cushioned: state.cushioned };
         let drive = leg.drive_force(switches, d, speed, self.pressures[i]).value;
         let dry = leg.dry_friction(self.pressures[i]);
+        let force = leg.force(switches, d, speed, self.pressures[i]);
+        self.stiffness[k] -= force.wrt_extension.min(0.0);
+        self.damping[k] -= force.wrt_speed.min(0.0);
         // The leg's own law is that of an extending one: dry friction is put right for the others.
-        let without = leg.force(switches, d, speed, self.pressures[i]).value + dry;
+        let without = force.value + dry;
         let force = match mode.joints[part.body] {
             JointMode::Sliding(sign) => without - sign * dry,
             _ => without,
@@ -76,7 +90,7 @@ impl Machine<'_> {
 
     /// Dry friction (N or N m) in the joint of `body`, at the present pressure.
     pub(crate) fn dry_friction(&self, body: usize) -> f64 {
-        match self.mechanism.leg_of(body) {
+        match self.leg_of[body] {
             Some(i) => self.mechanism.legs[i].leg.dry_friction(self.pressures[i]),
             None => self.mechanism.joints[body].friction,
         }

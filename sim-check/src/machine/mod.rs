@@ -3,6 +3,7 @@
 mod answer;
 mod forces;
 mod rows;
+mod stepping;
 
 use crate::complementarity::Problem;
 use crate::linear::cholesky;
@@ -119,6 +120,16 @@ pub(crate) struct Machine<'a> {
     /// Pressure of each chamber (Pa).
     pub pressures: Vec<f64>,
     powers: [f64; WORKS],
+    /// How much each joint's force falls with its position (N/m) and its speed (N s/m), welded.
+    stiffness: Vec<f64>,
+    damping: Vec<f64>,
+    /// Velocities at the start of a fixed step, welded.
+    start: Vec<f64>,
+    /// Room for a change of velocities, welded.
+    change: Vec<f64>,
+    /// For each body: the leg that it is, and its joint's end stops.
+    leg_of: Vec<Option<usize>>,
+    stops: Vec<(f64, f64)>,
     /// Chamber rates u̇.
     gas_rates: Vec<f64>,
     /// Mass matrix was positive definite, and all was finite.
@@ -133,6 +144,7 @@ impl<'a> Machine<'a> {
             legs: mechanism.legs.len(),
         };
         let welded = mechanism.tree.weld(&vec![false; mechanism.tree.bodies().len()], &[]);
+        let bodies = 0..mechanism.tree.bodies().len();
         let mut machine = Machine {
             mechanism,
             layout,
@@ -158,6 +170,12 @@ impl<'a> Machine<'a> {
             redundant: false,
             pressures: vec![0.0; layout.legs],
             powers: [0.0; WORKS],
+            stiffness: Vec::new(),
+            damping: Vec::new(),
+            start: Vec::new(),
+            change: Vec::new(),
+            leg_of: bodies.clone().map(|body| mechanism.leg_of(body)).collect(),
+            stops: bodies.map(|body| mechanism.stops(body)).collect(),
             gas_rates: vec![0.0; layout.legs],
             sound: true,
         };
@@ -185,6 +203,8 @@ impl<'a> Machine<'a> {
         self.mass.resize(n * n, 0.0);
         self.free.resize(n, 0.0);
         self.acceleration.resize(n, 0.0);
+        self.stiffness.resize(n, 0.0);
+        self.damping.resize(n, 0.0);
     }
 
     /// Number of velocities that move.
@@ -245,6 +265,21 @@ impl<'a> Machine<'a> {
         self.v.clear();
         self.v.extend(self.welded.velocities.iter().map(|&i| v[i]));
         self.pose.set(&self.welded.tree, &self.q, &self.v);
+    }
+
+    /// End stops of the joint of `body`.
+    pub(crate) fn stops(&self, body: usize) -> (f64, f64) {
+        self.stops[body]
+    }
+
+    /// The leg that slides `body`.
+    pub(crate) fn leg_of(&self, body: usize) -> Option<usize> {
+        self.leg_of[body]
+    }
+
+    /// Whether the joint of `body` is neither latched nor of several coordinates.
+    pub(crate) fn moves(&self, body: usize) -> bool {
+        self.dof[body].is_some()
     }
 
     /// Speed in the joint of `body`.

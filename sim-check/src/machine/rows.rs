@@ -33,6 +33,16 @@ impl Machine<'_> {
         }
     }
 
+    /// Distance (m) between the point and the surface of contact `c` at the present place, and how it would be `ahead` (s) later.
+    pub(crate) fn gap(&self, c: usize, ahead: f64) -> f64 {
+        let (point, surface) = self.pairs[c];
+        let (body, center) = &self.points[point];
+        let Some(b) = *body else { return f64::INFINITY };
+        let center = self.pose.frames[b].point(center);
+        let moved = center + self.pose.velocities[b].at(&center) * ahead;
+        self.mechanism.surfaces[surface].proximity(&moved).distance - self.mechanism.points[point].radius
+    }
+
     /// Geometry and springs of the closed contacts.
     pub(super) fn touch(&mut self, mode: &Mode) {
         self.touches.clear();
@@ -196,15 +206,16 @@ impl Machine<'_> {
         let bias = self.contact_bias(touch, body, &center);
         let grips = mode.contacts[c].grips;
         for (axis, (standing, slipping, width)) in self.friction().into_iter().enumerate() {
-            // A spring takes an impact in its own time: the feet's rows have no part in one.
-            if standing == 0.0 || rows == Rows::Impact {
+            // A spring takes an impact in its own time: only what cannot slip has a part in one.
+            if standing == 0.0 || (rows == Rows::Impact && standing.is_finite()) {
                 continue;
             }
             let speed =
                 if width == 2 { touch.speeds.y.hypot(touch.speeds.z) } else { touch.speeds[1 + axis].abs() };
             let stands = match rows {
                 Rows::Holding => grips[axis] == Grip::Held,
-                _ => speed <= STANDING,
+                Rows::Candidates => speed <= STANDING,
+                Rows::Impact => true,
             };
             if stands {
                 let row = self.problem.rows;
@@ -223,13 +234,8 @@ impl Machine<'_> {
         if rows == Rows::Impact {
             return;
         }
-        let n = self.n();
-        let mut work = vec![0.0; n];
         for k in self.welded.tree.path(b) {
-            work[k] = self.pose.axes[k].at(&touch.place).dot(&force);
-        }
-        for k in 0..n {
-            self.free[k] += work[k];
+            self.free[k] += self.pose.axes[k].at(&touch.place).dot(&force);
         }
     }
 
@@ -259,18 +265,23 @@ impl Machine<'_> {
                 }
                 (Rows::Candidates, JointMode::Free) => Bounds::Between(-dry, dry),
             };
-            let (n, row) = (self.n(), self.problem.rows);
-            let start = self.jacobian.len();
-            self.jacobian.resize(start + n, 0.0);
-            self.jacobian[start + k] = 1.0;
-            self.directions.resize(start + n, 0.0);
-            self.directions[start + k] = 1.0;
-            self.problem.b.push(0.0);
-            self.problem.rows += 1;
-            self.owners.push(Owner::Joint(body));
-            self.speeds.push(self.v[k]);
-            self.problem.elements.push(Element { row, bounds, grip: Grip::Held });
+            self.push_joint_row(body, k, bounds);
         }
+    }
+
+    /// Adds the row of the joint of `body`, whose velocity is `k`.
+    pub(super) fn push_joint_row(&mut self, body: usize, k: usize, bounds: Bounds) {
+        let (n, row) = (self.n(), self.problem.rows);
+        let start = self.jacobian.len();
+        self.jacobian.resize(start + n, 0.0);
+        self.jacobian[start + k] = 1.0;
+        self.directions.resize(start + n, 0.0);
+        self.directions[start + k] = 1.0;
+        self.problem.b.push(0.0);
+        self.problem.rows += 1;
+        self.owners.push(Owner::Joint(body));
+        self.speeds.push(self.v[k]);
+        self.problem.elements.push(Element { row, bounds, grip: Grip::Held });
     }
 
     /// A = J M⁻¹ Gᵀ and b of the problem.

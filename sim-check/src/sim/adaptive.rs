@@ -2,17 +2,25 @@
 
 use saltus_numeric::dop853::step_factor;
 
-use super::Sim;
-use super::Watch;
 use super::guards::{Guard, trails};
+use super::root::past_root;
+use super::{JUST_LEFT, Sim, Watch};
 use crate::SimError;
 
 impl Sim<'_> {
     /// One step, or the part of one that ends at an event, which then happens.
     pub(super) fn advance(&mut self, until: f64, watches: &[Watch<'_>]) -> Result<Option<usize>, SimError> {
+        if self.steps >= self.settings.most_steps {
+            return Err(SimError::TooManySteps { time: self.time, limit: self.settings.most_steps });
+        }
         let stop = self.commands.last().map_or(until, |c| c.0.min(until));
         let room = stop - self.time;
         self.start_step();
+        self.floors.clear();
+        self.floors.extend((0..self.mode.contacts.len()).map(|c| {
+            let gap = self.machine.lie(c).gap;
+            if gap < JUST_LEFT { gap } else { 0.0 }
+        }));
         let before = self.guard_values(self.time, watches, false);
         let mut h = self.step.min(self.settings.longest_step);
         // A step that would leave a sliver takes it along.
@@ -134,32 +142,13 @@ impl Sim<'_> {
                 return b;
             }
         }
-        // Illinois, which keeps the bracket, with bisection where it is slow.
-        let resolution = 2.0 * f64::EPSILON * (self.time.abs() + h);
-        let mut side = 0;
-        for i in 0..80 {
-            if b - a <= resolution || fb == 0.0 {
-                break;
-            }
-            let mut s = (a * fb - b * fa) / (fb - fa);
-            if i % 8 == 7 || !(s > a && s < b) {
-                s = 0.5 * (a + b);
-            }
-            let f = value(self, s);
-            if f > 0.0 {
-                (a, fa) = (s, f);
-                if side == 1 {
-                    fb *= 0.5;
-                }
-                side = 1;
-            } else {
-                (b, fb) = (s, f);
-                if side == -1 {
-                    fa *= 0.5;
-                }
-                side = -1;
-            }
-        }
+        // To round-off, or where that would not be seen: but a foot that comes to stand must have come to.
+        let finest = 2.0 * f64::EPSILON * (self.time.abs() + h);
+        let resolution = match guard {
+            Guard::SlipEnd(..) => finest,
+            _ => finest.max(1e-3 * self.settings.tolerance * h),
+        };
+        let b = past_root((a, fa), (b, fb), resolution, |s| value(self, s));
         value(self, b);
         b
     }

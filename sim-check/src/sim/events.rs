@@ -3,7 +3,7 @@
 use saltus_pneumatics::Piece;
 
 use super::guards::Guard;
-use super::{BURST, BURST_SPAN, Event, Happening, Sim};
+use super::{BURST, BURST_SPAN, Event, Happening, Sim, Stepping};
 use crate::SimError;
 use crate::complementarity::{Bounds, Grip};
 use crate::machine::{Owner, Rows, STANDING};
@@ -20,6 +20,7 @@ impl Sim<'_> {
                 let (p, s) = pair(self, c);
                 self.log(Happening::TouchDown(p, s));
                 self.mode.contacts[c].closed = true;
+                self.join(c);
                 self.impact(Some(c), self.machine.mechanism.material.restitution)?;
                 self.settle(None)?;
             }
@@ -90,6 +91,12 @@ impl Sim<'_> {
         self.log(Happening::LiftOff(point, surface));
         self.mode.contacts[c] = ContactMode::OPEN;
         let mechanism = self.machine.mechanism;
+        if let Some((stiffness, _)) = mechanism.material.compliance {
+            // A damped spring lets go before it is slack; what is left in it stays in the ground.
+            self.machine.place(&self.y);
+            let depth = self.machine.lie(c).gap.min(0.0);
+            self.impacts += 0.5 * stiffness * depth * depth;
+        }
         let body = mechanism.points[point].body;
         if mechanism.legs.iter().any(|leg| leg.body == body && leg.massless) {
             self.set_joint_speed(body, 0.0);
@@ -186,6 +193,14 @@ impl Sim<'_> {
         self.renew_piece(leg, side);
     }
 
+    /// Impacts slower than this (m/s) do not rebound: in fixed steps not those either whose flight would be within a step.
+    fn rest_speed(&self) -> f64 {
+        match self.settings.stepping {
+            Stepping::Adaptive => self.settings.rest_speed,
+            Stepping::Fixed(h) => self.settings.rest_speed.max(h * self.machine.mechanism.gravity.norm()),
+        }
+    }
+
     /// Takes out, by impulses, what velocity there is into contacts and stops; the new contact, if any, rebounds.
     pub(super) fn impact(&mut self, hit: Option<usize>, restitution: f64) -> Result<(), SimError> {
         let before = self.pose().kinetic_energy(&self.machine.mechanism.tree);
@@ -198,6 +213,7 @@ impl Sim<'_> {
             match e.bounds {
                 Bounds::Between(0.0, _) => w < -STANDING,
                 Bounds::Between(..) => w > STANDING,
+                Bounds::Friction { normal: None, limit, .. } => limit == f64::INFINITY && w.abs() > STANDING,
                 Bounds::Friction { .. } => false,
             }
         });
@@ -209,7 +225,7 @@ impl Sim<'_> {
                 && (hit == Some(c))
             {
                 let w = self.machine.problem.b[r];
-                if w < -self.settings.rest_speed {
+                if w < -self.rest_speed() {
                     self.machine.problem.b[r] += restitution * w;
                 }
             }
@@ -217,9 +233,54 @@ impl Sim<'_> {
         if !self.machine.problem.resolve() {
             return Err(SimError::Inconsistent { time: self.time });
         }
+        self.capture(hit);
         self.machine.jump(&mut self.y);
         let after = self.pose().kinetic_energy(&self.machine.mechanism.tree);
         self.impacts += before - after;
         Ok(())
+    }
+
+    /// Where contact `c` closes more slowly than the rest speed: closes those that are as slow and as good as closed.
+    fn join(&mut self, c: usize) {
+        let slow = self.settings.rest_speed;
+        if self.machine.mechanism.material.compliance.is_some() || !self.touching {
+            return;
+        }
+        self.machine.place(&self.y);
+        if self.machine.lie(c).speeds.x < -slow {
+            return;
+        }
+        for other in 0..self.mode.contacts.len() {
+            let lies = self.machine.lie(other);
+            let near = lies.gap <= self.settings.penetration && lies.speeds.x.abs() < slow;
+            if near && !self.mode.contacts[other].closed {
+                let (p, s) = self.machine.pairs[other];
+                self.log(Happening::TouchDown(p, s));
+                self.mode.contacts[other].closed = true;
+            }
+        }
+    }
+
+    /// Keeps what touches together in a slow impact.
+    ///
+    /// A body that rocks flat hits with one corner and lifts another ever more slowly, infinitely often in a finite time. So where the
+    /// corner that hits is slower than the rest speed, those that it would lift more slowly than that stay on their surfaces.
+    fn capture(&mut self, hit: Option<usize>) {
+        let (machine, slow) = (&mut self.machine, self.settings.rest_speed);
+        let of_hit = hit.map(Owner::Normal);
+        let hits_slowly = |r: usize| Some(machine.owners[r]) == of_hit && machine.problem.b[r] >= -slow;
+        if !(0..machine.problem.rows).any(hits_slowly) {
+            return;
+        }
+        let plain = machine.problem.clone();
+        for e in &mut machine.problem.elements {
+            let lifts = (0.0..slow).contains(&plain.motion[e.row]);
+            if lifts && matches!(machine.owners[e.row], Owner::Normal(_)) {
+                (e.bounds, e.grip) = (Bounds::Between(f64::NEG_INFINITY, f64::INFINITY), Grip::Held);
+            }
+        }
+        if !machine.problem.resolve() {
+            machine.problem = plain;
+        }
     }
 }

@@ -21,7 +21,8 @@ impl Sim<'_> {
         if !self.machine.sound {
             guards.push((Guard::Redundant, f64::NAN));
         }
-        contact_guards(&self.machine, &self.mode, self.touching, &mut guards);
+        let floors = self.touching.then_some(&self.floors[..]);
+        contact_guards(&self.machine, &self.mode, floors, &mut guards);
         joint_guards(&self.machine, &self.mode, y, &mut guards);
         leg_guards(&self.machine, &self.mode, y, &mut guards);
         for (i, watch) in watches.iter().enumerate() {
@@ -87,12 +88,12 @@ pub(super) fn trails(guard: Guard, before: &[(Guard, f64)]) -> bool {
 pub(super) fn contact_guards(
     machine: &Machine<'_>,
     mode: &Mode,
-    touching: bool,
+    floors: Option<&[f64]>,
     guards: &mut Vec<(Guard, f64)>,
 ) {
-    for c in 0..mode.contacts.len() {
-        if touching && !mode.contacts[c].closed {
-            guards.push((Guard::Touch(c), machine.lie(c).gap));
+    for (c, floor) in floors.unwrap_or_default().iter().enumerate() {
+        if !mode.contacts[c].closed {
+            guards.push((Guard::Touch(c), machine.lie(c).gap - floor));
         }
     }
     for touch in &machine.touches {

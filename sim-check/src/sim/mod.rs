@@ -2,13 +2,16 @@
 
 mod adaptive;
 mod events;
+mod fixed;
 mod guards;
 mod report;
+mod root;
 mod settle;
 mod start;
 
 pub use report::{Contact, Ledger};
 
+use self::fixed::Fixed;
 use self::guards::Guard;
 use self::start::{check_start, first_mode};
 use crate::SimError;
@@ -24,15 +27,46 @@ pub struct Settings {
     pub tolerance: f64,
     /// Longest step (s), > 0: an event that comes and goes within one step is not seen.
     pub longest_step: f64,
-    /// Impacts slower than this (m/s) do not rebound, ≥ 0: else a ball that comes to rest bounces for ever.
+    /// Impacts slower than this (m/s) do not rebound, ≥ 0, and do not lift what lies beside them: else a ball that comes to rest bounces for
+    /// ever, and a box rocks.
     pub rest_speed: f64,
     /// How deep a start may be inside a surface (m), ≥ 0; it then counts as touching.
     pub penetration: f64,
+    /// Steps that an adaptive motion may take: one that is too stiff for the integrator ends in an error.
+    pub most_steps: usize,
+    /// How long steps are.
+    pub stepping: Stepping,
+}
+
+/// How long steps are, and where events lie in them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stepping {
+    /// As long as the tolerance allows, each event to round-off: for answers.
+    Adaptive,
+    /// This long (s), above 0 and at most [`Stepping::LONGEST`]: for controllers and learning.
+    ///
+    /// Contacts, end stops and dry friction are laws of impulses and end velocities (Moreau–Jean). Smooth motion is of second order;
+    /// touch-down, end stops and commands cut a step in parts, while slip, break-away and lift-off happen within one.
+    Fixed(f64),
+}
+
+impl Stepping {
+    /// The usual fixed step (s).
+    pub const USUAL: Stepping = Stepping::Fixed(1e-3);
+    /// The longest fixed step (s).
+    pub const LONGEST: f64 = 0.1;
 }
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { tolerance: 1e-10, longest_step: 0.01, rest_speed: 1e-3, penetration: 1e-9 }
+        Settings {
+            tolerance: 1e-10,
+            longest_step: 0.01,
+            rest_speed: 1e-3,
+            penetration: 1e-9,
+            most_steps: 1_000_000,
+            stepping: Stepping::Adaptive,
+        }
     }
 }
 
@@ -99,6 +133,10 @@ pub struct Sim<'a> {
     evaluations: usize,
     next: Vec<f64>,
     guards: Vec<(Guard, f64)>,
+    /// Room for fixed steps, where they are fixed.
+    fixed: Option<Fixed>,
+    /// Each contact's gap (m) at the start of a step where it is below [`JUST_LEFT`], else 0: a point in the air touches from there.
+    floors: Vec<f64>,
     /// Events since time moved on.
     burst: (f64, usize),
 }
@@ -106,6 +144,9 @@ pub struct Sim<'a> {
 /// Events that may happen within [`BURST_SPAN`] seconds before a motion counts as stuck in them.
 const BURST: usize = 2000;
 const BURST_SPAN: f64 = 1e-3;
+
+/// A gap (m) below which round-off says whether a point that has just left its surface is above it.
+const JUST_LEFT: f64 = 1e-12;
 
 impl<'a> Sim<'a> {
     /// `mechanism` at coordinates `q` and velocities `v`, its legs' valves at rest and unfired legs latched where they are.
@@ -121,9 +162,9 @@ impl<'a> Sim<'a> {
         v: &[f64],
         settings: Settings,
     ) -> Result<Sim<'a>, SimError> {
+        check_start(mechanism, q, v, &settings)?;
         let mut machine = Machine::new(mechanism);
         let layout = machine.layout;
-        check_start(mechanism, q, v, &settings)?;
         let mut y = vec![0.0; layout.size()];
         y[..layout.coordinates].copy_from_slice(q);
         y[layout.coordinates..layout.gas()].copy_from_slice(v);
@@ -148,6 +189,11 @@ impl<'a> Sim<'a> {
             steps: 0,
             evaluations: 0,
             guards: Vec::new(),
+            fixed: match settings.stepping {
+                Stepping::Adaptive => None,
+                Stepping::Fixed(h) => Some(Fixed::new(h, layout)),
+            },
+            floors: Vec::new(),
             burst: (0.0, 0),
         };
         sim.begin()?;
@@ -207,13 +253,6 @@ impl<'a> Sim<'a> {
     /// # Errors
     /// [`SimError`] where the motion cannot go on.
     pub fn run(&mut self, until: f64, watches: &[Watch<'_>]) -> Result<Pause, SimError> {
-        if until.is_nan() {
-            return Err(SimError::Input {
-                name: "time to run until (s)".into(),
-                value: until,
-                allowed: "a number",
-            });
-        }
         loop {
             if let Some(pause) = self.run_eventwise(until, watches)? {
                 return Ok(pause);
@@ -226,6 +265,13 @@ impl<'a> Sim<'a> {
     /// # Errors
     /// As [`run`](Self::run).
     pub fn run_eventwise(&mut self, until: f64, watches: &[Watch<'_>]) -> Result<Option<Pause>, SimError> {
+        if until.is_nan() {
+            return Err(SimError::Input {
+                name: "time to run until (s)".into(),
+                value: until,
+                allowed: "a number",
+            });
+        }
         while self.time < until {
             let events = self.events.len();
             if let Some(&(at, leg, on)) = self.commands.last()
@@ -233,7 +279,7 @@ impl<'a> Sim<'a> {
             {
                 self.commands.pop();
                 self.switch_valve(leg, on)?;
-            } else if let Some(watch) = self.advance(until, watches)? {
+            } else if let Some(watch) = self.go_on(until, watches)? {
                 return Ok(Some(Pause::Watch(watch)));
             }
             if self.events.len() > events {
@@ -241,6 +287,18 @@ impl<'a> Sim<'a> {
             }
         }
         Ok(Some(Pause::Time))
+    }
+
+    /// One step, or the part of one that ends at an event; the watch that came to 0, if one did.
+    fn go_on(&mut self, until: f64, watches: &[Watch<'_>]) -> Result<Option<usize>, SimError> {
+        match self.fixed.take() {
+            None => self.advance(until, watches),
+            Some(mut fixed) => {
+                let found = self.advance_fixed(&mut fixed, until, watches);
+                self.fixed = Some(fixed);
+                found
+            }
+        }
     }
 
     /// From now on nothing that is in the air touches anything: a flight goes on as if there were no ground.

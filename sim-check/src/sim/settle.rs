@@ -1,7 +1,7 @@
 //! Who holds and who moves after an event, by the laws at the instant.
 
 use super::guards::Guard;
-use super::{Happening, Sim};
+use super::{Happening, Sim, Stepping};
 use crate::SimError;
 use crate::complementarity::Grip;
 use crate::machine::{Owner, Rows, STANDING};
@@ -10,7 +10,12 @@ use crate::mode::JointMode;
 impl Sim<'_> {
     /// Decides who holds and who moves, from the laws at the present state. What `forced` has just let go stays so.
     pub(super) fn settle(&mut self, forced: Option<Guard>) -> Result<(), SimError> {
-        self.part();
+        if self.settings.stepping != Stepping::Adaptive {
+            // What does not part at once, the next step's impulses decide.
+            self.part(self.settings.rest_speed);
+            return Ok(());
+        }
+        self.part(STANDING);
         self.free_joints(forced);
         self.orient(forced);
         self.machine.assemble(&self.y, &self.mode, Rows::Candidates);
@@ -29,14 +34,14 @@ impl Sim<'_> {
         Ok(())
     }
 
-    /// Opens the rigid contacts that move apart.
-    pub(super) fn part(&mut self) {
+    /// Opens the rigid contacts that move apart faster than `speed` (m/s).
+    pub(super) fn part(&mut self, speed: f64) {
         self.machine.place(&self.y);
         if self.machine.mechanism.material.compliance.is_some() {
             return;
         }
         for c in 0..self.mode.contacts.len() {
-            if self.mode.contacts[c].closed && self.machine.lie(c).speeds.x > STANDING {
+            if self.mode.contacts[c].closed && self.machine.lie(c).speeds.x > speed {
                 self.open(c);
             }
         }

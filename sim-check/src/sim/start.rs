@@ -2,7 +2,7 @@
 
 use saltus_pneumatics::Piece;
 
-use super::{Settings, Sim};
+use super::{Settings, Sim, Stepping};
 use crate::SimError;
 use crate::machine::Layout;
 use crate::mechanism::Mechanism;
@@ -78,20 +78,25 @@ pub(super) fn check_start(
     if let Some((name, value)) = positive.into_iter().find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
         return wrong(name, value, "a finite number > 0");
     }
+    if let Stepping::Fixed(h) = settings.stepping
+        && !(h > 0.0 && h <= Stepping::LONGEST)
+    {
+        return wrong("fixed step (s)", h, "above 0, at most 0.1");
+    }
     let not_negative = [("rest speed (m/s)", settings.rest_speed), ("penetration (m)", settings.penetration)];
     if let Some((name, value)) = not_negative.into_iter().find(|(_, x)| !(*x >= 0.0 && x.is_finite())) {
         return wrong(name, value, "a finite number ≥ 0");
     }
-    mechanism.check(q)?;
-    for (i, body) in tree.bodies().iter().enumerate() {
-        if body.joint == crate::tree::Joint::Free {
-            let iq = tree.coordinate_of(i);
-            let length = q[iq + 3..iq + 7].iter().map(|x| x * x).sum::<f64>().sqrt();
-            if (length - 1.0).abs() > 1e-3 {
-                return wrong("quaternion's length", length, "1 to within 1e-3");
-            }
-            continue;
+    let is_free = |i: usize| tree.bodies()[i].joint == crate::tree::Joint::Free;
+    for i in (0..tree.bodies().len()).filter(|&i| is_free(i)) {
+        let iq = tree.coordinate_of(i);
+        let length = q[iq + 3..iq + 7].iter().map(|x| x * x).sum::<f64>().sqrt();
+        if (length - 1.0).abs() > 1e-3 {
+            return wrong("quaternion's length", length, "1 to within 1e-3");
         }
+    }
+    mechanism.check(q)?;
+    for (i, body) in tree.bodies().iter().enumerate().filter(|(i, _)| !is_free(*i)) {
         let (x, (low, high)) = (q[tree.coordinate_of(i)], mechanism.stops(i));
         if x < low || x > high {
             return Err(SimError::BeyondStop { body: body.name.clone(), value: x, low, high });

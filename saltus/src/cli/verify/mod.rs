@@ -10,6 +10,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use saltus::Planner;
+use saltus::sim_check::Stepping;
 use saltus::verify::Plant;
 
 use self::subject::{Subject, SubjectFlags};
@@ -66,6 +67,10 @@ pub(crate) struct Verify {
     #[arg(long, value_name = "NUMBER", value_parser = accuracy, default_value = "1e-9", help_heading = "Robot and output")]
     accuracy: f64,
 
+    /// Step by this time (s) in place of error control, and say what that costs
+    #[arg(long, value_name = "TIME", value_parser = fixed_step, help_heading = "Robot and output")]
+    fixed_step: Option<f64>,
+
     #[command(flatten)]
     threads: Threads,
 
@@ -116,16 +121,33 @@ JSON: {\"command\": \"verify\", \"robot\": NAME, \"plant\": NAME, \"subject\": â
 \"land_error_sd_m\", \"miss_rms_m\", \"miss_greatest_m\", \"apex_error_mean_m\", \
 \"clearance_least_m\", â€¦}], \"rows\": [{the columns}]}.
 
-The exit code is 1 if the verification fails.";
+With --fixed-step the integrator takes steps of one length, as a controller or a learner would; every jump is then simulated with error \
+control as well, and the report says how far the two differ (JSON: \"step_cost\").
+
+The exit code is 1 if the verification fails, and if no plan crosses the course: then nothing is drawn.";
 
 impl Verify {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         let planner = Planner::new(self.common.robot()?);
         let plant = Plant::new(self.plant()?, self.accuracy);
         plant.rig().map_err(|error| CliError::content(&plant.robot().name, error))?;
-        let subject = Subject::load(&self.subject, &planner)?;
+        let Some(subject) = Subject::load(&self.subject, &planner)? else {
+            let report = match self.common.format() {
+                Format::Csv => report::rows(&[]).csv(),
+                Format::Json => report::no_plan_json(&planner, &plant),
+                Format::Text => report::NO_PLAN.to_owned(),
+            };
+            self.common.write_report(report)?;
+            return Ok(Status::No);
+        };
         let trials = trial::draw(&subject, &planner, &self.ground(), &self.scatter())?;
-        let outcomes = self.fly(&plant, &trials)?;
+        let exact = self.fly(&plant, &trials)?;
+        // What fixed steps cost is seen beside the jumps without them.
+        let (outcomes, exact) = match self.fixed_step {
+            Some(h) => (self.fly(&plant.stepped(Stepping::Fixed(h)), &trials)?, Some(exact)),
+            None => (exact, None),
+        };
+        let cost = exact.map(|exact| report::StepCost::of(self.fixed_step, &outcomes, &exact));
         let verdict = report::Verdict::of(&outcomes, self.share);
         let scene = report::Context {
             planner: &planner,
@@ -134,6 +156,7 @@ impl Verify {
             tolerance: self.tolerance,
             share: self.share,
             seed: self.seed,
+            step_cost: cost.as_ref(),
         };
         let report = match self.common.format() {
             Format::Csv => report::rows(&outcomes).csv(),
@@ -198,6 +221,16 @@ fn page_file(text: &str) -> Result<PathBuf, String> {
 fn share(text: &str) -> Result<f64, String> {
     let share = Quantity::FACTOR.parse(text).map_err(|error| error.to_string())?;
     if share <= 1.0 { Ok(share) } else { Err(format!("{share} must be a share from 0 to 1")) }
+}
+
+/// Parser of a flag.
+fn fixed_step(text: &str) -> Result<f64, String> {
+    let step = quantity::time(text).map_err(|error| error.to_string())?;
+    if (1e-6..=Stepping::LONGEST).contains(&step) {
+        Ok(step)
+    } else {
+        Err(format!("{step} must be a time from 1e-6 to {} s", Stepping::LONGEST))
+    }
 }
 
 /// Parser of a flag.

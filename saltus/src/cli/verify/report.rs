@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use saltus::Planner;
-use saltus::verify::Plant;
+use saltus::verify::{Flown, Plant};
 use serde_json::{Map, Value, json};
 
 use super::subject::Subject;
@@ -18,6 +18,33 @@ pub(super) struct Context<'a> {
     pub(super) tolerance: f64,
     pub(super) share: f64,
     pub(super) seed: u64,
+    pub(super) step_cost: Option<&'a StepCost>,
+}
+
+/// What fixed steps cost: greatest differences from the jumps with error control.
+pub(super) struct StepCost {
+    step: f64,
+    landing: f64,
+    apex: f64,
+    /// Jumps that end otherwise.
+    other_ends: usize,
+}
+
+impl StepCost {
+    /// Of jumps with steps of `step` (s), and the same with error control.
+    pub(super) fn of(step: Option<f64>, fixed: &[Outcome], exact: &[Outcome]) -> StepCost {
+        let pairs = || fixed.iter().zip(exact).map(|(a, b)| (&a.flown, &b.flown));
+        let most = |of: fn(&Flown) -> Option<f64>| {
+            let gaps = pairs().filter_map(|(a, b)| Some((of(a)? - of(b)?).abs()));
+            gaps.fold(0.0, f64::max)
+        };
+        StepCost {
+            step: step.unwrap_or(f64::NAN),
+            landing: most(|f| f.landing),
+            apex: most(|f| f.apex),
+            other_ends: pairs().filter(|(a, b)| a.report.end != b.report.end).count(),
+        }
+    }
 }
 
 /// Whether all is well.
@@ -264,6 +291,23 @@ fn row(i: usize, outcome: &Outcome) -> Vec<Cell> {
     ]
 }
 
+/// What there is to say of a course without a plan.
+pub(super) const NO_PLAN: &str =
+    "no plan crosses this course: `saltus plan` says what blocks it, and the nearest that has one\n";
+
+/// The same as a document.
+pub(super) fn no_plan_json(planner: &Planner, plant: &Plant) -> String {
+    output::json(&json!({
+        "command": "verify",
+        "robot": planner.robot().name,
+        "plant": plant.robot().name,
+        "passes": false,
+        "reason": NO_PLAN.trim(),
+        "groups": [],
+        "rows": [],
+    }))
+}
+
 /// The document.
 pub(super) fn json(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) -> String {
     output::json(&json!({
@@ -275,6 +319,12 @@ pub(super) fn json(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
         "tolerance_m": context.tolerance,
         "share": context.share,
         "passes": verdict.passes,
+        "step_cost": context.step_cost.map(|cost| json!({
+            "step_s": cost.step,
+            "landing_greatest_m": cost.landing,
+            "apex_greatest_m": cost.apex,
+            "other_ends": cost.other_ends,
+        })),
         "groups": verdict.groups.iter().map(Group::json).collect::<Vec<_>>(),
         "rows": rows(outcomes).json(),
     }))
@@ -319,6 +369,17 @@ pub(super) fn text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
             ("slip_m", "slip", "m"),
             ("passes", "passes", ""),
         ]));
+    }
+    if let Some(cost) = context.step_cost {
+        // Writing to a string does not fail.
+        let _ = writeln!(
+            text,
+            "\nsteps of {} s: landings off by {} m at most, apexes by {} m, {} jumps end otherwise than with error control",
+            digits(cost.step, 4),
+            digits(cost.landing, 2),
+            digits(cost.apex, 2),
+            cost.other_ends
+        );
     }
     text.push_str(if verdict.passes { "\nPASS" } else { "\nFAIL" });
     let share = digits(100.0 * context.share, 4);

@@ -133,11 +133,12 @@ impl Steering {
 }
 
 impl Subject {
-    pub(super) fn load(flags: &SubjectFlags, planner: &Planner) -> Result<Subject, CliError> {
+    /// What the flags name; none for a course that no plan crosses.
+    pub(super) fn load(flags: &SubjectFlags, planner: &Planner) -> Result<Option<Subject>, CliError> {
         match (&flags.file, flags.law) {
-            (Some(file), None) if is_table(file) => table(flags, file),
+            (Some(file), None) if is_table(file) => table(flags, file).map(Some),
             (Some(file), None) => plan(flags, file, planner),
-            (_, Some((slope, intercept))) => law(flags, slope, intercept),
+            (_, Some((slope, intercept))) => law(flags, slope, intercept).map(Some),
             _ => Err(CliError::Missing { flag: "COURSE.toml", allowed: "or TABLE.csv, or --law" }),
         }
     }
@@ -247,7 +248,7 @@ fn the_distance(
 }
 
 /// The plan of a course.
-fn plan(flags: &SubjectFlags, path: &Path, planner: &Planner) -> Result<Subject, CliError> {
+fn plan(flags: &SubjectFlags, path: &Path, planner: &Planner) -> Result<Option<Subject>, CliError> {
     let alone = [
         ("--omega", flags.omega.is_some()),
         ("--distance", flags.distance.is_some()),
@@ -262,10 +263,7 @@ fn plan(flags: &SubjectFlags, path: &Path, planner: &Planner) -> Result<Subject,
     let crossing = course::load(path)?;
     let file = path.display().to_string();
     let answer = planner.cross(&crossing).map_err(|error| CliError::content(&file, error))?;
-    let CrossingAnswer::Plan(plan) = answer else {
-        let reason = "no plan crosses this course; `saltus plan` says what blocks it";
-        return Err(CliError::content(file, reason));
-    };
+    let CrossingAnswer::Plan(plan) = answer else { return Ok(None) };
     let radius = planner.robot().body.radius;
     let stage = |planned: &PlannedJump| {
         let ([foot, from], [landing, to]) = (planned.foot, planned.landing);
@@ -291,7 +289,7 @@ fn plan(flags: &SubjectFlags, path: &Path, planner: &Planner) -> Result<Subject,
     };
     let stages = plan.jumps.iter().map(stage).collect();
     let solids = crossing.course.obstacles.iter().map(|o| [o.span().low, o.span().high, o.height]).collect();
-    Ok(Subject { title: format!("the plan for {file}"), kind: Kind::Plan { stages, solids } })
+    Ok(Some(Subject { title: format!("the plan for {file}"), kind: Kind::Plan { stages, solids } }))
 }
 
 /// Parser of a flag.

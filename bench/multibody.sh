@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# The multi-body simulation and MuJoCo on the same robot, one after the other, twice: bench/multibody.sh [LAUNCHES]
+# MuJoCo is installed into target/mujoco, as bench/mujoco_speed.py says.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+launches=${1:-3}
+target=${CARGO_TARGET_DIR:-target}
+cargo build --quiet --release -p saltus-sim-check --example work_precision
+cargo build --quiet --release -p saltus --bins
+for _ in 1 2; do
+    "$target/release/examples/work_precision"
+    target/mujoco/bin/python bench/mujoco_speed.py --binaries "$target/release" --launches "$launches"
+done

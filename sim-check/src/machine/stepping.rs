@@ -1,0 +1,193 @@
+//! A step of fixed length: the laws of contact and dry friction for the velocities at its end and the impulses during it.
+//!
+//! Moreau–Jean time stepping, with everything evaluated in the middle of the step: w = J v⁺ + ½ h J̇ v is the speed along a row at the
+//! end, as J is that of the middle. Dampers and springs act on the mean of both ends, so that they may be as stiff as they like.
+//!
+//! Source: Jean & Moreau, Unilaterality and dry friction in the dynamics of rigid body collections (1992); Acary & Brogliato,
+//! Numerical Methods for Nonsmooth Dynamical Systems (2008), chapter 10.
+
+use super::{CONTACT_LOSS, JOINT_LOSS, Machine, Owner, Touch, WORKS};
+use crate::complementarity::{Bounds, Element, Grip};
+use crate::linear::{backward, cholesky, forward};
+use crate::mode::{JointMode, Mode, Stop};
+
+/// Square of the angle (rad) by which a foot on compliant ground swings in a step that resolves it.
+const RESOLVED: f64 = 0.1;
+
+impl Machine<'_> {
+    /// The problem of a step of `h` (s) that starts at the velocities of `start`; `middle` is the state half way, and
+    /// `acceleration` the one that led there (all velocities).
+    pub(crate) fn assemble_step(
+        &mut self,
+        start: &[f64],
+        middle: &[f64],
+        acceleration: &[f64],
+        mode: &Mode,
+        h: f64,
+    ) {
+        self.place(middle);
+        let n = self.n();
+        self.start.clear();
+        let v = self.layout.v(start);
+        self.start.extend(self.welded.velocities.iter().map(|&full| v[full]));
+        self.pose.equations(&self.welded.tree, &self.mechanism.gravity, &mut self.mass, &mut self.free);
+        self.free.iter_mut().for_each(|x| *x = -*x);
+        self.powers = [0.0; WORKS];
+        self.apply_joints(middle, mode);
+        self.apply_drag();
+        self.soften(acceleration, h);
+        self.sound = cholesky(&mut self.mass, n);
+        self.touch(mode);
+        self.clear_rows();
+        for i in 0..self.touches.len() {
+            let touch = self.touches[i];
+            self.contact_step_rows(&touch, mode);
+        }
+        self.joint_step_rows(mode, h);
+        self.couple_step(h);
+    }
+
+    /// Makes springs and dampers act on the mean of both ends of the step: forces k (h²/8 v̇ − h/4 Δv) and c (h/2 v̇ − Δv/2).
+    fn soften(&mut self, acceleration: &[f64], h: f64) {
+        let n = self.n();
+        for (k, &full) in self.welded.velocities.iter().enumerate() {
+            let (stiffness, damping) = (self.stiffness[k], self.damping[k]);
+            self.free[k] += (0.125 * h * h * stiffness + 0.5 * h * damping) * acceleration[full];
+            self.mass[k * n + k] += 0.25 * h * h * stiffness + 0.5 * h * damping;
+        }
+    }
+
+    fn contact_step_rows(&mut self, touch: &Touch, mode: &Mode) {
+        let c = touch.contact;
+        let (body, center) = self.points[self.pairs[c].0];
+        let bias = self.contact_bias(touch, body, &center);
+        let normal = self.problem.rows;
+        self.push_row(Owner::Normal(c), body, &touch.place, &touch.normal, bias.x, touch.speeds.x);
+        let bounds = Bounds::Between(0.0, f64::INFINITY);
+        self.problem.elements.push(Element { row: normal, bounds, grip: Grip::Held });
+        for (axis, (standing, slipping, width)) in self.friction().into_iter().enumerate() {
+            if standing == 0.0 {
+                continue;
+            }
+            let grip = mode.contacts[c].grips[axis];
+            let limit = if grip == Grip::Held { standing } else { slipping };
+            let row = self.problem.rows;
+            self.tangent_rows(touch, axis, width, body, &bias);
+            let bounds = Bounds::Friction { normal: Some(normal), limit, rows: width };
+            self.problem.elements.push(Element { row, bounds, grip });
+        }
+    }
+
+    fn joint_step_rows(&mut self, mode: &Mode, h: f64) {
+        for body in 0..self.dof.len() {
+            let (Some(k), JointMode::Held(stop)) = (self.dof[body], mode.joints[body]) else { continue };
+            let dry = self.dry_friction(body) * h;
+            let bounds = match stop {
+                Stop::Low => Bounds::Between(-dry, f64::INFINITY),
+                Stop::High => Bounds::Between(f64::NEG_INFINITY, dry),
+                Stop::Between => Bounds::Between(-dry, dry),
+            };
+            self.push_joint_row(body, k, bounds);
+        }
+    }
+
+    /// A = J M⁻¹ Jᵀ, and b: the speeds at the end without impulses. A compliant contact gives way by its force.
+    fn couple_step(&mut self, h: f64) {
+        let (n, m) = (self.n(), self.problem.rows);
+        forward(&self.mass, n, &mut self.free);
+        self.reduced.clear();
+        self.reduced.extend_from_slice(&self.jacobian);
+        for r in 0..m {
+            forward(&self.mass, n, &mut self.reduced[r * n..(r + 1) * n]);
+        }
+        self.problem.a.clear();
+        self.problem.a.resize(m * m, 0.0);
+        for r in 0..m {
+            let row = &self.reduced[r * n..(r + 1) * n];
+            for c in 0..=r {
+                let other = &self.reduced[c * n..(c + 1) * n];
+                let dot: f64 = row.iter().zip(other).map(|(a, b)| a * b).sum();
+                self.problem.a[r * m + c] = dot;
+                self.problem.a[c * m + r] = dot;
+            }
+            let free: f64 = row.iter().zip(&self.free).map(|(a, b)| a * b).sum();
+            let jacobian = &self.jacobian[r * n..(r + 1) * n];
+            let before: f64 = jacobian.iter().zip(&self.start).map(|(a, b)| a * b).sum();
+            self.problem.b[r] = before + h * free + 0.5 * h * self.problem.b[r];
+            self.speeds[r] = before;
+        }
+        let Some((stiffness, damping)) = self.mechanism.material.compliance else { return };
+        for r in 0..m {
+            if let Owner::Normal(c) = self.owners[r]
+                && let Some(touch) = self.touches.iter().find(|t| t.contact == c)
+            {
+                let gap = touch.gap - 0.5 * h * touch.speeds.x;
+                let before = self.speeds[r];
+                // Where the step resolves the bounce, the mean of both ends; else the end, which does not ring.
+                let is_resolved = h * h * stiffness * self.problem.a[r * m + r] < RESOLVED;
+                let (give, speed) = if is_resolved {
+                    (0.25 * h * h * stiffness + 0.5 * h * damping, before)
+                } else {
+                    (h * h * stiffness + h * damping, 0.0)
+                };
+                self.problem.a[r * m + r] += 1.0 / give;
+                self.problem.b[r] += speed + h * stiffness * gap / give;
+            }
+        }
+    }
+
+    /// Changes of velocity (all velocities) over the step of `h` under the problem's impulses, as an acceleration.
+    pub(crate) fn step_acceleration(&mut self, h: f64, acceleration: &mut [f64]) {
+        let n = self.n();
+        self.change.clear();
+        self.change.extend(self.free.iter().map(|x| x * h));
+        for r in 0..self.problem.rows {
+            let impulse = self.problem.force[r];
+            for k in 0..n {
+                self.change[k] += impulse * self.reduced[r * n + k];
+            }
+        }
+        backward(&self.mass, n, &mut self.change);
+        acceleration.fill(0.0);
+        let inverse = 1.0 / h;
+        for (k, &full) in self.welded.velocities.iter().enumerate() {
+            acceleration[full] = self.change[k] * inverse;
+        }
+    }
+
+    /// Adds the step's works to `works`.
+    pub(crate) fn step_works(&self, h: f64, works: &mut [f64]) {
+        for (work, power) in works.iter_mut().zip(&self.powers) {
+            *work += h * power;
+        }
+        let n = self.n();
+        for r in 0..self.problem.rows {
+            let jacobian = &self.jacobian[r * n..(r + 1) * n];
+            let change: f64 = jacobian.iter().zip(&self.change).map(|(a, b)| a * b).sum();
+            let speed = self.speeds[r] + 0.5 * change;
+            let lost = -self.problem.force[r] * speed;
+            match (self.owners[r], self.mechanism.material.compliance) {
+                (Owner::Joint(_), _) => works[JOINT_LOSS] += lost,
+                // The spring keeps its part.
+                (Owner::Normal(_), Some((_, damping))) => works[CONTACT_LOSS] += h * damping * speed * speed,
+                _ => works[CONTACT_LOSS] += lost,
+            }
+        }
+    }
+
+    /// Corrects the positions of `y`, at the end of the step, by what the rigid contacts that hold were off by in its middle, where
+    /// that is more than `slack` (m). The problem is used up.
+    pub(crate) fn correct_step(&mut self, y: &mut [f64], slack: f64) {
+        let lets_go = self
+            .problem
+            .elements
+            .iter()
+            .any(|e| matches!(self.owners[e.row], Owner::Normal(_)) && e.grip != Grip::Held);
+        let is_near = self.touches.iter().all(|t| t.gap.abs() <= slack);
+        if self.mechanism.material.compliance.is_some() || is_near || lets_go {
+            return;
+        }
+        self.hold_rows();
+        self.close_gaps(y);
+    }
+}

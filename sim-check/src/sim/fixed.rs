@@ -1,0 +1,467 @@
+//! Steps of fixed length.
+
+use saltus_pneumatics::{Chamber, Flow, Leg, Piece};
+
+use super::guards::Guard;
+use super::root::past_root;
+use super::{Happening, Sim, Watch};
+use crate::SimError;
+use crate::complementarity::Grip;
+use crate::gas::{Gas, Path};
+use crate::machine::{Layout, Owner, STANDING};
+use crate::mode::{JointMode, Stop};
+
+/// Room for fixed steps, and what one hands to the next.
+#[derive(Debug)]
+pub(super) struct Fixed {
+    /// Step (s).
+    h: f64,
+    /// When the present step ends (s), and into how many parts events have cut it.
+    end: f64,
+    cuts: usize,
+    /// Mean acceleration of the last part, all velocities; none after a jump.
+    acceleration: Vec<f64>,
+    is_known: bool,
+    /// That of the part being tried.
+    next_acceleration: Vec<f64>,
+    middle: Vec<f64>,
+    /// The chambers' pieces at the start.
+    pieces: Vec<Option<Piece<f64>>>,
+    /// Mean velocities, and the rates of the coordinates.
+    mean: Vec<f64>,
+    rates: Vec<f64>,
+    /// Watches at the start.
+    watched: Vec<f64>,
+}
+
+/// Events that may cut a step; later ones happen at its end.
+const CUTS: usize = 8;
+/// Contacts that part more slowly (m/s) stay closed: it may be what is left of a step's error.
+const PARTING: f64 = 1e-6;
+/// A coordinate or velocity beyond this diverges.
+const BOUND: f64 = 1e9;
+
+impl Fixed {
+    pub(super) fn new(h: f64, layout: Layout) -> Fixed {
+        Fixed {
+            h,
+            end: 0.0,
+            cuts: 0,
+            acceleration: vec![0.0; layout.velocities],
+            is_known: false,
+            next_acceleration: vec![0.0; layout.velocities],
+            middle: vec![0.0; layout.size()],
+            pieces: vec![None; layout.legs],
+            mean: vec![0.0; layout.velocities],
+            rates: vec![0.0; layout.coordinates],
+            watched: Vec::new(),
+        }
+    }
+}
+
+impl Sim<'_> {
+    /// One fixed step, or the part of one that ends at an event, which then happens.
+    pub(super) fn advance_fixed(
+        &mut self,
+        fixed: &mut Fixed,
+        until: f64,
+        watches: &[Watch<'_>],
+    ) -> Result<Option<usize>, SimError> {
+        let sliver = 1e-9 * fixed.h;
+        if fixed.end <= self.time + sliver {
+            (fixed.end, fixed.cuts) = (self.time + fixed.h, 0);
+        }
+        let stop = self.commands.last().map_or(until, |c| c.0.min(until));
+        // A step that would leave a sliver takes it along.
+        let is_stop = stop <= fixed.end + sliver;
+        let end = if is_stop { stop } else { fixed.end };
+        let h = end - self.time;
+        self.steps += 1;
+        fixed.pieces.iter_mut().zip(&self.mode.legs).for_each(|(kept, leg)| *kept = leg.piece);
+        fixed.watched.clear();
+        let (q, v) = (self.layout.q(&self.y), self.layout.v(&self.y));
+        fixed.watched.extend(watches.iter().map(|watch| watch(self.time, q, v)));
+        self.try_fixed(fixed, h)?;
+        let found = self.first_crossed(fixed, h, watches)?;
+        let Some((guard, at)) = found else {
+            self.accept_fixed(fixed, h);
+            self.time = end;
+            return Ok(None);
+        };
+        if at > 0.0 {
+            self.accept_fixed(fixed, at);
+            self.time = if at < h { self.time + at } else { end };
+        } else {
+            self.restore(fixed);
+        }
+        fixed.cuts += 1;
+        if !matches!(guard, Guard::Watch(_)) {
+            fixed.is_known = false;
+        }
+        self.happen(guard)
+    }
+
+    /// Puts the chambers back on the pieces of the start.
+    fn restore(&mut self, fixed: &Fixed) {
+        fixed.pieces.iter().zip(&mut self.mode.legs).for_each(|(kept, leg)| leg.piece = *kept);
+    }
+
+    /// Steps by `h` into `next`, and leaves the machine half way.
+    fn try_fixed(&mut self, fixed: &mut Fixed, h: f64) -> Result<(), SimError> {
+        if !fixed.is_known {
+            fixed.acceleration.fill(0.0);
+        }
+        // Joints that turn back and legs that are let go of change who takes part, each once.
+        for _ in 0..2 + 2 * self.mode.joints.len() {
+            self.restore(fixed);
+            self.go_half_way(fixed, h);
+            self.evaluations += 1;
+            let (machine, mode) = (&mut self.machine, &self.mode);
+            machine.assemble_step(&self.y, &fixed.middle, &fixed.acceleration, mode, h);
+            if !machine.sound {
+                return Err(SimError::Diverged { time: self.time, step: h });
+            }
+            if machine.problem.rows > 0 && !machine.problem.resolve() {
+                return Err(SimError::Inconsistent { time: self.time });
+            }
+            machine.step_acceleration(h, &mut fixed.next_acceleration);
+            if self.revise(fixed, h) {
+                fixed.acceleration.fill(0.0);
+                fixed.is_known = false;
+                continue;
+            }
+            if fixed.is_known {
+                break;
+            }
+            fixed.acceleration.copy_from_slice(&fixed.next_acceleration);
+            fixed.is_known = true;
+        }
+        self.finish_step(fixed, h)
+    }
+
+    /// The state in the middle of the step, the gas there included.
+    fn go_half_way(&mut self, fixed: &mut Fixed, h: f64) {
+        let layout = self.layout;
+        let tree = &self.machine.mechanism.tree;
+        let (q, v) = (layout.q(&self.y), layout.v(&self.y));
+        for (k, a) in fixed.acceleration.iter().enumerate() {
+            fixed.mean[k] = v[k] + 0.25 * h * a;
+            fixed.middle[layout.coordinates + k] = v[k] + 0.5 * h * a;
+        }
+        tree.coordinate_rates(q, &fixed.mean, &mut fixed.rates);
+        for (i, rate) in fixed.rates.iter().enumerate() {
+            fixed.middle[i] = q[i] + 0.5 * h * rate;
+        }
+        for leg in 0..layout.legs {
+            let at = layout.gas() + leg;
+            fixed.middle[at] = self.y[at];
+            let path = self.path_of(leg, &fixed.acceleration);
+            fixed.middle[at] = self.fill(leg, self.y[at], &path, 0.5 * h);
+        }
+    }
+
+    /// How leg `leg` moves from the start of the step.
+    fn path_of(&self, leg: usize, acceleration: &[f64]) -> Path {
+        let tree = &self.machine.mechanism.tree;
+        let body = self.machine.mechanism.legs[leg].body;
+        let k = tree.velocity_of(body);
+        Path {
+            extension: self.y[tree.coordinate_of(body)],
+            speed: self.y[self.layout.coordinates + k],
+            acceleration: acceleration[k],
+        }
+    }
+
+    /// u of the chamber of `leg`, now `u`, after `h` of `path`; its piece moves along.
+    fn fill(&mut self, leg: usize, u: f64, path: &Path, h: f64) -> f64 {
+        let part = &self.machine.mechanism.legs[leg];
+        let state = &mut self.mode.legs[leg];
+        let (Some(chamber), Some(piece)) = (part.leg.chamber(), state.piece) else { return u };
+        if self.mode.joints[part.body] == JointMode::Latched && rests(chamber, &piece) {
+            return u;
+        }
+        let mut gas = Gas { piece, u, energized: state.energized, port_open: state.port_open };
+        gas.advance(chamber, path, h);
+        state.piece = Some(gas.piece);
+        gas.u
+    }
+
+    /// Changes what the tried step shows to be wrong about who takes part; whether anything was.
+    fn revise(&mut self, fixed: &Fixed, h: f64) -> bool {
+        let mut is_wrong = false;
+        for i in 0..self.machine.problem.elements.len() {
+            let e = self.machine.problem.elements[i];
+            if let Owner::Normal(c) = self.machine.owners[e.row]
+                && self.machine.problem.lets_go(&e, PARTING)
+                && self.is_massless(c)
+            {
+                // Off the ground, a leg without mass stays where it is.
+                self.open(c);
+                is_wrong = true;
+            }
+        }
+        for body in 0..self.mode.joints.len() {
+            if let JointMode::Sliding(sign) = self.mode.joints[body]
+                && self.machine.moves(body)
+            {
+                let k = self.machine.mechanism.tree.velocity_of(body);
+                let after = self.layout.v(&self.y)[k] + h * fixed.next_acceleration[k];
+                if sign * after < -STANDING {
+                    self.mode.joints[body] = JointMode::Held(Stop::Between);
+                    is_wrong = true;
+                }
+            }
+        }
+        is_wrong
+    }
+
+    /// Whether contact `c` is of a leg without mass.
+    fn is_massless(&self, c: usize) -> bool {
+        let mechanism = self.machine.mechanism;
+        let body = mechanism.points[self.machine.pairs[c].0].body;
+        mechanism.legs.iter().any(|leg| leg.body == body && leg.massless)
+    }
+
+    /// `next` at the end of the step.
+    fn finish_step(&mut self, fixed: &mut Fixed, h: f64) -> Result<(), SimError> {
+        let layout = self.layout;
+        for (k, a) in fixed.next_acceleration.iter().enumerate() {
+            let before = self.y[layout.coordinates + k];
+            fixed.mean[k] = before + 0.5 * h * a;
+            self.next[layout.coordinates + k] = before + h * a;
+        }
+        let tree = &self.machine.mechanism.tree;
+        tree.coordinate_rates(layout.q(&fixed.middle), &fixed.mean, &mut fixed.rates);
+        for (i, rate) in fixed.rates.iter().enumerate() {
+            self.next[i] = self.y[i] + h * rate;
+        }
+        for leg in 0..layout.legs {
+            let path = self.path_of(leg, &fixed.next_acceleration).from(0.5 * h);
+            let at = layout.gas() + leg;
+            self.next[at] = self.fill(leg, fixed.middle[at], &path, 0.5 * h);
+        }
+        let works = layout.works();
+        self.next[works..].copy_from_slice(&self.y[works..]);
+        self.machine.step_works(h, &mut self.next[works..]);
+        let is_sound = self.next.iter().all(|x| x.abs() < BOUND);
+        if is_sound { Ok(()) } else { Err(SimError::Diverged { time: self.time, step: h }) }
+    }
+
+    /// The guard that is crossed first within the step of `h`, and when; `next` is left there.
+    fn first_crossed(
+        &mut self,
+        fixed: &mut Fixed,
+        h: f64,
+        watches: &[Watch<'_>],
+    ) -> Result<Option<(Guard, f64)>, SimError> {
+        let mut guards = std::mem::take(&mut self.guards);
+        guards.clear();
+        self.crossed(fixed, h, watches, &mut guards);
+        let mut first: Option<(Guard, f64)> = None;
+        let mut tried = h;
+        for &(guard, after) in &guards {
+            let is_cut = fixed.cuts < CUTS || matches!(guard, Guard::Watch(_));
+            let at = if is_cut { self.when(fixed, guard, (h, after), watches)? } else { h };
+            tried = at;
+            if first.is_none_or(|(_, earliest)| at < earliest) {
+                first = Some((guard, at));
+            }
+        }
+        self.guards = guards;
+        if let Some((_, at)) = first
+            && at > 0.0
+            && at != tried
+        {
+            self.try_fixed(fixed, at)?;
+        }
+        Ok(first)
+    }
+
+    /// The guards that are below 0 at the end of the step of `h`, with their values there.
+    fn crossed(&mut self, fixed: &Fixed, h: f64, watches: &[Watch<'_>], guards: &mut Vec<(Guard, f64)>) {
+        let mut is_touching = false;
+        if self.touching {
+            for c in 0..self.mode.contacts.len() {
+                // From the middle, where the machine is; then at the end itself.
+                is_touching |= !self.mode.contacts[c].closed && self.machine.gap(c, 0.5 * h) < 0.0;
+            }
+        }
+        if is_touching {
+            for c in 0..self.mode.contacts.len() {
+                let guard = Guard::Touch(c);
+                if !self.mode.contacts[c].closed {
+                    let after = self.fixed_guard(fixed, guard, h, watches);
+                    if after < 0.0 && after < self.gap_before(c) {
+                        guards.push((guard, after));
+                    }
+                }
+            }
+        }
+        for body in 0..self.mode.joints.len() {
+            if !self.machine.moves(body) || self.mode.joints[body] == JointMode::Latched {
+                continue;
+            }
+            for guard in self.position_guards(body).into_iter().flatten() {
+                let after = self.fixed_guard(fixed, guard, h, watches);
+                if after < 0.0 && !self.leaves(body, guard) {
+                    guards.push((guard, after));
+                }
+            }
+        }
+        for i in 0..watches.len() {
+            let after = self.fixed_guard(fixed, Guard::Watch(i), h, watches);
+            if after < 0.0 || after.is_nan() {
+                guards.push((Guard::Watch(i), after));
+            }
+        }
+    }
+
+    /// Whether at `next` the joint of `body` moves away from the stop of `guard`.
+    fn leaves(&self, body: usize, guard: Guard) -> bool {
+        let speed = self.machine.joint_speed(&self.next, body);
+        match guard {
+            Guard::Stop(_, Stop::Low) => speed >= 0.0,
+            Guard::Stop(..) => speed <= 0.0,
+            _ => false,
+        }
+    }
+
+    fn gap_before(&mut self, c: usize) -> f64 {
+        self.machine.place(&self.y);
+        self.machine.gap(c, 0.0)
+    }
+
+    /// What the joint of `body` can come to: stops, cushion, port.
+    fn position_guards(&self, body: usize) -> [Option<Guard>; 4] {
+        let (low, high) = self.machine.stops(body);
+        let held = |stop| self.mode.joints[body] == JointMode::Held(stop);
+        let stop = |x: f64, stop| (x.is_finite() && !held(stop)).then_some(Guard::Stop(body, stop));
+        let leg = self.machine.leg_of(body);
+        let part = leg.map(|i| &self.machine.mechanism.legs[i].leg);
+        let cushion = part.and_then(Leg::cushion_start).and(leg).map(Guard::Cushion);
+        let port = part.and_then(Leg::chamber).and_then(Chamber::port).and(leg).map(Guard::Port);
+        [stop(low, Stop::Low), stop(high, Stop::High), cushion, port]
+    }
+
+    /// A guard's value at `next`, `h` into the step.
+    fn fixed_guard(&mut self, fixed: &Fixed, guard: Guard, h: f64, watches: &[Watch<'_>]) -> f64 {
+        let tree = &self.machine.mechanism.tree;
+        let x = |body: usize| self.next[tree.coordinate_of(body)];
+        let leg = |i: usize| &self.machine.mechanism.legs[i];
+        let side = |is_on: bool, distance: f64| if is_on { distance } else { -distance };
+        match guard {
+            Guard::Stop(body, Stop::Low) => x(body) - self.machine.stops(body).0,
+            Guard::Stop(body, _) => self.machine.stops(body).1 - x(body),
+            Guard::Cushion(i) => {
+                let start = leg(i).leg.cushion_start().unwrap_or(f64::NAN);
+                side(self.mode.legs[i].cushioned, x(leg(i).body) - start)
+            }
+            Guard::Port(i) => {
+                let port = leg(i).leg.chamber().and_then(Chamber::port).unwrap_or(f64::NAN);
+                side(self.mode.legs[i].port_open, x(leg(i).body) - port)
+            }
+            Guard::Touch(c) => {
+                self.machine.place(&self.next);
+                self.machine.gap(c, 0.0)
+            }
+            Guard::Watch(i) if h > 0.0 => {
+                watches[i](self.time + h, self.layout.q(&self.next), self.layout.v(&self.next))
+            }
+            Guard::Watch(i) => fixed.watched[i],
+            _ => f64::NAN,
+        }
+    }
+
+    /// When, within the step of `h`, a guard that is `after` at its end comes to 0; just past it.
+    fn when(
+        &mut self,
+        fixed: &mut Fixed,
+        guard: Guard,
+        (h, after): (f64, f64),
+        watches: &[Watch<'_>],
+    ) -> Result<f64, SimError> {
+        let end = std::mem::take(&mut self.next);
+        self.next.clone_from(&self.y);
+        let before = self.fixed_guard(fixed, guard, 0.0, watches);
+        self.next = end;
+        if before <= 0.0 || before.is_nan() || after.is_nan() {
+            return Ok(0.0);
+        }
+        let mut failed = None;
+        let mut tried = h;
+        let at = past_root((0.0, before), (h, after), 1e-8 * h, |s| {
+            tried = s;
+            match self.try_fixed(fixed, s) {
+                Ok(()) => self.fixed_guard(fixed, guard, s, watches),
+                Err(error) => {
+                    failed = Some(error);
+                    0.0
+                }
+            }
+        });
+        if let Some(error) = failed {
+            return Err(error);
+        }
+        if tried != at {
+            self.try_fixed(fixed, at)?;
+        }
+        Ok(at)
+    }
+
+    /// Takes over the step of `h` that was tried.
+    fn accept_fixed(&mut self, fixed: &mut Fixed, h: f64) {
+        std::mem::swap(&mut self.y, &mut self.next);
+        // `next` is now the state before.
+        self.adopt_step(h);
+        let slack = 0.01 * h * h;
+        self.machine.correct_step(&mut self.y, slack);
+        self.machine.mechanism.tree.normalize(&mut self.y[..self.layout.coordinates]);
+        std::mem::swap(&mut fixed.acceleration, &mut fixed.next_acceleration);
+    }
+
+    /// Takes over who held and who moved in the step.
+    fn adopt_step(&mut self, h: f64) {
+        for i in 0..self.machine.problem.elements.len() {
+            let e = self.machine.problem.elements[i];
+            match self.machine.owners[e.row] {
+                Owner::Normal(c) => {
+                    if !self.mode.contacts[c].closed || !self.machine.problem.lets_go(&e, PARTING) {
+                        continue;
+                    }
+                    let is_compliant = self.machine.mechanism.material.compliance.is_some();
+                    if !is_compliant || self.machine.gap(c, 0.5 * h) > 0.0 {
+                        self.open(c);
+                    }
+                }
+                Owner::Tangent(c, axis) => self.adopt_grip(c, axis, e.grip),
+                Owner::Joint(body) => self.adopt_joint(body, e.grip),
+            }
+        }
+    }
+
+    fn adopt_joint(&mut self, body: usize, grip: Grip) {
+        let k = self.layout.coordinates + self.machine.mechanism.tree.velocity_of(body);
+        let stood = self.next[k].abs() <= STANDING;
+        match grip {
+            Grip::Held => {
+                let stop = self.stop_of(body);
+                if !stood {
+                    self.log(Happening::Halt(body));
+                }
+                self.mode.joints[body] = JointMode::Held(stop);
+                self.machine.put_at_stop(&mut self.y, body, stop);
+            }
+            grip => {
+                if stood {
+                    self.log(Happening::BreakAway(body));
+                }
+                self.mode.joints[body] = self.moving(body, if grip == Grip::High { -1.0 } else { 1.0 });
+            }
+        }
+    }
+}
+
+/// Whether nothing flows in or out of a chamber on `piece`.
+fn rests(chamber: &Chamber<f64>, piece: &Piece<f64>) -> bool {
+    piece.flow == Flow::ExhaustBalanced && !chamber.has_extras()
+}
