@@ -81,32 +81,21 @@ pub fn diagnose(kind: &dyn Kind, settings: &Settings) -> Option<Diagnosis> {
     let folds = folds(kind, settings);
     let before = fit(kind, &[], &runs, &all, None)?;
     let mut current = before.clone();
+    let inflation = excess(kind, &richest(kind, &before, &runs, &all, settings));
     let mut findings = Vec::new();
     let mut tried = Vec::new();
-    let mut inflation = excess(kind, &before);
     while findings.len() < settings.most {
-        let mut candidates: Vec<Candidate> = (0..kind.causes().len())
-            .filter(|c| !current.causes.contains(c))
-            .filter_map(|cause| {
-                let on: Vec<usize> = current.causes.iter().copied().chain([cause]).collect();
-                let fit = fit(kind, &on, &runs, &all, Some(&current))?;
-                Some(Candidate { cause, gain: current.loss - fit.loss, held_out: f64::NAN, fit })
-            })
-            .collect();
-        candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        if findings.is_empty() {
-            tried.clone_from(&candidates);
-        }
-        let Some(best) = candidates.first() else { break };
-        // What is left under the best candidate tells how much a unit of loss is worth.
-        inflation = excess(kind, &best.fit);
+        let mut candidates = candidates(kind, &current, &runs, &all);
         for candidate in &mut candidates {
             candidate.gain /= inflation;
+        }
+        if findings.is_empty() {
+            tried.clone_from(&candidates);
         }
         let freedom = |c: &Candidate| kind.causes()[c.cause].parameters.len();
         let count = candidates.len();
         let threshold = |c: &Candidate| quantile(freedom(c), 1.0 - settings.false_alarms / count as f64);
-        let best = &mut candidates[0];
+        let Some(best) = candidates.first_mut() else { break };
         if best.gain < threshold(best) {
             break;
         }
@@ -123,15 +112,40 @@ pub fn diagnose(kind: &dyn Kind, settings: &Settings) -> Option<Diagnosis> {
             .map(|c| c.cause)
             .collect();
         current = best.fit.clone();
-        let keep = 1 + rivals.len();
         let cause = best.cause;
         candidates.retain(|c| c.cause == cause || rivals.contains(&c.cause));
-        candidates.truncate(keep);
         findings.push(Finding { cause, rivals, candidates });
     }
     let unknown = is_unexplained(kind, &before, &current, settings);
     let held_out = held_out_rms(kind, &before, &current, &folds);
     Some(Diagnosis { tried, findings, unknown, before, after: current, inflation, held_out })
+}
+
+/// Every cause that is not yet on, with it switched on; the best first.
+fn candidates(kind: &dyn Kind, current: &Fit, runs: &[usize], all: &Mask) -> Vec<Candidate> {
+    let mut candidates: Vec<Candidate> = (0..kind.causes().len())
+        .filter(|c| !current.causes.contains(c))
+        .filter_map(|cause| {
+            let on: Vec<usize> = current.causes.iter().copied().chain([cause]).collect();
+            let fit = fit(kind, &on, runs, all, Some(current))?;
+            Some(Candidate { cause, gain: current.loss - fit.loss, held_out: f64::NAN, fit })
+        })
+        .collect();
+    candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    candidates
+}
+
+/// The model with as many causes as may be found, each the one that explains most: what it leaves is what a unit of loss is measured by.
+fn richest(kind: &dyn Kind, before: &Fit, runs: &[usize], all: &Mask, settings: &Settings) -> Fit {
+    let mut current = before.clone();
+    for _ in 0..settings.most {
+        let Some(best) = candidates(kind, &current, runs, all).into_iter().next() else { break };
+        if best.fit.loss > 0.97 * current.loss {
+            break;
+        }
+        current = best.fit;
+    }
+    current
 }
 
 /// χ² of so much freedom that is exceeded with the rest of `probability`.
