@@ -21,6 +21,15 @@ impl Rows {
         &row[column]
     }
 
+    fn launch(&self, row: &[String]) -> Launch {
+        Launch {
+            rate: self.number(row, "omega0_rad_s"),
+            lean: self.number(row, "phi0_rad"),
+            firing_angle: self.number(row, "alpha_f_rad"),
+            valve_open: self.number(row, "valve_open_s"),
+        }
+    }
+
     fn number(&self, row: &[String], name: &str) -> f64 {
         self.text(row, name).parse().expect("a number")
     }
@@ -37,12 +46,7 @@ fn massless_legs_on_rigid_ground_jump_as_the_reference() -> Result<(), SimError>
         if rows.text(row, "outcome") != "stroke" {
             continue;
         }
-        let launch = Launch {
-            rate: n("omega0_rad_s"),
-            lean: n("phi0_rad"),
-            firing_angle: n("alpha_f_rad"),
-            valve_open: n("valve_open_s"),
-        };
+        let launch = rows.launch(row);
         let plan = Plan { sample: 0.02, ..Plan::default() };
         let report = rig.jump(&launch, &plan)?;
         assert_eq!(report.end, End::Landed, "{launch:?}");
@@ -109,12 +113,7 @@ fn jumps_that_end_by_force_differ_by_when_the_normal_force_ends() -> Result<(), 
         if rows.text(row, "outcome") != "force" {
             continue;
         }
-        let launch = Launch {
-            rate: n("omega0_rad_s"),
-            lean: n("phi0_rad"),
-            firing_angle: n("alpha_f_rad"),
-            valve_open: n("valve_open_s"),
-        };
+        let launch = rows.launch(row);
         let report = rig.jump(&launch, &Plan { sample: 0.02, ..Plan::default() })?;
         assert_eq!(report.end, End::Landed, "{launch:?}");
         let l = report.lift_off.expect("it landed");
