@@ -4,10 +4,12 @@
 //! [`diagnose`] switches them on one at a time while data that were left out ask for it.
 
 mod choose;
+mod experiment;
 mod fit;
 mod kind;
 pub mod kinds;
 
 pub use choose::{Candidate, Diagnosis, Finding, Settings, diagnose};
+pub use experiment::{Experiment, Run, Sort};
 pub use fit::Fit;
 pub use kind::{Cause, Channel, Kind, Log, Parameter, Reading, Terms};
