@@ -6,167 +6,216 @@ use crate::kind::{Kind, Parameter, Terms};
 
 /// Residuals beyond so many standard deviations count in proportion to their size only (Huber's loss).
 const HUBER: f64 = 3.0;
-/// Steps of a fit.
-const STEPS: usize = 60;
-/// Relative fall of the loss below which a fit is done.
-const DONE: f64 = 1e-9;
+/// Most steps of a fit.
+const STEPS: usize = 40;
+/// Fall of the loss below which a fit is done.
+const DONE: f64 = 1e-3;
+/// Step of a difference quotient, in terms of a parameter's scale.
+const DIFFERENCE: f64 = 1e-3;
 
-/// Which readings count: for each run, one flag for each reading.
-pub(crate) type Mask = Vec<Vec<bool>>;
+/// Which readings count: for each run, one flag for each reading; none: all of them.
+pub(crate) type Mask = Option<Vec<Vec<bool>>>;
 
 /// A model with its parameters fitted.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    /// Indices of the causes that are on.
+    /// Indices of the causes that are on, in the order in which they were found.
     pub causes: Vec<usize>,
     /// Parameters of all causes.
     pub terms: Terms,
     /// Unknowns of each run.
     pub unknowns: Vec<Vec<f64>>,
-    /// Twice the negative log-likelihood, up to a constant: Σ of Huber's loss of the residuals in standard deviations.
+    /// Twice the negative log-likelihood up to a constant: the sum of Huber's loss of the residuals in standard deviations.
     pub loss: f64,
-    /// Standard errors of the parameters of the causes that are on, in their order; infinite where the data do not tell.
-    pub errors: Vec<f64>,
-    /// Correlation of the least well determined direction with each of these parameters, if their information is singular.
-    pub singular: Option<Vec<f64>>,
 }
 
-/// Huber's loss of a residual (in standard deviations), and its square root with the residual's sign.
-fn huber(r: f64) -> (f64, f64) {
-    let size = r.abs();
-    let loss = if size <= HUBER { r * r } else { 2.0 * HUBER * size - HUBER * HUBER };
-    (loss, loss.sqrt().copysign(r))
-}
-
-/// The parameters of a fit in a row: those of the causes that are on, then the unknowns of each run.
-struct Layout {
-    shared: Vec<(usize, usize, Parameter)>,
-    unknowns: Vec<Vec<Parameter>>,
-    runs: Vec<usize>,
-}
-
-impl Layout {
-    fn new(kind: &dyn Kind, causes: &[usize], runs: &[usize], share: bool) -> Layout {
-        let all = kind.causes();
-        let of = |&c: &usize| {
-            all[c].parameters.iter().enumerate().map(move |(p, parameter)| (c, p, parameter.clone()))
-        };
-        Layout {
-            shared: if share { causes.iter().flat_map(of).collect() } else { Vec::new() },
-            unknowns: (0..kind.logs().len()).map(|run| kind.unknowns(run)).collect(),
-            runs: runs.to_vec(),
+impl Fit {
+    /// Nothing wrong, and the unknowns at their first guesses.
+    fn first(kind: &dyn Kind) -> Fit {
+        let first = |run| kind.unknowns(run).iter().map(|p| p.neutral).collect();
+        Fit {
+            causes: Vec::new(),
+            terms: Terms::off(kind.causes()),
+            unknowns: (0..kind.logs().len()).map(first).collect(),
+            loss: f64::INFINITY,
         }
     }
+}
 
-    fn parameters(&self) -> impl Iterator<Item = &Parameter> {
-        let unknowns = self.runs.iter().flat_map(|&run| &self.unknowns[run]);
-        self.shared.iter().map(|(.., p)| p).chain(unknowns)
+fn huber(r: f64) -> f64 {
+    let size = r.abs();
+    if size <= HUBER { r * r } else { 2.0 * HUBER * size - HUBER * HUBER }
+}
+
+/// Weight of a residual in a step of least squares that lowers Huber's loss.
+pub(crate) fn weight(r: f64) -> f64 {
+    (HUBER / r.abs()).min(1.0)
+}
+
+/// What the model says of the readings of a run, in standard deviations of each; none where it has no answer.
+pub(crate) fn predicted(kind: &dyn Kind, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+    let mut values = kind.predict(run, terms, unknowns)?;
+    for (value, reading) in values.iter_mut().zip(&kind.logs()[run].readings) {
+        *value /= kind.channels()[reading.channel].noise;
+    }
+    values.iter().all(|x| x.is_finite()).then_some(values)
+}
+
+/// Residuals in standard deviations, of all readings of a run.
+pub(crate) fn residuals(kind: &dyn Kind, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+    let mut values = predicted(kind, run, terms, unknowns)?;
+    for (value, reading) in values.iter_mut().zip(&kind.logs()[run].readings) {
+        *value = reading.value / kind.channels()[reading.channel].noise - *value;
+    }
+    Some(values)
+}
+
+/// One parameter of a fit: of a cause, or an unknown of the run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// Parameter of a cause.
+    Shared(usize, usize),
+    /// An unknown of the run.
+    Own(usize),
+}
+
+/// How the prediction of a run (in standard deviations) changes with a parameter, for one of its scale: a difference quotient that
+/// stays within the bounds.
+pub(crate) fn derivative(
+    kind: &dyn Kind,
+    run: usize,
+    terms: &Terms,
+    unknowns: &[f64],
+    here: &[f64],
+    (place, parameter): (Place, &Parameter),
+) -> Option<Vec<f64>> {
+    let (mut terms, mut unknowns) = (terms.clone(), unknowns.to_vec());
+    let x = match place {
+        Place::Shared(c, p) => terms.get(c, p),
+        Place::Own(p) => unknowns[p],
+    };
+    let step = DIFFERENCE * parameter.scale;
+    for step in [step, -step] {
+        let moved = x + step;
+        if moved < parameter.bounds.0 || moved > parameter.bounds.1 {
+            continue;
+        }
+        match place {
+            Place::Shared(c, p) => terms.set(c, p, moved),
+            Place::Own(p) => unknowns[p] = moved,
+        }
+        if let Some(mut there) = predicted(kind, run, &terms, &unknowns) {
+            for (t, h) in there.iter_mut().zip(here) {
+                *t = (*t - h) * parameter.scale / step;
+            }
+            return Some(there);
+        }
+    }
+    None
+}
+
+/// The parameters of a fit in a row: those of causes, then the unknowns of each run.
+struct Problem<'a> {
+    kind: &'a dyn Kind,
+    shared: Vec<(usize, usize)>,
+    runs: &'a [usize],
+    mask: &'a Mask,
+    parameters: Vec<Parameter>,
+    fit: Fit,
+}
+
+/// A point of a search: predictions and residuals of each run, and the loss.
+struct Point {
+    predicted: Vec<Vec<f64>>,
+    residuals: Vec<Vec<f64>>,
+    loss: f64,
+}
+
+impl<'a> Problem<'a> {
+    fn new(kind: &'a dyn Kind, fit: Fit, shared: Vec<(usize, usize)>, runs: &'a [usize], mask: &'a Mask) -> Problem<'a> {
+        let mut parameters: Vec<Parameter> =
+            shared.iter().map(|&(c, p)| kind.causes()[c].parameters[p].clone()).collect();
+        for &run in runs {
+            parameters.extend(kind.unknowns(run));
+        }
+        Problem { kind, shared, runs, mask, parameters, fit }
     }
 
-    fn read(&self, terms: &Terms, unknowns: &[Vec<f64>]) -> Vec<f64> {
-        let shared = self.shared.iter().map(|&(c, p, _)| terms.get(c, p));
-        shared.chain(self.runs.iter().flat_map(|&run| unknowns[run].iter().copied())).collect()
+    fn read(&self) -> Vec<f64> {
+        let shared = self.shared.iter().map(|&(c, p)| self.fit.terms.get(c, p));
+        shared.chain(self.runs.iter().flat_map(|&run| self.fit.unknowns[run].iter().copied())).collect()
     }
 
-    fn write(&self, x: &[f64], terms: &mut Terms, unknowns: &mut [Vec<f64>]) {
-        for (&(c, p, _), value) in self.shared.iter().zip(x) {
-            terms.set(c, p, *value);
+    fn write(&mut self, x: &[f64]) {
+        for (&(c, p), value) in self.shared.iter().zip(x) {
+            self.fit.terms.set(c, p, *value);
         }
         let mut rest = &x[self.shared.len()..];
-        for &run in &self.runs {
-            let (here, after) = rest.split_at(unknowns[run].len());
-            unknowns[run].copy_from_slice(here);
+        for &run in self.runs {
+            let (here, after) = rest.split_at(self.fit.unknowns[run].len());
+            self.fit.unknowns[run].copy_from_slice(here);
             rest = after;
         }
     }
 
-    /// Columns of the unknowns of the run at place `place` among the runs.
-    fn columns(&self, place: usize) -> std::ops::Range<usize> {
-        let before: usize = self.runs[..place].iter().map(|&run| self.unknowns[run].len()).sum();
-        let start = self.shared.len() + before;
-        start..start + self.unknowns[self.runs[place]].len()
-    }
-}
-
-/// Residuals of a run in standard deviations, those that count, after Huber's square root; none where the model has no answer.
-fn residuals(
-    kind: &dyn Kind,
-    run: usize,
-    mask: &Mask,
-    terms: &Terms,
-    unknowns: &[f64],
-) -> Option<Vec<f64>> {
-    let predicted = kind.predict(run, terms, unknowns)?;
-    let log = &kind.logs()[run];
-    let channels = kind.channels();
-    let rows = log.readings.iter().zip(&predicted).zip(&mask[run]).filter(|(_, counts)| **counts);
-    let of = |(reading, value): (&crate::kind::Reading, &f64)| {
-        huber((reading.value - value) / channels[reading.channel].noise).1
-    };
-    let out: Vec<f64> = rows.map(|(pair, _)| of(pair)).collect();
-    out.iter().all(|r| r.is_finite()).then_some(out)
-}
-
-/// Everything that a fit works on.
-struct Problem<'a> {
-    kind: &'a dyn Kind,
-    layout: Layout,
-    mask: &'a Mask,
-    terms: Terms,
-    unknowns: Vec<Vec<f64>>,
-}
-
-impl Problem<'_> {
-    fn at(&mut self, x: &[f64]) -> Option<(Vec<Vec<f64>>, f64)> {
-        self.layout.write(x, &mut self.terms, &mut self.unknowns);
-        let mut all = Vec::with_capacity(self.layout.runs.len());
-        for &run in &self.layout.runs {
-            all.push(residuals(self.kind, run, self.mask, &self.terms, &self.unknowns[run])?);
+    fn at(&mut self, x: &[f64]) -> Option<Point> {
+        self.write(x);
+        let mut point = Point { predicted: Vec::new(), residuals: Vec::new(), loss: 0.0 };
+        for &run in self.runs {
+            let predicted = predicted(self.kind, run, &self.fit.terms, &self.fit.unknowns[run])?;
+            let readings = &self.kind.logs()[run].readings;
+            let residuals: Vec<f64> = readings
+                .iter()
+                .zip(&predicted)
+                .enumerate()
+                .map(|(i, (reading, value))| {
+                    let counts = self.mask.as_ref().is_none_or(|m| m[run][i]);
+                    let noise = self.kind.channels()[reading.channel].noise;
+                    if counts { reading.value / noise - value } else { 0.0 }
+                })
+                .collect();
+            point.loss += residuals.iter().map(|r| huber(*r)).sum::<f64>();
+            point.predicted.push(predicted);
+            point.residuals.push(residuals);
         }
-        let loss = all.iter().flatten().map(|r| r * r).sum();
-        Some((all, loss))
+        Some(point)
     }
 
-    /// Normal equations JᵀJ and −Jᵀr in units of the parameters' scales, by central differences.
-    fn normal(&mut self, x: &[f64], at: &[Vec<f64>]) -> Option<(DMatrix<f64>, DVector<f64>)> {
-        const STEP: f64 = 1e-4;
-        let parameters: Vec<Parameter> = self.layout.parameters().cloned().collect();
-        let n = x.len();
+    /// Normal equations in units of the parameters' scales. The present parameters are those of `point`.
+    fn normal(&self, point: &Point) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        let n = self.parameters.len();
         let (mut matrix, mut slope) = (DMatrix::zeros(n, n), DVector::zeros(n));
-        let shared = self.layout.shared.len();
-        for (place, here) in at.iter().enumerate() {
-            let run = self.layout.runs[place];
-            let columns: Vec<usize> = (0..shared).chain(self.layout.columns(place)).collect();
+        let mut next = self.shared.len();
+        for (k, &run) in self.runs.iter().enumerate() {
+            let unknowns = &self.fit.unknowns[run];
+            let own = next..next + unknowns.len();
+            next = own.end;
+            let shared = self.shared.iter().map(|&(c, p)| Place::Shared(c, p));
+            let places: Vec<Place> = shared.chain((0..unknowns.len()).map(Place::Own)).collect();
+            let columns: Vec<usize> = (0..self.shared.len()).chain(own).collect();
             let mut jacobian = Vec::with_capacity(columns.len());
-            for &j in &columns {
-                let p = &parameters[j];
-                let side = |way: f64| {
-                    let mut moved = x.to_vec();
-                    moved[j] = (x[j] + way * STEP * p.scale).clamp(p.bounds.0, p.bounds.1);
-                    let (mut terms, mut unknowns) = (self.terms.clone(), self.unknowns.clone());
-                    self.layout.write(&moved, &mut terms, &mut unknowns);
-                    let r = residuals(self.kind, run, self.mask, &terms, &unknowns[run])?;
-                    Some((r, moved[j]))
-                };
-                let (low, high) = (side(-1.0), side(1.0));
-                let ((a, xa), (b, xb)) = match (low, high) {
-                    (Some(low), Some(high)) => (low, high),
-                    (Some(low), None) => (low, (here.clone(), x[j])),
-                    (None, Some(high)) => ((here.clone(), x[j]), high),
-                    (None, None) => return None,
-                };
-                let width = (xb - xa) / p.scale;
-                let column: Vec<f64> = if width > 0.0 {
-                    a.iter().zip(&b).map(|(a, b)| (b - a) / width).collect()
-                } else {
-                    vec![0.0; here.len()]
-                };
-                jacobian.push(column);
+            for (place, &column) in places.iter().zip(&columns) {
+                let parameter = &self.parameters[column];
+                let here = &point.predicted[k];
+                jacobian.push(derivative(
+                    self.kind,
+                    run,
+                    &self.fit.terms,
+                    unknowns,
+                    here,
+                    (*place, parameter),
+                )?);
             }
-            for (i, &row) in columns.iter().enumerate() {
-                slope[row] -= jacobian[i].iter().zip(here).map(|(j, r)| j * r).sum::<f64>();
-                for (k, &column) in columns.iter().enumerate().take(i + 1) {
-                    let sum: f64 = jacobian[i].iter().zip(&jacobian[k]).map(|(a, b)| a * b).sum();
+            let weights: Vec<f64> = point.residuals[k]
+                .iter()
+                .enumerate()
+                .map(|(i, r)| if self.mask.as_ref().is_none_or(|m| m[run][i]) { weight(*r) } else { 0.0 })
+                .collect();
+            for (a, &row) in columns.iter().enumerate() {
+                let weighted: Vec<f64> = jacobian[a].iter().zip(&weights).map(|(j, w)| j * w).collect();
+                slope[row] += dot(&weighted, &point.residuals[k]);
+                for (b, &column) in columns.iter().enumerate().take(a + 1) {
+                    let sum = dot(&weighted, &jacobian[b]);
                     matrix[(row, column)] += sum;
                     if row != column {
                         matrix[(column, row)] += sum;
@@ -177,171 +226,150 @@ impl Problem<'_> {
         Some((matrix, slope))
     }
 
-    /// Levenberg–Marquardt from `x`; the loss and the information matrix at the end.
-    fn solve(&mut self, x: &mut Vec<f64>) -> Option<(f64, DMatrix<f64>)> {
-        let parameters: Vec<Parameter> = self.layout.parameters().cloned().collect();
-        let (mut at, mut loss) = self.at(x)?;
-        let mut damping = 1e-3;
-        let mut information = DMatrix::zeros(x.len(), x.len());
-        for _ in 0..STEPS {
-            let (matrix, mut slope) = self.normal(x, &at)?;
-            information.copy_from(&matrix);
-            // What a bound holds does not move.
-            let held: Vec<bool> = parameters
-                .iter()
-                .zip(x.iter().zip(slope.iter()))
-                .map(|(p, (x, s))| (*x <= p.bounds.0 && *s < 0.0) || (*x >= p.bounds.1 && *s > 0.0))
-                .collect();
-            let mut better = false;
-            for _ in 0..12 {
-                let mut damped = matrix.clone();
-                for i in 0..x.len() {
-                    damped[(i, i)] += damping * (matrix[(i, i)] + 1e-12);
-                    if held[i] {
-                        damped.row_mut(i).fill(0.0);
-                        damped.column_mut(i).fill(0.0);
-                        damped[(i, i)] = 1.0;
-                        slope[i] = 0.0;
-                    }
-                }
-                let Some(step) = damped.cholesky().map(|c| c.solve(&slope)) else {
-                    damping *= 10.0;
-                    continue;
-                };
-                let moved: Vec<f64> = x
-                    .iter()
-                    .zip(step.iter().zip(&parameters))
-                    .map(|(x, (s, p))| (x + s * p.scale).clamp(p.bounds.0, p.bounds.1))
-                    .collect();
-                match self.at(&moved) {
-                    Some((there, less)) if less < loss => {
-                        let fall = (loss - less) / (loss + 1e-12);
-                        (*x, at, loss) = (moved, there, less);
-                        damping = (damping * 0.2).max(1e-12);
-                        better = fall > DONE;
-                        break;
-                    }
-                    _ => damping *= 6.0,
-                }
+    /// Levenberg–Marquardt from where the fit is, at most `steps` of it.
+    fn solve(&mut self, steps: usize) -> Option<()> {
+        let mut x = self.read();
+        for (x, p) in x.iter_mut().zip(&self.parameters) {
+            if !(p.neutral < p.bounds.0 || p.neutral > p.bounds.1) || *x != p.neutral {
+                *x = x.clamp(p.bounds.0, p.bounds.1);
             }
-            if !better {
+        }
+        let mut point = self.at(&x)?;
+        let mut damping = 1e-3;
+        for _ in 0..steps {
+            self.write(&x);
+            let Some((matrix, slope)) = self.normal(&point) else { break };
+            let fall = self.step(&mut x, &mut point, &matrix, &slope, &mut damping);
+            if fall < DONE {
                 break;
             }
         }
-        // Leaves the best in place.
-        self.at(x)?;
-        Some((loss, information))
+        self.write(&x);
+        self.fit.loss = point.loss;
+        Some(())
+    }
+
+    /// One step; by how much it lowers the loss.
+    fn step(
+        &mut self,
+        x: &mut Vec<f64>,
+        point: &mut Point,
+        matrix: &DMatrix<f64>,
+        slope: &DVector<f64>,
+        damping: &mut f64,
+    ) -> f64 {
+        // What a bound holds does not move.
+        let held: Vec<bool> = self
+            .parameters
+            .iter()
+            .zip(x.iter().zip(slope.iter()))
+            .map(|(p, (x, s))| (*x <= p.bounds.0 && *s < 0.0) || (*x >= p.bounds.1 && *s > 0.0))
+            .collect();
+        for _ in 0..10 {
+            let (mut damped, mut slope) = (matrix.clone(), slope.clone());
+            for i in 0..x.len() {
+                damped[(i, i)] += *damping * matrix[(i, i)] + 1e-9;
+                if held[i] {
+                    damped.row_mut(i).fill(0.0);
+                    damped.column_mut(i).fill(0.0);
+                    damped[(i, i)] = 1.0;
+                    slope[i] = 0.0;
+                }
+            }
+            let Some(step) = damped.cholesky().map(|c| c.solve(&slope)) else {
+                *damping *= 10.0;
+                continue;
+            };
+            let moved: Vec<f64> = x
+                .iter()
+                .zip(step.iter().zip(&self.parameters))
+                .map(|(x, (s, p))| (x + s * p.scale).clamp(p.bounds.0, p.bounds.1))
+                .collect();
+            match self.at(&moved) {
+                Some(there) if there.loss < point.loss => {
+                    let fall = point.loss - there.loss;
+                    (*x, *point) = (moved, there);
+                    *damping = (*damping * 0.2).max(1e-12);
+                    return fall;
+                }
+                Some(there) if there.loss - point.loss < DONE => return 0.0,
+                _ => *damping *= 8.0,
+            }
+        }
+        0.0
     }
 }
 
-/// Fits the causes `on` and the unknowns of `runs` to the readings that count. Starts from `from`, and from every start of the last cause's
-/// parameters.
-pub(crate) fn fit(kind: &dyn Kind, on: &[usize], runs: &[usize], mask: &Mask, from: Option<&Fit>) -> Option<Fit> {
-    let causes = kind.causes();
-    let first: Vec<Vec<f64>> =
-        (0..kind.logs().len()).map(|run| kind.unknowns(run).iter().map(|p| p.neutral).collect()).collect();
-    let (terms, unknowns) =
-        from.map_or_else(|| (Terms::off(causes), first.clone()), |f| (f.terms.clone(), f.unknowns.clone()));
-    let mut starts = vec![terms.clone()];
-    if let Some(&last) = on.last() {
-        let parameters = &causes[last].parameters;
-        let most = parameters.iter().map(|p| p.starts.len()).max().unwrap_or(0);
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn parameters_of(kind: &dyn Kind, causes: &[usize]) -> Vec<(usize, usize)> {
+    causes.iter().flat_map(|&c| (0..kind.causes()[c].parameters.len()).map(move |p| (c, p))).collect()
+}
+
+/// The model as it is, with the unknowns fitted; none where it has no answer at its first guesses.
+pub(crate) fn fit_none(kind: &dyn Kind, runs: &[usize]) -> Option<Fit> {
+    refit(kind, Fit::first(kind), runs, &None, STEPS)
+}
+
+/// Fits the causes of `from` and the unknowns of `runs` anew, from where they are, to the readings that count.
+pub(crate) fn refit(kind: &dyn Kind, from: Fit, runs: &[usize], mask: &Mask, steps: usize) -> Option<Fit> {
+    let shared = parameters_of(kind, &from.causes);
+    let mut problem = Problem::new(kind, from, shared, runs, mask);
+    problem.solve(steps)?;
+    Some(problem.fit)
+}
+
+/// Fits the unknowns of `runs` alone to the readings that count; the loss on them.
+pub(crate) fn refit_unknowns(kind: &dyn Kind, model: &Fit, runs: &[usize], mask: &Mask) -> Option<Fit> {
+    let mut problem = Problem::new(kind, model.clone(), Vec::new(), runs, mask);
+    problem.solve(STEPS)?;
+    Some(problem.fit)
+}
+
+/// Fits `base` with `cause` added, from where it is and from every start of the cause.
+pub(crate) fn fit_with(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]) -> Option<Fit> {
+    let parameters = &kind.causes()[cause].parameters;
+    let mut starts: Vec<Vec<f64>> = Vec::new();
+    let is_apart = kind.causes()[cause].is_apart();
+    if !is_apart {
+        starts.push(parameters.iter().map(|p| p.neutral).collect());
+    }
+    let most = parameters.iter().map(|p| p.starts.len()).max().unwrap_or(0);
+    if is_apart || parameters.len() > 1 {
         for k in 0..most {
-            let mut start = terms.clone();
-            for (i, p) in parameters.iter().enumerate() {
-                let value = p.starts.get(k.min(p.starts.len().saturating_sub(1))).copied();
-                start.set(last, i, value.unwrap_or(p.neutral));
-            }
-            starts.push(start);
+            let of = |p: &Parameter| p.starts.get(k).or(p.starts.last()).copied().unwrap_or(p.neutral);
+            starts.push(parameters.iter().map(of).collect());
         }
     }
     let mut best: Option<Fit> = None;
-    // The unknowns from where they are, and from their first guesses: a wrong model may have led them astray.
-    let begins = [&unknowns, &first];
-    let begins = if unknowns == first { &begins[..1] } else { &begins[..] };
-    let pairs = starts.iter().flat_map(|start| begins.iter().map(move |begin| (start, begin)));
-    for (start, begin) in pairs {
-        let layout = Layout::new(kind, on, runs, true);
-        let mut problem =
-            Problem { kind, layout, mask, terms: start.clone(), unknowns: (*begin).clone() };
-        let mut x = problem.layout.read(&problem.terms, &problem.unknowns);
-        let Some((loss, information)) = problem.solve(&mut x) else { continue };
-        if best.as_ref().is_none_or(|b| loss < b.loss) {
-            let (errors, singular) = uncertainty(&problem.layout, &information);
-            best = Some(Fit {
-                causes: on.to_vec(),
-                terms: problem.terms,
-                unknowns: problem.unknowns,
-                loss,
-                errors,
-                singular,
-            });
+    for start in starts {
+        let mut from = base.clone();
+        from.causes.push(cause);
+        for (p, value) in start.iter().enumerate() {
+            from.terms.set(cause, p, *value);
+        }
+        // A start that stays behind is given up.
+        let Some(tried) = refit(kind, from, runs, &None, 5) else { continue };
+        if best.as_ref().is_some_and(|b| tried.loss > b.loss + 0.1 * (base.loss - b.loss).max(10.0)) {
+            continue;
+        }
+        let Some(done) = refit(kind, tried, runs, &None, STEPS) else { continue };
+        if best.as_ref().is_none_or(|b| done.loss < b.loss) {
+            best = Some(done);
         }
     }
     best
 }
 
-/// Loss of the readings that count, with the causes' parameters as fitted; the unknowns of `runs` are fitted anew if `refit`.
-pub(crate) fn score(kind: &dyn Kind, model: &Fit, runs: &[usize], mask: &Mask, refit: bool) -> Option<f64> {
-    let layout = Layout::new(kind, &model.causes, runs, false);
-    let mut problem =
-        Problem { kind, layout, mask, terms: model.terms.clone(), unknowns: model.unknowns.clone() };
-    let mut x = problem.layout.read(&problem.terms, &problem.unknowns);
-    if refit {
-        return problem.solve(&mut x).map(|(loss, _)| loss);
+/// The loss of `model` on the readings of `runs` that count.
+pub(crate) fn score(kind: &dyn Kind, model: &Fit, runs: &[usize], mask: &Mask) -> Option<f64> {
+    let mut sum = 0.0;
+    for &run in runs {
+        let residuals = residuals(kind, run, &model.terms, &model.unknowns[run])?;
+        let counts = |i: usize| mask.as_ref().is_none_or(|m| m[run][i]);
+        sum += residuals.iter().enumerate().filter(|(i, _)| counts(*i)).map(|(_, r)| huber(*r)).sum::<f64>();
     }
-    problem.at(&x).map(|(_, loss)| loss)
-}
-
-/// Fits the unknowns of `runs` anew to the readings that count.
-pub(crate) fn refit_unknowns(kind: &dyn Kind, model: &mut Fit, runs: &[usize], mask: &Mask) {
-    let layout = Layout::new(kind, &model.causes, runs, false);
-    let mut problem =
-        Problem { kind, layout, mask, terms: model.terms.clone(), unknowns: model.unknowns.clone() };
-    let mut x = problem.layout.read(&problem.terms, &problem.unknowns);
-    if problem.solve(&mut x).is_some() {
-        model.unknowns = problem.unknowns;
-    }
-}
-
-/// Standard errors of the shared parameters, and the direction that the data do not tell, if there is one.
-fn uncertainty(layout: &Layout, information: &DMatrix<f64>) -> (Vec<f64>, Option<Vec<f64>>) {
-    let shared = layout.shared.len();
-    if shared == 0 {
-        return (Vec::new(), None);
-    }
-    // The unknowns are eliminated: what is left is what the data say of the causes alone.
-    let n = information.nrows();
-    let (a, b, d) = (
-        information.view((0, 0), (shared, shared)),
-        information.view((0, shared), (shared, n - shared)),
-        information.view((shared, shared), (n - shared, n - shared)),
-    );
-    let inner = d.into_owned();
-    let ridge = 1e-12 * (inner.trace() / (n - shared).max(1) as f64 + 1e-300);
-    let inner = inner + DMatrix::identity(n - shared, n - shared) * ridge;
-    let rest = inner.cholesky().map_or_else(
-        || DMatrix::zeros(n - shared, shared),
-        |c| c.solve(&b.transpose()),
-    );
-    let left = a.into_owned() - b * rest;
-    // In units in which each alone has information 1, the eigenvalues tell how much they stand for one another.
-    let sizes: Vec<f64> = (0..shared).map(|i| left[(i, i)].max(0.0).sqrt()).collect();
-    let unit = |i: usize| if sizes[i] > 0.0 { sizes[i] } else { 1.0 };
-    let scaled = DMatrix::from_fn(shared, shared, |i, j| left[(i, j)] / (unit(i) * unit(j)));
-    let eigen = scaled.symmetric_eigen();
-    let least = eigen.eigenvalues.imin();
-    let singular = (eigen.eigenvalues[least] < 1e-6)
-        .then(|| eigen.eigenvectors.column(least).iter().copied().collect());
-    let errors = (0..shared)
-        .map(|i| {
-            let variance: f64 = (0..shared)
-                .map(|k| eigen.eigenvectors[(i, k)].powi(2) / eigen.eigenvalues[k].max(1e-14))
-                .sum();
-            let told = sizes[i] > 0.0;
-            let (.., parameter) = &layout.shared[i];
-            if told { variance.sqrt() / sizes[i] * parameter.scale } else { f64::INFINITY }
-        })
-        .collect();
-    (errors, singular)
+    Some(sum)
 }

@@ -1,12 +1,18 @@
 //! What a kind of experiment has to say for itself: what was measured, what is not known, what could be wrong.
 
+use saltus_robot::Robot;
+
 /// A measured column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
     /// Its name, which ends with its unit.
-    pub name: &'static str,
-    /// Standard deviation of its noise, in its unit; > 0.
+    pub name: String,
+    /// Standard deviation of a reading (its unit), of noise and quantisation together; > 0.
     pub noise: f64,
+    /// Step of a quantised column, or 0.
+    pub step: f64,
+    /// Whether the noise was given, and not estimated from the data.
+    pub is_given: bool,
 }
 
 /// One measured number.
@@ -32,11 +38,11 @@ pub struct Log {
 /// A number that is estimated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
-    /// Its name, which ends with its unit.
-    pub name: &'static str,
+    /// Its name, which ends with its unit; where there is one, the key of the robot file.
+    pub name: String,
     /// Its value in the model as it is; for an unknown of a run, a first guess.
     pub neutral: f64,
-    /// Least and greatest that physics allows.
+    /// Least and greatest that physics allows. Where `neutral` is outside them, the effect is off there, and cannot be reached in small steps.
     pub bounds: (f64, f64),
     /// A change that matters.
     pub scale: f64,
@@ -49,8 +55,19 @@ pub struct Parameter {
 pub struct Cause {
     /// Its id.
     pub id: &'static str,
+    /// The measured column that it is about, if it is about one.
+    pub column: Option<String>,
     /// What is estimated.
     pub parameters: Vec<Parameter>,
+    /// How much such an effect may be before it is a surprise, in terms of the first parameter; none: anything is.
+    pub usual: Option<f64>,
+}
+
+impl Cause {
+    /// Whether the effect cannot be reached in small steps from none.
+    pub(crate) fn is_apart(&self) -> bool {
+        self.parameters.iter().any(|p| p.neutral < p.bounds.0 || p.neutral > p.bounds.1)
+    }
 }
 
 /// Values of the parameters of every cause.
@@ -68,13 +85,18 @@ impl Terms {
         self.0[cause][parameter]
     }
 
-    /// Sets it.
+    /// Parameters of cause `cause`.
+    pub fn of(&self, cause: usize) -> &[f64] {
+        &self.0[cause]
+    }
+
+    /// Sets one.
     pub fn set(&mut self, cause: usize, parameter: usize, value: f64) {
         self.0[cause][parameter] = value;
     }
 }
 
-/// An experiment of a kind: its data, and the model of it.
+/// An experiment of a kind: its data, and the model of them.
 pub trait Kind: Sync {
     /// What was measured.
     fn channels(&self) -> &[Channel];
@@ -90,4 +112,24 @@ pub trait Kind: Sync {
 
     /// What the model says of each reading of a run; none where it has no answer.
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>>;
+
+    /// Phases of a run: their names, and when (s) each begins.
+    fn phases(&self, _run: usize, _terms: &Terms, _unknowns: &[f64]) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
+
+    /// What is reported of a cause whose parameters are `values`: names and values, in the units of a robot file.
+    fn report(&self, cause: usize, values: &[f64]) -> Vec<(String, f64)> {
+        self.causes()[cause].parameters.iter().zip(values).map(|(p, v)| (p.name.clone(), *v)).collect()
+    }
+
+    /// The robot with the terms on, where the experiment is of a robot.
+    fn robot(&self, _terms: &Terms) -> Option<Robot> {
+        None
+    }
+
+    /// What moves a run that could explain a residual, at each reading: names and values.
+    fn features(&self, _run: usize, _terms: &Terms, _unknowns: &[f64]) -> Vec<(&'static str, Vec<f64>)> {
+        Vec::new()
+    }
 }

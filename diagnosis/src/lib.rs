@@ -1,15 +1,23 @@
 //! What measured data say is wrong with a simulation: which named cause, how surely, and what knowing it is worth.
 //!
-//! An experiment of some [`Kind`] has its data and the model of them, with every [`Cause`] that could be at work as a term that is off.
-//! [`diagnose`] switches them on one at a time while data that were left out ask for it.
+//! An [`Experiment`] of some [`Kind`] has its data and the model of them, with every [`Cause`] that could be at work as a term that is
+//! off. [`diagnose`] switches them on one at a time while data that were left out ask for it.
 
 mod choose;
 mod experiment;
 mod fit;
+mod fitness;
+mod gain;
 mod kind;
 pub mod kinds;
+mod noise;
+mod parallel;
+pub mod rig;
+mod tangent;
 
 pub use choose::{Candidate, Diagnosis, Finding, Settings, diagnose};
 pub use experiment::{Experiment, Run, Sort};
 pub use fit::Fit;
+pub use fitness::{Fitness, Unknown};
+pub use gain::Gain;
 pub use kind::{Cause, Channel, Kind, Log, Parameter, Reading, Terms};

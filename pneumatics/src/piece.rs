@@ -21,6 +21,9 @@ pub struct Piece<S: Single> {
     extras: bool,
 }
 
+/// Speed (m/s) of a leg up to which the gas of an exhausted chamber follows it.
+const FOLLOWED: f64 = 0.05;
+
 impl<S: Single> Piece<S> {
     /// The piece at pressure `p` (Pa), or just above or below it where `side` is ±1.
     pub fn new(chamber: &Chamber<S>, energized: bool, p: S, side: f64, port_open: bool) -> Piece<S> {
@@ -53,8 +56,14 @@ impl<S: Single> Piece<S> {
     }
 
     /// The gas at `u` in the chamber of a leg at extension `d` (m) that extends at `speed` (m/s), and u̇ with every term.
+    ///
+    /// In an exhausted chamber the gas follows a slow leg at ambient pressure: what it would take to drive it through the valve is
+    /// below 50 Pa, and the orifice law, infinitely stiff there, would switch at every step.
     pub fn gas(&self, chamber: &Chamber<S>, u: S, d: S, speed: S) -> (GasState<S>, S) {
         let gas = chamber.gas(&self.valve, u, d, speed, S::of(1.0));
+        if self.flow == Flow::ExhaustBalanced && speed.value().abs() < FOLLOWED {
+            return (gas, S::of(0.0));
+        }
         (gas, self.rate(chamber, &gas))
     }
 

@@ -1,65 +1,71 @@
 //! A body in free flight or fall, or a robot in flight at the end of a boom.
 
+use super::{FREE, sensor, simple, unknown};
+use crate::experiment::Experiment;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::noise;
 
 /// Flights, with what is believed of them.
 #[derive(Clone, Debug)]
 pub struct Flights {
-    /// Acceleration of gravity (m/s²).
-    pub gravity: f64,
+    gravity: f64,
     channels: Vec<Channel>,
     logs: Vec<Log>,
     causes: Vec<Cause>,
     /// Whether channel number k is the height.
     is_height: Vec<bool>,
+    /// Drag (1/m) of each run for one of the parameter: ρ A/(2 m), or 1.
+    drag: Vec<f64>,
+    /// A drop: it may be held for a while.
+    is_drop: bool,
 }
 
-/// Columns of a flight.
-pub const COLUMNS: [&str; 2] = ["x_m", "y_m"];
-
-/// Longest step (s) of the integration: its error is below a nanometre for anything that flies.
-const STEP: f64 = 5e-3;
+/// Longest step (s) of the integration: its error is below a micrometre for anything that flies.
+const STEP: f64 = 2e-2;
+/// Density (kg/m³) of air at 15 °C.
+const AIR: f64 = 1.225;
 
 impl Flights {
-    /// Flights whose `channels` are of [`COLUMNS`]; `on_boom`: at the end of a boom.
-    pub fn new(gravity: f64, channels: Vec<Channel>, logs: Vec<Log>, on_boom: bool) -> Flights {
-        let one = |id, name, neutral, bounds, scale, starts: &[f64]| Cause {
-            id,
-            parameters: vec![Parameter { name, neutral, bounds, scale, starts: starts.to_vec() }],
-        };
-        let mut causes = vec![one("air-drag", "drag_per_m", 0.0, (0.0, 10.0), 1e-3, &[0.01, 0.1])];
+    /// The experiment's flights, believed to be under `gravity` (m/s²).
+    pub fn new(experiment: &Experiment, gravity: f64) -> Flights {
+        let indices: Vec<usize> = (0..experiment.columns.len()).collect();
+        let channels = noise::channels(experiment, &indices);
+        let logs: Vec<Log> = experiment.runs.iter().map(|run| noise::log(run, &indices)).collect();
+        let on_boom = experiment.runs.iter().any(|r| r.settings.contains_key("boom_radius_m"));
+        let sizes: Vec<Option<f64>> = experiment
+            .runs
+            .iter()
+            .map(|run| {
+                let (mass, diameter) = (run.settings.get("mass_kg")?, run.settings.get("diameter_m")?);
+                Some(0.5 * AIR * std::f64::consts::FRAC_PI_4 * diameter * diameter / mass)
+            })
+            .collect();
+        let known: Option<Vec<f64>> = sizes.into_iter().collect();
+        let mut causes = vec![match &known {
+            Some(_) => simple("air-drag", "drag_coefficient", 0.0, (0.0, 50.0), 0.05, &[0.3, 1.0]),
+            None => simple("air-drag", "drag_per_m", 0.0, (0.0, 10.0), 1e-3, &[0.01, 0.1]),
+        }];
         if on_boom {
             // Less effective gravity and more inertia: both at once are one ratio.
-            causes.push(one("counterweight", "gravity_share", 1.0, (0.02, 2.0), 0.01, &[0.5]));
+            causes.push(simple("counterweight", "gravity_share", 1.0, (0.02, 2.0), 0.01, &[0.5]));
         }
-        causes.push(one("gravity", "gravity_m_s2", gravity, (0.1, 40.0), 0.05, &[0.5 * gravity]));
+        let of_gravity = simple("gravity", "gravity_m_s2", gravity, (0.1, 40.0), 0.05, &[0.5 * gravity]);
+        // Gravity is known, wherever a body falls.
+        causes.push(Cause { usual: Some(0.01 * gravity), ..of_gravity });
         for channel in &channels {
-            let (scale, delay) = match channel.name {
-                "x_m" => ("x_scale", "x_delay_s"),
-                _ => ("y_scale", "y_delay_s"),
-            };
-            causes.push(one("encoder-scale", scale, 1.0, (0.2, 5.0), 0.01, &[0.9, 1.1]));
+            causes.push(sensor("encoder-scale", &channel.name, "gain", 1.0, (0.2, 5.0), 0.01, &[0.9, 1.1]));
             if channels.len() > 1 {
-                causes.push(one("sensor-delay", delay, 0.0, (-0.1, 0.5), 1e-3, &[0.01]));
+                causes.push(sensor("sensor-delay", &channel.name, "delay_s", 0.0, (0.0, 0.5), 1e-3, &[0.01]));
             }
         }
-        let is_height = channels.iter().map(|c| c.name == "y_m").collect();
-        Flights { gravity, channels, logs, causes, is_height }
+        let is_height: Vec<bool> = channels.iter().map(|c| c.name == "y_m").collect();
+        let is_drop = !on_boom && is_height == [true];
+        let drag = known.unwrap_or_else(|| vec![1.0; logs.len()]);
+        Flights { gravity, channels, logs, causes, is_height, drag, is_drop }
     }
 
-    fn cause(&self, id: &str, channel: usize, terms: &Terms, neutral: f64) -> f64 {
-        let name = match (id, self.channels[channel].name) {
-            ("encoder-scale", "x_m") => "x_scale",
-            ("encoder-scale", _) => "y_scale",
-            (_, "x_m") => "x_delay_s",
-            _ => "y_delay_s",
-        };
-        let found = self.causes.iter().position(|c| c.parameters[0].name == name);
-        found.map_or(neutral, |i| terms.get(i, 0))
-    }
-
-    fn value(&self, id: &str, terms: &Terms) -> Option<f64> {
-        self.causes.iter().position(|c| c.id == id).map(|i| terms.get(i, 0))
+    fn value(&self, id: &str, column: Option<&str>, terms: &Terms) -> Option<f64> {
+        self.causes.iter().position(|c| c.id == id && c.column.as_deref() == column).map(|i| terms.get(i, 0))
     }
 }
 
@@ -72,7 +78,7 @@ impl Kind for Flights {
         &self.logs
     }
 
-    /// Where and how fast it starts; and when, as the first rows may precede the release.
+    /// Where and how fast it starts; of a drop when, as the first rows may precede the release.
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
         let readings = &self.logs[run].readings;
         let (first, last) = (readings.first().map_or(0.0, |r| r.time), readings.last().map_or(0.0, |r| r.time));
@@ -84,18 +90,14 @@ impl Kind for Flights {
             let later = here.get((here.len() / 10).max(1)).or(here.last());
             let speed = later.map_or(0.0, |r| (r.value - start) / (r.time - first).max(1e-6));
             let fall = if is_height { 0.5 * self.gravity * (later.map_or(0.0, |r| r.time) - first) } else { 0.0 };
-            let free = (f64::NEG_INFINITY, f64::INFINITY);
-            let number = |name, neutral, scale| Parameter { name, neutral, bounds: free, scale, starts: Vec::new() };
-            all.push(number("start_m", start, 0.01));
-            all.push(number("start_speed_m_s", speed + fall, 0.1));
+            let speed = if self.is_drop { 0.0 } else { speed + fall };
+            all.push(unknown("start_m", start, FREE, 0.01));
+            all.push(unknown("start_speed_m_s", speed, FREE, 0.1));
         }
-        all.push(Parameter {
-            name: "release_s",
-            neutral: first,
-            bounds: (first, first + 0.3 * (last - first)),
-            scale: 0.01,
-            starts: Vec::new(),
-        });
+        if self.is_drop {
+            let bounds = (first, first + 0.3 * (last - first));
+            all.push(unknown("release_s", first + 0.02 * (last - first), bounds, 0.01));
+        }
         all
     }
 
@@ -104,10 +106,11 @@ impl Kind for Flights {
     }
 
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
-        let drag = self.value("air-drag", terms).unwrap_or(0.0);
-        let share = self.value("counterweight", terms).unwrap_or(1.0);
-        let gravity = share * self.value("gravity", terms).unwrap_or(self.gravity);
-        let release = *unknowns.last()?;
+        let drag = self.drag[run] * self.value("air-drag", None, terms).unwrap_or(0.0);
+        let share = self.value("counterweight", None, terms).unwrap_or(1.0);
+        let gravity = share * self.value("gravity", None, terms).unwrap_or(self.gravity);
+        let readings = &self.logs[run].readings;
+        let release = if self.is_drop { *unknowns.last()? } else { readings.first()?.time };
         // x, y, and their rates; what is not measured stands still.
         let (mut place, mut speed) = ([0.0; 2], [0.0; 2]);
         for (channel, &is_height) in self.is_height.iter().enumerate() {
@@ -118,20 +121,28 @@ impl Kind for Flights {
             let size = v[0].hypot(v[1]);
             [-drag * size * v[0], -gravity - drag * size * v[1]]
         };
-        let mut path = Path { time: release, place, speed };
-        // Delays differ by channel: each is asked at its own time, in order, from its own start.
-        let start = path;
-        let mut out = vec![0.0; self.logs[run].readings.len()];
+        let start = Path { time: release, place, speed };
+        let mut out = vec![0.0; readings.len()];
         for (channel, &is_height) in self.is_height.iter().enumerate() {
-            let delay = self.cause("sensor-delay", channel, terms, 0.0);
-            let scale = self.cause("encoder-scale", channel, terms, 1.0);
-            path = start;
-            for (i, reading) in self.logs[run].readings.iter().enumerate() {
+            let name = Some(self.channels[channel].name.as_str());
+            let delay = self.value("sensor-delay", name, terms).unwrap_or(0.0);
+            let scale = self.value("encoder-scale", name, terms).unwrap_or(1.0);
+            let mut path = start;
+            for (i, reading) in readings.iter().enumerate() {
                 if reading.channel != channel {
                     continue;
                 }
-                path.go(reading.time - delay, &pull);
-                out[i] = scale * path.place[usize::from(is_height)];
+                let time = reading.time - delay;
+                if drag == 0.0 || time < start.time {
+                    // A parabola; before the first row it was on the same one, unless it was held.
+                    let t = if self.is_drop { (time - start.time).max(0.0) } else { time - start.time };
+                    let k = usize::from(is_height);
+                    let fall = if is_height { 0.5 * gravity * t * t } else { 0.0 };
+                    out[i] = scale * (start.place[k] + start.speed[k] * t - fall);
+                } else {
+                    path.go(time, &pull);
+                    out[i] = scale * path.place[usize::from(is_height)];
+                }
             }
         }
         out.iter().all(|x| x.is_finite()).then_some(out)

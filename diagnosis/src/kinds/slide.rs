@@ -1,17 +1,19 @@
 //! A mass on a guide, driven by a measured force.
 
-use super::{FREE, simple, unknown};
+use super::{FREE, sensor, simple, unknown};
+use crate::experiment::{Experiment, Run};
+use crate::noise;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 
 /// What is given of a run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Drive {
+struct Drive {
     /// Mass (kg), if it is known.
-    pub mass: Option<f64>,
+    mass: Option<f64>,
     /// When (s) each force was measured.
-    pub time: Vec<f64>,
+    time: Vec<f64>,
     /// Force (N).
-    pub force: Vec<f64>,
+    force: Vec<f64>,
 }
 
 /// Slides.
@@ -28,8 +30,13 @@ pub struct Slides {
 const STEP: f64 = 1e-3;
 
 impl Slides {
-    /// Slides whose one channel is the position (m).
-    pub fn new(channel: Channel, logs: Vec<Log>, drives: Vec<Drive>) -> Slides {
+    /// The experiment's slides.
+    pub fn new(experiment: &Experiment) -> Slides {
+        let column = |name: &str| experiment.columns.iter().position(|c| c == name).unwrap_or(0);
+        let (force, position) = (column("force_n"), column("position_m"));
+        let channels = noise::channels(experiment, &[position]);
+        let logs = experiment.runs.iter().map(|run| noise::log(run, &[position])).collect();
+        let drives: Vec<Drive> = experiment.runs.iter().map(|run| drive(run, force)).collect();
         let mass_is_known = drives.iter().all(|d| d.mass.is_some());
         let mut causes = vec![
             simple("coulomb-friction", "coulomb_friction_n", 0.0, (0.0, 1e5), 0.5, &[1.0, 5.0]),
@@ -37,24 +44,33 @@ impl Slides {
             simple("air-drag", "drag_n_s2_per_m2", 0.0, (0.0, 1e5), 0.1, &[1.0]),
             Cause {
                 id: "return-spring",
+                column: None,
                 parameters: vec![
                     unknown("stiffness_n_per_m", 0.0, (0.0, 1e7), 5.0),
                     unknown("preload_n", 0.0, (-1e5, 1e5), 0.5),
                 ],
+                usual: None,
             },
-            simple("sensor-offset", "force_offset_n", 0.0, FREE, 0.1, &[]),
-            simple("sensor-delay", "position_delay_s", 0.0, (0.0, 0.5), 1e-3, &[0.01]),
-            simple("encoder-scale", "position_scale", 1.0, (0.2, 5.0), 0.01, &[]),
+            sensor("sensor-offset", "force_n", "offset_n", 0.0, FREE, 0.1, &[]),
+            sensor("sensor-delay", "position_m", "delay_s", 0.0, (0.0, 0.5), 1e-3, &[0.01]),
+            sensor("encoder-scale", "position_m", "gain", 1.0, (0.2, 5.0), 0.01, &[]),
         ];
         if mass_is_known {
             causes.push(simple("mass", "mass_share", 1.0, (0.05, 20.0), 0.02, &[0.8, 1.25]));
         }
-        Slides { channels: vec![channel], logs, drives, causes, mass_is_known }
+        Slides { channels, logs, drives, causes, mass_is_known }
     }
 
     fn term(&self, id: &str, parameter: usize, terms: &Terms) -> f64 {
         self.causes.iter().position(|c| c.id == id).map_or(1.0, |i| terms.get(i, parameter))
     }
+}
+
+/// The force of a run, where it was measured.
+fn drive(run: &Run, force: usize) -> Drive {
+    let rows = (0..run.time.len()).filter(|&i| run.values[force][i].is_finite());
+    let (time, force) = rows.map(|i| (run.time[i], run.values[force][i])).unzip();
+    Drive { mass: run.settings.get("mass_kg").copied(), time, force }
 }
 
 impl Kind for Slides {

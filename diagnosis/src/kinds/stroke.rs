@@ -1,17 +1,19 @@
 //! A piston moved slowly back and forth under regulated pressure: what its seal does to the force.
 
-use super::{FREE, simple, unknown};
+use super::{FREE, sensor, simple, unknown};
+use crate::experiment::{Experiment, Run};
+use crate::noise;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 
 /// What is given of a run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Drive {
+struct Drive {
     /// Bore (m).
-    pub bore: f64,
-    /// Position (m), retracting against the pressure as it increases, at each reading.
-    pub position: Vec<f64>,
+    bore: f64,
     /// Gauge pressure (Pa) at each reading.
-    pub pressure: Vec<f64>,
+    pressure: Vec<f64>,
+    /// Position (m, increasing as it retracts against the pressure) without its noise, and speed (m/s), at each reading.
+    motion: Vec<(f64, f64)>,
 }
 
 /// Strokes.
@@ -21,8 +23,6 @@ pub struct Strokes {
     logs: Vec<Log>,
     drives: Vec<Drive>,
     causes: Vec<Cause>,
-    /// Position (m) without its noise, speed (m/s), for each run and reading.
-    motion: Vec<Vec<(f64, f64)>>,
 }
 
 const COULOMB: usize = 0;
@@ -33,46 +33,70 @@ const OFFSET: usize = 4;
 const SCALE: usize = 5;
 
 impl Strokes {
-    /// Strokes whose one channel is the force (N).
-    pub fn new(channel: Channel, logs: Vec<Log>, drives: Vec<Drive>) -> Strokes {
+    /// The experiment's strokes.
+    pub fn new(experiment: &Experiment) -> Strokes {
+        let column = |name: &str| experiment.columns.iter().position(|c| c == name).unwrap_or(0);
+        let (position, pressure, force) = (column("position_m"), column("pressure_gauge_pa"), column("force_n"));
+        let channels = noise::channels(experiment, &[force]);
+        let logs = experiment.runs.iter().map(|run| noise::log(run, &[force])).collect();
+        let drives = experiment.runs.iter().map(|run| drive(run, position, pressure, force)).collect();
         let spring = Cause {
             id: "return-spring",
+            column: None,
             parameters: vec![
                 unknown("stiffness_n_per_m", 0.0, (0.0, 1e6), 10.0),
                 unknown("preload_n", 0.0, (0.0, 1e4), 1.0),
             ],
+            usual: None,
         };
         let causes = vec![
             simple("coulomb-friction", "coulomb_friction_n", 0.0, (0.0, 1e4), 0.5, &[1.0]),
             simple("seal-friction", "seal_friction_n_per_pa", 0.0, (0.0, 1.0), 1e-6, &[1e-5]),
             simple("viscous-friction", "viscous_friction_n_s_per_m", 0.0, (0.0, 1e6), 1.0, &[10.0]),
             spring,
-            simple("sensor-offset", "force_offset_n", 0.0, FREE, 0.5, &[]),
-            simple("encoder-scale", "force_scale", 1.0, (0.2, 5.0), 0.01, &[]),
+            sensor("sensor-offset", "force_n", "offset_n", 0.0, FREE, 0.5, &[]),
+            sensor("encoder-scale", "force_n", "gain", 1.0, (0.2, 5.0), 0.01, &[]),
         ];
-        let motion = logs.iter().zip(&drives).map(|(log, drive)| motion(log, drive)).collect();
-        Strokes { channels: vec![channel], logs, drives, causes, motion }
+        Strokes { channels, logs, drives, causes }
     }
 }
 
+/// What drives the rows of a run that have a force; empty cells of the others are bridged.
+fn drive(run: &Run, position: usize, pressure: usize, force: usize) -> Drive {
+    let rows: Vec<usize> = (0..run.time.len()).filter(|&i| run.values[force][i].is_finite()).collect();
+    let times: Vec<f64> = rows.iter().map(|&i| run.time[i]).collect();
+    let along = |column: usize| -> Vec<f64> {
+        let mut last = run.values[column].iter().copied().find(|v| v.is_finite()).unwrap_or(0.0);
+        rows.iter()
+            .map(|&i| {
+                let value = run.values[column][i];
+                last = if value.is_finite() { value } else { last };
+                last
+            })
+            .collect()
+    };
+    let bore = run.settings.get("bore_m").copied().unwrap_or(0.01);
+    Drive { bore, pressure: along(pressure), motion: motion(&times, &along(position)) }
+}
+
 /// Position and speed from least-squares lines over nine readings.
-fn motion(log: &Log, drive: &Drive) -> Vec<(f64, f64)> {
+fn motion(times: &[f64], position: &[f64]) -> Vec<(f64, f64)> {
     const HALF: usize = 4;
-    let n = drive.position.len();
+    let n = position.len();
     (0..n)
         .map(|i| {
             let window = i.saturating_sub(HALF)..(i + HALF + 1).min(n);
             let count = window.len() as f64;
-            let mean = |f: &dyn Fn(usize) -> f64| window.clone().map(f).sum::<f64>() / count;
-            let (t, x) = (mean(&|k| log.readings[k].time), mean(&|k| drive.position[k]));
+            let mean = |values: &[f64]| values[window.clone()].iter().sum::<f64>() / count;
+            let (t, x) = (mean(times), mean(position));
             let (mut above, mut below) = (0.0, 0.0);
             for k in window.clone() {
-                let dt = log.readings[k].time - t;
-                above += dt * (drive.position[k] - x);
+                let dt = times[k] - t;
+                above += dt * (position[k] - x);
                 below += dt * dt;
             }
             let speed = if below > 0.0 { above / below } else { 0.0 };
-            (x + speed * (log.readings[i].time - t), speed)
+            (x + speed * (times[i] - t), speed)
         })
         .collect()
 }
@@ -100,9 +124,9 @@ impl Kind for Strokes {
         let drive = &self.drives[run];
         let area = std::f64::consts::FRAC_PI_4 * drive.bore * drive.bore;
         let (mut state, way) = (unknowns[0], unknowns[1]);
-        let start = self.motion[run].iter().map(|m| m.0).fold(f64::INFINITY, f64::min);
-        let mut last = self.motion[run].first()?.0;
-        let out: Vec<f64> = self.motion[run]
+        let start = drive.motion.iter().map(|m| m.0).fold(f64::INFINITY, f64::min);
+        let mut last = drive.motion.first()?.0;
+        let out: Vec<f64> = drive.motion
             .iter()
             .zip(&drive.pressure)
             .map(|(&(x, speed), &pressure)| {

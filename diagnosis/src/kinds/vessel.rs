@@ -1,23 +1,25 @@
 //! A vessel filling or discharging through an orifice.
 
-use super::{FREE, simple, unknown};
+use super::{FREE, sensor, simple, unknown};
+use crate::experiment::{Experiment, Run};
+use crate::noise;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 
 /// What is given of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vessel {
+struct Vessel {
     /// Volume (m³).
-    pub volume: f64,
+    volume: f64,
     /// Diameter of the orifice (m).
-    pub orifice: f64,
+    orifice: f64,
     /// Pressure (Pa) and temperature (K) at time 0.
-    pub pressure: f64,
+    pressure: f64,
     /// See `pressure`.
-    pub temperature: f64,
+    temperature: f64,
     /// Pressure (Pa) outside.
-    pub ambient: f64,
+    ambient: f64,
     /// Area of the wall (m²); none: that of a sphere.
-    pub wall: Option<f64>,
+    wall: Option<f64>,
 }
 
 /// Vessels.
@@ -32,27 +34,44 @@ pub struct Vessels {
 const HEAT: usize = 0;
 const GAS: usize = 1;
 const OUTSIDE: usize = 2;
-const OFFSET: usize = 3;
-const SCALE: usize = 4;
-const DELAY: usize = 5;
-
 /// Air and carbon dioxide: κ and R (J/(kg K)).
 const AIR: (f64, f64) = (1.4, 287.05);
 const CARBON_DIOXIDE: (f64, f64) = (1.30, 188.9);
 
 impl Vessels {
-    /// Vessels with the channels `pressure_pa`, `temperature_k` or both.
-    pub fn new(channels: Vec<Channel>, logs: Vec<Log>, vessels: Vec<Vessel>) -> Vessels {
-        let causes = vec![
+    /// The experiment's vessels.
+    pub fn new(experiment: &Experiment) -> Vessels {
+        let indices: Vec<usize> = (0..experiment.columns.len()).collect();
+        let channels = noise::channels(experiment, &indices);
+        let logs = experiment.runs.iter().map(|run| noise::log(run, &indices)).collect();
+        let vessels = experiment.runs.iter().map(vessel).collect();
+        let mut causes = vec![
             // Natural convection, Nu = c Ra^⅓; turbulent, c is 0.1 to 0.15.
             simple("heat-transfer", "convection", 0.0, (0.0, 5.0), 0.02, &[0.1]),
             simple("gas-type", "carbon_dioxide_share", 0.0, (0.0, 1.0), 0.1, &[1.0]),
             simple("supply-pressure", "outside_pressure_pa", 0.0, (-1e6, 1e6), 1e3, &[]),
-            simple("sensor-offset", "pressure_offset_pa", 0.0, FREE, 1e3, &[]),
-            simple("encoder-scale", "pressure_scale", 1.0, (0.2, 5.0), 0.01, &[]),
-            simple("sensor-delay", "delay_s", 0.0, (0.0, 10.0), 0.1, &[]),
         ];
+        for (column, unit, scale) in [("pressure_pa", "pa", 1e3), ("temperature_k", "k", 0.2)] {
+            if experiment.columns.iter().any(|c| c == column) {
+                let offset = format!("offset_{unit}");
+                causes.push(sensor("sensor-offset", column, &offset, 0.0, FREE, scale, &[]));
+                causes.push(sensor("encoder-scale", column, "gain", 1.0, (0.2, 5.0), 0.01, &[]));
+                causes.push(sensor("sensor-delay", column, "delay_s", 0.0, (0.0, 10.0), 0.1, &[]));
+            }
+        }
         Vessels { channels, logs, vessels, causes }
+    }
+}
+
+fn vessel(run: &Run) -> Vessel {
+    let of = |key: &str| run.settings.get(key).copied();
+    Vessel {
+        volume: of("volume_m3").unwrap_or(1.0),
+        orifice: of("orifice_diameter_m").unwrap_or(1e-3),
+        pressure: of("initial_pressure_pa").unwrap_or(101_325.0),
+        temperature: of("initial_temperature_k").unwrap_or(293.15),
+        ambient: of("ambient_pressure_pa").unwrap_or(101_325.0),
+        wall: of("wall_area_m2"),
     }
 }
 
@@ -115,25 +134,22 @@ impl Kind for Vessels {
         let mut now = 0.0;
         let mut out = Vec::with_capacity(self.logs[run].readings.len());
         let last = self.logs[run].readings.last()?.time;
-        let longest = last / 2000.0;
+        let step = last / 2000.0;
+        let mut knots = vec![(0.0, state, rates(state))];
+        while now < last {
+            state = runge_kutta(state, step, &rates);
+            now += step;
+            knots.push((now, state, rates(state)));
+        }
         for reading in &self.logs[run].readings {
-            let length = reading.time - terms.get(DELAY, 0) - now;
-            if length > 0.0 {
-                // As many steps as the longest allows.
-                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-                let count = (length / longest).ceil().clamp(1.0, 1e5) as usize;
-                for _ in 0..count {
-                    state = runge_kutta(state, length / count as f64, &rates);
-                }
-                now += length;
-            }
-            let [mass, temperature] = state;
-            out.push(match self.channels[reading.channel].name {
-                "pressure_pa" => {
-                    terms.get(SCALE, 0) * mass * gas * temperature / vessel.volume + terms.get(OFFSET, 0)
-                }
-                _ => temperature,
-            });
+            let column = self.channels[reading.channel].name.as_str();
+            let of = |id: &str, none: f64| {
+                let found = self.causes.iter().position(|c| c.id == id && c.column.as_deref() == Some(column));
+                found.map_or(none, |k| terms.get(k, 0))
+            };
+            let [mass, temperature] = between(&knots, step, reading.time - of("sensor-delay", 0.0));
+            let value = if column == "pressure_pa" { mass * gas * temperature / vessel.volume } else { temperature };
+            out.push(of("encoder-scale", 1.0) * value + of("sensor-offset", 0.0));
         }
         out.iter().all(|x| x.is_finite()).then_some(out)
     }
@@ -149,6 +165,19 @@ fn convection(density: f64, wall: f64, inside: f64) -> f64 {
     let film = 0.5 * (wall + inside);
     let rayleigh = 9.81 / film * difference.abs() * density * density * CAPACITY / (VISCOSITY * CONDUCTIVITY);
     CONDUCTIVITY * rayleigh.cbrt() * difference
+}
+
+/// The state at `time` between knots that are `step` apart, by cubics.
+fn between(knots: &[(f64, [f64; 2], [f64; 2])], step: f64, time: f64) -> [f64; 2] {
+    // The number of a knot.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let k = ((time / step).max(0.0) as usize).min(knots.len().saturating_sub(2));
+    let (a, b) = (&knots[k], &knots[(k + 1).min(knots.len() - 1)]);
+    let s = ((time - a.0) / step).clamp(0.0, 1.0);
+    std::array::from_fn(|i| {
+        let (da, db, rise) = (a.2[i] * step, b.2[i] * step, b.1[i] - a.1[i]);
+        a.1[i] + s * (da + s * (3.0 * rise - 2.0 * da - db + s * (da + db - 2.0 * rise)))
+    })
 }
 
 fn runge_kutta(y: [f64; 2], h: f64, f: &impl Fn([f64; 2]) -> [f64; 2]) -> [f64; 2] {

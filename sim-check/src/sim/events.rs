@@ -138,8 +138,27 @@ impl Sim<'_> {
         let (low, high) = self.machine.mechanism.stops(body);
         self.y[self.machine.mechanism.tree.coordinate_of(body)] = if stop == Stop::Low { low } else { high };
         self.mode.joints[body] = JointMode::Held(stop);
+        if stop == Stop::High {
+            self.pick_up(body);
+        }
         self.impact(None, 0.0)?;
         self.settle(None)
+    }
+
+    /// The foot of a leg that is stopped in its stroke leaves soft ground that it cannot slip on: the spring is slack within a fraction of
+    /// a millisecond, but friction without a limit would meanwhile hold on to the foot and turn the robot about it.
+    fn pick_up(&mut self, body: usize) {
+        let mechanism = self.machine.mechanism;
+        let sticks = self.machine.friction().iter().any(|(standing, ..)| standing.is_infinite());
+        if mechanism.material.compliance.is_none() || !sticks {
+            return;
+        }
+        for c in 0..self.mode.contacts.len() {
+            let (point, _) = self.machine.pairs[c];
+            if self.mode.contacts[c].closed && mechanism.points[point].body == body {
+                self.open(c);
+            }
+        }
     }
 
     /// Where the joint of `body`, which stands, is held.

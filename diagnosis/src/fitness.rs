@@ -1,0 +1,290 @@
+//! Whether what a model leaves of the data is noise: its level, its smoothness, and what returns in every run.
+
+use rand_distr::{Bernoulli, Distribution};
+use rand_pcg::Pcg64;
+
+use crate::choose::percentile;
+use crate::fit::{self, Fit};
+use crate::kind::Kind;
+use crate::tangent::Tangent;
+
+/// Smooth shapes over a run that residuals are compared with.
+const SHAPES: usize = 8;
+/// Mean square of residuals beyond 1, or of their smooth part, below which nothing is said to be wrong: the model itself is not truer.
+const LEAST: f64 = 0.03;
+/// Runs that it takes to tell what returns in each of them.
+const RUNS: usize = 6;
+
+/// How well a model fits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fitness {
+    /// Mean square of the residuals of each channel, in its variance.
+    pub level: Vec<f64>,
+    /// Correlation of each residual with the next, of each channel.
+    pub whiteness: Vec<f64>,
+    /// Mean square of the part of the residuals of each channel that is smooth over a run, less what chance gives it.
+    pub smooth: Vec<f64>,
+    /// Sum of squares of all residuals beyond their number, with those of outliers cut.
+    pub excess: f64,
+    /// How far the most telling of these is beyond chance: above 1 is less likely than the stated level.
+    pub alarm: f64,
+    /// Whether something is left that is not noise.
+    pub is_off: bool,
+    /// Whether the noise was given, so that this can be told for sure.
+    pub is_sure: bool,
+}
+
+/// What is wrong, but not by which cause.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unknown {
+    /// The channel that shows it most.
+    pub channel: String,
+    /// Where in a run its mean square is greatest: the phase, or a part of the time.
+    pub phase: String,
+    /// Root mean square there, in the channel's unit.
+    pub rms: f64,
+}
+
+impl Fitness {
+    /// What is wrong, if something is.
+    pub(crate) fn unknown(&self, kind: &dyn Kind, model: &Fit) -> Option<Unknown> {
+        if !self.is_off {
+            return None;
+        }
+        let worst = (0..self.level.len()).max_by(|a, b| {
+            (self.level[*a] + self.smooth[*a]).total_cmp(&(self.level[*b] + self.smooth[*b]))
+        })?;
+        let mut parts: Vec<(String, f64, f64)> = Vec::new();
+        for (run, log) in kind.logs().iter().enumerate() {
+            let residuals = fit::residuals(kind, run, &model.terms, &model.unknowns[run])?;
+            let phases = kind.phases(run, &model.terms, &model.unknowns[run]);
+            let (first, last) = (log.readings.first()?.time, log.readings.last()?.time);
+            for (reading, r) in log.readings.iter().zip(residuals).filter(|(x, _)| x.channel == worst) {
+                let name = phases.iter().rev().find(|(_, from)| *from <= reading.time).map_or_else(
+                    || {
+                        let third = 3.0 * (reading.time - first) / (last - first).max(f64::MIN_POSITIVE);
+                        let name = ["first third", "second third", "last third"];
+                        name[usize::from(third >= 1.0) + usize::from(third >= 2.0)].to_owned()
+                    },
+                    |(name, _)| (*name).to_owned(),
+                );
+                match parts.iter_mut().find(|p| p.0 == name) {
+                    Some(part) => {
+                        part.1 += r * r;
+                        part.2 += 1.0;
+                    }
+                    None => parts.push((name, r * r, 1.0)),
+                }
+            }
+        }
+        let (phase, sum, n) = parts.into_iter().max_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2)))?;
+        let channel = &kind.channels()[worst];
+        Some(Unknown { channel: channel.name.clone(), phase, rms: (sum / n).sqrt() * channel.noise })
+    }
+}
+
+/// Legendre's polynomials 0 to `SHAPES` − 1 at x in [−1, 1].
+fn legendre(x: f64) -> [f64; SHAPES] {
+    let mut p = [1.0; SHAPES];
+    p[1] = x;
+    for k in 2..SHAPES {
+        let n = k as f64;
+        p[k] = ((2.0 * n - 1.0) * x * p[k - 1] - (n - 1.0) * p[k - 2]) / n;
+    }
+    p
+}
+
+/// Residuals of each run and channel as a series, with the place of each among all readings.
+struct Series {
+    channel: usize,
+    run: usize,
+    places: Vec<usize>,
+    shapes: Vec<Vec<f64>>,
+}
+
+fn series(kind: &dyn Kind) -> Vec<Series> {
+    let mut all = Vec::new();
+    let mut start = 0;
+    for (run, log) in kind.logs().iter().enumerate() {
+        for channel in 0..kind.channels().len() {
+            let places: Vec<usize> = (0..log.readings.len())
+                .filter(|i| log.readings[*i].channel == channel)
+                .map(|i| start + i)
+                .collect();
+            let n = places.len();
+            if n == 0 {
+                continue;
+            }
+            let mut shapes = vec![vec![0.0; n]; SHAPES.min(n / 2)];
+            for i in 0..n {
+                let at = legendre(2.0 * (i as f64 + 0.5) / n as f64 - 1.0);
+                for (shape, value) in shapes.iter_mut().zip(at) {
+                    shape[i] = value;
+                }
+            }
+            for shape in &mut shapes {
+                let size = fit::dot(shape, shape).sqrt();
+                shape.iter_mut().for_each(|x| *x /= size);
+            }
+            all.push(Series { channel, run, places, shapes });
+        }
+        start += log.readings.len();
+    }
+    all
+}
+
+/// What is compared with chance: level, smooth part, and the part that returns in every run, of each channel in turn.
+fn statistics(series: &[Series], channels: usize, residuals: &[f64]) -> [Vec<f64>; 3] {
+    let (mut level, mut smooth) = (vec![0.0; channels], vec![0.0; channels]);
+    let mut returning = vec![[0.0; SHAPES]; channels];
+    for s in series {
+        let values: Vec<f64> = s.places.iter().map(|&i| residuals[i]).collect();
+        level[s.channel] += fit::dot(&values, &values);
+        for (k, shape) in s.shapes.iter().enumerate() {
+            let part = fit::dot(shape, &values);
+            smooth[s.channel] += part * part;
+            returning[s.channel][k] += part;
+        }
+    }
+    [level, smooth, returning.iter().map(|parts| parts.iter().map(|p| p * p).sum()).collect()]
+}
+
+/// How well `model` fits, with a stated `level` of saying that it does not when it does.
+pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, random: &mut Pcg64) -> Fitness {
+    let channels = kind.channels().len();
+    let series = series(kind);
+    let residuals = Tangent::residuals(kind, model).unwrap_or_default();
+    let tangent = Tangent::new(kind, model, false);
+    let counts: Vec<f64> = (0..channels)
+        .map(|c| series.iter().filter(|s| s.channel == c).map(|s| s.places.len() as f64).sum::<f64>())
+        .collect();
+    let Some(tangent) = tangent.filter(|t| *t.bounds().last().unwrap_or(&0) == residuals.len()) else {
+        return Fitness {
+            level: vec![f64::NAN; channels],
+            whiteness: vec![f64::NAN; channels],
+            smooth: vec![f64::NAN; channels],
+            excess: f64::INFINITY,
+            alarm: f64::INFINITY,
+            is_off: true,
+            is_sure: false,
+        };
+    };
+    let found = statistics(&series, channels, &residuals);
+    let chance: Vec<[Vec<f64>; 3]> =
+        (0..draws.max(100)).map(|_| statistics(&series, channels, &tangent.chance(kind, random))).collect();
+    let is_sure = kind.channels().iter().all(|c| c.is_given);
+    // Each statistic in terms of its own scatter by chance; the most telling of them.
+    let scatter = |k: usize, c: usize| {
+        let values: Vec<f64> = chance.iter().map(|x| x[k][c]).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
+        (mean, square.sqrt().max(1e-9 * mean.abs()).max(1e-12))
+    };
+    let scatters: Vec<Vec<(f64, f64)>> = (0..3).map(|k| (0..channels).map(|c| scatter(k, c)).collect()).collect();
+    let most = |x: &[Vec<f64>; 3]| {
+        (0..3)
+            .flat_map(|k| (0..channels).map(move |c| (k, c)))
+            .map(|(k, c)| (x[k][c] - scatters[k][c].0) / scatters[k][c].1)
+            .fold(f64::NEG_INFINITY, f64::max)
+    };
+    let mut by_chance: Vec<f64> = chance.iter().map(most).collect();
+    by_chance.sort_by(f64::total_cmp);
+    // Beyond the greatest of what was drawn by a little: the level is finer than the draws tell.
+    let threshold = percentile(&by_chance, 1.0 - level) * 1.1;
+    let alarm = most(&found) / threshold.max(1e-9);
+    let mean_square: Vec<f64> = (0..channels).map(|c| found[0][c] / counts[c].max(1.0)).collect();
+    let smooth: Vec<f64> =
+        (0..channels).map(|c| (found[1][c] - scatters[1][c].0).max(0.0) / counts[c].max(1.0)).collect();
+    let matters = (0..channels).any(|c| {
+        mean_square[c] - scatters[0][c].0 / counts[c].max(1.0) > LEAST || smooth[c] > LEAST
+    });
+    let is_off = if is_sure { alarm > 1.0 && matters } else { returns(&series, channels, &residuals, level, random) };
+    let whiteness = (0..channels)
+        .map(|c| {
+            let (mut above, mut below) = (0.0, 1e-300);
+            for s in series.iter().filter(|s| s.channel == c) {
+                for pair in s.places.windows(2) {
+                    above += residuals[pair[0]] * residuals[pair[1]];
+                }
+                below += s.places.iter().map(|&i| residuals[i] * residuals[i]).sum::<f64>();
+            }
+            above / below
+        })
+        .collect();
+    let excess = (found[0].iter().sum::<f64>() - counts.iter().sum::<f64>()).max(0.0);
+    Fitness { level: mean_square, whiteness, smooth, excess, alarm, is_off, is_sure }
+}
+
+/// Whether the same smooth shape returns in the residuals of every run more than if the sign of each run's were drawn: what can be told
+/// where the noise is not known.
+fn returns(series: &[Series], channels: usize, residuals: &[f64], level: f64, random: &mut Pcg64) -> bool {
+    let runs = series.iter().map(|s| s.run + 1).max().unwrap_or(0);
+    if runs < RUNS {
+        return false;
+    }
+    let mut parts = vec![vec![[0.0; SHAPES]; channels]; runs];
+    let mut whole = 0.0;
+    for s in series {
+        let values: Vec<f64> = s.places.iter().map(|&i| residuals[i]).collect();
+        whole += fit::dot(&values, &values);
+        for (k, shape) in s.shapes.iter().enumerate() {
+            parts[s.run][s.channel][k] = fit::dot(shape, &values);
+        }
+    }
+    let statistic = |signs: &[f64]| {
+        let mut sum = 0.0;
+        for c in 0..channels {
+            for k in 0..SHAPES {
+                sum += (0..runs).map(|r| signs[r] * parts[r][c][k]).sum::<f64>().powi(2);
+            }
+        }
+        sum
+    };
+    let found = statistic(&vec![1.0; runs]);
+    let Ok(coin) = Bernoulli::new(0.5) else { return false };
+    let mut by_chance: Vec<f64> = (0..1000)
+        .map(|_| {
+            let signs: Vec<f64> = (0..runs).map(|_| if coin.sample(random) { 1.0 } else { -1.0 }).collect();
+            statistic(&signs)
+        })
+        .collect();
+    by_chance.sort_by(f64::total_cmp);
+    // Of the residuals' square, the part that returns.
+    found > percentile(&by_chance, 1.0 - level) && found / runs as f64 > 0.2 * whole
+}
+
+/// By how much more the residuals weigh than white noise of their standard deviation would: the greatest over channels of variance times
+/// correlation time, at least 1.
+pub(crate) fn inflation(kind: &dyn Kind, model: &Fit) -> f64 {
+    let Some(residuals) = Tangent::residuals(kind, model) else { return 1.0 };
+    let all = series(kind);
+    (0..kind.channels().len())
+        .map(|channel| {
+            let runs: Vec<Vec<f64>> = all
+                .iter()
+                .filter(|s| s.channel == channel)
+                .map(|s| s.places.iter().map(|&i| residuals[i]).collect())
+                .collect();
+            let n: usize = runs.iter().map(Vec::len).sum();
+            if n < 8 {
+                return 1.0;
+            }
+            let covariance = |lag: usize| -> f64 {
+                let pairs = runs.iter().flat_map(|s| s.iter().zip(s.iter().skip(lag)));
+                pairs.map(|(a, b)| a * b).sum::<f64>() / n as f64
+            };
+            let variance = covariance(0);
+            let mut time = 1.0;
+            let longest = runs.iter().map(Vec::len).max().unwrap_or(0) / 3;
+            for lag in 1..longest {
+                let part = covariance(lag) / variance.max(1e-300);
+                // Below what chance gives the tail says nothing.
+                if part < 3.0 / (n as f64).sqrt() {
+                    break;
+                }
+                time += 2.0 * part;
+            }
+            variance.max(1.0) * time
+        })
+        .fold(1.0, f64::max)
+}

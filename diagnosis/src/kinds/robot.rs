@@ -1,0 +1,330 @@
+//! Experiments with a robot or its leg: the bench, hops, jumps, and their outcomes.
+
+mod terms;
+
+use saltus_robot::{AbsolutePressure, Drive, GaugePressure, Robot};
+use terms::{Sensor, Switch, Term};
+
+use super::{FREE, Problem, unknown};
+use crate::experiment::{Experiment, Run, Sort};
+use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::noise;
+use crate::rig::{Course, Pose, Rig, Start};
+
+/// Firings of a robot, or of one of its legs.
+#[derive(Clone, Debug)]
+pub struct Firings {
+    sort: Sort,
+    robot: Robot,
+    channels: Vec<Channel>,
+    columns: Vec<Column>,
+    logs: Vec<Log>,
+    runs: Vec<Setting>,
+    causes: Vec<Cause>,
+    terms: Vec<Term>,
+    /// Whether the radius angle is 0 where the axle starts, and not where the foot stands.
+    from_axle: bool,
+}
+
+/// What the operator did.
+#[derive(Clone, Debug)]
+struct Setting {
+    load: f64,
+    supply: Option<f64>,
+    open: f64,
+    shut: f64,
+    /// Approach rate (rad/s), firing angle (rad) and valve opening (s) of each row of an outcome.
+    asked: Vec<[f64; 3]>,
+}
+
+/// What a column measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Column {
+    Position,
+    Pressure,
+    Lean,
+    Pivot,
+    Turn,
+    Rate,
+    Distance,
+    Apex,
+}
+
+impl Column {
+    fn named(name: &str) -> Option<Column> {
+        Some(match name {
+            "position_m" => Column::Position,
+            "pressure_pa" => Column::Pressure,
+            "wheel_angle_rad" => Column::Lean,
+            "pivot_angle_rad" => Column::Pivot,
+            "radius_angle_rad" => Column::Turn,
+            "wheel_rate_rad_s" => Column::Rate,
+            "distance_m" => Column::Distance,
+            "apex_m" => Column::Apex,
+            _ => return None,
+        })
+    }
+}
+
+/// Index of the gyro's tilt among the unknowns of a jump.
+const GYRO: usize = 2;
+
+impl Firings {
+    /// The experiment as firings of what the operator believes is `robot`.
+    ///
+    /// # Errors
+    /// [`Problem`] where the data and the robot do not go together.
+    pub fn new(experiment: &Experiment, robot: &Robot) -> Result<Firings, Problem> {
+        let is_pneumatic = matches!(robot.leg.drive, Drive::Pneumatic(_));
+        if experiment.kind == Sort::Bench && !is_pneumatic {
+            return Err(Problem::NotPneumatic { robot: robot.name.clone() });
+        }
+        let asked = |name: &str| experiment.columns.iter().position(|c| c == name);
+        let measured: Vec<(usize, Column)> = experiment
+            .columns
+            .iter()
+            .enumerate()
+            .filter_map(|(i, name)| Some((i, Column::named(name)?)))
+            .collect();
+        let columns: Vec<Column> = measured.iter().map(|m| m.1).collect();
+        let indices: Vec<usize> = measured.iter().map(|m| m.0).collect();
+        let channels = noise::channels(experiment, &indices);
+        let logs: Vec<Log> = experiment.runs.iter().map(|run| noise::log(run, &indices)).collect();
+        let requests = ["omega_rad_s", "alpha_f_rad", "valve_open_s"].map(asked);
+        let runs = experiment.runs.iter().map(|run| setting(run, &requests)).collect();
+        let (causes, terms) = terms::causes(experiment.kind, robot, &columns, &channels);
+        let mut firings = Firings {
+            sort: experiment.kind,
+            robot: robot.clone(),
+            channels,
+            columns,
+            logs,
+            runs,
+            causes,
+            terms,
+            from_axle: false,
+        };
+        firings.from_axle = firings.starts_at_axle();
+        Ok(firings)
+    }
+
+    /// Whether the radius angle starts nearer to 0 than where the axle is with the foot at 0.
+    fn starts_at_axle(&self) -> bool {
+        let (Some(turn), Some(lean)) = (
+            self.columns.iter().position(|c| *c == Column::Turn),
+            self.columns.iter().position(|c| *c == Column::Lean),
+        ) else {
+            return false;
+        };
+        let arm = self.robot.boom.map_or(1.0, |b| b.length);
+        let first = |log: &Log, channel: usize| {
+            let mut values: Vec<f64> =
+                log.readings.iter().filter(|r| r.channel == channel).take(5).map(|r| r.value).collect();
+            noise::median(&mut values)
+        };
+        let votes = self.logs.iter().map(|log| {
+            let (turn, lean) = (first(log, turn), first(log, lean));
+            let foot_at_0 = self.robot.body.radius * lean.sin() / arm;
+            if turn.abs() < (turn - foot_at_0).abs() { 1 } else { -1 }
+        });
+        votes.sum::<i32>() > 0
+    }
+
+    /// The robot of a run with the terms on.
+    fn at_work(&self, run: usize, terms: &Terms) -> (Robot, f64) {
+        let setting = &self.runs[run];
+        let mut robot = self.robot.clone();
+        let mut load = setting.load;
+        if let (Drive::Pneumatic(cylinder), Some(supply)) = (&mut robot.leg.drive, setting.supply) {
+            cylinder.supply = GaugePressure(supply);
+        }
+        self.switch_on(&mut robot, &mut load, terms);
+        (robot, load)
+    }
+
+    fn switch_on(&self, robot: &mut Robot, load: &mut f64, terms: &Terms) {
+        for (k, (term, cause)) in self.terms.iter().zip(&self.causes).enumerate() {
+            let values = terms.of(k);
+            if values.iter().zip(&cause.parameters).all(|(v, p)| *v == p.neutral) {
+                continue;
+            }
+            match term {
+                Term::Robot(apply) => apply(robot, values),
+                Term::Load => *load *= values[0],
+                Term::Sensor(..) => {}
+            }
+        }
+    }
+
+    fn course(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Course> {
+        let setting = &self.runs[run];
+        let (robot, load) = self.at_work(run, terms);
+        let end = self.logs[run].readings.last()?.time;
+        match self.sort {
+            Sort::Bench => Rig::bench(&robot, load).jump(Start::Rest, setting.open, setting.shut, Some(end)),
+            Sort::Hop => Rig::new(&robot).jump(Start::Rest, setting.open, setting.shut, Some(end)),
+            _ => {
+                let start = Start::Rolling { lean: unknowns[0], rate: unknowns[1] };
+                Rig::new(&robot).jump(start, setting.open, setting.shut, Some(end))
+            }
+        }
+    }
+
+    /// What a sensor of `column` makes of the pose, or of the outcome.
+    fn sensed(&self, column: Column, pose: &Pose, gyro: f64) -> f64 {
+        match column {
+            Column::Position => pose.extension.0,
+            Column::Pressure => pose.pressure.0,
+            Column::Lean => pose.lean.0,
+            Column::Pivot => pose.pivot.0,
+            Column::Turn => pose.turn.0,
+            Column::Rate => pose.lean.1 + gyro * pose.turn.1 * pose.pivot.0.sin(),
+            Column::Distance | Column::Apex => f64::NAN,
+        }
+    }
+
+    /// Gain, offset and delay of each channel.
+    fn sensors(&self, terms: &Terms) -> Vec<[f64; 3]> {
+        let mut all = vec![[1.0, 0.0, 0.0]; self.channels.len()];
+        for (k, term) in self.terms.iter().enumerate() {
+            if let Term::Sensor(channel, what) = term {
+                let value = terms.get(k, 0);
+                match what {
+                    Sensor::Gain => all[*channel][0] = value,
+                    Sensor::Offset => all[*channel][1] = value,
+                    Sensor::Delay => all[*channel][2] = value,
+                }
+            }
+        }
+        all
+    }
+
+    fn outcomes(&self, run: usize, terms: &Terms) -> Option<Vec<f64>> {
+        let (robot, _) = self.at_work(run, terms);
+        let rig = Rig::new(&robot);
+        let sensors = self.sensors(terms);
+        let mut last: Option<(f64, (f64, f64))> = None;
+        let mut out = Vec::with_capacity(self.logs[run].readings.len());
+        for reading in &self.logs[run].readings {
+            let outcome = match last {
+                Some((time, outcome)) if time == reading.time => outcome,
+                _ => {
+                    // The number of the row.
+                    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+                    let [rate, lean, open] = self.runs[run].asked[reading.time as usize];
+                    // One that does not jump lands where it stands.
+                    rig.outcome(lean, rate, open).unwrap_or((robot.body.radius, 0.0))
+                }
+            };
+            last = Some((reading.time, outcome));
+            let value = if self.columns[reading.channel] == Column::Apex { outcome.0 } else { outcome.1 };
+            let [gain, offset, _] = sensors[reading.channel];
+            out.push(gain * value + offset);
+        }
+        Some(out)
+    }
+}
+
+fn setting(run: &Run, asked: &[Option<usize>; 3]) -> Setting {
+    let of = |key: &str| run.settings.get(key).copied();
+    let (open, shut) = run.valve.unwrap_or((0.0, None));
+    let rows = match asked {
+        [Some(a), Some(b), Some(c)] => {
+            (0..run.time.len()).map(|row| [a, b, c].map(|k| run.values[*k][row])).collect()
+        }
+        _ => Vec::new(),
+    };
+    Setting {
+        load: of("load_mass_kg").unwrap_or(1.0),
+        supply: of("supply_pressure_gauge_pa"),
+        open,
+        shut: shut.unwrap_or(1e6),
+        asked: rows,
+    }
+}
+
+impl Kind for Firings {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn logs(&self) -> &[Log] {
+        &self.logs
+    }
+
+    /// Lean and rate of a jump at its first row, and on which side the gyro of a tilted boom feels its turn: by the geometry −1, by the
+    /// description of the data 1.
+    fn unknowns(&self, run: usize) -> Vec<Parameter> {
+        if self.sort != Sort::Jump {
+            return Vec::new();
+        }
+        let readings = &self.logs[run].readings;
+        let first = |column: Column| -> Option<(f64, f64)> {
+            let channel = self.columns.iter().position(|c| *c == column)?;
+            let here: Vec<_> = readings.iter().filter(|r| r.channel == channel).take(30).collect();
+            let mut values: Vec<f64> = here.iter().take(5).map(|r| r.value).collect();
+            let (a, b) = (here.first()?, here.last()?);
+            let slope = (b.value - a.value) / (b.time - a.time).max(1e-3);
+            Some((noise::median(&mut values), slope))
+        };
+        let lean = first(Column::Lean).map_or(-0.2, |f| f.0);
+        let rate = first(Column::Rate).map(|f| f.0).or_else(|| first(Column::Lean).map(|f| f.1)).unwrap_or(4.0);
+        let mut all = vec![
+            unknown("start_lean_rad", lean.clamp(-1.4, 1.4), (-1.5, 1.5), 1e-3),
+            unknown("start_rate_rad_s", rate.clamp(0.1, 50.0), (0.01, 60.0), 0.02),
+        ];
+        if self.columns.contains(&Column::Rate) && self.robot.boom.is_some() {
+            all.push(unknown("gyro_tilt", 1.0, (-1.0, 1.0), 0.2));
+        }
+        all
+    }
+
+    fn causes(&self) -> &[Cause] {
+        &self.causes
+    }
+
+    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+        if self.sort == Sort::Outcomes {
+            return self.outcomes(run, terms);
+        }
+        let course = self.course(run, terms, unknowns)?;
+        let sensors = self.sensors(terms);
+        let gyro = unknowns.get(GYRO).copied().unwrap_or(1.0);
+        let from = if self.from_axle { course.at(0.0, &mut 0).turn.0 } else { 0.0 };
+        let mut places = vec![0; self.channels.len()];
+        let readings = &self.logs[run].readings;
+        Some(
+            readings
+                .iter()
+                .map(|r| {
+                    let [gain, offset, delay] = sensors[r.channel];
+                    let pose = course.at(r.time - delay, &mut places[r.channel]);
+                    let column = self.columns[r.channel];
+                    let zero = if column == Column::Turn { from } else { 0.0 };
+                    gain * (self.sensed(column, &pose, gyro) - zero) + offset
+                })
+                .collect(),
+        )
+    }
+
+    fn phases(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Vec<(&'static str, f64)> {
+        if self.sort == Sort::Outcomes {
+            return Vec::new();
+        }
+        let Some(course) = self.course(run, terms, unknowns) else { return Vec::new() };
+        let mut all = vec![("pivot", f64::NEG_INFINITY), ("filling", self.runs[run].open)];
+        all.extend(course.breaks_away.map(|t| ("extension", t)));
+        all.extend(course.leaves.map(|t| ("flight", t)));
+        all
+    }
+
+    fn report(&self, cause: usize, values: &[f64]) -> Vec<(String, f64)> {
+        terms::report(&self.causes[cause], values)
+    }
+
+    fn robot(&self, terms: &Terms) -> Option<Robot> {
+        let mut robot = self.robot.clone();
+        self.switch_on(&mut robot, &mut 1.0, terms);
+        Some(robot)
+    }
+}

@@ -1,0 +1,75 @@
+//! How much a reading scatters, and readings out of columns.
+
+use crate::experiment::{Experiment, Run};
+use crate::kind::{Channel, Log, Reading};
+
+/// The channels of the columns `indices`: noise and quantisation as given, or from the data.
+pub(crate) fn channels(experiment: &Experiment, indices: &[usize]) -> Vec<Channel> {
+    indices
+        .iter()
+        .map(|&k| {
+            let (given, step) = (experiment.noise[k], experiment.resolution[k]);
+            let quantised = step.unwrap_or(0.0) / 12f64.sqrt();
+            let (noise, is_given) = match (given, step) {
+                (Some(noise), _) => (noise.hypot(quantised), true),
+                (None, Some(_)) => {
+                    // What the count does not explain.
+                    let seen = estimate(experiment, k);
+                    (if seen > 1.5 * quantised { seen } else { quantised }, seen <= 1.5 * quantised)
+                }
+                (None, None) => (estimate(experiment, k), false),
+            };
+            Channel { name: experiment.columns[k].clone(), noise, step: step.unwrap_or(0.0), is_given }
+        })
+        .collect()
+}
+
+/// Standard deviation of what changes from one reading to the next: from third differences, which a smooth course does not have, and
+/// their median, which outliers do not move. Never below what the values' own digits are worth.
+fn estimate(experiment: &Experiment, column: usize) -> f64 {
+    let mut differences = Vec::new();
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut count: f64 = f64::INFINITY;
+    for run in &experiment.runs {
+        let values: Vec<f64> = run.values[column].iter().copied().filter(|v| v.is_finite()).collect();
+        for w in values.windows(2) {
+            let change = (w[1] - w[0]).abs();
+            if change > 0.0 {
+                count = count.min(change);
+            }
+        }
+        for v in &values {
+            (low, high) = (low.min(*v), high.max(*v));
+        }
+        differences.extend(values.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs()));
+    }
+    // Σ of the squares of 1, 3, 3, 1 is 20; the median of |x| is 0.6745 of a standard deviation.
+    let seen = median(&mut differences) / (0.674_489_75 * 20f64.sqrt());
+    // A quantised column that mostly stands still shows no differences: its step does.
+    let least = if count.is_finite() { count / 12f64.sqrt() } else { 0.0 };
+    let span = (high - low).max(f64::MIN_POSITIVE);
+    if seen > 0.0 { seen.max(1e-9 * span) } else { least.max(1e-6 * span) }
+}
+
+/// The median; 0 of nothing.
+pub(crate) fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// The readings of a run, of the columns `indices`, in the order of time.
+pub(crate) fn log(run: &Run, indices: &[usize]) -> Log {
+    let mut readings = Vec::with_capacity(run.time.len() * indices.len());
+    for (row, &time) in run.time.iter().enumerate() {
+        for (channel, &k) in indices.iter().enumerate() {
+            let value = run.values[k][row];
+            if value.is_finite() {
+                readings.push(Reading { channel, time, value });
+            }
+        }
+    }
+    Log { name: run.name.clone(), readings }
+}

@@ -1,0 +1,584 @@
+//! One jump of a robot, fast enough to be fitted: phases, guards and resets, in fixed steps that end on every event.
+//!
+//! The model is that of the multi-body simulation (docs/model.md), in the five coordinates that one leg on the ground needs. It shares
+//! with it the force of the leg and nothing else; tests hold the two together for every term of a robot file.
+
+mod machine;
+
+use machine::{Answer, Coordinates, Foot, LEAN, LEG, Machine, PIVOT, TURN};
+use saltus_pneumatics::{Flow, GasState, Leg, Piece, Switches};
+use saltus_robot::Robot;
+
+/// How a jump begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Start {
+    /// On the retracted foot at a lean (rad), turning forward at a rate (rad/s).
+    Rolling {
+        /// Lean (rad), forward positive.
+        lean: f64,
+        /// Its rate (rad/s).
+        rate: f64,
+    },
+    /// Upright, at rest; on the bench the rod retracted under its load.
+    Rest,
+}
+
+/// What a robot does from a start on.
+#[derive(Clone, Debug, Default)]
+pub struct Course {
+    knots: Vec<Knot>,
+    /// Length of the boom (m), if there is one.
+    boom: Option<f64>,
+    /// Height of the axle on a retracted, upright leg (m).
+    radius: f64,
+    /// When (s) the leg begins to move.
+    pub breaks_away: Option<f64>,
+    /// When (s) the foot leaves the ground.
+    pub leaves: Option<f64>,
+}
+
+/// A place on a course.
+#[derive(Clone, Copy, Debug)]
+struct Knot {
+    time: f64,
+    q: Coordinates,
+    v: Coordinates,
+    height: (f64, f64),
+    pressure: (f64, f64),
+}
+
+/// What the sensors would read without error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pose {
+    /// Lean φ of the leg (rad), and its rate (rad/s).
+    pub lean: (f64, f64),
+    /// Pivot angle θ of the boom at its base (rad), and its rate; height of the axle (m) without a boom.
+    pub pivot: (f64, f64),
+    /// Radius angle ψ (rad), and its rate; travel of the axle (m) without a boom. The foot is at 0.
+    pub turn: (f64, f64),
+    /// Height of the axle (m), and its rate.
+    pub height: (f64, f64),
+    /// Extension of the leg (m), and its rate.
+    pub extension: (f64, f64),
+    /// Pressure in the chamber (Pa), and its rate.
+    pub pressure: (f64, f64),
+}
+
+/// A robot that jumps.
+#[derive(Clone, Debug)]
+pub struct Rig {
+    machine: Machine,
+    leg: Leg<f64>,
+    massless: bool,
+}
+
+/// What is left of a flight when nobody asks.
+const PATIENCE: f64 = 3.0;
+/// Steps (s): on soft ground, while the leg works, while gas flows past a leg in the air, and while nothing much happens. With them a
+/// jump is off by less than 1e-6 rad.
+const SOFT: f64 = 1.5e-4;
+const FINE: f64 = 1e-3;
+const MIDDLE: f64 = 2e-3;
+const COARSE: f64 = 6e-3;
+/// Events of one jump, beyond which it is taken as stuck.
+const EVENTS: usize = 300;
+/// A force (N) or a room that counts as none.
+const TINY: f64 = 1e-7;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Slide {
+    /// Until it is fired.
+    Latched,
+    Held,
+    Moves(f64),
+}
+
+#[derive(Clone, Copy, Debug)]
+struct State {
+    q: Coordinates,
+    v: Coordinates,
+    gas: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Mode {
+    foot: Foot,
+    leg: Slide,
+    energized: bool,
+    port_open: bool,
+    piece: Option<Piece<f64>>,
+}
+
+/// What ends a smooth phase.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Guard {
+    Lift,
+    Slip,
+    Grip,
+    Extend,
+    Retract,
+    Halt,
+    Stroke,
+    Stop,
+    Above,
+    Below,
+    Port,
+}
+
+impl Guard {
+    /// Whether it may be broken at the start of a step, by a jump in a force.
+    fn is_of_forces(self) -> bool {
+        matches!(self, Guard::Lift | Guard::Slip | Guard::Extend | Guard::Retract)
+    }
+}
+
+impl Rig {
+    /// The rig of `robot`.
+    pub fn new(robot: &Robot) -> Rig {
+        Rig {
+            machine: Machine::new(robot),
+            leg: Leg::new(robot, |_, x| x),
+            massless: robot.leg.body.mass == 0.0,
+        }
+    }
+
+    /// One leg of `robot` upright on the bench under a dead load (kg), which is all that it moves; at the end of its stroke it stays.
+    pub fn bench(robot: &Robot, load: f64) -> Rig {
+        Rig { machine: Machine::bench(robot, load), ..Rig::new(robot) }
+    }
+
+    /// What happens from `start` at time 0, when the valve is commanded open and shut at `open` and `shut` (s), up to `until` (s), or
+    /// until the axle is back at its height on a retracted, upright leg; none where the motion cannot go on.
+    pub fn jump(&self, start: Start, open: f64, shut: f64, until: Option<f64>) -> Option<Course> {
+        let mut run = Run::new(self, start)?;
+        let (fire, release) = (open + self.leg.delay, shut + self.leg.delay);
+        let end = until.unwrap_or(PATIENCE);
+        let mut marks = [(open, 0), (fire, 1), (release, 2)];
+        marks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (time, what) in marks {
+            run.go(time.min(end), until.is_none())?;
+            if time >= end || run.landed {
+                break;
+            }
+            match what {
+                0 => run.unlatch(),
+                1 => run.switch(release > fire),
+                _ => run.switch(false),
+            }
+        }
+        run.go(end, until.is_none())?;
+        Some(run.course)
+    }
+
+    /// The greatest height of the axle (m) and its travel (m) from the foot when it is back at its height on the retracted leg, of a
+    /// jump that begins where it fires.
+    pub fn outcome(&self, lean: f64, rate: f64, valve_open: f64) -> Option<(f64, f64)> {
+        let course = self.jump(Start::Rolling { lean, rate }, 0.0, valve_open, None)?;
+        course.leaves?;
+        course.apex_and_landing()
+    }
+}
+
+struct Run<'a> {
+    rig: &'a Rig,
+    time: f64,
+    state: State,
+    mode: Mode,
+    course: Course,
+    events: usize,
+    landed: bool,
+}
+
+impl<'a> Run<'a> {
+    fn new(rig: &'a Rig, start: Start) -> Option<Run<'a>> {
+        let machine = &rig.machine;
+        let (q, v) = match start {
+            _ if machine.is_bench() => (Coordinates::zeros(), Coordinates::zeros()),
+            Start::Rolling { lean, rate } => machine.stand(lean, rate, 0.0)?,
+            Start::Rest => {
+                // At rest soft ground has given way.
+                let (q, v) = machine.stand(0.0, 0.0, 0.0)?;
+                match machine.floor.soft {
+                    Some((k, _)) => {
+                        let rigid = machine.on_rigid_ground();
+                        let weight = rigid.solve(&q, &v, 0.0, true, Foot::Stands)?.ground[0];
+                        machine.stand(0.0, 0.0, weight / k)?
+                    }
+                    None => (q, v),
+                }
+            }
+        };
+        let (piece, gas) = match rig.leg.chamber() {
+            Some(chamber) => {
+                let piece = Piece::new(chamber, false, chamber.ambient, 0.0, false);
+                (Some(piece), chamber.variable(piece.flow, chamber.ambient))
+            }
+            None => (None, 0.0),
+        };
+        let foot = if machine.is_bench() { Foot::Flies } else { Foot::Stands };
+        let mode = Mode { foot, leg: Slide::Latched, energized: false, port_open: false, piece };
+        let course = Course { boom: machine.boom(), radius: machine.radius, ..Course::default() };
+        let mut run = Run { rig, time: 0.0, state: State { q, v, gas }, mode, course, events: 0, landed: false };
+        run.record();
+        Some(run)
+    }
+
+    fn record(&mut self) {
+        let State { q, v, .. } = self.state;
+        let height = self.rig.machine.height(&q, &v);
+        let pressure = self.gas(&self.state).map_or((0.0, 0.0), |(gas, rate)| {
+            (gas.pressure, rate * gas.pressure_per_variable)
+        });
+        self.course.knots.push(Knot { time: self.time, q, v, height, pressure });
+    }
+
+    fn unlatch(&mut self) {
+        self.mode.leg = Slide::Held;
+    }
+
+    fn switch(&mut self, energized: bool) {
+        self.mode.energized = energized;
+        self.renew(0.0);
+    }
+
+    /// The piece of the gas law at the present pressure, or just above or below it.
+    fn renew(&mut self, side: f64) {
+        if let (Some(chamber), Some(piece)) = (self.rig.leg.chamber(), &self.mode.piece) {
+            let pressure = chamber.pressure(piece.flow, self.state.gas);
+            let piece = Piece::new(chamber, self.mode.energized, pressure, side, self.mode.port_open);
+            self.state.gas = chamber.variable(piece.flow, pressure);
+            self.mode.piece = Some(piece);
+        }
+    }
+
+    /// The gas, and how its variable changes; none without a chamber.
+    fn gas(&self, s: &State) -> Option<(GasState<f64>, f64)> {
+        let (chamber, piece) = (self.rig.leg.chamber()?, self.mode.piece.as_ref()?);
+        let speed = if matches!(self.mode.leg, Slide::Moves(_)) { s.v[LEG] } else { 0.0 };
+        Some(piece.gas(chamber, s.gas, s.q[LEG], speed))
+    }
+
+    /// Force (N) along the leg without dry friction, and that friction.
+    fn push(&self, s: &State, pressure: f64) -> (f64, f64) {
+        let leg = &self.rig.leg;
+        let d = s.q[LEG];
+        let cushioned = leg.cushion_start().is_some_and(|c| d > c);
+        let switches = Switches { energized: self.mode.energized, cushioned };
+        let dry = leg.dry_friction(pressure);
+        (leg.force(switches, d, s.v[LEG], pressure).value + dry, dry)
+    }
+
+    /// Accelerations, what the ground does, how the gas changes; and dry friction of the leg.
+    fn look(&self, s: &State) -> Option<(Answer, f64, f64)> {
+        let (pressure, rate) = match self.mode.leg {
+            Slide::Latched => (0.0, 0.0),
+            _ => self.gas(s).map_or((0.0, 0.0), |(gas, rate)| (gas.pressure, rate)),
+        };
+        let (push, dry) = match self.mode.leg {
+            Slide::Latched => (0.0, 0.0),
+            _ => self.push(s, pressure),
+        };
+        let (force, held) = match self.mode.leg {
+            Slide::Moves(way) => (push - way * dry, false),
+            _ => (push, true),
+        };
+        let answer = self.rig.machine.solve(&s.q, &s.v, force, held, self.mode.foot)?;
+        Some((answer, rate, dry))
+    }
+
+    /// A Runge–Kutta step of `h`, whose first stage is given.
+    fn step(&self, first: &(Answer, f64, f64), h: f64) -> Option<State> {
+        let s = &self.state;
+        let at = |v: &Coordinates, k: &(Answer, f64, f64), h: f64| State {
+            q: s.q + v * h,
+            v: s.v + k.0.acceleration * h,
+            gas: s.gas + h * k.1,
+        };
+        let a = first;
+        let s2 = at(&s.v, a, 0.5 * h);
+        let b = self.look(&s2)?;
+        let s3 = at(&s2.v, &b, 0.5 * h);
+        let c = self.look(&s3)?;
+        let s4 = at(&s3.v, &c, h);
+        let d = self.look(&s4)?;
+        let w = h / 6.0;
+        let next = State {
+            q: s.q + (s.v + (s2.v + s3.v) * 2.0 + s4.v) * w,
+            v: s.v + (a.0.acceleration + (b.0.acceleration + c.0.acceleration) * 2.0 + d.0.acceleration) * w,
+            gas: s.gas + w * (a.1 + 2.0 * (b.1 + c.1) + d.1),
+        };
+        let is_finite = next.q.iter().chain(next.v.iter()).all(|x| x.is_finite());
+        (is_finite && (next.gas > 0.0 || self.mode.piece.is_none())).then_some(next)
+    }
+
+    /// Values that are above 0 while the mode lasts.
+    fn guards(&self, s: &State, (answer, _, dry): &(Answer, f64, f64), out: &mut Vec<(Guard, f64)>) {
+        out.clear();
+        let machine = &self.rig.machine;
+        if self.mode.foot != Foot::Flies {
+            out.push((Guard::Lift, answer.ground[0]));
+            let standing = machine.floor.friction.0;
+            match self.mode.foot {
+                Foot::Stands if standing.is_finite() => {
+                    out.push((Guard::Slip, standing * answer.ground[0] - answer.ground[1].abs()));
+                }
+                Foot::Slips(way) => {
+                    let (_, [_, along], _) = machine.contact(&s.q, &s.v);
+                    out.push((Guard::Grip, way * along));
+                }
+                _ => {}
+            }
+        }
+        let (d, stroke) = (s.q[LEG], self.rig.leg.stroke);
+        match self.mode.leg {
+            Slide::Latched => return,
+            Slide::Held => {
+                if d < stroke {
+                    out.push((Guard::Extend, dry - answer.hold));
+                }
+                if d > 0.0 && !(machine.is_bench() && d >= stroke) {
+                    out.push((Guard::Retract, dry + answer.hold));
+                }
+            }
+            Slide::Moves(way) => {
+                if way > 0.0 {
+                    out.push((Guard::Stroke, stroke - d));
+                } else {
+                    out.push((Guard::Stop, d));
+                }
+                out.push((Guard::Halt, way * s.v[LEG]));
+            }
+        }
+        if let (Some(chamber), Some(piece)) = (self.rig.leg.chamber(), &self.mode.piece) {
+            let (above, below) = piece.guards(s.gas);
+            out.push((Guard::Above, -above));
+            out.push((Guard::Below, -below));
+            if let Some(port) = chamber.port() {
+                out.push((Guard::Port, if self.mode.port_open { d - port } else { port - d }));
+            }
+        }
+    }
+
+    fn longest(&self) -> f64 {
+        if self.mode.foot != Foot::Flies && self.rig.machine.floor.soft.is_some() {
+            return SOFT;
+        }
+        match self.mode.leg {
+            Slide::Latched => COARSE,
+            Slide::Held if self.mode.foot == Foot::Flies && !self.rig.machine.is_bench() => {
+                let is_empty = self.mode.piece.is_none_or(|p| p.flow == Flow::ExhaustBalanced);
+                if is_empty { COARSE } else { MIDDLE }
+            }
+            _ => FINE,
+        }
+    }
+
+    /// Goes on to the time `end`, or if `lands`, to the landing.
+    fn go(&mut self, end: f64, lands: bool) -> Option<()> {
+        let (mut before, mut after) = (Vec::new(), Vec::new());
+        while self.time < end - 1e-12 && !self.landed {
+            let first = self.look(&self.state)?;
+            self.guards(&self.state, &first, &mut before);
+            if let Some(&(guard, _)) = before.iter().find(|(g, x)| g.is_of_forces() && *x < -TINY) {
+                self.happen(guard, &first.0)?;
+                continue;
+            }
+            let mut h = self.longest().min(end - self.time);
+            let mut next = self.step(&first, h)?;
+            let mut last = self.look(&next)?;
+            self.guards(&next, &last, &mut after);
+            let mut hit = None;
+            // The earliest of what is broken at the end of the step.
+            while let Some(k) = (0..after.len()).find(|&k| after[k].1 < 0.0 && Some(after[k].0) != hit) {
+                let guard = after[k].0;
+                if before[k].1 < 0.0 && !guard.is_of_forces() && after[k].1 >= before[k].1 {
+                    after[k].1 = 0.0;
+                    continue;
+                }
+                h = self.locate(&first, k, (before[k].1.max(0.0), after[k].1), h)?;
+                hit = Some(guard);
+                next = self.step(&first, h)?;
+                last = self.look(&next)?;
+                self.guards(&next, &last, &mut after);
+            }
+            self.time += h;
+            self.state = next;
+            if h > 0.0 {
+                self.record();
+            }
+            if let Some(guard) = hit {
+                self.happen(guard, &last.0)?;
+            }
+            if lands && self.mode.foot == Foot::Flies {
+                let (height, rate) = self.rig.machine.height(&self.state.q, &self.state.v);
+                self.landed = height < self.rig.machine.radius && rate < 0.0;
+            }
+            if self.state.q[LEAN].abs() > 3.0 && self.mode.foot != Foot::Flies {
+                // Fallen over.
+                return None;
+            }
+        }
+        Some(())
+    }
+
+    /// Length of the step at whose end guard number `k` is 0, just past it: regula falsi (Illinois).
+    fn locate(&self, first: &(Answer, f64, f64), k: usize, ends: (f64, f64), h: f64) -> Option<f64> {
+        let (mut a, mut b, mut fa, mut fb) = (0.0, h, ends.0, ends.1);
+        if fa == 0.0 {
+            return Some(0.0);
+        }
+        let size = fa.abs().max(fb.abs());
+        let mut guards = Vec::new();
+        for _ in 0..40 {
+            let c = (a * fb - b * fa) / (fb - fa);
+            let state = self.step(first, c)?;
+            let there = self.look(&state)?;
+            self.guards(&state, &there, &mut guards);
+            let fc = guards.get(k)?.1;
+            if fc.abs() <= 1e-12 * size || b - a < 1e-14 {
+                return Some(c);
+            }
+            if fc * fb < 0.0 {
+                (a, fa) = (b, fb);
+            } else {
+                fa *= 0.5;
+            }
+            (b, fb) = (c, fc);
+            if a > b {
+                std::mem::swap(&mut a, &mut b);
+                std::mem::swap(&mut fa, &mut fb);
+            }
+        }
+        Some(b)
+    }
+
+    fn happen(&mut self, guard: Guard, answer: &Answer) -> Option<()> {
+        self.events += 1;
+        if self.events > EVENTS {
+            return None;
+        }
+        match guard {
+            Guard::Lift => {
+                self.leave();
+            }
+            Guard::Slip => self.mode.foot = Foot::Slips(-answer.ground[1].signum()),
+            Guard::Grip => self.mode.foot = Foot::Stands,
+            Guard::Extend => {
+                self.mode.leg = Slide::Moves(1.0);
+                self.course.breaks_away.get_or_insert(self.time);
+            }
+            Guard::Retract => self.mode.leg = Slide::Moves(-1.0),
+            Guard::Halt => {
+                self.state.v[LEG] = 0.0;
+                self.mode.leg = Slide::Held;
+            }
+            Guard::Stroke => {
+                self.state.q[LEG] = self.rig.leg.stroke;
+                self.stop()?;
+                if self.mode.foot != Foot::Flies {
+                    self.leave();
+                }
+            }
+            Guard::Stop => {
+                self.state.q[LEG] = 0.0;
+                self.stop()?;
+            }
+            Guard::Above => self.renew(1.0),
+            Guard::Below => self.renew(-1.0),
+            Guard::Port => {
+                self.mode.port_open = !self.mode.port_open;
+                self.renew(0.0);
+            }
+        }
+        Some(())
+    }
+
+    /// The foot leaves the ground; a leg without mass then stays as it is.
+    fn leave(&mut self) {
+        self.mode.foot = Foot::Flies;
+        self.course.leaves = Some(self.time);
+        if self.rig.massless && !self.rig.machine.is_bench() {
+            self.mode.leg = Slide::Latched;
+            self.state.v[LEG] = 0.0;
+        }
+    }
+
+    /// The leg meets an end of its stroke.
+    fn stop(&mut self) -> Option<()> {
+        self.state.v = self.rig.machine.stop_leg(&self.state.q, &self.state.v)?;
+        self.state.v[LEG] = 0.0;
+        self.mode.leg = Slide::Held;
+        self.record();
+        Some(())
+    }
+}
+
+/// Value and slope at `s` in [0, 1] of the cubic with these ends; the slopes are for the whole length `h`.
+fn hermite(a: (f64, f64), b: (f64, f64), s: f64, h: f64) -> (f64, f64) {
+    let (da, db) = (a.1 * h, b.1 * h);
+    let rise = b.0 - a.0;
+    let (c2, c3) = (3.0 * rise - 2.0 * da - db, da + db - 2.0 * rise);
+    let value = a.0 + s * (da + s * (c2 + s * c3));
+    let slope = da + s * (2.0 * c2 + 3.0 * s * c3);
+    (value, if h > 0.0 { slope / h } else { a.1 })
+}
+
+impl Course {
+    /// The pose at the time (s); before the start and after the end it is the first and the last. `place` is where the last one was found.
+    pub fn at(&self, time: f64, place: &mut usize) -> Pose {
+        let knots = &self.knots;
+        if *place + 1 >= knots.len() || knots[*place].time > time {
+            *place = 0;
+        }
+        while *place + 2 < knots.len() && knots[*place + 1].time < time {
+            *place += 1;
+        }
+        let (a, b) = (&knots[*place], &knots[(*place + 1).min(knots.len() - 1)]);
+        let h = b.time - a.time;
+        let s = if h > 0.0 { ((time - a.time) / h).clamp(0.0, 1.0) } else { 1.0 };
+        let of = |k: usize| hermite((a.q[k], a.v[k]), (b.q[k], b.v[k]), s, h);
+        Pose {
+            lean: of(LEAN),
+            pivot: of(PIVOT),
+            turn: of(TURN),
+            height: hermite(a.height, b.height, s, h),
+            extension: of(LEG),
+            pressure: hermite(a.pressure, b.pressure, s, h),
+        }
+    }
+
+    /// Last time (s).
+    pub fn end(&self) -> f64 {
+        self.knots.last().map_or(0.0, |k| k.time)
+    }
+
+    fn apex_and_landing(&self) -> Option<(f64, f64)> {
+        let apex = self.knots.windows(2).find(|w| w[0].height.1 > 0.0 && w[1].height.1 <= 0.0);
+        let top = match apex {
+            Some([a, b]) => {
+                let h = b.time - a.time;
+                hermite(a.height, b.height, root(|s| hermite(a.height, b.height, s, h).1), h).0
+            }
+            _ => self.knots.iter().map(|k| k.height.0).fold(0.0, f64::max),
+        };
+        let [.., a, b] = &self.knots[..] else { return None };
+        let h = b.time - a.time;
+        let s = root(|s| hermite(a.height, b.height, s, h).0 - self.radius);
+        let turn = hermite((a.q[TURN], a.v[TURN]), (b.q[TURN], b.v[TURN]), s, h).0;
+        Some((top, turn * self.boom.unwrap_or(1.0)))
+    }
+}
+
+/// Where a function that falls through 0 on [0, 1] does so.
+fn root(f: impl Fn(f64) -> f64) -> f64 {
+    let (mut a, mut b) = (0.0, 1.0);
+    for _ in 0..60 {
+        let c = 0.5 * (a + b);
+        if f(c) > 0.0 {
+            a = c;
+        } else {
+            b = c;
+        }
+    }
+    0.5 * (a + b)
+}

@@ -1,0 +1,236 @@
+//! The model near a fit: what small changes would do, what chance alone does, and how surely parameters are known.
+
+use nalgebra::{DMatrix, DVector};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+
+use crate::fit::{Fit, Place, derivative, dot, predicted, residuals, weight};
+use crate::kind::Kind;
+use crate::parallel;
+
+/// Directions in the space of all readings, in standard deviations, one value for each reading of each run in turn.
+pub(crate) struct Tangent {
+    /// For each candidate, directions clear of what the unknowns and the causes that are on can do; how many parameters it has.
+    pub candidates: Vec<Direction>,
+    /// Directions of the causes that are on, clear of the unknowns, in units of the parameters' scales.
+    on: Vec<Vec<f64>>,
+    /// The same, orthonormal.
+    clear: Vec<Vec<f64>>,
+    /// Orthonormal directions of the unknowns of each run, within the run.
+    own: Vec<Vec<Vec<f64>>>,
+    /// What the model says, in standard deviations.
+    predicted: Vec<f64>,
+    /// Where each run begins, and the end.
+    bounds: Vec<usize>,
+}
+
+/// What a candidate could do to the readings.
+pub(crate) struct Direction {
+    pub cause: usize,
+    columns: Vec<Vec<f64>>,
+    /// Inverse of the columns' products.
+    inverse: DMatrix<f64>,
+    /// Whether the first parameter can only grow.
+    one_sided: bool,
+}
+
+impl Direction {
+    /// By how much the loss of `residuals` would fall.
+    pub fn gain(&self, residuals: &[f64]) -> f64 {
+        let g = DVector::from_iterator(self.columns.len(), self.columns.iter().map(|c| dot(c, residuals)));
+        let step = &self.inverse * &g;
+        if self.one_sided && step[0] < 0.0 { 0.0 } else { g.dot(&step) }
+    }
+}
+
+/// Takes from `column` what the orthonormal directions `own` of each run can do.
+fn clear_own(column: &mut [f64], own: &[Vec<Vec<f64>>], bounds: &[usize]) {
+    for (run, directions) in own.iter().enumerate() {
+        let here = &mut column[bounds[run]..bounds[run + 1]];
+        for direction in directions {
+            let part = dot(direction, here);
+            for (x, d) in here.iter_mut().zip(direction) {
+                *x -= part * d;
+            }
+        }
+    }
+}
+
+/// Orthonormal directions that span `columns`, those that are not nearly in the span of the ones before.
+fn orthonormal(columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let mut all: Vec<Vec<f64>> = Vec::new();
+    for mut column in columns {
+        let whole = dot(&column, &column);
+        for _ in 0..2 {
+            for other in &all {
+                let part = dot(other, &column);
+                for (x, o) in column.iter_mut().zip(other) {
+                    *x -= part * o;
+                }
+            }
+        }
+        let left = dot(&column, &column);
+        if left > 1e-12 * whole && left > 0.0 {
+            let size = left.sqrt();
+            column.iter_mut().for_each(|x| *x /= size);
+            all.push(column);
+        }
+    }
+    all
+}
+
+impl Tangent {
+    /// Around `fit`, with every cause that is not on as a candidate where `with_candidates`.
+    pub fn new(kind: &dyn Kind, fit: &Fit, with_candidates: bool) -> Option<Tangent> {
+        let runs = kind.logs().len();
+        let here: Vec<Vec<f64>> = (0..runs)
+            .map(|run| predicted(kind, run, &fit.terms, &fit.unknowns[run]))
+            .collect::<Option<_>>()?;
+        let mut bounds = vec![0];
+        for values in &here {
+            bounds.push(bounds[bounds.len() - 1] + values.len());
+        }
+        let own = parallel::map(runs, |run| {
+            let parameters = kind.unknowns(run);
+            let columns = parameters.iter().enumerate().map(|(k, p)| {
+                let place = (Place::Own(k), p);
+                derivative(kind, run, &fit.terms, &fit.unknowns[run], &here[run], place)
+            });
+            columns.collect::<Option<Vec<_>>>().map(orthonormal)
+        });
+        let own: Vec<Vec<Vec<f64>>> = own.into_iter().collect::<Option<_>>()?;
+        let on: Vec<(usize, usize)> = fit
+            .causes
+            .iter()
+            .flat_map(|&c| (0..kind.causes()[c].parameters.len()).map(move |p| (c, p)))
+            .collect();
+        let column = |fit: &Fit, here: &[Vec<f64>], c: usize, p: usize| -> Option<Vec<f64>> {
+            let parameter = &kind.causes()[c].parameters[p];
+            let mut all = Vec::with_capacity(bounds[runs]);
+            for run in 0..runs {
+                let place = (Place::Shared(c, p), parameter);
+                all.extend(derivative(kind, run, &fit.terms, &fit.unknowns[run], &here[run], place)?);
+            }
+            clear_own(&mut all, &own, &bounds);
+            Some(all)
+        };
+        let on = parallel::map(on.len(), |k| column(fit, &here, on[k].0, on[k].1));
+        let on: Vec<Vec<f64>> = on.into_iter().collect::<Option<_>>()?;
+        let clear = orthonormal(on.clone());
+        let off: Vec<usize> =
+            (0..kind.causes().len()).filter(|c| with_candidates && !fit.causes.contains(c)).collect();
+        let candidates = parallel::map(off.len(), |k| {
+            let cause = off[k];
+            let spec = &kind.causes()[cause];
+            let raw: Vec<Vec<f64>> = if spec.is_apart() {
+                // From none to a start, all at once.
+                let mut moved = fit.clone();
+                for (p, parameter) in spec.parameters.iter().enumerate() {
+                    moved.terms.set(cause, p, parameter.starts.first().copied().unwrap_or(parameter.bounds.0));
+                }
+                let mut all = Vec::with_capacity(bounds[runs]);
+                for run in 0..runs {
+                    let there = predicted(kind, run, &moved.terms, &moved.unknowns[run])?;
+                    all.extend(there.iter().zip(&here[run]).map(|(t, h)| t - h));
+                }
+                clear_own(&mut all, &own, &bounds);
+                vec![all]
+            } else {
+                (0..spec.parameters.len()).filter_map(|p| column(fit, &here, cause, p)).collect()
+            };
+            let mut columns: Vec<Vec<f64>> = Vec::new();
+            for mut column in raw {
+                let whole = dot(&column, &column);
+                for other in &clear {
+                    let part = dot(other, &column);
+                    for (x, o) in column.iter_mut().zip(other) {
+                        *x -= part * o;
+                    }
+                }
+                let left = dot(&column, &column);
+                if left > 1e-8 * whole && left > 1e-20 {
+                    let size = left.sqrt();
+                    column.iter_mut().for_each(|x| *x /= size);
+                    columns.push(column);
+                }
+            }
+            let n = columns.len();
+            let products = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]));
+            let inverse = products.try_inverse()?;
+            let first = &spec.parameters[0];
+            let one_sided = spec.is_apart() || first.neutral <= first.bounds.0;
+            (n > 0).then_some(Direction { cause, columns, inverse, one_sided })
+        });
+        let candidates = candidates.into_iter().flatten().collect();
+        Some(Tangent { candidates, on, clear, own, predicted: here.concat(), bounds })
+    }
+
+    /// The residuals of `fit` in standard deviations, outliers cut.
+    pub fn residuals(kind: &dyn Kind, fit: &Fit) -> Option<Vec<f64>> {
+        let mut all = Vec::new();
+        for run in 0..kind.logs().len() {
+            all.extend(residuals(kind, run, &fit.terms, &fit.unknowns[run])?);
+        }
+        all.iter_mut().for_each(|r| *r *= weight(*r));
+        Some(all)
+    }
+
+    /// Residuals (standard deviations) that chance alone would leave: noise and quantisation as in the data, fitted again.
+    pub fn chance(&self, kind: &dyn Kind, random: &mut Pcg64) -> Vec<f64> {
+        let mut all = Vec::with_capacity(self.predicted.len());
+        for (run, log) in kind.logs().iter().enumerate() {
+            for (reading, value) in log.readings.iter().zip(&self.predicted[self.bounds[run]..]) {
+                let channel = &kind.channels()[reading.channel];
+                let z: f64 = StandardNormal.sample(random);
+                let drawn = if channel.step > 0.0 {
+                    let step = channel.step / channel.noise;
+                    let white = (1.0 - step * step / 12.0).max(0.0).sqrt();
+                    ((value + white * z) / step).round() * step - value
+                } else {
+                    z
+                };
+                all.push(drawn);
+            }
+        }
+        self.clear(&mut all);
+        all
+    }
+
+    /// Takes from residuals what the unknowns and the causes that are on can explain.
+    fn clear(&self, residuals: &mut [f64]) {
+        clear_own(residuals, &self.own, &self.bounds);
+        for direction in &self.clear {
+            let part = dot(direction, residuals);
+            for (x, d) in residuals.iter_mut().zip(direction) {
+                *x -= part * d;
+            }
+        }
+    }
+
+    /// Covariance of the parameters of the causes that are on, in units of their scales, and the eigenvalues of their information when
+    /// each alone has information 1, with the direction of the least.
+    pub fn covariance(&self) -> (DMatrix<f64>, f64, Vec<f64>) {
+        let n = self.on.len();
+        if n == 0 {
+            return (DMatrix::zeros(0, 0), 1.0, Vec::new());
+        }
+        let information = DMatrix::from_fn(n, n, |i, j| dot(&self.on[i], &self.on[j]));
+        let sizes: Vec<f64> = (0..n).map(|i| information[(i, i)].sqrt().max(1e-150)).collect();
+        let scaled = DMatrix::from_fn(n, n, |i, j| information[(i, j)] / (sizes[i] * sizes[j]));
+        let eigen = scaled.symmetric_eigen();
+        let least = eigen.eigenvalues.imin();
+        let mut inverse = DMatrix::zeros(n, n);
+        for k in 0..n {
+            let v = eigen.eigenvectors.column(k);
+            inverse += v * v.transpose() / eigen.eigenvalues[k].max(1e-12);
+        }
+        let covariance = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (sizes[i] * sizes[j]));
+        let direction = eigen.eigenvectors.column(least).iter().copied().collect();
+        (covariance, eigen.eigenvalues[least], direction)
+    }
+
+    /// Where each run begins among all readings, and the end.
+    pub fn bounds(&self) -> &[usize] {
+        &self.bounds
+    }
+}
