@@ -3,6 +3,9 @@
 use super::error::Error;
 use super::spec::{Channel, Spec, Still};
 
+/// So many values that are all the same cannot be chance; of fewer, a coarse sensor may give them.
+const TELLING: usize = 8;
+
 /// A column so far.
 #[derive(Debug)]
 pub(super) struct Tally {
@@ -38,7 +41,8 @@ impl Tally {
     pub(super) fn judge(&self, file: &str, name: &str, spec: &Spec) -> Result<Option<String>, Error> {
         let rows = self.values + self.missing;
         let column = self.channel.name;
-        let all = if self.missing == 0 { format!("all {rows}") } else { format!("all {} filled", self.values) };
+        let all =
+            if self.missing == 0 { format!("all {rows}") } else { format!("all {} filled", self.values) };
         if self.values == 0 {
             return Err(Error::signal(file, column, format!("is empty in all {rows} rows")));
         }
@@ -48,11 +52,13 @@ impl Tally {
             return Err(Error::signal(file, column, symptom));
         }
         match self.channel.still {
-            Still::Dead if !self.changes => {
+            Still::Dead if !self.changes && self.values >= TELLING => {
                 let symptom = format!("is {} in {all} rows: the sensor seems dead", self.first);
                 Err(Error::signal(file, column, symptom))
             }
-            Still::Odd if !self.changes => Ok(Some(format!("{name}: {column} is {} in {all} rows", self.first))),
+            Still::Dead | Still::Odd if !self.changes => {
+                Ok(Some(format!("{name}: {column} is {} in {all} rows", self.first)))
+            }
             _ => Ok(None),
         }
     }

@@ -10,7 +10,7 @@ use super::spec::Spec;
 /// A step so many times the usual one is a gap.
 const GAP: f64 = 10.0;
 /// Most rows that are read again to say what is wrong with their order.
-const MOST_AGAIN: usize = 1_000_000;
+const MOST_AGAIN: usize = 4_000_000;
 
 /// The times of the rows that count.
 #[derive(Debug, Default)]
@@ -56,7 +56,9 @@ impl Clock {
         // What is kept of a long run has wider steps than the run.
         let usual = steps.get(steps.len() / 2)? * kept.len() as f64 / rows as f64;
         let wide = to - from > GAP * usual;
-        wide.then(|| format!("{name}:{line}: no row between {from} and {to} s, where {usual:.2e} s is the usual step"))
+        wide.then(|| {
+            format!("{name}:{line}: no row between {from} and {to} s, where {usual:.2e} s is the usual step")
+        })
     }
 }
 
@@ -65,10 +67,15 @@ pub(super) fn disorder(path: &Path, file: &str, line: u64, column: usize, times:
     let (last, time) = times;
     let place = format!("{file}:{line}");
     if last == time {
-        return Error::signal(place, "time_s", format!("= {time} is also that of the row before: it must increase"));
+        return Error::signal(
+            place,
+            "time_s",
+            format!("= {time} is also that of the row before: it must increase"),
+        );
     }
     let cause = match again(path, column) {
         Some(Order::Shuffled) => "; the rows only are shuffled: sort them by time",
+        Some(Order::Single) => "; without this row or the one before it all would be in order",
         Some(Order::Restarted) => "; the clock starts again: a file must be one run",
         None => "",
     };
@@ -76,10 +83,13 @@ pub(super) fn disorder(path: &Path, file: &str, line: u64, column: usize, times:
 }
 
 /// What is wrong with the order of times.
+#[derive(Debug, PartialEq)]
 enum Order {
     /// All differ.
     Shuffled,
-    /// They increase but for one fall, and some are there twice.
+    /// One is wrong.
+    Single,
+    /// They fall once, and some are there twice.
     Restarted,
 }
 
@@ -95,12 +105,49 @@ fn again(path: &Path, column: usize) -> Option<Order> {
             return None;
         }
     }
-    let falls = times.windows(2).filter(|pair| pair[1] < pair[0]).count();
-    times.sort_by(f64::total_cmp);
-    let distinct = times.windows(2).all(|pair| pair[0] < pair[1]);
-    match (distinct, falls) {
+    order(times)
+}
+
+fn order(mut times: Vec<f64>) -> Option<Order> {
+    let falls = times.windows(2).filter(|pair| pair[1] <= pair[0]).count();
+    let fall = 1 + times.windows(2).position(|pair| pair[1] <= pair[0])?;
+    times.swap(fall - 1, fall);
+    if increase(&times, &[]) {
+        return Some(Order::Shuffled);
+    }
+    times.swap(fall - 1, fall);
+    if [fall - 1, fall].iter().any(|&wrong| increase(&times[..wrong], &times[wrong + 1..])) {
+        return Some(Order::Single);
+    }
+    times.sort_unstable_by(f64::total_cmp);
+    match (increase(&times, &[]), falls) {
         (true, _) => Some(Order::Shuffled),
         (false, 1) => Some(Order::Restarted),
         _ => None,
+    }
+}
+
+/// Whether times increase from one to the next, first the one part, then the other.
+fn increase(first: &[f64], then: &[f64]) -> bool {
+    first.iter().chain(then).is_sorted_by(|a, b| a < b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_order_of_times_is_understood() {
+        let check = |times: &[f64], expected: Option<Order>| {
+            assert_eq!(order(times.to_vec()), expected, "{times:?}");
+        };
+        check(&[1.0, 2.0, 3.0], None);
+        check(&[1.0, 3.0, 2.0, 4.0], Some(Order::Shuffled));
+        check(&[4.0, 3.0, 2.0, 1.0], Some(Order::Shuffled));
+        check(&[1.0, 9.0, 2.0, 3.0], Some(Order::Single));
+        check(&[1.0, 2.0, 0.0, 3.0, 4.0], Some(Order::Single));
+        check(&[1.0, 2.0, 1.0, 3.0, 4.0], Some(Order::Single));
+        check(&[1.0, 2.0, 3.0, 1.0, 2.0, 3.0], Some(Order::Restarted));
+        check(&[1.0, 1.0, 3.0, 2.0, 5.0, 1.0], None);
     }
 }

@@ -59,7 +59,9 @@ pub enum Error {
         symptom: String,
     },
     /// Folders or runs that are not of one experiment.
-    #[error("{place}: {what} = {value} differs from {other} of {of}: only what was done alike goes into one experiment")]
+    #[error(
+        "{place}: {what} = {value} differs from {other} of {of}: only what was done alike goes into one experiment"
+    )]
     Differs {
         /// File or folder.
         place: String,
@@ -119,7 +121,12 @@ impl Error {
     pub(super) fn unknown(place: String, what: &'static str, name: &str, known: &[&str]) -> Error {
         let start: String = name.chars().take(64).collect();
         let nearest = known.iter().min_by_key(|known| strsim::levenshtein(known, &start));
-        Error::Unknown { place, what, name: cut(name), nearest: nearest.map_or("none", |known| *known).into() }
+        Error::Unknown {
+            place,
+            what,
+            name: cut(name),
+            nearest: nearest.map_or("none", |known| *known).into(),
+        }
     }
 
     pub(super) fn read(path: &Path, source: std::io::Error) -> Error {

@@ -46,7 +46,7 @@ impl Header {
         let absent = |name: &str| !self.channels.iter().any(|(_, channel)| channel.name == name);
         let first_absent = spec.channels.iter().find(|channel| absent(channel.name));
         match first_absent {
-            _ if spec.timed && self.time.is_none() => missing("time_s"),
+            _ if spec.timed() && self.time.is_none() => missing("time_s"),
             _ if spec.valve && self.valve.is_none() => missing("valve"),
             Some(_) if spec.any_of && self.channels.is_empty() => {
                 missing(&spec.channels.iter().map(|channel| channel.name).collect::<Vec<_>>().join(" or "))
@@ -62,7 +62,10 @@ fn names<'a>(line: &'a [u8], place: &str) -> Result<Vec<&'a str>, Error> {
     let line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
     match std::str::from_utf8(line) {
         Ok(text) if !text.contains('\0') => Ok(text.split(',').map(bare).collect()),
-        _ => Err(Error::content(place, "not UTF-8 text: a run is a CSV file whose first line names the columns")),
+        _ => Err(Error::content(
+            place,
+            "not UTF-8 text: a run is a CSV file whose first line names the columns",
+        )),
     }
 }
 

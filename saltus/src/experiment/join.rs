@@ -19,6 +19,7 @@ pub fn read_all(folders: &[PathBuf], progress: &dyn Fn(usize)) -> Result<Folder,
     let [first, more @ ..] = folders else {
         return Err(Error::content("data", "no folder is given"));
     };
+    once(folders)?;
     let mut joined = read(first, progress)?;
     if more.is_empty() {
         return Ok(joined);
@@ -35,6 +36,16 @@ pub fn read_all(folders: &[PathBuf], progress: &dyn Fn(usize)) -> Result<Folder,
     }
     joined.hash = hash.hex();
     Ok(joined)
+}
+
+/// Refuses a folder that is given twice.
+fn once(folders: &[PathBuf]) -> Result<(), Error> {
+    let mut seen = BTreeSet::new();
+    let again =
+        folders.iter().find(|path| !seen.insert(path.canonicalize().unwrap_or_else(|_| (*path).clone())));
+    again.map_or(Ok(()), |path| {
+        Err(Error::Duplicate { place: shown(path), reason: "the folder is given twice".into() })
+    })
 }
 
 /// What runs of each folder are called by: its last name, or all of it where that is not its own.
@@ -74,7 +85,9 @@ fn append(joined: &mut Folder, folder: Folder) -> Result<(), Error> {
                 *to = to.iter().copied().chain(from).reduce(f64::max);
                 let size = to.unwrap_or(f64::NAN);
                 let place = shown(&folder.path);
-                joined.notes.push(format!("{place}: its {what} of {column} is another: {size} is taken for all"));
+                joined
+                    .notes
+                    .push(format!("{place}: its {what} of {column} is another: {size} is taken for all"));
             }
         }
     }

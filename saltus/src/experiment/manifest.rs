@@ -52,7 +52,10 @@ pub(super) fn bytes(folder: &Path) -> Result<Vec<u8>, Error> {
             return Err(Error::content(shown(folder), reason));
         }
         Ok(_) if !path.exists() => {
-            return Err(Error::content(shown(folder), format!("has no {NAME}, which says what was measured")));
+            return Err(Error::content(
+                shown(folder),
+                format!("has no {NAME}, which says what was measured"),
+            ));
         }
         Ok(_) => {}
     }
@@ -73,7 +76,7 @@ pub(super) fn bytes(folder: &Path) -> Result<Vec<u8>, Error> {
 pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Manifest, Error> {
     let file = shown(&folder.join(NAME));
     let text = std::str::from_utf8(bytes).map_err(|error| {
-        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
+        let line = bytes[..error.valid_up_to()].split(|byte| *byte == b'\n').count();
         Error::content(format!("{file}:{line}"), "not UTF-8 text")
     })?;
     let source = Source { file: &file, text };
@@ -97,7 +100,8 @@ fn kind(table: &mut Table<'_>) -> Result<&'static Spec, Error> {
     };
     match value.get_ref() {
         DeValue::String(id) if id == "toss" => {
-            let reason = "kind = \"toss\": tosses are read by the multi-body simulation's example tosses, not here";
+            let reason =
+                "kind = \"toss\": tosses are read by the multi-body simulation's example tosses, not here";
             Err(Error::content(table.source.place(value.span().start), reason))
         }
         DeValue::String(id) => {
@@ -152,7 +156,10 @@ fn runs(table: &mut Table<'_>, spec: &Spec) -> Result<Vec<Listed>, Error> {
         let (run, start) = listed(&mut inner, spec)?;
         if !seen.insert(run.file.clone()) {
             let place = table.source.place(start);
-            return Err(Error::Duplicate { place, reason: format!("{} is listed twice", one_line(&run.file)) });
+            return Err(Error::Duplicate {
+                place,
+                reason: format!("{} is listed twice", one_line(&run.file)),
+            });
         }
         runs.push(run);
     }
@@ -161,7 +168,7 @@ fn runs(table: &mut Table<'_>, spec: &Spec) -> Result<Vec<Listed>, Error> {
 
 /// One run, and where its file is named.
 fn listed(table: &mut Table<'_>, spec: &Spec) -> Result<(Listed, usize), Error> {
-    let window: &[&str] = if spec.timed { &["valid_from_s", "valid_to_s"] } else { &[] };
+    let window: &[&str] = if spec.timed() { &["valid_from_s", "valid_to_s"] } else { &[] };
     let settings = spec.settings.iter().map(|setting| setting.key);
     let known: Vec<&str> = ["file"].into_iter().chain(settings).chain(window.iter().copied()).collect();
     table.know(&known)?;
@@ -252,9 +259,12 @@ impl<'a> Table<'a> {
     fn inner(&self, key: &str, value: Spanned<DeValue<'a>>) -> Result<Table<'a>, Error> {
         let span = value.span();
         match value.into_inner() {
-            DeValue::Table(entries) => {
-                Ok(Table { source: self.source, path: format!("{}{key}.", self.path), start: span.start, entries })
-            }
+            DeValue::Table(entries) => Ok(Table {
+                source: self.source,
+                path: format!("{}{key}.", self.path),
+                start: span.start,
+                entries,
+            }),
             _ => Err(self.refused(key, span, "a table")),
         }
     }

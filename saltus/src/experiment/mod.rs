@@ -45,6 +45,9 @@ const MOST_ROWS: usize = 4000;
 /// Most rows that are kept of all runs: 20 MB a column or so. Where there are more than 500 runs, each keeps fewer.
 const MOST_ROWS_OF_ALL: usize = 2_000_000;
 
+/// Most notes that are kept of a folder: nobody reads more.
+const MOST_NOTES: usize = 100;
+
 /// What was read of a data folder, or of several.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Folder {
@@ -101,7 +104,10 @@ fn present(folder: &Path, manifest: &Manifest) -> Result<(), Error> {
     for listed in &manifest.runs {
         let path = folder.join(&listed.file);
         if !path.exists() {
-            return Err(Error::content(shown(&path), format!("is listed in {} and is not there", manifest::NAME)));
+            return Err(Error::content(
+                shown(&path),
+                format!("is listed in {} and is not there", manifest::NAME),
+            ));
         }
     }
     Ok(())
@@ -120,12 +126,14 @@ fn same_columns(folder: &Path, first: Option<&Reading>, reading: &Reading) -> Re
 
 /// Refuses a channel that in no run gets as far as it must in the right unit.
 fn scaled(folder: &Path, manifest: &Manifest, readings: &[Reading]) -> Result<(), Error> {
-    for (i, column) in readings.first().map(|first| &first.columns[..]).unwrap_or_default().iter().enumerate() {
+    for (i, column) in readings.first().map(|first| &first.columns[..]).unwrap_or_default().iter().enumerate()
+    {
         let largest = readings.iter().map(|reading| reading.largest[i]).fold(0.0, f64::max);
         let scale = manifest.spec.channel(column).map_or(0.0, |channel| channel.scale);
         if largest < scale {
             // Only a pressure has a scale.
-            let symptom = format!("never exceeds {largest} in any run: it must be in Pa, not kPa, bar or psi");
+            let symptom =
+                format!("never exceeds {largest} in any run: it must be in Pa, not kPa, bar or psi");
             return Err(Error::signal(shown(folder), column, symptom));
         }
     }
@@ -139,14 +147,20 @@ fn gathered(
     hashes: BTreeMap<Hash, String>,
     hash: Hash,
 ) -> Folder {
-    let columns: Vec<String> =
-        readings.first().map(|first| first.columns.iter().map(|name| (*name).into()).collect()).unwrap_or_default();
+    let columns: Vec<String> = readings
+        .first()
+        .map(|first| first.columns.iter().map(|name| (*name).into()).collect())
+        .unwrap_or_default();
     let mut notes = odd(&manifest, &columns);
     notes.extend(readings.iter().flat_map(|reading| reading.notes.clone()));
     notes.extend(unlisted(path, &manifest));
+    let more = notes.len().saturating_sub(MOST_NOTES);
+    notes.truncate(MOST_NOTES);
+    notes.extend((more > 0).then(|| format!("{}: {more} more notes of its runs", manifest::NAME)));
     let rows = readings.iter().map(|reading| reading.rows).sum();
     let runs = readings.into_iter().map(|reading| reading.run).collect();
-    let of_each = |sizes: &BTreeMap<String, f64>| columns.iter().map(|name| sizes.get(name).copied()).collect();
+    let of_each =
+        |sizes: &BTreeMap<String, f64>| columns.iter().map(|name| sizes.get(name).copied()).collect();
     Folder {
         experiment: Experiment {
             kind: manifest.spec.sort,
@@ -172,25 +186,31 @@ fn odd(manifest: &Manifest, columns: &[String]) -> Vec<String> {
         robot.map(|_| format!("{file}: robot is not used for the kind {}", spec.id)).into_iter().collect();
     for (table, sizes) in [("noise", &manifest.noise), ("resolution", &manifest.resolution)] {
         let unused = sizes.keys().filter(|name| !columns.contains(name));
-        notes.extend(unused.map(|name| format!("{file}: {table}.{name} is not used: no run has that column")));
+        notes
+            .extend(unused.map(|name| format!("{file}: {table}.{name} is not used: no run has that column")));
     }
     notes
 }
 
 /// Notes of CSV files in the folder that are no runs.
 fn unlisted(folder: &Path, manifest: &Manifest) -> Vec<String> {
-    let listed: std::collections::BTreeSet<&str> = manifest.runs.iter().map(|run| run.file.as_str()).collect();
+    let listed: std::collections::BTreeSet<&str> =
+        manifest.runs.iter().map(|run| run.file.as_str()).collect();
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
     let is_csv = |name: &str| Path::new(name).extension().is_some_and(|end| end.eq_ignore_ascii_case("csv"));
-    let mut others: Vec<String> =
-        names.filter(|name| is_csv(name) && !listed.contains(name.as_str())).map(|name| one_line(&name)).collect();
+    let mut others: Vec<String> = names
+        .filter(|name| is_csv(name) && !listed.contains(name.as_str()))
+        .map(|name| one_line(&name))
+        .collect();
     others.sort();
     // A folder full of them is told by a few.
     let more = others.len().saturating_sub(3);
     others.truncate(3);
-    let mut notes: Vec<String> =
-        others.iter().map(|name| format!("{name}: not read, as {} does not list it", manifest::NAME)).collect();
+    let mut notes: Vec<String> = others
+        .iter()
+        .map(|name| format!("{name}: not read, as {} does not list it", manifest::NAME))
+        .collect();
     if more > 0 {
         notes.push(format!("{}: {more} more CSV files are not listed", manifest::NAME));
     }

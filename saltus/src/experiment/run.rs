@@ -150,7 +150,12 @@ impl<'a> Log<'a> {
             let value = self.number(line, channel.name, cells[column])?;
             if value.is_some_and(|value| !(channel.domain.legal)(value)) {
                 let text = String::from_utf8_lossy(cells[column]);
-                return Err(Error::value(self.place(line), channel.name, bare(&text), channel.domain.allowed));
+                return Err(Error::value(
+                    self.place(line),
+                    channel.name,
+                    bare(&text),
+                    channel.domain.allowed,
+                ));
             }
             if value.is_none() && channel.needed {
                 self.left_out.get_or_insert((0, line, channel.name)).0 += 1;
@@ -233,16 +238,18 @@ impl<'a> Log<'a> {
         let name = &self.name;
         let mut notes = Vec::new();
         if let Some((rows, line, column)) = self.left_out {
+            let word = if rows == 1 { "row" } else { "rows" };
             let first = format!("the first at line {line}");
-            notes.push(format!("{name}: {rows} left out for an empty cell, {first} for its {column}"));
+            notes.push(format!("{name}: {rows} {word} left out for an empty cell, {first} for its {column}"));
         }
         let (seen, kept) = (self.kept.seen, self.kept.time.len());
         if self.kept.stride > 1 {
             let stride = self.kept.stride;
-            let advice = if self.spec.timed { "; valid_from_s and valid_to_s keep a part in full" } else { "" };
+            let advice =
+                if self.spec.timed() { "; valid_from_s and valid_to_s keep a part in full" } else { "" };
             notes.push(format!("{name}: thinned to one row in {stride}, {kept} of {seen}{advice}"));
         }
-        if self.spec.timed {
+        if self.spec.timed() {
             notes.extend(self.clock.gap(name, &self.kept.time, seen));
         }
         notes

@@ -12,8 +12,6 @@ pub(super) struct Spec {
     pub(super) id: &'static str,
     /// Whether a robot was measured, and so has to be named.
     pub(super) robot: bool,
-    /// Whether rows carry a time.
-    pub(super) timed: bool,
     /// Whether rows carry the valve's command.
     pub(super) valve: bool,
     /// What is measured.
@@ -112,11 +110,14 @@ const DIAMETER: Domain =
 const BORE: Domain = Domain { legal: |x| x > 0.0 && x <= 1.0, allowed: "a diameter above 0 and up to 1 m" };
 const RADIUS: Domain =
     Domain { legal: |x| x > 0.0 && x <= 100.0, allowed: "a length above 0 and up to 100 m" };
-const VOLUME: Domain = Domain { legal: |x| x > 0.0 && x <= 1e4, allowed: "a volume above 0 and up to 10000 m3" };
+const VOLUME: Domain =
+    Domain { legal: |x| x > 0.0 && x <= 1e4, allowed: "a volume above 0 and up to 10000 m3" };
 const AREA: Domain = Domain { legal: |x| x > 0.0 && x <= 1e4, allowed: "an area above 0 and up to 10000 m2" };
 // Colder than any gas is handled at, so that room temperature in degrees Celsius is seen.
-const TEMPERATURE: Domain =
-    Domain { legal: |x| (100.0..=3000.0).contains(&x), allowed: "a temperature from 100 to 3000 in K, not degC" };
+const TEMPERATURE: Domain = Domain {
+    legal: |x| (100.0..=3000.0).contains(&x),
+    allowed: "a temperature from 100 to 3000 in K, not degC",
+};
 // A supply that a bar or a psi would be the right unit for has more than 1000 Pa.
 const SUPPLY: Domain = Domain {
     legal: |x| (1e3..=1e8).contains(&x),
@@ -139,7 +140,6 @@ const LOGGED: Spec = Spec {
     sort: Sort::Bench,
     id: "",
     robot: true,
-    timed: true,
     valve: true,
     channels: &[],
     any_of: false,
@@ -185,7 +185,11 @@ pub(super) const SPECS: [Spec; 8] = [
         // Something dropped may stay above its shadow.
         channels: &[calm("x_m", PLACE), lively("y_m", PLACE)],
         any_of: true,
-        settings: &[optional("mass_kg", LOAD), optional("diameter_m", DIAMETER), optional("boom_radius_m", RADIUS)],
+        settings: &[
+            optional("mass_kg", LOAD),
+            optional("diameter_m", DIAMETER),
+            optional("boom_radius_m", RADIUS),
+        ],
         least: 5,
         longest: 1000.0,
         ..PART
@@ -194,7 +198,6 @@ pub(super) const SPECS: [Spec; 8] = [
         sort: Sort::Outcomes,
         id: "outcomes",
         robot: true,
-        timed: false,
         channels: &[
             asked("omega_rad_s", RATE),
             asked("alpha_f_rad", TILT),
@@ -260,9 +263,14 @@ impl Spec {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
+    /// Whether rows carry a time; else there is one for each jump.
+    pub(super) fn timed(&self) -> bool {
+        self.sort != Sort::Outcomes
+    }
+
     /// Names of all columns that its files may have.
     pub(super) fn columns(&self) -> Vec<&'static str> {
-        let time = self.timed.then_some("time_s");
+        let time = self.timed().then_some("time_s");
         let valve = self.valve.then_some("valve");
         time.into_iter().chain(valve).chain(self.channels.iter().map(|channel| channel.name)).collect()
     }

@@ -62,12 +62,12 @@ mod tests {
         {
             let mut kept = Thinned::new(most, block, 1);
             for row in 0..rows {
-                kept.add(f64::from(row), &[(row % 2 == 0).then(|| f64::from(row))]);
+                kept.add(row as f64, &[(row % 2 == 0).then_some(row as f64)]);
             }
             assert_eq!(kept.stride, stride, "{rows} rows in {most}");
             assert!(kept.time.len() <= most);
             let expected: Vec<f64> =
-                (0..rows).filter(|row| (*row as usize / block).is_multiple_of(stride)).map(f64::from).collect();
+                (0..rows).filter(|row| (row / block).is_multiple_of(stride)).map(|row| row as f64).collect();
             assert_eq!(kept.time, expected, "{rows} rows in {most}");
             // Of instruments that take turns, both stay.
             let filled = kept.values[0].iter().filter(|value| !value.is_nan()).count();

@@ -48,7 +48,8 @@ fn writable(run: &Run, experiment: &Experiment, spec: &Spec) -> Result<(), &'sta
     if experiment.runs.iter().filter(|other| other.name == run.name).count() > 1 {
         return Err("is the name of two runs");
     }
-    if run.values.len() != experiment.columns.len() || run.values.iter().any(|column| column.len() != run.time.len())
+    if run.values.len() != experiment.columns.len()
+        || run.values.iter().any(|column| column.len() != run.time.len())
     {
         return Err("has columns of unequal length");
     }
@@ -67,7 +68,8 @@ fn manifest(experiment: &Experiment, robot: Option<&str>, spec: &Spec) -> String
     // Writing into a string does not fail.
     let _ = robot.map(|robot| writeln!(text, "robot = {}", quoted(robot)));
     for (table, sizes) in [("noise", &experiment.noise), ("resolution", &experiment.resolution)] {
-        let known = experiment.columns.iter().zip(sizes).filter_map(|(column, size)| Some((column, (*size)?)));
+        let known =
+            experiment.columns.iter().zip(sizes).filter_map(|(column, size)| Some((column, (*size)?)));
         for (i, (column, size)) in known.enumerate() {
             let head = if i == 0 { format!("\n[{table}]\n") } else { String::new() };
             let _ = writeln!(text, "{head}{column} = {size:?}");
@@ -85,7 +87,7 @@ fn manifest(experiment: &Experiment, robot: Option<&str>, spec: &Spec) -> String
 /// Header and rows of a run. Numbers have the digits that give them back.
 fn rows(out: &mut dyn Write, run: &Run, experiment: &Experiment, spec: &Spec) -> io::Result<()> {
     let mut names: Vec<&str> = Vec::new();
-    names.extend(spec.timed.then_some("time_s"));
+    names.extend(spec.timed().then_some("time_s"));
     names.extend(spec.valve.then_some("valve"));
     names.extend(experiment.columns.iter().map(String::as_str));
     writeln!(out, "{}", names.join(","))?;
@@ -93,7 +95,7 @@ fn rows(out: &mut dyn Write, run: &Run, experiment: &Experiment, spec: &Spec) ->
     let closed = closed.unwrap_or(f64::INFINITY);
     for (time, row) in instants(run, spec, [open, closed]) {
         let mut cells: Vec<String> = Vec::new();
-        cells.extend(spec.timed.then(|| format!("{time:?}")));
+        cells.extend(spec.timed().then(|| format!("{time:?}")));
         cells.extend(spec.valve.then(|| u8::from(time >= open && time < closed).to_string()));
         let value = |column: &Vec<f64>| row.map_or(f64::NAN, |row| column[row]);
         let cell = |value: f64| if value.is_nan() { String::new() } else { format!("{value:?}") };
