@@ -64,6 +64,9 @@ pub(crate) enum CliError {
     /// What the planner does not take.
     #[error(transparent)]
     Request(#[from] TableError),
+    /// Measured data.
+    #[error(transparent)]
+    Experiment(#[from] saltus::experiment::Error),
     /// A robot that cannot be a rig of bodies.
     #[error(transparent)]
     Rig(#[from] SimError),

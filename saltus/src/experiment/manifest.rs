@@ -1,0 +1,309 @@
+//! `experiment.toml`: what was done, and how each run was set.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::Read;
+use std::ops::Range;
+use std::path::{Component, Path, PathBuf};
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::error::{Error, cut, one_line, shown};
+use super::spec::{Domain, SPECS, Setting, Spec};
+
+/// Its name in the folder.
+pub(super) const NAME: &str = "experiment.toml";
+/// Most runs of a folder.
+const MOST_RUNS: usize = 10_000;
+/// Most bytes of the file.
+const MOST_BYTES: u64 = 8 << 20;
+
+/// What the file says.
+#[derive(Debug)]
+pub(super) struct Manifest {
+    pub(super) spec: &'static Spec,
+    pub(super) robot: Option<String>,
+    /// Standard deviations, by column.
+    pub(super) noise: BTreeMap<String, f64>,
+    /// Steps, by column.
+    pub(super) resolution: BTreeMap<String, f64>,
+    pub(super) runs: Vec<Listed>,
+}
+
+/// A run as it is listed.
+#[derive(Debug)]
+pub(super) struct Listed {
+    /// Its file, within the folder.
+    pub(super) file: String,
+    /// The part of it (s) that counts.
+    pub(super) window: Option<(f64, f64)>,
+    pub(super) settings: BTreeMap<String, f64>,
+}
+
+/// The bytes of the file in `folder`.
+pub(super) fn bytes(folder: &Path) -> Result<Vec<u8>, Error> {
+    let path = folder.join(NAME);
+    let failed = |source| Error::read(&path, source);
+    match std::fs::metadata(folder) {
+        Err(error) => return Err(Error::read(folder, error)),
+        Ok(it) if !it.is_dir() => {
+            let reason = format!("is not a folder; data are a folder with {NAME} and its runs");
+            return Err(Error::content(shown(folder), reason));
+        }
+        Ok(_) if !path.exists() => {
+            return Err(Error::content(
+                shown(folder),
+                format!("has no {NAME}, which says what was measured"),
+            ));
+        }
+        Ok(_) => {}
+    }
+    let file = File::open(&path).map_err(failed)?;
+    if !file.metadata().map_err(failed)?.is_file() {
+        return Err(Error::content(shown(&path), "is not a file"));
+    }
+    let mut bytes = Vec::new();
+    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > MOST_BYTES {
+        let reason = format!("larger than {} MiB, the most it may have", MOST_BYTES >> 20);
+        return Err(Error::content(shown(&path), reason));
+    }
+    Ok(bytes)
+}
+
+/// What `bytes` say, the contents of the file in `folder`.
+pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Manifest, Error> {
+    let file = shown(&folder.join(NAME));
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let line = bytes[..error.valid_up_to()].split(|byte| *byte == b'\n').count();
+        Error::content(format!("{file}:{line}"), "not UTF-8 text")
+    })?;
+    let source = Source { file: &file, text };
+    let document = DeTable::parse(text).map_err(|error| source.not_toml(&error))?;
+    let mut table = Table { source, path: String::new(), start: 0, entries: document.into_inner() };
+    table.know(&["kind", "robot", "noise", "resolution", "run"])?;
+    let spec = kind(&mut table)?;
+    Ok(Manifest {
+        spec,
+        robot: robot(&mut table, spec)?,
+        noise: sizes(&mut table, "noise", spec)?,
+        resolution: sizes(&mut table, "resolution", spec)?,
+        runs: runs(&mut table, spec)?,
+    })
+}
+
+fn kind(table: &mut Table<'_>) -> Result<&'static Spec, Error> {
+    let names = SPECS.map(|spec| spec.id).join(", ");
+    let Some(value) = table.take("kind") else {
+        return Err(table.missing(&format!("kind: one of {names}")));
+    };
+    match value.get_ref() {
+        DeValue::String(id) if id == "toss" => {
+            let reason =
+                "kind = \"toss\": tosses are read by the multi-body simulation's example tosses, not here";
+            Err(Error::content(table.source.place(value.span().start), reason))
+        }
+        DeValue::String(id) => {
+            Spec::named(id).ok_or_else(|| table.refused("kind", value.span(), &format!("one of {names}")))
+        }
+        _ => Err(table.refused("kind", value.span(), &format!("one of {names}, in quotes"))),
+    }
+}
+
+fn robot(table: &mut Table<'_>, spec: &Spec) -> Result<Option<String>, Error> {
+    const ALLOWED: &str = "a robot's name or the path of its file, in quotes";
+    match table.take("robot") {
+        None if spec.robot => Err(table.missing(&format!("robot: {ALLOWED}"))),
+        None => Ok(None),
+        Some(value) => match value.get_ref() {
+            DeValue::String(name) if !name.is_empty() => Ok(Some(name.clone().into_owned())),
+            _ => Err(table.refused("robot", value.span(), ALLOWED)),
+        },
+    }
+}
+
+/// The table `[key]`: a size above 0 for some of the channels.
+fn sizes(table: &mut Table<'_>, key: &'static str, spec: &Spec) -> Result<BTreeMap<String, f64>, Error> {
+    const SIZE: Domain = Domain { legal: |x| x > 0.0, allowed: "a number above 0 in the column's unit" };
+    let Some(value) = table.take(key) else { return Ok(BTreeMap::new()) };
+    let mut table = table.inner(key, value)?;
+    let names: Vec<&str> = spec.channels.iter().map(|channel| channel.name).collect();
+    table.know_as("column", &names)?;
+    let mut sizes = BTreeMap::new();
+    for name in names {
+        sizes.extend(table.number(name, &SIZE)?.map(|size| (name.to_owned(), size)));
+    }
+    Ok(sizes)
+}
+
+fn runs(table: &mut Table<'_>, spec: &Spec) -> Result<Vec<Listed>, Error> {
+    let Some(value) = table.take("run") else {
+        return Err(table.missing("run: a table [[run]] for each file"));
+    };
+    let span = value.span();
+    let DeValue::Array(items) = value.into_inner() else {
+        return Err(table.refused("run", span, "tables, as in [[run]]"));
+    };
+    if items.is_empty() || items.len() > MOST_RUNS {
+        let reason = format!("{} runs: must be from 1 to {MOST_RUNS}", items.len());
+        return Err(Error::content(table.source.place(span.start), reason));
+    }
+    let mut seen = BTreeSet::new();
+    let mut runs = Vec::new();
+    for (i, item) in items.into_iter().enumerate() {
+        let mut inner = table.inner(&format!("run[{i}]"), item)?;
+        let (run, start) = listed(&mut inner, spec)?;
+        if !seen.insert(run.file.clone()) {
+            let place = table.source.place(start);
+            return Err(Error::Duplicate {
+                place,
+                reason: format!("{} is listed twice", one_line(&run.file)),
+            });
+        }
+        runs.push(run);
+    }
+    Ok(runs)
+}
+
+/// One run, and where its file is named.
+fn listed(table: &mut Table<'_>, spec: &Spec) -> Result<(Listed, usize), Error> {
+    let window: &[&str] = if spec.timed() { &["valid_from_s", "valid_to_s"] } else { &[] };
+    let settings = spec.settings.iter().map(|setting| setting.key);
+    let known: Vec<&str> = ["file"].into_iter().chain(settings).chain(window.iter().copied()).collect();
+    table.know(&known)?;
+    let Some(value) = table.take("file") else { return Err(table.missing("file")) };
+    let file = match value.get_ref() {
+        DeValue::String(name) => within(name),
+        _ => None,
+    };
+    let file = file.ok_or_else(|| {
+        table.refused("file", value.span(), "the name of a file in this folder, without .. and not absolute")
+    })?;
+    let window = valid(table)?;
+    let settings = set(table, spec.settings)?;
+    Ok((Listed { file, window, settings }, value.span().start))
+}
+
+/// `name` as a path that stays where it starts.
+pub(super) fn within(name: &str) -> Option<String> {
+    let mut path = PathBuf::new();
+    for part in Path::new(name).components() {
+        match part {
+            Component::Normal(part) => path.push(part),
+            Component::CurDir => {}
+            _ => return None,
+        }
+    }
+    path.to_str().filter(|path| !path.is_empty()).map(str::to_owned)
+}
+
+/// The part of a run that the operator calls valid.
+fn valid(table: &mut Table<'_>) -> Result<Option<(f64, f64)>, Error> {
+    const TIME: Domain = Domain { legal: |_| true, allowed: "a time in s" };
+    let from = table.number("valid_from_s", &TIME)?;
+    let place = table.entries.get("valid_to_s").map(Spanned::span);
+    let to = table.number("valid_to_s", &TIME)?;
+    match (from, to, place) {
+        (None, None, _) => Ok(None),
+        (Some(from), Some(to), Some(place)) if from >= to => {
+            Err(table.refused("valid_to_s", place, &format!("after valid_from_s = {from}")))
+        }
+        _ => Ok(Some((from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY)))),
+    }
+}
+
+fn set(table: &mut Table<'_>, known: &[Setting]) -> Result<BTreeMap<String, f64>, Error> {
+    let mut settings = BTreeMap::new();
+    for setting in known {
+        match table.number(setting.key, &setting.domain)? {
+            Some(number) => settings.extend([(setting.key.to_owned(), number)]),
+            None if setting.required => return Err(table.missing(setting.key)),
+            None => {}
+        }
+    }
+    Ok(settings)
+}
+
+/// The file that a table is from.
+#[derive(Clone, Copy)]
+struct Source<'a> {
+    file: &'a str,
+    text: &'a str,
+}
+
+impl Source<'_> {
+    fn place(&self, offset: usize) -> String {
+        let line = self.text.get(..offset).map_or(1, |before| before.split('\n').count());
+        format!("{}:{line}", self.file)
+    }
+
+    fn not_toml(&self, error: &toml::de::Error) -> Error {
+        let words = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
+        let start = error.span().map_or(0, |span| span.start);
+        Error::content(self.place(start), format!("not TOML: {}", one_line(&words)))
+    }
+}
+
+/// A table whose keys are taken one by one.
+struct Table<'a> {
+    source: Source<'a>,
+    /// Its name, with a dot behind it; empty for the file itself.
+    path: String,
+    /// Where it begins. Lines are counted only for a message: a file may have many tables.
+    start: usize,
+    entries: DeTable<'a>,
+}
+
+impl<'a> Table<'a> {
+    fn inner(&self, key: &str, value: Spanned<DeValue<'a>>) -> Result<Table<'a>, Error> {
+        let span = value.span();
+        match value.into_inner() {
+            DeValue::Table(entries) => Ok(Table {
+                source: self.source,
+                path: format!("{}{key}.", self.path),
+                start: span.start,
+                entries,
+            }),
+            _ => Err(self.refused(key, span, "a table")),
+        }
+    }
+
+    fn take(&mut self, key: &str) -> Option<Spanned<DeValue<'a>>> {
+        self.entries.remove(key)
+    }
+
+    /// Refuses every key but these. This comes before what is missing, which mostly is a key misspelt.
+    fn know(&self, known: &[&str]) -> Result<(), Error> {
+        self.know_as("key", known)
+    }
+
+    fn know_as(&self, what: &'static str, known: &[&str]) -> Result<(), Error> {
+        let strange = self.entries.iter().filter(|(key, _)| !known.contains(&&**key.get_ref()));
+        strange.min_by_key(|(key, _)| key.span().start).map_or(Ok(()), |(key, _)| {
+            Err(Error::unknown(self.source.place(key.span().start), what, key.get_ref(), known))
+        })
+    }
+
+    fn number(&mut self, key: &str, domain: &Domain) -> Result<Option<f64>, Error> {
+        let Some(value) = self.take(key) else { return Ok(None) };
+        let literal = match value.get_ref() {
+            DeValue::Float(float) => Some(float.as_str()),
+            DeValue::Integer(integer) if integer.radix() == 10 => Some(integer.as_str()),
+            _ => None,
+        };
+        let number = literal.and_then(|literal| literal.parse().ok());
+        let legal = number.filter(|number: &f64| number.is_finite() && (domain.legal)(*number));
+        legal.map(Some).ok_or_else(|| self.refused(key, value.span(), domain.allowed))
+    }
+
+    fn refused(&self, key: &str, span: Range<usize>, allowed: &str) -> Error {
+        let name = format!("{}{key}", self.path);
+        let value = cut(self.source.text.get(span.clone()).unwrap_or_default());
+        Error::value(self.source.place(span.start), &name, &value, allowed)
+    }
+
+    fn missing(&self, what: &str) -> Error {
+        Error::missing(self.source.place(self.start), "key", format!("{}{what}", self.path))
+    }
+}

@@ -1,0 +1,218 @@
+//! Data folders: measured runs with an `experiment.toml` that says what was done.
+//!
+//! [`read`] checks what a person or a logger can have got wrong, and says where; what it lets through can be trusted to be numbers
+//! of the right size, in order. What is odd and usable becomes a note.
+//!
+//! ```no_run
+//! use std::path::Path;
+//!
+//! let folder = saltus::experiment::read(Path::new("drops/tennis-ball"), &|_| ())?;
+//! for note in &folder.notes {
+//!     eprintln!("{note}");
+//! }
+//! println!("{} runs, {} rows", folder.experiment.runs.len(), folder.rows);
+//! # Ok::<(), saltus::experiment::Error>(())
+//! ```
+
+mod channel;
+mod clock;
+mod error;
+mod header;
+mod join;
+mod lines;
+mod manifest;
+mod run;
+mod spec;
+mod thin;
+mod valve;
+mod write;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+pub use error::Error;
+pub use join::read_all;
+pub use saltus_diagnosis::{Experiment, Run, Sort};
+pub use write::write;
+
+use error::{one_line, shown};
+use lines::Hash;
+use manifest::Manifest;
+use run::Reading;
+
+/// Most rows that are kept of a run.
+const MOST_ROWS: usize = 4000;
+/// Most rows that are kept of all runs: 20 MB a column or so. Where there are more than 500 runs, each keeps fewer.
+const MOST_ROWS_OF_ALL: usize = 2_000_000;
+
+/// Most notes that are kept of a folder: nobody reads more.
+const MOST_NOTES: usize = 100;
+
+/// What was read of a data folder, or of several.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Folder {
+    /// The runs.
+    pub experiment: Experiment,
+    /// The robot as the file names it: a built-in one's name, or a path that is relative to the folder.
+    pub robot: Option<String>,
+    /// The folder; of several, the first.
+    pub path: PathBuf,
+    /// 64-bit hash of `experiment.toml` and of all runs' bytes, in hexadecimal: which data these are.
+    pub hash: String,
+    /// What was thinned or left out, or looks odd; each names a run, and a line where there is one.
+    pub notes: Vec<String>,
+    /// Rows that were read, kept or not.
+    pub rows: usize,
+    /// Each run by its contents.
+    hashes: BTreeMap<Hash, String>,
+}
+
+/// Reads a data folder.
+///
+/// Of a run at most 4000 rows are kept, every k-th of a longer one; [`Run::valve`] comes from all of them. Rows outside the part that
+/// the operator calls valid are left out. Memory does not grow with the length of the files.
+///
+/// `progress` is called now and then with the number of rows read since.
+///
+/// # Errors
+/// [`Error`] where anything is not as it must be; its text names the file and the line.
+pub fn read(folder: &Path, progress: &dyn Fn(usize)) -> Result<Folder, Error> {
+    let bytes = manifest::bytes(folder)?;
+    let manifest = manifest::parse(&bytes, folder)?;
+    present(folder, &manifest)?;
+    let mut hash = Hash::default();
+    hash.add(&bytes);
+    let most = (MOST_ROWS_OF_ALL / manifest.runs.len()).min(MOST_ROWS);
+    let mut hashes = BTreeMap::new();
+    let mut readings: Vec<Reading> = Vec::new();
+    for listed in &manifest.runs {
+        let reading = run::read(folder, listed, manifest.spec, most, progress)?;
+        hash.join(reading.hash);
+        same_columns(folder, readings.first(), &reading)?;
+        if let Some(other) = hashes.insert(reading.hash, listed.file.clone()) {
+            let reason = format!("its contents are those of {}", one_line(&other));
+            return Err(Error::Duplicate { place: shown(&folder.join(&listed.file)), reason });
+        }
+        readings.push(reading);
+    }
+    scaled(folder, &manifest, &readings)?;
+    Ok(gathered(folder, manifest, readings, hashes, hash))
+}
+
+/// Refuses a folder of which a file is missing, before any is read.
+fn present(folder: &Path, manifest: &Manifest) -> Result<(), Error> {
+    for listed in &manifest.runs {
+        let path = folder.join(&listed.file);
+        if !path.exists() {
+            return Err(Error::content(
+                shown(&path),
+                format!("is listed in {} and is not there", manifest::NAME),
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn same_columns(folder: &Path, first: Option<&Reading>, reading: &Reading) -> Result<(), Error> {
+    let Some(first) = first.filter(|first| first.columns != reading.columns) else { return Ok(()) };
+    Err(Error::Differs {
+        place: format!("{}:1", shown(&folder.join(&reading.run.name))),
+        what: "columns",
+        value: reading.columns.join(" "),
+        other: first.columns.join(" "),
+        of: one_line(&first.run.name),
+    })
+}
+
+/// Refuses a channel that in no run gets as far as it must in the right unit.
+fn scaled(folder: &Path, manifest: &Manifest, readings: &[Reading]) -> Result<(), Error> {
+    for (i, column) in readings.first().map(|first| &first.columns[..]).unwrap_or_default().iter().enumerate()
+    {
+        let largest = readings.iter().map(|reading| reading.largest[i]).fold(0.0, f64::max);
+        let scale = manifest.spec.channel(column).map_or(0.0, |channel| channel.scale);
+        if largest < scale {
+            // Only a pressure has a scale.
+            let symptom =
+                format!("never exceeds {largest} in any run: it must be in Pa, not kPa, bar or psi");
+            return Err(Error::signal(shown(folder), column, symptom));
+        }
+    }
+    Ok(())
+}
+
+fn gathered(
+    path: &Path,
+    manifest: Manifest,
+    readings: Vec<Reading>,
+    hashes: BTreeMap<Hash, String>,
+    hash: Hash,
+) -> Folder {
+    let columns: Vec<String> = readings
+        .first()
+        .map(|first| first.columns.iter().map(|name| (*name).into()).collect())
+        .unwrap_or_default();
+    let mut notes = odd(&manifest, &columns);
+    notes.extend(readings.iter().flat_map(|reading| reading.notes.clone()));
+    notes.extend(unlisted(path, &manifest));
+    let more = notes.len().saturating_sub(MOST_NOTES);
+    notes.truncate(MOST_NOTES);
+    notes.extend((more > 0).then(|| format!("{}: {more} more notes of its runs", manifest::NAME)));
+    let rows = readings.iter().map(|reading| reading.rows).sum();
+    let runs = readings.into_iter().map(|reading| reading.run).collect();
+    let of_each =
+        |sizes: &BTreeMap<String, f64>| columns.iter().map(|name| sizes.get(name).copied()).collect();
+    Folder {
+        experiment: Experiment {
+            kind: manifest.spec.sort,
+            noise: of_each(&manifest.noise),
+            resolution: of_each(&manifest.resolution),
+            columns,
+            runs,
+        },
+        robot: manifest.robot,
+        path: path.into(),
+        hash: hash.hex(),
+        notes,
+        rows,
+        hashes,
+    }
+}
+
+/// Notes of what `experiment.toml` says and nothing needs.
+fn odd(manifest: &Manifest, columns: &[String]) -> Vec<String> {
+    let (spec, file) = (manifest.spec, manifest::NAME);
+    let robot = manifest.robot.as_ref().filter(|_| !spec.robot);
+    let mut notes: Vec<String> =
+        robot.map(|_| format!("{file}: robot is not used for the kind {}", spec.id)).into_iter().collect();
+    for (table, sizes) in [("noise", &manifest.noise), ("resolution", &manifest.resolution)] {
+        let unused = sizes.keys().filter(|name| !columns.contains(name));
+        notes
+            .extend(unused.map(|name| format!("{file}: {table}.{name} is not used: no run has that column")));
+    }
+    notes
+}
+
+/// Notes of CSV files in the folder that are no runs.
+fn unlisted(folder: &Path, manifest: &Manifest) -> Vec<String> {
+    let listed: std::collections::BTreeSet<&str> =
+        manifest.runs.iter().map(|run| run.file.as_str()).collect();
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    let is_csv = |name: &str| Path::new(name).extension().is_some_and(|end| end.eq_ignore_ascii_case("csv"));
+    let mut others: Vec<String> = names
+        .filter(|name| is_csv(name) && !listed.contains(name.as_str()))
+        .map(|name| one_line(&name))
+        .collect();
+    others.sort();
+    // A folder full of them is told by a few.
+    let more = others.len().saturating_sub(3);
+    others.truncate(3);
+    let mut notes: Vec<String> = others
+        .iter()
+        .map(|name| format!("{name}: not read, as {} does not list it", manifest::NAME))
+        .collect();
+    if more > 0 {
+        notes.push(format!("{}: {more} more CSV files are not listed", manifest::NAME));
+    }
+    notes
+}

@@ -1,0 +1,134 @@
+//! An experiment as a data folder.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use super::error::{Error, one_line, shown};
+use super::manifest::{NAME, within};
+use super::spec::Spec;
+use super::{Experiment, Run};
+
+/// Writes `experiment` into a folder that is new or empty, so that [`read`](super::read()) gives it back.
+///
+/// No file is there in part, and `experiment.toml` comes last. Where the valve switches between two rows, a row is put in that has the
+/// command alone.
+///
+/// # Errors
+/// [`Error`] where the folder is not empty or cannot be written, or where the experiment has what files cannot say: a run without a
+/// file name of its own, columns of unequal length, a number that is not finite.
+pub fn write(folder: &Path, experiment: &Experiment, robot: Option<&str>) -> Result<(), Error> {
+    let spec = Spec::of(experiment.kind)
+        .ok_or_else(|| Error::content(shown(folder), format!("no file for {:?}", experiment.kind)))?;
+    for run in &experiment.runs {
+        writable(run, experiment, spec).map_err(|reason| Error::content(one_line(&run.name), reason))?;
+    }
+    fs::create_dir_all(folder).map_err(|error| Error::write(folder, error))?;
+    let mut entries = fs::read_dir(folder).map_err(|error| Error::write(folder, error))?;
+    if entries.next().is_some() {
+        return Err(Error::content(shown(folder), "is not empty: data go into a new or an empty folder"));
+    }
+    for run in &experiment.runs {
+        let path = folder.join(&run.name);
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent).map_err(|error| Error::write(parent, error))?;
+        }
+        whole(&path, |out| rows(out, run, experiment, spec))?;
+    }
+    whole(&folder.join(NAME), |out| out.write_all(manifest(experiment, robot, spec).as_bytes()))
+}
+
+/// Why a run cannot be written.
+fn writable(run: &Run, experiment: &Experiment, spec: &Spec) -> Result<(), &'static str> {
+    let finite = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
+    if within(&run.name).is_none_or(|path| path != run.name || path == NAME) {
+        return Err("must be the name of a file within the folder");
+    }
+    if experiment.runs.iter().filter(|other| other.name == run.name).count() > 1 {
+        return Err("is the name of two runs");
+    }
+    if run.values.len() != experiment.columns.len()
+        || run.values.iter().any(|column| column.len() != run.time.len())
+    {
+        return Err("has columns of unequal length");
+    }
+    if !finite(&run.time) || run.values.iter().flatten().any(|value| value.is_infinite()) {
+        return Err("has a number that is not finite");
+    }
+    if spec.valve && run.valve.is_none() {
+        return Err("has no opening of the valve");
+    }
+    Ok(())
+}
+
+fn manifest(experiment: &Experiment, robot: Option<&str>, spec: &Spec) -> String {
+    let quoted = |text: &str| toml::Value::String(text.into()).to_string();
+    let mut text = format!("kind = {}\n", quoted(spec.id));
+    // Writing into a string does not fail.
+    let _ = robot.map(|robot| writeln!(text, "robot = {}", quoted(robot)));
+    for (table, sizes) in [("noise", &experiment.noise), ("resolution", &experiment.resolution)] {
+        let known =
+            experiment.columns.iter().zip(sizes).filter_map(|(column, size)| Some((column, (*size)?)));
+        for (i, (column, size)) in known.enumerate() {
+            let head = if i == 0 { format!("\n[{table}]\n") } else { String::new() };
+            let _ = writeln!(text, "{head}{column} = {size:?}");
+        }
+    }
+    for run in &experiment.runs {
+        let _ = writeln!(text, "\n[[run]]\nfile = {}", quoted(&run.name));
+        for (key, value) in &run.settings {
+            let _ = writeln!(text, "{key} = {value:?}");
+        }
+    }
+    text
+}
+
+/// Header and rows of a run. Numbers have the digits that give them back.
+fn rows(out: &mut dyn Write, run: &Run, experiment: &Experiment, spec: &Spec) -> io::Result<()> {
+    let mut names: Vec<&str> = Vec::new();
+    names.extend(spec.timed().then_some("time_s"));
+    names.extend(spec.valve.then_some("valve"));
+    names.extend(experiment.columns.iter().map(String::as_str));
+    writeln!(out, "{}", names.join(","))?;
+    let (open, closed) = run.valve.unwrap_or((f64::INFINITY, None));
+    let closed = closed.unwrap_or(f64::INFINITY);
+    for (time, row) in instants(run, spec, [open, closed]) {
+        let mut cells: Vec<String> = Vec::new();
+        cells.extend(spec.timed().then(|| format!("{time:?}")));
+        cells.extend(spec.valve.then(|| u8::from(time >= open && time < closed).to_string()));
+        let value = |column: &Vec<f64>| row.map_or(f64::NAN, |row| column[row]);
+        let cell = |value: f64| if value.is_nan() { String::new() } else { format!("{value:?}") };
+        cells.extend(run.values.iter().map(value).map(cell));
+        writeln!(out, "{}", cells.join(","))?;
+    }
+    Ok(())
+}
+
+/// Times (s) of all rows in order, each with its row; those at which the valve switches are among them.
+fn instants(run: &Run, spec: &Spec, switches: [f64; 2]) -> Vec<(f64, Option<usize>)> {
+    let mut instants: Vec<(f64, Option<usize>)> = run.time.iter().copied().zip((0..).map(Some)).collect();
+    for switch in switches.into_iter().filter(|switch| spec.valve && switch.is_finite()) {
+        let place = instants.partition_point(|(time, _)| *time < switch);
+        if instants.get(place).is_none_or(|(time, _)| *time != switch) {
+            instants.insert(place, (switch, None));
+        }
+    }
+    instants
+}
+
+/// Writes a file under a temporary name beside its place, then renames it.
+fn whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Error> {
+    let temporary = path.with_file_name(format!(".saltus-{}.tmp", std::process::id()));
+    let write = || {
+        let file = fs::OpenOptions::new().write(true).create_new(true).open(&temporary)?;
+        let mut out = BufWriter::new(file);
+        let done = fill(&mut out).and_then(|()| out.flush()).and_then(|()| fs::rename(&temporary, path));
+        if done.is_err() {
+            // What stopped the writing is what is told.
+            let _ = fs::remove_file(&temporary);
+        }
+        done
+    };
+    write().map_err(|error| Error::write(path, error))
+}
