@@ -2,12 +2,12 @@
 
 use nalgebra::DMatrix;
 use rand_pcg::Pcg64;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
 use crate::fit::{self, Fit, Mask};
 use crate::fitness::{self, Fitness};
 use crate::gain::{self, Gain};
-use crate::kind::Kind;
+use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::parallel;
 use crate::tangent::Tangent;
 
@@ -38,8 +38,12 @@ const UNKNOWN_PART: f64 = 0.2;
 const LEAST_EFFECT: f64 = 0.5;
 /// Difference in loss below which data do not tell two causes apart: 20 to 1 in likelihood.
 const RIVAL: f64 = 6.0;
+/// Inflation above which the noise is not what the data say it is: runs are then what is compared, and not readings.
+const WANDERS: f64 = 2.0;
+/// Where it is not, the part of what is wrong that each cause must explain.
+const SHARE: f64 = 0.2;
 /// Part of what is wrong that the causes found must explain, where something is left that they do not.
-const EXPLAINED: f64 = 0.9;
+const EXPLAINED: f64 = 0.8;
 
 /// A cause as a candidate, fitted with those before it.
 #[derive(Clone, Debug)]
@@ -90,50 +94,132 @@ pub struct Diagnosis {
 
 /// Says what is wrong with the model of an experiment; `progress` is told what is being done. None where the model has no answer at its
 /// first guesses.
+///
+/// Where even the richest model leaves much more than the noise that is stated, the instruments wander, or something is at work that no
+/// cause explains: the search is then done again with the scatter that is seen.
 pub fn diagnose(kind: &dyn Kind, settings: &Settings, progress: &(dyn Fn(&str) + Sync)) -> Option<Diagnosis> {
-    let runs: Vec<usize> = (0..kind.logs().len()).collect();
     progress("fitting the model as it is");
-    let before = fit::fit_none(kind, &runs)?;
-    let mut search = Search { kind, settings, progress, runs, random: Pcg64::new(u128::from(settings.seed), 7) };
-    let (chosen, tried, inflation) = search.forward(&before)?;
-    let mut after = chosen;
-    search.improve(&mut after, inflation);
-    search.drop_needless(&mut after, &before, inflation);
-    let fitness_before = search.fitness(&before);
-    let mut fitness_after = if after.causes.is_empty() { fitness_before.clone() } else { search.fitness(&after) };
-    let mut unknown = fitness_after.unknown(kind, &after);
-    let left = fitness_after.excess / fitness_before.excess.max(1e-12);
-    if unknown.is_some() && !after.causes.is_empty() && left > 1.0 - EXPLAINED && fitness_after.is_sure {
-        // Several listed causes bent to something else are worse than none.
-        after = before.clone();
-        fitness_after = fitness_before.clone();
-        unknown = fitness_after.unknown(kind, &after).or(unknown);
+    let mut search = Search::new(kind, settings, progress);
+    let before = fit::fit_none(kind, &search.runs)?;
+    let chosen = search.forward(&before)?;
+    let rescaled = Rescaled::new(kind, &chosen.richest);
+    if let Some(seen) = &rescaled {
+        let mut search = Search { wanders: true, ..Search::new(seen, settings, progress) };
+        let before = fit::fit_none(seen, &search.runs)?;
+        let chosen = search.forward(&before)?;
+        return search.conclude(kind, before, chosen);
     }
-    progress("what else could be");
-    let findings = search.findings(&after, inflation);
-    progress("data left out");
-    let gains = gain::gains(kind, &before, &after, &folds(kind, settings), settings);
-    Some(Diagnosis {
-        findings,
-        unknown,
-        tried,
-        before,
-        after,
-        fitness: (fitness_before, fitness_after),
-        inflation,
-        gains,
-    })
+    search.conclude(kind, before, chosen)
+}
+
+/// What adding causes came to.
+struct Chosen {
+    model: Fit,
+    richest: Fit,
+    tried: Vec<Candidate>,
+    inflation: f64,
+}
+
+/// An experiment whose readings scatter more than was stated.
+struct Rescaled<'a> {
+    kind: &'a dyn Kind,
+    channels: Vec<Channel>,
+}
+
+/// Scatter in terms of the stated one up to which it is taken as stated.
+const AS_STATED: f64 = 1.5;
+
+impl<'a> Rescaled<'a> {
+    /// With the scatter that `model` leaves; none where that is about what was stated.
+    fn new(kind: &'a dyn Kind, model: &Fit) -> Option<Rescaled<'a>> {
+        let scatter = fitness::scatter(kind, model);
+        let scale = |(channel, seen): (&Channel, &f64)| Channel {
+            noise: channel.noise * if *seen > AS_STATED { *seen } else { 1.0 },
+            ..channel.clone()
+        };
+        let is_more = scatter.iter().any(|s| *s > AS_STATED);
+        is_more.then(|| Rescaled { kind, channels: kind.channels().iter().zip(&scatter).map(scale).collect() })
+    }
+}
+
+impl Kind for Rescaled<'_> {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn logs(&self) -> &[Log] {
+        self.kind.logs()
+    }
+
+    fn unknowns(&self, run: usize) -> Vec<Parameter> {
+        self.kind.unknowns(run)
+    }
+
+    fn causes(&self) -> &[Cause] {
+        self.kind.causes()
+    }
+
+    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+        self.kind.predict(run, terms, unknowns)
+    }
+
+    fn phases(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Vec<(&'static str, f64)> {
+        self.kind.phases(run, terms, unknowns)
+    }
+
+    fn report(&self, cause: usize, values: &[f64]) -> Vec<(String, f64)> {
+        self.kind.report(cause, values)
+    }
 }
 
 struct Search<'a> {
     kind: &'a dyn Kind,
     settings: &'a Settings,
     progress: &'a (dyn Fn(&str) + Sync),
+    /// Whether the readings are known to scatter more than was stated.
+    wanders: bool,
     runs: Vec<usize>,
     random: Pcg64,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    fn new(kind: &'a dyn Kind, settings: &'a Settings, progress: &'a (dyn Fn(&str) + Sync)) -> Search<'a> {
+        let runs = (0..kind.logs().len()).collect();
+        Search { kind, settings, progress, wanders: false, runs, random: Pcg64::new(u128::from(settings.seed), 7) }
+    }
+
+    /// What is to be said; `stated` is the experiment with its noise as stated.
+    fn conclude(mut self, stated: &dyn Kind, before: Fit, chosen: Chosen) -> Option<Diagnosis> {
+        let Chosen { model: mut after, tried, mut inflation, .. } = chosen;
+        self.improve(&mut after, inflation);
+        self.drop_needless(&mut after, inflation);
+        let fitness_before = self.fitness(stated, &before);
+        let mut fitness_after =
+            if after.causes.is_empty() { fitness_before.clone() } else { self.fitness(stated, &after) };
+        let mut unknown = fitness_after.unknown(stated, &after);
+        let left = fitness_after.squares / fitness_before.squares.max(1e-12);
+        if self.runs.len() == 1 && left < 0.5 {
+            // One run does not tell what returns.
+            unknown = None;
+        }
+        if unknown.is_some() && !after.causes.is_empty() && left > 1.0 - EXPLAINED {
+            // Several listed causes bent to something else are worse than none.
+            after = before.clone();
+            fitness_after = fitness_before.clone();
+            unknown = fitness_after.unknown(stated, &after).or(unknown);
+            inflation = fitness::inflation(self.kind, &after);
+        }
+        (self.progress)("what else could be");
+        let findings = self.findings(&after, inflation);
+        (self.progress)("data left out");
+        let mut gains = gain::gains(self.kind, &before, &after, &folds(self.kind, self.settings), self.settings);
+        for (gain, channel) in gains.iter_mut().zip(stated.channels()) {
+            gain.noise = channel.noise;
+        }
+        let fitness = (fitness_before, fitness_after);
+        Some(Diagnosis { findings, unknown, tried, before, after, fitness, inflation, gains })
+    }
+
     fn freedom(&self, cause: usize) -> usize {
         self.kind.causes()[cause].parameters.len()
     }
@@ -143,16 +229,21 @@ impl Search<'_> {
         gain - quantile(self.freedom(cause), 0.999)
     }
 
-    /// What a candidate is worth beside others: its gain, less what its parameters and its being a surprise cost.
-    fn worth(&self, candidate: &Candidate, inflation: f64) -> f64 {
+    /// How much it is against a candidate that its effect is greater than is usual.
+    fn surprise(&self, candidate: &Candidate) -> f64 {
         let cause = &self.kind.causes()[candidate.cause];
         let off = candidate.fit.terms.get(candidate.cause, 0) - cause.parameters[0].neutral;
-        let surprise = cause.usual.map_or(0.0, |usual| 2.0 * (off / usual).powi(2).ln_1p());
-        candidate.gain / inflation - 2.0 * cause.parameters.len() as f64 - surprise
+        cause.usual.map_or(0.0, |usual| (off / usual).powi(2))
     }
 
-    /// Adds causes while they tell; the model, every cause alone, and the inflation.
-    fn forward(&mut self, before: &Fit) -> Option<(Fit, Vec<Candidate>, f64)> {
+    /// What a candidate is worth beside others: its gain, less what its parameters and its being a surprise cost.
+    fn worth(&self, candidate: &Candidate, inflation: f64) -> f64 {
+        let parameters = self.freedom(candidate.cause) as f64;
+        candidate.gain / inflation - 2.0 * parameters - self.surprise(candidate)
+    }
+
+    /// Adds causes while they tell.
+    fn forward(&mut self, before: &Fit) -> Option<Chosen> {
         let mut current = before.clone();
         let mut tried = Vec::new();
         let mut steps: Vec<(Fit, f64, f64)> = Vec::new();
@@ -168,15 +259,32 @@ impl Search<'_> {
                 break;
             }
             let Some(best) = self.best_on_data_left_out(&current, candidates) else { break };
-            let freedom = quantile(self.freedom(best.cause), 0.999);
-            steps.push((best.fit.clone(), best.gain, threshold + freedom));
+            let needed = threshold + quantile(self.freedom(best.cause), 0.999) + self.surprise(&best);
+            steps.push((best.fit.clone(), best.gain, needed));
             current = best.fit;
         }
-        // What a unit of loss is worth is told by what the richest model leaves.
-        let inflation = fitness::inflation(self.kind, &current);
-        let kept = steps.iter().take_while(|(_, gain, needed)| gain / inflation > *needed).count();
-        let model = if kept == 0 { before.clone() } else { steps[kept - 1].0.clone() };
-        Some((model, tried, inflation))
+        // What a unit of loss is worth is told by what the richest model leaves: about 1 if that is noise. If it is not, the readings
+        // wander, and a further cause has to stand out from how the model before it wanders.
+        let richest = fitness::inflation(self.kind, &current);
+        let wanders = self.wanders || richest > WANDERS;
+        let mut model = before.clone();
+        for (fit, gain, needed) in steps {
+            let is_first = model.causes.is_empty();
+            let inflation = match wanders {
+                true if !is_first => fitness::inflation(self.kind, &model),
+                _ => richest,
+            };
+            let least = if wanders { SHARE * fitness::excess(self.kind, before) } else { 0.0 };
+            // How they wander is itself known poorly.
+            let needed = if wanders { 2.0 * needed } else { needed };
+            if std::env::var("DBG").is_ok() { eprintln!("step {:?} gain {gain} inflation {inflation} needed {needed} least {least}", fit.causes.iter().map(|c| self.kind.causes()[*c].id).collect::<Vec<_>>()); }
+            if gain / inflation < needed || gain < least {
+                break;
+            }
+            model = fit;
+        }
+        let inflation = if wanders { fitness::inflation(self.kind, &model) } else { richest };
+        Some(Chosen { model, richest: current, tried, inflation })
     }
 
     /// What the most telling of all candidates reaches by chance in the stated part of cases.
@@ -235,23 +343,30 @@ impl Search<'_> {
     /// Of the candidates that gain about as much as the first, the one that predicts data left out best; none if none predicts them
     /// better than the model without.
     fn best_on_data_left_out(&self, current: &Fit, candidates: Vec<Candidate>) -> Option<Candidate> {
-        let first = candidates.first()?.gain;
-        let near: Vec<Candidate> =
-            candidates.into_iter().filter(|c| c.gain > first - RIVAL.max(0.02 * first)).take(4).collect();
+        let first = candidates.first()?;
+        let wanders = self.wanders || fitness::inflation(self.kind, &first.fit) > WANDERS;
+        let behind = if wanders { 0.5 * first.gain } else { RIVAL.max(0.02 * first.gain) };
+        let least = first.gain - behind;
         let folds = folds(self.kind, self.settings);
         let losses = gain::held_out(self.kind, current, &folds)?;
-        let mut best: Option<(f64, Candidate)> = None;
-        for candidate in near {
-            let Some(with) = gain::held_out(self.kind, &candidate.fit, &folds) else { continue };
-            let held_out: f64 = losses.iter().zip(&with).map(|(a, b)| a - b).sum();
-            // A surprise counts here too.
-            let surprise = candidate.gain - 2.0 * self.freedom(candidate.cause) as f64 - self.worth(&candidate, 1.0);
-            let worth = held_out - surprise;
-            if held_out > 0.0 && best.as_ref().is_none_or(|(b, _)| worth > *b) {
-                best = Some((worth, candidate));
-            }
+        let mut near: Vec<(Candidate, Vec<f64>, f64)> = candidates
+            .into_iter()
+            .filter(|c| c.gain > least)
+            .take(4)
+            .filter_map(|candidate| {
+                let with = gain::held_out(self.kind, &candidate.fit, &folds)?;
+                let held_out: f64 = losses.iter().zip(&with).map(|(a, b)| a - b).sum();
+                (held_out > 0.0).then_some((candidate, with, held_out))
+            })
+            .collect();
+        // A surprise counts here too.
+        near.sort_by(|a, b| (b.2 - self.surprise(&b.0)).total_cmp(&(a.2 - self.surprise(&a.0))));
+        if wanders && !near.is_empty() {
+            let best = near[0].1.clone();
+            near.retain(|n| !is_worse(&n.1, &best));
+            near.sort_by(|a, b| self.surprise(&a.0).total_cmp(&self.surprise(&b.0)));
         }
-        best.map(|(_, candidate)| candidate)
+        near.into_iter().next().map(|(candidate, ..)| candidate)
     }
 
     /// `model` without one of its causes, fitted again.
@@ -284,7 +399,7 @@ impl Search<'_> {
     }
 
     /// Takes out causes that the others have made needless.
-    fn drop_needless(&self, model: &mut Fit, before: &Fit, inflation: f64) {
+    fn drop_needless(&self, model: &mut Fit, inflation: f64) {
         let mut k = 0;
         while model.causes.len() > 1 && k < model.causes.len() {
             let cause = model.causes[k];
@@ -299,12 +414,11 @@ impl Search<'_> {
                 _ => k += 1,
             }
         }
-        let _ = before;
     }
 
-    fn fitness(&mut self, model: &Fit) -> Fitness {
+    fn fitness(&mut self, stated: &dyn Kind, model: &Fit) -> Fitness {
         let level = self.settings.false_alarms * UNKNOWN_PART;
-        fitness::fitness(self.kind, model, self.settings.draws, level, &mut self.random)
+        fitness::fitness(stated, model, self.settings.draws, level, &mut self.random)
     }
 
     /// What is to be said of each cause of the model.
@@ -323,14 +437,20 @@ impl Search<'_> {
                 let mut best = Candidate { cause, gain, fit, reported: Vec::new() };
                 let worth = self.worth(&best, 1.0);
                 let id = self.kind.causes()[cause].id;
+                let with = with.as_ref();
                 candidates.retain(|c| {
+                    if (self.wanders || inflation > WANDERS) && c.cause != cause && c.gain > 0.5 * gain {
+                        let there = gain::held_out(self.kind, &c.fit, &folds);
+                        let is_alike = |a: Vec<f64>| with.is_some_and(|b| !is_worse(&a, b));
+                        return self.kind.causes()[c.cause].id != id && there.is_some_and(is_alike);
+                    }
                     // Without what speaks against a surprise: the data alone.
                     let other = &self.kind.causes()[c.cause];
                     let cost = 2.0 * (other.parameters.len() as f64 - self.freedom(cause) as f64);
                     let behind = (gain - c.gain + cost) / inflation;
                     let known = (worth - self.worth(c, 1.0)) / inflation;
                     let alike = (gain - c.gain).abs() < 1e-3 * gain.abs() + 0.5;
-                    c.cause != cause && other.id != id && (alike || (behind < RIVAL && known < 3.0 * RIVAL))
+                    c.cause != cause && other.id != id && (alike || (behind < RIVAL && known < 30.0 * RIVAL))
                 });
                 let mut seen = vec![id];
                 candidates.retain(|c| {
@@ -344,7 +464,7 @@ impl Search<'_> {
                     report(self.kind, rival, inflation);
                 }
                 let without = gain::held_out(self.kind, &base, &folds);
-                let held_out = match (without, &with) {
+                let held_out = match (without, with) {
                     (Some(a), Some(b)) => a.iter().zip(b).map(|(a, b)| a - b).sum(),
                     _ => f64::NAN,
                 };
@@ -397,6 +517,15 @@ fn report(kind: &dyn Kind, candidate: &mut Candidate, inflation: f64) -> Option<
     whole.and_then(|(_, least, direction)| {
         (least < 1e-6 && n > 1).then(|| direction[offset..offset + n].to_vec())
     })
+}
+
+/// Whether `a` is worse than `b`, loss of fold by fold of data left out, by more than the folds scatter (Student's t, 2.5 %).
+fn is_worse(a: &[f64], b: &[f64]) -> bool {
+    let n = a.len() as f64;
+    let mean = a.iter().zip(b).map(|(a, b)| a - b).sum::<f64>() / n;
+    let square = a.iter().zip(b).map(|(a, b)| (a - b - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    let limit = StudentsT::new(0.0, 1.0, (n - 1.0).max(1.0)).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
+    mean > limit * (square / n).sqrt()
 }
 
 /// χ² of so much freedom that is exceeded with the rest of `probability`.

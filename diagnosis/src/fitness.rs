@@ -12,6 +12,8 @@ use crate::tangent::Tangent;
 const SHAPES: usize = 8;
 /// Mean square of residuals beyond 1, or of their smooth part, below which nothing is said to be wrong: the model itself is not truer.
 const LEAST: f64 = 0.03;
+/// How much of the smooth part of residuals must be the same in every run to be an effect.
+const COHERENT: f64 = 0.2;
 /// Runs that it takes to tell what returns in each of them.
 const RUNS: usize = 6;
 
@@ -24,8 +26,8 @@ pub struct Fitness {
     pub whiteness: Vec<f64>,
     /// Mean square of the part of the residuals of each channel that is smooth over a run, less what chance gives it.
     pub smooth: Vec<f64>,
-    /// Sum of squares of all residuals beyond their number, with those of outliers cut.
-    pub excess: f64,
+    /// Sum of squares of the residuals beyond their number.
+    pub squares: f64,
     /// How far the most telling of these is beyond chance: above 1 is less likely than the stated level.
     pub alarm: f64,
     /// Whether something is left that is not noise.
@@ -163,7 +165,7 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
             level: vec![f64::NAN; channels],
             whiteness: vec![f64::NAN; channels],
             smooth: vec![f64::NAN; channels],
-            excess: f64::INFINITY,
+            squares: f64::INFINITY,
             alarm: f64::INFINITY,
             is_off: true,
             is_sure: false,
@@ -198,7 +200,12 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
     let matters = (0..channels).any(|c| {
         mean_square[c] - scatters[0][c].0 / counts[c].max(1.0) > LEAST || smooth[c] > LEAST
     });
-    let is_off = if is_sure { alarm > 1.0 && matters } else { returns(&series, channels, &residuals, level, random) };
+    let runs = runs_of(&series);
+    let is_off = if is_sure && (runs == 1 || (runs > 2 && coherence(&series, channels, &residuals) > COHERENT)) {
+        alarm > 1.0 && matters
+    } else {
+        returns(&series, channels, &residuals, level, random)
+    };
     let whiteness = (0..channels)
         .map(|c| {
             let (mut above, mut below) = (0.0, 1e-300);
@@ -211,41 +218,89 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
             above / below
         })
         .collect();
-    let excess = (found[0].iter().sum::<f64>() - counts.iter().sum::<f64>()).max(0.0);
-    Fitness { level: mean_square, whiteness, smooth, excess, alarm, is_off, is_sure }
+    let raw = raw_residuals(kind, model);
+    let squares = (fit::dot(&raw, &raw) - raw.len() as f64).max(0.0);
+    Fitness { level: mean_square, whiteness, smooth, squares, alarm, is_off, is_sure }
+}
+
+/// Loss of a model beyond the number of readings, which is what noise would leave.
+pub(crate) fn excess(kind: &dyn Kind, model: &Fit) -> f64 {
+    let readings: usize = kind.logs().iter().map(|log| log.readings.len()).sum();
+    (model.loss - readings as f64).max(0.0)
+}
+
+/// Scatter of the residuals of each channel in standard deviations, the outermost twentieth left out.
+pub(crate) fn scatter(kind: &dyn Kind, model: &Fit) -> Vec<f64> {
+    let raw = raw_residuals(kind, model);
+    let channel_of: Vec<usize> = kind.logs().iter().flat_map(|l| l.readings.iter().map(|r| r.channel)).collect();
+    (0..kind.channels().len())
+        .map(|c| {
+            let mut sizes: Vec<f64> =
+                raw.iter().zip(&channel_of).filter(|(_, k)| **k == c).map(|(r, _)| r.abs()).collect();
+            sizes.sort_by(f64::total_cmp);
+            // Of a normal distribution 95 % are within 1.96.
+            percentile(&sizes, 0.95) / 1.96
+        })
+        .collect()
+}
+
+/// Residuals of all readings in standard deviations.
+fn raw_residuals(kind: &dyn Kind, model: &Fit) -> Vec<f64> {
+    let of = |run: usize| fit::residuals(kind, run, &model.terms, &model.unknowns[run]).unwrap_or_default();
+    (0..kind.logs().len()).flat_map(of).collect()
+}
+
+fn runs_of(series: &[Series]) -> usize {
+    series.iter().map(|s| s.run + 1).max().unwrap_or(0)
+}
+
+/// Smooth parts of the residuals: for each run, channel and shape.
+fn smooth_parts(series: &[Series], channels: usize, residuals: &[f64]) -> Vec<Vec<[f64; SHAPES]>> {
+    let mut parts = vec![vec![[0.0; SHAPES]; channels]; runs_of(series)];
+    for s in series {
+        let values: Vec<f64> = s.places.iter().map(|&i| residuals[i]).collect();
+        for (k, shape) in s.shapes.iter().enumerate() {
+            parts[s.run][s.channel][k] = fit::dot(shape, &values);
+        }
+    }
+    parts
+}
+
+/// Square of what returns in every run, with the sign of each run's as given.
+fn returning(parts: &[Vec<[f64; SHAPES]>], signs: &[f64]) -> f64 {
+    let channels = parts.first().map_or(0, Vec::len);
+    (0..channels)
+        .flat_map(|c| (0..SHAPES).map(move |k| (c, k)))
+        .map(|(c, k)| parts.iter().zip(signs).map(|(p, sign)| sign * p[c][k]).sum::<f64>().powi(2))
+        .sum()
+}
+
+/// How much of the smooth part of the residuals is the same in every run: 0 of what differs from run to run, 1 of what does not.
+///
+/// An effect in the machine returns; an instrument that wanders does not.
+fn coherence(series: &[Series], channels: usize, residuals: &[f64]) -> f64 {
+    let parts = smooth_parts(series, channels, residuals);
+    let runs = parts.len() as f64;
+    let whole: f64 = parts.iter().flatten().flatten().map(|x| x * x).sum();
+    let same = returning(&parts, &vec![1.0; parts.len()]) / runs / whole.max(1e-300);
+    (same - 1.0 / runs) / (1.0 - 1.0 / runs)
 }
 
 /// Whether the same smooth shape returns in the residuals of every run more than if the sign of each run's were drawn: what can be told
 /// where the noise is not known.
 fn returns(series: &[Series], channels: usize, residuals: &[f64], level: f64, random: &mut Pcg64) -> bool {
-    let runs = series.iter().map(|s| s.run + 1).max().unwrap_or(0);
+    let runs = runs_of(series);
     if runs < RUNS {
         return false;
     }
-    let mut parts = vec![vec![[0.0; SHAPES]; channels]; runs];
-    let mut whole = 0.0;
-    for s in series {
-        let values: Vec<f64> = s.places.iter().map(|&i| residuals[i]).collect();
-        whole += fit::dot(&values, &values);
-        for (k, shape) in s.shapes.iter().enumerate() {
-            parts[s.run][s.channel][k] = fit::dot(shape, &values);
-        }
-    }
-    let statistic = |signs: &[f64]| {
-        let mut sum = 0.0;
-        for c in 0..channels {
-            for k in 0..SHAPES {
-                sum += (0..runs).map(|r| signs[r] * parts[r][c][k]).sum::<f64>().powi(2);
-            }
-        }
-        sum
-    };
-    let found = statistic(&vec![1.0; runs]);
+    let parts = smooth_parts(series, channels, residuals);
+    let whole = fit::dot(residuals, residuals);
+    let found = returning(&parts, &vec![1.0; runs]);
     let Ok(coin) = Bernoulli::new(0.5) else { return false };
     let mut by_chance: Vec<f64> = (0..1000)
         .map(|_| {
             let signs: Vec<f64> = (0..runs).map(|_| if coin.sample(random) { 1.0 } else { -1.0 }).collect();
-            statistic(&signs)
+            returning(&parts, &signs)
         })
         .collect();
     by_chance.sort_by(f64::total_cmp);
@@ -256,7 +311,12 @@ fn returns(series: &[Series], channels: usize, residuals: &[f64], level: f64, ra
 /// By how much more the residuals weigh than white noise of their standard deviation would: the greatest over channels of variance times
 /// correlation time, at least 1.
 pub(crate) fn inflation(kind: &dyn Kind, model: &Fit) -> f64 {
-    let Some(residuals) = Tangent::residuals(kind, model) else { return 1.0 };
+    // Outliers are cut; what is off by less than that everywhere is not made of outliers.
+    let raw = raw_residuals(kind, model);
+    let mut sizes: Vec<f64> = raw.iter().map(|r| r.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let cut = (2.0 * percentile(&sizes, 0.95)).max(3.0);
+    let residuals: Vec<f64> = raw.iter().map(|r| r.clamp(-cut, cut)).collect();
     let all = series(kind);
     (0..kind.channels().len())
         .map(|channel| {

@@ -19,6 +19,7 @@ pub mod experiment;
 pub mod verify;
 
 pub use saltus_ballistic as ballistic;
+pub use saltus_diagnosis as diagnosis;
 pub use saltus_lagrangian as lagrangian;
 pub use saltus_planner as planner;
 pub use saltus_pneumatics as pneumatics;

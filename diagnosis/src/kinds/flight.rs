@@ -16,7 +16,7 @@ pub struct Flights {
     is_height: Vec<bool>,
     /// Drag (1/m) of each run for one of the parameter: ρ A/(2 m), or 1.
     drag: Vec<f64>,
-    /// A drop: it may be held for a while.
+    /// Drops from rest: when each was let go is not known, and may be before its first row or after.
     is_drop: bool,
 }
 
@@ -59,7 +59,7 @@ impl Flights {
             }
         }
         let is_height: Vec<bool> = channels.iter().map(|c| c.name == "y_m").collect();
-        let is_drop = !on_boom && is_height == [true];
+        let is_drop = !on_boom && is_height == [true] && logs.iter().all(|log| !rises(log, &channels[0]));
         let drag = known.unwrap_or_else(|| vec![1.0; logs.len()]);
         Flights { gravity, channels, logs, causes, is_height, drag, is_drop }
     }
@@ -90,13 +90,13 @@ impl Kind for Flights {
             let later = here.get((here.len() / 10).max(1)).or(here.last());
             let speed = later.map_or(0.0, |r| (r.value - start) / (r.time - first).max(1e-6));
             let fall = if is_height { 0.5 * self.gravity * (later.map_or(0.0, |r| r.time) - first) } else { 0.0 };
-            let speed = if self.is_drop { 0.0 } else { speed + fall };
             all.push(unknown("start_m", start, FREE, 0.01));
-            all.push(unknown("start_speed_m_s", speed, FREE, 0.1));
-        }
-        if self.is_drop {
-            let bounds = (first, first + 0.3 * (last - first));
-            all.push(unknown("release_s", first + 0.02 * (last - first), bounds, 0.01));
+            if self.is_drop {
+                let bounds = (first - 2.0, first + 0.3 * (last - first));
+                all.push(unknown("release_s", first + 0.02 * (last - first), bounds, 0.01));
+            } else {
+                all.push(unknown("start_speed_m_s", speed + fall, FREE, 0.1));
+            }
         }
         all
     }
@@ -110,12 +110,14 @@ impl Kind for Flights {
         let share = self.value("counterweight", None, terms).unwrap_or(1.0);
         let gravity = share * self.value("gravity", None, terms).unwrap_or(self.gravity);
         let readings = &self.logs[run].readings;
-        let release = if self.is_drop { *unknowns.last()? } else { readings.first()?.time };
+        let release = if self.is_drop { unknowns[1] } else { readings.first()?.time };
         // x, y, and their rates; what is not measured stands still.
         let (mut place, mut speed) = ([0.0; 2], [0.0; 2]);
         for (channel, &is_height) in self.is_height.iter().enumerate() {
             place[usize::from(is_height)] = unknowns[2 * channel];
-            speed[usize::from(is_height)] = unknowns[2 * channel + 1];
+            if !self.is_drop {
+                speed[usize::from(is_height)] = unknowns[2 * channel + 1];
+            }
         }
         let pull = |v: [f64; 2]| {
             let size = v[0].hypot(v[1]);
@@ -147,6 +149,13 @@ impl Kind for Flights {
         }
         out.iter().all(|x| x.is_finite()).then_some(out)
     }
+}
+
+/// Whether a body rises from its first row on, by more than the noise.
+fn rises(log: &Log, channel: &Channel) -> bool {
+    let Some(first) = log.readings.first() else { return false };
+    let early = log.readings.iter().take(log.readings.len().div_ceil(4));
+    early.map(|r| r.value).fold(f64::NEG_INFINITY, f64::max) > first.value + 5.0 * channel.noise
 }
 
 /// Place (m) and speed (m/s) at a time (s).

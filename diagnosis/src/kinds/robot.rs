@@ -2,10 +2,10 @@
 
 mod terms;
 
-use saltus_robot::{AbsolutePressure, Drive, GaugePressure, Robot};
-use terms::{Sensor, Switch, Term};
+use saltus_robot::{Drive, GaugePressure, Robot};
+use terms::{Sensor, Term};
 
-use super::{FREE, Problem, unknown};
+use super::{Problem, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::noise;

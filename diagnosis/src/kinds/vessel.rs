@@ -54,7 +54,8 @@ impl Vessels {
         for (column, unit, scale) in [("pressure_pa", "pa", 1e3), ("temperature_k", "k", 0.2)] {
             if experiment.columns.iter().any(|c| c == column) {
                 let offset = format!("offset_{unit}");
-                causes.push(sensor("sensor-offset", column, &offset, 0.0, FREE, scale, &[]));
+                let usual = Some(5.0 * scale);
+                causes.push(Cause { usual, ..sensor("sensor-offset", column, &offset, 0.0, FREE, scale, &[]) });
                 causes.push(sensor("encoder-scale", column, "gain", 1.0, (0.2, 5.0), 0.01, &[]));
                 causes.push(sensor("sensor-delay", column, "delay_s", 0.0, (0.0, 10.0), 0.1, &[]));
             }
@@ -134,7 +135,7 @@ impl Kind for Vessels {
         let mut now = 0.0;
         let mut out = Vec::with_capacity(self.logs[run].readings.len());
         let last = self.logs[run].readings.last()?.time;
-        let step = last / 2000.0;
+        let step = last / 500.0;
         let mut knots = vec![(0.0, state, rates(state))];
         while now < last {
             state = runge_kutta(state, step, &rates);

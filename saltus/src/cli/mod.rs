@@ -2,6 +2,7 @@
 
 mod common;
 mod completions;
+mod diagnose;
 mod export;
 mod law;
 mod limits;
@@ -56,6 +57,7 @@ enum Command {
     Map(map::Map),
     Plan(plan::Plan),
     Verify(verify::Verify),
+    Diagnose(diagnose::Diagnose),
     Parkour(parkour::Parkour),
     Export(export::Export),
     Completions(completions::Completions),
@@ -79,6 +81,7 @@ impl Command {
             Command::Map(command) => command.run(),
             Command::Plan(command) => command.run(),
             Command::Verify(command) => command.run(),
+            Command::Diagnose(command) => command.run(),
             Command::Parkour(command) => command.run(),
             Command::Export(command) => command.run(),
             Command::Completions(command) => command.run(),

@@ -301,7 +301,8 @@ fn flight(list: &mut List, robot: &Robot, sort: Sort) {
 fn sensing(list: &mut List, sort: Sort, columns: &[Column], channels: &[Channel]) {
     for (k, (column, channel)) in columns.iter().zip(channels).enumerate() {
         let mut add = |id: &'static str, what: Sensor, p: Parameter| {
-            list.causes.push(Cause { id, column: Some(channel.name.clone()), parameters: vec![p], usual: None });
+            let usual = (what == Sensor::Gain).then_some(0.1);
+            list.causes.push(Cause { id, column: Some(channel.name.clone()), parameters: vec![p], usual });
             list.terms.push(Term::Sensor(k, what));
         };
         add("encoder-scale", Sensor::Gain, parameter("gain", 1.0, (0.2, 5.0), 2e-3, &[0.95, 1.05]));
