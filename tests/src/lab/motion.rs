@@ -36,12 +36,20 @@ pub(super) fn first(whole: f64, crossed: impl Fn(f64) -> bool) -> f64 {
     high
 }
 
+/// Ratio of pressures from which a flow is laminar: proportional to their difference.
+const LAMINAR: f64 = 0.9995;
+
 /// Mass flow (kg/s) of an ideal gas at `t` kelvin through an effective `area` (m²) from `up` to `down` (Pa), negative backwards.
 ///
 /// St Venant and Wantzel, in the isentropic exit speed and density: ρ_e w_e A.
 pub(super) fn nozzle(area: f64, (kappa, gas): (f64, f64), t: f64, up: f64, down: f64) -> f64 {
     if down > up {
         return -nozzle(area, (kappa, gas), t, down, up);
+    }
+    if down > LAMINAR * up {
+        // As the root of what is left its rate would be infinite where the pressures meet.
+        let part = (1.0 - down / up) / (1.0 - LAMINAR);
+        return part * nozzle(area, (kappa, gas), t, up, LAMINAR * up);
     }
     let critical = (2.0 / (kappa + 1.0)).powf(kappa / (kappa - 1.0));
     let ratio = (down / up).max(critical);

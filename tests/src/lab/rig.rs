@@ -6,12 +6,12 @@
 use std::collections::BTreeMap;
 
 use saltus_robot::{Drive, GaugePressure, Robot, resolve};
-use saltus_sim_check::{End, Happening, JointParts, Launch, Plan, Rig, Settings, Sim};
+use saltus_sim_check::{Happening, JointParts, Launch, Pause, Rig, Settings, Sim, Watch};
 
 use super::bench::leg;
 use super::dial::{Dial, Hidden};
 use super::draw::Draw;
-use super::motion::PSI;
+use super::motion::{AMBIENT, PSI};
 use super::sensing::Column;
 use super::{Exact, World};
 
@@ -223,6 +223,11 @@ fn encoder(name: &'static str, count: f64, way: usize) -> Column {
 const WHEEL_COUNT: f64 = 7.854e-3;
 const BOOM_COUNT: f64 = 3.927e-3;
 
+/// The usual ones; a jump that takes so many steps is not worth the wait.
+fn settings() -> Settings {
+    Settings { most_steps: 10_000, ..Settings::default() }
+}
+
 /// What the encoders and the gyro would read.
 fn readings(rig: &Rig, sim: &Sim) -> [f64; 4] {
     let (q, v) = (sim.coordinates(), sim.velocities());
@@ -230,51 +235,97 @@ fn readings(rig: &Rig, sim: &Sim) -> [f64; 4] {
     [lean, pivot, turn, v[rig.lean_velocity()] + v[0] * pivot.sin()]
 }
 
+/// A motion of a rig from standing on a foot, in the air without touching.
+struct Shot<'a> {
+    rig: &'a Rig,
+    sim: Sim<'a>,
+    /// When (s) `sim` began.
+    began: f64,
+    lift_off: Option<f64>,
+}
+
+impl<'a> Shot<'a> {
+    fn new(rig: &'a Rig, lean: f64, rate: f64) -> Option<Shot<'a>> {
+        let (mut q, v) = rig.stand(lean, rate).ok()?;
+        let mut settings = settings();
+        if let (Some((stiffness, _)), 0.0, Some(length)) = (rig.mechanism.material.compliance, rate, rig.boom)
+        {
+            // At rest, soft ground carries the robot.
+            settings.penetration = 0.05;
+            q[1] -= resting_force(rig) / stiffness / length;
+        }
+        let sim = Sim::new(&rig.mechanism, &q, &v, settings).ok()?;
+        Some(Shot { rig, sim, began: 0.0, lift_off: None })
+    }
+
+    fn time(&self) -> f64 {
+        self.began + self.sim.time()
+    }
+
+    /// Goes on until `until` (s), or until a watch, whose number is then there. None where that does not work.
+    fn go(&mut self, until: f64, watches: &[Watch<'_>]) -> Option<Option<usize>> {
+        loop {
+            match self.sim.run_eventwise(until - self.began, watches).ok()? {
+                Some(Pause::Watch(watch)) => return Some(Some(watch)),
+                Some(Pause::Time) => {
+                    self.forget_chamber()?;
+                    return Some(None);
+                }
+                None => {}
+            }
+            let left = |sim: &Sim| sim.events().iter().any(|e| e.what == Happening::LiftOff(0, 0));
+            if self.lift_off.is_none() && left(&self.sim) {
+                self.lift_off = Some(self.time());
+                self.sim.stop_touching();
+            }
+        }
+    }
+
+    /// Once the leg is exhausted in the air, and held, its chamber is as it was before: a chamber with a leak that has come to the
+    /// ambient pressure costs thousands of events.
+    fn forget_chamber(&mut self) -> Option<()> {
+        let leg = self.rig.mechanism.tree.velocity_of(self.rig.legs[0]);
+        let (q, v) = (self.sim.coordinates().to_vec(), self.sim.velocities().to_vec());
+        let exhausted = (self.sim.pressure(0) - AMBIENT).abs() < 500.0;
+        if self.began == 0.0 && exhausted && v[leg] == 0.0 && self.lift_off.is_some() {
+            self.began = self.time();
+            self.sim = Sim::new(&self.rig.mechanism, &q, &v, Settings { penetration: 1.0, ..settings() }).ok()?;
+            self.sim.stop_touching();
+        }
+        Some(())
+    }
+}
+
 /// A firing from standing through its flight, a row a tick, until the axle is back at r_s or a foot touches; how long (s) it
 /// stood, and rows of lean, pivot angle, radius angle, gyro. None where the robot does not jump.
 fn flown(rig: &Rig, firing: &Firing) -> Option<(f64, Vec<[f64; 4]>)> {
-    let (mut q, v) = rig.stand(firing.lean, firing.rate).ok()?;
-    let mut settings = Settings::default();
-    if let (Some((stiffness, _)), 0.0, Some(length)) =
-        (rig.mechanism.material.compliance, firing.rate, rig.boom)
-    {
-        // At rest, soft ground carries the robot.
-        settings.penetration = 0.05;
-        q[1] -= resting_force(rig) / stiffness / length;
-    }
-    let mut sim = Sim::new(&rig.mechanism, &q, &v, settings).ok()?;
-    let mut rows = vec![readings(rig, &sim)];
-    let left = |sim: &Sim| sim.events().iter().any(|e| e.what == Happening::LiftOff(0, 0));
-    let (mut fired, mut lift_off) = (false, None);
+    let mut shot = Shot::new(rig, firing.lean, firing.rate)?;
+    let mut rows = vec![readings(rig, &shot.sim)];
+    let mut fired = false;
     for row in 1..4000_u32 {
         let until = f64::from(row) * TICK;
         if !fired && until > firing.on + 0.5 * TICK {
-            sim.fire(0, firing.opening).ok()?;
+            shot.sim.fire(0, firing.opening).ok()?;
             fired = true;
         }
-        while sim.run_eventwise(until, &[]).ok()?.is_none() {
-            if lift_off.is_none() && left(&sim) {
-                lift_off = Some(sim.time());
-                sim.stop_touching();
-            }
-        }
-        let (q, lean) = (sim.coordinates(), rig.lean_coordinate());
-        if lift_off.is_some_and(|_| !fired) || q[lean].abs() > 1.5 && lift_off.is_none() {
-            return None;
-        }
-        let extension = q[rig.extension_coordinate(0)];
-        let height = rig.axle(q)[1];
-        if let Some(at) = lift_off {
+        shot.go(until, &[])?;
+        let q = shot.sim.coordinates();
+        let (lean, extension) = (q[rig.lean_coordinate()], q[rig.extension_coordinate(0)]);
+        if let Some(at) = shot.lift_off {
+            let height = rig.axle(q)[1];
             // The foot left the ground as the axle rose; it comes back where the axle falls to its height over it.
-            let foot = height - (rig.radius + extension) * q[lean].cos();
+            let foot = height - (rig.radius + extension) * lean.cos();
+            if !fired {
+                return None;
+            }
             if height < rig.radius || (foot < 0.0 && until > at + 0.03) {
                 // Not every foot that leaves the ground has jumped.
                 return (until > at + 0.08 && extension > 0.02).then_some((at, rows));
             }
-        } else if until > firing.on + 0.6 {
+        } else if until > firing.on + 0.6 || lean.abs() > 1.5 {
             return None;
         }
-        rows.push(readings(rig, &sim));
+        rows.push(readings(rig, &shot.sim));
     }
     None
 }
@@ -406,7 +457,7 @@ fn jump(robot: &Robot, draw: &mut Draw) -> Option<Firing> {
     let supply = draw.one(&[100.0, 110.0, 120.0]) * PSI;
     let rig = rig(robot, supply, &Hidden::default())?;
     let (q, v) = rig.stand(lean, rate).ok()?;
-    let mut sim = Sim::new(&rig.mechanism, &q, &v, Settings::default()).ok()?;
+    let mut sim = Sim::new(&rig.mechanism, &q, &v, settings()).ok()?;
     let reached = |_: f64, q: &[f64], _: &[f64]| angle - q[rig.lean_coordinate()];
     sim.run(0.6, &[&reached]).ok()?;
     let on = (sim.time() / TICK).ceil() * TICK;
@@ -484,12 +535,39 @@ impl Outcomes {
     }
 }
 
-/// Distance and apex (m) of a jump, where it is one.
+/// Distance and apex (m) of a jump that is commanded at its start, where it is one.
 fn landed(rig: &Rig, launch: &Launch) -> Option<[f64; 2]> {
-    let plan = Plan { sample: 0.02, landing_height: rig.radius, ..Plan::default() };
-    let report = rig.jump(launch, &plan).ok()?;
-    let jumped = report.end == End::Landed && report.landing.is_finite();
-    jumped.then_some([report.landing, report.apex])
+    let mut shot = Shot::new(rig, launch.lean, launch.rate)?;
+    shot.sim.fire(0, launch.valve_open).ok()?;
+    let rising = |_: f64, q: &[f64], v: &[f64]| rig.axle_rates(q, v)[1];
+    let above = |_: f64, q: &[f64], _: &[f64]| rig.axle(q)[1] - rig.radius;
+    let mut apex = None;
+    for row in 1..600_u32 {
+        let until = f64::from(row) * 4.0 * TICK;
+        while shot.time() < until {
+            let watches: &[Watch] = match (shot.lift_off, apex) {
+                (None, _) => &[],
+                (Some(_), None) => &[&rising],
+                (Some(_), Some(_)) => &[&above],
+            };
+            let standing = shot.lift_off.is_none();
+            let found = shot.go(if standing { until.min(shot.time() + TICK) } else { until }, watches)?;
+            let q = shot.sim.coordinates();
+            match (found, apex) {
+                (Some(_), None) => apex = Some(rig.axle(q)[1]),
+                (Some(_), Some(apex)) => return Some([rig.axle(q)[0], apex]),
+                (None, _) => {}
+            }
+            let flies = !standing || shot.lift_off.is_none() || {
+                let v = shot.sim.velocities();
+                rising(0.0, q, v) > 0.0 && q[rig.extension_coordinate(0)] > 0.0
+            };
+            if !flies || (shot.lift_off.is_none() && (shot.time() > 1.0 || q[rig.lean_coordinate()].abs() > 1.5)) {
+                return None;
+            }
+        }
+    }
+    None
 }
 
 impl World for Outcomes {

@@ -135,14 +135,14 @@ pub(super) fn sense(column: &str, time: &[f64], values: &mut [f64], hidden: &Hid
     }
 }
 
-/// The cubic through the four rows about `t`, or near an end the line through two.
+/// The cubic through the four rows about `t`; before the first row the line through two.
 fn interpolated(time: &[f64], values: &[f64], t: f64) -> f64 {
     let n = time.len();
-    if n < 2 {
+    if n < 4 {
         return values[0];
     }
-    let k = time.partition_point(|x| *x <= t).clamp(1, n - 1);
-    let rows = if k >= 2 && k + 1 < n { k - 2..k + 2 } else { k - 1..k + 1 };
+    let k = time.partition_point(|x| *x <= t);
+    let rows = if k == 0 { 0..2 } else { k.clamp(2, n - 2) - 2..k.clamp(2, n - 2) + 2 };
     rows.clone()
         .map(|i| {
             let others = rows.clone().filter(|j| *j != i);

@@ -45,23 +45,24 @@ pub(super) struct Slides {
 }
 
 impl Slides {
+    /// The measured force is twice integrated: its noise is such that this leaves the position's in peace.
     pub(super) fn new(draw: &mut Draw) -> Slides {
-        let mut position = Column::noisy("position_m", 1e-4);
+        let mut position = Column::noisy("position_m", 2e-4);
         if draw.chance(0.4) {
-            (position.noise, position.resolution) = (draw.one(&[0.0, 3e-5]), draw.one(&[5e-5, 1e-4]));
+            (position.noise, position.resolution) = (draw.one(&[0.0, 1e-4]), draw.one(&[2e-4, 5e-4]));
         }
         let mass = (draw.scale(0.5, 4.0) * 1e3).round() * 1e-3;
         let drives = (0..draw.one(&[5, 6, 8])).map(|_| {
             // Fast enough that a mass without friction stays on the guide.
             let sines = [(); 3].map(|()| {
-                let rate = TAU * draw.scale(0.7, 3.0);
+                let rate = TAU * draw.scale(1.0, 4.0);
                 (mass * draw.between(1.0, 4.0) * rate / 10.0, rate, draw.between(0.0, TAU))
             });
-            Drive { sines, length: draw.between(2.0, 4.0) }
+            Drive { sines, length: draw.between(0.7, 1.2) }
         });
         let drives = drives.collect();
-        let rate = draw.one(&[250.0, 500.0, 1000.0]);
-        Slides { columns: [Column::noisy("force_n", 0.03), position], mass, drives, rate }
+        let rate = draw.one(&[500.0, 1000.0]);
+        Slides { columns: [Column::noisy("force_n", 1e-3), position], mass, drives, rate }
     }
 
     fn run(&self, drive: &Drive, h: &Hidden) -> Exact {

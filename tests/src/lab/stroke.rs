@@ -56,7 +56,7 @@ impl Strokes {
         Strokes {
             columns: [
                 Column::noisy("position_m", 1e-5),
-                Column::noisy("pressure_gauge_pa", 200.0),
+                Column::noisy("pressure_gauge_pa", 50.0),
                 Column::noisy("force_n", 0.06),
             ],
             bore: draw.one(&[0.016, 0.01905, 0.025]),

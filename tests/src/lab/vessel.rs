@@ -190,14 +190,18 @@ mod tests {
         }
     }
 
-    /// An empty vessel that is filled without losses becomes κ times as warm as what fills it.
+    /// Gas that fills a vessel without losses brings its enthalpy, κ times its inner energy: m = m₀ + (p − p₀) V/(κ R T).
     #[test]
     fn a_filled_vessel_is_warm() {
         let vessels = Vessels::new(&["gas-type"], &mut Draw::new(6, 0));
-        let setting = Setting { pressure: 10.0, temperature: 300.0, outside: 5e5, length: 200.0 };
+        let setting = Setting { pressure: 1e5, temperature: 300.0, outside: 5e5, length: 200.0 };
         let run = vessels.run(&setting, &Hidden::default());
-        let (p, t) = (run.values[0][60], run.values[1][60]);
-        assert!(p > 4e5 && (t - 420.0).abs() < 0.1, "{p} {t}");
+        for (p, t) in run.values[0].iter().zip(&run.values[1]) {
+            let mixed = p / (1e5 / 300.0 + (p - 1e5) / (1.4 * 300.0));
+            // Steps do not see where the flow turns laminar, at the end.
+            assert!((t - mixed).abs() < 0.02, "{p} {t} {mixed}");
+        }
+        assert!(run.values[0][60] > 4.9e5);
     }
 
     /// With a very good wall the gas keeps the wall's temperature.
@@ -210,6 +214,6 @@ mod tests {
             vessels.run(&setting, &hidden).values[1].iter().copied().fold(f64::INFINITY, f64::min)
         };
         assert!(coldest(0.0) < coldest(0.13) && coldest(0.13) < coldest(1.0));
-        assert!(coldest(3.0) > 285.0, "{}", coldest(3.0));
+        assert!(coldest(3.0) > 280.0, "{}", coldest(3.0));
     }
 }
