@@ -141,10 +141,14 @@ pub(super) fn leg(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
             vec![Dial::linear("leg.coulomb_friction_n", 9.7003, draw.one(&[0.0, 50.0, 50.0]))]
         }
         "seal-friction" => vec![Dial::up_to("leg.seal_friction_n_per_pa", 1.4e-4)],
-        "return-spring" => vec![
-            Dial::up_to("leg.return_spring.stiffness_n_per_m", draw.between(100.0, 800.0)),
-            Dial::up_to("leg.return_spring.preload_n", draw.between(2.0, 20.0)),
-        ],
+        "return-spring" => {
+            // Up to what friction holds in the air at the end of the stroke.
+            let preload = draw.between(1.0, 8.0);
+            vec![
+                Dial::up_to("leg.return_spring.stiffness_n_per_m", (9.2 - preload) / STROKE),
+                Dial::up_to("leg.return_spring.preload_n", preload),
+            ]
+        }
         "gas-type" => vec![
             Dial::fixed("leg.gas.heat_ratio", CARBON_DIOXIDE.0),
             Dial::fixed("leg.gas.constant_j_per_kg_k", CARBON_DIOXIDE.1),

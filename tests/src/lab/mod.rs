@@ -246,6 +246,9 @@ impl Neutral {
             let pairs = runs.iter().zip(&logs).map(|(run, log)| (self.logs[*run].as_ref(), log.as_ref()));
             greatest(world.columns(), pairs)
         };
+        if dials.iter().all(|dial| dial.at(0.5) == dial.at(1.0)) {
+            return (1.0, sigmas(&self.runs, 1.0));
+        }
         let s = solved(wanted, |s| sigmas(&some, s));
         let full = sigmas(&self.runs, s);
         // The runs left out may show more of it than the others, which matters for a subtle effect.

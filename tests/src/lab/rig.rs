@@ -41,6 +41,7 @@ pub(super) const HOP_CAUSES: &[&str] = &[
     "sensor-delay",
 ];
 
+/// A slope is not among them: a point that does not slip does not know how the ground lies about it.
 pub(super) const JUMP_CAUSES: &[&str] = &[
     "supply-pressure",
     "supply-droop",
@@ -64,7 +65,6 @@ pub(super) const JUMP_CAUSES: &[&str] = &[
     "foot-slip",
     "ground-compliance",
     "foot-rolling",
-    "ground-slope",
     "air-drag",
     "gravity",
     "counterweight",
@@ -96,7 +96,6 @@ pub(super) const OUTCOMES_CAUSES: &[&str] = &[
     "foot-slip",
     "ground-compliance",
     "foot-rolling",
-    "ground-slope",
     "air-drag",
     "gravity",
     "counterweight",
@@ -196,7 +195,6 @@ fn dials(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
             ]
         }
         "foot-rolling" => vec![Dial::up_to("foot.radius_m", 0.05)],
-        "ground-slope" => vec![Dial::up_to("ground.slope_rad", draw.one(&[-0.2, 0.2]))],
         "air-drag" => vec![Dial::up_to("environment.drag_per_m", 0.3)],
         "gravity" => vec![Dial::linear("environment.gravity_m_s2", 9.80665, draw.one(&[8.3, 11.3]))],
         "counterweight" => vec![
@@ -248,11 +246,12 @@ impl<'a> Shot<'a> {
     fn new(rig: &'a Rig, lean: f64, rate: f64) -> Option<Shot<'a>> {
         let (mut q, v) = rig.stand(lean, rate).ok()?;
         let mut settings = settings();
-        if let (Some((stiffness, _)), 0.0, Some(length)) = (rig.mechanism.material.compliance, rate, rig.boom)
-        {
-            // At rest, soft ground carries the robot.
-            settings.penetration = 0.05;
-            q[1] -= resting_force(rig) / stiffness / length;
+        if let (Some((stiffness, _)), Some(length)) = (rig.mechanism.material.compliance, rig.boom) {
+            // Soft ground carries the robot from the start.
+            let lighter = 1.0 - rate * rate * rig.radius * lean.cos() / -rig.mechanism.gravity.z;
+            let sink = resting_force(rig) * lighter.max(0.1) / stiffness;
+            settings.penetration = 1.01 * sink + 1e-9;
+            q[1] -= sink / length;
         }
         let sim = Sim::new(&rig.mechanism, &q, &v, settings).ok()?;
         Some(Shot { rig, sim, began: 0.0, lift_off: None })
@@ -268,7 +267,7 @@ impl<'a> Shot<'a> {
             match self.sim.run_eventwise(until - self.began, watches).ok()? {
                 Some(Pause::Watch(watch)) => return Some(Some(watch)),
                 Some(Pause::Time) => {
-                    self.forget_chamber()?;
+                    self.forget_chamber();
                     return Some(None);
                 }
                 None => {}
@@ -283,16 +282,22 @@ impl<'a> Shot<'a> {
 
     /// Once the leg is exhausted in the air, and held, its chamber is as it was before: a chamber with a leak that has come to the
     /// ambient pressure costs thousands of events.
-    fn forget_chamber(&mut self) -> Option<()> {
+    fn forget_chamber(&mut self) {
         let leg = self.rig.mechanism.tree.velocity_of(self.rig.legs[0]);
-        let (q, v) = (self.sim.coordinates().to_vec(), self.sim.velocities().to_vec());
+        let (q, v) = (self.sim.coordinates(), self.sim.velocities());
         let exhausted = (self.sim.pressure(0) - AMBIENT).abs() < 500.0;
-        if self.began == 0.0 && exhausted && v[leg] == 0.0 && self.lift_off.is_some() {
+        // Not while it still touches.
+        let flies = self.lift_off.is_some_and(|at| self.time() > at + 5.0 * TICK);
+        if self.began == 0.0
+            && exhausted
+            && v[leg] == 0.0
+            && flies
+            && let Ok(mut sim) = Sim::new(&self.rig.mechanism, q, v, settings())
+        {
+            sim.stop_touching();
             self.began = self.time();
-            self.sim = Sim::new(&self.rig.mechanism, &q, &v, Settings { penetration: 1.0, ..settings() }).ok()?;
-            self.sim.stop_touching();
+            self.sim = sim;
         }
-        Some(())
     }
 }
 
@@ -544,7 +549,7 @@ fn landed(rig: &Rig, launch: &Launch) -> Option<[f64; 2]> {
     let mut apex = None;
     for row in 1..600_u32 {
         let until = f64::from(row) * 4.0 * TICK;
-        while shot.time() < until {
+        while shot.time() < until - 1e-9 {
             let watches: &[Watch] = match (shot.lift_off, apex) {
                 (None, _) => &[],
                 (Some(_), None) => &[&rising],
