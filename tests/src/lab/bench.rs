@@ -154,8 +154,8 @@ pub(super) fn leg(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
             Dial::fixed("leg.gas.constant_j_per_kg_k", CARBON_DIOXIDE.1),
         ],
         "exhaust-port" => vec![
-            Dial::fixed("leg.exhaust_port.position_m", draw.between(0.03, 0.052)),
-            Dial::up_to("leg.exhaust_port.area_m2", 4e-5),
+            Dial::fixed("leg.exhaust_port.position_m", draw.between(0.025, 0.042)),
+            Dial::up_to("leg.exhaust_port.area_m2", 6e-6),
         ],
         "heat-transfer" => vec![Dial::linear("leg.polytropic_exponent", 1.4, 1.0)],
         _ => return None,

@@ -267,7 +267,9 @@ fn solved(wanted: f64, of: impl Fn(f64) -> f64) -> f64 {
         return 1.0;
     }
     for _ in 0..16 {
-        let middle = if low.0 == 0.0 {
+        let middle = if low.0 == 0.0 && high.1.is_infinite() {
+            0.4 * high.0
+        } else if low.0 == 0.0 {
             // As if it were linear.
             (high.0 * wanted / high.1).clamp(0.05 * high.0, 0.7 * high.0)
         } else if low.1 > 0.0 && high.1.is_finite() {

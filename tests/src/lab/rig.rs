@@ -188,7 +188,7 @@ fn dials(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
             ]
         }
         "ground-compliance" => {
-            let (stiffness, ratio) = (5e3, draw.between(0.1, 0.5));
+            let (stiffness, ratio) = (1.2e4, draw.between(0.05, 0.25));
             vec![
                 Dial::inverse("ground.stiffness_n_per_m", stiffness),
                 Dial::root("ground.damping_n_s_per_m", 2.0 * ratio * (stiffness * 2.9_f64).sqrt()),
