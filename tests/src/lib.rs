@@ -1,7 +1,8 @@
-//! What the tests across crates share: reference data, random robots, an independent integrator.
+//! What the tests across crates share: reference data, random robots, an independent integrator, a laboratory.
 //!
 //! The tests themselves are in `tests/`, one file a subject.
 
+pub mod lab;
 pub mod oracle;
 pub mod reference;
 pub mod robots;

@@ -1,0 +1,618 @@
+//! The robot on its boom, by the multi-body simulation: hops, jumps, and where jumps went.
+//!
+//! Effects are changes of the robot file `rats-boom`, in which the operator goes on to believe. A leg is commanded at the tick
+//! at which the robot without effects would be commanded: what is hidden shows in the motion, not in the command.
+
+use std::collections::BTreeMap;
+
+use saltus_robot::{Drive, GaugePressure, Robot, resolve};
+use saltus_sim_check::{Happening, JointParts, Launch, Pause, Rig, Settings, Sim, Watch};
+
+use super::bench::leg;
+use super::dial::{Dial, Hidden};
+use super::draw::Draw;
+use super::motion::{AMBIENT, PSI};
+use super::sensing::Column;
+use super::{Exact, World};
+
+pub(super) const HOP_CAUSES: &[&str] = &[
+    "supply-pressure",
+    "supply-droop",
+    "valve-delay",
+    "valve-discharge",
+    "chamber-leak",
+    "dead-volume",
+    "viscous-friction",
+    "coulomb-friction",
+    "seal-friction",
+    "return-spring",
+    "gas-type",
+    "exhaust-port",
+    "heat-transfer",
+    "mass",
+    "boom-inertia",
+    "boom-flex",
+    "ground-compliance",
+    "air-drag",
+    "gravity",
+    "counterweight",
+    "encoder-scale",
+    "sensor-offset",
+    "sensor-delay",
+];
+
+/// A slope is not among them: a point that does not slip does not know how the ground lies about it.
+pub(super) const JUMP_CAUSES: &[&str] = &[
+    "supply-pressure",
+    "supply-droop",
+    "valve-delay",
+    "valve-discharge",
+    "chamber-leak",
+    "dead-volume",
+    "viscous-friction",
+    "coulomb-friction",
+    "seal-friction",
+    "return-spring",
+    "gas-type",
+    "exhaust-port",
+    "heat-transfer",
+    "mass",
+    "inertia",
+    "imbalance",
+    "boom-inertia",
+    "boom-flex",
+    "axle-friction",
+    "foot-slip",
+    "ground-compliance",
+    "foot-rolling",
+    "air-drag",
+    "gravity",
+    "counterweight",
+    "encoder-scale",
+    "sensor-offset",
+    "sensor-delay",
+];
+
+pub(super) const OUTCOMES_CAUSES: &[&str] = &[
+    "supply-pressure",
+    "supply-droop",
+    "valve-delay",
+    "valve-discharge",
+    "chamber-leak",
+    "dead-volume",
+    "viscous-friction",
+    "coulomb-friction",
+    "seal-friction",
+    "return-spring",
+    "gas-type",
+    "exhaust-port",
+    "heat-transfer",
+    "mass",
+    "inertia",
+    "imbalance",
+    "boom-inertia",
+    "boom-flex",
+    "axle-friction",
+    "foot-slip",
+    "ground-compliance",
+    "foot-rolling",
+    "air-drag",
+    "gravity",
+    "counterweight",
+    "encoder-scale",
+    "sensor-offset",
+];
+
+pub(super) const HOP_OUTSIDE: &[&str] =
+    &["pivot-damping", "boom-tether", "ripple", "gear-ripple", "saturation"];
+pub(super) const JUMP_OUTSIDE: &[&str] =
+    &["axle-damping", "pivot-damping", "turn-damping", "boom-tether", "ripple", "gear-ripple", "saturation"];
+pub(super) const OUTCOMES_OUTSIDE: &[&str] =
+    &["axle-damping", "pivot-damping", "turn-damping", "ripple", "gear-ripple", "saturation"];
+
+/// Time (s) between rows, and between the ticks of the controller.
+const TICK: f64 = 1e-3;
+
+/// One firing.
+#[derive(Clone, Copy, Debug)]
+struct Firing {
+    lean: f64,
+    rate: f64,
+    /// Gauge pressure (Pa) that the operator set.
+    supply: f64,
+    /// Time of the command (s).
+    on: f64,
+    /// Opening time (s).
+    opening: f64,
+}
+
+/// The robot with what is hidden in it.
+fn robot(hidden: &Hidden) -> Robot {
+    let gas = [("heat_ratio", 1.4), ("constant_j_per_kg_k", 287.05)].map(|(key, air)| {
+        let value = hidden.get(&format!("leg.gas.{key}"), air);
+        format!("{key} = {value:?}")
+    });
+    let mut overrides = vec![format!("leg.gas={{ {} }}", gas.join(", "))];
+    let kappa = hidden.get("leg.gas.heat_ratio", 1.4);
+    let sections = ["leg.", "body.", "boom.", "foot.", "ground.", "environment."];
+    for (key, value) in hidden.all() {
+        if !sections.iter().any(|section| key.starts_with(section)) || key.starts_with("leg.gas.") {
+            continue;
+        }
+        let value = if *key == "leg.polytropic_exponent" { value.min(kappa) } else { *value };
+        overrides.push(format!("{key}={value:?}"));
+    }
+    resolve("rats-boom", &overrides).unwrap_or_else(|error| panic!("{overrides:?}: {error}"))
+}
+
+/// The rig, at the supply that the operator set.
+fn rig(robot: &Robot, supply: f64, hidden: &Hidden) -> Option<Rig> {
+    let mut robot = robot.clone();
+    if let Drive::Pneumatic(cylinder) = &mut robot.leg.drive {
+        cylinder.supply = GaugePressure((supply + hidden.or_zero("supply_pressure_pa added")).max(0.0));
+    }
+    let mut rig = Rig::new(&robot, &[]).ok()?;
+    let damping = |key: &str| JointParts { damping: hidden.or_zero(key), ..JointParts::default() };
+    // The boom turns about its base, then pivots.
+    let (turn, pivot, wheel) = (0, 1, rig.wheel);
+    let joints = &mut rig.mechanism.joints;
+    joints[wheel].damping = hidden.or_zero("axle damping_n_m_s");
+    joints[pivot] = damping("boom pivot damping_n_m_s");
+    joints[pivot].spring = (hidden.or_zero("boom pivot spring_n_m_per_rad"), 0.0);
+    joints[turn] = damping("boom turn damping_n_m_s");
+    Some(rig)
+}
+
+/// The numbers of robot and rig that the effect `id` changes.
+fn dials(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
+    let turn = std::f64::consts::TAU;
+    Some(match id {
+        "mass" => vec![Dial::linear("body.mass_kg", 2.75, draw.one(&[1.9, 3.75]))],
+        "inertia" => {
+            vec![Dial::linear("body.inertia_kg_m2", 0.0812363958333333, draw.one(&[0.03, 0.16]))]
+        }
+        "imbalance" => vec![
+            Dial::up_to("body.imbalance_m", 0.04),
+            Dial::fixed("body.imbalance_angle_rad", draw.between(0.0, turn)),
+        ],
+        "boom-inertia" => vec![Dial::linear("boom.mass_kg", 0.5, draw.one(&[0.05, 1.8]))],
+        "boom-flex" => vec![Dial::inverse("boom.bending_stiffness_n_m_per_rad", 400.0)],
+        "axle-friction" => vec![Dial::up_to("body.axle_friction_n_m", 1.5)],
+        "foot-slip" => {
+            // Dry friction is at most a little less once a foot slips.
+            let coefficient = draw.between(0.03, 0.1);
+            let kinetic = coefficient * draw.between(0.8, 1.0);
+            vec![
+                Dial::inverse("ground.static_friction", coefficient),
+                Dial::inverse("ground.kinetic_friction", kinetic),
+            ]
+        }
+        "ground-compliance" => {
+            let (stiffness, ratio) = (1.2e4, draw.between(0.05, 0.25));
+            vec![
+                Dial::inverse("ground.stiffness_n_per_m", stiffness),
+                Dial::root("ground.damping_n_s_per_m", 2.0 * ratio * (stiffness * 2.9_f64).sqrt()),
+            ]
+        }
+        "foot-rolling" => vec![Dial::up_to("foot.radius_m", 0.05)],
+        "air-drag" => vec![Dial::up_to("environment.drag_per_m", 0.3)],
+        "gravity" => vec![Dial::linear("environment.gravity_m_s2", 9.80665, draw.one(&[8.3, 11.3]))],
+        "counterweight" => vec![
+            Dial::up_to("boom.counterweight.mass_kg", 3.0),
+            Dial::fixed("boom.counterweight.distance_m", draw.between(0.3, 0.8)),
+        ],
+        "axle-damping" => vec![Dial::up_to("axle damping_n_m_s", 0.1)],
+        "pivot-damping" => vec![Dial::up_to("boom pivot damping_n_m_s", 8.0)],
+        "turn-damping" => vec![Dial::up_to("boom turn damping_n_m_s", 8.0)],
+        "boom-tether" => vec![Dial::up_to("boom pivot spring_n_m_per_rad", 200.0)],
+        _ => return leg(id, draw),
+    })
+}
+
+/// Encoders as they are on the rig: their steps, some noise in their place, or both.
+fn encoder(name: &'static str, count: f64, way: usize) -> Column {
+    match way {
+        0 => Column { name, noise: 0.0, resolution: count },
+        1 => Column { name, noise: count / 3.0, resolution: 0.0 },
+        _ => Column { name, noise: count / 3.0, resolution: count },
+    }
+}
+
+const WHEEL_COUNT: f64 = 7.854e-3;
+const BOOM_COUNT: f64 = 3.927e-3;
+
+/// The usual ones; a jump that takes so many steps is not worth the wait.
+fn settings() -> Settings {
+    Settings { most_steps: 10_000, ..Settings::default() }
+}
+
+/// What the encoders and the gyro would read.
+fn readings(rig: &Rig, sim: &Sim) -> [f64; 4] {
+    let (q, v) = (sim.coordinates(), sim.velocities());
+    let (turn, pivot, lean) = (q[0], q[1], q[rig.lean_coordinate()]);
+    [lean, pivot, turn, v[rig.lean_velocity()] + v[0] * pivot.sin()]
+}
+
+/// A motion of a rig from standing on a foot, in the air without touching.
+struct Shot<'a> {
+    rig: &'a Rig,
+    sim: Sim<'a>,
+    /// When (s) `sim` began.
+    began: f64,
+    lift_off: Option<f64>,
+}
+
+impl<'a> Shot<'a> {
+    fn new(rig: &'a Rig, lean: f64, rate: f64) -> Option<Shot<'a>> {
+        let (mut q, v) = rig.stand(lean, rate).ok()?;
+        let mut settings = settings();
+        if let (Some((stiffness, _)), Some(length)) = (rig.mechanism.material.compliance, rig.boom) {
+            // Soft ground carries the robot from the start.
+            let lighter = 1.0 - rate * rate * rig.radius * lean.cos() / -rig.mechanism.gravity.z;
+            let sink = resting_force(rig) * lighter.max(0.1) / stiffness;
+            settings.penetration = 1.01 * sink + 1e-9;
+            q[1] -= sink / length;
+        }
+        let sim = Sim::new(&rig.mechanism, &q, &v, settings).ok()?;
+        Some(Shot { rig, sim, began: 0.0, lift_off: None })
+    }
+
+    fn time(&self) -> f64 {
+        self.began + self.sim.time()
+    }
+
+    /// Goes on until `until` (s), or until a watch, whose number is then there. None where that does not work.
+    fn go(&mut self, until: f64, watches: &[Watch<'_>]) -> Option<Option<usize>> {
+        loop {
+            match self.sim.run_eventwise(until - self.began, watches).ok()? {
+                Some(Pause::Watch(watch)) => return Some(Some(watch)),
+                Some(Pause::Time) => {
+                    self.forget_chamber();
+                    return Some(None);
+                }
+                None => {}
+            }
+            let left = |sim: &Sim| sim.events().iter().any(|e| e.what == Happening::LiftOff(0, 0));
+            if self.lift_off.is_none() && left(&self.sim) {
+                self.lift_off = Some(self.time());
+                self.sim.stop_touching();
+            }
+        }
+    }
+
+    /// Once the leg is exhausted in the air, and held, its chamber is as it was before: a chamber with a leak that has come to the
+    /// ambient pressure costs thousands of events.
+    fn forget_chamber(&mut self) {
+        let leg = self.rig.mechanism.tree.velocity_of(self.rig.legs[0]);
+        let (q, v) = (self.sim.coordinates(), self.sim.velocities());
+        let exhausted = (self.sim.pressure(0) - AMBIENT).abs() < 500.0;
+        // Not while it still touches.
+        let flies = self.lift_off.is_some_and(|at| self.time() > at + 5.0 * TICK);
+        if self.began == 0.0
+            && exhausted
+            && v[leg] == 0.0
+            && flies
+            && let Ok(mut sim) = Sim::new(&self.rig.mechanism, q, v, settings())
+        {
+            sim.stop_touching();
+            self.began = self.time();
+            self.sim = sim;
+        }
+    }
+}
+
+/// A firing from standing through its flight, a row a tick, until the axle is back at r_s or a foot touches; how long (s) it
+/// stood, and rows of lean, pivot angle, radius angle, gyro. None where the robot does not jump.
+fn flown(rig: &Rig, firing: &Firing) -> Option<(f64, Vec<[f64; 4]>)> {
+    let mut shot = Shot::new(rig, firing.lean, firing.rate)?;
+    let mut rows = vec![readings(rig, &shot.sim)];
+    let mut fired = false;
+    for row in 1..4000_u32 {
+        let until = f64::from(row) * TICK;
+        if !fired && until > firing.on + 0.5 * TICK {
+            shot.sim.fire(0, firing.opening).ok()?;
+            fired = true;
+        }
+        shot.go(until, &[])?;
+        let q = shot.sim.coordinates();
+        let (lean, extension) = (q[rig.lean_coordinate()], q[rig.extension_coordinate(0)]);
+        if let Some(at) = shot.lift_off {
+            let height = rig.axle(q)[1];
+            // The foot left the ground as the axle rose; it comes back where the axle falls to its height over it.
+            let foot = height - (rig.radius + extension) * lean.cos();
+            if !fired {
+                return None;
+            }
+            if height < rig.radius || (foot < 0.0 && until > at + 0.03) {
+                // Not every foot that leaves the ground has jumped.
+                return (until > at + 0.08 && extension > 0.02).then_some((at, rows));
+            }
+        } else if until > firing.on + 0.6 || lean.abs() > 1.5 {
+            return None;
+        }
+        rows.push(readings(rig, &shot.sim));
+    }
+    None
+}
+
+/// What stands on the foot (N) of a robot at rest.
+fn resting_force(rig: &Rig) -> f64 {
+    let tree = &rig.mechanism.tree;
+    let moment: f64 = tree
+        .bodies()
+        .iter()
+        .map(|body| {
+            // Along the boom, from its base; what is on the axle is a boom away.
+            let on_boom = matches!(body.name.as_str(), "boom" | "boom turn");
+            let length = rig.boom.unwrap_or(1.0);
+            let outer = if body.name == "boom's outer half" { 0.5 * length } else { length };
+            body.mass * if on_boom || body.name == "boom's outer half" {
+                body.center.y + if on_boom { 0.0 } else { outer }
+            } else {
+                length
+            }
+        })
+        .sum();
+    -rig.mechanism.gravity.z * moment / rig.boom.unwrap_or(1.0)
+}
+
+/// Opening (s), to a tick.
+fn ticks(time: f64) -> f64 {
+    (time / TICK).round() * TICK
+}
+
+fn exact(firing: &Firing, rows: &[[f64; 4]], columns: &[usize]) -> Exact {
+    let settings = BTreeMap::from([("supply_pressure_gauge_pa".to_owned(), firing.supply)]);
+    Exact {
+        settings,
+        valve: Some((firing.on, Some(firing.on + firing.opening))),
+        time: (0..rows.len()).map(|i| i as f64 * TICK).collect(),
+        values: columns.iter().map(|k| rows.iter().map(|row| row[*k]).collect()).collect(),
+    }
+}
+
+/// The logs of these firings, with the columns of [`readings`] that are measured.
+fn fire(firings: &[Firing], runs: &[usize], columns: &[usize], hidden: &Hidden) -> Vec<Option<Exact>> {
+    let robot = robot(hidden);
+    runs.iter()
+        .map(|run| {
+            let firing = &firings[*run];
+            let (_, rows) = flown(&rig(&robot, firing.supply, hidden)?, firing)?;
+            Some(exact(firing, &rows, columns))
+        })
+        .collect()
+}
+
+/// Hops from rest on one upright leg.
+pub(super) struct Hops {
+    columns: [Column; 1],
+    firings: Vec<Firing>,
+}
+
+impl Hops {
+    pub(super) fn new(draw: &mut Draw) -> Hops {
+        let way = draw.one(&[0, 1, 2]);
+        let firings = (0..draw.one(&[10, 11, 12]))
+            .map(|_| Firing {
+                lean: 0.0,
+                rate: 0.0,
+                supply: draw.one(&[80.0, 90.0, 100.0, 110.0, 120.0]) * PSI,
+                on: 0.005,
+                opening: ticks(draw.between(0.02, 0.08)),
+            })
+            .collect();
+        Hops { columns: [encoder("pivot_angle_rad", BOOM_COUNT, way)], firings }
+    }
+}
+
+impl World for Hops {
+    fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    fn runs(&self) -> usize {
+        self.firings.len()
+    }
+
+    fn logs(&self, runs: &[usize], hidden: &Hidden) -> Vec<Option<Exact>> {
+        fire(&self.firings, runs, &[1], hidden)
+    }
+
+    fn dials(&self, id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
+        dials(id, draw)
+    }
+
+    fn robot(&self) -> Option<&'static str> {
+        Some("rats-boom")
+    }
+
+    fn enough(&self) -> usize {
+        3
+    }
+}
+
+/// Jumps from just after touch-down.
+pub(super) struct Jumps {
+    columns: [Column; 4],
+    firings: Vec<Firing>,
+}
+
+impl Jumps {
+    pub(super) fn new(draw: &mut Draw) -> Jumps {
+        let way = draw.one(&[0, 1, 2]);
+        let columns = [
+            encoder("wheel_angle_rad", WHEEL_COUNT, way),
+            encoder("pivot_angle_rad", BOOM_COUNT, way),
+            encoder("radius_angle_rad", BOOM_COUNT, way),
+            Column::noisy("wheel_rate_rad_s", 0.03),
+        ];
+        let robot = robot(&Hidden::default());
+        let mut firings = Vec::new();
+        while firings.len() < 12 {
+            firings.extend(jump(&robot, draw));
+        }
+        Jumps { columns, firings }
+    }
+}
+
+/// A jump of the robot without effects, if what is drawn is one.
+fn jump(robot: &Robot, draw: &mut Draw) -> Option<Firing> {
+    let (lean, rate) = (draw.between(-0.45, -0.15), draw.between(3.0, 6.0));
+    let (angle, opening) = (draw.between(-0.1, 0.25), ticks(draw.between(0.04, 0.1)));
+    let supply = draw.one(&[100.0, 110.0, 120.0]) * PSI;
+    let rig = rig(robot, supply, &Hidden::default())?;
+    let (q, v) = rig.stand(lean, rate).ok()?;
+    let mut sim = Sim::new(&rig.mechanism, &q, &v, settings()).ok()?;
+    let reached = |_: f64, q: &[f64], _: &[f64]| angle - q[rig.lean_coordinate()];
+    sim.run(0.6, &[&reached]).ok()?;
+    let on = (sim.time() / TICK).ceil() * TICK;
+    let firing = Firing { lean, rate, supply, on, opening };
+    let (lift_off, rows) = flown(&rig, &firing)?;
+    // With some flight to see.
+    (on < 0.55 && rows.len() as f64 * TICK > lift_off + 0.15).then_some(firing)
+}
+
+impl World for Jumps {
+    fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    fn runs(&self) -> usize {
+        self.firings.len()
+    }
+
+    fn logs(&self, runs: &[usize], hidden: &Hidden) -> Vec<Option<Exact>> {
+        fire(&self.firings, runs, &[0, 1, 2, 3], hidden)
+    }
+
+    fn dials(&self, id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
+        dials(id, draw)
+    }
+
+    /// Waves of a gear are those of the wheel's encoder.
+    fn sensed(&self, id: &str) -> Vec<&'static str> {
+        let names = self.columns.iter().map(|column| column.name);
+        names.filter(|name| id != "gear-ripple" || *name == "wheel_angle_rad").collect()
+    }
+
+    fn robot(&self) -> Option<&'static str> {
+        Some("rats-boom")
+    }
+
+    fn enough(&self) -> usize {
+        3
+    }
+}
+
+/// Where jumps went: a row a jump.
+pub(super) struct Outcomes {
+    columns: [Column; 5],
+    launches: Vec<Launch>,
+}
+
+impl Outcomes {
+    pub(super) fn new(draw: &mut Draw) -> Outcomes {
+        let asked = |name| Column { name, noise: 0.0, resolution: 0.0 };
+        let columns = [
+            asked("omega_rad_s"),
+            asked("alpha_f_rad"),
+            asked("valve_open_s"),
+            Column::noisy("distance_m", 3e-3),
+            Column::noisy("apex_m", 2e-3),
+        ];
+        let rows = draw.one(&[40, 50, 60]);
+        let rig = rig(&robot(&Hidden::default()), 120.0 * PSI, &Hidden::default());
+        let mut launches = Vec::new();
+        while launches.len() < rows {
+            let round = |x: f64, step: f64| (x / step).round() * step;
+            let angle = round(draw.between(-0.25, 0.3), 1e-3);
+            let launch = Launch {
+                rate: round(draw.between(3.0, 6.0), 0.01),
+                lean: angle,
+                firing_angle: angle,
+                valve_open: ticks(draw.between(0.03, 0.1)),
+            };
+            if rig.as_ref().is_some_and(|rig| landed(rig, &launch).is_some()) {
+                launches.push(launch);
+            }
+        }
+        Outcomes { columns, launches }
+    }
+}
+
+/// Distance and apex (m) of a jump that is commanded at its start, where it is one.
+fn landed(rig: &Rig, launch: &Launch) -> Option<[f64; 2]> {
+    let mut shot = Shot::new(rig, launch.lean, launch.rate)?;
+    shot.sim.fire(0, launch.valve_open).ok()?;
+    let rising = |_: f64, q: &[f64], v: &[f64]| rig.axle_rates(q, v)[1];
+    let above = |_: f64, q: &[f64], _: &[f64]| rig.axle(q)[1] - rig.radius;
+    let mut apex = None;
+    for row in 1..600_u32 {
+        let until = f64::from(row) * 4.0 * TICK;
+        while shot.time() < until - 1e-9 {
+            let watches: &[Watch] = match (shot.lift_off, apex) {
+                (None, _) => &[],
+                (Some(_), None) => &[&rising],
+                (Some(_), Some(_)) => &[&above],
+            };
+            let standing = shot.lift_off.is_none();
+            let found = shot.go(if standing { until.min(shot.time() + TICK) } else { until }, watches)?;
+            let q = shot.sim.coordinates();
+            match (found, apex) {
+                (Some(_), None) => apex = Some(rig.axle(q)[1]),
+                (Some(_), Some(apex)) => return Some([rig.axle(q)[0], apex]),
+                (None, _) => {}
+            }
+            let flies = !standing || shot.lift_off.is_none() || {
+                let v = shot.sim.velocities();
+                rising(0.0, q, v) > 0.0 && q[rig.extension_coordinate(0)] > 0.0
+            };
+            if !flies || (shot.lift_off.is_none() && (shot.time() > 1.0 || q[rig.lean_coordinate()].abs() > 1.5)) {
+                return None;
+            }
+        }
+    }
+    None
+}
+
+impl World for Outcomes {
+    fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    fn runs(&self) -> usize {
+        self.launches.len()
+    }
+
+    fn logs(&self, runs: &[usize], hidden: &Hidden) -> Vec<Option<Exact>> {
+        let Some(rig) = rig(&robot(hidden), 120.0 * PSI, hidden) else { return vec![None; runs.len()] };
+        runs.iter()
+            .map(|run| {
+                let launch = &self.launches[*run];
+                let [distance, apex] = landed(&rig, launch)?;
+                let row = [launch.rate, launch.firing_angle, launch.valve_open, distance, apex];
+                Some(Exact {
+                    time: vec![*run as f64],
+                    values: row.iter().map(|x| vec![*x]).collect(),
+                    ..Exact::default()
+                })
+            })
+            .collect()
+    }
+
+    fn dials(&self, id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
+        dials(id, draw)
+    }
+
+    fn sensed(&self, _: &str) -> Vec<&'static str> {
+        vec!["distance_m", "apex_m"]
+    }
+
+    fn robot(&self) -> Option<&'static str> {
+        Some("rats-boom")
+    }
+
+    fn enough(&self) -> usize {
+        8
+    }
+}
