@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::kind::{Kind, Parameter, Terms};
+use crate::kind::{Kind, Parameter, Reading, Terms};
 
 /// Residuals beyond so many standard deviations count in proportion to their size only (Huber's loss).
 const HUBER: f64 = 3.0;
@@ -52,11 +52,16 @@ pub(crate) fn weight(r: f64) -> f64 {
     (HUBER / r.abs()).min(1.0)
 }
 
+/// Standard deviation of a reading as far as it counts.
+pub(crate) fn scatter(kind: &dyn Kind, reading: &Reading) -> f64 {
+    kind.channels()[reading.channel].noise / reading.weight.sqrt()
+}
+
 /// What the model says of the readings of a run, in standard deviations of each; none where it has no answer.
 pub(crate) fn predicted(kind: &dyn Kind, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
     let mut values = kind.predict(run, terms, unknowns)?;
     for (value, reading) in values.iter_mut().zip(&kind.logs()[run].readings) {
-        *value /= kind.channels()[reading.channel].noise;
+        *value /= scatter(kind, reading);
     }
     values.iter().all(|x| x.is_finite()).then_some(values)
 }
@@ -65,7 +70,7 @@ pub(crate) fn predicted(kind: &dyn Kind, run: usize, terms: &Terms, unknowns: &[
 pub(crate) fn residuals(kind: &dyn Kind, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
     let mut values = predicted(kind, run, terms, unknowns)?;
     for (value, reading) in values.iter_mut().zip(&kind.logs()[run].readings) {
-        *value = reading.value / kind.channels()[reading.channel].noise - *value;
+        *value = reading.value / scatter(kind, reading) - *value;
     }
     Some(values)
 }
@@ -170,8 +175,7 @@ impl<'a> Problem<'a> {
                 .enumerate()
                 .map(|(i, (reading, value))| {
                     let counts = self.mask.as_ref().is_none_or(|m| m[run][i]);
-                    let noise = self.kind.channels()[reading.channel].noise;
-                    if counts { reading.value / noise - value } else { 0.0 }
+                    if counts { reading.value / scatter(self.kind, reading) - value } else { 0.0 }
                 })
                 .collect();
             point.loss += residuals.iter().map(|r| huber(*r)).sum::<f64>();

@@ -62,6 +62,7 @@ impl Fitness {
             let phases = kind.phases(run, &model.terms, &model.unknowns[run]);
             let (first, last) = (log.readings.first()?.time, log.readings.last()?.time);
             for (reading, r) in log.readings.iter().zip(residuals).filter(|(x, _)| x.channel == worst) {
+                let r = r / reading.weight.sqrt();
                 let name = phases.iter().rev().find(|(_, from)| *from <= reading.time).map_or_else(
                     || {
                         let third = 3.0 * (reading.time - first) / (last - first).max(f64::MIN_POSITIVE);
@@ -157,9 +158,10 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
     let series = series(kind);
     let residuals = Tangent::residuals(kind, model).unwrap_or_default();
     let tangent = Tangent::new(kind, model, false);
-    let counts: Vec<f64> = (0..channels)
-        .map(|c| series.iter().filter(|s| s.channel == c).map(|s| s.places.len() as f64).sum::<f64>())
-        .collect();
+    let mut counts = vec![0.0; channels];
+    for reading in kind.logs().iter().flat_map(|log| &log.readings) {
+        counts[reading.channel] += reading.weight;
+    }
     let Some(tangent) = tangent.filter(|t| *t.bounds().last().unwrap_or(&0) == residuals.len()) else {
         return Fitness {
             level: vec![f64::NAN; channels],
@@ -225,8 +227,8 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
 
 /// Loss of a model beyond the number of readings, which is what noise would leave.
 pub(crate) fn excess(kind: &dyn Kind, model: &Fit) -> f64 {
-    let readings: usize = kind.logs().iter().map(|log| log.readings.len()).sum();
-    (model.loss - readings as f64).max(0.0)
+    let readings: f64 = kind.logs().iter().flat_map(|log| &log.readings).map(|r| r.weight).sum();
+    (model.loss - readings).max(0.0)
 }
 
 /// Scatter of the residuals of each channel in standard deviations, the outermost twentieth left out.

@@ -61,7 +61,7 @@ fn squares(kind: &dyn Kind, model: &Fit, folds: &[Fold]) -> Vec<Vec<(f64, f64)>>
             for (i, (reading, r)) in kind.logs()[run].readings.iter().zip(residuals).enumerate() {
                 if mask.as_ref().is_none_or(|m| m[run][i]) {
                     let sum = &mut sums[reading.channel];
-                    sum.0 += (r * kind.channels()[reading.channel].noise).powi(2);
+                    sum.0 += (r * fit::scatter(kind, reading)).powi(2);
                     sum.1 += 1.0;
                 }
             }

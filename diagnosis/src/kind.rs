@@ -24,6 +24,8 @@ pub struct Reading {
     pub time: f64,
     /// In the channel's unit.
     pub value: f64,
+    /// How much it counts, in (0, 1]: of a quantised channel that stands still, each repetition tells little more.
+    pub weight: f64,
 }
 
 /// One run.

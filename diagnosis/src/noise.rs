@@ -1,6 +1,6 @@
 //! How much a reading scatters, and readings out of columns.
 
-use crate::experiment::{Experiment, Run};
+use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Channel, Log, Reading};
 
 /// The channels of the columns `indices`: noise and quantisation as given, or from the data.
@@ -60,14 +60,36 @@ pub(crate) fn median(values: &mut [f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// The readings of a run, of the columns `indices`, in the order of time.
-pub(crate) fn log(run: &Run, indices: &[usize]) -> Log {
+/// Readings of a quantised channel that say the same one after the other count as so many in all.
+const REPEATED: f64 = 2.0;
+
+/// How much each row of a column counts.
+fn weights(values: &[f64], is_quantised: bool) -> Vec<f64> {
+    let mut weights = vec![1.0; values.len()];
+    if !is_quantised {
+        return weights;
+    }
+    let mut start = 0;
+    while start < values.len() {
+        let same = values[start..].iter().take_while(|v| **v == values[start]).count().max(1);
+        weights[start..start + same].fill((REPEATED / same as f64).min(1.0));
+        start += same;
+    }
+    weights
+}
+
+/// The readings of run `run` of an experiment, of the columns `indices`, in the order of time.
+pub(crate) fn log(experiment: &Experiment, run: &Run, indices: &[usize]) -> Log {
+    let weights: Vec<Vec<f64>> = indices
+        .iter()
+        .map(|&k| weights(&run.values[k], experiment.resolution[k].is_some() && experiment.kind != Sort::Outcomes))
+        .collect();
     let mut readings = Vec::with_capacity(run.time.len() * indices.len());
     for (row, &time) in run.time.iter().enumerate() {
         for (channel, &k) in indices.iter().enumerate() {
             let value = run.values[k][row];
             if value.is_finite() {
-                readings.push(Reading { channel, time, value });
+                readings.push(Reading { channel, time, value, weight: weights[channel][row] });
             }
         }
     }

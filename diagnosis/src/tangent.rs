@@ -182,14 +182,15 @@ impl Tangent {
             for (reading, value) in log.readings.iter().zip(&self.predicted[self.bounds[run]..]) {
                 let channel = &kind.channels()[reading.channel];
                 let z: f64 = StandardNormal.sample(random);
+                let count = reading.weight.sqrt();
                 let drawn = if channel.step > 0.0 {
-                    let step = channel.step / channel.noise;
+                    let (step, value) = (channel.step / channel.noise, value / count);
                     let white = (1.0 - step * step / 12.0).max(0.0).sqrt();
                     ((value + white * z) / step).round() * step - value
                 } else {
                     z
                 };
-                all.push(drawn);
+                all.push(count * drawn);
             }
         }
         self.clear(&mut all);

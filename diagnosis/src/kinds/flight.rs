@@ -30,7 +30,7 @@ impl Flights {
     pub fn new(experiment: &Experiment, gravity: f64) -> Flights {
         let indices: Vec<usize> = (0..experiment.columns.len()).collect();
         let channels = noise::channels(experiment, &indices);
-        let logs: Vec<Log> = experiment.runs.iter().map(|run| noise::log(run, &indices)).collect();
+        let logs: Vec<Log> = experiment.runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
         let on_boom = experiment.runs.iter().any(|r| r.settings.contains_key("boom_radius_m"));
         let sizes: Vec<Option<f64>> = experiment
             .runs

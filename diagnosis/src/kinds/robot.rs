@@ -89,7 +89,7 @@ impl Firings {
         let columns: Vec<Column> = measured.iter().map(|m| m.1).collect();
         let indices: Vec<usize> = measured.iter().map(|m| m.0).collect();
         let channels = noise::channels(experiment, &indices);
-        let logs: Vec<Log> = experiment.runs.iter().map(|run| noise::log(run, &indices)).collect();
+        let logs: Vec<Log> = experiment.runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
         let requests = ["omega_rad_s", "alpha_f_rad", "valve_open_s"].map(asked);
         let runs = experiment.runs.iter().map(|run| setting(run, &requests)).collect();
         let (causes, terms) = terms::causes(experiment.kind, robot, &columns, &channels);
@@ -150,7 +150,8 @@ impl Firings {
             }
             match term {
                 Term::Robot(apply) => apply(robot, values),
-                Term::Load => *load *= values[0],
+                Term::LoadFactor => *load *= values[0],
+                Term::LoadAdded => *load = (*load + values[0]).max(1e-3),
                 Term::Sensor(..) => {}
             }
         }

@@ -35,7 +35,7 @@ impl Slides {
         let column = |name: &str| experiment.columns.iter().position(|c| c == name).unwrap_or(0);
         let (force, position) = (column("force_n"), column("position_m"));
         let channels = noise::channels(experiment, &[position]);
-        let logs = experiment.runs.iter().map(|run| noise::log(run, &[position])).collect();
+        let logs = experiment.runs.iter().map(|run| noise::log(experiment, run, &[position])).collect();
         let drives: Vec<Drive> = experiment.runs.iter().map(|run| drive(run, force)).collect();
         let mass_is_known = drives.iter().all(|d| d.mass.is_some());
         let mut causes = vec![

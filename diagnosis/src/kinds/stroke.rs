@@ -38,7 +38,7 @@ impl Strokes {
         let column = |name: &str| experiment.columns.iter().position(|c| c == name).unwrap_or(0);
         let (position, pressure, force) = (column("position_m"), column("pressure_gauge_pa"), column("force_n"));
         let channels = noise::channels(experiment, &[force]);
-        let logs = experiment.runs.iter().map(|run| noise::log(run, &[force])).collect();
+        let logs = experiment.runs.iter().map(|run| noise::log(experiment, run, &[force])).collect();
         let drives = experiment.runs.iter().map(|run| drive(run, position, pressure, force)).collect();
         let spring = Cause {
             id: "return-spring",

@@ -43,7 +43,7 @@ impl Vessels {
     pub fn new(experiment: &Experiment) -> Vessels {
         let indices: Vec<usize> = (0..experiment.columns.len()).collect();
         let channels = noise::channels(experiment, &indices);
-        let logs = experiment.runs.iter().map(|run| noise::log(run, &indices)).collect();
+        let logs = experiment.runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
         let vessels = experiment.runs.iter().map(vessel).collect();
         let mut causes = vec![
             // Natural convection, Nu = c Ra^⅓; turbulent, c is 0.1 to 0.15.

@@ -302,13 +302,52 @@ impl<'a> Run<'a> {
         let s4 = at(&s3.v, &c, h);
         let d = self.look(&s4)?;
         let w = h / 6.0;
+        let (gas, stiff) = match self.mode.leg {
+            // Held, it does not move what is around it, and may be as stiff as it likes.
+            Slide::Held => (self.held_gas(h)?, true),
+            _ => (0.0, false),
+        };
         let next = State {
             q: s.q + (s.v + (s2.v + s3.v) * 2.0 + s4.v) * w,
             v: s.v + (a.0.acceleration + (b.0.acceleration + c.0.acceleration) * 2.0 + d.0.acceleration) * w,
-            gas: s.gas + w * (a.1 + 2.0 * (b.1 + c.1) + d.1),
+            gas: if stiff { gas } else { s.gas + w * (a.1 + 2.0 * (b.1 + c.1) + d.1) },
         };
         let is_finite = next.q.iter().chain(next.v.iter()).all(|x| x.is_finite());
         (is_finite && (next.gas > 0.0 || self.mode.piece.is_none())).then_some(next)
+    }
+
+    /// The gas behind a leg that is held, after `h`: by Runge–Kutta where that is stable, else by an implicit step, which comes to rest
+    /// where inflow and outflow balance.
+    fn held_gas(&self, h: f64) -> Option<f64> {
+        let u = self.state.gas;
+        let (Some(_), Some(_)) = (self.rig.leg.chamber(), &self.mode.piece) else { return Some(u) };
+        let rate = |u: f64| self.gas(&State { gas: u, ..self.state }).map(|(_, rate)| rate);
+        let a = rate(u)?;
+        let nudge = 1e-6 * u;
+        let slope = (rate(u + nudge)? - a) / nudge;
+        let (far, near) = (u + h * a, u);
+        let is_stiff = (slope * h).abs() > 0.7 || (rate(far.max(1e-9))? - a).abs() > 0.7 * a.abs();
+        if !is_stiff || !slope.is_finite() && a == 0.0 {
+            let b = rate(u + 0.5 * h * a)?;
+            let c = rate(u + 0.5 * h * b)?;
+            let d = rate(u + h * c)?;
+            return Some(u + h / 6.0 * (a + 2.0 * (b + c) + d));
+        }
+        let (mut low, mut high) = (near.min(far).max(1e-9), near.max(far));
+        if let Some(piece) = &self.mode.piece {
+            let (first, last) = (piece.low.min(piece.high), piece.low.max(piece.high));
+            // A little past the edge, for the guard to see.
+            (low, high) = (low.max(first * (1.0 - 1e-6)), high.min(last * (1.0 + 1e-6)));
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if middle - u - h * rate(middle)? < 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(0.5 * (low + high))
     }
 
     /// Values that are above 0 while the mode lasts.

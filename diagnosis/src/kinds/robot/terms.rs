@@ -14,7 +14,9 @@ pub(super) enum Term {
     /// It changes the robot.
     Robot(Switch),
     /// It multiplies the load on the bench.
-    Load,
+    LoadFactor,
+    /// It adds to the load on the bench.
+    LoadAdded,
     /// It changes what a channel says.
     Sensor(usize, Sensor),
 }
@@ -63,9 +65,12 @@ pub(super) fn causes(sort: Sort, robot: &Robot, columns: &[Column], channels: &[
     let mut list = List::default();
     leg(&mut list, robot);
     if sort == Sort::Bench {
-        let load = parameter("load_share", 1.0, (0.2, 5.0), 0.01, &[0.8, 1.25]);
-        list.causes.push(Cause { id: "mass", column: None, parameters: vec![load], usual: None });
-        list.terms.push(Term::Load);
+        let factor = parameter("load_factor", 1.0, (0.2, 5.0), 0.01, &[0.8, 1.25]);
+        list.causes.push(Cause { id: "mass", column: None, parameters: vec![factor], usual: None });
+        list.terms.push(Term::LoadFactor);
+        let added = parameter("load_mass_added_kg", 0.0, (-5.0, 20.0), 0.01, &[-0.2, 0.2]);
+        list.causes.push(Cause { id: "mass", column: None, parameters: vec![added], usual: None });
+        list.terms.push(Term::LoadAdded);
     } else {
         body(&mut list, robot);
         contact(&mut list, sort);
@@ -171,7 +176,7 @@ fn pneumatic(list: &mut List, c: &Cylinder, stroke: f64) {
                     5e-4,
                     &[0.9 * stroke, 0.8 * stroke, 0.65 * stroke, 0.45 * stroke],
                 ),
-                parameter("leg.exhaust_port.area_m2", 0.0, (1e-7, 1e-3), 5e-6, &[2e-5]),
+                parameter("leg.exhaust_port.area_m2", 0.0, (1e-8, 1e-3), 5e-6, &[2e-5]),
             ],
             |r, v| cylinder(r, |c| c.exhaust_port = Some(ExhaustPort { position: v[0], area: v[1] })),
         );

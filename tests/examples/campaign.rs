@@ -1,0 +1,183 @@
+//! The campaign: hidden effects of every cause in every kind of experiment, and what the diagnosis says of each.
+//!
+//!     cargo run --release -p saltus-tests --example campaign [what=clear,none] [kind=jump,bench] [seeds=2] [first=1] [cause=ID]
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use saltus_diagnosis::{Diagnosis, Kind, Settings, Sort, diagnose, kinds};
+use saltus_robot::Robot;
+use saltus_tests::lab::{self, Case, Size};
+
+/// What was hidden, and what was said.
+#[derive(Default)]
+struct Tally {
+    sets: usize,
+    right: usize,
+    alone: usize,
+    parameters: usize,
+    within: usize,
+    gains: usize,
+    at_noise: usize,
+    wrong: Vec<String>,
+}
+
+fn option(name: &str) -> Option<String> {
+    std::env::args().find_map(|a| a.strip_prefix(&format!("{name}=")).map(str::to_owned))
+}
+
+fn number(name: &str, default: u64) -> u64 {
+    option(name).and_then(|x| x.parse().ok()).unwrap_or(default)
+}
+
+fn lists(name: &str, value: &str) -> bool {
+    option(name).is_none_or(|list| list.split(',').any(|x| x.eq_ignore_ascii_case(value)))
+}
+
+fn main() {
+    let (first, seeds) = (number("first", 1), number("seeds", 1));
+    let mut table: BTreeMap<(String, String), Tally> = BTreeMap::new();
+    for sort in lab::SORTS {
+        let name = format!("{sort:?}").to_lowercase();
+        if !lists("kind", &name) {
+            continue;
+        }
+        for seed in first..first + seeds {
+            if lists("what", "none") {
+                one(&mut table, &name, "none", sort, &[], seed);
+            }
+            for (what, size) in [("clear", Size::Clear), ("subtle", Size::Subtle)] {
+                for id in lab::causes_of(sort).iter().filter(|id| lists("cause", id) && lists("what", what)) {
+                    one(&mut table, &name, what, sort, &[(*id, size)], seed);
+                }
+            }
+            for id in lab::outside(sort).iter().filter(|_| lists("what", "outside")) {
+                one(&mut table, &name, "outside", sort, &[(*id, Size::Clear)], seed);
+            }
+            if lists("what", "two") {
+                let causes = lab::causes_of(sort);
+                let n = causes.len() as u64;
+                for k in 0..4 {
+                    let a = (seed * 7 + k * 5) % n;
+                    let b = (a + 1 + (seed * 3 + k * 2) % (n - 1)) % n;
+                    let pair = [a, b].map(|i| (causes[i as usize], Size::Clear));
+                    one(&mut table, &name, "two", sort, &pair, seed);
+                }
+            }
+        }
+    }
+    println!("\n| kind | hidden | sets | right | % | named alone | parameters within 2 errors | rms at most 1.1 noise |");
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
+    for ((kind, what), t) in &table {
+        println!(
+            "| {kind} | {what} | {} | {} | {:.0} | {} | {} of {} | {} of {} |",
+            t.sets,
+            t.right,
+            100.0 * t.right as f64 / t.sets as f64,
+            t.alone,
+            t.within,
+            t.parameters,
+            t.at_noise,
+            t.gains
+        );
+    }
+    for ((kind, what), t) in &table {
+        for wrong in &t.wrong {
+            println!("{kind} {what}: {wrong}");
+        }
+    }
+}
+
+fn one(
+    table: &mut BTreeMap<(String, String), Tally>,
+    name: &str,
+    what: &str,
+    sort: Sort,
+    hidden: &[(&str, Size)],
+    seed: u64,
+) {
+    let start = Instant::now();
+    let case = lab::make(sort, hidden, seed);
+    let made = start.elapsed();
+    let robot = case.robot.as_deref().and_then(Robot::builtin);
+    let Ok(kind) = kinds::build(&case.experiment, robot.as_ref()) else { return };
+    let found = diagnose(kind.as_ref(), &Settings::default(), &|_| ());
+    let said = found.as_ref().map_or_else(|| "no motion".into(), |d| say(kind.as_ref(), d));
+    let tally = table.entry((name.into(), what.into())).or_default();
+    let ids: Vec<&str> = hidden.iter().map(|h| h.0).collect();
+    let is_right = found.as_ref().is_some_and(|d| judge(tally, kind.as_ref(), d, &case, what));
+    tally.sets += 1;
+    tally.right += usize::from(is_right);
+    let truth: Vec<String> = case
+        .truth
+        .iter()
+        .map(|t| format!("{} {:?} ({:.1} σ)", t.id, t.parameters, t.sigmas))
+        .collect();
+    let line = format!("seed {seed} {}: {said}", truth.join(" + "));
+    println!(
+        "{} {name} {what} {ids:?} {line} [{:.1} + {:.1} s]",
+        if is_right { "ok   " } else { "WRONG" },
+        made.as_secs_f64(),
+        (start.elapsed() - made).as_secs_f64()
+    );
+    if !is_right {
+        tally.wrong.push(line);
+    }
+}
+
+/// The causes, each with its rivals.
+fn sets<'a>(kind: &'a dyn Kind, d: &Diagnosis) -> Vec<Vec<&'a str>> {
+    let id = |cause: usize| kind.causes()[cause].id;
+    d.findings
+        .iter()
+        .map(|f| std::iter::once(id(f.best.cause)).chain(f.rivals.iter().map(|r| id(r.cause))).collect())
+        .collect()
+}
+
+fn say(kind: &dyn Kind, d: &Diagnosis) -> String {
+    let mut all: Vec<String> = d
+        .findings
+        .iter()
+        .zip(sets(kind, d))
+        .map(|(f, set)| {
+            let column = kind.causes()[f.best.cause].column.as_deref().unwrap_or("");
+            let values: Vec<String> =
+                f.best.reported.iter().map(|(n, v, e)| format!("{n} {v:.4e} ± {e:.1e}")).collect();
+            format!("{} {column} [{}]", set.join("|"), values.join(", "))
+        })
+        .collect();
+    if let Some(u) = &d.unknown {
+        all.push(format!("unknown in {} {}", u.channel, u.phase));
+    }
+    if all.is_empty() { "none".into() } else { all.join(" + ") }
+}
+
+fn judge(tally: &mut Tally, kind: &dyn Kind, d: &Diagnosis, case: &Case, what: &str) -> bool {
+    let sets = sets(kind, d);
+    let named = |id: &str| sets.iter().any(|set| set.contains(&id) && set.len() <= 3);
+    match what {
+        "none" => sets.is_empty() && d.unknown.is_none(),
+        "outside" => d.unknown.is_some(),
+        "two" => case.truth.iter().all(|t| named(t.id)),
+        _ => {
+            let truth = &case.truth[0];
+            if sets.len() == 1 && sets[0] == [truth.id] {
+                tally.alone += 1;
+            }
+            let candidates = d.findings.iter().flat_map(|f| std::iter::once(&f.best).chain(&f.rivals));
+            for candidate in candidates.filter(|c| kind.causes()[c.cause].id == truth.id).take(1) {
+                for (name, value, error) in &candidate.reported {
+                    if let Some((_, true_value)) = truth.parameters.iter().find(|(n, _)| n == name) {
+                        tally.parameters += 1;
+                        tally.within += usize::from((value - true_value).abs() <= 2.0 * error);
+                    }
+                }
+            }
+            for gain in &d.gains {
+                tally.gains += 1;
+                tally.at_noise += usize::from(gain.rms.1 <= 1.1 * gain.noise);
+            }
+            sets.len() == 1 && named(truth.id) && d.unknown.is_none()
+        }
+    }
+}
