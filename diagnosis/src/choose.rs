@@ -301,23 +301,16 @@ impl<'a> Search<'a> {
         percentile(&most, 1.0 - level)
     }
 
-    /// Every cause that is not yet on, with it switched on; the best first. Where a tangent shows that a cause could gain next to
-    /// nothing, it is not fitted.
+    /// Every cause that is not yet on, with it switched on; the best first. Of those that a tangent shows to gain next to nothing, or much
+    /// less than many others, no fit is made.
     fn candidates(&self, base: &Fit, tangent: Option<&Tangent>) -> Vec<Candidate> {
-        let off: Vec<usize> = (0..self.kind.causes().len()).filter(|c| !base.causes.contains(c)).collect();
-        let residuals = tangent.and_then(|_| Tangent::residuals(self.kind, base));
+        let off: Vec<usize> = match tangent.zip(Tangent::residuals(self.kind, base)) {
+            Some((tangent, residuals)) => self.promising(tangent, &residuals),
+            None => (0..self.kind.causes().len()).filter(|c| !base.causes.contains(c)).collect(),
+        };
         let fitted = parallel::map(off.len(), |k| {
             let cause = off[k];
-            let spec = &self.kind.causes()[cause];
-            (self.progress)(&format!("{}: {}", base.causes.len() + 1, spec.id));
-            if let (Some(tangent), Some(residuals)) = (tangent, &residuals)
-                && !spec.is_apart()
-            {
-                let direction = tangent.candidates.iter().find(|d| d.cause == cause)?;
-                if direction.gain(residuals) < 4.0 {
-                    return None;
-                }
-            }
+            (self.progress)(&format!("{}: {}", base.causes.len() + 1, self.kind.causes()[cause].id));
             let fit = fit::fit_with(self.kind, base, cause, &self.runs)?;
             let gain = base.loss - fit.loss;
             Some(Candidate { cause, gain, fit, reported: Vec::new() })
@@ -325,6 +318,29 @@ impl<'a> Search<'a> {
         let mut all: Vec<Candidate> =
             fitted.into_iter().flatten().filter(|c| self.effect(base, &c.fit) >= LEAST_EFFECT).collect();
         all.sort_by(|a, b| self.worth(b, 1.0).total_cmp(&self.worth(a, 1.0)));
+        all
+    }
+
+    /// Causes whose gain, as far as small changes tell it, is more than nothing and not far behind the best.
+    fn promising(&self, tangent: &Tangent, residuals: &[f64]) -> Vec<usize> {
+        /// So many are always looked at.
+        const MOST: usize = 14;
+        /// A gain that chance gives often.
+        const NOTHING: f64 = 4.0;
+        let mut gains: Vec<(usize, f64)> = Vec::new();
+        for direction in &tangent.candidates {
+            let gain = direction.gain(residuals);
+            match gains.iter_mut().find(|(cause, _)| *cause == direction.cause) {
+                Some(known) => known.1 = known.1.max(gain),
+                None => gains.push((direction.cause, gain)),
+            }
+        }
+        gains.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let best = gains.first().map_or(0.0, |g| g.1);
+        let near = |(k, gain): (usize, f64)| gain > NOTHING && (k < MOST || gain > 0.6 * best);
+        let mut all: Vec<usize> =
+            gains.iter().enumerate().filter(|(k, g)| near((*k, g.1))).map(|(_, g)| g.0).collect();
+        all.sort_unstable();
         all
     }
 

@@ -10,7 +10,8 @@ use crate::parallel;
 
 /// Directions in the space of all readings, in standard deviations, one value for each reading of each run in turn.
 pub(crate) struct Tangent {
-    /// For each candidate, directions clear of what the unknowns and the causes that are on can do; how many parameters it has.
+    /// For each candidate, directions clear of what the unknowns and the causes that are on can do; one that cannot be reached in small
+    /// steps has one for each of its starts.
     pub candidates: Vec<Direction>,
     /// Directions of the causes that are on, clear of the unknowns, in units of the parameters' scales.
     on: Vec<Vec<f64>>,
@@ -79,6 +80,30 @@ fn orthonormal(columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     all
 }
 
+/// What `cause` could do by `raw`, clear of the orthonormal directions `clear`; none where that is nothing.
+fn direction(cause: usize, raw: Vec<Vec<f64>>, clear: &[Vec<f64>], one_sided: bool) -> Option<Direction> {
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for mut column in raw {
+        let whole = dot(&column, &column);
+        for other in clear {
+            let part = dot(other, &column);
+            for (x, o) in column.iter_mut().zip(other) {
+                *x -= part * o;
+            }
+        }
+        let left = dot(&column, &column);
+        if left > 1e-8 * whole && left > 1e-20 {
+            let size = left.sqrt();
+            column.iter_mut().for_each(|x| *x /= size);
+            columns.push(column);
+        }
+    }
+    let n = columns.len();
+    let products = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]));
+    let inverse = if n > 0 { products.try_inverse()? } else { return None };
+    Some(Direction { cause, columns, inverse, one_sided })
+}
+
 impl Tangent {
     /// Around `fit`, with every cause that is not on as a candidate where `with_candidates`.
     pub fn new(kind: &dyn Kind, fit: &Fit, with_candidates: bool) -> Option<Tangent> {
@@ -122,11 +147,12 @@ impl Tangent {
         let candidates = parallel::map(off.len(), |k| {
             let cause = off[k];
             let spec = &kind.causes()[cause];
-            let raw: Vec<Vec<f64>> = if spec.is_apart() {
+            let away = |start: usize| -> Option<Vec<f64>> {
                 // From none to a start, all at once.
                 let mut moved = fit.clone();
                 for (p, parameter) in spec.parameters.iter().enumerate() {
-                    moved.terms.set(cause, p, parameter.starts.first().copied().unwrap_or(parameter.bounds.0));
+                    let value = parameter.starts.get(start).or(parameter.starts.last());
+                    moved.terms.set(cause, p, value.copied().unwrap_or(parameter.bounds.0));
                 }
                 let mut all = Vec::with_capacity(bounds[runs]);
                 for run in 0..runs {
@@ -134,32 +160,17 @@ impl Tangent {
                     all.extend(there.iter().zip(&here[run]).map(|(t, h)| t - h));
                 }
                 clear_own(&mut all, &own, &bounds);
-                vec![all]
-            } else {
-                (0..spec.parameters.len()).filter_map(|p| column(fit, &here, cause, p)).collect()
+                Some(all)
             };
-            let mut columns: Vec<Vec<f64>> = Vec::new();
-            for mut column in raw {
-                let whole = dot(&column, &column);
-                for other in &clear {
-                    let part = dot(other, &column);
-                    for (x, o) in column.iter_mut().zip(other) {
-                        *x -= part * o;
-                    }
-                }
-                let left = dot(&column, &column);
-                if left > 1e-8 * whole && left > 1e-20 {
-                    let size = left.sqrt();
-                    column.iter_mut().for_each(|x| *x /= size);
-                    columns.push(column);
-                }
+            if spec.is_apart() {
+                let most = spec.parameters.iter().map(|p| p.starts.len()).max().unwrap_or(0);
+                let each = (0..most).filter_map(away);
+                return each.filter_map(|raw| direction(cause, vec![raw], &clear, true)).collect();
             }
-            let n = columns.len();
-            let products = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]));
-            let inverse = products.try_inverse()?;
             let first = &spec.parameters[0];
-            let one_sided = spec.is_apart() || first.neutral <= first.bounds.0;
-            (n > 0).then_some(Direction { cause, columns, inverse, one_sided })
+            let raw = (0..spec.parameters.len()).filter_map(|p| column(fit, &here, cause, p)).collect();
+            let one_sided = spec.parameters.len() == 1 && first.neutral <= first.bounds.0;
+            direction(cause, raw, &clear, one_sided).into_iter().collect::<Vec<_>>()
         });
         let candidates = candidates.into_iter().flatten().collect();
         Some(Tangent { candidates, on, clear, own, predicted: here.concat(), bounds })

@@ -56,6 +56,7 @@ impl Slides {
             sensor("encoder-scale", "position_m", "gain", 1.0, (0.2, 5.0), 0.01, &[]),
         ];
         if mass_is_known {
+            causes.push(sensor("encoder-scale", "force_n", "gain", 1.0, (0.2, 5.0), 0.01, &[]));
             causes.push(simple("mass", "mass_share", 1.0, (0.05, 20.0), 0.02, &[0.8, 1.25]));
         }
         Slides { channels, logs, drives, causes, mass_is_known }
@@ -108,7 +109,12 @@ impl Kind for Slides {
             ["coulomb-friction", "viscous-friction", "air-drag"].map(|id| self.term(id, 0, terms));
         let (stiffness, preload) = (self.term("return-spring", 0, terms), self.term("return-spring", 1, terms));
         let offset = self.term("sensor-offset", 0, terms);
-        let (delay, scale) = (self.term("sensor-delay", 0, terms), self.term("encoder-scale", 0, terms));
+        let scale_of = |column: &str| {
+            let is_it = |c: &&Cause| c.id == "encoder-scale" && c.column.as_deref() == Some(column);
+            self.causes.iter().position(|c| is_it(&c)).map_or(1.0, |i| terms.get(i, 0))
+        };
+        let (delay, scale) = (self.term("sensor-delay", 0, terms), scale_of("position_m"));
+        let force_scale = scale_of("force_n");
         let (start, mut x, mut v) = (unknowns[0], unknowns[0], unknowns[1]);
         let mut now = *drive.time.first()?;
         let mut at = 0;
@@ -116,7 +122,7 @@ impl Kind for Slides {
             let (a, b) = (at, (at + 1).min(drive.time.len() - 1));
             let width = drive.time[b] - drive.time[a];
             let share = if width > 0.0 { ((t - drive.time[a]) / width).clamp(0.0, 1.0) } else { 0.0 };
-            drive.force[a] + share * (drive.force[b] - drive.force[a]) + offset
+            force_scale * (drive.force[a] + share * (drive.force[b] - drive.force[a])) + offset
         };
         let mut out = Vec::with_capacity(self.logs[run].readings.len());
         for reading in &self.logs[run].readings {

@@ -271,7 +271,7 @@ impl Machine {
     fn assemble(&self, f: &Frame, q: &Coordinates, v: &Coordinates) -> (Square, Coordinates) {
         let (mut mass, mut force) = (Square::zeros(), Coordinates::zeros());
         let weight = V3::new(0.0, 0.0, -self.gravity);
-        let mut add = |body: &Mass, axes: &Matrix3<f64>, k: usize, n: usize, from: &V3, bias: &V3, slide: Option<(f64, f64)>| {
+        let mut add = |body: &Mass, axes: &Matrix3<f64>, k: usize, joints: &[usize], from: &V3, bias: &V3, slide: Option<(f64, f64)>| {
             if body.mass == 0.0 {
                 return;
             }
@@ -284,30 +284,32 @@ impl Machine {
             let (w, r) = (&f.spin[k], &f.spin_rate[k]);
             acceleration += r.cross(&arm) + w.cross(&w.cross(&arm));
             let at = from + arm;
-            let (mut lin, mut ang) = (self.columns(f, &at, slide.is_some()), self.turning(f));
-            // Joints beyond the body do not move it.
-            for j in n..LEG {
-                (lin[j], ang[j]) = (V3::zeros(), V3::zeros());
-            }
-            let inertia = axes * body.inertia * axes.transpose();
+            let (lin, ang) = (self.columns(f, &at, slide.is_some()), self.turning(f));
+            let turn = |x: &V3| axes * (body.inertia * axes.tr_mul(x));
             let push = (weight - acceleration) * body.mass;
-            let torque = -(inertia * r + w.cross(&(inertia * w)));
-            let turned: [V3; N] = std::array::from_fn(|j| inertia * ang[j]);
-            for j in 0..N {
+            let torque = -(turn(r) + w.cross(&turn(w)));
+            for (n, &j) in joints.iter().enumerate() {
                 force[j] += lin[j].dot(&push) + ang[j].dot(&torque);
-                for i in 0..=j {
-                    mass[(i, j)] += body.mass * lin[i].dot(&lin[j]) + ang[i].dot(&turned[j]);
+                let turned = turn(&ang[j]);
+                for &i in &joints[..=n] {
+                    mass[(i, j)] += body.mass * lin[i].dot(&lin[j]) + ang[i].dot(&turned);
                 }
             }
         };
         let zero = V3::zeros();
         if self.boom.is_some() {
             let axes = |y: &V3| Matrix3::from_columns(&[V3::x(), *y, V3::x().cross(y)]);
-            add(&self.inner, &axes(&f.outward[0]), 0, BEND, &zero, &zero, None);
-            add(&self.outer, &axes(&f.outward[1]), 1, LEAN, &f.hinge, &f.bias[0], None);
+            add(&self.inner, &axes(&f.outward[0]), 0, &[TURN, PIVOT], &zero, &zero, None);
+            add(&self.outer, &axes(&f.outward[1]), 1, &[TURN, PIVOT, BEND], &f.hinge, &f.bias[0], None);
         }
-        add(&self.wheel, &f.wheel, 2, LEG, &f.axle, &f.bias[1], None);
-        add(&self.leg, &f.wheel, 2, LEG, &f.axle, &f.bias[1], Some((q[LEG], v[LEG])));
+        // Joints that a body moves with; the bend only where there is one.
+        let (wheel, leg): (&[usize], &[usize]) = if self.flex.is_some() {
+            (&[TURN, PIVOT, BEND, LEAN], &[TURN, PIVOT, BEND, LEAN, LEG])
+        } else {
+            (&[TURN, PIVOT, LEAN], &[TURN, PIVOT, LEAN, LEG])
+        };
+        add(&self.wheel, &f.wheel, 2, wheel, &f.axle, &f.bias[1], None);
+        add(&self.leg, &f.wheel, 2, leg, &f.axle, &f.bias[1], Some((q[LEG], v[LEG])));
         for j in 0..N {
             for i in 0..j {
                 mass[(j, i)] = mass[(i, j)];

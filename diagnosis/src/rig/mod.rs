@@ -239,6 +239,7 @@ impl<'a> Run<'a> {
     fn switch(&mut self, energized: bool) {
         self.mode.energized = energized;
         self.renew(0.0);
+        self.record();
     }
 
     /// The piece of the gas law at the present pressure, or just above or below it.
@@ -316,32 +317,56 @@ impl<'a> Run<'a> {
         (is_finite && (next.gas > 0.0 || self.mode.piece.is_none())).then_some(next)
     }
 
-    /// The gas behind a leg that is held, after `h`: by Runge–Kutta where that is stable, else by an implicit step, which comes to rest
-    /// where inflow and outflow balance.
+    /// The gas behind a leg that is held, after `h`: by Runge–Kutta in steps that are as short as accuracy asks, and where that would be
+    /// too short, by an implicit step, which comes to rest where inflow and outflow balance.
     fn held_gas(&self, h: f64) -> Option<f64> {
-        let u = self.state.gas;
-        let (Some(_), Some(_)) = (self.rig.leg.chamber(), &self.mode.piece) else { return Some(u) };
+        let mut u = self.state.gas;
+        if self.mode.piece.is_none() {
+            return Some(u);
+        }
         let rate = |u: f64| self.gas(&State { gas: u, ..self.state }).map(|(_, rate)| rate);
-        let a = rate(u)?;
-        let nudge = 1e-6 * u;
-        let slope = (rate(u + nudge)? - a) / nudge;
-        let (far, near) = (u + h * a, u);
-        let is_stiff = (slope * h).abs() > 0.7 || (rate(far.max(1e-9))? - a).abs() > 0.7 * a.abs();
-        if !is_stiff || !slope.is_finite() && a == 0.0 {
-            let b = rate(u + 0.5 * h * a)?;
-            let c = rate(u + 0.5 * h * b)?;
-            let d = rate(u + h * c)?;
-            return Some(u + h / 6.0 * (a + 2.0 * (b + c) + d));
+        // In the air nothing depends on it but whether the leg stays.
+        let matters = self.mode.foot != Foot::Flies || self.rig.machine.is_bench();
+        let least = if matters { h / 4.0 } else { h };
+        let (mut t, mut tau) = (0.0, h);
+        while t < h {
+            tau = tau.min(h - t);
+            let a = rate(u)?;
+            let b = rate(u + 0.5 * tau * a)?;
+            let bends = !((b - a).abs() <= 0.1 * a.abs());
+            if a != 0.0 && bends && tau > least {
+                tau *= 0.5;
+                continue;
+            }
+            if a == 0.0 || !bends {
+                let c = rate(u + 0.5 * tau * b)?;
+                let d = rate(u + tau * c)?;
+                u += tau / 6.0 * (a + 2.0 * (b + c) + d);
+                t += tau;
+                tau *= 2.0;
+            } else {
+                u = self.implicit(u, a, tau, &rate)?;
+                t += tau;
+            }
+            if !u.is_finite() {
+                return None;
+            }
         }
-        let (mut low, mut high) = (near.min(far).max(1e-9), near.max(far));
+        Some(u)
+    }
+
+    /// u after an implicit Euler step of `tau`.
+    fn implicit(&self, u: f64, first: f64, tau: f64, rate: &impl Fn(f64) -> Option<f64>) -> Option<f64> {
+        let far = u + tau * first;
+        let (mut low, mut high) = (u.min(far).max(1e-9), u.max(far));
         if let Some(piece) = &self.mode.piece {
-            let (first, last) = (piece.low.min(piece.high), piece.low.max(piece.high));
+            let (start, end) = (piece.low.min(piece.high), piece.low.max(piece.high));
             // A little past the edge, for the guard to see.
-            (low, high) = (low.max(first * (1.0 - 1e-6)), high.min(last * (1.0 + 1e-6)));
+            (low, high) = (low.max(start * (1.0 - 1e-6)), high.min(end * (1.0 + 1e-6)));
         }
-        for _ in 0..60 {
+        for _ in 0..40 {
             let middle = 0.5 * (low + high);
-            if middle - u - h * rate(middle)? < 0.0 {
+            if middle - u - tau * rate(middle)? < 0.0 {
                 low = middle;
             } else {
                 high = middle;
@@ -447,6 +472,8 @@ impl<'a> Run<'a> {
             }
             if let Some(guard) = hit {
                 self.happen(guard, &last.0)?;
+                // Rates may be others from here on.
+                self.record();
             }
             if lands && self.mode.foot == Foot::Flies {
                 let (height, rate) = self.rig.machine.height(&self.state.q, &self.state.v);
@@ -547,7 +574,6 @@ impl<'a> Run<'a> {
         self.state.v = self.rig.machine.stop_leg(&self.state.q, &self.state.v)?;
         self.state.v[LEG] = 0.0;
         self.mode.leg = Slide::Held;
-        self.record();
         Some(())
     }
 }
