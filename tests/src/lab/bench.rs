@@ -231,7 +231,8 @@ impl Plant {
         let tight = self.tight.0 * (-((d - self.tight.1) / 0.004).powi(2)).exp();
         let dry = self.coulomb + self.seal * gauge.abs() + tight;
         let spring = self.spring.0 * d + self.spring.1;
-        let free = gauge * AREA - spring - (self.viscous + self.quadratic * v.abs()) * v - self.load * GRAVITY;
+        let free =
+            gauge * AREA - spring - (self.viscous + self.quadratic * v.abs()) * v - self.load * GRAVITY;
         (free, dry)
     }
 
@@ -391,7 +392,8 @@ mod tests {
         let (bench, setting) = bench();
         let run = bench.fire(&Setting { load: 100.0, ..setting }, &Hidden::default());
         let supply = setting.supply + AMBIENT;
-        let flow = 0.5378 * ORIFICE * supply * (1.4_f64 / (287.05 * TEMPERATURE)).sqrt() * (1.0_f64 / 1.2).powi(3);
+        let flow =
+            0.5378 * ORIFICE * supply * (1.4_f64 / (287.05 * TEMPERATURE)).sqrt() * (1.0_f64 / 1.2).powi(3);
         let rate = 1.4 * 287.05 * TEMPERATURE * flow / 5.4e-6;
         // 10 ms of delay, and less than half of the supply's pressure 4 ms on.
         for (t, p) in run.time.iter().zip(&run.values[1]).filter(|(t, _)| **t < 0.024) {

@@ -141,9 +141,8 @@ impl Guide {
                 (t, h) = (t + part, h - part);
                 continue;
             }
-            let rate = |t: f64, y: &[f64; 2]| {
-                [y[1], (self.free(drive(t), *y) - way * self.dry(y[0])) / self.mass]
-            };
+            let rate =
+                |t: f64, y: &[f64; 2]| [y[1], (self.free(drive(t), *y) - way * self.dry(y[0])) / self.mass];
             let after = |h: f64| rk4(rate, t, y, h);
             let next = after(h);
             if next[1] * way >= 0.0 || self.dry(y[0]) == 0.0 {
