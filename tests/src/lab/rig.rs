@@ -271,18 +271,18 @@ impl<'a> Shot<'a> {
         self.began + self.sim.time()
     }
 
-    /// Goes on until `until` (s), or until a watch, whose number is then there. None where that does not work.
-    fn go(&mut self, until: f64, watches: &[Watch<'_>]) -> Option<Option<usize>> {
+    /// Goes on until `until` (s), or until a watch. None where that does not work.
+    fn go(&mut self, until: f64, watches: &[Watch<'_>]) -> Option<Pause> {
         loop {
             match self.sim.run_eventwise(until - self.began, watches).ok()? {
-                Some(Pause::Watch(watch)) => return Some(Some(watch)),
                 Some(Pause::Time) => {
                     if self.lift_off.is_some_and(|at| self.time() > at + 10.0 * TICK) {
                         self.sim.stop_touching();
                     }
                     self.forget_chamber();
-                    return Some(None);
+                    return Some(Pause::Time);
                 }
+                Some(pause) => return Some(pause),
                 None => {}
             }
             let left = |sim: &Sim| sim.events().iter().any(|e| e.what == Happening::LiftOff(0, 0));
@@ -577,9 +577,9 @@ fn landed(rig: &Rig, launch: &Launch, leaks: bool) -> Option<[f64; 2]> {
             let found = shot.go(if standing { until.min(shot.time() + TICK) } else { until }, watches)?;
             let q = shot.sim.coordinates();
             match (found, apex) {
-                (Some(_), None) => apex = Some(rig.axle(q)[1]),
-                (Some(_), Some(apex)) => return Some([rig.axle(q)[0], apex]),
-                (None, _) => {}
+                (Pause::Watch(_), None) => apex = Some(rig.axle(q)[1]),
+                (Pause::Watch(_), Some(apex)) => return Some([rig.axle(q)[0], apex]),
+                (Pause::Time, _) => {}
             }
             let flies = !standing || shot.lift_off.is_none() || {
                 let v = shot.sim.velocities();

@@ -70,7 +70,7 @@ impl Slides {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand")]
         let rows = (drive.length * self.rate) as usize;
         let (mut state, step) = ([0.0, 0.0], 1.0 / self.rate);
-        let mut exact = Exact { values: vec![Vec::with_capacity(rows); 2], ..Exact::default() };
+        let mut exact = Exact { values: vec![Vec::new(); 2], ..Exact::default() };
         exact.settings.insert("mass_kg".into(), self.mass);
         for row in 0..rows {
             let t = row as f64 * step;
