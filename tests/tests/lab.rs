@@ -60,8 +60,9 @@ fn check_sizes(kind: Sort, ids: &[&str], seed: u64) {
         assert!(clear.truth[0].sigmas >= 5.0, "{kind:?} {id}: {}", clear.truth[0].sigmas);
         if *id != "gas-type" {
             let subtle = make(kind, &[(id, Size::Subtle)], seed).truth[0].sigmas;
-            // What the runs that gave the strength leave open, and a foot that slips or does not.
-            assert!((1.7..2.5).contains(&subtle), "{kind:?} {id}: {subtle}");
+            // What the runs that gave the strength leave open; a foot that slips at all slips by some.
+            let most = if *id == "foot-slip" { 4.0 } else { 2.5 };
+            assert!((1.7..most).contains(&subtle), "{kind:?} {id}: {subtle}");
         }
     }
 }
