@@ -231,7 +231,8 @@ impl Plant {
         let tight = self.tight.0 * (-((d - self.tight.1) / 0.004).powi(2)).exp();
         let dry = self.coulomb + self.seal * gauge.abs() + tight;
         let spring = self.spring.0 * d + self.spring.1;
-        let free = gauge * AREA - spring - (self.viscous + self.quadratic * v.abs()) * v - self.load * GRAVITY;
+        let free =
+            gauge * AREA - spring - (self.viscous + self.quadratic * v.abs()) * v - self.load * GRAVITY;
         (free, dry)
     }
 
@@ -251,7 +252,7 @@ impl Plant {
         let flow = |area: f64, up: f64, down: f64| nozzle(area, self.gas, TEMPERATURE, up, down);
         let mut inflow = if energized {
             let part = if self.ramp > 0.0 { ((t - self.open.0) / self.ramp).clamp(0.0, 1.0) } else { 1.0 };
-            self.from_supply(|supply| flow(part * self.valve, supply, p))
+            self.supplied(|supply| flow(part * self.valve, supply, p))
         } else {
             flow(self.valve, AMBIENT, p)
         };
@@ -265,7 +266,7 @@ impl Plant {
     }
 
     /// The flow that a supply gives whose pressure falls with it.
-    fn from_supply(&self, flow: impl Fn(f64) -> f64) -> f64 {
+    fn supplied(&self, flow: impl Fn(f64) -> f64) -> f64 {
         let most = flow(self.supply);
         if self.droop == 0.0 || most <= 0.0 {
             return most;
@@ -335,7 +336,7 @@ impl Bench {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few hundred")]
         let rows = (self.length * self.rate).round() as usize + 1;
         let time: Vec<f64> = (0..rows).map(|i| i as f64 / self.rate).collect();
-        let mut values = vec![Vec::with_capacity(rows); 2];
+        let mut values = vec![Vec::new(); 2];
         for &at in &time {
             while now < at {
                 let switches = [plant.open.0, plant.open.1].into_iter().filter(|t| *t > now);
@@ -391,7 +392,8 @@ mod tests {
         let (bench, setting) = bench();
         let run = bench.fire(&Setting { load: 100.0, ..setting }, &Hidden::default());
         let supply = setting.supply + AMBIENT;
-        let flow = 0.5378 * ORIFICE * supply * (1.4_f64 / (287.05 * TEMPERATURE)).sqrt() * (1.0_f64 / 1.2).powi(3);
+        let flow =
+            0.5378 * ORIFICE * supply * (1.4_f64 / (287.05 * TEMPERATURE)).sqrt() * (1.0_f64 / 1.2).powi(3);
         let rate = 1.4 * 287.05 * TEMPERATURE * flow / 5.4e-6;
         // 10 ms of delay, and less than half of the supply's pressure 4 ms on.
         for (t, p) in run.time.iter().zip(&run.values[1]).filter(|(t, _)| **t < 0.024) {
@@ -415,5 +417,44 @@ mod tests {
         }
         assert!(y[0] > 0.011, "{y:?}");
         assert!((constant(&y) / before - 1.0).abs() < 1e-8);
+    }
+
+    /// An upright stance of the reference model is this bench: end of the stroke and pressure there, every optional term on.
+    #[test]
+    fn an_upright_stance_is_a_firing() {
+        let overrides = [
+            "body.mass_kg=2.0",
+            "leg.supply_pressure_gauge_psi=100",
+            "leg.supply_droop_pa_s_per_kg=2e7",
+            "leg.leak_area_m2=2e-7",
+            "leg.polytropic_exponent=1.3",
+            "leg.seal_friction_n_per_pa=1e-5",
+            "leg.return_spring.stiffness_n_per_m=200",
+            "leg.return_spring.preload_n=5",
+            "leg.exhaust_port.position_m=0.04",
+            "leg.exhaust_port.area_m2=1e-6",
+        ];
+        let robot = saltus_robot::resolve("rats-planar", &overrides.map(str::to_owned)).expect("a robot");
+        let end = crate::oracle::solve(&robot, &saltus_lagrangian::Launch::at_firing(0.0, 0.0, 1.0), 1e-5);
+        let effects = hidden(&[
+            ("leg.supply_droop_pa_s_per_kg", 2e7),
+            ("leg.leak_area_m2", 2e-7),
+            ("leg.polytropic_exponent", 1.3),
+            ("leg.seal_friction_n_per_pa", 1e-5),
+            ("leg.return_spring.stiffness_n_per_m", 200.0),
+            ("leg.return_spring.preload_n", 5.0),
+            ("leg.exhaust_port.position_m", 0.04),
+            ("leg.exhaust_port.area_m2", 1e-6),
+        ]);
+        let plant = Plant::new(&Setting { on: 0.0, ..bench().1 }, &effects);
+        let (mut rod, mut y, mut steps) = (Rod::Held, [0.0, 0.0, AMBIENT], 0_u32);
+        while rod != Rod::AtStop && steps < 20_000 {
+            plant.go(&mut rod, 1e-5 * f64::from(steps), &mut y, 1e-5);
+            steps += 1;
+        }
+        // To a step in time, in which the pressure changes by a few hundred pascals.
+        assert_eq!(end.outcome, "stroke");
+        assert!((1e-5 * f64::from(steps) - end.time).abs() < 2e-5, "{steps} {}", end.time);
+        assert!((y[2] / end.pressure - 1.0).abs() < 1e-3, "{} {}", y[2], end.pressure);
     }
 }

@@ -118,7 +118,8 @@ struct Forces {
 
 impl Forces {
     fn new(h: &Hidden) -> Forces {
-        let (mass, place) = (h.or_zero("counterweight mass_ratio"), h.or_zero("counterweight distance_ratio"));
+        let (mass, place) =
+            (h.or_zero("counterweight mass_ratio"), h.or_zero("counterweight distance_ratio"));
         Forces {
             gravity: h.get("environment.gravity_m_s2", GRAVITY),
             drag: h.or_zero("environment.drag_per_m"),
@@ -238,6 +239,9 @@ mod tests {
             state = rk4(|_, y| forces.on_boom(y, 1.5), 0.0, &state, 1e-3);
         }
         let after = numbers(&state);
-        assert!((before.0 - after.0).abs() < 1e-9 && (before.1 - after.1).abs() < 1e-9, "{before:?} {after:?}");
+        assert!(
+            (before.0 - after.0).abs() < 1e-9 && (before.1 - after.1).abs() < 1e-9,
+            "{before:?} {after:?}"
+        );
     }
 }

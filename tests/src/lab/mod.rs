@@ -123,7 +123,8 @@ pub fn make(kind: Sort, hidden: &[(&str, Size)], seed: u64) -> Case {
         let known = causes_of(kind).iter().chain(outside(kind)).find(|known| **known == id);
         let id = *known.unwrap_or_else(|| panic!("{id} is no effect on {kind:?}"));
         // The same effect, whatever is hidden beside it.
-        let mut draw = Draw::new(seed, id.bytes().fold(1, |hash: u64, b| hash.wrapping_mul(31) + u64::from(b)));
+        let mut draw =
+            Draw::new(seed, id.bytes().fold(1, |hash: u64, b| hash.wrapping_mul(31) + u64::from(b)));
         let dials = dials(&*world, &neutral, id, &mut draw);
         let wanted = match size {
             Size::Clear => draw.scale(6.0, 12.0),

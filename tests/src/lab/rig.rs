@@ -73,6 +73,7 @@ pub(super) const JUMP_CAUSES: &[&str] = &[
     "sensor-delay",
 ];
 
+/// A boom that bends moves the axle by millimetres, which does not show there.
 pub(super) const OUTCOMES_CAUSES: &[&str] = &[
     "supply-pressure",
     "supply-droop",
@@ -91,7 +92,6 @@ pub(super) const OUTCOMES_CAUSES: &[&str] = &[
     "inertia",
     "imbalance",
     "boom-inertia",
-    "boom-flex",
     "axle-friction",
     "foot-slip",
     "ground-compliance",
@@ -163,6 +163,11 @@ fn rig(robot: &Robot, supply: f64, hidden: &Hidden) -> Option<Rig> {
     Some(rig)
 }
 
+/// Whether the chamber has an opening beside its valve.
+fn leaks(hidden: &Hidden) -> bool {
+    ["leg.leak_area_m2", "leg.exhaust_port.area_m2"].iter().any(|key| hidden.or_zero(key) > 0.0)
+}
+
 /// The numbers of robot and rig that the effect `id` changes.
 fn dials(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
     let turn = std::f64::consts::TAU;
@@ -189,7 +194,10 @@ fn dials(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
         }
         "ground-compliance" => {
             let (stiffness, ratio) = (1.2e4, draw.between(0.05, 0.25));
+            // A foot that could not slip at all would take an impulse along soft ground as its leg meets its stop.
             vec![
+                Dial::fixed("ground.static_friction", 3.0),
+                Dial::fixed("ground.kinetic_friction", 3.0),
                 Dial::inverse("ground.stiffness_n_per_m", stiffness),
                 Dial::root("ground.damping_n_s_per_m", 2.0 * ratio * (stiffness * 2.9_f64).sqrt()),
             ]
@@ -201,7 +209,7 @@ fn dials(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
             Dial::up_to("boom.counterweight.mass_kg", 3.0),
             Dial::fixed("boom.counterweight.distance_m", draw.between(0.3, 0.8)),
         ],
-        "axle-damping" => vec![Dial::up_to("axle damping_n_m_s", 0.1)],
+        "axle-damping" => vec![Dial::up_to("axle damping_n_m_s", 0.3)],
         "pivot-damping" => vec![Dial::up_to("boom pivot damping_n_m_s", 8.0)],
         "turn-damping" => vec![Dial::up_to("boom turn damping_n_m_s", 8.0)],
         "boom-tether" => vec![Dial::up_to("boom pivot spring_n_m_per_rad", 200.0)],
@@ -223,7 +231,7 @@ const BOOM_COUNT: f64 = 3.927e-3;
 
 /// The usual ones; a jump that takes so many steps is not worth the wait.
 fn settings() -> Settings {
-    Settings { most_steps: 10_000, ..Settings::default() }
+    Settings { most_steps: 4_000, ..Settings::default() }
 }
 
 /// What the encoders and the gyro would read.
@@ -240,10 +248,12 @@ struct Shot<'a> {
     /// When (s) `sim` began.
     began: f64,
     lift_off: Option<f64>,
+    /// Whether the chamber has an opening beside its valve.
+    leaks: bool,
 }
 
 impl<'a> Shot<'a> {
-    fn new(rig: &'a Rig, lean: f64, rate: f64) -> Option<Shot<'a>> {
+    fn new(rig: &'a Rig, [lean, rate]: [f64; 2], leaks: bool) -> Option<Shot<'a>> {
         let (mut q, v) = rig.stand(lean, rate).ok()?;
         let mut settings = settings();
         if let (Some((stiffness, _)), Some(length)) = (rig.mechanism.material.compliance, rig.boom) {
@@ -254,28 +264,34 @@ impl<'a> Shot<'a> {
             q[1] -= sink / length;
         }
         let sim = Sim::new(&rig.mechanism, &q, &v, settings).ok()?;
-        Some(Shot { rig, sim, began: 0.0, lift_off: None })
+        Some(Shot { rig, sim, began: 0.0, lift_off: None, leaks })
     }
 
     fn time(&self) -> f64 {
         self.began + self.sim.time()
     }
 
-    /// Goes on until `until` (s), or until a watch, whose number is then there. None where that does not work.
-    fn go(&mut self, until: f64, watches: &[Watch<'_>]) -> Option<Option<usize>> {
+    /// Goes on until `until` (s), or until a watch. None where that does not work.
+    fn go(&mut self, until: f64, watches: &[Watch<'_>]) -> Option<Pause> {
         loop {
             match self.sim.run_eventwise(until - self.began, watches).ok()? {
-                Some(Pause::Watch(watch)) => return Some(Some(watch)),
                 Some(Pause::Time) => {
+                    if self.lift_off.is_some_and(|at| self.time() > at + 10.0 * TICK) {
+                        self.sim.stop_touching();
+                    }
                     self.forget_chamber();
-                    return Some(None);
+                    return Some(Pause::Time);
                 }
+                Some(pause) => return Some(pause),
                 None => {}
             }
             let left = |sim: &Sim| sim.events().iter().any(|e| e.what == Happening::LiftOff(0, 0));
             if self.lift_off.is_none() && left(&self.sim) {
                 self.lift_off = Some(self.time());
-                self.sim.stop_touching();
+                // Soft ground lets go of a foot that is still in it.
+                if self.rig.mechanism.material.compliance.is_none() {
+                    self.sim.stop_touching();
+                }
             }
         }
     }
@@ -288,7 +304,8 @@ impl<'a> Shot<'a> {
         let exhausted = (self.sim.pressure(0) - AMBIENT).abs() < 500.0;
         // Not while it still touches.
         let flies = self.lift_off.is_some_and(|at| self.time() > at + 5.0 * TICK);
-        if self.began == 0.0
+        if self.leaks
+            && self.began == 0.0
             && exhausted
             && v[leg] == 0.0
             && flies
@@ -303,8 +320,8 @@ impl<'a> Shot<'a> {
 
 /// A firing from standing through its flight, a row a tick, until the axle is back at r_s or a foot touches; how long (s) it
 /// stood, and rows of lean, pivot angle, radius angle, gyro. None where the robot does not jump.
-fn flown(rig: &Rig, firing: &Firing) -> Option<(f64, Vec<[f64; 4]>)> {
-    let mut shot = Shot::new(rig, firing.lean, firing.rate)?;
+fn flown(rig: &Rig, firing: &Firing, leaks: bool) -> Option<(f64, Vec<[f64; 4]>)> {
+    let mut shot = Shot::new(rig, [firing.lean, firing.rate], leaks)?;
     let mut rows = vec![readings(rig, &shot.sim)];
     let mut fired = false;
     for row in 1..4000_u32 {
@@ -346,11 +363,12 @@ fn resting_force(rig: &Rig) -> f64 {
             let on_boom = matches!(body.name.as_str(), "boom" | "boom turn");
             let length = rig.boom.unwrap_or(1.0);
             let outer = if body.name == "boom's outer half" { 0.5 * length } else { length };
-            body.mass * if on_boom || body.name == "boom's outer half" {
-                body.center.y + if on_boom { 0.0 } else { outer }
-            } else {
-                length
-            }
+            body.mass
+                * if on_boom || body.name == "boom's outer half" {
+                    body.center.y + if on_boom { 0.0 } else { outer }
+                } else {
+                    length
+                }
         })
         .sum();
     -rig.mechanism.gravity.z * moment / rig.boom.unwrap_or(1.0)
@@ -377,7 +395,7 @@ fn fire(firings: &[Firing], runs: &[usize], columns: &[usize], hidden: &Hidden) 
     runs.iter()
         .map(|run| {
             let firing = &firings[*run];
-            let (_, rows) = flown(&rig(&robot, firing.supply, hidden)?, firing)?;
+            let (_, rows) = flown(&rig(&robot, firing.supply, hidden)?, firing, leaks(hidden))?;
             Some(exact(firing, &rows, columns))
         })
         .collect()
@@ -467,7 +485,7 @@ fn jump(robot: &Robot, draw: &mut Draw) -> Option<Firing> {
     sim.run(0.6, &[&reached]).ok()?;
     let on = (sim.time() / TICK).ceil() * TICK;
     let firing = Firing { lean, rate, supply, on, opening };
-    let (lift_off, rows) = flown(&rig, &firing)?;
+    let (lift_off, rows) = flown(&rig, &firing, false)?;
     // With some flight to see.
     (on < 0.55 && rows.len() as f64 * TICK > lift_off + 0.15).then_some(firing)
 }
@@ -532,7 +550,7 @@ impl Outcomes {
                 firing_angle: angle,
                 valve_open: ticks(draw.between(0.03, 0.1)),
             };
-            if rig.as_ref().is_some_and(|rig| landed(rig, &launch).is_some()) {
+            if rig.as_ref().is_some_and(|rig| landed(rig, &launch, false).is_some()) {
                 launches.push(launch);
             }
         }
@@ -541,8 +559,8 @@ impl Outcomes {
 }
 
 /// Distance and apex (m) of a jump that is commanded at its start, where it is one.
-fn landed(rig: &Rig, launch: &Launch) -> Option<[f64; 2]> {
-    let mut shot = Shot::new(rig, launch.lean, launch.rate)?;
+fn landed(rig: &Rig, launch: &Launch, leaks: bool) -> Option<[f64; 2]> {
+    let mut shot = Shot::new(rig, [launch.lean, launch.rate], leaks)?;
     shot.sim.fire(0, launch.valve_open).ok()?;
     let rising = |_: f64, q: &[f64], v: &[f64]| rig.axle_rates(q, v)[1];
     let above = |_: f64, q: &[f64], _: &[f64]| rig.axle(q)[1] - rig.radius;
@@ -559,15 +577,17 @@ fn landed(rig: &Rig, launch: &Launch) -> Option<[f64; 2]> {
             let found = shot.go(if standing { until.min(shot.time() + TICK) } else { until }, watches)?;
             let q = shot.sim.coordinates();
             match (found, apex) {
-                (Some(_), None) => apex = Some(rig.axle(q)[1]),
-                (Some(_), Some(apex)) => return Some([rig.axle(q)[0], apex]),
-                (None, _) => {}
+                (Pause::Watch(_), None) => apex = Some(rig.axle(q)[1]),
+                (Pause::Watch(_), Some(apex)) => return Some([rig.axle(q)[0], apex]),
+                (Pause::Time, _) => {}
             }
             let flies = !standing || shot.lift_off.is_none() || {
                 let v = shot.sim.velocities();
                 rising(0.0, q, v) > 0.0 && q[rig.extension_coordinate(0)] > 0.0
             };
-            if !flies || (shot.lift_off.is_none() && (shot.time() > 1.0 || q[rig.lean_coordinate()].abs() > 1.5)) {
+            if !flies
+                || (shot.lift_off.is_none() && (shot.time() > 1.0 || q[rig.lean_coordinate()].abs() > 1.5))
+            {
                 return None;
             }
         }
@@ -589,7 +609,7 @@ impl World for Outcomes {
         runs.iter()
             .map(|run| {
                 let launch = &self.launches[*run];
-                let [distance, apex] = landed(&rig, launch)?;
+                let [distance, apex] = landed(&rig, launch, leaks(hidden))?;
                 let row = [launch.rate, launch.firing_angle, launch.valve_open, distance, apex];
                 Some(Exact {
                     time: vec![*run as f64],

@@ -70,7 +70,7 @@ impl Slides {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand")]
         let rows = (drive.length * self.rate) as usize;
         let (mut state, step) = ([0.0, 0.0], 1.0 / self.rate);
-        let mut exact = Exact { values: vec![Vec::with_capacity(rows); 2], ..Exact::default() };
+        let mut exact = Exact { values: vec![Vec::new(); 2], ..Exact::default() };
         exact.settings.insert("mass_kg".into(), self.mass);
         for row in 0..rows {
             let t = row as f64 * step;
@@ -141,9 +141,8 @@ impl Guide {
                 (t, h) = (t + part, h - part);
                 continue;
             }
-            let rate = |t: f64, y: &[f64; 2]| {
-                [y[1], (self.free(drive(t), *y) - way * self.dry(y[0])) / self.mass]
-            };
+            let rate =
+                |t: f64, y: &[f64; 2]| [y[1], (self.free(drive(t), *y) - way * self.dry(y[0])) / self.mass];
             let after = |h: f64| rk4(rate, t, y, h);
             let next = after(h);
             if next[1] * way >= 0.0 || self.dry(y[0]) == 0.0 {

@@ -72,10 +72,8 @@ impl Strokes {
         let coulomb = h.or_zero("leg.coulomb_friction_n");
         let (seal, viscous) =
             (h.or_zero("leg.seal_friction_n_per_pa"), h.or_zero("leg.viscous_friction_n_s_per_m"));
-        let spring = (
-            h.or_zero("leg.return_spring.stiffness_n_per_m"),
-            h.or_zero("leg.return_spring.preload_n"),
-        );
+        let spring =
+            (h.or_zero("leg.return_spring.stiffness_n_per_m"), h.or_zero("leg.return_spring.preload_n"));
         let (rough, waves) = (h.or_zero("rough_n"), h.get("rough_length_m", 1.0));
         let (stribeck, slow) = (h.or_zero("stribeck_n"), h.get("stribeck_m_s", 1.0));
         let there = (test.high - test.low) / test.speed;
@@ -91,8 +89,8 @@ impl Strokes {
             state = moved.signum() + (state - moved.signum()) * (-moved.abs() / self.presliding).exp();
             before = position;
             // The regulator gives way a little: it lets out air while the piston retracts.
-            let pressure = test.pressure
-                + test.regulator * (0.7 * speed / test.speed + 0.3 * (TAU * t / 7.0).sin());
+            let pressure =
+                test.pressure + test.regulator * (0.7 * speed / test.speed + 0.3 * (TAU * t / 7.0).sin());
             let dry = coulomb
                 + seal * pressure
                 + rough * (1.0 + (TAU * position / waves).sin())
@@ -153,10 +151,9 @@ impl World for Strokes {
                 Dial::up_to("leg.return_spring.stiffness_n_per_m", draw.between(100.0, 500.0)),
                 Dial::up_to("leg.return_spring.preload_n", draw.between(2.0, 20.0)),
             ],
-            "position-friction" => vec![
-                Dial::up_to("rough_n", 20.0),
-                Dial::fixed("rough_length_m", draw.between(0.008, 0.025)),
-            ],
+            "position-friction" => {
+                vec![Dial::up_to("rough_n", 20.0), Dial::fixed("rough_length_m", draw.between(0.008, 0.025))]
+            }
             "stribeck" => {
                 vec![Dial::up_to("stribeck_n", 20.0), Dial::fixed("stribeck_m_s", draw.scale(1e-3, 1e-2))]
             }

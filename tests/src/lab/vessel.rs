@@ -134,7 +134,8 @@ fn per_area((kappa, gas): (f64, f64), density: f64, wall: f64, inside: f64) -> f
     let heat_capacity = kappa / (kappa - 1.0) * gas;
     let conductivity = viscosity * heat_capacity / 0.71;
     let rayleigh_per_length_cubed =
-        GRAVITY / film * (wall - inside).abs() * density * density * heat_capacity / (viscosity * conductivity);
+        GRAVITY / film * (wall - inside).abs() * density * density * heat_capacity
+            / (viscosity * conductivity);
     conductivity * rayleigh_per_length_cubed.cbrt() * (wall - inside)
 }
 
