@@ -1,12 +1,14 @@
 //! Which causes are at work: added one at a time while the data ask for them, on data left out.
 
+use std::sync::{Mutex, PoisonError};
+
 use nalgebra::DMatrix;
 use rand_pcg::Pcg64;
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
 use crate::fit::{self, Fit, Mask};
 use crate::fitness::{self, Fitness};
-use crate::gain::{self, Gain};
+use crate::gain::{self, Gain, Score};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::parallel;
 use crate::tangent::Tangent;
@@ -180,12 +182,20 @@ struct Search<'a> {
     wanders: bool,
     runs: Vec<usize>,
     random: Pcg64,
+    scores: Mutex<Scores>,
+}
+
+/// Causes of models, with what they say of data left out.
+type Scores = Vec<(Vec<usize>, Vec<Score>)>;
+
+fn losses(scores: &[Score]) -> Vec<f64> {
+    scores.iter().map(|s| s.loss).collect()
 }
 
 impl<'a> Search<'a> {
     fn new(kind: &'a dyn Kind, settings: &'a Settings, progress: &'a (dyn Fn(&str) + Sync)) -> Search<'a> {
         let runs = (0..kind.logs().len()).collect();
-        Search { kind, settings, progress, wanders: false, runs, random: Pcg64::new(u128::from(settings.seed), 7) }
+        Search { kind, settings, progress, wanders: false, runs, random: Pcg64::new(u128::from(settings.seed), 7), scores: Mutex::default() }
     }
 
     /// What is to be said; `stated` is the experiment with its noise as stated.
@@ -210,9 +220,11 @@ impl<'a> Search<'a> {
             inflation = fitness::inflation(self.kind, &after);
         }
         (self.progress)("what else could be");
-        let findings = self.findings(&after, inflation);
+        let findings = self.findings(&after, inflation, Some((&before, &tried)));
         (self.progress)("data left out");
-        let mut gains = gain::gains(self.kind, &before, &after, &folds(self.kind, self.settings), self.settings);
+        let folds = folds(self.kind, self.settings);
+        let scores = [&before, &after].map(|model| self.held_out(model, &folds).unwrap_or_default());
+        let mut gains = gain::gains(self.kind, &scores[0], &scores[1], self.settings);
         for (gain, channel) in gains.iter_mut().zip(stated.channels()) {
             gain.noise = channel.noise;
         }
@@ -364,13 +376,13 @@ impl<'a> Search<'a> {
         let behind = if wanders { 0.5 * first.gain } else { RIVAL.max(0.02 * first.gain) };
         let least = first.gain - behind;
         let folds = folds(self.kind, self.settings);
-        let losses = gain::held_out(self.kind, current, &folds)?;
+        let losses = losses(&self.held_out(current, &folds)?);
         let mut near: Vec<(Candidate, Vec<f64>, f64)> = candidates
             .into_iter()
             .filter(|c| c.gain > least)
             .take(4)
             .filter_map(|candidate| {
-                let with = gain::held_out(self.kind, &candidate.fit, &folds)?;
+                let with = crate::choose::losses(&self.held_out(&candidate.fit, &folds)?);
                 let held_out: f64 = losses.iter().zip(&with).map(|(a, b)| a - b).sum();
                 (held_out > 0.0).then_some((candidate, with, held_out))
             })
@@ -383,6 +395,20 @@ impl<'a> Search<'a> {
             near.sort_by(|a, b| self.surprise(&a.0).total_cmp(&self.surprise(&b.0)));
         }
         near.into_iter().next().map(|(candidate, ..)| candidate)
+    }
+
+    /// What a model says of data left out; kept, as the same model is asked for again.
+    fn held_out(&self, model: &Fit, folds: &[Fold]) -> Option<Vec<Score>> {
+        let key = model.causes.clone();
+        let known = |scores: &Mutex<Scores>| {
+            scores.lock().unwrap_or_else(PoisonError::into_inner).iter().find(|s| s.0 == key).map(|s| s.1.clone())
+        };
+        if let Some(scores) = known(&self.scores) {
+            return Some(scores);
+        }
+        let scores = gain::held_out(self.kind, model, folds)?;
+        self.scores.lock().unwrap_or_else(PoisonError::into_inner).push((key, scores.clone()));
+        Some(scores)
     }
 
     /// `model` without one of its causes, fitted again.
@@ -438,16 +464,23 @@ impl<'a> Search<'a> {
     }
 
     /// What is to be said of each cause of the model.
-    fn findings(&self, model: &Fit, inflation: f64) -> Vec<Finding> {
+    fn findings(&self, model: &Fit, inflation: f64, first: Option<(&Fit, &[Candidate])>) -> Vec<Finding> {
         let folds = folds(self.kind, self.settings);
-        let with = gain::held_out(self.kind, model, &folds);
+        let with = self.held_out(model, &folds).map(|scores| losses(&scores));
         let mut all: Vec<Finding> = model
             .causes
             .iter()
             .filter_map(|&cause| {
-                let base = self.without(model, cause)?;
-                let tangent = Tangent::new(self.kind, &base, true);
-                let mut candidates = self.candidates(&base, tangent.as_ref());
+                let (base, mut candidates) = match first {
+                    // Alone it was found among all of them.
+                    Some((before, tried)) if model.causes.len() == 1 => (before.clone(), tried.to_vec()),
+                    _ => {
+                        let base = self.without(model, cause)?;
+                        let tangent = Tangent::new(self.kind, &base, true);
+                        let candidates = self.candidates(&base, tangent.as_ref());
+                        (base, candidates)
+                    }
+                };
                 let gain = base.loss - model.loss;
                 let fit = model.clone();
                 let mut best = Candidate { cause, gain, fit, reported: Vec::new() };
@@ -456,7 +489,7 @@ impl<'a> Search<'a> {
                 let with = with.as_ref();
                 candidates.retain(|c| {
                     if (self.wanders || inflation > WANDERS) && c.cause != cause && c.gain > 0.5 * gain {
-                        let there = gain::held_out(self.kind, &c.fit, &folds);
+                        let there = self.held_out(&c.fit, &folds).map(|scores| losses(&scores));
                         let is_alike = |a: Vec<f64>| with.is_some_and(|b| !is_worse(&a, b));
                         return self.kind.causes()[c.cause].id != id && there.is_some_and(is_alike);
                     }
@@ -479,7 +512,7 @@ impl<'a> Search<'a> {
                 for rival in &mut candidates {
                     report(self.kind, rival, inflation);
                 }
-                let without = gain::held_out(self.kind, &base, &folds);
+                let without = self.held_out(&base, &folds).map(|scores| losses(&scores));
                 let held_out = match (without, with) {
                     (Some(a), Some(b)) => a.iter().zip(b).map(|(a, b)| a - b).sum(),
                     _ => f64::NAN,

@@ -9,7 +9,7 @@ const HUBER: f64 = 3.0;
 /// Most steps of a fit.
 const STEPS: usize = 40;
 /// Fall of the loss below which a fit is done.
-const DONE: f64 = 1e-3;
+const DONE: f64 = 1e-2;
 /// Step of a difference quotient, in terms of a parameter's scale.
 const DIFFERENCE: f64 = 1e-3;
 
@@ -42,7 +42,7 @@ impl Fit {
     }
 }
 
-fn huber(r: f64) -> f64 {
+pub(crate) fn huber(r: f64) -> f64 {
     let size = r.abs();
     if size <= HUBER { r * r } else { 2.0 * HUBER * size - HUBER * HUBER }
 }
@@ -365,15 +365,4 @@ pub(crate) fn fit_with(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]
         }
     }
     best
-}
-
-/// The loss of `model` on the readings of `runs` that count.
-pub(crate) fn score(kind: &dyn Kind, model: &Fit, runs: &[usize], mask: &Mask) -> Option<f64> {
-    let mut sum = 0.0;
-    for &run in runs {
-        let residuals = residuals(kind, run, &model.terms, &model.unknowns[run])?;
-        let counts = |i: usize| mask.as_ref().is_none_or(|m| m[run][i]);
-        sum += residuals.iter().enumerate().filter(|(i, _)| counts(*i)).map(|(_, r)| huber(*r)).sum::<f64>();
-    }
-    Some(sum)
 }

@@ -21,87 +21,86 @@ pub struct Gain {
     pub ratio: (f64, f64),
 }
 
+/// What a model says of the data of a fold that it was not fitted to.
+#[derive(Clone, Debug)]
+pub(crate) struct Score {
+    /// Loss.
+    pub loss: f64,
+    /// Sum of squares (the channel's unit) and count of each channel.
+    squares: Vec<(f64, f64)>,
+}
+
 /// A model fitted without a fold, with the unknowns of what was left out fitted to it.
 fn without(kind: &dyn Kind, model: &Fit, fold: &Fold) -> Option<Fit> {
     /// It starts where it will nearly end.
-    const STEPS: usize = 4;
+    const STEPS: usize = 2;
     match &fold.masks {
         None => {
             let train: Vec<usize> = (0..kind.logs().len()).filter(|run| !fold.runs.contains(run)).collect();
             let fitted = fit::refit(kind, model.clone(), &train, &None, STEPS)?;
             fit::refit_unknowns(kind, &fitted, &fold.runs, &None)
         }
-        Some((train, _)) => fit::refit(kind, model.clone(), &[0], train, 4 * STEPS),
+        Some((train, _)) => fit::refit(kind, model.clone(), &[0], train, 8 * STEPS),
     }
 }
 
-/// Loss of what is left out, fold by fold.
-pub(crate) fn held_out(kind: &dyn Kind, model: &Fit, folds: &[Fold]) -> Option<Vec<f64>> {
-    let losses = parallel::map(folds.len(), |k| {
-        let fitted = without(kind, model, &folds[k])?;
-        match &folds[k].masks {
-            None => fit::score(kind, &fitted, &folds[k].runs, &None),
-            Some((_, test)) => fit::score(kind, &fitted, &[0], test),
-        }
-    });
-    losses.into_iter().collect()
-}
-
-/// Sums of squares and counts of what is left out: for each fold and channel.
-fn squares(kind: &dyn Kind, model: &Fit, folds: &[Fold]) -> Vec<Vec<(f64, f64)>> {
-    parallel::map(folds.len(), |k| {
-        let mut sums = vec![(0.0, 0.0); kind.channels().len()];
-        let Some(fitted) = without(kind, model, &folds[k]) else { return sums };
-        let (runs, mask) = match &folds[k].masks {
-            None => (folds[k].runs.clone(), &None),
-            Some((_, test)) => (vec![0], test),
-        };
-        for run in runs {
-            let Some(residuals) = fit::residuals(kind, run, &fitted.terms, &fitted.unknowns[run]) else { continue };
-            for (i, (reading, r)) in kind.logs()[run].readings.iter().zip(residuals).enumerate() {
-                if mask.as_ref().is_none_or(|m| m[run][i]) {
-                    let sum = &mut sums[reading.channel];
-                    sum.0 += (r * fit::scatter(kind, reading)).powi(2);
-                    sum.1 += 1.0;
-                }
+fn score(kind: &dyn Kind, model: &Fit, fold: &Fold) -> Option<Score> {
+    let fitted = without(kind, model, fold)?;
+    let (runs, mask) = match &fold.masks {
+        None => (fold.runs.clone(), &None),
+        Some((_, test)) => (vec![0], test),
+    };
+    let mut score = Score { loss: 0.0, squares: vec![(0.0, 0.0); kind.channels().len()] };
+    for run in runs {
+        let residuals = fit::residuals(kind, run, &fitted.terms, &fitted.unknowns[run])?;
+        for (i, (reading, r)) in kind.logs()[run].readings.iter().zip(residuals).enumerate() {
+            if mask.as_ref().is_none_or(|m| m[run][i]) {
+                score.loss += fit::huber(r);
+                let sum = &mut score.squares[reading.channel];
+                sum.0 += (r * fit::scatter(kind, reading)).powi(2);
+                sum.1 += 1.0;
             }
         }
-        sums
-    })
+    }
+    Some(score)
 }
 
-/// Held-out gain of every channel.
-pub(crate) fn gains(
-    kind: &dyn Kind,
-    before: &Fit,
-    after: &Fit,
-    folds: &[Fold],
-    settings: &Settings,
-) -> Vec<Gain> {
-    let b = squares(kind, before, folds);
-    let a = if after.causes.is_empty() { b.clone() } else { squares(kind, after, folds) };
-    let rms = |sums: &[Vec<(f64, f64)>], channel: usize, draw: &[usize]| {
-        let (sum, n) = draw.iter().fold((0.0, 0.0), |(s, n), &k| (s + sums[k][channel].0, n + sums[k][channel].1));
+/// What a model says of what is left out, fold by fold.
+pub(crate) fn held_out(kind: &dyn Kind, model: &Fit, folds: &[Fold]) -> Option<Vec<Score>> {
+    parallel::map(folds.len(), |k| score(kind, model, &folds[k])).into_iter().collect()
+}
+
+/// Held-out gain of every channel, from the scores of the model before and after.
+pub(crate) fn gains(kind: &dyn Kind, before: &[Score], after: &[Score], settings: &Settings) -> Vec<Gain> {
+    let folds = before.len().min(after.len());
+    let rms = |scores: &[Score], channel: usize, draw: &[usize]| {
+        let add = |(s, n): (f64, f64), &k: &usize| {
+            let (square, count) = scores[k].squares[channel];
+            (s + square, n + count)
+        };
+        let (sum, n) = draw.iter().fold((0.0, 0.0), add);
         (sum / f64::max(n, 1.0)).sqrt()
     };
-    let all: Vec<usize> = (0..folds.len()).collect();
+    let all: Vec<usize> = (0..folds).collect();
     let mut random = Pcg64::new(u128::from(settings.seed), 11);
-    let draws: Vec<Vec<usize>> = match Uniform::new(0, folds.len().max(1)) {
-        Ok(uniform) => {
+    let draws: Vec<Vec<usize>> = match Uniform::new(0, folds.max(1)) {
+        Ok(uniform) if folds > 0 => {
             (0..500).map(|_| all.iter().map(|_| uniform.sample(&mut random)).collect()).collect()
         }
-        Err(_) => Vec::new(),
+        _ => Vec::new(),
     };
     kind.channels()
         .iter()
         .enumerate()
         .map(|(c, channel)| {
-            let mut ratios: Vec<f64> =
-                draws.iter().map(|d| rms(&a, c, d) / rms(&b, c, d).max(f64::MIN_POSITIVE)).collect();
+            let mut ratios: Vec<f64> = draws
+                .iter()
+                .map(|d| rms(after, c, d) / rms(before, c, d).max(f64::MIN_POSITIVE))
+                .collect();
             ratios.sort_by(f64::total_cmp);
             Gain {
                 channel: channel.name.clone(),
-                rms: (rms(&b, c, &all), rms(&a, c, &all)),
+                rms: (rms(before, c, &all), rms(after, c, &all)),
                 noise: channel.noise,
                 ratio: (percentile(&ratios, 0.025), percentile(&ratios, 0.975)),
             }

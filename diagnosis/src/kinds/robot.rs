@@ -89,9 +89,13 @@ impl Firings {
         let columns: Vec<Column> = measured.iter().map(|m| m.1).collect();
         let indices: Vec<usize> = measured.iter().map(|m| m.0).collect();
         let channels = noise::channels(experiment, &indices);
-        let logs: Vec<Log> = experiment.runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
         let requests = ["omega_rad_s", "alpha_f_rad", "valve_open_s"].map(asked);
-        let runs = experiment.runs.iter().map(|run| setting(run, &requests)).collect();
+        let runs: Vec<Run> = match experiment.kind {
+            Sort::Outcomes => experiment.runs.iter().flat_map(parts).collect(),
+            _ => experiment.runs.clone(),
+        };
+        let logs: Vec<Log> = runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
+        let runs = runs.iter().map(|run| setting(run, &requests)).collect();
         let (causes, terms) = terms::causes(experiment.kind, robot, &columns, &channels);
         let mut firings = Firings {
             sort: experiment.kind,
@@ -224,6 +228,24 @@ impl Firings {
         }
         Some(out)
     }
+}
+
+/// Every tenth jump of a run of outcomes, from each of the first ten on: parts that can be left out.
+fn parts(run: &Run) -> Vec<Run> {
+    let count = run.time.len().min(10);
+    let every = |values: &[f64], first: usize| values.iter().copied().skip(first).step_by(count).collect();
+    (0..count)
+        .map(|first| {
+            let values: Vec<Vec<f64>> = run.values.iter().map(|v| every(v, first)).collect();
+            let rows: Vec<f64> = every(&run.time, first);
+            Run {
+                name: format!("{}, jumps {} and on", run.name, first + 1),
+                time: (0..rows.len()).map(|row| row as f64).collect(),
+                values,
+                ..run.clone()
+            }
+        })
+        .collect()
 }
 
 fn setting(run: &Run, asked: &[Option<usize>; 3]) -> Setting {

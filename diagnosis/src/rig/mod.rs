@@ -74,12 +74,12 @@ pub struct Rig {
 
 /// What is left of a flight when nobody asks.
 const PATIENCE: f64 = 3.0;
-/// Steps (s): on soft ground, while the leg works, while gas flows past a leg in the air, and while nothing much happens. With them a
-/// jump is off by less than 1e-6 rad.
-const SOFT: f64 = 1.5e-4;
+/// Steps (s): on soft ground, while the leg fills, while it works, before it is fired, and in flight. With them a jump is off by less than 1e-6 rad.
+const SOFT: f64 = 2.5e-4;
+const FILLING: f64 = 3e-3;
 const FINE: f64 = 1e-3;
-const MIDDLE: f64 = 2e-3;
 const COARSE: f64 = 6e-3;
+const FLIGHT: f64 = 1.2e-2;
 /// Events of one jump, beyond which it is taken as stuck.
 const EVENTS: usize = 300;
 /// A force (N) or a room that counts as none.
@@ -192,21 +192,23 @@ struct Run<'a> {
 impl<'a> Run<'a> {
     fn new(rig: &'a Rig, start: Start) -> Option<Run<'a>> {
         let machine = &rig.machine;
-        let (q, v) = match start {
-            _ if machine.is_bench() => (Coordinates::zeros(), Coordinates::zeros()),
-            Start::Rolling { lean, rate } => machine.stand(lean, rate, 0.0)?,
-            Start::Rest => {
-                // At rest soft ground has given way.
-                let (q, v) = machine.stand(0.0, 0.0, 0.0)?;
-                match machine.floor.soft {
-                    Some((k, _)) => {
-                        let rigid = machine.on_rigid_ground();
-                        let weight = rigid.solve(&q, &v, 0.0, true, Foot::Stands)?.ground[0];
-                        machine.stand(0.0, 0.0, weight / k)?
-                    }
-                    None => (q, v),
+        let (lean, rate) = match start {
+            Start::Rolling { lean, rate } => (lean, rate),
+            Start::Rest => (0.0, 0.0),
+        };
+        let (q, v) = if machine.is_bench() {
+            (Coordinates::zeros(), Coordinates::zeros())
+        } else {
+            // Soft ground has given way under what stands on it.
+            let sag = match machine.floor.soft {
+                Some((k, _)) => {
+                    let (q, v) = machine.stand(lean, rate, 0.0)?;
+                    let answer = machine.on_rigid_ground().solve(&q, &v, 0.0, true, Foot::Stands)?;
+                    answer.ground[0].max(0.0) / k
                 }
-            }
+                None => 0.0,
+            };
+            machine.stand(lean, rate, sag)?
         };
         let (piece, gas) = match rig.leg.chamber() {
             Some(chamber) => {
@@ -431,8 +433,9 @@ impl<'a> Run<'a> {
             Slide::Latched => COARSE,
             Slide::Held if self.mode.foot == Foot::Flies && !self.rig.machine.is_bench() => {
                 let is_empty = self.mode.piece.is_none_or(|p| p.flow == Flow::ExhaustBalanced);
-                if is_empty { COARSE } else { MIDDLE }
+                if is_empty { FLIGHT } else { FLIGHT / 3.0 }
             }
+            Slide::Held if !self.rig.machine.is_bench() => FILLING,
             _ => FINE,
         }
     }
@@ -440,8 +443,12 @@ impl<'a> Run<'a> {
     /// Goes on to the time `end`, or if `lands`, to the landing.
     fn go(&mut self, end: f64, lands: bool) -> Option<()> {
         let (mut before, mut after) = (Vec::new(), Vec::new());
+        let mut known = None;
         while self.time < end - 1e-12 && !self.landed {
-            let first = self.look(&self.state)?;
+            let first = match known.take() {
+                Some(answer) => answer,
+                None => self.look(&self.state)?,
+            };
             self.guards(&self.state, &first, &mut before);
             if let Some(&(guard, _)) = before.iter().find(|(g, x)| g.is_of_forces() && *x < -TINY) {
                 self.happen(guard, &first.0)?;
@@ -470,10 +477,13 @@ impl<'a> Run<'a> {
             if h > 0.0 {
                 self.record();
             }
-            if let Some(guard) = hit {
-                self.happen(guard, &last.0)?;
-                // Rates may be others from here on.
-                self.record();
+            match hit {
+                Some(guard) => {
+                    self.happen(guard, &last.0)?;
+                    // Rates may be others from here on.
+                    self.record();
+                }
+                None => known = Some(last),
             }
             if lands && self.mode.foot == Foot::Flies {
                 let (height, rate) = self.rig.machine.height(&self.state.q, &self.state.v);
@@ -501,7 +511,7 @@ impl<'a> Run<'a> {
             let there = self.look(&state)?;
             self.guards(&state, &there, &mut guards);
             let fc = guards.get(k)?.1;
-            if fc.abs() <= 1e-12 * size || b - a < 1e-14 {
+            if fc.abs() <= 1e-10 * size || b - a < 1e-13 {
                 return Some(c);
             }
             if fc * fb < 0.0 {
