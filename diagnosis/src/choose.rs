@@ -10,6 +10,7 @@ use crate::fit::{self, Fit, Mask};
 use crate::fitness::{self, Fitness};
 use crate::gain::{self, Gain, Score};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::next::{self, NextExperiment, Proposal};
 use crate::parallel;
 use crate::tangent::Tangent;
 
@@ -71,6 +72,8 @@ pub struct Finding {
     pub held_out: f64,
     /// A direction of its parameters that the data do not tell, as the part of each.
     pub undetermined: Option<Vec<f64>>,
+    /// Where there are rivals, the experiment that would tell them apart.
+    pub next: Option<NextExperiment>,
 }
 
 /// What the data say.
@@ -80,6 +83,8 @@ pub struct Diagnosis {
     pub findings: Vec<Finding>,
     /// Something that is wrong beyond them.
     pub unknown: Option<fitness::Unknown>,
+    /// The term of the state that describes it best, if one does on data left out too; it has no id of a cause.
+    pub term: Option<Candidate>,
     /// Every cause alone, the best first.
     pub tried: Vec<Candidate>,
     /// The model as it is.
@@ -161,6 +166,10 @@ impl Kind for Rescaled<'_> {
         self.kind.causes()
     }
 
+    fn listed(&self) -> usize {
+        self.kind.listed()
+    }
+
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         self.kind.predict(run, terms, unknowns)
     }
@@ -171,6 +180,10 @@ impl Kind for Rescaled<'_> {
 
     fn report(&self, cause: usize, values: &[f64]) -> Vec<(String, f64)> {
         self.kind.report(cause, values)
+    }
+
+    fn proposals(&self) -> Vec<Proposal> {
+        self.kind.proposals()
     }
 }
 
@@ -219,6 +232,20 @@ impl<'a> Search<'a> {
             unknown = fitness_after.unknown(stated, &after).or(unknown);
             inflation = fitness::inflation(self.kind, &after);
         }
+        let term = unknown.as_ref().and_then(|_| {
+            let alone = self.describe(&before);
+            let is_better = |c: &Candidate| c.fit.loss < after.loss - RIVAL * inflation;
+            match alone {
+                // What no listed cause has explains more than those that were found.
+                Some(alone) if !after.causes.is_empty() && is_better(&alone) => {
+                    after = before.clone();
+                    inflation = fitness::inflation(self.kind, &alone.fit);
+                    Some(alone)
+                }
+                alone if after.causes.is_empty() => alone,
+                _ => self.describe(&after),
+            }
+        });
         (self.progress)("what else could be");
         let findings = self.findings(&after, inflation, Some((&before, &tried)));
         (self.progress)("data left out");
@@ -229,7 +256,7 @@ impl<'a> Search<'a> {
             gain.noise = channel.noise;
         }
         let fitness = (fitness_before, fitness_after);
-        Some(Diagnosis { findings, unknown, tried, before, after, fitness, inflation, gains })
+        Some(Diagnosis { findings, unknown, term, tried, before, after, fitness, inflation, gains })
     }
 
     fn freedom(&self, cause: usize) -> usize {
@@ -318,7 +345,7 @@ impl<'a> Search<'a> {
     fn candidates(&self, base: &Fit, tangent: Option<&Tangent>) -> Vec<Candidate> {
         let off: Vec<usize> = match tangent.zip(Tangent::residuals(self.kind, base)) {
             Some((tangent, residuals)) => self.promising(tangent, &residuals),
-            None => (0..self.kind.causes().len()).filter(|c| !base.causes.contains(c)).collect(),
+            None => (0..self.kind.listed()).filter(|c| !base.causes.contains(c)).collect(),
         };
         let fitted = parallel::map(off.len(), |k| {
             let cause = off[k];
@@ -463,6 +490,24 @@ impl<'a> Search<'a> {
         fitness::fitness(stated, model, self.settings.draws, level, &mut self.random)
     }
 
+    /// The term without a name that explains most of what `base` leaves, if it predicts data left out better.
+    fn describe(&self, base: &Fit) -> Option<Candidate> {
+        let terms: Vec<usize> = (self.kind.listed()..self.kind.causes().len()).collect();
+        let fitted = parallel::map(terms.len(), |k| {
+            let fit = fit::fit_with(self.kind, base, terms[k], &self.runs)?;
+            Some(Candidate { cause: terms[k], gain: base.loss - fit.loss, fit, reported: Vec::new() })
+        });
+        let mut best = fitted.into_iter().flatten().max_by(|a, b| a.gain.total_cmp(&b.gain))?;
+        let folds = folds(self.kind, self.settings);
+        let sum = |model: &Fit| self.held_out(model, &folds).map(|s| losses(&s).iter().sum::<f64>());
+        let inflation = fitness::inflation(self.kind, &best.fit);
+        if sum(base)? - sum(&best.fit)? < quantile(1, 0.999) * inflation {
+            return None;
+        }
+        report(self.kind, &mut best, inflation);
+        Some(best)
+    }
+
     /// What is to be said of each cause of the model.
     fn findings(&self, model: &Fit, inflation: f64, first: Option<(&Fit, &[Candidate])>) -> Vec<Finding> {
         let folds = folds(self.kind, self.settings);
@@ -517,7 +562,15 @@ impl<'a> Search<'a> {
                     (Some(a), Some(b)) => a.iter().zip(b).map(|(a, b)| a - b).sum(),
                     _ => f64::NAN,
                 };
-                Some(Finding { best, rivals: candidates, held_out, undetermined })
+                let next = if candidates.is_empty() {
+                    None
+                } else {
+                    let of = |c: &'_ Candidate| (c.cause, c.fit.clone());
+                    let fits: Vec<(usize, Fit)> = std::iter::once(&best).chain(&candidates).map(of).collect();
+                    let rivals: Vec<(usize, &Fit)> = fits.iter().map(|(c, f)| (*c, f)).collect();
+                    next::next(self.kind, &rivals, &self.kind.proposals())
+                };
+                Some(Finding { best, rivals: candidates, held_out, undetermined, next })
             })
             .collect();
         all.sort_by(|a, b| b.best.gain.total_cmp(&a.best.gain));

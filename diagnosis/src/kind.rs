@@ -2,6 +2,8 @@
 
 use saltus_robot::Robot;
 
+use crate::next::Proposal;
+
 /// A measured column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
@@ -112,6 +114,11 @@ pub trait Kind: Sync {
     /// What could be wrong.
     fn causes(&self) -> &[Cause];
 
+    /// How many of the causes have an id; those after them are terms that describe what no listed cause explains.
+    fn listed(&self) -> usize {
+        self.causes().len()
+    }
+
     /// What the model says of each reading of a run; none where it has no answer.
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>>;
 
@@ -130,8 +137,8 @@ pub trait Kind: Sync {
         None
     }
 
-    /// What moves a run that could explain a residual, at each reading: names and values.
-    fn features(&self, _run: usize, _terms: &Terms, _unknowns: &[f64]) -> Vec<(&'static str, Vec<f64>)> {
+    /// Experiments that were not done and could tell causes apart.
+    fn proposals(&self) -> Vec<Proposal> {
         Vec::new()
     }
 }

@@ -143,7 +143,7 @@ impl Tangent {
         let on: Vec<Vec<f64>> = on.into_iter().collect::<Option<_>>()?;
         let clear = orthonormal(on.clone());
         let off: Vec<usize> =
-            (0..kind.causes().len()).filter(|c| with_candidates && !fit.causes.contains(c)).collect();
+            (0..kind.listed()).filter(|c| with_candidates && !fit.causes.contains(c)).collect();
         let candidates = parallel::map(off.len(), |k| {
             let cause = off[k];
             let spec = &kind.causes()[cause];

@@ -147,7 +147,8 @@ fn say(kind: &dyn Kind, d: &Diagnosis) -> String {
         })
         .collect();
     if let Some(u) = &d.unknown {
-        all.push(format!("unknown in {} {}", u.channel, u.phase));
+        let term = d.term.as_ref().map(|t| format!(": {} {:?}", kind.causes()[t.cause].id, t.reported));
+        all.push(format!("unknown in {} {}{}", u.channel, u.phase, term.unwrap_or_default()));
     }
     if all.is_empty() { "none".into() } else { all.join(" + ") }
 }

@@ -1,8 +1,9 @@
 //! A body in free flight or fall, or a robot in flight at the end of a boom.
 
 use super::{FREE, sensor, simple, unknown};
-use crate::experiment::Experiment;
+use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::next::Proposal;
 use crate::noise;
 
 /// Flights, with what is believed of them.
@@ -12,6 +13,8 @@ pub struct Flights {
     channels: Vec<Channel>,
     logs: Vec<Log>,
     causes: Vec<Cause>,
+    /// How many of them have an id.
+    listed: usize,
     /// Whether channel number k is the height.
     is_height: Vec<bool>,
     /// Drag (1/m) of each run for one of the parameter: ρ A/(2 m), or 1.
@@ -58,10 +61,16 @@ impl Flights {
                 causes.push(sensor("sensor-delay", &channel.name, "delay_s", 0.0, (0.0, 0.5), 1e-3, &[0.01]));
             }
         }
+        let listed = causes.len();
+        causes.push(simple("acceleration -c v", "c_per_s", 0.0, (-50.0, 50.0), 1e-3, &[]));
+        if channels.len() > 1 {
+            causes.push(simple("acceleration across the path, c v", "c_per_s", 0.0, (-50.0, 50.0), 1e-3, &[]));
+            causes.push(simple("constant acceleration along x", "c_m_s2", 0.0, (-50.0, 50.0), 0.02, &[]));
+        }
         let is_height: Vec<bool> = channels.iter().map(|c| c.name == "y_m").collect();
         let is_drop = !on_boom && is_height == [true] && logs.iter().all(|log| !rises(log, &channels[0]));
         let drag = known.unwrap_or_else(|| vec![1.0; logs.len()]);
-        Flights { gravity, channels, logs, causes, is_height, drag, is_drop }
+        Flights { gravity, channels, logs, causes, listed, is_height, drag, is_drop }
     }
 
     fn value(&self, id: &str, column: Option<&str>, terms: &Terms) -> Option<f64> {
@@ -105,6 +114,37 @@ impl Kind for Flights {
         &self.causes
     }
 
+    fn listed(&self) -> usize {
+        self.listed
+    }
+
+    /// Free falls, without the boom and with a body of another weight, and flights that are timed against a ruler.
+    fn proposals(&self) -> Vec<Proposal> {
+        let mut all = Vec::new();
+        for height in [2.0, 10.0] {
+            let fall = (2.0 * height / self.gravity).sqrt();
+            // The number of rows.
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            let rows = (fall / 5e-3) as usize;
+            let time: Vec<f64> = (0..rows).map(|i| i as f64 * 5e-3).collect();
+            let run = Run { name: "proposal".into(), values: vec![vec![height; rows]], time, ..Run::default() };
+            let experiment = Experiment {
+                kind: Sort::Flight,
+                columns: vec!["y_m".into()],
+                noise: vec![self.channels.last().map(|c| c.noise)],
+                resolution: vec![None],
+                runs: vec![run],
+            };
+            let mut kind = Flights::new(&experiment, self.gravity);
+            // Its height is measured with a ruler, and it weighs so much that air does not matter.
+            kind.causes.retain(|c| c.id == "gravity");
+            kind.listed = 1;
+            let what = format!("drop a heavy, small body by {height} m, free of the boom, its height measured by a ruler");
+            all.push(Proposal { what, kind: Box::new(kind) });
+        }
+        all
+    }
+
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         let drag = self.drag[run] * self.value("air-drag", None, terms).unwrap_or(0.0);
         let share = self.value("counterweight", None, terms).unwrap_or(1.0);
@@ -119,9 +159,13 @@ impl Kind for Flights {
                 speed[usize::from(is_height)] = unknowns[2 * channel + 1];
             }
         }
+        let extra = |id: &str| self.value(id, None, terms).unwrap_or(0.0);
+        let linear = extra("acceleration -c v");
+        let (lift, wind) = (extra("acceleration across the path, c v"), extra("constant acceleration along x"));
+        let is_parabola = drag == 0.0 && linear == 0.0 && lift == 0.0 && wind == 0.0;
         let pull = |v: [f64; 2]| {
-            let size = v[0].hypot(v[1]);
-            [-drag * size * v[0], -gravity - drag * size * v[1]]
+            let against = drag * v[0].hypot(v[1]) + linear;
+            [wind - against * v[0] - lift * v[1], -gravity - against * v[1] + lift * v[0]]
         };
         let start = Path { time: release, place, speed };
         let mut out = vec![0.0; readings.len()];
@@ -135,7 +179,7 @@ impl Kind for Flights {
                     continue;
                 }
                 let time = reading.time - delay;
-                if drag == 0.0 || time < start.time {
+                if is_parabola || time < start.time {
                     // A parabola; before the first row it was on the same one, unless it was held.
                     let t = if self.is_drop { (time - start.time).max(0.0) } else { time - start.time };
                     let k = usize::from(is_height);

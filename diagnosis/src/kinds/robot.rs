@@ -1,5 +1,6 @@
 //! Experiments with a robot or its leg: the bench, hops, jumps, and their outcomes.
 
+mod proposals;
 mod terms;
 
 use saltus_robot::{Drive, GaugePressure, Robot};
@@ -8,8 +9,9 @@ use terms::{Sensor, Term};
 use super::{Problem, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::next::Proposal;
 use crate::noise;
-use crate::rig::{Course, Pose, Rig, Start};
+use crate::rig::{Course, Extra, Pose, Rig, Start};
 
 /// Firings of a robot, or of one of its legs.
 #[derive(Clone, Debug)]
@@ -21,6 +23,8 @@ pub struct Firings {
     logs: Vec<Log>,
     runs: Vec<Setting>,
     causes: Vec<Cause>,
+    /// How many of them have an id.
+    listed: usize,
     terms: Vec<Term>,
     /// Whether the radius angle is 0 where the axle starts, and not where the foot stands.
     from_axle: bool,
@@ -96,7 +100,7 @@ impl Firings {
         };
         let logs: Vec<Log> = runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
         let runs = runs.iter().map(|run| setting(run, &requests)).collect();
-        let (causes, terms) = terms::causes(experiment.kind, robot, &columns, &channels);
+        let (causes, terms, listed) = terms::causes(experiment.kind, robot, &columns, &channels);
         let mut firings = Firings {
             sort: experiment.kind,
             robot: robot.clone(),
@@ -105,6 +109,7 @@ impl Firings {
             logs,
             runs,
             causes,
+            listed,
             terms,
             from_axle: false,
         };
@@ -156,21 +161,33 @@ impl Firings {
                 Term::Robot(apply) => apply(robot, values),
                 Term::LoadFactor => *load *= values[0],
                 Term::LoadAdded => *load = (*load + values[0]).max(1e-3),
-                Term::Sensor(..) => {}
+                Term::Extra(_) | Term::Sensor(..) => {}
             }
         }
+    }
+
+    /// The terms that no listed cause has.
+    fn extra(&self, terms: &Terms) -> Extra {
+        let mut extra = Extra::default();
+        for (k, term) in self.terms.iter().enumerate().skip(self.listed) {
+            if let Term::Extra(set) = term {
+                set(&mut extra, terms.get(k, 0));
+            }
+        }
+        extra
     }
 
     fn course(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Course> {
         let setting = &self.runs[run];
         let (robot, load) = self.at_work(run, terms);
         let end = self.logs[run].readings.last()?.time;
+        let extra = self.extra(terms);
         match self.sort {
-            Sort::Bench => Rig::bench(&robot, load).jump(Start::Rest, setting.open, setting.shut, Some(end)),
-            Sort::Hop => Rig::new(&robot).jump(Start::Rest, setting.open, setting.shut, Some(end)),
+            Sort::Bench => Rig::bench(&robot, load).with(extra).jump(Start::Rest, setting.open, setting.shut, Some(end)),
+            Sort::Hop => Rig::new(&robot).with(extra).jump(Start::Rest, setting.open, setting.shut, Some(end)),
             _ => {
                 let start = Start::Rolling { lean: unknowns[0], rate: unknowns[1] };
-                Rig::new(&robot).jump(start, setting.open, setting.shut, Some(end))
+                Rig::new(&robot).with(extra).jump(start, setting.open, setting.shut, Some(end))
             }
         }
     }
@@ -206,7 +223,7 @@ impl Firings {
 
     fn outcomes(&self, run: usize, terms: &Terms) -> Option<Vec<f64>> {
         let (robot, _) = self.at_work(run, terms);
-        let rig = Rig::new(&robot);
+        let rig = Rig::new(&robot).with(self.extra(terms));
         let sensors = self.sensors(terms);
         let mut last: Option<(f64, (f64, f64))> = None;
         let mut out = Vec::with_capacity(self.logs[run].readings.len());
@@ -306,6 +323,10 @@ impl Kind for Firings {
         &self.causes
     }
 
+    fn listed(&self) -> usize {
+        self.listed
+    }
+
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         if self.sort == Sort::Outcomes {
             return self.outcomes(run, terms);
@@ -343,6 +364,10 @@ impl Kind for Firings {
 
     fn report(&self, cause: usize, values: &[f64]) -> Vec<(String, f64)> {
         terms::report(&self.causes[cause], values)
+    }
+
+    fn proposals(&self) -> Vec<Proposal> {
+        proposals::of(&self.robot)
     }
 
     fn robot(&self, terms: &Terms) -> Option<Robot> {

@@ -68,6 +68,8 @@ pub(super) struct Machine {
     pub(super) radius: f64,
     foot: f64,
     pub(super) floor: Floor,
+    /// Terms that no listed cause has.
+    extra: super::Extra,
     /// Mass (kg) that the leg of a cylinder on the bench lifts; the robot is then not there.
     load: Option<f64>,
 }
@@ -184,6 +186,7 @@ impl Machine {
             radius: body.radius,
             foot: robot.foot.radius,
             floor,
+            extra: super::Extra::default(),
             load: None,
         }
     }
@@ -191,6 +194,11 @@ impl Machine {
     /// One cylinder of `robot` upright on the bench under a dead load (kg), which is all that it moves.
     pub(super) fn bench(robot: &Robot, load: f64) -> Machine {
         Machine { load: Some(load), ..Machine::new(robot) }
+    }
+
+    /// With terms that no listed cause has.
+    pub(super) fn with(self, extra: super::Extra) -> Machine {
+        Machine { extra, ..self }
     }
 
     /// Whether it is a cylinder on the bench.
@@ -324,6 +332,11 @@ impl Machine {
             for j in 0..N {
                 force[j] += lin[j].dot(&push);
             }
+        }
+        force[LEAN] -= self.extra.spin_damping * v[LEAN];
+        if self.boom.is_some() {
+            force[PIVOT] -= self.extra.pivot_damping * v[PIVOT] + self.extra.pivot_spring * q[PIVOT];
+            force[TURN] -= self.extra.turn_damping * v[TURN];
         }
         if self.axle_friction > 0.0 {
             force[LEAN] -= self.axle_friction * (v[LEAN] / DRY_RATE).clamp(-1.0, 1.0);

@@ -9,6 +9,23 @@ use machine::{Answer, Coordinates, Foot, LEAN, LEG, Machine, PIVOT, TURN};
 use saltus_pneumatics::{Flow, GasState, Leg, Piece, Switches};
 use saltus_robot::Robot;
 
+/// Terms of the motion that no listed cause has, to describe what none explains; all 0 is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extra {
+    /// Force −c |ḋ| ḋ on the leg (N s²/m²).
+    pub quadratic: f64,
+    /// Dry friction of the leg for each metre of its extension (N/m).
+    pub tightening: f64,
+    /// Torque −c φ̇ against the wheel's spin (N m s/rad).
+    pub spin_damping: f64,
+    /// Torque −c θ̇ against the boom's pivot (N m s/rad).
+    pub pivot_damping: f64,
+    /// Torque −k θ against the boom's pivot (N m/rad).
+    pub pivot_spring: f64,
+    /// Torque −c ψ̇ against the boom's turn (N m s/rad).
+    pub turn_damping: f64,
+}
+
 /// How a jump begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Start {
@@ -70,6 +87,7 @@ pub struct Rig {
     machine: Machine,
     leg: Leg<f64>,
     massless: bool,
+    extra: Extra,
 }
 
 /// What is left of a flight when nobody asks.
@@ -139,12 +157,19 @@ impl Rig {
             machine: Machine::new(robot),
             leg: Leg::new(robot, |_, x| x),
             massless: robot.leg.body.mass == 0.0,
+            extra: Extra::default(),
         }
     }
 
     /// One leg of `robot` upright on the bench under a dead load (kg), which is all that it moves; at the end of its stroke it stays.
     pub fn bench(robot: &Robot, load: f64) -> Rig {
         Rig { machine: Machine::bench(robot, load), ..Rig::new(robot) }
+    }
+
+    /// The rig with terms that no listed cause has.
+    #[must_use]
+    pub fn with(self, extra: Extra) -> Rig {
+        Rig { machine: self.machine.with(extra), extra, ..self }
     }
 
     /// What happens from `start` at time 0, when the valve is commanded open and shut at `open` and `shut` (s), up to `until` (s), or
@@ -267,8 +292,11 @@ impl<'a> Run<'a> {
         let d = s.q[LEG];
         let cushioned = leg.cushion_start().is_some_and(|c| d > c);
         let switches = Switches { energized: self.mode.energized, cushioned };
+        let extra = &self.rig.extra;
         let dry = leg.dry_friction(pressure);
-        (leg.force(switches, d, s.v[LEG], pressure).value + dry, dry)
+        let speed = s.v[LEG];
+        let push = leg.force(switches, d, speed, pressure).value + dry - extra.quadratic * speed.abs() * speed;
+        (push, (dry + extra.tightening * d).max(0.0))
     }
 
     /// Accelerations, what the ground does, how the gas changes; and dry friction of the leg.

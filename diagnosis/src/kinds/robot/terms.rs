@@ -6,6 +6,7 @@ use saltus_robot::{
 
 use super::Column;
 use crate::experiment::Sort;
+use crate::rig::Extra;
 use crate::kind::{Cause, Channel, Parameter};
 
 /// What a cause does to the model.
@@ -17,6 +18,8 @@ pub(super) enum Term {
     LoadFactor,
     /// It adds to the load on the bench.
     LoadAdded,
+    /// It is a term that no listed cause has.
+    Extra(fn(&mut Extra, f64)),
     /// It changes what a channel says.
     Sensor(usize, Sensor),
 }
@@ -61,7 +64,14 @@ fn cylinder(robot: &mut Robot, change: impl FnOnce(&mut Cylinder)) {
 }
 
 /// The causes that could show in data of a kind, with their terms.
-pub(super) fn causes(sort: Sort, robot: &Robot, columns: &[Column], channels: &[Channel]) -> (Vec<Cause>, Vec<Term>) {
+///
+/// After those with an id come terms that describe what none of them explains; how many have one is the last answer.
+pub(super) fn causes(
+    sort: Sort,
+    robot: &Robot,
+    columns: &[Column],
+    channels: &[Channel],
+) -> (Vec<Cause>, Vec<Term>, usize) {
     let mut list = List::default();
     leg(&mut list, robot);
     if sort == Sort::Bench {
@@ -77,7 +87,31 @@ pub(super) fn causes(sort: Sort, robot: &Robot, columns: &[Column], channels: &[
     }
     flight(&mut list, robot, sort);
     sensing(&mut list, sort, columns, channels);
-    (list.causes, list.terms)
+    let listed = list.causes.len();
+    unlisted(&mut list, sort, robot);
+    (list.causes, list.terms, listed)
+}
+
+/// Terms without a name: forces and torques as functions of the state.
+fn unlisted(list: &mut List, sort: Sort, robot: &Robot) {
+    let mut add = |id: &'static str, name: &str, scale: f64, set: fn(&mut Extra, f64)| {
+        let p = parameter(name, 0.0, (-1e4 * scale, 1e4 * scale), scale, &[]);
+        list.causes.push(Cause { id, column: None, parameters: vec![p], usual: None });
+        list.terms.push(Term::Extra(set));
+    };
+    add("force on the leg, -c |d'| d'", "c_n_s2_per_m2", 0.5, |e, c| e.quadratic = c);
+    add("dry friction of the leg, c d", "c_n_per_m", 10.0, |e, c| e.tightening = c);
+    if sort == Sort::Bench {
+        return;
+    }
+    if sort != Sort::Hop {
+        add("torque on the wheel, -c phi'", "c_n_m_s_per_rad", 1e-3, |e, c| e.spin_damping = c);
+    }
+    if robot.boom.is_some() {
+        add("torque on the boom's pivot, -c theta'", "c_n_m_s_per_rad", 0.05, |e, c| e.pivot_damping = c);
+        add("torque on the boom's pivot, -c theta", "c_n_m_per_rad", 0.1, |e, c| e.pivot_spring = c);
+        add("torque on the boom's turn, -c psi'", "c_n_m_s_per_rad", 0.05, |e, c| e.turn_damping = c);
+    }
 }
 
 fn leg(list: &mut List, robot: &Robot) {
