@@ -232,20 +232,22 @@ impl<'a> Search<'a> {
             unknown = fitness_after.unknown(stated, &after).or(unknown);
             inflation = fitness::inflation(self.kind, &after);
         }
-        let term = unknown.as_ref().and_then(|_| {
-            let alone = self.describe(&before);
-            let is_better = |c: &Candidate| c.fit.loss < after.loss - RIVAL * inflation;
-            match alone {
-                // What no listed cause has explains more than those that were found.
-                Some(alone) if !after.causes.is_empty() && is_better(&alone) => {
-                    after = before.clone();
-                    inflation = fitness::inflation(self.kind, &alone.fit);
-                    Some(alone)
-                }
-                alone if after.causes.is_empty() => alone,
-                _ => self.describe(&after),
+        // A term without a name that explains clearly more than the causes that were found: they were not the cause.
+        let alone = if before.causes == after.causes && unknown.is_none() { None } else { self.describe(&before) };
+        let is_better = |c: &Candidate| c.fit.loss < after.loss - 2.0 * RIVAL * inflation;
+        let mut term = None;
+        match alone {
+            Some(alone) if after.causes.is_empty() => term = Some(alone),
+            Some(alone) if is_better(&alone) => {
+                after = before.clone();
+                fitness_after = fitness_before.clone();
+                unknown = fitness_after.unknown(stated, &after).or(unknown);
+                inflation = fitness::inflation(self.kind, &alone.fit);
+                term = Some(alone);
             }
-        });
+            _ if unknown.is_some() => term = self.describe(&after),
+            _ => {}
+        }
         (self.progress)("what else could be");
         let findings = self.findings(&after, inflation, Some((&before, &tried)));
         (self.progress)("data left out");

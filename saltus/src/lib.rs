@@ -15,6 +15,7 @@
 //!
 //! The `saltus` command does the same from a shell: `saltus simulate --omega 5 --alpha-f -0.1`.
 
+pub mod diagnose;
 pub mod experiment;
 pub mod verify;
 

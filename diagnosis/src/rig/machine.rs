@@ -201,6 +201,14 @@ impl Machine {
         Machine { extra, ..self }
     }
 
+    /// Longest step (s) that follows what bends; none where nothing does.
+    pub(super) fn longest_step(&self) -> f64 {
+        let (Some(stiffness), Some(length)) = (self.flex, self.boom) else { return f64::INFINITY };
+        // One half of the boom alone, turning about its end against the spring.
+        let inertia = self.inner.mass.max(0.01) * (length / 2.0).powi(2) / 3.0;
+        (0.25 / (4.0 * stiffness / inertia).sqrt()).max(1e-4)
+    }
+
     /// Whether it is a cylinder on the bench.
     pub(super) fn is_bench(&self) -> bool {
         self.load.is_some()

@@ -454,6 +454,10 @@ impl<'a> Run<'a> {
     }
 
     fn longest(&self) -> f64 {
+        self.usual_step().min(self.rig.machine.longest_step())
+    }
+
+    fn usual_step(&self) -> f64 {
         if self.mode.foot != Foot::Flies && self.rig.machine.floor.soft.is_some() {
             return SOFT;
         }

@@ -274,7 +274,7 @@ fn body(list: &mut List, robot: &Robot) {
     if boom.flex.is_none() {
         list.one(
             "boom-flex",
-            parameter("boom_compliance_rad_per_n_m", 0.0, (1e-5, 0.05), 2e-5, &[2e-4, 1e-3, 4e-3]),
+            parameter("boom_compliance_rad_per_n_m", 0.0, (5e-5, 0.05), 2e-5, &[3e-4, 1e-3, 4e-3]),
             |r, v| {
                 if let Some(boom) = &mut r.boom {
                     boom.flex = Some(1.0 / v[0]);

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use saltus::Robot;
+use saltus::diagnose::{self, Worth};
 use saltus::diagnosis::{self, Diagnosis, Kind, Settings, Sort};
 use saltus::experiment::{self, Folder};
 
@@ -13,7 +14,7 @@ use self::report::Report;
 use super::Status;
 use super::common::OutputFlags;
 use crate::error::CliError;
-use crate::output::Format;
+use crate::output::{Files, Format};
 use crate::progress::Progress;
 
 /// Say what measured data show to be wrong with the simulation, why, and what knowing it is worth
@@ -45,6 +46,10 @@ pub(crate) struct Diagnose {
     #[arg(long, value_name = "NUMBER", default_value_t = 1, help_heading = "What is claimed")]
     seed: u64,
 
+    /// Write the robot with what was found switched on, on which every other command works
+    #[arg(long, value_name = "FILE.toml", help_heading = "Robot and output")]
+    extend: Option<PathBuf>,
+
     #[command(flatten)]
     output: OutputFlags,
 }
@@ -68,6 +73,9 @@ struct Found {
     kind: Box<dyn Kind>,
     diagnosis: Diagnosis,
     settings: Settings,
+    /// The robot with what was found, and what knowing it is worth to the planner.
+    extended: Option<Robot>,
+    worth: Option<Worth>,
 }
 
 impl Diagnose {
@@ -91,7 +99,12 @@ impl Diagnose {
         let Some(diagnosis) = diagnosis else {
             return Err(unusable(&folder, "the model has no such motion: is it the robot that was measured?".into()));
         };
-        let found = Found { folder, robot, kind, diagnosis, settings };
+        let extended = diagnose::extended(kind.as_ref(), &diagnosis);
+        let worth = robot.as_ref().zip(extended.as_ref()).and_then(|(b, e)| diagnose::worth(b, e));
+        if let Some(path) = &self.extend {
+            self.write_extended(path, kind.as_ref(), &diagnosis, extended.as_ref(), &folder.hash)?;
+        }
+        let found = Found { folder, robot, kind, diagnosis, settings, extended, worth };
         let report = Report::of(&found);
         let text = match self.output.format() {
             Format::Text => report.text(),
@@ -104,6 +117,23 @@ impl Diagnose {
         } else {
             Status::No
         })
+    }
+
+    fn write_extended(
+        &self,
+        path: &Path,
+        kind: &dyn Kind,
+        diagnosis: &Diagnosis,
+        extended: Option<&Robot>,
+        hash: &str,
+    ) -> Result<(), CliError> {
+        let Some(robot) = extended else {
+            let allowed = "left out: nothing was found that is a property of a robot";
+            return Err(CliError::flag("--extend", path.display(), allowed));
+        };
+        let mut files = Files::default();
+        files.add(path, diagnose::robot_file(kind, diagnosis, robot, hash).into_bytes());
+        files.write()
     }
 
     /// The robot that was measured, as the flags or else the folder say; none where the kind is about none.

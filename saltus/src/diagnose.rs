@@ -1,0 +1,129 @@
+//! What a diagnosis is worth: the extended robot, and firing tables before and after.
+
+use std::fmt::Write;
+
+use saltus_diagnosis::rig::Rig;
+use saltus_diagnosis::{Diagnosis, Kind};
+use saltus_planner::{FIRING_ANGLES, Measure, Planner, Roots, TableRequest};
+use saltus_robot::Robot;
+
+/// What a firing table is off by when the robot that was measured jumps from it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Worth {
+    /// Distance (m) that is planned for, landing with the axle at its height on a retracted leg.
+    pub distance: f64,
+    /// For each approach rate (rad/s): firing angles (rad) before and after, and by how far (m) the extended robot lands off with each.
+    pub rows: Vec<Row>,
+    /// The linear law α_f = A ω + B (s, rad) through the angles, before and after.
+    pub laws: [Option<(f64, f64)>; 2],
+}
+
+/// One approach rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Approach rate (rad/s).
+    pub rate: f64,
+    /// Firing angle (rad) before and after; none where no angle gets so far.
+    pub angles: [Option<f64>; 2],
+    /// Landing error (m) of the extended robot; none where it does not jump.
+    pub errors: [Option<f64>; 2],
+}
+
+impl Worth {
+    /// Root mean square of the landing errors (m) before and after, over the rates at which both tables have an angle.
+    pub fn rms(&self) -> Option<[f64; 2]> {
+        let pairs: Vec<[f64; 2]> = self.rows.iter().filter_map(|r| Some([r.errors[0]?, r.errors[1]?])).collect();
+        let n = pairs.len() as f64;
+        let of = |k: usize| (pairs.iter().map(|p| p[k] * p[k]).sum::<f64>() / n).sqrt();
+        (!pairs.is_empty()).then(|| [of(0), of(1)])
+    }
+}
+
+/// Valve opening time (s) of the tables.
+const OPEN: f64 = 0.1;
+
+/// The robot with the terms that were found; none where the data are not about a robot, or nothing was found.
+pub fn extended(kind: &dyn Kind, diagnosis: &Diagnosis) -> Option<Robot> {
+    if diagnosis.findings.is_empty() {
+        return None;
+    }
+    let mut robot = kind.robot(&diagnosis.after.terms)?;
+    robot.name = format!("{} as measured", robot.name);
+    Some(robot)
+}
+
+/// The robot file of the extended robot: values, standard errors and the data's hash are in comments at its head.
+pub fn robot_file(kind: &dyn Kind, diagnosis: &Diagnosis, robot: &Robot, hash: &str) -> String {
+    let mut text = String::from("# Written by saltus diagnose from measured data, ");
+    let _ = writeln!(text, "hash {hash}.");
+    for finding in &diagnosis.findings {
+        let id = |cause: usize| kind.causes()[cause].id;
+        let _ = write!(text, "# {}", id(finding.best.cause));
+        if let Some(column) = &kind.causes()[finding.best.cause].column {
+            let _ = write!(text, " of {column}, not a property of the robot");
+        }
+        let _ = writeln!(text, ":");
+        for (name, value, error) in &finding.best.reported {
+            let _ = writeln!(text, "#   {name} = {value:?}, standard error {error:.2e}");
+        }
+        if !finding.rivals.is_empty() {
+            let rivals: Vec<&str> = finding.rivals.iter().map(|r| id(r.cause)).collect();
+            let _ = writeln!(text, "#   the data cannot tell it from: {}", rivals.join(", "));
+        }
+    }
+    text.push('\n');
+    text.push_str(&robot.to_toml());
+    text
+}
+
+/// Firing tables for a distance that both robots reach, made with the robot as believed and as `extended`, and where the extended robot
+/// lands when it jumps from each.
+///
+/// It jumps in the model that was fitted, which knows what the planar model of the tables leaves out: so the error after is that of the
+/// planar model alone.
+pub fn worth(believed: &Robot, extended: &Robot) -> Option<Worth> {
+    let rates: Vec<f64> = (0..7).map(|k| 3.0 + 0.5 * f64::from(k)).collect();
+    let rig = Rig::new(extended);
+    [0.8, 0.6, 0.4, 0.3].into_iter().find_map(|distance| {
+        let tables = [believed, extended].map(|robot| angles(robot, &rates, distance));
+        let [Some(before), Some(after)] = tables else { return None };
+        let lands = |rate: f64, angle: Option<f64>| rig.outcome(angle?, rate, OPEN).map(|(_, x)| x - distance);
+        let rows: Vec<Row> = rates
+            .iter()
+            .zip(before.iter().zip(&after))
+            .map(|(&rate, (&b, &a))| Row { rate, angles: [b, a], errors: [lands(rate, b), lands(rate, a)] })
+            .collect();
+        let count = rows.iter().filter(|r| r.errors.iter().all(Option::is_some)).count();
+        let laws = [0, 1].map(|k| line(rows.iter().filter_map(|r| Some((r.rate, r.angles[k]?)))));
+        (count >= 4).then_some(Worth { distance, rows, laws })
+    })
+}
+
+fn angles(robot: &Robot, rates: &[f64], distance: f64) -> Option<Vec<Option<f64>>> {
+    let request = TableRequest {
+        rates: rates.to_vec(),
+        measure: Measure::Distance { landing_height: robot.body.radius },
+        targets: vec![distance],
+        valve_open: OPEN,
+        start_lean: None,
+        firing_angles: FIRING_ANGLES,
+        roots: Roots::Least,
+        sensitivities: false,
+        threads: 1,
+    };
+    let table = Planner::new(robot.clone()).table(&request).ok()?;
+    Some(table.cells.iter().map(|cell| cell.entries.first().map(|e| e.jump.launch.firing_angle)).collect())
+}
+
+/// Slope and intercept of the least-squares line through points; none through fewer than two.
+fn line(points: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
+    let points: Vec<(f64, f64)> = points.collect();
+    let n = points.len() as f64;
+    let (x, y) = points.iter().fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
+    let (mut above, mut below) = (0.0, 0.0);
+    for (a, b) in &points {
+        above += (a - x) * (b - y);
+        below += (a - x) * (a - x);
+    }
+    (points.len() > 1 && below > 0.0).then(|| (above / below, y - above / below * x))
+}
