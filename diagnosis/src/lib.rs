@@ -12,6 +12,7 @@ mod kind;
 pub mod kinds;
 mod noise;
 mod parallel;
+mod residuals;
 pub mod rig;
 mod tangent;
 
@@ -21,3 +22,4 @@ pub use fit::Fit;
 pub use fitness::{Fitness, Unknown};
 pub use gain::Gain;
 pub use kind::{Cause, Channel, Kind, Log, Parameter, Reading, Terms};
+pub use residuals::{PhaseResidual, Point, points, residuals, residuals_under};
