@@ -1,6 +1,7 @@
 //! `saltus diagnose`: what measured data say is wrong with the simulation.
 
 mod report;
+mod words;
 
 use std::path::{Path, PathBuf};
 
