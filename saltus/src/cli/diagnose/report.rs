@@ -40,9 +40,10 @@ impl<'a> Report<'a> {
         if self.is_well() {
             return "Nothing is wrong: the simulation explains the data within the noise.".into();
         }
-        let said = |f: &Finding| format!("{} ({})", title(self.found.kind.as_ref(), f.best.cause), {
-            meaning(self.id(f.best.cause))
-        });
+        let said = |f: &Finding| {
+            let (name, what) = (title(self.found.kind.as_ref(), f.best.cause), meaning(self.id(f.best.cause)));
+            format!("{name} ({what})")
+        };
         let causes: Vec<String> = diagnosis.findings.iter().map(said).collect();
         match (causes.is_empty(), &diagnosis.unknown) {
             (false, None) => format!("Found: {}.", causes.join("; ")),
@@ -94,7 +95,8 @@ impl<'a> Report<'a> {
     pub(super) fn size(&self) -> String {
         let logs = self.found.kind.logs();
         let readings: usize = logs.iter().map(|log| log.readings.len()).sum();
-        format!("{} runs, {} rows, {readings} readings used", logs.len(), self.found.folder.rows)
+        let runs = if logs.len() == 1 { "run" } else { "runs" };
+        format!("{} {runs}, {} rows, {readings} readings used", logs.len(), self.found.folder.rows)
     }
 
     /// Parameters as they are reported, where errors are known with them.
@@ -145,6 +147,30 @@ impl<'a> Report<'a> {
         )
     }
 
+    /// Why standard errors are wider than the stated noise makes them, if they are.
+    pub(super) fn widened(&self) -> Option<String> {
+        let factor = self.found.diagnosis.inflation.sqrt();
+        (factor > 1.2 && !self.found.diagnosis.findings.is_empty()).then(|| {
+            format!(
+                "What is left scatters more than the stated noise, or follows itself; standard errors allow for it, with a factor of {}.",
+                digits(factor, 2)
+            )
+        })
+    }
+
+    /// Every cause alone, the one with the greatest gain first.
+    pub(super) fn tried(&self) -> Vec<&Candidate> {
+        let mut all: Vec<&Candidate> = self.found.diagnosis.tried.iter().collect();
+        all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        all
+    }
+
+    /// What there is to say of causes that are not among those tried, if there are some.
+    pub(super) fn silent(&self) -> Option<String> {
+        let silent = self.found.kind.causes().len().saturating_sub(self.found.diagnosis.tried.len());
+        (silent > 0).then(|| format!("Left out, as next to nothing or far less would be gained: {silent} of the causes."))
+    }
+
     /// For people.
     pub(super) fn text(&self) -> String {
         let diagnosis = &self.found.diagnosis;
@@ -167,14 +193,16 @@ impl<'a> Report<'a> {
         out += &wrapped(Self::MARKS, "  ");
         out += "\nEvery cause alone: by how much it lowers the misfit\n\n";
         out += &grid(&self.tried_lines(), 1);
-        let silent = self.found.kind.causes().len().saturating_sub(diagnosis.tried.len());
-        if silent > 0 {
-            out += &wrapped(&format!("{silent} more causes change next to nothing, or far less than these."), "  ");
+        if let Some(sentence) = self.silent() {
+            out += &wrapped(&sentence, "  ");
         }
         out += &wrapped(Self::MISFIT, "  ");
         // Writing to a string does not fail.
-        let _ = writeln!(out, "\n{}; data {}\n{}", self.size(), self.found.folder.hash, self.claims());
-        out
+        let _ = writeln!(out, "\n{}; hash of the data {}", self.size(), self.found.folder.hash);
+        if let Some(sentence) = self.widened() {
+            out += &wrapped(&sentence, "");
+        }
+        out + &wrapped(&self.claims(), "")
     }
 
     fn finding(&self, out: &mut String, finding: &Finding) {
@@ -258,7 +286,7 @@ impl<'a> Report<'a> {
     /// Every cause alone: a header, then lines.
     pub(super) fn tried_lines(&self) -> Vec<Vec<String>> {
         let mut lines = vec![words(&["cause", "misfit less", "with"])];
-        for c in &self.found.diagnosis.tried {
+        for c in self.tried() {
             let said: Vec<String> = self.parameters(c).iter().map(|(n, x)| format!("{n} = {x}")).collect();
             let name = title(self.found.kind.as_ref(), c.cause);
             lines.push(vec![name, digits(c.gain, 4), said.join(", ")]);
