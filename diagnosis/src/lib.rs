@@ -13,6 +13,7 @@ pub mod kinds;
 mod next;
 mod noise;
 mod parallel;
+mod residuals;
 pub mod rig;
 mod tangent;
 
@@ -23,3 +24,4 @@ pub use fitness::{Fitness, Unknown};
 pub use gain::Gain;
 pub use next::{NextExperiment, Proposal};
 pub use kind::{Cause, Channel, Kind, Log, Parameter, Reading, Terms};
+pub use residuals::{PhaseResidual, Point, points, residuals, residuals_under};

@@ -135,21 +135,21 @@ impl OutputFlags {
         self.write_with(report, option, drawing, None)
     }
 
-    /// As [`write_with_plot`](Self::write_with_plot), with one page more.
+    /// As [`write_with_plot`](Self::write_with_plot), with one page more: its flag, file and text.
     pub(crate) fn write_with(
         &self,
         report: String,
         option: &PlotOption,
         drawing: impl FnOnce() -> Result<Drawing, CliError>,
-        page: Option<(&Path, String)>,
+        page: Option<(&'static str, &Path, String)>,
     ) -> Result<(), CliError> {
         let mut files = Files::default();
         if let Some(plot) = &option.plot {
             self.check_distinct("--plot", plot.path())?;
             files.add(plot.path(), plot.draw(&drawing()?)?);
         }
-        if let Some((path, html)) = page {
-            self.check_distinct("--animate", path)?;
+        if let Some((flag, path, html)) = page {
+            self.check_distinct(flag, path)?;
             files.add(path, html.into_bytes());
         }
         files.report(self.out.as_deref(), report);
@@ -162,4 +162,11 @@ impl OutputFlags {
             _ => Ok(()),
         }
     }
+}
+
+/// Parser of a flag.
+pub(crate) fn page_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_page = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"));
+    if is_page { Ok(path) } else { Err("the name must end in .html".into()) }
 }

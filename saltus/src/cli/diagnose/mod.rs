@@ -1,6 +1,10 @@
 //! `saltus diagnose`: what measured data say is wrong with the simulation.
 
+mod chart;
+mod page;
 mod report;
+mod sheet;
+mod words;
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +16,7 @@ use saltus::experiment::{self, Folder};
 
 use self::report::Report;
 use super::Status;
-use super::common::OutputFlags;
+use super::common::{OutputFlags, PlotOption, page_file};
 use crate::error::CliError;
 use crate::output::{Files, Format};
 use crate::progress::Progress;
@@ -50,14 +54,46 @@ pub(crate) struct Diagnose {
     #[arg(long, value_name = "FILE.toml", help_heading = "Robot and output")]
     extend: Option<PathBuf>,
 
+    /// Write a page with charts to hand on, in one file
+    #[arg(long, value_name = "FILE.html", value_parser = page_file, help_heading = "Robot and output")]
+    report: Option<PathBuf>,
+
+    #[command(flatten)]
+    plot: PlotOption,
+
     #[command(flatten)]
     output: OutputFlags,
 }
 
 const LONG_HELP: &str = "\
 Examples:
-  saltus diagnose logs/monday
-  saltus diagnose hopper/static hopper/dynamic-1 --format json";
+  saltus diagnose logs/monday --report monday.html
+  saltus diagnose hopper/static hopper/dynamic-1 --format json
+
+Every cause on the list is an effect that the simulation leaves out, or a number that it may have wrong. \
+They are added one at a time while data that were left out of the fit are predicted better by it than \
+chance explains. Rivals are causes that the data cannot tell from the one named. The cause \"unknown\": \
+something is left that is not noise and that no cause on the list explains.
+
+The text says what was found, how well data left out of the fit are predicted before and after, what is \
+left in each channel and phase of the runs and whether that is noise, and what every cause alone would \
+explain. --report writes the same as a page with charts, --plot the residuals before and after.
+
+JSON: {\"causes\": [{\"id\", \"column\" (of a sensor), \"parameters\": {name: value}, \"standard_errors\": {name: value}, \
+\"rivals\": [ids], \"candidates\": [the rivals with their parameters], \"undetermined\" (null, or a direction of \
+the parameters that the data do not tell), \"loss_falls_by\", \"held_out_loss_falls_by\"}], \"gain\": {channel: \
+{\"rms_before\", \"rms_after\", \"noise\" (all in the channel's unit), \"ratio_low\", \"ratio_high\" (95 % interval of after/before)}}, \
+\"residuals\": {\"before\": [{\"channel\", \"phase\", \"readings\", \"mean\", \"rms\" (in the channel's unit), \
+\"mean_sigma\", \"rms_sigma\" (in standard deviations of the noise), \"lag_1_correlation\" (of each with the \
+next), \"correlation_with\": {condition: of the runs' means}, \"p_level\", \"p_whiteness\", \"p_runs\" (how \
+likely noise is so large, so smooth, so different between runs), \"is_noise\"}], \"after\": […]}, \"tried\": \
+[{\"id\", \"parameters\", \"loss_falls_by\"}: every cause alone], \"data\": {\"hash\", \"rows\", \"runs\", \"notes\"}, \
+\"false_alarm_level\", \"next_experiment\"}. The loss is the sum of squared residuals in standard deviations, \
+outliers counted less; noise makes it fall by about 1 for each parameter.
+
+CSV columns, one row for each channel: channel, rms_before, rms_after, noise.
+
+The exit code is 0 if nothing is wrong, 1 if something is.";
 
 fn level(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -111,7 +147,8 @@ impl Diagnose {
             Format::Json => crate::output::json(&report.json()),
             Format::Csv => report.csv(),
         };
-        self.output.write_report(text)?;
+        let page = self.report.as_deref().map(|file| ("--report", file, page::html(&report, &self.folders)));
+        self.output.write_with(text, &self.plot, || Ok(sheet::sheet(&report)), page)?;
         Ok(if found.diagnosis.findings.is_empty() && found.diagnosis.unknown.is_none() {
             Status::Done
         } else {

@@ -2,109 +2,308 @@
 
 use std::fmt::Write;
 
-use saltus::diagnosis::Candidate;
+use saltus::diagnosis::{Candidate, Finding, PhaseResidual, Sort, residuals_under};
 use serde_json::{Map, Value, json};
 
 use super::Found;
+use super::words::{estimate, grid, meaning, split, title, unit};
 use crate::output::digits;
 
 /// What is reported of a diagnosis.
-pub(super) struct Report<'a>(&'a Found);
+pub(super) struct Report<'a> {
+    pub(super) found: &'a Found,
+    /// What is left by channel and phase, by the model as it is.
+    pub(super) before: Vec<PhaseResidual>,
+    /// The same by the model with all causes.
+    pub(super) after: Vec<PhaseResidual>,
+}
 
 impl<'a> Report<'a> {
     pub(super) fn of(found: &'a Found) -> Report<'a> {
-        Report(found)
+        let kind = found.kind.as_ref();
+        let settings = |name: &String| {
+            let run = found.folder.experiment.runs.iter().find(|run| run.name == *name);
+            run.map(|run| run.settings.iter().map(|(key, x)| (key.clone(), *x)).collect()).unwrap_or_default()
+        };
+        let conditions: Vec<Vec<(String, f64)>> = kind.logs().iter().map(|log| settings(&log.name)).collect();
+        let of = |model| residuals_under(kind, model, &conditions);
+        Report { found, before: of(&found.diagnosis.before), after: of(&found.diagnosis.after) }
     }
 
-    fn id(&self, cause: usize) -> String {
-        self.0.kind.causes()[cause].id.to_owned()
+    pub(super) fn is_well(&self) -> bool {
+        self.found.diagnosis.findings.is_empty() && self.found.diagnosis.unknown.is_none()
     }
 
-    fn column(&self, cause: usize) -> Option<&str> {
-        self.0.kind.causes()[cause].column.as_deref()
+    /// The outcome in a sentence.
+    pub(super) fn headline(&self) -> String {
+        let diagnosis = &self.found.diagnosis;
+        if self.is_well() {
+            return "Nothing is wrong: the simulation explains the data within the noise.".into();
+        }
+        let said = |f: &Finding| {
+            let (name, what) = (title(self.found.kind.as_ref(), f.best.cause), meaning(self.id(f.best.cause)));
+            format!("{name} ({what})")
+        };
+        let causes: Vec<String> = diagnosis.findings.iter().map(said).collect();
+        match (causes.is_empty(), &diagnosis.unknown) {
+            (false, None) => format!("Found: {}.", causes.join("; ")),
+            (false, Some(_)) => format!("Found: {}; and something unknown.", causes.join("; ")),
+            (true, _) => "Unknown: something is wrong that no listed cause explains.".into(),
+        }
+    }
+
+    /// What an unknown effect means, if there is one.
+    pub(super) fn unknown(&self) -> Option<String> {
+        let unknown = self.found.diagnosis.unknown.as_ref()?;
+        let (channel, unit) = split(&unknown.channel);
+        Some(format!(
+            "What is left in {channel} is not noise, most of all in the phase {}: {} {unit} root mean square. No cause on the list \
+             explains it, alone or with others: the machine or an instrument does something that is not on the list. Parameters \
+             found beside it may be bent to it.",
+            unknown.phase,
+            digits(unknown.rms, 3),
+        ))
+    }
+
+    pub(super) fn id(&self, cause: usize) -> &'static str {
+        self.found.kind.causes()[cause].id
+    }
+
+    pub(super) fn phase(&self, residual: &PhaseResidual) -> &'static str {
+        match self.found.folder.experiment.kind {
+            Sort::Flight => "flight",
+            _ => residual.phase,
+        }
+    }
+
+    /// Chance with which noise is called something else, for each line of the table of residuals.
+    fn level(&self) -> f64 {
+        self.found.settings.false_alarms / self.before.len().max(1) as f64
+    }
+
+    /// Words for what tells that a residual is not noise; empty where it may be.
+    pub(super) fn faults(&self, residual: &PhaseResidual) -> String {
+        residual.faults(self.level()).join(", ")
+    }
+
+    /// What the model with all causes leaves of the same channel and phase.
+    pub(super) fn after(&self, before: &PhaseResidual) -> Option<&PhaseResidual> {
+        self.after.iter().find(|r| r.channel == before.channel && r.phase == before.phase)
+    }
+
+    /// The readings in use, as a sentence.
+    pub(super) fn size(&self) -> String {
+        let logs = self.found.kind.logs();
+        let readings: usize = logs.iter().map(|log| log.readings.len()).sum();
+        let runs = if logs.len() == 1 { "run" } else { "runs" };
+        format!("{} {runs}, {} rows, {readings} readings used", logs.len(), self.found.folder.rows)
+    }
+
+    /// Parameters as they are reported, where errors are known with them.
+    pub(super) fn parameters(&self, candidate: &Candidate) -> Vec<(String, String)> {
+        if candidate.reported.is_empty() {
+            let values = candidate.fit.terms.of(candidate.cause);
+            let reported = self.found.kind.report(candidate.cause, values);
+            return reported.into_iter().map(|(n, x)| (n.clone(), with_unit(x, 4, unit(&n)))).collect();
+        }
+        let said = |(name, x, error): &(String, f64, f64)| (name.clone(), estimate(*x, *error, unit(name)));
+        candidate.reported.iter().map(said).collect()
+    }
+
+    /// Parameters of a finding that the data do not fix, as a sentence.
+    pub(super) fn undetermined(&self, finding: &Finding) -> Option<String> {
+        let direction = finding.undetermined.as_ref()?;
+        let names = &self.found.kind.causes()[finding.best.cause].parameters;
+        let moved: Vec<&str> =
+            names.iter().zip(direction).filter(|(_, part)| part.abs() > 0.1).map(|(p, _)| p.name.as_str()).collect();
+        Some(match moved.as_slice() {
+            [] => return None,
+            [one] => format!("Not determined: {one}; the data are the same whatever it is."),
+            several => format!(
+                "Not determined: {} one by one; they can change together without being seen in the data.",
+                several.join(", ")
+            ),
+        })
+    }
+
+    /// Why rivals are rivals.
+    pub(super) const RIVALS: &'static str = "Put in its place, each predicts these data about as well, so that they alone cannot tell \
+         which it is; runs under other conditions could.";
+
+    /// What misfit means.
+    pub(super) const MISFIT: &'static str = "The misfit is the sum of squared residuals in standard deviations of the noise, outliers \
+         counted less; a needless parameter lowers it by about 1.";
+
+    /// What the marks of the residuals mean.
+    pub(super) const MARKS: &'static str = "Noise has mean 0 σ, rms 1 σ and next 0 (the correlation of each residual with the next). Not \
+         noise: large (rms beyond the stated noise), smooth (residuals follow each other), differs by run (means of the runs \
+         differ). Small parts of it can be the instruments'.";
+
+    /// How often something is claimed of nothing, as a sentence.
+    pub(super) fn claims(&self) -> String {
+        format!(
+            "Data without an effect are said to have one in {} % of cases (false alarm level).",
+            digits(100.0 * self.found.settings.false_alarms, 3)
+        )
+    }
+
+    /// Why standard errors are wider than the stated noise makes them, if they are.
+    pub(super) fn widened(&self) -> Option<String> {
+        let factor = self.found.diagnosis.inflation.sqrt();
+        (factor > 1.2 && !self.found.diagnosis.findings.is_empty()).then(|| {
+            format!(
+                "What is left scatters more than the stated noise, or follows itself; standard errors allow for it, with a factor of {}.",
+                digits(factor, 2)
+            )
+        })
+    }
+
+    /// Every cause alone, the one with the greatest gain first.
+    pub(super) fn tried(&self) -> Vec<&Candidate> {
+        let mut all: Vec<&Candidate> = self.found.diagnosis.tried.iter().collect();
+        all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        all
+    }
+
+    /// What there is to say of causes that are not among those tried, if there are some.
+    pub(super) fn silent(&self) -> Option<String> {
+        let silent = self.found.kind.causes().len().saturating_sub(self.found.diagnosis.tried.len());
+        (silent > 0).then(|| format!("Left out, as next to nothing or far less would be gained: {silent} of the causes."))
     }
 
     /// For people.
     pub(super) fn text(&self) -> String {
-        let Found { folder, kind, diagnosis, settings, .. } = self.0;
-        let mut out = String::new();
-        let readings: usize = kind.logs().iter().map(|l| l.readings.len()).sum();
-        let _ = writeln!(
-            out,
-            "{} runs, {} rows read, {readings} readings used; data {}",
-            kind.logs().len(),
-            folder.rows,
-            folder.hash
-        );
-        for note in &folder.notes {
-            let _ = writeln!(out, "note: {note}");
-        }
-        let _ = writeln!(out);
-        if diagnosis.findings.is_empty() && diagnosis.unknown.is_none() {
-            let _ = writeln!(
-                out,
-                "Nothing is wrong: the simulation explains the data within the noise (false alarms: {} %).",
-                digits(100.0 * settings.false_alarms, 3)
-            );
+        let diagnosis = &self.found.diagnosis;
+        let mut out = wrapped(&self.headline(), "");
+        for note in &self.found.folder.notes {
+            out += &wrapped(&format!("note: {note}"), "");
         }
         for finding in &diagnosis.findings {
-            self.candidate(&mut out, "Cause", &finding.best);
-            if !finding.rivals.is_empty() {
-                let _ = writeln!(out, "  The data cannot tell it from:");
-                for rival in &finding.rivals {
-                    self.candidate(&mut out, "    or", rival);
-                }
-            }
-            let _ = writeln!(
-                out,
-                "  The loss of data left out falls by {}.",
-                digits(finding.held_out, 4)
-            );
+            self.finding(&mut out, finding);
         }
-        if let Some(unknown) = &diagnosis.unknown {
-            let _ = writeln!(
-                out,
-                "Unknown: what is left in {} is not noise, most of all in {} ({} rms).",
-                unknown.channel,
-                unknown.phase,
-                digits(unknown.rms, 3)
-            );
+        if let Some(unknown) = self.unknown() {
+            out += "\nunknown\n";
+            out += &wrapped(&unknown, "  ");
         }
-        let _ = writeln!(out, "\nPredicted on data left out (rms):");
-        for gain in &diagnosis.gains {
-            let _ = writeln!(
-                out,
-                "  {:<20} {:>10} before, {:>10} after, noise {:>10}; after/before {} to {} (95 %)",
-                gain.channel,
-                digits(gain.rms.0, 4),
-                digits(gain.rms.1, 4),
-                digits(gain.noise, 3),
-                digits(gain.ratio.0, 3),
-                digits(gain.ratio.1, 3)
-            );
+        out += "\nError of prediction on data that were left out of the fit (root mean square)\n\n";
+        out += &grid(&self.gains(), 1);
+        out += "\nWhat the simulation leaves: measured less predicted, in standard deviations of the noise (σ)\n\n";
+        out += &grid(&self.residual_lines(), 2);
+        out += &self.conditions();
+        out += &wrapped(Self::MARKS, "  ");
+        out += "\nEvery cause alone: by how much it lowers the misfit\n\n";
+        out += &grid(&self.tried_lines(), 1);
+        if let Some(sentence) = self.silent() {
+            out += &wrapped(&sentence, "  ");
         }
-        let _ = writeln!(out, "\nEvery cause alone (by how much the loss falls):");
-        for c in diagnosis.tried.iter().take(12) {
-            self.candidate(&mut out, "  ", c);
+        out += &wrapped(Self::MISFIT, "  ");
+        // Writing to a string does not fail.
+        let _ = writeln!(out, "\n{}; hash of the data {}", self.size(), self.found.folder.hash);
+        if let Some(sentence) = self.widened() {
+            out += &wrapped(&sentence, "");
         }
-        let (before, after) = &diagnosis.fitness;
-        let _ = writeln!(out, "inflation {:.3} squares {:.1} -> {:.1}; level {:?} smooth {:?} alarm {:.2}", diagnosis.inflation, before.squares, after.squares, after.level, after.smooth, after.alarm);
-        out
+        out + &wrapped(&self.claims(), "")
     }
 
-    fn candidate(&self, out: &mut String, lead: &str, candidate: &Candidate) {
-        let column = self.column(candidate.cause).map_or(String::new(), |c| format!(" of {c}"));
-        let _ = write!(out, "{lead} {}{column}", self.id(candidate.cause));
-        for (name, value, error) in &candidate.reported {
-            let _ = write!(out, ", {name} = {} ± {}", digits(*value, 5), digits(*error, 2));
+    fn finding(&self, out: &mut String, finding: &Finding) {
+        let kind = self.found.kind.as_ref();
+        let _ = writeln!(out, "\n{}", title(kind, finding.best.cause));
+        let lines: Vec<Vec<String>> = self.parameters(&finding.best).into_iter().map(|(n, x)| vec![n, x]).collect();
+        *out += &grid(&lines, 2);
+        if let Some(sentence) = self.undetermined(finding) {
+            *out += &wrapped(&sentence, "  ");
         }
-        let _ = writeln!(out, " (loss falls by {})", digits(candidate.gain, 5));
+        let held_out = digits(finding.held_out, 4);
+        *out += &wrapped(&format!("On data left out of the fit it lowers the misfit by {held_out}."), "  ");
+        if !finding.rivals.is_empty() {
+            *out += "  It could as well be\n";
+            let line = |rival: &Candidate| {
+                let said: Vec<String> =
+                    self.parameters(rival).iter().map(|(n, x)| format!("{n} = {x}")).collect();
+                vec![format!("  {}", title(kind, rival.cause)), said.join(", ")]
+            };
+            *out += &grid(&finding.rivals.iter().map(line).collect::<Vec<_>>(), 2);
+            *out += &wrapped(Self::RIVALS, "  ");
+        }
+    }
+
+    /// Gain by channel: a header, then lines.
+    pub(super) fn gains(&self) -> Vec<Vec<String>> {
+        let mut lines = vec![words(&["channel", "before", "after", "noise", "after/before (95 % interval)"])];
+        for gain in &self.found.diagnosis.gains {
+            let (name, unit) = split(&gain.channel);
+            lines.push(vec![
+                name.to_owned(),
+                with_unit(gain.rms.0, 3, unit),
+                with_unit(gain.rms.1, 3, unit),
+                with_unit(gain.noise, 3, unit),
+                format!("{} to {}", digits(gain.ratio.0, 3), digits(gain.ratio.1, 3)),
+            ]);
+        }
+        lines
+    }
+
+    /// Residuals by channel and phase: a header, then lines.
+    pub(super) fn residual_lines(&self) -> Vec<Vec<String>> {
+        let changes = !self.found.diagnosis.findings.is_empty();
+        let mut header = words(&["channel", "phase", "readings", "mean", "rms", "next"]);
+        if changes {
+            header.extend(words(&["→ mean", "rms", "next"]));
+        }
+        header.extend(words(&["rms", "not noise because"]));
+        let mut lines = vec![header];
+        for before in &self.before {
+            let last = self.after(before).unwrap_or(before);
+            let (name, unit) = split(&self.found.kind.channels()[before.channel].name);
+            let mut line = vec![name.to_owned(), self.phase(before).to_owned(), before.count.to_string()];
+            line.extend(numbers(before));
+            if changes {
+                line.extend(numbers(last));
+            }
+            line.push(with_unit(last.rms_in_unit(), 3, unit));
+            let faults = self.faults(last);
+            line.push(if faults.is_empty() { "–".to_owned() } else { format!("* {faults}") });
+            lines.push(line);
+        }
+        lines
+    }
+
+    /// Conditions that go with what differs between runs, in sentences.
+    fn conditions(&self) -> String {
+        const STRONG: f64 = 0.7;
+        let mut text = String::new();
+        for residual in self.after.iter().filter(|r| self.faults(r).contains("run")) {
+            let (name, _) = split(&self.found.kind.channels()[residual.channel].name);
+            for (condition, c) in residual.conditions.iter().filter(|(_, c)| c.abs() > STRONG) {
+                let phase = self.phase(residual);
+                let c = digits(*c, 2);
+                text += &format!("  {name} in {phase}: the runs' means go with {condition} (correlation {c}).\n");
+            }
+        }
+        text
+    }
+
+    /// Every cause alone: a header, then lines.
+    pub(super) fn tried_lines(&self) -> Vec<Vec<String>> {
+        let mut lines = vec![words(&["cause", "misfit less", "with"])];
+        for c in self.tried() {
+            let said: Vec<String> = self.parameters(c).iter().map(|(n, x)| format!("{n} = {x}")).collect();
+            let name = title(self.found.kind.as_ref(), c.cause);
+            lines.push(vec![name, digits(c.gain, 4), said.join(", ")]);
+        }
+        // The last column begins in line.
+        let width = lines.iter().map(|l| l[2].chars().count()).max().unwrap_or(0);
+        for line in &mut lines {
+            line[2] = format!("{:<width$}", line[2]);
+        }
+        lines
     }
 
     fn entry(&self, candidate: &Candidate) -> Map<String, Value> {
         let mut entry = Map::new();
-        entry.insert("id".into(), json!(self.id(candidate.cause)));
-        if let Some(column) = self.column(candidate.cause) {
+        let cause = &self.found.kind.causes()[candidate.cause];
+        entry.insert("id".into(), json!(cause.id));
+        if let Some(column) = &cause.column {
             entry.insert("column".into(), json!(column));
         }
         let (mut values, mut errors) = (Map::new(), Map::new());
@@ -118,24 +317,51 @@ impl<'a> Report<'a> {
         entry
     }
 
+    fn tried_entry(&self, candidate: &Candidate) -> Map<String, Value> {
+        let mut entry = self.entry(candidate);
+        entry.remove("standard_errors");
+        let values = candidate.fit.terms.of(candidate.cause);
+        let reported = self.found.kind.report(candidate.cause, values);
+        let values: Map<String, Value> = reported.into_iter().map(|(n, x)| (n, json!(x))).collect();
+        entry.insert("parameters".into(), Value::Object(values));
+        entry
+    }
+
+    fn finding_entry(&self, finding: &Finding) -> Value {
+        let mut entry = self.entry(&finding.best);
+        let rivals: Vec<&str> = finding.rivals.iter().map(|r| self.id(r.cause)).collect();
+        entry.insert("rivals".into(), json!(rivals));
+        entry.insert("held_out_loss_falls_by".into(), json!(finding.held_out));
+        entry.insert("undetermined".into(), json!(finding.undetermined));
+        let candidates: Vec<Value> = finding.rivals.iter().map(|r| Value::Object(self.entry(r))).collect();
+        entry.insert("candidates".into(), json!(candidates));
+        Value::Object(entry)
+    }
+
+    fn residual_entry(&self, residual: &PhaseResidual) -> Value {
+        let conditions: Map<String, Value> =
+            residual.conditions.iter().map(|(name, c)| (name.clone(), json!(c))).collect();
+        json!({
+            "channel": self.found.kind.channels()[residual.channel].name,
+            "phase": self.phase(residual),
+            "readings": residual.count,
+            "mean": residual.mean_in_unit(),
+            "rms": residual.rms_in_unit(),
+            "mean_sigma": residual.mean,
+            "rms_sigma": residual.rms,
+            "lag_1_correlation": residual.lag,
+            "correlation_with": conditions,
+            "p_level": residual.level,
+            "p_whiteness": residual.whiteness,
+            "p_runs": residual.runs,
+            "is_noise": residual.is_noise(self.level()),
+        })
+    }
+
     /// For programs.
     pub(super) fn json(&self) -> Value {
-        let Found { folder, kind, diagnosis, settings, .. } = self.0;
-        let mut causes: Vec<Value> = diagnosis
-            .findings
-            .iter()
-            .map(|finding| {
-                let mut entry = self.entry(&finding.best);
-                let rivals: Vec<String> = finding.rivals.iter().map(|r| self.id(r.cause)).collect();
-                entry.insert("rivals".into(), json!(rivals));
-                entry.insert("held_out_loss_falls_by".into(), json!(finding.held_out));
-                entry.insert("undetermined".into(), json!(finding.undetermined));
-                let candidates: Vec<Value> =
-                    finding.rivals.iter().map(|r| Value::Object(self.entry(r))).collect();
-                entry.insert("candidates".into(), json!(candidates));
-                Value::Object(entry)
-            })
-            .collect();
+        let Found { folder, kind, diagnosis, settings, .. } = self.found;
+        let mut causes: Vec<Value> = diagnosis.findings.iter().map(|f| self.finding_entry(f)).collect();
         if let Some(unknown) = &diagnosis.unknown {
             causes.push(json!({
                 "id": "unknown",
@@ -147,35 +373,68 @@ impl<'a> Report<'a> {
                 "rms": unknown.rms,
             }));
         }
-        let gain: Map<String, Value> = diagnosis
-            .gains
-            .iter()
-            .map(|g| {
-                let entry = json!({
-                    "rms_before": g.rms.0,
-                    "rms_after": g.rms.1,
-                    "noise": g.noise,
-                    "ratio_low": g.ratio.0,
-                    "ratio_high": g.ratio.1,
-                });
-                (g.channel.clone(), entry)
-            })
-            .collect();
+        let gain = |g: &saltus::diagnosis::Gain| {
+            let entry = json!({
+                "rms_before": g.rms.0,
+                "rms_after": g.rms.1,
+                "noise": g.noise,
+                "ratio_low": g.ratio.0,
+                "ratio_high": g.ratio.1,
+            });
+            (g.channel.clone(), entry)
+        };
+        let residuals = |all: &[PhaseResidual]| all.iter().map(|r| self.residual_entry(r)).collect::<Vec<_>>();
+        let tried: Vec<Map<String, Value>> = diagnosis.tried.iter().map(|c| self.tried_entry(c)).collect();
         json!({
             "command": "diagnose",
             "data": { "hash": folder.hash, "rows": folder.rows, "runs": kind.logs().len(), "notes": folder.notes },
             "causes": causes,
-            "gain": gain,
+            "gain": diagnosis.gains.iter().map(gain).collect::<Map<String, Value>>(),
+            "residuals": { "before": residuals(&self.before), "after": residuals(&self.after) },
+            "tried": tried,
             "false_alarm_level": settings.false_alarms,
+            "next_experiment": Value::Null,
         })
     }
 
     /// Before and after, channel by channel.
     pub(super) fn csv(&self) -> String {
         let mut out = String::from("channel,rms_before,rms_after,noise\n");
-        for g in &self.0.diagnosis.gains {
+        for g in &self.found.diagnosis.gains {
             let _ = writeln!(out, "{},{:e},{:e},{:e}", g.channel, g.rms.0, g.rms.1, g.noise);
         }
         out
     }
+}
+
+fn words(of: &[&str]) -> Vec<String> {
+    of.iter().map(|word| (*word).to_owned()).collect()
+}
+
+fn with_unit(x: f64, count: usize, unit: &str) -> String {
+    format!("{} {unit}", digits(x, count)).trim_end().to_owned()
+}
+
+/// Mean, root mean square and correlation with the next.
+fn numbers(residual: &PhaseResidual) -> Vec<String> {
+    let number = |x: f64| if x.is_finite() { format!("{x:.2}").replace("-0.00", "0.00") } else { "–".to_owned() };
+    vec![number(residual.mean), number(residual.rms), number(residual.lag)]
+}
+
+/// Lines of at most 100 characters, each after `lead`.
+fn wrapped(text: &str, lead: &str) -> String {
+    const WIDTH: usize = 100;
+    let mut out = String::new();
+    let mut line = String::new();
+    for word in text.split_whitespace() {
+        if !line.is_empty() && lead.len() + line.chars().count() + 1 + word.chars().count() > WIDTH {
+            out += &format!("{lead}{line}\n");
+            line.clear();
+        }
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        line += word;
+    }
+    out + &format!("{lead}{line}\n")
 }

@@ -16,7 +16,7 @@ use saltus::verify::Plant;
 use self::subject::{Subject, SubjectFlags};
 use self::trial::{Outcome, Trial};
 use super::Status;
-use super::common::{Common, PlotOption, Threads};
+use super::common::{Common, PlotOption, Threads, page_file};
 use crate::error::CliError;
 use crate::output::Format;
 use crate::progress::Progress;
@@ -165,7 +165,7 @@ impl Verify {
         };
         let page = self.animate.as_deref().map(|file| {
             let html = animation::html(&outcomes, &scene);
-            html.map(|html| (file, html)).map_err(|error| CliError::content(file.display(), error))
+            html.map(|html| ("--animate", file, html)).map_err(|error| CliError::content(file.display(), error))
         });
         let drawing = || Ok(drawing::sheet(&outcomes, &scene));
         self.common.write_with(report, &self.plot, drawing, page.transpose()?)?;
@@ -208,13 +208,6 @@ impl Verify {
         let parts = saltus::planner::parallel::in_chunks(trials, 1, self.threads.count().get(), fly);
         parts.into_iter().flatten().collect()
     }
-}
-
-/// Parser of a flag.
-fn page_file(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    let is_page = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"));
-    if is_page { Ok(path) } else { Err("the name must end in .html".into()) }
 }
 
 /// Parser of a flag.

@@ -1,0 +1,138 @@
+//! Causes and quantities in words.
+
+use saltus::diagnosis::Kind;
+
+use crate::output::digits;
+
+/// What a cause means, as something that is so in the machine and not in the simulation.
+pub(super) fn meaning(id: &str) -> &'static str {
+    match id {
+        "supply-pressure" => "the supply pressure differs from the set value",
+        "supply-droop" => "the supply pressure falls with the flow that is drawn",
+        "valve-delay" => "the valve opens and closes later than commanded",
+        "valve-discharge" => "the valve lets more or less gas through",
+        "chamber-leak" => "the chamber leaks to the atmosphere",
+        "dead-volume" => "the volume of the chamber at rest differs",
+        "viscous-friction" => "friction that grows with speed differs",
+        "coulomb-friction" => "dry friction differs",
+        "seal-friction" => "friction of the seal grows with the pressure in the chamber",
+        "return-spring" => "a spring pulls the rod back",
+        "gas-type" => "the gas is another one",
+        "exhaust-port" => "the chamber opens to the atmosphere before the end of the stroke",
+        "heat-transfer" => "gas and wall exchange heat",
+        "mass" => "the mass differs",
+        "inertia" => "the moment of inertia differs",
+        "imbalance" => "the centre of mass is off the axle",
+        "boom-inertia" => "the boom has mass and weight",
+        "boom-flex" => "the boom bends",
+        "axle-friction" => "dry friction in the axle brakes the spin",
+        "foot-slip" => "the foot slips on the ground",
+        "ground-compliance" => "the ground gives way under the foot",
+        "foot-rolling" => "the foot rolls on the ground instead of turning about a point",
+        "ground-slope" => "the ground slopes",
+        "air-drag" => "the air brakes the body",
+        "gravity" => "the acceleration of free fall differs",
+        "counterweight" => "a counterweight carries a part of the weight",
+        "encoder-scale" => "the sensor's scale is wrong",
+        "sensor-offset" => "the sensor's zero is off",
+        "sensor-delay" => "the sensor reports late",
+        _ => "an effect that the simulation leaves out",
+    }
+}
+
+/// Endings of names, and the units that they stand for; a longer one before its own end.
+const UNITS: [(&str, &str); 25] = [
+    ("_pa_s_per_kg", "Pa s/kg"),
+    ("_n_m_per_rad", "N m/rad"),
+    ("_n_s2_per_m2", "N s²/m²"),
+    ("_rad_per_n_m", "rad/(N m)"),
+    ("_n_s_per_m", "N s/m"),
+    ("_n_per_pa", "N/Pa"),
+    ("_n_per_m", "N/m"),
+    ("_m_per_n", "m/N"),
+    ("_kg_m2", "kg m²"),
+    ("_per_m", "1/m"),
+    ("_rad_s", "rad/s"),
+    ("_m_s2", "m/s²"),
+    ("_m_s", "m/s"),
+    ("_n_m", "N m"),
+    ("_rad", "rad"),
+    ("_m2", "m²"),
+    ("_m3", "m³"),
+    ("_pa", "Pa"),
+    ("_kg", "kg"),
+    ("_k", "K"),
+    ("_n", "N"),
+    ("_s", "s"),
+    ("_m", "m"),
+    ("_psi", "psi"),
+    ("_deg", "°"),
+];
+
+/// Unit that a name ends with; empty where it has none.
+pub(super) fn unit(name: &str) -> &'static str {
+    UNITS.iter().find(|(end, _)| name.ends_with(end)).map_or("", |(_, unit)| unit)
+}
+
+/// A name without its unit, and the unit.
+pub(super) fn split(name: &str) -> (&str, &'static str) {
+    UNITS.iter().find_map(|(end, unit)| Some((name.strip_suffix(end)?, *unit))).unwrap_or((name, ""))
+}
+
+/// A value and its standard error, each with the digits that the error allows, and the unit.
+pub(super) fn estimate(value: f64, error: f64, unit: &str) -> String {
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    if !error.is_finite() || error <= 0.0 || value == 0.0 {
+        return format!("{}{unit} (error not known)", digits(value, 4));
+    }
+    let behind = (value.abs().log10().floor() - error.log10().floor()).clamp(0.0, 6.0);
+    // From 0 to 6 by the clamp.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let count = behind as usize + 2;
+    format!("{} ± {}{unit}", digits(value, count), digits(error, 2))
+}
+
+/// A cause with the column that it is about.
+pub(super) fn title(kind: &dyn Kind, cause: usize) -> String {
+    let cause = &kind.causes()[cause];
+    cause.column.as_ref().map_or(cause.id.to_owned(), |column| format!("{} of {column}", cause.id))
+}
+
+/// Lines with their cells under each other: the first `left` columns begin, all others end in line.
+pub(super) fn grid(lines: &[Vec<String>], left: usize) -> String {
+    let columns = lines.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |i: usize| lines.iter().filter_map(|l| l.get(i)).map(|c| c.chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let mut text = String::new();
+    for line in lines {
+        let mut row = String::new();
+        for (i, (cell, width)) in line.iter().zip(&widths).enumerate() {
+            row += &if i < left { format!("  {cell:<width$}") } else { format!("  {cell:>width$}") };
+        }
+        text += row.trim_end();
+        text.push('\n');
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_end_with_their_units() {
+        assert_eq!(split("leg.valve_delay_s"), ("leg.valve_delay", "s"));
+        assert_eq!(split("stiffness_n_per_m"), ("stiffness", "N/m"));
+        assert_eq!(split("environment.drag_per_m"), ("environment.drag", "1/m"));
+        assert_eq!(split("body.axle_friction_n_m"), ("body.axle_friction", "N m"));
+        assert_eq!(split("gain"), ("gain", ""));
+        assert_eq!(unit("wheel_rate_rad_s"), "rad/s");
+    }
+
+    #[test]
+    fn an_estimate_has_the_digits_that_its_error_allows() {
+        assert_eq!(estimate(0.012_345_6, 0.000_43, "1/m"), "0.0123 ± 0.00043 1/m");
+        assert_eq!(estimate(1234.567, 0.0123, ""), "1234.567 ± 0.012");
+        assert_eq!(estimate(2.0, f64::NAN, "s"), "2 s (error not known)");
+    }
+}
