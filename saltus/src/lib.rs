@@ -16,6 +16,8 @@
 //! The `saltus` command does the same from a shell: `saltus simulate --omega 5 --alpha-f -0.1`.
 
 pub mod experiment;
+pub mod fit;
+pub mod inject;
 pub mod verify;
 
 pub use saltus_ballistic as ballistic;
