@@ -4,6 +4,7 @@
 //! off. [`diagnose`] switches them on one at a time while data that were left out ask for it.
 
 mod choose;
+mod estimate;
 mod experiment;
 mod fit;
 mod fitness;
@@ -18,6 +19,7 @@ pub mod rig;
 mod tangent;
 
 pub use choose::{Candidate, Diagnosis, Finding, Settings, diagnose};
+pub use estimate::{Combination, Estimate, Estimated, Residual, Undetermined, estimate};
 pub use experiment::{Experiment, Run, Sort};
 pub use fit::Fit;
 pub use fitness::{Fitness, Unknown};

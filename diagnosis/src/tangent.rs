@@ -219,6 +219,12 @@ impl Tangent {
         }
     }
 
+    /// Information on the parameters of the causes that are on, in units of their scales.
+    pub(crate) fn information(&self) -> DMatrix<f64> {
+        let n = self.on.len();
+        DMatrix::from_fn(n, n, |i, j| dot(&self.on[i], &self.on[j]))
+    }
+
     /// Covariance of the parameters of the causes that are on, in units of their scales, and the eigenvalues of their information when
     /// each alone has information 1, with the direction of the least.
     pub fn covariance(&self) -> (DMatrix<f64>, f64, Vec<f64>) {

@@ -67,6 +67,9 @@ pub(crate) enum CliError {
     /// Measured data.
     #[error(transparent)]
     Experiment(#[from] saltus::experiment::Error),
+    /// Synthetic data.
+    #[error("--inject {0}")]
+    Inject(#[from] saltus::inject::Error),
     /// A robot that cannot be a rig of bodies.
     #[error(transparent)]
     Rig(#[from] SimError),

@@ -17,6 +17,8 @@
 
 pub mod diagnose;
 pub mod experiment;
+pub mod fit;
+pub mod inject;
 pub mod verify;
 
 pub use saltus_ballistic as ballistic;

@@ -4,6 +4,7 @@ mod common;
 mod completions;
 mod diagnose;
 mod export;
+mod fit;
 mod law;
 mod limits;
 mod map;
@@ -43,6 +44,7 @@ Examples:
   saltus map --omega 2:7:51 --alpha-f -0.5:0.5:41 --plot map.png
   saltus plan course.toml --plot plan.svg
   saltus verify course.toml --plant rats-boom --friction 0.3:1:8
+  saltus fit bench/monday --robot-out fitted.toml
   saltus parkour instances.json --out plans.json
   saltus export mjcf --robot rats-boom --out rats-boom.xml
 
@@ -58,6 +60,7 @@ enum Command {
     Plan(plan::Plan),
     Verify(verify::Verify),
     Diagnose(diagnose::Diagnose),
+    Fit(fit::Fit),
     Parkour(parkour::Parkour),
     Export(export::Export),
     Completions(completions::Completions),
@@ -82,6 +85,7 @@ impl Command {
             Command::Plan(command) => command.run(),
             Command::Verify(command) => command.run(),
             Command::Diagnose(command) => command.run(),
+            Command::Fit(command) => command.run(),
             Command::Parkour(command) => command.run(),
             Command::Export(command) => command.run(),
             Command::Completions(command) => command.run(),

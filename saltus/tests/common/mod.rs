@@ -31,7 +31,12 @@ impl Folder {
 
     /// Names of all that is in it, sorted.
     pub(crate) fn names(&self) -> Vec<String> {
-        let mut names: Vec<String> = std::fs::read_dir(&self.0)
+        self.names_in(".")
+    }
+
+    /// Names of all that is in a folder in it, sorted.
+    pub(crate) fn names_in(&self, name: &str) -> Vec<String> {
+        let mut names: Vec<String> = std::fs::read_dir(self.path(name))
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
             .collect();

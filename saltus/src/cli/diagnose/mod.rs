@@ -1,6 +1,7 @@
 //! `saltus diagnose`: what measured data say is wrong with the simulation.
 
 mod chart;
+mod inject;
 mod page;
 mod report;
 mod sheet;
@@ -14,6 +15,7 @@ use saltus::diagnose::{self, Worth};
 use saltus::diagnosis::{self, Diagnosis, Kind, Settings, Sort};
 use saltus::experiment::{self, Folder};
 
+use self::inject::InjectFlags;
 use self::report::Report;
 use super::Status;
 use super::common::{OutputFlags, PlotOption, page_file};
@@ -26,7 +28,7 @@ use crate::progress::Progress;
 #[command(after_help = "`saltus diagnose --help` explains data and output.", after_long_help = LONG_HELP)]
 pub(crate) struct Diagnose {
     /// Data folders of one kind: an experiment.toml and a CSV file for each run
-    #[arg(value_name = "FOLDER", required = true)]
+    #[arg(value_name = "FOLDER", required_unless_present = "inject", conflicts_with = "inject")]
     folders: Vec<PathBuf>,
 
     /// Robot that the operator believes was measured, in place of the folder's: a built-in one or a TOML file
@@ -62,6 +64,9 @@ pub(crate) struct Diagnose {
     plot: PlotOption,
 
     #[command(flatten)]
+    inject: InjectFlags,
+
+    #[command(flatten)]
     output: OutputFlags,
 }
 
@@ -69,6 +74,8 @@ const LONG_HELP: &str = "\
 Examples:
   saltus diagnose logs/monday --report monday.html
   saltus diagnose hopper/static hopper/dynamic-1 --format json
+  saltus diagnose --inject coulomb-friction=25 --out synthetic
+  saltus diagnose --inject encoder-scale=wheel_angle_rad:1.02 --inject axle-friction=0.3 --kind jump --out both
 
 Every cause on the list is an effect that the simulation leaves out, or a number that it may have wrong. \
 They are added one at a time while data that were left out of the fit are predicted better by it than \
@@ -93,6 +100,10 @@ outliers counted less; noise makes it fall by about 1 for each parameter.
 
 CSV columns, one row for each channel: channel, rms_before, rms_after, noise.
 
+With --inject there is nothing to diagnose: data are made with effects hidden in them, in the folder --out, and the report says \
+what they are; the folder does not. CAUSE is an id, VALUE its parameter in the unit of its name, several with commas; of a sensor \
+COLUMN:VALUE. A CAUSE that the kind does not have is answered with a list of those that it has.
+
 The exit code is 0 if nothing is wrong, 1 if something is.";
 
 fn level(text: &str) -> Result<f64, String> {
@@ -116,6 +127,9 @@ struct Found {
 
 impl Diagnose {
     pub(crate) fn run(self) -> Result<Status, CliError> {
+        if self.inject.is_set() {
+            return self.inject.run(&self);
+        }
         let folder = {
             let progress = Progress::new("rows", 0);
             experiment::read_all(&self.folders, &|n| progress.advance(n))?
@@ -133,7 +147,10 @@ impl Diagnose {
         let diagnosis = diagnosis::diagnose(kind.as_ref(), &settings, &|_| progress.advance(1));
         drop(progress);
         let Some(diagnosis) = diagnosis else {
-            return Err(unusable(&folder, "the model has no such motion: is it the robot that was measured?".into()));
+            return Err(unusable(
+                &folder,
+                "the model has no such motion: is it the robot that was measured?".into(),
+            ));
         };
         let extended = diagnose::extended(kind.as_ref(), &diagnosis);
         let worth = robot.as_ref().zip(extended.as_ref()).and_then(|(b, e)| diagnose::worth(b, e));
@@ -179,7 +196,9 @@ impl Diagnose {
         let name = match (&self.robot, &folder.robot) {
             (Some(name), _) => name.clone(),
             (None, Some(name)) => beside(&folder.path, name),
-            (None, None) if needs => return Err(CliError::Missing { flag: "--robot", allowed: "the robot that was measured" }),
+            (None, None) if needs => {
+                return Err(CliError::Missing { flag: "--robot", allowed: "the robot that was measured" });
+            }
             (None, None) => return Ok(None),
         };
         Ok(Some(saltus::resolve(&name, &self.overrides)?))
@@ -191,7 +210,7 @@ fn unusable(folder: &Folder, reason: String) -> CliError {
 }
 
 /// A built-in robot's name, or the path of a file beside the data.
-fn beside(folder: &Path, name: &str) -> String {
+pub(super) fn beside(folder: &Path, name: &str) -> String {
     if saltus::Robot::builtin_names().any(|known| known == name) {
         return name.to_owned();
     }

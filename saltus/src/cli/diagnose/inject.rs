@@ -1,0 +1,184 @@
+//! `saltus diagnose --inject`: synthetic data with hidden effects.
+
+use std::fmt::Write;
+
+use clap::{Args, ValueEnum};
+use saltus::diagnosis::Sort;
+use saltus::experiment;
+use saltus::inject::{self, Effect, Made, Request, Truth};
+use serde_json::{Map, Value, json};
+
+use super::Diagnose;
+use crate::cli::Status;
+use crate::error::CliError;
+use crate::output::{self, Files, Format, digits};
+
+/// What data are made in place of a diagnosis.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Synthetic data")]
+pub(super) struct InjectFlags {
+    /// Make data with this hidden effect and write them to the folder --out; none: without an effect; may be repeated
+    #[arg(long, value_name = "CAUSE=VALUE")]
+    pub(super) inject: Vec<String>,
+
+    /// Kind of the data that are made
+    #[arg(long, value_enum, default_value = "bench", requires = "inject")]
+    kind: KindName,
+
+    /// Runs that are made, of outcomes jumps [default: as many as is usual of the kind]
+    #[arg(long, value_name = "COUNT", requires = "inject", value_parser = clap::value_parser!(u16).range(1..=500))]
+    runs: Option<u16>,
+}
+
+/// A kind as the command line names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum KindName {
+    /// One leg upright, fired under a dead load
+    Bench,
+    /// The robot at rest on one leg, fired
+    Hop,
+    /// From touch-down through the flight
+    Jump,
+    /// What was asked of jumps and where they went
+    Outcomes,
+    /// A body thrown
+    Flight,
+    /// A piston moved slowly
+    Stroke,
+    /// A mass driven on a guide
+    Slide,
+    /// A vessel filling or discharging
+    Vessel,
+}
+
+impl KindName {
+    fn sort(self) -> Sort {
+        match self {
+            KindName::Bench => Sort::Bench,
+            KindName::Hop => Sort::Hop,
+            KindName::Jump => Sort::Jump,
+            KindName::Outcomes => Sort::Outcomes,
+            KindName::Flight => Sort::Flight,
+            KindName::Stroke => Sort::Stroke,
+            KindName::Slide => Sort::Slide,
+            KindName::Vessel => Sort::Vessel,
+        }
+    }
+
+    /// The robot of such data where none is named.
+    fn usual_robot(self) -> Option<&'static str> {
+        match self {
+            KindName::Bench => Some("rats-planar"),
+            KindName::Hop | KindName::Jump | KindName::Outcomes => Some("rats-boom"),
+            _ => None,
+        }
+    }
+}
+
+impl InjectFlags {
+    /// Whether data are to be made.
+    pub(super) fn is_set(&self) -> bool {
+        !self.inject.is_empty()
+    }
+
+    fn effects(&self) -> Result<Vec<Effect>, CliError> {
+        let asked: Vec<&String> = self.inject.iter().filter(|text| *text != "none").collect();
+        if asked.len() < self.inject.len() && self.inject.len() > 1 {
+            return Err(CliError::flag("--inject", "none", "the only one"));
+        }
+        Ok(asked.into_iter().map(|text| text.parse()).collect::<Result<_, _>>()?)
+    }
+
+    /// Makes the data, and says what is hidden in them.
+    pub(super) fn run(&self, command: &Diagnose) -> Result<Status, CliError> {
+        let Some(folder) = command.output.out() else {
+            return Err(CliError::Missing {
+                flag: "--out",
+                allowed: "a new or an empty folder for the data",
+            });
+        };
+        let name = command.robot.as_deref().or(self.kind.usual_robot());
+        let robot = name.map(|name| saltus::resolve(name, &command.overrides)).transpose()?;
+        let effects = self.effects()?;
+        let made = inject::make(&Request {
+            kind: self.kind.sort(),
+            robot: robot.as_ref(),
+            effects: &effects,
+            seed: command.seed,
+            runs: self.runs.map(usize::from),
+        })?;
+        let is_builtin = |name: &str| saltus::Robot::builtin_names().any(|known| known == name);
+        // A robot of its own goes with the data.
+        let own = robot.as_ref().filter(|_| !command.overrides.is_empty() || !name.is_some_and(is_builtin));
+        let listed = if own.is_some() { Some("robot.toml") } else { name };
+        experiment::write(folder, &made.experiment, listed.filter(|_| self.kind.usual_robot().is_some()))?;
+        let mut files = Files::default();
+        if let Some(robot) = own {
+            files.add(&folder.join("robot.toml"), robot.to_toml().into_bytes());
+        }
+        files.report(
+            None,
+            match command.output.asked() {
+                Some(Format::Json) => output::json(&self.json(&made, command.seed)),
+                Some(Format::Csv) => csv(&made.truth),
+                _ => self.text(&made, folder),
+            },
+        );
+        files.write()?;
+        Ok(Status::Done)
+    }
+
+    fn text(&self, made: &Made, folder: &std::path::Path) -> String {
+        let (runs, rows) = size(made);
+        let mut text = format!("{}: {runs} runs, {rows} rows of kind {}\n", folder.display(), self.id());
+        if made.truth.is_empty() {
+            text.push_str("Nothing is hidden in them.\n");
+        }
+        for truth in &made.truth {
+            let column = truth.column.as_ref().map_or(String::new(), |column| format!(" of {column}"));
+            let _ = write!(text, "Hidden: {}{column}", truth.id);
+            for (name, value) in &truth.parameters {
+                let _ = write!(text, ", {name} = {}", digits(*value, 9));
+            }
+            text.push('\n');
+        }
+        text
+    }
+
+    fn json(&self, made: &Made, seed: u64) -> Value {
+        let entry = |truth: &Truth| {
+            let parameters: Map<String, Value> =
+                truth.parameters.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
+            json!({ "id": truth.id, "column": truth.column, "parameters": parameters })
+        };
+        let (runs, rows) = size(made);
+        json!({
+            "command": "diagnose --inject",
+            "kind": self.id(),
+            "seed": seed,
+            "runs": runs,
+            "rows": rows,
+            "causes": made.truth.iter().map(entry).collect::<Vec<_>>(),
+        })
+    }
+
+    fn id(&self) -> String {
+        self.kind.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+}
+
+fn size(made: &Made) -> (usize, usize) {
+    let runs = &made.experiment.runs;
+    (runs.len(), runs.iter().map(|run| run.time.len()).sum())
+}
+
+fn csv(truth: &[Truth]) -> String {
+    let mut text = String::from("cause,column,parameter,value\n");
+    for t in truth {
+        let column = t.column.as_deref().unwrap_or_default();
+        for (name, value) in &t.parameters {
+            let _ = writeln!(text, "{},{column},{name},{value:?}", t.id);
+        }
+    }
+    text
+}

@@ -1,0 +1,202 @@
+//! Effects as a user asks for them, and as the model of a kind takes them.
+
+use std::fmt;
+use std::str::FromStr;
+
+use saltus_diagnosis::{Cause, Kind};
+
+use super::Error;
+
+/// An effect to hide: `CAUSE=VALUE`, or `CAUSE=NAME:VALUE` with the name of a column, or of a parameter where a cause has more than one
+/// form.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Effect {
+    /// The cause's id.
+    pub id: String,
+    /// The column that it is about, or the parameter that is meant.
+    pub name: Option<String>,
+    /// Values of its parameters in their units, as a diagnosis reports them; those at the end may be left out.
+    pub values: Vec<f64>,
+}
+
+impl FromStr for Effect {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Effect, Error> {
+        let words = || Error::Words { text: text.chars().take(80).collect() };
+        let (id, rest) = text.split_once('=').ok_or_else(words)?;
+        let (name, values) = match rest.rsplit_once(':') {
+            Some((name, values)) => (Some(name.trim().to_owned()), values),
+            None => (None, rest),
+        };
+        let number = |value: &str| value.trim().parse().ok().filter(|x: &f64| x.is_finite());
+        let values: Option<Vec<f64>> = values.split(',').map(number).collect();
+        Ok(Effect { id: id.trim().to_owned(), name, values: values.ok_or_else(words)? })
+    }
+}
+
+impl fmt::Display for Effect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let values: Vec<String> = self.values.iter().map(f64::to_string).collect();
+        let name = self.name.as_ref().map_or(String::new(), |name| format!("{name}:"));
+        write!(f, "{}={name}{}", self.id, values.join(","))
+    }
+}
+
+/// Names of the parameters of a cause as they are reported, with what they are without the effect.
+fn parameters(kind: &dyn Kind, cause: usize) -> Vec<(String, f64)> {
+    let neutral: Vec<f64> = kind.causes()[cause].parameters.iter().map(|p| p.neutral).collect();
+    kind.report(cause, &neutral)
+}
+
+/// Least and greatest of each parameter as it is reported.
+fn ranges(kind: &dyn Kind, cause: usize) -> Vec<(f64, f64)> {
+    let spec = &kind.causes()[cause];
+    if spec.id == "imbalance" {
+        let most = spec.parameters.iter().map(|p| p.bounds.1).fold(f64::INFINITY, f64::min);
+        return vec![(0.0, most), (-std::f64::consts::PI, std::f64::consts::PI)];
+    }
+    let at = |end: fn((f64, f64)) -> f64| {
+        let ends: Vec<f64> = spec.parameters.iter().map(|p| end(p.bounds)).collect();
+        kind.report(cause, &ends)
+    };
+    at(|b| b.0).iter().zip(at(|b| b.1)).map(|(a, b)| (a.1.min(b.1), a.1.max(b.1))).collect()
+}
+
+/// What the model takes where a diagnosis reports `values`.
+fn taken(cause: &Cause, values: &[f64]) -> Vec<f64> {
+    match (cause.id, cause.parameters.first().map(|p| p.name.as_str()), values) {
+        ("boom-flex", Some("boom_compliance_rad_per_n_m"), [stiffness]) => vec![1.0 / stiffness],
+        ("foot-slip", Some("one_over_friction"), [friction]) => vec![1.0 / friction],
+        ("ground-compliance", Some("ground_compliance_m_per_n"), [stiffness, damping]) => {
+            vec![1.0 / stiffness, *damping]
+        }
+        ("imbalance", Some("imbalance_forward_m"), [size, angle]) => {
+            vec![size * angle.sin(), size * angle.cos()]
+        }
+        _ => values.to_vec(),
+    }
+}
+
+/// How the cause is asked for, without its values; whether it is the first of its id and column.
+fn asked_by(kind: &dyn Kind, cause: usize) -> String {
+    let spec = &kind.causes()[cause];
+    let is_first = !kind.causes()[..cause].iter().any(|c| c.id == spec.id && c.column == spec.column);
+    match &spec.column {
+        Some(column) => format!("{}={column}:", spec.id),
+        None if is_first => format!("{}=", spec.id),
+        None => format!("{}={}:", spec.id, parameters(kind, cause)[0].0),
+    }
+}
+
+/// A number with few digits.
+fn short(x: f64) -> String {
+    let rounded: f64 = format!("{x:.4e}").parse().unwrap_or(x);
+    if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
+        rounded.to_string()
+    } else {
+        format!("{rounded:e}")
+    }
+}
+
+/// Every cause of a kind, one a line.
+pub(super) fn known(kind: &dyn Kind) -> String {
+    let line = |cause: usize| {
+        let parameters = parameters(kind, cause);
+        let names: Vec<&str> = parameters.iter().map(|p| p.0.as_str()).collect();
+        let of_each = parameters.iter().zip(ranges(kind, cause));
+        let about: Vec<String> = of_each
+            .map(|((_, none), (low, high))| {
+                format!("{} without it, {} to {}", short(*none), short(low), short(high))
+            })
+            .collect();
+        format!("  {}{}  ({})", asked_by(kind, cause), names.join(","), about.join("; "))
+    };
+    (0..kind.causes().len()).map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// The cause that is asked for, and the values that the model takes.
+pub(super) fn resolve(
+    kind: &dyn Kind,
+    asked: &Effect,
+    of: &'static str,
+    known: impl FnOnce() -> String,
+) -> Result<(usize, Vec<f64>), Error> {
+    let is_meant = |cause: &usize| {
+        let spec = &kind.causes()[*cause];
+        let is_named = match (&asked.name, &spec.column) {
+            (None, None) => true,
+            (Some(name), Some(column)) => name == column,
+            (Some(name), None) => parameters(kind, *cause)[0].0 == *name,
+            (None, Some(_)) => false,
+        };
+        spec.id == asked.id && is_named
+    };
+    let Some(cause) = (0..kind.causes().len()).find(is_meant) else {
+        return Err(Error::Cause { effect: asked.to_string(), kind: of, known: known() });
+    };
+    let (parameters, ranges) = (parameters(kind, cause), ranges(kind, cause));
+    let refused = |allowed: String| Err(Error::Value { effect: asked.to_string(), allowed });
+    if asked.values.len() > parameters.len() {
+        let names: Vec<&str> = parameters.iter().map(|p| p.0.as_str()).collect();
+        return refused(format!("at most {} with commas: {}", parameters.len(), names.join(",")));
+    }
+    let mut values = asked.values.clone();
+    for ((name, none), (k, (low, high))) in parameters.iter().zip(ranges.iter().enumerate()) {
+        let value = *values.get(k).unwrap_or(none);
+        if !(value >= *low && value <= *high) {
+            return refused(format!(
+                "{name} from {} to {}, and not {}",
+                short(*low),
+                short(*high),
+                short(value)
+            ));
+        }
+        if k >= values.len() {
+            values.push(value);
+        }
+    }
+    Ok((cause, taken(&kind.causes()[cause], &values)))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use saltus_diagnosis::Sort;
+    use saltus_diagnosis::kinds;
+    use saltus_robot::Robot;
+
+    use super::super::layout::{Draw, Layout};
+    use super::*;
+
+    #[test]
+    fn effects_read_back() {
+        for text in ["air-drag=0.1", "sensor-offset=x_m:-0.01", "exhaust-port=0.04,0.00002"] {
+            assert_eq!(text.parse::<Effect>().unwrap().to_string(), text);
+        }
+        for text in ["", "none", "air-drag", "air-drag=", "air-drag=much", "air-drag=1;2", "air-drag=nan"] {
+            assert!(text.parse::<Effect>().is_err(), "{text}");
+        }
+    }
+
+    /// What is taken is what is reported, for every cause of every kind.
+    #[test]
+    fn taken_and_reported_are_inverse() {
+        for sort in [Sort::Bench, Sort::Hop, Sort::Jump, Sort::Outcomes, Sort::Flight, Sort::Vessel] {
+            let layout = Layout::new(sort, true, Some(1), &mut Draw::new(0));
+            let robot = Robot::rats_boom();
+            let kind = kinds::build(&layout.experiment, Some(&robot)).unwrap();
+            for (c, cause) in kind.causes().iter().enumerate() {
+                let inside = |(low, high): (f64, f64)| {
+                    let (low, high) = (low.max(-1e3), high.min(1e3));
+                    low + 0.3 * (high - low)
+                };
+                let values: Vec<f64> = cause.parameters.iter().map(|p| inside(p.bounds)).collect();
+                let reported: Vec<f64> = kind.report(c, &values).iter().map(|r| r.1).collect();
+                for (a, b) in taken(cause, &reported).iter().zip(&values) {
+                    assert!((a - b).abs() <= 1e-12 * b.abs(), "{}: {a} {b}", cause.id);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! Synthetic data with hidden effects: what `saltus diagnose` can be tried on before there are measurements.
+//!
+//! Hops, jumps and outcomes are motions of the multi-body simulation; the other kinds are what the model of their kind says of rows
+//! that are laid out here. Noise and counts are those of real instruments, and the experiment says them.
+//!
+//! ```
+//! use saltus::Robot;
+//! use saltus::experiment::Sort;
+//! use saltus::inject::{Effect, Request, make};
+//!
+//! let robot = Robot::rats_planar();
+//! let effects: Vec<Effect> = vec!["coulomb-friction=25".parse()?];
+//! let made = make(&Request { kind: Sort::Bench, robot: Some(&robot), effects: &effects, seed: 1, runs: Some(3) })?;
+//! assert_eq!(made.experiment.runs.len(), 3);
+//! assert_eq!(made.truth[0].parameters, [("leg.coulomb_friction_n".to_owned(), 25.0)]);
+//! # Ok::<(), saltus::inject::Error>(())
+//! ```
+
+mod effect;
+mod firing;
+mod layout;
+
+use saltus_diagnosis::kinds::{self, Problem};
+use saltus_diagnosis::{Experiment, Kind, Sort, Terms};
+use saltus_robot::Robot;
+
+pub use effect::Effect;
+
+use layout::{Draw, Layout};
+
+/// What data are wanted.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'a> {
+    /// Of which kind.
+    pub kind: Sort,
+    /// The robot that the operator believes in; the kinds bench to outcomes need one.
+    pub robot: Option<&'a Robot>,
+    /// What is hidden in them.
+    pub effects: &'a [Effect],
+    /// Seed of all that is drawn.
+    pub seed: u64,
+    /// How many runs (of outcomes: rows), ≥ 1; none: as many as is usual.
+    pub runs: Option<usize>,
+}
+
+/// Data, and what is hidden in them.
+#[derive(Clone, Debug)]
+pub struct Made {
+    /// The data.
+    pub experiment: Experiment,
+    /// The effects, in the order of the request.
+    pub truth: Vec<Truth>,
+}
+
+/// An effect that is hidden in data.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Truth {
+    /// Its id.
+    pub id: &'static str,
+    /// The column that it is about, if it is about one.
+    pub column: Option<String>,
+    /// Its parameters: names and values.
+    pub parameters: Vec<(String, f64)>,
+}
+
+/// Why there are no such data.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Words that are no effect.
+    #[error("{text:?} is no effect: must be CAUSE=VALUE or CAUSE=NAME:VALUE; several values with commas")]
+    Words {
+        /// The words.
+        text: String,
+    },
+    /// The kind has no such cause.
+    #[error("{effect}: data of kind {kind} have no such effect; known are\n{known}")]
+    Cause {
+        /// The effect as it was asked for.
+        effect: String,
+        /// The kind's name.
+        kind: &'static str,
+        /// Every cause with its parameters.
+        known: String,
+    },
+    /// A value that the effect cannot have.
+    #[error("{effect}: must be {allowed}")]
+    Value {
+        /// The effect as it was asked for.
+        effect: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// One effect twice.
+    #[error("{effect}: is asked for twice")]
+    Twice {
+        /// The effect as it was asked for.
+        effect: String,
+    },
+    /// The robot has none of what the kind measures.
+    #[error("robot {robot} has no boom, whose angles data of kind {kind} are")]
+    NoBoom {
+        /// The robot.
+        robot: String,
+        /// The kind's name.
+        kind: &'static str,
+    },
+    /// A robot that does not do what is measured.
+    #[error(
+        "with these effects the robot makes {made} of {wanted} motions: at least {least} must be there to measure"
+    )]
+    NoMotion {
+        /// Motions that there are.
+        made: usize,
+        /// Motions that were wanted.
+        wanted: usize,
+        /// Fewest.
+        least: usize,
+    },
+    /// Kind and robot do not go together.
+    #[error(transparent)]
+    Robot(#[from] Problem),
+}
+
+/// The name of a kind.
+fn name(kind: Sort) -> &'static str {
+    match kind {
+        Sort::Bench => "bench",
+        Sort::Hop => "hop",
+        Sort::Jump => "jump",
+        Sort::Flight => "flight",
+        Sort::Outcomes => "outcomes",
+        Sort::Stroke => "stroke",
+        Sort::Slide => "slide",
+        Sort::Vessel => "vessel",
+    }
+}
+
+/// Every effect that data of `kind` can have, one a line: how it is asked for, its values without it, and their range.
+///
+/// # Errors
+/// [`Error`] where kind and robot do not go together.
+pub fn known(kind: Sort, robot: Option<&Robot>) -> Result<String, Error> {
+    let layout = Layout::new(kind, true, Some(1), &mut Draw::new(0));
+    Ok(effect::known(kinds::build(&layout.experiment, robot)?.as_ref()))
+}
+
+/// Data with hidden effects; the same for the same request.
+///
+/// # Errors
+/// [`Error`] for an effect that the kind does not have, or under which there is no motion to measure.
+pub fn make(request: &Request<'_>) -> Result<Made, Error> {
+    let &Request { kind, robot, effects, seed, runs } = request;
+    let mut draw = Draw::new(seed);
+    let on_boom = effects.iter().any(|effect| effect.id == "counterweight");
+    let mut layout = Layout::new(kind, on_boom, runs, &mut draw);
+    let model = kinds::build(&layout.experiment, robot)?;
+    let mut terms = Terms::off(model.causes());
+    let mut truth: Vec<Truth> = Vec::new();
+    for asked in effects {
+        let known = || known(kind, robot).unwrap_or_default();
+        let (cause, values) = effect::resolve(model.as_ref(), asked, name(kind), known)?;
+        for (p, value) in values.iter().enumerate() {
+            terms.set(cause, p, *value);
+        }
+        let spec = &model.causes()[cause];
+        let found =
+            Truth { id: spec.id, column: spec.column.clone(), parameters: model.report(cause, &values) };
+        if truth.iter().any(|other| (other.id, &other.column) == (found.id, &found.column)) {
+            return Err(Error::Twice { effect: asked.to_string() });
+        }
+        truth.push(found);
+    }
+    match kind {
+        Sort::Hop | Sort::Jump | Sort::Outcomes => {
+            let robot = robot.ok_or(Problem::NoRobot)?;
+            firing::fill(&mut layout, robot, &terms, &mut draw)?;
+        }
+        _ => predicted(&mut layout, model.as_ref(), &terms)?,
+    }
+    layout.read(&mut draw);
+    Ok(Made { experiment: layout.experiment, truth })
+}
+
+/// Fills the measured columns of every run with what the model says.
+fn predicted(layout: &mut Layout, model: &dyn Kind, terms: &Terms) -> Result<(), Error> {
+    let wanted = layout.experiment.runs.len();
+    for run in 0..wanted {
+        let values = model.predict(run, terms, &layout.unknowns[run]);
+        let values = values.ok_or(Error::NoMotion { made: run, wanted, least: wanted })?;
+        let mut rows = vec![0; model.channels().len()];
+        for (reading, value) in model.logs()[run].readings.iter().zip(values) {
+            let column = layout.column(&model.channels()[reading.channel].name);
+            layout.experiment.runs[run].values[column][rows[reading.channel]] = value;
+            rows[reading.channel] += 1;
+        }
+    }
+    Ok(())
+}
