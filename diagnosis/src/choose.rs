@@ -145,7 +145,8 @@ impl<'a> Rescaled<'a> {
             ..channel.clone()
         };
         let is_more = scatter.iter().any(|s| *s > AS_STATED);
-        is_more.then(|| Rescaled { kind, channels: kind.channels().iter().zip(&scatter).map(scale).collect() })
+        is_more
+            .then(|| Rescaled { kind, channels: kind.channels().iter().zip(&scatter).map(scale).collect() })
     }
 }
 
@@ -208,7 +209,15 @@ fn losses(scores: &[Score]) -> Vec<f64> {
 impl<'a> Search<'a> {
     fn new(kind: &'a dyn Kind, settings: &'a Settings, progress: &'a (dyn Fn(&str) + Sync)) -> Search<'a> {
         let runs = (0..kind.logs().len()).collect();
-        Search { kind, settings, progress, wanders: false, runs, random: Pcg64::new(u128::from(settings.seed), 7), scores: Mutex::default() }
+        Search {
+            kind,
+            settings,
+            progress,
+            wanders: false,
+            runs,
+            random: Pcg64::new(u128::from(settings.seed), 7),
+            scores: Mutex::default(),
+        }
     }
 
     /// What is to be said; `stated` is the experiment with its noise as stated.
@@ -233,7 +242,8 @@ impl<'a> Search<'a> {
             inflation = fitness::inflation(self.kind, &after);
         }
         // A term without a name that explains clearly more than the causes that were found: they were not the cause.
-        let alone = if before.causes == after.causes && unknown.is_none() { None } else { self.describe(&before) };
+        let alone =
+            if before.causes == after.causes && unknown.is_none() { None } else { self.describe(&before) };
         let is_better = |c: &Candidate| c.fit.loss < after.loss - 2.0 * RIVAL * inflation;
         let mut term = None;
         match alone {
@@ -318,7 +328,6 @@ impl<'a> Search<'a> {
             let least = if wanders { SHARE * fitness::excess(self.kind, before) } else { 0.0 };
             // How they wander is itself known poorly.
             let needed = if wanders { 2.0 * needed } else { needed };
-            if std::env::var("DBG").is_ok() { eprintln!("step {:?} gain {gain} inflation {inflation} needed {needed} least {least}", fit.causes.iter().map(|c| self.kind.causes()[*c].id).collect::<Vec<_>>()); }
             if gain / inflation < needed || gain < least {
                 break;
             }
@@ -378,9 +387,13 @@ impl<'a> Search<'a> {
         }
         gains.sort_by(|a, b| b.1.total_cmp(&a.1));
         let best = gains.first().map_or(0.0, |g| g.1);
-        let near = |(k, gain): (usize, f64)| gain > NOTHING && (k < MOST || gain > 0.6 * best);
+        // What cannot be reached in small steps is not told by them either.
+        let is_apart = |cause: usize| self.kind.causes()[cause].is_apart();
+        let near = |k: usize, (cause, gain): (usize, f64)| {
+            gain > NOTHING && (k < MOST || gain > 0.6 * best || is_apart(cause))
+        };
         let mut all: Vec<usize> =
-            gains.iter().enumerate().filter(|(k, g)| near((*k, g.1))).map(|(_, g)| g.0).collect();
+            gains.iter().enumerate().filter(|(k, g)| near(*k, **g)).map(|(_, g)| g.0).collect();
         all.sort_unstable();
         all
     }
@@ -430,7 +443,12 @@ impl<'a> Search<'a> {
     fn held_out(&self, model: &Fit, folds: &[Fold]) -> Option<Vec<Score>> {
         let key = model.causes.clone();
         let known = |scores: &Mutex<Scores>| {
-            scores.lock().unwrap_or_else(PoisonError::into_inner).iter().find(|s| s.0 == key).map(|s| s.1.clone())
+            scores
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .iter()
+                .find(|s| s.0 == key)
+                .map(|s| s.1.clone())
         };
         if let Some(scores) = known(&self.scores) {
             return Some(scores);
@@ -662,7 +680,10 @@ pub(crate) fn folds(kind: &dyn Kind, settings: &Settings) -> Vec<Fold> {
     if logs.len() > 1 {
         let most = logs.len().min(10);
         return (0..most)
-            .map(|fold| Fold { runs: (0..logs.len()).filter(|run| run % most == fold).collect(), masks: None })
+            .map(|fold| Fold {
+                runs: (0..logs.len()).filter(|run| run % most == fold).collect(),
+                masks: None,
+            })
             .collect();
     }
     let n = logs.first().map_or(0, |log| log.readings.len()).max(1);

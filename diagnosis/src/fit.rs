@@ -137,7 +137,13 @@ struct Point {
 }
 
 impl<'a> Problem<'a> {
-    fn new(kind: &'a dyn Kind, fit: Fit, shared: Vec<(usize, usize)>, runs: &'a [usize], mask: &'a Mask) -> Problem<'a> {
+    fn new(
+        kind: &'a dyn Kind,
+        fit: Fit,
+        shared: Vec<(usize, usize)>,
+        runs: &'a [usize],
+        mask: &'a Mask,
+    ) -> Problem<'a> {
         let mut parameters: Vec<Parameter> =
             shared.iter().map(|&(c, p)| kind.causes()[c].parameters[p].clone()).collect();
         for &run in runs {

@@ -184,7 +184,8 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
         let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
         (mean, square.sqrt().max(1e-9 * mean.abs()).max(1e-12))
     };
-    let scatters: Vec<Vec<(f64, f64)>> = (0..3).map(|k| (0..channels).map(|c| scatter(k, c)).collect()).collect();
+    let scatters: Vec<Vec<(f64, f64)>> =
+        (0..3).map(|k| (0..channels).map(|c| scatter(k, c)).collect()).collect();
     let most = |x: &[Vec<f64>; 3]| {
         (0..3)
             .flat_map(|k| (0..channels).map(move |c| (k, c)))
@@ -199,15 +200,15 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
     let mean_square: Vec<f64> = (0..channels).map(|c| found[0][c] / counts[c].max(1.0)).collect();
     let smooth: Vec<f64> =
         (0..channels).map(|c| (found[1][c] - scatters[1][c].0).max(0.0) / counts[c].max(1.0)).collect();
-    let matters = (0..channels).any(|c| {
-        mean_square[c] - scatters[0][c].0 / counts[c].max(1.0) > LEAST || smooth[c] > LEAST
-    });
+    let matters = (0..channels)
+        .any(|c| mean_square[c] - scatters[0][c].0 / counts[c].max(1.0) > LEAST || smooth[c] > LEAST);
     let runs = runs_of(&series);
-    let is_off = if is_sure && (runs == 1 || (runs > 2 && coherence(&series, channels, &residuals) > COHERENT)) {
-        alarm > 1.0 && matters
-    } else {
-        returns(&series, channels, &residuals, level, random)
-    };
+    let is_off =
+        if is_sure && (runs == 1 || (runs > 2 && coherence(&series, channels, &residuals) > COHERENT)) {
+            alarm > 1.0 && matters
+        } else {
+            returns(&series, channels, &residuals, level, random)
+        };
     let whiteness = (0..channels)
         .map(|c| {
             let (mut above, mut below) = (0.0, 1e-300);
@@ -234,7 +235,8 @@ pub(crate) fn excess(kind: &dyn Kind, model: &Fit) -> f64 {
 /// Scatter of the residuals of each channel in standard deviations, the outermost twentieth left out.
 pub(crate) fn scatter(kind: &dyn Kind, model: &Fit) -> Vec<f64> {
     let raw = raw_residuals(kind, model);
-    let channel_of: Vec<usize> = kind.logs().iter().flat_map(|l| l.readings.iter().map(|r| r.channel)).collect();
+    let channel_of: Vec<usize> =
+        kind.logs().iter().flat_map(|l| l.readings.iter().map(|r| r.channel)).collect();
     (0..kind.channels().len())
         .map(|c| {
             let mut sizes: Vec<f64> =

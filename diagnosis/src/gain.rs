@@ -93,10 +93,8 @@ pub(crate) fn gains(kind: &dyn Kind, before: &[Score], after: &[Score], settings
         .iter()
         .enumerate()
         .map(|(c, channel)| {
-            let mut ratios: Vec<f64> = draws
-                .iter()
-                .map(|d| rms(after, c, d) / rms(before, c, d).max(f64::MIN_POSITIVE))
-                .collect();
+            let mut ratios: Vec<f64> =
+                draws.iter().map(|d| rms(after, c, d) / rms(before, c, d).max(f64::MIN_POSITIVE)).collect();
             ratios.sort_by(f64::total_cmp);
             Gain {
                 channel: channel.name.clone(),

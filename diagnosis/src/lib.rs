@@ -24,6 +24,6 @@ pub use experiment::{Experiment, Run, Sort};
 pub use fit::Fit;
 pub use fitness::{Fitness, Unknown};
 pub use gain::Gain;
-pub use next::{NextExperiment, Proposal};
 pub use kind::{Cause, Channel, Kind, Log, Parameter, Reading, Terms};
+pub use next::{NextExperiment, Proposal};
 pub use residuals::{PhaseResidual, Point, points, residuals, residuals_under};

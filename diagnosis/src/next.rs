@@ -30,7 +30,11 @@ const APART: f64 = 5.0;
 
 /// Of `proposals`, the one that tells most of the `rivals` apart (their causes and models); none where none would show a difference of a
 /// standard deviation.
-pub(crate) fn next(kind: &dyn Kind, rivals: &[(usize, &Fit)], proposals: &[Proposal]) -> Option<NextExperiment> {
+pub(crate) fn next(
+    kind: &dyn Kind,
+    rivals: &[(usize, &Fit)],
+    proposals: &[Proposal],
+) -> Option<NextExperiment> {
     let id = |k: usize| kind.causes()[rivals[k].0].id;
     let tried = parallel::map(proposals.len(), |k| {
         let there = proposals[k].kind.as_ref();
@@ -76,7 +80,9 @@ fn predicted(kind: &dyn Kind, proposal: &Proposal, fit: &Fit) -> Option<Vec<f64>
     // A cause is the same where its id, its column and its parameters are; one that is not there does not show there.
     for (c, cause) in kind.causes().iter().enumerate().filter(|(c, _)| fit.causes.contains(c)) {
         let is_it = |other: &&crate::kind::Cause| {
-            other.id == cause.id && other.column == cause.column && other.parameters[0].name == cause.parameters[0].name
+            other.id == cause.id
+                && other.column == cause.column
+                && other.parameters[0].name == cause.parameters[0].name
         };
         if let Some(other) = there.causes().iter().position(|o| is_it(&o)) {
             for (p, value) in fit.terms.of(c).iter().enumerate() {

@@ -82,7 +82,9 @@ fn weights(values: &[f64], is_quantised: bool) -> Vec<f64> {
 pub(crate) fn log(experiment: &Experiment, run: &Run, indices: &[usize]) -> Log {
     let weights: Vec<Vec<f64>> = indices
         .iter()
-        .map(|&k| weights(&run.values[k], experiment.resolution[k].is_some() && experiment.kind != Sort::Outcomes))
+        .map(|&k| {
+            weights(&run.values[k], experiment.resolution[k].is_some() && experiment.kind != Sort::Outcomes)
+        })
         .collect();
     let mut readings = Vec::with_capacity(run.time.len() * indices.len());
     for (row, &time) in run.time.iter().enumerate() {

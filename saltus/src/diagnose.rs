@@ -32,7 +32,8 @@ pub struct Row {
 impl Worth {
     /// Root mean square of the landing errors (m) before and after, over the rates at which both tables have an angle.
     pub fn rms(&self) -> Option<[f64; 2]> {
-        let pairs: Vec<[f64; 2]> = self.rows.iter().filter_map(|r| Some([r.errors[0]?, r.errors[1]?])).collect();
+        let pairs: Vec<[f64; 2]> =
+            self.rows.iter().filter_map(|r| Some([r.errors[0]?, r.errors[1]?])).collect();
         let n = pairs.len() as f64;
         let of = |k: usize| (pairs.iter().map(|p| p[k] * p[k]).sum::<f64>() / n).sqrt();
         (!pairs.is_empty()).then(|| [of(0), of(1)])
@@ -87,7 +88,8 @@ pub fn worth(believed: &Robot, extended: &Robot) -> Option<Worth> {
     [0.8, 0.6, 0.4, 0.3].into_iter().find_map(|distance| {
         let tables = [believed, extended].map(|robot| angles(robot, &rates, distance));
         let [Some(before), Some(after)] = tables else { return None };
-        let lands = |rate: f64, angle: Option<f64>| rig.outcome(angle?, rate, OPEN).map(|(_, x)| x - distance);
+        let lands =
+            |rate: f64, angle: Option<f64>| rig.outcome(angle?, rate, OPEN).map(|(_, x)| x - distance);
         let rows: Vec<Row> = rates
             .iter()
             .zip(before.iter().zip(&after))

@@ -66,7 +66,9 @@ fn main() {
             }
         }
     }
-    println!("\n| kind | hidden | sets | right | % | named alone | parameters within 2 errors | rms at most 1.1 noise |");
+    println!(
+        "\n| kind | hidden | sets | right | % | named alone | parameters within 2 errors | rms at most 1.1 noise |"
+    );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
     for ((kind, what), t) in &table {
         println!(
@@ -108,11 +110,8 @@ fn one(
     let is_right = found.as_ref().is_some_and(|d| judge(tally, kind.as_ref(), d, &case, what));
     tally.sets += 1;
     tally.right += usize::from(is_right);
-    let truth: Vec<String> = case
-        .truth
-        .iter()
-        .map(|t| format!("{} {:?} ({:.1} σ)", t.id, t.parameters, t.sigmas))
-        .collect();
+    let truth: Vec<String> =
+        case.truth.iter().map(|t| format!("{} {:?} ({:.1} σ)", t.id, t.parameters, t.sigmas)).collect();
     let line = format!("seed {seed} {}: {said}", truth.join(" + "));
     println!(
         "{} {name} {what} {ids:?} {line} [{:.1} + {:.1} s]",

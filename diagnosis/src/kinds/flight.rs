@@ -33,7 +33,8 @@ impl Flights {
     pub fn new(experiment: &Experiment, gravity: f64) -> Flights {
         let indices: Vec<usize> = (0..experiment.columns.len()).collect();
         let channels = noise::channels(experiment, &indices);
-        let logs: Vec<Log> = experiment.runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
+        let logs: Vec<Log> =
+            experiment.runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
         let on_boom = experiment.runs.iter().any(|r| r.settings.contains_key("boom_radius_m"));
         let sizes: Vec<Option<f64>> = experiment
             .runs
@@ -64,7 +65,14 @@ impl Flights {
         let listed = causes.len();
         causes.push(simple("acceleration -c v", "c_per_s", 0.0, (-50.0, 50.0), 1e-3, &[]));
         if channels.len() > 1 {
-            causes.push(simple("acceleration across the path, c v", "c_per_s", 0.0, (-50.0, 50.0), 1e-3, &[]));
+            causes.push(simple(
+                "acceleration across the path, c v",
+                "c_per_s",
+                0.0,
+                (-50.0, 50.0),
+                1e-3,
+                &[],
+            ));
             causes.push(simple("constant acceleration along x", "c_m_s2", 0.0, (-50.0, 50.0), 0.02, &[]));
         }
         let is_height: Vec<bool> = channels.iter().map(|c| c.name == "y_m").collect();
@@ -90,7 +98,8 @@ impl Kind for Flights {
     /// Where and how fast it starts; of a drop when, as the first rows may precede the release.
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
         let readings = &self.logs[run].readings;
-        let (first, last) = (readings.first().map_or(0.0, |r| r.time), readings.last().map_or(0.0, |r| r.time));
+        let (first, last) =
+            (readings.first().map_or(0.0, |r| r.time), readings.last().map_or(0.0, |r| r.time));
         let mut all = Vec::new();
         for (channel, &is_height) in self.is_height.iter().enumerate() {
             let here: Vec<_> = readings.iter().filter(|r| r.channel == channel).collect();
@@ -98,7 +107,8 @@ impl Kind for Flights {
             // From the first tenth of the flight.
             let later = here.get((here.len() / 10).max(1)).or(here.last());
             let speed = later.map_or(0.0, |r| (r.value - start) / (r.time - first).max(1e-6));
-            let fall = if is_height { 0.5 * self.gravity * (later.map_or(0.0, |r| r.time) - first) } else { 0.0 };
+            let fall =
+                if is_height { 0.5 * self.gravity * (later.map_or(0.0, |r| r.time) - first) } else { 0.0 };
             all.push(unknown("start_m", start, FREE, 0.01));
             if self.is_drop {
                 let bounds = (first - 2.0, first + 0.3 * (last - first));
@@ -127,7 +137,8 @@ impl Kind for Flights {
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             let rows = (fall / 5e-3) as usize;
             let time: Vec<f64> = (0..rows).map(|i| i as f64 * 5e-3).collect();
-            let run = Run { name: "proposal".into(), values: vec![vec![height; rows]], time, ..Run::default() };
+            let run =
+                Run { name: "proposal".into(), values: vec![vec![height; rows]], time, ..Run::default() };
             let experiment = Experiment {
                 kind: Sort::Flight,
                 columns: vec!["y_m".into()],
@@ -139,7 +150,9 @@ impl Kind for Flights {
             // Its height is measured with a ruler, and it weighs so much that air does not matter.
             kind.causes.retain(|c| c.id == "gravity");
             kind.listed = 1;
-            let what = format!("drop a heavy, small body by {height} m, free of the boom, its height measured by a ruler");
+            let what = format!(
+                "drop a heavy, small body by {height} m, free of the boom, its height measured by a ruler"
+            );
             all.push(Proposal { what, kind: Box::new(kind) });
         }
         all
@@ -161,7 +174,8 @@ impl Kind for Flights {
         }
         let extra = |id: &str| self.value(id, None, terms).unwrap_or(0.0);
         let linear = extra("acceleration -c v");
-        let (lift, wind) = (extra("acceleration across the path, c v"), extra("constant acceleration along x"));
+        let (lift, wind) =
+            (extra("acceleration across the path, c v"), extra("constant acceleration along x"));
         let is_parabola = drag == 0.0 && linear == 0.0 && lift == 0.0 && wind == 0.0;
         let pull = |v: [f64; 2]| {
             let against = drag * v[0].hypot(v[1]) + linear;

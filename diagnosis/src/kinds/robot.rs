@@ -183,8 +183,12 @@ impl Firings {
         let end = self.logs[run].readings.last()?.time;
         let extra = self.extra(terms);
         match self.sort {
-            Sort::Bench => Rig::bench(&robot, load).with(extra).jump(Start::Rest, setting.open, setting.shut, Some(end)),
-            Sort::Hop => Rig::new(&robot).with(extra).jump(Start::Rest, setting.open, setting.shut, Some(end)),
+            Sort::Bench => {
+                Rig::bench(&robot, load).with(extra).jump(Start::Rest, setting.open, setting.shut, Some(end))
+            }
+            Sort::Hop => {
+                Rig::new(&robot).with(extra).jump(Start::Rest, setting.open, setting.shut, Some(end))
+            }
             _ => {
                 let start = Start::Rolling { lean: unknowns[0], rate: unknowns[1] };
                 Rig::new(&robot).with(extra).jump(start, setting.open, setting.shut, Some(end))
@@ -308,7 +312,8 @@ impl Kind for Firings {
             Some((noise::median(&mut values), slope))
         };
         let lean = first(Column::Lean).map_or(-0.2, |f| f.0);
-        let rate = first(Column::Rate).map(|f| f.0).or_else(|| first(Column::Lean).map(|f| f.1)).unwrap_or(4.0);
+        let rate =
+            first(Column::Rate).map(|f| f.0).or_else(|| first(Column::Lean).map(|f| f.1)).unwrap_or(4.0);
         let mut all = vec![
             unknown("start_lean_rad", lean.clamp(-1.4, 1.4), (-1.5, 1.5), 1e-3),
             unknown("start_rate_rad_s", rate.clamp(0.1, 50.0), (0.01, 60.0), 0.02),

@@ -2,8 +2,8 @@
 
 use super::{FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run};
-use crate::noise;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::noise;
 
 /// What is given of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,7 +87,8 @@ impl Kind for Slides {
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
         let readings = &self.logs[run].readings;
         let start = readings.first().map_or(0.0, |r| r.value);
-        let mut all = vec![unknown("start_m", start, FREE, 1e-3), unknown("start_speed_m_s", 0.0, FREE, 0.01)];
+        let mut all =
+            vec![unknown("start_m", start, FREE, 1e-3), unknown("start_speed_m_s", 0.0, FREE, 0.01)];
         if !self.mass_is_known {
             all.push(unknown("mass_kg", 1.0, (1e-4, 1e5), 0.1));
         }
@@ -107,7 +108,8 @@ impl Kind for Slides {
         };
         let [dry, viscous, drag] =
             ["coulomb-friction", "viscous-friction", "air-drag"].map(|id| self.term(id, 0, terms));
-        let (stiffness, preload) = (self.term("return-spring", 0, terms), self.term("return-spring", 1, terms));
+        let (stiffness, preload) =
+            (self.term("return-spring", 0, terms), self.term("return-spring", 1, terms));
         let offset = self.term("sensor-offset", 0, terms);
         let scale_of = |column: &str| {
             let is_it = |c: &&Cause| c.id == "encoder-scale" && c.column.as_deref() == Some(column);
@@ -134,7 +136,9 @@ impl Kind for Slides {
                 let h = STEP.min(until - now);
                 // The middle of the step; dry friction takes what is left of the speed and no more.
                 let middle = x + 0.5 * h * v;
-                let push = force(at, now + 0.5 * h) - stiffness * (middle - start) - preload
+                let push = force(at, now + 0.5 * h)
+                    - stiffness * (middle - start)
+                    - preload
                     - viscous * v
                     - drag * v.abs() * v;
                 let free = v + h * push / mass;

@@ -2,8 +2,8 @@
 
 use super::{FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run};
-use crate::noise;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::noise;
 
 /// What is given of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,8 @@ impl Strokes {
     /// The experiment's strokes.
     pub fn new(experiment: &Experiment) -> Strokes {
         let column = |name: &str| experiment.columns.iter().position(|c| c == name).unwrap_or(0);
-        let (position, pressure, force) = (column("position_m"), column("pressure_gauge_pa"), column("force_n"));
+        let (position, pressure, force) =
+            (column("position_m"), column("pressure_gauge_pa"), column("force_n"));
         let channels = noise::channels(experiment, &[force]);
         let logs = experiment.runs.iter().map(|run| noise::log(experiment, run, &[force])).collect();
         let drives = experiment.runs.iter().map(|run| drive(run, position, pressure, force)).collect();
@@ -126,7 +127,8 @@ impl Kind for Strokes {
         let (mut state, way) = (unknowns[0], unknowns[1]);
         let start = drive.motion.iter().map(|m| m.0).fold(f64::INFINITY, f64::min);
         let mut last = drive.motion.first()?.0;
-        let out: Vec<f64> = drive.motion
+        let out: Vec<f64> = drive
+            .motion
             .iter()
             .zip(&drive.pressure)
             .map(|(&(x, speed), &pressure)| {

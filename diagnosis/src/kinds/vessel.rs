@@ -2,8 +2,8 @@
 
 use super::{FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run};
-use crate::noise;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::noise;
 
 /// What is given of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,14 +48,15 @@ impl Vessels {
         let mut causes = vec![
             // Natural convection, Nu = c Ra^⅓; turbulent, c is 0.1 to 0.15.
             simple("heat-transfer", "convection", 0.0, (0.0, 5.0), 0.02, &[0.1]),
-            simple("gas-type", "carbon_dioxide_share", 0.0, (0.0, 1.0), 0.1, &[1.0]),
+            simple("gas-type", "carbon_dioxide_share", 0.0, (0.8, 1.0), 0.05, &[0.999]),
             simple("supply-pressure", "outside_pressure_pa", 0.0, (-1e6, 1e6), 1e3, &[]),
         ];
         for (column, unit, scale) in [("pressure_pa", "pa", 1e3), ("temperature_k", "k", 0.2)] {
             if experiment.columns.iter().any(|c| c == column) {
                 let offset = format!("offset_{unit}");
                 let usual = Some(5.0 * scale);
-                causes.push(Cause { usual, ..sensor("sensor-offset", column, &offset, 0.0, FREE, scale, &[]) });
+                causes
+                    .push(Cause { usual, ..sensor("sensor-offset", column, &offset, 0.0, FREE, scale, &[]) });
                 causes.push(sensor("encoder-scale", column, "gain", 1.0, (0.2, 5.0), 0.01, &[]));
                 causes.push(sensor("sensor-delay", column, "delay_s", 0.0, (0.0, 10.0), 0.1, &[]));
             }
@@ -116,7 +117,9 @@ impl Kind for Vessels {
         if outside <= 0.0 {
             return None;
         }
-        let wall = vessel.wall.unwrap_or_else(|| (36.0 * std::f64::consts::PI).cbrt() * vessel.volume.powf(2.0 / 3.0));
+        let wall = vessel
+            .wall
+            .unwrap_or_else(|| (36.0 * std::f64::consts::PI).cbrt() * vessel.volume.powf(2.0 / 3.0));
         let rates = |[mass, temperature]: [f64; 2]| {
             let pressure = mass * gas * temperature / vessel.volume;
             let (up, down, source, sign) = if pressure > outside {
@@ -125,7 +128,8 @@ impl Kind for Vessels {
                 (outside, pressure, vessel.temperature, 1.0)
             };
             let flow = sign * area * up / (gas * source).sqrt() * flow_function(up, down, kappa);
-            let heat = terms.get(HEAT, 0) * wall * convection(mass / vessel.volume, vessel.temperature, temperature);
+            let heat =
+                terms.get(HEAT, 0) * wall * convection(mass / vessel.volume, vessel.temperature, temperature);
             let heat_capacity = gas / (kappa - 1.0);
             // Inflow brings the enthalpy of outside, outflow takes that of inside.
             let brought = flow * (kappa * source - temperature) * heat_capacity;
@@ -145,11 +149,13 @@ impl Kind for Vessels {
         for reading in &self.logs[run].readings {
             let column = self.channels[reading.channel].name.as_str();
             let of = |id: &str, none: f64| {
-                let found = self.causes.iter().position(|c| c.id == id && c.column.as_deref() == Some(column));
+                let found =
+                    self.causes.iter().position(|c| c.id == id && c.column.as_deref() == Some(column));
                 found.map_or(none, |k| terms.get(k, 0))
             };
             let [mass, temperature] = between(&knots, step, reading.time - of("sensor-delay", 0.0));
-            let value = if column == "pressure_pa" { mass * gas * temperature / vessel.volume } else { temperature };
+            let value =
+                if column == "pressure_pa" { mass * gas * temperature / vessel.volume } else { temperature };
             out.push(of("encoder-scale", 1.0) * value + of("sensor-offset", 0.0));
         }
         out.iter().all(|x| x.is_finite()).then_some(out)

@@ -287,7 +287,13 @@ impl Machine {
     fn assemble(&self, f: &Frame, q: &Coordinates, v: &Coordinates) -> (Square, Coordinates) {
         let (mut mass, mut force) = (Square::zeros(), Coordinates::zeros());
         let weight = V3::new(0.0, 0.0, -self.gravity);
-        let mut add = |body: &Mass, axes: &Matrix3<f64>, k: usize, joints: &[usize], from: &V3, bias: &V3, slide: Option<(f64, f64)>| {
+        let mut add = |body: &Mass,
+                       axes: &Matrix3<f64>,
+                       k: usize,
+                       joints: &[usize],
+                       from: &V3,
+                       bias: &V3,
+                       slide: Option<(f64, f64)>| {
             if body.mass == 0.0 {
                 return;
             }
@@ -429,7 +435,14 @@ impl Machine {
     }
 
     /// Accelerations under the leg's force `push` (N, positive extends), with the foot as it is and the leg held or not.
-    pub(super) fn solve(&self, q: &Coordinates, v: &Coordinates, push: f64, held: bool, foot: Foot) -> Option<Answer> {
+    pub(super) fn solve(
+        &self,
+        q: &Coordinates,
+        v: &Coordinates,
+        push: f64,
+        held: bool,
+        foot: Foot,
+    ) -> Option<Answer> {
         if let Some(load) = self.load {
             let hold = push - load * self.gravity;
             let mut acceleration = Coordinates::zeros();

@@ -245,7 +245,8 @@ impl<'a> Run<'a> {
         let foot = if machine.is_bench() { Foot::Flies } else { Foot::Stands };
         let mode = Mode { foot, leg: Slide::Latched, energized: false, port_open: false, piece };
         let course = Course { boom: machine.boom(), radius: machine.radius, ..Course::default() };
-        let mut run = Run { rig, time: 0.0, state: State { q, v, gas }, mode, course, events: 0, landed: false };
+        let mut run =
+            Run { rig, time: 0.0, state: State { q, v, gas }, mode, course, events: 0, landed: false };
         run.record();
         Some(run)
     }
@@ -253,9 +254,9 @@ impl<'a> Run<'a> {
     fn record(&mut self) {
         let State { q, v, .. } = self.state;
         let height = self.rig.machine.height(&q, &v);
-        let pressure = self.gas(&self.state).map_or((0.0, 0.0), |(gas, rate)| {
-            (gas.pressure, rate * gas.pressure_per_variable)
-        });
+        let pressure = self
+            .gas(&self.state)
+            .map_or((0.0, 0.0), |(gas, rate)| (gas.pressure, rate * gas.pressure_per_variable));
         self.course.knots.push(Knot { time: self.time, q, v, height, pressure });
     }
 
@@ -295,7 +296,8 @@ impl<'a> Run<'a> {
         let extra = &self.rig.extra;
         let dry = leg.dry_friction(pressure);
         let speed = s.v[LEG];
-        let push = leg.force(switches, d, speed, pressure).value + dry - extra.quadratic * speed.abs() * speed;
+        let push =
+            leg.force(switches, d, speed, pressure).value + dry - extra.quadratic * speed.abs() * speed;
         (push, (dry + extra.tightening * d).max(0.0))
     }
 

@@ -6,8 +6,8 @@ use saltus_robot::{
 
 use super::Column;
 use crate::experiment::Sort;
-use crate::rig::Extra;
 use crate::kind::{Cause, Channel, Parameter};
+use crate::rig::Extra;
 
 /// What a cause does to the model.
 #[derive(Clone, Copy, Debug)]
@@ -138,7 +138,13 @@ fn leg(list: &mut List, robot: &Robot) {
     list.add(
         "return-spring",
         vec![
-            parameter("leg.return_spring.stiffness_n_per_m", spring.stiffness, (0.0, 1e5), 10.0, &[200.0, 20.0]),
+            parameter(
+                "leg.return_spring.stiffness_n_per_m",
+                spring.stiffness,
+                (0.0, 1e5),
+                10.0,
+                &[200.0, 20.0],
+            ),
             parameter("leg.return_spring.preload_n", spring.preload, (0.0, 500.0), 0.5, &[1.0, 10.0]),
         ],
         |r, v| r.leg.return_spring = Some(ReturnSpring { stiffness: v[0], preload: v[1] }),
@@ -167,7 +173,13 @@ fn pneumatic(list: &mut List, c: &Cylinder, stroke: f64) {
     let discharge = c.discharge_coefficient;
     list.one(
         "valve-discharge",
-        parameter("leg.discharge_coefficient", discharge, (0.02, 1.0), 5e-3, &[0.75 * discharge, (1.3 * discharge).min(1.0)]),
+        parameter(
+            "leg.discharge_coefficient",
+            discharge,
+            (0.02, 1.0),
+            5e-3,
+            &[0.75 * discharge, (1.3 * discharge).min(1.0)],
+        ),
         |r, v| cylinder(r, |c| c.discharge_coefficient = v[0]),
     );
     list.one(
@@ -187,17 +199,13 @@ fn pneumatic(list: &mut List, c: &Cylinder, stroke: f64) {
         |r, v| cylinder(r, |c| c.seal_friction = v[0]),
     );
     if c.gas == Gas::AIR {
-        list.one(
-            "gas-type",
-            parameter("carbon_dioxide_share", 0.0, (0.0, 1.0), 0.05, &[1.0]),
-            |r, v| cylinder(r, |c| c.gas = mix(Gas::AIR, Gas::CO2, v[0])),
-        );
+        list.one("gas-type", parameter("carbon_dioxide_share", 0.0, (0.8, 1.0), 0.05, &[0.999]), |r, v| {
+            cylinder(r, |c| c.gas = mix(Gas::AIR, Gas::CO2, v[0]))
+        });
     } else {
-        list.one(
-            "gas-type",
-            parameter("air_share", 0.0, (0.0, 1.0), 0.05, &[1.0]),
-            |r, v| cylinder(r, |c| c.gas = mix(c.gas, Gas::AIR, v[0])),
-        );
+        list.one("gas-type", parameter("air_share", 0.0, (0.8, 1.0), 0.05, &[0.999]), |r, v| {
+            cylinder(r, |c| c.gas = mix(c.gas, Gas::AIR, v[0]))
+        });
     }
     if c.exhaust_port.is_none() {
         list.add(
@@ -218,7 +226,13 @@ fn pneumatic(list: &mut List, c: &Cylinder, stroke: f64) {
     let ratio = c.gas.heat_ratio;
     list.one(
         "heat-transfer",
-        parameter("leg.polytropic_exponent", c.polytropic_exponent.unwrap_or(ratio), (1.0, ratio), 5e-3, &[1.2]),
+        parameter(
+            "leg.polytropic_exponent",
+            c.polytropic_exponent.unwrap_or(ratio),
+            (1.0, ratio),
+            5e-3,
+            &[1.2],
+        ),
         |r, v| cylinder(r, |c| c.polytropic_exponent = Some(v[0].min(c.gas.heat_ratio))),
     );
 }
@@ -299,10 +313,14 @@ fn body(list: &mut List, robot: &Robot) {
 }
 
 fn contact(list: &mut List, sort: Sort) {
-    list.one("foot-slip", parameter("one_over_friction", 0.0, (0.1, 60.0), 0.1, &[1.5, 2.5, 4.0, 7.0]), |r, v| {
-        r.ground.static_friction = 1.0 / v[0];
-        r.ground.kinetic_friction = 1.0 / v[0];
-    });
+    list.one(
+        "foot-slip",
+        parameter("one_over_friction", 0.0, (0.1, 60.0), 0.1, &[1.5, 2.5, 4.0, 7.0]),
+        |r, v| {
+            r.ground.static_friction = 1.0 / v[0];
+            r.ground.kinetic_friction = 1.0 / v[0];
+        },
+    );
     list.add(
         "ground-compliance",
         vec![
@@ -318,17 +336,25 @@ fn contact(list: &mut List, sort: Sort) {
         r.foot.radius = v[0];
     });
     if sort != Sort::Hop {
-        list.one("ground-slope", parameter("ground.slope_rad", 0.0, (-0.6, 0.6), 2e-3, &[-0.05, 0.05]), |r, v| {
-            r.ground.slope = v[0];
-        });
+        list.one(
+            "ground-slope",
+            parameter("ground.slope_rad", 0.0, (-0.6, 0.6), 2e-3, &[-0.05, 0.05]),
+            |r, v| {
+                r.ground.slope = v[0];
+            },
+        );
     }
 }
 
 fn flight(list: &mut List, robot: &Robot, sort: Sort) {
     let g = robot.environment.gravity;
-    list.one("gravity", parameter("environment.gravity_m_s2", g, (0.2, 40.0), 0.02, &[0.9 * g, 1.1 * g]), |r, v| {
-        r.environment.gravity = v[0];
-    });
+    list.one(
+        "gravity",
+        parameter("environment.gravity_m_s2", g, (0.2, 40.0), 0.02, &[0.9 * g, 1.1 * g]),
+        |r, v| {
+            r.environment.gravity = v[0];
+        },
+    );
     if sort != Sort::Bench {
         let drag = robot.environment.drag;
         list.one("air-drag", parameter("environment.drag_per_m", drag, (0.0, 10.0), 5e-3, &[0.1]), |r, v| {
@@ -346,7 +372,8 @@ fn sensing(list: &mut List, sort: Sort, columns: &[Column], channels: &[Channel]
         };
         add("encoder-scale", Sensor::Gain, parameter("gain", 1.0, (0.2, 5.0), 2e-3, &[0.95, 1.05]));
         let unit = channel.name.rsplit_once('_').map_or("", |(_, unit)| unit);
-        let offset = if *column == Column::Rate { "offset_rad_s".to_owned() } else { format!("offset_{unit}") };
+        let offset =
+            if *column == Column::Rate { "offset_rad_s".to_owned() } else { format!("offset_{unit}") };
         add("sensor-offset", Sensor::Offset, parameter(&offset, 0.0, (-1e7, 1e7), channel.noise, &[]));
         if sort != Sort::Outcomes {
             add("sensor-delay", Sensor::Delay, parameter("delay_s", 0.0, (0.0, 0.1), 2e-4, &[5e-3]));

@@ -38,7 +38,10 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> String {
     }
     if report.is_well() {
         let claims = escaped(&report.claims());
-        let _ = writeln!(out, "<div class=\"card well\"><p>No cause on the list lowers the misfit by more than chance does. {claims}</p></div>");
+        let _ = writeln!(
+            out,
+            "<div class=\"card well\"><p>No cause on the list lowers the misfit by more than chance does. {claims}</p></div>"
+        );
     }
     gains(&mut out, report);
     curves.measured(&mut out, report);
@@ -92,7 +95,8 @@ fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
         out.push_str("<p>It could as well be:</p>\n");
         let mut lines = vec![vec!["rival".to_owned(), "with".to_owned()]];
         for rival in &finding.rivals {
-            let said: Vec<String> = report.parameters(rival).iter().map(|(n, x)| format!("{n} = {x}")).collect();
+            let said: Vec<String> =
+                report.parameters(rival).iter().map(|(n, x)| format!("{n} = {x}")).collect();
             lines.push(vec![title(kind, rival.cause), said.join(", ")]);
         }
         table(out, &lines, 2);
@@ -137,7 +141,8 @@ fn candidates(out: &mut String, report: &Report<'_>) {
 fn provenance(out: &mut String, report: &Report<'_>, folders: &[PathBuf]) {
     out.push_str("<h2>Where this comes from</h2>\n");
     let names: Vec<String> = folders.iter().map(|f| f.display().to_string()).collect();
-    let mut lines = vec![vec!["what".to_owned(), "which".to_owned()], vec!["data".to_owned(), names.join(", ")]];
+    let mut lines =
+        vec![vec!["what".to_owned(), "which".to_owned()], vec!["data".to_owned(), names.join(", ")]];
     lines.push(vec!["hash of the data".to_owned(), report.found.folder.hash.clone()]);
     lines.push(vec!["size".to_owned(), report.size()]);
     if let Some(robot) = &report.found.robot {
@@ -197,7 +202,9 @@ impl Curves {
         out.push_str("<h2>Measured and predicted</h2>\n");
         sentence(out, "The runs that the simulation as it is predicts worst, of each channel.");
         out.push_str("<p class=\"key\"><span><i style=\"border-top-style:dotted;border-color:#3c444e\"></i>measured</span>");
-        out.push_str("<span><i style=\"border-top-style:dashed;border-color:#c83228\"></i>simulation as it is</span>");
+        out.push_str(
+            "<span><i style=\"border-top-style:dashed;border-color:#c83228\"></i>simulation as it is</span>",
+        );
         if changes {
             out.push_str("<span><i style=\"border-color:#1f63a8\"></i>with the causes found</span>");
         }
@@ -217,8 +224,12 @@ impl Curves {
                 let all = || measured.iter().chain(&before).chain(&after);
                 let (x, y) = (span(all().map(|p| p.0)), span(all().map(|p| p.1)));
                 let name = &report.found.kind.logs()[run].name;
-                let mut chart =
-                    Chart::new(&format!("{name}: {}", split(&about.name).0), CHART, (self.x(), x), (&axis(&about.name), y));
+                let mut chart = Chart::new(
+                    &format!("{name}: {}", split(&about.name).0),
+                    CHART,
+                    (self.x(), x),
+                    (&axis(&about.name), y),
+                );
                 self.phases(&mut chart, run);
                 chart.dots("measured", &measured);
                 if self.is_rows {
@@ -256,7 +267,8 @@ impl Curves {
                     points.iter().filter(|p| p.channel == channel).map(|p| (p.time, p.residual)).collect();
                 let (x, y) = (span(all.iter().map(|p| p.0)), span(all.iter().map(|p| p.1)));
                 let name = format!("{} {what}", split(&about.name).0);
-                let mut chart = Chart::new(&name, CHART, (self.x(), x), ("residual (σ)", (y.0.min(-3.0), y.1.max(3.0))));
+                let mut chart =
+                    Chart::new(&name, CHART, (self.x(), x), ("residual (σ)", (y.0.min(-3.0), y.1.max(3.0))));
                 chart.band(-2.0, 2.0);
                 if let Some(run) = self.worst(channel).first() {
                     self.phases(&mut chart, *run);

@@ -41,7 +41,8 @@ impl<'a> Report<'a> {
             return "Nothing is wrong: the simulation explains the data within the noise.".into();
         }
         let said = |f: &Finding| {
-            let (name, what) = (title(self.found.kind.as_ref(), f.best.cause), meaning(self.id(f.best.cause)));
+            let (name, what) =
+                (title(self.found.kind.as_ref(), f.best.cause), meaning(self.id(f.best.cause)));
             format!("{name} ({what})")
         };
         let causes: Vec<String> = diagnosis.findings.iter().map(said).collect();
@@ -114,8 +115,12 @@ impl<'a> Report<'a> {
     pub(super) fn undetermined(&self, finding: &Finding) -> Option<String> {
         let direction = finding.undetermined.as_ref()?;
         let names = &self.found.kind.causes()[finding.best.cause].parameters;
-        let moved: Vec<&str> =
-            names.iter().zip(direction).filter(|(_, part)| part.abs() > 0.1).map(|(p, _)| p.name.as_str()).collect();
+        let moved: Vec<&str> = names
+            .iter()
+            .zip(direction)
+            .filter(|(_, part)| part.abs() > 0.1)
+            .map(|(p, _)| p.name.as_str())
+            .collect();
         Some(match moved.as_slice() {
             [] => return None,
             [one] => format!("Not determined: {one}; the data are the same whatever it is."),
@@ -168,7 +173,9 @@ impl<'a> Report<'a> {
     /// What there is to say of causes that are not among those tried, if there are some.
     pub(super) fn silent(&self) -> Option<String> {
         let silent = self.found.kind.causes().len().saturating_sub(self.found.diagnosis.tried.len());
-        (silent > 0).then(|| format!("Left out, as next to nothing or far less would be gained: {silent} of the causes."))
+        (silent > 0).then(|| {
+            format!("Left out, as next to nothing or far less would be gained: {silent} of the causes.")
+        })
     }
 
     /// For people.
@@ -208,7 +215,8 @@ impl<'a> Report<'a> {
     fn finding(&self, out: &mut String, finding: &Finding) {
         let kind = self.found.kind.as_ref();
         let _ = writeln!(out, "\n{}", title(kind, finding.best.cause));
-        let lines: Vec<Vec<String>> = self.parameters(&finding.best).into_iter().map(|(n, x)| vec![n, x]).collect();
+        let lines: Vec<Vec<String>> =
+            self.parameters(&finding.best).into_iter().map(|(n, x)| vec![n, x]).collect();
         *out += &grid(&lines, 2);
         if let Some(sentence) = self.undetermined(finding) {
             *out += &wrapped(&sentence, "  ");
@@ -277,7 +285,8 @@ impl<'a> Report<'a> {
             for (condition, c) in residual.conditions.iter().filter(|(_, c)| c.abs() > STRONG) {
                 let phase = self.phase(residual);
                 let c = digits(*c, 2);
-                text += &format!("  {name} in {phase}: the runs' means go with {condition} (correlation {c}).\n");
+                text +=
+                    &format!("  {name} in {phase}: the runs' means go with {condition} (correlation {c}).\n");
             }
         }
         text
@@ -383,7 +392,8 @@ impl<'a> Report<'a> {
             });
             (g.channel.clone(), entry)
         };
-        let residuals = |all: &[PhaseResidual]| all.iter().map(|r| self.residual_entry(r)).collect::<Vec<_>>();
+        let residuals =
+            |all: &[PhaseResidual]| all.iter().map(|r| self.residual_entry(r)).collect::<Vec<_>>();
         let tried: Vec<Map<String, Value>> = diagnosis.tried.iter().map(|c| self.tried_entry(c)).collect();
         json!({
             "command": "diagnose",
@@ -417,7 +427,8 @@ fn with_unit(x: f64, count: usize, unit: &str) -> String {
 
 /// Mean, root mean square and correlation with the next.
 fn numbers(residual: &PhaseResidual) -> Vec<String> {
-    let number = |x: f64| if x.is_finite() { format!("{x:.2}").replace("-0.00", "0.00") } else { "–".to_owned() };
+    let number =
+        |x: f64| if x.is_finite() { format!("{x:.2}").replace("-0.00", "0.00") } else { "–".to_owned() };
     vec![number(residual.mean), number(residual.rms), number(residual.lag)]
 }
 

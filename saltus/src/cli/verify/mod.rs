@@ -165,7 +165,8 @@ impl Verify {
         };
         let page = self.animate.as_deref().map(|file| {
             let html = animation::html(&outcomes, &scene);
-            html.map(|html| ("--animate", file, html)).map_err(|error| CliError::content(file.display(), error))
+            html.map(|html| ("--animate", file, html))
+                .map_err(|error| CliError::content(file.display(), error))
         });
         let drawing = || Ok(drawing::sheet(&outcomes, &scene));
         self.common.write_with(report, &self.plot, drawing, page.transpose()?)?;
