@@ -19,7 +19,7 @@ fn ball(name: &str) -> String {
 fn a_ball_is_braked_by_the_air() {
     let folder = Folder::new("diagnose-text");
     let text = folder.done(&format!("diagnose {}", ball("tennis-ball")), 1);
-    assert!(text.starts_with("Found: air-drag (the air brakes the body)."), "{text}");
+    assert!(text.starts_with("Found: air-drag (the air brakes the body)"), "{text}");
     assert!(text.contains("drag_coefficient") && text.contains("flight") && text.contains("± "), "{text}");
     assert!(text.trim_end().ends_with("in 5 % of cases (false alarm level)."), "{text}");
 }
@@ -44,7 +44,8 @@ fn a_document_has_the_documented_keys() {
         let sigma = residual["rms"].as_f64().unwrap() / residual["rms_sigma"].as_f64().unwrap();
         // The noise of experiment.toml.
         assert!((sigma - 0.04).abs() < 1e-12, "{sigma}");
-        for key in ["readings", "mean", "mean_sigma", "lag_1_correlation", "p_level", "p_whiteness", "p_runs"] {
+        for key in ["readings", "mean", "mean_sigma", "lag_1_correlation", "p_level", "p_whiteness", "p_runs"]
+        {
             assert!(residual[key].is_number(), "{key}");
         }
         assert!(residual["is_noise"].is_boolean() && residual["correlation_with"].is_object());
@@ -60,8 +61,10 @@ fn a_document_has_the_documented_keys() {
 fn a_page_needs_nothing_else() {
     let folder = Folder::new("diagnose-page");
     folder.write("page.html", "an older one");
-    let printed =
-        folder.done(&format!("diagnose {} --report page.html --plot left.svg --out told.txt", ball("tennis-ball")), 1);
+    let printed = folder.done(
+        &format!("diagnose {} --report page.html --plot left.svg --out told.txt", ball("tennis-ball")),
+        1,
+    );
     assert_eq!(printed, "");
     // Nothing temporary is left.
     assert_eq!(folder.names(), ["left.svg", "page.html", "told.txt"]);
@@ -73,7 +76,9 @@ fn a_page_needs_nothing_else() {
     }
     assert!(!bare.contains("NaN"), "a number that is none");
     assert_eq!(page.matches("<svg").count(), page.matches("</svg>").count());
-    for said in ["air-drag", "drag_coefficient", "drop-1.csv", "with the causes found", env!("CARGO_PKG_VERSION")] {
+    for said in
+        ["air-drag", "drag_coefficient", "drop-1.csv", "with the causes found", env!("CARGO_PKG_VERSION")]
+    {
         assert!(page.contains(said), "{said}");
     }
     assert!(folder.read("left.svg").contains("air-drag"));

@@ -80,15 +80,15 @@ impl Chart {
         );
     }
 
-    /// A line across at a place, with what begins there.
-    pub(super) fn begin(&mut self, x: f64, name: &str) {
+    /// A line across at a place, with what begins there; the `row` of its name keeps it clear of the one before.
+    pub(super) fn begin(&mut self, x: f64, name: &str, row: usize) {
         let (px, bottom) = (self.px(x.max(self.x.0)), self.size.1 - BOTTOM);
         let _ = write!(
             self.body,
             "<path class=\"phase\" d=\"M{px:.1} {TOP}V{bottom:.1}\"/>\
              <text class=\"phase\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
             px + 3.0,
-            TOP + 10.0,
+            TOP + 10.0 + 11.0 * row as f64,
             escaped(name)
         );
     }
@@ -133,7 +133,8 @@ impl Bars {
         const LENGTH: f64 = 300.0;
         const BAR: f64 = 15.0;
         const GAP: f64 = 9.0;
-        let longest = |bars: &[(&str, f64, String)]| bars.iter().map(|b| b.1).fold(f64::MIN_POSITIVE, f64::max);
+        let longest =
+            |bars: &[(&str, f64, String)]| bars.iter().map(|b| b.1).fold(f64::MIN_POSITIVE, f64::max);
         let of_all = self.rows.iter().map(|(_, bars)| longest(bars)).fold(f64::MIN_POSITIVE, f64::max);
         let (mut body, mut y) = (String::new(), 4.0);
         for (name, bars) in &self.rows {
@@ -141,7 +142,10 @@ impl Bars {
             let middle = y + BAR * bars.len() as f64 / 2.0 + 4.0;
             let x = NAME - 10.0;
             let name = escaped(name);
-            let _ = write!(body, "<text class=\"name\" x=\"{x}\" y=\"{middle:.1}\" text-anchor=\"end\">{name}</text>");
+            let _ = write!(
+                body,
+                "<text class=\"name\" x=\"{x}\" y=\"{middle:.1}\" text-anchor=\"end\">{name}</text>"
+            );
             for (class, length, said) in bars {
                 let long = if length.is_finite() { (length / most * LENGTH).max(1.0) } else { 1.0 };
                 let _ = write!(
@@ -158,7 +162,9 @@ impl Bars {
             }
             y += GAP;
         }
-        format!("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {y}\" role=\"img\">{body}</svg>")
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {y}\" role=\"img\">{body}</svg>"
+        )
     }
 }
 

@@ -6,15 +6,15 @@ use std::path::PathBuf;
 use saltus::diagnosis::{Finding, Point, Sort, points};
 
 use super::chart::{Bars, Chart, escaped};
-use super::report::Report;
+use super::report::{Report, phase_in};
 use super::words::{meaning, split, title};
 use crate::output::digits;
 
 const STYLE: &str = include_str!("page.css");
 /// Size of a chart, of which two stand in a row.
 const CHART: (f64, f64) = (460.0, 290.0);
-/// Runs of which measured and predicted are shown, the worst by the model as it is.
-const RUNS: usize = 4;
+/// Charts of measured and predicted, about; of each channel the runs that the model as it is predicts worst.
+const RUNS: usize = 8;
 /// Most points that are drawn of one line, and of one chart of residuals.
 const LINE: usize = 500;
 const CLOUD: usize = 1500;
@@ -38,7 +38,10 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> String {
     }
     if report.is_well() {
         let claims = escaped(&report.claims());
-        let _ = writeln!(out, "<div class=\"card well\"><p>No cause on the list lowers the misfit by more than chance does. {claims}</p></div>");
+        let _ = writeln!(
+            out,
+            "<div class=\"card well\"><p>No cause on the list lowers the misfit by more than chance does. {claims}</p></div>"
+        );
     }
     gains(&mut out, report);
     curves.measured(&mut out, report);
@@ -92,7 +95,8 @@ fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
         out.push_str("<p>It could as well be:</p>\n");
         let mut lines = vec![vec!["rival".to_owned(), "with".to_owned()]];
         for rival in &finding.rivals {
-            let said: Vec<String> = report.parameters(rival).iter().map(|(n, x)| format!("{n} = {x}")).collect();
+            let said: Vec<String> =
+                report.parameters(rival).iter().map(|(n, x)| format!("{n} = {x}")).collect();
             lines.push(vec![title(kind, rival.cause), said.join(", ")]);
         }
         table(out, &lines, 2);
@@ -127,8 +131,11 @@ fn candidates(out: &mut String, report: &Report<'_>) {
         let class = if found.contains(&c.cause) { "after" } else { "noise" };
         (title(report.found.kind.as_ref(), c.cause), vec![(class, c.gain.max(0.0), digits(c.gain, 4))])
     });
-    out.push_str(&Bars { rows: rows.collect() }.svg(false));
-    table(out, &report.tried_lines(), 1);
+    let rows: Vec<_> = rows.collect();
+    if !rows.is_empty() {
+        out.push_str(&Bars { rows }.svg(false));
+        table(out, &report.tried_lines(), 1);
+    }
     if let Some(text) = report.silent() {
         sentence(out, &text);
     }
@@ -137,7 +144,8 @@ fn candidates(out: &mut String, report: &Report<'_>) {
 fn provenance(out: &mut String, report: &Report<'_>, folders: &[PathBuf]) {
     out.push_str("<h2>Where this comes from</h2>\n");
     let names: Vec<String> = folders.iter().map(|f| f.display().to_string()).collect();
-    let mut lines = vec![vec!["what".to_owned(), "which".to_owned()], vec!["data".to_owned(), names.join(", ")]];
+    let mut lines =
+        vec![vec!["what".to_owned(), "which".to_owned()], vec!["data".to_owned(), names.join(", ")]];
     lines.push(vec!["hash of the data".to_owned(), report.found.folder.hash.clone()]);
     lines.push(vec!["size".to_owned(), report.size()]);
     if let Some(robot) = &report.found.robot {
@@ -161,6 +169,7 @@ struct Curves {
     after: Vec<Point>,
     /// Whether rows are measured, and not courses.
     is_rows: bool,
+    kind: Sort,
 }
 
 impl Curves {
@@ -170,6 +179,7 @@ impl Curves {
             before: of(&report.found.diagnosis.before),
             after: of(&report.found.diagnosis.after),
             is_rows: report.found.folder.experiment.kind == Sort::Outcomes,
+            kind: report.found.folder.experiment.kind,
         }
     }
 
@@ -188,7 +198,7 @@ impl Curves {
             }
         }
         runs.sort_by(|a, b| b.1.total_cmp(&a.1));
-        runs.into_iter().take(RUNS).map(|(run, _)| run).collect()
+        runs.into_iter().map(|(run, _)| run).collect()
     }
 
     /// Measured and predicted of the worst runs.
@@ -197,13 +207,16 @@ impl Curves {
         out.push_str("<h2>Measured and predicted</h2>\n");
         sentence(out, "The runs that the simulation as it is predicts worst, of each channel.");
         out.push_str("<p class=\"key\"><span><i style=\"border-top-style:dotted;border-color:#3c444e\"></i>measured</span>");
-        out.push_str("<span><i style=\"border-top-style:dashed;border-color:#c83228\"></i>simulation as it is</span>");
+        out.push_str(
+            "<span><i style=\"border-top-style:dashed;border-color:#c83228\"></i>simulation as it is</span>",
+        );
         if changes {
             out.push_str("<span><i style=\"border-color:#1f63a8\"></i>with the causes found</span>");
         }
         out.push_str("</p>\n<div class=\"charts\">\n");
         for (channel, about) in report.found.kind.channels().iter().enumerate() {
-            for run in self.worst(channel) {
+            let shown = (RUNS / report.found.kind.channels().len().max(1)).clamp(2, 4);
+            for run in self.worst(channel).into_iter().take(shown) {
                 let of = |points: &[Point], value: fn(&Point) -> f64| {
                     let all: Vec<(f64, f64)> = points
                         .iter()
@@ -217,8 +230,12 @@ impl Curves {
                 let all = || measured.iter().chain(&before).chain(&after);
                 let (x, y) = (span(all().map(|p| p.0)), span(all().map(|p| p.1)));
                 let name = &report.found.kind.logs()[run].name;
-                let mut chart =
-                    Chart::new(&format!("{name}: {}", split(&about.name).0), CHART, (self.x(), x), (&axis(&about.name), y));
+                let mut chart = Chart::new(
+                    &format!("{name}: {}", split(&about.name).0),
+                    CHART,
+                    (self.x(), x),
+                    (&axis(&about.name), y),
+                );
                 self.phases(&mut chart, run);
                 chart.dots("measured", &measured);
                 if self.is_rows {
@@ -256,7 +273,8 @@ impl Curves {
                     points.iter().filter(|p| p.channel == channel).map(|p| (p.time, p.residual)).collect();
                 let (x, y) = (span(all.iter().map(|p| p.0)), span(all.iter().map(|p| p.1)));
                 let name = format!("{} {what}", split(&about.name).0);
-                let mut chart = Chart::new(&name, CHART, (self.x(), x), ("residual (σ)", (y.0.min(-3.0), y.1.max(3.0))));
+                let mut chart =
+                    Chart::new(&name, CHART, (self.x(), x), ("residual (σ)", (y.0.min(-3.0), y.1.max(3.0))));
                 chart.band(-2.0, 2.0);
                 if let Some(run) = self.worst(channel).first() {
                     self.phases(&mut chart, *run);
@@ -270,7 +288,7 @@ impl Curves {
 
     /// Marks where the phases of a run begin, if it has several.
     fn phases(&self, chart: &mut Chart, run: usize) {
-        let mut begins: Vec<(f64, &str)> = Vec::new();
+        let mut begins: Vec<(f64, &'static str)> = Vec::new();
         let points = if self.after.is_empty() { &self.before } else { &self.after };
         let mut all: Vec<&Point> = points.iter().filter(|p| p.run == run).collect();
         all.sort_by(|a, b| a.time.total_cmp(&b.time));
@@ -280,8 +298,8 @@ impl Curves {
             }
         }
         if begins.len() > 1 {
-            for (time, name) in begins {
-                chart.begin(time, name);
+            for (row, (time, name)) in begins.into_iter().enumerate() {
+                chart.begin(time, phase_in(self.kind, name), row % 4);
             }
         }
     }

@@ -22,15 +22,27 @@ pub(super) fn sheet(report: &Report<'_>) -> Drawing {
         for (what, color, points) in &both {
             let dots: Vec<(f64, f64)> =
                 points.iter().filter(|p| p.channel == channel).map(|p| (p.time, p.residual)).collect();
-            let ends = [dots.iter().map(|p| p.0).fold(f64::INFINITY, f64::min), dots.iter().map(|p| p.0).fold(0.0, f64::max)];
+            let ends = [
+                dots.iter().map(|p| p.0).fold(f64::INFINITY, f64::min),
+                dots.iter().map(|p| p.0).fold(0.0, f64::max),
+            ];
             let limit = |y: f64| Line {
                 label: None,
                 points: ends.iter().filter(|x| x.is_finite()).map(|x| (*x, y)).collect(),
                 color: GREY,
                 mark: Mark::Dashed,
             };
-            let lines = vec![Line { label: None, points: dots, color: *color, mark: Mark::Dots }, limit(-2.0), limit(2.0)];
-            panels.push(Panel { title: format!("{} {what}", split(&about.name).0), x, y: "residual (σ)", lines });
+            let lines = vec![
+                Line { label: None, points: dots, color: *color, mark: Mark::Dots },
+                limit(-2.0),
+                limit(2.0),
+            ];
+            panels.push(Panel {
+                title: format!("{} {what}", split(&about.name).0),
+                x,
+                y: "residual (σ)",
+                lines,
+            });
         }
     }
     let causes: Vec<&str> = found.diagnosis.findings.iter().map(|f| report.id(f.best.cause)).collect();

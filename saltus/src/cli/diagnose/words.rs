@@ -98,16 +98,21 @@ pub(super) fn title(kind: &dyn Kind, cause: usize) -> String {
     cause.column.as_ref().map_or(cause.id.to_owned(), |column| format!("{} of {column}", cause.id))
 }
 
-/// Lines with their cells under each other: the first `left` columns begin, all others end in line.
+/// Lines with their cells under each other: the first `left` columns and the last begin in line, the others end in line.
 pub(super) fn grid(lines: &[Vec<String>], left: usize) -> String {
     let columns = lines.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |i: usize| lines.iter().filter_map(|l| l.get(i)).map(|c| c.chars().count()).max().unwrap_or(0);
+    let width =
+        |i: usize| lines.iter().filter_map(|l| l.get(i)).map(|c| c.chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns).map(width).collect();
     let mut text = String::new();
     for line in lines {
         let mut row = String::new();
         for (i, (cell, width)) in line.iter().zip(&widths).enumerate() {
-            row += &if i < left { format!("  {cell:<width$}") } else { format!("  {cell:>width$}") };
+            row += &if i < left || i + 1 == columns {
+                format!("  {cell:<width$}")
+            } else {
+                format!("  {cell:>width$}")
+            };
         }
         text += row.trim_end();
         text.push('\n');
