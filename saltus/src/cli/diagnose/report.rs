@@ -293,8 +293,8 @@ impl<'a> Report<'a> {
             for (condition, c) in residual.conditions.iter().filter(|(_, c)| c.abs() > STRONG) {
                 let phase = self.phase(residual);
                 let c = digits(*c, 2);
-                text +=
-                    &format!("  {name} in {phase}: the runs' means go with {condition} (correlation {c}).\n");
+                let go = format!("the runs' means go with {condition}");
+                let _ = writeln!(text, "  {name} in {phase}: {go} (correlation {c}).");
             }
         }
         text
@@ -452,7 +452,7 @@ fn wrapped(text: &str, lead: &str) -> String {
     let mut line = String::new();
     for word in text.split_whitespace() {
         if !line.is_empty() && lead.len() + line.chars().count() + 1 + word.chars().count() > WIDTH {
-            out += &format!("{lead}{line}\n");
+            let _ = writeln!(out, "{lead}{line}");
             line.clear();
         }
         if !line.is_empty() {

@@ -108,11 +108,12 @@ pub(super) fn grid(lines: &[Vec<String>], left: usize) -> String {
     for line in lines {
         let mut row = String::new();
         for (i, (cell, width)) in line.iter().zip(&widths).enumerate() {
-            row += &if i < left || i + 1 == columns {
+            let cell = if i < left || i + 1 == columns {
                 format!("  {cell:<width$}")
             } else {
                 format!("  {cell:>width$}")
             };
+            row.push_str(&cell);
         }
         text += row.trim_end();
         text.push('\n');
