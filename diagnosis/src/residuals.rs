@@ -8,6 +8,10 @@ use crate::kind::Kind;
 /// Phase of a run whose kind has none.
 const WHOLE: &str = "all";
 
+/// Step of a quantised channel, in terms of its noise, above which rounding itself makes neighbours and runs alike or not: then their
+/// likeness is not tested.
+const COARSE: f64 = 2.0;
+
 /// A reading beside what a model says of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
@@ -50,9 +54,9 @@ pub struct PhaseResidual {
     pub conditions: Vec<(String, f64)>,
     /// How likely noise is so large.
     pub level: f64,
-    /// How likely noise is so smooth.
+    /// How likely noise is so smooth; NaN of few readings, or where they are rounded coarsely.
     pub whiteness: f64,
-    /// How likely the means of the runs of noise differ so much; NaN of one run.
+    /// How likely the means of the runs of noise differ so much; NaN of one run, or where they are rounded coarsely.
     pub runs: f64,
 }
 
@@ -152,6 +156,9 @@ pub fn residuals_under(
                 points.iter().filter(|p| p.channel == channel && p.phase == phase).collect();
             let mut found = summary(&these, free, conditions);
             (found.channel, found.phase, found.noise) = (channel, phase, about.noise);
+            if about.step > COARSE * about.noise {
+                (found.whiteness, found.runs) = (f64::NAN, f64::NAN);
+            }
             all.push(found);
         }
     }

@@ -19,7 +19,7 @@ fn ball(name: &str) -> String {
 fn a_ball_is_braked_by_the_air() {
     let folder = Folder::new("diagnose-text");
     let text = folder.done(&format!("diagnose {}", ball("tennis-ball")), 1);
-    assert!(text.starts_with("Found: air-drag (the air brakes the body)."), "{text}");
+    assert!(text.starts_with("Found: air-drag (the air brakes the body)"), "{text}");
     assert!(text.contains("drag_coefficient") && text.contains("flight") && text.contains("± "), "{text}");
     assert!(text.trim_end().ends_with("in 5 % of cases (false alarm level)."), "{text}");
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::plot::tick;
 
-const LEFT: f64 = 62.0;
+const LEFT: f64 = 74.0;
 const RIGHT: f64 = 12.0;
 const TOP: f64 = 26.0;
 const BOTTOM: f64 = 44.0;
@@ -30,10 +30,10 @@ impl Chart {
              <text class=\"name\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\
              <text class=\"name\" transform=\"translate(13 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
             escaped(title),
-            (LEFT + right) / 2.0,
+            LEFT.midpoint(right),
             size.1 - 8.0,
             escaped(x.0),
-            (TOP + bottom) / 2.0,
+            TOP.midpoint(bottom),
             escaped(y.0)
         );
         for at in ticks(chart.x, 6) {
@@ -80,15 +80,15 @@ impl Chart {
         );
     }
 
-    /// A line across at a place, with what begins there.
-    pub(super) fn begin(&mut self, x: f64, name: &str) {
+    /// A line across at a place, with what begins there; the `row` of its name keeps it clear of the one before.
+    pub(super) fn begin(&mut self, x: f64, name: &str, row: usize) {
         let (px, bottom) = (self.px(x.max(self.x.0)), self.size.1 - BOTTOM);
         let _ = write!(
             self.body,
             "<path class=\"phase\" d=\"M{px:.1} {TOP}V{bottom:.1}\"/>\
              <text class=\"phase\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
             px + 3.0,
-            TOP + 10.0,
+            TOP + 10.0 + 11.0 * row as f64,
             escaped(name)
         );
     }
@@ -102,8 +102,9 @@ impl Chart {
 
     /// Dots at points: strokes of no length, with round ends.
     pub(super) fn dots(&mut self, class: &str, points: &[(f64, f64)]) {
-        let places: String =
+        let places: Vec<String> =
             points.iter().map(|&(x, y)| format!("M{:.1} {:.1}h0", self.px(x), self.py(y))).collect();
+        let places = places.concat();
         let _ = write!(self.body, "<path class=\"dots {class}\" d=\"{places}\"/>");
     }
 
@@ -119,10 +120,13 @@ impl Chart {
     }
 }
 
+/// One bar: its class, its length, and what is said of it.
+pub(super) type Bar = (&'static str, f64, String);
+
 /// A row of bars under each other.
 pub(super) struct Bars {
     /// Names, and under each its bars: class, length, what is said of it.
-    pub(super) rows: Vec<(String, Vec<(&'static str, f64, String)>)>,
+    pub(super) rows: Vec<(String, Vec<Bar>)>,
 }
 
 impl Bars {
@@ -133,8 +137,7 @@ impl Bars {
         const LENGTH: f64 = 300.0;
         const BAR: f64 = 15.0;
         const GAP: f64 = 9.0;
-        let longest =
-            |bars: &[(&str, f64, String)]| bars.iter().map(|b| b.1).fold(f64::MIN_POSITIVE, f64::max);
+        let longest = |bars: &[Bar]| bars.iter().map(|b| b.1).fold(f64::MIN_POSITIVE, f64::max);
         let of_all = self.rows.iter().map(|(_, bars)| longest(bars)).fold(f64::MIN_POSITIVE, f64::max);
         let (mut body, mut y) = (String::new(), 4.0);
         for (name, bars) in &self.rows {

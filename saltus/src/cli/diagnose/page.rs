@@ -6,15 +6,15 @@ use std::path::PathBuf;
 use saltus::diagnosis::{Finding, Point, Sort, points};
 
 use super::chart::{Bars, Chart, escaped};
-use super::report::Report;
+use super::report::{Report, phase_in};
 use super::words::{meaning, split, title};
 use crate::output::digits;
 
 const STYLE: &str = include_str!("page.css");
 /// Size of a chart, of which two stand in a row.
 const CHART: (f64, f64) = (460.0, 290.0);
-/// Runs of which measured and predicted are shown, the worst by the model as it is.
-const RUNS: usize = 4;
+/// Charts of measured and predicted, about; of each channel the runs that the model as it is predicts worst.
+const RUNS: usize = 8;
 /// Most points that are drawn of one line, and of one chart of residuals.
 const LINE: usize = 500;
 const CLOUD: usize = 1500;
@@ -131,8 +131,11 @@ fn candidates(out: &mut String, report: &Report<'_>) {
         let class = if found.contains(&c.cause) { "after" } else { "noise" };
         (title(report.found.kind.as_ref(), c.cause), vec![(class, c.gain.max(0.0), digits(c.gain, 4))])
     });
-    out.push_str(&Bars { rows: rows.collect() }.svg(false));
-    table(out, &report.tried_lines(), 1);
+    let rows: Vec<_> = rows.collect();
+    if !rows.is_empty() {
+        out.push_str(&Bars { rows }.svg(false));
+        table(out, &report.tried_lines(), 1);
+    }
     if let Some(text) = report.silent() {
         sentence(out, &text);
     }
@@ -166,6 +169,7 @@ struct Curves {
     after: Vec<Point>,
     /// Whether rows are measured, and not courses.
     is_rows: bool,
+    kind: Sort,
 }
 
 impl Curves {
@@ -175,6 +179,7 @@ impl Curves {
             before: of(&report.found.diagnosis.before),
             after: of(&report.found.diagnosis.after),
             is_rows: report.found.folder.experiment.kind == Sort::Outcomes,
+            kind: report.found.folder.experiment.kind,
         }
     }
 
@@ -193,7 +198,7 @@ impl Curves {
             }
         }
         runs.sort_by(|a, b| b.1.total_cmp(&a.1));
-        runs.into_iter().take(RUNS).map(|(run, _)| run).collect()
+        runs.into_iter().map(|(run, _)| run).collect()
     }
 
     /// Measured and predicted of the worst runs.
@@ -210,7 +215,8 @@ impl Curves {
         }
         out.push_str("</p>\n<div class=\"charts\">\n");
         for (channel, about) in report.found.kind.channels().iter().enumerate() {
-            for run in self.worst(channel) {
+            let shown = (RUNS / report.found.kind.channels().len().max(1)).clamp(2, 4);
+            for run in self.worst(channel).into_iter().take(shown) {
                 let of = |points: &[Point], value: fn(&Point) -> f64| {
                     let all: Vec<(f64, f64)> = points
                         .iter()
@@ -282,7 +288,7 @@ impl Curves {
 
     /// Marks where the phases of a run begin, if it has several.
     fn phases(&self, chart: &mut Chart, run: usize) {
-        let mut begins: Vec<(f64, &str)> = Vec::new();
+        let mut begins: Vec<(f64, &'static str)> = Vec::new();
         let points = if self.after.is_empty() { &self.before } else { &self.after };
         let mut all: Vec<&Point> = points.iter().filter(|p| p.run == run).collect();
         all.sort_by(|a, b| a.time.total_cmp(&b.time));
@@ -292,8 +298,8 @@ impl Curves {
             }
         }
         if begins.len() > 1 {
-            for (time, name) in begins {
-                chart.begin(time, name);
+            for (row, (time, name)) in begins.into_iter().enumerate() {
+                chart.begin(time, phase_in(self.kind, name), row % 4);
             }
         }
     }

@@ -43,7 +43,14 @@ impl<'a> Report<'a> {
         let said = |f: &Finding| {
             let (name, what) =
                 (title(self.found.kind.as_ref(), f.best.cause), meaning(self.id(f.best.cause)));
-            format!("{name} ({what})")
+            let rivals: Vec<String> =
+                f.rivals.iter().map(|r| title(self.found.kind.as_ref(), r.cause)).collect();
+            let rivals = if rivals.is_empty() {
+                rivals.join("")
+            } else {
+                format!(", or else {}", rivals.join(" or "))
+            };
+            format!("{name} ({what}){rivals}")
         };
         let causes: Vec<String> = diagnosis.findings.iter().map(said).collect();
         match (causes.is_empty(), &diagnosis.unknown) {
@@ -57,8 +64,9 @@ impl<'a> Report<'a> {
     pub(super) fn unknown(&self) -> Option<String> {
         let unknown = self.found.diagnosis.unknown.as_ref()?;
         let (channel, unit) = split(&unknown.channel);
+        let lead = if unknown.phase.ends_with("third") { "the" } else { "the phase" };
         Some(format!(
-            "What is left in {channel} is not noise, most of all in the phase {}: {} {unit} root mean square. No cause on the list \
+            "What is left in {channel} is not noise, most of all in {lead} {}: {} {unit} root mean square. No cause on the list \
              explains it, alone or with others: the machine or an instrument does something that is not on the list. Parameters \
              found beside it may be bent to it.",
             unknown.phase,
@@ -71,10 +79,7 @@ impl<'a> Report<'a> {
     }
 
     pub(super) fn phase(&self, residual: &PhaseResidual) -> &'static str {
-        match self.found.folder.experiment.kind {
-            Sort::Flight => "flight",
-            _ => residual.phase,
-        }
+        phase_in(self.found.folder.experiment.kind, residual.phase)
     }
 
     /// Chance with which noise is called something else, for each line of the table of residuals.
@@ -140,8 +145,8 @@ impl<'a> Report<'a> {
          counted less; a needless parameter lowers it by about 1.";
 
     /// What the marks of the residuals mean.
-    pub(super) const MARKS: &'static str = "Noise has mean 0 σ, rms 1 σ and next 0 (the correlation of each residual with the next). Not \
-         noise: large (rms beyond the stated noise), smooth (residuals follow each other), differs by run (means of the runs \
+    pub(super) const MARKS: &'static str = "Noise has mean 0 σ, rms 1 σ and next 0 (the correlation of each residual with the next); after \
+         the arrow with the causes found. Not noise: large (rms beyond the stated noise), smooth (residuals follow each other), differs by run (means of the runs \
          differ). Small parts of it can be the instruments'.";
 
     /// How often something is claimed of nothing, as a sentence.
@@ -182,9 +187,6 @@ impl<'a> Report<'a> {
     pub(super) fn text(&self) -> String {
         let diagnosis = &self.found.diagnosis;
         let mut out = wrapped(&self.headline(), "");
-        for note in &self.found.folder.notes {
-            out += &wrapped(&format!("note: {note}"), "");
-        }
         for finding in &diagnosis.findings {
             self.finding(&mut out, finding);
         }
@@ -199,7 +201,9 @@ impl<'a> Report<'a> {
         out += &self.conditions();
         out += &wrapped(Self::MARKS, "  ");
         out += "\nEvery cause alone: by how much it lowers the misfit\n\n";
-        out += &grid(&self.tried_lines(), 1);
+        if !diagnosis.tried.is_empty() {
+            out += &grid(&self.tried_lines(), 1);
+        }
         if let Some(sentence) = self.silent() {
             out += &wrapped(&sentence, "  ");
         }
@@ -209,7 +213,11 @@ impl<'a> Report<'a> {
         if let Some(sentence) = self.widened() {
             out += &wrapped(&sentence, "");
         }
-        out + &wrapped(&self.claims(), "")
+        out += &wrapped(&self.claims(), "");
+        for note in &self.found.folder.notes {
+            out += &wrapped(&format!("note: {note}"), "");
+        }
+        out
     }
 
     fn finding(&self, out: &mut String, finding: &Finding) {
@@ -254,9 +262,9 @@ impl<'a> Report<'a> {
     /// Residuals by channel and phase: a header, then lines.
     pub(super) fn residual_lines(&self) -> Vec<Vec<String>> {
         let changes = !self.found.diagnosis.findings.is_empty();
-        let mut header = words(&["channel", "phase", "readings", "mean", "rms", "next"]);
+        let mut header = words(&["channel", "phase", "readings", "mean (σ)", "rms (σ)", "next"]);
         if changes {
-            header.extend(words(&["→ mean", "rms", "next"]));
+            header.extend(words(&["→ mean (σ)", "rms (σ)", "next"]));
         }
         header.extend(words(&["rms", "not noise because"]));
         let mut lines = vec![header];
@@ -285,8 +293,8 @@ impl<'a> Report<'a> {
             for (condition, c) in residual.conditions.iter().filter(|(_, c)| c.abs() > STRONG) {
                 let phase = self.phase(residual);
                 let c = digits(*c, 2);
-                text +=
-                    &format!("  {name} in {phase}: the runs' means go with {condition} (correlation {c}).\n");
+                let go = format!("the runs' means go with {condition}");
+                let _ = writeln!(text, "  {name} in {phase}: {go} (correlation {c}).");
             }
         }
         text
@@ -299,11 +307,6 @@ impl<'a> Report<'a> {
             let said: Vec<String> = self.parameters(c).iter().map(|(n, x)| format!("{n} = {x}")).collect();
             let name = title(self.found.kind.as_ref(), c.cause);
             lines.push(vec![name, digits(c.gain, 4), said.join(", ")]);
-        }
-        // The last column begins in line.
-        let width = lines.iter().map(|l| l[2].chars().count()).max().unwrap_or(0);
-        for line in &mut lines {
-            line[2] = format!("{:<width$}", line[2]);
         }
         lines
     }
@@ -417,6 +420,16 @@ impl<'a> Report<'a> {
     }
 }
 
+/// What a phase is called in data of a kind.
+pub(super) fn phase_in(kind: Sort, phase: &'static str) -> &'static str {
+    match (kind, phase) {
+        (Sort::Flight, _) => "flight",
+        // Nothing pivots before the command.
+        (Sort::Bench | Sort::Hop, "pivot") => "at rest",
+        _ => phase,
+    }
+}
+
 fn words(of: &[&str]) -> Vec<String> {
     of.iter().map(|word| (*word).to_owned()).collect()
 }
@@ -439,7 +452,7 @@ fn wrapped(text: &str, lead: &str) -> String {
     let mut line = String::new();
     for word in text.split_whitespace() {
         if !line.is_empty() && lead.len() + line.chars().count() + 1 + word.chars().count() > WIDTH {
-            out += &format!("{lead}{line}\n");
+            let _ = writeln!(out, "{lead}{line}");
             line.clear();
         }
         if !line.is_empty() {

@@ -98,7 +98,7 @@ pub(super) fn title(kind: &dyn Kind, cause: usize) -> String {
     cause.column.as_ref().map_or(cause.id.to_owned(), |column| format!("{} of {column}", cause.id))
 }
 
-/// Lines with their cells under each other: the first `left` columns begin, all others end in line.
+/// Lines with their cells under each other: the first `left` columns and the last begin in line, the others end in line.
 pub(super) fn grid(lines: &[Vec<String>], left: usize) -> String {
     let columns = lines.iter().map(Vec::len).max().unwrap_or(0);
     let width =
@@ -108,7 +108,12 @@ pub(super) fn grid(lines: &[Vec<String>], left: usize) -> String {
     for line in lines {
         let mut row = String::new();
         for (i, (cell, width)) in line.iter().zip(&widths).enumerate() {
-            row += &if i < left { format!("  {cell:<width$}") } else { format!("  {cell:>width$}") };
+            let cell = if i < left || i + 1 == columns {
+                format!("  {cell:<width$}")
+            } else {
+                format!("  {cell:>width$}")
+            };
+            row.push_str(&cell);
         }
         text += row.trim_end();
         text.push('\n');
