@@ -52,7 +52,7 @@ fn a_heavy_wheel_is_found_in_jumps() {
 #[test]
 fn nothing_is_found_where_nothing_is_hidden() {
     let folder = Folder::new("inject-none");
-    for kind in ["bench --runs 4", "flight", "slide", "stroke", "vessel"] {
+    for kind in ["bench --runs 4", "flight", "slide", "stroke", "vessel", "outcomes --runs 20"] {
         let name = kind.split(' ').next().unwrap();
         let told = folder.done(&format!("diagnose --inject none --kind {kind} --out {name}"), 0);
         assert!(told.contains("Nothing is hidden"), "{told}");
