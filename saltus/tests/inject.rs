@@ -118,7 +118,6 @@ fn what_cannot_be_hidden_is_refused() {
         ("--inject none --kind jump --robot rats-planar --out a", &["rats-planar has no boom"]),
         ("--inject none --runs 0 --out a", &["--runs"]),
         ("--inject valve-discharge=0.02 --kind jump --runs 1 --out a", &["the robot makes 0 of 1 motions"]),
-        ("--kind flight data", &["--inject"]),
         ("data --inject none --out a", &["cannot be used with"]),
         ("", &["<FOLDER"]),
     ];
