@@ -39,6 +39,8 @@ struct Setting {
     shut: f64,
     /// Approach rate (rad/s), firing angle (rad) and valve opening (s) of each row of an outcome.
     asked: Vec<[f64; 3]>,
+    /// Its number, which need not count from 0.
+    rows: Vec<f64>,
 }
 
 /// What a column measures.
@@ -235,9 +237,8 @@ impl Firings {
             let outcome = match last {
                 Some((time, outcome)) if time == reading.time => outcome,
                 _ => {
-                    // The number of the row.
-                    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-                    let [rate, lean, open] = self.runs[run].asked[reading.time as usize];
+                    let setting = &self.runs[run];
+                    let [rate, lean, open] = setting.asked[setting.rows.partition_point(|row| *row < reading.time)];
                     // One that does not jump lands where it stands.
                     rig.outcome(lean, rate, open).unwrap_or((robot.body.radius, 0.0))
                 }
@@ -284,6 +285,7 @@ fn setting(run: &Run, asked: &[Option<usize>; 3]) -> Setting {
         open,
         shut: shut.unwrap_or(1e6),
         asked: rows,
+        rows: run.time.clone(),
     }
 }
 

@@ -183,8 +183,8 @@ impl Report<'_> {
         if estimate.parameters.len() > 1 {
             let _ = writeln!(out, "\nCorrelation of the errors, in this order:");
             for row in &estimate.correlation {
-                let cells: String = row.iter().map(|c| format!(" {c:>6.2}")).collect();
-                let _ = writeln!(out, " {cells}");
+                let cells: Vec<String> = row.iter().map(|c| format!("{c:>6.2}")).collect();
+                let _ = writeln!(out, "  {}", cells.join(" "));
             }
         }
         let _ = writeln!(out, "\nResiduals (root mean square):");

@@ -164,7 +164,6 @@ pub(super) fn resolve(
 mod tests {
     use saltus_diagnosis::Sort;
     use saltus_diagnosis::kinds;
-    use saltus_robot::Robot;
 
     use super::super::layout::{Draw, Layout};
     use super::*;
@@ -184,7 +183,7 @@ mod tests {
     fn taken_and_reported_are_inverse() {
         for sort in [Sort::Bench, Sort::Hop, Sort::Jump, Sort::Outcomes, Sort::Flight, Sort::Vessel] {
             let layout = Layout::new(sort, true, Some(1), &mut Draw::new(0));
-            let robot = Robot::rats_boom();
+            let robot = saltus_robot::resolve("rats-boom", &[]).unwrap();
             let kind = kinds::build(&layout.experiment, Some(&robot)).unwrap();
             for (c, cause) in kind.causes().iter().enumerate() {
                 let inside = |(low, high): (f64, f64)| {

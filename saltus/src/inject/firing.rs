@@ -284,11 +284,10 @@ impl Stand {
 /// What stands on the foot (N) of a robot at rest.
 fn weight(rig: &Rig) -> f64 {
     let length = rig.boom.unwrap_or(1.0);
-    let arm = |name: &str, center: f64| match (rig.boom, name) {
-        (None, _) => length,
-        // Along the boom, from its base; what is on the axle is a boom away.
-        (Some(_), "boom" | "boom turn") => center,
-        (Some(_), "boom's outer half") => center + 0.5 * length,
+    // Along the boom, from its base; what is on the axle is a boom away.
+    let arm = |name: &str, center: f64| match name {
+        "boom" | "boom turn" => center,
+        "boom's outer half" => center + 0.5 * length,
         _ => length,
     };
     let moment: f64 = rig.mechanism.tree.bodies().iter().map(|b| b.mass * arm(&b.name, b.center.y)).sum();
