@@ -114,9 +114,9 @@ pub fn diagnose(kind: &dyn Kind, settings: &Settings, progress: &(dyn Fn(&str) +
         let mut search = Search { wanders: true, ..Search::new(seen, settings, progress) };
         let before = fit::fit_none(seen, &search.runs)?;
         let chosen = search.forward(&before)?;
-        return search.conclude(kind, before, chosen);
+        return Some(search.conclude(kind, before, chosen));
     }
-    search.conclude(kind, before, chosen)
+    Some(search.conclude(kind, before, chosen))
 }
 
 /// What adding causes came to.
@@ -221,7 +221,7 @@ impl<'a> Search<'a> {
     }
 
     /// What is to be said; `stated` is the experiment with its noise as stated.
-    fn conclude(mut self, stated: &dyn Kind, before: Fit, chosen: Chosen) -> Option<Diagnosis> {
+    fn conclude(mut self, stated: &dyn Kind, before: Fit, chosen: Chosen) -> Diagnosis {
         let Chosen { model: mut after, tried, mut inflation, .. } = chosen;
         self.improve(&mut after, inflation);
         self.drop_needless(&mut after, inflation);
@@ -268,7 +268,7 @@ impl<'a> Search<'a> {
             gain.noise = channel.noise;
         }
         let fitness = (fitness_before, fitness_after);
-        Some(Diagnosis { findings, unknown, term, tried, before, after, fitness, inflation, gains })
+        Diagnosis { findings, unknown, term, tried, before, after, fitness, inflation, gains }
     }
 
     fn freedom(&self, cause: usize) -> usize {
@@ -321,10 +321,8 @@ impl<'a> Search<'a> {
         let mut model = before.clone();
         for (fit, gain, needed) in steps {
             let is_first = model.causes.is_empty();
-            let inflation = match wanders {
-                true if !is_first => fitness::inflation(self.kind, &model),
-                _ => richest,
-            };
+            let inflation =
+                if wanders && !is_first { fitness::inflation(self.kind, &model) } else { richest };
             let least = if wanders { SHARE * fitness::excess(self.kind, before) } else { 0.0 };
             // How they wander is itself known poorly.
             let needed = if wanders { 2.0 * needed } else { needed };

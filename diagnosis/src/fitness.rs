@@ -127,7 +127,9 @@ fn series(kind: &dyn Kind) -> Vec<Series> {
             }
             for shape in &mut shapes {
                 let size = fit::dot(shape, shape).sqrt();
-                shape.iter_mut().for_each(|x| *x /= size);
+                for x in shape {
+                    *x /= size;
+                }
             }
             all.push(Series { channel, run, places, shapes });
         }

@@ -12,7 +12,7 @@ use crate::parallel;
 pub(crate) struct Tangent {
     /// For each candidate, directions clear of what the unknowns and the causes that are on can do; one that cannot be reached in small
     /// steps has one for each of its starts.
-    pub candidates: Vec<Direction>,
+    pub(crate) candidates: Vec<Direction>,
     /// Directions of the causes that are on, clear of the unknowns, in units of the parameters' scales.
     on: Vec<Vec<f64>>,
     /// The same, orthonormal.
@@ -27,7 +27,7 @@ pub(crate) struct Tangent {
 
 /// What a candidate could do to the readings.
 pub(crate) struct Direction {
-    pub cause: usize,
+    pub(crate) cause: usize,
     columns: Vec<Vec<f64>>,
     /// Inverse of the columns' products.
     inverse: DMatrix<f64>,
@@ -37,7 +37,7 @@ pub(crate) struct Direction {
 
 impl Direction {
     /// By how much the loss of `residuals` would fall.
-    pub fn gain(&self, residuals: &[f64]) -> f64 {
+    pub(crate) fn gain(&self, residuals: &[f64]) -> f64 {
         let g = DVector::from_iterator(self.columns.len(), self.columns.iter().map(|c| dot(c, residuals)));
         let step = &self.inverse * &g;
         if self.one_sided && step[0] < 0.0 { 0.0 } else { g.dot(&step) }
@@ -73,7 +73,9 @@ fn orthonormal(columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         let left = dot(&column, &column);
         if left > 1e-12 * whole && left > 0.0 {
             let size = left.sqrt();
-            column.iter_mut().for_each(|x| *x /= size);
+            for x in &mut column {
+                *x /= size;
+            }
             all.push(column);
         }
     }
@@ -94,7 +96,9 @@ fn direction(cause: usize, raw: Vec<Vec<f64>>, clear: &[Vec<f64>], one_sided: bo
         let left = dot(&column, &column);
         if left > 1e-8 * whole && left > 1e-20 {
             let size = left.sqrt();
-            column.iter_mut().for_each(|x| *x /= size);
+            for x in &mut column {
+                *x /= size;
+            }
             columns.push(column);
         }
     }
@@ -106,7 +110,7 @@ fn direction(cause: usize, raw: Vec<Vec<f64>>, clear: &[Vec<f64>], one_sided: bo
 
 impl Tangent {
     /// Around `fit`, with every cause that is not on as a candidate where `with_candidates`.
-    pub fn new(kind: &dyn Kind, fit: &Fit, with_candidates: bool) -> Option<Tangent> {
+    pub(crate) fn new(kind: &dyn Kind, fit: &Fit, with_candidates: bool) -> Option<Tangent> {
         let runs = kind.logs().len();
         let here: Vec<Vec<f64>> = (0..runs)
             .map(|run| predicted(kind, run, &fit.terms, &fit.unknowns[run]))
@@ -177,17 +181,19 @@ impl Tangent {
     }
 
     /// The residuals of `fit` in standard deviations, outliers cut.
-    pub fn residuals(kind: &dyn Kind, fit: &Fit) -> Option<Vec<f64>> {
+    pub(crate) fn residuals(kind: &dyn Kind, fit: &Fit) -> Option<Vec<f64>> {
         let mut all = Vec::new();
         for run in 0..kind.logs().len() {
             all.extend(residuals(kind, run, &fit.terms, &fit.unknowns[run])?);
         }
-        all.iter_mut().for_each(|r| *r *= weight(*r));
+        for r in &mut all {
+            *r *= weight(*r);
+        }
         Some(all)
     }
 
     /// Residuals (standard deviations) that chance alone would leave: noise and quantisation as in the data, fitted again.
-    pub fn chance(&self, kind: &dyn Kind, random: &mut Pcg64) -> Vec<f64> {
+    pub(crate) fn chance(&self, kind: &dyn Kind, random: &mut Pcg64) -> Vec<f64> {
         let mut all = Vec::with_capacity(self.predicted.len());
         for (run, log) in kind.logs().iter().enumerate() {
             for (reading, value) in log.readings.iter().zip(&self.predicted[self.bounds[run]..]) {
@@ -227,7 +233,7 @@ impl Tangent {
 
     /// Covariance of the parameters of the causes that are on, in units of their scales, and the eigenvalues of their information when
     /// each alone has information 1, with the direction of the least.
-    pub fn covariance(&self) -> (DMatrix<f64>, f64, Vec<f64>) {
+    pub(crate) fn covariance(&self) -> (DMatrix<f64>, f64, Vec<f64>) {
         let n = self.on.len();
         if n == 0 {
             return (DMatrix::zeros(0, 0), 1.0, Vec::new());
@@ -248,7 +254,7 @@ impl Tangent {
     }
 
     /// Where each run begins among all readings, and the end.
-    pub fn bounds(&self) -> &[usize] {
+    pub(crate) fn bounds(&self) -> &[usize] {
         &self.bounds
     }
 }

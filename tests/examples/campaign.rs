@@ -56,11 +56,12 @@ fn main() {
             }
             if lists("what", "two") {
                 let causes = lab::causes_of(sort);
-                let n = causes.len() as u64;
+                let n = causes.len();
+                let seed_number = usize::try_from(seed).unwrap_or(0);
                 for k in 0..4 {
-                    let a = (seed * 7 + k * 5) % n;
-                    let b = (a + 1 + (seed * 3 + k * 2) % (n - 1)) % n;
-                    let pair = [a, b].map(|i| (causes[i as usize], Size::Clear));
+                    let a = (seed_number * 7 + k * 5) % n;
+                    let b = (a + 1 + (seed_number * 3 + k * 2) % (n - 1)) % n;
+                    let pair = [a, b].map(|i| (causes[i], Size::Clear));
                     one(&mut table, &name, "two", sort, &pair, seed);
                 }
             }
@@ -100,7 +101,7 @@ fn one(
 ) {
     let start = Instant::now();
     let case = lab::make(sort, hidden, seed);
-    let made = start.elapsed();
+    let made = start.elapsed().as_secs_f64();
     let robot = case.robot.as_deref().and_then(Robot::builtin);
     let Ok(kind) = kinds::build(&case.experiment, robot.as_ref()) else { return };
     let found = diagnose(kind.as_ref(), &Settings::default(), &|_| ());
@@ -116,8 +117,8 @@ fn one(
     println!(
         "{} {name} {what} {ids:?} {line} [{:.1} + {:.1} s]",
         if is_right { "ok   " } else { "WRONG" },
-        made.as_secs_f64(),
-        (start.elapsed() - made).as_secs_f64()
+        made,
+        start.elapsed().as_secs_f64() - made
     );
     if !is_right {
         tally.wrong.push(line);

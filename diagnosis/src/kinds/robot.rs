@@ -199,7 +199,7 @@ impl Firings {
     }
 
     /// What a sensor of `column` makes of the pose, or of the outcome.
-    fn sensed(&self, column: Column, pose: &Pose, gyro: f64) -> f64 {
+    fn sensed(column: Column, pose: &Pose, gyro: f64) -> f64 {
         match column {
             Column::Position => pose.extension.0,
             Column::Pressure => pose.pressure.0,
@@ -227,7 +227,7 @@ impl Firings {
         all
     }
 
-    fn outcomes(&self, run: usize, terms: &Terms) -> Option<Vec<f64>> {
+    fn outcomes(&self, run: usize, terms: &Terms) -> Vec<f64> {
         let (robot, _) = self.at_work(run, terms);
         let rig = Rig::new(&robot).with(self.extra(terms));
         let sensors = self.sensors(terms);
@@ -238,7 +238,8 @@ impl Firings {
                 Some((time, outcome)) if time == reading.time => outcome,
                 _ => {
                     let setting = &self.runs[run];
-                    let [rate, lean, open] = setting.asked[setting.rows.partition_point(|row| *row < reading.time)];
+                    let [rate, lean, open] =
+                        setting.asked[setting.rows.partition_point(|row| *row < reading.time)];
                     // One that does not jump lands where it stands.
                     rig.outcome(lean, rate, open).unwrap_or((robot.body.radius, 0.0))
                 }
@@ -248,7 +249,7 @@ impl Firings {
             let [gain, offset, _] = sensors[reading.channel];
             out.push(gain * value + offset);
         }
-        Some(out)
+        out
     }
 }
 
@@ -336,7 +337,7 @@ impl Kind for Firings {
 
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         if self.sort == Sort::Outcomes {
-            return self.outcomes(run, terms);
+            return Some(self.outcomes(run, terms));
         }
         let course = self.course(run, terms, unknowns)?;
         let sensors = self.sensors(terms);
@@ -352,7 +353,7 @@ impl Kind for Firings {
                     let pose = course.at(r.time - delay, &mut places[r.channel]);
                     let column = self.columns[r.channel];
                     let zero = if column == Column::Turn { from } else { 0.0 };
-                    gain * (self.sensed(column, &pose, gyro) - zero) + offset
+                    gain * (Firings::sensed(column, &pose, gyro) - zero) + offset
                 })
                 .collect(),
         )

@@ -27,7 +27,7 @@ struct Vessel {
 pub struct Vessels {
     channels: Vec<Channel>,
     logs: Vec<Log>,
-    vessels: Vec<Vessel>,
+    tanks: Vec<Vessel>,
     causes: Vec<Cause>,
 }
 
@@ -44,7 +44,7 @@ impl Vessels {
         let indices: Vec<usize> = (0..experiment.columns.len()).collect();
         let channels = noise::channels(experiment, &indices);
         let logs = experiment.runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
-        let vessels = experiment.runs.iter().map(vessel).collect();
+        let tanks = experiment.runs.iter().map(vessel).collect();
         let mut causes = vec![
             // Natural convection, Nu = c Ra^⅓; turbulent, c is 0.1 to 0.15.
             simple("heat-transfer", "convection", 0.0, (0.0, 5.0), 0.02, &[0.1]),
@@ -61,7 +61,7 @@ impl Vessels {
                 causes.push(sensor("sensor-delay", column, "delay_s", 0.0, (0.0, 10.0), 0.1, &[]));
             }
         }
-        Vessels { channels, logs, vessels, causes }
+        Vessels { channels, logs, tanks, causes }
     }
 }
 
@@ -108,7 +108,7 @@ impl Kind for Vessels {
 
     /// Mass and energy of the gas: dU = h_in dm + Q, with natural convection from a wall that stays at the first temperature.
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
-        let vessel = &self.vessels[run];
+        let vessel = &self.tanks[run];
         let share = terms.get(GAS, 0);
         let mix = |a: f64, b: f64| a + share * (b - a);
         let (kappa, gas) = (mix(AIR.0, CARBON_DIOXIDE.0), mix(AIR.1, CARBON_DIOXIDE.1));

@@ -20,24 +20,24 @@ pub(super) const LEG: usize = 4;
 
 /// A rigid body: mass (kg), centre of mass (m) and inertia about it (kg m²) in its own axes.
 #[derive(Clone, Copy, Debug)]
-struct Mass {
+struct Rigid {
     mass: f64,
     center: V3,
     inertia: Matrix3<f64>,
 }
 
-impl Mass {
-    fn add(&mut self, other: &Mass) {
+impl Rigid {
+    fn add(&mut self, other: &Rigid) {
         let mass = self.mass + other.mass;
         if mass == 0.0 {
             return;
         }
         let center = (self.center * self.mass + other.center * other.mass) / mass;
-        let about = |b: &Mass| {
+        let about = |b: &Rigid| {
             let r = b.center - center;
             b.inertia + (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * b.mass
         };
-        *self = Mass { mass, center, inertia: about(self) + about(other) };
+        *self = Rigid { mass, center, inertia: about(self) + about(other) };
     }
 }
 
@@ -57,10 +57,10 @@ pub(super) struct Machine {
     boom: Option<f64>,
     /// Stiffness of the bend (N m/rad).
     flex: Option<f64>,
-    inner: Mass,
-    outer: Mass,
-    wheel: Mass,
-    leg: Mass,
+    inner: Rigid,
+    outer: Rigid,
+    wheel: Rigid,
+    leg: Rigid,
     gravity: f64,
     /// Drag (kg/m): −`drag` |v| v at the axle.
     drag: f64,
@@ -135,7 +135,7 @@ impl Machine {
             let u = way(k);
             let along = 0.5 * part.mass * part.radius * part.radius;
             let inertia = Matrix3::identity() * part.inertia() + u * u.transpose() * (along - part.inertia());
-            Mass { mass: part.mass, center: u * part.center, inertia }
+            Rigid { mass: part.mass, center: u * part.center, inertia }
         };
         let mut leg = rod(0);
         let least = if floor.soft.is_some() { SOFT_LEAST } else { MASSLESS * body.mass };
@@ -146,11 +146,11 @@ impl Machine {
         let mass = robot.wheel_mass() - lent;
         let axle = (robot.wheel_inertia() - mass * offset * offset).max(0.0);
         let inertia = Matrix3::from_diagonal(&V3::new(axle / 2.0, axle, axle / 2.0));
-        let mut wheel = Mass { mass, center, inertia };
+        let mut wheel = Rigid { mass, center, inertia };
         for k in 1..n {
             wheel.add(&rod(k));
         }
-        let nothing = Mass { mass: 0.0, center: V3::zeros(), inertia: Matrix3::zeros() };
+        let nothing = Rigid { mass: 0.0, center: V3::zeros(), inertia: Matrix3::zeros() };
         let (mut inner, mut outer) = (nothing, nothing);
         let flex = robot.boom.and_then(|b| b.flex);
         if let Some(boom) = &robot.boom {
@@ -159,14 +159,14 @@ impl Machine {
                 let across = mass * (3.0 * boom.radius * boom.radius + length * length) / 12.0;
                 let along = 0.5 * mass * boom.radius * boom.radius;
                 let inertia = Matrix3::from_diagonal(&V3::new(across, along, across));
-                Mass { mass, center: V3::y() * (length / 2.0), inertia }
+                Rigid { mass, center: V3::y() * (length / 2.0), inertia }
             };
             inner = half(if flex.is_some() { boom.length / 2.0 } else { boom.length });
             if flex.is_some() {
                 outer = half(boom.length / 2.0);
             }
             if let Some(weight) = boom.counterweight {
-                inner.add(&Mass {
+                inner.add(&Rigid {
                     mass: weight.mass,
                     center: -V3::y() * weight.distance,
                     inertia: Matrix3::zeros(),
@@ -287,7 +287,7 @@ impl Machine {
     fn assemble(&self, f: &Frame, q: &Coordinates, v: &Coordinates) -> (Square, Coordinates) {
         let (mut mass, mut force) = (Square::zeros(), Coordinates::zeros());
         let weight = V3::new(0.0, 0.0, -self.gravity);
-        let mut add = |body: &Mass,
+        let mut add = |body: &Rigid,
                        axes: &Matrix3<f64>,
                        k: usize,
                        joints: &[usize],

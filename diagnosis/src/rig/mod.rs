@@ -365,7 +365,7 @@ impl<'a> Run<'a> {
             tau = tau.min(h - t);
             let a = rate(u)?;
             let b = rate(u + 0.5 * tau * a)?;
-            let bends = !((b - a).abs() <= 0.1 * a.abs());
+            let bends = (b - a).abs() > 0.1 * a.abs() || !b.is_finite();
             if a != 0.0 && bends && tau > least {
                 tau *= 0.5;
                 continue;

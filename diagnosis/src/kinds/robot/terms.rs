@@ -200,11 +200,11 @@ fn pneumatic(list: &mut List, c: &Cylinder, stroke: f64) {
     );
     if c.gas == Gas::AIR {
         list.one("gas-type", parameter("carbon_dioxide_share", 0.0, (0.8, 1.0), 0.05, &[0.999]), |r, v| {
-            cylinder(r, |c| c.gas = mix(Gas::AIR, Gas::CO2, v[0]))
+            cylinder(r, |c| c.gas = mix(Gas::AIR, Gas::CO2, v[0]));
         });
     } else {
         list.one("gas-type", parameter("air_share", 0.0, (0.8, 1.0), 0.05, &[0.999]), |r, v| {
-            cylinder(r, |c| c.gas = mix(c.gas, Gas::AIR, v[0]))
+            cylinder(r, |c| c.gas = mix(c.gas, Gas::AIR, v[0]));
         });
     }
     if c.exhaust_port.is_none() {

@@ -95,7 +95,9 @@ the parameters that the data do not tell), \"loss_falls_by\", \"held_out_loss_fa
 next), \"correlation_with\": {condition: of the runs' means}, \"p_level\", \"p_whiteness\", \"p_runs\" (how \
 likely noise is so large, so smooth, so different between runs), \"is_noise\"}], \"after\": […]}, \"tried\": \
 [{\"id\", \"parameters\", \"loss_falls_by\"}: every cause alone], \"data\": {\"hash\", \"rows\", \"runs\", \"notes\"}, \
-\"false_alarm_level\", \"next_experiment\"}. The loss is the sum of squared residuals in standard deviations, \
+\"false_alarm_level\", \"next_experiment\": null or {\"what\", \"channel\", \"sigmas\", \"tells_apart\": [[id, id]]}, \
+\"worth\": null or {\"distance_m\", \"land_error_rms_m\": [before, after], \"laws\", \"rows\"}}. The entry with the id \
+\"unknown\" has \"channel\", \"phase\", \"rms\" and \"term\" (null, or the term that describes it). The loss is the sum of squared residuals in standard deviations, \
 outliers counted less; noise makes it fall by about 1 for each parameter.
 
 CSV columns, one row for each channel: channel, rms_before, rms_after, noise.
@@ -120,8 +122,7 @@ struct Found {
     kind: Box<dyn Kind>,
     diagnosis: Diagnosis,
     settings: Settings,
-    /// The robot with what was found, and what knowing it is worth to the planner.
-    extended: Option<Robot>,
+    /// What knowing it is worth to the planner.
     worth: Option<Worth>,
 }
 
@@ -155,9 +156,9 @@ impl Diagnose {
         let extended = diagnose::extended(kind.as_ref(), &diagnosis);
         let worth = robot.as_ref().zip(extended.as_ref()).and_then(|(b, e)| diagnose::worth(b, e));
         if let Some(path) = &self.extend {
-            self.write_extended(path, kind.as_ref(), &diagnosis, extended.as_ref(), &folder.hash)?;
+            write_extended(path, kind.as_ref(), &diagnosis, extended.as_ref(), &folder.hash)?;
         }
-        let found = Found { folder, robot, kind, diagnosis, settings, extended, worth };
+        let found = Found { folder, robot, kind, diagnosis, settings, worth };
         let report = Report::of(&found);
         let text = match self.output.format() {
             Format::Text => report.text(),
@@ -173,23 +174,6 @@ impl Diagnose {
         })
     }
 
-    fn write_extended(
-        &self,
-        path: &Path,
-        kind: &dyn Kind,
-        diagnosis: &Diagnosis,
-        extended: Option<&Robot>,
-        hash: &str,
-    ) -> Result<(), CliError> {
-        let Some(robot) = extended else {
-            let allowed = "left out: nothing was found that is a property of a robot";
-            return Err(CliError::flag("--extend", path.display(), allowed));
-        };
-        let mut files = Files::default();
-        files.add(path, diagnose::robot_file(kind, diagnosis, robot, hash).into_bytes());
-        files.write()
-    }
-
     /// The robot that was measured, as the flags or else the folder say; none where the kind is about none.
     fn robot_of(&self, folder: &Folder) -> Result<Option<Robot>, CliError> {
         let needs = matches!(folder.experiment.kind, Sort::Bench | Sort::Hop | Sort::Jump | Sort::Outcomes);
@@ -203,6 +187,23 @@ impl Diagnose {
         };
         Ok(Some(saltus::resolve(&name, &self.overrides)?))
     }
+}
+
+/// Writes the extended robot; where there is none, the flag is refused.
+fn write_extended(
+    path: &Path,
+    kind: &dyn Kind,
+    diagnosis: &Diagnosis,
+    extended: Option<&Robot>,
+    hash: &str,
+) -> Result<(), CliError> {
+    let Some(robot) = extended else {
+        let allowed = "left out: nothing was found that is a property of a robot";
+        return Err(CliError::flag("--extend", path.display(), allowed));
+    };
+    let mut files = Files::default();
+    files.add(path, diagnose::robot_file(kind, diagnosis, robot, hash).into_bytes());
+    files.write()
 }
 
 fn unusable(folder: &Folder, reason: String) -> CliError {

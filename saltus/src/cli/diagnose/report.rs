@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use saltus::diagnosis::{Candidate, Finding, PhaseResidual, Sort, residuals_under};
+use saltus::diagnose::Worth;
+use saltus::diagnosis::{Candidate, Diagnosis, Finding, Kind, PhaseResidual, Sort, residuals_under};
 use serde_json::{Map, Value, json};
 
 use super::Found;
@@ -68,9 +69,23 @@ impl<'a> Report<'a> {
         Some(format!(
             "What is left in {channel} is not noise, most of all in {lead} {}: {} {unit} root mean square. No cause on the list \
              explains it, alone or with others: the machine or an instrument does something that is not on the list. Parameters \
-             found beside it may be bent to it.",
+             found beside it may be bent to it.{}",
             unknown.phase,
             digits(unknown.rms, 3),
+            self.term().unwrap_or_default(),
+        ))
+    }
+
+    /// The term that describes what is unknown.
+    fn term(&self) -> Option<String> {
+        let term = self.found.diagnosis.term.as_ref()?;
+        let (_, value, error) = term.reported.first()?;
+        let unit = term.reported.first().map_or("", |(name, ..)| name.trim_start_matches("c_"));
+        Some(format!(
+            " It behaves like this term: {}, c = {} ± {} ({unit}); data left out of the fit are predicted better with it.",
+            self.id(term.cause),
+            digits(*value, 4),
+            digits(*error, 2),
         ))
     }
 
@@ -194,6 +209,9 @@ impl<'a> Report<'a> {
             out += "\nunknown\n";
             out += &wrapped(&unknown, "  ");
         }
+        if let Some(worth) = self.worth() {
+            out += &wrapped(&format!("\n{worth}"), "");
+        }
         out += "\nError of prediction on data that were left out of the fit (root mean square)\n\n";
         out += &grid(&self.gains(), 1);
         out += "\nWhat the simulation leaves: measured less predicted, in standard deviations of the noise (σ)\n\n";
@@ -220,6 +238,25 @@ impl<'a> Report<'a> {
         out
     }
 
+    /// What the extended robot is worth to the planner.
+    pub(super) fn worth(&self) -> Option<String> {
+        let worth = self.found.worth.as_ref()?;
+        let [before, after] = worth.rms()?;
+        let law = |law: Option<(f64, f64)>| {
+            law.map_or("no law".into(), |(a, b)| format!("{} s ω + {} rad", digits(a, 4), digits(b, 4)))
+        };
+        Some(format!(
+            "Firing table for {} m at {} approach rates: the robot as measured lands off by {} m rms with the table of the robot as \
+             believed, {} m with its own. Law before: {}; after: {}.",
+            worth.distance,
+            worth.rows.len(),
+            digits(before, 3),
+            digits(after, 3),
+            law(worth.laws[0]),
+            law(worth.laws[1]),
+        ))
+    }
+
     fn finding(&self, out: &mut String, finding: &Finding) {
         let kind = self.found.kind.as_ref();
         let _ = writeln!(out, "\n{}", title(kind, finding.best.cause));
@@ -240,6 +277,9 @@ impl<'a> Report<'a> {
             };
             *out += &grid(&finding.rivals.iter().map(line).collect::<Vec<_>>(), 2);
             *out += &wrapped(Self::RIVALS, "  ");
+        }
+        if let Some(next) = next_of(finding) {
+            *out += &wrapped(&next, "  ");
         }
     }
 
@@ -383,6 +423,7 @@ impl<'a> Report<'a> {
                 "channel": unknown.channel,
                 "phase": unknown.phase,
                 "rms": unknown.rms,
+                "term": diagnosis.term.as_ref().map(|t| term_json(self.found.kind.as_ref(), t)),
             }));
         }
         let gain = |g: &saltus::diagnosis::Gain| {
@@ -406,7 +447,8 @@ impl<'a> Report<'a> {
             "residuals": { "before": residuals(&self.before), "after": residuals(&self.after) },
             "tried": tried,
             "false_alarm_level": settings.false_alarms,
-            "next_experiment": Value::Null,
+            "next_experiment": next_json(diagnosis),
+            "worth": self.found.worth.as_ref().map(worth_json),
         })
     }
 
@@ -461,4 +503,50 @@ fn wrapped(text: &str, lead: &str) -> String {
         line += word;
     }
     out + &format!("{lead}{line}\n")
+}
+
+/// Which experiment would tell the rivals of a finding apart.
+fn next_of(finding: &Finding) -> Option<String> {
+    let next = finding.next.as_ref()?;
+    let pairs: Vec<String> = next.apart.iter().map(|(a, b)| format!("{a} from {b}")).collect();
+    let tells = if pairs.is_empty() {
+        "may help to tell them apart".into()
+    } else {
+        format!("tells {}", pairs.join(", "))
+    };
+    let (channel, _) = split(&next.channel);
+    let sigmas = digits(next.sigmas, 3);
+    Some(format!(
+        "Next experiment: {}. In {channel} they differ by up to {sigmas} σ, which {tells}.",
+        next.what
+    ))
+}
+
+fn next_json(diagnosis: &Diagnosis) -> Value {
+    let all: Vec<Value> = diagnosis
+        .findings
+        .iter()
+        .filter_map(|finding| {
+            let next = finding.next.as_ref()?;
+            let apart: Vec<[&str; 2]> = next.apart.iter().map(|(a, b)| [*a, *b]).collect();
+            Some(json!({"what": next.what, "channel": next.channel, "sigmas": next.sigmas, "tells_apart": apart}))
+        })
+        .collect();
+    all.into_iter().next().unwrap_or(Value::Null)
+}
+
+fn term_json(kind: &dyn Kind, term: &Candidate) -> Value {
+    let numbers: Map<String, Value> =
+        term.reported.iter().map(|(name, value, error)| (name.clone(), json!([value, error]))).collect();
+    json!({"term": kind.causes()[term.cause].id, "value_and_standard_error": numbers})
+}
+
+fn worth_json(worth: &Worth) -> Value {
+    let row = |r: &saltus::diagnose::Row| json!({"omega_rad_s": r.rate, "alpha_f_rad": r.angles, "land_error_m": r.errors});
+    json!({
+        "distance_m": worth.distance,
+        "land_error_rms_m": worth.rms(),
+        "laws": worth.laws.map(|law| law.map(|(a, b)| json!({"slope_s": a, "intercept_rad": b}))),
+        "rows": worth.rows.iter().map(row).collect::<Vec<_>>(),
+    })
 }
