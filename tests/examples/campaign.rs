@@ -1,6 +1,8 @@
 //! The campaign: hidden effects of every cause in every kind of experiment, and what the diagnosis says of each.
 //!
-//!     cargo run --release -p saltus-tests --example campaign [what=clear,none] [kind=jump,bench] [seeds=2] [first=1] [cause=ID]
+//!     cargo run --release -p saltus-tests --example campaign [kind=all] [what=clear,none] [seeds=2] [first=1] [cause=ID]
+//!
+//! With nothing given it runs flights only.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -39,7 +41,8 @@ fn main() {
     let mut table: BTreeMap<(String, String), Tally> = BTreeMap::new();
     for sort in lab::SORTS {
         let name = format!("{sort:?}").to_lowercase();
-        if !lists("kind", &name) {
+        let wanted = option("kind").unwrap_or_else(|| "flight".into());
+        if wanted != "all" && !wanted.split(',').any(|x| x == name) {
             continue;
         }
         for seed in first..first + seeds {

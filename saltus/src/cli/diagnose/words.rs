@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn an_estimate_has_the_digits_that_its_error_allows() {
-        assert_eq!(estimate(0.012_345_6, 0.000_43, "1/m"), "0.0123 ± 0.00043 1/m");
+        assert_eq!(estimate(0.012_345_6, 0.000_43, "1/m"), "0.01235 ± 0.00043 1/m");
         assert_eq!(estimate(1234.567, 0.0123, ""), "1234.567 ± 0.012");
         assert_eq!(estimate(2.0, f64::NAN, "s"), "2 s (error not known)");
     }
