@@ -248,7 +248,10 @@ impl<'a> Search<'a> {
         let mut term = None;
         match alone {
             Some(alone) if after.causes.is_empty() => term = Some(alone),
-            Some(alone) if is_better(&alone) => {
+            // Not where the readings wander: what then explains a little more may be theirs. And nothing is taken back for nothing.
+            Some(alone)
+                if !self.wanders && is_better(&alone) && (unknown.is_some() || fitness_before.is_off) =>
+            {
                 after = before.clone();
                 fitness_after = fitness_before.clone();
                 unknown = fitness_after.unknown(stated, &after).or(unknown);
