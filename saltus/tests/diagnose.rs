@@ -16,6 +16,19 @@ fn ball(name: &str) -> String {
 }
 
 #[test]
+fn light_balls_are_braked_by_the_air_and_heavy_ones_are_not_said_to_be() {
+    let folder = Folder::new("balls");
+    for name in ["tennis-ball", "orange-whiffle-ball", "whiffle-ball-1", "green-basketball"] {
+        let text = folder.done(&format!("diagnose {}", ball(name)), 1);
+        assert!(text.starts_with("Found: air-drag"), "{name}: {text}");
+    }
+    for name in ["bowling-ball", "baseball"] {
+        let text = folder.done(&format!("diagnose {}", ball(name)), 0);
+        assert!(text.starts_with("Nothing is wrong"), "{name}: {text}");
+    }
+}
+
+#[test]
 fn a_ball_is_braked_by_the_air() {
     let folder = Folder::new("diagnose-text");
     let text = folder.done(&format!("diagnose {}", ball("tennis-ball")), 1);
