@@ -39,12 +39,14 @@ impl Default for Settings {
 const UNKNOWN_PART: f64 = 0.2;
 /// An effect that changes no reading by so many standard deviations is left alone: the model itself is not truer than that.
 const LEAST_EFFECT: f64 = 0.5;
-/// Difference in loss below which data do not tell two causes apart: 20 to 1 in likelihood.
-const RIVAL: f64 = 6.0;
+/// Difference in loss below which data do not tell two causes apart: 7 to 1 in likelihood.
+const RIVAL: f64 = 4.0;
 /// Inflation above which the noise is not what the data say it is: runs are then what is compared, and not readings.
 const WANDERS: f64 = 2.0;
 /// Where it is not, the part of what is wrong that each cause must explain.
 const SHARE: f64 = 0.2;
+/// Part of what is wrong that may be left because a cause has somewhat another form than its term.
+const SAME_FORM: f64 = 0.03;
 /// Part of what is wrong that the causes found must explain, where something is left that they do not.
 const EXPLAINED: f64 = 0.8;
 
@@ -175,6 +177,10 @@ impl Kind for Rescaled<'_> {
         self.kind.predict(run, terms, unknowns)
     }
 
+    fn input_noise(&self, run: usize, normal: &mut dyn FnMut() -> f64) -> Option<Vec<f64>> {
+        self.kind.input_noise(run, normal)
+    }
+
     fn phases(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Vec<(&'static str, f64)> {
         self.kind.phases(run, terms, unknowns)
     }
@@ -197,10 +203,13 @@ struct Search<'a> {
     runs: Vec<usize>,
     random: Pcg64,
     scores: Mutex<Scores>,
+    fitted: Mutex<Fitted>,
 }
 
 /// Causes of models, with what they say of data left out.
 type Scores = Vec<(Vec<usize>, Vec<Score>)>;
+/// Causes of models, with every further one as a candidate.
+type Fitted = Vec<(Vec<usize>, Vec<Candidate>)>;
 
 fn losses(scores: &[Score]) -> Vec<f64> {
     scores.iter().map(|s| s.loss).collect()
@@ -217,6 +226,7 @@ impl<'a> Search<'a> {
             runs,
             random: Pcg64::new(u128::from(settings.seed), 7),
             scores: Mutex::default(),
+            fitted: Mutex::default(),
         }
     }
 
@@ -230,8 +240,8 @@ impl<'a> Search<'a> {
             if after.causes.is_empty() { fitness_before.clone() } else { self.fitness(stated, &after) };
         let mut unknown = fitness_after.unknown(stated, &after);
         let left = fitness_after.squares / fitness_before.squares.max(1e-12);
-        if self.runs.len() == 1 && left < 0.5 {
-            // One run does not tell what returns.
+        // One run does not tell what returns; and a term of somewhat another form may be the same cause.
+        if left < if self.runs.len() == 1 { 0.5 } else { SAME_FORM } && !after.causes.is_empty() {
             unknown = None;
         }
         if unknown.is_some() && !after.causes.is_empty() && left > 1.0 - EXPLAINED {
@@ -304,6 +314,9 @@ impl<'a> Search<'a> {
         while steps.len() < self.settings.most {
             let tangent = Tangent::new(self.kind, &current, true)?;
             let threshold = self.threshold(&tangent);
+            if !steps.is_empty() && !self.may_tell(&tangent, &current, threshold) {
+                break;
+            }
             let candidates = self.candidates(&current, Some(&tangent));
             if steps.is_empty() {
                 tried.clone_from(&candidates);
@@ -326,9 +339,10 @@ impl<'a> Search<'a> {
             let is_first = model.causes.is_empty();
             let inflation =
                 if wanders && !is_first { fitness::inflation(self.kind, &model) } else { richest };
-            let least = if wanders { SHARE * fitness::excess(self.kind, before) } else { 0.0 };
+            let least = if wanders { SHARE * fitness::excess(self.kind, &model) } else { 0.0 };
             // How they wander is itself known poorly.
             let needed = if wanders { 2.0 * needed } else { needed };
+            if std::env::var_os("FITNESS").is_some() { eprintln!("FIT step {:?} gain {gain:.0} inflation {inflation:.1} needed {needed:.1} least {least:.0}", fit.causes.iter().map(|c| self.kind.causes()[*c].id).collect::<Vec<_>>()); }
             if gain / inflation < needed || gain < least {
                 break;
             }
@@ -336,6 +350,12 @@ impl<'a> Search<'a> {
         }
         let inflation = if wanders { fitness::inflation(self.kind, &model) } else { richest };
         Some(Chosen { model, richest: current, tried, inflation })
+    }
+
+    /// Whether some candidate may come to the threshold, as far as its tangent tells it.
+    fn may_tell(&self, tangent: &Tangent, current: &Fit, threshold: f64) -> bool {
+        let Some(residuals) = Tangent::residuals(self.kind, current) else { return true };
+        tangent.candidates.iter().any(|d| self.telling(d.cause, d.gain(&residuals)) > 0.5 * threshold)
     }
 
     /// What the most telling of all candidates reaches by chance in the stated part of cases.
@@ -355,6 +375,16 @@ impl<'a> Search<'a> {
     /// Every cause that is not yet on, with it switched on; the best first. Of those that a tangent shows to gain next to nothing, or much
     /// less than many others, no fit is made.
     fn candidates(&self, base: &Fit, tangent: Option<&Tangent>) -> Vec<Candidate> {
+        let known = |fitted: &Fitted| fitted.iter().find(|f| f.0 == base.causes).map(|f| f.1.clone());
+        if let Some(all) = known(&self.fitted.lock().unwrap_or_else(PoisonError::into_inner)) {
+            return all;
+        }
+        let all = self.fit_candidates(base, tangent);
+        self.fitted.lock().unwrap_or_else(PoisonError::into_inner).push((base.causes.clone(), all.clone()));
+        all
+    }
+
+    fn fit_candidates(&self, base: &Fit, tangent: Option<&Tangent>) -> Vec<Candidate> {
         let off: Vec<usize> = match tangent.zip(Tangent::residuals(self.kind, base)) {
             Some((tangent, residuals)) => self.promising(tangent, &residuals),
             None => (0..self.kind.listed()).filter(|c| !base.causes.contains(c)).collect(),

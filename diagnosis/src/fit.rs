@@ -353,22 +353,21 @@ pub(crate) fn fit_with(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]
             starts.push(parameters.iter().map(of).collect());
         }
     }
-    let mut best: Option<Fit> = None;
-    for start in starts {
-        let mut from = base.clone();
-        from.causes.push(cause);
-        for (p, value) in start.iter().enumerate() {
-            from.terms.set(cause, p, *value);
-        }
-        // A start that stays behind is given up.
-        let Some(tried) = refit(kind, from, runs, &None, 5) else { continue };
-        if best.as_ref().is_some_and(|b| tried.loss > b.loss + 0.1 * (base.loss - b.loss).max(10.0)) {
-            continue;
-        }
-        let Some(done) = refit(kind, tried, runs, &None, STEPS) else { continue };
-        if best.as_ref().is_none_or(|b| done.loss < b.loss) {
-            best = Some(done);
-        }
-    }
-    best
+    let mut tried: Vec<Fit> = starts
+        .into_iter()
+        .filter_map(|start| {
+            let mut from = base.clone();
+            from.causes.push(cause);
+            for (p, value) in start.iter().enumerate() {
+                from.terms.set(cause, p, *value);
+            }
+            refit(kind, from, runs, &None, 4)
+        })
+        .collect();
+    tried.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+    let least = tried.first()?.loss;
+    // Starts that stay behind are given up.
+    tried.retain(|t| t.loss <= least + 0.1 * (base.loss - least).max(10.0));
+    let done = tried.into_iter().take(2).filter_map(|t| refit(kind, t, runs, &None, STEPS));
+    done.min_by(|a, b| a.loss.total_cmp(&b.loss))
 }

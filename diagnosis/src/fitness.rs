@@ -6,16 +6,21 @@ use rand_pcg::Pcg64;
 use crate::choose::percentile;
 use crate::fit::{self, Fit};
 use crate::kind::Kind;
+use crate::parallel;
+use crate::patterns::{self, Patterns};
 use crate::tangent::Tangent;
 
 /// Smooth shapes over a run that residuals are compared with.
 const SHAPES: usize = 8;
 /// Mean square of residuals beyond 1, or of their smooth part, below which nothing is said to be wrong: the model itself is not truer.
 const LEAST: f64 = 0.03;
-/// How much of the smooth part of residuals must be the same in every run to be an effect.
-const COHERENT: f64 = 0.2;
+/// Mean of residuals over a part of a run, in standard deviations, below which nothing is said to be wrong.
+const LEAST_MEAN: f64 = 0.75;
 /// Runs that it takes to tell what returns in each of them.
 const RUNS: usize = 6;
+
+/// Statistics of each channel.
+type Measured = Vec<Vec<f64>>;
 
 /// How well a model fits.
 #[derive(Clone, Debug, PartialEq)]
@@ -175,42 +180,57 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
             is_sure: false,
         };
     };
-    let found = statistics(&series, channels, &residuals);
-    let chance: Vec<[Vec<f64>; 3]> =
-        (0..draws.max(100)).map(|_| statistics(&series, channels, &tangent.chance(kind, random))).collect();
+    let patterns = Patterns::new(kind, &tangent.predicted);
+    let measure = |residuals: &[f64]| -> Measured {
+        let [level, smooth, returning] = statistics(&series, channels, residuals);
+        let found = patterns.find(residuals);
+        let of = |c: usize| {
+            let known = [level[c], smooth[c], returning[c]];
+            known.into_iter().chain(found[c].iter().map(|p| p.statistic)).collect::<Vec<_>>()
+        };
+        (0..channels).map(of).collect()
+    };
+    let found = measure(&residuals);
+    let drawn: Vec<Vec<f64>> = (0..draws.max(100)).map(|_| tangent.chance(kind, random)).collect();
+    let chance = parallel::map(drawn.len(), |k| measure(&drawn[k]));
     let is_sure = kind.channels().iter().all(|c| c.is_given);
     // Each statistic in terms of its own scatter by chance; the most telling of them.
-    let scatter = |k: usize, c: usize| {
-        let values: Vec<f64> = chance.iter().map(|x| x[k][c]).collect();
+    let scatter = |c: usize, k: usize| {
+        let values: Vec<f64> = chance.iter().map(|x| x[c][k]).collect();
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
         (mean, square.sqrt().max(1e-9 * mean.abs()).max(1e-12))
     };
+    let kinds = 3 + patterns::COUNT;
     let scatters: Vec<Vec<(f64, f64)>> =
-        (0..3).map(|k| (0..channels).map(|c| scatter(k, c)).collect()).collect();
-    let most = |x: &[Vec<f64>; 3]| {
-        (0..3)
-            .flat_map(|k| (0..channels).map(move |c| (k, c)))
-            .map(|(k, c)| (x[k][c] - scatters[k][c].0) / scatters[k][c].1)
-            .fold(f64::NEG_INFINITY, f64::max)
-    };
+        (0..channels).map(|c| (0..kinds).map(|k| scatter(c, k)).collect()).collect();
+    let beyond = |x: &Measured, c: usize, k: usize| (x[c][k] - scatters[c][k].0) / scatters[c][k].1;
+    let all = || (0..channels).flat_map(|c| (0..kinds).map(move |k| (c, k)));
+    let most = |x: &Measured| all().map(|(c, k)| beyond(x, c, k)).fold(f64::NEG_INFINITY, f64::max);
     let mut by_chance: Vec<f64> = chance.iter().map(most).collect();
     by_chance.sort_by(f64::total_cmp);
     // Beyond the greatest of what was drawn by a little: the level is finer than the draws tell.
-    let threshold = percentile(&by_chance, 1.0 - level) * 1.1;
-    let alarm = most(&found) / threshold.max(1e-9);
-    let mean_square: Vec<f64> = (0..channels).map(|c| found[0][c] / counts[c].max(1.0)).collect();
+    let threshold = (percentile(&by_chance, 1.0 - level) * 1.25).max(1e-9);
+    let alarm = most(&found) / threshold;
+    let mean_square: Vec<f64> = (0..channels).map(|c| found[c][0] / counts[c].max(1.0)).collect();
     let smooth: Vec<f64> =
-        (0..channels).map(|c| (found[1][c] - scatters[1][c].0).max(0.0) / counts[c].max(1.0)).collect();
-    let matters = (0..channels)
-        .any(|c| mean_square[c] - scatters[0][c].0 / counts[c].max(1.0) > LEAST || smooth[c] > LEAST);
-    let runs = runs_of(&series);
-    let is_off =
-        if is_sure && (runs == 1 || (runs > 2 && coherence(&series, channels, &residuals) > COHERENT)) {
-            alarm > 1.0 && matters
-        } else {
-            returns(&series, channels, &residuals, level, random)
-        };
+        (0..channels).map(|c| (found[c][1] - scatters[c][1].0).max(0.0) / counts[c].max(1.0)).collect();
+    let sizes = patterns.find(&residuals);
+    let matters = |c: usize, k: usize| match k {
+        0 => (found[c][0] - scatters[c][0].0) / counts[c].max(1.0) > LEAST,
+        1 | 2 => smooth[c] > LEAST,
+        3 => sizes[c][0].size > LEAST_MEAN,
+        _ => sizes[c][k - 3].size > LEAST,
+    };
+    let is_wrong = all().any(|(c, k)| beyond(&found, c, k) > threshold && matters(c, k));
+    let is_off = if is_sure && runs_of(&series) != 2 { is_wrong } else { returns(&series, channels, &residuals, level, random) };
+    if std::env::var_os("FITNESS").is_some() {
+        eprintln!("FIT {:?} sure {is_sure} thr {threshold:.1}", model.causes);
+        for c in 0..channels {
+            let v: Vec<String> = (0..kinds).map(|k| format!("{:.1}{}", beyond(&found, c, k), if matters(c, k) { "*" } else { "" })).collect();
+            eprintln!("   {} {} ms {:.2} sizes {:?}", kind.channels()[c].name, v.join(" "), mean_square[c], sizes[c].map(|p| (p.size * 100.0).round() / 100.0));
+        }
+    }
     let whiteness = (0..channels)
         .map(|c| {
             let (mut above, mut below) = (0.0, 1e-300);
@@ -279,17 +299,6 @@ fn returning(parts: &[Vec<[f64; SHAPES]>], signs: &[f64]) -> f64 {
         .flat_map(|c| (0..SHAPES).map(move |k| (c, k)))
         .map(|(c, k)| parts.iter().zip(signs).map(|(p, sign)| sign * p[c][k]).sum::<f64>().powi(2))
         .sum()
-}
-
-/// How much of the smooth part of the residuals is the same in every run: 0 of what differs from run to run, 1 of what does not.
-///
-/// An effect in the machine returns; an instrument that wanders does not.
-fn coherence(series: &[Series], channels: usize, residuals: &[f64]) -> f64 {
-    let parts = smooth_parts(series, channels, residuals);
-    let runs = parts.len() as f64;
-    let whole: f64 = parts.iter().flatten().flatten().map(|x| x * x).sum();
-    let same = returning(&parts, &vec![1.0; parts.len()]) / runs / whole.max(1e-300);
-    (same - 1.0 / runs) / (1.0 - 1.0 / runs)
 }
 
 /// Whether the same smooth shape returns in the residuals of every run more than if the sign of each run's were drawn: what can be told

@@ -122,6 +122,11 @@ pub trait Kind: Sync {
     /// What the model says of each reading of a run; none where it has no answer.
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>>;
 
+    /// What noise of measured inputs does to the prediction of a run, drawn by `normal`; none where no input is measured.
+    fn input_noise(&self, _run: usize, _normal: &mut dyn FnMut() -> f64) -> Option<Vec<f64>> {
+        None
+    }
+
     /// Phases of a run: their names, and when (s) each begins.
     fn phases(&self, _run: usize, _terms: &Terms, _unknowns: &[f64]) -> Vec<(&'static str, f64)> {
         Vec::new()

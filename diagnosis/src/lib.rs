@@ -14,6 +14,7 @@ pub mod kinds;
 mod next;
 mod noise;
 mod parallel;
+mod patterns;
 mod residuals;
 pub mod rig;
 mod tangent;

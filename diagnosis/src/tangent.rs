@@ -1,7 +1,7 @@
 //! The model near a fit: what small changes would do, what chance alone does, and how surely parameters are known.
 
 use nalgebra::{DMatrix, DVector};
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_pcg::Pcg64;
 
 use crate::fit::{Fit, Place, derivative, dot, predicted, residuals, weight};
@@ -20,7 +20,7 @@ pub(crate) struct Tangent {
     /// Orthonormal directions of the unknowns of each run, within the run.
     own: Vec<Vec<Vec<f64>>>,
     /// What the model says, in standard deviations.
-    predicted: Vec<f64>,
+    pub(crate) predicted: Vec<f64>,
     /// Where each run begins, and the end.
     bounds: Vec<usize>,
 }
@@ -195,19 +195,28 @@ impl Tangent {
     /// Residuals (standard deviations) that chance alone would leave: noise and quantisation as in the data, fitted again.
     pub(crate) fn chance(&self, kind: &dyn Kind, random: &mut Pcg64) -> Vec<f64> {
         let mut all = Vec::with_capacity(self.predicted.len());
+        let within = StandardUniform.map(|x: f64| x - 0.5);
         for (run, log) in kind.logs().iter().enumerate() {
-            for (reading, value) in log.readings.iter().zip(&self.predicted[self.bounds[run]..]) {
+            // Where between two steps of a quantised column a reading lies is not known so well.
+            let places: Vec<f64> =
+                kind.channels().iter().map(|c| c.step / c.noise * within.sample(random)).collect();
+            let by_input = kind.input_noise(run, &mut || StandardNormal.sample(random));
+            for (i, (reading, value)) in
+                log.readings.iter().zip(&self.predicted[self.bounds[run]..]).enumerate()
+            {
                 let channel = &kind.channels()[reading.channel];
                 let z: f64 = StandardNormal.sample(random);
                 let count = reading.weight.sqrt();
                 let drawn = if channel.step > 0.0 {
-                    let (step, value) = (channel.step / channel.noise, value / count);
+                    let (step, value) =
+                        (channel.step / channel.noise, value / count + places[reading.channel]);
                     let white = (1.0 - step * step / 12.0).max(0.0).sqrt();
                     ((value + white * z) / step).round() * step - value
                 } else {
                     z
                 };
-                all.push(count * drawn);
+                let moved = by_input.as_ref().map_or(0.0, |moved| moved[i] / channel.noise);
+                all.push(count * (drawn + moved));
             }
         }
         self.clear(&mut all);

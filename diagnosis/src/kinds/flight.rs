@@ -2,6 +2,8 @@
 
 use super::{FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
+use crate::fit::{self, Fit};
+use crate::fitness;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::next::Proposal;
 use crate::noise;
@@ -19,6 +21,8 @@ pub struct Flights {
     is_height: Vec<bool>,
     /// Drag (1/m) of each run for one of the parameter: ρ A/(2 m), or 1.
     drag: Vec<f64>,
+    /// Length (m) of the boom of each run, if it is on one and the data show its arc.
+    boom: Vec<Option<f64>>,
     /// Drops from rest: when each was let go is not known, and may be before its first row or after.
     is_drop: bool,
 }
@@ -35,7 +39,9 @@ impl Flights {
         let channels = noise::channels(experiment, &indices);
         let logs: Vec<Log> =
             experiment.runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
-        let on_boom = experiment.runs.iter().any(|r| r.settings.contains_key("boom_radius_m"));
+        let boom: Vec<Option<f64>> =
+            experiment.runs.iter().map(|r| r.settings.get("boom_radius_m").copied()).collect();
+        let on_boom = boom.iter().any(Option::is_some);
         let sizes: Vec<Option<f64>> = experiment
             .runs
             .iter()
@@ -73,12 +79,37 @@ impl Flights {
                 1e-3,
                 &[],
             ));
+            causes.push(simple("acceleration along x, -c v_x", "c_per_s", 0.0, (-50.0, 50.0), 1e-2, &[]));
             causes.push(simple("constant acceleration along x", "c_m_s2", 0.0, (-50.0, 50.0), 0.02, &[]));
         }
         let is_height: Vec<bool> = channels.iter().map(|c| c.name == "y_m").collect();
         let is_drop = !on_boom && is_height == [true] && logs.iter().all(|log| !rises(log, &channels[0]));
         let drag = known.unwrap_or_else(|| vec![1.0; logs.len()]);
-        Flights { gravity, channels, logs, causes, listed, is_height, drag, is_drop }
+        let flat = vec![None; logs.len()];
+        let mut flights =
+            Flights { gravity, channels, logs, causes, listed, is_height, drag, boom: flat, is_drop };
+        if on_boom && flights.is_round(&boom) {
+            flights.boom = boom;
+        }
+        flights
+    }
+
+    /// Whether the data follow the end of these booms round its base, with the height counted from the pivot, rather than a plane: what
+    /// a log means by x and y nobody tells. Whatever else is at work, the arc must explain most of what the plane leaves.
+    fn is_round(&self, boom: &[Option<f64>]) -> bool {
+        let round = Flights { boom: boom.to_vec(), ..self.clone() };
+        let runs: Vec<usize> = (0..self.logs.len()).collect();
+        let left = |flights: &Flights| -> Option<Fit> {
+            let mut model = fit::fit_none(flights, &runs)?;
+            for cause in (0..flights.listed).filter(|&c| flights.causes[c].id != "counterweight") {
+                model = fit::fit_with(flights, &model, cause, &runs)?;
+            }
+            Some(model)
+        };
+        match (left(self), left(&round)) {
+            (Some(plane), Some(arc)) => plane.loss - arc.loss > 0.5 * fitness::excess(self, &plane),
+            _ => false,
+        }
     }
 
     fn value(&self, id: &str, column: Option<&str>, terms: &Terms) -> Option<f64> {
@@ -176,33 +207,35 @@ impl Kind for Flights {
         let linear = extra("acceleration -c v");
         let (lift, wind) =
             (extra("acceleration across the path, c v"), extra("constant acceleration along x"));
-        let is_parabola = drag == 0.0 && linear == 0.0 && lift == 0.0 && wind == 0.0;
+        let turning = extra("acceleration along x, -c v_x");
+        let boom = self.boom[run].filter(|length| place[1].abs() < 0.99 * length);
+        let is_parabola = drag == 0.0 && linear == 0.0 && lift == 0.0 && wind == 0.0 && turning == 0.0 && boom.is_none();
         let pull = |v: [f64; 2]| {
             let against = drag * v[0].hypot(v[1]) + linear;
-            [wind - against * v[0] - lift * v[1], -gravity - against * v[1] + lift * v[0]]
+            [wind - (against + turning) * v[0] - lift * v[1], -against * v[1] + lift * v[0]]
         };
-        let start = Path { time: release, place, speed };
+        let motion = Motion { gravity, boom, pull };
+        let start = motion.start(release, place, speed);
         let mut out = vec![0.0; readings.len()];
         for (channel, &is_height) in self.is_height.iter().enumerate() {
             let name = Some(self.channels[channel].name.as_str());
             let delay = self.value("sensor-delay", name, terms).unwrap_or(0.0);
             let scale = self.value("encoder-scale", name, terms).unwrap_or(1.0);
+            let k = usize::from(is_height);
             let mut path = start;
-            for (i, reading) in readings.iter().enumerate() {
-                if reading.channel != channel {
-                    continue;
-                }
+            for (i, reading) in readings.iter().enumerate().filter(|(_, r)| r.channel == channel) {
                 let time = reading.time - delay;
-                if is_parabola || time < start.time {
-                    // A parabola; before the first row it was on the same one, unless it was held.
-                    let t = if self.is_drop { (time - start.time).max(0.0) } else { time - start.time };
-                    let k = usize::from(is_height);
-                    let fall = if is_height { 0.5 * gravity * t * t } else { 0.0 };
-                    out[i] = scale * (start.place[k] + start.speed[k] * t - fall);
-                } else {
-                    path.go(time, &pull);
-                    out[i] = scale * path.place[usize::from(is_height)];
-                }
+                // Before the first row it was on the same path, unless it was held.
+                let time = if self.is_drop { time.max(start.time) } else { time };
+                out[i] = scale
+                    * if is_parabola {
+                        let t = time - start.time;
+                        let fall = if is_height { 0.5 * gravity * t * t } else { 0.0 };
+                        start.place[k] + start.speed[k] * t - fall
+                    } else {
+                        motion.go(&mut path, time);
+                        motion.seen(&path)[k]
+                    };
             }
         }
         out.iter().all(|x| x.is_finite()).then_some(out)
@@ -216,7 +249,7 @@ fn rises(log: &Log, channel: &Channel) -> bool {
     early.map(|r| r.value).fold(f64::NEG_INFINITY, f64::max) > first.value + 5.0 * channel.noise
 }
 
-/// Place (m) and speed (m/s) at a time (s).
+/// Place and speed at a time (s): x and y (m), or turn and pivot of a boom (rad).
 #[derive(Clone, Copy)]
 struct Path {
     time: f64,
@@ -224,31 +257,67 @@ struct Path {
     speed: [f64; 2],
 }
 
-impl Path {
-    /// Goes on to `time`, by Runge–Kutta steps; before its own time it waits.
-    fn go(&mut self, time: f64, pull: &impl Fn([f64; 2]) -> [f64; 2]) {
-        let length = time - self.time;
-        if length <= 0.0 {
-            return;
+/// What moves a body.
+struct Motion<F> {
+    /// What is felt of gravity (m/s²).
+    gravity: f64,
+    /// Length (m) of the boom whose end it is, pivoting at height 0; none: it is free.
+    boom: Option<f64>,
+    /// Other accelerations (m/s²) by the velocity, forward and up.
+    pull: F,
+}
+
+impl<F: Fn([f64; 2]) -> [f64; 2]> Motion<F> {
+    fn start(&self, time: f64, place: [f64; 2], speed: [f64; 2]) -> Path {
+        let Some(length) = self.boom else { return Path { time, place, speed } };
+        let pivot = (place[1] / length).clamp(-1.0, 1.0).asin();
+        Path {
+            time,
+            place: [place[0] / length, pivot],
+            speed: [speed[0] / length, speed[1] / (length * pivot.cos())],
         }
+    }
+
+    /// Where it is seen: x along the arc of the boom's end when level.
+    fn seen(&self, path: &Path) -> [f64; 2] {
+        self.boom.map_or(path.place, |length| [length * path.place[0], length * path.place[1].sin()])
+    }
+
+    fn accelerations(&self, place: [f64; 2], v: [f64; 2]) -> [f64; 2] {
+        let Some(length) = self.boom else {
+            let [x, y] = (self.pull)(v);
+            return [x, y - self.gravity];
+        };
+        let (sin, cos) = place[1].sin_cos();
+        let [forward, up] = (self.pull)([length * cos * v[0], length * v[1]]);
+        [
+            forward / (length * cos) + 2.0 * sin / cos * v[0] * v[1],
+            (up - self.gravity * cos) / length - sin * cos * v[0] * v[0],
+        ]
+    }
+
+    /// Goes on, or back, to `time` by Runge–Kutta steps.
+    fn go(&self, path: &mut Path, time: f64) {
+        let length = time - path.time;
         // As many steps as the longest allows.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let count = (length / STEP).ceil().clamp(1.0, 1e6) as usize;
+        let count = (length.abs() / STEP).ceil().clamp(1.0, 1e6) as usize;
         let h = length / count as f64;
         for _ in 0..count {
-            let add = |v: [f64; 2], a: [f64; 2], h: f64| [v[0] + h * a[0], v[1] + h * a[1]];
-            let (v1, a1) = (self.speed, pull(self.speed));
-            let v2 = add(v1, a1, 0.5 * h);
-            let a2 = pull(v2);
-            let v3 = add(v1, a2, 0.5 * h);
-            let a3 = pull(v3);
-            let v4 = add(v1, a3, h);
-            let a4 = pull(v4);
+            let add = |a: [f64; 2], b: [f64; 2], h: f64| [a[0] + h * b[0], a[1] + h * b[1]];
+            let (x1, v1) = (path.place, path.speed);
+            let a1 = self.accelerations(x1, v1);
+            let (x2, v2) = (add(x1, v1, 0.5 * h), add(v1, a1, 0.5 * h));
+            let a2 = self.accelerations(x2, v2);
+            let (x3, v3) = (add(x1, v2, 0.5 * h), add(v1, a2, 0.5 * h));
+            let a3 = self.accelerations(x3, v3);
+            let (x4, v4) = (add(x1, v3, h), add(v1, a3, h));
+            let a4 = self.accelerations(x4, v4);
             for k in 0..2 {
-                self.place[k] += h / 6.0 * (v1[k] + 2.0 * v2[k] + 2.0 * v3[k] + v4[k]);
-                self.speed[k] += h / 6.0 * (a1[k] + 2.0 * a2[k] + 2.0 * a3[k] + a4[k]);
+                path.place[k] += h / 6.0 * (v1[k] + 2.0 * v2[k] + 2.0 * v3[k] + v4[k]);
+                path.speed[k] += h / 6.0 * (a1[k] + 2.0 * a2[k] + 2.0 * a3[k] + a4[k]);
             }
         }
-        self.time = time;
+        path.time = time;
     }
 }

@@ -24,6 +24,8 @@ pub struct Slides {
     drives: Vec<Drive>,
     causes: Vec<Cause>,
     mass_is_known: bool,
+    /// Standard deviation (N) of a measured force.
+    force_noise: f64,
 }
 
 /// Longest step (s).
@@ -35,6 +37,7 @@ impl Slides {
         let column = |name: &str| experiment.columns.iter().position(|c| c == name).unwrap_or(0);
         let (force, position) = (column("force_n"), column("position_m"));
         let channels = noise::channels(experiment, &[position]);
+        let force_noise = noise::channels(experiment, &[force])[0].noise;
         let logs = experiment.runs.iter().map(|run| noise::log(experiment, run, &[position])).collect();
         let drives: Vec<Drive> = experiment.runs.iter().map(|run| drive(run, force)).collect();
         let mass_is_known = drives.iter().all(|d| d.mass.is_some());
@@ -53,13 +56,14 @@ impl Slides {
             },
             sensor("sensor-offset", "force_n", "offset_n", 0.0, FREE, 0.1, &[]),
             sensor("sensor-delay", "position_m", "delay_s", 0.0, (0.0, 0.5), 1e-3, &[0.01]),
+            sensor("sensor-delay", "force_n", "delay_s", 0.0, (0.0, 0.5), 1e-3, &[0.01]),
             sensor("encoder-scale", "position_m", "gain", 1.0, (0.2, 5.0), 0.01, &[]),
         ];
         if mass_is_known {
             causes.push(sensor("encoder-scale", "force_n", "gain", 1.0, (0.2, 5.0), 0.01, &[]));
             causes.push(simple("mass", "mass_share", 1.0, (0.05, 20.0), 0.02, &[0.8, 1.25]));
         }
-        Slides { channels, logs, drives, causes, mass_is_known }
+        Slides { channels, logs, drives, causes, mass_is_known, force_noise }
     }
 
     fn term(&self, id: &str, parameter: usize, terms: &Terms) -> f64 {
@@ -72,6 +76,26 @@ fn drive(run: &Run, force: usize) -> Drive {
     let rows = (0..run.time.len()).filter(|&i| run.values[force][i].is_finite());
     let (time, force) = rows.map(|i| (run.time[i], run.values[force][i])).unzip();
     Drive { mass: run.settings.get("mass_kg").copied(), time, force }
+}
+
+impl Drive {
+    /// Force (N) at `t`, after row `at`: a cubic through four rows (Catmull and Rom).
+    fn between(&self, at: usize, t: f64) -> f64 {
+        let last = self.time.len() - 1;
+        let (a, b) = (at.min(last), (at + 1).min(last));
+        let width = self.time[b] - self.time[a];
+        if width <= 0.0 {
+            return self.force[a];
+        }
+        let s = ((t - self.time[a]) / width).clamp(0.0, 1.0);
+        let slope = |i: usize| {
+            let (before, after) = (i.saturating_sub(1), (i + 1).min(last));
+            width * (self.force[after] - self.force[before]) / (self.time[after] - self.time[before])
+        };
+        let (p, q) = (self.force[a], self.force[b]);
+        let (u, v, rise) = (slope(a), slope(b), q - p);
+        p + s * (u + s * (3.0 * rise - 2.0 * u - v + s * (u + v - 2.0 * rise)))
+    }
 }
 
 impl Kind for Slides {
@@ -99,6 +123,22 @@ impl Kind for Slides {
         &self.causes
     }
 
+    /// The noise of the force, twice integrated.
+    fn input_noise(&self, run: usize, normal: &mut dyn FnMut() -> f64) -> Option<Vec<f64>> {
+        let drive = &self.drives[run];
+        let mass = drive.mass?;
+        let (mut x, mut v, mut row) = (0.0, 0.0, 0);
+        let moved = |reading: &crate::kind::Reading| {
+            while row + 1 < drive.time.len() && drive.time[row] < reading.time {
+                let h = drive.time[row + 1] - drive.time[row];
+                let kick = h * self.force_noise * normal() / mass;
+                (x, v, row) = (x + h * (v + 0.5 * kick), v + kick, row + 1);
+            }
+            x
+        };
+        Some(self.logs[run].readings.iter().map(moved).collect())
+    }
+
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         let drive = &self.drives[run];
         let mass = match (drive.mass, unknowns.get(2)) {
@@ -111,32 +151,29 @@ impl Kind for Slides {
         let (stiffness, preload) =
             (self.term("return-spring", 0, terms), self.term("return-spring", 1, terms));
         let offset = self.term("sensor-offset", 0, terms);
-        let scale_of = |column: &str| {
-            let is_it = |c: &&Cause| c.id == "encoder-scale" && c.column.as_deref() == Some(column);
-            self.causes.iter().position(|c| is_it(&c)).map_or(1.0, |i| terms.get(i, 0))
+        let of = |id: &str, column: &str, none: f64| {
+            let is_it = |c: &&Cause| c.id == id && c.column.as_deref() == Some(column);
+            self.causes.iter().position(|c| is_it(&c)).map_or(none, |i| terms.get(i, 0))
         };
-        let (delay, scale) = (self.term("sensor-delay", 0, terms), scale_of("position_m"));
-        let force_scale = scale_of("force_n");
+        let [(delay, scale), (force_delay, force_scale)] = ["position_m", "force_n"]
+            .map(|column| (of("sensor-delay", column, 0.0), of("encoder-scale", column, 1.0)));
         let (start, mut x, mut v) = (unknowns[0], unknowns[0], unknowns[1]);
         let mut now = *drive.time.first()?;
         let mut at = 0;
-        let force = |at: usize, t: f64| {
-            let (a, b) = (at, (at + 1).min(drive.time.len() - 1));
-            let width = drive.time[b] - drive.time[a];
-            let share = if width > 0.0 { ((t - drive.time[a]) / width).clamp(0.0, 1.0) } else { 0.0 };
-            force_scale * (drive.force[a] + share * (drive.force[b] - drive.force[a])) + offset
-        };
+        let force = |at: usize, t: f64| force_scale * drive.between(at, t) + offset;
         let mut out = Vec::with_capacity(self.logs[run].readings.len());
         for reading in &self.logs[run].readings {
             let until = reading.time - delay;
             while now < until {
-                while at + 1 < drive.time.len() && drive.time[at + 1] <= now {
+                let h = STEP.min(until - now);
+                // A late sensor shows now what was before.
+                let seen = now + 0.5 * h + force_delay;
+                while at + 1 < drive.time.len() && drive.time[at + 1] <= seen {
                     at += 1;
                 }
-                let h = STEP.min(until - now);
                 // The middle of the step; dry friction takes what is left of the speed and no more.
                 let middle = x + 0.5 * h * v;
-                let push = force(at, now + 0.5 * h)
+                let push = force(at, seen)
                     - stiffness * (middle - start)
                     - preload
                     - viscous * v

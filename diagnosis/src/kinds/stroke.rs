@@ -23,6 +23,8 @@ pub struct Strokes {
     logs: Vec<Log>,
     drives: Vec<Drive>,
     causes: Vec<Cause>,
+    /// Greatest position (m) of all, from which the extension is counted.
+    retracted: f64,
 }
 
 const COULOMB: usize = 0;
@@ -38,9 +40,18 @@ impl Strokes {
         let column = |name: &str| experiment.columns.iter().position(|c| c == name).unwrap_or(0);
         let (position, pressure, force) =
             (column("position_m"), column("pressure_gauge_pa"), column("force_n"));
-        let channels = noise::channels(experiment, &[force]);
+        let [mut channel, of_pressure] = [force, pressure]
+            .map(|column| noise::channels(experiment, &[column]).swap_remove(0));
+        // What is compared with p A has the noise of p in it.
+        let bores = experiment.runs.iter().filter_map(|run| run.settings.get("bore_m"));
+        let area = std::f64::consts::FRAC_PI_4 * bores.fold(0.0, |most: f64, bore| most.max(bore * bore));
+        channel.noise = channel.noise.hypot(area * of_pressure.noise);
+        let channels = vec![channel];
         let logs = experiment.runs.iter().map(|run| noise::log(experiment, run, &[force])).collect();
-        let drives = experiment.runs.iter().map(|run| drive(run, position, pressure, force)).collect();
+        let drives: Vec<Drive> =
+            experiment.runs.iter().map(|run| drive(run, position, pressure, force)).collect();
+        let places = drives.iter().flat_map(|drive| &drive.motion).map(|m| m.0);
+        let retracted = places.fold(f64::NEG_INFINITY, f64::max);
         let spring = Cause {
             id: "return-spring",
             column: None,
@@ -58,7 +69,7 @@ impl Strokes {
             sensor("sensor-offset", "force_n", "offset_n", 0.0, FREE, 0.5, &[]),
             sensor("encoder-scale", "force_n", "gain", 1.0, (0.2, 5.0), 0.01, &[]),
         ];
-        Strokes { channels, logs, drives, causes }
+        Strokes { channels, logs, drives, causes, retracted }
     }
 }
 
@@ -120,12 +131,12 @@ impl Kind for Strokes {
         &self.causes
     }
 
-    /// Force on the load cell: p A, friction against the motion (after Dahl: it turns over within the presliding way), and a spring.
+    /// Force on the load cell: p A, friction against the motion (after Dahl: it turns over within the presliding way), less a
+    /// spring that grows as the rod extends.
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         let drive = &self.drives[run];
         let area = std::f64::consts::FRAC_PI_4 * drive.bore * drive.bore;
         let (mut state, way) = (unknowns[0], unknowns[1]);
-        let start = drive.motion.iter().map(|m| m.0).fold(f64::INFINITY, f64::min);
         let mut last = drive.motion.first()?.0;
         let out: Vec<f64> = drive
             .motion
@@ -137,7 +148,7 @@ impl Kind for Strokes {
                 let end = if moved < 0.0 { -1.0 } else { 1.0 };
                 state = end + (state - end) * (-moved.abs() / way).exp();
                 let dry = terms.get(COULOMB, 0) + terms.get(SEAL, 0) * pressure.max(0.0);
-                let spring = terms.get(SPRING, 0) * (x - start) + terms.get(SPRING, 1);
+                let spring = terms.get(SPRING, 0) * (self.retracted - x) + terms.get(SPRING, 1);
                 let force = pressure * area + state * dry + terms.get(VISCOUS, 0) * speed - spring;
                 terms.get(SCALE, 0) * force + terms.get(OFFSET, 0)
             })

@@ -77,8 +77,12 @@ fn vessel(run: &Run) -> Vessel {
     }
 }
 
-/// Dimensionless flow through an orifice from `up` to `down` (Pa).
-fn flow_function(up: f64, down: f64, kappa: f64) -> f64 {
+/// Dimensionless flow through an orifice from `up` to `down` (Pa); in proportion to the difference where that is less than the part `least`
+/// of `up`, so that steps of an integration do not jump to and fro across the balance.
+fn flow_function(up: f64, down: f64, kappa: f64, least: f64) -> f64 {
+    if down > (1.0 - least) * up {
+        return flow_function(1.0, 1.0 - least, kappa, 0.0) * (1.0 - down / up) / least;
+    }
     let critical = (2.0 / (kappa + 1.0)).powf(kappa / (kappa - 1.0));
     let ratio = (down / up).clamp(0.0, 1.0);
     if ratio <= critical {
@@ -120,6 +124,12 @@ impl Kind for Vessels {
         let wall = vessel
             .wall
             .unwrap_or_else(|| (36.0 * std::f64::consts::PI).cbrt() * vessel.volume.powf(2.0 / 3.0));
+        let last = self.logs[run].readings.last()?.time;
+        let step = last / 500.0;
+        // A step at the balance shall not be stiff: there the flow is nearly √(2 difference).
+        let rate = kappa * area * (gas * vessel.temperature).sqrt() / vessel.volume * outside.max(vessel.pressure)
+            / outside.min(vessel.pressure);
+        let least = (2.0 * (rate * step).powi(2)).clamp(1e-9, 0.1);
         let rates = |[mass, temperature]: [f64; 2]| {
             let pressure = mass * gas * temperature / vessel.volume;
             let (up, down, source, sign) = if pressure > outside {
@@ -127,7 +137,7 @@ impl Kind for Vessels {
             } else {
                 (outside, pressure, vessel.temperature, 1.0)
             };
-            let flow = sign * area * up / (gas * source).sqrt() * flow_function(up, down, kappa);
+            let flow = sign * area * up / (gas * source).sqrt() * flow_function(up, down, kappa, least);
             let heat =
                 terms.get(HEAT, 0) * wall * convection(mass / vessel.volume, vessel.temperature, temperature);
             let heat_capacity = gas / (kappa - 1.0);
@@ -138,8 +148,6 @@ impl Kind for Vessels {
         let mut state = [vessel.pressure * vessel.volume / (gas * vessel.temperature), vessel.temperature];
         let mut now = 0.0;
         let mut out = Vec::with_capacity(self.logs[run].readings.len());
-        let last = self.logs[run].readings.last()?.time;
-        let step = last / 500.0;
         let mut knots = vec![(0.0, state, rates(state))];
         while now < last {
             state = runge_kutta(state, step, &rates);

@@ -54,6 +54,8 @@ pub enum Size {
     Clear,
     /// About 2 σ.
     Subtle,
+    /// From 15 to 30 σ.
+    Large,
 }
 
 /// Every kind that the lab can make.
@@ -129,6 +131,7 @@ pub fn make(kind: Sort, hidden: &[(&str, Size)], seed: u64) -> Case {
         let wanted = match size {
             Size::Clear => draw.scale(6.0, 12.0),
             Size::Subtle => 2.0,
+            Size::Large => draw.scale(15.0, 30.0),
         };
         let (strength, sigmas) = neutral.strength(&*world, &dials, wanted);
         let effect = Hidden::of(&dials, strength);

@@ -45,7 +45,7 @@ pub(super) struct Slides {
 }
 
 impl Slides {
-    /// The measured force is twice integrated: its noise is such that this leaves the position's in peace.
+    /// The measured force has noise, which a model that is driven by it integrates twice.
     pub(super) fn new(draw: &mut Draw) -> Slides {
         let mut position = Column::noisy("position_m", 2e-4);
         if draw.chance(0.4) {
@@ -62,7 +62,8 @@ impl Slides {
         });
         let drives = drives.collect();
         let rate = draw.one(&[500.0, 1000.0]);
-        Slides { columns: [Column::noisy("force_n", 1e-3), position], mass, drives, rate }
+        let force = Column::noisy("force_n", mass * draw.scale(1e-3, 1e-2));
+        Slides { columns: [force, position], mass, drives, rate }
     }
 
     fn run(&self, drive: &Drive, h: &Hidden) -> Exact {

@@ -18,6 +18,9 @@ pub(super) const CAUSES: &[&str] = &[
 
 pub(super) const OUTSIDE: &[&str] = &["position-friction", "stribeck", "ripple", "gear-ripple", "saturation"];
 
+/// Position (m) of the piston fully retracted.
+const RETRACTED: f64 = 0.1;
+
 /// One test: a set pressure, and how the piston is moved.
 #[derive(Clone, Copy, Debug)]
 struct Test {
@@ -95,7 +98,7 @@ impl Strokes {
                 + seal * pressure
                 + rough * (1.0 + (TAU * position / waves).sin())
                 + stribeck * (-(speed / slow).powi(2)).exp();
-            let extension = test.high - position;
+            let extension = RETRACTED - position;
             let force = pressure * area + state * dry + viscous * speed - spring.0 * extension - spring.1;
             exact.time.push(t);
             for (values, value) in exact.values.iter_mut().zip([position, pressure, force]) {
