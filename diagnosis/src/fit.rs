@@ -10,6 +10,8 @@ const HUBER: f64 = 3.0;
 const STEPS: usize = 40;
 /// Fall of the loss below which a fit is done.
 const DONE: f64 = 1e-2;
+/// Starts of a cause from which steps are made.
+const MOST_STARTS: usize = 4;
 /// Step of a difference quotient, in terms of a parameter's scale.
 const DIFFERENCE: f64 = 1e-3;
 
@@ -353,17 +355,26 @@ pub(crate) fn fit_with(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]
             starts.push(parameters.iter().map(of).collect());
         }
     }
-    let mut tried: Vec<Fit> = starts
+    let mut from: Vec<Fit> = starts
         .into_iter()
-        .filter_map(|start| {
+        .map(|start| {
             let mut from = base.clone();
             from.causes.push(cause);
             for (p, value) in start.iter().enumerate() {
                 from.terms.set(cause, p, *value);
             }
-            refit(kind, from, runs, &None, 4)
+            from
         })
         .collect();
+    if from.len() > MOST_STARTS {
+        // The best as they are.
+        let loss = |fit: &Fit| refit(kind, fit.clone(), runs, &None, 0).map_or(f64::INFINITY, |f| f.loss);
+        let mut all: Vec<(f64, Fit)> = from.into_iter().map(|fit| (loss(&fit), fit)).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        from = all.into_iter().take(MOST_STARTS).map(|(_, fit)| fit).collect();
+    }
+    let mut tried: Vec<Fit> =
+        from.into_iter().filter_map(|fit| refit(kind, fit, runs, &None, 4)).collect();
     tried.sort_by(|a, b| a.loss.total_cmp(&b.loss));
     let least = tried.first()?.loss;
     // Starts that stay behind are given up.

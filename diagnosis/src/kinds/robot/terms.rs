@@ -286,9 +286,11 @@ fn body(list: &mut List, robot: &Robot) {
         },
     );
     if boom.flex.is_none() {
+        // The boom swings: each stiffness has its own phase, and near ones are no way to far ones.
+        let starts: Vec<f64> = (0..20).map(|k| 1e-4 * 1.28_f64.powi(k)).collect();
         list.one(
             "boom-flex",
-            parameter("boom_compliance_rad_per_n_m", 0.0, (5e-5, 0.05), 2e-5, &[3e-4, 1e-3, 4e-3]),
+            parameter("boom_compliance_rad_per_n_m", 0.0, (5e-5, 0.05), 2e-5, &starts),
             |r, v| {
                 if let Some(boom) = &mut r.boom {
                     boom.flex = Some(1.0 / v[0]);
