@@ -41,6 +41,8 @@ const UNKNOWN_PART: f64 = 0.2;
 const LEAST_EFFECT: f64 = 0.5;
 /// Difference in loss below which data do not tell two causes apart: 7 to 1 in likelihood.
 const RIVAL: f64 = 4.0;
+/// Rivals of a cause that are named with it.
+const RIVALS: usize = 2;
 /// Inflation above which the noise is not what the data say it is: runs are then what is compared, and not readings.
 const WANDERS: f64 = 2.0;
 /// Where it is not, the part of what is wrong that each cause must explain.
@@ -68,8 +70,12 @@ pub struct Candidate {
 pub struct Finding {
     /// The cause in the model.
     pub best: Candidate,
-    /// Those that the data cannot tell from it, each in its place.
+    /// Those that the data cannot tell from it, each in its place: the two nearest.
     pub rivals: Vec<Candidate>,
+    /// Those after them that the data do not exclude either.
+    pub less_likely: Vec<Candidate>,
+    /// A term without an id that explains the data as well.
+    pub unlisted: Option<Candidate>,
     /// By how much the loss of data left out falls with it.
     pub held_out: f64,
     /// A direction of its parameters that the data do not tell, as the part of each.
@@ -255,7 +261,7 @@ impl<'a> Search<'a> {
         let alone =
             if before.causes == after.causes && unknown.is_none() { None } else { self.describe(&before) };
         let is_better = |c: &Candidate| c.fit.loss < after.loss - 2.0 * RIVAL * inflation;
-        let mut term = None;
+        let (mut term, mut unlisted) = (None, None);
         match alone {
             Some(alone) if after.causes.is_empty() => term = Some(alone),
             // Not where the readings wander: what then explains a little more may be theirs. And nothing is taken back for nothing.
@@ -269,10 +275,19 @@ impl<'a> Search<'a> {
                 term = Some(alone);
             }
             _ if unknown.is_some() => term = self.describe(&after),
+            Some(alone) if after.causes.len() == 1 && self.is_as_good(&alone, &after, inflation) => {
+                unlisted = Some(alone);
+            }
             _ => {}
         }
         (self.progress)("what else could be");
-        let findings = self.findings(&after, inflation, Some((&before, &tried)));
+        let mut findings = self.findings(&after, inflation, Some((&before, &tried)));
+        if let ([finding], Some(unlisted)) = (&mut findings[..], unlisted) {
+            // With it three are named at most.
+            finding.less_likely.splice(0..0, finding.rivals.drain(finding.rivals.len().min(RIVALS - 1)..));
+            finding.unlisted = Some(unlisted);
+            finding.next = self.next(finding);
+        }
         (self.progress)("data left out");
         let folds = folds(self.kind, self.settings);
         let scores = [&before, &after].map(|model| self.held_out(model, &folds).unwrap_or_default());
@@ -282,6 +297,12 @@ impl<'a> Search<'a> {
         }
         let fitness = (fitness_before, fitness_after);
         Diagnosis { findings, unknown, term, tried, before, after, fitness, inflation, gains }
+    }
+
+    /// Whether a term without an id explains the data about as well as the one cause of `model`.
+    fn is_as_good(&self, term: &Candidate, model: &Fit, inflation: f64) -> bool {
+        let parameters = 2.0 * self.freedom(term.cause) as f64 - 2.0 * self.freedom(model.causes[0]) as f64;
+        (term.fit.loss - model.loss + parameters) / inflation < RIVAL
     }
 
     fn freedom(&self, cause: usize) -> usize {
@@ -360,13 +381,12 @@ impl<'a> Search<'a> {
 
     /// What the most telling of all candidates reaches by chance in the stated part of cases.
     fn threshold(&mut self, tangent: &Tangent) -> f64 {
-        let mut most: Vec<f64> = (0..self.settings.draws)
-            .map(|_| {
-                let drawn = tangent.chance(self.kind, &mut self.random);
-                let of = |d: &crate::tangent::Direction| self.telling(d.cause, d.gain(&drawn));
-                tangent.candidates.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
-            })
-            .collect();
+        let draws: Vec<Vec<f64>> =
+            (0..self.settings.draws).map(|_| tangent.chance(self.kind, &mut self.random)).collect();
+        let mut most: Vec<f64> = parallel::map(draws.len(), |k| {
+            let of = |d: &crate::tangent::Direction| self.telling(d.cause, d.gain(&draws[k]));
+            tangent.candidates.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+        });
         most.sort_by(f64::total_cmp);
         let level = self.settings.false_alarms * (1.0 - UNKNOWN_PART);
         percentile(&most, 1.0 - level)
@@ -421,7 +441,7 @@ impl<'a> Search<'a> {
         // What cannot be reached in small steps is not told by them either.
         let is_apart = |cause: usize| self.kind.causes()[cause].is_apart();
         let near = |k: usize, (cause, gain): (usize, f64)| {
-            gain > NOTHING && (k < MOST || gain > 0.6 * best || is_apart(cause))
+            gain > NOTHING && (k < MOST || gain > 0.6 * best || (is_apart(cause) && gain > 0.1 * best))
         };
         let mut all: Vec<usize> =
             gains.iter().enumerate().filter(|(k, g)| near(*k, **g)).map(|(_, g)| g.0).collect();
@@ -559,6 +579,17 @@ impl<'a> Search<'a> {
         Some(best)
     }
 
+    /// The experiment that would tell the rivals of a finding apart.
+    fn next(&self, finding: &Finding) -> Option<NextExperiment> {
+        let others = finding.rivals.iter().chain(&finding.less_likely).chain(&finding.unlisted);
+        let rivals: Vec<(usize, &Fit)> =
+            std::iter::once(&finding.best).chain(others).map(|c| (c.cause, &c.fit)).collect();
+        if rivals.len() < 2 {
+            return None;
+        }
+        next::next(self.kind, &rivals, &self.kind.proposals())
+    }
+
     /// What is to be said of each cause of the model.
     fn findings(&self, model: &Fit, inflation: f64, first: Option<(&Fit, &[Candidate])>) -> Vec<Finding> {
         let folds = folds(self.kind, self.settings);
@@ -604,6 +635,8 @@ impl<'a> Search<'a> {
                     seen.push(id);
                     is_new
                 });
+                let cost = |c: &Candidate| 2.0 * self.freedom(c.cause) as f64 - c.gain;
+                candidates.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
                 let undetermined = report(self.kind, &mut best, inflation);
                 for rival in &mut candidates {
                     report(self.kind, rival, inflation);
@@ -613,15 +646,18 @@ impl<'a> Search<'a> {
                     (Some(a), Some(b)) => a.iter().zip(b).map(|(a, b)| a - b).sum(),
                     _ => f64::NAN,
                 };
-                let next = if candidates.is_empty() {
-                    None
-                } else {
-                    let of = |c: &'_ Candidate| (c.cause, c.fit.clone());
-                    let fits: Vec<(usize, Fit)> = std::iter::once(&best).chain(&candidates).map(of).collect();
-                    let rivals: Vec<(usize, &Fit)> = fits.iter().map(|(c, f)| (*c, f)).collect();
-                    next::next(self.kind, &rivals, &self.kind.proposals())
+                let less_likely = candidates.split_off(candidates.len().min(RIVALS));
+                let mut finding = Finding {
+                    best,
+                    rivals: candidates,
+                    less_likely,
+                    unlisted: None,
+                    held_out,
+                    undetermined,
+                    next: None,
                 };
-                Some(Finding { best, rivals: candidates, held_out, undetermined, next })
+                finding.next = self.next(&finding);
+                Some(finding)
             })
             .collect();
         all.sort_by(|a, b| b.best.gain.total_cmp(&a.best.gain));

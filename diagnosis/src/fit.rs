@@ -129,6 +129,8 @@ struct Problem<'a> {
     mask: &'a Mask,
     parameters: Vec<Parameter>,
     fit: Fit,
+    /// Derivatives by the unknowns of each run from an earlier step: they change little, and the last step is made with new ones.
+    own: Vec<Option<Vec<Vec<f64>>>>,
 }
 
 /// A point of a search: predictions and residuals of each run, and the loss.
@@ -151,7 +153,7 @@ impl<'a> Problem<'a> {
         for &run in runs {
             parameters.extend(kind.unknowns(run));
         }
-        Problem { kind, shared, runs, mask, parameters, fit }
+        Problem { kind, shared, runs, mask, parameters, fit, own: vec![None; runs.len()] }
     }
 
     fn read(&self) -> Vec<f64> {
@@ -194,29 +196,30 @@ impl<'a> Problem<'a> {
     }
 
     /// Normal equations in units of the parameters' scales. The present parameters are those of `point`.
-    fn normal(&self, point: &Point) -> Option<(DMatrix<f64>, DVector<f64>)> {
+    fn normal(&mut self, point: &Point) -> Option<(DMatrix<f64>, DVector<f64>)> {
         let n = self.parameters.len();
         let (mut matrix, mut slope) = (DMatrix::zeros(n, n), DVector::zeros(n));
         let mut next = self.shared.len();
         for (k, &run) in self.runs.iter().enumerate() {
-            let unknowns = &self.fit.unknowns[run];
+            let unknowns = &self.fit.unknowns[run].clone();
             let own = next..next + unknowns.len();
             next = own.end;
             let shared = self.shared.iter().map(|&(c, p)| Place::Shared(c, p));
             let places: Vec<Place> = shared.chain((0..unknowns.len()).map(Place::Own)).collect();
             let columns: Vec<usize> = (0..self.shared.len()).chain(own).collect();
+            let known = self.own[k].is_some();
             let mut jacobian = Vec::with_capacity(columns.len());
             for (place, &column) in places.iter().zip(&columns) {
-                let parameter = &self.parameters[column];
+                if known && matches!(place, Place::Own(_)) {
+                    continue;
+                }
+                let by = (*place, &self.parameters[column]);
                 let here = &point.predicted[k];
-                jacobian.push(derivative(
-                    self.kind,
-                    run,
-                    &self.fit.terms,
-                    unknowns,
-                    here,
-                    (*place, parameter),
-                )?);
+                jacobian.push(derivative(self.kind, run, &self.fit.terms, unknowns, here, by)?);
+            }
+            match &self.own[k] {
+                Some(own) => jacobian.extend(own.iter().cloned()),
+                None => self.own[k] = Some(jacobian[self.shared.len()..].to_vec()),
             }
             let weights: Vec<f64> = point.residuals[k]
                 .iter()
@@ -248,13 +251,18 @@ impl<'a> Problem<'a> {
         }
         let mut point = self.at(&x)?;
         let mut damping = 1e-3;
+        let mut is_new = true;
         for _ in 0..steps {
             self.write(&x);
             let Some((matrix, slope)) = self.normal(&point) else { break };
             let fall = self.step(&mut x, &mut point, &matrix, &slope, &mut damping);
             if fall < DONE {
-                break;
+                if is_new || self.parameters.len() == self.shared.len() {
+                    break;
+                }
+                self.own.fill(None);
             }
+            is_new = fall < DONE;
         }
         self.write(&x);
         self.fit.loss = point.loss;

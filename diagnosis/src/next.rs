@@ -35,7 +35,7 @@ pub(crate) fn next(
     rivals: &[(usize, &Fit)],
     proposals: &[Proposal],
 ) -> Option<NextExperiment> {
-    let id = |k: usize| kind.causes()[rivals[k].0].id;
+    let id = |k: usize| if rivals[k].0 < kind.listed() { kind.causes()[rivals[k].0].id } else { "unknown" };
     let tried = parallel::map(proposals.len(), |k| {
         let there = proposals[k].kind.as_ref();
         let all: Option<Vec<Vec<f64>>> =

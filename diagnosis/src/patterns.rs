@@ -33,20 +33,27 @@ impl Pattern {
 struct Row {
     channel: usize,
     is_time: bool,
-    /// Length as a part of the longest.
-    length: f64,
     /// Place among all readings, and cell.
     cells: Vec<(usize, usize)>,
     /// What the readings in each cell count.
     counts: Vec<f64>,
+    /// cos and sin of every wave at every cell.
+    waves: Vec<[(f64, f64); CELLS]>,
 }
 
 /// Where to look for patterns.
 pub(crate) struct Patterns {
     channels: usize,
     rows: Vec<Row>,
-    /// cos and sin of so many steps of 1/(2 `CELLS`) of a turn.
-    turns: Vec<(f64, f64)>,
+}
+
+/// cos and sin of every wave over a row of this length: from its start the phase grows with the time, and not with the cell.
+fn waves(length: f64) -> Vec<[(f64, f64); CELLS]> {
+    let at = |wave: usize, cell: usize| {
+        let (sin, cos) = (TAU * (wave * cell) as f64 * length / (2 * CELLS) as f64).sin_cos();
+        (cos, sin)
+    };
+    (0..=WAVES).map(|wave| std::array::from_fn(|cell| at(wave, cell))).collect()
 }
 
 impl Patterns {
@@ -74,7 +81,8 @@ impl Patterns {
                     continue;
                 }
                 let cells = places.iter().enumerate().map(|(i, &p)| (p, i * CELLS / n)).collect();
-                rows.push(Row { channel, is_time: true, length: span(log) / longest, cells, counts: Vec::new() });
+                let waves = waves(span(log) / longest);
+                rows.push(Row { channel, is_time: true, cells, counts: Vec::new(), waves });
                 for (i, &place) in places.iter().enumerate() {
                     let falls = predicted[places[(i + 1).min(n - 1)]] < predicted[places[i.saturating_sub(1)]];
                     by_value[usize::from(falls)].push(place);
@@ -92,7 +100,7 @@ impl Patterns {
                     (place, cell.min(CELLS - 1))
                 };
                 let cells = places.iter().map(|&p| cell(p)).collect();
-                rows.push(Row { channel, is_time: false, length: 1.0, cells, counts: Vec::new() });
+                rows.push(Row { channel, is_time: false, cells, counts: Vec::new(), waves: waves(1.0) });
             }
             for row in rows.iter_mut().filter(|row| row.channel == channel) {
                 row.counts = vec![0.0; CELLS];
@@ -101,8 +109,7 @@ impl Patterns {
                 }
             }
         }
-        let turn = |k: usize| (TAU * k as f64 / (2 * CELLS) as f64).sin_cos();
-        Patterns { channels, rows, turns: (0..2 * CELLS).map(turn).map(|(s, c)| (c, s)).collect() }
+        Patterns { channels, rows }
     }
 
     /// The strongest pattern of each sort in each channel.
@@ -120,7 +127,7 @@ impl Patterns {
                 if row.is_time {
                     found[0] = part(&sums, &row.counts, found[0]);
                     count += row.counts.iter().sum::<f64>();
-                    for (k, power) in self.powers(&sums, row.length).into_iter().enumerate() {
+                    for (k, power) in row.powers(&sums).into_iter().enumerate() {
                         let [re, im] = power;
                         waves[0][k] += (re * re + im * im) / row.counts.iter().sum::<f64>().max(1.0);
                     }
@@ -132,7 +139,7 @@ impl Patterns {
                             steps += sum * sum / n - 1.0;
                         }
                     }
-                    for (all, [re, im]) in by_value.iter_mut().zip(self.powers(&sums, 1.0)) {
+                    for (all, [re, im]) in by_value.iter_mut().zip(row.powers(&sums)) {
                         *all = (all.0 + re, all.1 + im);
                     }
                 }
@@ -149,25 +156,16 @@ impl Patterns {
         }
         found
     }
+}
 
-    /// Real and imaginary part of each wave over a row of this length.
-    fn powers(&self, sums: &[f64], length: f64) -> Vec<[f64; 2]> {
-        // From the start of a row the phase grows with the time, and not with the cell; no row is longer than 1.
-        let table = self.turns.len() as f64;
-        (0..=WAVES)
-            .map(|wave| {
-                let (mut re, mut im) = (0.0, 0.0);
-                for (cell, sum) in sums.iter().enumerate() {
-                    let turn = (wave * cell) as f64 * length;
-                    // An index.
-                    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-                    let (cos, sin) = self.turns[(turn % table) as usize];
-                    re += sum * cos;
-                    im += sum * sin;
-                }
-                [re, im]
-            })
-            .collect()
+impl Row {
+    /// Real and imaginary part of each wave.
+    fn powers(&self, sums: &[f64]) -> Vec<[f64; 2]> {
+        let of = |wave: &[(f64, f64); CELLS]| {
+            let add = |[re, im]: [f64; 2], (sum, (cos, sin)): (&f64, &(f64, f64))| [re + sum * cos, im + sum * sin];
+            sums.iter().zip(wave).fold([0.0; 2], add)
+        };
+        self.waves.iter().map(of).collect()
     }
 }
 

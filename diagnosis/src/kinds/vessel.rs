@@ -2,7 +2,8 @@
 
 use super::{FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run};
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::kind::{Cause, Channel, Kind, Log, Parameter, Reading, Terms};
+use crate::next::Proposal;
 use crate::noise;
 
 /// What is given of a run.
@@ -29,11 +30,20 @@ pub struct Vessels {
     logs: Vec<Log>,
     tanks: Vec<Vessel>,
     causes: Vec<Cause>,
+    /// How many of them have an id.
+    listed: usize,
 }
 
+/// Standard deviation (K) of a thermometer that could be had.
+const THERMOMETER: f64 = 1.0;
 const HEAT: usize = 0;
 const GAS: usize = 1;
 const OUTSIDE: usize = 2;
+/// Terms of the flow that have no id of a cause: name, parameter, a change that matters.
+const DRIFTS: [(&str, &str, f64); 2] = [
+    ("flow through the orifice, times 1 + c times the share of pressure that is lost", "c", 0.01),
+    ("flow through the orifice, times 1 + c times the share of time that is gone", "c", 0.01),
+];
 /// Air and carbon dioxide: κ and R (J/(kg K)).
 const AIR: (f64, f64) = (1.4, 287.05);
 const CARBON_DIOXIDE: (f64, f64) = (1.30, 188.9);
@@ -61,7 +71,11 @@ impl Vessels {
                 causes.push(sensor("sensor-delay", column, "delay_s", 0.0, (0.0, 10.0), 0.1, &[]));
             }
         }
-        Vessels { channels, logs, tanks, causes }
+        let listed = causes.len();
+        for (id, name, scale) in DRIFTS {
+            causes.push(simple(id, name, 0.0, (-3.0, 3.0), scale, &[]));
+        }
+        Vessels { channels, logs, tanks, causes, listed }
     }
 }
 
@@ -110,6 +124,32 @@ impl Kind for Vessels {
         &self.causes
     }
 
+    fn listed(&self) -> usize {
+        self.listed
+    }
+
+    /// The same runs with the temperature of the gas measured too, where it was not.
+    fn proposals(&self) -> Vec<Proposal> {
+        if self.channels.iter().any(|c| c.name == "temperature_k") {
+            return Vec::new();
+        }
+        let channel =
+            Channel { name: "temperature_k".into(), noise: THERMOMETER, step: 0.0, is_given: true };
+        let proposal = |(log, tank): (&Log, &Vessel)| {
+            let readings = log.readings.iter().map(|r| Reading { channel: 0, ..*r }).collect();
+            let kind = Vessels {
+                channels: vec![channel.clone()],
+                logs: vec![Log { name: log.name.clone(), readings }],
+                tanks: vec![*tank],
+                causes: self.causes.clone(),
+                listed: self.listed,
+            };
+            let what = format!("measure the temperature of the gas too, to {THERMOMETER} K, in a run like {}", log.name);
+            Proposal { what, kind: Box::new(kind) }
+        };
+        self.logs.iter().zip(&self.tanks).map(proposal).collect()
+    }
+
     /// Mass and energy of the gas: dU = h_in dm + Q, with natural convection from a wall that stays at the first temperature.
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         let vessel = &self.tanks[run];
@@ -130,14 +170,17 @@ impl Kind for Vessels {
         let rate = kappa * area * (gas * vessel.temperature).sqrt() / vessel.volume * outside.max(vessel.pressure)
             / outside.min(vessel.pressure);
         let least = (2.0 * (rate * step).powi(2)).clamp(1e-9, 0.1);
-        let rates = |[mass, temperature]: [f64; 2]| {
+        let drift = [self.listed, self.listed + 1].map(|k| terms.get(k, 0));
+        let rates = |time: f64, [mass, temperature]: [f64; 2]| {
             let pressure = mass * gas * temperature / vessel.volume;
             let (up, down, source, sign) = if pressure > outside {
                 (pressure, outside, temperature, -1.0)
             } else {
                 (outside, pressure, vessel.temperature, 1.0)
             };
-            let flow = sign * area * up / (gas * source).sqrt() * flow_function(up, down, kappa, least);
+            let lost = (vessel.pressure - pressure) / (vessel.pressure - outside);
+            let drifted = (1.0 + drift[0] * lost + drift[1] * time / last).max(0.0);
+            let flow = sign * drifted * area * up / (gas * source).sqrt() * flow_function(up, down, kappa, least);
             let heat =
                 terms.get(HEAT, 0) * wall * convection(mass / vessel.volume, vessel.temperature, temperature);
             let heat_capacity = gas / (kappa - 1.0);
@@ -148,11 +191,11 @@ impl Kind for Vessels {
         let mut state = [vessel.pressure * vessel.volume / (gas * vessel.temperature), vessel.temperature];
         let mut now = 0.0;
         let mut out = Vec::with_capacity(self.logs[run].readings.len());
-        let mut knots = vec![(0.0, state, rates(state))];
+        let mut knots = vec![(0.0, state, rates(0.0, state))];
         while now < last {
-            state = runge_kutta(state, step, &rates);
+            state = runge_kutta(now, state, step, &rates);
             now += step;
-            knots.push((now, state, rates(state)));
+            knots.push((now, state, rates(now, state)));
         }
         for reading in &self.logs[run].readings {
             let column = self.channels[reading.channel].name.as_str();
@@ -195,11 +238,11 @@ fn between(knots: &[(f64, [f64; 2], [f64; 2])], step: f64, time: f64) -> [f64; 2
     })
 }
 
-fn runge_kutta(y: [f64; 2], h: f64, f: &impl Fn([f64; 2]) -> [f64; 2]) -> [f64; 2] {
+fn runge_kutta(t: f64, y: [f64; 2], h: f64, f: &impl Fn(f64, [f64; 2]) -> [f64; 2]) -> [f64; 2] {
     let add = |k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
-    let a = f(y);
-    let b = f(add(a, 0.5 * h));
-    let c = f(add(b, 0.5 * h));
-    let d = f(add(c, h));
+    let a = f(t, y);
+    let b = f(t + 0.5 * h, add(a, 0.5 * h));
+    let c = f(t + 0.5 * h, add(b, 0.5 * h));
+    let d = f(t + h, add(c, h));
     std::array::from_fn(|k| y[k] + h / 6.0 * (a[k] + 2.0 * b[k] + 2.0 * c[k] + d[k]))
 }

@@ -323,11 +323,13 @@ fn contact(list: &mut List, sort: Sort) {
             r.ground.kinetic_friction = 1.0 / v[0];
         },
     );
+    let (soft, damped): (Vec<f64>, Vec<f64>) =
+        [1e-4, 3e-5, 1e-5, 3e-6, 1e-6].into_iter().flat_map(|c| [(c, 30.0), (c, 300.0)]).unzip();
     list.add(
         "ground-compliance",
         vec![
-            parameter("ground_compliance_m_per_n", 0.0, (5e-7, 1e-3), 2e-6, &[5e-5, 1e-5]),
-            parameter("ground.damping_n_s_per_m", 0.0, (0.0, 5e3), 20.0, &[100.0]),
+            parameter("ground_compliance_m_per_n", 0.0, (5e-7, 1e-3), 2e-6, &soft),
+            parameter("ground.damping_n_s_per_m", 0.0, (0.0, 5e3), 20.0, &damped),
         ],
         |r, v| {
             r.ground.stiffness = Some(1.0 / v[0]);

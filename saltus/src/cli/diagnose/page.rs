@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use saltus::diagnosis::{Finding, Point, Sort, points};
 
 use super::chart::{Bars, Chart, escaped};
-use super::report::{Report, phase_in};
+use super::report::{Report, next_of, phase_in};
 use super::words::{meaning, split, title};
 use crate::output::digits;
 
@@ -44,6 +44,10 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> String {
         );
     }
     gains(&mut out, report);
+    if let Some(worth) = report.worth() {
+        out.push_str("<h2>What knowing it is worth</h2>\n");
+        sentence(&mut out, &worth);
+    }
     curves.measured(&mut out, report);
     curves.residuals(&mut out, report);
     table(&mut out, &report.residual_lines(), 2);
@@ -91,7 +95,7 @@ fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
     if let Some(text) = report.undetermined(finding) {
         let _ = writeln!(out, "<p>{}</p>", escaped(&text));
     }
-    if !finding.rivals.is_empty() {
+    if !finding.rivals.is_empty() || finding.unlisted.is_some() {
         out.push_str("<p>It could as well be:</p>\n");
         let mut lines = vec![vec!["rival".to_owned(), "with".to_owned()]];
         for rival in &finding.rivals {
@@ -99,8 +103,17 @@ fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
                 report.parameters(rival).iter().map(|(n, x)| format!("{n} = {x}")).collect();
             lines.push(vec![title(kind, rival.cause), said.join(", ")]);
         }
+        if finding.rivals.is_empty() {
+            lines.clear();
+        }
         table(out, &lines, 2);
+        if let Some(term) = &finding.unlisted {
+            sentence(out, &format!("{}.", report.unlisted(term)));
+        }
         sentence(out, Report::RIVALS);
+    }
+    for text in [report.less_likely(finding), next_of(finding)].into_iter().flatten() {
+        sentence(out, &text);
     }
     out.push_str("</div>\n");
 }

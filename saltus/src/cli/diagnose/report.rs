@@ -44,8 +44,9 @@ impl<'a> Report<'a> {
         let said = |f: &Finding| {
             let (name, what) =
                 (title(self.found.kind.as_ref(), f.best.cause), meaning(self.id(f.best.cause)));
-            let rivals: Vec<String> =
+            let mut rivals: Vec<String> =
                 f.rivals.iter().map(|r| title(self.found.kind.as_ref(), r.cause)).collect();
+            rivals.extend(f.unlisted.as_ref().map(|_| "something that is not on the list".to_owned()));
             let rivals = if rivals.is_empty() {
                 rivals.join("")
             } else {
@@ -79,14 +80,17 @@ impl<'a> Report<'a> {
     /// The term that describes what is unknown.
     fn term(&self) -> Option<String> {
         let term = self.found.diagnosis.term.as_ref()?;
-        let (_, value, error) = term.reported.first()?;
-        let unit = term.reported.first().map_or("", |(name, ..)| name.trim_start_matches("c_"));
         Some(format!(
-            " It behaves like this term: {}, c = {} ± {} ({unit}); data left out of the fit are predicted better with it.",
-            self.id(term.cause),
-            digits(*value, 4),
-            digits(*error, 2),
+            " It behaves like this term: {}; data left out of the fit are predicted better with it.",
+            self.acts_like(term)
         ))
+    }
+
+    /// A term without an id with its number.
+    fn acts_like(&self, term: &Candidate) -> String {
+        let Some((name, value, error)) = term.reported.first() else { return String::new() };
+        let unit = name.strip_prefix("c_").map_or(String::new(), |unit| format!(" ({unit})"));
+        format!("{}, c = {} ± {}{unit}", self.id(term.cause), digits(*value, 4), digits(*error, 2))
     }
 
     pub(super) fn id(&self, cause: usize) -> &'static str {
@@ -268,7 +272,7 @@ impl<'a> Report<'a> {
         }
         let held_out = digits(finding.held_out, 4);
         *out += &wrapped(&format!("On data left out of the fit it lowers the misfit by {held_out}."), "  ");
-        if !finding.rivals.is_empty() {
+        if !finding.rivals.is_empty() || finding.unlisted.is_some() {
             *out += "  It could as well be\n";
             let line = |rival: &Candidate| {
                 let said: Vec<String> =
@@ -276,11 +280,27 @@ impl<'a> Report<'a> {
                 vec![format!("  {}", title(kind, rival.cause)), said.join(", ")]
             };
             *out += &grid(&finding.rivals.iter().map(line).collect::<Vec<_>>(), 2);
+            if let Some(term) = &finding.unlisted {
+                *out += &wrapped(&format!("{}.", self.unlisted(term)), "    ");
+            }
             *out += &wrapped(Self::RIVALS, "  ");
+            *out += &self.less_likely(finding).map_or_else(String::new, |text| wrapped(&text, "  "));
         }
         if let Some(next) = next_of(finding) {
             *out += &wrapped(&next, "  ");
         }
+    }
+
+    /// A term without an id that is a rival, in words.
+    pub(super) fn unlisted(&self, term: &Candidate) -> String {
+        format!("something that is not on the list and acts like this term: {}", self.acts_like(term))
+    }
+
+    /// What is behind the rivals, as a sentence.
+    pub(super) fn less_likely(&self, finding: &Finding) -> Option<String> {
+        let kind = self.found.kind.as_ref();
+        let names: Vec<String> = finding.less_likely.iter().map(|c| title(kind, c.cause)).collect();
+        (!names.is_empty()).then(|| format!("Less likely, but not excluded: {}.", names.join(", ")))
     }
 
     /// Gain by channel: a header, then lines.
@@ -381,8 +401,13 @@ impl<'a> Report<'a> {
 
     fn finding_entry(&self, finding: &Finding) -> Value {
         let mut entry = self.entry(&finding.best);
-        let rivals: Vec<&str> = finding.rivals.iter().map(|r| self.id(r.cause)).collect();
+        let mut rivals: Vec<&str> = finding.rivals.iter().map(|r| self.id(r.cause)).collect();
+        rivals.extend(finding.unlisted.as_ref().map(|_| "unknown"));
         entry.insert("rivals".into(), json!(rivals));
+        let others: Vec<&str> = finding.less_likely.iter().map(|r| self.id(r.cause)).collect();
+        entry.insert("less_likely".into(), json!(others));
+        let term = finding.unlisted.as_ref().map(|t| term_json(self.found.kind.as_ref(), t));
+        entry.insert("unlisted".into(), json!(term));
         entry.insert("held_out_loss_falls_by".into(), json!(finding.held_out));
         entry.insert("undetermined".into(), json!(finding.undetermined));
         let candidates: Vec<Value> = finding.rivals.iter().map(|r| Value::Object(self.entry(r))).collect();
@@ -506,7 +531,7 @@ fn wrapped(text: &str, lead: &str) -> String {
 }
 
 /// Which experiment would tell the rivals of a finding apart.
-fn next_of(finding: &Finding) -> Option<String> {
+pub(super) fn next_of(finding: &Finding) -> Option<String> {
     let next = finding.next.as_ref()?;
     let pairs: Vec<String> = next.apart.iter().map(|(a, b)| format!("{a} from {b}")).collect();
     let tells = if pairs.is_empty() {
