@@ -363,7 +363,6 @@ impl<'a> Search<'a> {
             let least = if wanders { SHARE * fitness::excess(self.kind, &model) } else { 0.0 };
             // How they wander is itself known poorly.
             let needed = if wanders { 2.0 * needed } else { needed };
-            if std::env::var_os("FITNESS").is_some() { eprintln!("FIT step {:?} gain {gain:.0} inflation {inflation:.1} needed {needed:.1} least {least:.0}", fit.causes.iter().map(|c| self.kind.causes()[*c].id).collect::<Vec<_>>()); }
             if gain / inflation < needed || gain < least {
                 break;
             }

@@ -381,8 +381,7 @@ pub(crate) fn fit_with(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         from = all.into_iter().take(MOST_STARTS).map(|(_, fit)| fit).collect();
     }
-    let mut tried: Vec<Fit> =
-        from.into_iter().filter_map(|fit| refit(kind, fit, runs, &None, 4)).collect();
+    let mut tried: Vec<Fit> = from.into_iter().filter_map(|fit| refit(kind, fit, runs, &None, 4)).collect();
     tried.sort_by(|a, b| a.loss.total_cmp(&b.loss));
     let least = tried.first()?.loss;
     // Starts that stay behind are given up.

@@ -223,14 +223,11 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
         _ => sizes[c][k - 3].size > LEAST,
     };
     let is_wrong = all().any(|(c, k)| beyond(&found, c, k) > threshold && matters(c, k));
-    let is_off = if is_sure && runs_of(&series) != 2 { is_wrong } else { returns(&series, channels, &residuals, level, random) };
-    if std::env::var_os("FITNESS").is_some() {
-        eprintln!("FIT {:?} sure {is_sure} thr {threshold:.1}", model.causes);
-        for c in 0..channels {
-            let v: Vec<String> = (0..kinds).map(|k| format!("{:.1}{}", beyond(&found, c, k), if matters(c, k) { "*" } else { "" })).collect();
-            eprintln!("   {} {} ms {:.2} sizes {:?}", kind.channels()[c].name, v.join(" "), mean_square[c], sizes[c].map(|p| (p.size * 100.0).round() / 100.0));
-        }
-    }
+    let is_off = if is_sure && runs_of(&series) != 2 {
+        is_wrong
+    } else {
+        returns(&series, channels, &residuals, level, random)
+    };
     let whiteness = (0..channels)
         .map(|c| {
             let (mut above, mut below) = (0.0, 1e-300);

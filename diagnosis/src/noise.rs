@@ -62,6 +62,8 @@ pub(crate) fn median(values: &mut [f64]) -> f64 {
 
 /// Readings of a quantised channel that say the same one after the other count as so many in all.
 const REPEATED: f64 = 2.0;
+/// Noise in terms of the step from which on it makes the error of every reading another one.
+const DITHER: f64 = 0.15;
 
 /// How much each row of a column counts.
 fn weights(values: &[f64], is_quantised: bool) -> Vec<f64> {
@@ -83,7 +85,9 @@ pub(crate) fn log(experiment: &Experiment, run: &Run, indices: &[usize]) -> Log 
     let weights: Vec<Vec<f64>> = indices
         .iter()
         .map(|&k| {
-            weights(&run.values[k], experiment.resolution[k].is_some() && experiment.kind != Sort::Outcomes)
+            let is_bare = experiment.resolution[k]
+                .is_some_and(|step| experiment.noise[k].unwrap_or(0.0) < DITHER * step);
+            weights(&run.values[k], is_bare && experiment.kind != Sort::Outcomes)
         })
         .collect();
     let mut readings = Vec::with_capacity(run.time.len() * indices.len());

@@ -84,7 +84,8 @@ impl Patterns {
                 let waves = waves(span(log) / longest);
                 rows.push(Row { channel, is_time: true, cells, counts: Vec::new(), waves });
                 for (i, &place) in places.iter().enumerate() {
-                    let falls = predicted[places[(i + 1).min(n - 1)]] < predicted[places[i.saturating_sub(1)]];
+                    let falls =
+                        predicted[places[(i + 1).min(n - 1)]] < predicted[places[i.saturating_sub(1)]];
                     by_value[usize::from(falls)].push(place);
                 }
             }
@@ -162,7 +163,8 @@ impl Row {
     /// Real and imaginary part of each wave.
     fn powers(&self, sums: &[f64]) -> Vec<[f64; 2]> {
         let of = |wave: &[(f64, f64); CELLS]| {
-            let add = |[re, im]: [f64; 2], (sum, (cos, sin)): (&f64, &(f64, f64))| [re + sum * cos, im + sum * sin];
+            let add =
+                |[re, im]: [f64; 2], (sum, (cos, sin)): (&f64, &(f64, f64))| [re + sum * cos, im + sum * sin];
             sums.iter().zip(wave).fold([0.0; 2], add)
         };
         self.waves.iter().map(of).collect()

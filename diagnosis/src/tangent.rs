@@ -196,10 +196,10 @@ impl Tangent {
     pub(crate) fn chance(&self, kind: &dyn Kind, random: &mut Pcg64) -> Vec<f64> {
         let mut all = Vec::with_capacity(self.predicted.len());
         let within = StandardUniform.map(|x: f64| x - 0.5);
+        // Where between two steps of a quantised column the readings lie is not known so well; it is the same in runs that are alike.
+        let places: Vec<f64> =
+            kind.channels().iter().map(|c| c.step / c.noise * within.sample(random)).collect();
         for (run, log) in kind.logs().iter().enumerate() {
-            // Where between two steps of a quantised column a reading lies is not known so well.
-            let places: Vec<f64> =
-                kind.channels().iter().map(|c| c.step / c.noise * within.sample(random)).collect();
             let by_input = kind.input_noise(run, &mut || StandardNormal.sample(random));
             for (i, (reading, value)) in
                 log.readings.iter().zip(&self.predicted[self.bounds[run]..]).enumerate()

@@ -10,6 +10,7 @@ use std::time::Instant;
 use saltus_diagnosis::{Diagnosis, Kind, Settings, Sort, diagnose, kinds};
 use saltus_robot::Robot;
 use saltus_tests::lab::{self, Case, Size};
+use saltus_tests::verdict;
 
 /// What was hidden, and what was said.
 #[derive(Default)]
@@ -115,7 +116,7 @@ fn one(
     let robot = case.robot.as_deref().and_then(Robot::builtin);
     let Ok(kind) = kinds::build(&case.experiment, robot.as_ref()) else { return };
     let found = diagnose(kind.as_ref(), &Settings::default(), &|_| ());
-    let said = found.as_ref().map_or_else(|| "no motion".into(), |d| say(kind.as_ref(), d));
+    let said = found.as_ref().map_or_else(|| "no motion".into(), |d| verdict::say(kind.as_ref(), d));
     let tally = table.entry((name.into(), what.into())).or_default();
     let ids: Vec<&str> = hidden.iter().map(|h| h.0).collect();
     let is_right = found.as_ref().is_some_and(|d| judge(tally, kind.as_ref(), d, &case, what));
@@ -135,60 +136,24 @@ fn one(
     }
 }
 
-/// The causes, each with its rivals.
-fn sets<'a>(kind: &'a dyn Kind, d: &Diagnosis) -> Vec<Vec<&'a str>> {
-    let id = |cause: usize| kind.causes()[cause].id;
-    d.findings
-        .iter()
-        .map(|f| std::iter::once(id(f.best.cause)).chain(f.rivals.iter().map(|r| id(r.cause))).collect())
-        .collect()
-}
-
-fn say(kind: &dyn Kind, d: &Diagnosis) -> String {
-    let mut all: Vec<String> = d
-        .findings
-        .iter()
-        .zip(sets(kind, d))
-        .map(|(f, set)| {
-            let column = kind.causes()[f.best.cause].column.as_deref().unwrap_or("");
-            let values: Vec<String> =
-                f.best.reported.iter().map(|(n, v, e)| format!("{n} {v:.4e} ± {e:.1e}")).collect();
-            format!("{} {column} [{}]", set.join("|"), values.join(", "))
-        })
-        .collect();
-    if let Some(u) = &d.unknown {
-        let term = d.term.as_ref().map(|t| format!(": {} {:?}", kind.causes()[t.cause].id, t.reported));
-        all.push(format!("unknown in {} {}{}", u.channel, u.phase, term.unwrap_or_default()));
-    }
-    if all.is_empty() { "none".into() } else { all.join(" + ") }
-}
-
 fn judge(tally: &mut Tally, kind: &dyn Kind, d: &Diagnosis, case: &Case, what: &str) -> bool {
-    let sets = sets(kind, d);
-    let named = |id: &str| sets.iter().any(|set| set.contains(&id) && set.len() <= 3);
-    match what {
-        "none" => sets.is_empty() && d.unknown.is_none(),
-        "outside" | "outside, clear" => d.unknown.is_some(),
-        "two" => case.truth.iter().all(|t| named(t.id)),
-        _ => {
-            let truth = &case.truth[0];
-            if sets.len() == 1 && sets[0] == [truth.id] {
-                tally.alone += 1;
-            }
-            let candidates = d.findings.iter().flat_map(|f| std::iter::once(&f.best).chain(&f.rivals));
-            for candidate in candidates.filter(|c| kind.causes()[c.cause].id == truth.id).take(1) {
-                for (name, value, error) in &candidate.reported {
-                    if let Some((_, true_value)) = truth.parameters.iter().find(|(n, _)| n.ends_with(name.as_str())) {
-                        tally.parameters += 1;
-                        tally.within += usize::from((value - true_value).abs() <= 2.0 * error);
-                    }
+    if ["clear", "subtle"].contains(&what) {
+        let truth = &case.truth[0];
+        tally.alone += usize::from(verdict::sets(kind, d) == [[truth.id]]);
+        let candidates = d.findings.iter().flat_map(|f| std::iter::once(&f.best).chain(&f.rivals));
+        for candidate in candidates.filter(|c| kind.causes()[c.cause].id == truth.id).take(1) {
+            for (name, value, error) in &candidate.reported {
+                if let Some((_, known)) = truth.parameters.iter().find(|(n, _)| n.ends_with(name.as_str())) {
+                    tally.parameters += 1;
+                    tally.within += usize::from((value - known).abs() <= 2.0 * error);
                 }
             }
-            for gain in &d.gains {
-                tally.gains += 1;
-                tally.at_noise += usize::from(gain.rms.1 <= 1.1 * gain.noise);
-            }
-            sets.len() == 1 && named(truth.id) && d.unknown.is_none()
+        }
+        for gain in &d.gains {
+            tally.gains += 1;
+            tally.at_noise += usize::from(gain.rms.1 <= 1.1 * gain.noise);
         }
     }
+    let is_outside = what.starts_with("outside");
+    if is_outside { d.unknown.is_some() } else { verdict::names(kind, d, &case.truth) }
 }

@@ -6,3 +6,4 @@ pub mod lab;
 pub mod oracle;
 pub mod reference;
 pub mod robots;
+pub mod verdict;

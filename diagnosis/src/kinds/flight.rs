@@ -209,7 +209,8 @@ impl Kind for Flights {
             (extra("acceleration across the path, c v"), extra("constant acceleration along x"));
         let turning = extra("acceleration along x, -c v_x");
         let boom = self.boom[run].filter(|length| place[1].abs() < 0.99 * length);
-        let is_parabola = drag == 0.0 && linear == 0.0 && lift == 0.0 && wind == 0.0 && turning == 0.0 && boom.is_none();
+        let is_parabola =
+            drag == 0.0 && linear == 0.0 && lift == 0.0 && wind == 0.0 && turning == 0.0 && boom.is_none();
         let pull = |v: [f64; 2]| {
             let against = drag * v[0].hypot(v[1]) + linear;
             [wind - (against + turning) * v[0] - lift * v[1], -against * v[1] + lift * v[0]]

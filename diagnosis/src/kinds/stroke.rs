@@ -40,8 +40,8 @@ impl Strokes {
         let column = |name: &str| experiment.columns.iter().position(|c| c == name).unwrap_or(0);
         let (position, pressure, force) =
             (column("position_m"), column("pressure_gauge_pa"), column("force_n"));
-        let [mut channel, of_pressure] = [force, pressure]
-            .map(|column| noise::channels(experiment, &[column]).swap_remove(0));
+        let [mut channel, of_pressure] =
+            [force, pressure].map(|column| noise::channels(experiment, &[column]).swap_remove(0));
         // What is compared with p A has the noise of p in it.
         let bores = experiment.runs.iter().filter_map(|run| run.settings.get("bore_m"));
         let area = std::f64::consts::FRAC_PI_4 * bores.fold(0.0, |most: f64, bore| most.max(bore * bore));

@@ -133,8 +133,7 @@ impl Kind for Vessels {
         if self.channels.iter().any(|c| c.name == "temperature_k") {
             return Vec::new();
         }
-        let channel =
-            Channel { name: "temperature_k".into(), noise: THERMOMETER, step: 0.0, is_given: true };
+        let channel = Channel { name: "temperature_k".into(), noise: THERMOMETER, step: 0.0, is_given: true };
         let proposal = |(log, tank): (&Log, &Vessel)| {
             let readings = log.readings.iter().map(|r| Reading { channel: 0, ..*r }).collect();
             let kind = Vessels {
@@ -144,7 +143,10 @@ impl Kind for Vessels {
                 causes: self.causes.clone(),
                 listed: self.listed,
             };
-            let what = format!("measure the temperature of the gas too, to {THERMOMETER} K, in a run like {}", log.name);
+            let what = format!(
+                "measure the temperature of the gas too, to {THERMOMETER} K, in a run like {}",
+                log.name
+            );
             Proposal { what, kind: Box::new(kind) }
         };
         self.logs.iter().zip(&self.tanks).map(proposal).collect()
@@ -167,7 +169,8 @@ impl Kind for Vessels {
         let last = self.logs[run].readings.last()?.time;
         let step = last / 500.0;
         // A step at the balance shall not be stiff: there the flow is nearly √(2 difference).
-        let rate = kappa * area * (gas * vessel.temperature).sqrt() / vessel.volume * outside.max(vessel.pressure)
+        let rate = kappa * area * (gas * vessel.temperature).sqrt() / vessel.volume
+            * outside.max(vessel.pressure)
             / outside.min(vessel.pressure);
         let least = (2.0 * (rate * step).powi(2)).clamp(1e-9, 0.1);
         let drift = [self.listed, self.listed + 1].map(|k| terms.get(k, 0));
@@ -180,7 +183,8 @@ impl Kind for Vessels {
             };
             let lost = (vessel.pressure - pressure) / (vessel.pressure - outside);
             let drifted = (1.0 + drift[0] * lost + drift[1] * time / last).max(0.0);
-            let flow = sign * drifted * area * up / (gas * source).sqrt() * flow_function(up, down, kappa, least);
+            let flow =
+                sign * drifted * area * up / (gas * source).sqrt() * flow_function(up, down, kappa, least);
             let heat =
                 terms.get(HEAT, 0) * wall * convection(mass / vessel.volume, vessel.temperature, temperature);
             let heat_capacity = gas / (kappa - 1.0);

@@ -1,0 +1,46 @@
+//! Whether a diagnosis says what was hidden.
+
+use saltus_diagnosis::{Diagnosis, Kind};
+
+use crate::lab::Effect;
+
+/// The causes, each with its rivals; a term without an id that does as well is `unknown`.
+pub fn sets<'a>(kind: &'a dyn Kind, d: &Diagnosis) -> Vec<Vec<&'a str>> {
+    let id = |cause: usize| kind.causes()[cause].id;
+    d.findings
+        .iter()
+        .map(|f| {
+            let rivals = f.rivals.iter().map(|r| id(r.cause));
+            let unlisted = f.unlisted.iter().map(|_| "unknown");
+            std::iter::once(id(f.best.cause)).chain(rivals).chain(unlisted).collect()
+        })
+        .collect()
+}
+
+/// What is said, in a line.
+pub fn say(kind: &dyn Kind, d: &Diagnosis) -> String {
+    let mut all: Vec<String> = d
+        .findings
+        .iter()
+        .zip(sets(kind, d))
+        .map(|(f, set)| {
+            let column = kind.causes()[f.best.cause].column.as_deref().unwrap_or("");
+            let values: Vec<String> =
+                f.best.reported.iter().map(|(n, v, e)| format!("{n} {v:.4e} ± {e:.1e}")).collect();
+            format!("{} {column} [{}]", set.join("|"), values.join(", "))
+        })
+        .collect();
+    if let Some(u) = &d.unknown {
+        let term = d.term.as_ref().map(|t| format!(": {} {:?}", kind.causes()[t.cause].id, t.reported));
+        all.push(format!("unknown in {} {}{}", u.channel, u.phase, term.unwrap_or_default()));
+    }
+    if all.is_empty() { "none".into() } else { all.join(" + ") }
+}
+
+/// Whether the effects are named and nothing else is: each alone or in a set of three at most.
+pub fn names(kind: &dyn Kind, d: &Diagnosis, truth: &[Effect]) -> bool {
+    let sets = sets(kind, d);
+    let named = |effect: &Effect| sets.iter().any(|set| set.len() <= 3 && set.contains(&effect.id));
+    // Two effects may be of one cause with something beside it; one, or none, may not.
+    truth.iter().all(named) && (truth.len() > 1 || (sets.len() == truth.len() && d.unknown.is_none()))
+}

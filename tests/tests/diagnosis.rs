@@ -1,0 +1,78 @@
+//! A hidden effect is found, nothing is found where nothing is hidden, and what is not on the list is not given a name of it.
+//!
+//! A quick sample of what the example `campaign` does at length.
+
+use saltus_diagnosis::{Diagnosis, Kind, Settings, Sort, diagnose, kinds};
+use saltus_robot::Robot;
+use saltus_tests::lab::{self, Case, Size};
+use saltus_tests::verdict;
+
+fn diagnosed(sort: Sort, hidden: &[(&str, Size)], seed: u64) -> (Case, Box<dyn Kind>, Diagnosis) {
+    let case = lab::make(sort, hidden, seed);
+    let robot = case.robot.as_deref().and_then(Robot::builtin);
+    let kind = kinds::build(&case.experiment, robot.as_ref()).expect("a model of the data");
+    let found = diagnose(kind.as_ref(), &Settings::default(), &|_| ()).expect("a motion");
+    (case, kind, found)
+}
+
+/// Finds effects of size `size`, each named alone or with two rivals at most.
+fn finds(sort: Sort, hidden: &[(&str, Size)], seed: u64) {
+    let (case, kind, found) = diagnosed(sort, hidden, seed);
+    let said = verdict::say(kind.as_ref(), &found);
+    assert!(verdict::names(kind.as_ref(), &found, &case.truth), "{sort:?} {hidden:?}: {said}");
+}
+
+#[test]
+fn nothing_is_found_where_nothing_is_hidden() {
+    for sort in [Sort::Bench, Sort::Hop, Sort::Flight, Sort::Stroke, Sort::Slide, Sort::Vessel] {
+        finds(sort, &[], 41);
+    }
+}
+
+#[test]
+fn a_clear_effect_on_the_bench() {
+    for id in ["valve-delay", "dead-volume", "heat-transfer"] {
+        finds(Sort::Bench, &[(id, Size::Clear)], 42);
+    }
+}
+
+#[test]
+fn a_clear_effect_in_hops_and_jumps() {
+    finds(Sort::Hop, &[("viscous-friction", Size::Clear)], 43);
+    finds(Sort::Hop, &[("boom-flex", Size::Clear)], 43);
+    finds(Sort::Jump, &[("axle-friction", Size::Clear)], 43);
+}
+
+#[test]
+fn a_clear_effect_in_flights_and_parts() {
+    for (sort, id) in [
+        (Sort::Flight, "air-drag"),
+        (Sort::Flight, "counterweight"),
+        (Sort::Stroke, "seal-friction"),
+        (Sort::Stroke, "return-spring"),
+        (Sort::Slide, "coulomb-friction"),
+        (Sort::Vessel, "gas-type"),
+    ] {
+        finds(sort, &[(id, Size::Clear)], 44);
+    }
+}
+
+#[test]
+fn two_effects_at_once() {
+    finds(Sort::Stroke, &[("seal-friction", Size::Clear), ("sensor-offset", Size::Clear)], 45);
+    finds(Sort::Bench, &[("valve-delay", Size::Clear), ("viscous-friction", Size::Clear)], 45);
+}
+
+#[test]
+fn what_is_not_on_the_list_is_unknown() {
+    for (sort, id) in [
+        (Sort::Flight, "ripple"),
+        (Sort::Flight, "gear-ripple"),
+        (Sort::Stroke, "position-friction"),
+        (Sort::Vessel, "clogging"),
+        (Sort::Bench, "stroke-leak"),
+    ] {
+        let (_, kind, found) = diagnosed(sort, &[(id, Size::Large)], 46);
+        assert!(found.unknown.is_some(), "{sort:?} {id}: {}", verdict::say(kind.as_ref(), &found));
+    }
+}
