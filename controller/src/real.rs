@@ -1,0 +1,140 @@
+//! The numbers of a controller: `f32` and `f64`, by operations that round the same everywhere.
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// `f32` or `f64`.
+pub trait Real:
+    sealed::Sealed
+    + Copy
+    + PartialOrd
+    + core::fmt::Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// Relative error that counts as round-off: 64 times that of one operation.
+    const ROUND_OFF: Self;
+
+    /// `x`, rounded.
+    fn of(x: f64) -> Self;
+
+    /// √x, correctly rounded; not a number for x < 0.
+    fn sqrt(self) -> Self;
+
+    /// The whole part of a number ≥ 0 as an index; 0 for what is none.
+    fn whole(self) -> usize;
+
+    /// `index` as a number.
+    fn of_index(index: usize) -> Self;
+
+    /// Neither infinite nor not a number.
+    fn is_finite(self) -> bool;
+
+    /// |x|.
+    #[inline]
+    fn magnitude(self) -> Self {
+        if self < Self::ZERO { -self } else { self }
+    }
+
+    /// The lesser of two.
+    #[inline]
+    fn lesser(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
+
+    /// The greater of two.
+    #[inline]
+    fn greater(self, other: Self) -> Self {
+        if other > self { other } else { self }
+    }
+
+    /// Whether x ≥ 0; false for what is not a number.
+    #[inline]
+    fn is_at_least_zero(self) -> bool {
+        self >= Self::ZERO
+    }
+
+    /// Whether x > 0; false for what is not a number.
+    #[inline]
+    fn is_positive(self) -> bool {
+        self > Self::ZERO
+    }
+
+    /// Whether low ≤ x ≤ high; false for what is not a number.
+    #[inline]
+    fn within(self, low: Self, high: Self) -> bool {
+        self >= low && self <= high
+    }
+}
+
+macro_rules! real {
+    ($type:ty, $sqrt:path) => {
+        impl Real for $type {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const ROUND_OFF: Self = 64.0 * <$type>::EPSILON;
+
+            #[inline]
+            #[allow(clippy::cast_possible_truncation, clippy::cast_lossless)]
+            fn of(x: f64) -> Self {
+                x as $type
+            }
+
+            #[inline]
+            fn sqrt(self) -> Self {
+                $sqrt(self)
+            }
+
+            #[inline]
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            fn whole(self) -> usize {
+                // Indices are small: by 32 bits, which microcontrollers convert in one instruction.
+                self as u32 as usize
+            }
+
+            #[inline]
+            #[allow(clippy::cast_possible_truncation, clippy::cast_lossless)]
+            fn of_index(index: usize) -> Self {
+                index as u32 as $type
+            }
+
+            #[inline]
+            fn is_finite(self) -> bool {
+                <$type>::is_finite(self)
+            }
+        }
+    };
+}
+
+real!(f32, libm::sqrtf);
+real!(f64, libm::sqrt);
+
+/// sin x for |x| ≤ π/2, to 4e-6 there and 2e-10 for |x| ≤ 0.63: the Taylor polynomial of degree 9.
+#[inline]
+pub(crate) fn sine<R: Real>(x: R) -> R {
+    let s = x * x;
+    let series = R::of(-0.16666667)
+        + s * (R::of(0.008333334) + s * (R::of(-0.00019841270) + s * R::of(0.0000027557319)));
+    x + x * s * series
+}
+
+/// cos x for |x| ≤ π/2, to 5e-7 there: the Taylor polynomial of degree 10.
+#[inline]
+pub(crate) fn cosine<R: Real>(x: R) -> R {
+    let s = x * x;
+    let series = R::of(0.041666668)
+        + s * (R::of(-0.0013888889) + s * (R::of(0.000024801588) + s * R::of(-0.00000027557319)));
+    R::ONE + s * (R::of(-0.5) + s * series)
+}
