@@ -1,7 +1,7 @@
 @HEADER@
 /*
  * C99. IEEE 754 arithmetic without contraction of products and sums: -ffp-contract=off, which is what -std=c99 means to GCC. The only
- * function of others is @SQRT@, correctly rounded everywhere; with -fno-math-errno it is one instruction and no library is linked.
+ * functions of others are @SQRT@ and @ABS@, exact or correctly rounded everywhere; with -fno-math-errno each is one instruction and no library is linked.
  * Nothing allocates, recurses, or loops more often than a constant says.
  */
 #include "saltus_controller.h"
@@ -18,8 +18,15 @@
 #error "Wider intermediate results would change the answers"
 #endif
 
+#ifdef __GNUC__
+#define INLINE static inline __attribute__((always_inline))
+#else
+#define INLINE static inline
+#endif
+
 #define R(x) @SUFFIX@
 #define SQRT(x) @SQRT@(x)
+#define ABS(x) @ABS@(x)
 #define ROUND_OFF @ROUND_OFF@
 #define GREATEST @GREATEST@
 
@@ -30,9 +37,9 @@ typedef struct { saltus_real value, by_angle, by_valve; } linear;
 
 @DATA@
 
-static int is_finite(saltus_real x) { return x >= -GREATEST && x <= GREATEST; }
 static int within(saltus_real x, saltus_real low, saltus_real high) { return x >= low && x <= high; }
-static saltus_real magnitude(saltus_real x) { return x < 0 ? -x : x; }
+static saltus_real magnitude(saltus_real x) { return ABS(x); }
+static int is_finite(saltus_real x) { return magnitude(x) <= GREATEST; }
 static saltus_real lesser(saltus_real a, saltus_real b) { return b < a ? b : a; }
 static saltus_real greater(saltus_real a, saltus_real b) { return b > a ? b : a; }
 
@@ -49,8 +56,7 @@ static saltus_real cosine(saltus_real x) {
 }
 
 static enum saltus_status locate(const axis *a, saltus_real x, spot *out) {
-    if (!is_finite(x)) return SALTUS_SENSOR_INVALID;
-    if (!within(x, a->first, a->last)) return SALTUS_OUT_OF_TABLE;
+    if (!within(x, a->first, a->last)) return is_finite(x) ? SALTUS_OUT_OF_TABLE : SALTUS_SENSOR_INVALID;
     saltus_real along = (x - a->first) * a->per_unit;
     uint32_t whole = (uint32_t)along, last = a->count - 2;
     out->cell = whole > last ? last : whole;
@@ -58,38 +64,41 @@ static enum saltus_status locate(const axis *a, saltus_real x, spot *out) {
     return SALTUS_OK;
 }
 
-static void hermite(saltus_real t, saltus_real w[4]) {
+/* Weights of the difference of the values at both ends, and of the slopes there. */
+static void hermite(saltus_real t, saltus_real w[3]) {
     saltus_real s = t * t;
     saltus_real rise = s * (R(3.0) - (t + t));
     saltus_real half = s * (t - R(1.0));
-    w[0] = R(1.0) - rise;
-    w[1] = rise;
-    w[2] = (half - s) + t;
-    w[3] = half;
+    w[0] = rise;
+    w[1] = (half - s) + t;
+    w[2] = half;
 }
 
-static void hermite_slope(saltus_real t, saltus_real w[4]) {
+static void hermite_slope(saltus_real t, saltus_real w[3]) {
     saltus_real rise = (t - t * t) * R(6.0);
     saltus_real end = t * (R(3.0) * t - R(2.0));
-    w[0] = -rise;
-    w[1] = rise;
-    w[2] = (end - (t + t)) + R(1.0);
-    w[3] = end;
+    w[0] = rise;
+    w[1] = (end - (t + t)) + R(1.0);
+    w[2] = end;
 }
 
 /* Value and slope, along the rates, of four numbers at either node. */
-static inline void along(const saltus_real u[4], const saltus_real *p, const saltus_real *q, saltus_real out[2]) {
-    out[0] = (u[0] * p[0] + u[1] * q[0]) + (u[2] * p[1] + u[3] * q[1]);
-    out[1] = (u[0] * p[2] + u[1] * q[2]) + (u[2] * p[3] + u[3] * q[3]);
+static inline void along(const saltus_real u[3], const saltus_real *p, const saltus_real *q, saltus_real out[2]) {
+    out[0] = (p[0] + u[0] * (q[0] - p[0])) + (u[1] * p[1] + u[2] * q[1]);
+    out[1] = (p[2] + u[0] * (q[2] - p[2])) + (u[1] * p[3] + u[2] * q[3]);
 }
 
-static inline saltus_real mix(const saltus_real f[4], const saltus_real low[2], const saltus_real high[2]) {
-    return (f[0] * low[0] + f[1] * high[0]) + (f[2] * low[1] + f[3] * high[1]);
+static inline saltus_real mix(const saltus_real f[3], const saltus_real low[2], const saltus_real high[2]) {
+    return (low[0] + f[0] * (high[0] - low[0])) + (f[1] * low[1] + f[2] * high[1]);
+}
+
+static inline saltus_real mix_slope(const saltus_real f[3], const saltus_real low[2], const saltus_real high[2]) {
+    return f[0] * (high[0] - low[0]) + (f[1] * low[1] + f[2] * high[1]);
 }
 
 @RULE@
 
-static enum saltus_status lift_off_at(saltus_real rate, saltus_real angle, lift_off *out) {
+INLINE enum saltus_status evaluate(saltus_real rate, saltus_real angle, lift_off *out, int derivatives) {
     spot i, j;
     enum saltus_status status = locate(&map_rates, rate, &i);
     if (status) return status;
@@ -99,21 +108,35 @@ static enum saltus_status lift_off_at(saltus_real rate, saltus_real angle, lift_
     uint32_t first = i.cell * map_angles.count + j.cell, second = first + map_angles.count;
     const saltus_real *a = map_nodes[first], *b = map_nodes[first + 1];
     const saltus_real *c = map_nodes[second], *d = map_nodes[second + 1];
-    saltus_real u[4], v[4], w[4];
+    saltus_real u[3], v[3], w[3];
     hermite(i.part, u);
     hermite(j.part, v);
-    hermite_slope(j.part, w);
+    if (derivatives) hermite_slope(j.part, w);
     for (int k = 0; k < 4; k++) {
         saltus_real low[2], high[2];
         along(u, a + 4 * k, c + 4 * k, low);
         along(u, b + 4 * k, d + 4 * k, high);
         out->state[k] = mix(v, low, high);
-        out->by_angle[k] = mix(w, low, high) * map_angles.per_unit;
-        saltus_real early = a[16 + k] + i.part * (c[16 + k] - a[16 + k]);
-        saltus_real late = b[16 + k] + i.part * (d[16 + k] - b[16 + k]);
-        out->by_valve[k] = early + j.part * (late - early);
+        if (derivatives) out->by_angle[k] = mix_slope(w, low, high) * map_angles.per_unit;
+        if (CHOOSES_VALVE) {
+            saltus_real early = a[16 + k] + i.part * (c[16 + k] - a[16 + k]);
+            saltus_real late = b[16 + k] + i.part * (d[16 + k] - b[16 + k]);
+            out->by_valve[k] = early + j.part * (late - early);
+        } else {
+            out->by_valve[k] = R(0.0);
+        }
     }
     return SALTUS_OK;
+}
+
+static enum saltus_status lift_off_at(saltus_real rate, saltus_real angle, lift_off *out) {
+    return evaluate(rate, angle, out, 1);
+}
+
+/* Without derivatives by the angle. */
+static enum saltus_status values_at(saltus_real rate, saltus_real angle, lift_off *out) {
+    for (int k = 0; k < 4; k++) out->by_angle[k] = R(0.0);
+    return evaluate(rate, angle, out, 0);
 }
 
 static inline saltus_real landing_by(const saltus_real d[4], saltus_real time, saltus_real vx, saltus_real vy, saltus_real slow) {
@@ -121,7 +144,7 @@ static inline saltus_real landing_by(const saltus_real d[4], saltus_real time, s
     return d[0] + d[2] * time + vx * later;
 }
 
-static enum saltus_status landing(const lift_off *l, saltus_real height, linear *out) {
+INLINE enum saltus_status landing(const lift_off *l, saltus_real height, linear *out, int derivatives) {
     saltus_real x = l->state[0], y = l->state[1], vx = l->state[2], vy = l->state[3];
     saltus_real fall = y - height;
     saltus_real square = vy * vy + (gravity + gravity) * fall;
@@ -131,12 +154,12 @@ static enum saltus_status landing(const lift_off *l, saltus_real height, linear 
     if (!(time >= 0)) return SALTUS_INFEASIBLE;
     saltus_real slow = speed > 0 ? R(1.0) / speed : R(0.0);
     out->value = x + vx * time;
-    out->by_angle = landing_by(l->by_angle, time, vx, vy, slow);
-    out->by_valve = landing_by(l->by_valve, time, vx, vy, slow);
+    out->by_angle = derivatives ? landing_by(l->by_angle, time, vx, vy, slow) : R(0.0);
+    out->by_valve = derivatives && CHOOSES_VALVE ? landing_by(l->by_valve, time, vx, vy, slow) : R(0.0);
     return SALTUS_OK;
 }
 
-static linear distance_to(const lift_off *l, saltus_real x, saltus_real y) {
+INLINE linear distance_to(const lift_off *l, saltus_real x, saltus_real y, int derivatives) {
     saltus_real vx = l->state[2], vy = l->state[3];
     saltus_real rise = vy / gravity;
     saltus_real apex_x = l->state[0] + vx * rise - x, apex_y = l->state[1] + R(0.5) * vy * rise - y;
@@ -154,13 +177,13 @@ static linear distance_to(const lift_off *l, saltus_real x, saltus_real y) {
     saltus_real s = q > 0 ? -r : r;
     saltus_real across = apex_x + vx * s, up = apex_y - R(0.5) * gravity * (s * s);
     saltus_real distance = SQRT(across * across + up * up);
+    linear out = {distance, R(0.0), R(0.0)};
+    if (!derivatives) return out;
     saltus_real time = s + rise;
     saltus_real inverse = distance > 0 ? R(1.0) / distance : R(0.0);
     const saltus_real *a = l->by_angle, *b = l->by_valve;
-    linear out;
-    out.value = distance;
     out.by_angle = (across * (a[0] + a[2] * time) + up * (a[1] + a[3] * time)) * inverse;
-    out.by_valve = (across * (b[0] + b[2] * time) + up * (b[1] + b[3] * time)) * inverse;
+    if (CHOOSES_VALVE) out.by_valve = (across * (b[0] + b[2] * time) + up * (b[1] + b[3] * time)) * inverse;
     return out;
 }
 
@@ -189,7 +212,7 @@ enum saltus_status saltus_firing_angle(saltus_real rate, saltus_real distance, s
         linear x;
         status = lift_off_at(rate, angle, &l);
         if (status) return status;
-        status = landing(&l, height, &x);
+        status = landing(&l, height, &x, 1);
         if (status) return status;
         if (!(x.by_angle > 0)) return SALTUS_INFEASIBLE;
         step = (distance - x.value) / x.by_angle;
@@ -202,28 +225,20 @@ enum saltus_status saltus_firing_angle(saltus_real rate, saltus_real distance, s
 }
 
 /* An interval of a line that constraints cut shorter. */
-typedef struct { saltus_real low, high; int from_below, from_above; } interval;
+typedef struct { saltus_real low, high; } interval;
 
-static enum saltus_status cut(interval *i, saltus_real slope, saltus_real room, saltus_real doubt, saltus_real size) {
+static inline enum saltus_status cut(interval *i, saltus_real slope, saltus_real room, saltus_real doubt, saltus_real size) {
     if (magnitude(slope) <= doubt) return room < -(ROUND_OFF * size) ? SALTUS_INFEASIBLE : SALTUS_OK;
     saltus_real end = room / slope;
-    if (slope > 0) {
-        if (!i->from_above || end < i->high) i->high = end;
-        i->from_above = 1;
-    } else {
-        if (!i->from_below || end > i->low) i->low = end;
-        i->from_below = 1;
-    }
+    if (slope > 0) i->high = lesser(i->high, end);
+    else i->low = greater(i->low, end);
     return SALTUS_OK;
 }
 
 static enum saltus_status nearest(const interval *i, saltus_real t, saltus_real *out) {
-    if (i->from_below && i->from_above) {
-        saltus_real size = magnitude(i->low) + magnitude(i->high);
-        if (i->low - i->high > ROUND_OFF * size) return SALTUS_INFEASIBLE;
-    }
-    if (i->from_above && t > i->high) t = i->high;
-    if (i->from_below && t < i->low) t = i->low;
+    saltus_real size = magnitude(i->low) + magnitude(i->high);
+    if (i->low - i->high > ROUND_OFF * size) return SALTUS_INFEASIBLE;
+    t = greater(lesser(t, i->high), i->low);
     if (!is_finite(t)) return SALTUS_SENSOR_INVALID;
     *out = t;
     return SALTUS_OK;
@@ -232,7 +247,7 @@ static enum saltus_status nearest(const interval *i, saltus_real t, saltus_real 
 enum saltus_status saltus_qp1(saltus_real h, saltus_real g, const saltus_half_line *c, size_t count, saltus_real *x) {
     saltus_real free = -g / h;
     if (!(h > 0) || !is_finite(free)) return SALTUS_SENSOR_INVALID;
-    interval line = {R(0.0), R(0.0), 0, 0};
+    interval line = {-GREATEST, GREATEST};
     for (size_t k = 0; k < count; k++) {
         if (!(is_finite(c[k].slope) && is_finite(c[k].bound))) return SALTUS_SENSOR_INVALID;
         enum saltus_status status = cut(&line, c[k].slope, c[k].bound, R(0.0), magnitude(c[k].bound));
@@ -241,138 +256,134 @@ enum saltus_status saltus_qp1(saltus_real h, saltus_real g, const saltus_half_li
     return nearest(&line, free, x);
 }
 
-/* H = L L'; in y = L' x the objective is a squared distance. */
-typedef struct { saltus_real i11, l21, i22; } factor;
-
-static inline void turn(const factor *f, saltus_real a0, saltus_real a1, saltus_real out[2]) {
-    out[0] = a0 * f->i11;
-    out[1] = (a1 - f->l21 * out[0]) * f->i22;
-}
-
-static enum saltus_status on_border(const factor *f, const saltus_real n[2], saltus_real bound, const saltus_real free[2],
+static enum saltus_status on_border(const saltus_half_plane *violated, saltus_real way0, saltus_real way1, const saltus_real free[2],
                                     const saltus_half_plane *c, size_t count, saltus_real out[2]) {
-    saltus_real square = n[0] * n[0] + n[1] * n[1];
+    saltus_real n0 = violated->normal[0], n1 = violated->normal[1];
+    saltus_real square = n0 * way0 + n1 * way1;
     if (!(square > 0)) return SALTUS_INFEASIBLE;
-    saltus_real lever = ((n[0] * free[0] + n[1] * free[1]) - bound) / square;
-    saltus_real foot[2] = {free[0] - lever * n[0], free[1] - lever * n[1]};
-    interval line = {R(0.0), R(0.0), 0, 0};
+    saltus_real lever = ((n0 * free[0] + n1 * free[1]) - violated->bound) / square;
+    saltus_real foot0 = free[0] - lever * way0, foot1 = free[1] - lever * way1;
+    interval line = {-GREATEST, GREATEST};
     for (size_t k = 0; k < count; k++) {
-        saltus_real o[2];
-        turn(f, c[k].normal[0], c[k].normal[1], o);
-        saltus_real slope = o[1] * n[0] - o[0] * n[1];
-        saltus_real p = o[0] * foot[0], q = o[1] * foot[1];
+        saltus_real u = c[k].normal[1] * n0, v = c[k].normal[0] * n1;
+        saltus_real p = c[k].normal[0] * foot0, q = c[k].normal[1] * foot1;
         saltus_real size = magnitude(c[k].bound) + magnitude(p) + magnitude(q);
-        saltus_real doubt = ROUND_OFF * (magnitude(o[1] * n[0]) + magnitude(o[0] * n[1]));
-        enum saltus_status status = cut(&line, slope, c[k].bound - (p + q), doubt, size);
+        saltus_real doubt = ROUND_OFF * magnitude(u);
+        enum saltus_status status = cut(&line, u - v, c[k].bound - (p + q), doubt, size);
         if (status) return status;
     }
     saltus_real t;
     enum saltus_status status = nearest(&line, R(0.0), &t);
     if (status) return status;
-    out[0] = foot[0] - t * n[1];
-    out[1] = foot[1] + t * n[0];
+    out[0] = foot0 - t * n1;
+    out[1] = foot1 + t * n0;
     return SALTUS_OK;
 }
 
 enum saltus_status saltus_qp2(const saltus_real h[3], const saltus_real g[2], const saltus_half_plane *c, size_t count,
                               saltus_real x[2]) {
-    if (!(h[0] > 0 && is_finite(h[0]) && is_finite(h[2]))) return SALTUS_SENSOR_INVALID;
-    factor f;
-    f.i11 = R(1.0) / SQRT(h[0]);
-    f.l21 = h[1] * f.i11;
-    saltus_real rest = h[2] - f.l21 * f.l21;
-    if (!(rest > ROUND_OFF * h[2])) return SALTUS_SENSOR_INVALID;
-    f.i22 = R(1.0) / SQRT(rest);
-    saltus_real free[2], best[2];
-    turn(&f, -g[0], -g[1], free);
+    saltus_real h11 = h[0], h12 = h[1], h22 = h[2];
+    saltus_real product = h11 * h22, square = h12 * h12;
+    saltus_real determinant = product - square;
+    saltus_real doubt = ROUND_OFF * R(0.0625) * product;
+    if (!(h11 > 0 && determinant > doubt && is_finite(determinant))) return SALTUS_SENSOR_INVALID;
+    saltus_real free[2] = {-(h22 * g[0] - h12 * g[1]) / determinant, -(h11 * g[1] - h12 * g[0]) / determinant};
     if (!(is_finite(free[0]) && is_finite(free[1]))) return SALTUS_SENSOR_INVALID;
-    best[0] = free[0];
-    best[1] = free[1];
+    saltus_real best[2] = {free[0], free[1]};
     for (size_t k = 0; k < count; k++) {
-        saltus_real n[2];
-        turn(&f, c[k].normal[0], c[k].normal[1], n);
-        if (!(is_finite(n[0]) && is_finite(n[1]) && is_finite(c[k].bound))) return SALTUS_SENSOR_INVALID;
-        saltus_real p = n[0] * best[0], q = n[1] * best[1];
+        saltus_real n0 = c[k].normal[0], n1 = c[k].normal[1];
+        saltus_real p = n0 * best[0], q = n1 * best[1];
         saltus_real size = magnitude(c[k].bound) + magnitude(p) + magnitude(q);
+        if (!is_finite(size)) return SALTUS_SENSOR_INVALID;
         if ((p + q) - c[k].bound <= ROUND_OFF * size) continue;
-        enum saltus_status status = on_border(&f, n, c[k].bound, free, c, k, best);
+        enum saltus_status status = on_border(&c[k], h22 * n0 - h12 * n1, h11 * n1 - h12 * n0, free, c, k, best);
         if (status) return status;
     }
-    saltus_real second = best[1] * f.i22;
-    saltus_real first = (best[0] - f.l21 * second) * f.i11;
-    if (!(is_finite(first) && is_finite(second))) return SALTUS_SENSOR_INVALID;
-    x[0] = first;
-    x[1] = second;
+    if (!(is_finite(best[0]) && is_finite(best[1]))) return SALTUS_SENSOR_INVALID;
+    x[0] = best[0];
+    x[1] = best[1];
     return SALTUS_OK;
 }
 
 /* Landing, and the wheel's clearances over the front and the back corner. */
-static enum saltus_status lengths(saltus_real rate, saltus_real angle, saltus_real valve_open, const saltus_task *task,
-                                  linear out[3]) {
+static enum saltus_status lengths(saltus_real rate, const saltus_guess *at, const saltus_task *task, linear out[3]) {
     lift_off l;
     const saltus_obstacle *o = task->obstacle;
-    enum saltus_status status = lift_off_at(rate, angle, &l);
+    enum saltus_status status = lift_off_at(rate, at->firing_angle, &l);
     if (status) return status;
-    saltus_real more = valve_open - nominal_valve_open;
-    for (int k = 0; k < 4; k++) l.state[k] = l.state[k] + more * l.by_valve[k];
-    status = landing(&l, task->landing_height, &out[0]);
+    if (CHOOSES_VALVE) {
+        saltus_real more = at->valve_open - nominal_valve_open;
+        for (int k = 0; k < 4; k++) l.state[k] = l.state[k] + more * l.by_valve[k];
+    }
+    status = landing(&l, task->landing_height, &out[0], 1);
     if (status) return status;
-    out[1] = distance_to(&l, o->front, o->height);
+    out[1] = distance_to(&l, o->front, o->height, 1);
     out[1].value = out[1].value - radius;
-    out[2] = distance_to(&l, o->back, o->height);
+    out[2] = distance_to(&l, o->back, o->height, 1);
     out[2].value = out[2].value - radius;
     return SALTUS_OK;
 }
 
-static enum saltus_status qp_step(saltus_real angle, saltus_real valve_open, const saltus_task *task, const linear l[3],
-                                  saltus_real step[2]) {
+static enum saltus_status qp_step(const saltus_guess *guess, const saltus_task *task, const linear l[3], saltus_real step[2]) {
+    saltus_real angle = guess->firing_angle, valve_open = guess->valve_open;
     const saltus_obstacle *o = task->obstacle;
     saltus_real high = lesser(R(0.125), map_angles.last - angle);
     saltus_real low = greater(-R(0.125), map_angles.first - angle);
     saltus_real off = l[0].value - task->distance;
     saltus_real beyond = l[0].value - o->back;
     saltus_real over_first = l[1].value - o->clearance, over_second = l[2].value - o->clearance;
-    saltus_real j = l[0].by_angle, k = l[0].by_valve;
-    if (!(greatest_valve_open > least_valve_open)) {
+    saltus_real j = l[0].by_angle;
+    if (!CHOOSES_VALVE) {
         saltus_half_line c[5] = {
-            {-l[1].by_angle, over_first}, {-l[2].by_angle, over_second}, {-l[0].by_angle, beyond}, {R(1.0), high}, {-R(1.0), -low},
+            {R(1.0), high}, {-R(1.0), -low}, {-l[1].by_angle, over_first}, {-l[2].by_angle, over_second}, {-l[0].by_angle, beyond},
         };
         step[1] = R(0.0);
         return saltus_qp1(j * j, j * off, c, 5, &step[0]);
     }
+    saltus_real k = l[0].by_valve;
     saltus_half_plane c[7] = {
+        {{R(0.0), -R(1.0)}, valve_open - least_valve_open},
+        {{R(0.0), R(1.0)}, greatest_valve_open - valve_open},
+        {{-R(1.0), R(0.0)}, -low},
+        {{R(1.0), R(0.0)}, high},
         {{-l[1].by_angle, -l[1].by_valve}, over_first},
         {{-l[2].by_angle, -l[2].by_valve}, over_second},
         {{-l[0].by_angle, -l[0].by_valve}, beyond},
-        {{R(1.0), R(0.0)}, high},
-        {{-R(1.0), R(0.0)}, -low},
-        {{R(0.0), R(1.0)}, greatest_valve_open - valve_open},
-        {{R(0.0), -R(1.0)}, valve_open - least_valve_open},
     };
     saltus_real h[3] = {j * j, j * k, k * k + effort};
     saltus_real g[2] = {j * off, k * off + effort * valve_open};
     return saltus_qp2(h, g, c, 7, step);
 }
 
-static enum saltus_status over(saltus_real rate, saltus_real *angle, saltus_real *valve_open, const saltus_task *task) {
+static enum saltus_status over(saltus_real rate, const saltus_task *task, saltus_decision *d) {
     const saltus_obstacle *o = task->obstacle;
     linear l[3];
+    saltus_real step[2];
     if (!(is_finite(o->front) && is_finite(o->back) && is_finite(o->height) && is_finite(o->clearance))) return SALTUS_SENSOR_INVALID;
     if (!(o->front < o->back && o->height >= 0 && o->clearance >= 0)) return SALTUS_SENSOR_INVALID;
-    for (int k = 0; k < 2; k++) {
-        saltus_real step[2];
-        enum saltus_status status = lengths(rate, *angle, *valve_open, task, l);
+    if (!(is_finite(task->distance) && is_finite(task->landing_height))) return SALTUS_SENSOR_INVALID;
+    saltus_guess guess;
+    enum saltus_status status;
+    if (task->guess != NULL) {
+        guess = *task->guess;
+    } else {
+        status = rule(rate, task->distance, &guess.firing_angle);
         if (status) return status;
-        status = qp_step(*angle, *valve_open, task, l, step);
-        if (status) return status;
-        *angle = *angle + step[0];
-        *valve_open = *valve_open + step[1];
+        guess.valve_open = nominal_valve_open;
     }
-    enum saltus_status status = lengths(rate, *angle, *valve_open, task, l);
+    if (!within(guess.valve_open, least_valve_open, greatest_valve_open)) {
+        return is_finite(guess.valve_open) ? SALTUS_OUT_OF_TABLE : SALTUS_SENSOR_INVALID;
+    }
+    status = lengths(rate, &guess, task, l);
     if (status) return status;
-    saltus_real least = o->clearance - R(0.002);
-    int clears = l[1].value >= least && l[2].value >= least && l[0].value >= o->back - R(0.002);
-    return clears ? SALTUS_OK : SALTUS_INFEASIBLE;
+    status = qp_step(&guess, task, l, step);
+    if (status) return status;
+    saltus_real miss = R(0.002), least = o->clearance - miss;
+    int clears = l[1].value >= least && l[2].value >= least && l[0].value >= o->back - miss;
+    d->settled = clears && within(step[0] * l[0].by_angle, -miss, miss) && within(step[1] * l[0].by_valve, -miss, miss);
+    d->firing_angle = guess.firing_angle + step[0];
+    d->valve_open = guess.valve_open + step[1];
+    return SALTUS_OK;
 }
 
 static enum saltus_status timing(const saltus_sensed *sensed, saltus_real angle, saltus_decision *out) {
@@ -391,13 +402,14 @@ enum saltus_status saltus_decide(const saltus_sensed *sensed, const saltus_task 
     saltus_decision d;
     enum saltus_status status = saltus_approach_rate(*sensed, &d.approach_rate);
     if (status) return status;
-    status = saltus_firing_angle(d.approach_rate, task->distance, task->landing_height, &d.firing_angle);
-    if (status) return status;
-    d.valve_open = nominal_valve_open;
-    if (task->obstacle != NULL) {
-        status = over(d.approach_rate, &d.firing_angle, &d.valve_open, task);
-        if (status) return status;
+    if (task->obstacle == NULL) {
+        status = saltus_firing_angle(d.approach_rate, task->distance, task->landing_height, &d.firing_angle);
+        d.valve_open = nominal_valve_open;
+        d.settled = 1;
+    } else {
+        status = over(d.approach_rate, task, &d);
     }
+    if (status) return status;
     status = timing(sensed, d.firing_angle, &d);
     if (status) return status;
     *out = d;
@@ -411,10 +423,10 @@ static saltus_take_off jump_over(saltus_real rate, saltus_real angle, saltus_rea
     saltus_take_off out = {0, rate, angle, R(0.0), NO_JUMP};
     lift_off l;
     linear x;
-    if (lift_off_at(rate, angle, &l) || landing(&l, radius, &x)) return out;
+    if (values_at(rate, angle, &l) || landing(&l, radius, &x, 0)) return out;
     saltus_real back = front + a->length;
-    saltus_real first = distance_to(&l, front, a->height).value - radius;
-    saltus_real second = distance_to(&l, back, a->height).value - radius;
+    saltus_real first = distance_to(&l, front, a->height, 0).value - radius;
+    saltus_real second = distance_to(&l, back, a->height, 0).value - radius;
     saltus_real clearance = lesser(lesser(x.value - back, first), second);
     out.distance = x.value;
     if (is_finite(clearance)) out.clearance = clearance;

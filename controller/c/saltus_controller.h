@@ -33,10 +33,14 @@ typedef struct { saltus_real lean, rate; } saltus_sensed;
 /* A box on the ground: from the foot to its front and back, its height, least distance of the wheel to keep (m). */
 typedef struct { saltus_real front, back, height, clearance; } saltus_obstacle;
 
+/* Firing angle (rad) and valve opening time (s) to start from. */
+typedef struct { saltus_real firing_angle, valve_open; } saltus_guess;
+
 /* Distance (m) from the foot to where the wheel's centre comes down to landing_height (m) above it. */
 typedef struct {
     saltus_real distance, landing_height;
     const saltus_obstacle *obstacle; /* or NULL */
+    const saltus_guess *guess;       /* over an obstacle, the last decision on the same jump; or NULL */
 } saltus_task;
 
 typedef struct {
@@ -45,6 +49,7 @@ typedef struct {
     saltus_real valve_open;    /* s */
     saltus_real time;          /* s */
     enum saltus_timing timing;
+    int settled; /* whether the jump clears what it should; if not, the next decision may, with this one for its guess */
 } saltus_decision;
 
 /* A running robot before an obstacle. */

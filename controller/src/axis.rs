@@ -42,11 +42,8 @@ impl<R: Real> Axis<R> {
     /// [`Reason::SensorInvalid`] for what is no finite number, [`Reason::OutOfTable`] beyond the ends.
     #[inline]
     pub(crate) fn locate(&self, x: R) -> Result<Spot<R>, Reason> {
-        if !x.is_finite() {
-            return Err(Reason::SensorInvalid);
-        }
         if !x.within(self.first, self.last) || self.count < 2 {
-            return Err(Reason::OutOfTable);
+            return Err(if x.is_finite() { Reason::OutOfTable } else { Reason::SensorInvalid });
         }
         let along = (x - self.first) * self.per_unit;
         let (whole, last) = (along.whole(), self.count - 2);
@@ -55,20 +52,32 @@ impl<R: Real> Axis<R> {
     }
 }
 
-/// Weights of the values and of the scaled slopes at both ends of a cell, for the cubic at `t`, and for its slope.
+/// Weights of the cubic at `t`, from 0 to 1 through a cell: of the difference of the values at its ends, and of the scaled slopes there.
 #[inline]
-pub(crate) fn hermite<R: Real>(t: R) -> [R; 4] {
+pub(crate) fn hermite<R: Real>(t: R) -> [R; 3] {
     let (s, three) = (t * t, R::of(3.0));
     let rise = s * (three - (t + t));
     let half = s * (t - R::ONE);
-    [R::ONE - rise, rise, (half - s) + t, half]
+    [rise, (half - s) + t, half]
 }
 
 /// As [`hermite`], for the slope by t.
 #[inline]
-pub(crate) fn hermite_slope<R: Real>(t: R) -> [R; 4] {
+pub(crate) fn hermite_slope<R: Real>(t: R) -> [R; 3] {
     let three = R::of(3.0);
     let rise = (t - t * t) * R::of(6.0);
     let end = t * (three * t - R::of(2.0));
-    [-rise, rise, (end - (t + t)) + R::ONE, end]
+    [rise, (end - (t + t)) + R::ONE, end]
+}
+
+/// The cubic between the values `low` and `high`, each with its scaled slope, by the weights of [`hermite`].
+#[inline]
+pub(crate) fn cubic<R: Real>([rise, first, second]: [R; 3], low: (R, R), high: (R, R)) -> R {
+    (low.0 + rise * (high.0 - low.0)) + (first * low.1 + second * high.1)
+}
+
+/// Its slope by t, by the weights of [`hermite_slope`].
+#[inline]
+pub(crate) fn cubic_slope<R: Real>([rise, first, second]: [R; 3], low: (R, R), high: (R, R)) -> R {
+    rise * (high.0 - low.0) + (first * low.1 + second * high.1)
 }

@@ -82,6 +82,17 @@ pub struct Task<R> {
     pub landing_height: R,
     /// What is to be cleared on the way.
     pub obstacle: Option<Obstacle<R>>,
+    /// Over an obstacle: what to start from, the last decision on the same jump; none: the firing angle for the distance.
+    pub guess: Option<Guess<R>>,
+}
+
+/// What a decision over an obstacle starts from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Guess<R> {
+    /// Firing angle α_f (rad).
+    pub firing_angle: R,
+    /// Valve opening time t_v (s).
+    pub valve_open: R,
 }
 
 /// A box on the ground.
@@ -108,17 +119,24 @@ pub struct Decision<R> {
     pub valve_open: R,
     /// When to command the valve.
     pub timing: Timing<R>,
+    /// Whether it is final: by the lift-off map the jump clears what it should. If not, the next decision may be, with this one for its
+    /// guess.
+    pub settled: bool,
 }
 
 /// How far a step over an obstacle may go (rad): the map is nearly linear over it.
 const TRUST: f64 = 0.125;
-/// Such steps: the second corrects the first's linearisation.
-const QP_STEPS: usize = 2;
-/// How far (m) from what is asked a refined jump may be.
+/// How far (m) inside what is asked a jump over an obstacle counts as clear, and how far apart two count as one.
 const MISS: f64 = 0.002;
 
 impl<R: Real> Controller<'_, R> {
     /// What to do now: whether and when to open the valve, and how long for.
+    ///
+    /// Over an obstacle, one quadratic program about the guess is solved at each call. With the last decision for a guess the next goes on from
+    /// there, until they agree and the map says that the jump is clear: then it is settled, mostly at the second or third.
+    ///
+    /// Source: Diehl, Bock and Schlöder, A real-time iteration scheme for nonlinear optimization in optimal feedback control, SIAM J. Control
+    /// Optim. 43 (2005).
     ///
     /// # Errors
     /// [`Reason::SensorInvalid`] for what is no measurement or no task; [`Reason::OutOfTable`] where tables or map do not reach;
@@ -126,13 +144,16 @@ impl<R: Real> Controller<'_, R> {
     #[inline]
     pub fn decide(&self, sensed: &Sensed<R>, task: &Task<R>) -> Result<Decision<R>, Reason> {
         let approach_rate = self.approach_rate(sensed)?;
-        let angle = self.firing_angle(approach_rate, task.distance, task.landing_height)?;
-        let (firing_angle, valve_open) = match &task.obstacle {
-            None => (angle, self.robot.valve_open),
-            Some(obstacle) => self.over(approach_rate, angle, task, obstacle)?,
+        let (guess, settled) = match &task.obstacle {
+            None => {
+                let angle = self.firing_angle(approach_rate, task.distance, task.landing_height)?;
+                (Guess { firing_angle: angle, valve_open: self.robot.valve_open }, true)
+            }
+            Some(obstacle) => self.over(approach_rate, task, obstacle)?,
         };
+        let Guess { firing_angle, valve_open } = guess;
         let timing = self.timing(sensed, firing_angle)?;
-        Ok(Decision { approach_rate, firing_angle, valve_open, timing })
+        Ok(Decision { approach_rate, firing_angle, valve_open, timing, settled })
     }
 
     /// The approach rate (rad/s), at the start lean, of a robot that is sensed on its foot: by the energy of its pivoting.
@@ -164,10 +185,7 @@ impl<R: Real> Controller<'_, R> {
         if !height.is_finite() {
             return Err(Reason::SensorInvalid);
         }
-        let mut angle = match &self.rule {
-            Rule::Table(table) => table.firing_angle(rate, distance)?,
-            Rule::Law(law) => law.firing_angle(rate, distance)?,
-        };
+        let mut angle = self.look_up(rate, distance)?;
         let steps = self.limits.newton_steps;
         if steps == 0 {
             return if height == self.robot.landing_height { Ok(angle) } else { Err(Reason::OutOfTable) };
@@ -208,31 +226,46 @@ impl<R: Real> Controller<'_, R> {
         })
     }
 
-    /// Firing angle (rad) and valve opening time (s) nearest to the wanted distance that clear `obstacle`: QPs about the last answer,
-    /// whose last is held against the map itself.
-    fn over(
-        &self,
-        rate: R,
-        start: R,
-        task: &Task<R>,
-        obstacle: &Obstacle<R>,
-    ) -> Result<(R, R), Reason> {
+    /// What table or law says.
+    #[inline]
+    fn look_up(&self, rate: R, distance: R) -> Result<R, Reason> {
+        match &self.rule {
+            Rule::Table(table) => table.firing_angle(rate, distance),
+            Rule::Law(law) => law.firing_angle(rate, distance),
+        }
+    }
+
+    /// Firing angle (rad) and valve opening time (s) nearest to the wanted distance that clear `obstacle`, to first order about the guess; and
+    /// whether the guess clears it and they are no other jump than it.
+    #[inline]
+    fn over(&self, rate: R, task: &Task<R>, obstacle: &Obstacle<R>) -> Result<(Guess<R>, bool), Reason> {
         let Obstacle { front, back, height, clearance } = *obstacle;
         let finite = front.is_finite() && back.is_finite() && height.is_finite() && clearance.is_finite();
         if !(finite && front < back && height.is_at_least_zero() && clearance.is_at_least_zero()) {
             return Err(Reason::SensorInvalid);
         }
-        let (mut angle, mut valve_open) = (start, self.robot.valve_open);
-        for _ in 0..QP_STEPS {
-            let [landing, first, second] = self.lengths(rate, angle, valve_open, task, obstacle)?;
-            let (da, dv) = self.step(angle, valve_open, task.distance, [landing, first, second], obstacle)?;
-            angle = angle + da;
-            valve_open = valve_open + dv;
+        if !(task.distance.is_finite() && task.landing_height.is_finite()) {
+            return Err(Reason::SensorInvalid);
         }
-        let [landing, first, second] = self.lengths(rate, angle, valve_open, task, obstacle)?;
-        let least = clearance - R::of(MISS);
-        let clears = first.value >= least && second.value >= least && landing.value >= back - R::of(MISS);
-        if clears { Ok((angle, valve_open)) } else { Err(Reason::Infeasible) }
+        let guess = match task.guess {
+            Some(guess) => guess,
+            None => {
+                let angle = self.look_up(rate, task.distance)?;
+                Guess { firing_angle: angle, valve_open: self.robot.valve_open }
+            }
+        };
+        let Limits { least_valve_open, greatest_valve_open, .. } = self.limits;
+        if !guess.valve_open.within(least_valve_open, greatest_valve_open) {
+            return Err(if guess.valve_open.is_finite() { Reason::OutOfTable } else { Reason::SensorInvalid });
+        }
+        let lengths = self.lengths(rate, guess, task, obstacle)?;
+        let (da, dv) = self.step(guess, task.distance, lengths, obstacle)?;
+        let [landing, first, second] = lengths;
+        let miss = R::of(MISS);
+        let least = clearance - miss;
+        let clears = first.value >= least && second.value >= least && landing.value >= back - miss;
+        let settled = clears && (da * landing.by_angle).within(-miss, miss) && (dv * landing.by_valve).within(-miss, miss);
+        Ok((Guess { firing_angle: guess.firing_angle + da, valve_open: guess.valve_open + dv }, settled))
     }
 
     /// Landing, and the wheel's clearances over the front and the back corner (m).
@@ -240,13 +273,12 @@ impl<R: Real> Controller<'_, R> {
     fn lengths(
         &self,
         rate: R,
-        angle: R,
-        valve_open: R,
+        at: Guess<R>,
         task: &Task<R>,
         obstacle: &Obstacle<R>,
     ) -> Result<[Linear<R>; 3], Reason> {
         let g = self.robot.gravity;
-        let lift_off = shifted(&self.map.at(rate, angle)?, valve_open - self.robot.valve_open);
+        let lift_off = shifted(&self.map.at(rate, at.firing_angle)?, at.valve_open - self.robot.valve_open);
         let over = |x: R| {
             let distance = lift_off.distance_to(g, x, obstacle.height);
             Linear { value: distance.value - self.robot.radius, ..distance }
@@ -255,14 +287,15 @@ impl<R: Real> Controller<'_, R> {
     }
 
     /// The QP's step in firing angle (rad) and valve opening time (s).
+    #[inline]
     fn step(
         &self,
-        angle: R,
-        valve_open: R,
+        guess: Guess<R>,
         distance: R,
         [landing, first, second]: [Linear<R>; 3],
         obstacle: &Obstacle<R>,
     ) -> Result<(R, R), Reason> {
+        let Guess { firing_angle: angle, valve_open } = guess;
         let Limits { least_valve_open, greatest_valve_open, effort, .. } = self.limits;
         let (trust, axis) = (R::of(TRUST), &self.map.angles);
         let high = trust.lesser(axis.last - angle);
@@ -272,24 +305,25 @@ impl<R: Real> Controller<'_, R> {
         let (over_first, over_second) = (first.value - obstacle.clearance, second.value - obstacle.clearance);
         if !(greatest_valve_open > least_valve_open) {
             let constraints = [
+                HalfLine { slope: R::ONE, bound: high },
+                HalfLine { slope: -R::ONE, bound: -low },
                 HalfLine { slope: -first.by_angle, bound: over_first },
                 HalfLine { slope: -second.by_angle, bound: over_second },
                 HalfLine { slope: -landing.by_angle, bound: beyond },
-                HalfLine { slope: R::ONE, bound: high },
-                HalfLine { slope: -R::ONE, bound: -low },
             ];
             let j = landing.by_angle;
             return Ok((qp::one(j * j, j * off, &constraints)?, R::ZERO));
         }
         let plane = |l: &Linear<R>, bound: R| HalfPlane { normal: [-l.by_angle, -l.by_valve], bound };
+        // Bounds first: what is violated later is cut by all before it.
         let constraints = [
+            HalfPlane { normal: [R::ZERO, -R::ONE], bound: valve_open - least_valve_open },
+            HalfPlane { normal: [R::ZERO, R::ONE], bound: greatest_valve_open - valve_open },
+            HalfPlane { normal: [-R::ONE, R::ZERO], bound: -low },
+            HalfPlane { normal: [R::ONE, R::ZERO], bound: high },
             plane(&first, over_first),
             plane(&second, over_second),
             plane(&landing, beyond),
-            HalfPlane { normal: [R::ONE, R::ZERO], bound: high },
-            HalfPlane { normal: [-R::ONE, R::ZERO], bound: -low },
-            HalfPlane { normal: [R::ZERO, R::ONE], bound: greatest_valve_open - valve_open },
-            HalfPlane { normal: [R::ZERO, -R::ONE], bound: valve_open - least_valve_open },
         ];
         let (j, k) = (landing.by_angle, landing.by_valve);
         let h = [j * j, j * k, k * k + effort];

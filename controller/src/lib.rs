@@ -41,7 +41,7 @@ mod take_off;
 mod timing;
 
 pub use axis::Axis;
-pub use decide::{Controller, Decision, Limits, Obstacle, Robot, Rule, Sensed, Task};
+pub use decide::{Controller, Decision, Guess, Limits, Obstacle, Robot, Rule, Sensed, Task};
 pub use flight::{LiftOff, Linear};
 pub use law::Law;
 pub use map::{LiftOffMap, MAP_NODE};

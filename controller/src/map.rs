@@ -1,7 +1,7 @@
 //! Lift-off over approach rate and firing angle.
 
-use crate::axis::{hermite, hermite_slope};
-use crate::table::corners;
+use crate::axis::{cubic, cubic_slope, hermite, hermite_slope};
+use crate::table::{along, corners};
 use crate::{Axis, LiftOff, Real, Reason};
 
 /// Numbers at a node of a [`LiftOffMap`].
@@ -31,17 +31,9 @@ impl<R: Real> LiftOffMap<'_, R> {
         let (i, j) = (self.rates.locate(rate)?, self.angles.locate(angle)?);
         let [a, b, c, d] = corners(self.nodes, self.open, &self.angles, i, j)?;
         let (u, v, w) = (hermite(i.part), hermite(j.part), hermite_slope(j.part));
-        let along = |p: &[R; 4], q: &[R; 4]| {
-            let value = (u[0] * p[0] + u[1] * q[0]) + (u[2] * p[1] + u[3] * q[1]);
-            let slope = (u[0] * p[2] + u[1] * q[2]) + (u[2] * p[3] + u[3] * q[3]);
-            (value, slope)
-        };
-        let mix = |f: &[R; 4], (low, low_slope): (R, R), (high, high_slope): (R, R)| {
-            (f[0] * low + f[1] * high) + (f[2] * low_slope + f[3] * high_slope)
-        };
         let one = |k: usize| {
-            let (low, high) = (along(&part(a, k), &part(c, k)), along(&part(b, k), &part(d, k)));
-            (mix(&v, low, high), mix(&w, low, high) * self.angles.per_unit)
+            let (low, high) = (along(u, &part(a, k), &part(c, k)), along(u, &part(b, k), &part(d, k)));
+            (cubic(v, low, high), cubic_slope(w, low, high) * self.angles.per_unit)
         };
         let [(x, x_a), (y, y_a), (vx, vx_a), (vy, vy_a)] = [one(0), one(4), one(8), one(12)];
         let ([a, e, k, o], [b, f, l, p]) = (part(a, 16), part(b, 16));

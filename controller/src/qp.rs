@@ -64,69 +64,62 @@ pub fn one<R: Real>(h: R, g: R, constraints: &[HalfLine<R>]) -> Result<R, Reason
 /// is not finite.
 #[inline]
 pub fn two<R: Real>(h: [R; 3], g: [R; 2], constraints: &[HalfPlane<R>]) -> Result<[R; 2], Reason> {
-    // H = L Lᵀ; in y = Lᵀ x the objective is the squared distance from −L⁻¹ g.
     let [h11, h12, h22] = h;
-    if !(h11.is_positive() && h11.is_finite() && h22.is_finite()) {
+    let (product, square) = (h11 * h22, h12 * h12);
+    let determinant = product - square;
+    // Below this, the difference is round-off.
+    let doubt = R::ROUND_OFF * R::of(0.0625) * product;
+    if !(h11.is_positive() && determinant > doubt && determinant.is_finite()) {
         return Err(Reason::SensorInvalid);
     }
-    let i11 = R::ONE / h11.sqrt();
-    let l21 = h12 * i11;
-    let rest = h22 - l21 * l21;
-    if !(rest > R::ROUND_OFF * h22) {
-        return Err(Reason::SensorInvalid);
-    }
-    let i22 = R::ONE / rest.sqrt();
-    let turn = |a: [R; 2]| {
-        let first = a[0] * i11;
-        [first, (a[1] - l21 * first) * i22]
-    };
-    let free = turn([-g[0], -g[1]]);
+    // H⁻¹ a, but for the determinant.
+    let inverse = |a: [R; 2]| [h22 * a[0] - h12 * a[1], h11 * a[1] - h12 * a[0]];
+    let [p, q] = inverse(g);
+    let free = [-p / determinant, -q / determinant];
     if !(free[0].is_finite() && free[1].is_finite()) {
         return Err(Reason::SensorInvalid);
     }
     let mut best = free;
     for (i, c) in constraints.iter().enumerate() {
-        let normal = turn(c.normal);
-        if !(normal[0].is_finite() && normal[1].is_finite() && c.bound.is_finite()) {
+        let (p, q) = (c.normal[0] * best[0], c.normal[1] * best[1]);
+        let size = c.bound.magnitude() + p.magnitude() + q.magnitude();
+        if !size.is_finite() {
             return Err(Reason::SensorInvalid);
         }
-        let (p, q) = (normal[0] * best[0], normal[1] * best[1]);
-        let size = c.bound.magnitude() + p.magnitude() + q.magnitude();
         if (p + q) - c.bound <= R::ROUND_OFF * size {
             continue;
         }
-        best = on_border(normal, c.bound, free, constraints.get(..i).unwrap_or(&[]), turn)?;
+        best = on_border(c, inverse(c.normal), free, constraints.get(..i).unwrap_or(&[]))?;
     }
-    let second = best[1] * i22;
-    let x = [(best[0] - l21 * second) * i11, second];
-    if x[0].is_finite() && x[1].is_finite() { Ok(x) } else { Err(Reason::SensorInvalid) }
+    if best[0].is_finite() && best[1].is_finite() { Ok(best) } else { Err(Reason::SensorInvalid) }
 }
 
-/// The point of the line normal · y = bound nearest to `free` that keeps the `earlier` constraints.
+/// The best point of the border of `c` that keeps the `earlier` constraints; `way` is H⁻¹ a but for a factor.
+///
+/// Along the border the objective is a parabola about where `way` from the `free` optimum meets it.
 #[inline]
 fn on_border<R: Real>(
-    normal: [R; 2],
-    bound: R,
+    c: &HalfPlane<R>,
+    way: [R; 2],
     free: [R; 2],
     earlier: &[HalfPlane<R>],
-    turn: impl Fn([R; 2]) -> [R; 2],
 ) -> Result<[R; 2], Reason> {
-    let square = normal[0] * normal[0] + normal[1] * normal[1];
+    let normal = c.normal;
+    let square = normal[0] * way[0] + normal[1] * way[1];
     // Nothing but the bound is left of a constraint without a normal, and it is violated.
     if !square.is_positive() {
         return Err(Reason::Infeasible);
     }
-    let lever = ((normal[0] * free[0] + normal[1] * free[1]) - bound) / square;
-    let foot = [free[0] - lever * normal[0], free[1] - lever * normal[1]];
+    let lever = ((normal[0] * free[0] + normal[1] * free[1]) - c.bound) / square;
+    let foot = [free[0] - lever * way[0], free[1] - lever * way[1]];
     let mut line = Interval::all();
-    for c in earlier {
-        let other = turn(c.normal);
-        let slope = other[1] * normal[0] - other[0] * normal[1];
-        let (p, q) = (other[0] * foot[0], other[1] * foot[1]);
-        let size = c.bound.magnitude() + p.magnitude() + q.magnitude();
-        // Two products nearly cancel where the lines are parallel.
-        let doubt = R::ROUND_OFF * ((other[1] * normal[0]).magnitude() + (other[0] * normal[1]).magnitude());
-        line.cut(slope, c.bound - (p + q), doubt, size)?;
+    for other in earlier {
+        let (u, v) = (other.normal[1] * normal[0], other.normal[0] * normal[1]);
+        let (p, q) = (other.normal[0] * foot[0], other.normal[1] * foot[1]);
+        let size = other.bound.magnitude() + p.magnitude() + q.magnitude();
+        // The two products nearly cancel where the lines are parallel.
+        let doubt = R::ROUND_OFF * u.magnitude();
+        line.cut(u - v, other.bound - (p + q), doubt, size)?;
     }
     let t = line.nearest(R::ZERO)?;
     Ok([foot[0] - t * normal[1], foot[1] + t * normal[0]])
@@ -136,13 +129,12 @@ fn on_border<R: Real>(
 struct Interval<R> {
     low: R,
     high: R,
-    bounded: [bool; 2],
 }
 
 impl<R: Real> Interval<R> {
     #[inline]
     fn all() -> Interval<R> {
-        Interval { low: R::ZERO, high: R::ZERO, bounded: [false; 2] }
+        Interval { low: -R::GREATEST, high: R::GREATEST }
     }
 
     /// Keeps where slope · t ≤ room; a slope within `doubt` is none. `size` is that of the numbers whose difference `room` is.
@@ -153,15 +145,9 @@ impl<R: Real> Interval<R> {
         }
         let end = room / slope;
         if slope > R::ZERO {
-            if !self.bounded[1] || end < self.high {
-                self.high = end;
-            }
-            self.bounded[1] = true;
+            self.high = self.high.lesser(end);
         } else {
-            if !self.bounded[0] || end > self.low {
-                self.low = end;
-            }
-            self.bounded[0] = true;
+            self.low = self.low.greater(end);
         }
         Ok(())
     }
@@ -169,20 +155,12 @@ impl<R: Real> Interval<R> {
     /// The point nearest to `t`.
     #[inline]
     fn nearest(&self, t: R) -> Result<R, Reason> {
-        let [from_below, from_above] = self.bounded;
-        if from_below && from_above {
-            let size = self.low.magnitude() + self.high.magnitude();
-            if self.low - self.high > R::ROUND_OFF * size {
-                return Err(Reason::Infeasible);
-            }
+        // Where an end is missing, the size is infinite and the interval not empty.
+        let size = self.low.magnitude() + self.high.magnitude();
+        if self.low - self.high > R::ROUND_OFF * size {
+            return Err(Reason::Infeasible);
         }
-        let mut t = t;
-        if from_above && t > self.high {
-            t = self.high;
-        }
-        if from_below && t < self.low {
-            t = self.low;
-        }
+        let t = t.lesser(self.high).greater(self.low);
         if t.is_finite() { Ok(t) } else { Err(Reason::SensorInvalid) }
     }
 }

@@ -26,6 +26,8 @@ pub trait Real:
     const ONE: Self;
     /// Relative error that counts as round-off: 64 times that of one operation.
     const ROUND_OFF: Self;
+    /// The greatest finite number.
+    const GREATEST: Self;
 
     /// `x`, rounded.
     fn of(x: f64) -> Self;
@@ -40,13 +42,13 @@ pub trait Real:
     fn of_index(index: usize) -> Self;
 
     /// Neither infinite nor not a number.
-    fn is_finite(self) -> bool;
+    #[inline]
+    fn is_finite(self) -> bool {
+        self.magnitude() <= Self::GREATEST
+    }
 
     /// |x|.
-    #[inline]
-    fn magnitude(self) -> Self {
-        if self < Self::ZERO { -self } else { self }
-    }
+    fn magnitude(self) -> Self;
 
     /// The lesser of two.
     #[inline]
@@ -85,6 +87,7 @@ macro_rules! real {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const ROUND_OFF: Self = 64.0 * <$type>::EPSILON;
+            const GREATEST: Self = <$type>::MAX;
 
             #[inline]
             #[allow(clippy::cast_possible_truncation, clippy::cast_lossless)]
@@ -111,8 +114,8 @@ macro_rules! real {
             }
 
             #[inline]
-            fn is_finite(self) -> bool {
-                <$type>::is_finite(self)
+            fn magnitude(self) -> Self {
+                <$type>::abs(self)
             }
         }
     };

@@ -1,6 +1,6 @@
 //! Firing angles over approach rate and distance.
 
-use crate::axis::{Spot, hermite};
+use crate::axis::{Spot, cubic, hermite};
 use crate::{Axis, Real, Reason};
 
 /// Firing angles α_f over approach rate and distance, between nodes by a bicubic.
@@ -60,13 +60,12 @@ pub(crate) fn corners<'n, R: Real, const N: usize>(
 #[inline]
 fn bicubic<R: Real>([a, b, c, d]: [&[R; 4]; 4], s: R, t: R) -> R {
     let (u, v) = (hermite(s), hermite(t));
-    let along = |p: &[R; 4], q: &[R; 4]| {
-        let [p, p_s, p_t, p_st] = *p;
-        let [q, q_s, q_t, q_st] = *q;
-        let value = (u[0] * p + u[1] * q) + (u[2] * p_s + u[3] * q_s);
-        let slope = (u[0] * p_t + u[1] * q_t) + (u[2] * p_st + u[3] * q_st);
-        (value, slope)
-    };
-    let ((low, low_slope), (high, high_slope)) = (along(a, c), along(b, d));
-    (v[0] * low + v[1] * high) + (v[2] * low_slope + v[3] * high_slope)
+    cubic(v, along(u, a, c), along(u, b, d))
+}
+
+/// Value and slope by the inner axis, at a place along the outer between two nodes.
+#[inline]
+pub(crate) fn along<R: Real>(u: [R; 3], p: &[R; 4], q: &[R; 4]) -> (R, R) {
+    let ([p, p_s, p_t, p_st], [q, q_s, q_t, q_st]) = (*p, *q);
+    (cubic(u, (p, p_s), (q, q_s)), cubic(u, (p_t, p_st), (q_t, q_st)))
 }

@@ -30,6 +30,7 @@ impl<R: Number> Tables<R> {
             .replace("@SELF_TEST@", &self.c_self_test())
             .replace("@SUFFIX@", choose("x##f", "x"))
             .replace("@SQRT@", choose("sqrtf", "sqrt"))
+            .replace("@ABS@", choose("fabsf", "fabs"))
             .replace("@GREATEST@", choose("FLT_MAX", "DBL_MAX"))
             .replace("@ROUND_OFF@", &R::ROUND_OFF.c())
             .replace("@BITS@", choose("uint32_t", "uint64_t"));
@@ -63,7 +64,9 @@ impl<R: Number> Tables<R> {
         for (name, value, what) in numbers {
             put(&mut text, format_args!("static const saltus_real {name} = {}; /* {what} */\n", value.c()));
         }
-        put(&mut text, format_args!("#define NEWTON_STEPS {}\n\n", limits.newton_steps.min(3)));
+        put(&mut text, format_args!("#define NEWTON_STEPS {}\n", limits.newton_steps.min(3)));
+        let chooses = u8::from(limits.greatest_valve_open > limits.least_valve_open);
+        put(&mut text, format_args!("#define CHOOSES_VALVE {chooses}\n\n"));
         if let Some(law) = &self.law {
             let numbers = [
                 ("law_slope", law.slope, "A (s)"),
@@ -106,9 +109,9 @@ impl<R: Number> Tables<R> {
                 Ok(d) => {
                     let (timing, time) = timing(d.timing);
                     let numbers = list(&[d.approach_rate, d.firing_angle, d.valve_open, time]);
-                    format!("SALTUS_OK, {{{numbers}, {timing}}}")
+                    format!("SALTUS_OK, {{{numbers}, {timing}, {}}}", u8::from(d.settled))
                 }
-                Err(reason) => format!("{}, {{{}, SALTUS_WAIT}}", status(reason), list(&[R::ZERO; 4])),
+                Err(reason) => format!("{}, {{{}, SALTUS_WAIT, 0}}", status(reason), list(&[R::ZERO; 4])),
             };
             let (sensed, task) = (list(&[sensed.lean, sensed.rate]), list(&[task.distance, task.landing_height]));
             put(&mut text, format_args!("    {{{{{sensed}}}, {task}, {over}, {{{obstacle}}}, {answer}}},\n"));
@@ -220,7 +223,7 @@ static enum saltus_status rule(saltus_real rate, saltus_real distance, saltus_re
     if (status) return status;
     if (!table_open[i.cell * (table_distances.count - 1) + j.cell]) return SALTUS_INFEASIBLE;
     uint32_t first = i.cell * table_distances.count + j.cell, second = first + table_distances.count;
-    saltus_real u[4], v[4], low[2], high[2];
+    saltus_real u[3], v[3], low[2], high[2];
     hermite(i.part, u);
     hermite(j.part, v);
     along(u, table_nodes[first], table_nodes[second], low);
@@ -275,13 +278,14 @@ int saltus_self_test(void) {
     if (saltus_crc() != SALTUS_CRC) return number;
     for (int k = 0; k < @DECISIONS@; k++) {
         const test_decision *t = &test_decisions[k];
-        saltus_task task = {t->distance, t->height, t->over ? &t->obstacle : NULL};
+        saltus_task task = {t->distance, t->height, t->over ? &t->obstacle : NULL, NULL};
         saltus_decision d;
         number++;
         if (saltus_decide(&t->sensed, &task, &d) != t->status) return number;
         if (t->status != SALTUS_OK) continue;
         if (d.approach_rate != t->answer.approach_rate || d.firing_angle != t->answer.firing_angle) return number;
         if (d.valve_open != t->answer.valve_open || d.time != t->answer.time || d.timing != t->answer.timing) return number;
+        if (d.settled != t->answer.settled) return number;
     }
     for (int k = 0; k < @TAKE_OFFS@; k++) {
         const test_take_off *t = &test_take_offs[k];

@@ -46,7 +46,7 @@ impl<R: Number> Tables<R> {
             put(&mut text, format_args!("//! {line}").to_string().trim_end());
         }
         let real = R::RUST_TYPE;
-        put(&mut text, "\n#![allow(clippy::all, clippy::pedantic)]\n");
+        put(&mut text, "\n#![allow(clippy::all, clippy::pedantic, unreachable_pub)]\n");
         put(&mut text, "use saltus_controller::{Axis, Controller, LiftOffMap, Limits, Robot, Rule};");
         put(&mut text, if self.law.is_some() { "use saltus_controller::Law;\n" } else { "use saltus_controller::FiringTable;\n" });
         put(&mut text, &format!("/// What the robot {} decides by.", self.name.escape_default()));

@@ -161,8 +161,8 @@ impl<R: Number> Tables<R> {
             hash: Sha256::digest(robot.to_toml()).iter().take(8).map(|byte| format!("{byte:02x}")).collect(),
         };
         tables.fill_map(planner, request)?;
-        tables.measure_table(planner, request)?;
         tables.measure_map(planner, request)?;
+        tables.measure_table(planner, request)?;
         let closed = |open: &[u8]| open.iter().all(|cell| *cell == 0);
         if tables.law.is_none() && closed(&tables.open) {
             return Err(EmbedError::Empty { what: "firing table", tolerance: request.tolerance });
@@ -268,11 +268,7 @@ impl<R: Number> Tables<R> {
             for (s, t) in looks() {
                 let rate = between(&self.rates, cell / columns, s);
                 let distance = between(&self.distances, cell % columns, t);
-                let miss = match self.table().firing_angle(R::of(rate), R::of(distance)) {
-                    Ok(angle) => miss(planner, request, rate, angle.wide(), distance)?,
-                    Err(_) => f64::INFINITY,
-                };
-                worst = worst.max(miss);
+                worst = worst.max(self.fired(planner, request, rate, distance)?);
                 self.misses.jumps += 1;
             }
             if worst > request.tolerance {
@@ -290,13 +286,23 @@ impl<R: Number> Tables<R> {
         for i in 0..self.rates.count - 1 {
             for s in 0..LOOKS {
                 let rate = between(&self.rates, i, part(s));
-                let Ok(angle) = law.firing_angle(R::of(rate), law.distance) else { continue };
-                let miss = miss(planner, request, rate, angle.wide(), request.distances.0)?;
-                self.misses.table = self.misses.table.max(miss);
-                self.misses.jumps += 1;
+                if R::of(rate).within(law.least_rate, law.greatest_rate) {
+                    let miss = self.fired(planner, request, rate, law.distance.wide())?;
+                    self.misses.table = self.misses.table.max(miss);
+                    self.misses.jumps += 1;
+                }
             }
         }
         Ok(())
+    }
+
+    /// How far (m) from `distance` the jump lands that the controller fires, Newton steps and all; infinite where it fires none.
+    fn fired(&self, planner: &Planner, request: &Request, rate: f64, distance: f64) -> Result<f64, EmbedError> {
+        let height = self.robot.landing_height;
+        match self.controller().firing_angle(R::of(rate), R::of(distance), height) {
+            Ok(angle) => miss(planner, request, rate, angle.wide(), distance),
+            Err(_) => Ok(f64::INFINITY),
+        }
     }
 
     /// Holds the landings that the map predicts against the planner's, and closes the cells that miss.

@@ -58,8 +58,9 @@ impl<R: Number> Tables<R> {
         let decide = |k: usize| {
             let lean = draw.between(start, start + 0.3);
             let distance = if self.law.is_some() { self.distances.first.wide() } else { draw.along(&self.distances) };
-            let (front, length) = (draw.between(0.2, 0.7) * distance, draw.between(0.05, 0.3) * distance);
-            let height = draw.between(0.0, 0.2);
+            let radius = self.robot.radius.wide();
+            let (front, length) = (draw.between(1.0, 1.5) * radius, draw.between(0.1, 0.8) * radius);
+            let height = draw.between(0.0, 0.6) * radius;
             let obstacle = Obstacle {
                 front: R::of(front),
                 back: R::of(front + length),
@@ -71,6 +72,7 @@ impl<R: Number> Tables<R> {
                 distance: R::of(distance),
                 landing_height: self.robot.landing_height,
                 obstacle: (k % 2 == 1).then_some(obstacle),
+                guess: None,
             };
             let answer = self.controller().decide(&sensed, &task);
             Decided { sensed, task, answer }
