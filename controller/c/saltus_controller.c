@@ -29,6 +29,7 @@
 #define ABS(x) @ABS@(x)
 #define ROUND_OFF @ROUND_OFF@
 #define GREATEST @GREATEST@
+#define GREAT @GREAT@
 
 typedef struct { saltus_real first, last, per_unit; uint32_t count; } axis;
 typedef struct { uint32_t cell; saltus_real part; } spot;
@@ -58,9 +59,13 @@ static saltus_real cosine(saltus_real x) {
 static enum saltus_status locate(const axis *a, saltus_real x, spot *out) {
     if (!within(x, a->first, a->last)) return is_finite(x) ? SALTUS_OUT_OF_TABLE : SALTUS_SENSOR_INVALID;
     saltus_real along = (x - a->first) * a->per_unit;
-    uint32_t whole = (uint32_t)along, last = a->count - 2;
-    out->cell = whole > last ? last : whole;
-    out->part = along - (saltus_real)out->cell;
+    /* Beside a number so great only whole ones lie, and its last bits count them. */
+    saltus_real beside = (along - R(0.5)) + GREAT;
+    @BITS@ bits;
+    memcpy(&bits, &beside, sizeof bits);
+    uint32_t index = (uint32_t)(bits & 0x3FFFFF), most = a->count - 2;
+    out->cell = index > most ? most : index;
+    out->part = along - lesser(beside - GREAT, (saltus_real)most);
     return SALTUS_OK;
 }
 

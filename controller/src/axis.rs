@@ -45,10 +45,8 @@ impl<R: Real> Axis<R> {
         if !x.within(self.first, self.last) || self.count < 2 {
             return Err(if x.is_finite() { Reason::OutOfTable } else { Reason::SensorInvalid });
         }
-        let along = (x - self.first) * self.per_unit;
-        let (whole, last) = (along.whole(), self.count - 2);
-        let cell = if whole > last { last } else { whole };
-        Ok(Spot { cell, part: along - R::of_index(cell) })
+        let (cell, part) = ((x - self.first) * self.per_unit).split(self.count - 2);
+        Ok(Spot { cell, part })
     }
 }
 

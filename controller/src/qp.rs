@@ -144,11 +144,11 @@ impl<R: Real> Interval<R> {
             return if room < -(R::ROUND_OFF * size) { Err(Reason::Infeasible) } else { Ok(()) };
         }
         let end = room / slope;
-        if slope > R::ZERO {
-            self.high = self.high.lesser(end);
-        } else {
-            self.low = self.low.greater(end);
-        }
+        // Without branches, which nothing could predict.
+        let upper = slope.is_positive();
+        let (high, low) = (self.high.lesser(end), self.low.greater(end));
+        self.high = if upper { high } else { self.high };
+        self.low = if upper { self.low } else { low };
         Ok(())
     }
 

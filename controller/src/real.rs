@@ -35,8 +35,10 @@ pub trait Real:
     /// √x, correctly rounded; not a number for x < 0.
     fn sqrt(self) -> Self;
 
-    /// The whole part of a number ≥ 0 as an index; 0 for what is none.
-    fn whole(self) -> usize;
+    /// A whole number next to x, at most 1 away and at most `most`, and x less it; for 0 ≤ x < 2²².
+    ///
+    /// By adding a number so great that only whole ones lie beside it, which takes a third of the time of converting.
+    fn split(self, most: usize) -> (usize, Self);
 
     /// `index` as a number.
     fn of_index(index: usize) -> Self;
@@ -82,7 +84,7 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($type:ty, $sqrt:path) => {
+    ($type:ty, $sqrt:path, $great:literal, $bits:literal) => {
         impl Real for $type {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -101,10 +103,12 @@ macro_rules! real {
             }
 
             #[inline]
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-            fn whole(self) -> usize {
-                // Indices are small: by 32 bits, which microcontrollers convert in one instruction.
-                self as u32 as usize
+            #[allow(clippy::cast_possible_truncation)]
+            fn split(self, most: usize) -> (usize, Self) {
+                let beside = (self - 0.5) + $great;
+                let index = (beside.to_bits() & $bits) as usize;
+                let whole = (beside - $great).lesser(Self::of_index(most));
+                (if index > most { most } else { index }, self - whole)
             }
 
             #[inline]
@@ -121,8 +125,9 @@ macro_rules! real {
     };
 }
 
-real!(f32, libm::sqrtf);
-real!(f64, libm::sqrt);
+// 1.5 · 2²³ and 1.5 · 2⁵², whose last bits count ones.
+real!(f32, libm::sqrtf, 12582912.0, 0x3F_FFFF);
+real!(f64, libm::sqrt, 6755399441055744.0, 0x3F_FFFF);
 
 /// sin x for |x| ≤ π/2, to 4e-6 there and 2e-10 for |x| ≤ 0.63: the Taylor polynomial of degree 9.
 #[inline]

@@ -31,6 +31,7 @@ impl<R: Number> Tables<R> {
             .replace("@SUFFIX@", choose("x##f", "x"))
             .replace("@SQRT@", choose("sqrtf", "sqrt"))
             .replace("@ABS@", choose("fabsf", "fabs"))
+            .replace("@GREAT@", choose("12582912.0f", "6755399441055744.0"))
             .replace("@GREATEST@", choose("FLT_MAX", "DBL_MAX"))
             .replace("@ROUND_OFF@", &R::ROUND_OFF.c())
             .replace("@BITS@", choose("uint32_t", "uint64_t"));
