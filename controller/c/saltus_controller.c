@@ -87,18 +87,14 @@ static void hermite_slope(saltus_real t, saltus_real w[3]) {
     w[2] = end;
 }
 
-/* Value and slope, along the rates, of four numbers at either node. */
-static inline void along(const saltus_real u[3], const saltus_real *p, const saltus_real *q, saltus_real out[2]) {
-    out[0] = (p[0] + u[0] * (q[0] - p[0])) + (u[1] * p[1] + u[2] * q[1]);
-    out[1] = (p[2] + u[0] * (q[2] - p[2])) + (u[1] * p[3] + u[2] * q[3]);
+/* Between the values p and q with their slopes, by the weights of hermite. */
+static inline saltus_real cubic(const saltus_real f[3], saltus_real p, saltus_real p_slope, saltus_real q, saltus_real q_slope) {
+    return (p + f[0] * (q - p)) + (f[1] * p_slope + f[2] * q_slope);
 }
 
-static inline saltus_real mix(const saltus_real f[3], const saltus_real low[2], const saltus_real high[2]) {
-    return (low[0] + f[0] * (high[0] - low[0])) + (f[1] * low[1] + f[2] * high[1]);
-}
-
-static inline saltus_real mix_slope(const saltus_real f[3], const saltus_real low[2], const saltus_real high[2]) {
-    return f[0] * (high[0] - low[0]) + (f[1] * low[1] + f[2] * high[1]);
+/* Its slope, by the weights of hermite_slope. */
+static inline saltus_real cubic_slope(const saltus_real f[3], saltus_real p, saltus_real p_slope, saltus_real q, saltus_real q_slope) {
+    return f[0] * (q - p) + (f[1] * p_slope + f[2] * q_slope);
 }
 
 @RULE@
@@ -119,10 +115,12 @@ INLINE enum saltus_status evaluate(saltus_real rate, saltus_real angle, lift_off
     if (derivatives) hermite_slope(j.part, w);
     for (int k = 0; k < 4; k++) {
         saltus_real low[2], high[2];
-        along(u, a + 4 * k, c + 4 * k, low);
-        along(u, b + 4 * k, d + 4 * k, high);
-        out->state[k] = mix(v, low, high);
-        if (derivatives) out->by_angle[k] = mix_slope(w, low, high) * map_angles.per_unit;
+        low[0] = cubic(u, a[k], a[4 + k], c[k], c[4 + k]);
+        low[1] = cubic(u, a[8 + k], a[12 + k], c[8 + k], c[12 + k]);
+        high[0] = cubic(u, b[k], b[4 + k], d[k], d[4 + k]);
+        high[1] = cubic(u, b[8 + k], b[12 + k], d[8 + k], d[12 + k]);
+        out->state[k] = cubic(v, low[0], low[1], high[0], high[1]);
+        if (derivatives) out->by_angle[k] = cubic_slope(w, low[0], low[1], high[0], high[1]) * map_angles.per_unit;
         if (CHOOSES_VALVE) {
             saltus_real early = a[16 + k] + i.part * (c[16 + k] - a[16 + k]);
             saltus_real late = b[16 + k] + i.part * (d[16 + k] - b[16 + k]);
@@ -145,7 +143,8 @@ static enum saltus_status values_at(saltus_real rate, saltus_real angle, lift_of
 }
 
 static inline saltus_real landing_by(const saltus_real d[4], saltus_real time, saltus_real vx, saltus_real vy, saltus_real slow) {
-    saltus_real later = d[3] / gravity + (vy * d[3] / gravity + d[1]) * slow;
+    saltus_real inverse = R(1.0) / gravity;
+    saltus_real later = d[3] * inverse + (vy * d[3] * inverse + d[1]) * slow;
     return d[0] + d[2] * time + vx * later;
 }
 
@@ -155,7 +154,7 @@ INLINE enum saltus_status landing(const lift_off *l, saltus_real height, linear 
     saltus_real square = vy * vy + (gravity + gravity) * fall;
     if (!(square >= 0)) return SALTUS_INFEASIBLE;
     saltus_real speed = SQRT(square);
-    saltus_real time = (vy + speed) / gravity;
+    saltus_real time = (vy + speed) * (R(1.0) / gravity);
     if (!(time >= 0)) return SALTUS_INFEASIBLE;
     saltus_real slow = speed > 0 ? R(1.0) / speed : R(0.0);
     out->value = x + vx * time;
@@ -166,14 +165,15 @@ INLINE enum saltus_status landing(const lift_off *l, saltus_real height, linear 
 
 INLINE linear distance_to(const lift_off *l, saltus_real x, saltus_real y, int derivatives) {
     saltus_real vx = l->state[2], vy = l->state[3];
-    saltus_real rise = vy / gravity;
+    saltus_real per_gravity = R(1.0) / gravity;
+    saltus_real rise = vy * per_gravity;
     saltus_real apex_x = l->state[0] + vx * rise - x, apex_y = l->state[1] + R(0.5) * vy * rise - y;
-    saltus_real scale = R(2.0) / (gravity * gravity);
+    saltus_real scale = R(2.0) * (per_gravity * per_gravity);
     saltus_real p = scale * (vx * vx - gravity * apex_y), q = scale * (vx * apex_x);
     saltus_real lever = magnitude(q);
     saltus_real reach = p < 0 ? SQRT(-p) : R(0.0);
     saltus_real r = reach + (R(16.0) * lever + R(0.5)) * R(0.33333334);
-    for (int k = 0; k < 6; k++) {
+    for (int k = 0; k < 4; k++) {
         saltus_real square = r * r;
         saltus_real slope = R(3.0) * square + p;
         if (!(slope > 0)) break;

@@ -25,7 +25,7 @@ pub struct Linear<R> {
 }
 
 /// Newton steps to the nearest point of a parabola; the start is beyond it and the function convex, so that none overshoots.
-const STEPS: usize = 6;
+const STEPS: usize = 4;
 
 impl<R: Real> LiftOff<R> {
     /// Distance (m) from the foot to where the wheel's centre comes down to `height` (m).
@@ -41,14 +41,15 @@ impl<R: Real> LiftOff<R> {
             return Err(Reason::Infeasible);
         }
         let speed = square.sqrt();
-        let time = (vy + speed) / gravity;
+        let inverse = R::ONE / gravity;
+        let time = (vy + speed) * inverse;
         if !time.is_at_least_zero() {
             return Err(Reason::Infeasible);
         }
         // Grazing the apex, the landing has no derivative; nothing is asked of it there.
         let slow = if speed > R::ZERO { R::ONE / speed } else { R::ZERO };
         let by = |[x, y, sx, sy]: [R; 4]| {
-            let later = sy / gravity + (vy * sy / gravity + y) * slow;
+            let later = sy * inverse + (vy * sy * inverse + y) * slow;
             x + sx * time + vx * later
         };
         Ok(Linear { value: x + vx * time, by_angle: by(self.by_angle), by_valve: by(self.by_valve) })
@@ -64,9 +65,10 @@ impl<R: Real> LiftOff<R> {
     #[inline]
     pub fn distance_to(&self, gravity: R, x: R, y: R) -> Linear<R> {
         let [x0, y0, vx, vy] = self.state;
-        let rise = vy / gravity;
+        let per_gravity = R::ONE / gravity;
+        let rise = vy * per_gravity;
         let apex = (x0 + vx * rise - x, y0 + R::of(0.5) * vy * rise - y);
-        let scale = R::of(2.0) / (gravity * gravity);
+        let scale = R::of(2.0) * (per_gravity * per_gravity);
         let (p, q) = (scale * (vx * vx - gravity * apex.1), scale * (vx * apex.0));
         let lever = q.magnitude();
         let reach = if p < R::ZERO { (-p).sqrt() } else { R::ZERO };

@@ -1,7 +1,7 @@
 //! Lift-off over approach rate and firing angle.
 
 use crate::axis::{cubic, cubic_slope, hermite, hermite_slope};
-use crate::table::{along, corners};
+use crate::table::corners;
 use crate::{Axis, LiftOff, Real, Reason};
 
 /// Numbers at a node of a [`LiftOffMap`].
@@ -14,8 +14,8 @@ pub struct LiftOffMap<'a, R> {
     pub rates: Axis<R>,
     /// Firing angles α_f (rad).
     pub angles: Axis<R>,
-    /// At each node, angles within rates: for each of x, y (m), v_x, v_y (m/s) its value, its slope by ω and by α_f and its mixed
-    /// derivative, each times the spacing; then the derivatives of these four by the valve opening time (m/s, m/s²).
+    /// At each node, angles within rates: x, y (m), v_x, v_y (m/s); their slopes by ω; by α_f; their mixed derivatives, each times the
+    /// spacing; then the derivatives of the four by the valve opening time (m/s, m/s²).
     pub nodes: &'a [[R; MAP_NODE]],
     /// For each cell, angles within rates: 1 if all of it jumps, else 0.
     pub open: &'a [u8],
@@ -31,23 +31,28 @@ impl<R: Real> LiftOffMap<'_, R> {
         let (i, j) = (self.rates.locate(rate)?, self.angles.locate(angle)?);
         let [a, b, c, d] = corners(self.nodes, self.open, &self.angles, i, j)?;
         let (u, v, w) = (hermite(i.part), hermite(j.part), hermite_slope(j.part));
-        let one = |k: usize| {
-            let (low, high) = (along(u, &part(a, k), &part(c, k)), along(u, &part(b, k), &part(d, k)));
-            (cubic(v, low, high), cubic_slope(w, low, high) * self.angles.per_unit)
+        // Four quantities side by side, as registers hold them.
+        let along = |p: &[R; MAP_NODE], q: &[R; MAP_NODE], k: usize| {
+            four(part(p, k), part(q, k), part(p, k + 4), part(q, k + 4), |p, q, p_s, q_s| cubic(u, (p, p_s), (q, q_s)))
         };
-        let [(x, x_a), (y, y_a), (vx, vx_a), (vy, vy_a)] = [one(0), one(4), one(8), one(12)];
-        let ([a, e, k, o], [b, f, l, p]) = (part(a, 16), part(b, 16));
-        let ([c, g, m, q], [d, h, n, r]) = (part(c, 16), part(d, 16));
-        let flat = |a: R, b: R, c: R, d: R| {
+        let (low, low_slope) = (along(a, c, 0), along(a, c, 8));
+        let (high, high_slope) = (along(b, d, 0), along(b, d, 8));
+        let state = four(low, low_slope, high, high_slope, |p, p_t, q, q_t| cubic(v, (p, p_t), (q, q_t)));
+        let by_angle = four(low, low_slope, high, high_slope, |p, p_t, q, q_t| {
+            cubic_slope(w, (p, p_t), (q, q_t)) * self.angles.per_unit
+        });
+        let by_valve = four(part(a, 16), part(b, 16), part(c, 16), part(d, 16), |a, b, c, d| {
             let (low, high) = (a + i.part * (c - a), b + i.part * (d - b));
             low + j.part * (high - low)
-        };
-        Ok(LiftOff {
-            state: [x, y, vx, vy],
-            by_angle: [x_a, y_a, vx_a, vy_a],
-            by_valve: [flat(a, b, c, d), flat(e, f, g, h), flat(k, l, m, n), flat(o, p, q, r)],
-        })
+        });
+        Ok(LiftOff { state, by_angle, by_valve })
     }
+}
+
+/// `f` of the first of each, of the second, and so on.
+#[inline]
+fn four<R: Real>(a: [R; 4], b: [R; 4], c: [R; 4], d: [R; 4], f: impl Fn(R, R, R, R) -> R) -> [R; 4] {
+    [f(a[0], b[0], c[0], d[0]), f(a[1], b[1], c[1], d[1]), f(a[2], b[2], c[2], d[2]), f(a[3], b[3], c[3], d[3])]
 }
 
 /// Four of a node's numbers, from `k` ≤ 16 on.

@@ -65,7 +65,7 @@ fn bicubic<R: Real>([a, b, c, d]: [&[R; 4]; 4], s: R, t: R) -> R {
 
 /// Value and slope by the inner axis, at a place along the outer between two nodes.
 #[inline]
-pub(crate) fn along<R: Real>(u: [R; 3], p: &[R; 4], q: &[R; 4]) -> (R, R) {
+fn along<R: Real>(u: [R; 3], p: &[R; 4], q: &[R; 4]) -> (R, R) {
     let ([p, p_s, p_t, p_st], [q, q_s, q_t, q_st]) = (*p, *q);
     (cubic(u, (p, p_s), (q, q_s)), cubic(u, (p_t, p_st), (q_t, q_st)))
 }

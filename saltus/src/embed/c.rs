@@ -89,7 +89,7 @@ impl<R: Number> Tables<R> {
         }
         axis(&mut text, "map_rates", &self.rates, "approach rate (rad/s)");
         axis(&mut text, "map_angles", &self.angles, "firing angle (rad)");
-        let what = "for x, y (m), vx, vy (m/s): value, by rate, by angle, mixed, times the spacing; then their derivatives by the valve opening time";
+        let what = "x, y (m), vx, vy (m/s); these by rate; by angle; mixed, times the spacing; then by the valve opening time (1/s)";
         nodes(&mut text, "map_nodes", &self.map_nodes, what);
         cells(&mut text, "map_open", &self.map_open);
         text.truncate(text.trim_end().len());
@@ -224,12 +224,14 @@ static enum saltus_status rule(saltus_real rate, saltus_real distance, saltus_re
     if (status) return status;
     if (!table_open[i.cell * (table_distances.count - 1) + j.cell]) return SALTUS_INFEASIBLE;
     uint32_t first = i.cell * table_distances.count + j.cell, second = first + table_distances.count;
-    saltus_real u[3], v[3], low[2], high[2];
+    const saltus_real *a = table_nodes[first], *b = table_nodes[first + 1];
+    const saltus_real *c = table_nodes[second], *d = table_nodes[second + 1];
+    saltus_real u[3], v[3];
     hermite(i.part, u);
     hermite(j.part, v);
-    along(u, table_nodes[first], table_nodes[second], low);
-    along(u, table_nodes[first + 1], table_nodes[second + 1], high);
-    *angle = mix(v, low, high);
+    saltus_real low = cubic(u, a[0], a[1], c[0], c[1]), low_slope = cubic(u, a[2], a[3], c[2], c[3]);
+    saltus_real high = cubic(u, b[0], b[1], d[0], d[1]), high_slope = cubic(u, b[2], b[3], d[2], d[3]);
+    *angle = cubic(v, low, low_slope, high, high_slope);
     return SALTUS_OK;
 }";
 

@@ -243,8 +243,9 @@ impl<R: Number> Tables<R> {
                         let by_angle = |i: usize| at(i, j).map(|four| four[k].slope[1] * da);
                         let mixed = difference(i, rates.len(), by_angle);
                         let row = [value.value, value.slope[0] * dr, value.slope[1] * da, mixed];
-                        node[4 * k..4 * k + 4].copy_from_slice(&row.map(R::of));
-                        node[16 + k] = R::of(value.slope[2]);
+                        for (kind, x) in row.into_iter().chain([value.slope[2]]).enumerate() {
+                            node[4 * kind + k] = R::of(x);
+                        }
                     }
                 }
                 self.map_nodes.push(node);
