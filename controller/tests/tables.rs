@@ -70,8 +70,8 @@ fn reasons_are_told_apart() {
         assert_eq!(table().firing_angle(rate, distance), Err(reason), "{rate} {distance}");
         assert_eq!(CONTROLLER.firing_angle(rate, distance, 0.24), Err(reason), "{rate} {distance}");
     };
-    check(2.999, 0.4, Reason::OutOfTable);
-    check(6.001, 0.4, Reason::OutOfTable);
+    check(2.749, 0.4, Reason::OutOfTable);
+    check(6.251, 0.4, Reason::OutOfTable);
     check(4.0, 0.199, Reason::OutOfTable);
     check(4.0, f32::MAX, Reason::OutOfTable);
     check(f32::INFINITY, 0.4, Reason::SensorInvalid);
