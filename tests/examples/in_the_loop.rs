@@ -26,7 +26,7 @@ mod tables;
 use tables::RATS_PLANAR;
 
 /// Where to land (m), with the wheel's centre at the table's landing height.
-const DISTANCE: f64 = 0.4;
+const DISTANCE: f64 = 0.5;
 /// Memory of the observer, as `robot.c` has it.
 const MEMORY: f32 = 0.9;
 
@@ -179,7 +179,7 @@ fn main() {
     let names = kinds.iter().map(|k| k.0).chain(["the program"]);
     for (name, (errors, lost)) in names.zip(errors.iter().zip(&lost)).take(kinds.len() + usize::from(outside.is_some())) {
         let [mean, sd, worst] = spread(errors).map(|x| 1e3 * x);
-        println!("{name:30} {mean:8.1} {sd:8.1} {worst:8.1} {lost:6}");
+        println!("{name:30} {mean:8.2} {sd:8.2} {worst:8.2} {lost:6}");
     }
     let [ours, constant] = [&errors[0], &errors[2]].map(|e| spread(e)[1]);
     println!("{:.1} times better than a constant angle", constant / ours);
