@@ -7,8 +7,8 @@
 
 use saltus_controller::qp::{self, HalfPlane};
 use saltus_controller::{
-    Approach, Axis, Controller, FiringTable, Guess, LiftOffMap, Limits, MAP_NODE, Obstacle, Observer, Reason, Robot, Rule, Sensed,
-    Task, Timing,
+    Approach, Axis, Controller, FiringTable, Guess, LiftOffMap, Limits, MAP_NODE, Observer, Obstacle, Reason,
+    Robot, Rule, Sensed, Task, Timing,
 };
 
 /// A value, or the reason why there is none.
@@ -307,11 +307,17 @@ pub unsafe extern "C" fn saltus_controller_decide(
         return SaltusStatus::SensorInvalid;
     };
     // SAFETY: as the caller promises.
-    let (obstacle, guess, controller) = unsafe { (task.obstacle.as_ref(), task.guess.as_ref(), controller.view()) };
+    let (obstacle, guess, controller) =
+        unsafe { (task.obstacle.as_ref(), task.guess.as_ref(), controller.view()) };
     let task = Task {
         distance: task.distance,
         landing_height: task.landing_height,
-        obstacle: obstacle.map(|o| Obstacle { front: o.front, back: o.back, height: o.height, clearance: o.clearance }),
+        obstacle: obstacle.map(|o| Obstacle {
+            front: o.front,
+            back: o.back,
+            height: o.height,
+            clearance: o.clearance,
+        }),
         guess: guess.map(|g| Guess { firing_angle: g.firing_angle, valve_open: g.valve_open }),
     };
     match controller.decide(&Sensed { lean: sensed.lean, rate: sensed.rate }, &task) {

@@ -19,5 +19,8 @@ fn the_header_is_what_cbindgen_writes() {
         std::fs::write(&path, &text).expect("a place to write");
     }
     let there = std::fs::read_to_string(&path).expect("a header");
-    assert!(there == text, "write it anew: SALTUS_WRITE_HEADER=1 cargo test -p saltus-controller-ffi --test header");
+    assert!(
+        there == text,
+        "write it anew: SALTUS_WRITE_HEADER=1 cargo test -p saltus-controller-ffi --test header"
+    );
 }

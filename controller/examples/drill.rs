@@ -86,7 +86,13 @@ impl Hash {
 }
 
 /// Runs `calls` of them and prints what the firmware prints.
-fn drill<A>(what: &str, seed: u32, calls: u32, call: impl Fn(&mut Draw) -> Result<A, Reason>, put: impl Fn(&mut Hash, &A)) {
+fn drill<A>(
+    what: &str,
+    seed: u32,
+    calls: u32,
+    call: impl Fn(&mut Draw) -> Result<A, Reason>,
+    put: impl Fn(&mut Hash, &A),
+) {
     let (mut draw, mut hash, mut answered) = (Draw(seed), Hash(2_166_136_261), 0);
     for _ in 0..calls {
         let answer = call(&mut draw);
@@ -100,7 +106,8 @@ fn drill<A>(what: &str, seed: u32, calls: u32, call: impl Fn(&mut Draw) -> Resul
 }
 
 fn main() {
-    let decisions: u32 = std::env::args().nth(1).map_or(10_000, |text| text.parse().expect("a number of decisions"));
+    let decisions: u32 =
+        std::env::args().nth(1).map_or(10_000, |text| text.parse().expect("a number of decisions"));
     let decide = |draw: &mut Draw, with_obstacle: bool| {
         let (sensed, mut task) = draw.decision();
         if !with_obstacle {

@@ -68,7 +68,10 @@ fn programs(draw: &mut Draw) -> Vec<([f64; 3], [f64; 2], [HalfPlane<f64>; 8])> {
             let inside: [f64; 2] = std::array::from_fn(|_| draw.normal());
             let constraints = std::array::from_fn(|_| {
                 let normal: [f64; 2] = std::array::from_fn(|_| draw.normal());
-                HalfPlane { normal, bound: normal[0] * inside[0] + normal[1] * inside[1] + 0.05 + draw.next() }
+                HalfPlane {
+                    normal,
+                    bound: normal[0] * inside[0] + normal[1] * inside[1] + 0.05 + draw.next(),
+                }
             });
             (h, g, constraints)
         })
@@ -96,9 +99,14 @@ fn main() {
     let jumps: Vec<(Sensed<f32>, Task<f32>, Obstacle<f32>)> = std::iter::repeat_with(|| {
         let sensed = Sensed { lean: draw.between(-0.5, 0.0), rate: draw.between(3.0, 6.0) };
         let front = draw.between(0.26, 0.4);
-        let obstacle =
-            Obstacle { front, back: front + draw.between(0.01, 0.1), height: draw.between(0.0, 0.1), clearance: 0.01 };
-        let task = Task { distance: draw.between(0.25, 0.6), landing_height: 0.24, obstacle: None, guess: None };
+        let obstacle = Obstacle {
+            front,
+            back: front + draw.between(0.01, 0.1),
+            height: draw.between(0.0, 0.1),
+            clearance: 0.01,
+        };
+        let task =
+            Task { distance: draw.between(0.25, 0.6), landing_height: 0.24, obstacle: None, guess: None };
         (sensed, task, obstacle)
     })
     .filter(|(sensed, task, obstacle)| {

@@ -33,7 +33,11 @@ impl<R: Real> Axis<R> {
     /// The node `index`.
     #[inline]
     pub fn node(&self, index: usize) -> R {
-        if index.wrapping_add(1) == self.count { self.last } else { self.first + R::of_index(index) / self.per_unit }
+        if index.wrapping_add(1) == self.count {
+            self.last
+        } else {
+            self.first + R::of_index(index) / self.per_unit
+        }
     }
 
     /// Where `x` lies.

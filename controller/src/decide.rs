@@ -204,7 +204,11 @@ impl<R: Real> Controller<'_, R> {
         if !settled {
             return Err(Reason::Infeasible);
         }
-        if angle.within(self.map.angles.first, self.map.angles.last) { Ok(angle) } else { Err(Reason::OutOfTable) }
+        if angle.within(self.map.angles.first, self.map.angles.last) {
+            Ok(angle)
+        } else {
+            Err(Reason::OutOfTable)
+        }
     }
 
     /// When to command the valve of a robot that is to be fired at `angle` (rad).
@@ -256,7 +260,11 @@ impl<R: Real> Controller<'_, R> {
         };
         let Limits { least_valve_open, greatest_valve_open, .. } = self.limits;
         if !guess.valve_open.within(least_valve_open, greatest_valve_open) {
-            return Err(if guess.valve_open.is_finite() { Reason::OutOfTable } else { Reason::SensorInvalid });
+            return Err(if guess.valve_open.is_finite() {
+                Reason::OutOfTable
+            } else {
+                Reason::SensorInvalid
+            });
         }
         let lengths = self.lengths(rate, guess, task, obstacle)?;
         let (da, dv) = self.step(guess, task.distance, lengths, obstacle)?;
@@ -264,7 +272,9 @@ impl<R: Real> Controller<'_, R> {
         let miss = R::of(MISS);
         let least = clearance - miss;
         let clears = first.value >= least && second.value >= least && landing.value >= back - miss;
-        let settled = clears && (da * landing.by_angle).within(-miss, miss) && (dv * landing.by_valve).within(-miss, miss);
+        let settled = clears
+            && (da * landing.by_angle).within(-miss, miss)
+            && (dv * landing.by_valve).within(-miss, miss);
         Ok((Guess { firing_angle: guess.firing_angle + da, valve_open: guess.valve_open + dv }, settled))
     }
 

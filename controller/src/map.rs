@@ -33,7 +33,9 @@ impl<R: Real> LiftOffMap<'_, R> {
         let (u, v, w) = (hermite(i.part), hermite(j.part), hermite_slope(j.part));
         // Four quantities side by side, as registers hold them.
         let along = |p: &[R; MAP_NODE], q: &[R; MAP_NODE], k: usize| {
-            four(part(p, k), part(q, k), part(p, k + 4), part(q, k + 4), |p, q, p_s, q_s| cubic(u, (p, p_s), (q, q_s)))
+            four(part(p, k), part(q, k), part(p, k + 4), part(q, k + 4), |p, q, p_s, q_s| {
+                cubic(u, (p, p_s), (q, q_s))
+            })
         };
         let (low, low_slope) = (along(a, c, 0), along(a, c, 8));
         let (high, high_slope) = (along(b, d, 0), along(b, d, 8));
@@ -52,7 +54,12 @@ impl<R: Real> LiftOffMap<'_, R> {
 /// `f` of the first of each, of the second, and so on.
 #[inline]
 fn four<R: Real>(a: [R; 4], b: [R; 4], c: [R; 4], d: [R; 4], f: impl Fn(R, R, R, R) -> R) -> [R; 4] {
-    [f(a[0], b[0], c[0], d[0]), f(a[1], b[1], c[1], d[1]), f(a[2], b[2], c[2], d[2]), f(a[3], b[3], c[3], d[3])]
+    [
+        f(a[0], b[0], c[0], d[0]),
+        f(a[1], b[1], c[1], d[1]),
+        f(a[2], b[2], c[2], d[2]),
+        f(a[3], b[3], c[3], d[3]),
+    ]
 }
 
 /// Four of a node's numbers, from `k` ≤ 16 on.

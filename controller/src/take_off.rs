@@ -127,7 +127,13 @@ impl<R: Real> Controller<'_, R> {
             value - self.robot.radius
         };
         let clearance = (landing - back).lesser(over(front)).lesser(over(back));
-        Some(TakeOff { touch_down: 0, approach_rate: rate, firing_angle: angle, distance: landing, clearance })
+        Some(TakeOff {
+            touch_down: 0,
+            approach_rate: rate,
+            firing_angle: angle,
+            distance: landing,
+            clearance,
+        })
     }
 }
 

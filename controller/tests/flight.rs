@@ -103,8 +103,12 @@ fn the_valve_is_commanded_by_its_extra_delay_sooner() {
     assert!((plain - sooner - 0.004).abs() < 1e-8);
     // 40 ms ahead; within a period of the instant it fires, and past it it says by how much.
     assert!((plain - 0.04).abs() < 2e-3);
-    assert!(matches!(CONTROLLER.timing(&Sensed { lean: 0.0999, rate: 5.0 }, 0.1), Ok(Timing::Fire(t)) if t < 1e-3));
-    assert!(matches!(CONTROLLER.timing(&Sensed { lean: 0.105, rate: 5.0 }, 0.1), Ok(Timing::Late(t)) if (t - 1e-3).abs() < 1e-4));
+    assert!(
+        matches!(CONTROLLER.timing(&Sensed { lean: 0.0999, rate: 5.0 }, 0.1), Ok(Timing::Fire(t)) if t < 1e-3)
+    );
+    assert!(
+        matches!(CONTROLLER.timing(&Sensed { lean: 0.105, rate: 5.0 }, 0.1), Ok(Timing::Late(t)) if (t - 1e-3).abs() < 1e-4)
+    );
 }
 
 #[test]

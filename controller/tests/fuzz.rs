@@ -3,7 +3,7 @@
 //! `cargo test --release -p saltus-controller --test fuzz -- --ignored` takes every f32 there is for a rate.
 
 use saltus_controller::qp::{self, HalfPlane};
-use saltus_controller::{Approach, Controller, Guess, Obstacle, Observer, Sensed, Task, Timing};
+use saltus_controller::{Approach, Controller, Guess, Observer, Obstacle, Sensed, Task, Timing};
 
 #[rustfmt::skip]
 #[path = "../examples/rats_planar/tables.rs"]
@@ -13,8 +13,26 @@ const CONTROLLER: Controller<'static, f32> = tables::RATS_PLANAR;
 
 /// Bits that break things: zeros, denormals, ends, infinities, NaN with and without payload; and what is usual.
 const SPECIAL: [u32; 20] = [
-    0x0000_0000, 0x8000_0000, 0x0000_0001, 0x8000_0001, 0x007F_FFFF, 0x0080_0000, 0x7F7F_FFFF, 0xFF7F_FFFF, 0x7F80_0000, 0xFF80_0000,
-    0x7FC0_0000, 0xFFC0_0000, 0x7F80_0001, 0xFFFF_FFFF, 0x3F80_0000, 0xBF00_0000, 0x4080_0000, 0x3ECC_CCCD, 0x3E80_0000, 0x4B80_0000,
+    0x0000_0000,
+    0x8000_0000,
+    0x0000_0001,
+    0x8000_0001,
+    0x007F_FFFF,
+    0x0080_0000,
+    0x7F7F_FFFF,
+    0xFF7F_FFFF,
+    0x7F80_0000,
+    0xFF80_0000,
+    0x7FC0_0000,
+    0xFFC0_0000,
+    0x7F80_0001,
+    0xFFFF_FFFF,
+    0x3F80_0000,
+    0xBF00_0000,
+    0x4080_0000,
+    0x3ECC_CCCD,
+    0x3E80_0000,
+    0x4B80_0000,
 ];
 
 /// Half of them special, half any bits at all.
@@ -63,7 +81,10 @@ fn decide(bits: &mut Bits) -> bool {
     assert!(time >= 0.0 && (2.75..=6.25).contains(&d.approach_rate), "{sensed:?} {task:?}: {d:?}");
     // To round-off of the QP's bounds.
     let angles = controller.map.angles;
-    assert!((angles.first - 1e-4..=angles.last + 1e-4).contains(&d.firing_angle), "{sensed:?} {task:?}: {d:?}");
+    assert!(
+        (angles.first - 1e-4..=angles.last + 1e-4).contains(&d.firing_angle),
+        "{sensed:?} {task:?}: {d:?}"
+    );
     assert!((0.03 - 1e-5..=0.04 + 1e-5).contains(&d.valve_open), "{sensed:?} {task:?}: {d:?}");
     true
 }
@@ -111,7 +132,18 @@ fn special_bits_in_every_place() {
                     let mut x = usual;
                     x[i] = f32::from_bits(a);
                     x[j] = f32::from_bits(b);
-                    let [lean, rate, distance, landing_height, front, back, height, clearance, firing_angle, valve_open] = x;
+                    let [
+                        lean,
+                        rate,
+                        distance,
+                        landing_height,
+                        front,
+                        back,
+                        height,
+                        clearance,
+                        firing_angle,
+                        valve_open,
+                    ] = x;
                     let task = Task {
                         distance,
                         landing_height,

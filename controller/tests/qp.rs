@@ -9,17 +9,17 @@ fn oracle(h: [f64; 3], g: [f64; 2], constraints: &[HalfPlane<f64>]) -> Option<[f
     let cost = |x: [f64; 2]| {
         0.5 * (h[0] * x[0] * x[0] + 2.0 * h[1] * x[0] * x[1] + h[2] * x[1] * x[1]) + g[0] * x[0] + g[1] * x[1]
     };
-    let keeps = |x: [f64; 2]| constraints.iter().all(|c| c.normal[0] * x[0] + c.normal[1] * x[1] <= c.bound + 1e-9);
+    let keeps =
+        |x: [f64; 2]| constraints.iter().all(|c| c.normal[0] * x[0] + c.normal[1] * x[1] <= c.bound + 1e-9);
     let determinant = h[0] * h[2] - h[1] * h[1];
-    let mut points = vec![[(h[1] * g[1] - h[2] * g[0]) / determinant, (h[1] * g[0] - h[0] * g[1]) / determinant]];
+    let mut points =
+        vec![[(h[1] * g[1] - h[2] * g[0]) / determinant, (h[1] * g[0] - h[0] * g[1]) / determinant]];
     for (i, a) in constraints.iter().enumerate() {
         // H x + g + λ a = 0 and a x = b, by elimination along the line.
         let n2 = a.normal[0].powi(2) + a.normal[1].powi(2);
         let foot = [a.normal[0] * a.bound / n2, a.normal[1] * a.bound / n2];
         let way = [-a.normal[1], a.normal[0]];
-        let slope = |d: [f64; 2]| {
-            way[0] * (h[0] * d[0] + h[1] * d[1]) + way[1] * (h[1] * d[0] + h[2] * d[1])
-        };
+        let slope = |d: [f64; 2]| way[0] * (h[0] * d[0] + h[1] * d[1]) + way[1] * (h[1] * d[0] + h[2] * d[1]);
         let t = -(slope(foot) + way[0] * g[0] + way[1] * g[1]) / slope(way);
         points.push([foot[0] + t * way[0], foot[1] + t * way[1]]);
         for b in &constraints[..i] {

@@ -55,14 +55,23 @@ impl<'a> Loop<'a> {
         let controller = RATS_PLANAR;
         let sensed = Sensed { lean: single(lean), rate: single(rate) };
         let period = controller.limits.period;
-        Loop { controller, observer: Observer { sensed, period, pendulum: controller.robot.pendulum, memory }, by }
+        Loop {
+            controller,
+            observer: Observer { sensed, period, pendulum: controller.robot.pendulum, memory },
+            by,
+        }
     }
 
     fn tick(&mut self, lean: f64) -> Command {
         self.observer.update(single(lean));
         let sensed = self.observer.sensed;
         let robot = self.controller.robot;
-        let task = Task { distance: single(DISTANCE), landing_height: robot.landing_height, obstacle: None, guess: None };
+        let task = Task {
+            distance: single(DISTANCE),
+            landing_height: robot.landing_height,
+            obstacle: None,
+            guess: None,
+        };
         let timing = match self.by {
             By::Controller => self.controller.decide(&sensed, &task).map(|d| d.timing),
             By::Constant(angle) => self.controller.timing(&sensed, angle),
@@ -72,7 +81,9 @@ impl<'a> Loop<'a> {
             }),
         };
         match timing {
-            Ok(Timing::Fire(after)) => Command::Fire { after: after.into(), valve_open: robot.valve_open.into() },
+            Ok(Timing::Fire(after)) => {
+                Command::Fire { after: after.into(), valve_open: robot.valve_open.into() }
+            }
             Ok(Timing::Late(_)) => Command::Fire { after: 0.0, valve_open: robot.valve_open.into() },
             _ => Command::Wait,
         }
@@ -82,12 +93,16 @@ impl<'a> Loop<'a> {
 /// The planner's own firing angle (rad), by Newton on whole jumps.
 fn exact(planner: &Planner, rate: f64, start: f64) -> f32 {
     let stance = planner.sensitive_stance();
-    let (lean, valve_open) = (f64::from(RATS_PLANAR.robot.start_lean), f64::from(RATS_PLANAR.robot.valve_open));
+    let (lean, valve_open) =
+        (f64::from(RATS_PLANAR.robot.start_lean), f64::from(RATS_PLANAR.robot.valve_open));
     let mut angle = start;
     for _ in 0..3 {
         let launch = Launch { rate, lean, firing_angle: angle, valve_open };
         let jump = planner.sensitive_jump(&stance, &launch).ok();
-        let Some(landing) = jump.and_then(|jump| jump.distance(RATS_PLANAR.robot.landing_height.into())) else { break };
+        let Some(landing) = jump.and_then(|jump| jump.distance(RATS_PLANAR.robot.landing_height.into()))
+        else {
+            break;
+        };
         angle -= (landing.value - DISTANCE) / landing.slope[1];
     }
     single(angle)
@@ -117,7 +132,9 @@ impl Outside {
     }
 
     fn tick(&mut self, lean: f64) -> Command {
-        writeln!(self.input, "{:?}", single(lean)).and_then(|()| self.input.flush()).expect("a controller that reads");
+        writeln!(self.input, "{:?}", single(lean))
+            .and_then(|()| self.input.flush())
+            .expect("a controller that reads");
         let mut line = String::new();
         self.output.read_line(&mut line).expect("a controller that answers");
         let words: Vec<&str> = line.split_whitespace().collect();
@@ -159,7 +176,8 @@ fn main() {
             let encoder = if *quantised { encoder } else { Encoder { phase: None } };
             let memory = if *quantised { MEMORY } else { 0.0 };
             let mut control = Loop::new(encoder.approach_rate(lean, rate), encoder.read(lean), memory, *by);
-            let landing = jump(&robot, [lean, rate], height, encoder, |lean| control.tick(lean)).expect("a jump");
+            let landing =
+                jump(&robot, [lean, rate], height, encoder, |lean| control.tick(lean)).expect("a jump");
             match landing {
                 Some(landing) => errors[k].push(landing - DISTANCE),
                 None => lost[k] += 1,
@@ -167,7 +185,8 @@ fn main() {
         }
         if let Some(outside) = &mut outside {
             outside.start(encoder.approach_rate(lean, rate), encoder.read(lean));
-            let landing = jump(&robot, [lean, rate], height, encoder, |lean| outside.tick(lean)).expect("a jump");
+            let landing =
+                jump(&robot, [lean, rate], height, encoder, |lean| outside.tick(lean)).expect("a jump");
             match landing {
                 Some(landing) => errors[kinds.len()].push(landing - DISTANCE),
                 None => lost[kinds.len()] += 1,
@@ -177,7 +196,9 @@ fn main() {
     println!("{jumps} jumps to {DISTANCE} m at 3 to 6 rad/s; landing errors (mm):");
     println!("{:30} {:>8} {:>8} {:>8} {:>6}", "", "mean", "sd", "worst", "lost");
     let names = kinds.iter().map(|k| k.0).chain(["the program"]);
-    for (name, (errors, lost)) in names.zip(errors.iter().zip(&lost)).take(kinds.len() + usize::from(outside.is_some())) {
+    for (name, (errors, lost)) in
+        names.zip(errors.iter().zip(&lost)).take(kinds.len() + usize::from(outside.is_some()))
+    {
         let [mean, sd, worst] = spread(errors).map(|x| 1e3 * x);
         println!("{name:30} {mean:8.2} {sd:8.2} {worst:8.2} {lost:6}");
     }

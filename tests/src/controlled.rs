@@ -89,7 +89,9 @@ pub fn jump(
         if fired {
             continue;
         }
-        if let Command::Fire { after, valve_open } = control(encoder.read(sim.coordinates()[rig.lean_coordinate()])) {
+        if let Command::Fire { after, valve_open } =
+            control(encoder.read(sim.coordinates()[rig.lean_coordinate()]))
+        {
             let at = sim.time() + after;
             sim.run(at, &[])?;
             sim.fire(0, valve_open)?;

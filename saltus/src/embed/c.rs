@@ -77,7 +77,10 @@ impl<R: Number> Tables<R> {
                 ("law_distance", law.distance, "(m)"),
             ];
             for (name, value, what) in numbers {
-                put(&mut text, format_args!("static const saltus_real {name} = {}; /* {what} */\n", value.c()));
+                put(
+                    &mut text,
+                    format_args!("static const saltus_real {name} = {}; /* {what} */\n", value.c()),
+                );
             }
             text.push('\n');
         } else {
@@ -105,7 +108,8 @@ impl<R: Number> Tables<R> {
         for v in self.decisions(VECTORS[0]) {
             let (sensed, task) = (&v.sensed, &v.task);
             let obstacle = task.obstacle.map(|o| list(&[o.front, o.back, o.height, o.clearance]));
-            let (over, obstacle) = (u8::from(obstacle.is_some()), obstacle.unwrap_or_else(|| list(&[R::ZERO; 4])));
+            let (over, obstacle) =
+                (u8::from(obstacle.is_some()), obstacle.unwrap_or_else(|| list(&[R::ZERO; 4])));
             let answer = match v.answer {
                 Ok(d) => {
                     let (timing, time) = timing(d.timing);
@@ -114,10 +118,14 @@ impl<R: Number> Tables<R> {
                 }
                 Err(reason) => format!("{}, {{{}, SALTUS_WAIT, 0}}", status(reason), list(&[R::ZERO; 4])),
             };
-            let (sensed, task) = (list(&[sensed.lean, sensed.rate]), list(&[task.distance, task.landing_height]));
+            let (sensed, task) =
+                (list(&[sensed.lean, sensed.rate]), list(&[task.distance, task.landing_height]));
             put(&mut text, format_args!("    {{{{{sensed}}}, {task}, {over}, {{{obstacle}}}, {answer}}},\n"));
         }
-        put(&mut text, format_args!("}};\n\nstatic const test_take_off test_take_offs[{}] = {{\n", VECTORS[1]));
+        put(
+            &mut text,
+            format_args!("}};\n\nstatic const test_take_off test_take_offs[{}] = {{\n", VECTORS[1]),
+        );
         for v in self.take_offs(VECTORS[1]) {
             let a = &v.approach;
             let given = list(&[a.distance, a.height, a.length, a.speed, a.clearance]);
@@ -175,7 +183,13 @@ fn list<R: Number>(numbers: &[R]) -> String {
 
 fn axis<R: Number>(text: &mut String, name: &str, a: &Axis<R>, what: &str) {
     let numbers = list(&[a.first, a.last, a.per_unit]);
-    put(text, format_args!("/* {what}: first, last, nodes per unit, how many */\nstatic const axis {name} = {{{numbers}, {}}};\n", a.count));
+    put(
+        text,
+        format_args!(
+            "/* {what}: first, last, nodes per unit, how many */\nstatic const axis {name} = {{{numbers}, {}}};\n",
+            a.count
+        ),
+    );
 }
 
 fn nodes<R: Number, const N: usize>(text: &mut String, name: &str, nodes: &[[R; N]], what: &str) {
@@ -188,7 +202,14 @@ fn nodes<R: Number, const N: usize>(text: &mut String, name: &str, nodes: &[[R; 
 
 fn cells(text: &mut String, name: &str, open: &[u8]) {
     let list: Vec<String> = open.iter().map(u8::to_string).collect();
-    put(text, format_args!("/* which cells may be used */\nstatic const uint8_t {name}[{}] = {{{}}};\n\n", open.len(), list.join(", ")));
+    put(
+        text,
+        format_args!(
+            "/* which cells may be used */\nstatic const uint8_t {name}[{}] = {{{}}};\n\n",
+            open.len(),
+            list.join(", ")
+        ),
+    );
 }
 
 fn status(reason: Reason) -> &'static str {
@@ -235,7 +256,8 @@ static enum saltus_status rule(saltus_real rate, saltus_real distance, saltus_re
     return SALTUS_OK;
 }";
 
-const CRC_TABLE: &str = "    crc = crc_of(crc, &table_nodes[0][0], sizeof table_nodes / sizeof(saltus_real));\n";
+const CRC_TABLE: &str =
+    "    crc = crc_of(crc, &table_nodes[0][0], sizeof table_nodes / sizeof(saltus_real));\n";
 const CRC_CELLS: &str = "    crc = crc_of_cells(crc, table_open, sizeof table_open);\n";
 
 const CRC: &str = "\

@@ -15,15 +15,26 @@ impl<R: Number> Tables<R> {
         let range = |a: &Axis<R>, unit: &str| format!("{} to {} {unit}, {} nodes", a.first, a.last, a.count);
         let mm = |x: f64| format!("{:.3} mm", 1e3 * x);
         let mut lines = vec![
-            format!("Firing decisions for the robot {}, whose file's SHA-256 begins {}.", self.name.escape_default(), self.hash),
+            format!(
+                "Firing decisions for the robot {}, whose file's SHA-256 begins {}.",
+                self.name.escape_default(),
+                self.hash
+            ),
             format!("Written by saltus {}; to change it, write it anew.", env!("CARGO_PKG_VERSION")),
             String::new(),
             format!("Numbers: {}. CRC-32 of the tables: {:08X}.", R::C_TYPE, self.crc()),
-            format!("Approach rate at a lean of {} rad: {}.", self.robot.start_lean, range(&self.rates, "rad/s")),
+            format!(
+                "Approach rate at a lean of {} rad: {}.",
+                self.robot.start_lean,
+                range(&self.rates, "rad/s")
+            ),
         ];
         match &self.law {
-            Some(law) => lines.push(format!("Distance: {} m, by the law alpha_f = A omega + B.", law.distance)),
-            None => lines.push(format!("Distance: {}; {open} of {all} cells are open.", range(&self.distances, "m"))),
+            Some(law) => {
+                lines.push(format!("Distance: {} m, by the law alpha_f = A omega + B.", law.distance))
+            }
+            None => lines
+                .push(format!("Distance: {}; {open} of {all} cells are open.", range(&self.distances, "m"))),
         }
         lines.extend([
             format!("Landing height {} m, valve open for {} s.", self.robot.landing_height, self.robot.valve_open),
@@ -48,7 +59,14 @@ impl<R: Number> Tables<R> {
         let real = R::RUST_TYPE;
         put(&mut text, "\n#![allow(clippy::all, clippy::pedantic, unreachable_pub)]\n");
         put(&mut text, "use saltus_controller::{Axis, Controller, LiftOffMap, Limits, Robot, Rule};");
-        put(&mut text, if self.law.is_some() { "use saltus_controller::Law;\n" } else { "use saltus_controller::FiringTable;\n" });
+        put(
+            &mut text,
+            if self.law.is_some() {
+                "use saltus_controller::Law;\n"
+            } else {
+                "use saltus_controller::FiringTable;\n"
+            },
+        );
         put(&mut text, &format!("/// What the robot {} decides by.", self.name.escape_default()));
         put(&mut text, &format!("pub const {name}: Controller<'static, {real}> = Controller {{"));
         let rates = axis(&self.rates);
@@ -74,7 +92,10 @@ impl<R: Number> Tables<R> {
         }
         put(
             &mut text,
-            &format!("    map: LiftOffMap {{ rates: {rates}, angles: {}, nodes: &MAP_NODES, open: &MAP_OPEN }},", axis(&self.angles)),
+            &format!(
+                "    map: LiftOffMap {{ rates: {rates}, angles: {}, nodes: &MAP_NODES, open: &MAP_OPEN }},",
+                axis(&self.angles)
+            ),
         );
         let r = &self.robot;
         put(

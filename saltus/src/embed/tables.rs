@@ -298,7 +298,13 @@ impl<R: Number> Tables<R> {
     }
 
     /// How far (m) from `distance` the jump lands that the controller fires, Newton steps and all; infinite where it fires none.
-    fn fired(&self, planner: &Planner, request: &Request, rate: f64, distance: f64) -> Result<f64, EmbedError> {
+    fn fired(
+        &self,
+        planner: &Planner,
+        request: &Request,
+        rate: f64,
+        distance: f64,
+    ) -> Result<f64, EmbedError> {
         let height = self.robot.landing_height;
         match self.controller().firing_angle(R::of(rate), R::of(distance), height) {
             Ok(angle) => miss(planner, request, rate, angle.wide(), distance),
@@ -345,7 +351,13 @@ impl Request {
 }
 
 /// How far (m) a jump lands from `distance`; infinite where it does not.
-fn miss(planner: &Planner, request: &Request, rate: f64, angle: f64, distance: f64) -> Result<f64, EmbedError> {
+fn miss(
+    planner: &Planner,
+    request: &Request,
+    rate: f64,
+    angle: f64,
+    distance: f64,
+) -> Result<f64, EmbedError> {
     let jump = planner.jump(&request.launch(rate, angle))?;
     let landing = jump.distance(request.landing_height);
     Ok(landing.map_or(f64::INFINITY, |landing| (landing - distance).abs()))
@@ -372,16 +384,51 @@ fn check(planner: &Planner, request: &Request) -> Result<(), EmbedError> {
         ("least firing angle (rad)", a, upright(a), "between -pi/2 and pi/2 rad"),
         ("greatest firing angle (rad)", b, upright(b) && b > a, "above the least, below pi/2 rad"),
         ("nodes over firing angles", request.angles as f64, nodes(request.angles, 2), several),
-        ("landing height (m)", request.landing_height, request.landing_height.abs() <= 1e3, "from -1000 to 1000 m"),
-        ("valve opening time (s)", request.valve_open, request.valve_open > 0.0 && request.valve_open <= 1e3, "above 0, to 1000 s"),
-        ("least valve opening time (s)", v, v > 0.0 && v <= request.valve_open, "above 0, to the valve opening time"),
-        ("greatest valve opening time (s)", w, w >= request.valve_open && w <= 1e3, "from the valve opening time to 1000 s"),
+        (
+            "landing height (m)",
+            request.landing_height,
+            request.landing_height.abs() <= 1e3,
+            "from -1000 to 1000 m",
+        ),
+        (
+            "valve opening time (s)",
+            request.valve_open,
+            request.valve_open > 0.0 && request.valve_open <= 1e3,
+            "above 0, to 1000 s",
+        ),
+        (
+            "least valve opening time (s)",
+            v,
+            v > 0.0 && v <= request.valve_open,
+            "above 0, to the valve opening time",
+        ),
+        (
+            "greatest valve opening time (s)",
+            w,
+            w >= request.valve_open && w <= 1e3,
+            "from the valve opening time to 1000 s",
+        ),
         ("start lean (rad)", request.start_lean, upright(request.start_lean), "between -pi/2 and pi/2 rad"),
-        ("control period (s)", request.period, request.period > 0.0 && request.period <= 1.0, "above 0, to 1 s"),
+        (
+            "control period (s)",
+            request.period,
+            request.period > 0.0 && request.period <= 1.0,
+            "above 0, to 1 s",
+        ),
         ("extra delay (s)", request.extra_delay, request.extra_delay.abs() <= 1.0, "from -1 to 1 s"),
         ("Newton steps", f64::from(request.newton_steps), request.newton_steps <= 3, "from 0 to 3"),
-        ("effort (m^2/s^2)", request.effort, request.effort > 0.0 && request.effort <= 1e6, "above 0, to 1000000"),
-        ("tolerance (m)", request.tolerance, request.tolerance > 0.0 && request.tolerance <= 1e3, "above 0, to 1000 m"),
+        (
+            "effort (m^2/s^2)",
+            request.effort,
+            request.effort > 0.0 && request.effort <= 1e6,
+            "above 0, to 1000000",
+        ),
+        (
+            "tolerance (m)",
+            request.tolerance,
+            request.tolerance > 0.0 && request.tolerance <= 1e3,
+            "above 0, to 1000 m",
+        ),
         ("threads", request.threads as f64, request.threads > 0, "at least 1"),
     ];
     match cases.into_iter().find(|(_, _, holds, _)| !holds) {
@@ -419,7 +466,10 @@ fn part(k: usize) -> f64 {
 /// For each cell of `rows` × `columns` nodes: 1 if all its corners are known.
 fn cells(rows: usize, columns: usize, known: impl Fn(usize, usize) -> bool) -> Vec<u8> {
     let cell = |i: usize, j: usize| known(i, j) && known(i + 1, j) && known(i, j + 1) && known(i + 1, j + 1);
-    (0..rows - 1).flat_map(|i| (0..columns.saturating_sub(1)).map(move |j| (i, j))).map(|(i, j)| u8::from(cell(i, j))).collect()
+    (0..rows - 1)
+        .flat_map(|i| (0..columns.saturating_sub(1)).map(move |j| (i, j)))
+        .map(|(i, j)| u8::from(cell(i, j)))
+        .collect()
 }
 
 /// Derivative at node `i` of `count` by nodes: central where both neighbours are known, else to the one that is.
@@ -490,7 +540,8 @@ fn table<R: Number>(request: &Request, firing: &[Firing]) -> (Vec<[R; 4]>, Vec<u
     let node = |i: usize, j: usize| {
         let Some([angle, ..]) = at(i, j) else { return [R::ZERO; 4] };
         // The mixed derivative from both sides.
-        let mixed = 0.5 * (difference(i, rows, |i| by_distance(i, j)) + difference(j, columns, |j| by_rate(i, j)));
+        let mixed =
+            0.5 * (difference(i, rows, |i| by_distance(i, j)) + difference(j, columns, |j| by_rate(i, j)));
         [angle, by_rate(i, j).unwrap_or(0.0), by_distance(i, j).unwrap_or(0.0), mixed].map(R::of)
     };
     let nodes = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|(i, j)| node(i, j)).collect();

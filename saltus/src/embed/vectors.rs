@@ -57,7 +57,8 @@ impl<R: Number> Tables<R> {
         let start = self.robot.start_lean.wide();
         let decide = |k: usize| {
             let lean = draw.between(start, start + 0.3);
-            let distance = if self.law.is_some() { self.distances.first.wide() } else { draw.along(&self.distances) };
+            let distance =
+                if self.law.is_some() { self.distances.first.wide() } else { draw.along(&self.distances) };
             let radius = self.robot.radius.wide();
             let (front, length) = (draw.between(1.0, 1.5) * radius, draw.between(0.1, 0.8) * radius);
             let height = draw.between(0.0, 0.6) * radius;

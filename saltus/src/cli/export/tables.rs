@@ -226,7 +226,8 @@ const MOST: usize = 1000;
 /// First, last and number of `values`, which rise in even steps.
 fn spaced(flag: &'static str, values: &Values, least: usize) -> Result<(f64, f64, usize), CliError> {
     let (first, last, count) = (values[0], values[values.len() - 1], values.len());
-    let shown = || if count > 3 { format!("{first},{},…", values[1]) } else { format!("{:?}", &values[..]) };
+    let shown =
+        || if count > 3 { format!("{first},{},…", values[1]) } else { format!("{:?}", &values[..]) };
     if !(least..=MOST).contains(&count) {
         return Err(CliError::flag(flag, shown(), format!("{least} to {MOST} values, as in 3:6:13")));
     }
