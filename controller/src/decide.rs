@@ -251,12 +251,11 @@ impl<R: Real> Controller<'_, R> {
         if !(task.distance.is_finite() && task.landing_height.is_finite()) {
             return Err(Reason::SensorInvalid);
         }
-        let guess = match task.guess {
-            Some(guess) => guess,
-            None => {
-                let angle = self.look_up(rate, task.distance)?;
-                Guess { firing_angle: angle, valve_open: self.robot.valve_open }
-            }
+        let guess = if let Some(guess) = task.guess {
+            guess
+        } else {
+            let angle = self.look_up(rate, task.distance)?;
+            Guess { firing_angle: angle, valve_open: self.robot.valve_open }
         };
         let Limits { least_valve_open, greatest_valve_open, .. } = self.limits;
         if !guess.valve_open.within(least_valve_open, greatest_valve_open) {
@@ -313,7 +312,8 @@ impl<R: Real> Controller<'_, R> {
         let off = landing.value - distance;
         let beyond = landing.value - obstacle.back;
         let (over_first, over_second) = (first.value - obstacle.clearance, second.value - obstacle.clearance);
-        if !(greatest_valve_open > least_valve_open) {
+        let chooses_valve = greatest_valve_open > least_valve_open;
+        if !chooses_valve {
             let constraints = [
                 HalfLine { slope: R::ONE, bound: high },
                 HalfLine { slope: -R::ONE, bound: -low },

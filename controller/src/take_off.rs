@@ -64,7 +64,8 @@ impl<R: Real> Controller<'_, R> {
         let mut front = distance;
         for touch_down in 0..MOST_TOUCH_DOWNS {
             // Nearer, the wheel would stand against it.
-            if !(front >= self.robot.radius + clearance) {
+            let stands_clear = front >= self.robot.radius + clearance;
+            if !stands_clear {
                 break;
             }
             if let Some(found) = self.best_over(rate, front, approach)

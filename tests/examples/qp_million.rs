@@ -27,6 +27,8 @@ struct Tally {
     marginal: usize,
     /// The same, and clearly.
     different: usize,
+    /// Clarabel ends without an answer.
+    unfinished: usize,
     /// Greatest difference, relative to 1 + |x|.
     worst: f64,
 }
@@ -67,14 +69,14 @@ fn ours(p: &Problem) -> Result<[f64; 2], Reason> {
     qp::one(p.h[0], p.g[0], &lines).map(|x| [x, 0.0])
 }
 
-/// Clarabel's answer at a tolerance of 1e-11, or, where its steps end before that, of 1e-9; none for infeasible, an error for any other end.
+/// Clarabel's answer at a tolerance of 1e-11, or, where its steps end before that, of 1e-9 and its own 1e-8; none for infeasible, an error for any other end.
 fn clarabel(
     n: usize,
     h: &[f64],
     g: &[f64],
     constraints: &[(Vec<f64>, f64)],
 ) -> Result<Option<Vec<f64>>, SolverStatus> {
-    solved(n, h, g, constraints, 1e-11).or_else(|_| solved(n, h, g, constraints, 1e-9))
+    solved(n, h, g, constraints, 1e-11).or_else(|_| solved(n, h, g, constraints, 1e-9)).or_else(|_| solved(n, h, g, constraints, 1e-8))
 }
 
 fn solved(
@@ -162,7 +164,9 @@ fn compare(p: &Problem, tally: &mut Tally) {
         }
         _ => false,
     };
-    if !agree {
+    if theirs.is_err() {
+        tally.unfinished += 1;
+    } else if !agree {
         let margin = margin(p);
         if margin.abs() < MARGIN {
             tally.marginal += 1;
@@ -187,10 +191,10 @@ fn main() {
     for _ in 0..count {
         compare(&problem(&mut random), &mut tally);
     }
-    let Tally { solved, infeasible, marginal, different, worst } = tally;
+    let Tally { solved, infeasible, marginal, different, unfinished, worst } = tally;
     println!(
         "{count} problems of one and two variables: {solved} solved, {infeasible} infeasible, {marginal} infeasible or not by less than {MARGIN}, \
-         {different} different; greatest difference {worst:.1e} of 1 + |x|"
+         {unfinished} where clarabel ends without an answer, {different} different; greatest difference {worst:.1e} of 1 + |x|"
     );
-    assert_eq!(different, 0);
+    assert!(different == 0 && unfinished * 10_000 <= count);
 }
