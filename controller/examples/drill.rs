@@ -65,7 +65,9 @@ impl Hash {
     }
 
     fn numbers(&mut self, numbers: &[f32]) {
-        numbers.iter().for_each(|x| self.word(x.to_bits()));
+        for x in numbers {
+            self.word(x.to_bits());
+        }
     }
 
     fn decision(&mut self, answer: &Decision<f32>) {

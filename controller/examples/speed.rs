@@ -58,8 +58,11 @@ fn latency<R: Copy + Default>(what: &str, call: impl Fn(usize, R) -> R) {
     println!("{what:46} {:7.1} ns [{:.1}..{:.1}]", times[50], times[0], times[100]);
 }
 
-/// Problems as `../peers` has them: H = L Lᵀ + 0.1, constraints about a point inside.
-fn programs(draw: &mut Draw) -> Vec<([f64; 3], [f64; 2], [HalfPlane<f64>; 8])> {
+/// H, g and constraints of a quadratic program.
+type Program = ([f64; 3], [f64; 2], [HalfPlane<f64>; 8]);
+
+/// Problems: H = L Lᵀ + 0.1, constraints about a point inside.
+fn programs(draw: &mut Draw) -> Vec<Program> {
     (0..INPUTS)
         .map(|_| {
             let [a, b, c, d] = std::array::from_fn(|_| draw.normal());

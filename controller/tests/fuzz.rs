@@ -67,12 +67,12 @@ fn decide(bits: &mut Bits) -> bool {
     let kind = bits.word();
     let task = Task {
         distance,
-        landing_height: if kind % 3 == 0 { height } else { 0.24 },
-        obstacle: (kind % 2 == 0).then_some(obstacle),
-        guess: (kind % 5 == 0).then_some(Guess { firing_angle: angle, valve_open: valve }),
+        landing_height: if kind.is_multiple_of(3) { height } else { 0.24 },
+        obstacle: kind.is_multiple_of(2).then_some(obstacle),
+        guess: kind.is_multiple_of(5).then_some(Guess { firing_angle: angle, valve_open: valve }),
     };
     let mut controller = CONTROLLER;
-    controller.limits.newton_steps = (kind >> 8) as u8;
+    controller.limits.newton_steps = kind.to_le_bytes()[1];
     let Ok(d) = controller.decide(&sensed, &task) else { return false };
     let (Timing::Wait(time) | Timing::Fire(time) | Timing::Late(time)) = d.timing;
     for x in [d.approach_rate, d.firing_angle, d.valve_open, time] {

@@ -76,7 +76,9 @@ fn clarabel(
     g: &[f64],
     constraints: &[(Vec<f64>, f64)],
 ) -> Result<Option<Vec<f64>>, SolverStatus> {
-    solved(n, h, g, constraints, 1e-11).or_else(|_| solved(n, h, g, constraints, 1e-9)).or_else(|_| solved(n, h, g, constraints, 1e-8))
+    solved(n, h, g, constraints, 1e-11)
+        .or_else(|_| solved(n, h, g, constraints, 1e-9))
+        .or_else(|_| solved(n, h, g, constraints, 1e-8))
 }
 
 fn solved(

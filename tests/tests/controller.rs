@@ -9,6 +9,10 @@ use saltus::embed::{EmbedError, Request, Tables};
 use saltus::{Launch, Planner, Robot};
 use saltus_tests::controlled::{Command, Encoder, jump, spread};
 
+#[rustfmt::skip]
+#[path = "../../controller/examples/rats_planar/tables.rs"]
+mod tables;
+
 fn uniform(random: &mut Pcg64, low: f64, high: f64) -> f64 {
     Uniform::new(low, high).expect("a range").sample(random)
 }

@@ -139,7 +139,7 @@ impl<R: Number> Tables<R> {
             put(&mut text, format_args!("    {{{{{given}}}, {answer}}},\n"));
         }
         put(&mut text, format_args!("}};\n\nstatic const test_program test_programs[{}] = {{\n", VECTORS[2]));
-        for v in self.programs(VECTORS[2]) {
+        for v in Tables::<R>::programs(VECTORS[2]) {
             let rows: Vec<String> = v
                 .constraints
                 .iter()

@@ -31,7 +31,7 @@ impl<R: Number> Tables<R> {
         ];
         match &self.law {
             Some(law) => {
-                lines.push(format!("Distance: {} m, by the law alpha_f = A omega + B.", law.distance))
+                lines.push(format!("Distance: {} m, by the law alpha_f = A omega + B.", law.distance));
             }
             None => lines
                 .push(format!("Distance: {}; {open} of {all} cells are open.", range(&self.distances, "m"))),

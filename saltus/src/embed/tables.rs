@@ -158,7 +158,7 @@ impl<R: Number> Tables<R> {
             limits: limits(request),
             misses: Misses::default(),
             name: robot.name.clone(),
-            hash: Sha256::digest(robot.to_toml()).iter().take(8).map(|byte| format!("{byte:02x}")).collect(),
+            hash: hash(robot),
         };
         tables.fill_map(planner, request)?;
         tables.measure_map(planner, request)?;
@@ -208,7 +208,8 @@ impl<R: Number> Tables<R> {
 
     /// Open cells and all cells of the firing table and of the lift-off map.
     pub fn cells(&self) -> [(usize, usize); 2] {
-        [&self.open, &self.map_open].map(|open| (open.iter().filter(|cell| **cell == 1).count(), open.len()))
+        [&self.open, &self.map_open]
+            .map(|open| (open.iter().map(|cell| usize::from(*cell)).sum(), open.len()))
     }
 
     /// CRC-32 (IEEE 802.3) over the bytes of the tables, least byte first: nodes and cells of the table, then of the map.
@@ -348,6 +349,12 @@ impl Request {
     pub(super) fn launch(&self, rate: f64, firing_angle: f64) -> Launch {
         Launch { rate, lean: self.start_lean, firing_angle, valve_open: self.valve_open }
     }
+}
+
+/// The first 64 bits of the SHA-256 of the robot's file, as digits.
+fn hash(robot: &saltus_robot::Robot) -> String {
+    let digest = Sha256::digest(robot.to_toml());
+    format!("{:016x}", digest.iter().take(8).fold(0_u64, |bits, byte| bits << 8 | u64::from(*byte)))
 }
 
 /// How far (m) a jump lands from `distance`; infinite where it does not.

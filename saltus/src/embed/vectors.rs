@@ -99,7 +99,7 @@ impl<R: Number> Tables<R> {
     }
 
     /// `count` quadratic programs.
-    pub(super) fn programs(&self, count: usize) -> Vec<Solved<R>> {
+    pub(super) fn programs(count: usize) -> Vec<Solved<R>> {
         let mut draw = Draw(3);
         let solve = |_| {
             let mut signed = || R::of(draw.between(-1.0, 1.0));
