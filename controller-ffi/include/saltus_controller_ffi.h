@@ -201,7 +201,7 @@ enum SaltusStatus saltus_controller_take_off(const struct SaltusController *cont
                                              const struct SaltusApproach *approach,
                                              struct SaltusTakeOff *take_off);
 
-// Minimises x' H x/2 + g' x under at most SALTUS_MOST_CONSTRAINTS constraints; `h` points to H11, H12, H22, `g` and `x` to two numbers.
+// Minimises x' H x/2 + g' x under at most 16 constraints; `h` points to H11, H12, H22, `g` and `x` to two numbers.
 //
 // # Safety
 // Each pointer is null or points to as many numbers and constraints; `x` may be written.

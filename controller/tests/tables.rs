@@ -61,7 +61,7 @@ fn nodes_are_met_to_the_bit_and_borders_belong() {
         }
     }
     let (first, last) = (table.rates.first, table.rates.last);
-    assert!(table.firing_angle(first, 0.4).is_ok() && table.firing_angle(last, 0.4).is_ok());
+    assert!(table.firing_angle(first, 0.55).is_ok() && table.firing_angle(last, 0.55).is_ok());
 }
 
 #[test]
@@ -90,13 +90,13 @@ fn reasons_are_told_apart() {
 fn a_table_that_is_not_what_it_says_gives_reasons() {
     let whole = table();
     let cut = FiringTable { nodes: &whole.nodes[..20], ..whole };
-    assert_eq!(cut.firing_angle(5.9, 0.4), Err(Reason::OutOfTable));
+    assert_eq!(cut.firing_angle(5.5, 0.5), Err(Reason::OutOfTable));
     let closed = FiringTable { open: &whole.open[..3], ..whole };
-    assert_eq!(closed.firing_angle(5.9, 0.4), Err(Reason::OutOfTable));
+    assert_eq!(closed.firing_angle(5.5, 0.5), Err(Reason::OutOfTable));
     let empty = FiringTable { rates: Axis { count: 0, ..whole.rates }, ..whole };
-    assert_eq!(empty.firing_angle(5.9, 0.4), Err(Reason::OutOfTable));
+    assert_eq!(empty.firing_angle(5.5, 0.5), Err(Reason::OutOfTable));
     let vast = FiringTable { distances: Axis { count: usize::MAX, ..whole.distances }, ..whole };
-    assert!(vast.firing_angle(5.9, 0.4).is_err());
+    assert!(vast.firing_angle(5.5, 0.5).is_err());
 }
 
 #[test]
