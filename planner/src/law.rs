@@ -126,7 +126,7 @@ impl Planner {
 }
 
 /// Slope and intercept of the least-squares line through `points`; none if they do not have two abscissae.
-fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+pub fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let n = points.len() as f64;
     let (mx, my) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
     let spread: f64 = points.iter().map(|p| (p.0 - mx) * (p.0 - mx)).sum();

@@ -12,6 +12,6 @@ mod table;
 
 pub use crossing::{Check, Crossing, CrossingAnswer, CrossingError, CrossingPlan, PlannedJump};
 pub use jump::{Jump, PLANNING_TOLERANCE, Planner, SensitiveJump, Sensitivity};
-pub use law::{Law, LawPoint};
+pub use law::{Law, LawPoint, line};
 pub use map::{Map, MapRequest, Spot, SpotResult};
 pub use table::{Cell, Entry, FIRING_ANGLES, Measure, Nearest, Roots, Table, TableError, TableRequest};

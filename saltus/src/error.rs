@@ -61,6 +61,9 @@ pub(crate) enum CliError {
         /// Why not.
         source: StanceError,
     },
+    /// Tables for a controller.
+    #[error("export: {0}")]
+    Embed(#[from] saltus::embed::EmbedError),
     /// What the planner does not take.
     #[error(transparent)]
     Request(#[from] TableError),

@@ -16,12 +16,14 @@
 //! The `saltus` command does the same from a shell: `saltus simulate --omega 5 --alpha-f -0.1`.
 
 pub mod diagnose;
+pub mod embed;
 pub mod experiment;
 pub mod fit;
 pub mod inject;
 pub mod verify;
 
 pub use saltus_ballistic as ballistic;
+pub use saltus_controller as controller;
 pub use saltus_diagnosis as diagnosis;
 pub use saltus_lagrangian as lagrangian;
 pub use saltus_planner as planner;

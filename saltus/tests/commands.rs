@@ -391,3 +391,86 @@ fn a_robot_is_exported_to_mujoco() {
     assert_eq!(rough.matches("friction=\"0.001 0.8 0 0 0\"").count(), 5, "{rough}");
     assert_eq!(folder.names(), ["boom.xml"]);
 }
+
+#[test]
+fn exported_c_tests_itself_with_every_compiler_option() {
+    let folder = Folder::new("export-c");
+    let said = folder.done("export c --distance 0.3:1.0:8 --omega 3:6:7 --out float", 0);
+    assert!(
+        said.contains("rats-planar") && said.contains("CRC-32") && said.contains("Against the planner"),
+        "{said}"
+    );
+    folder.done("export c --distance 0.6 --newton 2 --real double --out double", 0);
+    folder.done("export c --distance 0.3:0.8:6 --landing-height 24cm --valve-open 40ms --valve-range 30ms:40ms --newton 1 --out both", 0);
+    // What is printed heads both files.
+    for file in ["saltus_controller.h", "saltus_controller.c"] {
+        let text = folder.read(&format!("float/{file}"));
+        assert!(said.lines().all(|line| text.contains(line)), "{file}");
+        assert!(!text.contains('@'), "{file} has a place that was not filled");
+    }
+    folder
+        .write("main.c", "#include \"saltus_controller.h\"\nint main(void) { return saltus_self_test(); }\n");
+    let compiler = std::process::Command::new("cc").arg("--version").output();
+    if !compiler.is_ok_and(|said| said.status.success()) {
+        eprintln!("skipped: there is no C compiler here");
+        return;
+    }
+    for tables in ["float", "double", "both"] {
+        for options in [
+            "-std=c99 -O2 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror",
+            "-O0 -ffp-contract=off",
+            "-O3 -fno-math-errno -ffp-contract=off",
+        ] {
+            let program = folder.path("self-test");
+            let made = std::process::Command::new("cc")
+                .args(options.split(' '))
+                .arg(format!("-I{}", folder.path(tables).display()))
+                .args([folder.path("main.c"), folder.path(&format!("{tables}/saltus_controller.c"))])
+                .args(["-lm".as_ref(), "-o".as_ref(), program.as_os_str()])
+                .output()
+                .unwrap();
+            assert!(made.status.success(), "{tables} {options}: {}", String::from_utf8_lossy(&made.stderr));
+            let status = std::process::Command::new(&program).status().unwrap();
+            assert_eq!(status.code(), Some(0), "{tables} {options}: number of the vector that fails");
+        }
+    }
+    // A table that is damaged is found out.
+    let text = folder.read("float/saltus_controller.c");
+    let (before, after) = text.split_once("map_nodes[").unwrap();
+    let damaged = format!("{before}map_nodes[{}", after.replacen("0.", "1.", 1));
+    folder.write("float/saltus_controller.c", damaged);
+    let program = folder.path("self-test");
+    let made = std::process::Command::new("cc")
+        .arg(format!("-I{}", folder.path("float").display()))
+        .args([folder.path("main.c"), folder.path("float/saltus_controller.c")])
+        .args(["-lm".as_ref(), "-o".as_ref(), program.as_os_str()])
+        .status()
+        .unwrap();
+    assert!(made.success());
+    assert_eq!(std::process::Command::new(&program).status().unwrap().code(), Some(1));
+}
+
+#[test]
+fn exported_rust_is_one_constant() {
+    let folder = Folder::new("export-rust");
+    let shown = folder.done("export rust --distance 0.5:0.7:3 --omega 4:5:3 --name RATS_60", 0);
+    assert!(shown.starts_with("//! Firing decisions for the robot rats-planar"));
+    assert!(shown.contains("pub const RATS_60: Controller<'static, f32> = Controller {"));
+    assert_eq!(
+        folder.done("export rust --distance 0.5:0.7:3 --omega 4:5:3 --name RATS_60 --out a.rs", 0),
+        ""
+    );
+    assert_eq!(folder.read("a.rs"), shown);
+    let law = folder.done("export rust --distance 0.6 --real double", 0);
+    assert!(
+        law.contains("pub const CONTROLLER: Controller<'static, f64>") && law.contains("Rule::Law(Law {")
+    );
+}
+
+#[test]
+fn tables_without_a_cell_are_a_no() {
+    let folder = Folder::new("export-no");
+    let said = folder.done("export c --distance 30:40:5 --out x", 1);
+    assert!(said.contains("no cell of the firing table is open"), "{said}");
+    assert_eq!(folder.names(), Vec::<String>::new());
+}

@@ -2,6 +2,7 @@
 //!
 //! The tests themselves are in `tests/`, one file a subject.
 
+pub mod controlled;
 pub mod lab;
 pub mod oracle;
 pub mod reference;

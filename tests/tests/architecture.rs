@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// Which of our crates each crate may use. A crate that is not here may not exist.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 14] = [
     ("numeric", &[]),
     ("robot", &[]),
     ("pneumatics", &["numeric", "robot"]),
@@ -20,6 +20,8 @@ const MAY_USE: [(&str, &[&str]); 13] = [
     ("diagnosis", &["numeric", "robot", "pneumatics", "lagrangian", "ballistic", "sim-check"]),
     ("gait", &["robot", "planner", "sim-check"]),
     ("controller", &[]),
+    // What C programs link.
+    ("controller-ffi", &["controller"]),
     ("saltus", ALL),
     ("tests", ALL),
     ("python", &["saltus"]),

@@ -46,6 +46,7 @@ Examples:
   saltus verify course.toml --plant rats-boom --friction 0.3:1:8
   saltus fit bench/monday --robot-out fitted.toml
   saltus parkour instances.json --out plans.json
+  saltus export c --distance 0.3:1.0:15 --out firmware/src
   saltus export mjcf --robot rats-boom --out rats-boom.xml
 
 Exit codes: 0 done, 1 the answer is no, 2 bad input.

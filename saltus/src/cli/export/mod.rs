@@ -1,4 +1,6 @@
-//! `saltus export`: a robot as other programs take it.
+//! `saltus export`: a robot, or what it is to do, as other programs take it.
+
+mod tables;
 
 use std::path::PathBuf;
 
@@ -10,7 +12,7 @@ use super::common::RobotFlags;
 use crate::error::CliError;
 use crate::output::Files;
 
-/// Write the robot for another program
+/// Write the robot for another program: firing tables for a controller in C or Rust, or a MuJoCo model
 #[derive(Args, Debug)]
 pub(crate) struct Export {
     #[command(subcommand)]
@@ -19,6 +21,8 @@ pub(crate) struct Export {
 
 #[derive(Debug, Subcommand)]
 enum Target {
+    C(tables::C),
+    Rust(tables::Rust),
     Mjcf(Mjcf),
 }
 
@@ -55,6 +59,8 @@ A comment at the head of the file lists what else of this robot MuJoCo does not 
 impl Export {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         match self.target {
+            Target::C(command) => command.run(),
+            Target::Rust(command) => command.run(),
             Target::Mjcf(command) => command.run(),
         }
     }

@@ -1,0 +1,69 @@
+#!/usr/bin/env bash
+# The exported C on a Cortex-M4F in QEMU: answers to the bit as the Rust code's on this machine, instructions, memory, stack.
+#
+#     bash controller/firmware/run.sh [DECISIONS]
+#
+# Ends with 3 where compiler or emulator are missing. TOOLS may name a folder into which Debian's packages were unpacked (gcc-arm-none-eabi,
+# binutils-arm-none-eabi, libnewlib-arm-none-eabi, libnewlib-dev, qemu-system-arm and what they need), as `tools.sh` does.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+
+decisions=${1:-20000}
+tools=${TOOLS:-}
+tables=controller/examples/rats_planar
+target=${CARGO_TARGET_DIR:-target}
+build=$target/firmware-drill
+mkdir -p "$build"
+
+# Programs of the unpacked packages find their libraries beside them.
+with_tools() {
+    if [ -n "$tools" ]; then
+        LD_LIBRARY_PATH="$tools/usr/lib/x86_64-linux-gnu" PATH="$tools/usr/bin:$PATH" "$@"
+    else
+        "$@"
+    fi
+}
+
+with_tools sh -c 'command -v arm-none-eabi-gcc && command -v qemu-system-arm' >/dev/null || exit 3
+
+flags=(-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -std=c99 -O2 -fno-math-errno -ffunction-sections -fdata-sections
+    -Wall -Wextra -Werror -I"$tables")
+specs=rdimon.specs
+if [ -n "$tools" ]; then
+    library=$tools/usr/lib/arm-none-eabi/newlib/$(with_tools arm-none-eabi-gcc "${flags[@]}" -print-multi-directory)
+    flags+=(-isystem "$tools/usr/include/newlib" -L"$library")
+    specs=$library/rdimon.specs
+fi
+
+printf 'On %s, %s:\n' "$(with_tools arm-none-eabi-gcc --version | head -1)" "$(with_tools qemu-system-arm --version | head -1)"
+
+# Alone: what it takes in flash and memory, and what it calls. Nothing: no heap, no library.
+with_tools arm-none-eabi-gcc "${flags[@]}" -DSALTUS_NO_SELF_TEST -fstack-usage -c "$tables/saltus_controller.c" -o "$build/controller.o"
+with_tools arm-none-eabi-size "$build/controller.o" | awk 'NR == 2 { printf "flash %d bytes, memory %d bytes\n", $1 + $2, $2 + $3 }'
+missing=$(with_tools arm-none-eabi-nm --undefined-only "$build/controller.o" | awk '{ print $2 }')
+[ -z "$missing" ] || { printf 'the controller calls %s\n' "$missing" >&2; exit 1; }
+if grep -E 'dynamic' "$build/controller.su"; then printf 'the stack has no bound\n' >&2; exit 1; fi
+printf 'no undefined symbol: no allocation, no library\n'
+
+# The drill in the emulator: one instruction takes 64 ns of its time.
+with_tools arm-none-eabi-gcc "${flags[@]}" -Wno-array-bounds -DDECISIONS="$decisions" -nostartfiles --specs="$specs" \
+    -T controller/firmware/mps2.ld -Wl,--gc-sections \
+    controller/firmware/{start,main,drill}.c "$tables/saltus_controller.c" -o "$build/drill.elf"
+data=()
+[ -z "$tools" ] || data=(-L "$tools/usr/share/qemu")
+with_tools timeout 900 qemu-system-arm -M mps2-an386 -icount shift=6 -nographic -monitor none -serial none \
+    -semihosting-config enable=on,target=native "${data[@]}" -kernel "$build/drill.elf" </dev/null >"$build/emulated.txt"
+sed -n 's/^# //p' "$build/emulated.txt"
+
+# The same in Rust on this machine.
+cargo run --quiet --release --locked -p saltus-controller --example drill -- "$decisions" >"$build/rust.txt"
+{ echo 'self-test: 0'; cat "$build/rust.txt"; } >"$build/expected.txt"
+grep -v '^#' "$build/emulated.txt" | diff - "$build/expected.txt" || { printf 'Cortex-M4F and Rust disagree\n' >&2; exit 1; }
+cat "$build/rust.txt"
+printf 'the same to the bit on Cortex-M4F and in Rust on this machine\n'
+
+# Bounds that hold for every input seen.
+worst() { sed -n "s/^# $1: instructions median [0-9]*, worst \([0-9]*\)$/\1/p" "$build/emulated.txt"; }
+median() { sed -n "s/^# $1: instructions median \([0-9]*\),.*$/\1/p" "$build/emulated.txt"; }
+[ "$(worst decisions)" -lt 2000 ] || { printf 'a decision took 2000 instructions or more\n' >&2; exit 1; }
+[ "$(worst decisions)" -le $((3 * $(median decisions))) ] || { printf 'the worst decision took over 3 times the median\n' >&2; exit 1; }

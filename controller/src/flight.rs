@@ -1,0 +1,92 @@
+//! The flight that follows a lift-off: a parabola.
+
+use crate::{Real, Reason};
+
+/// Lift-off of the wheel's centre, counted from the foot, with its derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LiftOff<R> {
+    /// x, y (m), v_x, v_y (m/s).
+    pub state: [R; 4],
+    /// Their derivatives by the firing angle (1/rad).
+    pub by_angle: [R; 4],
+    /// Their derivatives by the valve opening time (1/s).
+    pub by_valve: [R; 4],
+}
+
+/// A length with its derivatives by the decisions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linear<R> {
+    /// The length (m).
+    pub value: R,
+    /// By the firing angle (m/rad).
+    pub by_angle: R,
+    /// By the valve opening time (m/s).
+    pub by_valve: R,
+}
+
+/// Newton steps to the nearest point of a parabola; the start is beyond it and the function convex, so that none overshoots.
+const STEPS: usize = 4;
+
+impl<R: Real> LiftOff<R> {
+    /// Distance (m) from the foot to where the wheel's centre comes down to `height` (m).
+    ///
+    /// # Errors
+    /// [`Reason::Infeasible`] if it never does.
+    #[inline]
+    pub fn landing(&self, gravity: R, height: R) -> Result<Linear<R>, Reason> {
+        let [x, y, vx, vy] = self.state;
+        let fall = y - height;
+        let square = vy * vy + (gravity + gravity) * fall;
+        if !square.is_at_least_zero() {
+            return Err(Reason::Infeasible);
+        }
+        let speed = square.sqrt();
+        let inverse = R::ONE / gravity;
+        let time = (vy + speed) * inverse;
+        if !time.is_at_least_zero() {
+            return Err(Reason::Infeasible);
+        }
+        // Grazing the apex, the landing has no derivative; nothing is asked of it there.
+        let slow = if speed > R::ZERO { R::ONE / speed } else { R::ZERO };
+        let by = |[x, y, sx, sy]: [R; 4]| {
+            let later = sy * inverse + (vy * sy * inverse + y) * slow;
+            x + sx * time + vx * later
+        };
+        Ok(Linear { value: x + vx * time, by_angle: by(self.by_angle), by_valve: by(self.by_valve) })
+    }
+
+    /// Least distance (m) from the parabola of the wheel's centre to the point (`x`, `y`) (m).
+    ///
+    /// The parabola counts whole, before lift-off and after landing too: this is never more than the flight's.
+    ///
+    /// With s the time from the apex, (X, Y) the apex as the point sees it, P = 2 (v_x² − g Y)/g² and Q = 2 v_x X/g², the derivative of the
+    /// squared distance is that of s³ + P s + Q up to a factor. Of its minima the lower has the sign that Q has not, and with r = |s| it is the
+    /// only positive root of r³ + P r − |Q|, which Newton's steps reach from above. cbrt |Q| is at most (|Q|/b² + 2 b)/3 for any b.
+    #[inline]
+    pub fn distance_to(&self, gravity: R, x: R, y: R) -> Linear<R> {
+        let [x0, y0, vx, vy] = self.state;
+        let per_gravity = R::ONE / gravity;
+        let rise = vy * per_gravity;
+        let apex = (x0 + vx * rise - x, y0 + R::of(0.5) * vy * rise - y);
+        let scale = R::of(2.0) * (per_gravity * per_gravity);
+        let (p, q) = (scale * (vx * vx - gravity * apex.1), scale * (vx * apex.0));
+        let lever = q.magnitude();
+        let reach = if p < R::ZERO { (-p).sqrt() } else { R::ZERO };
+        let mut r = reach + (R::of(16.0) * lever + R::of(0.5)) * R::of(0.33333334);
+        for _ in 0..STEPS {
+            let square = r * r;
+            let slope = R::of(3.0) * square + p;
+            if !slope.is_positive() {
+                break;
+            }
+            r = (R::of(2.0) * square * r + lever) / slope;
+        }
+        let s = if q > R::ZERO { -r } else { r };
+        let (across, up) = (apex.0 + vx * s, apex.1 - R::of(0.5) * gravity * (s * s));
+        let distance = (across * across + up * up).sqrt();
+        let time = s + rise;
+        let inverse = if distance > R::ZERO { R::ONE / distance } else { R::ZERO };
+        let by = |[x, y, sx, sy]: [R; 4]| (across * (x + sx * time) + up * (y + sy * time)) * inverse;
+        Linear { value: distance, by_angle: by(self.by_angle), by_valve: by(self.by_valve) }
+    }
+}

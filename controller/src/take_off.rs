@@ -1,0 +1,154 @@
+//! Where to take off while running.
+
+use crate::{Controller, Linear, Real, Reason};
+
+/// Touch-downs that are looked at: more are decided on later.
+pub const MOST_TOUCH_DOWNS: u32 = 4;
+
+/// A running robot before an obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approach<R> {
+    /// From the next touch-down's foot to the obstacle's front (m), as sensed.
+    pub distance: R,
+    /// The obstacle's height (m), as sensed, ≥ 0.
+    pub height: R,
+    /// Its length along the travel (m), > 0.
+    pub length: R,
+    /// Running speed of the axle (m/s).
+    pub speed: R,
+    /// Least distance to keep (m) between the wheel and the obstacle, ≥ 0, and from its back to the landing.
+    pub clearance: R,
+}
+
+/// Where and how to take off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TakeOff<R> {
+    /// From which touch-down: 0 is the next.
+    pub touch_down: u32,
+    /// Approach rate (rad/s): v/r_s.
+    pub approach_rate: R,
+    /// Firing angle α_f (rad).
+    pub firing_angle: R,
+    /// From that touch-down's foot to the landing (m).
+    pub distance: R,
+    /// What the jump keeps (m) of the obstacle, at least what was asked for.
+    pub clearance: R,
+}
+
+/// Angles looked at over the map's range, and then by golden section about the best of them.
+const LOOKS: usize = 9;
+const SECTIONS: usize = 9;
+
+impl<R: Real> Controller<'_, R> {
+    /// From which of the coming touch-downs to jump over what is ahead, and at which angle: the one that keeps most clear.
+    ///
+    /// A jump's margin is the least of its clearances over both corners and of its landing's distance beyond the back. For one touch-down it
+    /// first rises and then falls with the firing angle, so that it is looked at on 9 angles and by golden section about
+    /// the best: 20 jumps for each of 4 touch-downs at most.
+    ///
+    /// # Errors
+    /// [`Reason::SensorInvalid`] for what is no measurement; [`Reason::OutOfTable`] for a speed that the map does not hold, or if the obstacle is
+    /// beyond what the coming touch-downs reach; [`Reason::Infeasible`] if none of them clears it.
+    pub fn take_off(&self, approach: &Approach<R>) -> Result<TakeOff<R>, Reason> {
+        let Approach { distance, height, length, speed, clearance } = *approach;
+        let finite = distance.is_finite() && height.is_finite() && speed.is_finite() && length.is_finite();
+        let sound = length.is_positive() && height.is_at_least_zero() && clearance.is_at_least_zero();
+        if !(finite && sound && clearance.is_finite()) {
+            return Err(Reason::SensorInvalid);
+        }
+        let rate = speed / self.robot.radius;
+        if !rate.within(self.map.rates.first, self.map.rates.last) {
+            return Err(Reason::OutOfTable);
+        }
+        let mut best: Option<TakeOff<R>> = None;
+        let mut front = distance;
+        for touch_down in 0..MOST_TOUCH_DOWNS {
+            // Nearer, the wheel would stand against it.
+            let stands_clear = front >= self.robot.radius + clearance;
+            if !stands_clear {
+                break;
+            }
+            if let Some(found) = self.best_over(rate, front, approach)
+                && best.is_none_or(|b| found.clearance > b.clearance)
+            {
+                best = Some(TakeOff { touch_down, ..found });
+            }
+            front = front - self.robot.stride;
+        }
+        let far = front >= self.robot.radius + clearance;
+        match best {
+            Some(best) if best.clearance >= clearance => Ok(best),
+            // A touch-down to come is nearer than all these.
+            _ if far => Err(Reason::OutOfTable),
+            _ => Err(Reason::Infeasible),
+        }
+    }
+
+    /// The jump that keeps most clear of an obstacle whose front is `front` (m) from the foot; none where no angle jumps.
+    fn best_over(&self, rate: R, front: R, approach: &Approach<R>) -> Option<TakeOff<R>> {
+        let axis = &self.map.angles;
+        let step = (axis.last - axis.first) / R::of_index(LOOKS - 1);
+        let mut best: Option<TakeOff<R>> = None;
+        for k in 0..LOOKS {
+            let angle = if k + 1 == LOOKS { axis.last } else { axis.first + R::of_index(k) * step };
+            best = better(best, self.jump_over(rate, angle, front, approach));
+        }
+        let middle = best?.firing_angle;
+        let (mut a, mut b) = ((middle - step).greater(axis.first), (middle + step).lesser(axis.last));
+        let part = R::of(0.38196602);
+        let (mut p, mut q) = (a + part * (b - a), b - part * (b - a));
+        let mut at_p = self.jump_over(rate, p, front, approach);
+        let mut at_q = self.jump_over(rate, q, front, approach);
+        for _ in 0..SECTIONS {
+            best = better(best, at_p);
+            best = better(best, at_q);
+            if margin(at_p) > margin(at_q) {
+                b = q;
+                (q, at_q) = (p, at_p);
+                p = a + part * (b - a);
+                at_p = self.jump_over(rate, p, front, approach);
+            } else {
+                a = p;
+                (p, at_p) = (q, at_q);
+                q = b - part * (b - a);
+                at_q = self.jump_over(rate, q, front, approach);
+            }
+        }
+        better(better(best, at_p), at_q)
+    }
+
+    /// The jump at one angle.
+    #[inline]
+    fn jump_over(&self, rate: R, angle: R, front: R, approach: &Approach<R>) -> Option<TakeOff<R>> {
+        let (g, back) = (self.robot.gravity, front + approach.length);
+        let lift_off = self.map.at(rate, angle).ok()?;
+        let landing = lift_off.landing(g, self.robot.radius).ok()?.value;
+        let over = |x: R| {
+            let Linear { value, .. } = lift_off.distance_to(g, x, approach.height);
+            value - self.robot.radius
+        };
+        let clearance = (landing - back).lesser(over(front)).lesser(over(back));
+        Some(TakeOff {
+            touch_down: 0,
+            approach_rate: rate,
+            firing_angle: angle,
+            distance: landing,
+            clearance,
+        })
+    }
+}
+
+/// What a jump keeps clear; less than any for none.
+#[inline]
+fn margin<R: Real>(jump: Option<TakeOff<R>>) -> R {
+    match jump {
+        Some(jump) if jump.clearance.is_finite() => jump.clearance,
+        _ => R::of(-1e30),
+    }
+}
+
+/// The jump that keeps more clear, the first where they are equal.
+#[inline]
+fn better<R: Real>(first: Option<TakeOff<R>>, second: Option<TakeOff<R>>) -> Option<TakeOff<R>> {
+    if margin(second) > margin(first) { second } else { first }
+}

@@ -1,0 +1,616 @@
+//! Tables from the planner, and how far they are from it.
+
+use saltus_controller::{Axis, Controller, FiringTable, Law, LiftOffMap, Limits, MAP_NODE, Robot, Rule};
+use saltus_lagrangian::{Launch, StanceError};
+use saltus_numeric::Dual;
+use saltus_planner::{Measure, Planner, Roots, TableError, TableRequest};
+use sha2::{Digest, Sha256};
+
+use super::numbers::Number;
+
+/// What tables are to hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// Least and greatest approach rate ω (rad/s) at the start lean, and how many nodes, ≥ 2.
+    pub rates: (f64, f64, usize),
+    /// Least and greatest distance (m), and how many nodes; one distance with one node gives a law.
+    pub distances: (f64, f64, usize),
+    /// Firing angles α_f (rad) of the lift-off map; none: those that the table holds, and a tenth of a radian more.
+    pub firing_angles: Option<(f64, f64)>,
+    /// Nodes of the lift-off map over them, ≥ 2.
+    pub angles: usize,
+    /// Height (m) of the wheel's centre at the landing.
+    pub landing_height: f64,
+    /// Valve opening time t_v (s).
+    pub valve_open: f64,
+    /// Valve opening times (s) to choose from over an obstacle; none: that one.
+    pub valve_range: Option<(f64, f64)>,
+    /// Lean (rad) at which a stance starts and approach rates count.
+    pub start_lean: f64,
+    /// Control period (s).
+    pub period: f64,
+    /// By how much the valve answers later than the robot file's delay (s).
+    pub extra_delay: f64,
+    /// Newton steps that refine a firing angle, 0 to 3.
+    pub newton_steps: u8,
+    /// Cost of a squared second of open valve (m²/s²), > 0.
+    pub effort: f64,
+    /// Greatest error of a landing (m): a cell that misses by more is closed.
+    pub tolerance: f64,
+    /// Threads to work with, ≥ 1.
+    pub threads: usize,
+}
+
+impl Default for Request {
+    fn default() -> Request {
+        Request {
+            rates: (3.0, 6.0, 13),
+            distances: (0.3, 1.0, 15),
+            firing_angles: None,
+            angles: 11,
+            landing_height: 0.0,
+            valve_open: 0.1,
+            valve_range: None,
+            start_lean: -0.5,
+            period: 1e-3,
+            extra_delay: 0.0,
+            newton_steps: 0,
+            effort: 0.01,
+            tolerance: 0.002,
+            threads: 1,
+        }
+    }
+}
+
+/// Tables that cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EmbedError {
+    /// A number is outside its domain.
+    #[error("{name} = {value}: must be {allowed}")]
+    Input {
+        /// What was given, with its unit.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// The robot flies through air that slows it.
+    #[error("environment.drag_per_m = {drag}: must be 0: a controller's flight is a parabola")]
+    Drag {
+        /// Its drag (1/m).
+        drag: f64,
+    },
+    /// No cell of the table can be reached, or none is as exact as asked.
+    #[error("no cell of the {what} is open: nothing there is reached within {tolerance} m")]
+    Empty {
+        /// Which table.
+        what: &'static str,
+        /// The error that is allowed (m).
+        tolerance: f64,
+    },
+    /// What the planner does not take.
+    #[error(transparent)]
+    Planner(#[from] TableError),
+    /// A stance cannot be computed.
+    #[error(transparent)]
+    Stance(#[from] StanceError),
+}
+
+/// How far answers from tables are from the planner's own jumps, over all open cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Misses {
+    /// Greatest distance (m) between where a jump lands that the table fires, and the distance asked for.
+    pub table: f64,
+    /// Greatest error (m) of a landing that the lift-off map predicts.
+    pub map: f64,
+    /// Jumps that were looked at.
+    pub jumps: usize,
+}
+
+/// Tables in the numbers of the controller.
+#[derive(Clone, Debug)]
+pub struct Tables<R> {
+    pub(super) rates: Axis<R>,
+    /// One node for a law.
+    pub(super) distances: Axis<R>,
+    pub(super) nodes: Vec<[R; 4]>,
+    pub(super) open: Vec<u8>,
+    pub(super) law: Option<Law<R>>,
+    pub(super) angles: Axis<R>,
+    pub(super) map_nodes: Vec<[R; MAP_NODE]>,
+    pub(super) map_open: Vec<u8>,
+    pub(super) robot: Robot<R>,
+    pub(super) limits: Limits<R>,
+    pub(super) misses: Misses,
+    pub(super) name: String,
+    pub(super) hash: String,
+}
+
+/// A node of the table before it is rounded: α_f and its slopes by ω and by distance.
+type Firing = Option<[f64; 3]>;
+
+/// Jumps looked at along each side of a cell.
+const LOOKS: usize = 5;
+
+impl<R: Number> Tables<R> {
+    /// The tables of `request` for the planner's robot, each cell held against the planner's own jumps.
+    ///
+    /// # Errors
+    /// [`EmbedError`] for numbers outside their domain, a robot with drag, or tables without an open cell.
+    pub fn new(planner: &Planner, request: &Request) -> Result<Tables<R>, EmbedError> {
+        check(planner, request)?;
+        let firing = firing_angles(planner, request)?;
+        let (low, high) = angle_range(request, &firing)?;
+        let robot = planner.robot();
+        let (nodes, open) = table(request, &firing);
+        let mut tables = Tables {
+            rates: axis(request.rates),
+            distances: axis(request.distances),
+            nodes,
+            open,
+            law: law(request, &firing),
+            angles: axis((low, high, request.angles)),
+            map_nodes: Vec::new(),
+            map_open: Vec::new(),
+            robot: constants(planner, request),
+            limits: limits(request),
+            misses: Misses::default(),
+            name: robot.name.clone(),
+            hash: hash(robot),
+        };
+        tables.fill_map(planner, request)?;
+        tables.measure_map(planner, request)?;
+        tables.measure_table(planner, request)?;
+        let closed = |open: &[u8]| open.iter().all(|cell| *cell == 0);
+        if tables.law.is_none() && closed(&tables.open) {
+            return Err(EmbedError::Empty { what: "firing table", tolerance: request.tolerance });
+        }
+        if closed(&tables.map_open) {
+            return Err(EmbedError::Empty { what: "lift-off map", tolerance: request.tolerance });
+        }
+        Ok(tables)
+    }
+
+    /// A controller that decides by them.
+    pub fn controller(&self) -> Controller<'_, R> {
+        let rule = match self.law {
+            Some(law) => Rule::Law(law),
+            None => Rule::Table(self.table()),
+        };
+        let map = LiftOffMap {
+            rates: self.rates,
+            angles: self.angles,
+            nodes: &self.map_nodes,
+            open: &self.map_open,
+        };
+        Controller { rule, map, robot: self.robot, limits: self.limits }
+    }
+
+    pub(super) fn table(&self) -> FiringTable<'_, R> {
+        FiringTable { rates: self.rates, distances: self.distances, nodes: &self.nodes, open: &self.open }
+    }
+
+    /// How far they are from the planner.
+    pub fn misses(&self) -> Misses {
+        self.misses
+    }
+
+    /// Bytes that firing table and lift-off map take.
+    pub fn bytes(&self) -> [usize; 2] {
+        let number = size_of::<R>();
+        [
+            self.nodes.len() * 4 * number + self.open.len(),
+            self.map_nodes.len() * MAP_NODE * number + self.map_open.len(),
+        ]
+    }
+
+    /// Open cells and all cells of the firing table and of the lift-off map.
+    pub fn cells(&self) -> [(usize, usize); 2] {
+        [&self.open, &self.map_open]
+            .map(|open| (open.iter().map(|cell| usize::from(*cell)).sum(), open.len()))
+    }
+
+    /// CRC-32 (IEEE 802.3) over the bytes of the tables, least byte first: nodes and cells of the table, then of the map.
+    pub fn crc(&self) -> u32 {
+        let mut hasher = crc32fast::Hasher::new();
+        let mut number = |x: &R| hasher.update(x.bytes().as_ref());
+        self.nodes.iter().flatten().for_each(&mut number);
+        self.map_nodes.iter().flatten().for_each(&mut number);
+        hasher.update(&self.open);
+        hasher.update(&self.map_open);
+        hasher.finalize()
+    }
+
+    /// Lift-offs at the nodes, with exact derivatives; the mixed one by differences of these.
+    fn fill_map(&mut self, planner: &Planner, request: &Request) -> Result<(), EmbedError> {
+        let stance = planner.sensitive_stance();
+        let (rates, angles) = (nodes_of(&self.rates), nodes_of(&self.angles));
+        let mut found: Vec<Option<[Dual<4>; 4]>> = Vec::with_capacity(rates.len() * angles.len());
+        for &rate in &rates {
+            for &angle in &angles {
+                let jump = planner.sensitive_jump(&stance, &request.launch(rate, angle))?;
+                found.push(jump.flight.map(|f| [f.vacuum.x, f.vacuum.y, f.vacuum.vx, f.vacuum.vy]));
+            }
+        }
+        let (dr, da) = (rates[1] - rates[0], angles[1] - angles[0]);
+        let at = |i: usize, j: usize| found[i * angles.len() + j];
+        for i in 0..rates.len() {
+            for j in 0..angles.len() {
+                let mut node = [R::ZERO; MAP_NODE];
+                if let Some(four) = at(i, j) {
+                    for (k, value) in four.iter().enumerate() {
+                        let by_angle = |i: usize| at(i, j).map(|four| four[k].slope[1] * da);
+                        let mixed = difference(i, rates.len(), by_angle);
+                        let row = [value.value, value.slope[0] * dr, value.slope[1] * da, mixed];
+                        for (kind, x) in row.into_iter().chain([value.slope[2]]).enumerate() {
+                            node[4 * kind + k] = R::of(x);
+                        }
+                    }
+                }
+                self.map_nodes.push(node);
+            }
+        }
+        self.map_open = cells(rates.len(), angles.len(), |i, j| at(i, j).is_some());
+        Ok(())
+    }
+
+    /// Flies what the table fires, and closes the cells that miss.
+    fn measure_table(&mut self, planner: &Planner, request: &Request) -> Result<(), EmbedError> {
+        if self.law.is_some() {
+            return self.measure_law(planner, request);
+        }
+        let columns = self.distances.count - 1;
+        for cell in 0..self.open.len() {
+            if self.open[cell] == 0 {
+                continue;
+            }
+            let mut worst = 0.0_f64;
+            for (s, t) in looks() {
+                let rate = between(&self.rates, cell / columns, s);
+                let distance = between(&self.distances, cell % columns, t);
+                worst = worst.max(self.fired(planner, request, rate, distance)?);
+                self.misses.jumps += 1;
+            }
+            if worst > request.tolerance {
+                self.open[cell] = 0;
+            } else {
+                self.misses.table = self.misses.table.max(worst);
+            }
+        }
+        Ok(())
+    }
+
+    /// Flies what the law fires.
+    fn measure_law(&mut self, planner: &Planner, request: &Request) -> Result<(), EmbedError> {
+        let Some(law) = self.law else { return Ok(()) };
+        for i in 0..self.rates.count - 1 {
+            for s in 0..LOOKS {
+                let rate = between(&self.rates, i, part(s));
+                if R::of(rate).within(law.least_rate, law.greatest_rate) {
+                    let miss = self.fired(planner, request, rate, law.distance.wide())?;
+                    self.misses.table = self.misses.table.max(miss);
+                    self.misses.jumps += 1;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// How far (m) from `distance` the jump lands that the controller fires, Newton steps and all; infinite where it fires none.
+    fn fired(
+        &self,
+        planner: &Planner,
+        request: &Request,
+        rate: f64,
+        distance: f64,
+    ) -> Result<f64, EmbedError> {
+        let height = self.robot.landing_height;
+        match self.controller().firing_angle(R::of(rate), R::of(distance), height) {
+            Ok(angle) => miss(planner, request, rate, angle.wide(), distance),
+            Err(_) => Ok(f64::INFINITY),
+        }
+    }
+
+    /// Holds the landings that the map predicts against the planner's, and closes the cells that miss.
+    fn measure_map(&mut self, planner: &Planner, request: &Request) -> Result<(), EmbedError> {
+        let columns = self.angles.count - 1;
+        for cell in 0..self.map_open.len() {
+            if self.map_open[cell] == 0 {
+                continue;
+            }
+            let mut worst = 0.0_f64;
+            for (s, t) in looks() {
+                let rate = between(&self.rates, cell / columns, s);
+                let angle = between(&self.angles, cell % columns, t);
+                let map = self.controller().map;
+                let predicted = map
+                    .at(R::of(rate), R::of(angle))
+                    .and_then(|l| l.landing(self.robot.gravity, self.robot.landing_height));
+                let off = match predicted {
+                    Ok(landing) => miss(planner, request, rate, angle, landing.value.wide())?,
+                    Err(_) => f64::INFINITY,
+                };
+                worst = worst.max(off);
+                self.misses.jumps += 1;
+            }
+            if worst > request.tolerance {
+                self.map_open[cell] = 0;
+            } else {
+                self.misses.map = self.misses.map.max(worst);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Request {
+    pub(super) fn launch(&self, rate: f64, firing_angle: f64) -> Launch {
+        Launch { rate, lean: self.start_lean, firing_angle, valve_open: self.valve_open }
+    }
+}
+
+/// The first 64 bits of the SHA-256 of the robot's file, as digits.
+fn hash(robot: &saltus_robot::Robot) -> String {
+    let digest = Sha256::digest(robot.to_toml());
+    format!("{:016x}", digest.iter().take(8).fold(0_u64, |bits, byte| bits << 8 | u64::from(*byte)))
+}
+
+/// How far (m) a jump lands from `distance`; infinite where it does not.
+fn miss(
+    planner: &Planner,
+    request: &Request,
+    rate: f64,
+    angle: f64,
+    distance: f64,
+) -> Result<f64, EmbedError> {
+    let jump = planner.jump(&request.launch(rate, angle))?;
+    let landing = jump.distance(request.landing_height);
+    Ok(landing.map_or(f64::INFINITY, |landing| (landing - distance).abs()))
+}
+
+fn check(planner: &Planner, request: &Request) -> Result<(), EmbedError> {
+    let drag = planner.robot().environment.drag;
+    if drag > 0.0 {
+        return Err(EmbedError::Drag { drag });
+    }
+    let upright = |x: f64| x.abs() < std::f64::consts::FRAC_PI_2;
+    let (r, d) = (request.rates, request.distances);
+    let (v, w) = request.valve_range.unwrap_or((request.valve_open, request.valve_open));
+    let (a, b) = request.firing_angles.unwrap_or((0.0, 0.1));
+    let nodes = |n: usize, least: usize| (least..=1000).contains(&n);
+    let several = "from 2 to 1000";
+    let cases = [
+        ("least approach rate (rad/s)", r.0, (0.0..=1e3).contains(&r.0), "from 0 to 1000 rad/s"),
+        ("greatest approach rate (rad/s)", r.1, r.1 > r.0 && r.1 <= 1e3, "above the least, to 1000 rad/s"),
+        ("nodes over approach rates", r.2 as f64, nodes(r.2, 2), several),
+        ("least distance (m)", d.0, d.0.abs() <= 1e3, "from -1000 to 1000 m"),
+        ("greatest distance (m)", d.1, d.1 <= 1e3 && (d.1 > d.0) == (d.2 > 1), "above the least, to 1000 m"),
+        ("nodes over distances", d.2 as f64, nodes(d.2, 1), "from 1 to 1000"),
+        ("least firing angle (rad)", a, upright(a), "between -pi/2 and pi/2 rad"),
+        ("greatest firing angle (rad)", b, upright(b) && b > a, "above the least, below pi/2 rad"),
+        ("nodes over firing angles", request.angles as f64, nodes(request.angles, 2), several),
+        (
+            "landing height (m)",
+            request.landing_height,
+            request.landing_height.abs() <= 1e3,
+            "from -1000 to 1000 m",
+        ),
+        (
+            "valve opening time (s)",
+            request.valve_open,
+            request.valve_open > 0.0 && request.valve_open <= 1e3,
+            "above 0, to 1000 s",
+        ),
+        (
+            "least valve opening time (s)",
+            v,
+            v > 0.0 && v <= request.valve_open,
+            "above 0, to the valve opening time",
+        ),
+        (
+            "greatest valve opening time (s)",
+            w,
+            w >= request.valve_open && w <= 1e3,
+            "from the valve opening time to 1000 s",
+        ),
+        ("start lean (rad)", request.start_lean, upright(request.start_lean), "between -pi/2 and pi/2 rad"),
+        (
+            "control period (s)",
+            request.period,
+            request.period > 0.0 && request.period <= 1.0,
+            "above 0, to 1 s",
+        ),
+        ("extra delay (s)", request.extra_delay, request.extra_delay.abs() <= 1.0, "from -1 to 1 s"),
+        ("Newton steps", f64::from(request.newton_steps), request.newton_steps <= 3, "from 0 to 3"),
+        (
+            "effort (m^2/s^2)",
+            request.effort,
+            request.effort > 0.0 && request.effort <= 1e6,
+            "above 0, to 1000000",
+        ),
+        (
+            "tolerance (m)",
+            request.tolerance,
+            request.tolerance > 0.0 && request.tolerance <= 1e3,
+            "above 0, to 1000 m",
+        ),
+        ("threads", request.threads as f64, request.threads > 0, "at least 1"),
+    ];
+    match cases.into_iter().find(|(_, _, holds, _)| !holds) {
+        Some((name, value, _, allowed)) => Err(EmbedError::Input { name, value, allowed }),
+        None => Ok(()),
+    }
+}
+
+fn axis<R: Number>((first, last, count): (f64, f64, usize)) -> Axis<R> {
+    Axis::new(R::of(first), R::of(last), count)
+}
+
+/// The nodes as the controller has them, after rounding.
+fn nodes_of<R: Number>(axis: &Axis<R>) -> Vec<f64> {
+    let (first, last) = (axis.first.wide(), axis.last.wide());
+    (0..axis.count).map(|i| first + (last - first) * i as f64 / (axis.count - 1) as f64).collect()
+}
+
+/// A place `part` of the way through cell `cell`, rounded as the controller's numbers are.
+fn between<R: Number>(axis: &Axis<R>, cell: usize, part: f64) -> f64 {
+    let (first, last) = (axis.first.wide(), axis.last.wide());
+    let x = first + (last - first) * (cell as f64 + part) / (axis.count - 1) as f64;
+    R::of(x).wide().clamp(first, last)
+}
+
+/// Parts of a cell to look at.
+fn looks() -> impl Iterator<Item = (f64, f64)> {
+    (0..LOOKS * LOOKS).map(|k| (part(k / LOOKS), part(k % LOOKS)))
+}
+
+fn part(k: usize) -> f64 {
+    (k as f64 + 0.5) / LOOKS as f64
+}
+
+/// For each cell of `rows` × `columns` nodes: 1 if all its corners are known.
+fn cells(rows: usize, columns: usize, known: impl Fn(usize, usize) -> bool) -> Vec<u8> {
+    let cell = |i: usize, j: usize| known(i, j) && known(i + 1, j) && known(i, j + 1) && known(i + 1, j + 1);
+    (0..rows - 1)
+        .flat_map(|i| (0..columns.saturating_sub(1)).map(move |j| (i, j)))
+        .map(|(i, j)| u8::from(cell(i, j)))
+        .collect()
+}
+
+/// Derivative at node `i` of `count` by nodes: central where both neighbours are known, else to the one that is.
+fn difference(i: usize, count: usize, f: impl Fn(usize) -> Option<f64>) -> f64 {
+    let before = i.checked_sub(1).and_then(&f);
+    let after = (i + 1 < count).then(|| f(i + 1)).flatten();
+    match (before, f(i), after) {
+        (Some(a), _, Some(b)) => 0.5 * (b - a),
+        (Some(a), Some(b), None) | (None, Some(a), Some(b)) => b - a,
+        _ => 0.0,
+    }
+}
+
+/// The least firing angles where firing later goes farther, distances within rates, with slopes by ω and by distance.
+fn firing_angles(planner: &Planner, request: &Request) -> Result<Vec<Firing>, EmbedError> {
+    // A robot fired before its stance starts is fired there: no angle below the start lean is one of its own.
+    let limits = (request.start_lean, saltus_planner::FIRING_ANGLES.1.max(request.start_lean + 0.1));
+    let table = planner.table(&TableRequest {
+        rates: spread(request.rates),
+        measure: Measure::Distance { landing_height: request.landing_height },
+        targets: spread(request.distances),
+        valve_open: request.valve_open,
+        start_lean: Some(request.start_lean),
+        firing_angles: request.firing_angles.unwrap_or(limits),
+        roots: Roots::All,
+        sensitivities: true,
+        threads: request.threads,
+    })?;
+    let firing = table.cells.iter().map(|cell| {
+        cell.entries.iter().find_map(|entry| {
+            let [distance, _] = entry.sensitivity?;
+            let later = distance.by_firing_angle;
+            (later > 0.0).then(|| [entry.jump.launch.firing_angle, -distance.by_rate / later, 1.0 / later])
+        })
+    });
+    Ok(firing.collect())
+}
+
+fn spread((first, last, count): (f64, f64, usize)) -> Vec<f64> {
+    let last_index = count.saturating_sub(1).max(1) as f64;
+    (0..count).map(|i| first + (last - first) * i as f64 / last_index).collect()
+}
+
+fn angle_range(request: &Request, firing: &[Firing]) -> Result<(f64, f64), EmbedError> {
+    if let Some(range) = request.firing_angles {
+        return Ok(range);
+    }
+    let known = || firing.iter().flatten().map(|[angle, ..]| *angle);
+    let (low, high) = (known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max));
+    if low > high {
+        return Err(EmbedError::Empty { what: "firing table", tolerance: request.tolerance });
+    }
+    Ok(((low - 0.1).max(request.start_lean), high + 0.1))
+}
+
+/// The table's nodes and open cells.
+fn table<R: Number>(request: &Request, firing: &[Firing]) -> (Vec<[R; 4]>, Vec<u8>) {
+    let ((r0, r1, rows), (d0, d1, columns)) = (request.rates, request.distances);
+    if columns < 2 {
+        return (Vec::new(), Vec::new());
+    }
+    let (dr, dd) = ((r1 - r0) / (rows - 1) as f64, (d1 - d0) / (columns - 1) as f64);
+    let at = |i: usize, j: usize| firing[i * columns + j];
+    let value = |i: usize, j: usize| at(i, j).map(|f| f[0]);
+    // Slopes times spacing, limited along either axis.
+    let by_rate = |i: usize, j: usize| at(i, j).map(|f| limited(f[1] * dr, i, rows, |i| value(i, j)));
+    let by_distance = |i: usize, j: usize| at(i, j).map(|f| limited(f[2] * dd, j, columns, |j| value(i, j)));
+    let node = |i: usize, j: usize| {
+        let Some([angle, ..]) = at(i, j) else { return [R::ZERO; 4] };
+        // The mixed derivative from both sides.
+        let mixed =
+            0.5 * (difference(i, rows, |i| by_distance(i, j)) + difference(j, columns, |j| by_rate(i, j)));
+        [angle, by_rate(i, j).unwrap_or(0.0), by_distance(i, j).unwrap_or(0.0), mixed].map(R::of)
+    };
+    let nodes = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|(i, j)| node(i, j)).collect();
+    (nodes, cells(rows, columns, |i, j| at(i, j).is_some()))
+}
+
+/// A slope at node `i` made so that the cubics on both its sides are monotone wherever the nodes are: of the nodes' sign and at most three times
+/// the lesser of the neighbouring secants; 0 where these differ in sign.
+///
+/// Source: Fritsch and Carlson 1980, the square [0, 3]² of their region of monotonicity.
+fn limited(slope: f64, i: usize, count: usize, value: impl Fn(usize) -> Option<f64>) -> f64 {
+    let here = value(i);
+    let secant = |from: Option<f64>, to: Option<f64>| Some(to? - from?);
+    let before = i.checked_sub(1).and_then(|k| secant(value(k), here));
+    let after = (i + 1 < count).then(|| secant(here, value(i + 1))).flatten();
+    [before, after].into_iter().flatten().fold(slope, |slope, secant| {
+        if slope * secant <= 0.0 { 0.0 } else { slope.signum() * slope.abs().min(3.0 * secant.abs()) }
+    })
+}
+
+fn law<R: Number>(request: &Request, firing: &[Firing]) -> Option<Law<R>> {
+    if request.distances.2 > 1 {
+        return None;
+    }
+    let rates = spread(request.rates);
+    let known: Vec<(f64, f64)> =
+        rates.iter().zip(firing).filter_map(|(rate, f)| Some((*rate, (*f)?[0]))).collect();
+    let (slope, intercept) = saltus_planner::line(&known)?;
+    let (first, last) = (known.first()?.0, known.last()?.0);
+    Some(Law {
+        slope: R::of(slope),
+        intercept: R::of(intercept),
+        least_rate: R::of(first),
+        greatest_rate: R::of(last),
+        distance: R::of(request.distances.0),
+    })
+}
+
+fn constants<R: Number>(planner: &Planner, request: &Request) -> Robot<R> {
+    let robot = planner.robot();
+    let (mass, radius, gravity) = (robot.axle_mass(), robot.body.radius, robot.axle_gravity());
+    let pendulum = mass * gravity * radius / (robot.body.inertia + mass * radius * radius);
+    let stride = 2.0 * radius * (std::f64::consts::PI / f64::from(robot.body.legs)).sin();
+    Robot {
+        radius: R::of(radius),
+        gravity: R::of(gravity),
+        pendulum: R::of(pendulum),
+        start_lean: R::of(request.start_lean),
+        stride: R::of(stride),
+        valve_open: R::of(request.valve_open),
+        landing_height: R::of(request.landing_height),
+    }
+}
+
+fn limits<R: Number>(request: &Request) -> Limits<R> {
+    let (least, greatest) = request.valve_range.unwrap_or((request.valve_open, request.valve_open));
+    Limits {
+        period: R::of(request.period),
+        extra_delay: R::of(request.extra_delay),
+        newton_steps: request.newton_steps,
+        least_valve_open: R::of(least),
+        greatest_valve_open: R::of(greatest),
+        effort: R::of(request.effort),
+    }
+}
