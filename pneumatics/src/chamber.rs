@@ -335,7 +335,11 @@ impl<S: Single> Chamber<S> {
         let valve = self.conductance * S::of(self.law.subsonic) * p;
         let power = 1.0 / self.law.temperature_exponent;
         let cold = self.law.temperature_ratio(p, self.supply).value();
-        let mut w = S::of((1.0 - cold).max(0.0).sqrt());
+        if cold >= 1.0 {
+            // A step may look a little past the balance, where nothing flows.
+            return S::of(0.0);
+        }
+        let mut w = S::of((1.0 - cold).sqrt());
         let newton = |w: S| {
             let e = one - w * w;
             let upstream = p * e.pow(S::of(-power));

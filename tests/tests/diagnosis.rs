@@ -70,7 +70,7 @@ fn what_is_not_on_the_list_is_unknown() {
         (Sort::Flight, "gear-ripple"),
         (Sort::Stroke, "position-friction"),
         (Sort::Vessel, "clogging"),
-        (Sort::Bench, "stroke-leak"),
+        (Sort::Bench, "ripple"),
     ] {
         let (_, kind, found) = diagnosed(sort, &[(id, Size::Large)], 46);
         assert!(found.unknown.is_some(), "{sort:?} {id}: {}", verdict::say(kind.as_ref(), &found));
