@@ -362,7 +362,8 @@ impl<'a> Search<'a> {
                 if wanders && !is_first { fitness::inflation(self.kind, &model) } else { richest };
             let least = if wanders { SHARE * fitness::excess(self.kind, &model) } else { 0.0 };
             // How they wander is itself known poorly.
-            let needed = if wanders { 2.0 * needed } else { needed };
+            let doubt = fit.causes.last().map_or(0.0, |cause| quantile(self.freedom(*cause), 0.999));
+            let needed = if wanders { needed.max(0.0) + doubt } else { needed };
             if gain / inflation < needed || gain < least {
                 break;
             }
