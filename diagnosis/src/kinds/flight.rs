@@ -95,10 +95,19 @@ impl Flights {
     }
 
     /// Whether the data follow the end of these booms round its base, with the height counted from the pivot, rather than a plane: what
-    /// a log means by x and y nobody tells. Whatever else is at work, the arc must explain most of what the plane leaves.
+    /// a log means by x and y nobody tells. If with one of them nothing is wrong, it is that; else, whatever is at work, the arc must explain most of
+    /// what the plane leaves.
     fn is_round(&self, boom: &[Option<f64>]) -> bool {
         let round = Flights { boom: boom.to_vec(), ..self.clone() };
         let runs: Vec<usize> = (0..self.logs.len()).collect();
+        let readings: usize = self.logs.iter().map(|log| log.readings.len()).sum();
+        let noise = readings as f64 + 3.0 * (2.0 * readings as f64).sqrt();
+        let [plane, arc] = [self, &round].map(|flights| fit::fit_none(flights, &runs).map(|f| f.loss));
+        if let (Some(plane), Some(arc)) = (plane, arc)
+            && plane.min(arc) < noise
+        {
+            return arc < plane;
+        }
         let left = |flights: &Flights| -> Option<Fit> {
             let mut model = fit::fit_none(flights, &runs)?;
             for cause in (0..flights.listed).filter(|&c| flights.causes[c].id != "counterweight") {
