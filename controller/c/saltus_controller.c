@@ -71,12 +71,10 @@ static enum saltus_status locate(const axis *a, saltus_real x, spot *out) {
 
 /* Weights of the difference of the values at both ends, and of the slopes there. */
 static void hermite(saltus_real t, saltus_real w[3]) {
-    saltus_real s = t * t;
-    saltus_real rise = s * (R(3.0) - (t + t));
-    saltus_real half = s * (t - R(1.0));
-    w[0] = rise;
-    w[1] = (half - s) + t;
-    w[2] = half;
+    saltus_real s = t * t, rest = R(1.0) - t;
+    w[0] = s * (R(3.0) - (t + t));
+    w[1] = (t * rest) * rest;
+    w[2] = -(s * rest);
 }
 
 static void hermite_slope(saltus_real t, saltus_real w[3]) {

@@ -57,10 +57,9 @@ impl<R: Real> Axis<R> {
 /// Weights of the cubic at `t`, from 0 to 1 through a cell: of the difference of the values at its ends, and of the scaled slopes there.
 #[inline]
 pub(crate) fn hermite<R: Real>(t: R) -> [R; 3] {
-    let (s, three) = (t * t, R::of(3.0));
-    let rise = s * (three - (t + t));
-    let half = s * (t - R::ONE);
-    [rise, (half - s) + t, half]
+    let (s, rest) = (t * t, R::ONE - t);
+    let rise = s * (R::of(3.0) - (t + t));
+    [rise, (t * rest) * rest, -(s * rest)]
 }
 
 /// As [`hermite`], for the slope by t.

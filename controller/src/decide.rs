@@ -288,11 +288,11 @@ impl<R: Real> Controller<'_, R> {
     ) -> Result<[Linear<R>; 3], Reason> {
         let g = self.robot.gravity;
         let lift_off = shifted(&self.map.at(rate, at.firing_angle)?, at.valve_open - self.robot.valve_open);
-        let over = |x: R| {
-            let distance = lift_off.distance_to(g, x, obstacle.height);
-            Linear { value: distance.value - self.robot.radius, ..distance }
-        };
-        Ok([lift_off.landing(g, task.landing_height)?, over(obstacle.front), over(obstacle.back)])
+        let landing = lift_off.landing(g, task.landing_height)?;
+        let [front, back] = lift_off
+            .distances_to(g, [obstacle.front, obstacle.back], obstacle.height)
+            .map(|distance| Linear { value: distance.value - self.robot.radius, ..distance });
+        Ok([landing, front, back])
     }
 
     /// The QP's step in firing angle (rad) and valve opening time (s).

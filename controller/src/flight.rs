@@ -55,38 +55,49 @@ impl<R: Real> LiftOff<R> {
         Ok(Linear { value: x + vx * time, by_angle: by(self.by_angle), by_valve: by(self.by_valve) })
     }
 
-    /// Least distance (m) from the parabola of the wheel's centre to the point (`x`, `y`) (m).
+    /// Least distances (m) from the parabola of the wheel's centre to the points (`xs`, `y`) (m).
     ///
     /// The parabola counts whole, before lift-off and after landing too: this is never more than the flight's.
     ///
     /// With s the time from the apex, (X, Y) the apex as the point sees it, P = 2 (v_x² − g Y)/g² and Q = 2 v_x X/g², the derivative of the
     /// squared distance is that of s³ + P s + Q up to a factor. Of its minima the lower has the sign that Q has not, and with r = |s| it is the
     /// only positive root of r³ + P r − |Q|, which Newton's steps reach from above. cbrt |Q| is at most (|Q|/b² + 2 b)/3 for any b.
+    ///
+    /// Both points go side by side: a step waits for its division, and the other's need not.
     #[inline]
-    pub fn distance_to(&self, gravity: R, x: R, y: R) -> Linear<R> {
+    pub fn distances_to(&self, gravity: R, xs: [R; 2], y: R) -> [Linear<R>; 2] {
         let [x0, y0, vx, vy] = self.state;
         let per_gravity = R::ONE / gravity;
         let rise = vy * per_gravity;
-        let apex = (x0 + vx * rise - x, y0 + R::of(0.5) * vy * rise - y);
+        let apex = (x0 + vx * rise, y0 + R::of(0.5) * vy * rise - y);
         let scale = R::of(2.0) * (per_gravity * per_gravity);
-        let (p, q) = (scale * (vx * vx - gravity * apex.1), scale * (vx * apex.0));
-        let lever = q.magnitude();
+        let p = scale * (vx * vx - gravity * apex.1);
+        let qs = xs.map(|x| scale * (vx * (apex.0 - x)));
         let reach = if p < R::ZERO { (-p).sqrt() } else { R::ZERO };
-        let mut r = reach + (R::of(16.0) * lever + R::of(0.5)) * R::of(0.33333334);
+        let mut roots = qs.map(|q| reach + (R::of(16.0) * q.magnitude() + R::of(0.5)) * R::of(0.33333334));
         for _ in 0..STEPS {
-            let square = r * r;
-            let slope = R::of(3.0) * square + p;
-            if !slope.is_positive() {
-                break;
-            }
-            r = (R::of(2.0) * square * r + lever) / slope;
+            let [a, b] = roots;
+            let [q, o] = qs;
+            roots = [step(a, p, q.magnitude()), step(b, p, o.magnitude())];
         }
-        let s = if q > R::ZERO { -r } else { r };
-        let (across, up) = (apex.0 + vx * s, apex.1 - R::of(0.5) * gravity * (s * s));
-        let distance = (across * across + up * up).sqrt();
-        let time = s + rise;
-        let inverse = if distance > R::ZERO { R::ONE / distance } else { R::ZERO };
-        let by = |[x, y, sx, sy]: [R; 4]| (across * (x + sx * time) + up * (y + sy * time)) * inverse;
-        Linear { value: distance, by_angle: by(self.by_angle), by_valve: by(self.by_valve) }
+        let nearest = |x: R, q: R, r: R| {
+            let s = if q > R::ZERO { -r } else { r };
+            let (across, up) = (apex.0 - x + vx * s, apex.1 - R::of(0.5) * gravity * (s * s));
+            let distance = (across * across + up * up).sqrt();
+            let time = s + rise;
+            let inverse = if distance > R::ZERO { R::ONE / distance } else { R::ZERO };
+            let by = |[x, y, sx, sy]: [R; 4]| (across * (x + sx * time) + up * (y + sy * time)) * inverse;
+            Linear { value: distance, by_angle: by(self.by_angle), by_valve: by(self.by_valve) }
+        };
+        [nearest(xs[0], qs[0], roots[0]), nearest(xs[1], qs[1], roots[1])]
     }
+}
+
+/// Newton's step from `r` towards the root of r³ + p r − `lever`; r where the cubic does not rise.
+#[inline]
+fn step<R: Real>(r: R, p: R, lever: R) -> R {
+    let square = r * r;
+    let slope = R::of(3.0) * square + p;
+    let next = (R::of(2.0) * square * r + lever) / slope;
+    if slope.is_positive() { next } else { r }
 }

@@ -126,8 +126,29 @@ macro_rules! real {
 }
 
 // 1.5 · 2²³ and 1.5 · 2⁵², whose last bits count ones.
-real!(f32, libm::sqrtf, 12582912.0, 0x3F_FFFF);
-real!(f64, libm::sqrt, 6755399441055744.0, 0x3F_FFFF);
+real!(f32, root::single, 12582912.0, 0x3F_FFFF);
+real!(f64, root::double, 6755399441055744.0, 0x3F_FFFF);
+
+/// √x, correctly rounded by either.
+#[cfg(feature = "std")]
+mod root {
+    extern crate std;
+
+    #[inline]
+    pub(super) fn single(x: f32) -> f32 {
+        x.sqrt()
+    }
+
+    #[inline]
+    pub(super) fn double(x: f64) -> f64 {
+        x.sqrt()
+    }
+}
+
+#[cfg(not(feature = "std"))]
+mod root {
+    pub(super) use libm::{sqrt as double, sqrtf as single};
+}
 
 /// sin x for |x| ≤ π/2, to 4e-6 there and 2e-10 for |x| ≤ 0.63: the Taylor polynomial of degree 9.
 #[inline]

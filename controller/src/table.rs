@@ -56,16 +56,16 @@ pub(crate) fn corners<'n, R: Real, const N: usize>(
     Ok([at(first)?, at(first.wrapping_add(1))?, at(second)?, at(second.wrapping_add(1))?])
 }
 
-/// The bicubic of four corners at (`s`, `t`).
+/// The bicubic of four corners at (`s`, `t`): along the inner axis first, which a distance is known for before the rate is.
 #[inline]
 fn bicubic<R: Real>([a, b, c, d]: [&[R; 4]; 4], s: R, t: R) -> R {
     let (u, v) = (hermite(s), hermite(t));
-    cubic(v, along(u, a, c), along(u, b, d))
+    cubic(u, along(v, a, b), along(v, c, d))
 }
 
-/// Value and slope by the inner axis, at a place along the outer between two nodes.
+/// Value and slope by the outer axis, at a place along the inner between two nodes.
 #[inline]
-fn along<R: Real>(u: [R; 3], p: &[R; 4], q: &[R; 4]) -> (R, R) {
+fn along<R: Real>(v: [R; 3], p: &[R; 4], q: &[R; 4]) -> (R, R) {
     let ([p, p_s, p_t, p_st], [q, q_s, q_t, q_st]) = (*p, *q);
-    (cubic(u, (p, p_s), (q, q_s)), cubic(u, (p_t, p_st), (q_t, q_st)))
+    (cubic(v, (p, p_t), (q, q_t)), cubic(v, (p_s, p_st), (q_s, q_st)))
 }

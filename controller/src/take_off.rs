@@ -123,11 +123,10 @@ impl<R: Real> Controller<'_, R> {
         let (g, back) = (self.robot.gravity, front + approach.length);
         let lift_off = self.map.at(rate, angle).ok()?;
         let landing = lift_off.landing(g, self.robot.radius).ok()?.value;
-        let over = |x: R| {
-            let Linear { value, .. } = lift_off.distance_to(g, x, approach.height);
-            value - self.robot.radius
-        };
-        let clearance = (landing - back).lesser(over(front)).lesser(over(back));
+        let [over_front, over_back] = lift_off
+            .distances_to(g, [front, back], approach.height)
+            .map(|Linear { value, .. }| value - self.robot.radius);
+        let clearance = (landing - back).lesser(over_front).lesser(over_back);
         Some(TakeOff {
             touch_down: 0,
             approach_rate: rate,

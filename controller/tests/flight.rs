@@ -48,7 +48,8 @@ proptest! {
         y in 0.2_f64..0.4, vx in 0.2_f64..4.0, vy in -1.0_f64..4.0, cx in -1.0_f64..1.5, cy in 0.0_f64..0.5,
     ) {
         let here = lift_off([0.0, y, vx, vy]);
-        let ours = here.distance_to(GRAVITY, cx, cy);
+        let [ours, other] = here.distances_to(GRAVITY, [cx, cx + 0.2], cy);
+        prop_assert_eq!(other, here.distances_to(GRAVITY, [cx + 0.2, cx], cy)[0]);
         let flight = Flight { x: 0.0, y, vx, vy, gravity: GRAVITY };
         // The whole parabola, as ours: from long before to long after.
         let theirs = flight.distance_to_point([cx, cy], -3.0, 3.0);
@@ -56,7 +57,7 @@ proptest! {
         // Four Newton steps: within 0.13 mm for wheels of 0.1 m and above, and never below.
         prop_assert!((-1e-9..2e-4).contains(&(ours.value - theirs)), "{} {theirs}", ours.value);
         let step = 1e-6;
-        let value = |by, step| moved(here.state, by, step).distance_to(GRAVITY, cx, cy).value;
+        let value = |by, step| moved(here.state, by, step).distances_to(GRAVITY, [cx; 2], cy)[0].value;
         let slope = (value(here.by_angle, step) - value(here.by_angle, -step)) / (2.0 * step);
         // Beside the evolute of the parabola the nearest point, and so the derivative, jumps or nearly does.
         let curvature = (vx * vx - GRAVITY * (y + 0.5 * vy * vy / GRAVITY - cy)).abs();

@@ -250,9 +250,9 @@ static enum saltus_status rule(saltus_real rate, saltus_real distance, saltus_re
     saltus_real u[3], v[3];
     hermite(i.part, u);
     hermite(j.part, v);
-    saltus_real low = cubic(u, a[0], a[1], c[0], c[1]), low_slope = cubic(u, a[2], a[3], c[2], c[3]);
-    saltus_real high = cubic(u, b[0], b[1], d[0], d[1]), high_slope = cubic(u, b[2], b[3], d[2], d[3]);
-    *angle = cubic(v, low, low_slope, high, high_slope);
+    saltus_real low = cubic(v, a[0], a[2], b[0], b[2]), low_slope = cubic(v, a[1], a[3], b[1], b[3]);
+    saltus_real high = cubic(v, c[0], c[2], d[0], d[2]), high_slope = cubic(v, c[1], c[3], d[1], d[3]);
+    *angle = cubic(u, low, low_slope, high, high_slope);
     return SALTUS_OK;
 }";
 
