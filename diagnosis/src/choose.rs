@@ -38,7 +38,7 @@ impl Default for Settings {
 /// Of the false alarms, the part that may be an unknown effect.
 const UNKNOWN_PART: f64 = 0.2;
 /// An effect that changes no reading by so many standard deviations is left alone: the model itself is not truer than that.
-const LEAST_EFFECT: f64 = 0.5;
+const LEAST_EFFECT: f64 = 0.2;
 /// Difference in loss below which data do not tell two causes apart: 7 to 1 in likelihood.
 const RIVAL: f64 = 4.0;
 /// Rivals of a cause that are named with it.
@@ -674,7 +674,7 @@ fn report(kind: &dyn Kind, candidate: &mut Candidate, inflation: f64) -> Option<
     let offset: usize =
         fit.causes.iter().take_while(|c| **c != cause).map(|c| kind.causes()[*c].parameters.len()).sum();
     let n = parameters.len();
-    let whole = tangent.as_ref().map(Tangent::covariance);
+    let whole = tangent.as_ref().map(|t| t.covariance(kind));
     let covariance = whole.as_ref().map_or_else(
         || DMatrix::from_element(n, n, f64::NAN),
         |(c, ..)| c.view((offset, offset), (n, n)).into_owned() * inflation,

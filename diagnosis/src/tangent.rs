@@ -242,7 +242,7 @@ impl Tangent {
 
     /// Covariance of the parameters of the causes that are on, in units of their scales, and the eigenvalues of their information when
     /// each alone has information 1, with the direction of the least.
-    pub(crate) fn covariance(&self) -> (DMatrix<f64>, f64, Vec<f64>) {
+    pub(crate) fn covariance(&self, kind: &dyn Kind) -> (DMatrix<f64>, f64, Vec<f64>) {
         let n = self.on.len();
         if n == 0 {
             return (DMatrix::zeros(0, 0), 1.0, Vec::new());
@@ -257,9 +257,35 @@ impl Tangent {
             let v = eigen.eigenvectors.column(k);
             inverse += v * v.transpose() / eigen.eigenvalues[k].max(1e-12);
         }
-        let covariance = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (sizes[i] * sizes[j]));
+        let mut covariance = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (sizes[i] * sizes[j]));
+        covariance += self.by_inputs(kind, &covariance);
         let direction = eigen.eigenvectors.column(least).iter().copied().collect();
         (covariance, eigen.eigenvalues[least], direction)
+    }
+
+    /// What noise of measured inputs adds to the covariance that noise of the readings gives: the scatter of the parameters over draws.
+    fn by_inputs(&self, kind: &dyn Kind, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+        const DRAWS: usize = 200;
+        let n = self.on.len();
+        let mut sum = DMatrix::zeros(n, n);
+        let mut random = Pcg64::new(1, 11);
+        for _ in 0..DRAWS {
+            let mut against = DVector::zeros(n);
+            for (run, log) in kind.logs().iter().enumerate() {
+                let Some(moved) = kind.input_noise(run, &mut || StandardNormal.sample(&mut random)) else {
+                    return sum;
+                };
+                for (k, column) in self.on.iter().enumerate() {
+                    let readings = log.readings.iter().zip(&moved).zip(&column[self.bounds[run]..]);
+                    let parts = readings
+                        .map(|((r, m), c)| r.weight.sqrt() * m / kind.channels()[r.channel].noise * c);
+                    against[k] += parts.sum::<f64>();
+                }
+            }
+            let step = covariance * against;
+            sum += &step * step.transpose();
+        }
+        sum / DRAWS as f64
     }
 
     /// Where each run begins among all readings, and the end.

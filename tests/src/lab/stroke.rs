@@ -18,9 +18,6 @@ pub(super) const CAUSES: &[&str] = &[
 
 pub(super) const OUTSIDE: &[&str] = &["position-friction", "stribeck", "ripple", "gear-ripple", "saturation"];
 
-/// Position (m) of the piston fully retracted.
-const RETRACTED: f64 = 0.1;
-
 /// One test: a set pressure, and how the piston is moved.
 #[derive(Clone, Copy, Debug)]
 struct Test {
@@ -82,9 +79,9 @@ impl Strokes {
         let there = (test.high - test.low) / test.speed;
         let mut exact = Exact { values: vec![Vec::new(); 3], ..Exact::default() };
         exact.settings.insert("bore_m".into(), self.bore);
-        // Two ways there and back, at most 40 s.
-        let length = (4.0 * (there + test.reversal)).min(40.0);
+        let length = test.length();
         let (mut t, mut state, mut before) = (0.0, self.seal, test.low);
+        let retracted = self.tests.iter().map(Test::farthest).fold(0.0, f64::max);
         while t < length {
             let (position, speed) = test.moved(t, there);
             let moved: f64 = position - before;
@@ -98,7 +95,7 @@ impl Strokes {
                 + seal * pressure
                 + rough * (1.0 + (TAU * position / waves).sin())
                 + stribeck * (-(speed / slow).powi(2)).exp();
-            let extension = RETRACTED - position;
+            let extension = retracted - position;
             let force = pressure * area + state * dry + viscous * speed - spring.0 * extension - spring.1;
             exact.time.push(t);
             for (values, value) in exact.values.iter_mut().zip([position, pressure, force]) {
@@ -111,6 +108,18 @@ impl Strokes {
 }
 
 impl Test {
+    /// Two ways there and back, at most 40 s.
+    fn length(&self) -> f64 {
+        let there = (self.high - self.low) / self.speed;
+        (4.0 * (there + self.reversal)).min(40.0)
+    }
+
+    /// The greatest position (m) it comes to: from the farthest of all the spring is counted.
+    fn farthest(&self) -> f64 {
+        let there = (self.high - self.low) / self.speed;
+        self.moved(self.length().min(there + self.reversal), there).0
+    }
+
     /// Position (m, retracting) and speed (m/s) at time `t`: to and fro, with rounded reversals.
     fn moved(&self, t: f64, there: f64) -> (f64, f64) {
         let half = there + self.reversal;
