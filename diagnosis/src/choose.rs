@@ -260,7 +260,9 @@ impl<'a> Search<'a> {
         // A term without a name that explains clearly more than the causes that were found: they were not the cause.
         let alone =
             if before.causes == after.causes && unknown.is_none() { None } else { self.describe(&before) };
-        let is_better = |c: &Candidate| c.fit.loss < after.loss - 2.0 * RIVAL * inflation;
+        // Of several that explain no more than it does by itself, too.
+        let margin = if after.causes.len() > 1 { RIVAL } else { -2.0 * RIVAL };
+        let is_better = |c: &Candidate| c.fit.loss < after.loss + margin * inflation;
         let (mut term, mut unlisted) = (None, None);
         match alone {
             Some(alone) if after.causes.is_empty() => term = Some(alone),

@@ -75,6 +75,7 @@ impl Vessels {
         for (id, name, scale) in DRIFTS {
             causes.push(simple(id, name, 0.0, (-3.0, 3.0), scale, &[]));
         }
+        causes.push(simple("orifice that opens over a time", "opening_s", 0.0, (0.0, 100.0), 0.1, &[1.0]));
         Vessels { channels, logs, tanks, causes, listed }
     }
 }
@@ -174,6 +175,7 @@ impl Kind for Vessels {
             / outside.min(vessel.pressure);
         let least = (2.0 * (rate * step).powi(2)).clamp(1e-9, 0.1);
         let drift = [self.listed, self.listed + 1].map(|k| terms.get(k, 0));
+        let opening = terms.get(self.listed + DRIFTS.len(), 0);
         let rates = |time: f64, [mass, temperature]: [f64; 2]| {
             let pressure = mass * gas * temperature / vessel.volume;
             let (up, down, source, sign) = if pressure > outside {
@@ -182,7 +184,8 @@ impl Kind for Vessels {
                 (outside, pressure, vessel.temperature, 1.0)
             };
             let lost = (vessel.pressure - pressure) / (vessel.pressure - outside);
-            let drifted = (1.0 + drift[0] * lost + drift[1] * time / last).max(0.0);
+            let opened = if time < opening { time / opening } else { 1.0 };
+            let drifted = opened * (1.0 + drift[0] * lost + drift[1] * time / last).max(0.0);
             let flow =
                 sign * drifted * area * up / (gas * source).sqrt() * flow_function(up, down, kappa, least);
             let heat =

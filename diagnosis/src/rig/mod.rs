@@ -7,7 +7,7 @@ mod machine;
 
 use machine::{Answer, Coordinates, Foot, LEAN, LEG, Machine, PIVOT, TURN};
 use saltus_pneumatics::{Flow, GasState, Leg, Piece, Switches};
-use saltus_robot::Robot;
+use saltus_robot::{Drive, Robot};
 
 /// Terms of the motion that no listed cause has, to describe what none explains; all 0 is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -16,6 +16,10 @@ pub struct Extra {
     pub quadratic: f64,
     /// Dry friction of the leg for each metre of its extension (N/m).
     pub tightening: f64,
+    /// Leak from the chamber for each metre of the leg's extension, as an area (m²/m).
+    pub leak_along: f64,
+    /// Time (s) over which the valve opens, instead of at once.
+    pub opening: f64,
     /// Torque −c φ̇ against the wheel's spin (N m s/rad).
     pub spin_damping: f64,
     /// Torque −c θ̇ against the boom's pivot (N m s/rad).
@@ -87,6 +91,8 @@ pub struct Rig {
     machine: Machine,
     leg: Leg<f64>,
     massless: bool,
+    /// One over the root of the gas' temperature (1/√K).
+    per_root: f64,
     extra: Extra,
 }
 
@@ -115,6 +121,7 @@ enum Slide {
 
 #[derive(Clone, Copy, Debug)]
 struct State {
+    time: f64,
     q: Coordinates,
     v: Coordinates,
     gas: f64,
@@ -125,6 +132,8 @@ struct Mode {
     foot: Foot,
     leg: Slide,
     energized: bool,
+    /// When (s) the valve began to open.
+    opens: f64,
     port_open: bool,
     piece: Option<Piece<f64>>,
 }
@@ -155,7 +164,12 @@ impl Guard {
 impl Rig {
     /// The rig of `robot`.
     pub fn new(robot: &Robot) -> Rig {
+        let per_root = match &robot.leg.drive {
+            Drive::Pneumatic(cylinder) => 1.0 / cylinder.temperature.sqrt(),
+            _ => 0.0,
+        };
         Rig {
+            per_root,
             machine: Machine::new(robot),
             leg: Leg::new(robot, |_, x| x),
             massless: robot.leg.body.mass == 0.0,
@@ -245,10 +259,10 @@ impl<'a> Run<'a> {
             None => (None, 0.0),
         };
         let foot = if machine.is_bench() { Foot::Flies } else { Foot::Stands };
-        let mode = Mode { foot, leg: Slide::Latched, energized: false, port_open: false, piece };
+        let mode = Mode { foot, leg: Slide::Latched, energized: false, opens: 0.0, port_open: false, piece };
         let course = Course { boom: machine.boom(), radius: machine.radius, ..Course::default() };
         let mut run =
-            Run { rig, time: 0.0, state: State { q, v, gas }, mode, course, events: 0, landed: false };
+            Run { rig, time: 0.0, state: State { time: 0.0, q, v, gas }, mode, course, events: 0, landed: false };
         run.record();
         Some(run)
     }
@@ -268,6 +282,7 @@ impl<'a> Run<'a> {
 
     fn switch(&mut self, energized: bool) {
         self.mode.energized = energized;
+        self.mode.opens = self.time;
         self.renew(0.0);
         self.record();
     }
@@ -286,7 +301,19 @@ impl<'a> Run<'a> {
     fn gas(&self, s: &State) -> Option<(GasState<f64>, f64)> {
         let (chamber, piece) = (self.rig.leg.chamber()?, self.mode.piece.as_ref()?);
         let speed = if matches!(self.mode.leg, Slide::Moves(_)) { s.v[LEG] } else { 0.0 };
-        Some(piece.gas(chamber, s.gas, s.q[LEG], speed))
+        let (gas, mut rate) = piece.gas(chamber, s.gas, s.q[LEG], speed);
+        let Extra { leak_along, opening, .. } = self.rig.extra;
+        let open = (s.time - self.mode.opens) / opening;
+        if self.mode.energized && open < 1.0 {
+            // What flows through the valve, and not what the leg's motion does.
+            rate -= (1.0 - open.max(0.0)) * piece.gas(chamber, s.gas, s.q[LEG], 0.0).0.rate;
+        }
+        if leak_along != 0.0 {
+            let conductance = leak_along * s.q[LEG] * self.rig.per_root;
+            let lost = conductance * chamber.law.flow(gas.pressure, chamber.ambient);
+            rate -= chamber.pressure_per_mass() * gas.inverses.1 * lost / gas.pressure_per_variable;
+        }
+        Some((gas, rate))
     }
 
     /// Force (N) along the leg without dry friction, and that friction.
@@ -325,6 +352,7 @@ impl<'a> Run<'a> {
     fn step(&self, first: &(Answer, f64, f64), h: f64) -> Option<(State, f64)> {
         let s = &self.state;
         let at = |v: &Coordinates, k: &(Answer, f64, f64), h: f64| State {
+            time: s.time + h,
             q: s.q + v * h,
             v: s.v + k.0.acceleration * h,
             gas: s.gas + h * k.1,
@@ -343,6 +371,7 @@ impl<'a> Run<'a> {
             _ => (0.0, false),
         };
         let next = State {
+            time: s.time + h,
             q: s.q + (s.v + (s2.v + s3.v) * 2.0 + s4.v) * w,
             v: s.v + (a.0.acceleration + (b.0.acceleration + c.0.acceleration) * 2.0 + d.0.acceleration) * w,
             gas: if stiff { gas } else { s.gas + w * (a.1 + 2.0 * (b.1 + c.1) + d.1) },
@@ -359,29 +388,31 @@ impl<'a> Run<'a> {
         if self.mode.piece.is_none() {
             return Some(u);
         }
-        let rate = |u: f64| self.gas(&State { gas: u, ..self.state }).map(|(_, rate)| rate);
+        let start = self.state.time;
+        let rate =
+            |u: f64, t: f64| self.gas(&State { time: start + t, gas: u, ..self.state }).map(|(_, rate)| rate);
         // In the air nothing depends on it but whether the leg stays.
         let matters = self.mode.foot != Foot::Flies || self.rig.machine.is_bench();
         let least = if matters { h / 4.0 } else { h };
         let (mut t, mut tau) = (0.0, h);
         while t < h {
             tau = tau.min(h - t);
-            let a = rate(u)?;
-            let b = rate(u + 0.5 * tau * a)?;
+            let a = rate(u, t)?;
+            let b = rate(u + 0.5 * tau * a, t + 0.5 * tau)?;
             let bends = (b - a).abs() > 0.1 * a.abs() || !b.is_finite();
             if a != 0.0 && bends && tau > least {
                 tau *= 0.5;
                 continue;
             }
             if a == 0.0 || !bends {
-                let c = rate(u + 0.5 * tau * b)?;
-                let d = rate(u + tau * c)?;
+                let c = rate(u + 0.5 * tau * b, t + 0.5 * tau)?;
+                let d = rate(u + tau * c, t + tau)?;
                 u += tau / 6.0 * (a + 2.0 * (b + c) + d);
                 t += tau;
                 tau *= 2.0;
             } else {
-                u = self.implicit(u, a, tau, &rate)?;
                 t += tau;
+                u = self.implicit(u, a, tau, &|u| rate(u, t))?;
             }
             if !u.is_finite() {
                 return None;
@@ -463,6 +494,10 @@ impl<'a> Run<'a> {
     }
 
     fn usual_step(&self) -> f64 {
+        let opening = self.rig.extra.opening;
+        if self.mode.energized && self.time < self.mode.opens + opening {
+            return (0.25 * opening).clamp(FINE / 16.0, FINE);
+        }
         if self.mode.foot != Foot::Flies && self.rig.machine.floor.soft.is_some() {
             return SOFT;
         }
@@ -509,7 +544,13 @@ impl<'a> Run<'a> {
                     after[k].1 = 0.0;
                     continue;
                 }
-                h = self.locate(&first, k, (before[k].1.max(0.0), after[k].1), h)?;
+                let earlier = self.locate(&first, k, (before[k].1.max(0.0), after[k].1), h)?;
+                if hit.is_some() && earlier >= h * (1.0 - 1e-9) {
+                    // At the same instant: one after the other.
+                    after[k].1 = 0.0;
+                    continue;
+                }
+                h = earlier;
                 hit = Some(guard);
                 next = self.step(&first, h)?.0;
                 last = self.look(&next)?;
@@ -517,6 +558,7 @@ impl<'a> Run<'a> {
             }
             self.time += h;
             self.state = next;
+            self.state.time = self.time;
             if h > 0.0 {
                 self.record();
             }

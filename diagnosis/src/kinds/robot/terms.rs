@@ -55,6 +55,11 @@ impl List {
     fn one(&mut self, id: &'static str, p: Parameter, switch: Switch) {
         self.add(id, vec![p], switch);
     }
+
+    fn extra(&mut self, id: &'static str, p: Parameter, set: fn(&mut Extra, f64)) {
+        self.causes.push(Cause { id, column: None, parameters: vec![p], usual: None });
+        self.terms.push(Term::Extra(set));
+    }
 }
 
 fn cylinder(robot: &mut Robot, change: impl FnOnce(&mut Cylinder)) {
@@ -94,13 +99,18 @@ pub(super) fn causes(
 
 /// Terms without a name: forces and torques as functions of the state.
 fn unlisted(list: &mut List, sort: Sort, robot: &Robot) {
+    if matches!(robot.leg.drive, Drive::Pneumatic(_)) {
+        let opening = parameter("opening_s", 0.0, (0.0, 0.1), 3e-4, &[2e-3, 1e-2]);
+        list.extra("valve that opens over a time", opening, |e, c| e.opening = c);
+    }
     let mut add = |id: &'static str, name: &str, scale: f64, set: fn(&mut Extra, f64)| {
-        let p = parameter(name, 0.0, (-1e4 * scale, 1e4 * scale), scale, &[]);
-        list.causes.push(Cause { id, column: None, parameters: vec![p], usual: None });
-        list.terms.push(Term::Extra(set));
+        list.extra(id, parameter(name, 0.0, (-1e4 * scale, 1e4 * scale), scale, &[]), set);
     };
     add("force on the leg, -c |d'| d'", "c_n_s2_per_m2", 0.5, |e, c| e.quadratic = c);
     add("dry friction of the leg, c d", "c_n_per_m", 10.0, |e, c| e.tightening = c);
+    if matches!(robot.leg.drive, Drive::Pneumatic(_)) {
+        add("leak of the chamber, an area c d", "c_m2_per_m", 1e-7, |e, c| e.leak_along = c);
+    }
     if sort == Sort::Bench {
         return;
     }
