@@ -110,14 +110,15 @@ pub struct Diagnosis {
 /// Says what is wrong with the model of an experiment; `progress` is told what is being done. None where the model has no answer at its
 /// first guesses.
 ///
-/// Where even the richest model leaves much more than the noise that is stated, the instruments wander, or something is at work that no
+/// Where even the richest model, or one term without an id, leaves much more than the noise that is stated, the instruments wander, or something is at work that no
 /// cause explains: the search is then done again with the scatter that is seen.
 pub fn diagnose(kind: &dyn Kind, settings: &Settings, progress: &(dyn Fn(&str) + Sync)) -> Option<Diagnosis> {
     progress("fitting the model as it is");
     let mut search = Search::new(kind, settings, progress);
     let before = fit::fit_none(kind, &search.runs)?;
     let chosen = search.forward(&before)?;
-    let rescaled = Rescaled::new(kind, &chosen.richest);
+    let rescaled = Rescaled::new(kind, &chosen.richest)
+        .filter(|_| search.describe(&before).is_none_or(|term| Rescaled::new(kind, &term.fit).is_some()));
     if let Some(seen) = &rescaled {
         let mut search = Search { wanders: true, ..Search::new(seen, settings, progress) };
         let before = fit::fit_none(seen, &search.runs)?;
@@ -266,13 +267,11 @@ impl<'a> Search<'a> {
         let (mut term, mut unlisted) = (None, None);
         match alone {
             Some(alone) if after.causes.is_empty() => term = Some(alone),
-            // Not where the readings wander: what then explains a little more may be theirs. And nothing is taken back for nothing.
-            Some(alone)
-                if !self.wanders && is_better(&alone) && (unknown.is_some() || fitness_before.is_off) =>
-            {
+            // Not where the readings wander: what then explains a little more may be theirs.
+            Some(alone) if !self.wanders && is_better(&alone) => {
                 after = before.clone();
                 fitness_after = fitness_before.clone();
-                unknown = fitness_after.unknown(stated, &after).or(unknown);
+                unknown = fitness_after.worst(stated, &after);
                 inflation = fitness::inflation(self.kind, &alone.fit);
                 term = Some(alone);
             }

@@ -55,9 +55,11 @@ pub struct Unknown {
 impl Fitness {
     /// What is wrong, if something is.
     pub(crate) fn unknown(&self, kind: &dyn Kind, model: &Fit) -> Option<Unknown> {
-        if !self.is_off {
-            return None;
-        }
+        if self.is_off { self.worst(kind, model) } else { None }
+    }
+
+    /// Where `model` is most off.
+    pub(crate) fn worst(&self, kind: &dyn Kind, model: &Fit) -> Option<Unknown> {
         let worst = (0..self.level.len()).max_by(|a, b| {
             (self.level[*a] + self.smooth[*a]).total_cmp(&(self.level[*b] + self.smooth[*b]))
         })?;

@@ -53,7 +53,8 @@ impl Vessels {
     pub fn new(experiment: &Experiment) -> Vessels {
         let indices: Vec<usize> = (0..experiment.columns.len()).collect();
         let channels = noise::channels(experiment, &indices);
-        let logs = experiment.runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
+        let logs: Vec<Log> =
+            experiment.runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
         let tanks = experiment.runs.iter().map(vessel).collect();
         let mut causes = vec![
             // Natural convection, Nu = c Ra^⅓; turbulent, c is 0.1 to 0.15.
@@ -75,7 +76,9 @@ impl Vessels {
         for (id, name, scale) in DRIFTS {
             causes.push(simple(id, name, 0.0, (-3.0, 3.0), scale, &[]));
         }
-        causes.push(simple("orifice that opens over a time", "opening_s", 0.0, (0.0, 100.0), 0.1, &[1.0]));
+        let last = logs.iter().filter_map(|log| log.readings.last()).fold(0.0, |t, r| r.time.max(t));
+        let (bounds, starts) = ((0.01 * last, last), [0.02, 0.06, 0.2].map(|part| part * last));
+        causes.push(simple("orifice that opens over a time", "opening_s", 0.0, bounds, 0.02 * last, &starts));
         Vessels { channels, logs, tanks, causes, listed }
     }
 }

@@ -261,8 +261,15 @@ impl<'a> Run<'a> {
         let foot = if machine.is_bench() { Foot::Flies } else { Foot::Stands };
         let mode = Mode { foot, leg: Slide::Latched, energized: false, opens: 0.0, port_open: false, piece };
         let course = Course { boom: machine.boom(), radius: machine.radius, ..Course::default() };
-        let mut run =
-            Run { rig, time: 0.0, state: State { time: 0.0, q, v, gas }, mode, course, events: 0, landed: false };
+        let mut run = Run {
+            rig,
+            time: 0.0,
+            state: State { time: 0.0, q, v, gas },
+            mode,
+            course,
+            events: 0,
+            landed: false,
+        };
         run.record();
         Some(run)
     }

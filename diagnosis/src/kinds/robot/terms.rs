@@ -100,7 +100,7 @@ pub(super) fn causes(
 /// Terms without a name: forces and torques as functions of the state.
 fn unlisted(list: &mut List, sort: Sort, robot: &Robot) {
     if matches!(robot.leg.drive, Drive::Pneumatic(_)) {
-        let opening = parameter("opening_s", 0.0, (0.0, 0.1), 3e-4, &[2e-3, 1e-2]);
+        let opening = parameter("opening_s", 0.0, (3e-4, 0.1), 1e-3, &[5e-4, 2e-3, 8e-3, 0.03]);
         list.extra("valve that opens over a time", opening, |e, c| e.opening = c);
     }
     let mut add = |id: &'static str, name: &str, scale: f64, set: fn(&mut Extra, f64)| {
