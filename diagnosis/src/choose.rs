@@ -251,8 +251,9 @@ impl<'a> Search<'a> {
         if left < if self.runs.len() == 1 { 0.5 } else { SAME_FORM } && !after.causes.is_empty() {
             unknown = None;
         }
-        if unknown.is_some() && !after.causes.is_empty() && left > 1.0 - EXPLAINED {
-            // Several listed causes bent to something else are worse than none.
+        let is_bent = left > 1.0 - EXPLAINED || (left > SAME_FORM && self.is_at_a_bound(&after));
+        if unknown.is_some() && !after.causes.is_empty() && is_bent {
+            // Listed causes bent to something else are worse than none.
             after = before.clone();
             fitness_after = fitness_before.clone();
             unknown = fitness_after.unknown(stated, &after).or(unknown);
@@ -300,6 +301,17 @@ impl<'a> Search<'a> {
         Diagnosis { findings, unknown, term, tried, before, after, fitness, inflation, gains }
     }
 
+    /// Whether a parameter of a cause has gone as far as physics lets it.
+    fn is_at_a_bound(&self, model: &Fit) -> bool {
+        model.causes.iter().any(|&cause| {
+            self.kind.causes()[cause].parameters.iter().enumerate().any(|(p, parameter)| {
+                let x = model.terms.get(cause, p);
+                let ends = [parameter.bounds.0, parameter.bounds.1];
+                ends.iter().any(|end| *end != parameter.neutral && (x - end).abs() < 1e-6 * parameter.scale)
+            })
+        })
+    }
+
     /// Whether a term without an id explains the data about as well as the one cause of `model`.
     fn is_as_good(&self, term: &Candidate, model: &Fit, inflation: f64) -> bool {
         let parameters = 2.0 * self.freedom(term.cause) as f64 - 2.0 * self.freedom(model.causes[0]) as f64;
@@ -334,7 +346,13 @@ impl<'a> Search<'a> {
         let mut tried = Vec::new();
         let mut steps: Vec<(Fit, f64, f64)> = Vec::new();
         while steps.len() < self.settings.most {
-            let tangent = Tangent::new(self.kind, &current, true)?;
+            let Some(tangent) = Tangent::new(self.kind, &current, true) else {
+                // As it is, a model that does not move says nothing; one with causes goes no further.
+                if steps.is_empty() {
+                    return None;
+                }
+                break;
+            };
             let threshold = self.threshold(&tangent);
             if !steps.is_empty() && !self.may_tell(&tangent, &current, threshold) {
                 break;
@@ -425,7 +443,7 @@ impl<'a> Search<'a> {
 
     /// Causes whose gain, as far as small changes tell it, is more than nothing and not far behind the best.
     fn promising(&self, tangent: &Tangent, residuals: &[f64]) -> Vec<usize> {
-        /// So many are always looked at.
+        /// So many are looked at.
         const MOST: usize = 14;
         /// A gain that chance gives often.
         const NOTHING: f64 = 4.0;
@@ -442,7 +460,8 @@ impl<'a> Search<'a> {
         // What cannot be reached in small steps is not told by them either.
         let is_apart = |cause: usize| self.kind.causes()[cause].is_apart();
         let near = |k: usize, (cause, gain): (usize, f64)| {
-            gain > NOTHING && (k < MOST || gain > 0.6 * best || (is_apart(cause) && gain > 0.1 * best))
+            let matters = k < MOST && gain > 0.03 * best;
+            gain > NOTHING && (matters || gain > 0.6 * best || (is_apart(cause) && gain > 0.1 * best))
         };
         let mut all: Vec<usize> =
             gains.iter().enumerate().filter(|(k, g)| near(*k, **g)).map(|(_, g)| g.0).collect();

@@ -10,6 +10,8 @@ const HUBER: f64 = 3.0;
 const STEPS: usize = 40;
 /// Fall of the loss below which a fit is done.
 const DONE: f64 = 1e-2;
+/// The same as a part of the loss beyond that of noise.
+const DONE_PART: f64 = 1e-4;
 /// Starts of a cause from which steps are made.
 const MOST_STARTS: usize = 4;
 /// Step of a difference quotient, in terms of a parameter's scale.
@@ -140,6 +142,14 @@ struct Point {
     loss: f64,
 }
 
+impl Point {
+    /// Fall of the loss below which a fit is done: where much is left that is not noise, the last digit of it tells nothing.
+    fn done(&self) -> f64 {
+        let readings: usize = self.residuals.iter().map(Vec::len).sum();
+        DONE.max(DONE_PART * (self.loss - readings as f64))
+    }
+}
+
 impl<'a> Problem<'a> {
     fn new(
         kind: &'a dyn Kind,
@@ -255,14 +265,15 @@ impl<'a> Problem<'a> {
         for _ in 0..steps {
             self.write(&x);
             let Some((matrix, slope)) = self.normal(&point) else { break };
+            let done = point.done();
             let fall = self.step(&mut x, &mut point, &matrix, &slope, &mut damping);
-            if fall < DONE {
+            if fall < done {
                 if is_new || self.parameters.len() == self.shared.len() {
                     break;
                 }
                 self.own.fill(None);
             }
-            is_new = fall < DONE;
+            is_new = fall < done;
         }
         self.write(&x);
         self.fit.loss = point.loss;
@@ -312,7 +323,7 @@ impl<'a> Problem<'a> {
                     *damping = (*damping * 0.2).max(1e-12);
                     return fall;
                 }
-                Some(there) if there.loss - point.loss < DONE => return 0.0,
+                Some(there) if there.loss - point.loss < point.done() => return 0.0,
                 _ => *damping *= 8.0,
             }
         }

@@ -16,6 +16,8 @@ const SHAPES: usize = 8;
 const LEAST: f64 = 0.03;
 /// Mean of residuals over a part of a run, in standard deviations, below which nothing is said to be wrong.
 const LEAST_MEAN: f64 = 0.75;
+/// Scatter in terms of the stated noise above which something is wrong however the instruments may wander.
+const GROSS: f64 = 5.0;
 /// Runs that it takes to tell what returns in each of them.
 const RUNS: usize = 6;
 
@@ -225,7 +227,10 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
         _ => sizes[c][k - 3].size > LEAST,
     };
     let is_wrong = all().any(|(c, k)| beyond(&found, c, k) > threshold && matters(c, k));
-    let is_off = if is_sure && runs_of(&series) != 2 {
+    let is_gross = crate::fitness::scatter(kind, model).iter().any(|s| *s > GROSS);
+    let is_off = if is_gross {
+        true
+    } else if is_sure && runs_of(&series) != 2 {
         is_wrong
     } else {
         returns(&series, channels, &residuals, level, random)

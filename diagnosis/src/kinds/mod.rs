@@ -30,13 +30,13 @@ pub enum Problem {
         /// Its name.
         robot: String,
     },
-    /// The model has no answer at its first guesses.
-    #[error("{run}: the model of the robot has no such motion: {what}")]
-    NoMotion {
-        /// The run.
-        run: String,
-        /// What was found.
-        what: String,
+    /// A column is about a boom.
+    #[error("robot {robot} has no boom, whose {column} the data have: is it the robot that was measured?")]
+    NoBoom {
+        /// Its name.
+        robot: String,
+        /// The column.
+        column: String,
     },
 }
 

@@ -85,6 +85,10 @@ impl Firings {
         if experiment.kind == Sort::Bench && !is_pneumatic {
             return Err(Problem::NotPneumatic { robot: robot.name.clone() });
         }
+        let of_boom = |name: &&String| matches!(Column::named(name), Some(Column::Pivot | Column::Turn));
+        if let (None, Some(column)) = (robot.boom, experiment.columns.iter().find(of_boom)) {
+            return Err(Problem::NoBoom { robot: robot.name.clone(), column: column.clone() });
+        }
         let asked = |name: &str| experiment.columns.iter().position(|c| c == name);
         let measured: Vec<(usize, Column)> = experiment
             .columns

@@ -201,6 +201,14 @@ impl Machine {
         Machine { extra, ..self }
     }
 
+    /// Longest step (s) that follows soft ground under the mass of the leg.
+    pub(super) fn soft_step(&self) -> f64 {
+        self.floor.soft.map_or(f64::INFINITY, |(k, c)| {
+            let stiff = (k / self.leg.mass).sqrt().max(c / self.leg.mass);
+            (1.2 / stiff).max(2e-5)
+        })
+    }
+
     /// Longest step (s) that follows what bends; none where nothing does.
     pub(super) fn longest_step(&self) -> f64 {
         let (Some(stiffness), Some(length)) = (self.flex, self.boom) else { return f64::INFINITY };

@@ -506,7 +506,7 @@ impl<'a> Run<'a> {
             return (0.25 * opening).clamp(FINE / 16.0, FINE);
         }
         if self.mode.foot != Foot::Flies && self.rig.machine.floor.soft.is_some() {
-            return SOFT;
+            return SOFT.min(self.rig.machine.soft_step());
         }
         match self.mode.leg {
             Slide::Latched => COARSE,

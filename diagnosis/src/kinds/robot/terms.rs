@@ -338,8 +338,9 @@ fn contact(list: &mut List, sort: Sort) {
     list.add(
         "ground-compliance",
         vec![
-            parameter("ground_compliance_m_per_n", 0.0, (5e-7, 1e-3), 2e-6, &soft),
-            parameter("ground.damping_n_s_per_m", 0.0, (0.0, 5e3), 20.0, &damped),
+            // A robot of 3 kg sinks in by 1 cm at most.
+            parameter("ground_compliance_m_per_n", 0.0, (5e-7, 3e-4), 2e-6, &soft),
+            parameter("ground.damping_n_s_per_m", 0.0, (0.0, 600.0), 20.0, &damped),
         ],
         |r, v| {
             r.ground.stiffness = Some(1.0 / v[0]);

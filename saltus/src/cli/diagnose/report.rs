@@ -534,8 +534,12 @@ fn wrapped(text: &str, lead: &str) -> String {
 pub(super) fn next_of(finding: &Finding) -> Option<String> {
     let next = finding.next.as_ref()?;
     let pairs: Vec<String> = next.apart.iter().map(|(a, b)| format!("{a} from {b}")).collect();
+    let count =
+        1 + finding.rivals.len() + finding.less_likely.len() + usize::from(finding.unlisted.is_some());
     let tells = if pairs.is_empty() {
         "may help to tell them apart".into()
+    } else if pairs.len() > 3 {
+        format!("tells {} of the {} pairs of them apart", pairs.len(), count * (count - 1) / 2)
     } else {
         format!("tells {}", pairs.join(", "))
     };
