@@ -251,6 +251,9 @@ impl<'a> Search<'a> {
         if left < if self.runs.len() == 1 { 0.5 } else { SAME_FORM } && !after.causes.is_empty() {
             unknown = None;
         }
+        if fitness_after.is_gross && (after.causes.is_empty() || left > 1.0 - EXPLAINED) {
+            unknown = fitness_after.worst(stated, &after);
+        }
         let is_bent = left > 1.0 - EXPLAINED || (left > SAME_FORM && self.is_at_a_bound(&after));
         if unknown.is_some() && !after.causes.is_empty() && is_bent {
             // Listed causes bent to something else are worse than none.

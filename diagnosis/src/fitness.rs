@@ -39,6 +39,8 @@ pub struct Fitness {
     pub alarm: f64,
     /// Whether something is left that is not noise.
     pub is_off: bool,
+    /// Whether so much is left that it is not the instruments, however they may wander.
+    pub is_gross: bool,
     /// Whether the noise was given, so that this can be told for sure.
     pub is_sure: bool,
 }
@@ -181,6 +183,7 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
             squares: f64::INFINITY,
             alarm: f64::INFINITY,
             is_off: true,
+            is_gross: true,
             is_sure: false,
         };
     };
@@ -228,9 +231,7 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
     };
     let is_wrong = all().any(|(c, k)| beyond(&found, c, k) > threshold && matters(c, k));
     let is_gross = crate::fitness::scatter(kind, model).iter().any(|s| *s > GROSS);
-    let is_off = if is_gross {
-        true
-    } else if is_sure && runs_of(&series) != 2 {
+    let is_off = if is_sure && runs_of(&series) != 2 {
         is_wrong
     } else {
         returns(&series, channels, &residuals, level, random)
@@ -249,7 +250,7 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
         .collect();
     let raw = raw_residuals(kind, model);
     let squares = (fit::dot(&raw, &raw) - raw.len() as f64).max(0.0);
-    Fitness { level: mean_square, whiteness, smooth, squares, alarm, is_off, is_sure }
+    Fitness { level: mean_square, whiteness, smooth, squares, alarm, is_off, is_gross, is_sure }
 }
 
 /// Loss of a model beyond the number of readings, which is what noise would leave.

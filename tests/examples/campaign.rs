@@ -23,6 +23,8 @@ struct Tally {
     gains: usize,
     at_noise: usize,
     wrong: Vec<String>,
+    /// Of each effect: how often it was hidden, named alone, named with rivals; and what was said else.
+    by_effect: BTreeMap<String, (usize, usize, usize, Vec<String>)>,
 }
 
 fn option(name: &str) -> Option<String> {
@@ -95,6 +97,13 @@ fn main() {
             t.gains
         );
     }
+    println!("\n| kind | hidden | effect | sets | alone | with rivals | otherwise |");
+    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    for ((kind, what), t) in table.iter().filter(|((_, what), _)| what != "none" && what != "two") {
+        for (effect, (sets, alone, rivals, other)) in &t.by_effect {
+            println!("| {kind} | {what} | {effect} | {sets} | {alone} | {rivals} | {} |", other.join("; "));
+        }
+    }
     for ((kind, what), t) in &table {
         for wrong in &t.wrong {
             println!("{kind} {what}: {wrong}");
@@ -131,6 +140,18 @@ fn one(
         made,
         start.elapsed().as_secs_f64() - made
     );
+    let row = tally.by_effect.entry(ids.join(" + ")).or_default();
+    row.0 += 1;
+    let all = found.as_ref().map(|d| verdict::sets(kind.as_ref(), d)).unwrap_or_default();
+    match (is_right, all.as_slice()) {
+        (true, [set]) if set.len() > 1 => row.2 += 1,
+        (true, _) => row.1 += 1,
+        (false, _) => {
+            let mut ids: Vec<String> = all.iter().map(|set| set.join(" or ")).collect();
+            ids.extend(found.as_ref().and_then(|d| d.unknown.as_ref()).map(|_| "unknown".into()));
+            row.3.push(if ids.is_empty() { "none".into() } else { ids.join(" and ") });
+        }
+    }
     if !is_right {
         tally.wrong.push(line);
     }
