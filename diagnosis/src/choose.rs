@@ -348,7 +348,7 @@ impl<'a> Search<'a> {
         let mut current = before.clone();
         let mut tried = Vec::new();
         let mut steps: Vec<(Fit, f64, f64)> = Vec::new();
-        while steps.len() < self.settings.most {
+        while current.causes.len() < self.settings.most {
             let Some(tangent) = Tangent::new(self.kind, &current, true) else {
                 // As it is, a model that does not move says nothing; one with causes goes no further.
                 if steps.is_empty() {
@@ -365,10 +365,17 @@ impl<'a> Search<'a> {
                 tried.clone_from(&candidates);
             }
             let telling = |c: &&Candidate| self.telling(c.cause, c.gain) > threshold;
-            if !candidates.iter().any(|c| telling(&c)) {
-                break;
-            }
-            let Some(best) = self.best_on_data_left_out(&current, candidates) else { break };
+            let single = if candidates.iter().any(|c| telling(&c)) {
+                self.best_on_data_left_out(&current, candidates)
+            } else {
+                None
+            };
+            let Some(best) = single else {
+                let Some(pair) = self.best_pair(&tangent, &current) else { break };
+                steps.push((pair.clone(), current.loss - pair.loss, threshold));
+                current = pair;
+                continue;
+            };
             let needed = threshold + quantile(self.freedom(best.cause), 0.999) + self.surprise(&best);
             steps.push((best.fit.clone(), best.gain, needed));
             current = best.fit;
@@ -399,6 +406,29 @@ impl<'a> Search<'a> {
     fn may_tell(&self, tangent: &Tangent, current: &Fit, threshold: f64) -> bool {
         let Some(residuals) = Tangent::residuals(self.kind, current) else { return true };
         tangent.candidates.iter().any(|d| self.telling(d.cause, d.gain(&residuals)) > 0.5 * threshold)
+    }
+
+    /// Two causes that together explain much of what is wrong, where neither does by itself: a gain and an offset that nearly cancel.
+    fn best_pair(&self, tangent: &Tangent, current: &Fit) -> Option<Fit> {
+        /// Loss that they must explain, far beyond what the best of all pairs does by chance.
+        const LEAST: f64 = 60.0;
+        /// Part of all that is wrong.
+        const PART: f64 = 0.3;
+        if current.causes.len() + 2 > self.settings.most {
+            return None;
+        }
+        let residuals = Tangent::residuals(self.kind, current)?;
+        let least = LEAST.max(PART * fitness::excess(self.kind, current));
+        let (gain, pair) = tangent.best_pair(&residuals, |cause| !self.kind.causes()[cause].is_apart())?;
+        if gain < least {
+            return None;
+        }
+        let first = fit::fit_with(self.kind, current, pair.0, &self.runs)?;
+        let both = fit::fit_with(self.kind, &first, pair.1, &self.runs)?;
+        let folds = folds(self.kind, self.settings);
+        let sum = |model: &Fit| Some(losses(&self.held_out(model, &folds)?).iter().sum::<f64>());
+        let is_better = current.loss - both.loss > least && sum(&both)? < sum(current)?;
+        (is_better && self.effect(current, &both) >= LEAST_EFFECT).then_some(both)
     }
 
     /// What the most telling of all candidates reaches by chance in the stated part of cases.

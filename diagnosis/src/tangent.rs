@@ -192,6 +192,27 @@ impl Tangent {
         Some(all)
     }
 
+    /// The two candidates among those that `may` be that together lower the loss of `residuals` most, and by how much.
+    pub(crate) fn best_pair(
+        &self,
+        residuals: &[f64],
+        may: impl Fn(usize) -> bool,
+    ) -> Option<(f64, (usize, usize))> {
+        let all: Vec<&Direction> = self.candidates.iter().filter(|d| may(d.cause)).collect();
+        let pairs: Vec<(usize, usize)> =
+            (0..all.len()).flat_map(|i| (i + 1..all.len()).map(move |j| (i, j))).collect();
+        let gains = parallel::map(pairs.len(), |k| {
+            let (a, b) = (all[pairs[k].0], all[pairs[k].1]);
+            let columns: Vec<&Vec<f64>> = a.columns.iter().chain(&b.columns).collect();
+            let n = columns.len();
+            let g = DVector::from_iterator(n, columns.iter().map(|c| dot(c, residuals)));
+            let products = DMatrix::from_fn(n, n, |i, j| dot(columns[i], columns[j]));
+            products.cholesky().map_or(0.0, |c| g.dot(&c.solve(&g)))
+        });
+        let (k, gain) = gains.into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some((gain, (all[pairs[k].0].cause, all[pairs[k].1].cause)))
+    }
+
     /// Residuals (standard deviations) that chance alone would leave: noise and quantisation as in the data, fitted again.
     pub(crate) fn chance(&self, kind: &dyn Kind, random: &mut Pcg64) -> Vec<f64> {
         let mut all = Vec::with_capacity(self.predicted.len());
