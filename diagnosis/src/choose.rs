@@ -414,21 +414,24 @@ impl<'a> Search<'a> {
         const LEAST: f64 = 60.0;
         /// Part of all that is wrong.
         const PART: f64 = 0.3;
+        /// Pairs that are tried.
+        const MOST: usize = 6;
         if current.causes.len() + 2 > self.settings.most {
             return None;
         }
         let residuals = Tangent::residuals(self.kind, current)?;
         let least = LEAST.max(PART * fitness::excess(self.kind, current));
-        let (gain, pair) = tangent.best_pair(&residuals, |cause| !self.kind.causes()[cause].is_apart())?;
-        if gain < least {
-            return None;
-        }
-        let first = fit::fit_with(self.kind, current, pair.0, &self.runs)?;
-        let both = fit::fit_with(self.kind, &first, pair.1, &self.runs)?;
+        let pairs = tangent.best_pairs(&residuals, |cause| !self.kind.causes()[cause].is_apart());
         let folds = folds(self.kind, self.settings);
         let sum = |model: &Fit| Some(losses(&self.held_out(model, &folds)?).iter().sum::<f64>());
-        let is_better = current.loss - both.loss > least && sum(&both)? < sum(current)?;
-        (is_better && self.effect(current, &both) >= LEAST_EFFECT).then_some(both)
+        let before = sum(current)?;
+        // What small steps promise, bounds may forbid.
+        pairs.into_iter().take_while(|(gain, _)| *gain > least).take(MOST).find_map(|(_, pair)| {
+            let first = fit::fit_with(self.kind, current, pair.0, &self.runs)?;
+            let both = fit::fit_with(self.kind, &first, pair.1, &self.runs)?;
+            let is_better = current.loss - both.loss > least && sum(&both)? < before;
+            (is_better && self.effect(current, &both) >= LEAST_EFFECT).then_some(both)
+        })
     }
 
     /// What the most telling of all candidates reaches by chance in the stated part of cases.

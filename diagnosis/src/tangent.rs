@@ -192,12 +192,12 @@ impl Tangent {
         Some(all)
     }
 
-    /// The two candidates among those that `may` be that together lower the loss of `residuals` most, and by how much.
-    pub(crate) fn best_pair(
+    /// By how much any two candidates among those that `may` be lower the loss of `residuals` together, the best first.
+    pub(crate) fn best_pairs(
         &self,
         residuals: &[f64],
         may: impl Fn(usize) -> bool,
-    ) -> Option<(f64, (usize, usize))> {
+    ) -> Vec<(f64, (usize, usize))> {
         let all: Vec<&Direction> = self.candidates.iter().filter(|d| may(d.cause)).collect();
         let pairs: Vec<(usize, usize)> =
             (0..all.len()).flat_map(|i| (i + 1..all.len()).map(move |j| (i, j))).collect();
@@ -209,8 +209,10 @@ impl Tangent {
             let products = DMatrix::from_fn(n, n, |i, j| dot(columns[i], columns[j]));
             products.cholesky().map_or(0.0, |c| g.dot(&c.solve(&g)))
         });
-        let (k, gain) = gains.into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some((gain, (all[pairs[k].0].cause, all[pairs[k].1].cause)))
+        let named = |(gain, (i, j)): (f64, (usize, usize))| (gain, (all[i].cause, all[j].cause));
+        let mut found: Vec<_> = gains.into_iter().zip(pairs.iter().copied()).map(named).collect();
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        found
     }
 
     /// Residuals (standard deviations) that chance alone would leave: noise and quantisation as in the data, fitted again.
