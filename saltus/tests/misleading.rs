@@ -28,7 +28,7 @@ fn text((names, rows): &Table) -> String {
 fn check(name: &str, kind: &str, spoil: impl Fn(&mut Table)) {
     let folder = Folder::new(&format!("misleading-{name}"));
     folder.done(&format!("diagnose --inject none --kind {kind} --out data"), 0);
-    for file in folder.names_in("data").iter().filter(|file| file.ends_with(".csv")) {
+    for file in folder.names_in("data").iter().filter(|file| file.starts_with("run")) {
         let mut run = table(&folder.read(&format!("data/{file}")));
         spoil(&mut run);
         folder.write(&format!("data/{file}"), text(&run));
@@ -111,7 +111,7 @@ fn runs_that_are_mixed_up_name_no_cause() {
     let folder = Folder::new("misleading-mixed-up");
     folder.done("diagnose --inject none --kind bench --runs 4 --out data", 0);
     let files: Vec<String> =
-        folder.names_in("data").into_iter().filter(|name| name.ends_with(".csv")).collect();
+        folder.names_in("data").into_iter().filter(|name| name.starts_with("run")).collect();
     let runs: Vec<String> = files.iter().map(|file| folder.read(&format!("data/{file}"))).collect();
     for (k, file) in files.iter().enumerate() {
         folder.write(&format!("data/{file}"), &runs[(k + 1) % runs.len()]);
