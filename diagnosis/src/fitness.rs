@@ -18,6 +18,8 @@ const LEAST: f64 = 0.03;
 const LEAST_MEAN: f64 = 0.75;
 /// Scatter in terms of the stated noise above which something is wrong however the instruments may wander.
 const GROSS: f64 = 5.0;
+/// Correlation of residuals with the next from which on they follow each other.
+const SMOOTH: f64 = 0.5;
 /// Runs that it takes to tell what returns in each of them.
 const RUNS: usize = 6;
 
@@ -230,13 +232,12 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
         _ => sizes[c][k - 3].size > LEAST,
     };
     let is_wrong = all().any(|(c, k)| beyond(&found, c, k) > threshold && matters(c, k));
-    let is_gross = crate::fitness::scatter(kind, model).iter().any(|s| *s > GROSS);
     let is_off = if is_sure && runs_of(&series) != 2 {
         is_wrong
     } else {
         returns(&series, channels, &residuals, level, random)
     };
-    let whiteness = (0..channels)
+    let whiteness: Vec<f64> = (0..channels)
         .map(|c| {
             let (mut above, mut below) = (0.0, 1e-300);
             for s in series.iter().filter(|s| s.channel == c) {
@@ -248,6 +249,9 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
             above / below
         })
         .collect();
+    // One by one they may scatter as they like: jumps of a robot do.
+    let is_gross =
+        crate::fitness::scatter(kind, model).iter().zip(&whiteness).any(|(s, w)| *s > GROSS && *w > SMOOTH);
     let raw = raw_residuals(kind, model);
     let squares = (fit::dot(&raw, &raw) - raw.len() as f64).max(0.0);
     Fitness { level: mean_square, whiteness, smooth, squares, alarm, is_off, is_gross, is_sure }
