@@ -6,12 +6,14 @@ use nalgebra::DMatrix;
 use rand_pcg::Pcg64;
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
-use crate::fit::{self, Fit, Mask};
+use crate::fit::{self, Fit};
 use crate::fitness::{self, Fitness};
+use crate::folds::{Fold, folds};
 use crate::gain::{self, Gain, Score};
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
-use crate::next::{self, NextExperiment, Proposal};
+use crate::kind::Kind;
+use crate::next::{self, NextExperiment};
 use crate::parallel;
+use crate::rescaled::Rescaled;
 use crate::tangent::Tangent;
 
 /// How a diagnosis decides.
@@ -134,71 +136,6 @@ struct Chosen {
     richest: Fit,
     tried: Vec<Candidate>,
     inflation: f64,
-}
-
-/// An experiment whose readings scatter more than was stated.
-struct Rescaled<'a> {
-    kind: &'a dyn Kind,
-    channels: Vec<Channel>,
-}
-
-/// Scatter in terms of the stated one up to which it is taken as stated.
-const AS_STATED: f64 = 1.5;
-
-impl<'a> Rescaled<'a> {
-    /// With the scatter that `model` leaves; none where that is about what was stated.
-    fn new(kind: &'a dyn Kind, model: &Fit) -> Option<Rescaled<'a>> {
-        let scatter = fitness::scatter(kind, model);
-        let scale = |(channel, seen): (&Channel, &f64)| Channel {
-            noise: channel.noise * if *seen > AS_STATED { *seen } else { 1.0 },
-            ..channel.clone()
-        };
-        let is_more = scatter.iter().any(|s| *s > AS_STATED);
-        is_more
-            .then(|| Rescaled { kind, channels: kind.channels().iter().zip(&scatter).map(scale).collect() })
-    }
-}
-
-impl Kind for Rescaled<'_> {
-    fn channels(&self) -> &[Channel] {
-        &self.channels
-    }
-
-    fn logs(&self) -> &[Log] {
-        self.kind.logs()
-    }
-
-    fn unknowns(&self, run: usize) -> Vec<Parameter> {
-        self.kind.unknowns(run)
-    }
-
-    fn causes(&self) -> &[Cause] {
-        self.kind.causes()
-    }
-
-    fn listed(&self) -> usize {
-        self.kind.listed()
-    }
-
-    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
-        self.kind.predict(run, terms, unknowns)
-    }
-
-    fn input_noise(&self, run: usize, normal: &mut dyn FnMut() -> f64) -> Option<Vec<f64>> {
-        self.kind.input_noise(run, normal)
-    }
-
-    fn phases(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Vec<(&'static str, f64)> {
-        self.kind.phases(run, terms, unknowns)
-    }
-
-    fn report(&self, cause: usize, values: &[f64]) -> Vec<(String, f64)> {
-        self.kind.report(cause, values)
-    }
-
-    fn proposals(&self) -> Vec<Proposal> {
-        self.kind.proposals()
-    }
 }
 
 struct Search<'a> {
@@ -787,34 +724,4 @@ pub(crate) fn percentile(sorted: &[f64], part: f64) -> f64 {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let k = (part * sorted.len() as f64).ceil() as usize;
     sorted[k.clamp(1, sorted.len()) - 1]
-}
-
-/// Readings that are left out together.
-pub(crate) struct Fold {
-    /// Runs that are left out whole; none where a block of the only run is.
-    pub runs: Vec<usize>,
-    /// What is fitted to, and what is predicted, where it is a block.
-    pub masks: Option<(Mask, Mask)>,
-}
-
-/// Every run left out once, ten at most together with others; or where there is one run, every block of it.
-pub(crate) fn folds(kind: &dyn Kind, settings: &Settings) -> Vec<Fold> {
-    let logs = kind.logs();
-    if logs.len() > 1 {
-        let most = logs.len().min(10);
-        return (0..most)
-            .map(|fold| Fold {
-                runs: (0..logs.len()).filter(|run| run % most == fold).collect(),
-                masks: None,
-            })
-            .collect();
-    }
-    let n = logs.first().map_or(0, |log| log.readings.len()).max(1);
-    (0..settings.blocks)
-        .map(|fold| {
-            let inside: Vec<bool> = (0..n).map(|i| i * settings.blocks / n == fold).collect();
-            let outside = inside.iter().map(|x| !x).collect();
-            Fold { runs: Vec::new(), masks: Some((Some(vec![outside]), Some(vec![inside]))) }
-        })
-        .collect()
 }

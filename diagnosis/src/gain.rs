@@ -3,8 +3,9 @@
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 
-use crate::choose::{Fold, Settings, percentile};
+use crate::choose::{Settings, percentile};
 use crate::fit::{self, Fit};
+use crate::folds::Fold;
 use crate::kind::Kind;
 use crate::parallel;
 

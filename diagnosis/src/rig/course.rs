@@ -1,0 +1,109 @@
+//! What a robot does: states at knots, and what the sensors would read between them.
+
+use super::machine::{Coordinates, LEAN, LEG, PIVOT, TURN};
+
+/// What a robot does from a start on.
+#[derive(Clone, Debug, Default)]
+pub struct Course {
+    pub(super) knots: Vec<Knot>,
+    /// Length of the boom (m), if there is one.
+    pub(super) boom: Option<f64>,
+    /// Height of the axle on a retracted, upright leg (m).
+    pub(super) radius: f64,
+    /// When (s) the leg begins to move.
+    pub breaks_away: Option<f64>,
+    /// When (s) the foot leaves the ground.
+    pub leaves: Option<f64>,
+}
+
+/// A place on a course.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Knot {
+    pub(super) time: f64,
+    pub(super) q: Coordinates,
+    pub(super) v: Coordinates,
+    pub(super) height: (f64, f64),
+    pub(super) pressure: (f64, f64),
+}
+
+/// What the sensors would read without error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pose {
+    /// Lean φ of the leg (rad), and its rate (rad/s).
+    pub lean: (f64, f64),
+    /// Pivot angle θ of the boom at its base (rad), and its rate; height of the axle (m) without a boom.
+    pub pivot: (f64, f64),
+    /// Radius angle ψ (rad), and its rate; travel of the axle (m) without a boom. The foot is at 0.
+    pub turn: (f64, f64),
+    /// Height of the axle (m), and its rate.
+    pub height: (f64, f64),
+    /// Extension of the leg (m), and its rate.
+    pub extension: (f64, f64),
+    /// Pressure in the chamber (Pa), and its rate.
+    pub pressure: (f64, f64),
+}
+
+/// Value and slope at `s` in [0, 1] of the cubic with these ends; the slopes are for the whole length `h`.
+fn hermite(a: (f64, f64), b: (f64, f64), s: f64, h: f64) -> (f64, f64) {
+    let (da, db) = (a.1 * h, b.1 * h);
+    let rise = b.0 - a.0;
+    let (c2, c3) = (3.0 * rise - 2.0 * da - db, da + db - 2.0 * rise);
+    let value = a.0 + s * (da + s * (c2 + s * c3));
+    let slope = da + s * (2.0 * c2 + 3.0 * s * c3);
+    (value, if h > 0.0 { slope / h } else { a.1 })
+}
+
+impl Course {
+    /// The pose at the time (s); before the start and after the end it is the first and the last. `place` is where the last one was found.
+    pub fn at(&self, time: f64, place: &mut usize) -> Pose {
+        let knots = &self.knots;
+        if *place + 1 >= knots.len() || knots[*place].time > time {
+            *place = 0;
+        }
+        while *place + 2 < knots.len() && knots[*place + 1].time < time {
+            *place += 1;
+        }
+        let (a, b) = (&knots[*place], &knots[(*place + 1).min(knots.len() - 1)]);
+        let h = b.time - a.time;
+        let s = if h > 0.0 { ((time - a.time) / h).clamp(0.0, 1.0) } else { 1.0 };
+        let of = |k: usize| hermite((a.q[k], a.v[k]), (b.q[k], b.v[k]), s, h);
+        Pose {
+            lean: of(LEAN),
+            pivot: of(PIVOT),
+            turn: of(TURN),
+            height: hermite(a.height, b.height, s, h),
+            extension: of(LEG),
+            pressure: hermite(a.pressure, b.pressure, s, h),
+        }
+    }
+
+    pub(super) fn apex_and_landing(&self) -> Option<(f64, f64)> {
+        let apex = self.knots.windows(2).find(|w| w[0].height.1 > 0.0 && w[1].height.1 <= 0.0);
+        let top = match apex {
+            Some([a, b]) => {
+                let h = b.time - a.time;
+                hermite(a.height, b.height, root(|s| hermite(a.height, b.height, s, h).1), h).0
+            }
+            _ => self.knots.iter().map(|k| k.height.0).fold(0.0, f64::max),
+        };
+        let [.., a, b] = &self.knots[..] else { return None };
+        let h = b.time - a.time;
+        let s = root(|s| hermite(a.height, b.height, s, h).0 - self.radius);
+        let turn = hermite((a.q[TURN], a.v[TURN]), (b.q[TURN], b.v[TURN]), s, h).0;
+        Some((top, turn * self.boom.unwrap_or(1.0)))
+    }
+}
+
+/// Where a function that falls through 0 on [0, 1] does so.
+fn root(f: impl Fn(f64) -> f64) -> f64 {
+    let (mut a, mut b) = (0.0, 1.0);
+    for _ in 0..60 {
+        let c = 0.5 * (a + b);
+        if f(c) > 0.0 {
+            a = c;
+        } else {
+            b = c;
+        }
+    }
+    0.5 * (a + b)
+}
