@@ -125,7 +125,13 @@ pub fn diagnose(kind: &dyn Kind, settings: &Settings, progress: &(dyn Fn(&str) +
         let mut search = Search { wanders: true, ..Search::new(seen, settings, progress) };
         let before = fit::fit_none(seen, &search.runs)?;
         let chosen = search.forward(&before)?;
-        return Some(search.conclude(kind, before, chosen));
+        // What scatters one by one is no fault of the model: jumps of a robot are never quite the same.
+        let judged: &dyn Kind = if fitness::is_white(seen, &chosen.model) { seen } else { kind };
+        let mut diagnosis = search.conclude(judged, before, chosen);
+        for (gain, channel) in diagnosis.gains.iter_mut().zip(kind.channels()) {
+            gain.noise = channel.noise;
+        }
+        return Some(diagnosis);
     }
     Some(search.conclude(kind, before, chosen))
 }
@@ -174,7 +180,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// What is to be said; `stated` is the experiment with its noise as stated.
+    /// What is to be said; `stated` is the experiment with the noise that its readings are judged by.
     fn conclude(mut self, stated: &dyn Kind, before: Fit, chosen: Chosen) -> Diagnosis {
         let Chosen { model: mut after, tried, mut inflation, .. } = chosen;
         self.improve(&mut after, inflation);
@@ -233,10 +239,7 @@ impl<'a> Search<'a> {
         (self.progress)("data left out");
         let folds = folds(self.kind, self.settings);
         let scores = [&before, &after].map(|model| self.held_out(model, &folds).unwrap_or_default());
-        let mut gains = gain::gains(self.kind, &scores[0], &scores[1], self.settings);
-        for (gain, channel) in gains.iter_mut().zip(stated.channels()) {
-            gain.noise = channel.noise;
-        }
+        let gains = gain::gains(self.kind, &scores[0], &scores[1], self.settings);
         let fitness = (fitness_before, fitness_after);
         Diagnosis { findings, unknown, term, tried, before, after, fitness, inflation, gains }
     }

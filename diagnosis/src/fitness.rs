@@ -237,7 +237,18 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
     } else {
         returns(&series, channels, &residuals, level, random)
     };
-    let whiteness: Vec<f64> = (0..channels)
+    let whiteness = whiteness(&series, channels, &residuals);
+    // One by one they may scatter as they like: jumps of a robot do.
+    let is_gross =
+        crate::fitness::scatter(kind, model).iter().zip(&whiteness).any(|(s, w)| *s > GROSS && *w > SMOOTH);
+    let raw = raw_residuals(kind, model);
+    let squares = (fit::dot(&raw, &raw) - raw.len() as f64).max(0.0);
+    Fitness { level: mean_square, whiteness, smooth, squares, alarm, is_off, is_gross, is_sure }
+}
+
+/// Correlation of each residual with the next, of each channel.
+fn whiteness(series: &[Series], channels: usize, residuals: &[f64]) -> Vec<f64> {
+    (0..channels)
         .map(|c| {
             let (mut above, mut below) = (0.0, 1e-300);
             for s in series.iter().filter(|s| s.channel == c) {
@@ -248,13 +259,13 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
             }
             above / below
         })
-        .collect();
-    // One by one they may scatter as they like: jumps of a robot do.
-    let is_gross =
-        crate::fitness::scatter(kind, model).iter().zip(&whiteness).any(|(s, w)| *s > GROSS && *w > SMOOTH);
-    let raw = raw_residuals(kind, model);
-    let squares = (fit::dot(&raw, &raw) - raw.len() as f64).max(0.0);
-    Fitness { level: mean_square, whiteness, smooth, squares, alarm, is_off, is_gross, is_sure }
+        .collect()
+}
+
+/// Whether the residuals of every channel scatter one by one, and do not follow each other.
+pub(crate) fn is_white(kind: &dyn Kind, model: &Fit) -> bool {
+    let residuals = Tangent::residuals(kind, model).unwrap_or_default();
+    whiteness(&series(kind), kind.channels().len(), &residuals).iter().all(|w| w.abs() < SMOOTH)
 }
 
 /// Loss of a model beyond the number of readings, which is what noise would leave.
