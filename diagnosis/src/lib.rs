@@ -6,6 +6,7 @@
 mod choose;
 mod estimate;
 mod experiment;
+mod finding;
 mod fit;
 mod fitness;
 mod folds;
@@ -21,9 +22,10 @@ mod residuals;
 pub mod rig;
 mod tangent;
 
-pub use choose::{Candidate, Diagnosis, Finding, Settings, diagnose};
+pub use choose::{Settings, diagnose};
 pub use estimate::{Combination, Estimate, Estimated, Residual, Undetermined, estimate};
 pub use experiment::{Experiment, Run, Sort};
+pub use finding::{Candidate, Diagnosis, Finding};
 pub use fit::Fit;
 pub use fitness::{Fitness, Unknown};
 pub use gain::Gain;

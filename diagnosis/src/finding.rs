@@ -1,0 +1,108 @@
+//! What a diagnosis says: causes with their parameters, what else could be, and what is unknown.
+
+use nalgebra::DMatrix;
+
+use crate::fit::Fit;
+use crate::fitness::{self, Fitness};
+use crate::gain::Gain;
+use crate::kind::Kind;
+use crate::next::NextExperiment;
+use crate::tangent::Tangent;
+
+/// A cause as a candidate, fitted with those before it.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// Index of the cause.
+    pub cause: usize,
+    /// By how much the loss falls with it, where white noise would make it fall by about one for each parameter.
+    pub gain: f64,
+    /// The model with it.
+    pub fit: Fit,
+    /// Its parameters as they are reported: name, value, standard error.
+    pub reported: Vec<(String, f64, f64)>,
+}
+
+/// A cause that was found.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    /// The cause in the model.
+    pub best: Candidate,
+    /// Those that the data cannot tell from it, each in its place: the two nearest.
+    pub rivals: Vec<Candidate>,
+    /// Those after them that the data do not exclude either.
+    pub less_likely: Vec<Candidate>,
+    /// A term without an id that explains the data as well.
+    pub unlisted: Option<Candidate>,
+    /// By how much the loss of data left out falls with it.
+    pub held_out: f64,
+    /// A direction of its parameters that the data do not tell, as the part of each.
+    pub undetermined: Option<Vec<f64>>,
+    /// Where there are rivals, the experiment that would tell them apart.
+    pub next: Option<NextExperiment>,
+}
+
+/// What the data say.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// The causes, the most telling first.
+    pub findings: Vec<Finding>,
+    /// Something that is wrong beyond them.
+    pub unknown: Option<fitness::Unknown>,
+    /// The term of the state that describes it best, if one does on data left out too; it has no id of a cause.
+    pub term: Option<Candidate>,
+    /// Every cause alone, the best first.
+    pub tried: Vec<Candidate>,
+    /// The model as it is.
+    pub before: Fit,
+    /// The model with all findings.
+    pub after: Fit,
+    /// How well they fit.
+    pub fitness: (Fitness, Fitness),
+    /// By how much more than white noise the residuals weigh: variance times correlation time, at least 1.
+    pub inflation: f64,
+    /// Held-out gain of each channel.
+    pub gains: Vec<Gain>,
+}
+
+/// Fills in what is reported of a candidate's cause, with standard errors by first differences of what is reported; a direction of its
+/// parameters that the data do not tell, if there is one.
+pub(crate) fn report(kind: &dyn Kind, candidate: &mut Candidate, inflation: f64) -> Option<Vec<f64>> {
+    let (fit, cause) = (&candidate.fit, candidate.cause);
+    let parameters = &kind.causes()[cause].parameters;
+    let tangent = Tangent::new(kind, fit, false);
+    let offset: usize =
+        fit.causes.iter().take_while(|c| **c != cause).map(|c| kind.causes()[*c].parameters.len()).sum();
+    let n = parameters.len();
+    let whole = tangent.as_ref().map(|t| t.covariance(kind));
+    let covariance = whole.as_ref().map_or_else(
+        || DMatrix::from_element(n, n, f64::NAN),
+        |(c, ..)| c.view((offset, offset), (n, n)).into_owned() * inflation,
+    );
+    let values = fit.terms.of(cause).to_vec();
+    let reported = kind.report(cause, &values);
+    let slopes: Vec<Vec<f64>> = (0..n)
+        .map(|p| {
+            let mut moved = values.clone();
+            let step = 1e-4 * parameters[p].scale;
+            moved[p] += step;
+            let there = kind.report(cause, &moved);
+            reported.iter().zip(&there).map(|(a, b)| (b.1 - a.1) / step * parameters[p].scale).collect()
+        })
+        .collect();
+    candidate.reported = reported
+        .into_iter()
+        .enumerate()
+        .map(|(k, (name, value))| {
+            let mut variance = 0.0;
+            for i in 0..n {
+                for j in 0..n {
+                    variance += slopes[i][k] * slopes[j][k] * covariance[(i, j)];
+                }
+            }
+            (name, value, variance.max(0.0).sqrt())
+        })
+        .collect();
+    whole.and_then(|(_, least, direction)| {
+        (least < 1e-6 && n > 1).then(|| direction[offset..offset + n].to_vec())
+    })
+}
