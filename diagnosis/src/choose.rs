@@ -9,7 +9,7 @@ use crate::finding::{Candidate, Diagnosis, Finding, report};
 use crate::fit::{self, Fit};
 use crate::fitness::{self, Fitness};
 use crate::folds::{Fold, folds};
-use crate::gain::{self, Gain, Score};
+use crate::gain::{self, Score};
 use crate::kind::Kind;
 use crate::next::{self, NextExperiment};
 use crate::parallel;
