@@ -516,7 +516,7 @@ impl<'a> Search<'a> {
         if sum(base)? - sum(&best.fit)? < quantile(1, 0.999) * inflation {
             return None;
         }
-        report(self.kind, &mut best, inflation);
+        report(self.kind, &mut best, inflation, false);
         Some(best)
     }
 
@@ -578,9 +578,9 @@ impl<'a> Search<'a> {
                 });
                 let cost = |c: &Candidate| 2.0 * self.freedom(c.cause) as f64 - c.gain;
                 candidates.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-                let undetermined = report(self.kind, &mut best, inflation);
+                let undetermined = report(self.kind, &mut best, inflation, true);
                 for rival in &mut candidates {
-                    report(self.kind, rival, inflation);
+                    report(self.kind, rival, inflation, false);
                 }
                 let without = self.held_out(&base, &folds).map(|scores| losses(&scores));
                 let held_out = match (without, with) {

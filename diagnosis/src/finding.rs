@@ -5,8 +5,10 @@ use nalgebra::DMatrix;
 use crate::fit::Fit;
 use crate::fitness::{self, Fitness};
 use crate::gain::Gain;
-use crate::kind::Kind;
+use crate::kind::{Kind, Terms};
 use crate::next::NextExperiment;
+use crate::parallel;
+use crate::profile::{Interval, Profile};
 use crate::tangent::Tangent;
 
 /// A cause as a candidate, fitted with those before it.
@@ -18,8 +20,21 @@ pub struct Candidate {
     pub gain: f64,
     /// The model with it.
     pub fit: Fit,
-    /// Its parameters as they are reported: name, value, standard error.
-    pub reported: Vec<(String, f64, f64)>,
+    /// Its parameters as they are reported.
+    pub reported: Vec<Reported>,
+}
+
+/// A parameter of a cause as it is reported.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reported {
+    /// Its name, which ends with its unit.
+    pub name: String,
+    /// What the data say.
+    pub value: f64,
+    /// One standard error.
+    pub error: f64,
+    /// Its 95 % interval by profile likelihood; of causes that were found, where it does not depend on several parameters of the fit.
+    pub interval: Option<Interval>,
 }
 
 /// A cause that was found.
@@ -66,17 +81,21 @@ pub struct Diagnosis {
 
 /// Fills in what is reported of a candidate's cause, with standard errors by first differences of what is reported; a direction of its
 /// parameters that the data do not tell, if there is one.
-pub(crate) fn report(kind: &dyn Kind, candidate: &mut Candidate, inflation: f64) -> Option<Vec<f64>> {
+pub(crate) fn report(
+    kind: &dyn Kind,
+    candidate: &mut Candidate,
+    inflation: f64,
+    with_intervals: bool,
+) -> Option<Vec<f64>> {
     let (fit, cause) = (&candidate.fit, candidate.cause);
     let parameters = &kind.causes()[cause].parameters;
-    let tangent = Tangent::new(kind, fit, false);
+    let known = Tangent::new(kind, fit, false).map(|t| t.known(kind));
     let offset: usize =
         fit.causes.iter().take_while(|c| **c != cause).map(|c| kind.causes()[*c].parameters.len()).sum();
     let n = parameters.len();
-    let whole = tangent.as_ref().map(|t| t.covariance(kind));
-    let covariance = whole.as_ref().map_or_else(
+    let covariance = known.as_ref().map_or_else(
         || DMatrix::from_element(n, n, f64::NAN),
-        |(c, ..)| c.view((offset, offset), (n, n)).into_owned() * inflation,
+        |k| k.covariance.view((offset, offset), (n, n)).into_owned() * inflation,
     );
     let values = fit.terms.of(cause).to_vec();
     let reported = kind.report(cause, &values);
@@ -89,6 +108,21 @@ pub(crate) fn report(kind: &dyn Kind, candidate: &mut Candidate, inflation: f64)
             reported.iter().zip(&there).map(|(a, b)| (b.1 - a.1) / step * parameters[p].scale).collect()
         })
         .collect();
+    // The parameter of the fit that a reported one depends on, where it is one.
+    let only = |k: usize| {
+        let mut by = (0..n).filter(|&p| slopes[p][k] != 0.0);
+        by.next().filter(|_| by.next().is_none())
+    };
+    let ends = match &known {
+        Some(known) if with_intervals => {
+            let profile = Profile { kind, fit, known, inflation };
+            parallel::map(2 * reported.len(), |k| {
+                let parameter = only(k / 2)?;
+                Some(profile.end(cause, parameter, k % 2 == 1))
+            })
+        }
+        _ => vec![None; 2 * reported.len()],
+    };
     candidate.reported = reported
         .into_iter()
         .enumerate()
@@ -99,10 +133,17 @@ pub(crate) fn report(kind: &dyn Kind, candidate: &mut Candidate, inflation: f64)
                     variance += slopes[i][k] * slopes[j][k] * covariance[(i, j)];
                 }
             }
-            (name, value, variance.max(0.0).sqrt())
+            let at = |end: &Option<Terms>| Some(kind.report(cause, end.as_ref()?.of(cause))[k].1);
+            let interval = match (&ends[2 * k], &ends[2 * k + 1]) {
+                // What is reported may grow as the parameter of the fit falls.
+                (Some(a), Some(b)) if slopes.iter().any(|by| by[k] < 0.0) => {
+                    Some(Interval { low: at(b), high: at(a) })
+                }
+                (Some(a), Some(b)) => Some(Interval { low: at(a), high: at(b) }),
+                _ => None,
+            };
+            Reported { name, value, error: variance.max(0.0).sqrt(), interval }
         })
         .collect();
-    whole.and_then(|(_, least, direction)| {
-        (least < 1e-6 && n > 1).then(|| direction[offset..offset + n].to_vec())
-    })
+    known.and_then(|k| (k.least < 1e-6 && n > 1).then(|| k.direction[offset..offset + n].to_vec()))
 }

@@ -335,7 +335,8 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-fn parameters_of(kind: &dyn Kind, causes: &[usize]) -> Vec<(usize, usize)> {
+/// Every parameter of `causes`, in turn.
+pub(crate) fn parameters_of(kind: &dyn Kind, causes: &[usize]) -> Vec<(usize, usize)> {
     causes.iter().flat_map(|&c| (0..kind.causes()[c].parameters.len()).map(move |p| (c, p))).collect()
 }
 
@@ -348,6 +349,16 @@ pub(crate) fn fit_none(kind: &dyn Kind, runs: &[usize]) -> Option<Fit> {
 pub(crate) fn refit(kind: &dyn Kind, from: Fit, runs: &[usize], mask: &Mask, steps: usize) -> Option<Fit> {
     let shared = parameters_of(kind, &from.causes);
     let mut problem = Problem::new(kind, from, shared, runs, mask);
+    problem.solve(steps)?;
+    Some(problem.fit)
+}
+
+/// Fits the causes of `from` but for one of their parameters, which is `held` where it is, and all unknowns.
+pub(crate) fn refit_but(kind: &dyn Kind, held: (usize, usize), from: Fit, steps: usize) -> Option<Fit> {
+    let runs: Vec<usize> = (0..kind.logs().len()).collect();
+    let mut shared = parameters_of(kind, &from.causes);
+    shared.retain(|place| *place != held);
+    let mut problem = Problem::new(kind, from, shared, &runs, &None);
     problem.solve(steps)?;
     Some(problem.fit)
 }

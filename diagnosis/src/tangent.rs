@@ -25,6 +25,18 @@ pub(crate) struct Tangent {
     bounds: Vec<usize>,
 }
 
+/// How surely the parameters of the causes that are on are known, in units of their scales.
+pub(crate) struct Known {
+    /// Covariance that noise of the readings and of measured inputs gives.
+    pub(crate) covariance: DMatrix<f64>,
+    /// The part of the readings alone.
+    pub(crate) by_readings: DMatrix<f64>,
+    /// Least eigenvalue of the information when each parameter alone has information 1.
+    pub(crate) least: f64,
+    /// Its direction.
+    pub(crate) direction: Vec<f64>,
+}
+
 /// What a candidate could do to the readings.
 pub(crate) struct Direction {
     pub(crate) cause: usize,
@@ -263,14 +275,19 @@ impl Tangent {
         DMatrix::from_fn(n, n, |i, j| dot(&self.on[i], &self.on[j]))
     }
 
-    /// Covariance of the parameters of the causes that are on, in units of their scales, and the eigenvalues of their information when
-    /// each alone has information 1, with the direction of the least.
-    pub(crate) fn covariance(&self, kind: &dyn Kind) -> (DMatrix<f64>, f64, Vec<f64>) {
+    /// How surely the parameters of the causes that are on are known.
+    pub(crate) fn known(&self, kind: &dyn Kind) -> Known {
         let n = self.on.len();
         if n == 0 {
-            return (DMatrix::zeros(0, 0), 1.0, Vec::new());
+            let nothing = DMatrix::zeros(0, 0);
+            return Known {
+                by_readings: nothing.clone(),
+                covariance: nothing,
+                least: 1.0,
+                direction: Vec::new(),
+            };
         }
-        let information = DMatrix::from_fn(n, n, |i, j| dot(&self.on[i], &self.on[j]));
+        let information = self.information();
         let sizes: Vec<f64> = (0..n).map(|i| information[(i, i)].sqrt().max(1e-150)).collect();
         let scaled = DMatrix::from_fn(n, n, |i, j| information[(i, j)] / (sizes[i] * sizes[j]));
         let eigen = scaled.symmetric_eigen();
@@ -280,10 +297,13 @@ impl Tangent {
             let v = eigen.eigenvectors.column(k);
             inverse += v * v.transpose() / eigen.eigenvalues[k].max(1e-12);
         }
-        let mut covariance = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (sizes[i] * sizes[j]));
-        covariance += self.by_inputs(kind, &covariance);
-        let direction = eigen.eigenvectors.column(least).iter().copied().collect();
-        (covariance, eigen.eigenvalues[least], direction)
+        let by_readings = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (sizes[i] * sizes[j]));
+        Known {
+            covariance: &by_readings + self.by_inputs(kind, &by_readings),
+            by_readings,
+            least: eigen.eigenvalues[least],
+            direction: eigen.eigenvectors.column(least).iter().copied().collect(),
+        }
     }
 
     /// What noise of measured inputs adds to the covariance that noise of the readings gives: the scatter of the parameters over draws.

@@ -27,6 +27,7 @@ const TERMS: &[(&[&str], f64)] = &[
     (&["boom.bending_stiffness_n_m_per_rad=430"], 1e-5),
     (&["body.axle_friction_n_m=0.2"], 1e-5),
     (&["ground.static_friction=0.35"], 1e-5),
+    (&["ground.static_friction=0.35", "ground.kinetic_friction=0.28"], 1e-5),
     (&["foot.radius_m=0.02"], 1e-5),
     (&["ground.slope_deg=3"], 1e-6),
     (&["environment.drag_per_m=0.1"], 1e-6),

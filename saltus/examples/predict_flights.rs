@@ -33,12 +33,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut gravity = believed;
     for finding in &found.findings {
         let id = flights.causes()[finding.best.cause].id;
-        for (name, value, error) in &finding.best.reported {
-            println!("{id}: {name} = {value:.5} ± {error:.1e}");
+        for r in &finding.best.reported {
+            println!("{id}: {} = {:.5} ± {:.1e}", r.name, r.value, r.error);
         }
         gravity = match (id, finding.best.reported.first()) {
-            ("counterweight", Some((_, share, _))) => share * believed,
-            ("gravity", Some((_, value, _))) => *value,
+            ("counterweight", Some(share)) => share.value * believed,
+            ("gravity", Some(found)) => found.value,
             _ => gravity,
         };
     }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use saltus_diagnosis::rig::Rig;
-use saltus_diagnosis::{Diagnosis, Kind};
+use saltus_diagnosis::{Diagnosis, Interval, Kind, Reported};
 use saltus_planner::{FIRING_ANGLES, Measure, Planner, Roots, TableRequest};
 use saltus_robot::Robot;
 
@@ -64,8 +64,13 @@ pub fn robot_file(kind: &dyn Kind, diagnosis: &Diagnosis, robot: &Robot, hash: &
             let _ = write!(text, " of {column}, not a property of the robot");
         }
         let _ = writeln!(text, ":");
-        for (name, value, error) in &finding.best.reported {
-            let _ = writeln!(text, "#   {name} = {value:?}, standard error {error:.2e}");
+        for Reported { name, value, error, interval } in &finding.best.reported {
+            let _ = write!(text, "#   {name} = {value:?}, standard error {error:.2e}");
+            if let Some(Interval { low, high }) = interval {
+                let end = |end: &Option<f64>| end.map_or("open".into(), |x| format!("{x:.4e}"));
+                let _ = write!(text, ", 95 % interval {} to {}", end(low), end(high));
+            }
+            text.push('\n');
         }
         if !finding.rivals.is_empty() {
             let rivals: Vec<&str> = finding.rivals.iter().map(|r| id(r.cause)).collect();

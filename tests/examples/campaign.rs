@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use saltus_diagnosis::{Diagnosis, Kind, Settings, Sort, diagnose, kinds};
+use saltus_diagnosis::{Diagnosis, Interval, Kind, Settings, Sort, diagnose, kinds};
 use saltus_robot::Robot;
 use saltus_tests::lab::{self, Case, Size};
 use saltus_tests::verdict;
@@ -20,6 +20,8 @@ struct Tally {
     alone: usize,
     parameters: usize,
     within: usize,
+    intervals: usize,
+    inside: usize,
     gains: usize,
     at_noise: usize,
     wrong: Vec<String>,
@@ -81,18 +83,20 @@ fn main() {
         }
     }
     println!(
-        "\n| kind | hidden | sets | right | % | named alone | parameters within 2 errors | rms at most 1.1 noise |"
+        "\n| kind | hidden | sets | right | % | named alone | parameters within 2 errors | in 95 % interval | rms at most 1.1 noise |"
     );
-    println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     for ((kind, what), t) in &table {
         println!(
-            "| {kind} | {what} | {} | {} | {:.0} | {} | {} of {} | {} of {} |",
+            "| {kind} | {what} | {} | {} | {:.0} | {} | {} of {} | {} of {} | {} of {} |",
             t.sets,
             t.right,
             100.0 * t.right as f64 / t.sets as f64,
             t.alone,
             t.within,
             t.parameters,
+            t.inside,
+            t.intervals,
             t.at_noise,
             t.gains
         );
@@ -163,10 +167,17 @@ fn judge(tally: &mut Tally, kind: &dyn Kind, d: &Diagnosis, case: &Case, what: &
         tally.alone += usize::from(verdict::sets(kind, d) == [[truth.id]]);
         let candidates = d.findings.iter().flat_map(|f| std::iter::once(&f.best).chain(&f.rivals));
         for candidate in candidates.filter(|c| kind.causes()[c.cause].id == truth.id).take(1) {
-            for (name, value, error) in &candidate.reported {
-                if let Some((_, known)) = truth.parameters.iter().find(|(n, _)| n.ends_with(name.as_str())) {
+            for r in &candidate.reported {
+                if let Some((_, known)) = truth.parameters.iter().find(|(n, _)| n.ends_with(r.name.as_str()))
+                {
                     tally.parameters += 1;
-                    tally.within += usize::from((value - known).abs() <= 2.0 * error);
+                    tally.within += usize::from((r.value - known).abs() <= 2.0 * r.error);
+                    if let Some(Interval { low, high }) = r.interval {
+                        let is_inside =
+                            low.is_none_or(|low| low <= *known) && high.is_none_or(|high| *known <= high);
+                        tally.intervals += 1;
+                        tally.inside += usize::from(is_inside);
+                    }
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! Whether a diagnosis says what was hidden.
 
-use saltus_diagnosis::{Diagnosis, Kind};
+use saltus_diagnosis::{Diagnosis, Kind, Reported};
 
 use crate::lab::Effect;
 
@@ -17,6 +17,12 @@ pub fn sets<'a>(kind: &'a dyn Kind, d: &Diagnosis) -> Vec<Vec<&'a str>> {
         .collect()
 }
 
+fn number(r: &Reported) -> String {
+    let end = |end: Option<f64>| end.map_or("open".into(), |x| format!("{x:.3e}"));
+    let interval = r.interval.map(|i| format!(" ({} to {})", end(i.low), end(i.high)));
+    format!("{} {:.4e} ± {:.1e}{}", r.name, r.value, r.error, interval.unwrap_or_default())
+}
+
 /// What is said, in a line.
 pub fn say(kind: &dyn Kind, d: &Diagnosis) -> String {
     let mut all: Vec<String> = d
@@ -25,13 +31,15 @@ pub fn say(kind: &dyn Kind, d: &Diagnosis) -> String {
         .zip(sets(kind, d))
         .map(|(f, set)| {
             let column = kind.causes()[f.best.cause].column.as_deref().unwrap_or("");
-            let values: Vec<String> =
-                f.best.reported.iter().map(|(n, v, e)| format!("{n} {v:.4e} ± {e:.1e}")).collect();
+            let values: Vec<String> = f.best.reported.iter().map(number).collect();
             format!("{} {column} [{}]", set.join("|"), values.join(", "))
         })
         .collect();
     if let Some(u) = &d.unknown {
-        let term = d.term.as_ref().map(|t| format!(": {} {:?}", kind.causes()[t.cause].id, t.reported));
+        let term = d.term.as_ref().map(|t| {
+            let numbers: Vec<String> = t.reported.iter().map(number).collect();
+            format!(": {} {}", kind.causes()[t.cause].id, numbers.join(", "))
+        });
         all.push(format!("unknown in {} {}{}", u.channel, u.phase, term.unwrap_or_default()));
     }
     if all.is_empty() { "none".into() } else { all.join(" + ") }

@@ -215,9 +215,9 @@ impl Firings {
         }
     }
 
-    /// Gain, offset and delay of each channel.
-    fn sensors(&self, terms: &Terms) -> Vec<[f64; 3]> {
-        let mut all = vec![[1.0, 0.0, 0.0]; self.channels.len()];
+    /// Gain, offset, delay and delay from a held first value of each channel.
+    fn sensors(&self, terms: &Terms) -> Vec<[f64; 4]> {
+        let mut all = vec![[1.0, 0.0, 0.0, 0.0]; self.channels.len()];
         for (k, term) in self.terms.iter().enumerate() {
             if let Term::Sensor(channel, what) = term {
                 let value = terms.get(k, 0);
@@ -225,6 +225,7 @@ impl Firings {
                     Sensor::Gain => all[*channel][0] = value,
                     Sensor::Offset => all[*channel][1] = value,
                     Sensor::Delay => all[*channel][2] = value,
+                    Sensor::HeldDelay => all[*channel][3] = value,
                 }
             }
         }
@@ -250,7 +251,7 @@ impl Firings {
             };
             last = Some((reading.time, outcome));
             let value = if self.columns[reading.channel] == Column::Apex { outcome.0 } else { outcome.1 };
-            let [gain, offset, _] = sensors[reading.channel];
+            let [gain, offset, ..] = sensors[reading.channel];
             out.push(gain * value + offset);
         }
         out
@@ -349,12 +350,14 @@ impl Kind for Firings {
         let from = if self.from_axle { course.at(0.0, &mut 0).turn.0 } else { 0.0 };
         let mut places = vec![0; self.channels.len()];
         let readings = &self.logs[run].readings;
+        let first = readings.first()?.time;
         Some(
             readings
                 .iter()
                 .map(|r| {
-                    let [gain, offset, delay] = sensors[r.channel];
-                    let pose = course.at(r.time - delay, &mut places[r.channel]);
+                    let [gain, offset, delay, held] = sensors[r.channel];
+                    let time = (r.time - held).max(first);
+                    let pose = course.at(time - delay, &mut places[r.channel]);
                     let column = self.columns[r.channel];
                     let zero = if column == Column::Turn { from } else { 0.0 };
                     gain * (Firings::sensed(column, &pose, gyro) - zero) + offset

@@ -54,7 +54,7 @@ fn hermite(a: (f64, f64), b: (f64, f64), s: f64, h: f64) -> (f64, f64) {
 }
 
 impl Course {
-    /// The pose at the time (s); before the start and after the end it is the first and the last. `place` is where the last one was found.
+    /// The pose at the time (s); before the start it is on a line, after the end the last. `place` is where the last one was found.
     pub fn at(&self, time: f64, place: &mut usize) -> Pose {
         let knots = &self.knots;
         if *place + 1 >= knots.len() || knots[*place].time > time {
@@ -66,14 +66,19 @@ impl Course {
         let (a, b) = (&knots[*place], &knots[(*place + 1).min(knots.len() - 1)]);
         let h = b.time - a.time;
         let s = if h > 0.0 { ((time - a.time) / h).clamp(0.0, 1.0) } else { 1.0 };
-        let of = |k: usize| hermite((a.q[k], a.v[k]), (b.q[k], b.v[k]), s, h);
+        let early = (time - a.time).min(0.0);
+        let at = |a: (f64, f64), b| {
+            let (value, slope) = hermite(a, b, s, h);
+            (value + if early < 0.0 { a.1 * early } else { 0.0 }, slope)
+        };
+        let of = |k: usize| at((a.q[k], a.v[k]), (b.q[k], b.v[k]));
         Pose {
             lean: of(LEAN),
             pivot: of(PIVOT),
             turn: of(TURN),
-            height: hermite(a.height, b.height, s, h),
+            height: at(a.height, b.height),
             extension: of(LEG),
-            pressure: hermite(a.pressure, b.pressure, s, h),
+            pressure: at(a.pressure, b.pressure),
         }
     }
 

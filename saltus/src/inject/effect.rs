@@ -67,7 +67,7 @@ fn ranges(kind: &dyn Kind, cause: usize) -> Vec<(f64, f64)> {
 fn taken(cause: &Cause, values: &[f64]) -> Vec<f64> {
     match (cause.id, cause.parameters.first().map(|p| p.name.as_str()), values) {
         ("boom-flex", Some("boom_compliance_rad_per_n_m"), [stiffness]) => vec![1.0 / stiffness],
-        ("foot-slip", Some("one_over_friction"), [friction]) => vec![1.0 / friction],
+        ("foot-slip", Some("one_over_friction"), [friction, ratio]) => vec![1.0 / friction, *ratio],
         ("ground-compliance", Some("ground_compliance_m_per_n"), [stiffness, damping]) => {
             vec![1.0 / stiffness, *damping]
         }
@@ -112,7 +112,9 @@ pub(super) fn known(kind: &dyn Kind) -> String {
             .collect();
         format!("  {}{}  ({})", asked_by(kind, cause), names.join(","), about.join("; "))
     };
-    (0..kind.causes().len()).map(line).collect::<Vec<_>>().join("\n")
+    // A cause with two terms is asked for in one way.
+    let is_first = |cause: &usize| !(0..*cause).any(|other| asked_by(kind, other) == asked_by(kind, *cause));
+    (0..kind.causes().len()).filter(is_first).map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// The cause that is asked for, and the values that the model takes.

@@ -153,10 +153,11 @@ impl Sensors {
     fn read(&self, column: usize, exact: &[f64]) -> Vec<f64> {
         let [gain, offset, delay] = self.0[column];
         let late = |row: usize| {
-            let place = (row as f64 - delay / TICK).clamp(0.0, exact.len() as f64 - 1.0);
+            // Before the first row it went on as it does there.
+            let place = (row as f64 - delay / TICK).min(exact.len() as f64 - 1.0);
             // A row.
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-            let k = place as usize;
+            let k = place.max(0.0) as usize;
             let next = exact[(k + 1).min(exact.len() - 1)];
             exact[k] + (place - k as f64) * (next - exact[k])
         };

@@ -31,7 +31,10 @@ pub(super) type Switch = fn(&mut Robot, &[f64]);
 pub(super) enum Sensor {
     Gain,
     Offset,
+    /// Late by a time; before the first row the robot went on as it does there.
     Delay,
+    /// Late by a time, with the first row's value before it.
+    HeldDelay,
 }
 
 /// Collects causes with their terms.
@@ -325,12 +328,15 @@ fn body(list: &mut List, robot: &Robot) {
 }
 
 fn contact(list: &mut List, sort: Sort) {
-    list.one(
+    list.add(
         "foot-slip",
-        parameter("one_over_friction", 0.0, (0.1, 60.0), 0.1, &[1.5, 2.5, 4.0, 7.0]),
+        vec![
+            parameter("one_over_friction", 0.0, (0.1, 60.0), 0.1, &[1.5, 2.5, 4.0, 7.0]),
+            parameter("kinetic_over_static", 1.0, (0.5, 1.0), 0.05, &[1.0]),
+        ],
         |r, v| {
             r.ground.static_friction = 1.0 / v[0];
-            r.ground.kinetic_friction = 1.0 / v[0];
+            r.ground.kinetic_friction = v[1] / v[0];
         },
     );
     let (soft, damped): (Vec<f64>, Vec<f64>) =
@@ -393,6 +399,10 @@ fn sensing(list: &mut List, sort: Sort, columns: &[Column], channels: &[Channel]
         if sort != Sort::Outcomes {
             add("sensor-delay", Sensor::Delay, parameter("delay_s", 0.0, (0.0, 0.1), 2e-4, &[5e-3]));
         }
+        if sort == Sort::Jump {
+            let delay = parameter("delay_s", 0.0, (0.0, 0.1), 2e-4, &[5e-3]);
+            add("sensor-delay", Sensor::HeldDelay, delay);
+        }
     }
 }
 
@@ -401,7 +411,9 @@ pub(super) fn report(cause: &Cause, values: &[f64]) -> Vec<(String, f64)> {
     let say = |name: &str, value: f64| (name.to_owned(), value);
     match cause.id {
         "boom-flex" => vec![say("boom.bending_stiffness_n_m_per_rad", 1.0 / values[0])],
-        "foot-slip" => vec![say("ground.static_friction", 1.0 / values[0])],
+        "foot-slip" => {
+            vec![say("ground.static_friction", 1.0 / values[0]), say("kinetic_over_static", values[1])]
+        }
         "ground-compliance" => {
             vec![say("ground.stiffness_n_per_m", 1.0 / values[0]), say("ground.damping_n_s_per_m", values[1])]
         }

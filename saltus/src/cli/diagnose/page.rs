@@ -89,7 +89,10 @@ fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
     let kind = report.found.kind.as_ref();
     let (name, what) = (escaped(&title(kind, finding.best.cause)), meaning(report.id(finding.best.cause)));
     let _ = writeln!(out, "<div class=\"card\"><h3>{name}</h3>\n<p>In the machine {what}.</p>");
-    let mut lines = vec![vec!["parameter".to_owned(), "value ± standard error".to_owned()]];
+    let mut lines = vec![vec![
+        "parameter".to_owned(),
+        "value ± standard error; interval by profile likelihood".to_owned(),
+    ]];
     lines.extend(report.parameters(&finding.best).into_iter().map(|(n, x)| vec![n, x]));
     table(out, &lines, 2);
     if let Some(text) = report.undetermined(finding) {

@@ -3,11 +3,13 @@
 use std::fmt::Write;
 
 use saltus::diagnose::Worth;
-use saltus::diagnosis::{Candidate, Diagnosis, Finding, Kind, PhaseResidual, Sort, residuals_under};
+use saltus::diagnosis::{
+    Candidate, Diagnosis, Finding, Kind, PhaseResidual, Reported, Sort, residuals_under,
+};
 use serde_json::{Map, Value, json};
 
 use super::Found;
-use super::words::{estimate, grid, meaning, split, title, unit};
+use super::words::{estimate, grid, interval, meaning, split, title, unit};
 use crate::output::digits;
 
 /// What is reported of a diagnosis.
@@ -88,9 +90,9 @@ impl<'a> Report<'a> {
 
     /// A term without an id with its number.
     fn acts_like(&self, term: &Candidate) -> String {
-        let Some((name, value, error)) = term.reported.first() else { return String::new() };
-        let unit = name.strip_prefix("c_").map_or(String::new(), |unit| format!(" ({unit})"));
-        format!("{}, c = {} ± {}{unit}", self.id(term.cause), digits(*value, 4), digits(*error, 2))
+        let Some(c) = term.reported.first() else { return String::new() };
+        let unit = c.name.strip_prefix("c_").map_or(String::new(), |unit| format!(" ({unit})"));
+        format!("{}, c = {} ± {}{unit}", self.id(term.cause), digits(c.value, 4), digits(c.error, 2))
     }
 
     pub(super) fn id(&self, cause: usize) -> &'static str {
@@ -131,7 +133,12 @@ impl<'a> Report<'a> {
             let reported = self.found.kind.report(candidate.cause, values);
             return reported.into_iter().map(|(n, x)| (n.clone(), with_unit(x, 4, unit(&n)))).collect();
         }
-        let said = |(name, x, error): &(String, f64, f64)| (name.clone(), estimate(*x, *error, unit(name)));
+        let said = |r: &Reported| {
+            let unit = unit(&r.name);
+            let interval =
+                r.interval.map_or(String::new(), |i| format!("; 95 %: {}", interval(i, r.error, unit)));
+            (r.name.clone(), estimate(r.value, r.error, unit) + &interval)
+        };
         candidate.reported.iter().map(said).collect()
     }
 
@@ -378,13 +385,17 @@ impl<'a> Report<'a> {
         if let Some(column) = &cause.column {
             entry.insert("column".into(), json!(column));
         }
-        let (mut values, mut errors) = (Map::new(), Map::new());
-        for (name, value, error) in &candidate.reported {
+        let (mut values, mut errors, mut intervals) = (Map::new(), Map::new(), Map::new());
+        for Reported { name, value, error, interval } in &candidate.reported {
             values.insert(name.clone(), json!(value));
             errors.insert(name.clone(), json!(error));
+            intervals.extend(interval.map(|i| (name.clone(), json!([i.low, i.high]))));
         }
         entry.insert("parameters".into(), Value::Object(values));
         entry.insert("standard_errors".into(), Value::Object(errors));
+        if !intervals.is_empty() {
+            entry.insert("intervals_95".into(), Value::Object(intervals));
+        }
         entry.insert("loss_falls_by".into(), json!(candidate.gain));
         entry
     }
@@ -566,7 +577,7 @@ fn next_json(diagnosis: &Diagnosis) -> Value {
 
 fn term_json(kind: &dyn Kind, term: &Candidate) -> Value {
     let numbers: Map<String, Value> =
-        term.reported.iter().map(|(name, value, error)| (name.clone(), json!([value, error]))).collect();
+        term.reported.iter().map(|r| (r.name.clone(), json!([r.value, r.error]))).collect();
     json!({"term": kind.causes()[term.cause].id, "value_and_standard_error": numbers})
 }
 

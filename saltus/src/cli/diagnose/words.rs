@@ -1,6 +1,6 @@
 //! Causes and quantities in words.
 
-use saltus::diagnosis::Kind;
+use saltus::diagnosis::{Interval, Kind};
 
 use crate::output::digits;
 
@@ -92,6 +92,20 @@ pub(super) fn estimate(value: f64, error: f64, unit: &str) -> String {
     format!("{} ± {}{unit}", digits(value, count), digits(error, 2))
 }
 
+/// An interval with as many digits as the standard error asks for.
+pub(super) fn interval(interval: Interval, error: f64, unit: &str) -> String {
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let round = |x: f64| {
+        estimate(x, error, "").split(" ±").next().unwrap_or_default().replace(" (error not known)", "")
+    };
+    match (interval.low.map(round), interval.high.map(round)) {
+        (Some(low), Some(high)) => format!("{low} to {high}{unit}"),
+        (Some(low), None) => format!("at least {low}{unit}"),
+        (None, Some(high)) => format!("at most {high}{unit}"),
+        (None, None) => "not bounded by these data".into(),
+    }
+}
+
 /// A cause with the column that it is about.
 pub(super) fn title(kind: &dyn Kind, cause: usize) -> String {
     let cause = &kind.causes()[cause];
@@ -140,5 +154,14 @@ mod tests {
         assert_eq!(estimate(0.012_345_6, 0.000_43, "1/m"), "0.01235 ± 0.00043 1/m");
         assert_eq!(estimate(1234.567, 0.0123, ""), "1234.567 ± 0.012");
         assert_eq!(estimate(2.0, f64::NAN, "s"), "2 s (error not known)");
+    }
+
+    #[test]
+    fn an_interval_may_have_one_end() {
+        let of = |low, high| interval(Interval { low, high }, 0.021, "N m");
+        assert_eq!(of(Some(0.312_34), Some(0.4)), "0.312 to 0.400 N m");
+        assert_eq!(of(Some(0.312_34), None), "at least 0.312 N m");
+        assert_eq!(of(None, Some(0.0)), "at most 0 N m");
+        assert_eq!(of(None, None), "not bounded by these data");
     }
 }
