@@ -86,6 +86,8 @@ struct Chosen {
     model: Fit,
     richest: Fit,
     tried: Vec<Candidate>,
+    /// Two causes at a time with what they gain together, as far as small changes tell it; the best first.
+    pairs: Vec<(f64, (usize, usize))>,
     inflation: f64,
 }
 
@@ -127,7 +129,10 @@ impl<'a> Search<'a> {
 
     /// What is to be said; `stated` is the experiment with the noise that its readings are judged by.
     fn conclude(mut self, stated: &dyn Kind, before: Fit, chosen: Chosen) -> Diagnosis {
-        let Chosen { model: mut after, tried, mut inflation, .. } = chosen;
+        let Chosen { model: mut after, tried, pairs, mut inflation, .. } = chosen;
+        if let Some(better) = self.better_pair(&before, &after, &pairs) {
+            (after, inflation) = (better.model, better.inflation);
+        }
         self.improve(&mut after, inflation);
         self.drop_needless(&mut after, inflation);
         let fitness_before = self.fitness(stated, &before);
@@ -231,7 +236,7 @@ impl<'a> Search<'a> {
     /// Adds causes while they tell.
     fn forward(&mut self, before: &Fit) -> Option<Chosen> {
         let mut current = before.clone();
-        let mut tried = Vec::new();
+        let (mut tried, mut pairs) = (Vec::new(), Vec::new());
         let mut steps: Vec<(Fit, f64, f64)> = Vec::new();
         while current.causes.len() < self.settings.most {
             let Some(tangent) = Tangent::new(self.kind, &current, true) else {
@@ -248,6 +253,7 @@ impl<'a> Search<'a> {
             let candidates = self.candidates(&current, Some(&tangent));
             if steps.is_empty() {
                 tried.clone_from(&candidates);
+                pairs = self.pairs(&tangent, &current);
             }
             let telling = |c: &&Candidate| self.telling(c.cause, c.gain) > threshold;
             let single = if candidates.iter().any(|c| telling(&c)) {
@@ -284,13 +290,42 @@ impl<'a> Search<'a> {
             model = fit;
         }
         let inflation = if wanders { fitness::inflation(self.kind, &model) } else { richest };
-        Some(Chosen { model, richest: current, tried, inflation })
+        Some(Chosen { model, richest: current, tried, pairs, inflation })
     }
 
     /// Whether some candidate may come to the threshold, as far as its tangent tells it.
     fn may_tell(&self, tangent: &Tangent, current: &Fit, threshold: f64) -> bool {
         let Some(residuals) = Tangent::residuals(self.kind, current) else { return true };
         tangent.candidates.iter().any(|d| self.telling(d.cause, d.gain(&residuals)) > 0.5 * threshold)
+    }
+
+    /// Every two causes that can be reached in small steps, with what they gain together as far as those tell it; the best first.
+    fn pairs(&self, tangent: &Tangent, current: &Fit) -> Vec<(f64, (usize, usize))> {
+        let residuals = Tangent::residuals(self.kind, current).unwrap_or_default();
+        tangent.best_pairs(&residuals, |cause| !self.kind.causes()[cause].is_apart())
+    }
+
+    /// Two causes, and what is found beside them, that explain the data better than several that were found one by one: what is best
+    /// alone may be neither of them.
+    fn better_pair(&mut self, before: &Fit, found: &Fit, pairs: &[(f64, (usize, usize))]) -> Option<Chosen> {
+        /// Pairs that are tried.
+        const MOST: usize = 3;
+        if found.causes.len() < 2 {
+            return None;
+        }
+        let is_found = |(a, b): (usize, usize)| found.causes.contains(&a) && found.causes.contains(&b);
+        let ahead: Vec<(usize, usize)> =
+            pairs.iter().map(|p| p.1).take_while(|pair| !is_found(*pair)).take(MOST).collect();
+        let fitted = parallel::map(ahead.len(), |k| {
+            let first = fit::fit_with(self.kind, before, ahead[k].0, &self.runs)?;
+            fit::fit_with(self.kind, &first, ahead[k].1, &self.runs)
+        });
+        let pair = fitted.into_iter().flatten().min_by(|a, b| a.loss.total_cmp(&b.loss))?;
+        let inflation = [found, &pair].map(|model| fitness::inflation(self.kind, model));
+        let inflation = inflation[0].min(inflation[1]);
+        let freedom = |model: &Fit| model.causes.iter().map(|c| self.freedom(*c) as f64).sum::<f64>();
+        let gain = (found.loss - pair.loss) / inflation - 2.0 * (freedom(&pair) - freedom(found));
+        if gain < RIVAL { None } else { self.forward(&pair) }
     }
 
     /// Two causes that together explain much of what is wrong, where neither does by itself: a gain and an offset that nearly cancel.
@@ -304,9 +339,8 @@ impl<'a> Search<'a> {
         if current.causes.len() + 2 > self.settings.most {
             return None;
         }
-        let residuals = Tangent::residuals(self.kind, current)?;
         let least = LEAST.max(PART * fitness::excess(self.kind, current));
-        let pairs = tangent.best_pairs(&residuals, |cause| !self.kind.causes()[cause].is_apart());
+        let pairs = self.pairs(tangent, current);
         let folds = folds(self.kind, self.settings);
         let sum = |model: &Fit| Some(losses(&self.held_out(model, &folds)?).iter().sum::<f64>());
         let before = sum(current)?;

@@ -6,6 +6,7 @@ use rand_pcg::Pcg64;
 use crate::choose::percentile;
 use crate::fit::{self, Fit};
 use crate::kind::Kind;
+use crate::noise::median;
 use crate::parallel;
 use crate::patterns::{self, Patterns};
 use crate::tangent::Tangent;
@@ -14,8 +15,12 @@ use crate::tangent::Tangent;
 const SHAPES: usize = 8;
 /// Mean square of residuals beyond 1, or of their smooth part, below which nothing is said to be wrong: the model itself is not truer.
 const LEAST: f64 = 0.03;
+/// The same of the level where the noise is estimated.
+const LEAST_ESTIMATED: f64 = 0.5;
 /// Mean of residuals over a part of a run, in standard deviations, below which nothing is said to be wrong.
 const LEAST_MEAN: f64 = 0.75;
+/// By how much more residuals must stand out where the noise is estimated.
+const DOUBT: f64 = 3.0;
 /// Scatter in terms of the stated noise above which something is wrong however the instruments may wander.
 const GROSS: f64 = 5.0;
 /// Correlation of residuals with the next from which on they follow each other.
@@ -43,7 +48,7 @@ pub struct Fitness {
     pub is_off: bool,
     /// Whether so much is left that it is not the instruments, however they may wander.
     pub is_gross: bool,
-    /// Whether the noise was given, so that this can be told for sure.
+    /// Whether the noise was given, or most runs leave what was estimated, so that this can be told for sure.
     pub is_sure: bool,
 }
 
@@ -202,7 +207,9 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
     let found = measure(&residuals);
     let drawn: Vec<Vec<f64>> = (0..draws.max(100)).map(|_| tangent.chance(kind, random)).collect();
     let chance = parallel::map(drawn.len(), |k| measure(&drawn[k]));
-    let is_sure = kind.channels().iter().all(|c| c.is_given);
+    let is_given = kind.channels().iter().all(|c| c.is_given);
+    let is_sure =
+        (0..channels).all(|c| kind.channels()[c].is_given || is_as_estimated(&series, c, &residuals));
     // Each statistic in terms of its own scatter by chance; the most telling of them.
     let scatter = |c: usize, k: usize| {
         let values: Vec<f64> = chance.iter().map(|x| x[c][k]).collect();
@@ -226,12 +233,17 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
         (0..channels).map(|c| (found[c][1] - scatters[c][1].0).max(0.0) / counts[c].max(1.0)).collect();
     let sizes = patterns.find(&residuals);
     let matters = |c: usize, k: usize| match k {
-        0 => (found[c][0] - scatters[c][0].0) / counts[c].max(1.0) > LEAST,
+        0 => {
+            let least = if kind.channels()[c].is_given { LEAST } else { LEAST_ESTIMATED };
+            (found[c][0] - scatters[c][0].0) / counts[c].max(1.0) > least
+        }
         1 | 2 => smooth[c] > LEAST,
         3 => sizes[c][0].size > LEAST_MEAN,
         _ => sizes[c][k - 3].size > LEAST,
     };
-    let is_wrong = all().any(|(c, k)| beyond(&found, c, k) > threshold && matters(c, k));
+    // What is estimated is not as sure: the noise of inputs adds up to something smooth.
+    let doubt = if is_given { 1.0 } else { DOUBT };
+    let is_wrong = all().any(|(c, k)| beyond(&found, c, k) > doubt * threshold && matters(c, k));
     let is_off = if is_sure && runs_of(&series) != 2 {
         is_wrong
     } else {
@@ -244,6 +256,17 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
     let raw = raw_residuals(kind, model);
     let squares = (fit::dot(&raw, &raw) - raw.len() as f64).max(0.0);
     Fitness { level: mean_square, whiteness, smooth, squares, alarm, is_off, is_gross, is_sure }
+}
+
+/// Whether most runs leave of a channel about the noise that was estimated for it: what others leave beyond that is then no instrument
+/// that wanders.
+fn is_as_estimated(series: &[Series], channel: usize, residuals: &[f64]) -> bool {
+    let square = |s: &Series| {
+        let values = s.places.iter().map(|&i| residuals[i] * residuals[i]);
+        values.sum::<f64>() / s.places.len().max(1) as f64
+    };
+    let mut squares: Vec<f64> = series.iter().filter(|s| s.channel == channel).map(square).collect();
+    squares.len() >= 3 && median(&mut squares) < 1.0 + LEAST_ESTIMATED
 }
 
 /// Correlation of each residual with the next, of each channel.

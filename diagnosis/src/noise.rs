@@ -14,19 +14,23 @@ pub(crate) fn channels(experiment: &Experiment, indices: &[usize]) -> Vec<Channe
                 (Some(noise), _) => (noise.hypot(quantised), true),
                 (None, Some(_)) => {
                     // What the count does not explain.
-                    let seen = estimate(experiment, k);
+                    let seen = STRIDES.map(|stride| estimate(experiment, k, stride));
+                    let seen = seen.into_iter().fold(f64::INFINITY, f64::min);
                     (if seen > 1.5 * quantised { seen } else { quantised }, seen <= 1.5 * quantised)
                 }
-                (None, None) => (estimate(experiment, k), false),
+                (None, None) => (estimate(experiment, k, 1), false),
             };
             Channel { name: experiment.columns[k].clone(), noise, step: step.unwrap_or(0.0), is_given }
         })
         .collect()
 }
 
-/// Standard deviation of what changes from one reading to the next: from third differences, which a smooth course does not have, and
+/// Rows between which counts are compared: of a column that moves by half a count a row, each one differs from the next, without noise.
+const STRIDES: [usize; 3] = [1, 2, 3];
+
+/// Standard deviation of what changes from one reading to the one `stride` later: from third differences, which a smooth course does not have, and
 /// their median, which outliers do not move. Never below what the values' own digits are worth.
-fn estimate(experiment: &Experiment, column: usize) -> f64 {
+fn estimate(experiment: &Experiment, column: usize, stride: usize) -> f64 {
     let mut differences = Vec::new();
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     let mut count: f64 = f64::INFINITY;
@@ -41,7 +45,8 @@ fn estimate(experiment: &Experiment, column: usize) -> f64 {
         for v in &values {
             (low, high) = (low.min(*v), high.max(*v));
         }
-        differences.extend(values.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs()));
+        let third = |w: &[f64]| (w[3 * stride] - 3.0 * w[2 * stride] + 3.0 * w[stride] - w[0]).abs();
+        differences.extend(values.windows(3 * stride + 1).map(third));
     }
     // Σ of the squares of 1, 3, 3, 1 is 20; the median of |x| is 0.6745 of a standard deviation.
     let seen = median(&mut differences) / (0.674_489_75 * 20f64.sqrt());

@@ -1,8 +1,8 @@
 //! The campaign: hidden effects of every cause in every kind of experiment, and what the diagnosis says of each.
 //!
-//!     cargo run --release -p saltus-tests --example campaign [kind=all] [what=clear,none] [seeds=2] [first=1] [cause=ID]
+//!     cargo run --release -p saltus-tests --example campaign [kind=all] [what=clear,none] [seeds=2] [first=1] [cause=ID] [noise=untold]
 //!
-//! With nothing given it runs flights only.
+//! With nothing given it runs flights only; with `noise=untold` the folders do not say how much their columns scatter.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -124,7 +124,10 @@ fn one(
     seed: u64,
 ) {
     let start = Instant::now();
-    let case = lab::make(sort, hidden, seed);
+    let mut case = lab::make(sort, hidden, seed);
+    if lists("noise", "untold") && option("noise").is_some() {
+        case.experiment.noise.fill(None);
+    }
     let made = start.elapsed().as_secs_f64();
     let robot = case.robot.as_deref().and_then(Robot::builtin);
     let Ok(kind) = kinds::build(&case.experiment, robot.as_ref()) else { return };

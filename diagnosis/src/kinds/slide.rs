@@ -36,8 +36,10 @@ impl Slides {
     pub fn new(experiment: &Experiment) -> Slides {
         let column = |name: &str| experiment.columns.iter().position(|c| c == name).unwrap_or(0);
         let (force, position) = (column("force_n"), column("position_m"));
-        let channels = noise::channels(experiment, &[position]);
-        let force_noise = noise::channels(experiment, &[force])[0].noise;
+        let mut channels = noise::channels(experiment, &[position]);
+        let of_force = noise::channels(experiment, &[force]).swap_remove(0);
+        channels[0].is_given &= of_force.is_given;
+        let force_noise = of_force.noise;
         let logs = experiment.runs.iter().map(|run| noise::log(experiment, run, &[position])).collect();
         let drives: Vec<Drive> = experiment.runs.iter().map(|run| drive(run, force)).collect();
         let mass_is_known = drives.iter().all(|d| d.mass.is_some());

@@ -46,6 +46,7 @@ impl Strokes {
         let bores = experiment.runs.iter().filter_map(|run| run.settings.get("bore_m"));
         let area = std::f64::consts::FRAC_PI_4 * bores.fold(0.0, |most: f64, bore| most.max(bore * bore));
         channel.noise = channel.noise.hypot(area * of_pressure.noise);
+        channel.is_given &= of_pressure.is_given;
         let channels = vec![channel];
         let logs = experiment.runs.iter().map(|run| noise::log(experiment, run, &[force])).collect();
         let drives: Vec<Drive> =
