@@ -39,8 +39,6 @@ impl Default for Settings {
 
 /// Of the false alarms, the part that may be an unknown effect.
 const UNKNOWN_PART: f64 = 0.2;
-/// An effect that changes no reading by so many standard deviations is left alone: the model itself is not truer than that.
-const LEAST_EFFECT: f64 = 0.2;
 /// Difference in loss below which data do not tell two causes apart: 7 to 1 in likelihood.
 const RIVAL: f64 = 4.0;
 /// Rivals of a cause that are named with it.
@@ -349,7 +347,7 @@ impl<'a> Search<'a> {
             let first = fit::fit_with(self.kind, current, pair.0, &self.runs)?;
             let both = fit::fit_with(self.kind, &first, pair.1, &self.runs)?;
             let is_better = current.loss - both.loss > least && sum(&both)? < before;
-            (is_better && self.effect(current, &both) >= LEAST_EFFECT).then_some(both)
+            (is_better && self.effect(current, &both) >= self.kind.trust()).then_some(both)
         })
     }
 
@@ -391,7 +389,7 @@ impl<'a> Search<'a> {
             Some(Candidate { cause, gain, fit, reported: Vec::new() })
         });
         let mut all: Vec<Candidate> =
-            fitted.into_iter().flatten().filter(|c| self.effect(base, &c.fit) >= LEAST_EFFECT).collect();
+            fitted.into_iter().flatten().filter(|c| self.effect(base, &c.fit) >= self.kind.trust()).collect();
         all.sort_by(|a, b| self.worth(b, 1.0).total_cmp(&self.worth(a, 1.0)));
         all
     }
@@ -424,16 +422,28 @@ impl<'a> Search<'a> {
         all
     }
 
-    /// By how many standard deviations two models differ at most.
+    /// By how many standard deviations two models differ in a run at most, for several readings of a channel (an event that comes a little
+    /// later changes one): root mean square over the runs.
     fn effect(&self, a: &Fit, b: &Fit) -> f64 {
+        /// So many.
+        const LASTS: usize = 5;
         let of = |model: &Fit, run: usize| {
             fit::predicted(self.kind, run, &model.terms, &model.unknowns[run]).unwrap_or_default()
         };
         let worst = parallel::map(self.runs.len(), |run| {
             let (a, b) = (of(a, run), of(b, run));
-            a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+            let differences = self.kind.logs()[run].readings.iter().zip(a.iter().zip(&b));
+            let mut of_channel = vec![Vec::new(); self.kind.channels().len()];
+            for (reading, (a, b)) in differences {
+                of_channel[reading.channel].push((a - b).abs());
+            }
+            let lasting = |values: &Vec<f64>| {
+                let least = |window: &[f64]| window.iter().copied().fold(f64::INFINITY, f64::min);
+                values.windows(LASTS.min(values.len().div_ceil(8).max(1))).map(least).fold(0.0, f64::max)
+            };
+            of_channel.iter().map(lasting).fold(0.0, f64::max)
         });
-        worst.into_iter().fold(0.0, f64::max)
+        (worst.iter().map(|x| x * x).sum::<f64>() / worst.len().max(1) as f64).sqrt()
     }
 
     /// Of the candidates that gain about as much as the first, the one that predicts data left out best; none if none predicts them
@@ -521,7 +531,7 @@ impl<'a> Search<'a> {
             match self.without(model, cause) {
                 Some(base)
                     if (base.loss - model.loss) / inflation < quantile(self.freedom(cause), 0.999)
-                        || self.effect(&base, model) < LEAST_EFFECT =>
+                        || self.effect(&base, model) < self.kind.trust() =>
                 {
                     *model = base;
                     k = 0;

@@ -31,7 +31,7 @@ pub struct Reported {
     pub name: String,
     /// What the data say.
     pub value: f64,
-    /// One standard error.
+    /// One standard error; not a number where it rests at a bound at which it does nothing.
     pub error: f64,
     /// Its 95 % interval by profile likelihood; of causes that were found, where it does not depend on several parameters of the fit.
     pub interval: Option<Interval>,
@@ -142,7 +142,9 @@ pub(crate) fn report(
                 (Some(a), Some(b)) => Some(Interval { low: at(a), high: at(b) }),
                 _ => None,
             };
-            Reported { name, value, error: variance.max(0.0).sqrt(), interval }
+            // One that rests where it does nothing has none.
+            let error = if variance > 0.0 { variance.sqrt() } else { f64::NAN };
+            Reported { name, value, error, interval }
         })
         .collect();
     known.and_then(|k| (k.least < 1e-6 && n > 1).then(|| k.direction[offset..offset + n].to_vec()))

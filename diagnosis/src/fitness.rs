@@ -13,7 +13,7 @@ use crate::tangent::Tangent;
 
 /// Smooth shapes over a run that residuals are compared with.
 const SHAPES: usize = 8;
-/// Mean square of residuals beyond 1, or of their smooth part, below which nothing is said to be wrong: the model itself is not truer.
+/// Mean square of residuals beyond 1, or of their smooth part, below which nothing is said to be wrong; or as far as the model is true.
 const LEAST: f64 = 0.03;
 /// The same of the level where the noise is estimated.
 const LEAST_ESTIMATED: f64 = 0.5;
@@ -232,14 +232,15 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
     let smooth: Vec<f64> =
         (0..channels).map(|c| (found[c][1] - scatters[c][1].0).max(0.0) / counts[c].max(1.0)).collect();
     let sizes = patterns.find(&residuals);
+    let least = LEAST.max(kind.trust().powi(2));
     let matters = |c: usize, k: usize| match k {
         0 => {
-            let least = if kind.channels()[c].is_given { LEAST } else { LEAST_ESTIMATED };
+            let least = if kind.channels()[c].is_given { least } else { LEAST_ESTIMATED };
             (found[c][0] - scatters[c][0].0) / counts[c].max(1.0) > least
         }
-        1 | 2 => smooth[c] > LEAST,
-        3 => sizes[c][0].size > LEAST_MEAN,
-        _ => sizes[c][k - 3].size > LEAST,
+        1 | 2 => smooth[c] > least,
+        3 => sizes[c][0].size > LEAST_MEAN.max(4.0 * kind.trust()),
+        _ => sizes[c][k - 3].size > least,
     };
     // What is estimated is not as sure: the noise of inputs adds up to something smooth.
     let doubt = if is_given { 1.0 } else { DOUBT };

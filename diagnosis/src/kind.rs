@@ -119,6 +119,12 @@ pub trait Kind: Sync {
         self.causes().len()
     }
 
+    /// Standard deviations of a reading to which the model itself can be trusted: an effect that changes no reading by as much is not
+    /// claimed.
+    fn trust(&self) -> f64 {
+        0.1
+    }
+
     /// What the model says of each reading of a run; none where it has no answer.
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>>;
 

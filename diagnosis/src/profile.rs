@@ -1,5 +1,7 @@
 //! Profile likelihood: how far a parameter may go before the data speak against it, whatever all others do.
 
+use nalgebra::DMatrix;
+
 use crate::fit::{self, Fit, parameters_of};
 use crate::kind::{Kind, Terms};
 use crate::tangent::Known;
@@ -38,8 +40,12 @@ impl Profile<'_> {
         let places = parameters_of(self.kind, &self.fit.causes);
         let index = places.iter().position(|place| *place == (cause, parameter))?;
         let spec = &self.kind.causes()[cause].parameters[parameter];
-        let variance = |of: &nalgebra::DMatrix<f64>| of[(index, index)].max(f64::MIN_POSITIVE);
-        let (all, readings) = (variance(&self.known.covariance), variance(&self.known.by_readings));
+        let variance = |of: &DMatrix<f64>| of[(index, index)];
+        let (all, readings) = match (variance(&self.known.covariance), variance(&self.known.by_readings)) {
+            (all, readings) if readings > 0.0 => (all, readings),
+            // One that rests where it does nothing.
+            _ => (1.0, 1.0),
+        };
         // Noise of measured inputs lets the parameter go further than the loss of the readings says.
         let level = LEVEL * self.inflation * all / readings;
         let (from, side) = (self.fit.terms.get(cause, parameter), if is_upper { 1.0 } else { -1.0 });

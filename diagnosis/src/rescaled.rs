@@ -49,6 +49,10 @@ impl Kind for Rescaled<'_> {
         self.kind.listed()
     }
 
+    fn trust(&self) -> f64 {
+        self.kind.trust()
+    }
+
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         self.kind.predict(run, terms, unknowns)
     }

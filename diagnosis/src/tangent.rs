@@ -15,7 +15,9 @@ pub(crate) struct Tangent {
     pub(crate) candidates: Vec<Direction>,
     /// Directions of the causes that are on, clear of the unknowns, in units of the parameters' scales.
     on: Vec<Vec<f64>>,
-    /// The same, orthonormal.
+    /// Which of them rest at a bound where they do nothing: the others are known as if these were not there.
+    rests: Vec<bool>,
+    /// The directions of causes that are on, orthonormal.
     clear: Vec<Vec<f64>>,
     /// Orthonormal directions of the unknowns of each run, within the run.
     own: Vec<Vec<Vec<f64>>>,
@@ -155,6 +157,11 @@ impl Tangent {
             clear_own(&mut all, &own, &bounds);
             Some(all)
         };
+        let rests = |&(c, p): &(usize, usize)| {
+            let (spec, x) = (&kind.causes()[c].parameters, fit.terms.get(c, p));
+            spec.len() > 1 && x == spec[p].neutral && (x == spec[p].bounds.0 || x == spec[p].bounds.1)
+        };
+        let rests = on.iter().map(rests).collect();
         let on = parallel::map(on.len(), |k| column(fit, &here, on[k].0, on[k].1));
         let on: Vec<Vec<f64>> = on.into_iter().collect::<Option<_>>()?;
         let clear = orthonormal(on.clone());
@@ -189,7 +196,7 @@ impl Tangent {
             direction(cause, raw, &clear, one_sided).into_iter().collect::<Vec<_>>()
         });
         let candidates = candidates.into_iter().flatten().collect();
-        Some(Tangent { candidates, on, clear, own, predicted: here.concat(), bounds })
+        Some(Tangent { candidates, on, rests, clear, own, predicted: here.concat(), bounds })
     }
 
     /// The residuals of `fit` in standard deviations, outliers cut.
@@ -287,7 +294,12 @@ impl Tangent {
                 direction: Vec::new(),
             };
         }
-        let information = self.information();
+        let mut information = self.information();
+        for k in (0..n).filter(|k| self.rests[*k]) {
+            information.row_mut(k).fill(0.0);
+            information.column_mut(k).fill(0.0);
+            information[(k, k)] = 1.0;
+        }
         let sizes: Vec<f64> = (0..n).map(|i| information[(i, i)].sqrt().max(1e-150)).collect();
         let scaled = DMatrix::from_fn(n, n, |i, j| information[(i, j)] / (sizes[i] * sizes[j]));
         let eigen = scaled.symmetric_eigen();
@@ -297,7 +309,10 @@ impl Tangent {
             let v = eigen.eigenvectors.column(k);
             inverse += v * v.transpose() / eigen.eigenvalues[k].max(1e-12);
         }
-        let by_readings = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (sizes[i] * sizes[j]));
+        let by_readings = DMatrix::from_fn(n, n, |i, j| {
+            let is_held = self.rests[i] || self.rests[j];
+            if is_held { 0.0 } else { inverse[(i, j)] / (sizes[i] * sizes[j]) }
+        });
         Known {
             covariance: &by_readings + self.by_inputs(kind, &by_readings),
             by_readings,

@@ -40,19 +40,23 @@ class Result:
     overshoot: float = 0.0  # of the end stop
     steps: int = 0
     force: list = dataclasses.field(default_factory=list)  # of the drive in each step (N)
+    rows: list = dataclasses.field(default_factory=list)  # at each tick: time, valve, lean, pivot, turn, gyro
 
 
 class Chamber:
     """The gas behind the piston of a leg.
 
-    dP/dt = k R T/V m' - k P/V A d',  V = V0 + A d, adiabatic; m' through one orifice, from the supply while the valve is
-    energised, to the atmosphere while it is not.
+    dP/dt = n R T/V m' - n P/V A d',  V = V0 + A d, adiabatic (n = k) where the robot's file has no other exponent; m' through one
+    orifice, from the supply while the valve is energised, to the atmosphere while it is not, and through a leak to the atmosphere.
     """
 
     def __init__(self, leg, environment):
-        if leg["gas"] != "air":
-            raise SystemExit(f"leg.gas = {leg['gas']}: must be air")
-        self.kappa, self.constant = 1.4, 287.05
+        gases = {"air": (1.4, 287.05), "co2": (1.30, 188.9)}
+        if leg["gas"] not in gases:
+            raise SystemExit(f"leg.gas = {leg['gas']}: must be one of {', '.join(gases)}")
+        self.kappa, self.constant = gases[leg["gas"]]
+        self.exponent = leg.get("polytropic_exponent", self.kappa)
+        self.leak = leg.get("leak_area_m2", 0.0)
         self.temperature = leg["gas_temperature_k"]
         self.ambient = environment["ambient_pressure_pa"]
         self.supply = self.ambient + PSI * leg["supply_pressure_gauge_psi"]
@@ -64,11 +68,11 @@ class Chamber:
         self.subsonic = math.sqrt(2 * k / (r * (k - 1)))
         self.critical = (2 / (k + 1)) ** (k / (k - 1))
 
-    def flow(self, up, down):
-        """Mass flow (kg/s) from the pressure `up` to `down` (Pa); negative where `down` is the greater."""
+    def flow(self, up, down, area):
+        """Mass flow (kg/s) through `area` (m2) from the pressure `up` to `down` (Pa); negative where `down` is the greater."""
         if down > up:
-            return -self.flow(down, up)
-        gain = up * self.orifice / math.sqrt(self.temperature)
+            return -self.flow(down, up, area)
+        gain = up * area / math.sqrt(self.temperature)
         ratio = down / up
         if ratio <= self.critical:
             return gain * self.choked
@@ -78,9 +82,11 @@ class Chamber:
     def rate(self, pressure, extension, speed, energised):
         """dP/dt (Pa/s)."""
         volume = self.dead_volume + self.area * extension
-        flow = self.flow(self.supply if energised else self.ambient, pressure)
+        flow = self.flow(self.supply if energised else self.ambient, pressure, self.orifice)
+        if self.leak > 0:
+            flow -= self.flow(pressure, self.ambient, self.leak)
         heat = self.constant * self.temperature * flow
-        return self.kappa * (heat - pressure * self.area * speed) / volume
+        return self.exponent * (heat - pressure * self.area * speed) / volume
 
     def advance(self, pressure, start, end, extension, speed, energised):
         """The pressure (Pa) at `end` (s): the extension goes linearly from what it is at `start`. Runge-Kutta, substeps <= 50 us."""
@@ -161,8 +167,13 @@ class Robot:
         d.qvel[:2] = np.linalg.solve(still[:, :2], -rate * still[:, self.lean_rate])
         mujoco.mj_forward(m, d)
 
-    def jump(self, launch, step, end=3.0):
-        """Flies `launch` in steps of `step` (s)."""
+    def readings(self):
+        """Lean, pivot and turn (rad), and what a gyro on the wheel of a tilted boom says (rad/s)."""
+        q, v = self.data.qpos, self.data.qvel
+        return [q[self.lean], q[1], q[0], v[self.lean_rate] + v[0] * math.sin(q[1])]
+
+    def jump(self, launch, step, end=3.0, tick=None):
+        """Flies `launch` in steps of `step` (s); with a `tick` (s) the command comes at one, and a row is kept at each."""
         m, d, chamber = self.model, self.data, self.chamber
         m.opt.timestep = step
         m.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
@@ -170,10 +181,14 @@ class Robot:
         result = Result()
         pressure = chamber.ambient
         opens = closes = math.inf
+        every = round(tick / step) if tick else 0
+        reading = lambda time: [time, int(time >= result.fire and time < result.fire + launch.valve_open), *self.readings()]
         if d.qpos[self.lean] >= launch.firing_angle:
             result.fire, opens = 0.0, self.delay
             closes = opens + launch.valve_open
         n, off, risen = 0, False, False
+        if tick:
+            result.rows.append(reading(0.0))
         axle = before = self.axle()
         while n * step < end:
             time, extension, lean = n * step, d.qpos[self.leg], d.qpos[self.lean]
@@ -190,10 +205,13 @@ class Robot:
             pressure = self.gas(pressure, time, n * step, extension, speed, opens, closes)
             mujoco.mj_kinematics(m, d)
             before, axle = axle, self.axle()
-            if opens == math.inf and d.qpos[self.lean] >= launch.firing_angle:
-                result.fire = time + step * (launch.firing_angle - lean) / (d.qpos[self.lean] - lean)
+            if opens == math.inf and d.qpos[self.lean] >= launch.firing_angle and (not tick or n % every == 0):
+                passed = (launch.firing_angle - lean) / (d.qpos[self.lean] - lean)
+                result.fire = n * step if tick else time + step * passed
                 opens = result.fire + self.delay
                 closes = opens + launch.valve_open
+            if tick and n % every == 0:
+                result.rows.append(reading(n * step))
             result.overshoot = max(result.overshoot, d.qpos[self.leg] - self.stroke)
             travel, gap = self.foot_place()
             if not off:

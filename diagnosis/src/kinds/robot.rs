@@ -340,6 +340,11 @@ impl Kind for Firings {
         self.listed
     }
 
+    /// Joints, valves and contacts are never quite as they are modelled.
+    fn trust(&self) -> f64 {
+        0.4
+    }
+
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         if self.sort == Sort::Outcomes {
             return Some(self.outcomes(run, terms));
