@@ -47,6 +47,9 @@ fn a_document_has_the_documented_keys() {
     assert!(cause["rivals"].is_array() && cause["candidates"].is_array());
     assert!(cause["parameters"]["drag_coefficient"].as_f64().unwrap() > 0.0);
     assert!(cause["standard_errors"]["drag_coefficient"].as_f64().unwrap() > 0.0);
+    let [low, high] = [0, 1].map(|k| cause["intervals_95"]["drag_coefficient"][k].as_f64().unwrap());
+    let value = cause["parameters"]["drag_coefficient"].as_f64().unwrap();
+    assert!(low < value && value < high, "{low} {value} {high}");
     let gain = &document["gain"]["y_m"];
     for key in ["rms_before", "rms_after", "noise", "ratio_low", "ratio_high"] {
         assert!(gain[key].as_f64().unwrap() > 0.0, "{key}");

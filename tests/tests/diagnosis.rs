@@ -44,6 +44,22 @@ fn a_clear_effect_in_hops_and_jumps() {
     finds(Sort::Jump, &[("axle-friction", Size::Clear)], 43);
 }
 
+/// The robot already moves at the first row of its log.
+#[test]
+fn a_late_sensor_in_jumps() {
+    finds(Sort::Jump, &[("sensor-delay", Size::Clear)], 501);
+}
+
+/// Where nobody says how much a column scatters, the runs that are as they should be tell it.
+#[test]
+fn a_part_of_one_run_where_the_noise_is_not_told() {
+    let mut case = lab::make(Sort::Stroke, &[("saturation", Size::Large)], 3002);
+    case.experiment.noise.fill(None);
+    let kind = kinds::build(&case.experiment, None).expect("a model of the data");
+    let found = diagnose(kind.as_ref(), &Settings::default(), &|_| ()).expect("an answer");
+    assert!(found.unknown.is_some() && found.findings.is_empty(), "{}", verdict::say(kind.as_ref(), &found));
+}
+
 #[test]
 fn a_clear_effect_in_flights_and_parts() {
     for (sort, id) in [
