@@ -159,7 +159,7 @@ mod tests {
     #[test]
     fn an_interval_may_have_one_end() {
         let of = |low, high| interval(Interval { low, high }, 0.021, "N m");
-        assert_eq!(of(Some(0.312_34), Some(0.4)), "0.312 to 0.400 N m");
+        assert_eq!(of(Some(0.312_34), Some(0.4)), "0.312 to 0.4 N m");
         assert_eq!(of(Some(0.312_34), None), "at least 0.312 N m");
         assert_eq!(of(None, Some(0.0)), "at most 0 N m");
         assert_eq!(of(None, None), "not bounded by these data");
