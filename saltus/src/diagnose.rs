@@ -65,7 +65,10 @@ pub fn robot_file(kind: &dyn Kind, diagnosis: &Diagnosis, robot: &Robot, hash: &
         }
         let _ = writeln!(text, ":");
         for Reported { name, value, error, interval } in &finding.best.reported {
-            let _ = write!(text, "#   {name} = {value:?}, standard error {error:.2e}");
+            let _ = write!(text, "#   {name} = {value:?}");
+            if error.is_finite() {
+                let _ = write!(text, ", standard error {error:.2e}");
+            }
             if let Some(Interval { low, high }) = interval {
                 let end = |end: &Option<f64>| end.map_or("open".into(), |x| format!("{x:.4e}"));
                 let _ = write!(text, ", 95 % interval {} to {}", end(low), end(high));

@@ -6,7 +6,7 @@
     target/mujoco/bin/python tests/mujoco/diagnose.py            # or the names of some sets
 
 The robot is rats-boom with its file changed; MuJoCo has the bodies that `saltus export mjcf` writes and the chamber of jump.py, in
-steps of 0.1 ms. A set has twelve jumps that are logged at 1 kHz by encoders with counts of 7.854 and 3.927 mrad and a gyro with a
+steps of 25 us. A set has twelve jumps that are logged at 1 kHz by encoders with counts of 7.854 and 3.927 mrad and a gyro with a
 noise of 0.03 rad/s. The operator believes in rats-boom, whose foot cannot slip; MuJoCo's coefficient of friction is 1. A set is right if its effect
 is the one cause that is named, alone or with two rivals at most. Exit code 1 if one is not.
 """
@@ -17,7 +17,6 @@ import math
 import multiprocessing
 import pathlib
 import random
-import re
 import subprocess
 import sys
 import tempfile
@@ -32,7 +31,7 @@ STEP, TICK = 2.5e-5, 1e-3  # s
 WHEEL, BOOM, GYRO = 7.854e-3, 3.927e-3, 0.03  # rad, rad, rad/s
 COLUMNS = "wheel_angle_rad", "pivot_angle_rad", "radius_angle_rad", "wheel_rate_rad_s"
 
-# Name: the cause, keys of the robot file, what is done to MuJoCo's model, what the sensors do.
+# Name: what is to be said, and what is changed: keys of the robot file, a sensor, or a joint of MuJoCo's model.
 SETS = {
     "none-1": ("none", {}),
     "none-2": ("none", {}),
@@ -115,7 +114,6 @@ def make(name, binary, folder):
         section, last = key.split(".")
         file.setdefault(section, {})[last] = value
     changed, xml = folder / f"{name}.toml", folder / f"{name}.xml"
-    # MuJoCo's bodies know nothing of the gas.
     changed.write_text(dump(file))
     subprocess.run([binary, "export", "mjcf", "--robot", changed, "--out", xml], check=True, stdout=subprocess.DEVNULL)
     robot = Robot(changed, xml)

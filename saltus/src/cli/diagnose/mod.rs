@@ -87,7 +87,7 @@ left in each channel and phase of the runs and whether that is noise, and what e
 explain. --report writes the same as a page with charts, --plot the residuals before and after.
 
 JSON: {\"causes\": [{\"id\", \"column\" (of a sensor), \"parameters\": {name: value}, \"standard_errors\": {name: value}, \
-\"intervals_95\": {name: [low, high]: by profile likelihood, null where an end is beyond what physics allows; not of a parameter \
+\"intervals_95\": {name: [low, high]: by profile likelihood, null where an end is beyond what physics allows, as is the standard error of a parameter that rests at such a bound; not of a parameter \
 that depends on several of the fit}, \"rivals\": [ids, two at most], \"less_likely\": [ids that are not excluded either], \"candidates\": [the rivals with their parameters], \"unlisted\" (null, or a term without an id \
 that does as well; then a rival is \"unknown\"), \"undetermined\" (null, or a direction of \
 the parameters that the data do not tell), \"loss_falls_by\", \"held_out_loss_falls_by\"}], \"gain\": {channel: \
