@@ -13,6 +13,7 @@ use crate::gain::{self, Score};
 use crate::kind::Kind;
 use crate::next::{self, NextExperiment};
 use crate::parallel;
+use crate::remembered::Remembered;
 use crate::rescaled::Rescaled;
 use crate::tangent::Tangent;
 
@@ -49,6 +50,8 @@ const WANDERS: f64 = 2.0;
 const SHARE: f64 = 0.2;
 /// Part of what is wrong that may be left because a cause has somewhat another form than its term.
 const SAME_FORM: f64 = 0.03;
+/// Of the best gain, the part below which a cause is no rival.
+const LITTLE: f64 = 0.3;
 /// Part of what is wrong that the causes found must explain, where something is left that they do not.
 const EXPLAINED: f64 = 0.8;
 
@@ -59,6 +62,8 @@ const EXPLAINED: f64 = 0.8;
 /// cause explains: the search is then done again with the scatter that is seen.
 pub fn diagnose(kind: &dyn Kind, settings: &Settings, progress: &(dyn Fn(&str) + Sync)) -> Option<Diagnosis> {
     progress("fitting the model as it is");
+    let remembered = Remembered::new(kind);
+    let kind: &dyn Kind = &remembered;
     let mut search = Search::new(kind, settings, progress);
     let before = fit::fit_none(kind, &search.runs)?;
     let chosen = search.forward(&before)?;
@@ -381,17 +386,28 @@ impl<'a> Search<'a> {
             Some((tangent, residuals)) => self.promising(tangent, &residuals),
             None => (0..self.kind.listed()).filter(|c| !base.causes.contains(c)).collect(),
         };
-        let fitted = parallel::map(off.len(), |k| {
-            let cause = off[k];
+        // Those with many starts take long, and are given up early where others explain far more.
+        let (far, near): (Vec<usize>, Vec<usize>) =
+            off.into_iter().partition(|cause| self.kind.causes()[*cause].is_apart());
+        let mut fitted = self.fit_each(base, &near, 0.0);
+        let best = fitted.iter().map(|c| c.gain).fold(0.0, f64::max);
+        fitted.extend(self.fit_each(base, &far, LITTLE * best));
+        let mut all: Vec<Candidate> =
+            fitted.into_iter().filter(|c| self.effect(base, &c.fit) >= self.kind.trust()).collect();
+        all.sort_by(|a, b| self.worth(b, 1.0).total_cmp(&self.worth(a, 1.0)));
+        all
+    }
+
+    /// `base` with each of `causes`; one that does not gain `enough` in its first steps is left there.
+    fn fit_each(&self, base: &Fit, causes: &[usize], enough: f64) -> Vec<Candidate> {
+        let fitted = parallel::map(causes.len(), |k| {
+            let cause = causes[k];
             (self.progress)(&format!("{}: {}", base.causes.len() + 1, self.kind.causes()[cause].id));
-            let fit = fit::fit_with(self.kind, base, cause, &self.runs)?;
+            let fit = fit::fit_if(self.kind, base, cause, &self.runs, enough)?;
             let gain = base.loss - fit.loss;
             Some(Candidate { cause, gain, fit, reported: Vec::new() })
         });
-        let mut all: Vec<Candidate> =
-            fitted.into_iter().flatten().filter(|c| self.effect(base, &c.fit) >= self.kind.trust()).collect();
-        all.sort_by(|a, b| self.worth(b, 1.0).total_cmp(&self.worth(a, 1.0)));
-        all
+        fitted.into_iter().flatten().collect()
     }
 
     /// Causes whose gain, as far as small changes tell it, is more than nothing and not far behind the best.

@@ -131,8 +131,9 @@ struct Problem<'a> {
     mask: &'a Mask,
     parameters: Vec<Parameter>,
     fit: Fit,
-    /// Derivatives by the unknowns of each run from an earlier step: they change little, and the last step is made with new ones.
-    own: Vec<Option<Vec<Vec<f64>>>>,
+    /// Derivatives of the predictions of each run, for one of each parameter's scale: taken once, and then corrected by what every step has
+    /// shown (Broyden).
+    slopes: Vec<Option<Vec<Vec<f64>>>>,
 }
 
 /// A point of a search: predictions and residuals of each run, and the loss.
@@ -163,7 +164,7 @@ impl<'a> Problem<'a> {
         for &run in runs {
             parameters.extend(kind.unknowns(run));
         }
-        Problem { kind, shared, runs, mask, parameters, fit, own: vec![None; runs.len()] }
+        Problem { kind, shared, runs, mask, parameters, fit, slopes: vec![None; runs.len()] }
     }
 
     fn read(&self) -> Vec<f64> {
@@ -205,32 +206,65 @@ impl<'a> Problem<'a> {
         Some(point)
     }
 
+    /// What each run depends on: its places, and their indices among all parameters.
+    fn places(&self) -> Vec<(Vec<Place>, Vec<usize>)> {
+        let n = self.shared.len();
+        let mut next = n;
+        self.runs
+            .iter()
+            .map(|&run| {
+                let own = self.fit.unknowns[run].len();
+                let shared = self.shared.iter().map(|&(c, p)| Place::Shared(c, p));
+                let indices = (0..n).chain(next..next + own).collect();
+                next += own;
+                (shared.chain((0..own).map(Place::Own)).collect(), indices)
+            })
+            .collect()
+    }
+
+    /// Takes the derivatives at `point` that are not known.
+    fn look(&mut self, point: &Point) -> Option<()> {
+        for (k, (places, indices)) in self.places().into_iter().enumerate() {
+            if self.slopes[k].is_some() {
+                continue;
+            }
+            let run = self.runs[k];
+            let unknowns = &self.fit.unknowns[run];
+            let by = |(place, index): (&Place, &usize)| {
+                let place = (*place, &self.parameters[*index]);
+                derivative(self.kind, run, &self.fit.terms, unknowns, &point.predicted[k], place)
+            };
+            self.slopes[k] = Some(places.iter().zip(&indices).map(by).collect::<Option<_>>()?);
+        }
+        Some(())
+    }
+
+    /// Corrects the derivatives by what `step` (in the parameters' scales) did to the predictions.
+    fn correct(&mut self, step: &[f64], before: &[Vec<f64>], after: &[Vec<f64>]) {
+        for (k, (_, indices)) in self.places().into_iter().enumerate() {
+            let Some(slopes) = &mut self.slopes[k] else { continue };
+            let size: f64 = indices.iter().map(|i| step[*i] * step[*i]).sum();
+            if size < 1e-12 {
+                continue;
+            }
+            let told = |i: usize| slopes.iter().zip(&indices).map(|(s, at)| s[i] * step[*at]).sum::<f64>();
+            let missed: Vec<f64> =
+                (0..before[k].len()).map(|i| (after[k][i] - before[k][i] - told(i)) / size).collect();
+            for (slope, at) in slopes.iter_mut().zip(&indices) {
+                for (s, missed) in slope.iter_mut().zip(&missed) {
+                    *s += missed * step[*at];
+                }
+            }
+        }
+    }
+
     /// Normal equations in units of the parameters' scales. The present parameters are those of `point`.
     fn normal(&mut self, point: &Point) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        self.look(point)?;
         let n = self.parameters.len();
         let (mut matrix, mut slope) = (DMatrix::zeros(n, n), DVector::zeros(n));
-        let mut next = self.shared.len();
-        for (k, &run) in self.runs.iter().enumerate() {
-            let unknowns = &self.fit.unknowns[run].clone();
-            let own = next..next + unknowns.len();
-            next = own.end;
-            let shared = self.shared.iter().map(|&(c, p)| Place::Shared(c, p));
-            let places: Vec<Place> = shared.chain((0..unknowns.len()).map(Place::Own)).collect();
-            let columns: Vec<usize> = (0..self.shared.len()).chain(own).collect();
-            let known = self.own[k].is_some();
-            let mut jacobian = Vec::with_capacity(columns.len());
-            for (place, &column) in places.iter().zip(&columns) {
-                if known && matches!(place, Place::Own(_)) {
-                    continue;
-                }
-                let by = (*place, &self.parameters[column]);
-                let here = &point.predicted[k];
-                jacobian.push(derivative(self.kind, run, &self.fit.terms, unknowns, here, by)?);
-            }
-            match &self.own[k] {
-                Some(own) => jacobian.extend(own.iter().cloned()),
-                None => self.own[k] = Some(jacobian[self.shared.len()..].to_vec()),
-            }
+        for (k, (_, columns)) in self.places().into_iter().enumerate() {
+            let (run, jacobian) = (self.runs[k], self.slopes[k].as_ref()?);
             let weights: Vec<f64> = point.residuals[k]
                 .iter()
                 .enumerate()
@@ -266,12 +300,17 @@ impl<'a> Problem<'a> {
             self.write(&x);
             let Some((matrix, slope)) = self.normal(&point) else { break };
             let done = point.done();
+            let (from, before) = (x.clone(), point.predicted.clone());
             let fall = self.step(&mut x, &mut point, &matrix, &slope, &mut damping);
             if fall < done {
-                if is_new || self.parameters.len() == self.shared.len() {
+                if is_new || self.parameters.len() == 1 {
                     break;
                 }
-                self.own.fill(None);
+                self.slopes.fill(None);
+            } else {
+                let moved =
+                    x.iter().zip(from).zip(&self.parameters).map(|((x, from), p)| (x - from) / p.scale);
+                self.correct(&moved.collect::<Vec<_>>(), &before, &point.predicted);
             }
             is_new = fall < done;
         }
@@ -372,6 +411,11 @@ pub(crate) fn refit_unknowns(kind: &dyn Kind, model: &Fit, runs: &[usize], mask:
 
 /// Fits `base` with `cause` added, from where it is and from every start of the cause.
 pub(crate) fn fit_with(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]) -> Option<Fit> {
+    fit_if(kind, base, cause, runs, 0.0)
+}
+
+/// The same, but given up after the first steps where those do not gain `enough`.
+pub(crate) fn fit_if(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize], enough: f64) -> Option<Fit> {
     let parameters = &kind.causes()[cause].parameters;
     let mut starts: Vec<Vec<f64>> = Vec::new();
     let is_apart = kind.causes()[cause].is_apart();
@@ -406,6 +450,9 @@ pub(crate) fn fit_with(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]
     let mut tried: Vec<Fit> = from.into_iter().filter_map(|fit| refit(kind, fit, runs, &None, 4)).collect();
     tried.sort_by(|a, b| a.loss.total_cmp(&b.loss));
     let least = tried.first()?.loss;
+    if base.loss - least < enough {
+        return tried.into_iter().next();
+    }
     // Starts that stay behind are given up.
     tried.retain(|t| t.loss <= least + 0.1 * (base.loss - least).max(10.0));
     let done = tried.into_iter().take(2).filter_map(|t| refit(kind, t, runs, &None, STEPS));

@@ -94,6 +94,11 @@ impl Terms {
         &self.0[cause]
     }
 
+    /// Those of all causes in turn.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &f64> {
+        self.0.iter().flatten()
+    }
+
     /// Sets one.
     pub fn set(&mut self, cause: usize, parameter: usize, value: f64) {
         self.0[cause][parameter] = value;

@@ -18,6 +18,7 @@ mod noise;
 mod parallel;
 mod patterns;
 mod profile;
+mod remembered;
 mod rescaled;
 mod residuals;
 pub mod rig;

@@ -83,13 +83,15 @@ impl Course {
     }
 
     pub(super) fn apex_and_landing(&self) -> Option<(f64, f64)> {
-        let apex = self.knots.windows(2).find(|w| w[0].height.1 > 0.0 && w[1].height.1 <= 0.0);
+        // Before, the axle rises and sinks on its way over the foot.
+        let flight = &self.knots[self.knots.partition_point(|k| Some(k.time) < self.leaves)..];
+        let apex = flight.windows(2).find(|w| w[0].height.1 > 0.0 && w[1].height.1 <= 0.0);
         let top = match apex {
             Some([a, b]) => {
                 let h = b.time - a.time;
                 hermite(a.height, b.height, root(|s| hermite(a.height, b.height, s, h).1), h).0
             }
-            _ => self.knots.iter().map(|k| k.height.0).fold(0.0, f64::max),
+            _ => flight.iter().map(|k| k.height.0).fold(0.0, f64::max),
         };
         let [.., a, b] = &self.knots[..] else { return None };
         let h = b.time - a.time;

@@ -27,6 +27,22 @@ struct Rigid {
 }
 
 impl Rigid {
+    /// Inertia in axes that its own are `axes` in.
+    fn turned(&self, axes: &Matrix3<f64>) -> Matrix3<f64> {
+        // Most are round.
+        let [x, y, z] = [0, 1, 2].map(|k| self.inertia[(k, k)]);
+        let is_bare = [(0, 1), (0, 2), (1, 2)].iter().all(|at| self.inertia[*at] == 0.0);
+        let round = |across: f64, along: f64, axis: usize| {
+            let u = axes.column(axis);
+            Matrix3::identity() * across + u * (u * (along - across)).transpose()
+        };
+        match is_bare {
+            true if x == z => round(x, y, 1),
+            true if x == y => round(x, z, 2),
+            _ => axes * self.inertia * axes.transpose(),
+        }
+    }
+
     fn add(&mut self, other: &Rigid) {
         let mass = self.mass + other.mass;
         if mass == 0.0 {
@@ -61,6 +77,8 @@ pub(super) struct Machine {
     outer: Rigid,
     wheel: Rigid,
     leg: Rigid,
+    /// Mass (kg) that a leg has in its own equation at least.
+    least: f64,
     gravity: f64,
     /// Drag (kg/m): −`drag` |v| v at the axle.
     drag: f64,
@@ -138,8 +156,8 @@ impl Machine {
             Rigid { mass: part.mass, center: u * part.center, inertia }
         };
         let mut leg = rod(0);
-        let least = if floor.soft.is_some() { SOFT_LEAST } else { MASSLESS * body.mass };
-        let lent = (least - leg.mass).max(0.0);
+        let least = MASSLESS * body.mass;
+        let lent = if floor.soft.is_some() { (SOFT_LEAST - leg.mass).max(0.0) } else { 0.0 };
         leg.mass += lent;
         let (offset, angle) = (body.imbalance, body.imbalance_angle);
         let center = V3::new(angle.sin(), 0.0, -angle.cos()) * offset;
@@ -180,6 +198,7 @@ impl Machine {
             outer,
             wheel,
             leg,
+            least,
             gravity: robot.environment.gravity,
             drag: robot.environment.drag * robot.axle_mass(),
             axle_friction: body.axle_friction,
@@ -238,8 +257,13 @@ impl Machine {
         if let Some(length) = self.boom {
             let (sin, cos) = q[PIVOT].sin_cos();
             let first = V3::new(0.0, cos, sin);
-            let (sin, cos) = (q[PIVOT] + q[BEND]).sin_cos();
-            let second = V3::new(0.0, cos, sin);
+            let second = match self.flex {
+                Some(_) => {
+                    let (sin, cos) = (q[PIVOT] + q[BEND]).sin_cos();
+                    V3::new(0.0, cos, sin)
+                }
+                None => first,
+            };
             let turn = V3::new(0.0, 0.0, -v[TURN]);
             let (a, b) = (turn + x * v[PIVOT], turn + x * (v[PIVOT] + v[BEND]));
             let across = turn.cross(&x);
@@ -273,21 +297,24 @@ impl Machine {
 
     /// Column k: velocity of a point `at` of the wheel or the leg (`with_leg`) for a unit velocity k.
     fn columns(&self, f: &Frame, at: &V3, with_leg: bool) -> [V3; N] {
-        let x = V3::x();
         let from_axle = f.outward[1].cross(&(at - f.axle));
         let leg = if with_leg { f.down } else { V3::zeros() };
         if self.boom.is_some() {
-            [(-V3::z()).cross(at), x.cross(at), x.cross(&(at - f.hinge)), from_axle, leg]
+            // −z × r and x × r.
+            let bend = V3::new(0.0, f.hinge.z - at.z, at.y - f.hinge.y);
+            [V3::new(at.y, -at.x, 0.0), V3::new(0.0, -at.z, at.y), bend, from_axle, leg]
         } else {
-            [x, V3::z(), V3::zeros(), from_axle, leg]
+            [V3::x(), V3::z(), V3::zeros(), from_axle, leg]
         }
     }
 
-    fn turning(&self, f: &Frame) -> [V3; N] {
-        if self.boom.is_some() {
-            [-V3::z(), V3::x(), V3::x(), f.outward[1], V3::zeros()]
-        } else {
-            [V3::zeros(), V3::zeros(), V3::zeros(), f.outward[1], V3::zeros()]
+    /// What `x` has along the angular velocity for a unit velocity `joint`.
+    fn about(&self, f: &Frame, joint: usize, x: &V3) -> f64 {
+        match joint {
+            LEAN => f.outward[1].dot(x),
+            TURN if self.boom.is_some() => -x.z,
+            PIVOT | BEND if self.boom.is_some() => x.x,
+            _ => 0.0,
         }
     }
 
@@ -313,16 +340,21 @@ impl Machine {
             }
             let (w, r) = (&f.spin[k], &f.spin_rate[k]);
             acceleration += r.cross(&arm) + w.cross(&w.cross(&arm));
-            let at = from + arm;
-            let (lin, ang) = (self.columns(f, &at, slide.is_some()), self.turning(f));
-            let turn = |x: &V3| axes * (body.inertia * axes.tr_mul(x));
+            let lin = self.columns(f, &(from + arm), slide.is_some());
+            let inertia = body.turned(axes);
             let push = (weight - acceleration) * body.mass;
-            let torque = -(turn(r) + w.cross(&turn(w)));
+            let torque = -(inertia * r + w.cross(&(inertia * w)));
             for (n, &j) in joints.iter().enumerate() {
-                force[j] += lin[j].dot(&push) + ang[j].dot(&torque);
-                let turned = turn(&ang[j]);
+                force[j] += lin[j].dot(&push) + self.about(f, j, &torque);
+                let along = lin[j] * body.mass;
+                let turned = match j {
+                    LEAN => inertia * f.outward[1],
+                    TURN => -inertia.column(2),
+                    PIVOT | BEND => inertia.column(0).into_owned(),
+                    _ => V3::zeros(),
+                };
                 for &i in &joints[..=n] {
-                    mass[(i, j)] += body.mass * lin[i].dot(&lin[j]) + ang[i].dot(&turned);
+                    mass[(i, j)] += lin[i].dot(&along) + self.about(f, i, &turned);
                 }
             }
         };
@@ -339,7 +371,12 @@ impl Machine {
             (&[TURN, PIVOT, LEAN], &[TURN, PIVOT, LEAN, LEG])
         };
         add(&self.wheel, &f.wheel, 2, wheel, &f.axle, &f.bias[1], None);
-        add(&self.leg, &f.wheel, 2, leg, &f.axle, &f.bias[1], Some((q[LEG], v[LEG])));
+        if self.leg.mass <= self.least {
+            // What keeps its coordinate in the equations moves nothing else.
+            mass[(LEG, LEG)] = self.least;
+        } else {
+            add(&self.leg, &f.wheel, 2, leg, &f.axle, &f.bias[1], Some((q[LEG], v[LEG])));
+        }
         for j in 0..N {
             for i in 0..j {
                 mass[(j, i)] = mass[(i, j)];
@@ -369,13 +406,16 @@ impl Machine {
     /// Gap (m) between foot and ground, and the foot's directions: normal and along the travel, with the place of contact and the centre.
     fn foot(&self, f: &Frame, q: &Coordinates) -> (f64, V3, V3, V3, V3) {
         let center = f.axle + f.down * (self.radius - self.foot + q[LEG]);
-        let (sin, cos) = self.floor.slope.sin_cos();
         // The ground's normal in axes that turn with ψ; its point below the start.
-        let turn = if self.boom.is_some() { q[TURN] } else { 0.0 };
-        let normal = V3::new(-sin * turn.cos(), -sin * turn.sin(), cos);
-        let start = match self.boom {
-            Some(length) => V3::new(-length * turn.sin(), length * turn.cos(), -self.radius),
-            None => V3::new(0.0, 0.0, -self.radius),
+        let below = V3::new(0.0, 0.0, -self.radius);
+        let (normal, start) = if self.floor.slope == 0.0 {
+            (V3::z(), below)
+        } else {
+            let (sin, cos) = self.floor.slope.sin_cos();
+            let (turn, length) = self.boom.map_or((0.0, 0.0), |length| (q[TURN], length));
+            let (across, ahead) = turn.sin_cos();
+            let start = below + V3::new(-across, ahead, 0.0) * length;
+            (V3::new(-sin * ahead, -sin * across, cos), start)
         };
         let gap = normal.dot(&(center - start)) - self.foot;
         let place = center - normal * self.foot;
