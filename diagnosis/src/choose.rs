@@ -270,6 +270,10 @@ impl<'a> Search<'a> {
                 current = pair;
                 continue;
             };
+            // Nor is another claimed that explains less of it.
+            if self.effect(&current, &best.fit) < self.kind.least_effect(best.cause) {
+                break;
+            }
             let needed = threshold + quantile(self.freedom(best.cause), 0.999) + self.surprise(&best);
             steps.push((best.fit.clone(), best.gain, needed));
             current = best.fit;
@@ -392,10 +396,8 @@ impl<'a> Search<'a> {
         let mut fitted = self.fit_each(base, &near, 0.0);
         let best = fitted.iter().map(|c| c.gain).fold(0.0, f64::max);
         fitted.extend(self.fit_each(base, &far, LITTLE * best));
-        let mut all: Vec<Candidate> =
-            fitted.into_iter().filter(|c| self.effect(base, &c.fit) >= self.kind.trust()).collect();
-        all.sort_by(|a, b| self.worth(b, 1.0).total_cmp(&self.worth(a, 1.0)));
-        all
+        fitted.sort_by(|a, b| self.worth(b, 1.0).total_cmp(&self.worth(a, 1.0)));
+        fitted
     }
 
     /// `base` with each of `causes`; one that does not gain `enough` in its first steps is left there.
@@ -547,7 +549,7 @@ impl<'a> Search<'a> {
             match self.without(model, cause) {
                 Some(base)
                     if (base.loss - model.loss) / inflation < quantile(self.freedom(cause), 0.999)
-                        || self.effect(&base, model) < self.kind.trust() =>
+                        || self.effect(&base, model) < self.kind.least_effect(cause) =>
                 {
                     *model = base;
                     k = 0;

@@ -12,6 +12,8 @@ const STEPS: usize = 40;
 const DONE: f64 = 1e-2;
 /// The same as a part of the loss beyond that of noise.
 const DONE_PART: f64 = 1e-4;
+/// Fall of the loss in terms of what corrected derivatives tell, below which they are taken anew.
+const GOOD: f64 = 0.7;
 /// Starts of a cause from which steps are made.
 const MOST_STARTS: usize = 4;
 /// Step of a difference quotient, in terms of a parameter's scale.
@@ -301,11 +303,15 @@ impl<'a> Problem<'a> {
             let Some((matrix, slope)) = self.normal(&point) else { break };
             let done = point.done();
             let (from, before) = (x.clone(), point.predicted.clone());
-            let fall = self.step(&mut x, &mut point, &matrix, &slope, &mut damping);
+            let (fall, as_told) = self.step(&mut x, &mut point, &matrix, &slope, &mut damping);
             if fall < done {
                 if is_new || self.parameters.len() == 1 {
                     break;
                 }
+                // What hindered may have been the old ones.
+                self.slopes.fill(None);
+                damping = 1e-3;
+            } else if as_told < GOOD {
                 self.slopes.fill(None);
             } else {
                 let moved =
@@ -319,7 +325,7 @@ impl<'a> Problem<'a> {
         Some(())
     }
 
-    /// One step; by how much it lowers the loss.
+    /// One step; by how much it lowers the loss, and in terms of what the derivatives told.
     fn step(
         &mut self,
         x: &mut Vec<f64>,
@@ -327,7 +333,7 @@ impl<'a> Problem<'a> {
         matrix: &DMatrix<f64>,
         slope: &DVector<f64>,
         damping: &mut f64,
-    ) -> f64 {
+    ) -> (f64, f64) {
         // What a bound holds does not move.
         let held: Vec<bool> = self
             .parameters
@@ -346,7 +352,7 @@ impl<'a> Problem<'a> {
                     slope[i] = 0.0;
                 }
             }
-            let Some(step) = damped.cholesky().map(|c| c.solve(&slope)) else {
+            let Some(step) = damped.clone().cholesky().map(|c| c.solve(&slope)) else {
                 *damping *= 10.0;
                 continue;
             };
@@ -360,13 +366,14 @@ impl<'a> Problem<'a> {
                     let fall = point.loss - there.loss;
                     (*x, *point) = (moved, there);
                     *damping = (*damping * 0.2).max(1e-12);
-                    return fall;
+                    let told = 2.0 * slope.dot(&step) - step.dot(&(&damped * &step));
+                    return (fall, fall / told);
                 }
-                Some(there) if there.loss - point.loss < point.done() => return 0.0,
+                Some(there) if there.loss - point.loss < point.done() => return (0.0, 0.0),
                 _ => *damping *= 8.0,
             }
         }
-        0.0
+        (0.0, 0.0)
     }
 }
 

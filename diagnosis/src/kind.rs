@@ -124,10 +124,14 @@ pub trait Kind: Sync {
         self.causes().len()
     }
 
-    /// Standard deviations of a reading to which the model itself can be trusted: an effect that changes no reading by as much is not
-    /// claimed.
+    /// Standard deviations of a reading to which the model itself can be trusted: what is off by less is not said to be wrong.
     fn trust(&self) -> f64 {
         0.1
+    }
+
+    /// Standard deviations by which `cause` must change readings to be claimed.
+    fn least_effect(&self, _cause: usize) -> f64 {
+        self.trust()
     }
 
     /// What the model says of each reading of a run; none where it has no answer.

@@ -88,6 +88,10 @@ impl Kind for Remembered<'_> {
         self.kind.trust()
     }
 
+    fn least_effect(&self, cause: usize) -> f64 {
+        self.kind.least_effect(cause)
+    }
+
     fn input_noise(&self, run: usize, normal: &mut dyn FnMut() -> f64) -> Option<Vec<f64>> {
         self.kind.input_noise(run, normal)
     }

@@ -53,6 +53,10 @@ impl Kind for Rescaled<'_> {
         self.kind.trust()
     }
 
+    fn least_effect(&self, cause: usize) -> f64 {
+        self.kind.least_effect(cause)
+    }
+
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         self.kind.predict(run, terms, unknowns)
     }

@@ -68,3 +68,21 @@ fn every_term_does_what_it_does_in_the_multi_body_simulation() {
         }
     }
 }
+
+/// Also where the axle passes over the foot before it is fired off it, and where the leg fires late and low.
+#[test]
+fn an_outcome_is_the_apex_and_the_landing_of_the_flight() {
+    let robot = saltus_robot::resolve("rats-boom", &[]).expect("sound");
+    let (fast, whole) = (Rig::new(&robot), sim_check::Rig::new(&robot, &[]).expect("a rig"));
+    for [lean, rate, valve_open] in
+        [[-0.25, 4.0, 0.08], [-0.054, 6.0, 0.083], [-0.017, 3.05, 0.071], [0.1, 5.0, 0.05], [0.3, 3.5, 0.04]]
+    {
+        let launch = sim_check::Launch { lean, rate, firing_angle: lean, valve_open };
+        let plan = sim_check::Plan { landing_height: robot.body.radius, ..sim_check::Plan::default() };
+        let report = whole.jump(&launch, &plan).expect("a motion");
+        let (apex, landing) = fast.outcome(lean, rate, valve_open).expect("a jump");
+        assert!((apex - report.apex).abs() < 2e-6, "{lean} {rate}: apex {apex} m, {} m", report.apex);
+        let there = report.landing_at;
+        assert!((landing - there).abs() < 5e-6, "{lean} {rate}: landing {landing} m, {there} m");
+    }
+}

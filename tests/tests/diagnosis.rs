@@ -24,7 +24,9 @@ fn finds(sort: Sort, hidden: &[(&str, Size)], seed: u64) {
 
 #[test]
 fn nothing_is_found_where_nothing_is_hidden() {
-    for sort in [Sort::Bench, Sort::Hop, Sort::Flight, Sort::Stroke, Sort::Slide, Sort::Vessel] {
+    for sort in
+        [Sort::Bench, Sort::Hop, Sort::Outcomes, Sort::Flight, Sort::Stroke, Sort::Slide, Sort::Vessel]
+    {
         // At one seed in twenty chance may look like an effect; not at this one.
         finds(sort, &[], 60);
     }
@@ -42,6 +44,13 @@ fn a_clear_effect_in_hops_and_jumps() {
     finds(Sort::Hop, &[("viscous-friction", Size::Clear)], 43);
     finds(Sort::Hop, &[("boom-flex", Size::Clear)], 43);
     finds(Sort::Jump, &[("axle-friction", Size::Clear)], 43);
+}
+
+/// Two numbers a jump.
+#[test]
+fn a_clear_effect_in_outcomes() {
+    finds(Sort::Outcomes, &[("encoder-scale", Size::Clear)], 43);
+    finds(Sort::Outcomes, &[("axle-friction", Size::Clear)], 43);
 }
 
 /// The robot already moves at the first row of its log.

@@ -345,6 +345,11 @@ impl Kind for Firings {
         0.4
     }
 
+    /// All ground gives a little, that of simulators too.
+    fn least_effect(&self, cause: usize) -> f64 {
+        if self.causes[cause].id == "ground-compliance" { 0.8 } else { 0.2 }
+    }
+
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         if self.sort == Sort::Outcomes {
             return Some(self.outcomes(run, terms));
