@@ -13,9 +13,8 @@ use crate::gain::{self, Score};
 use crate::kind::Kind;
 use crate::next::{self, NextExperiment};
 use crate::parallel;
-use crate::remembered::Remembered;
-use crate::rescaled::Rescaled;
 use crate::tangent::Tangent;
+use crate::view::View;
 
 /// How a diagnosis decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,13 +61,14 @@ const EXPLAINED: f64 = 0.8;
 /// cause explains: the search is then done again with the scatter that is seen.
 pub fn diagnose(kind: &dyn Kind, settings: &Settings, progress: &(dyn Fn(&str) + Sync)) -> Option<Diagnosis> {
     progress("fitting the model as it is");
-    let remembered = Remembered::new(kind);
-    let kind: &dyn Kind = &remembered;
+    let view = View::new(kind);
+    let kind: &dyn Kind = &view;
     let mut search = Search::new(kind, settings, progress);
     let before = fit::fit_none(kind, &search.runs)?;
     let chosen = search.forward(&before)?;
-    let rescaled = Rescaled::new(kind, &chosen.richest)
-        .filter(|_| search.describe(&before).is_none_or(|term| Rescaled::new(kind, &term.fit).is_some()));
+    let rescaled = view
+        .rescaled(&chosen.richest)
+        .filter(|_| search.describe(&before).is_none_or(|term| view.rescaled(&term.fit).is_some()));
     if let Some(seen) = &rescaled {
         let mut search = Search { wanders: true, ..Search::new(seen, settings, progress) };
         let before = fit::fit_none(seen, &search.runs)?;
@@ -400,14 +400,14 @@ impl<'a> Search<'a> {
         fitted
     }
 
-    /// `base` with each of `causes`; one that does not gain `enough` in its first steps is left there.
+    /// `base` with each of `causes` that gains `enough` in its first steps.
     fn fit_each(&self, base: &Fit, causes: &[usize], enough: f64) -> Vec<Candidate> {
         let fitted = parallel::map(causes.len(), |k| {
             let cause = causes[k];
             (self.progress)(&format!("{}: {}", base.causes.len() + 1, self.kind.causes()[cause].id));
             let fit = fit::fit_if(self.kind, base, cause, &self.runs, enough)?;
             let gain = base.loss - fit.loss;
-            Some(Candidate { cause, gain, fit, reported: Vec::new() })
+            (gain > 0.0).then_some(Candidate { cause, gain, fit, reported: Vec::new() })
         });
         fitted.into_iter().flatten().collect()
     }

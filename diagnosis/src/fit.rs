@@ -421,7 +421,7 @@ pub(crate) fn fit_with(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]
     fit_if(kind, base, cause, runs, 0.0)
 }
 
-/// The same, but given up after the first steps where those do not gain `enough`.
+/// The same; none where the first steps do not gain `enough`.
 pub(crate) fn fit_if(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize], enough: f64) -> Option<Fit> {
     let parameters = &kind.causes()[cause].parameters;
     let mut starts: Vec<Vec<f64>> = Vec::new();
@@ -458,7 +458,7 @@ pub(crate) fn fit_if(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize], 
     tried.sort_by(|a, b| a.loss.total_cmp(&b.loss));
     let least = tried.first()?.loss;
     if base.loss - least < enough {
-        return tried.into_iter().next();
+        return None;
     }
     // Starts that stay behind are given up.
     tried.retain(|t| t.loss <= least + 0.1 * (base.loss - least).max(10.0));

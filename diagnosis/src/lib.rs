@@ -18,11 +18,10 @@ mod noise;
 mod parallel;
 mod patterns;
 mod profile;
-mod remembered;
-mod rescaled;
 mod residuals;
 pub mod rig;
 mod tangent;
+mod view;
 
 pub use choose::{Settings, diagnose};
 pub use estimate::{Combination, Estimate, Estimated, Residual, Undetermined, estimate};

@@ -1,4 +1,4 @@
-//! An experiment that remembers what its model said: searches come back to the same places.
+//! An experiment as a search sees it: the scatter that readings are judged by, and what the model said before.
 
 use std::collections::VecDeque;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -6,12 +6,17 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use saltus_robot::Robot;
 
+use crate::fit::Fit;
+use crate::fitness;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::next::Proposal;
 
-/// Most answers of a run that are kept, and most of their readings.
+/// Most answers of a run that are kept, and most readings in all that they have.
 const ANSWERS: usize = 400;
-const READINGS: usize = 2_000_000;
+const READINGS: usize = 8_000_000;
+
+/// Scatter in terms of the stated one up to which it is taken as stated.
+const AS_STATED: f64 = 1.5;
 
 /// What was asked of the model of a run: all its parameters.
 #[derive(Clone, PartialEq)]
@@ -23,15 +28,31 @@ struct Question {
 /// A question by its hash, and the answer.
 type Known = (u64, Question, Option<Arc<[f64]>>);
 
-/// An experiment with what its model said of each run, the latest last.
-pub(crate) struct Remembered<'a> {
+/// An experiment whose readings may scatter more than was stated, with what its model said of each run, the latest last: searches come
+/// back to the same places.
+pub(crate) struct View<'a> {
     kind: &'a dyn Kind,
-    runs: Vec<Mutex<VecDeque<Known>>>,
+    channels: Vec<Channel>,
+    said: Arc<[Mutex<VecDeque<Known>>]>,
 }
 
-impl<'a> Remembered<'a> {
-    pub(crate) fn new(kind: &'a dyn Kind) -> Remembered<'a> {
-        Remembered { kind, runs: kind.logs().iter().map(|_| Mutex::default()).collect() }
+impl<'a> View<'a> {
+    /// As it was stated.
+    pub(crate) fn new(kind: &'a dyn Kind) -> View<'a> {
+        let said = kind.logs().iter().map(|_| Mutex::default()).collect();
+        View { kind, channels: kind.channels().to_vec(), said }
+    }
+
+    /// With the scatter that `model` leaves; none where that is about what was stated.
+    pub(crate) fn rescaled(&self, model: &Fit) -> Option<View<'a>> {
+        let scatter = fitness::scatter(self, model);
+        let scale = |(channel, seen): (&Channel, &f64)| Channel {
+            noise: channel.noise * if *seen > AS_STATED { *seen } else { 1.0 },
+            ..channel.clone()
+        };
+        let is_more = scatter.iter().any(|s| *s > AS_STATED);
+        let channels = self.channels.iter().zip(&scatter).map(scale).collect();
+        is_more.then(|| View { kind: self.kind, channels, said: Arc::clone(&self.said) })
     }
 }
 
@@ -45,17 +66,18 @@ impl Question {
     }
 }
 
-impl Kind for Remembered<'_> {
+impl Kind for View<'_> {
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         let question = Question { terms: terms.clone(), unknowns: unknowns.to_vec() };
         let hash = question.hash();
-        let known = || self.runs[run].lock().unwrap_or_else(PoisonError::into_inner);
+        let known = || self.said[run].lock().unwrap_or_else(PoisonError::into_inner);
         let answer = known().iter().rev().find(|k| k.0 == hash && k.1 == question).map(|k| k.2.clone());
         if let Some(answer) = answer {
             return answer.map(|values| values.to_vec());
         }
         let answer = self.kind.predict(run, terms, unknowns);
-        let most = ANSWERS.min(READINGS / self.logs()[run].readings.len().max(1));
+        let readings: usize = self.logs().iter().map(|log| log.readings.len()).sum();
+        let most = ANSWERS.min(READINGS / readings.max(1));
         let mut known = known();
         known.push_back((hash, question, answer.as_deref().map(Arc::from)));
         while known.len() > most {
@@ -65,7 +87,7 @@ impl Kind for Remembered<'_> {
     }
 
     fn channels(&self) -> &[Channel] {
-        self.kind.channels()
+        &self.channels
     }
 
     fn logs(&self) -> &[Log] {
