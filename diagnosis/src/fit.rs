@@ -11,7 +11,7 @@ const STEPS: usize = 40;
 /// Fall of the loss below which a fit is done.
 const DONE: f64 = 1e-2;
 /// The same as a part of the loss beyond that of noise.
-const DONE_PART: f64 = 1e-4;
+const DONE_PART: f64 = 1e-5;
 /// Fall of the loss in terms of what corrected derivatives tell, below which they are taken anew.
 const GOOD: f64 = 0.7;
 /// Starts of a cause from which steps are made.
