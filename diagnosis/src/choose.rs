@@ -271,7 +271,7 @@ impl<'a> Search<'a> {
                 continue;
             };
             // Nor is another claimed that explains less of it.
-            if self.effect(&current, &best.fit) < self.kind.least_effect(best.cause) {
+            if self.effect(&current, &best.fit) < self.least_effect(best.cause, steps.len()) {
                 break;
             }
             let needed = threshold + quantile(self.freedom(best.cause), 0.999) + self.surprise(&best);
@@ -541,6 +541,12 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// By how much `cause` must change readings beside so many others: those are never quite of the form of their terms.
+    fn least_effect(&self, cause: usize, others: usize) -> f64 {
+        let least = self.kind.least_effect(cause);
+        if others > 0 { least.max(self.kind.trust()) } else { least }
+    }
+
     /// Takes out causes that the others have made needless.
     fn drop_needless(&self, model: &mut Fit, inflation: f64) {
         let mut k = 0;
@@ -549,7 +555,7 @@ impl<'a> Search<'a> {
             match self.without(model, cause) {
                 Some(base)
                     if (base.loss - model.loss) / inflation < quantile(self.freedom(cause), 0.999)
-                        || self.effect(&base, model) < self.kind.least_effect(cause) =>
+                        || self.effect(&base, model) < self.least_effect(cause, 1) =>
                 {
                     *model = base;
                     k = 0;
