@@ -270,7 +270,7 @@ impl<'a> Search<'a> {
                 current = pair;
                 continue;
             };
-            // Nor is another claimed that explains less of it.
+            // What explains it best is too small to be told from faults of the model; what explains less of it is no better.
             if self.effect(&current, &best.fit) < self.least_effect(best.cause, steps.len()) {
                 break;
             }
