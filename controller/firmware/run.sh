@@ -3,8 +3,7 @@
 #
 #     bash controller/firmware/run.sh [DECISIONS]
 #
-# Ends with 3 where compiler or emulator are missing. TOOLS may name a folder into which Debian's packages were unpacked (gcc-arm-none-eabi,
-# binutils-arm-none-eabi, libnewlib-arm-none-eabi, libnewlib-dev, qemu-system-arm and what they need), as `tools.sh` does.
+# Ends with 3 where compiler or emulator are missing or do not start. TOOLS may name a folder into which `tools.sh` has unpacked both.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -18,13 +17,22 @@ mkdir -p "$build"
 # Programs of the unpacked packages find their libraries beside them.
 with_tools() {
     if [ -n "$tools" ]; then
-        LD_LIBRARY_PATH="$tools/usr/lib/x86_64-linux-gnu" PATH="$tools/usr/bin:$PATH" "$@"
+        local libraries
+        libraries=$(printf '%s:' "$tools"/usr/lib/*-linux-gnu* "$tools"/lib/*-linux-gnu*)
+        LD_LIBRARY_PATH="${libraries%:}" PATH="$tools/usr/bin:$PATH" "$@"
     else
         "$@"
     fi
 }
 
-with_tools sh -c 'command -v arm-none-eabi-gcc && command -v qemu-system-arm' >/dev/null || exit 3
+# A tool that does not start is missing; it says nothing about the controller.
+starts() {
+    with_tools "$@" </dev/null >"$build/starts.txt" 2>&1 && return
+    printf '%s does not start: %s\n' "$1" "$(head -1 "$build/starts.txt")" >&2
+    exit 3
+}
+starts arm-none-eabi-gcc -mcpu=cortex-m4 -x c -c -o "$build/empty.o" -
+starts qemu-system-arm -machine none -version
 
 flags=(-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -std=c99 -O2 -fno-math-errno -ffunction-sections -fdata-sections
     -Wall -Wextra -Werror -I"$tables")

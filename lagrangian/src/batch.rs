@@ -262,9 +262,9 @@ impl Field<'_> {
 
     /// Derivative with respect to each lane's independent variable.
     #[inline(always)]
-    fn scaled(&self, dy: [Lanes; MOVING], guards: &[Lanes; GUARDS]) -> [Lanes; MOVING] {
+    fn scaled(&self, dy: &[Lanes; MOVING], guards: &[Lanes; GUARDS]) -> [Lanes; MOVING] {
         if !self.any_event {
-            return dy;
+            return *dy;
         }
         let mut pace = self.in_time;
         for (along, rate) in self.along.iter().zip(guards) {
@@ -279,7 +279,7 @@ impl Derivative<Lanes, MOVING> for Field<'_> {
     #[inline(always)]
     fn at(&self, y: &[Lanes; MOVING]) -> [Lanes; MOVING] {
         let (dy, _, guard_rates) = self.look(y);
-        self.scaled(dy, &guard_rates)
+        self.scaled(&dy, &guard_rates)
     }
 }
 
@@ -333,7 +333,7 @@ impl<'a> Crew<'a> {
         while self.jobs.iter().any(Option::is_some) {
             let (dy, before, rates) = self.field.look(&self.states);
             let plan = self.plan(&before, &rates);
-            let k0 = self.field.scaled(dy, &rates);
+            let k0 = self.field.scaled(&dy, &rates);
             let step = dop853::step(&self.field, &self.states, &k0, plan.length, CHECKED, self.one.tolerance);
             let after = self.field.look(&step.state).1;
             let usual = self.go_on(&plan, &step, &before, &after);
