@@ -104,6 +104,7 @@ impl Firings {
             Sort::Outcomes => experiment.runs.iter().flat_map(parts).collect(),
             _ => experiment.runs.clone(),
         };
+        let runs: Vec<Run> = runs.into_iter().map(|run| from_start(run, experiment.kind)).collect();
         let logs: Vec<Log> = runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
         let runs = runs.iter().map(|run| setting(run, &requests)).collect();
         let (causes, terms, listed) = terms::causes(experiment.kind, robot, &columns, &channels);
@@ -276,6 +277,19 @@ fn parts(run: &Run) -> Vec<Run> {
         .collect()
 }
 
+/// The run with times (s) that count from where its motion starts.
+///
+/// On the bench and in a hop that is the command, before which all is at rest. A jump starts at its first row, or at the command where that is
+/// earlier: a leg that fills before the first row does so from a start that can be estimated.
+fn from_start(mut run: Run, kind: Sort) -> Run {
+    let first = run.time.first().copied().unwrap_or(0.0);
+    let Some((open, shut)) = run.valve else { return run };
+    let start = if kind == Sort::Jump { first.min(open) } else { open };
+    run.time.iter_mut().for_each(|time| *time -= start);
+    run.valve = Some((open - start, shut.map(|shut| shut - start)));
+    run
+}
+
 fn setting(run: &Run, asked: &[Option<usize>; 3]) -> Setting {
     let of = |key: &str| run.settings.get(key).copied();
     let (open, shut) = run.valve.unwrap_or((0.0, None));
@@ -304,7 +318,7 @@ impl Kind for Firings {
         &self.logs
     }
 
-    /// Lean and rate of a jump at its first row, and on which side the gyro of a tilted boom feels its turn: by the geometry −1, by the
+    /// Lean and rate of a jump at its start, and on which side the gyro of a tilted boom feels its turn: by the geometry −1, by the
     /// description of the data 1.
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
         if self.sort != Sort::Jump {
@@ -319,9 +333,10 @@ impl Kind for Firings {
             let slope = (b.value - a.value) / (b.time - a.time).max(1e-3);
             Some((noise::median(&mut values), slope))
         };
-        let lean = first(Column::Lean).map_or(-0.2, |f| f.0);
         let rate =
             first(Column::Rate).map(|f| f.0).or_else(|| first(Column::Lean).map(|f| f.1)).unwrap_or(4.0);
+        let late = readings.first().map_or(0.0, |r| r.time);
+        let lean = first(Column::Lean).map_or(-0.2, |f| f.0 - rate * late);
         let mut all = vec![
             unknown("start_lean_rad", lean.clamp(-1.4, 1.4), (-1.5, 1.5), 1e-3),
             unknown("start_rate_rad_s", rate.clamp(0.1, 50.0), (0.01, 60.0), 0.02),

@@ -13,12 +13,14 @@ struct Vessel {
     volume: f64,
     /// Diameter of the orifice (m).
     orifice: f64,
-    /// Pressure (Pa) and temperature (K) at time 0.
+    /// Pressure (Pa) and temperature (K) until it is opened.
     pressure: f64,
     /// See `pressure`.
     temperature: f64,
     /// Pressure (Pa) outside.
     ambient: f64,
+    /// When (s) it is opened, if the operator knows.
+    release: Option<f64>,
     /// Area of the wall (m²); none: that of a sphere.
     wall: Option<f64>,
 }
@@ -34,6 +36,8 @@ pub struct Vessels {
     listed: usize,
 }
 
+/// The key, and the name of the unknown, of when it is opened.
+const RELEASE: &str = "release_s";
 /// Standard deviation (K) of a thermometer that could be had.
 const THERMOMETER: f64 = 1.0;
 const HEAT: usize = 0;
@@ -76,10 +80,31 @@ impl Vessels {
         for (id, name, scale) in DRIFTS {
             causes.push(simple(id, name, 0.0, (-3.0, 3.0), scale, &[]));
         }
-        let last = logs.iter().filter_map(|log| log.readings.last()).fold(0.0, |t, r| r.time.max(t));
+        let length = |log: &Log| Some(log.readings.last()?.time - log.readings.first()?.time);
+        let last = logs.iter().filter_map(length).fold(0.0, f64::max);
         let (bounds, starts) = ((0.01 * last, last), [0.02, 0.06, 0.2].map(|part| part * last));
         causes.push(simple("orifice that opens over a time", "opening_s", 0.0, bounds, 0.02 * last, &starts));
         Vessels { channels, logs, tanks, causes, listed }
+    }
+
+    /// Times (s) of the first and the last reading of a run.
+    fn span(&self, run: usize) -> (f64, f64) {
+        let time = |reading: Option<&Reading>| reading.map_or(0.0, |reading| reading.time);
+        let readings = &self.logs[run].readings;
+        (time(readings.first()), time(readings.last()))
+    }
+
+    /// How long (s) before the first reading it was opened, as the first tenth of the readings of a column has it, on a line.
+    fn opened_before(&self, run: usize) -> f64 {
+        let (readings, tank) = (&self.logs[run].readings, &self.tanks[run]);
+        let Some(first) = readings.first() else { return 0.0 };
+        let column: Vec<&Reading> = readings.iter().filter(|r| r.channel == first.channel).collect();
+        let later = column[(column.len() / 10).max(1).min(column.len() - 1)];
+        let is_pressure = self.channels[first.channel].name == "pressure_pa";
+        let initial = if is_pressure { tank.pressure } else { tank.temperature };
+        let rate = (later.value - first.value) / (later.time - first.time);
+        let before = (first.value - initial) / rate;
+        if before.is_finite() { before.max(0.0) } else { 0.0 }
     }
 }
 
@@ -91,6 +116,7 @@ fn vessel(run: &Run) -> Vessel {
         pressure: of("initial_pressure_pa").unwrap_or(101_325.0),
         temperature: of("initial_temperature_k").unwrap_or(293.15),
         ambient: of("ambient_pressure_pa").unwrap_or(101_325.0),
+        release: of(RELEASE),
         wall: of("wall_area_m2"),
     }
 }
@@ -119,9 +145,17 @@ impl Kind for Vessels {
         &self.logs
     }
 
-    /// What the orifice lets through of the ideal flow, which no drawing tells.
-    fn unknowns(&self, _: usize) -> Vec<Parameter> {
-        vec![unknown("discharge_coefficient", 0.8, (0.05, 1.5), 0.02)]
+    /// What the orifice lets through of the ideal flow, which no drawing tells; and when it was opened, where nobody says: some time before or after the
+    /// first row.
+    fn unknowns(&self, run: usize) -> Vec<Parameter> {
+        let mut all = vec![unknown("discharge_coefficient", 0.8, (0.05, 1.5), 0.02)];
+        if self.tanks[run].release.is_none() {
+            let (first, last) = self.span(run);
+            let length = last - first;
+            let guess = first - self.opened_before(run).min(length);
+            all.push(unknown(RELEASE, guess, (first - 2.0 * length, last), 1e-3 * length));
+        }
+        all
     }
 
     fn causes(&self) -> &[Cause] {
@@ -170,7 +204,11 @@ impl Kind for Vessels {
         let wall = vessel
             .wall
             .unwrap_or_else(|| (36.0 * std::f64::consts::PI).cbrt() * vessel.volume.powf(2.0 / 3.0));
-        let last = self.logs[run].readings.last()?.time;
+        let release = vessel.release.or(unknowns.get(1).copied())?;
+        let last = self.span(run).1 - release;
+        if last <= 0.0 {
+            return None;
+        }
         let step = last / 500.0;
         // A step at the balance shall not be stiff: there the flow is nearly √(2 difference).
         let rate = kappa * area * (gas * vessel.temperature).sqrt() / vessel.volume
@@ -214,7 +252,7 @@ impl Kind for Vessels {
                     self.causes.iter().position(|c| c.id == id && c.column.as_deref() == Some(column));
                 found.map_or(none, |k| terms.get(k, 0))
             };
-            let [mass, temperature] = between(&knots, step, reading.time - of("sensor-delay", 0.0));
+            let [mass, temperature] = between(&knots, step, reading.time - release - of("sensor-delay", 0.0));
             let value =
                 if column == "pressure_pa" { mass * gas * temperature / vessel.volume } else { temperature };
             out.push(of("encoder-scale", 1.0) * value + of("sensor-offset", 0.0));

@@ -68,6 +68,10 @@ const COARSE: f64 = 6e-3;
 const FLIGHT: f64 = 1.2e-2;
 /// Difference of the stages of a step, as a part of the gas, above which the step is halved while the leg moves.
 const GAS_ERROR: f64 = 3e-4;
+/// Part of the gas by which it changes in a step while the rod rests on the bench: a cubic between the ends of such a step is off by less.
+const RESTING: f64 = 1e-4;
+/// Longest step (s) while the rod rests.
+const LONG: f64 = 1.0;
 /// Events of one jump, beyond which it is taken as stuck.
 const EVENTS: usize = 300;
 /// A force (N) or a room that counts as none.
@@ -477,8 +481,15 @@ impl<'a> Run<'a> {
                 if is_empty { FLIGHT } else { FLIGHT / 3.0 }
             }
             Slide::Held if !self.rig.machine.is_bench() => FILLING,
-            _ => FINE,
+            Slide::Held => self.resting_step(),
+            Slide::Moves(_) => FINE,
         }
+    }
+
+    /// A step (s) while the rod rests on the bench: the longer the nearer its gas is to balance, so that a log may go on after the firing.
+    fn resting_step(&self) -> f64 {
+        let rate = self.gas(&self.state).map_or(0.0, |(_, rate)| rate.abs());
+        (RESTING * self.state.gas / rate).clamp(FINE, LONG)
     }
 
     /// Goes on to the time `end`, or if `lands`, to the landing.

@@ -209,7 +209,7 @@ impl Layout {
                 ("ambient_pressure_pa", outside),
                 ("wall_area_m2", wall),
             ];
-            self.add(&settings, 101, step, vec![discharge]);
+            self.add(&settings, 101, step, vec![discharge, 0.0]);
         }
     }
 
