@@ -4,8 +4,10 @@ use std::path::Path;
 
 use super::error::Error;
 use super::header::bare;
+use super::instant::Instant;
 use super::lines::Lines;
 use super::spec::Spec;
+use super::thin::Thinned;
 
 /// A step so many times the usual one is a gap.
 const GAP: f64 = 10.0;
@@ -15,29 +17,36 @@ const MOST_AGAIN: usize = 4_000_000;
 /// The times of the rows that count.
 #[derive(Debug, Default)]
 pub(super) struct Clock {
-    /// First and last (s).
-    span: Option<(f64, f64)>,
-    /// Longest step (s): where it starts and ends, and the line where it ends.
-    longest: Option<(f64, f64, u64)>,
+    /// First and last.
+    span: Option<(Instant, Instant)>,
+    /// Longest step (ps), and the line where it ends.
+    longest: Option<(i128, u64)>,
 }
 
 impl Clock {
-    /// Takes in the next time (s).
-    pub(super) fn tick(&mut self, line: u64, time: f64) {
+    /// Takes in the next instant.
+    pub(super) fn tick(&mut self, line: u64, time: Instant) {
         let Some((_, last)) = &mut self.span else {
             self.span = Some((time, time));
             return;
         };
-        if self.longest.is_none_or(|(from, to, _)| time - *last > to - from) {
-            self.longest = Some((*last, time, line));
+        let step = time.picoseconds_since(*last);
+        if self.longest.is_none_or(|(longest, _)| step > longest) {
+            self.longest = Some((step, line));
         }
         *last = time;
     }
 
-    /// Refuses a run that is too long to be one.
-    pub(super) fn judge(&self, file: &str, spec: &Spec) -> Result<(), Error> {
-        match self.span {
-            Some((from, to)) if to - from > spec.longest => {
+    /// The instant from which a run counts its times: its first row. No row: any instant.
+    pub(super) fn origin(&self) -> Instant {
+        self.span.map_or(Instant::of_row(0), |(first, _)| first)
+    }
+
+    /// Refuses a run that is too long to be one, from its first row or from the `command` of its valve.
+    pub(super) fn judge(&self, file: &str, spec: &Spec, command: Option<Instant>) -> Result<(), Error> {
+        let span = self.span.map(|(from, to)| (command.map_or(from, |command| command.min(from)), to));
+        match span {
+            Some((from, to)) if to.since(from) > spec.longest => {
                 let symptom = format!(
                     "goes from {from} to {to}, and no {} takes more than {} s: is it in ms?",
                     spec.id, spec.longest
@@ -48,22 +57,31 @@ impl Clock {
         }
     }
 
-    /// A note of the longest gap, if there is one, in a run of so many rows.
-    pub(super) fn gap(&self, name: &str, kept: &[f64], rows: usize) -> Option<String> {
-        let (from, to, line) = self.longest?;
-        let mut steps: Vec<f64> = kept.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    /// A note of the longest gap, if there is one, in a run of which these rows are kept.
+    pub(super) fn gap(&self, name: &str, kept: &Thinned) -> Option<String> {
+        let (longest, line) = self.longest?;
+        let longest = longest as f64 * 1e-12;
+        let mut steps: Vec<f64> = kept.time.windows(2).map(|pair| pair[1].since(pair[0])).collect();
         steps.sort_by(f64::total_cmp);
         // What is kept of a long run has wider steps than the run.
-        let usual = steps.get(steps.len() / 2)? * kept.len() as f64 / rows as f64;
-        let wide = to - from > GAP * usual;
+        let usual = steps.get(steps.len() / 2)? * kept.time.len() as f64 / kept.seen as f64;
+        let wide = longest > GAP * usual;
         wide.then(|| {
-            format!("{name}:{line}: no row between {from} and {to} s, where {usual:.2e} s is the usual step")
+            format!(
+                "{name}:{line}: {longest:.2e} s after the row before, where the usual step is {usual:.2e} s"
+            )
         })
     }
 }
 
-/// Why the `time` at `line` of the file at `path` does not come after `last`.
-pub(super) fn disorder(path: &Path, file: &str, line: u64, column: usize, times: (f64, f64)) -> Error {
+/// Why the last of `times` at `line` of the file at `path` does not come after the first.
+pub(super) fn disorder(
+    path: &Path,
+    file: &str,
+    line: u64,
+    (column, power): (usize, i32),
+    times: (Instant, Instant),
+) -> Error {
     let (last, time) = times;
     let place = format!("{file}:{line}");
     if last == time {
@@ -73,7 +91,7 @@ pub(super) fn disorder(path: &Path, file: &str, line: u64, column: usize, times:
             format!("= {time} is also that of the row before: it must increase"),
         );
     }
-    let cause = match again(path, column) {
+    let cause = match again(path, column, power) {
         Some(Order::Shuffled) => "; the rows only are shuffled: sort them by time",
         Some(Order::Single) => "; without this row or the one before it all would be in order",
         Some(Order::Restarted) => "; the clock starts again: a file must be one run",
@@ -93,14 +111,14 @@ enum Order {
     Restarted,
 }
 
-/// What is wrong with the order of the times in a `column` of the file at `path`; none where it is not as simple.
-fn again(path: &Path, column: usize) -> Option<Order> {
+/// What is wrong with the order of the times in a `column` of the file at `path`, in units of 10^`power` s; none where it is not as simple.
+fn again(path: &Path, column: usize, power: i32) -> Option<Order> {
     let mut lines = Lines::open(path).ok()?;
     lines.next().ok()?;
-    let mut times: Vec<f64> = Vec::new();
+    let mut times: Vec<Instant> = Vec::new();
     while let Some((_, line)) = lines.next().ok()? {
         let cell = line.split(|byte| *byte == b',').nth(column)?;
-        times.push(bare(std::str::from_utf8(cell).ok()?).parse().ok().filter(|time: &f64| time.is_finite())?);
+        times.push(Instant::parse(bare(std::str::from_utf8(cell).ok()?), power)?);
         if times.len() > MOST_AGAIN {
             return None;
         }
@@ -108,7 +126,7 @@ fn again(path: &Path, column: usize) -> Option<Order> {
     order(times)
 }
 
-fn order(mut times: Vec<f64>) -> Option<Order> {
+fn order<T: Ord + Copy>(mut times: Vec<T>) -> Option<Order> {
     let falls = times.windows(2).filter(|pair| pair[1] <= pair[0]).count();
     let fall = 1 + times.windows(2).position(|pair| pair[1] <= pair[0])?;
     times.swap(fall - 1, fall);
@@ -119,7 +137,7 @@ fn order(mut times: Vec<f64>) -> Option<Order> {
     if [fall - 1, fall].iter().any(|&wrong| increase(&times[..wrong], &times[wrong + 1..])) {
         return Some(Order::Single);
     }
-    times.sort_unstable_by(f64::total_cmp);
+    times.sort_unstable();
     match (increase(&times, &[]), falls) {
         (true, _) => Some(Order::Shuffled),
         (false, 1) => Some(Order::Restarted),
@@ -128,7 +146,7 @@ fn order(mut times: Vec<f64>) -> Option<Order> {
 }
 
 /// Whether times increase from one to the next, first the one part, then the other.
-fn increase(first: &[f64], then: &[f64]) -> bool {
+fn increase<T: Ord>(first: &[T], then: &[T]) -> bool {
     first.iter().chain(then).is_sorted_by(|a, b| a < b)
 }
 
@@ -138,16 +156,16 @@ mod tests {
 
     #[test]
     fn the_order_of_times_is_understood() {
-        let check = |times: &[f64], expected: Option<Order>| {
+        let check = |times: &[u32], expected: Option<Order>| {
             assert_eq!(order(times.to_vec()), expected, "{times:?}");
         };
-        check(&[1.0, 2.0, 3.0], None);
-        check(&[1.0, 3.0, 2.0, 4.0], Some(Order::Shuffled));
-        check(&[4.0, 3.0, 2.0, 1.0], Some(Order::Shuffled));
-        check(&[1.0, 9.0, 2.0, 3.0], Some(Order::Single));
-        check(&[1.0, 2.0, 0.0, 3.0, 4.0], Some(Order::Single));
-        check(&[1.0, 2.0, 1.0, 3.0, 4.0], Some(Order::Single));
-        check(&[1.0, 2.0, 3.0, 1.0, 2.0, 3.0], Some(Order::Restarted));
-        check(&[1.0, 1.0, 3.0, 2.0, 5.0, 1.0], None);
+        check(&[1, 2, 3], None);
+        check(&[1, 3, 2, 4], Some(Order::Shuffled));
+        check(&[4, 3, 2, 1], Some(Order::Shuffled));
+        check(&[1, 9, 2, 3], Some(Order::Single));
+        check(&[1, 2, 0, 3, 4], Some(Order::Single));
+        check(&[1, 2, 1, 3, 4], Some(Order::Single));
+        check(&[1, 2, 3, 1, 2, 3], Some(Order::Restarted));
+        check(&[1, 1, 3, 2, 5, 1], None);
     }
 }

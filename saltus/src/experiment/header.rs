@@ -8,7 +8,8 @@ use super::spec::{Channel, Spec};
 pub(super) struct Header {
     /// Cells of a row.
     pub(super) width: usize,
-    pub(super) time: Option<usize>,
+    /// The column of the time, and the power of ten of its unit in s.
+    pub(super) time: Option<(usize, i32)>,
     pub(super) valve: Option<usize>,
     /// The channels that are there, in the order of the kind.
     pub(super) channels: Vec<(usize, &'static Channel)>,
@@ -34,7 +35,7 @@ impl Header {
         let channels = spec.channels.iter().filter_map(|channel| Some((find(channel.name)?, channel)));
         let header = Header {
             width: names.len(),
-            time: find("time_s"),
+            time: find("time_s").map(|column| (column, 0)),
             valve: find("valve"),
             channels: channels.collect(),
         };

@@ -9,7 +9,7 @@ use super::error::{Error, shown};
 /// Longest line (bytes): far more than a row of numbers has, far less than the memory.
 const LONGEST: usize = 1 << 16;
 
-/// Lines of a file, and a hash of what was read.
+/// Lines of a file.
 ///
 /// A row is a line here, which is less than CSV allows and all that numbers need: no open quote swallows the rest of a file, and
 /// lines are counted as an editor counts them.
@@ -19,7 +19,6 @@ pub(super) struct Lines {
     file: String,
     number: u64,
     buffer: Vec<u8>,
-    hash: Hash,
 }
 
 impl Lines {
@@ -31,7 +30,7 @@ impl Lines {
             return Err(Error::content(shown(path), "is not a file"));
         }
         let source = BufReader::with_capacity(1 << 16, file);
-        Ok(Lines { source, file: shown(path), number: 0, buffer: Vec::new(), hash: Hash::default() })
+        Ok(Lines { source, file: shown(path), number: 0, buffer: Vec::new() })
     }
 
     /// The next line that is not blank, with its number from 1.
@@ -46,7 +45,6 @@ impl Lines {
                 let reason = format!("more than {LONGEST} bytes without a line break: not rows of numbers");
                 return Err(Error::content(format!("{}:{}", self.file, self.number), reason));
             }
-            self.hash.add(&self.buffer);
             if self.buffer.is_empty() {
                 return Ok(None);
             }
@@ -54,11 +52,6 @@ impl Lines {
                 return Ok(Some((self.number, self.buffer.trim_ascii_end())));
             }
         }
-    }
-
-    /// Hash of what was read so far.
-    pub(super) fn hash(&self) -> Hash {
-        self.hash
     }
 }
 
@@ -77,6 +70,12 @@ impl Hash {
     pub(super) fn add(&mut self, bytes: &[u8]) {
         self.0 =
             bytes.iter().fold(self.0, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3));
+    }
+
+    /// Takes in a number; all that are NaN are alike.
+    pub(super) fn number(&mut self, number: f64) {
+        let number = if number.is_nan() { f64::NAN } else { number };
+        self.add(&number.to_bits().to_le_bytes());
     }
 
     /// Takes in what was hashed apart.

@@ -10,6 +10,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::error::{Error, cut, one_line, shown};
+use super::instant::{self, Instant};
 use super::spec::{Domain, SPECS, Setting, Spec};
 
 /// Its name in the folder.
@@ -36,9 +37,11 @@ pub(super) struct Manifest {
 pub(super) struct Listed {
     /// Its file, within the folder.
     pub(super) file: String,
-    /// The part of it (s) that counts.
-    pub(super) window: Option<(f64, f64)>,
+    /// The part of it that counts, from and to these instants; none: from its first row, to its last.
+    pub(super) window: [Option<Instant>; 2],
     pub(super) settings: BTreeMap<String, f64>,
+    /// When what happened, by its key.
+    pub(super) instants: Vec<(&'static str, Instant)>,
 }
 
 /// The bytes of the file in `folder`.
@@ -170,7 +173,8 @@ fn runs(table: &mut Table<'_>, spec: &Spec) -> Result<Vec<Listed>, Error> {
 fn listed(table: &mut Table<'_>, spec: &Spec) -> Result<(Listed, usize), Error> {
     let window: &[&str] = if spec.timed() { &["valid_from_s", "valid_to_s"] } else { &[] };
     let settings = spec.settings.iter().map(|setting| setting.key);
-    let known: Vec<&str> = ["file"].into_iter().chain(settings).chain(window.iter().copied()).collect();
+    let times = window.iter().chain(spec.instants).copied();
+    let known: Vec<&str> = ["file"].into_iter().chain(settings).chain(times).collect();
     table.know(&known)?;
     let Some(value) = table.take("file") else { return Err(table.missing("file")) };
     let file = match value.get_ref() {
@@ -182,7 +186,11 @@ fn listed(table: &mut Table<'_>, spec: &Spec) -> Result<(Listed, usize), Error> 
     })?;
     let window = valid(table)?;
     let settings = set(table, spec.settings)?;
-    Ok((Listed { file, window, settings }, value.span().start))
+    let mut instants = Vec::new();
+    for &key in spec.instants {
+        instants.extend(table.instant(key)?.map(|instant| (key, instant)));
+    }
+    Ok((Listed { file, window, settings, instants }, value.span().start))
 }
 
 /// `name` as a path that stays where it starts.
@@ -199,17 +207,15 @@ pub(super) fn within(name: &str) -> Option<String> {
 }
 
 /// The part of a run that the operator calls valid.
-fn valid(table: &mut Table<'_>) -> Result<Option<(f64, f64)>, Error> {
-    const TIME: Domain = Domain { legal: |_| true, allowed: "a time in s" };
-    let from = table.number("valid_from_s", &TIME)?;
+fn valid(table: &mut Table<'_>) -> Result<[Option<Instant>; 2], Error> {
+    let from = table.instant("valid_from_s")?;
     let place = table.entries.get("valid_to_s").map(Spanned::span);
-    let to = table.number("valid_to_s", &TIME)?;
+    let to = table.instant("valid_to_s")?;
     match (from, to, place) {
-        (None, None, _) => Ok(None),
         (Some(from), Some(to), Some(place)) if from >= to => {
             Err(table.refused("valid_to_s", place, &format!("after valid_from_s = {from}")))
         }
-        _ => Ok(Some((from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY)))),
+        _ => Ok([from, to]),
     }
 }
 
@@ -223,6 +229,15 @@ fn set(table: &mut Table<'_>, known: &[Setting]) -> Result<BTreeMap<String, f64>
         }
     }
     Ok(settings)
+}
+
+/// A number as it is written, without underscores.
+fn literal<'v>(value: &'v Spanned<DeValue<'_>>) -> Option<&'v str> {
+    match value.get_ref() {
+        DeValue::Float(float) => Some(float.as_str()),
+        DeValue::Integer(integer) if integer.radix() == 10 => Some(integer.as_str()),
+        _ => None,
+    }
 }
 
 /// The file that a table is from.
@@ -287,14 +302,16 @@ impl<'a> Table<'a> {
 
     fn number(&mut self, key: &str, domain: &Domain) -> Result<Option<f64>, Error> {
         let Some(value) = self.take(key) else { return Ok(None) };
-        let literal = match value.get_ref() {
-            DeValue::Float(float) => Some(float.as_str()),
-            DeValue::Integer(integer) if integer.radix() == 10 => Some(integer.as_str()),
-            _ => None,
-        };
-        let number = literal.and_then(|literal| literal.parse().ok());
+        let number = literal(&value).and_then(|literal| literal.parse().ok());
         let legal = number.filter(|number: &f64| number.is_finite() && (domain.legal)(*number));
         legal.map(Some).ok_or_else(|| self.refused(key, value.span(), domain.allowed))
+    }
+
+    /// An instant (s) on the clock of a run.
+    fn instant(&mut self, key: &str) -> Result<Option<Instant>, Error> {
+        let Some(value) = self.take(key) else { return Ok(None) };
+        let instant = literal(&value).and_then(|literal| Instant::parse(literal, 0));
+        instant.map(Some).ok_or_else(|| self.refused(key, value.span(), instant::ALLOWED))
     }
 
     fn refused(&self, key: &str, span: Range<usize>, allowed: &str) -> Error {

@@ -18,6 +18,8 @@ mod channel;
 mod clock;
 mod error;
 mod header;
+mod idle;
+mod instant;
 mod join;
 mod lines;
 mod manifest;
@@ -57,7 +59,7 @@ pub struct Folder {
     pub robot: Option<String>,
     /// The folder; of several, the first.
     pub path: PathBuf,
-    /// 64-bit hash of `experiment.toml` and of all runs' bytes, in hexadecimal: which data these are.
+    /// 64-bit hash of what `experiment.toml` and the rows say, in hexadecimal: which data these are, whatever the zero of their clock.
     pub hash: String,
     /// What was thinned or left out, or looks odd; each names a run, and a line where there is one.
     pub notes: Vec<String>,
@@ -69,7 +71,8 @@ pub struct Folder {
 
 /// Reads a data folder.
 ///
-/// Of a run at most 4000 rows are kept, every k-th of a longer one; [`Run::valve`] comes from all of them. Rows outside the part that
+/// Of a run at most 4000 rows are kept, every k-th of a longer one; [`Run::valve`] comes from all of them. Times count from the first row, to the picosecond. Where a
+/// bench mostly rests before and after its firing, that rest is thinned and the firing is kept whole; rest after the landing of a hop or jump is left out. Rows outside the part that
 /// the operator calls valid are left out. Memory does not grow with the length of the files.
 ///
 /// `progress` is called now and then with the number of rows read since.
@@ -80,14 +83,11 @@ pub fn read(folder: &Path, progress: &dyn Fn(usize)) -> Result<Folder, Error> {
     let bytes = manifest::bytes(folder)?;
     let manifest = manifest::parse(&bytes, folder)?;
     present(folder, &manifest)?;
-    let mut hash = Hash::default();
-    hash.add(&bytes);
     let most = (MOST_ROWS_OF_ALL / manifest.runs.len()).min(MOST_ROWS);
     let mut hashes = BTreeMap::new();
     let mut readings: Vec<Reading> = Vec::new();
     for listed in &manifest.runs {
-        let reading = run::read(folder, listed, manifest.spec, most, progress)?;
-        hash.join(reading.hash);
+        let reading = run::read(folder, listed, &manifest, most, progress)?;
         same_columns(folder, readings.first(), &reading)?;
         if let Some(other) = hashes.insert(reading.hash, listed.file.clone()) {
             let reason = format!("its contents are those of {}", one_line(&other));
@@ -96,7 +96,7 @@ pub fn read(folder: &Path, progress: &dyn Fn(usize)) -> Result<Folder, Error> {
         readings.push(reading);
     }
     scaled(folder, &manifest, &readings)?;
-    Ok(gathered(folder, manifest, readings, hashes, hash))
+    Ok(gathered(folder, manifest, readings, hashes))
 }
 
 /// Refuses a folder of which a file is missing, before any is read.
@@ -145,7 +145,6 @@ fn gathered(
     manifest: Manifest,
     readings: Vec<Reading>,
     hashes: BTreeMap<Hash, String>,
-    hash: Hash,
 ) -> Folder {
     let columns: Vec<String> = readings
         .first()
@@ -153,29 +152,41 @@ fn gathered(
         .unwrap_or_default();
     let mut notes = odd(&manifest, &columns);
     notes.extend(readings.iter().flat_map(|reading| reading.notes.clone()));
+    notes.extend(shared(&readings));
     notes.extend(unlisted(path, &manifest));
     let more = notes.len().saturating_sub(MOST_NOTES);
     notes.truncate(MOST_NOTES);
     notes.extend((more > 0).then(|| format!("{}: {more} more notes of its runs", manifest::NAME)));
     let rows = readings.iter().map(|reading| reading.rows).sum();
+    let parts: Vec<Hash> = readings.iter().map(|reading| reading.hash).collect();
     let runs = readings.into_iter().map(|reading| reading.run).collect();
     let of_each =
         |sizes: &BTreeMap<String, f64>| columns.iter().map(|name| sizes.get(name).copied()).collect();
-    Folder {
-        experiment: Experiment {
-            kind: manifest.spec.sort,
-            noise: of_each(&manifest.noise),
-            resolution: of_each(&manifest.resolution),
-            columns,
-            runs,
-        },
-        robot: manifest.robot,
-        path: path.into(),
-        hash: hash.hex(),
-        notes,
-        rows,
-        hashes,
+    let (noise, resolution) = (of_each(&manifest.noise), of_each(&manifest.resolution));
+    let experiment = Experiment { kind: manifest.spec.sort, noise, resolution, columns, runs };
+    let mut hash = Hash::default();
+    hash.add(write::manifest(&experiment, manifest.robot.as_deref(), manifest.spec).as_bytes());
+    parts.into_iter().for_each(|part| hash.join(part));
+    Folder { experiment, robot: manifest.robot, path: path.into(), hash: hash.hex(), notes, rows, hashes }
+}
+
+/// Notes that runs share: each once, of the first run that has it.
+fn shared(readings: &[Reading]) -> Vec<String> {
+    let mut about: Vec<(&str, String, usize)> = Vec::new();
+    for reading in readings {
+        for (what, text) in &reading.shared {
+            match about.iter_mut().find(|(known, ..)| known == what) {
+                Some((.., more)) => *more += 1,
+                None => about.push((what, format!("{}: {text}", one_line(&reading.run.name)), 0)),
+            }
+        }
     }
+    let note = |(_, text, more): (&str, String, usize)| match more {
+        0 => text,
+        1 => format!("{text}; 1 more run is treated alike"),
+        _ => format!("{text}; {more} more runs are treated alike"),
+    };
+    about.into_iter().map(note).collect()
 }
 
 /// Notes of what `experiment.toml` says and nothing needs.

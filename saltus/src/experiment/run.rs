@@ -8,8 +8,10 @@ use super::channel::Tally;
 use super::clock::{self, Clock};
 use super::error::{Error, one_line, shown};
 use super::header::{Header, bare};
+use super::idle::{Motion, Rest};
+use super::instant::{self, Instant};
 use super::lines::{Hash, Lines};
-use super::manifest::Listed;
+use super::manifest::{Listed, Manifest};
 use super::spec::Spec;
 use super::thin::Thinned;
 use super::valve::Valve;
@@ -25,26 +27,45 @@ pub(super) struct Reading {
     pub(super) columns: Vec<&'static str>,
     /// Greatest magnitude in each.
     pub(super) largest: Vec<f64>,
+    /// Of its rows, whatever the zero of their clock.
     pub(super) hash: Hash,
     /// Rows of the file.
     pub(super) rows: usize,
     pub(super) notes: Vec<String>,
+    /// Notes that other runs may share, without the run's name: what each is about, and its text.
+    pub(super) shared: Vec<(&'static str, String)>,
 }
 
 /// The run that `listed` says is in `folder`, of which at most so many rows are kept.
+///
+/// A run that mostly rests is read a second time, once its motion is known.
 pub(super) fn read(
     folder: &Path,
     listed: &Listed,
-    spec: &'static Spec,
+    manifest: &Manifest,
     most: usize,
     progress: &dyn Fn(usize),
 ) -> Result<Reading, Error> {
     let path = folder.join(&listed.file);
     let file = shown(&path);
-    let mut lines = Lines::open(&path)?;
-    let Some((line, text)) = lines.next()? else { return Err(Error::content(file, "is empty")) };
-    let header = Header::read(text, &format!("{file}:{line}"), spec)?;
-    let mut log = Log::new(&path, &file, listed, spec, header, most);
+    let log = rows(&Source { path: &path, file: &file, listed, spec: manifest.spec }, most, None, progress)?;
+    match log.motion(manifest) {
+        Some(motion) => rows(&log.source, most, Some(motion), &|_| ())?.finish(),
+        None => log.finish(),
+    }
+}
+
+/// All rows of a run, of which the rest around `motion` is thinned or left out.
+fn rows<'a>(
+    source: &Source<'a>,
+    most: usize,
+    motion: Option<Motion>,
+    progress: &dyn Fn(usize),
+) -> Result<Log<'a>, Error> {
+    let mut lines = Lines::open(source.path)?;
+    let Some((line, text)) = lines.next()? else { return Err(Error::content(source.file, "is empty")) };
+    let header = Header::read(text, &format!("{}:{line}", source.file), source.spec)?;
+    let mut log = Log::new(*source, header, most, motion);
     while let Some((line, text)) = lines.next()? {
         log.row(line, text)?;
         if log.rows.is_multiple_of(PACE) {
@@ -52,52 +73,63 @@ pub(super) fn read(
         }
     }
     progress(log.rows % PACE);
-    log.finish(lines.hash())
+    Ok(log)
+}
+
+/// Where a run is.
+#[derive(Clone, Copy)]
+struct Source<'a> {
+    path: &'a Path,
+    /// As messages call it.
+    file: &'a str,
+    listed: &'a Listed,
+    spec: &'static Spec,
 }
 
 /// A run so far.
 struct Log<'a> {
-    path: &'a Path,
-    file: &'a str,
-    listed: &'a Listed,
+    source: Source<'a>,
     /// As notes call it.
     name: String,
-    spec: &'static Spec,
     header: Header,
     rows: usize,
-    /// Time (s) of the last row.
-    last: Option<f64>,
+    /// When the last row was measured.
+    last: Option<Instant>,
     clock: Clock,
     valve: Valve,
     tallies: Vec<Tally>,
     kept: Thinned,
+    /// Where its motion is known: rows of rest around it.
+    motion: Option<Motion>,
+    idle: Thinned,
+    /// The last row of rest, and how many there were: a row that repeats it is left out, as it tells nothing new.
+    resting: (Vec<Option<f64>>, usize),
+    /// Rows before and after a motion that starts and ends at once.
+    cut: usize,
+    hash: Hash,
     /// Rows without a channel that they need: how many, and the first one's line and column.
     left_out: Option<(usize, u64, &'static str)>,
 }
 
 impl<'a> Log<'a> {
-    fn new(
-        path: &'a Path,
-        file: &'a str,
-        listed: &'a Listed,
-        spec: &'static Spec,
-        header: Header,
-        most: usize,
-    ) -> Log<'a> {
+    fn new(source: Source<'a>, header: Header, most: usize, motion: Option<Motion>) -> Log<'a> {
         let channels = header.channels.len();
+        let block = if source.spec.any_of { channels } else { 1 };
         Log {
-            path,
-            file,
-            listed,
-            name: one_line(&listed.file),
-            spec,
+            source,
+            name: one_line(&source.listed.file),
             rows: 0,
             last: None,
             clock: Clock::default(),
             valve: Valve::default(),
             tallies: header.channels.iter().map(|(_, channel)| Tally::new(channel)).collect(),
-            kept: Thinned::new(most, if spec.any_of { channels } else { 1 }, channels),
+            kept: Thinned::new(most, block, channels),
+            idle: Thinned::new(motion.map_or(0, |motion| motion.most), block, channels),
+            motion,
+            resting: (Vec::new(), 0),
+            cut: 0,
             left_out: None,
+            hash: Hash::default(),
             header,
         }
     }
@@ -112,23 +144,28 @@ impl<'a> Log<'a> {
         let time = self.time(line, &cells)?;
         if let Some(column) = self.header.valve {
             let command = self.command(line, cells[column])?;
-            self.valve.add((self.file, &self.name), line, time, command)?;
+            self.valve.add((self.source.file, &self.name), line, time, command)?;
         }
-        match self.listed.window {
-            Some((from, to)) if time < from || time > to => Ok(()),
-            _ => self.measured(line, time, &cells),
+        let [from, to] = self.source.listed.window;
+        if from.is_some_and(|from| time < from) || to.is_some_and(|to| time > to) {
+            return Ok(());
         }
+        self.measured(line, time, &cells)
     }
 
-    /// The time (s) of a row, which is its number where there is no clock.
-    fn time(&mut self, line: u64, cells: &[&[u8]]) -> Result<f64, Error> {
-        let Some(column) = self.header.time else { return Ok(self.rows as f64) };
-        let Some(time) = self.number(line, "time_s", cells[column])? else {
+    /// When a row was measured; where there is no clock, its number.
+    fn time(&mut self, line: u64, cells: &[&[u8]]) -> Result<Instant, Error> {
+        let Some((column, power)) = self.header.time else { return Ok(Instant::of_row(self.rows)) };
+        let text = self.text(line, "time_s", cells[column])?;
+        if text.is_empty() {
             return Err(Error::signal(self.place(line), "time_s", "is empty: every row must have its time"));
+        }
+        let Some(time) = Instant::parse(text, power) else {
+            return Err(Error::value(self.place(line), "time_s", text, instant::ALLOWED));
         };
         match self.last.replace(time) {
             Some(last) if time <= last => {
-                Err(clock::disorder(self.path, self.file, line, column, (last, time)))
+                Err(clock::disorder(self.source.path, self.source.file, line, (column, power), (last, time)))
             }
             _ => Ok(time),
         }
@@ -144,7 +181,12 @@ impl<'a> Log<'a> {
     }
 
     /// Takes in what a row has in the channels.
-    fn measured(&mut self, line: u64, time: f64, cells: &[&[u8]]) -> Result<(), Error> {
+    fn measured(&mut self, line: u64, time: Instant, cells: &[&[u8]]) -> Result<(), Error> {
+        let rest = self.motion.map_or(Rest::Keep, |motion| motion.rest_at(time));
+        if rest == Rest::Cut {
+            self.cut += 1;
+            return Ok(());
+        }
         let mut values = Vec::with_capacity(self.header.channels.len());
         for &(column, channel) in &self.header.channels {
             let value = self.number(line, channel.name, cells[column])?;
@@ -164,20 +206,27 @@ impl<'a> Log<'a> {
             values.push(value);
         }
         self.clock.tick(line, time);
+        self.hash.add(&time.picoseconds_since(self.clock.origin()).to_le_bytes());
         for (tally, value) in self.tallies.iter_mut().zip(&values) {
             tally.add(*value);
+            self.hash.number(value.unwrap_or(f64::NAN));
         }
-        self.kept.add(time, &values);
+        if rest == Rest::Thin {
+            self.resting.1 += 1;
+            if self.resting.0 != values {
+                self.idle.add(time, &values);
+                self.resting.0 = values;
+            }
+        } else {
+            self.kept.add(time, &values);
+        }
         Ok(())
     }
 
     /// The number in a cell; none where it is empty.
     fn number(&self, line: u64, name: &str, cell: &[u8]) -> Result<Option<f64>, Error> {
         const ALLOWED: &str = "a finite number, or empty where none was measured";
-        let Ok(text) = std::str::from_utf8(cell) else {
-            return Err(Error::signal(self.place(line), name, "is not UTF-8 text"));
-        };
-        let text = bare(text);
+        let text = self.text(line, name, cell)?;
         match text.parse() {
             _ if text.is_empty() => Ok(None),
             Ok(number) if f64::is_finite(number) => Ok(Some(number)),
@@ -185,55 +234,79 @@ impl<'a> Log<'a> {
         }
     }
 
-    fn place(&self, line: u64) -> String {
-        format!("{}:{line}", self.file)
+    fn text<'c>(&self, line: u64, name: &str, cell: &'c [u8]) -> Result<&'c str, Error> {
+        let text = std::str::from_utf8(cell);
+        text.map(bare).map_err(|_| Error::signal(self.place(line), name, "is not UTF-8 text"))
     }
 
-    fn finish(self, hash: Hash) -> Result<Reading, Error> {
+    fn place(&self, line: u64) -> String {
+        format!("{}:{line}", self.source.file)
+    }
+
+    /// The motion in the run, where the rest around it is worth thinning or leaving out.
+    fn motion(&self, manifest: &Manifest) -> Option<Motion> {
+        let steps: Vec<Option<f64>> = self
+            .header
+            .channels
+            .iter()
+            .map(|(_, channel)| manifest.resolution.get(channel.name).copied())
+            .collect();
+        Motion::within(&self.kept, &steps, self.valve.opened()?, self.source.spec.rest)
+    }
+
+    fn finish(mut self) -> Result<Reading, Error> {
         self.enough()?;
-        self.clock.judge(self.file, self.spec)?;
-        let mut notes = self.notes();
+        let Source { file, listed, spec, .. } = self.source;
+        let origin = self.clock.origin();
+        let (mut notes, shared) = (self.notes(), self.shared());
         for tally in &self.tallies {
-            notes.extend(tally.judge(self.file, &self.name, self.spec)?);
+            notes.extend(tally.judge(file, &self.name, spec)?);
         }
-        let valve = if self.spec.valve {
-            let (times, odd) = self.valve.times(self.file)?;
+        let valve = if spec.valve {
+            let (times, odd) = self.valve.times(file)?;
             notes.extend(odd);
             Some(times)
         } else {
             None
         };
-        let run = Run {
-            name: self.listed.file.clone(),
-            settings: self.listed.settings.clone(),
-            valve,
-            time: self.kept.time,
-            values: self.kept.values,
-        };
+        self.clock.judge(file, spec, valve.map(|(open, _)| open))?;
+        let valve = valve.map(|(open, shut)| (open.since(origin), shut.map(|shut| shut.since(origin))));
+        if let Some((open, shut)) = valve {
+            self.hash.number(open);
+            self.hash.number(shut.unwrap_or(f64::INFINITY));
+        }
+        let mut settings = listed.settings.clone();
+        settings.extend(listed.instants.iter().map(|(key, at)| ((*key).to_owned(), at.since(origin))));
+        let (instants, values) = self.kept.merged(self.idle);
+        let time = instants.iter().map(|instant| instant.since(origin)).collect();
+        let run = Run { name: listed.file.clone(), settings, valve, time, values };
         let columns = self.header.channels.iter().map(|(_, channel)| channel.name).collect();
         let largest = self.tallies.iter().map(|tally| tally.largest).collect();
-        Ok(Reading { run, columns, largest, hash, rows: self.rows, notes })
+        Ok(Reading { run, columns, largest, hash: self.hash, rows: self.rows, notes, shared })
     }
 
     /// Refuses a run from which nothing can be learned.
     fn enough(&self) -> Result<(), Error> {
-        let (rows, least, id) = (self.kept.seen, self.spec.least, self.spec.id);
+        let Spec { least, id, .. } = *self.source.spec;
+        let rows = self.kept.seen + self.resting.1;
         if self.rows == 0 {
-            return Err(Error::content(self.file, "has a header and no rows"));
+            return Err(Error::content(self.source.file, "has a header and no rows"));
         }
         if rows < least {
-            let part = match self.listed.window {
-                Some(_) if rows < self.rows => " from valid_from_s to valid_to_s",
-                _ if self.left_out.is_some() => " complete",
-                _ => "",
+            let is_part = self.source.listed.window != [None; 2] && rows < self.rows;
+            let part = match self.left_out {
+                _ if is_part => " from valid_from_s to valid_to_s",
+                Some(_) => " complete",
+                None => "",
             };
             let rows = if rows == 1 { "1 row".to_owned() } else { format!("{rows} rows") };
             let reason = format!("{rows}{part}: a run of kind {id} needs {least} at least");
-            return Err(Error::content(self.file, reason));
+            return Err(Error::content(self.source.file, reason));
         }
         Ok(())
     }
 
+    /// What is odd about the rows.
     fn notes(&self) -> Vec<String> {
         let name = &self.name;
         let mut notes = Vec::new();
@@ -242,16 +315,36 @@ impl<'a> Log<'a> {
             let first = format!("the first at line {line}");
             notes.push(format!("{name}: {rows} {word} left out for an empty cell, {first} for its {column}"));
         }
-        let (seen, kept) = (self.kept.seen, self.kept.time.len());
-        if self.kept.stride > 1 {
-            let stride = self.kept.stride;
-            let advice =
-                if self.spec.timed() { "; valid_from_s and valid_to_s keep a part in full" } else { "" };
-            notes.push(format!("{name}: thinned to one row in {stride}, {kept} of {seen}{advice}"));
-        }
-        if self.spec.timed() {
-            notes.extend(self.clock.gap(name, &self.kept.time, seen));
+        if self.source.spec.timed() {
+            notes.extend(self.clock.gap(name, &self.kept));
         }
         notes
+    }
+
+    /// What is left out of the rows.
+    fn shared(&self) -> Vec<(&'static str, String)> {
+        let mut shared = Vec::new();
+        let (seen, kept, stride) = (self.kept.seen, self.kept.time.len(), self.kept.stride);
+        if stride > 1 {
+            let advice = if self.source.spec.timed() {
+                "; valid_from_s and valid_to_s keep a part in full"
+            } else {
+                ""
+            };
+            shared.push(("thinned", format!("thinned to one row in {stride}, {kept} of {seen}{advice}")));
+        }
+        let (seen, kept) = (self.resting.1, self.idle.time.len());
+        if seen > kept {
+            let text = format!("{kept} of {seen} rows at rest before and after the motion are kept");
+            shared.push(("rest", text));
+        }
+        if self.cut > 0 {
+            let text = format!(
+                "{} rows before the start or after the landing, in which nothing moves, are left out",
+                self.cut
+            );
+            shared.push(("cut", text));
+        }
+        shared
     }
 }

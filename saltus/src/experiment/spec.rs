@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::Sort;
+use super::idle::Rest;
 
 /// One kind of experiment.
 #[derive(Debug)]
@@ -14,6 +15,8 @@ pub(super) struct Spec {
     pub(super) robot: bool,
     /// Whether rows carry the valve's command.
     pub(super) valve: bool,
+    /// What is done with rest before and after the motion.
+    pub(super) rest: [Rest; 2],
     /// What is measured.
     pub(super) channels: &'static [Channel],
     /// Whether some of the channels suffice. They may then come from instruments with clocks of their own, each with cells empty
@@ -21,6 +24,8 @@ pub(super) struct Spec {
     pub(super) any_of: bool,
     /// What the operator sets.
     pub(super) settings: &'static [Setting],
+    /// Keys of a run, each optional, that say when something happened on the clock of its file.
+    pub(super) instants: &'static [&'static str],
     /// Fewest rows from which anything can be learned.
     pub(super) least: usize,
     /// Longest time (s) that a run can take.
@@ -141,9 +146,11 @@ const LOGGED: Spec = Spec {
     id: "",
     robot: true,
     valve: true,
+    rest: [Rest::Keep; 2],
     channels: &[],
     any_of: false,
     settings: &[],
+    instants: &[],
     least: 10,
     longest: 100.0,
 };
@@ -156,6 +163,7 @@ pub(super) const SPECS: [Spec; 8] = [
     Spec {
         sort: Sort::Bench,
         id: "bench",
+        rest: [Rest::Thin; 2],
         channels: &[lively("position_m", POSITION), lively("pressure_pa", CHAMBER)],
         settings: &[required("load_mass_kg", LOAD), required("supply_pressure_gauge_pa", SUPPLY)],
         ..LOGGED
@@ -163,6 +171,8 @@ pub(super) const SPECS: [Spec; 8] = [
     Spec {
         sort: Sort::Hop,
         id: "hop",
+        // It stands until it is fired; after the landing it does what nobody models.
+        rest: [Rest::Thin, Rest::Cut],
         channels: &[lively("pivot_angle_rad", TILT)],
         settings: &[required("supply_pressure_gauge_pa", SUPPLY)],
         ..LOGGED
@@ -170,6 +180,7 @@ pub(super) const SPECS: [Spec; 8] = [
     Spec {
         sort: Sort::Jump,
         id: "jump",
+        rest: [Rest::Cut; 2],
         channels: &[
             lively("wheel_angle_rad", TURN),
             lively("pivot_angle_rad", TILT),
@@ -242,6 +253,7 @@ pub(super) const SPECS: [Spec; 8] = [
             required("ambient_pressure_pa", ABSOLUTE),
             optional("wall_area_m2", AREA),
         ],
+        instants: &["release_s"],
         least: 5,
         ..PART
     },

@@ -1,5 +1,7 @@
 //! A run that keeps every k-th row, where k doubles whenever it is full.
 
+use super::instant::Instant;
+
 /// Rows kept of a run.
 #[derive(Debug)]
 pub(super) struct Thinned {
@@ -11,8 +13,8 @@ pub(super) struct Thinned {
     pub(super) stride: usize,
     /// Rows seen.
     pub(super) seen: usize,
-    /// Time (s), or number, of each row.
-    pub(super) time: Vec<f64>,
+    /// When each row was measured.
+    pub(super) time: Vec<Instant>,
     /// For each channel a value for each row.
     pub(super) values: Vec<Vec<f64>>,
 }
@@ -25,7 +27,7 @@ impl Thinned {
     }
 
     /// Takes in a row; a missing cell is NaN.
-    pub(super) fn add(&mut self, time: f64, cells: &[Option<f64>]) {
+    pub(super) fn add(&mut self, time: Instant, cells: &[Option<f64>]) {
         if (self.seen / self.block).is_multiple_of(self.stride) {
             if self.time.len() >= self.most {
                 self.halve();
@@ -41,14 +43,32 @@ impl Thinned {
         self.seen += 1;
     }
 
+    /// The rows of both in the order of time: instants, and values for each channel.
+    pub(super) fn merged(self, other: Thinned) -> (Vec<Instant>, Vec<Vec<f64>>) {
+        let time: Vec<Instant> = self.time.into_iter().chain(other.time).collect();
+        let mut order: Vec<usize> = (0..time.len()).collect();
+        order.sort_by_key(|&row| time[row]);
+        let values = self.values.into_iter().zip(other.values).map(|(mut values, others)| {
+            values.extend(others);
+            order.iter().map(|&row| values[row]).collect()
+        });
+        let values = values.collect();
+        (order.iter().map(|&row| time[row]).collect(), values)
+    }
+
     fn halve(&mut self) {
         self.stride *= 2;
         let block = self.block;
-        for column in self.values.iter_mut().chain([&mut self.time]) {
-            let mut row = 0..;
-            column.retain(|_| row.next().is_some_and(|row: usize| (row / block).is_multiple_of(2)));
+        self.time = every_other(&self.time, block);
+        for column in &mut self.values {
+            *column = every_other(column, block);
         }
     }
+}
+
+/// The blocks of even number.
+fn every_other<T: Copy>(rows: &[T], block: usize) -> Vec<T> {
+    rows.chunks(block).step_by(2).flatten().copied().collect()
 }
 
 #[cfg(test)]
@@ -62,12 +82,12 @@ mod tests {
         {
             let mut kept = Thinned::new(most, block, 1);
             for row in 0..rows {
-                kept.add(row as f64, &[(row % 2 == 0).then_some(row as f64)]);
+                kept.add(Instant::of_row(row), &[(row % 2 == 0).then_some(row as f64)]);
             }
             assert_eq!(kept.stride, stride, "{rows} rows in {most}");
             assert!(kept.time.len() <= most);
-            let expected: Vec<f64> =
-                (0..rows).filter(|row| (row / block).is_multiple_of(stride)).map(|row| row as f64).collect();
+            let expected: Vec<Instant> =
+                (0..rows).filter(|row| (row / block).is_multiple_of(stride)).map(Instant::of_row).collect();
             assert_eq!(kept.time, expected, "{rows} rows in {most}");
             // Of instruments that take turns, both stay.
             let filled = kept.values[0].iter().filter(|value| !value.is_nan()).count();

@@ -1,9 +1,10 @@
 //! The valve's command: when it opened, and when it closed.
 
 use super::error::Error;
+use super::instant::Instant;
 
-/// When (s) the valve opened, and when it closed if it did.
-pub(super) type Opening = (f64, Option<f64>);
+/// When the valve opened, and when it closed if it did.
+pub(super) type Opening = (Instant, Option<Instant>);
 
 /// The command as seen so far.
 #[derive(Debug, Default)]
@@ -21,19 +22,19 @@ enum State {
     Unseen,
     /// Not open yet.
     Before,
-    /// Open since that time (s).
-    Open(f64),
-    /// It was open between these times (s).
-    Closed(f64, f64),
+    /// Open since that instant.
+    Open(Instant),
+    /// It was open between these instants.
+    Closed(Instant, Instant),
 }
 
 impl Valve {
-    /// Takes in a row: its line, its time (s), and the command; messages call the file `file` and the run `name`.
+    /// Takes in a row: its line, its instant, and the command; messages call the file `file` and the run `name`.
     pub(super) fn add(
         &mut self,
         (file, name): (&str, &str),
         line: u64,
-        time: f64,
+        time: Instant,
         command: Option<f64>,
     ) -> Result<(), Error> {
         let Some(command) = command else {
@@ -69,7 +70,15 @@ impl Valve {
         Ok(())
     }
 
-    /// When (s) it opened and closed, and what is odd about it.
+    /// When it opened, if it did.
+    pub(super) fn opened(&self) -> Option<Instant> {
+        match self.state {
+            State::Open(open) | State::Closed(open, _) => Some(open),
+            State::Unseen | State::Before => None,
+        }
+    }
+
+    /// When it opened and closed, and what is odd about it.
     pub(super) fn times(self, file: &str) -> Result<(Opening, Vec<String>), Error> {
         match self.state {
             State::Open(open) => Ok(((open, None), self.notes)),

@@ -10,7 +10,8 @@ use super::manifest::{NAME, within};
 use super::spec::Spec;
 use super::{Experiment, Run};
 
-/// Writes `experiment` into a folder that is new or empty, so that [`read`](super::read()) gives it back.
+/// Writes `experiment` into a folder that is new or empty, so that [`read`](super::read()) gives it back; the times of a run then count
+/// from its first row.
 ///
 /// No file is there in part, and `experiment.toml` comes last. Where the valve switches between two rows, a row is put in that has the
 /// command alone.
@@ -62,7 +63,8 @@ fn writable(run: &Run, experiment: &Experiment, spec: &Spec) -> Result<(), &'sta
     Ok(())
 }
 
-fn manifest(experiment: &Experiment, robot: Option<&str>, spec: &Spec) -> String {
+/// The text of `experiment.toml`.
+pub(super) fn manifest(experiment: &Experiment, robot: Option<&str>, spec: &Spec) -> String {
     let quoted = |text: &str| toml::Value::String(text.into()).to_string();
     let mut text = format!("kind = {}\n", quoted(spec.id));
     // Writing into a string does not fail.

@@ -104,7 +104,7 @@ fn good_folders_are_read() {
             assert_eq!(run.valve, opened.then_some((0.3, Some(0.8))), "{kind}");
         }
         let last = experiment.runs[0].time[11];
-        assert_eq!(last, if kind == "outcomes" { 12.0 } else { 1.1 });
+        assert_eq!(last, if kind == "outcomes" { 11.0 } else { 1.1 });
     }
 }
 
@@ -146,7 +146,8 @@ fn only_the_valid_part_is_kept() {
     data.write(name, run.replace("1.1,0.11", "1.1,broken"));
     let folder = read(&data.path(""), &|_| ()).unwrap();
     let run = &folder.experiment.runs[0];
-    assert_eq!(run.time, [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]);
+    // Times count from the first row.
+    assert_eq!(run.time, [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]);
     assert_eq!((run.values[0][0], folder.rows, run.settings.len()), (0.02, 12, 1));
 
     let data = Folder::new("valid-valve");
@@ -156,7 +157,7 @@ fn only_the_valid_part_is_kept() {
     data.write(name, run + "1.2,0,0.12\n1.3,0,0.13\n");
     let folder = read(&data.path(""), &|_| ()).unwrap();
     let run = &folder.experiment.runs[0];
-    assert_eq!((run.valve, run.time[0]), (Some((0.3, Some(0.8))), 0.4));
+    assert_eq!((run.valve, run.time[0]), (Some((-0.1, Some(0.4))), 0.0));
 }
 
 #[test]
@@ -240,5 +241,5 @@ fn measured_drops_are_read() {
     assert_eq!((folder.experiment.kind, folder.robot), (Sort::Flight, None));
     assert_eq!(folder.experiment.noise, [Some(0.04)]);
     // What identifies the data is the same everywhere.
-    assert_eq!(read(&drops.join("tennis-ball"), &|_| ()).unwrap().hash, "d0508727e8565c5e");
+    assert_eq!(read(&drops.join("tennis-ball"), &|_| ()).unwrap().hash, "3b63fb012537ada3");
 }

@@ -8,8 +8,7 @@ use crate::common::Folder;
 fn written(kind: Sort, columns: &[&str], settings: &[(&str, f64)]) -> Experiment {
     let valve = matches!(kind, Sort::Bench | Sort::Hop | Sort::Jump);
     let run = |run: u32| {
-        let time =
-            |i: u32| if kind == Sort::Outcomes { f64::from(i + 1) } else { f64::from(i) * 0.01 - 0.05 };
+        let time = |i: u32| if kind == Sort::Outcomes { f64::from(i) } else { f64::from(i) / 100.0 };
         let value = |column: usize, i: u32| {
             let x = f64::from(i + 13 * run) / 300.0;
             match columns[column] {
@@ -91,12 +90,10 @@ fn a_switch_between_rows_is_written() {
     experiment.runs[0].values[0][4] = f64::NAN;
     write(&data.path(""), &experiment, Some("rats-boom")).unwrap();
     let run = &read(&data.path(""), &|_| ()).unwrap().experiment.runs[0];
-    assert_eq!(run.valve, Some((-0.1, Some(0.012))));
-    assert_eq!(
-        (run.time.len(), run.time[0], run.time[7], run.time[8]),
-        (22, -0.1, experiment.runs[0].time[6], 0.012)
-    );
-    assert!(run.values[0][0].is_nan() && run.values[0][5].is_nan() && run.values[0][6] > 0.0);
+    // Times count from the first row, which has the command alone.
+    assert_eq!(run.valve, Some((0.0, Some(0.112))));
+    assert_eq!((run.time.len(), run.time[0], run.time[2], run.time[3]), (22, 0.0, 0.11, 0.112));
+    assert!([0, 3, 6].iter().all(|row| run.values[0][*row].is_nan()) && run.values[0][5] > 0.0);
 }
 
 #[test]
