@@ -21,7 +21,7 @@ pub struct Crossing {
     /// Start, goal, obstacles and no-landing areas. A landing is where the wheel's centre comes down to r_s above the
     /// surface; the next foot stands there, or after the roll.
     pub course: Course,
-    /// Approach rate ω (rad/s) of each jump; the last holds for all that follow.
+    /// Approach rates ω (rad/s): one for all jumps, or one for each.
     pub rates: Vec<f64>,
     /// Lean at the start of each stance (rad); none: stances start at their firing angles.
     pub start_lean: Option<f64>,
@@ -176,11 +176,17 @@ impl Crossing {
         let length = |x: f64| (0.0..=1e4).contains(&x);
         let positive = "0 or above";
         let angle = "between -pi/2 and pi/2 rad, exclusive";
-        let first_rate = self.rates.first().copied().unwrap_or(f64::NAN);
+        let (jumps, rates) = (self.course.jumps, self.rates.len());
         let bad_rate = self.rates.iter().copied().find(|r| !(0.0..=1e3).contains(r));
         let (angles, valve) = (self.firing_angles, self.valve_open);
         let cases = [
-            ("approach_rate_rad_s", first_rate, !first_rate.is_nan(), "at least one number"),
+            (
+                "approach_rate_rad_s (count)",
+                rates as f64,
+                rates == 1 || rates == jumps,
+                "1, or as many as there are jumps",
+            ),
+            ("land (count)", self.zones.len() as f64, self.zones.len() <= jumps, "at most one for each jump"),
             ("approach_rate_rad_s", bad_rate.unwrap_or(0.0), bad_rate.is_none(), "from 0 to 1000 rad/s"),
             ("start_lean_rad", self.start_lean.unwrap_or(0.0), self.start_lean.is_none_or(upright), angle),
             ("firing_angle_rad", angles.low, upright(angles.low), angle),

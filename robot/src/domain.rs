@@ -4,7 +4,7 @@ use std::ops::{Bound, RangeBounds};
 
 /// An interval of finite numbers (SI), perhaps with infinity.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Domain {
+pub struct Domain {
     low: Bound<f64>,
     high: Bound<f64>,
     /// Whether infinity belongs to it.
@@ -15,51 +15,53 @@ pub(crate) struct Domain {
 
 impl Domain {
     /// Every finite number.
-    pub(crate) const FINITE: Domain = Domain::from(Bound::Unbounded);
-    pub(crate) const POSITIVE: Domain = Domain::above(0.0);
-    pub(crate) const NON_NEGATIVE: Domain = Domain::at_least(0.0);
+    pub const FINITE: Domain = Domain::from(Bound::Unbounded);
+    /// x > 0.
+    pub const POSITIVE: Domain = Domain::above(0.0);
+    /// x ≥ 0.
+    pub const NON_NEGATIVE: Domain = Domain::at_least(0.0);
 
     const fn from(low: Bound<f64>) -> Domain {
         Domain { low, high: Bound::Unbounded, endless: false, reason: "" }
     }
 
     /// x > `low`.
-    pub(crate) const fn above(low: f64) -> Domain {
+    pub const fn above(low: f64) -> Domain {
         Domain::from(Bound::Excluded(low))
     }
 
     /// x ≥ `low`.
-    pub(crate) const fn at_least(low: f64) -> Domain {
+    pub const fn at_least(low: f64) -> Domain {
         Domain::from(Bound::Included(low))
     }
 
     /// The same, and x < `high`.
-    pub(crate) const fn below(self, high: f64) -> Domain {
+    pub const fn below(self, high: f64) -> Domain {
         Domain { high: Bound::Excluded(high), ..self }
     }
 
     /// The same, and x ≤ `high`.
-    pub(crate) const fn up_to(self, high: f64) -> Domain {
+    pub const fn up_to(self, high: f64) -> Domain {
         Domain { high: Bound::Included(high), ..self }
     }
 
     /// The same, and infinity.
-    pub(crate) const fn or_infinite(self) -> Domain {
+    pub const fn or_infinite(self) -> Domain {
         Domain { endless: true, ..self }
     }
 
     /// The same with the reason for its bounds.
-    pub(crate) const fn because(self, reason: &'static str) -> Domain {
+    pub const fn because(self, reason: &'static str) -> Domain {
         Domain { reason, ..self }
     }
 
     /// Whether `x` is inside; what is not finite mostly is not.
-    pub(crate) fn contains(self, x: f64) -> bool {
+    pub fn contains(self, x: f64) -> bool {
         (x.is_finite() && (self.low, self.high).contains(&x)) || (self.endless && x == f64::INFINITY)
     }
 
     /// What is allowed, for messages, with bounds in `unit`.
-    pub(crate) fn describe(self, unit: &str) -> String {
+    pub fn describe(self, unit: &str) -> String {
         let low = match self.low {
             Bound::Unbounded => None,
             Bound::Excluded(low) => Some((">", low)),

@@ -1,4 +1,4 @@
-//! What can be wrong with a robot file, and where.
+//! What can be wrong with a robot file, or another file read as one, and where.
 
 use std::fmt;
 use std::sync::Arc;
@@ -46,7 +46,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why a robot could not be read. Every message names the place, the key or column, the value and what is allowed.
+/// Why a robot, or another file read by [`Section`](crate::section::Section), could not be read. Every message names the place, the key or column, the value and what is allowed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RobotError {
@@ -62,7 +62,7 @@ pub enum RobotError {
         /// What is allowed.
         allowed: String,
     },
-    /// A key that robot files do not know here.
+    /// A key that the file does not have here.
     #[error("{place}: unknown key {key}; the nearest known key is {nearest}")]
     UnknownKey {
         /// Where it stands.
@@ -73,7 +73,7 @@ pub enum RobotError {
         nearest: String,
     },
     /// A key that must be there.
-    #[error("{place}: missing key {}", keys.join(" or "))]
+    #[error("{place}: missing key {}", spelled(keys))]
     MissingKey {
         /// Where its table begins.
         place: Place,
@@ -180,4 +180,11 @@ pub enum RobotError {
         /// Bytes before the first wrong one.
         offset: usize,
     },
+}
+
+/// Spellings of one key: the first in full, of the others what is behind the last dot.
+fn spelled(keys: &[String]) -> String {
+    let (first, others) = keys.split_first().map_or(("", keys), |(first, others)| (first.as_str(), others));
+    let short = others.iter().map(|key| key.rsplit('.').next().unwrap_or(key));
+    std::iter::once(first).chain(short).collect::<Vec<_>>().join(" or ")
 }

@@ -18,16 +18,16 @@
 //! ```
 
 mod document;
-mod domain;
+pub mod domain;
 mod error;
 mod file;
 mod files;
 mod model;
 mod parameter;
 mod rig;
-mod section;
+pub mod section;
 mod table;
-mod units;
+pub mod units;
 mod write;
 
 use std::io::ErrorKind;

@@ -1,6 +1,23 @@
-//! Reading one table of a robot file: typed, checked, with no key left over.
+//! Reading one table of a TOML file key by key: typed, checked, in any of a quantity's units, with no key left over.
+//!
+//! ```
+//! use saltus_robot::domain::Domain;
+//! use saltus_robot::section::Section;
+//! use saltus_robot::units::LENGTH;
+//!
+//! let mut file = Section::file("[[obstacle]]\nhight_mm = 120", "course.toml")?;
+//! let mut boxes = file.tables("obstacle", 64);
+//! file.finish(())?;
+//! let height = boxes[0].number("height", LENGTH, Domain::POSITIVE);
+//! let error = boxes.remove(0).finish(height).unwrap_err();
+//! assert_eq!(
+//!     error.to_string(),
+//!     "course.toml:2: unknown key obstacle 1.hight_mm; the nearest known key is obstacle 1.height_mm",
+//! );
+//! # Ok::<(), saltus_robot::RobotError>(())
+//! ```
 
-use crate::document::{Node, Table, Value, join};
+use crate::document::{self, Node, Table, Value, join};
 use crate::domain::Domain;
 use crate::units::{Quantity, Unit};
 use crate::{Place, RobotError};
@@ -9,7 +26,7 @@ use crate::{Place, RobotError};
 ///
 /// Reading takes keys out and goes on after the first problem, with a stand-in such as NaN; [`Section::finish`] then lets nothing out.
 /// So an unknown key, which is mostly a misspelt one, is reported before the key that it leaves missing.
-pub(crate) struct Section {
+pub struct Section {
     /// Dotted key; empty for the whole file.
     path: String,
     place: Place,
@@ -20,6 +37,19 @@ pub(crate) struct Section {
 }
 
 impl Section {
+    /// The file `text`, which messages call `file`.
+    ///
+    /// # Errors
+    /// [`RobotError::NotToml`].
+    pub fn file(text: &str, file: &str) -> Result<Section, RobotError> {
+        Section::new(String::new(), document::parse(text, file)?)
+    }
+
+    /// Where the table begins.
+    pub fn place(&self) -> &Place {
+        &self.place
+    }
+
     /// The table `node`, whose dotted key is `path`.
     pub(crate) fn new(path: String, node: Node) -> Result<Section, RobotError> {
         let Node { place, source, value } = node;
@@ -30,7 +60,10 @@ impl Section {
     }
 
     /// `read`, unless a key is left or there was a problem.
-    pub(crate) fn finish<T>(mut self, read: T) -> Result<T, RobotError> {
+    ///
+    /// # Errors
+    /// [`RobotError`]: the unknown key that stands first, or else the first problem.
+    pub fn finish<T>(mut self, read: T) -> Result<T, RobotError> {
         let Some((key, node)) = self.entries.iter().min_by_key(|(_, node)| &node.place) else {
             return self.stop_at_problem().map(|()| read);
         };
@@ -43,22 +76,25 @@ impl Section {
     }
 
     /// The first problem so far, for readers that rest on what was read before.
-    pub(crate) fn stop_at_problem(&mut self) -> Result<(), RobotError> {
+    ///
+    /// # Errors
+    /// That problem.
+    pub fn stop_at_problem(&mut self) -> Result<(), RobotError> {
         self.problem.take().map_or(Ok(()), Err)
     }
 
     /// The number `stem` in SI, in whichever of its units it is given.
-    pub(crate) fn number(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> f64 {
+    pub fn number(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> f64 {
         self.one_of(&[(stem, domain)], quantity).1
     }
 
     /// The number `stem` in SI, if given.
-    pub(crate) fn optional(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> Option<f64> {
+    pub fn optional(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> Option<f64> {
         self.optional_one_of(&[(stem, domain)], quantity).map(|(_, number)| number)
     }
 
     /// Which of several ways to give a number was taken, and the number in SI.
-    pub(crate) fn one_of(&mut self, ways: &[(&str, Domain)], quantity: Quantity) -> (usize, f64) {
+    pub fn one_of(&mut self, ways: &[(&str, Domain)], quantity: Quantity) -> (usize, f64) {
         self.optional_one_of(ways, quantity).unwrap_or_else(|| {
             let (keys, _) = spellings(ways, quantity);
             self.missing(&keys);
@@ -67,19 +103,83 @@ impl Section {
     }
 
     fn optional_one_of(&mut self, ways: &[(&str, Domain)], quantity: Quantity) -> Option<(usize, f64)> {
-        let (keys, meanings) = spellings(ways, quantity);
-        let spelling = self.given(&keys)?;
-        let node = self.take(&keys[spelling])?;
-        let (way, unit) = meanings[spelling];
-        let domain = ways[way].1;
+        let (key, way, unit, node) = self.spelled(ways, quantity)?;
+        Some((way, self.si(self.dotted(&key), node, (unit, quantity, ways[way].1))))
+    }
+
+    /// One number `stem` for all of `count` things, or a list with one for each (SI).
+    pub fn numbers(&mut self, stem: &str, quantity: Quantity, domain: Domain, count: usize) -> Vec<f64> {
+        let ways = [(stem, domain)];
+        let Some((key, _, unit, node)) = self.spelled(&ways, quantity) else {
+            self.missing(&spellings(&ways, quantity).0);
+            return Vec::new();
+        };
+        match node.value {
+            Value::Array(items) if items.len() == count => self.items(&key, items, (unit, quantity, domain)),
+            Value::Array(ref items) => {
+                let given = items.len();
+                let allowed = format!("one number, or a list of {count}; this list has {given}");
+                self.refuse(self.dotted(&key), node, allowed);
+                Vec::new()
+            }
+            _ => vec![self.si(self.dotted(&key), node, (unit, quantity, domain))],
+        }
+    }
+
+    /// Two numbers `stem` (SI), the lower first, if given.
+    pub fn span(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> Option<(f64, f64)> {
+        let (key, _, unit, node) = self.spelled(&[(stem, domain)], quantity)?;
+        let allowed = "a list of two numbers, the lower first";
+        match &node.value {
+            Value::Array(items) if items.len() == 2 => {
+                let numbers = self.items(&key, items.clone(), (unit, quantity, domain));
+                if numbers[0] >= numbers[1] {
+                    self.refuse(self.dotted(&key), node, allowed.into());
+                }
+                Some((numbers[0], numbers[1]))
+            }
+            Value::Array(items) => {
+                let allowed = format!("{allowed}; this list has {}", items.len());
+                self.refuse(self.dotted(&key), node, allowed);
+                None
+            }
+            _ => {
+                self.refuse(self.dotted(&key), node, allowed.into());
+                None
+            }
+        }
+    }
+
+    /// The numbers (SI) of the list `key`; messages count its items from 1.
+    fn items(&mut self, key: &str, items: Vec<Node>, meaning: (Unit, Quantity, Domain)) -> Vec<f64> {
+        let name = self.dotted(key);
+        let item = |(i, item)| self.si(format!("{name} item {}", i + 1), item, meaning);
+        items.into_iter().enumerate().map(item).collect()
+    }
+
+    /// The number of `node` in SI, which must be in its domain; messages call it `name`.
+    fn si(&mut self, name: String, node: Node, (unit, quantity, domain): (Unit, Quantity, Domain)) -> f64 {
         let number = match &node.value {
             Value::Number(literal) => unit.si(literal),
             _ => f64::NAN,
         };
         if !domain.contains(number) {
-            self.refuse(&keys[spelling], node, domain.describe(quantity.si));
+            self.refuse(name, node, domain.describe(quantity.si));
         }
-        Some((way, number))
+        number
+    }
+
+    /// The key in which one of `ways` is given, which way that is, its unit and its value.
+    fn spelled(
+        &mut self,
+        ways: &[(&str, Domain)],
+        quantity: Quantity,
+    ) -> Option<(String, usize, Unit, Node)> {
+        let (mut keys, meanings) = spellings(ways, quantity);
+        let spelling = self.given(&keys)?;
+        let node = self.take(&keys[spelling])?;
+        let (way, unit) = meanings[spelling];
+        Some((keys.swap_remove(spelling), way, unit, node))
     }
 
     /// What `read` makes of the value of `key`; a value of which it makes nothing is not what is `allowed`.
@@ -95,13 +195,13 @@ impl Section {
         };
         let value = read(&node.value);
         if value.is_none() {
-            self.refuse(key, node, allowed.into());
+            self.refuse(self.dotted(key), node, allowed.into());
         }
         value
     }
 
     /// The text `key`.
-    pub(crate) fn text(&mut self, key: &str) -> String {
+    pub fn text(&mut self, key: &str) -> String {
         let read = |value: &Value| match value {
             Value::Text(text) if !text.is_empty() => Some(text.clone()),
             _ => None,
@@ -110,7 +210,7 @@ impl Section {
     }
 
     /// The whole number `key`, ≥ 1.
-    pub(crate) fn count(&mut self, key: &str) -> u32 {
+    pub fn count(&mut self, key: &str) -> u32 {
         let read = |value: &Value| match value {
             Value::Number(literal) => literal.parse().ok().filter(|&count| count >= 1),
             _ => None,
@@ -118,8 +218,44 @@ impl Section {
         self.value(key, "a whole number ≥ 1", read).unwrap_or_default()
     }
 
+    /// The whole number `key` from 1 to `most`, if given.
+    pub fn count_to(&mut self, key: &str, most: usize) -> Option<usize> {
+        let node = self.take(key)?;
+        let count = match &node.value {
+            Value::Number(literal) => literal.parse().ok().filter(|count| (1..=most).contains(count)),
+            _ => None,
+        };
+        if count.is_none() {
+            self.refuse(self.dotted(key), node, format!("a whole number from 1 to {most}"));
+        }
+        count
+    }
+
+    /// The tables of the list `[[key]]`, at most `most`; messages count them from 1.
+    pub fn tables(&mut self, key: &str, most: usize) -> Vec<Section> {
+        let Some(node) = self.take(key) else { return Vec::new() };
+        let allowed = format!("tables, as in [[{key}]]");
+        let Value::Array(items) = node.value else {
+            self.refuse(self.dotted(key), node, allowed);
+            return Vec::new();
+        };
+        let (given, name) = (items.len(), self.dotted(key));
+        if given > most {
+            let allowed = format!("at most {most} tables");
+            self.problem(RobotError::NotAllowed {
+                place: node.place,
+                key: format!("[[{name}]]"),
+                value: format!("{given} tables"),
+                allowed,
+            });
+        }
+        let section = |(i, item)| Section::new(format!("{name} {}", i + 1), item);
+        let sections: Result<_, _> = items.into_iter().enumerate().map(section).collect();
+        sections.map_err(|error| self.problem(error)).unwrap_or_default()
+    }
+
     /// What the text `key` stands for among `choices`, which `allowed` lists.
-    pub(crate) fn choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)], allowed: &str) -> T {
+    pub fn choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)], allowed: &str) -> T {
         let read = |value: &Value| match value {
             Value::Text(text) => choices.iter().find(|(name, _)| name == text).map(|&(_, choice)| choice),
             _ => None,
@@ -128,12 +264,12 @@ impl Section {
     }
 
     /// Whether `key` is given, and as a table.
-    pub(crate) fn is_table(&self, key: &str) -> bool {
+    pub fn is_table(&self, key: &str) -> bool {
         matches!(self.entries.get(key), Some(Node { value: Value::Table(_), .. }))
     }
 
     /// The table `key`, which must be there; an empty one stands in.
-    pub(crate) fn table(&mut self, key: &str) -> Section {
+    pub fn table(&mut self, key: &str) -> Section {
         let path = self.dotted(key);
         let section = self.take(key).map(|node| Section::new(path.clone(), node));
         match section {
@@ -145,7 +281,7 @@ impl Section {
     }
 
     /// The table `key` through `read`, if given; not read after a problem, on which `read` might rest.
-    pub(crate) fn optional_table<T>(
+    pub fn optional_table<T>(
         &mut self,
         key: &str,
         read: impl FnOnce(Section) -> Result<T, RobotError>,
@@ -155,7 +291,7 @@ impl Section {
     }
 
     /// What `read` gives, unless there was a problem before, on which it might rest.
-    pub(crate) fn attempt<T>(&mut self, read: impl FnOnce() -> Result<T, RobotError>) -> Option<T> {
+    pub fn attempt<T>(&mut self, read: impl FnOnce() -> Result<T, RobotError>) -> Option<T> {
         if self.problem.is_some() {
             return None;
         }
@@ -163,7 +299,7 @@ impl Section {
     }
 
     /// Which of `keys`, spellings of one thing, is given. An override drops what the file or an earlier override spells otherwise.
-    pub(crate) fn given(&mut self, keys: &[impl AsRef<str>]) -> Option<usize> {
+    pub fn given(&mut self, keys: &[impl AsRef<str>]) -> Option<usize> {
         let mut given: Vec<(usize, Node)> = Vec::new();
         for (spelling, key) in keys.iter().enumerate() {
             given.extend(self.take(key.as_ref()).map(|node| (spelling, node)));
@@ -179,7 +315,7 @@ impl Section {
     }
 
     /// Notes that none of `keys`, spellings of one thing, is given.
-    pub(crate) fn missing(&mut self, keys: &[impl AsRef<str>]) {
+    pub fn missing(&mut self, keys: &[impl AsRef<str>]) {
         let keys = keys.iter().map(|key| self.dotted(key.as_ref())).collect();
         self.problem(RobotError::MissingKey { place: self.place.clone(), keys });
     }
@@ -193,8 +329,7 @@ impl Section {
         join(&self.path, &[key])
     }
 
-    fn refuse(&mut self, key: &str, Node { place, source: value, .. }: Node, allowed: String) {
-        let key = self.dotted(key);
+    fn refuse(&mut self, key: String, Node { place, source: value, .. }: Node, allowed: String) {
         self.problem(RobotError::NotAllowed { place, key, value, allowed });
     }
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 /// How a number in some unit becomes SI.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Unit {
+pub enum Unit {
     /// SI times a power of ten.
     Decimal(i64),
     /// SI times a factor.
@@ -13,10 +13,10 @@ pub(crate) enum Unit {
 
 impl Unit {
     /// The SI unit itself.
-    pub(crate) const SI: Unit = Unit::Decimal(0);
+    pub const SI: Unit = Unit::Decimal(0);
 
     /// The decimal `literal` in SI, infinite for `inf`; NaN where it is anything else or too large.
-    pub(crate) fn si(self, literal: &str) -> f64 {
+    pub fn si(self, literal: &str) -> f64 {
         if matches!(literal, "inf" | "+inf") {
             return f64::INFINITY;
         }
@@ -43,29 +43,36 @@ fn shifted(literal: &str, power: i64) -> f64 {
 
 /// A kind of quantity: its SI unit and the suffixes of the units that files may use, the SI one first.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Quantity {
+pub struct Quantity {
     /// SI unit as messages write it.
-    pub(crate) si: &'static str,
+    pub si: &'static str,
     /// Key suffix and unit.
-    pub(crate) units: &'static [(&'static str, Unit)],
+    pub units: &'static [(&'static str, Unit)],
 }
 
 const MILLI: Unit = Unit::Decimal(-3);
+/// One pound (kg): the international avoirdupois pound.
+const POUND: Unit = Unit::Times(0.453_592_37);
+/// One inch (m).
+const INCH: Unit = Unit::Times(0.0254);
 /// One pound-force per square inch (Pa).
 const PSI: Unit = Unit::Times(6_894.757_293_168);
 const DEGREE: Unit = Unit::Times(PI / 180.0);
 
 macro_rules! quantities {
     ($($name:ident, $si:literal: $($suffix:literal $unit:expr),+;)+) => {
-        $(pub(crate) const $name: Quantity = Quantity { si: $si, units: &[$(($suffix, $unit)),+] };)+
+        $(
+            #[doc = concat!("SI unit: ", $si, "; suffixes of its keys:", $(" `", $suffix, "`",)+ ".")]
+            pub const $name: Quantity = Quantity { si: $si, units: &[$(($suffix, $unit)),+] };
+        )+
     };
 }
 
 quantities! {
     NUMBER, "": "" Unit::SI;
-    MASS, "kg": "_kg" Unit::SI, "_g" MILLI;
+    MASS, "kg": "_kg" Unit::SI, "_g" MILLI, "_lb" POUND;
     INERTIA, "kg m²": "_kg_m2" Unit::SI;
-    LENGTH, "m": "_m" Unit::SI, "_mm" MILLI;
+    LENGTH, "m": "_m" Unit::SI, "_mm" MILLI, "_cm" Unit::Decimal(-2), "_in" INCH;
     AREA, "m²": "_m2" Unit::SI, "_mm2" Unit::Decimal(-6);
     VOLUME, "m³": "_m3" Unit::SI, "_cm3" Unit::Decimal(-6);
     TIME, "s": "_s" Unit::SI, "_ms" MILLI;

@@ -12,7 +12,6 @@ mod plot;
 mod progress;
 mod quantity;
 mod range;
-mod section;
 
 use std::process::ExitCode;
 

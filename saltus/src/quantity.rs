@@ -44,15 +44,6 @@ impl Quantity {
         allowed: "a distance from 0 to 1000 m",
         legal: |x| (0.0..=1e3).contains(&x),
     };
-    /// Place along a course (m).
-    pub(crate) const PLACE: Quantity =
-        Quantity { suffixes: METRES, allowed: "a place from -10000 to 10000 m", legal: |x| x.abs() <= 1e4 };
-    /// Length that may be 0 (m).
-    pub(crate) const SIZE: Quantity = Quantity {
-        suffixes: METRES,
-        allowed: "a length from 0 to 1000 m",
-        legal: |x| (0.0..=1e3).contains(&x),
-    };
     /// Time that a valve is open (s).
     pub(crate) const OPEN: Quantity = Quantity {
         suffixes: &[("ms", Scale::Over(1e3)), ("s", Scale::Times(1.0))],

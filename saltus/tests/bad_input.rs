@@ -180,12 +180,12 @@ const CASES: &[(&str, &[&str])] = &[
     // Courses.
     ("plan", &["<COURSE.toml>"]),
     ("plan nowhere.toml", &["nowhere.toml: cannot be read"]),
-    ("plan course.toml --plot a.svg", &["course.toml:3: unknown key length_m: known are jumps, start_x_m"]),
+    ("plan course.toml --plot a.svg", &["course.toml:3: unknown key length_m; the nearest known key is"]),
     (
         "plan rate.toml --out a.json",
         &["rate.toml:1: approach_rate_rad_s = -5: must be a number from 0 to 1000 rad/s"],
     ),
-    ("plan narrow.toml", &["narrow.toml:5: obstacle[0].width_m = 0: must be a length above 0"]),
+    ("plan narrow.toml", &["narrow.toml:5: obstacle 1.width_m = 0: must be a finite number > 0 and ≤ 1000 m"]),
     ("verify", &["COURSE.toml|TABLE.csv"]),
     ("verify nowhere.toml", &["nowhere.toml: cannot be read"]),
     ("verify rate.toml --out a.csv", &["rate.toml:1: approach_rate_rad_s = -5"]),
@@ -225,7 +225,7 @@ const CASES: &[(&str, &[&str])] = &[
     ("parkour", &["<FILE>"]),
     ("parkour broken.json --out a.json", &["broken.json: not JSON: EOF while parsing"]),
     ("parkour none.json", &["none.json: instances is empty"]),
-    ("parkour jumps.json", &["jumps.json: instances[0].jumps = 0: must be a whole number from 1 to 12"]),
+    ("parkour jumps.json", &["jumps.json: instances 1.jumps = 0: must be a whole number from 1 to 12"]),
     ("parkour none.json --robot rats-planar", &["--robot rats-planar: must be mppc-hopper"]),
     ("parkour none.json --set speed=3", &["--set speed=3: must be one of gravity_m_s2"]),
     ("parkour none.json --set gravity_m_s2=0", &["--set gravity_m_s2=0: must be a number above 0"]),

@@ -57,7 +57,7 @@ pub enum CourseError {
     Value {
         /// Identity of the course.
         course: String,
-        /// Key of the value, as in course files.
+        /// Key of the value, as in course files; obstacles and areas are counted from 1.
         key: String,
         /// What was given.
         value: f64,
@@ -66,7 +66,7 @@ pub enum CourseError {
     },
     /// Two boxes in one place.
     #[error(
-        "course `{course}`: obstacles[{first}] and obstacles[{second}] overlap, allowed: disjoint obstacles"
+        "course `{course}`: obstacle {} and obstacle {} overlap, allowed: disjoint obstacles", first + 1, second + 1
     )]
     Overlap {
         /// Identity of the course.
@@ -110,9 +110,10 @@ impl Course {
             "0 to 64",
         )?;
         for (i, o) in self.obstacles.iter().enumerate() {
-            self.require(&format!("obstacles[{i}].center_x_m"), o.center, length(o.center), a_length)?;
-            self.require(&format!("obstacles[{i}].width_m"), o.width, size(o.width), a_size)?;
-            self.require(&format!("obstacles[{i}].height_m"), o.height, size(o.height), a_size)?;
+            let i = i + 1;
+            self.require(&format!("obstacle {i}.center_x_m"), o.center, length(o.center), a_length)?;
+            self.require(&format!("obstacle {i}.width_m"), o.width, size(o.width), a_size)?;
+            self.require(&format!("obstacle {i}.height_m"), o.height, size(o.height), a_size)?;
         }
         self.require(
             "no_landing (number)",
@@ -122,8 +123,9 @@ impl Course {
         )?;
         for (i, a) in self.no_landing.iter().enumerate() {
             let center = f64::midpoint(a.low, a.high);
-            self.require(&format!("no_landing[{i}].center_x_m"), center, length(center), a_length)?;
-            self.require(&format!("no_landing[{i}].width_m"), a.width(), size(a.width()), a_size)?;
+            let i = i + 1;
+            self.require(&format!("no_landing {i}.center_x_m"), center, length(center), a_length)?;
+            self.require(&format!("no_landing {i}.width_m"), a.width(), size(a.width()), a_size)?;
         }
         self.check_overlap()
     }

@@ -84,10 +84,10 @@ fn bad_values_are_named() {
     check(Course { start: f64::INFINITY, ..course(2, 1.0) }, "start_x_m = inf");
     check(Course { start_height: -0.1, ..course(2, 1.0) }, "start_height_m = -0.1");
     check(Course { goal: Span::new(1.0, 0.5), ..course(2, 1.0) }, "goal_x_m");
-    check(Course { obstacles: vec![box_of(-0.2, 0.1)], ..course(2, 1.0) }, "obstacles[0].width_m = -0.2");
-    check(Course { obstacles: vec![box_of(0.2, f64::NAN)], ..course(2, 1.0) }, "obstacles[0].height_m = NaN");
-    check(Course { obstacles: vec![box_of(0.2, 0.1); 2], ..course(2, 1.0) }, "obstacles[0] and obstacles[1]");
-    check(Course { no_landing: vec![Span::new(1.0, 1.0)], ..course(2, 1.0) }, "no_landing[0].width_m = 0");
+    check(Course { obstacles: vec![box_of(-0.2, 0.1)], ..course(2, 1.0) }, "obstacle 1.width_m = -0.2");
+    check(Course { obstacles: vec![box_of(0.2, f64::NAN)], ..course(2, 1.0) }, "obstacle 1.height_m = NaN");
+    check(Course { obstacles: vec![box_of(0.2, 0.1); 2], ..course(2, 1.0) }, "obstacle 1 and obstacle 2");
+    check(Course { no_landing: vec![Span::new(1.0, 1.0)], ..course(2, 1.0) }, "no_landing 1.width_m = 0");
 }
 
 #[test]

@@ -162,8 +162,11 @@ fn bad_crossings_are_refused() {
         let error = planner.cross(&crossing).expect_err(message);
         assert_eq!(error.to_string(), message);
     };
-    check(|c| c.rates.clear(), "approach_rate_rad_s = NaN: must be at least one number");
-    check(|c| c.rates.push(-1.0), "approach_rate_rad_s = -1: must be from 0 to 1000 rad/s");
+    let counts = "must be 1, or as many as there are jumps";
+    check(|c| c.rates.clear(), &format!("approach_rate_rad_s (count) = 0: {counts}"));
+    check(|c| c.rates.push(4.0), &format!("approach_rate_rad_s (count) = 2: {counts}"));
+    check(|c| c.zones = vec![None; 2], "land (count) = 2: must be at most one for each jump");
+    check(|c| c.rates = vec![-1.0], "approach_rate_rad_s = -1: must be from 0 to 1000 rad/s");
     check(
         |c| c.firing_angles.high = -1.0,
         "firing_angle_rad = -1: must be above its least value, below pi/2 rad",

@@ -95,7 +95,7 @@ impl<'a> Node<'a> {
     fn list(&self, key: &str) -> Result<Vec<Node<'a>>, CliError> {
         let list = self.member(key)?;
         let items = list.value.as_array().ok_or_else(|| list.refused("a list"))?;
-        let item = |(i, value)| Node { file: list.file, path: format!("{}[{i}]", list.path), value };
+        let item = |(i, value)| Node { file: list.file, path: format!("{} {}", list.path, i + 1), value };
         Ok(items.iter().enumerate().map(item).collect())
     }
 
@@ -155,16 +155,16 @@ mod tests {
         check(
             "\"jumps\": 2",
             "\"jumps\": 2.5",
-            "a.json: instances[0].jumps = 2.5: must be a whole number from 1 to",
+            "a.json: instances 1.jumps = 2.5: must be a whole number from 1 to",
         );
-        check("\"jumps\": 2", "\"jumps\": 99", "instances[0].jumps = 99: must be a whole number");
-        check("\"jumps\": 2,", "", "a.json: missing key instances[0].jumps");
-        check("\"id\": \"a\"", "\"id\": 3", "instances[0].id = 3: must be a name");
-        check("0.6,", "\"x\",", "instances[0].obstacles[0].center_x_m = \"x\": must be a length");
+        check("\"jumps\": 2", "\"jumps\": 99", "instances 1.jumps = 99: must be a whole number");
+        check("\"jumps\": 2,", "", "a.json: missing key instances 1.jumps");
+        check("\"id\": \"a\"", "\"id\": 3", "instances 1.id = 3: must be a name");
+        check("0.6,", "\"x\",", "instances 1.obstacles 1.center_x_m = \"x\": must be a length");
         check(
             "\"height_m\": 0.1",
             "\"height_m\": -1",
-            "instances[0].obstacles[0].height_m = -1: must be a length above 0",
+            "instances 1.obstacles 1.height_m = -1: must be a length above 0",
         );
         check("1.2", "1e999", "not JSON");
         check("null}]}", "null}", "not JSON");

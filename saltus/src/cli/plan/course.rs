@@ -1,21 +1,29 @@
-//! Courses of the rolling robot from TOML files.
+//! Courses of the rolling robot from TOML files, in any of the units that robot files may use.
 
+use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
+use saltus::planner::Crossing;
 use saltus::planner::course::{Course, MAX_JUMPS, Obstacle, Span};
-use saltus::planner::{Crossing, FIRING_ANGLES};
+use saltus::robot::domain::Domain;
+use saltus::robot::section::Section;
+use saltus::robot::units::{ANGLE, ANGULAR_RATE, LENGTH, NUMBER, TIME};
 
 use crate::error::CliError;
 use crate::input;
-use crate::quantity::Quantity;
-use crate::section::Section;
 
 /// Greatest size of a file (MiB).
 const LIMIT_MIB: u64 = 4;
-/// Most obstacles, and most zones of a kind.
+/// Most obstacles, and most no-landing areas.
 const MOST: usize = 64;
 /// Places (m) that the planner takes.
 pub(super) const ANYWHERE: Span = Span::new(-1e4, 1e4);
+
+const PLACE: Domain = Domain::at_least(ANYWHERE.low).up_to(ANYWHERE.high);
+const SIZE: Domain = Domain::NON_NEGATIVE.up_to(1e3);
+const EXTENT: Domain = Domain::POSITIVE.up_to(1e3);
+const LEAN: Domain = Domain::above(-FRAC_PI_2).below(FRAC_PI_2);
+const FACTOR: Domain = Domain::NON_NEGATIVE.up_to(1e4);
 
 /// The course in the file at `path`.
 pub(in crate::cli) fn load(path: &Path) -> Result<Crossing, CliError> {
@@ -25,71 +33,70 @@ pub(in crate::cli) fn load(path: &Path) -> Result<Crossing, CliError> {
 /// The course that `text` describes; messages call it `file`.
 pub(super) fn parse(text: &str, file: &str) -> Result<Crossing, CliError> {
     let mut root = Section::file(text, file)?;
-    let jumps = root.count("jumps", MAX_JUMPS)?.unwrap_or(1);
-    let start = root.number("start_x_m", &Quantity::PLACE)?.unwrap_or(0.0);
-    let start_height = root.number("start_height_m", &Quantity::SIZE)?.unwrap_or(0.0);
-    let rates = root.numbers("approach_rate_rad_s", &Quantity::RATE)?;
-    let (goal, target) = goal(&mut root)?;
-    let firing_angles = root.span("firing_angle_rad", &Quantity::ANGLE)?.unwrap_or(FIRING_ANGLES);
-    let valve_open = root.span("valve_open_s", &Quantity::OPEN)?.unwrap_or((0.02, 0.1));
-    let mut size = |key| Ok::<f64, CliError>(root.number(key, &Quantity::SIZE)?.unwrap_or(0.0));
-    let [roll, clearance, edge_margin] = [size("roll_m")?, size("clearance_m")?, size("edge_margin_m")?];
-    let mut factor =
-        |key, default| Ok::<f64, CliError>(root.number(key, &Quantity::FACTOR)?.unwrap_or(default));
-    let (sigmas, deviation_weight, effort_weight) =
-        (factor("margin_sigmas", 0.0)?, factor("deviation_weight", 100.0)?, factor("effort_weight", 1.0)?);
-    let crossing = Crossing {
-        rates,
-        start_lean: root.number("start_lean_rad", &Quantity::ANGLE)?,
-        firing_angles: Span::new(firing_angles.0, firing_angles.1),
-        valve_open: Span::new(valve_open.0, valve_open.1),
-        zones: zones(&mut root, jumps)?,
-        target,
-        roll,
-        clearance,
-        edge_margin,
-        leg_out: root.number("leg_out_s", &Quantity::TIME)?.unwrap_or(0.0),
-        friction: root.number("friction_coefficient", &Quantity::FACTOR)?,
-        sigmas,
-        deviation_weight,
-        effort_weight,
-        course: Course {
-            id: file.into(),
-            start,
-            start_height,
-            jumps,
-            goal,
-            obstacles: obstacles(&mut root)?,
-            no_landing: avoid(&mut root)?,
-        },
+    let jumps = root.count_to("jumps", MAX_JUMPS).unwrap_or(1);
+    let start = root.optional("start_x", LENGTH, PLACE).unwrap_or(0.0);
+    let start_height = root.optional("start_height", LENGTH, SIZE).unwrap_or(0.0);
+    let (from, to) = (root.optional("goal_from_x", LENGTH, PLACE), root.optional("goal_to_x", LENGTH, PLACE));
+    let goal = Span::new(from.unwrap_or(ANYWHERE.low), to.unwrap_or(ANYWHERE.high));
+    let target = root.optional("target_x", LENGTH, PLACE);
+    let course =
+        Course { id: file.into(), start, start_height, jumps, goal, obstacles: vec![], no_landing: vec![] };
+    let mut crossing = Crossing::new(course, 0.0);
+    numbers(&mut root, &mut crossing);
+    let place = root.place().clone();
+    let [obstacle, land, avoid] =
+        [("obstacle", MOST), ("land", jumps), ("avoid", MOST)].map(|(key, most)| root.tables(key, most));
+    root.finish(())?;
+
+    if goal.is_empty() {
+        return Err(CliError::content(place, "goal_to_x_m must not be before goal_from_x_m"));
+    }
+    crossing.target = match (target, from, to) {
+        (Some(target), ..) => target,
+        (None, Some(from), Some(to)) => f64::midpoint(from, to),
+        _ => {
+            let reason = "missing key target_x_m, or both goal_from_x_m and goal_to_x_m";
+            return Err(CliError::content(place, reason));
+        }
     };
-    root.finish()?;
+    crossing.course.obstacles = obstacles(obstacle)?;
+    crossing.zones = zones(land, jumps)?;
+    crossing.course.no_landing = avoid.into_iter().map(zone).collect::<Result<_, _>>()?;
     Ok(crossing)
 }
 
-/// Where the last jump may land, and where it should.
-fn goal(root: &mut Section) -> Result<(Span, f64), CliError> {
-    let from = root.number("goal_from_x_m", &Quantity::PLACE)?;
-    let to = root.number("goal_to_x_m", &Quantity::PLACE)?;
-    let target = root.number("target_x_m", &Quantity::PLACE)?;
-    let goal = Span::new(from.unwrap_or(ANYWHERE.low), to.unwrap_or(ANYWHERE.high));
-    if goal.is_empty() {
-        return Err(root.wrong("goal_to_x_m must not be before goal_from_x_m"));
-    }
-    match (target, from, to) {
-        (Some(target), ..) => Ok((goal, target)),
-        (None, Some(from), Some(to)) => Ok((goal, f64::midpoint(from, to))),
-        _ => Err(root.wrong("missing key target_x_m, or both goal_from_x_m and goal_to_x_m")),
+/// Reads how the course is to be crossed into `crossing`, whose numbers stand for keys that are not given.
+fn numbers(root: &mut Section, crossing: &mut Crossing) {
+    let span = |(low, high): (f64, f64)| Span::new(low, high);
+    let rate = Domain::NON_NEGATIVE.up_to(1e3);
+    crossing.rates = root.numbers("approach_rate", ANGULAR_RATE, rate, crossing.course.jumps);
+    crossing.start_lean = root.optional("start_lean", ANGLE, LEAN);
+    crossing.firing_angles =
+        root.span("firing_angle", ANGLE, LEAN).map_or(crossing.firing_angles, span);
+    crossing.valve_open = root.span("valve_open", TIME, EXTENT).map_or(crossing.valve_open, span);
+    crossing.friction = root.optional("friction_coefficient", NUMBER, FACTOR);
+    let numbers = [
+        ("roll", LENGTH, SIZE, &mut crossing.roll),
+        ("clearance", LENGTH, SIZE, &mut crossing.clearance),
+        ("edge_margin", LENGTH, SIZE, &mut crossing.edge_margin),
+        ("leg_out", TIME, SIZE, &mut crossing.leg_out),
+        ("margin_sigmas", NUMBER, FACTOR, &mut crossing.sigmas),
+        ("deviation_weight", NUMBER, FACTOR, &mut crossing.deviation_weight),
+        ("effort_weight", NUMBER, FACTOR, &mut crossing.effort_weight),
+    ];
+    for (stem, quantity, domain, number) in numbers {
+        *number = root.optional(stem, quantity, domain).unwrap_or(*number);
     }
 }
 
-fn obstacles(root: &mut Section) -> Result<Vec<Obstacle>, CliError> {
-    let sections = limited(root, "obstacle")?;
+fn obstacles(sections: Vec<Section>) -> Result<Vec<Obstacle>, CliError> {
     let mut obstacles: Vec<Obstacle> = Vec::with_capacity(sections.len());
     for mut section in sections {
-        let front = section.required("front_x_m", &Quantity::PLACE)?;
-        let width = section.required("width_m", &Quantity::EXTENT)?;
-        let height = section.required("height_m", &Quantity::EXTENT)?;
+        let front = section.number("front_x", LENGTH, PLACE);
+        let width = section.number("width", LENGTH, EXTENT);
+        let height = section.number("height", LENGTH, EXTENT);
+        let place = section.place().clone();
+        section.finish(())?;
         let obstacle = Obstacle { center: front + width / 2.0, width, height };
         let meets = |other: &Obstacle| {
             let both = other.span().meet(obstacle.span());
@@ -97,55 +104,34 @@ fn obstacles(root: &mut Section) -> Result<Vec<Obstacle>, CliError> {
             both.width() > 1e-9
         };
         if let Some(other) = obstacles.iter().position(meets) {
-            return Err(section.wrong(&format!(
-                "obstacles must not overlap: this is in the place of number {}",
-                other + 1
-            )));
+            let (this, other) = (obstacles.len() + 1, other + 1);
+            let reason = format!("obstacles must not overlap: obstacle {this} is in the place of obstacle {other}");
+            return Err(CliError::content(place, reason));
         }
         obstacles.push(obstacle);
-        section.finish()?;
     }
     Ok(obstacles)
 }
 
-/// Where no jump may land.
-fn avoid(root: &mut Section) -> Result<Vec<Span>, CliError> {
-    let span = |mut section: Section| {
-        let span = zone(&mut section)?;
-        section.finish()?;
-        Ok(span)
-    };
-    limited(root, "avoid")?.into_iter().map(span).collect()
-}
-
 /// Where each jump has to land.
-fn zones(root: &mut Section, jumps: usize) -> Result<Vec<Option<Span>>, CliError> {
+fn zones(sections: Vec<Section>, jumps: usize) -> Result<Vec<Option<Span>>, CliError> {
     let mut zones = vec![None; jumps];
-    for (i, mut section) in limited(root, "land")?.into_iter().enumerate() {
-        let jump = section.count("jump", jumps)?.unwrap_or(i + 1);
-        let span = zone(&mut section)?;
-        match zones.get_mut(jump - 1) {
-            Some(place @ None) => *place = Some(span),
-            Some(Some(_)) => return Err(section.wrong(&format!("jump {jump} has a zone already"))),
-            None => return Err(section.wrong(&format!("there is no jump {jump}: jumps = {jumps}"))),
+    for (i, mut section) in sections.into_iter().enumerate() {
+        let jump = section.count_to("jump", jumps).unwrap_or(i + 1);
+        let place = section.place().clone();
+        let span = zone(section)?;
+        if zones[jump - 1].replace(span).is_some() {
+            return Err(CliError::content(place, format!("land {}: jump {jump} has a zone already", i + 1)));
         }
-        section.finish()?;
     }
     Ok(zones)
 }
 
-fn zone(section: &mut Section) -> Result<Span, CliError> {
-    let from = section.required("from_x_m", &Quantity::PLACE)?;
-    let to = section.required("to_x_m", &Quantity::PLACE)?;
-    if from < to { Ok(Span::new(from, to)) } else { Err(section.wrong("to_x_m must be beyond from_x_m")) }
-}
-
-fn limited<'a>(root: &mut Section<'a>, key: &'static str) -> Result<Vec<Section<'a>>, CliError> {
-    let sections = root.tables(key)?;
-    match sections.len() {
-        0..=MOST => Ok(sections),
-        count => Err(root.wrong(&format!("{count} tables [[{key}]]: at most {MOST} are allowed"))),
-    }
+fn zone(mut section: Section) -> Result<Span, CliError> {
+    let (from, to) = (section.number("from_x", LENGTH, PLACE), section.number("to_x", LENGTH, PLACE));
+    let place = section.place().clone();
+    section.finish(())?;
+    if from < to { Ok(Span::new(from, to)) } else { Err(CliError::content(place, "to_x_m must be beyond from_x_m")) }
 }
 
 #[cfg(test)]
@@ -190,44 +176,71 @@ to_x_m = 1
             let error = parse(&text, "a.toml").unwrap_err().to_string();
             assert!(error.contains(message), "{error}");
         };
-        check("jumps = 2", "jumps = 2.5", "a.toml:1: jumps = 2.5: must be a whole number from 1 to");
+        check("jumps = 2", "jumps = 2.5", "a.toml:1: jumps = 2.5: must be a whole number from 1 to 12");
         check("jumps = 2", "jumps = 0", "a.toml:1: jumps = 0: must be a whole number");
-        check("jumps", "jump", "a.toml:1: unknown key jump: known are jumps, start_x_m,");
+        check("jumps", "jump", "a.toml:1: unknown key jump; the nearest known key is jumps");
         check(
             "[5, 4.5]",
             "[5, nan]",
-            "a.toml:2: approach_rate_rad_s[1] = nan: must be a number from 0 to 1000 rad/s",
+            "a.toml:2: approach_rate_rad_s item 2 = nan: must be a finite number ≥ 0 and ≤ 1000 rad/s",
         );
-        check("[5, 4.5]", "[]", "a.toml:2: approach_rate_rad_s = []: must be at least one number");
-        check("approach_rate_rad_s = [5, 4.5]\n", "", "a.toml:1: missing key approach_rate_rad_s");
+        check(
+            "[5, 4.5]",
+            "[]",
+            "a.toml:2: approach_rate_rad_s = []: must be one number, or a list of 2; this list has 0",
+        );
+        check("[5, 4.5]", "[3, 6, 4, 5]", "must be one number, or a list of 2; this list has 4");
+        check("jumps = 2", "jumps = 3", "must be one number, or a list of 3; this list has 2");
+        check("approach_rate_rad_s = [5, 4.5]\n", "", "a.toml: missing key approach_rate_rad_s or");
         check(
             "[0.02, 0.1]",
             "[0.1, 0.02]",
             "valve_open_s = [0.1, 0.02]: must be a list of two numbers, the lower first",
         );
+        check("[0.02, 0.1]", "[0.1]", "must be a list of two numbers, the lower first; this list has 1");
         check("[0.02, 0.1]", "\"long\"", "valve_open_s = \"long\": must be a list of two numbers");
         check("goal_to_x_m = 1.4", "goal_to_x_m = 0.4", "goal_to_x_m must not be before goal_from_x_m");
         check("goal_to_x_m = 1.4\n", "", "missing key target_x_m, or both");
         check(
             "width_m = 0.05",
             "width_m = -1",
-            "a.toml:8: obstacle[0].width_m = -1: must be a length above 0",
+            "a.toml:8: obstacle 1.width_m = -1: must be a finite number > 0 and ≤ 1000 m",
         );
-        check("width_m = 0.05\n", "", "a.toml:6: missing key obstacle[0].width_m");
+        check("width_m = 0.05\n", "", "a.toml:6: missing key obstacle 1.width_m or width_mm");
         check(
             "height_m = 0.1",
-            "height_m = 0.1\ncolour = 1",
-            "a.toml:10: unknown key obstacle[0].colour: known are front_x_m",
+            "hight_m = 0.1",
+            "a.toml:9: unknown key obstacle 1.hight_m; the nearest known key is obstacle 1.height_m",
         );
-        check("[[land]]", "[[land]]\njump = 3", "land[0].jump = 3: must be a whole number from 1 to 2");
+        check("[[land]]", "[[land]]\njump = 3", "land 1.jump = 3: must be a whole number from 1 to 2");
+        check(
+            "[[land]]",
+            "[[land]]\nfrom_x_m = 0\nto_x_m = 1\n[[land]]\nfrom_x_m = 0\nto_x_m = 1\n[[land]]",
+            "[[land]] = 3 tables: must be at most 2 tables",
+        );
         check("to_x_m = 0.8", "to_x_m = 0.2", "a.toml:10: to_x_m must be beyond from_x_m");
         check("[[obstacle]]", "[obstacle]", "obstacle = ");
         check(
             "[[avoid]]",
             "[[obstacle]]\nfront_x_m = 0.42\nwidth_m = 1\nheight_m = 1\n[[avoid]]",
-            "must not overlap: this is in the place of number 1",
+            "must not overlap: obstacle 2 is in the place of obstacle 1",
         );
         check("jumps = 2", "jumps = = 2", "a.toml:1: not TOML");
+    }
+
+    #[test]
+    fn a_course_takes_the_units_of_robot_files() {
+        let text = GOOD
+            .replace("width_m = 0.05", "width_mm = 50")
+            .replace("height_m = 0.1", "height_cm = 10")
+            .replace("approach_rate_rad_s = [5, 4.5]", "approach_rate_deg_s = [286.47889756541161, 257.83100780887045]")
+            .replace("valve_open_s = [0.02, 0.1]", "valve_open_ms = [20, 100]");
+        let (crossing, plain) = (parse(&text, "a.toml").unwrap(), parse(GOOD, "a.toml").unwrap());
+        assert!(crossing.rates.iter().zip(&plain.rates).all(|(a, b)| (a - b).abs() < 1e-12));
+        assert_eq!(Crossing { rates: plain.rates.clone(), ..crossing }, plain);
+        let twice = GOOD.replace("width_m = 0.05", "width_m = 0.05\nwidth_mm = 50");
+        let error = parse(&twice, "a.toml").unwrap_err().to_string();
+        assert!(error.contains("obstacle 1.width_mm is already given as obstacle 1.width_m"), "{error}");
     }
 
     proptest! {
