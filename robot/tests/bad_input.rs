@@ -147,7 +147,10 @@ fn keys_of_a_rig() {
         "hopper.toml:27: unknown key environment.boom; the nearest known key is environment.drag_per_m",
     );
     rig("[boom]\nlength_m = 2", "hopper.toml:27: missing key boom.mass_kg or mass_g or mass_lb");
-    rig("[boom]\nmass_kg = 1", "hopper.toml:27: missing key boom.length_m or length_mm or length_cm or length_in");
+    rig(
+        "[boom]\nmass_kg = 1",
+        "hopper.toml:27: missing key boom.length_m or length_mm or length_cm or length_in",
+    );
     rig("[boom]\nmass_kg = -1", "hopper.toml:28: boom.mass_kg = -1: must be a finite number ≥ 0");
     rig(
         "[boom]\nmass_kg = 1\nlength_m = 0",
@@ -279,8 +282,16 @@ fn keys_unknown_missing_or_twice() {
     check("mass_kg = 2.75", "", "hopper.toml:2: missing key body.mass_kg or mass_g or mass_lb");
     check("legs = 5", "", "hopper.toml:2: missing key body.legs");
     check("kind = \"pneumatic\"", "", "hopper.toml:7: missing key leg.kind");
-    check("stroke_m = 0.06", "", "hopper.toml:7: missing key leg.stroke_m or stroke_mm or stroke_cm or stroke_in");
-    check("length_mm = 4", "", "hopper.toml:20: missing key leg.cushion.length_m or length_mm or length_cm or length_in");
+    check(
+        "stroke_m = 0.06",
+        "",
+        "hopper.toml:7: missing key leg.stroke_m or stroke_mm or stroke_cm or stroke_in",
+    );
+    check(
+        "length_mm = 4",
+        "",
+        "hopper.toml:20: missing key leg.cushion.length_m or length_mm or length_cm or length_in",
+    );
     check(
         "ambient_pressure_pa = 101325",
         "",

@@ -185,7 +185,10 @@ const CASES: &[(&str, &[&str])] = &[
         "plan rate.toml --out a.json",
         &["rate.toml:1: approach_rate_rad_s = -5: must be a number from 0 to 1000 rad/s"],
     ),
-    ("plan narrow.toml", &["narrow.toml:5: obstacle 1.width_m = 0: must be a finite number > 0 and ≤ 1000 m"]),
+    (
+        "plan narrow.toml",
+        &["narrow.toml:5: obstacle 1.width_m = 0: must be a finite number > 0 and ≤ 1000 m"],
+    ),
     ("verify", &["COURSE.toml|TABLE.csv"]),
     ("verify nowhere.toml", &["nowhere.toml: cannot be read"]),
     ("verify rate.toml --out a.csv", &["rate.toml:1: approach_rate_rad_s = -5"]),

@@ -71,8 +71,7 @@ fn numbers(root: &mut Section, crossing: &mut Crossing) {
     let rate = Domain::NON_NEGATIVE.up_to(1e3);
     crossing.rates = root.numbers("approach_rate", ANGULAR_RATE, rate, crossing.course.jumps);
     crossing.start_lean = root.optional("start_lean", ANGLE, LEAN);
-    crossing.firing_angles =
-        root.span("firing_angle", ANGLE, LEAN).map_or(crossing.firing_angles, span);
+    crossing.firing_angles = root.span("firing_angle", ANGLE, LEAN).map_or(crossing.firing_angles, span);
     crossing.valve_open = root.span("valve_open", TIME, EXTENT).map_or(crossing.valve_open, span);
     crossing.friction = root.optional("friction_coefficient", NUMBER, FACTOR);
     let numbers = [
@@ -105,7 +104,8 @@ fn obstacles(sections: Vec<Section>) -> Result<Vec<Obstacle>, CliError> {
         };
         if let Some(other) = obstacles.iter().position(meets) {
             let (this, other) = (obstacles.len() + 1, other + 1);
-            let reason = format!("obstacles must not overlap: obstacle {this} is in the place of obstacle {other}");
+            let reason =
+                format!("obstacles must not overlap: obstacle {this} is in the place of obstacle {other}");
             return Err(CliError::content(place, reason));
         }
         obstacles.push(obstacle);
@@ -131,7 +131,11 @@ fn zone(mut section: Section) -> Result<Span, CliError> {
     let (from, to) = (section.number("from_x", LENGTH, PLACE), section.number("to_x", LENGTH, PLACE));
     let place = section.place().clone();
     section.finish(())?;
-    if from < to { Ok(Span::new(from, to)) } else { Err(CliError::content(place, "to_x_m must be beyond from_x_m")) }
+    if from < to {
+        Ok(Span::new(from, to))
+    } else {
+        Err(CliError::content(place, "to_x_m must be beyond from_x_m"))
+    }
 }
 
 #[cfg(test)]
@@ -233,7 +237,10 @@ to_x_m = 1
         let text = GOOD
             .replace("width_m = 0.05", "width_mm = 50")
             .replace("height_m = 0.1", "height_cm = 10")
-            .replace("approach_rate_rad_s = [5, 4.5]", "approach_rate_deg_s = [286.47889756541161, 257.83100780887045]")
+            .replace(
+                "approach_rate_rad_s = [5, 4.5]",
+                "approach_rate_deg_s = [286.47889756541161, 257.83100780887045]",
+            )
             .replace("valve_open_s = [0.02, 0.1]", "valve_open_ms = [20, 100]");
         let (crossing, plain) = (parse(&text, "a.toml").unwrap(), parse(GOOD, "a.toml").unwrap());
         assert!(crossing.rates.iter().zip(&plain.rates).all(|(a, b)| (a - b).abs() < 1e-12));
