@@ -13,10 +13,23 @@
 //! assert!(error.abs() > 0.02 && error.abs() < 0.10, "{error}");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! A plan of several jumps is a [`Route`]: [`Plant::run`] flies it, each jump from where the one before landed, and judges every jump by
+//! every [`Demand`] of its course.
 
 use saltus_lagrangian::Launch;
 use saltus_robot::{Drive, Errors, Robot};
 use saltus_sim_check::{End, Report, Rig, SimError, Stepping};
+
+mod demand;
+mod path;
+mod route;
+
+use path::Path;
+
+pub use demand::{Demand, Demands, Judgement, ROUND_OFF};
+pub use path::Clearance;
+pub use route::{Attempt, Flight, Route, Stage, Starts};
 
 /// A robot to verify on.
 #[derive(Clone, Debug)]
@@ -61,6 +74,8 @@ pub struct Flown {
     pub landing: Option<f64>,
     /// Least distance (m) between the wheel and an obstacle; none without obstacles. Negative: how far they overlap.
     pub clearance: Option<f64>,
+    /// The same for each obstacle, stance and flight apart.
+    pub clearances: Vec<Clearance>,
     /// Everything else.
     pub report: Report,
 }
@@ -76,9 +91,9 @@ impl Flown {
         }
     }
 
-    /// Net way (m) that the foot slipped along the travel until lift-off, forward positive.
+    /// Net way (m) that the foot slipped along the travel until lift-off, forward positive; 0 if it never slipped.
     pub fn slip(&self) -> f64 {
-        self.report.slipped[0]
+        self.report.slips_at.map_or(0.0, |_| self.report.slipped[0])
     }
 }
 
@@ -155,64 +170,15 @@ impl Plant {
         let plan = Plan { settings, landing_height: task.landing_height, ..Plan::default() };
         let report = self.rig()?.jump(&launch, &plan)?;
         let number = |x: f64| x.is_finite().then_some(x);
+        let landing = number(report.landing_at);
+        let path = Path::new(&report, self.robot.body.radius, (landing, task.landing_height), task.leg_out);
+        let clearances: Vec<Clearance> = task.obstacles.iter().map(|solid| path.clearance(solid)).collect();
         Ok(Flown {
             apex: number(report.apex),
-            landing: number(report.landing_at),
-            clearance: self.clearance(task, &report),
+            landing,
+            clearance: clearances.iter().map(Clearance::least).reduce(f64::min),
+            clearances,
             report,
         })
     }
-
-    /// Least distance (m) between the wheel and the task's obstacles until the landing.
-    fn clearance(&self, task: &Task, report: &Report) -> Option<f64> {
-        let radius = self.robot.body.radius;
-        let lift_off = report.lift_off.map_or(f64::INFINITY, |l| l.time);
-        let end = report.samples.iter().position(|s| s.time > lift_off && s.axle[1] < task.landing_height);
-        let samples = &report.samples[..end.unwrap_or(report.samples.len())];
-        let gap = |axle: [f64; 2], time: f64, extension: f64, [front, back, top]: &[f64; 3]| {
-            let out = time >= lift_off && time < lift_off + task.leg_out;
-            let reach = radius + if out { extension } else { 0.0 };
-            let [x, y] = axle;
-            // A centre under the top is inside: the overlap counts from the nearest side.
-            let across = (front - x).max(x - back);
-            if across < 0.0 && y < *top {
-                return across.max(y - top) - reach;
-            }
-            across.max(0.0).hypot((y - top).max(0.0)) - reach
-        };
-        let one = |solid: &[f64; 3]| {
-            let here = |i: usize| gap(samples[i].axle, samples[i].time, samples[i].extension, solid);
-            let nearest = (0..samples.len()).min_by(|&a, &b| here(a).total_cmp(&here(b)))?;
-            let triple = samples.get(nearest.checked_sub(1)?..nearest + 2);
-            let Some([before, at, after]) = triple else { return Some(here(nearest)) };
-            if before.time == at.time || at.time == after.time {
-                return Some(here(nearest));
-            }
-            // Between the samples the path is a parabola but for a nanometre.
-            let along = |t: f64| {
-                let (a, b, c) = (before.time, at.time, after.time);
-                let weights = [
-                    (t - b) * (t - c) / ((a - b) * (a - c)),
-                    (t - a) * (t - c) / ((b - a) * (b - c)),
-                    (t - a) * (t - b) / ((c - a) * (c - b)),
-                ];
-                let mix = |k: usize| {
-                    weights[0] * before.axle[k] + weights[1] * at.axle[k] + weights[2] * after.axle[k]
-                };
-                gap([mix(0), mix(1)], t, at.extension, solid)
-            };
-            Some(least(before.time, after.time, along).min(here(nearest)))
-        };
-        task.obstacles.iter().filter_map(one).reduce(f64::min)
-    }
-}
-
-/// The least value in [a, b] of a function with one minimum, by golden section.
-fn least(mut a: f64, mut b: f64, f: impl Fn(f64) -> f64) -> f64 {
-    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
-    for _ in 0..40 {
-        let (x, y) = (b - golden * (b - a), a + golden * (b - a));
-        if f(x) < f(y) { b = y } else { a = x }
-    }
-    f(f64::midpoint(a, b))
 }
