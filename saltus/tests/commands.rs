@@ -264,7 +264,7 @@ fn a_plan_clears_the_box_and_a_wall_has_none() {
 fn a_plan_is_verified_as_it_was_planned_and_slips_where_it_must() {
     let folder = Folder::new("verify");
     folder.write("box.toml", BOX);
-    let text = folder.done("verify box.toml --samples 20 --animate page.html", 0);
+    let text = folder.done("verify box.toml --samples 20 --clearance 0.005 --animate page.html", 0);
     // What a browser makes of the page is seen by tests/animation/check.
     assert!(
         folder.read("page.html").contains("rats-planar") && folder.read("page.html").ends_with("</html>\n")

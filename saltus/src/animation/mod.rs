@@ -38,6 +38,10 @@ pub(crate) struct Scene {
     pub(crate) slope_rad: f64,
     /// What stands on the ground.
     pub(crate) obstacles: Vec<Obstacle>,
+    /// Where no jump may land: from and to (m).
+    pub(crate) avoid: Vec<[f64; 2]>,
+    /// Where jumps have to land.
+    pub(crate) zones: Vec<Zone>,
     /// The jumps, at least one.
     pub(crate) jumps: Vec<Jump>,
 }
@@ -54,6 +58,15 @@ pub(crate) struct Obstacle {
     pub(crate) top_m: f64,
 }
 
+/// Where a jump has to land.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Zone {
+    /// What it is called.
+    pub(crate) name: String,
+    /// From and to (m); an end that is not finite is none.
+    pub(crate) span_m: [f64; 2],
+}
+
 /// One simulated jump beside its plan. A number that there is none of is NaN.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Jump {
@@ -63,6 +76,14 @@ pub(crate) struct Jump {
     pub(crate) verdict: String,
     /// Whether it held.
     pub(crate) passed: bool,
+    /// What of the scene it misses: `obstacle`, `avoid` or `zone`, and its number from 0.
+    pub(crate) missed: Vec<(&'static str, usize)>,
+    /// Foothold (m).
+    pub(crate) foothold_m: [f64; 2],
+    /// Paths of the axle (m) in the other jumps of its run.
+    pub(crate) others: Vec<Vec<[f64; 2]>>,
+    /// Number of the jump that follows in its run, if one does.
+    pub(crate) next: Option<usize>,
     /// Planned path of the axle (m), stance and flight.
     pub(crate) planned: Vec<[f64; 2]>,
     /// Planned greatest height of the axle (m).

@@ -46,6 +46,8 @@ impl Scene {
             boom_length_m: robot.boom.map(|boom| boom.length),
             slope_rad: robot.ground.slope,
             obstacles,
+            avoid: Vec::new(),
+            zones: Vec::new(),
             jumps,
         }
     }
@@ -74,6 +76,10 @@ impl Jump {
             name: asked.name,
             verdict: asked.verdict,
             passed: asked.passed,
+            missed: Vec::new(),
+            foothold_m: [0.0; 2],
+            others: Vec::new(),
+            next: None,
             planned: asked.planned,
             planned_apex_m: asked.planned_apex_m,
             planned_land_m: asked.planned_land_m,
@@ -91,6 +97,7 @@ impl Jump {
         let [x, y] = foot;
         let moved = |place: &mut [f64; 2]| *place = [place[0] + x, place[1] + y];
         self.planned.iter_mut().for_each(moved);
+        moved(&mut self.foothold_m);
         for frame in &mut self.frames {
             moved(&mut frame.axle_m);
             moved(&mut frame.foot_m);

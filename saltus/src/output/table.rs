@@ -13,6 +13,8 @@ pub(crate) enum Cell {
     Number(f64),
     /// A word.
     Word(&'static str),
+    /// Words.
+    Text(String),
     /// Yes or no.
     Flag(bool),
     /// A whole number.
@@ -38,6 +40,7 @@ impl Cell {
         match self {
             Cell::Number(x) => full(*x),
             Cell::Word(word) => (*word).into(),
+            Cell::Text(text) => quoted(text),
             Cell::Flag(flag) => flag.to_string(),
             Cell::Count(n) => n.to_string(),
             Cell::Empty => String::new(),
@@ -48,6 +51,7 @@ impl Cell {
         match self {
             Cell::Number(x) => json!(x),
             Cell::Word(word) => json!(word),
+            Cell::Text(text) => json!(text),
             Cell::Flag(flag) => json!(flag),
             Cell::Count(n) => json!(n),
             Cell::Empty => Value::Null,
@@ -58,9 +62,19 @@ impl Cell {
         match self {
             Cell::Number(x) => digits(*x, 4),
             Cell::Empty => "–".into(),
+            Cell::Text(text) => text.clone(),
             Cell::Flag(flag) => if *flag { "yes" } else { "no" }.into(),
             other => other.csv(),
         }
+    }
+}
+
+/// A field of a CSV file: in quotes where it holds what ends a field.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.into()
     }
 }
 

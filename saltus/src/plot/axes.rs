@@ -171,3 +171,18 @@ pub(crate) fn label<DB: DrawingBackend>(
     let ((x, y), (left, top)) = (area.map_coordinate(&at), area.get_base_pixel());
     area.strip_coord_spec().draw_text(text, style, (x - left + by.0, y - top + by.1))
 }
+
+/// Writes a key of names in their colours, one under the other, in the upper right corner.
+pub(crate) fn key<'a, DB: DrawingBackend>(
+    chart: &Chart<'_, DB>,
+    pen: Pen,
+    entries: impl Iterator<Item = (&'a str, RGBColor)>,
+) -> Drawn<DB> {
+    let plain = chart.plotting_area().strip_coord_spec();
+    let right = plain.dim_in_pixel().0.cast_signed() - pen.offset(6);
+    for ((name, color), row) in entries.zip(0..) {
+        let style = pen.text(12, color, HPos::Right, VPos::Top);
+        plain.draw_text(name, &style, (right, pen.offset(4 + 15 * row)))?;
+    }
+    Ok(())
+}

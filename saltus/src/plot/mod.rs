@@ -3,6 +3,7 @@
 mod axes;
 mod contour;
 pub(crate) mod curves;
+pub(crate) mod flown;
 pub(crate) mod ground;
 pub(crate) mod hops;
 pub(crate) mod law;

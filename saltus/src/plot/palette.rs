@@ -10,6 +10,8 @@ pub(crate) const FAINT: RGBColor = RGBColor(226, 226, 226);
 pub(crate) const GREY: RGBColor = RGBColor(150, 150, 150);
 /// The first colour of lines.
 pub(crate) const BLUE: RGBColor = RGBColor(31, 99, 168);
+/// What holds, and where to land.
+pub(crate) const GREEN: RGBColor = RGBColor(60, 150, 80);
 /// What must not be missed.
 pub(crate) const RED: RGBColor = RGBColor(200, 50, 40);
 

@@ -8,7 +8,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 use super::Drawn;
 use super::axes::{Axes, Chart, Pen, label, padded, titled};
 use super::ground::{CELLAR, Ground};
-use super::palette::{BLUE, GREY, INK};
+use super::palette::{BLUE, GREY, INK, RED};
 use super::trajectories::dots;
 
 const WIDTH: u32 = 1100;
@@ -18,6 +18,8 @@ const WHEELS: usize = 6;
 /// A course and the plan on it; lengths in m.
 pub(crate) struct Scene {
     pub(crate) title: String,
+    /// What the plan misses, line by line.
+    pub(crate) missed: Vec<String>,
     pub(crate) radius: f64,
     pub(crate) start: (f64, f64),
     pub(crate) ground: Ground,
@@ -30,6 +32,8 @@ pub(crate) struct Leap {
     /// The wheel's centre while the foot stands, and from lift-off to landing.
     pub(crate) stance: Vec<(f64, f64)>,
     pub(crate) flight: Vec<(f64, f64)>,
+    /// Whether it misses a limit.
+    pub(crate) fails: bool,
     pub(crate) label: String,
 }
 
@@ -58,10 +62,16 @@ impl Scene {
         for leap in &self.leaps {
             self.draw_leap(&mut chart, pen, leap)?;
         }
+        let style = pen.text(13, RED, HPos::Left, VPos::Top);
+        for (line, row) in self.missed.iter().zip(0..) {
+            let place = (pen.offset(8), pen.offset(26 + 16 * row));
+            chart.plotting_area().strip_coord_spec().draw_text(line, &style, place)?;
+        }
         self.ground.draw_key(&chart, pen, "wheel's centre: stance solid, flight dotted")
     }
 
     fn draw_leap<DB: DrawingBackend>(&self, chart: &mut Chart<'_, DB>, pen: Pen, leap: &Leap) -> Drawn<DB> {
+        let color = if leap.fails { RED } else { BLUE };
         let last = leap.flight.len().saturating_sub(1);
         for i in 0..=WHEELS {
             let Some(&centre) = leap.flight.get(i * last / WHEELS) else { continue };
@@ -69,16 +79,16 @@ impl Scene {
             let disc = disc(centre, self.radius);
             chart.draw_series([Polygon::new(
                 disc.clone(),
-                BLUE.mix(if end { 0.10 } else { 0.05 }).filled(),
+                color.mix(if end { 0.10 } else { 0.05 }).filled(),
             )])?;
             chart.draw_series([PathElement::new(disc, pen.line(if end { INK } else { GREY }, 1))])?;
         }
         if let Some(&lift_off) = leap.stance.last() {
             chart.draw_series([PathElement::new(vec![leap.foot, lift_off], pen.line(INK, 3))])?;
         }
-        chart.draw_series([PathElement::new(leap.stance.clone(), pen.line(BLUE, 3))])?;
+        chart.draw_series([PathElement::new(leap.stance.clone(), pen.line(color, 3))])?;
         let dots = dots(chart, &leap.flight, pen);
-        chart.draw_series(dots.into_iter().map(|at| Circle::new(at, pen.length(1), BLUE.filled())))?;
+        chart.draw_series(dots.into_iter().map(|at| Circle::new(at, pen.length(1), color.filled())))?;
         chart.draw_series([Circle::new(leap.foot, pen.length(4), INK.filled())])?;
         let apex = leap.flight.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
         let style = pen.text(12, INK, HPos::Center, VPos::Bottom);

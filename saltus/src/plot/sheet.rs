@@ -7,18 +7,20 @@ use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::Drawn;
-use super::axes::{Axes, Pen, padded, titled};
+use super::axes::{Axes, Chart, Pen, key, padded, titled};
 use super::curves::span;
+use super::flown::Flown;
 use super::palette::INK;
 
-const WIDTH: u32 = 1000;
+pub(super) const WIDTH: u32 = 1000;
 /// Height of a chart with its title.
 const PANEL: u32 = 330;
 const TITLE: u32 = 40;
 
-/// Charts, two in a row.
+/// A course over the whole width, if there is one, and charts below, two in a row.
 pub(crate) struct Sheet {
     pub(crate) title: String,
+    pub(crate) course: Option<Flown>,
     pub(crate) panels: Vec<Panel>,
 }
 
@@ -50,11 +52,16 @@ pub(crate) enum Mark {
 impl Sheet {
     pub(crate) fn size(&self) -> (u32, u32) {
         let rows = u32::try_from(self.panels.len().div_ceil(2)).unwrap_or(1);
-        (WIDTH, rows * PANEL + TITLE)
+        (WIDTH, rows * PANEL + TITLE + self.course.as_ref().map_or(0, Flown::height))
     }
 
     pub(crate) fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, pen: Pen) -> Drawn<DB> {
-        let rest = titled(area, pen, &self.title)?;
+        let mut rest = titled(area, pen, &self.title)?;
+        if let Some(course) = &self.course {
+            let (top, below) = rest.split_vertically(pen.length(course.height()));
+            course.draw(&top, pen)?;
+            rest = below;
+        }
         let parts = rest.split_evenly((self.panels.len().div_ceil(2), 2));
         for (panel, part) in self.panels.iter().zip(&parts) {
             panel.draw(part, pen)?;
@@ -77,35 +84,33 @@ impl Panel {
         let axes = Axes { x: (self.x, padded(x.0, x.1, 0.03)), y: (self.y, padded(y.0, top, 0.06)) };
         let mut chart = axes.build(&rest, pen)?;
         for line in &self.lines {
-            let stroke = pen.line(line.color, 2);
-            let points = line.points.iter().copied();
-            match line.mark {
-                Mark::Solid => {
-                    chart.draw_series([PathElement::new(line.points.clone(), stroke)])?;
-                }
-                Mark::Dashed => {
-                    let (dash, gap) = (pen.length(6), pen.length(4));
-                    chart.draw_series([DashedPathElement::new(points, dash, gap, stroke)])?;
-                }
-                Mark::Dots => {
-                    let dots = points.map(|at| Circle::new(at, pen.length(3), line.color.mix(0.6).filled()));
-                    chart.draw_series(dots)?;
-                }
-            }
+            line.draw(&mut chart, pen)?;
         }
-        // The key, top right, inside.
-        let (right, top) = (chart.plotting_area().get_x_range(), chart.plotting_area().get_y_range());
-        let corner = chart.plotting_area().map_coordinate(&(right.end, top.end));
-        let base = chart.plotting_area().get_base_pixel();
-        let plain = chart.plotting_area().strip_coord_spec();
-        for (row, line) in self.lines.iter().filter(|line| line.label.is_some()).enumerate() {
-            let Some(label) = &line.label else { continue };
-            let style = pen.text(12, line.color, HPos::Right, VPos::Top);
-            let place = (
-                corner.0 - base.0 - pen.offset(6),
-                corner.1 - base.1 + pen.offset(4 + 15 * i32::try_from(row).unwrap_or(0)),
-            );
-            plain.draw_text(label, &style, place)?;
+        key(&chart, pen, self.lines.iter().filter_map(Line::entry))
+    }
+}
+
+impl Line {
+    /// What the key says of it.
+    pub(super) fn entry(&self) -> Option<(&str, RGBColor)> {
+        self.label.as_deref().map(|label| (label, self.color))
+    }
+
+    pub(super) fn draw<DB: DrawingBackend>(&self, chart: &mut Chart<'_, DB>, pen: Pen) -> Drawn<DB> {
+        let stroke = pen.line(self.color, 2);
+        let points = self.points.iter().copied();
+        match self.mark {
+            Mark::Solid => {
+                chart.draw_series([PathElement::new(self.points.clone(), stroke)])?;
+            }
+            Mark::Dashed => {
+                let (dash, gap) = (pen.length(6), pen.length(4));
+                chart.draw_series([DashedPathElement::new(points, dash, gap, stroke)])?;
+            }
+            Mark::Dots => {
+                let dots = points.map(|at| Circle::new(at, pen.length(3), self.color.mix(0.6).filled()));
+                chart.draw_series(dots)?;
+            }
         }
         Ok(())
     }

@@ -49,5 +49,6 @@ pub(super) fn sheet(report: &Report<'_>) -> Drawing {
     let unknown = found.diagnosis.unknown.as_ref().map(|_| "unknown");
     let causes: Vec<&str> = causes.into_iter().chain(unknown).collect();
     let found = if causes.is_empty() { "nothing is wrong".to_owned() } else { causes.join(", ") };
-    Drawing::Sheet(Sheet { title: format!("Measured less predicted, with ±2 σ: {found}"), panels })
+    let title = format!("Measured less predicted, with ±2 σ: {found}");
+    Drawing::Sheet(Sheet { title, course: None, panels })
 }

@@ -31,8 +31,10 @@ fn panel(course: &Course, answer: &Answer, hopper: &Hopper) -> Panel {
             obstacles: course.obstacles.iter().map(|it| (ends(&it.span()), it.height)).collect(),
             avoid: course.no_landing.iter().map(ends).collect(),
             land: Vec::new(),
-            target: 0.5 * (course.goal.low + course.goal.high),
+            goal: None,
+            target: Some(0.5 * (course.goal.low + course.goal.high)),
             target_name: "goal",
+            missed: Vec::new(),
         },
         hops,
     }

@@ -2,37 +2,55 @@
 
 use saltus::lagrangian::Sample;
 use saltus::planner::course::Span;
-use saltus::planner::{Crossing, CrossingAnswer, PlannedJump};
+use saltus::planner::{Check, Crossing, CrossingAnswer, PlannedJump};
 use saltus::{Planner, Stance};
 
+use super::course::ANYWHERE;
 use crate::output::digits;
 use crate::plot::ground::Ground;
 use crate::plot::scene::{Leap, Scene};
 
 /// The course with the plan, if there is one.
 pub(super) fn scene(answer: &CrossingAnswer, crossing: &Crossing, planner: &Planner, file: &str) -> Scene {
-    let jumps = match answer {
-        CrossingAnswer::Plan(plan) => plan.jumps.as_slice(),
-        _ => &[],
+    let (jumps, checks) = match answer {
+        CrossingAnswer::Plan(plan) => (plan.jumps.as_slice(), plan.checks.as_slice()),
+        _ => (&[][..], &[][..]),
     };
-    let ends = |span: &Span| (span.low, span.high);
+    let missed: Vec<&Check> = checks.iter().filter(|check| !check.holds()).collect();
+    let goal = (crossing.course.goal.low > ANYWHERE.low || crossing.course.goal.high < ANYWHERE.high)
+        .then(|| ends(&crossing.course.goal));
+    let radius = planner.robot().body.radius;
+    let leaps = jumps.iter().enumerate().map(|(i, jump)| Leap {
+        fails: missed.iter().any(|check| check.jump == i),
+        ..leap(jump, planner.stance(), radius)
+    });
     let boxes = crossing.course.obstacles.iter().map(|obstacle| (ends(&obstacle.span()), obstacle.height));
     Scene {
         title: match jumps {
             [] => format!("{}: no plan for {file}", planner.robot().name),
             _ => format!("{}: plan for {file}", planner.robot().name),
         },
-        radius: planner.robot().body.radius,
+        missed: missed
+            .iter()
+            .map(|check| format!("FAILS: jump {}: {} {}", check.jump + 1, check.what, digits(check.value, 4)))
+            .collect(),
+        radius,
         start: (crossing.course.start, crossing.course.start_height),
         ground: Ground {
             obstacles: boxes.collect(),
             avoid: crossing.course.no_landing.iter().map(ends).collect(),
             land: crossing.zones.iter().flatten().map(ends).collect(),
-            target: crossing.target,
+            goal,
+            target: Some(crossing.target),
             target_name: "target",
+            missed: Vec::new(),
         },
-        leaps: jumps.iter().map(|jump| leap(jump, planner.stance(), planner.robot().body.radius)).collect(),
+        leaps: leaps.collect(),
     }
+}
+
+fn ends(span: &Span) -> (f64, f64) {
+    (span.low, span.high)
 }
 
 fn leap(planned: &PlannedJump, stance: &Stance<f64>, radius: f64) -> Leap {
@@ -54,6 +72,7 @@ fn leap(planned: &PlannedJump, stance: &Stance<f64>, radius: f64) -> Leap {
         foot: (x, y),
         stance: samples.iter().map(centre).collect(),
         flight,
+        fails: false,
         label: format!(
             "α_f = {} rad, valve {} ms",
             digits(launch.firing_angle, 3),

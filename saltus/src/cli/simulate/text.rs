@@ -66,10 +66,15 @@ fn one(answer: &Answer, robot: &Robot) -> String {
 fn bearing(Bearing { contact, energy }: &Bearing) -> [String; 3] {
     let friction = match contact.friction_needed {
         needed if needed.is_finite() => line("friction needed", needed, "at least, for the foot not to slip"),
+        needed if needed.is_nan() => format!("  {:<16} –: the foot never stood", "friction needed"),
         _ => format!("  {:<16} any: the ground would have to pull", "friction needed"),
     };
     let work = format!("{} J by the drive, {} J lost", short(energy.drive), short(energy.losses));
-    [line("least normal", contact.least_normal, "N"), friction, format!("  {:<16} {work}", "work")]
+    let normal = match contact.least_normal {
+        normal if normal.is_finite() => line("least normal", normal, "N"),
+        _ => format!("  {:<16} –: the foot never stood", "least normal"),
+    };
+    [normal, friction, format!("  {:<16} {work}", "work")]
 }
 
 fn line(name: &str, x: f64, unit: &str) -> String {

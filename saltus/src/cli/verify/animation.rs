@@ -1,74 +1,118 @@
 //! A verification as a page to watch.
 
 use saltus::sim_check::SimError;
+use saltus::verify::{Demand, Flown, Judgement};
 
-use super::drawing::planned;
+use super::drawing::{missed, path, planned};
 use super::report::Context;
-use super::subject::Kind;
-use super::trial::Outcome;
-use crate::animation::{Asked, Jump, Obstacle, Scene, page};
+use super::trial::{Jump, Outcome};
+use crate::animation::{self, Asked, Obstacle, Scene, Zone, page};
 use crate::output::digits;
+use crate::plot::ground::Part;
 
 /// Most jumps of a page, each of some hundred kilobytes.
 const MOST: usize = 12;
 
-/// The page: jumps without errors, evenly chosen where they are many, and of the others the one that lands farthest from where it is wanted.
+/// The page: runs without errors, evenly chosen where they are many, and of the others the worst. What could not be simulated is not
+/// shown.
 pub(super) fn html(outcomes: &[Outcome], context: &Context<'_>) -> Result<String, SimError> {
-    let nominal: Vec<&Outcome> = outcomes.iter().filter(|o| o.trial.disturbance.is_none()).collect();
-    let step = nominal.len().div_ceil(MOST - 1).max(1);
-    let drawn = outcomes.iter().filter(|o| o.trial.disturbance.is_some());
-    let worst = drawn.max_by(|a, b| miss(a).total_cmp(&miss(b)));
-    let shown = nominal.into_iter().step_by(step).chain(worst);
-    let jumps = shown.map(|outcome| jump(outcome, context)).collect::<Result<_, _>>()?;
-    let solids = match &context.subject.kind {
-        Kind::Plan { solids, .. } => solids.clone(),
-        Kind::Rule(_) => outcomes.first().map_or(Vec::new(), |o| o.trial.task.obstacles.clone()),
-    };
-    let obstacles = solids.iter().map(|&[from_x_m, to_x_m, top_m]| Obstacle { from_x_m, to_x_m, top_m });
+    let nominal: Vec<&Outcome> = outcomes.iter().filter(|o| !o.trial.has_errors()).collect();
+    let most = (MOST / context.subject.jumps().max(1)).max(2);
+    let step = nominal.len().div_ceil(most - 1).max(1);
+    let drawn = outcomes.iter().filter(|o| o.trial.has_errors());
+    let worst = drawn.max_by(|a, b| (!a.passes()).cmp(&!b.passes()).then(miss(a).total_cmp(&miss(b))));
+    let mut jumps = Vec::new();
+    for outcome in nominal.into_iter().step_by(step).chain(worst) {
+        run(outcome, context, &mut jumps)?;
+    }
+    let demands = &outcomes[0].trial.route.demands;
+    let obstacle = |[from_x_m, to_x_m, top_m]: [f64; 3]| Obstacle { from_x_m, to_x_m, top_m };
+    let obstacles = demands.obstacles.iter().copied().map(obstacle).collect();
     let title = format!("{} of {}", context.subject.title, context.planner.robot().name);
-    Ok(page(&Scene::of(context.plant.robot(), title, obstacles.collect(), jumps)))
+    let mut scene = Scene::of(context.plant.robot(), title, obstacles, jumps);
+    scene.avoid = demands.avoid.iter().map(|area| [area.low, area.high]).collect();
+    let zone =
+        |name: String, span: &saltus::planner::course::Span| Zone { name, span_m: [span.low, span.high] };
+    let zones = demands.zones.iter().enumerate();
+    scene.zones =
+        zones.filter_map(|(i, span)| Some(zone(format!("land {}", i + 1), span.as_ref()?))).collect();
+    scene.zones.extend(demands.goal.iter().map(|goal| zone("goal".into(), goal)));
+    Ok(page(&scene))
 }
 
+/// The greatest landing error (m) of a run.
 fn miss(outcome: &Outcome) -> f64 {
-    outcome.miss().map_or(f64::INFINITY, f64::abs)
+    outcome.jumps().map(|jump| jump.miss().map_or(f64::INFINITY, f64::abs)).fold(0.0, f64::max)
 }
 
-fn jump(outcome: &Outcome, context: &Context<'_>) -> Result<Jump, SimError> {
-    let trial = &outcome.trial;
-    let mut name = format!(
-        "{} rad/s, fired at {} rad",
-        digits(outcome.task.launch.rate, 3),
-        digits(trial.task.launch.firing_angle, 3)
-    );
-    if let Kind::Plan { stages, .. } = &context.subject.kind
-        && stages.len() > 1
-    {
-        name = format!("jump {}: {name}", trial.jump + 1);
+/// Adds the jumps of a run that were simulated, each among the paths of the others.
+fn run(outcome: &Outcome, context: &Context<'_>, jumps: &mut Vec<animation::Jump>) -> Result<(), SimError> {
+    let flown: Vec<(Jump<'_>, &Flown)> =
+        outcome.jumps().filter_map(|jump| Some((jump, jump.attempt.flown()?))).collect();
+    let path = |(jump, flown): &(Jump<'_>, &Flown)| -> Vec<[f64; 2]> {
+        path(jump.attempt, flown, jump.stage().landing_height).step_by(4).map(|(x, y)| [x, y]).collect()
+    };
+    let paths: Vec<Vec<[f64; 2]>> = flown.iter().map(path).collect();
+    for (i, (one, flown_one)) in flown.iter().enumerate() {
+        let mut shown = jump(one, flown_one, context)?;
+        let others = paths.iter().enumerate().filter(|(k, _)| *k != i);
+        shown.others = others.map(|(_, path)| path.clone()).collect();
+        shown.next = (i + 1 < flown.len()).then_some(jumps.len() + 1);
+        jumps.push(shown);
+    }
+    Ok(())
+}
+
+fn jump(one: &Jump<'_>, flown: &Flown, context: &Context<'_>) -> Result<animation::Jump, SimError> {
+    let Jump { trial, number, attempt } = one;
+    let stage = one.stage();
+    let (rate, angle) = (digits(attempt.launch.rate, 3), digits(stage.launch.firing_angle, 3));
+    let mut name = format!("{rate} rad/s, fired at {angle} rad");
+    if context.subject.jumps() > 1 {
+        name = format!("jump {}: {name}", number + 1);
     }
     if let Some(friction) = trial.friction {
         name = format!("{name}, friction {}", digits(friction, 3));
     }
-    if trial.disturbance.is_some() {
-        name += ", with errors: the worst";
+    if trial.has_errors() {
+        name += ", with errors: the worst run";
     }
-    let slips = match outcome.flown.report.slips_at {
-        Some(_) => format!(", the foot slips {} mm", digits(1e3 * outcome.flown.slip(), 2)),
-        None => String::new(),
-    };
-    let verdict = match outcome.miss() {
-        Some(miss) => format!("lands {} mm from where it is wanted{slips}", digits(1e3 * miss, 3)),
-        None => format!("{}{slips}", outcome.flown.outcome()),
-    };
+    // The path is drawn from where the foot stands, the plan from where it should.
     let asked = Asked {
         name: name.replace('-', "−"),
-        verdict: verdict.replace(" -", " −"),
-        passed: outcome.passes,
-        planned: planned(&trial.task, context).into_iter().map(|(x, y)| [x, y]).collect(),
-        planned_apex_m: trial.apex,
-        planned_land_m: trial.landing,
-        landing_height_m: trial.task.landing_height,
+        verdict: verdict(one, flown),
+        passed: attempt.passes(),
+        planned: planned(one, context)
+            .into_iter()
+            .map(|(x, y)| [x - attempt.foot[0], y - attempt.foot[1]])
+            .collect(),
+        planned_apex_m: stage.apex - attempt.foot[1],
+        planned_land_m: stage.landing - attempt.foot[0],
+        landing_height_m: stage.landing_height,
     };
-    let mut jump = Jump::of(&context.plant.rig()?, &outcome.flown.report, asked);
-    jump.stand_at(trial.foot, context.plant.robot().boom.map(|boom| boom.length));
-    Ok(jump)
+    let mut shown = animation::Jump::of(&context.plant.rig()?, &flown.report, asked);
+    shown.stand_at(attempt.foot, context.plant.robot().boom.map(|boom| boom.length));
+    let zones = trial.route.demands.zones.iter().flatten().count();
+    let part = |part: Part| match part {
+        Part::Obstacle(item) => ("obstacle", item),
+        Part::Avoid(item) => ("avoid", item),
+        Part::Land(item) => ("zone", item),
+        Part::Goal => ("zone", zones),
+    };
+    shown.missed = missed(one).into_iter().map(part).collect();
+    Ok(shown)
+}
+
+/// What a jump misses, or where it lands if it misses nothing, and how far its foot slips.
+fn verdict(one: &Jump<'_>, flown: &Flown) -> String {
+    let mut words = one.attempt.reasons();
+    if words.is_empty() {
+        words.extend(one.attempt.judgement(Demand::Tolerance).map(Judgement::place));
+        let gap = flown.clearance.filter(|gap| *gap > 0.0);
+        words.extend(gap.map(|gap| format!("keeps {} mm from boxes", digits(1e3 * gap, 3))));
+    }
+    if flown.report.slips_at.is_some() {
+        words.push(format!("the foot slips {} mm", digits(1e3 * flown.slip(), 2)));
+    }
+    words.join("; ").replace(" -", " −")
 }

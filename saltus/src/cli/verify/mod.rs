@@ -1,20 +1,23 @@
 //! `saltus verify`: plans, laws and tables in the multi-body simulation.
 
+mod advice;
 mod animation;
 mod drawing;
 mod report;
 mod subject;
 mod trial;
+mod verdict;
 
 use std::path::PathBuf;
 
 use clap::Args;
 use saltus::Planner;
 use saltus::sim_check::Stepping;
-use saltus::verify::Plant;
+use saltus::verify::{Plant, Starts};
 
 use self::subject::{Subject, SubjectFlags};
 use self::trial::{Outcome, Trial};
+use self::verdict::Verdict;
 use super::Status;
 use super::common::{Common, PlotOption, Threads, page_file};
 use crate::error::CliError;
@@ -42,7 +45,12 @@ pub(crate) struct Verify {
     #[arg(long, value_name = "COEFFICIENTS", value_parser = frictions, help_heading = "The robot that jumps")]
     friction: Option<Values>,
 
-    /// Jumps with errors drawn from the robot's [errors], beside those without
+    /// Start each jump of a course at its planned foothold, in place of where the jump before it landed
+    #[arg(long, help_heading = "What is verified")]
+    restart: bool,
+
+    /// Runs with errors drawn from the robot's [errors], beside those without: a run is all jumps of a course, or one jump of a
+    /// law or a table
     #[arg(long, value_name = "COUNT", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     #[arg(help_heading = "Errors")]
     samples: u32,
@@ -59,7 +67,11 @@ pub(crate) struct Verify {
     #[arg(long, value_name = "LENGTH", value_parser = quantity::extent, default_value = "0.05", help_heading = "What passes")]
     tolerance: f64,
 
-    /// Share of the jumps with drawn errors that have to pass
+    /// Least distance (m) in flight between wheel and boxes [default: clearance_m of the course; a law or a table touches no box]
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::height, help_heading = "What passes")]
+    clearance: Option<f64>,
+
+    /// Share of the runs with drawn errors that have to pass
     #[arg(long, value_name = "SHARE", value_parser = share, default_value = "0.9", help_heading = "What passes")]
     share: f64,
 
@@ -96,35 +108,59 @@ What is verified: a course (its plan is made first, as `saltus plan` does), a ta
 wrote as CSV (between its rates it is linear), or a law α_f = A ω + B.
 
 Each jump is simulated with the whole robot in space: mass of the legs, boom, end stops, contact and slip \
-of the foot, all as the robot file says. First come jumps without errors: every jump of the plan, every \
-row of the table or every rate of --omega, on every friction coefficient. Then come jumps with errors: \
-the approach rate that is measured is drawn evenly from the range, and the true one, the firing angle, the \
-valve time and the supply pressure differ by errors with the standard deviations of the robot's [errors]; \
-the friction coefficients take turns.
+of the foot, all as the robot file says. A run is all jumps of a course, or one jump of a law or a table. \
+A jump of a course starts where the jump before it really landed, so that errors add up; with --restart it \
+starts at its planned foothold. First come the runs without errors: the course, every row of the table or \
+every rate of --omega, on every friction coefficient. Then come --samples runs with errors: the true \
+approach rate, firing angle and valve time of each jump and the supply pressure of each run differ from \
+what is measured and commanded, with the standard deviations of the robot's [errors]. The approach rate of \
+a law or a table is drawn evenly from its range. The friction coefficients take turns.
 
-A jump passes if it lands within --tolerance of where it is wanted (the plan's landing, the table's or \
---distance) and clears what is in its way. All is well if every jump without errors passes, and of the \
-others --share do.
+A jump passes if it meets each demand:
+  touchdown  the wheel comes down to its landing height
+  ground     landing and next foothold are on a surface of the planned height
+  edge       the landing keeps edge_margin_m from the edges of boxes
+  avoid      the landing is in no [[avoid]]
+  zone       the landing is in the [[land]] zone of its jump
+  goal       the last landing is from goal_from_x_m to goal_to_x_m
+  tolerance  the landing is within --tolerance of where it is wanted: the plan's landing, the table's or --distance
+  clearance  in flight wheel and fired leg (while it is out, leg_out_s) keep clearance_m, or --clearance, from boxes
+  stance     until lift-off the wheel touches no box
+  friction   the foot needs no more than friction_coefficient
+A law and a table demand touchdown, tolerance and no touching of the --obstacle. A run passes if all its \
+jumps do. It ends at a jump that leaves no foothold (no touchdown, no ground, in an [[avoid]]); the jumps \
+after that are `not-started`. The verification passes if every run without errors passes, and of the \
+others --share do. If it fails, the report says which demand is missed, by how much, in which jumps and \
+how often, and what to do.
 
-CSV columns, one row for each jump simulated: trial, errors (true or false: whether any were drawn), jump \
-(its number in the plan), omega_rad_s (measured), omega_true_rad_s, alpha_f_rad (commanded), valve_open_s, \
-friction_coefficient (empty: the robot's own), outcome (landed, early-lift-off, no-lift-off or stalled), \
-apex_m, apex_planned_m, apex_error_m, land_m, land_planned_m, land_error_m (simulated less planned), \
-land_wanted_m, miss_m (simulated less wanted), clearance_m (least distance between wheel and obstacles), \
+A plan for rats-planar, the default robot, fails on --plant rats-boom by about 60 mm: plan for the robot \
+that jumps (--robot rats-boom).
+
+CSV columns, one row for each jump of each run: run, errors (true or false: whether any were drawn), jump \
+(its number in the plan; empty without a course), omega_rad_s (measured), omega_true_rad_s, alpha_f_rad (commanded), \
+valve_open_s, friction_coefficient (empty: the robot's own), outcome (landed, early-lift-off, no-lift-off, stalled, \
+simulation-failed or not-started), foot_x_m, foot_planned_x_m, apex_m (above the course's ground), \
+apex_planned_m, apex_error_m, land_x_m, land_planned_x_m, land_error_m (simulated less planned), \
+land_wanted_x_m, miss_m (simulated less wanted), clearance_m (least distance between wheel and boxes), \
 slip_start_s (time at which the foot first slips along the travel), slip_m and slip_across_m (net until \
 lift-off), friction_needed (greatest |force along the travel|/normal force), normal_least_n, \
-energy_residual_j (what the energy ledger leaves unexplained), passes.
+energy_residual_j (what the energy ledger leaves unexplained); for each demand DEMAND_holds (true or \
+false; empty: not demanded) and DEMAND_margin_m (how far inside its limit, negative: outside; of friction without unit); passes, \
+reason (what is missed). Places x are along the course; for a law or a table they are distances from the foot.
 
 JSON: {\"command\": \"verify\", \"robot\": NAME, \"plant\": NAME, \"subject\": …, \"seed\": …, \
-\"tolerance_m\": …, \"share\": …, \"passes\": true or false, \"groups\": [{\"errors\", \
-\"friction_coefficient\", \"jumps\", \"passed\", \"landed\", \"slipped\", \"land_error_mean_m\", \
-\"land_error_sd_m\", \"miss_rms_m\", \"miss_greatest_m\", \"apex_error_mean_m\", \
+\"starts\": …, \"tolerance_m\": …, \"share\": …, \"passes\": true or false, \"failures\": [{\"errors\", \
+\"jump\", \"demand\", \"jumps\" (that miss it), \"of\" (that were started), \"margin_least\", \"worst\" (in \
+words)}], \"advice\": [what to do], \"groups\": [{\"errors\", \"friction_coefficient\", \"runs\", \
+\"runs_passed\", \"jumps\", \"passed\", \"landed\", \"slipped\", \"simulation_failed\", \"not_started\", \
+\"land_error_mean_m\", \"land_error_sd_m\", \"miss_rms_m\", \"miss_greatest_m\", \"apex_error_mean_m\", \
 \"clearance_least_m\", …}], \"rows\": [{the columns}]}.
 
 With --fixed-step the integrator takes steps of one length, as a controller or a learner would; every jump is then simulated with error \
 control as well, and the report says how far the two differ (JSON: \"step_cost\").
 
-The exit code is 1 if the verification fails, and if no plan crosses the course: then nothing is drawn.";
+The exit code is 1 if the verification fails, and if no plan crosses the course: then nothing is drawn. A jump that cannot be simulated \
+fails like any other.";
 
 impl Verify {
     pub(crate) fn run(self) -> Result<Status, CliError> {
@@ -140,19 +176,25 @@ impl Verify {
             self.common.write_report(report)?;
             return Ok(Status::No);
         };
-        let trials = trial::draw(&subject, &planner, &self.ground(), &self.scatter())?;
-        let exact = self.fly(&plant, &trials)?;
+        if self.restart && !subject.is_plan() {
+            return Err(CliError::flag("--restart", "", "left out where there is no course"));
+        }
+        let radius = plant.robot().body.radius;
+        let trials =
+            trial::draw(&subject, &planner, radius, &self.ground(), &self.limits(), &self.scatter())?;
+        let exact = self.fly(&plant, &trials);
         // What fixed steps cost is seen beside the jumps without them.
         let (outcomes, exact) = match self.fixed_step {
-            Some(h) => (self.fly(&plant.stepped(Stepping::Fixed(h)), &trials)?, Some(exact)),
+            Some(h) => (self.fly(&plant.stepped(Stepping::Fixed(h)), &trials), Some(exact)),
             None => (exact, None),
         };
         let cost = exact.map(|exact| report::StepCost::of(self.fixed_step, &outcomes, &exact));
-        let verdict = report::Verdict::of(&outcomes, self.share);
+        let verdict = Verdict::of(&outcomes, self.share);
         let scene = report::Context {
             planner: &planner,
             plant: &plant,
             subject: &subject,
+            starts: self.starts(),
             tolerance: self.tolerance,
             share: self.share,
             seed: self.seed,
@@ -168,7 +210,7 @@ impl Verify {
             html.map(|html| ("--animate", file, html))
                 .map_err(|error| CliError::content(file.display(), error))
         });
-        let drawing = || Ok(drawing::sheet(&outcomes, &scene));
+        let drawing = || Ok(drawing::sheet(&outcomes, &verdict, &scene));
         self.common.write_with(report, &self.plot, drawing, page.transpose()?)?;
         Ok(if verdict.passes { Status::Done } else { Status::No })
     }
@@ -187,27 +229,31 @@ impl Verify {
     }
 
     fn scatter(&self) -> trial::Scatter {
-        trial::Scatter {
-            samples: self.samples as usize,
-            factor: self.scatter,
-            seed: self.seed,
-            tolerance: self.tolerance,
-        }
+        trial::Scatter { samples: self.samples as usize, factor: self.scatter, seed: self.seed }
     }
 
-    fn fly(&self, plant: &Plant, trials: &[Trial]) -> Result<Vec<Outcome>, CliError> {
-        let progress = Progress::new("jumps", trials.len());
-        let fly = |part: &[Trial]| -> Vec<Result<Outcome, CliError>> {
-            part.iter()
-                .map(|trial| {
-                    let outcome = trial.fly(plant);
-                    progress.advance(1);
-                    outcome
-                })
-                .collect()
+    fn limits(&self) -> trial::Limits {
+        trial::Limits { tolerance: self.tolerance, clearance: self.clearance }
+    }
+
+    fn starts(&self) -> Starts {
+        if self.restart { Starts::Planned } else { Starts::Chained }
+    }
+
+    fn fly(&self, plant: &Plant, trials: &[Trial]) -> Vec<Outcome> {
+        let progress = Progress::new("runs", trials.len());
+        let fly = |part: &[Trial]| -> Vec<Outcome> {
+            let fly = |trial: &Trial| {
+                let outcome = trial.fly(plant, self.starts());
+                progress.advance(1);
+                outcome
+            };
+            part.iter().map(fly).collect()
         };
-        let parts = saltus::planner::parallel::in_chunks(trials, 1, self.threads.count().get(), fly);
-        parts.into_iter().flatten().collect()
+        saltus::planner::parallel::in_chunks(trials, 1, self.threads.count().get(), fly)
+            .into_iter()
+            .flatten()
+            .collect()
     }
 }
 

@@ -3,11 +3,13 @@
 use std::fmt::Write;
 
 use saltus::Planner;
-use saltus::verify::{Flown, Plant};
-use serde_json::{Map, Value, json};
+use saltus::verify::{Demand, Flown, Plant, Starts};
+use serde_json::json;
 
+use super::advice::advice;
 use super::subject::Subject;
-use super::trial::Outcome;
+use super::trial::{Jump, Outcome};
+use super::verdict::{Failure, Group, Verdict};
 use crate::output::{self, Cell, Table, digits};
 
 /// What was verified, and how.
@@ -15,6 +17,7 @@ pub(super) struct Context<'a> {
     pub(super) planner: &'a Planner,
     pub(super) plant: &'a Plant,
     pub(super) subject: &'a Subject,
+    pub(super) starts: Starts,
     pub(super) tolerance: f64,
     pub(super) share: f64,
     pub(super) seed: u64,
@@ -33,197 +36,26 @@ pub(super) struct StepCost {
 impl StepCost {
     /// Of jumps with steps of `step` (s), and the same with error control.
     pub(super) fn of(step: Option<f64>, fixed: &[Outcome], exact: &[Outcome]) -> StepCost {
-        let pairs = || fixed.iter().zip(exact).map(|(a, b)| (&a.flown, &b.flown));
+        let attempts = |outcomes: &'_ [Outcome]| -> Vec<_> {
+            outcomes.iter().flat_map(|outcome| outcome.attempts.clone()).collect()
+        };
+        let (fixed, exact) = (attempts(fixed), attempts(exact));
+        let pairs = || fixed.iter().zip(&exact);
         let most = |of: fn(&Flown) -> Option<f64>| {
-            let gaps = pairs().filter_map(|(a, b)| Some((of(a)? - of(b)?).abs()));
+            let gaps = pairs().filter_map(|(a, b)| Some((of(a.flown()?)? - of(b.flown()?)?).abs()));
             gaps.fold(0.0, f64::max)
         };
         StepCost {
             step: step.unwrap_or(f64::NAN),
             landing: most(|f| f.landing),
             apex: most(|f| f.apex),
-            other_ends: pairs().filter(|(a, b)| a.report.end != b.report.end).count(),
+            other_ends: pairs().filter(|(a, b)| a.outcome() != b.outcome()).count(),
         }
-    }
-}
-
-/// Whether all is well.
-pub(super) struct Verdict {
-    pub(super) passes: bool,
-    /// Jumps with and without errors, on each ground and on all.
-    groups: Vec<Group>,
-}
-
-/// Some of the jumps, together.
-struct Group {
-    errors: bool,
-    /// None: the robot's own, or all of several.
-    friction: Option<f64>,
-    jumps: usize,
-    passed: usize,
-    landed: usize,
-    slipped: usize,
-    land_error: Spread,
-    miss: Spread,
-    apex_error: Spread,
-    clearance: Option<f64>,
-    slip: f64,
-    friction_needed: f64,
-    least_normal: f64,
-    residual: f64,
-}
-
-/// Mean, standard deviation, root mean square and the greatest size of some numbers; none without any.
-#[derive(Clone, Copy, Default)]
-struct Spread {
-    mean: Option<f64>,
-    deviation: Option<f64>,
-    rms: Option<f64>,
-    greatest: Option<f64>,
-}
-
-impl Spread {
-    fn of(numbers: impl Iterator<Item = f64>) -> Spread {
-        let all: Vec<f64> = numbers.filter(|x| x.is_finite()).collect();
-        if all.is_empty() {
-            return Spread::default();
-        }
-        let n = all.len() as f64;
-        let mean = all.iter().sum::<f64>() / n;
-        let squares = all.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>();
-        Spread {
-            mean: Some(mean),
-            deviation: (all.len() > 1).then(|| (squares / (n - 1.0)).sqrt()),
-            rms: Some((all.iter().map(|x| x * x).sum::<f64>() / n).sqrt()),
-            greatest: all.iter().map(|x| x.abs()).reduce(f64::max),
-        }
-    }
-}
-
-impl Outcome {
-    /// Simulated less planned landing (m).
-    pub(super) fn land_error(&self) -> Option<f64> {
-        self.flown.landing.map(|x| x - self.trial.landing)
-    }
-
-    fn apex_error(&self) -> Option<f64> {
-        self.flown.apex.map(|y| y - self.trial.apex)
-    }
-
-    /// Simulated less wanted landing (m).
-    pub(super) fn miss(&self) -> Option<f64> {
-        self.flown.landing.map(|x| x - self.trial.wanted)
-    }
-}
-
-impl Group {
-    fn of(outcomes: &[&Outcome], friction: Option<f64>) -> Group {
-        let count = |holds: &dyn Fn(&Outcome) -> bool| outcomes.iter().filter(|o| holds(o)).count();
-        let reports = || outcomes.iter().map(|o| &o.flown.report);
-        Group {
-            errors: outcomes.iter().any(|o| o.trial.disturbance.is_some()),
-            friction,
-            jumps: outcomes.len(),
-            passed: count(&|o| o.passes),
-            landed: count(&|o| o.flown.landing.is_some()),
-            slipped: count(&|o| o.flown.report.slips_at.is_some()),
-            land_error: Spread::of(outcomes.iter().filter_map(|o| o.land_error())),
-            miss: Spread::of(outcomes.iter().filter_map(|o| o.miss())),
-            apex_error: Spread::of(outcomes.iter().filter_map(|o| o.apex_error())),
-            clearance: outcomes.iter().filter_map(|o| o.flown.clearance).reduce(f64::min),
-            slip: outcomes.iter().map(|o| o.flown.slip()).fold(0.0, greater),
-            friction_needed: reports().map(|r| r.friction_needed).fold(0.0, f64::max),
-            least_normal: reports().map(|r| r.least_normal).fold(f64::INFINITY, f64::min),
-            residual: reports().map(|r| r.residual).fold(0.0, greater),
-        }
-    }
-
-    fn json(&self) -> Map<String, Value> {
-        let value = json!({
-            "errors": self.errors,
-            "friction_coefficient": self.friction,
-            "jumps": self.jumps,
-            "passed": self.passed,
-            "landed": self.landed,
-            "slipped": self.slipped,
-            "land_error_mean_m": self.land_error.mean,
-            "land_error_sd_m": self.land_error.deviation,
-            "land_error_greatest_m": self.land_error.greatest,
-            "miss_mean_m": self.miss.mean,
-            "miss_sd_m": self.miss.deviation,
-            "miss_rms_m": self.miss.rms,
-            "miss_greatest_m": self.miss.greatest,
-            "apex_error_mean_m": self.apex_error.mean,
-            "apex_error_greatest_m": self.apex_error.greatest,
-            "clearance_least_m": self.clearance,
-            "slip_greatest_m": self.slip,
-            "friction_needed_greatest": self.friction_needed,
-            "normal_least_n": finite(self.least_normal),
-            "energy_residual_greatest_j": self.residual,
-        });
-        match value {
-            Value::Object(object) => object,
-            _ => Map::new(),
-        }
-    }
-}
-
-fn finite(x: f64) -> Option<f64> {
-    x.is_finite().then_some(x)
-}
-
-/// The one that is greater in size.
-fn greater(a: f64, b: f64) -> f64 {
-    if b.abs() > a.abs() { b } else { a }
-}
-
-impl Verdict {
-    /// Of these jumps, where `share` of those with errors have to pass.
-    pub(super) fn of(outcomes: &[Outcome], share: f64) -> Verdict {
-        let mut grounds: Vec<Option<f64>> = Vec::new();
-        for outcome in outcomes {
-            if !grounds.contains(&outcome.trial.friction) {
-                grounds.push(outcome.trial.friction);
-            }
-        }
-        let mut groups = Vec::new();
-        let mut passes = true;
-        for errors in [false, true] {
-            let these: Vec<&Outcome> =
-                outcomes.iter().filter(|o| o.trial.disturbance.is_some() == errors).collect();
-            if these.is_empty() {
-                continue;
-            }
-            let all = Group::of(&these, grounds[0].filter(|_| grounds.len() == 1));
-            let needed = if errors { share } else { 1.0 };
-            passes &= all.passed as f64 >= needed * all.jumps as f64;
-            groups.push(all);
-            if grounds.len() > 1 {
-                for ground in &grounds {
-                    let on: Vec<&Outcome> =
-                        these.iter().copied().filter(|o| o.trial.friction == *ground).collect();
-                    if !on.is_empty() {
-                        groups.push(Group::of(&on, *ground));
-                    }
-                }
-            }
-        }
-        Verdict { passes, groups }
-    }
-
-    /// The group of all jumps with or without errors.
-    fn all(&self, errors: bool) -> Option<&Group> {
-        self.groups.iter().find(|group| group.errors == errors)
-    }
-
-    /// The groups on each of several grounds.
-    fn grounds(&self, errors: bool) -> impl Iterator<Item = &Group> {
-        self.groups.iter().filter(move |group| group.errors == errors).skip(1)
     }
 }
 
 const COLUMNS: &[&str] = &[
-    "trial",
+    "run",
     "errors",
     "jump",
     "omega_rad_s",
@@ -232,13 +64,15 @@ const COLUMNS: &[&str] = &[
     "valve_open_s",
     "friction_coefficient",
     "outcome",
+    "foot_x_m",
+    "foot_planned_x_m",
     "apex_m",
     "apex_planned_m",
     "apex_error_m",
-    "land_m",
-    "land_planned_m",
+    "land_x_m",
+    "land_planned_x_m",
     "land_error_m",
-    "land_wanted_m",
+    "land_wanted_x_m",
     "miss_m",
     "clearance_m",
     "slip_start_s",
@@ -247,48 +81,86 @@ const COLUMNS: &[&str] = &[
     "friction_needed",
     "normal_least_n",
     "energy_residual_j",
+    "touchdown_holds",
+    "ground_holds",
+    "ground_margin_m",
+    "edge_holds",
+    "edge_margin_m",
+    "avoid_holds",
+    "avoid_margin_m",
+    "zone_holds",
+    "zone_margin_m",
+    "goal_holds",
+    "goal_margin_m",
+    "tolerance_holds",
+    "tolerance_margin_m",
+    "clearance_holds",
+    "clearance_margin_m",
+    "stance_holds",
+    "stance_margin_m",
+    "friction_holds",
+    "friction_margin",
     "passes",
+    "reason",
 ];
 
-/// A row for each jump.
+/// A row for each jump of each run.
 pub(super) fn rows(outcomes: &[Outcome]) -> Table {
     let mut table = Table::new(COLUMNS);
-    for (i, outcome) in outcomes.iter().enumerate() {
-        table.push(row(i, outcome));
+    for (run, outcome) in outcomes.iter().enumerate() {
+        for jump in outcome.jumps() {
+            table.push(row(run, &jump));
+        }
     }
     table
 }
 
-fn row(i: usize, outcome: &Outcome) -> Vec<Cell> {
-    let Outcome { trial, flown, task, passes } = outcome;
-    let (launch, report) = (&trial.task.launch, &flown.report);
-    vec![
-        Cell::Count(i + 1),
-        Cell::Flag(trial.disturbance.is_some()),
-        Cell::Count(trial.jump + 1),
-        launch.rate.into(),
-        task.launch.rate.into(),
-        launch.firing_angle.into(),
-        launch.valve_open.into(),
+/// A length (m) below which the simulation knows none.
+pub(super) const NOTHING: f64 = 1e-9;
+
+fn row(run: usize, jump: &Jump<'_>) -> Vec<Cell> {
+    let Jump { trial, number, attempt } = jump;
+    let (stage, flown) = (jump.stage(), attempt.flown());
+    let report = flown.map(|flown| &flown.report);
+    let slip = |x: f64| if x.abs() < NOTHING { 0.0 } else { x };
+    let mut row = vec![
+        Cell::Count(run + 1),
+        Cell::Flag(trial.has_errors()),
+        if stage.surface.is_some() { Cell::Count(number + 1) } else { Cell::Empty },
+        stage.launch.rate.into(),
+        attempt.launch.rate.into(),
+        stage.launch.firing_angle.into(),
+        stage.launch.valve_open.into(),
         trial.friction.into(),
-        Cell::Word(flown.outcome()),
-        flown.apex.into(),
-        trial.apex.into(),
-        outcome.apex_error().into(),
-        flown.landing.into(),
-        trial.landing.into(),
-        outcome.land_error().into(),
-        trial.wanted.into(),
-        outcome.miss().into(),
-        flown.clearance.into(),
-        report.slips_at.into(),
-        report.slipped[0].into(),
-        report.slipped[1].into(),
-        report.friction_needed.into(),
-        report.least_normal.into(),
-        report.residual.into(),
-        Cell::Flag(*passes),
-    ]
+        Cell::Word(attempt.outcome()),
+        attempt.was_started().then_some(attempt.foot[0]).into(),
+        stage.foot[0].into(),
+        attempt.apex().into(),
+        stage.apex.into(),
+        jump.apex_error().into(),
+        attempt.landing().into(),
+        stage.landing.into(),
+        jump.land_error().into(),
+        stage.wanted.into(),
+        jump.miss().into(),
+        flown.and_then(|flown| flown.clearance).into(),
+        report.and_then(|report| report.slips_at).into(),
+        flown.map(|flown| slip(flown.slip())).into(),
+        report.map(|report| slip(report.slipped[1])).into(),
+        report.map(|report| report.friction_needed).into(),
+        report.map(|report| report.least_normal).into(),
+        report.map(|report| report.residual).into(),
+    ];
+    for demand in Demand::ALL {
+        let judgement = attempt.judgement(demand);
+        row.push(judgement.map_or(Cell::Empty, |judgement| Cell::Flag(judgement.holds())));
+        // Landing or not has no margin.
+        if demand != Demand::Touchdown {
+            row.push(judgement.map(|judgement| judgement.margin).into());
+        }
+    }
+    row.extend([Cell::Flag(attempt.passes()), Cell::Text(attempt.reasons().join("; "))]);
+    row
 }
 
 /// What there is to say of a course without a plan.
@@ -316,9 +188,12 @@ pub(super) fn json(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
         "plant": context.plant.robot().name,
         "subject": context.subject.title,
         "seed": context.seed,
+        "starts": starts(context),
         "tolerance_m": context.tolerance,
         "share": context.share,
         "passes": verdict.passes,
+        "failures": verdict.failures.iter().map(Failure::json).collect::<Vec<_>>(),
+        "advice": advice(outcomes, verdict, context),
         "step_cost": context.step_cost.map(|cost| json!({
             "step_s": cost.step,
             "landing_greatest_m": cost.landing,
@@ -328,6 +203,14 @@ pub(super) fn json(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
         "groups": verdict.groups.iter().map(Group::json).collect::<Vec<_>>(),
         "rows": rows(outcomes).json(),
     }))
+}
+
+/// How the jumps of a course start; none for what has no course.
+fn starts(context: &Context<'_>) -> Option<&'static str> {
+    context.subject.is_plan().then_some(match context.starts {
+        Starts::Chained => "where the jump before lands",
+        Starts::Planned => "at the planned footholds",
+    })
 }
 
 /// The jumps of a plan and of a short table are few enough to be told one by one.
@@ -341,37 +224,18 @@ pub(super) fn text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
         context.planner.robot().name,
         context.plant.robot().name
     );
+    if let Some(starts) = starts(context).filter(|_| context.subject.jumps() > 1) {
+        // Writing to a string does not fail.
+        let _ = writeln!(text, "a run is {} jumps; each starts {starts}", context.subject.jumps());
+    }
     for errors in [false, true] {
         if let Some(group) = verdict.all(errors) {
             text.push_str(&group_text(group, context));
             text.push_str(&grounds_text(verdict, errors));
         }
     }
-    let nominal: Vec<&Outcome> = outcomes.iter().filter(|o| o.trial.disturbance.is_none()).collect();
-    if nominal.len() <= FEW {
-        let mut table = Table::new(COLUMNS);
-        for (i, outcome) in nominal.iter().enumerate() {
-            table.push(row(i, outcome));
-        }
-        text.push_str("\nwithout errors, jump by jump\n");
-        text.push_str(&table.text(&[
-            ("jump", "jump", ""),
-            ("omega_rad_s", "ω", "rad/s"),
-            ("alpha_f_rad", "α_f", "rad"),
-            ("friction_coefficient", "friction", ""),
-            ("outcome", "outcome", ""),
-            ("apex_m", "apex", "m"),
-            ("apex_planned_m", "planned", "m"),
-            ("land_m", "landing", "m"),
-            ("land_planned_m", "planned", "m"),
-            ("land_wanted_m", "wanted", "m"),
-            ("clearance_m", "clearance", "m"),
-            ("slip_m", "slip", "m"),
-            ("passes", "passes", ""),
-        ]));
-    }
+    text.push_str(&jumps_text(outcomes, context));
     if let Some(cost) = context.step_cost {
-        // Writing to a string does not fail.
         let _ = writeln!(
             text,
             "\nsteps of {} s: landings off by {} m at most, apexes by {} m, {} jumps end otherwise than with error control",
@@ -381,14 +245,108 @@ pub(super) fn text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
             cost.other_ends
         );
     }
-    text.push_str(if verdict.passes { "\nPASS" } else { "\nFAIL" });
-    let share = digits(100.0 * context.share, 4);
-    let _ = writeln!(
-        text,
-        ": every jump without errors and {share} % of the others have to land within {} m and clear what is in their way",
-        digits(context.tolerance, 4)
-    );
+    text + &verdict_text(outcomes, verdict, context)
+}
+
+/// The jumps without errors one by one, where they are few.
+fn jumps_text(outcomes: &[Outcome], context: &Context<'_>) -> String {
+    let nominal = || outcomes.iter().filter(|o| !o.trial.has_errors()).flat_map(Outcome::jumps);
+    if nominal().count() > FEW {
+        return String::new();
+    }
+    let mut table = Table::new(COLUMNS);
+    nominal().for_each(|jump| table.push(row(0, &jump)));
+    let (jump, foot) = (("jump", "jump", ""), ("foot_x_m", "foot", "m"));
+    let mut columns = if context.subject.is_plan() { vec![jump, foot] } else { Vec::new() };
+    columns.extend([
+        ("omega_rad_s", "ω", "rad/s"),
+        ("alpha_f_rad", "α_f", "rad"),
+        ("friction_coefficient", "friction", ""),
+        ("outcome", "outcome", ""),
+        ("apex_m", "apex", "m"),
+        ("apex_planned_m", "planned", "m"),
+        ("land_x_m", "landing", "m"),
+        ("land_planned_x_m", "planned", "m"),
+        ("land_wanted_x_m", "wanted", "m"),
+        ("clearance_m", "clearance", "m"),
+        ("slip_m", "slip", "m"),
+        ("passes", "passes", ""),
+    ]);
+    format!("\nwithout errors, jump by jump\n{}", table.text(&columns))
+}
+
+/// Pass or fail, what is missed, and what to do.
+fn verdict_text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) -> String {
+    let run = context.subject.run();
+    let counts = [false, true].into_iter().filter_map(|errors| {
+        let group = verdict.all(errors)?;
+        let with = if errors { "with" } else { "without" };
+        let needed = if errors {
+            format!(" ({} % have to)", digits(100.0 * context.share, 4))
+        } else {
+            " (all have to)".into()
+        };
+        Some(format!("{} of {} {run}s {with} errors pass{needed}", group.runs_passed, group.runs))
+    });
+    let word = if verdict.passes { "PASS" } else { "FAIL" };
+    let mut text = format!("\n{word}: {}\n", counts.collect::<Vec<_>>().join(", "));
+    for failure in &verdict.failures {
+        let _ = writeln!(text, "  {}", failure_text(failure, context));
+    }
+    if !verdict.passes {
+        for sentence in advice(outcomes, verdict, context) {
+            let _ = writeln!(text, "  → {sentence}");
+        }
+    }
+    let _ = writeln!(text, "  demanded: {}", demands_text(outcomes));
     text
+}
+
+/// What is missed, by whom, how often and by how much at worst.
+pub(super) fn failure_text(failure: &Failure, context: &Context<'_>) -> String {
+    let with = if failure.errors { "with errors" } else { "without errors" };
+    let jump = match context.subject.jumps() {
+        1 => String::new(),
+        _ => format!("jump {}, ", failure.jump + 1),
+    };
+    let worst = if failure.count > 1 { ", at worst" } else { "" };
+    format!(
+        "{}: {jump}{with}, {} of {}{worst}: {}",
+        failure.demand.name(),
+        failure.count,
+        failure.of,
+        failure.worst
+    )
+}
+
+/// What the jumps have to meet.
+fn demands_text(outcomes: &[Outcome]) -> String {
+    let Some(Outcome { trial, .. }) = outcomes.first() else { return String::new() };
+    let demands = &trial.route.demands;
+    let metres = |x: f64| format!("{} m", digits(x, 4));
+    let span = |span: &saltus::planner::course::Span| match (span.low.is_finite(), span.high.is_finite()) {
+        (true, true) => format!("from {} to {}", metres(span.low), metres(span.high)),
+        (true, false) => format!("from {}", metres(span.low)),
+        _ => format!("up to {}", metres(span.high)),
+    };
+    let mut all = vec![format!("landings within {} of where they are wanted", metres(demands.tolerance))];
+    all.extend(demands.goal.iter().map(|goal| format!("the goal {}", span(goal))));
+    let zones = demands.zones.iter().enumerate().filter_map(|(i, zone)| Some((i, zone.as_ref()?)));
+    all.extend(zones.map(|(i, zone)| format!("jump {} landing {}", i + 1, span(zone))));
+    all.extend(demands.avoid.iter().map(|area| format!("no landing {}", span(area))));
+    if !demands.obstacles.is_empty() {
+        let least = demands.clearance;
+        all.push(if least > 0.0 {
+            format!("{} clear of boxes", metres(least))
+        } else {
+            "no touching of boxes".into()
+        });
+    }
+    if demands.edge_margin > 0.0 {
+        all.push(format!("landings {} from edges", metres(demands.edge_margin)));
+    }
+    all.extend(demands.friction.map(|mu| format!("friction up to {}", digits(mu, 4))));
+    all.join("; ")
 }
 
 fn group_text(group: &Group, context: &Context<'_>) -> String {
@@ -398,25 +356,36 @@ fn group_text(group: &Group, context: &Context<'_>) -> String {
     } else {
         "without errors".to_owned()
     };
-    let mut lines =
-        vec![format!("\n{title}: {} of {} jumps pass, {} land", group.passed, group.jumps, group.landed)];
-    let landing = &group.land_error;
-    lines.push(format!(
-        "  landing, simulated less planned  {} m in the mean, {} m at most, {} m standard deviation",
-        number(landing.mean),
-        number(landing.greatest),
-        number(landing.deviation)
+    let runs = match context.subject.jumps() {
+        1 => String::new(),
+        _ => format!("{} of {} runs pass; ", group.runs_passed, group.runs),
+    };
+    let mut counts = vec![format!(
+        "\n{title}: {runs}{} of {} jumps pass, {} land",
+        group.passed, group.jumps, group.landed
+    )];
+    let counted = [(group.simulation_failed, "cannot be simulated"), (group.not_started, "are not started")];
+    counts.extend(counted.into_iter().filter(|(count, _)| *count > 0).map(|(n, what)| format!("{n} {what}")));
+    let mut lines = vec![counts.join(", ")];
+    let spread = |name: &str, all: [(Option<f64>, &str); 3]| {
+        let known = all.into_iter().filter_map(|(x, what)| Some(format!("{} m {what}", digits(x?, 3))));
+        let known: Vec<String> = known.collect();
+        let all = if known.is_empty() { "–".to_owned() } else { known.join(", ") };
+        format!("  {name:<32} {all}")
+    };
+    let (land, miss, apex) = (&group.land_error, &group.miss, &group.apex_error);
+    let (mean, most) = ("in the mean", "at most");
+    lines.push(spread(
+        "landing, simulated less planned",
+        [(land.mean, mean), (land.greatest, most), (land.deviation, "standard deviation")],
     ));
-    lines.push(format!(
-        "  landing, simulated less wanted   {} m in the mean, {} m at most, {} m RMS",
-        number(group.miss.mean),
-        number(group.miss.greatest),
-        number(group.miss.rms)
+    lines.push(spread(
+        "landing, simulated less wanted",
+        [(miss.mean, mean), (miss.greatest, most), (miss.rms, "RMS")],
     ));
-    lines.push(format!(
-        "  apex, simulated less planned     {} m in the mean, {} m at most",
-        number(group.apex_error.mean),
-        number(group.apex_error.greatest)
+    lines.push(spread(
+        "apex, simulated less planned",
+        [(apex.mean, mean), (apex.greatest, most), (apex.deviation, "standard deviation")],
     ));
     if let Some(gap) = group.clearance {
         lines.push(format!("  clearance                        {} m at least", digits(gap, 3)));
@@ -427,13 +396,11 @@ fn group_text(group: &Group, context: &Context<'_>) -> String {
     });
     lines.push(format!(
         "  ground                           friction/normal force {} at most, normal force {} N at least",
-        digits(group.friction_needed, 3),
-        number(finite(group.least_normal))
+        number(group.friction_needed),
+        number(group.least_normal)
     ));
-    lines.push(format!(
-        "  energy ledger                    closes within {} J",
-        digits(group.residual.abs(), 2)
-    ));
+    let residual = group.residual.map_or("–".to_owned(), |x| digits(x.abs(), 2));
+    lines.push(format!("  energy ledger                    closes within {residual} J"));
     lines.join("\n") + "\n"
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use saltus::planner::{CrossingAnswer, PlannedJump};
+use saltus::planner::{Crossing, CrossingAnswer, CrossingPlan};
 use saltus::verify::Task;
 use saltus::{Launch, Planner};
 
@@ -64,20 +64,10 @@ pub(super) struct Subject {
 }
 
 pub(super) enum Kind {
-    /// The jumps of a plan, and what stands on its course: front, back and top (m) of each.
-    Plan { stages: Vec<Stage>, solids: Vec<[f64; 3]> },
+    /// A course and its plan.
+    Plan { crossing: Box<Crossing>, plan: Box<CrossingPlan> },
     /// A rule for the firing angle.
     Rule(Rule),
-}
-
-/// A jump of a plan.
-pub(super) struct Stage {
-    pub(super) task: Task,
-    /// Foothold along the course, and height of its surface (m).
-    pub(super) foot: [f64; 2],
-    /// Apex and landing (m) above and from the foothold, as planned.
-    pub(super) apex: f64,
-    pub(super) landing: f64,
 }
 
 /// A firing angle for every approach rate.
@@ -133,6 +123,24 @@ impl Steering {
 }
 
 impl Subject {
+    /// What one of its runs is called: several jumps, or one.
+    pub(super) fn run(&self) -> &'static str {
+        if self.jumps() > 1 { "run" } else { "jump" }
+    }
+
+    /// Jumps of a run.
+    pub(super) fn jumps(&self) -> usize {
+        match &self.kind {
+            Kind::Plan { plan, .. } => plan.jumps.len(),
+            Kind::Rule(_) => 1,
+        }
+    }
+
+    /// Whether it is the plan of a course.
+    pub(super) fn is_plan(&self) -> bool {
+        matches!(self.kind, Kind::Plan { .. })
+    }
+
     /// What the flags name; none for a course that no plan crosses.
     pub(super) fn load(flags: &SubjectFlags, planner: &Planner) -> Result<Option<Subject>, CliError> {
         match (&flags.file, flags.law) {
@@ -264,32 +272,8 @@ fn plan(flags: &SubjectFlags, path: &Path, planner: &Planner) -> Result<Option<S
     let file = path.display().to_string();
     let answer = planner.cross(&crossing).map_err(|error| CliError::content(&file, error))?;
     let CrossingAnswer::Plan(plan) = answer else { return Ok(None) };
-    let radius = planner.robot().body.radius;
-    let stage = |planned: &PlannedJump| {
-        let ([foot, from], [landing, to]) = (planned.foot, planned.landing);
-        // What it stands or lands on is not in its way.
-        let under = |span: saltus::planner::course::Span, top: f64| {
-            let on_it = |x: f64, height: f64| height == top && x >= span.low && x <= span.high;
-            on_it(foot, from) || on_it(landing, to)
-        };
-        let solids = crossing.course.obstacles.iter().filter(|o| !under(o.span(), o.height));
-        Stage {
-            task: Task {
-                launch: planned.jump.launch,
-                landing_height: radius + to - from,
-                obstacles: solids
-                    .map(|o| [o.span().low - foot, o.span().high - foot, o.height - from])
-                    .collect(),
-                leg_out: crossing.leg_out,
-            },
-            foot: planned.foot,
-            apex: planned.jump.apex().unwrap_or(f64::NAN),
-            landing: landing - foot,
-        }
-    };
-    let stages = plan.jumps.iter().map(stage).collect();
-    let solids = crossing.course.obstacles.iter().map(|o| [o.span().low, o.span().high, o.height]).collect();
-    Ok(Some(Subject { title: format!("the plan for {file}"), kind: Kind::Plan { stages, solids } }))
+    let kind = Kind::Plan { crossing: Box::new(crossing), plan: Box::new(plan) };
+    Ok(Some(Subject { title: format!("the plan for {file}"), kind }))
 }
 
 /// Parser of a flag.

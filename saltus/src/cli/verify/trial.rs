@@ -1,140 +1,156 @@
-//! Jumps to simulate, with the errors that are drawn for them.
+//! Runs to simulate, with the errors that are drawn for them.
+
+use std::sync::Arc;
 
 use rand_distr::{Distribution, StandardNormal, Uniform};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
-use saltus::Planner;
-use saltus::verify::{Disturbance, Flown, Plant, Task};
+use saltus::verify::{Attempt, Demands, Disturbance, Plant, Route, Stage, Starts, Task};
+use saltus::{Planner, StanceError};
 
-use super::subject::{Kind, Subject};
+use super::subject::{Kind, Rule, Subject};
 use crate::error::CliError;
 
-/// Which errors are drawn, and what is asked of the jumps.
+/// Which errors are drawn.
 pub(super) struct Scatter {
     pub(super) samples: usize,
     pub(super) factor: f64,
     pub(super) seed: u64,
+}
+
+/// What is asked of the jumps beside what the course demands.
+pub(super) struct Limits {
     /// How far (m) from where it is wanted a landing may be.
     pub(super) tolerance: f64,
+    /// Clearance (m) in place of the course's.
+    pub(super) clearance: Option<f64>,
 }
 
-/// A jump to simulate.
+/// A run to simulate: all jumps of a course, or one of a law or a table.
 #[derive(Clone, Debug)]
 pub(super) struct Trial {
-    /// Number of the jump in its plan, from 0.
-    pub(super) jump: usize,
-    /// As measured and commanded.
-    pub(super) task: Task,
-    /// Foothold along the course, and height of its surface (m).
-    pub(super) foot: [f64; 2],
-    /// None: without errors.
-    pub(super) disturbance: Option<Disturbance>,
+    /// The jumps, as measured and commanded.
+    pub(super) route: Arc<Route>,
+    /// Errors of each jump; none: without errors.
+    pub(super) errors: Option<Vec<Disturbance>>,
     /// Friction coefficient of the ground; none: the robot's own.
     pub(super) friction: Option<f64>,
-    /// Apex and landing (m) as planned.
-    pub(super) apex: f64,
-    pub(super) landing: f64,
-    /// Where it should land (m).
-    pub(super) wanted: f64,
-    tolerance: f64,
 }
 
-/// A jump that was simulated.
+/// A run that was simulated.
 pub(super) struct Outcome {
     pub(super) trial: Trial,
-    pub(super) flown: Flown,
-    /// As it really was.
-    pub(super) task: Task,
-    pub(super) passes: bool,
+    /// Jump after jump.
+    pub(super) attempts: Vec<Attempt>,
+}
+
+/// One jump of a run.
+#[derive(Clone, Copy)]
+pub(super) struct Jump<'a> {
+    pub(super) trial: &'a Trial,
+    /// Its number in the run, from 0.
+    pub(super) number: usize,
+    pub(super) attempt: &'a Attempt,
 }
 
 impl Trial {
     /// Simulates it.
-    pub(super) fn fly(&self, plant: &Plant) -> Result<Outcome, CliError> {
+    pub(super) fn fly(&self, plant: &Plant, starts: Starts) -> Outcome {
         let plant = self.friction.map_or_else(|| plant.clone(), |mu| plant.on_friction(mu));
-        let (plant, task) = match &self.disturbance {
-            Some(disturbance) => plant.disturbed(&self.task, disturbance),
-            None => (plant, self.task.clone()),
-        };
-        let flown = plant.fly(&task).map_err(|error| {
-            let launch = &task.launch;
-            let jump = format!("jump at {} rad/s, fired at {} rad", launch.rate, launch.firing_angle);
-            CliError::content(jump, error)
-        })?;
-        let lands = flown.landing.is_some_and(|x| (x - self.wanted).abs() <= self.tolerance);
-        let passes = lands && flown.clearance.is_none_or(|gap| gap >= 0.0);
-        Ok(Outcome { trial: self.clone(), flown, task, passes })
+        let errors = self.errors.as_deref().unwrap_or_default();
+        Outcome { trial: self.clone(), attempts: plant.run(&self.route, errors, starts) }
+    }
+
+    pub(super) fn has_errors(&self) -> bool {
+        self.errors.is_some()
     }
 }
 
-/// All jumps: without errors, then with.
+impl Outcome {
+    /// Whether every jump meets every demand.
+    pub(super) fn passes(&self) -> bool {
+        self.attempts.iter().all(Attempt::passes)
+    }
+
+    pub(super) fn jumps(&self) -> impl Iterator<Item = Jump<'_>> {
+        let jump = |(number, attempt)| Jump { trial: &self.trial, number, attempt };
+        self.attempts.iter().enumerate().map(jump)
+    }
+}
+
+impl Jump<'_> {
+    /// As it was planned.
+    pub(super) fn stage(&self) -> &Stage {
+        &self.trial.route.stages[self.number]
+    }
+
+    /// Simulated less planned landing (m).
+    pub(super) fn land_error(&self) -> Option<f64> {
+        self.attempt.landing().map(|x| x - self.stage().landing)
+    }
+
+    /// Simulated less planned apex (m).
+    pub(super) fn apex_error(&self) -> Option<f64> {
+        self.attempt.apex().map(|y| y - self.stage().apex)
+    }
+
+    /// Simulated less wanted landing (m).
+    pub(super) fn miss(&self) -> Option<f64> {
+        self.attempt.landing().map(|x| x - self.stage().wanted)
+    }
+}
+
+/// All runs: without errors, then with.
 pub(super) fn draw(
     subject: &Subject,
     planner: &Planner,
+    radius: f64,
     frictions: &[Option<f64>],
+    limits: &Limits,
     scatter: &Scatter,
 ) -> Result<Vec<Trial>, CliError> {
     let mut random = Pcg64::seed_from_u64(scatter.seed);
-    let disturbance = |random: &mut Pcg64| {
-        let normal = std::array::from_fn(|_| {
-            let x: f64 = StandardNormal.sample(random);
-            scatter.factor * x
-        });
-        Disturbance::drawn(&planner.robot().errors, normal)
+    let nominal: Vec<Arc<Route>> = match &subject.kind {
+        Kind::Plan { crossing, plan } => {
+            let mut route = Route::of(crossing, plan, radius, limits.tolerance);
+            route.demands.clearance = limits.clearance.unwrap_or(crossing.clearance);
+            vec![Arc::new(route)]
+        }
+        Kind::Rule(rule) => {
+            let route = |&rate| single(planner, rule, rate, limits).map(Arc::new);
+            rule.rates.iter().map(route).collect::<Result<_, _>>()?
+        }
     };
-    let make = |jump, task: Task, [apex, landing, wanted]: [f64; 3]| Trial {
-        jump,
-        task,
-        foot: [0.0; 2],
-        disturbance: None,
-        friction: None,
-        apex,
-        landing,
-        wanted,
-        tolerance: scatter.tolerance,
+    let without = |&friction: &Option<f64>| {
+        nominal.iter().map(move |route| Trial { route: route.clone(), errors: None, friction })
     };
-    let nominal: Vec<Trial> = match &subject.kind {
-        Kind::Plan { stages, .. } => stages
-            .iter()
-            .enumerate()
-            .map(|(i, stage)| Trial {
-                foot: stage.foot,
-                ..make(i, stage.task.clone(), [stage.apex, stage.landing, stage.landing])
-            })
-            .collect(),
-        Kind::Rule(rule) => rule
-            .rates
-            .iter()
-            .map(|&rate| {
-                let task = rule.task(rate);
-                Ok(make(0, task.clone(), planned(planner, &task, rule.distance)?))
-            })
-            .collect::<Result<_, CliError>>()?,
-    };
-    let on = |trial: &Trial, friction| Trial { friction, ..trial.clone() };
-    let mut trials: Vec<Trial> =
-        frictions.iter().flat_map(|&mu| nominal.iter().map(move |trial| on(trial, mu))).collect();
+    let mut trials: Vec<Trial> = frictions.iter().flat_map(without).collect();
     for i in 0..scatter.samples {
-        let mut trial = match &subject.kind {
-            Kind::Plan { .. } => nominal[i % nominal.len()].clone(),
+        let route = match &subject.kind {
+            Kind::Plan { .. } => nominal[0].clone(),
             Kind::Rule(rule) => {
-                let task = rule.task(drawn_rate(&rule.rates, &mut random));
-                make(0, task.clone(), planned(planner, &task, rule.distance)?)
+                let rate = drawn_rate(&rule.rates, &mut random);
+                Arc::new(single(planner, rule, rate, limits)?)
             }
         };
-        trial.disturbance = Some(disturbance(&mut random));
-        trial.friction = frictions[(i / nominal_turn(subject)) % frictions.len()];
-        trials.push(trial);
+        let errors = errors(planner, route.stages.len(), scatter.factor, &mut random);
+        trials.push(Trial { route, errors: Some(errors), friction: frictions[i % frictions.len()] });
     }
     Ok(trials)
 }
 
-/// Samples in a row on one friction coefficient: one for each jump of a plan.
-fn nominal_turn(subject: &Subject) -> usize {
-    match &subject.kind {
-        Kind::Plan { stages, .. } => stages.len().max(1),
-        Kind::Rule(_) => 1,
-    }
+/// Errors of the jumps of one run. Rate, angle and valve time err anew in every jump, the supply pressure is off by the same all along.
+fn errors(planner: &Planner, jumps: usize, factor: f64, random: &mut Pcg64) -> Vec<Disturbance> {
+    let mut drawn = || {
+        let normal = std::array::from_fn(|_| {
+            let x: f64 = StandardNormal.sample(random);
+            factor * x
+        });
+        Disturbance::drawn(&planner.robot().errors, normal)
+    };
+    let first = drawn();
+    let rest = (1..jumps).map(|_| Disturbance { supply: first.supply, ..drawn() });
+    std::iter::once(first).chain(rest).collect()
 }
 
 /// A rate between the least and the greatest.
@@ -144,13 +160,29 @@ fn drawn_rate(rates: &[f64], random: &mut Pcg64) -> f64 {
     Uniform::new_inclusive(low, high).map_or(low, |range| range.sample(random))
 }
 
-/// Apex and landing (m) that the planner expects, and where the landing is wanted.
-fn planned(planner: &Planner, task: &Task, distance: Option<f64>) -> Result<[f64; 3], CliError> {
-    let launch = &task.launch;
-    let jump = planner.jump(launch).map_err(|source| CliError::Jump {
-        jump: format!("jump at {} rad/s, fired at {} rad", launch.rate, launch.firing_angle),
-        source,
-    })?;
-    let landing = jump.distance(task.landing_height).unwrap_or(f64::NAN);
-    Ok([jump.apex().unwrap_or(f64::NAN), landing, distance.unwrap_or(landing)])
+/// The one jump of a law or a table at an approach rate (rad/s), with what the planner expects of it.
+fn single(planner: &Planner, rule: &Rule, rate: f64, limits: &Limits) -> Result<Route, CliError> {
+    let Task { launch, landing_height, obstacles, leg_out } = rule.task(rate);
+    let planned = match planner.jump(&launch) {
+        Ok(jump) => Some(jump),
+        Err(source @ StanceError::Input { .. }) => {
+            let jump = format!("jump at {} rad/s, fired at {} rad", launch.rate, launch.firing_angle);
+            return Err(CliError::Jump { jump, source });
+        }
+        Err(_) => None,
+    };
+    let number = |of: Option<f64>| of.unwrap_or(f64::NAN);
+    let landing = number(planned.and_then(|jump| jump.distance(landing_height)));
+    let stage = Stage {
+        launch,
+        foot: [0.0; 2],
+        landing_height,
+        surface: None,
+        apex: number(planned.and_then(|jump| jump.apex())),
+        landing,
+        wanted: rule.distance.unwrap_or(landing),
+    };
+    let clearance = limits.clearance.unwrap_or(0.0);
+    let demands = Demands { obstacles, leg_out, clearance, ..Demands::within(limits.tolerance) };
+    Ok(Route { stages: vec![stage], demands })
 }
