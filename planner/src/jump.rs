@@ -109,6 +109,22 @@ impl Planner {
         self.batch.stance()
     }
 
+    /// c = m g r_s/(I + m r_s²) (1/s²): on a retracted leg a lean φ accelerates by c sin φ.
+    ///
+    /// Source: docs/model.md, Stance.
+    pub fn pendulum(&self) -> f64 {
+        let (mass, radius) = (self.robot.axle_mass(), self.robot.body.radius);
+        mass * self.robot.axle_gravity() * radius / (self.robot.body.inertia + mass * radius * radius)
+    }
+
+    /// The rate (rad/s) at the lean `to` (rad) of a robot that pivots on its retracted leg with `rate` at the lean `from`; 0 where it does not get
+    /// there.
+    ///
+    /// √(ω² + 2 c (cos from − cos to)).
+    pub fn pivoted(&self, rate: f64, from: f64, to: f64) -> f64 {
+        (rate * rate + 2.0 * self.pendulum() * (from.cos() - to.cos())).max(0.0).sqrt()
+    }
+
     /// One jump.
     ///
     /// # Errors

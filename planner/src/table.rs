@@ -74,8 +74,11 @@ pub struct Cell {
     pub target: f64,
     /// The firing angles that serve, ascending; none where no angle does.
     pub entries: Vec<Entry>,
-    /// Where no angle serves: the nearest value (m) that is reached, and how; none where no angle jumps at all.
+    /// Where no angle serves: the nearest value (m) that is reached, and how; none where no jump has a value.
     pub nearest: Option<Nearest>,
+    /// Whether any angle takes off. Where one does and there is still no nearest, no jump comes down to the landing height: each stays below
+    /// it, or falls for ever.
+    pub takes_off: bool,
 }
 
 /// A firing angle that serves.
@@ -161,8 +164,21 @@ impl Planner {
     /// # Errors
     /// [`TableError`] for a request outside its domain.
     pub fn table(&self, request: &TableRequest) -> Result<Table, TableError> {
+        self.tabulate(request, None)
+    }
+
+    /// As [`table`](Self::table), for robots whose rates count at `reference_lean` (rad): each stance starts at its firing angle, with the rate
+    /// that pivoting leaves there. The start lean of `request` is not used.
+    ///
+    /// # Errors
+    /// As [`table`](Self::table).
+    pub fn table_by_energy(&self, request: &TableRequest, reference_lean: f64) -> Result<Table, TableError> {
+        self.tabulate(request, Some(reference_lean))
+    }
+
+    fn tabulate(&self, request: &TableRequest, reference_lean: Option<f64>) -> Result<Table, TableError> {
         request.check()?;
-        let cells = |rates: &[f64]| Rows::new(self, request, rates).cells();
+        let cells = |rates: &[f64]| Rows::new(self, request, reference_lean, rates).cells();
         let parts = in_chunks(&request.rates, ROWS, request.threads, cells);
         Ok(Table { cells: parts.into_iter().flatten().collect() })
     }
@@ -214,9 +230,13 @@ impl TableRequest {
 struct Rows<'a> {
     planner: &'a Planner,
     request: &'a TableRequest,
+    /// Where the rates count (rad); none: where the request's stances start.
+    reference_lean: Option<f64>,
     rates: &'a [f64],
     /// The interpolants of each row, ascending.
     pieces: Vec<Vec<Piece>>,
+    /// Whether an angle of the row takes off.
+    takes_off: Vec<bool>,
 }
 
 /// A firing angle on its way to being solved.
@@ -233,10 +253,27 @@ struct Candidate {
 type Label = (saltus_lagrangian::Outcome, bool);
 
 impl<'a> Rows<'a> {
-    fn new(planner: &'a Planner, request: &'a TableRequest, rates: &'a [f64]) -> Self {
-        let mut rows = Rows { planner, request, rates, pieces: vec![Vec::new(); rates.len()] };
+    fn new(
+        planner: &'a Planner,
+        request: &'a TableRequest,
+        reference_lean: Option<f64>,
+        rates: &'a [f64],
+    ) -> Self {
+        let (pieces, takes_off) = (vec![Vec::new(); rates.len()], vec![false; rates.len()]);
+        let mut rows = Rows { planner, request, reference_lean, rates, pieces, takes_off };
         rows.sample();
         rows
+    }
+
+    fn launch(&self, row: usize, angle: f64) -> Launch {
+        let rate = self.rates[row];
+        match self.reference_lean {
+            None => self.request.launch(rate, angle),
+            Some(reference) => {
+                let rate = self.planner.pivoted(rate, reference, angle);
+                Launch::at_firing(rate, angle, self.request.valve_open)
+            }
+        }
     }
 
     fn label(&self, jump: &Jump) -> Label {
@@ -252,9 +289,7 @@ impl<'a> Rows<'a> {
         while !work.is_empty() {
             let launches: Vec<Launch> = work
                 .iter()
-                .flat_map(|&(row, low, high)| {
-                    nodes(low, high).map(|angle| self.request.launch(self.rates[row], angle))
-                })
+                .flat_map(|&(row, low, high)| nodes(low, high).map(|angle| self.launch(row, angle)))
                 .collect();
             let jumps = self.planner.jumps(&launches);
             let mut next = Vec::new();
@@ -277,6 +312,7 @@ impl<'a> Rows<'a> {
         jumps: &[Result<Jump, StanceError>],
         next: &mut Vec<(usize, f64, f64)>,
     ) {
+        self.takes_off[row] |= jumps.iter().flatten().any(|jump| jump.flight.is_some());
         let labels: Vec<Option<Label>> =
             jumps.iter().map(|jump| jump.as_ref().ok().map(|jump| self.label(jump))).collect();
         let values: [Option<f64>; NODES] = std::array::from_fn(|k| {
@@ -312,7 +348,7 @@ impl<'a> Rows<'a> {
     fn border(&self, row: usize, mut a: f64, mut b: f64, label: Option<Label>) -> f64 {
         while b - a > 1e-12 {
             let middle = 0.5 * (a + b);
-            let jump = self.planner.jump(&self.request.launch(self.rates[row], middle));
+            let jump = self.planner.jump(&self.launch(row, middle));
             if jump.ok().map(|jump| self.label(&jump)) == label { a = middle } else { b = middle }
         }
         0.5 * (a + b)
@@ -336,7 +372,13 @@ impl<'a> Rows<'a> {
                 });
                 let wanted = if self.request.roots == Roots::Least { 1 } else { usize::MAX };
                 candidates.extend(roots.take(wanted));
-                cells.push(Cell { rate, target, entries: Vec::new(), nearest: nearest(&branches, target) });
+                cells.push(Cell {
+                    rate,
+                    target,
+                    entries: Vec::new(),
+                    nearest: nearest(&branches, target),
+                    takes_off: self.takes_off[row],
+                });
             }
         }
         self.solve(&mut candidates);
@@ -364,7 +406,7 @@ impl<'a> Rows<'a> {
         let mut open: Vec<usize> = (0..candidates.len()).collect();
         for _ in 0..4 {
             let launches: Vec<Launch> =
-                open.iter().map(|&i| self.launch(&candidates[i], candidates[i].angle)).collect();
+                open.iter().map(|&i| self.launch(candidates[i].row, candidates[i].angle)).collect();
             let jumps = self.planner.jumps(&launches);
             open = open
                 .into_iter()
@@ -378,10 +420,6 @@ impl<'a> Rows<'a> {
         for i in open {
             self.bisect(&mut candidates[i]);
         }
-    }
-
-    fn launch(&self, candidate: &Candidate, angle: f64) -> Launch {
-        self.request.launch(self.rates[candidate.row], angle)
     }
 
     fn target(&self, candidate: &Candidate) -> f64 {
@@ -409,7 +447,7 @@ impl<'a> Rows<'a> {
     fn bisect(&self, candidate: &mut Candidate) {
         let target = self.target(candidate);
         let look = |angle: f64| {
-            let jump = self.planner.jump(&self.launch(candidate, angle)).ok()?;
+            let jump = self.planner.jump(&self.launch(candidate.row, angle)).ok()?;
             let value = self.request.measure.of(self.planner, &jump)?;
             Some((jump, value))
         };
