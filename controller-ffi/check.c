@@ -14,8 +14,9 @@ static SaltusAxis axis_of(axis a) {
 int main(void) {
     SaltusController c = {
         .rates = axis_of(map_rates), .distances = axis_of(table_distances), .angles = axis_of(map_angles),
-        .table_nodes = table_nodes, .table_open = table_open, .map_nodes = map_nodes, .map_open = map_open,
-        .radius = radius, .gravity = gravity, .pendulum = pendulum, .start_lean = start_lean, .stride = stride,
+        .table_nodes = rule_nodes, .table_open = rule_open, .map_nodes = map_nodes, .map_open = map_open,
+        .radius = radius, .gravity = gravity, .pendulum = pendulum, .reference_lean = reference_lean, .stride = stride,
+        .least_rate = least_rate, .greatest_rate = greatest_rate, .at_firing = AT_FIRING,
         .valve_open = nominal_valve_open, .landing_height = landing_height, .period = period, .extra_delay = extra_delay,
         .least_valve_open = least_valve_open, .greatest_valve_open = greatest_valve_open, .effort = effort, .newton_steps = NEWTON_STEPS,
     };
@@ -37,14 +38,26 @@ int main(void) {
         if (ours.valve_open != theirs.valve_open || ours.time != theirs.time) return 3;
         if ((int)ours.timing != (int)theirs.timing || ours.settled != theirs.settled) return 4;
     }
+    for (int k = 0; k < 10000; k++) {
+        drill_decision d;
+        float ours, theirs;
+        drill_decision_input(&d);
+        int status = (int)saltus_firing_angle(d.sensed.rate, d.task.distance, d.task.landing_height, &ours);
+        if (status != (int)saltus_controller_firing_angle(&c, d.sensed.rate, d.task.distance, d.task.landing_height, &theirs)) return 12;
+        if (status == SALTUS_OK && ours != theirs) return 13;
+        answered += status == SALTUS_OK;
+    }
     for (int k = 0; k < 1000; k++) {
         saltus_approach a;
         saltus_take_off ours;
         SaltusTakeOff theirs;
         drill_approach_input(&a);
         SaltusApproach b = {a.distance, a.height, a.length, a.speed, a.clearance};
-        int status = (int)saltus_choose_take_off(&a, &ours);
-        if (status != (int)saltus_controller_take_off(&c, &b, &theirs)) return 5;
+        enum saltus_input input;
+        SaltusInput which;
+        if (k % 7 == 0) b.height = a.height = -1.0f;
+        int status = (int)saltus_choose_take_off(&a, &ours, &input);
+        if (status != (int)saltus_controller_take_off(&c, &b, &theirs, &which) || (int)input != (int)which) return 5;
         if (status != SALTUS_OK) continue;
         answered++;
         if (ours.touch_down != theirs.touch_down || ours.firing_angle != theirs.firing_angle) return 6;

@@ -20,6 +20,8 @@ typedef enum SaltusStatus {
   SaltusStatus_Infeasible = 2,
   // A number that is no measurement, or a pointer that points nowhere.
   SaltusStatus_SensorInvalid = 3,
+  // Take-off: the obstacle is too far yet; ask again at the next touch-down.
+  SaltusStatus_AskLater = 4,
 } SaltusStatus;
 
 // When to command the valve, counted from the reading.
@@ -31,6 +33,22 @@ typedef enum SaltusTiming {
   // The instant passed by the time.
   SaltusTiming_Late = 2,
 } SaltusTiming;
+
+// Which number of a [`SaltusApproach`] there is no take-off for.
+typedef enum SaltusInput {
+  // None of them alone: no jump clears this obstacle.
+  SaltusInput_None = 0,
+  // The distance.
+  SaltusInput_Distance = 1,
+  // The height.
+  SaltusInput_Height = 2,
+  // The length.
+  SaltusInput_Length = 3,
+  // The speed.
+  SaltusInput_Speed = 4,
+  // The clearance.
+  SaltusInput_Clearance = 5,
+} SaltusInput;
 
 // Evenly spaced nodes.
 typedef struct SaltusAxis {
@@ -46,7 +64,7 @@ typedef struct SaltusAxis {
 
 // What a robot decides by: tables as `saltus export` writes them.
 typedef struct SaltusController {
-  // Approach rates (rad/s) of table and map.
+  // Rates (rad/s) of table and map, at the reference lean.
   struct SaltusAxis rates;
   // Distances (m) of the table.
   struct SaltusAxis distances;
@@ -66,8 +84,14 @@ typedef struct SaltusController {
   float gravity;
   // m g r/(I + m r²) (1/s²).
   float pendulum;
-  // Where approach rates count (rad).
-  float start_lean;
+  // Lean (rad) at which the rates of table and map count.
+  float reference_lean;
+  // Least approach rate (rad/s).
+  float least_rate;
+  // Greatest approach rate (rad/s).
+  float greatest_rate;
+  // Whether approach rates count at the firing angle; else at the reference lean.
+  bool at_firing;
   // From one touch-down to the next (m).
   float stride;
   // Valve opening time (s) of the tables.
@@ -130,7 +154,7 @@ typedef struct SaltusTask {
 
 // A firing decision.
 typedef struct SaltusDecision {
-  // Approach rate at the start lean (rad/s).
+  // Approach rate (rad/s), counted as `at_firing` says.
   float approach_rate;
   // Firing angle (rad).
   float firing_angle;
@@ -193,13 +217,24 @@ enum SaltusStatus saltus_controller_decide(const struct SaltusController *contro
                                            const struct SaltusTask *task,
                                            struct SaltusDecision *decision);
 
-// From which of the coming touch-downs to jump, and at which angle.
+// α_f (rad) for an approach rate (rad/s), a distance (m) and a landing height (m).
 //
 // # Safety
 // As [`saltus_controller_decide`].
+enum SaltusStatus saltus_controller_firing_angle(const struct SaltusController *controller,
+                                                 float rate,
+                                                 float distance,
+                                                 float height,
+                                                 float *angle);
+
+// From which of the next four touch-downs to jump, and at which angle; `input` says which number there is no take-off for.
+//
+// # Safety
+// As [`saltus_controller_decide`]; `input` is null or may be written.
 enum SaltusStatus saltus_controller_take_off(const struct SaltusController *controller,
                                              const struct SaltusApproach *approach,
-                                             struct SaltusTakeOff *take_off);
+                                             struct SaltusTakeOff *take_off,
+                                             enum SaltusInput *input);
 
 // Minimises x' H x/2 + g' x under at most 16 constraints; `h` points to H11, H12, H22, `g` and `x` to two numbers.
 //

@@ -7,8 +7,8 @@
 
 use saltus_controller::qp::{self, HalfPlane};
 use saltus_controller::{
-    Approach, Axis, Controller, FiringTable, Guess, LiftOffMap, Limits, MAP_NODE, Observer, Obstacle, Reason,
-    Robot, Rule, Sensed, Task, Timing,
+    Approach, Axis, Controller, FiringTable, Guess, Input, LiftOffMap, Limits, MAP_NODE, NoTakeOff, Observer,
+    Obstacle, Rates, Reason, Robot, Rule, Sensed, Task, Timing,
 };
 
 /// A value, or the reason why there is none.
@@ -23,6 +23,26 @@ pub enum SaltusStatus {
     Infeasible = 2,
     /// A number that is no measurement, or a pointer that points nowhere.
     SensorInvalid = 3,
+    /// Take-off: the obstacle is too far yet; ask again at the next touch-down.
+    AskLater = 4,
+}
+
+/// Which number of a [`SaltusApproach`] there is no take-off for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub enum SaltusInput {
+    /// None of them alone: no jump clears this obstacle.
+    None = 0,
+    /// The distance.
+    Distance = 1,
+    /// The height.
+    Height = 2,
+    /// The length.
+    Length = 3,
+    /// The speed.
+    Speed = 4,
+    /// The clearance.
+    Clearance = 5,
 }
 
 /// When to command the valve, counted from the reading.
@@ -55,7 +75,7 @@ pub struct SaltusAxis {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct SaltusController {
-    /// Approach rates (rad/s) of table and map.
+    /// Rates (rad/s) of table and map, at the reference lean.
     pub rates: SaltusAxis,
     /// Distances (m) of the table.
     pub distances: SaltusAxis,
@@ -75,8 +95,14 @@ pub struct SaltusController {
     pub gravity: f32,
     /// m g r/(I + m r²) (1/s²).
     pub pendulum: f32,
-    /// Where approach rates count (rad).
-    pub start_lean: f32,
+    /// Lean (rad) at which the rates of table and map count.
+    pub reference_lean: f32,
+    /// Least approach rate (rad/s).
+    pub least_rate: f32,
+    /// Greatest approach rate (rad/s).
+    pub greatest_rate: f32,
+    /// Whether approach rates count at the firing angle; else at the reference lean.
+    pub at_firing: bool,
     /// From one touch-down to the next (m).
     pub stride: f32,
     /// Valve opening time (s) of the tables.
@@ -149,7 +175,7 @@ pub struct SaltusTask {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct SaltusDecision {
-    /// Approach rate at the start lean (rad/s).
+    /// Approach rate (rad/s), counted as `at_firing` says.
     pub approach_rate: f32,
     /// Firing angle (rad).
     pub firing_angle: f32,
@@ -214,6 +240,20 @@ impl From<Reason> for SaltusStatus {
             Reason::OutOfTable => SaltusStatus::OutOfTable,
             Reason::Infeasible => SaltusStatus::Infeasible,
             Reason::SensorInvalid => SaltusStatus::SensorInvalid,
+            Reason::AskLater => SaltusStatus::AskLater,
+        }
+    }
+}
+
+impl From<Option<Input>> for SaltusInput {
+    fn from(input: Option<Input>) -> SaltusInput {
+        match input {
+            None => SaltusInput::None,
+            Some(Input::Distance) => SaltusInput::Distance,
+            Some(Input::Height) => SaltusInput::Height,
+            Some(Input::Length) => SaltusInput::Length,
+            Some(Input::Speed) => SaltusInput::Speed,
+            Some(Input::Clearance) => SaltusInput::Clearance,
         }
     }
 }
@@ -241,11 +281,16 @@ impl SaltusController {
         Controller {
             rule: Rule::Table(FiringTable { rates, distances, nodes: table.0, open: table.1 }),
             map: LiftOffMap { rates, angles, nodes: map.0, open: map.1 },
+            rates: Rates {
+                least: self.least_rate,
+                greatest: self.greatest_rate,
+                reference_lean: self.reference_lean,
+                at_firing: self.at_firing,
+            },
             robot: Robot {
                 radius: self.radius,
                 gravity: self.gravity,
                 pendulum: self.pendulum,
-                start_lean: self.start_lean,
                 stride: self.stride,
                 valve_open: self.valve_open,
                 landing_height: self.landing_height,
@@ -341,15 +386,42 @@ pub unsafe extern "C" fn saltus_controller_decide(
     }
 }
 
-/// From which of the coming touch-downs to jump, and at which angle.
+/// α_f (rad) for an approach rate (rad/s), a distance (m) and a landing height (m).
 ///
 /// # Safety
 /// As [`saltus_controller_decide`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn saltus_controller_firing_angle(
+    controller: *const SaltusController,
+    rate: f32,
+    distance: f32,
+    height: f32,
+    angle: *mut f32,
+) -> SaltusStatus {
+    // SAFETY: as the caller promises; null becomes none.
+    let (Some(controller), Some(angle)) = (unsafe { (controller.as_ref(), angle.as_mut()) }) else {
+        return SaltusStatus::SensorInvalid;
+    };
+    // SAFETY: as the caller promises.
+    match unsafe { controller.view() }.firing_angle(rate, distance, height) {
+        Err(reason) => reason.into(),
+        Ok(found) => {
+            *angle = found;
+            SaltusStatus::Ok
+        }
+    }
+}
+
+/// From which of the next four touch-downs to jump, and at which angle; `input` says which number there is no take-off for.
+///
+/// # Safety
+/// As [`saltus_controller_decide`]; `input` is null or may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn saltus_controller_take_off(
     controller: *const SaltusController,
     approach: *const SaltusApproach,
     take_off: *mut SaltusTakeOff,
+    input: *mut SaltusInput,
 ) -> SaltusStatus {
     // SAFETY: as the caller promises; null becomes none.
     let given = unsafe { (controller.as_ref(), approach.as_ref(), take_off.as_mut()) };
@@ -361,10 +433,17 @@ pub unsafe extern "C" fn saltus_controller_take_off(
         speed: a.speed,
         clearance: a.clearance,
     };
+    let mut ignored = SaltusInput::None;
+    // SAFETY: as the caller promises; null becomes none.
+    let input = unsafe { input.as_mut() }.unwrap_or(&mut ignored);
     // SAFETY: as the caller promises.
     match unsafe { controller.view() }.take_off(&approach) {
-        Err(reason) => reason.into(),
+        Err(NoTakeOff { reason, input: which }) => {
+            *input = which.into();
+            reason.into()
+        }
         Ok(t) => {
+            *input = SaltusInput::None;
             *take_off = SaltusTakeOff {
                 touch_down: t.touch_down,
                 approach_rate: t.approach_rate,

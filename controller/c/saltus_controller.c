@@ -1,7 +1,8 @@
 @HEADER@
 /*
  * C99. IEEE 754 arithmetic without contraction of products and sums: -ffp-contract=off, which is what -std=c99 means to GCC. The only
- * functions of others are @SQRT@ and @ABS@, exact or correctly rounded everywhere; with -fno-math-errno each is one instruction and no library is linked.
+ * functions of others are @SQRT@ and @ABS@, exact or correctly rounded everywhere. Link with -lm; with -fno-math-errno each is one instruction
+ * where the processor has a root, and no library is needed.
  * Nothing allocates, recurses, or loops more often than a constant says.
  */
 #include "saltus_controller.h"
@@ -179,28 +180,37 @@ INLINE linear distance_to(const lift_off *l, saltus_real x, saltus_real y, int d
     }
     saltus_real s = q > 0 ? -r : r;
     saltus_real across = apex_x + vx * s, up = apex_y - R(0.5) * gravity * (s * s);
-    saltus_real distance = SQRT(across * across + up * up);
+    saltus_real size = SQRT(across * across + up * up);
+    /* Negative where the path passes below the corner. */
+    saltus_real distance = up < 0 ? -size : size;
     linear out = {distance, R(0.0), R(0.0)};
     if (!derivatives) return out;
     saltus_real time = s + rise;
-    saltus_real inverse = distance > 0 ? R(1.0) / distance : R(0.0);
+    saltus_real inverse = size > 0 ? R(1.0) / distance : R(0.0);
     const saltus_real *a = l->by_angle, *b = l->by_valve;
     out.by_angle = (across * (a[0] + a[2] * time) + up * (a[1] + a[3] * time)) * inverse;
     if (CHOOSES_VALVE) out.by_valve = (across * (b[0] + b[2] * time) + up * (b[1] + b[3] * time)) * inverse;
     return out;
 }
 
-enum saltus_status saltus_approach_rate(saltus_sensed sensed, saltus_real *rate) {
+/* The square of the rate at the lean `to` of a robot that has `rate` at the lean `from`. */
+static saltus_real square_of_rate(saltus_real rate, saltus_real from, saltus_real to) {
+    return rate * rate + (pendulum + pendulum) * (cosine(from) - cosine(to));
+}
+
+enum saltus_status saltus_rate_at(saltus_sensed sensed, saltus_real lean, saltus_real *rate) {
     saltus_real horizontal = R(1.5707964);
-    if (!(within(sensed.lean, -horizontal, horizontal) && is_finite(sensed.rate))) return SALTUS_SENSOR_INVALID;
-    saltus_real square = sensed.rate * sensed.rate + (pendulum + pendulum) * (cosine(sensed.lean) - cosine(start_lean));
+    int upright = within(sensed.lean, -horizontal, horizontal) && within(lean, -horizontal, horizontal);
+    if (!(upright && is_finite(sensed.rate))) return SALTUS_SENSOR_INVALID;
+    saltus_real square = square_of_rate(sensed.rate, sensed.lean, lean);
     if (!(sensed.rate > 0 && square > 0)) return SALTUS_INFEASIBLE;
     if (!is_finite(square)) return SALTUS_OUT_OF_TABLE;
     *rate = SQRT(square);
     return SALTUS_OK;
 }
 
-enum saltus_status saltus_firing_angle(saltus_real rate, saltus_real distance, saltus_real height, saltus_real *out) {
+/* For a rate at the reference lean. */
+static enum saltus_status angle_at_reference(saltus_real rate, saltus_real distance, saltus_real height, saltus_real *out) {
     if (!is_finite(height)) return SALTUS_SENSOR_INVALID;
     saltus_real angle, step = R(0.0);
     enum saltus_status status = rule(rate, distance, &angle);
@@ -225,6 +235,63 @@ enum saltus_status saltus_firing_angle(saltus_real rate, saltus_real distance, s
     if (!within(angle, map_angles.first, map_angles.last)) return SALTUS_OUT_OF_TABLE;
     *out = angle;
     return SALTUS_OK;
+}
+
+/* The rate at the reference lean of a robot that is fired at `angle` with the approach rate `rate`. */
+static inline saltus_real reference_rate(saltus_real rate, saltus_real angle) {
+    return AT_FIRING ? SQRT(square_of_rate(rate, angle, reference_lean)) : rate;
+}
+
+/* The rate at the firing angle `angle` of a robot that has the rate of the rule's node k. */
+static saltus_real rate_of_node(uint32_t k, saltus_real angle) {
+    saltus_real node = k + 1 == rule_rates.count ? rule_rates.last : rule_rates.first + (saltus_real)k / rule_rates.per_unit;
+    saltus_real square = square_of_rate(node, reference_lean, angle);
+    return square > 0 ? SQRT(square) : R(0.0);
+}
+
+/* The angle on the line between the ends of the rule's first open cell that holds `rate` at the firing angle. */
+static enum saltus_status between_ends(saltus_real rate, saltus_real distance, saltus_real *out) {
+    for (uint32_t cell = 0; cell + 1 < rule_rates.count; cell++) {
+        saltus_real a, b;
+        enum saltus_status status = rule_ends(cell, distance, &a, &b);
+        if (status == SALTUS_INFEASIBLE) continue;
+        if (status) return status;
+        saltus_real low = rate_of_node(cell, a), high = rate_of_node(cell + 1, b);
+        if (within(rate, low, high) && low < high) {
+            *out = a + (rate - low) / (high - low) * (b - a);
+            return SALTUS_OK;
+        }
+    }
+    return SALTUS_INFEASIBLE;
+}
+
+/* The firing angle whose own approach rate is `rate`: by secants. */
+static enum saltus_status angle_at_firing(saltus_real rate, saltus_real distance, saltus_real height, saltus_real *out) {
+    if (!within(rate, least_rate, greatest_rate)) return is_finite(rate) ? SALTUS_OUT_OF_TABLE : SALTUS_SENSOR_INVALID;
+    saltus_real before, angle, next;
+    enum saltus_status status = between_ends(rate, distance, &before);
+    if (status) return status;
+    status = angle_at_reference(reference_rate(rate, before), distance, height, &angle);
+    if (status) return status;
+    saltus_real gap_before = angle - before;
+    for (int k = 1; k < 8; k++) {
+        status = angle_at_reference(reference_rate(rate, angle), distance, height, &next);
+        if (status) return status;
+        saltus_real gap = next - angle;
+        if (magnitude(gap) <= ROUND_OFF) {
+            *out = angle;
+            return SALTUS_OK;
+        }
+        saltus_real slope = (gap - gap_before) / (angle - before);
+        before = angle;
+        gap_before = gap;
+        angle = angle - gap / slope;
+    }
+    return SALTUS_INFEASIBLE;
+}
+
+enum saltus_status saltus_firing_angle(saltus_real rate, saltus_real distance, saltus_real height, saltus_real *out) {
+    return AT_FIRING ? angle_at_firing(rate, distance, height, out) : angle_at_reference(rate, distance, height, out);
 }
 
 /* An interval of a line that constraints cut shorter. */
@@ -403,17 +470,21 @@ static enum saltus_status timing(const saltus_sensed *sensed, saltus_real angle,
 
 enum saltus_status saltus_decide(const saltus_sensed *sensed, const saltus_task *task, saltus_decision *out) {
     saltus_decision d;
-    enum saltus_status status = saltus_approach_rate(*sensed, &d.approach_rate);
+    saltus_real rate;
+    enum saltus_status status = saltus_rate_at(*sensed, reference_lean, &rate);
     if (status) return status;
     if (task->obstacle == NULL) {
-        status = saltus_firing_angle(d.approach_rate, task->distance, task->landing_height, &d.firing_angle);
+        status = angle_at_reference(rate, task->distance, task->landing_height, &d.firing_angle);
         d.valve_open = nominal_valve_open;
         d.settled = 1;
     } else {
-        status = over(d.approach_rate, task, &d);
+        status = over(rate, task, &d);
     }
     if (status) return status;
     status = timing(sensed, d.firing_angle, &d);
+    if (status) return status;
+    d.approach_rate = rate;
+    if (AT_FIRING) status = saltus_rate_at(*sensed, d.firing_angle, &d.approach_rate);
     if (status) return status;
     *out = d;
     return SALTUS_OK;
@@ -426,7 +497,7 @@ static saltus_take_off jump_over(saltus_real rate, saltus_real angle, saltus_rea
     saltus_take_off out = {0, rate, angle, R(0.0), NO_JUMP};
     lift_off l;
     linear x;
-    if (values_at(rate, angle, &l) || landing(&l, radius, &x, 0)) return out;
+    if (values_at(reference_rate(rate, angle), angle, &l) || landing(&l, radius, &x, 0)) return out;
     saltus_real back = front + a->length;
     saltus_real first = distance_to(&l, front, a->height, 0).value - radius;
     saltus_real second = distance_to(&l, back, a->height, 0).value - radius;
@@ -476,11 +547,26 @@ static saltus_take_off best_over(saltus_real rate, saltus_real front, const salt
     return best;
 }
 
-enum saltus_status saltus_choose_take_off(const saltus_approach *a, saltus_take_off *out) {
-    if (!(is_finite(a->distance) && is_finite(a->height) && is_finite(a->speed) && is_finite(a->length))) return SALTUS_SENSOR_INVALID;
-    if (!(a->length > 0 && a->height >= 0 && a->clearance >= 0 && is_finite(a->clearance))) return SALTUS_SENSOR_INVALID;
+/* The first number that is no measurement. */
+static enum saltus_input wrong_input(const saltus_approach *a) {
+    if (!is_finite(a->distance)) return SALTUS_INPUT_DISTANCE;
+    if (!(is_finite(a->height) && a->height >= 0)) return SALTUS_INPUT_HEIGHT;
+    if (!(is_finite(a->length) && a->length > 0)) return SALTUS_INPUT_LENGTH;
+    if (!is_finite(a->speed)) return SALTUS_INPUT_SPEED;
+    if (!(is_finite(a->clearance) && a->clearance >= 0)) return SALTUS_INPUT_CLEARANCE;
+    return SALTUS_NO_INPUT;
+}
+
+enum saltus_status saltus_choose_take_off(const saltus_approach *a, saltus_take_off *out, enum saltus_input *input) {
+    enum saltus_input ignored;
+    if (input == NULL) input = &ignored;
+    *input = wrong_input(a);
+    if (*input != SALTUS_NO_INPUT) return SALTUS_SENSOR_INVALID;
     saltus_real rate = a->speed / radius;
-    if (!within(rate, map_rates.first, map_rates.last)) return SALTUS_OUT_OF_TABLE;
+    *input = SALTUS_INPUT_SPEED;
+    if (!within(rate, least_rate, greatest_rate)) return SALTUS_OUT_OF_TABLE;
+    *input = SALTUS_INPUT_DISTANCE;
+    if (!(a->distance >= radius + a->clearance)) return SALTUS_INFEASIBLE;
     saltus_take_off best = {0, rate, R(0.0), R(0.0), NO_JUMP};
     saltus_real front = a->distance;
     for (uint32_t k = 0; k < 4; k++) {
@@ -494,9 +580,12 @@ enum saltus_status saltus_choose_take_off(const saltus_approach *a, saltus_take_
     }
     if (best.clearance > NO_JUMP && best.clearance >= a->clearance) {
         *out = best;
+        *input = SALTUS_NO_INPUT;
         return SALTUS_OK;
     }
-    return front >= radius + a->clearance ? SALTUS_OUT_OF_TABLE : SALTUS_INFEASIBLE;
+    if (front >= radius + a->clearance) return SALTUS_ASK_LATER;
+    *input = SALTUS_NO_INPUT;
+    return SALTUS_INFEASIBLE;
 }
 
 void saltus_observe(saltus_sensed *state, saltus_real lean, saltus_real dt, saltus_real memory) {

@@ -17,7 +17,8 @@ enum saltus_status {
     SALTUS_OK = 0,
     SALTUS_OUT_OF_TABLE = 1,   /* outside what the tables were made for */
     SALTUS_INFEASIBLE = 2,     /* inside, but no jump does what is asked */
-    SALTUS_SENSOR_INVALID = 3  /* a number that is no measurement: NaN, infinite, beyond the horizontal */
+    SALTUS_SENSOR_INVALID = 3, /* a number that is no measurement: NaN, infinite, beyond the horizontal */
+    SALTUS_ASK_LATER = 4       /* take-off: the obstacle is too far yet; ask again at the next touch-down */
 };
 
 /* When to command the valve, counted from the reading. */
@@ -27,7 +28,7 @@ enum saltus_timing {
     SALTUS_LATE = 2  /* the instant passed by `time` */
 };
 
-/* Lean (rad) and lean rate (rad/s) of the loaded leg. */
+/* Lean (rad) and lean rate (rad/s) of the loaded leg. The lean is the leg's angle from the vertical, forward positive. */
 typedef struct { saltus_real lean, rate; } saltus_sensed;
 
 /* A box on the ground: from the foot to its front and back, its height, least distance of the wheel to keep (m). */
@@ -36,7 +37,8 @@ typedef struct { saltus_real front, back, height, clearance; } saltus_obstacle;
 /* Firing angle (rad) and valve opening time (s) to start from. */
 typedef struct { saltus_real firing_angle, valve_open; } saltus_guess;
 
-/* Distance (m) from the foot to where the wheel's centre comes down to landing_height (m) above it. */
+/* Distance (m) from the foot to where the wheel's centre comes down to landing_height (m) above it; the wheel touches level ground where
+ * this is its radius. */
 typedef struct {
     saltus_real distance, landing_height;
     const saltus_obstacle *obstacle; /* or NULL */
@@ -44,7 +46,7 @@ typedef struct {
 } saltus_task;
 
 typedef struct {
-    saltus_real approach_rate; /* at the start lean (rad/s) */
+    saltus_real approach_rate; /* counted as the head of this file says (rad/s) */
     saltus_real firing_angle;  /* rad */
     saltus_real valve_open;    /* s */
     saltus_real time;          /* s */
@@ -55,10 +57,10 @@ typedef struct {
 /* A running robot before an obstacle. */
 typedef struct {
     saltus_real distance;  /* from the next touch-down's foot to the obstacle's front (m) */
-    saltus_real height;    /* of the obstacle (m) */
-    saltus_real length;    /* of the obstacle along the travel (m) */
+    saltus_real height;    /* of the obstacle (m), >= 0 */
+    saltus_real length;    /* of the obstacle along the travel (m), > 0 */
     saltus_real speed;     /* of the axle (m/s) */
-    saltus_real clearance; /* least distance to keep (m) */
+    saltus_real clearance; /* least distance to keep (m), >= 0 */
 } saltus_approach;
 
 typedef struct {
@@ -69,21 +71,36 @@ typedef struct {
     saltus_real clearance;     /* what the jump keeps (m) */
 } saltus_take_off;
 
+/* Which number of a saltus_approach there is no take-off for. */
+enum saltus_input {
+    SALTUS_NO_INPUT = 0,        /* none of them alone: no jump clears this obstacle */
+    SALTUS_INPUT_DISTANCE = 1,
+    SALTUS_INPUT_HEIGHT = 2,
+    SALTUS_INPUT_LENGTH = 3,
+    SALTUS_INPUT_SPEED = 4,
+    SALTUS_INPUT_CLEARANCE = 5
+};
+
 /* normal . x <= bound, and slope x <= bound. */
 typedef struct { saltus_real normal[2], bound; } saltus_half_plane;
 typedef struct { saltus_real slope, bound; } saltus_half_line;
 
-/* alpha_f (rad) for an approach rate (rad/s), a distance (m) and a landing height (m). */
+/* alpha_f (rad) for an approach rate (rad/s), a distance (m) and a landing height (m). For plans and tests: where rates count at the firing
+ * angle it looks for the angle that has this rate, which takes some hundred times as long as a look-up. saltus_decide does not need it. */
 enum saltus_status saltus_firing_angle(saltus_real rate, saltus_real distance, saltus_real height, saltus_real *angle);
 
-/* The approach rate (rad/s), at the start lean, of a robot that is sensed on its foot. */
-enum saltus_status saltus_approach_rate(saltus_sensed sensed, saltus_real *rate);
+/* The rate (rad/s) that a robot, sensed on its foot, has at `lean` (rad), or had there. */
+enum saltus_status saltus_rate_at(saltus_sensed sensed, saltus_real lean, saltus_real *rate);
 
 /* Whether and when to open the valve now, and how long for. */
 enum saltus_status saltus_decide(const saltus_sensed *sensed, const saltus_task *task, saltus_decision *decision);
 
-/* From which of the coming touch-downs to jump, and at which angle. */
-enum saltus_status saltus_choose_take_off(const saltus_approach *approach, saltus_take_off *take_off);
+/* From which of the next four touch-downs to jump, and at which angle. Where there is none, `input` (which may be NULL) says what is to blame:
+ *   SALTUS_SENSOR_INVALID  the number that is no measurement
+ *   SALTUS_OUT_OF_TABLE    the speed: the tables do not hold it
+ *   SALTUS_ASK_LATER       the distance: the obstacle is farther than these touch-downs reach. Ask again at the next touch-down
+ *   SALTUS_INFEASIBLE      the distance: the wheel would stand against the obstacle; or SALTUS_NO_INPUT: no jump clears it */
+enum saltus_status saltus_choose_take_off(const saltus_approach *approach, saltus_take_off *take_off, enum saltus_input *input);
 
 /* Minimises h x x/2 + g x. */
 enum saltus_status saltus_qp1(saltus_real h, saltus_real g, const saltus_half_line *constraints, size_t count,

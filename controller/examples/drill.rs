@@ -119,7 +119,8 @@ fn main() {
     };
     drill("decisions without an obstacle", 1, decisions, |draw| decide(draw, false), Hash::decision);
     drill("decisions", 1, decisions, |draw| decide(draw, true), Hash::decision);
-    drill("take-offs", 2, decisions / 50, |draw| RATS_PLANAR.take_off(&draw.approach()), Hash::take_off);
+    let take_off = |draw: &mut Draw| RATS_PLANAR.take_off(&draw.approach()).map_err(|no| no.reason);
+    drill("take-offs", 2, decisions / 50, take_off, Hash::take_off);
     let solve = |draw: &mut Draw| {
         let (h, g, constraints) = draw.program();
         qp::two(h, g, &constraints)

@@ -119,7 +119,7 @@ __attribute__((noinline)) static void stack_of(void) {
     for (int k = 0; k < 50; k++) {
         drill_approach_input(&a);
         paint();
-        saltus_choose_take_off(&a, &t);
+        saltus_choose_take_off(&a, &t, NULL);
         uint32_t used = deepest(&top);
         if (used > most) most = used;
     }
@@ -148,7 +148,7 @@ int main(void) {
         saltus_take_off t;
         drill_approach_input(&a);
         from = now();
-        enum saltus_status status = saltus_choose_take_off(&a, &t);
+        enum saltus_status status = saltus_choose_take_off(&a, &t, NULL);
         count(instructions(from, now()));
         answered += status == SALTUS_OK;
         hash = drill_take_off_hash(hash, status, &t);

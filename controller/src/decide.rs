@@ -2,9 +2,8 @@
 
 use crate::map::LiftOffMap;
 use crate::qp::{self, HalfLine, HalfPlane};
-use crate::real::cosine;
 use crate::timing::{Timing, time_to};
-use crate::{FiringTable, Law, LiftOff, Linear, Real, Reason};
+use crate::{Axis, FiringCurve, FiringTable, LiftOff, Linear, Rates, Real, Reason};
 
 /// What a robot decides by: the tables that `saltus export` writes, and how it is run.
 #[derive(Clone, Copy, Debug)]
@@ -13,6 +12,8 @@ pub struct Controller<'a, R> {
     pub rule: Rule<'a, R>,
     /// What a firing angle leads to.
     pub map: LiftOffMap<'a, R>,
+    /// What an approach rate is.
+    pub rates: Rates<R>,
     /// The robot.
     pub robot: Robot<R>,
     /// What may be decided.
@@ -24,8 +25,27 @@ pub struct Controller<'a, R> {
 pub enum Rule<'a, R> {
     /// A table over approach rate and distance.
     Table(FiringTable<'a, R>),
-    /// A line over the approach rate, for one distance.
-    Law(Law<R>),
+    /// A curve over approach rate, for one distance.
+    Curve(FiringCurve<'a, R>),
+}
+
+impl<R: Real> Rule<'_, R> {
+    /// The approach rates of its nodes, and how many cells lie between them; cells that are not there do not count.
+    pub(crate) fn cells(&self) -> (&Axis<R>, usize) {
+        let (axis, open) = match self {
+            Rule::Table(table) => (&table.rates, table.open.len()),
+            Rule::Curve(curve) => (&curve.rates, curve.open.len()),
+        };
+        (axis, axis.count.saturating_sub(1).min(open))
+    }
+
+    /// α_f (rad) for `distance` (m) at both ends of the cell `cell` of rates; none where it is closed.
+    pub(crate) fn ends(&self, cell: usize, distance: R) -> Result<Option<[R; 2]>, Reason> {
+        match self {
+            Rule::Table(table) => table.ends(cell, distance),
+            Rule::Curve(curve) => curve.ends(cell, distance),
+        }
+    }
 }
 
 /// A robot's constants.
@@ -37,8 +57,6 @@ pub struct Robot<R> {
     pub gravity: R,
     /// c = m g r_s/(I + m r_s²) (1/s²): on a retracted leg a lean φ accelerates by c sin φ.
     pub pendulum: R,
-    /// Lean (rad) at which approach rates are counted: the robot touches down there.
-    pub start_lean: R,
     /// Way (m) from one touch-down to the next when it rolls: 2 r_s sin(π/legs).
     pub stride: R,
     /// Valve opening time t_v (s) for which tables and map hold.
@@ -111,7 +129,7 @@ pub struct Obstacle<R> {
 /// A firing decision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decision<R> {
-    /// The rate (rad/s) that the robot had, or would have had, at the start lean.
+    /// Approach rate (rad/s), counted where [`Rates`] says: at the firing angle, or at the start lean.
     pub approach_rate: R,
     /// Firing angle α_f (rad).
     pub firing_angle: R,
@@ -143,45 +161,40 @@ impl<R: Real> Controller<'_, R> {
     /// [`Reason::Infeasible`] where no jump does what is asked, or the robot comes to rest before its firing angle.
     #[inline]
     pub fn decide(&self, sensed: &Sensed<R>, task: &Task<R>) -> Result<Decision<R>, Reason> {
-        let approach_rate = self.approach_rate(sensed)?;
+        let rate = self.rate_at(sensed, self.rates.reference_lean)?;
         let (guess, settled) = match &task.obstacle {
             None => {
-                let angle = self.firing_angle(approach_rate, task.distance, task.landing_height)?;
+                let angle = self.angle_at_reference(rate, task.distance, task.landing_height)?;
                 (Guess { firing_angle: angle, valve_open: self.robot.valve_open }, true)
             }
-            Some(obstacle) => self.over(approach_rate, task, obstacle)?,
+            Some(obstacle) => self.over(rate, task, obstacle)?,
         };
         let Guess { firing_angle, valve_open } = guess;
         let timing = self.timing(sensed, firing_angle)?;
+        let approach_rate = if self.rates.at_firing { self.rate_at(sensed, firing_angle)? } else { rate };
         Ok(Decision { approach_rate, firing_angle, valve_open, timing, settled })
     }
 
-    /// The approach rate (rad/s), at the start lean, of a robot that is sensed on its foot: by the energy of its pivoting.
+    /// α_f (rad) for an approach `rate` (rad/s), a `distance` (m) and a landing `height` (m), by the rule and as many Newton steps on the
+    /// lift-off map as asked for.
     ///
-    /// # Errors
-    /// [`Reason::SensorInvalid`] for a lean beyond the horizontal or a number that is not finite; [`Reason::Infeasible`] for a robot that
-    /// rolls backwards or cannot have come from there.
-    #[inline]
-    pub fn approach_rate(&self, sensed: &Sensed<R>) -> Result<R, Reason> {
-        let Sensed { lean, rate } = *sensed;
-        let horizontal = R::of(1.5707964);
-        if !(lean.within(-horizontal, horizontal) && rate.is_finite()) {
-            return Err(Reason::SensorInvalid);
-        }
-        let c = self.robot.pendulum;
-        let square = rate * rate + (c + c) * (cosine(lean) - cosine(self.robot.start_lean));
-        if !(rate.is_positive() && square.is_positive()) {
-            return Err(Reason::Infeasible);
-        }
-        if square.is_finite() { Ok(square.sqrt()) } else { Err(Reason::OutOfTable) }
-    }
-
-    /// α_f (rad) for a `distance` (m) and a landing `height` (m), by table or law and as many Newton steps on the lift-off map as asked for.
+    /// For plans and tests: where rates count at the firing angle, it looks for the angle that has this rate, which takes some hundred times as
+    /// long as a look-up. [`decide`](Self::decide) does not need it.
     ///
     /// # Errors
     /// As [`FiringTable::firing_angle`]. Another landing height than the table's is [`Reason::OutOfTable`] without Newton steps.
     #[inline]
     pub fn firing_angle(&self, rate: R, distance: R, height: R) -> Result<R, Reason> {
+        if self.rates.at_firing {
+            self.angle_at_firing(rate, distance, height)
+        } else {
+            self.angle_at_reference(rate, distance, height)
+        }
+    }
+
+    /// The same, for a rate (rad/s) at the reference lean.
+    #[inline]
+    pub(crate) fn angle_at_reference(&self, rate: R, distance: R, height: R) -> Result<R, Reason> {
         if !height.is_finite() {
             return Err(Reason::SensorInvalid);
         }
@@ -235,7 +248,7 @@ impl<R: Real> Controller<'_, R> {
     fn look_up(&self, rate: R, distance: R) -> Result<R, Reason> {
         match &self.rule {
             Rule::Table(table) => table.firing_angle(rate, distance),
-            Rule::Law(law) => law.firing_angle(rate, distance),
+            Rule::Curve(curve) => curve.firing_angle(rate, distance),
         }
     }
 

@@ -55,9 +55,10 @@ impl<R: Real> LiftOff<R> {
         Ok(Linear { value: x + vx * time, by_angle: by(self.by_angle), by_valve: by(self.by_valve) })
     }
 
-    /// Least distances (m) from the parabola of the wheel's centre to the points (`xs`, `y`) (m).
+    /// Least distances (m) from the parabola of the wheel's centre to the points (`xs`, `y`) (m), negative where it passes below the point.
     ///
-    /// The parabola counts whole, before lift-off and after landing too: this is never more than the flight's.
+    /// The parabola counts whole, before lift-off and after landing too: this is never more than the flight's. It is concave, so that a point
+    /// above it has its nearest point below itself, and one under it, above.
     ///
     /// With s the time from the apex, (X, Y) the apex as the point sees it, P = 2 (v_x² − g Y)/g² and Q = 2 v_x X/g², the derivative of the
     /// squared distance is that of s³ + P s + Q up to a factor. Of its minima the lower has the sign that Q has not, and with r = |s| it is the
@@ -83,9 +84,10 @@ impl<R: Real> LiftOff<R> {
         let nearest = |x: R, q: R, r: R| {
             let s = if q > R::ZERO { -r } else { r };
             let (across, up) = (apex.0 - x + vx * s, apex.1 - R::of(0.5) * gravity * (s * s));
-            let distance = (across * across + up * up).sqrt();
+            let size = (across * across + up * up).sqrt();
+            let distance = if up < R::ZERO { -size } else { size };
             let time = s + rise;
-            let inverse = if distance > R::ZERO { R::ONE / distance } else { R::ZERO };
+            let inverse = if size > R::ZERO { R::ONE / distance } else { R::ZERO };
             let by = |[x, y, sx, sy]: [R; 4]| (across * (x + sx * time) + up * (y + sy * time)) * inverse;
             Linear { value: distance, by_angle: by(self.by_angle), by_valve: by(self.by_valve) }
         };

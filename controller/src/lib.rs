@@ -1,8 +1,8 @@
 //! The planner on a robot: what runs at 1 kHz, from tables that `saltus export` writes.
 //!
-//! A [`Controller`] is data: a firing [`Rule`] (table or law), a [`LiftOffMap`] and the [`Robot`]'s few constants, all `const`.
+//! A [`Controller`] is data: a firing [`Rule`] (table or curve), a [`LiftOffMap`] and the [`Robot`]'s few constants, all `const`.
 //! [`Controller::decide`] says when to open the valve and for how long, [`Controller::take_off`] from which touch-down to jump over
-//! an obstacle ahead; [`qp`] is the small quadratic program behind the first.
+//! an obstacle ahead; [`qp`] is the small quadratic program behind the first. [`Rates`] says what an approach rate is.
 //!
 //! Every answer is a value or a [`Reason`]. Nothing allocates, panics, or loops more often than a constant says, whatever bits are
 //! given. Numbers are `f32` or `f64`; only +, −, ×, ÷ and √ are used, each correctly rounded everywhere, so that the C of `saltus export c`
@@ -28,12 +28,13 @@
 #![forbid(unsafe_code)]
 
 mod axis;
+mod curve;
 mod decide;
 mod flight;
-mod law;
 mod map;
 mod observer;
 pub mod qp;
+mod rate;
 mod real;
 mod reason;
 mod table;
@@ -41,13 +42,14 @@ mod take_off;
 mod timing;
 
 pub use axis::Axis;
+pub use curve::FiringCurve;
 pub use decide::{Controller, Decision, Guess, Limits, Obstacle, Robot, Rule, Sensed, Task};
 pub use flight::{LiftOff, Linear};
-pub use law::Law;
 pub use map::{LiftOffMap, MAP_NODE};
 pub use observer::Observer;
+pub use rate::Rates;
 pub use real::Real;
 pub use reason::Reason;
 pub use table::FiringTable;
-pub use take_off::{Approach, MOST_TOUCH_DOWNS, TakeOff};
+pub use take_off::{Approach, Input, MOST_TOUCH_DOWNS, NoTakeOff, TakeOff};
 pub use timing::Timing;

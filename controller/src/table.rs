@@ -32,6 +32,20 @@ impl<R: Real> FiringTable<'_, R> {
         let (i, j) = (self.rates.locate(rate)?, self.distances.locate(distance)?);
         corners(self.nodes, self.open, &self.distances, i, j).map(|four| bicubic(four, i.part, j.part))
     }
+
+    /// α_f (rad) for `distance` (m) at both ends of the cell `cell` of rates; none where it is closed.
+    ///
+    /// # Errors
+    /// As [`firing_angle`](Self::firing_angle).
+    pub(crate) fn ends(&self, cell: usize, distance: R) -> Result<Option<[R; 2]>, Reason> {
+        let j = self.distances.locate(distance)?;
+        let v = hermite(j.part);
+        match corners(self.nodes, self.open, &self.distances, Spot { cell, part: R::ZERO }, j) {
+            Ok([a, b, c, d]) => Ok(Some([along(v, a, b).0, along(v, c, d).0])),
+            Err(Reason::Infeasible) => Ok(None),
+            Err(reason) => Err(reason),
+        }
+    }
 }
 
 /// The four nodes of an open cell: at (i, j), (i, j + 1), (i + 1, j), (i + 1, j + 1).

@@ -2,7 +2,7 @@
 
 use crate::{Controller, Linear, Real, Reason};
 
-/// Touch-downs that are looked at: more are decided on later.
+/// Touch-downs that are looked at; where all of them are too far from the obstacle, the answer is [`Reason::AskLater`].
 pub const MOST_TOUCH_DOWNS: u32 = 4;
 
 /// A running robot before an obstacle.
@@ -25,7 +25,7 @@ pub struct Approach<R> {
 pub struct TakeOff<R> {
     /// From which touch-down: 0 is the next.
     pub touch_down: u32,
-    /// Approach rate (rad/s): v/r_s.
+    /// Approach rate (rad/s): v/r_s, counted where [`Rates`](crate::Rates) says.
     pub approach_rate: R,
     /// Firing angle α_f (rad).
     pub firing_angle: R,
@@ -33,6 +33,53 @@ pub struct TakeOff<R> {
     pub distance: R,
     /// What the jump keeps (m) of the obstacle, at least what was asked for.
     pub clearance: R,
+}
+
+impl<R: Real> Approach<R> {
+    /// The first input that is no measurement.
+    fn wrong(&self) -> Option<Input> {
+        let Approach { distance, height, length, speed, clearance } = *self;
+        let sound = [
+            (Input::Distance, distance.is_finite()),
+            (Input::Height, height.is_finite() && height.is_at_least_zero()),
+            (Input::Length, length.is_finite() && length.is_positive()),
+            (Input::Speed, speed.is_finite()),
+            (Input::Clearance, clearance.is_finite() && clearance.is_at_least_zero()),
+        ];
+        sound.into_iter().find(|(_, holds)| !holds).map(|(input, _)| input)
+    }
+}
+
+/// Why there is no take-off, and which input is to blame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoTakeOff {
+    /// Why.
+    pub reason: Reason,
+    /// Which input: the one that is no measurement or lies outside, the distance where the obstacle is too near or too far yet; none where no
+    /// jump from any touch-down clears the obstacle.
+    pub input: Option<Input>,
+}
+
+/// A number of an [`Approach`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Input {
+    /// [`Approach::distance`].
+    Distance = 1,
+    /// [`Approach::height`].
+    Height = 2,
+    /// [`Approach::length`].
+    Length = 3,
+    /// [`Approach::speed`].
+    Speed = 4,
+    /// [`Approach::clearance`].
+    Clearance = 5,
+}
+
+impl NoTakeOff {
+    const fn by(reason: Reason, input: Input) -> NoTakeOff {
+        NoTakeOff { reason, input: Some(input) }
+    }
 }
 
 /// Angles looked at over the map's range, and then by golden section about the best of them.
@@ -47,25 +94,29 @@ impl<R: Real> Controller<'_, R> {
     /// the best: 20 jumps for each of 4 touch-downs at most.
     ///
     /// # Errors
-    /// [`Reason::SensorInvalid`] for what is no measurement; [`Reason::OutOfTable`] for a speed that the map does not hold, or if the obstacle is
-    /// beyond what the coming touch-downs reach; [`Reason::Infeasible`] if none of them clears it.
-    pub fn take_off(&self, approach: &Approach<R>) -> Result<TakeOff<R>, Reason> {
-        let Approach { distance, height, length, speed, clearance } = *approach;
-        let finite = distance.is_finite() && height.is_finite() && speed.is_finite() && length.is_finite();
-        let sound = length.is_positive() && height.is_at_least_zero() && clearance.is_at_least_zero();
-        if !(finite && sound && clearance.is_finite()) {
-            return Err(Reason::SensorInvalid);
+    /// [`NoTakeOff`]: [`Reason::SensorInvalid`] for an input that is no measurement; [`Reason::OutOfTable`] for a speed that the tables do not
+    /// hold; [`Reason::AskLater`] if the obstacle is farther than the coming touch-downs reach, so that the next touch-down is the time to ask
+    /// again; [`Reason::Infeasible`] if no jump clears it, or, with the input [`Input::Distance`], if it is so near that the wheel would stand
+    /// against it.
+    pub fn take_off(&self, approach: &Approach<R>) -> Result<TakeOff<R>, NoTakeOff> {
+        let Approach { distance, clearance, .. } = *approach;
+        if let Some(input) = approach.wrong() {
+            return Err(NoTakeOff::by(Reason::SensorInvalid, input));
         }
-        let rate = speed / self.robot.radius;
-        if !rate.within(self.map.rates.first, self.map.rates.last) {
-            return Err(Reason::OutOfTable);
+        let rate = approach.speed / self.robot.radius;
+        if !rate.within(self.rates.least, self.rates.greatest) {
+            return Err(NoTakeOff::by(Reason::OutOfTable, Input::Speed));
+        }
+        // Nearer, the wheel would stand against it.
+        let nearest = self.robot.radius + clearance;
+        let stands_clear = |front: R| front >= nearest;
+        if !stands_clear(distance) {
+            return Err(NoTakeOff::by(Reason::Infeasible, Input::Distance));
         }
         let mut best: Option<TakeOff<R>> = None;
         let mut front = distance;
         for touch_down in 0..MOST_TOUCH_DOWNS {
-            // Nearer, the wheel would stand against it.
-            let stands_clear = front >= self.robot.radius + clearance;
-            if !stands_clear {
+            if !stands_clear(front) {
                 break;
             }
             if let Some(found) = self.best_over(rate, front, approach)
@@ -75,12 +126,11 @@ impl<R: Real> Controller<'_, R> {
             }
             front = front - self.robot.stride;
         }
-        let far = front >= self.robot.radius + clearance;
         match best {
             Some(best) if best.clearance >= clearance => Ok(best),
             // A touch-down to come is nearer than all these.
-            _ if far => Err(Reason::OutOfTable),
-            _ => Err(Reason::Infeasible),
+            _ if stands_clear(front) => Err(NoTakeOff::by(Reason::AskLater, Input::Distance)),
+            _ => Err(NoTakeOff { reason: Reason::Infeasible, input: None }),
         }
     }
 
@@ -121,7 +171,7 @@ impl<R: Real> Controller<'_, R> {
     #[inline]
     fn jump_over(&self, rate: R, angle: R, front: R, approach: &Approach<R>) -> Option<TakeOff<R>> {
         let (g, back) = (self.robot.gravity, front + approach.length);
-        let lift_off = self.map.at(rate, angle).ok()?;
+        let lift_off = self.map.at(self.reference_rate(rate, angle), angle).ok()?;
         let landing = lift_off.landing(g, self.robot.radius).ok()?.value;
         let [over_front, over_back] = lift_off
             .distances_to(g, [front, back], approach.height)

@@ -27,6 +27,8 @@ use tables::RATS_PLANAR;
 
 /// Where to land (m), with the wheel's centre at the table's landing height.
 const DISTANCE: f64 = 0.5;
+/// Lean (rad) at which the robot touches down, and the start lean of the tables.
+const TOUCH_DOWN: f32 = RATS_PLANAR.rates.reference_lean;
 /// Memory of the observer, as `robot.c` has it.
 const MEMORY: f32 = 0.9;
 
@@ -75,7 +77,7 @@ impl<'a> Loop<'a> {
         let timing = match self.by {
             By::Controller => self.controller.decide(&sensed, &task).map(|d| d.timing),
             By::Constant(angle) => self.controller.timing(&sensed, angle),
-            By::Planner(planner) => self.controller.approach_rate(&sensed).and_then(|rate| {
+            By::Planner(planner) => self.controller.rate_at(&sensed, TOUCH_DOWN).and_then(|rate| {
                 let start = self.controller.firing_angle(rate, task.distance, task.landing_height)?;
                 self.controller.timing(&sensed, exact(planner, rate.into(), start.into()))
             }),
@@ -93,8 +95,7 @@ impl<'a> Loop<'a> {
 /// The planner's own firing angle (rad), by Newton on whole jumps.
 fn exact(planner: &Planner, rate: f64, start: f64) -> f32 {
     let stance = planner.sensitive_stance();
-    let (lean, valve_open) =
-        (f64::from(RATS_PLANAR.robot.start_lean), f64::from(RATS_PLANAR.robot.valve_open));
+    let (lean, valve_open) = (f64::from(TOUCH_DOWN), f64::from(RATS_PLANAR.robot.valve_open));
     let mut angle = start;
     for _ in 0..3 {
         let launch = Launch { rate, lean, firing_angle: angle, valve_open };
@@ -155,7 +156,7 @@ fn main() {
     let mut outside = arguments.next().map(|path| Outside::new(&path));
     let robot = Robot::rats_planar();
     let planner = Planner::new(robot.clone());
-    let lean = f64::from(RATS_PLANAR.robot.start_lean);
+    let lean = f64::from(TOUCH_DOWN);
     let height = f64::from(RATS_PLANAR.robot.landing_height);
     let constant = RATS_PLANAR.firing_angle(4.5, single(DISTANCE), single(height)).expect("in reach");
 

@@ -3,16 +3,19 @@
  * Written by saltus 0.1.0; to change it, write it anew.
  * 
  * Numbers: float. CRC-32 of the tables: 16A6A542.
- * Approach rate at a lean of -0.5 rad: 2.75 to 6.25 rad/s, 14 nodes.
- * Distance: 0.2 to 0.8 m, 13 nodes; 129 of 156 cells are open.
- * Landing height 0.24 m, valve open for 0.04 s.
+ * Approach rate: 2.75 to 6.25 rad/s, counted at the start lean, -0.5 rad.
+ * Distance: 0.2 to 0.8 m, 13 nodes. Firing angles over 2.75 to 6.25 rad/s, 14 nodes; 129 of 156 cells are open.
+ * A distance goes from the foot to where the wheel touches (landing height 0.24 m).
+ * Valve open for 0.04 s.
  * Lift-off map: firing angle -0.5 to 0.49089703 rad, 11 nodes; 113 of 130 cells are open.
  * Against the planner, over all open cells (6750 jumps): what is fired lands within 0.441 mm, what the map predicts within 0.894 mm.
+ * A cell that misses by more than 2.000 mm is closed.
  * Size: firing table 3068 bytes, lift-off map 12450 bytes.
  */
 /*
  * C99. IEEE 754 arithmetic without contraction of products and sums: -ffp-contract=off, which is what -std=c99 means to GCC. The only
- * functions of others are sqrtf and fabsf, exact or correctly rounded everywhere; with -fno-math-errno each is one instruction and no library is linked.
+ * functions of others are sqrtf and fabsf, exact or correctly rounded everywhere. Link with -lm; with -fno-math-errno each is one instruction
+ * where the processor has a root, and no library is needed.
  * Nothing allocates, recurses, or loops more often than a constant says.
  */
 #include "saltus_controller.h"
@@ -50,7 +53,9 @@ typedef struct { saltus_real value, by_angle, by_valve; } linear;
 static const saltus_real radius = 0.24f; /* foot to wheel centre, leg retracted (m) */
 static const saltus_real gravity = 9.80665f; /* at the axle (m/s^2) */
 static const saltus_real pendulum = 27.240694f; /* m g r/(I + m r^2) (1/s^2) */
-static const saltus_real start_lean = -0.5f; /* where approach rates count (rad) */
+static const saltus_real reference_lean = -0.5f; /* where the rates of the tables count (rad) */
+static const saltus_real least_rate = 2.75f; /* least approach rate (rad/s) */
+static const saltus_real greatest_rate = 6.25f; /* greatest approach rate (rad/s) */
 static const saltus_real stride = 0.28213692f; /* from one touch-down to the next (m) */
 static const saltus_real nominal_valve_open = 0.04f; /* (s) */
 static const saltus_real landing_height = 0.24f; /* of the wheel's centre (m) */
@@ -59,15 +64,17 @@ static const saltus_real extra_delay = 0.0f; /* of the valve, beyond the robot f
 static const saltus_real least_valve_open = 0.03f; /* (s) */
 static const saltus_real greatest_valve_open = 0.04f; /* (s) */
 static const saltus_real effort = 0.01f; /* cost of a squared second of open valve (m^2/s^2) */
+/* 1: approach rates count at the firing angle; 0: at the reference lean */
+#define AT_FIRING 0
 #define NEWTON_STEPS 1
 #define CHOOSES_VALVE 1
 
-/* approach rate (rad/s): first, last, nodes per unit, how many */
-static const axis table_rates = {2.75f, 6.25f, 3.7142856f, 14};
+/* rate at the reference lean (rad/s): first, last, nodes per unit, how many */
+static const axis rule_rates = {2.75f, 6.25f, 3.7142856f, 14};
 /* distance (m): first, last, nodes per unit, how many */
 static const axis table_distances = {0.2f, 0.8f, 20.0f, 13};
 /* alpha_f (rad), by rate and by distance, mixed, each times the spacing; distances within rates */
-static const saltus_real table_nodes[182][4] = {
+static const saltus_real rule_nodes[182][4] = {
     {0.015464742f, -0.08748016f, 0.030669509f, 0.0073825167f},
     {0.045079984f, -0.07837203f, 0.02870786f, 0.0071657f},
     {0.073141195f, -0.07021184f, 0.027530253f, 0.0065370165f},
@@ -252,9 +259,9 @@ static const saltus_real table_nodes[182][4] = {
     {-0.15741985f, -0.051737823f, 0.054898802f, -0.0031351033f},
 };
 /* which cells may be used */
-static const uint8_t table_open[156] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1};
+static const uint8_t rule_open[156] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1};
 
-/* approach rate (rad/s): first, last, nodes per unit, how many */
+/* rate at the reference lean (rad/s): first, last, nodes per unit, how many */
 static const axis map_rates = {2.75f, 6.25f, 3.7142856f, 14};
 /* firing angle (rad): first, last, nodes per unit, how many */
 static const axis map_angles = {-0.5f, 0.49089703f, 10.091866f, 11};
@@ -477,20 +484,36 @@ static inline saltus_real cubic_slope(const saltus_real f[3], saltus_real p, sal
 
 static enum saltus_status rule(saltus_real rate, saltus_real distance, saltus_real *angle) {
     spot i, j;
-    enum saltus_status status = locate(&table_rates, rate, &i);
+    enum saltus_status status = locate(&rule_rates, rate, &i);
     if (status) return status;
     status = locate(&table_distances, distance, &j);
     if (status) return status;
-    if (!table_open[i.cell * (table_distances.count - 1) + j.cell]) return SALTUS_INFEASIBLE;
+    if (!rule_open[i.cell * (table_distances.count - 1) + j.cell]) return SALTUS_INFEASIBLE;
     uint32_t first = i.cell * table_distances.count + j.cell, second = first + table_distances.count;
-    const saltus_real *a = table_nodes[first], *b = table_nodes[first + 1];
-    const saltus_real *c = table_nodes[second], *d = table_nodes[second + 1];
+    const saltus_real *a = rule_nodes[first], *b = rule_nodes[first + 1];
+    const saltus_real *c = rule_nodes[second], *d = rule_nodes[second + 1];
     saltus_real u[3], v[3];
     hermite(i.part, u);
     hermite(j.part, v);
     saltus_real low = cubic(v, a[0], a[2], b[0], b[2]), low_slope = cubic(v, a[1], a[3], b[1], b[3]);
     saltus_real high = cubic(v, c[0], c[2], d[0], d[2]), high_slope = cubic(v, c[1], c[3], d[1], d[3]);
     *angle = cubic(u, low, low_slope, high, high_slope);
+    return SALTUS_OK;
+}
+
+/* The angles for a distance at both ends of a cell of rates. */
+static enum saltus_status rule_ends(uint32_t cell, saltus_real distance, saltus_real *low, saltus_real *high) {
+    spot j;
+    enum saltus_status status = locate(&table_distances, distance, &j);
+    if (status) return status;
+    if (!rule_open[cell * (table_distances.count - 1) + j.cell]) return SALTUS_INFEASIBLE;
+    uint32_t first = cell * table_distances.count + j.cell, second = first + table_distances.count;
+    const saltus_real *a = rule_nodes[first], *b = rule_nodes[first + 1];
+    const saltus_real *c = rule_nodes[second], *d = rule_nodes[second + 1];
+    saltus_real v[3];
+    hermite(j.part, v);
+    *low = cubic(v, a[0], a[2], b[0], b[2]);
+    *high = cubic(v, c[0], c[2], d[0], d[2]);
     return SALTUS_OK;
 }
 
@@ -576,28 +599,37 @@ INLINE linear distance_to(const lift_off *l, saltus_real x, saltus_real y, int d
     }
     saltus_real s = q > 0 ? -r : r;
     saltus_real across = apex_x + vx * s, up = apex_y - R(0.5) * gravity * (s * s);
-    saltus_real distance = SQRT(across * across + up * up);
+    saltus_real size = SQRT(across * across + up * up);
+    /* Negative where the path passes below the corner. */
+    saltus_real distance = up < 0 ? -size : size;
     linear out = {distance, R(0.0), R(0.0)};
     if (!derivatives) return out;
     saltus_real time = s + rise;
-    saltus_real inverse = distance > 0 ? R(1.0) / distance : R(0.0);
+    saltus_real inverse = size > 0 ? R(1.0) / distance : R(0.0);
     const saltus_real *a = l->by_angle, *b = l->by_valve;
     out.by_angle = (across * (a[0] + a[2] * time) + up * (a[1] + a[3] * time)) * inverse;
     if (CHOOSES_VALVE) out.by_valve = (across * (b[0] + b[2] * time) + up * (b[1] + b[3] * time)) * inverse;
     return out;
 }
 
-enum saltus_status saltus_approach_rate(saltus_sensed sensed, saltus_real *rate) {
+/* The square of the rate at the lean `to` of a robot that has `rate` at the lean `from`. */
+static saltus_real square_of_rate(saltus_real rate, saltus_real from, saltus_real to) {
+    return rate * rate + (pendulum + pendulum) * (cosine(from) - cosine(to));
+}
+
+enum saltus_status saltus_rate_at(saltus_sensed sensed, saltus_real lean, saltus_real *rate) {
     saltus_real horizontal = R(1.5707964);
-    if (!(within(sensed.lean, -horizontal, horizontal) && is_finite(sensed.rate))) return SALTUS_SENSOR_INVALID;
-    saltus_real square = sensed.rate * sensed.rate + (pendulum + pendulum) * (cosine(sensed.lean) - cosine(start_lean));
+    int upright = within(sensed.lean, -horizontal, horizontal) && within(lean, -horizontal, horizontal);
+    if (!(upright && is_finite(sensed.rate))) return SALTUS_SENSOR_INVALID;
+    saltus_real square = square_of_rate(sensed.rate, sensed.lean, lean);
     if (!(sensed.rate > 0 && square > 0)) return SALTUS_INFEASIBLE;
     if (!is_finite(square)) return SALTUS_OUT_OF_TABLE;
     *rate = SQRT(square);
     return SALTUS_OK;
 }
 
-enum saltus_status saltus_firing_angle(saltus_real rate, saltus_real distance, saltus_real height, saltus_real *out) {
+/* For a rate at the reference lean. */
+static enum saltus_status angle_at_reference(saltus_real rate, saltus_real distance, saltus_real height, saltus_real *out) {
     if (!is_finite(height)) return SALTUS_SENSOR_INVALID;
     saltus_real angle, step = R(0.0);
     enum saltus_status status = rule(rate, distance, &angle);
@@ -622,6 +654,63 @@ enum saltus_status saltus_firing_angle(saltus_real rate, saltus_real distance, s
     if (!within(angle, map_angles.first, map_angles.last)) return SALTUS_OUT_OF_TABLE;
     *out = angle;
     return SALTUS_OK;
+}
+
+/* The rate at the reference lean of a robot that is fired at `angle` with the approach rate `rate`. */
+static inline saltus_real reference_rate(saltus_real rate, saltus_real angle) {
+    return AT_FIRING ? SQRT(square_of_rate(rate, angle, reference_lean)) : rate;
+}
+
+/* The rate at the firing angle `angle` of a robot that has the rate of the rule's node k. */
+static saltus_real rate_of_node(uint32_t k, saltus_real angle) {
+    saltus_real node = k + 1 == rule_rates.count ? rule_rates.last : rule_rates.first + (saltus_real)k / rule_rates.per_unit;
+    saltus_real square = square_of_rate(node, reference_lean, angle);
+    return square > 0 ? SQRT(square) : R(0.0);
+}
+
+/* The angle on the line between the ends of the rule's first open cell that holds `rate` at the firing angle. */
+static enum saltus_status between_ends(saltus_real rate, saltus_real distance, saltus_real *out) {
+    for (uint32_t cell = 0; cell + 1 < rule_rates.count; cell++) {
+        saltus_real a, b;
+        enum saltus_status status = rule_ends(cell, distance, &a, &b);
+        if (status == SALTUS_INFEASIBLE) continue;
+        if (status) return status;
+        saltus_real low = rate_of_node(cell, a), high = rate_of_node(cell + 1, b);
+        if (within(rate, low, high) && low < high) {
+            *out = a + (rate - low) / (high - low) * (b - a);
+            return SALTUS_OK;
+        }
+    }
+    return SALTUS_INFEASIBLE;
+}
+
+/* The firing angle whose own approach rate is `rate`: by secants. */
+static enum saltus_status angle_at_firing(saltus_real rate, saltus_real distance, saltus_real height, saltus_real *out) {
+    if (!within(rate, least_rate, greatest_rate)) return is_finite(rate) ? SALTUS_OUT_OF_TABLE : SALTUS_SENSOR_INVALID;
+    saltus_real before, angle, next;
+    enum saltus_status status = between_ends(rate, distance, &before);
+    if (status) return status;
+    status = angle_at_reference(reference_rate(rate, before), distance, height, &angle);
+    if (status) return status;
+    saltus_real gap_before = angle - before;
+    for (int k = 1; k < 8; k++) {
+        status = angle_at_reference(reference_rate(rate, angle), distance, height, &next);
+        if (status) return status;
+        saltus_real gap = next - angle;
+        if (magnitude(gap) <= ROUND_OFF) {
+            *out = angle;
+            return SALTUS_OK;
+        }
+        saltus_real slope = (gap - gap_before) / (angle - before);
+        before = angle;
+        gap_before = gap;
+        angle = angle - gap / slope;
+    }
+    return SALTUS_INFEASIBLE;
+}
+
+enum saltus_status saltus_firing_angle(saltus_real rate, saltus_real distance, saltus_real height, saltus_real *out) {
+    return AT_FIRING ? angle_at_firing(rate, distance, height, out) : angle_at_reference(rate, distance, height, out);
 }
 
 /* An interval of a line that constraints cut shorter. */
@@ -800,17 +889,21 @@ static enum saltus_status timing(const saltus_sensed *sensed, saltus_real angle,
 
 enum saltus_status saltus_decide(const saltus_sensed *sensed, const saltus_task *task, saltus_decision *out) {
     saltus_decision d;
-    enum saltus_status status = saltus_approach_rate(*sensed, &d.approach_rate);
+    saltus_real rate;
+    enum saltus_status status = saltus_rate_at(*sensed, reference_lean, &rate);
     if (status) return status;
     if (task->obstacle == NULL) {
-        status = saltus_firing_angle(d.approach_rate, task->distance, task->landing_height, &d.firing_angle);
+        status = angle_at_reference(rate, task->distance, task->landing_height, &d.firing_angle);
         d.valve_open = nominal_valve_open;
         d.settled = 1;
     } else {
-        status = over(d.approach_rate, task, &d);
+        status = over(rate, task, &d);
     }
     if (status) return status;
     status = timing(sensed, d.firing_angle, &d);
+    if (status) return status;
+    d.approach_rate = rate;
+    if (AT_FIRING) status = saltus_rate_at(*sensed, d.firing_angle, &d.approach_rate);
     if (status) return status;
     *out = d;
     return SALTUS_OK;
@@ -823,7 +916,7 @@ static saltus_take_off jump_over(saltus_real rate, saltus_real angle, saltus_rea
     saltus_take_off out = {0, rate, angle, R(0.0), NO_JUMP};
     lift_off l;
     linear x;
-    if (values_at(rate, angle, &l) || landing(&l, radius, &x, 0)) return out;
+    if (values_at(reference_rate(rate, angle), angle, &l) || landing(&l, radius, &x, 0)) return out;
     saltus_real back = front + a->length;
     saltus_real first = distance_to(&l, front, a->height, 0).value - radius;
     saltus_real second = distance_to(&l, back, a->height, 0).value - radius;
@@ -873,11 +966,26 @@ static saltus_take_off best_over(saltus_real rate, saltus_real front, const salt
     return best;
 }
 
-enum saltus_status saltus_choose_take_off(const saltus_approach *a, saltus_take_off *out) {
-    if (!(is_finite(a->distance) && is_finite(a->height) && is_finite(a->speed) && is_finite(a->length))) return SALTUS_SENSOR_INVALID;
-    if (!(a->length > 0 && a->height >= 0 && a->clearance >= 0 && is_finite(a->clearance))) return SALTUS_SENSOR_INVALID;
+/* The first number that is no measurement. */
+static enum saltus_input wrong_input(const saltus_approach *a) {
+    if (!is_finite(a->distance)) return SALTUS_INPUT_DISTANCE;
+    if (!(is_finite(a->height) && a->height >= 0)) return SALTUS_INPUT_HEIGHT;
+    if (!(is_finite(a->length) && a->length > 0)) return SALTUS_INPUT_LENGTH;
+    if (!is_finite(a->speed)) return SALTUS_INPUT_SPEED;
+    if (!(is_finite(a->clearance) && a->clearance >= 0)) return SALTUS_INPUT_CLEARANCE;
+    return SALTUS_NO_INPUT;
+}
+
+enum saltus_status saltus_choose_take_off(const saltus_approach *a, saltus_take_off *out, enum saltus_input *input) {
+    enum saltus_input ignored;
+    if (input == NULL) input = &ignored;
+    *input = wrong_input(a);
+    if (*input != SALTUS_NO_INPUT) return SALTUS_SENSOR_INVALID;
     saltus_real rate = a->speed / radius;
-    if (!within(rate, map_rates.first, map_rates.last)) return SALTUS_OUT_OF_TABLE;
+    *input = SALTUS_INPUT_SPEED;
+    if (!within(rate, least_rate, greatest_rate)) return SALTUS_OUT_OF_TABLE;
+    *input = SALTUS_INPUT_DISTANCE;
+    if (!(a->distance >= radius + a->clearance)) return SALTUS_INFEASIBLE;
     saltus_take_off best = {0, rate, R(0.0), R(0.0), NO_JUMP};
     saltus_real front = a->distance;
     for (uint32_t k = 0; k < 4; k++) {
@@ -891,9 +999,12 @@ enum saltus_status saltus_choose_take_off(const saltus_approach *a, saltus_take_
     }
     if (best.clearance > NO_JUMP && best.clearance >= a->clearance) {
         *out = best;
+        *input = SALTUS_NO_INPUT;
         return SALTUS_OK;
     }
-    return front >= radius + a->clearance ? SALTUS_OUT_OF_TABLE : SALTUS_INFEASIBLE;
+    if (front >= radius + a->clearance) return SALTUS_ASK_LATER;
+    *input = SALTUS_NO_INPUT;
+    return SALTUS_INFEASIBLE;
 }
 
 void saltus_observe(saltus_sensed *state, saltus_real lean, saltus_real dt, saltus_real memory) {
@@ -929,14 +1040,15 @@ static uint32_t crc_of_cells(uint32_t crc, const uint8_t *cells, size_t count) {
 
 uint32_t saltus_crc(void) {
     uint32_t crc = 0xFFFFFFFFu;
-    crc = crc_of(crc, &table_nodes[0][0], sizeof table_nodes / sizeof(saltus_real));
+    crc = crc_of(crc, &rule_nodes[0][0], sizeof rule_nodes / sizeof(saltus_real));
     crc = crc_of(crc, &map_nodes[0][0], sizeof map_nodes / sizeof(saltus_real));
-    crc = crc_of_cells(crc, table_open, sizeof table_open);
+    crc = crc_of_cells(crc, rule_open, sizeof rule_open);
     crc = crc_of_cells(crc, map_open, sizeof map_open);
     return crc ^ 0xFFFFFFFFu;
 }
 
 #ifndef SALTUS_NO_SELF_TEST
+typedef struct { saltus_real rate, distance; enum saltus_status status; saltus_real angle; } test_angle;
 typedef struct {
     saltus_sensed sensed;
     saltus_real distance, height;
@@ -945,13 +1057,41 @@ typedef struct {
     enum saltus_status status;
     saltus_decision answer;
 } test_decision;
-typedef struct { saltus_approach approach; enum saltus_status status; saltus_take_off answer; } test_take_off;
+typedef struct {
+    saltus_approach approach;
+    enum saltus_status status;
+    enum saltus_input input;
+    saltus_take_off answer;
+} test_take_off;
 typedef struct {
     saltus_real h[3], g[2];
     saltus_half_plane constraints[4];
     enum saltus_status status;
     saltus_real x[2];
 } test_program;
+
+static const test_angle test_angles[20] = {
+    {5.2421637f, 0.4243436f, SALTUS_OK, -0.30858555f},
+    {3.5673683f, 0.35997048f, SALTUS_OK, -0.062751375f},
+    {3.920829f, 0.4291638f, SALTUS_OK, -0.076119155f},
+    {5.6164036f, 0.39340416f, SALTUS_INFEASIBLE, 0.0f},
+    {5.2091594f, 0.19019718f, SALTUS_OUT_OF_TABLE, 0.0f},
+    {2.7553182f, 0.46121052f, SALTUS_OK, 0.159657f},
+    {2.6903894f, 0.34172648f, SALTUS_OUT_OF_TABLE, 0.0f},
+    {4.8960176f, 0.6978446f, SALTUS_OK, -0.016268922f},
+    {4.434324f, 0.20851067f, SALTUS_OK, -0.33880478f},
+    {4.0098186f, 0.7455638f, SALTUS_OK, 0.19083193f},
+    {4.226432f, 0.29782462f, SALTUS_OK, -0.23264344f},
+    {3.3189752f, 0.6960475f, SALTUS_OK, 0.24053492f},
+    {3.5575442f, 0.61558104f, SALTUS_OK, 0.13144663f},
+    {4.5780964f, 0.26406774f, SALTUS_OK, -0.3202914f},
+    {4.185861f, 0.65372163f, SALTUS_OK, 0.06256935f},
+    {4.638426f, 0.4728983f, SALTUS_OK, -0.16803785f},
+    {3.6954932f, 0.46106583f, SALTUS_OK, -0.011540724f},
+    {3.4004495f, 0.41614938f, SALTUS_OK, 0.009528606f},
+    {4.338257f, 0.39480326f, SALTUS_OK, -0.17714997f},
+    {3.1228054f, 0.30571544f, SALTUS_OK, -0.01133298f},
+};
 
 static const test_decision test_decisions[40] = {
     {{-0.2980416f, 6.0446157f}, 0.67176515f, 0.24f, 0, {0.0f, 0.0f, 0.0f, 0.0f}, SALTUS_OUT_OF_TABLE, {0.0f, 0.0f, 0.0f, 0.0f, SALTUS_WAIT, 0}},
@@ -997,16 +1137,16 @@ static const test_decision test_decisions[40] = {
 };
 
 static const test_take_off test_take_offs[10] = {
-    {{0.4940972f, 0.13948174f, 0.038597655f, 0.7941615f, 0.01f}, SALTUS_INFEASIBLE, {0, 0.0f, 0.0f, 0.0f, 0.0f}},
-    {{0.28489393f, 0.009363373f, 0.18702814f, 0.9789445f, 0.01f}, SALTUS_OK, {0, 4.0789356f, 0.12419913f, 0.69826317f, 0.073810294f}},
-    {{1.0833156f, 0.051920723f, 0.15559976f, 1.5140814f, 0.01f}, SALTUS_OUT_OF_TABLE, {0, 0.0f, 0.0f, 0.0f, 0.0f}},
-    {{0.39544323f, 0.07225298f, 0.13191907f, 1.1183301f, 0.01f}, SALTUS_OK, {0, 4.659709f, 0.19811355f, 0.81797177f, 0.078388974f}},
-    {{0.66529334f, 0.0026508465f, 0.09841006f, 1.2407755f, 0.01f}, SALTUS_OK, {1, 5.169898f, 0.068978325f, 0.8092865f, 0.16352712f}},
-    {{0.3755628f, 0.020009536f, 0.026348755f, 0.66971916f, 0.01f}, SALTUS_OK, {0, 2.7904966f, 0.2996384f, 0.681067f, 0.114199534f}},
-    {{0.29052186f, 0.06600753f, 0.07203076f, 1.0572237f, 0.01f}, SALTUS_OK, {0, 4.405099f, -0.0009078346f, 0.62480646f, 0.07302244f}},
-    {{0.8616804f, 0.063800946f, 0.089946546f, 0.8223704f, 0.01f}, SALTUS_OK, {2, 3.4265435f, 0.15948142f, 0.6244337f, 0.05200328f}},
-    {{0.56685334f, 0.0009834223f, 0.17183952f, 1.3272946f, 0.01f}, SALTUS_OK, {1, 5.530394f, -0.09955838f, 0.7277677f, 0.11462562f}},
-    {{0.90324855f, 0.09256176f, 0.09852201f, 1.4030606f, 0.01f}, SALTUS_OK, {2, 5.8460855f, -0.11825206f, 0.76550263f, 0.11390783f}},
+    {{0.4940972f, 0.13948174f, 0.038597655f, 0.7941615f, 0.01f}, SALTUS_INFEASIBLE, SALTUS_NO_INPUT, {0, 0.0f, 0.0f, 0.0f, 0.0f}},
+    {{0.28489393f, 0.009363373f, 0.18702814f, 0.9789445f, 0.01f}, SALTUS_OK, SALTUS_NO_INPUT, {0, 4.0789356f, 0.12419913f, 0.69826317f, 0.073810294f}},
+    {{1.0833156f, 0.051920723f, 0.15559976f, 1.5140814f, 0.01f}, SALTUS_OUT_OF_TABLE, SALTUS_INPUT_SPEED, {0, 0.0f, 0.0f, 0.0f, 0.0f}},
+    {{0.39544323f, 0.07225298f, 0.13191907f, 1.1183301f, 0.01f}, SALTUS_OK, SALTUS_NO_INPUT, {0, 4.659709f, 0.19811355f, 0.81797177f, 0.078388974f}},
+    {{0.66529334f, 0.0026508465f, 0.09841006f, 1.2407755f, 0.01f}, SALTUS_OK, SALTUS_NO_INPUT, {1, 5.169898f, 0.068978325f, 0.8092865f, 0.16352712f}},
+    {{0.3755628f, 0.020009536f, 0.026348755f, 0.66971916f, 0.01f}, SALTUS_OK, SALTUS_NO_INPUT, {0, 2.7904966f, 0.2996384f, 0.681067f, 0.114199534f}},
+    {{0.29052186f, 0.06600753f, 0.07203076f, 1.0572237f, 0.01f}, SALTUS_OK, SALTUS_NO_INPUT, {0, 4.405099f, -0.0009078346f, 0.62480646f, 0.07302244f}},
+    {{0.8616804f, 0.063800946f, 0.089946546f, 0.8223704f, 0.01f}, SALTUS_OK, SALTUS_NO_INPUT, {2, 3.4265435f, 0.15948142f, 0.6244337f, 0.05200328f}},
+    {{0.56685334f, 0.0009834223f, 0.17183952f, 1.3272946f, 0.01f}, SALTUS_OK, SALTUS_NO_INPUT, {1, 5.530394f, -0.09955838f, 0.7277677f, 0.11462562f}},
+    {{0.90324855f, 0.09256176f, 0.09852201f, 1.4030606f, 0.01f}, SALTUS_OK, SALTUS_NO_INPUT, {2, 5.8460855f, -0.11825206f, 0.76550263f, 0.11390783f}},
 };
 
 static const test_program test_programs[10] = {
@@ -1025,6 +1165,13 @@ static const test_program test_programs[10] = {
 int saltus_self_test(void) {
     int number = 1;
     if (saltus_crc() != SALTUS_CRC) return number;
+    for (int k = 0; k < 20; k++) {
+        const test_angle *t = &test_angles[k];
+        saltus_real angle;
+        number++;
+        if (saltus_firing_angle(t->rate, t->distance, landing_height, &angle) != t->status) return number;
+        if (t->status == SALTUS_OK && angle != t->angle) return number;
+    }
     for (int k = 0; k < 40; k++) {
         const test_decision *t = &test_decisions[k];
         saltus_task task = {t->distance, t->height, t->over ? &t->obstacle : NULL, NULL};
@@ -1040,7 +1187,8 @@ int saltus_self_test(void) {
         const test_take_off *t = &test_take_offs[k];
         saltus_take_off a;
         number++;
-        if (saltus_choose_take_off(&t->approach, &a) != t->status) return number;
+        enum saltus_input input;
+        if (saltus_choose_take_off(&t->approach, &a, &input) != t->status || input != t->input) return number;
         if (t->status != SALTUS_OK) continue;
         if (a.touch_down != t->answer.touch_down || a.approach_rate != t->answer.approach_rate) return number;
         if (a.firing_angle != t->answer.firing_angle || a.distance != t->answer.distance) return number;

@@ -13,6 +13,7 @@ mod plan;
 mod simulate;
 mod table;
 mod target;
+mod terms;
 mod verify;
 
 use std::io::Write;
@@ -46,7 +47,7 @@ Examples:
   saltus verify course.toml --plant rats-boom --friction 0.3:1:8
   saltus fit bench/monday --robot-out fitted.toml
   saltus parkour instances.json --out plans.json
-  saltus export c --distance 0.3:1.0:15 --out firmware/src
+  saltus export c --distance 0.3:0.8:11 --out firmware/src
   saltus export mjcf --robot rats-boom --out rats-boom.xml
 
 Exit codes: 0 done, 1 the answer is no, 2 bad input.

@@ -2,16 +2,16 @@
 
 use std::fmt::Write;
 
-use saltus_controller::{Axis, Reason, Timing};
+use saltus_controller::{Axis, Input, NoTakeOff, Reason, Timing};
 
 use super::numbers::Number;
-use super::tables::Tables;
+use super::tables::{Nodes, Tables};
 
 const HEADER: &str = include_str!("../../../controller/c/saltus_controller.h");
 const SOURCE: &str = include_str!("../../../controller/c/saltus_controller.c");
 
-/// Vectors of the self-test: decisions, take-offs, programs.
-const VECTORS: [usize; 3] = [40, 10, 10];
+/// Vectors of the self-test: firing angles, decisions, take-offs, programs.
+const VECTORS: [usize; 4] = [20, 40, 10, 10];
 
 impl<R: Number> Tables<R> {
     /// `saltus_controller.h` and `saltus_controller.c`, in C99 with no other dependency than `math.h`'s square root.
@@ -26,7 +26,7 @@ impl<R: Number> Tables<R> {
         let source = SOURCE
             .replace("@HEADER@", &comment)
             .replace("@DATA@", &self.c_data())
-            .replace("@RULE@", if self.law.is_some() { LAW } else { TABLE })
+            .replace("@RULE@", if matches!(self.nodes, Nodes::Curve(_)) { CURVE } else { TABLE })
             .replace("@SELF_TEST@", &self.c_self_test())
             .replace("@SUFFIX@", choose("x##f", "x"))
             .replace("@SQRT@", choose("sqrtf", "sqrt"))
@@ -47,12 +47,14 @@ impl<R: Number> Tables<R> {
     fn c_data(&self) -> String {
         let mut text = String::new();
         let robot = &self.robot;
-        let limits = &self.limits;
+        let (limits, rates) = (&self.limits, &self.counted);
         let numbers = [
             ("radius", robot.radius, "foot to wheel centre, leg retracted (m)"),
             ("gravity", robot.gravity, "at the axle (m/s^2)"),
             ("pendulum", robot.pendulum, "m g r/(I + m r^2) (1/s^2)"),
-            ("start_lean", robot.start_lean, "where approach rates count (rad)"),
+            ("reference_lean", rates.reference_lean, "where the rates of the tables count (rad)"),
+            ("least_rate", rates.least, "least approach rate (rad/s)"),
+            ("greatest_rate", rates.greatest, "greatest approach rate (rad/s)"),
             ("stride", robot.stride, "from one touch-down to the next (m)"),
             ("nominal_valve_open", robot.valve_open, "(s)"),
             ("landing_height", robot.landing_height, "of the wheel's centre (m)"),
@@ -65,32 +67,39 @@ impl<R: Number> Tables<R> {
         for (name, value, what) in numbers {
             put(&mut text, format_args!("static const saltus_real {name} = {}; /* {what} */\n", value.c()));
         }
+        let at_firing = u8::from(rates.at_firing);
+        put(
+            &mut text,
+            format_args!(
+                "/* 1: approach rates count at the firing angle; 0: at the reference lean */\n#define AT_FIRING {at_firing}\n"
+            ),
+        );
         put(&mut text, format_args!("#define NEWTON_STEPS {}\n", limits.newton_steps.min(3)));
         let chooses = u8::from(limits.greatest_valve_open > limits.least_valve_open);
         put(&mut text, format_args!("#define CHOOSES_VALVE {chooses}\n\n"));
-        if let Some(law) = &self.law {
-            let numbers = [
-                ("law_slope", law.slope, "A (s)"),
-                ("law_intercept", law.intercept, "B (rad)"),
-                ("law_least_rate", law.least_rate, "(rad/s)"),
-                ("law_greatest_rate", law.greatest_rate, "(rad/s)"),
-                ("law_distance", law.distance, "(m)"),
-            ];
-            for (name, value, what) in numbers {
+        axis(&mut text, "rule_rates", &self.rates, "rate at the reference lean (rad/s)");
+        match &self.nodes {
+            Nodes::Table(table) => {
+                axis(&mut text, "table_distances", &self.distances, "distance (m)");
+                let what = "alpha_f (rad), by rate and by distance, mixed, each times the spacing; distances within rates";
+                nodes(&mut text, "rule_nodes", table, what);
+            }
+            Nodes::Curve(curve) => {
+                let distance = self.distances.first.c();
                 put(
                     &mut text,
-                    format_args!("static const saltus_real {name} = {}; /* {what} */\n", value.c()),
+                    format_args!("static const saltus_real curve_distance = {distance}; /* (m) */\n"),
+                );
+                nodes(
+                    &mut text,
+                    "rule_nodes",
+                    curve,
+                    "alpha_f (rad), and its slope by rate times the spacing",
                 );
             }
-            text.push('\n');
-        } else {
-            axis(&mut text, "table_rates", &self.rates, "approach rate (rad/s)");
-            axis(&mut text, "table_distances", &self.distances, "distance (m)");
-            let what = "alpha_f (rad), by rate and by distance, mixed, each times the spacing; distances within rates";
-            nodes(&mut text, "table_nodes", &self.nodes, what);
-            cells(&mut text, "table_open", &self.open);
         }
-        axis(&mut text, "map_rates", &self.rates, "approach rate (rad/s)");
+        cells(&mut text, "rule_open", &self.open);
+        axis(&mut text, "map_rates", &self.rates, "rate at the reference lean (rad/s)");
         axis(&mut text, "map_angles", &self.angles, "firing angle (rad)");
         let what = "x, y (m), vx, vy (m/s); these by rate; by angle; mixed, times the spacing; then by the valve opening time (1/s)";
         nodes(&mut text, "map_nodes", &self.map_nodes, what);
@@ -100,12 +109,19 @@ impl<R: Number> Tables<R> {
     }
 
     fn c_self_test(&self) -> String {
-        let tables = if self.law.is_some() { "" } else { CRC_TABLE };
-        let cells = if self.law.is_some() { "" } else { CRC_CELLS };
-        let mut text = CRC.replace("@TABLE@", tables).replace("@CELLS@", cells);
+        let mut text = CRC.to_owned();
         text.push_str(TEST_TYPES);
-        put(&mut text, format_args!("static const test_decision test_decisions[{}] = {{\n", VECTORS[0]));
-        for v in self.decisions(VECTORS[0]) {
+        let [angles, decisions, take_offs, programs] = VECTORS;
+        put(&mut text, format_args!("static const test_angle test_angles[{angles}] = {{\n"));
+        for v in self.firing_angles(angles) {
+            let (code, angle) = match v.answer {
+                Ok(angle) => ("SALTUS_OK", angle),
+                Err(reason) => (status(reason), R::ZERO),
+            };
+            put(&mut text, format_args!("    {{{}, {code}, {}}},\n", list(&v.given), angle.c()));
+        }
+        put(&mut text, format_args!("}};\n\nstatic const test_decision test_decisions[{decisions}] = {{\n"));
+        for v in self.decisions(decisions) {
             let (sensed, task) = (&v.sensed, &v.task);
             let obstacle = task.obstacle.map(|o| list(&[o.front, o.back, o.height, o.clearance]));
             let (over, obstacle) =
@@ -122,24 +138,23 @@ impl<R: Number> Tables<R> {
                 (list(&[sensed.lean, sensed.rate]), list(&[task.distance, task.landing_height]));
             put(&mut text, format_args!("    {{{{{sensed}}}, {task}, {over}, {{{obstacle}}}, {answer}}},\n"));
         }
-        put(
-            &mut text,
-            format_args!("}};\n\nstatic const test_take_off test_take_offs[{}] = {{\n", VECTORS[1]),
-        );
-        for v in self.take_offs(VECTORS[1]) {
+        put(&mut text, format_args!("}};\n\nstatic const test_take_off test_take_offs[{take_offs}] = {{\n"));
+        for v in self.take_offs(take_offs) {
             let a = &v.approach;
             let given = list(&[a.distance, a.height, a.length, a.speed, a.clearance]);
             let answer = match v.answer {
                 Ok(t) => {
                     let numbers = list(&[t.approach_rate, t.firing_angle, t.distance, t.clearance]);
-                    format!("SALTUS_OK, {{{}, {numbers}}}", t.touch_down)
+                    format!("SALTUS_OK, SALTUS_NO_INPUT, {{{}, {numbers}}}", t.touch_down)
                 }
-                Err(reason) => format!("{}, {{0, {}}}", status(reason), list(&[R::ZERO; 4])),
+                Err(NoTakeOff { reason, input: which }) => {
+                    format!("{}, {}, {{0, {}}}", status(reason), input(which), list(&[R::ZERO; 4]))
+                }
             };
             put(&mut text, format_args!("    {{{{{given}}}, {answer}}},\n"));
         }
-        put(&mut text, format_args!("}};\n\nstatic const test_program test_programs[{}] = {{\n", VECTORS[2]));
-        for v in Tables::<R>::programs(VECTORS[2]) {
+        put(&mut text, format_args!("}};\n\nstatic const test_program test_programs[{programs}] = {{\n"));
+        for v in Tables::<R>::programs(programs) {
             let rows: Vec<String> = v
                 .constraints
                 .iter()
@@ -161,9 +176,9 @@ impl<R: Number> Tables<R> {
             );
         }
         text.push_str("};\n");
-        let [decisions, take_offs, programs] = VECTORS;
         text.push_str(
             &TEST
+                .replace("@ANGLES@", &angles.to_string())
                 .replace("@DECISIONS@", &decisions.to_string())
                 .replace("@TAKE_OFFS@", &take_offs.to_string())
                 .replace("@PROGRAMS@", &programs.to_string()),
@@ -217,6 +232,18 @@ fn status(reason: Reason) -> &'static str {
         Reason::OutOfTable => "SALTUS_OUT_OF_TABLE",
         Reason::Infeasible => "SALTUS_INFEASIBLE",
         Reason::SensorInvalid => "SALTUS_SENSOR_INVALID",
+        Reason::AskLater => "SALTUS_ASK_LATER",
+    }
+}
+
+fn input(input: Option<Input>) -> &'static str {
+    match input {
+        None => "SALTUS_NO_INPUT",
+        Some(Input::Distance) => "SALTUS_INPUT_DISTANCE",
+        Some(Input::Height) => "SALTUS_INPUT_HEIGHT",
+        Some(Input::Length) => "SALTUS_INPUT_LENGTH",
+        Some(Input::Speed) => "SALTUS_INPUT_SPEED",
+        Some(Input::Clearance) => "SALTUS_INPUT_CLEARANCE",
     }
 }
 
@@ -228,25 +255,47 @@ fn timing<R: Number>(timing: Timing<R>) -> (&'static str, R) {
     }
 }
 
-const LAW: &str = "\
+const CURVE: &str = "\
+static enum saltus_status check_distance(saltus_real distance) {
+    if (!is_finite(distance)) return SALTUS_SENSOR_INVALID;
+    return distance == curve_distance ? SALTUS_OK : SALTUS_OUT_OF_TABLE;
+}
+
 static enum saltus_status rule(saltus_real rate, saltus_real distance, saltus_real *angle) {
-    if (!(is_finite(rate) && is_finite(distance))) return SALTUS_SENSOR_INVALID;
-    if (!within(rate, law_least_rate, law_greatest_rate) || distance != law_distance) return SALTUS_OUT_OF_TABLE;
-    *angle = law_slope * rate + law_intercept;
+    spot i;
+    enum saltus_status status = locate(&rule_rates, rate, &i);
+    if (status) return status;
+    status = check_distance(distance);
+    if (status) return status;
+    if (!rule_open[i.cell]) return SALTUS_INFEASIBLE;
+    const saltus_real *a = rule_nodes[i.cell], *b = rule_nodes[i.cell + 1];
+    saltus_real u[3];
+    hermite(i.part, u);
+    *angle = cubic(u, a[0], a[1], b[0], b[1]);
+    return SALTUS_OK;
+}
+
+/* The angles at both ends of a cell of rates. */
+static enum saltus_status rule_ends(uint32_t cell, saltus_real distance, saltus_real *low, saltus_real *high) {
+    enum saltus_status status = check_distance(distance);
+    if (status) return status;
+    if (!rule_open[cell]) return SALTUS_INFEASIBLE;
+    *low = rule_nodes[cell][0];
+    *high = rule_nodes[cell + 1][0];
     return SALTUS_OK;
 }";
 
 const TABLE: &str = "\
 static enum saltus_status rule(saltus_real rate, saltus_real distance, saltus_real *angle) {
     spot i, j;
-    enum saltus_status status = locate(&table_rates, rate, &i);
+    enum saltus_status status = locate(&rule_rates, rate, &i);
     if (status) return status;
     status = locate(&table_distances, distance, &j);
     if (status) return status;
-    if (!table_open[i.cell * (table_distances.count - 1) + j.cell]) return SALTUS_INFEASIBLE;
+    if (!rule_open[i.cell * (table_distances.count - 1) + j.cell]) return SALTUS_INFEASIBLE;
     uint32_t first = i.cell * table_distances.count + j.cell, second = first + table_distances.count;
-    const saltus_real *a = table_nodes[first], *b = table_nodes[first + 1];
-    const saltus_real *c = table_nodes[second], *d = table_nodes[second + 1];
+    const saltus_real *a = rule_nodes[first], *b = rule_nodes[first + 1];
+    const saltus_real *c = rule_nodes[second], *d = rule_nodes[second + 1];
     saltus_real u[3], v[3];
     hermite(i.part, u);
     hermite(j.part, v);
@@ -254,11 +303,23 @@ static enum saltus_status rule(saltus_real rate, saltus_real distance, saltus_re
     saltus_real high = cubic(v, c[0], c[2], d[0], d[2]), high_slope = cubic(v, c[1], c[3], d[1], d[3]);
     *angle = cubic(u, low, low_slope, high, high_slope);
     return SALTUS_OK;
-}";
+}
 
-const CRC_TABLE: &str =
-    "    crc = crc_of(crc, &table_nodes[0][0], sizeof table_nodes / sizeof(saltus_real));\n";
-const CRC_CELLS: &str = "    crc = crc_of_cells(crc, table_open, sizeof table_open);\n";
+/* The angles for a distance at both ends of a cell of rates. */
+static enum saltus_status rule_ends(uint32_t cell, saltus_real distance, saltus_real *low, saltus_real *high) {
+    spot j;
+    enum saltus_status status = locate(&table_distances, distance, &j);
+    if (status) return status;
+    if (!rule_open[cell * (table_distances.count - 1) + j.cell]) return SALTUS_INFEASIBLE;
+    uint32_t first = cell * table_distances.count + j.cell, second = first + table_distances.count;
+    const saltus_real *a = rule_nodes[first], *b = rule_nodes[first + 1];
+    const saltus_real *c = rule_nodes[second], *d = rule_nodes[second + 1];
+    saltus_real v[3];
+    hermite(j.part, v);
+    *low = cubic(v, a[0], a[2], b[0], b[2]);
+    *high = cubic(v, c[0], c[2], d[0], d[2]);
+    return SALTUS_OK;
+}";
 
 const CRC: &str = "\
 static uint32_t crc_of_cells(uint32_t crc, const uint8_t *cells, size_t count) {
@@ -271,14 +332,17 @@ static uint32_t crc_of_cells(uint32_t crc, const uint8_t *cells, size_t count) {
 
 uint32_t saltus_crc(void) {
     uint32_t crc = 0xFFFFFFFFu;
-@TABLE@    crc = crc_of(crc, &map_nodes[0][0], sizeof map_nodes / sizeof(saltus_real));
-@CELLS@    crc = crc_of_cells(crc, map_open, sizeof map_open);
+    crc = crc_of(crc, &rule_nodes[0][0], sizeof rule_nodes / sizeof(saltus_real));
+    crc = crc_of(crc, &map_nodes[0][0], sizeof map_nodes / sizeof(saltus_real));
+    crc = crc_of_cells(crc, rule_open, sizeof rule_open);
+    crc = crc_of_cells(crc, map_open, sizeof map_open);
     return crc ^ 0xFFFFFFFFu;
 }
 ";
 
 const TEST_TYPES: &str = "
 #ifndef SALTUS_NO_SELF_TEST
+typedef struct { saltus_real rate, distance; enum saltus_status status; saltus_real angle; } test_angle;
 typedef struct {
     saltus_sensed sensed;
     saltus_real distance, height;
@@ -287,7 +351,12 @@ typedef struct {
     enum saltus_status status;
     saltus_decision answer;
 } test_decision;
-typedef struct { saltus_approach approach; enum saltus_status status; saltus_take_off answer; } test_take_off;
+typedef struct {
+    saltus_approach approach;
+    enum saltus_status status;
+    enum saltus_input input;
+    saltus_take_off answer;
+} test_take_off;
 typedef struct {
     saltus_real h[3], g[2];
     saltus_half_plane constraints[4];
@@ -301,6 +370,13 @@ const TEST: &str = "
 int saltus_self_test(void) {
     int number = 1;
     if (saltus_crc() != SALTUS_CRC) return number;
+    for (int k = 0; k < @ANGLES@; k++) {
+        const test_angle *t = &test_angles[k];
+        saltus_real angle;
+        number++;
+        if (saltus_firing_angle(t->rate, t->distance, landing_height, &angle) != t->status) return number;
+        if (t->status == SALTUS_OK && angle != t->angle) return number;
+    }
     for (int k = 0; k < @DECISIONS@; k++) {
         const test_decision *t = &test_decisions[k];
         saltus_task task = {t->distance, t->height, t->over ? &t->obstacle : NULL, NULL};
@@ -316,7 +392,8 @@ int saltus_self_test(void) {
         const test_take_off *t = &test_take_offs[k];
         saltus_take_off a;
         number++;
-        if (saltus_choose_take_off(&t->approach, &a) != t->status) return number;
+        enum saltus_input input;
+        if (saltus_choose_take_off(&t->approach, &a, &input) != t->status || input != t->input) return number;
         if (t->status != SALTUS_OK) continue;
         if (a.touch_down != t->answer.touch_down || a.approach_rate != t->answer.approach_rate) return number;
         if (a.firing_angle != t->answer.firing_angle || a.distance != t->answer.distance) return number;

@@ -8,17 +8,18 @@
 //! let planner = Planner::new(Robot::rats_planar());
 //! let request = Request { distances: (0.5, 0.7, 3), rates: (4.0, 5.0, 3), angles: 5, ..Request::default() };
 //! let tables = Tables::<f32>::new(&planner, &request)?;
-//! let task = Task { distance: 0.6, landing_height: 0.0, obstacle: None, guess: None };
-//! let decision = tables.controller().decide(&Sensed { lean: -0.5, rate: 4.5 }, &task)?;
-//! assert!((decision.firing_angle - -0.1303).abs() < 1e-3);
+//! let task = Task { distance: 0.6, landing_height: tables.controller().robot.landing_height, obstacle: None, guess: None };
+//! let decision = tables.controller().decide(&Sensed { lean: -0.3, rate: 4.8 }, &task)?;
+//! assert!(decision.approach_rate > 4.0 && decision.approach_rate < 4.8);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod c;
+mod layout;
 mod numbers;
 mod rust;
 mod tables;
 mod vectors;
 
 pub use numbers::Number;
-pub use tables::{EmbedError, Misses, Request, Tables};
+pub use tables::{EmbedError, Misses, Request, Tables, fingerprint};

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use saltus_controller::Axis;
+use saltus_controller::{Axis, Rates, Robot};
 
 use super::numbers::Number;
-use super::tables::Tables;
+use super::tables::{Nodes, Tables};
 
 impl<R: Number> Tables<R> {
     /// What heads every file: the robot, what the tables hold, and how exact they are.
@@ -23,21 +23,20 @@ impl<R: Number> Tables<R> {
             format!("Written by saltus {}; to change it, write it anew.", env!("CARGO_PKG_VERSION")),
             String::new(),
             format!("Numbers: {}. CRC-32 of the tables: {:08X}.", R::C_TYPE, self.crc()),
-            format!(
-                "Approach rate at a lean of {} rad: {}.",
-                self.robot.start_lean,
-                range(&self.rates, "rad/s")
-            ),
+            self.rate_line(),
         ];
-        match &self.law {
-            Some(law) => {
-                lines.push(format!("Distance: {} m, by the law alpha_f = A omega + B.", law.distance));
-            }
-            None => lines
-                .push(format!("Distance: {}; {open} of {all} cells are open.", range(&self.distances, "m"))),
-        }
+        let spread = if self.distances.count > 1 {
+            range(&self.distances, "m")
+        } else {
+            format!("{} m alone", self.distances.first)
+        };
+        lines.push(format!(
+            "Distance: {spread}. Firing angles over {}; {open} of {all} cells are open.",
+            range(&self.rates, "rad/s")
+        ));
         lines.extend([
-            format!("Landing height {} m, valve open for {} s.", self.robot.landing_height, self.robot.valve_open),
+            format!("A distance goes from the foot to {}.", self.landing()),
+            format!("Valve open for {} s.", self.robot.valve_open),
             format!("Lift-off map: firing angle {}; {map_open} of {map_all} cells are open.", range(&self.angles, "rad")),
             format!(
                 "Against the planner, over all open cells ({} jumps): what is fired lands within {}, what the map predicts within {}.",
@@ -45,9 +44,34 @@ impl<R: Number> Tables<R> {
                 mm(self.misses.table),
                 mm(self.misses.map)
             ),
-            format!("Size: firing table {table} bytes, lift-off map {map} bytes."),
+            format!("A cell that misses by more than {} is closed.", mm(self.tolerance)),
+            format!("Size: {} {table} bytes, lift-off map {map} bytes.", self.nodes.name()),
         ]);
         lines
+    }
+
+    /// Where approach rates count.
+    fn rate_line(&self) -> String {
+        let Rates { least, greatest, reference_lean, at_firing } = self.counted;
+        let range = format!("Approach rate: {least} to {greatest} rad/s");
+        if at_firing {
+            format!(
+                "{range}, counted at the firing angle. Inside, tables are over the rate at a lean of {reference_lean} rad."
+            )
+        } else {
+            format!("{range}, counted at the start lean, {reference_lean} rad.")
+        }
+    }
+
+    /// Where a distance ends.
+    fn landing(&self) -> String {
+        let Robot { landing_height, radius, .. } = self.robot;
+        if landing_height == radius {
+            return format!("where the wheel touches (landing height {landing_height} m)");
+        }
+        format!(
+            "where the wheel's centre is {landing_height} m above the foothold; the wheel touches where it is {radius} m"
+        )
     }
 
     /// A Rust source with the constant `name`, a `saltus_controller::Controller<'static, f32>` or `f64`.
@@ -58,38 +82,30 @@ impl<R: Number> Tables<R> {
         }
         let real = R::RUST_TYPE;
         put(&mut text, "\n#![allow(clippy::all, clippy::pedantic, unreachable_pub)]\n");
-        put(&mut text, "use saltus_controller::{Axis, Controller, LiftOffMap, Limits, Robot, Rule};");
+        let rule_type = match self.nodes {
+            Nodes::Table(_) => "FiringTable",
+            Nodes::Curve(_) => "FiringCurve",
+        };
         put(
             &mut text,
-            if self.law.is_some() {
-                "use saltus_controller::Law;\n"
-            } else {
-                "use saltus_controller::FiringTable;\n"
-            },
+            &format!(
+                "use saltus_controller::{{Axis, Controller, {rule_type}, LiftOffMap, Limits, Rates, Robot, Rule}};\n"
+            ),
         );
         put(&mut text, &format!("/// What the robot {} decides by.", self.name.escape_default()));
         put(&mut text, &format!("pub const {name}: Controller<'static, {real}> = Controller {{"));
         let rates = axis(&self.rates);
-        match &self.law {
-            Some(law) => put(
-                &mut text,
-                &format!(
-                    "    rule: Rule::Law(Law {{ slope: {}, intercept: {}, least_rate: {}, greatest_rate: {}, distance: {} }}),",
-                    law.slope.digits(),
-                    law.intercept.digits(),
-                    law.least_rate.digits(),
-                    law.greatest_rate.digits(),
-                    law.distance.digits()
-                ),
+        let rule = match self.nodes {
+            Nodes::Table(_) => format!(
+                "Table(FiringTable {{ rates: {rates}, distances: {}, nodes: &RULE_NODES, open: &RULE_OPEN }})",
+                axis(&self.distances)
             ),
-            None => put(
-                &mut text,
-                &format!(
-                    "    rule: Rule::Table(FiringTable {{ rates: {rates}, distances: {}, nodes: &TABLE_NODES, open: &TABLE_OPEN }}),",
-                    axis(&self.distances)
-                ),
+            Nodes::Curve(_) => format!(
+                "Curve(FiringCurve {{ rates: {rates}, distance: {}, nodes: &RULE_NODES, open: &RULE_OPEN }})",
+                self.distances.first.digits()
             ),
-        }
+        };
+        put(&mut text, &format!("    rule: Rule::{rule},"));
         put(
             &mut text,
             &format!(
@@ -97,15 +113,25 @@ impl<R: Number> Tables<R> {
                 axis(&self.angles)
             ),
         );
+        let c = &self.counted;
+        put(
+            &mut text,
+            &format!(
+                "    rates: Rates {{ least: {}, greatest: {}, reference_lean: {}, at_firing: {} }},",
+                c.least.digits(),
+                c.greatest.digits(),
+                c.reference_lean.digits(),
+                c.at_firing
+            ),
+        );
         let r = &self.robot;
         put(
             &mut text,
             &format!(
-                "    robot: Robot {{ radius: {}, gravity: {}, pendulum: {}, start_lean: {}, stride: {}, valve_open: {}, landing_height: {} }},",
+                "    robot: Robot {{ radius: {}, gravity: {}, pendulum: {}, stride: {}, valve_open: {}, landing_height: {} }},",
                 r.radius.digits(),
                 r.gravity.digits(),
                 r.pendulum.digits(),
-                r.start_lean.digits(),
                 r.stride.digits(),
                 r.valve_open.digits(),
                 r.landing_height.digits()
@@ -124,10 +150,11 @@ impl<R: Number> Tables<R> {
                 l.effort.digits()
             ),
         );
-        if self.law.is_none() {
-            nodes(&mut text, "TABLE_NODES", &self.nodes);
-            cells(&mut text, "TABLE_OPEN", &self.open);
+        match &self.nodes {
+            Nodes::Table(table) => nodes(&mut text, "RULE_NODES", table),
+            Nodes::Curve(curve) => nodes(&mut text, "RULE_NODES", curve),
         }
+        cells(&mut text, "RULE_OPEN", &self.open);
         nodes(&mut text, "MAP_NODES", &self.map_nodes);
         cells(&mut text, "MAP_OPEN", &self.map_open);
         text

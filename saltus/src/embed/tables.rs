@@ -1,32 +1,34 @@
 //! Tables from the planner, and how far they are from it.
 
-use saltus_controller::{Axis, Controller, FiringTable, Law, LiftOffMap, Limits, MAP_NODE, Robot, Rule};
-use saltus_lagrangian::{Launch, StanceError};
-use saltus_numeric::Dual;
-use saltus_planner::{Measure, Planner, Roots, TableError, TableRequest};
+use saltus_controller::{
+    Axis, Controller, FiringCurve, FiringTable, LiftOffMap, Limits, MAP_NODE, Rates, Robot, Rule,
+};
+use saltus_lagrangian::StanceError;
+use saltus_planner::{Planner, TableError};
 use sha2::{Digest, Sha256};
 
+use super::layout::{Firing, Flown, Layout};
 use super::numbers::Number;
 
 /// What tables are to hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
-    /// Least and greatest approach rate ω (rad/s) at the start lean, and how many nodes, ≥ 2.
+    /// Least and greatest approach rate ω (rad/s), and how many nodes, ≥ 2; they count where `start_lean` says.
     pub rates: (f64, f64, usize),
-    /// Least and greatest distance (m), and how many nodes; one distance with one node gives a law.
+    /// Least and greatest distance (m), and how many nodes; one distance with one node gives a curve over the approach rate.
     pub distances: (f64, f64, usize),
     /// Firing angles α_f (rad) of the lift-off map; none: those that the table holds, and a tenth of a radian more.
     pub firing_angles: Option<(f64, f64)>,
     /// Nodes of the lift-off map over them, ≥ 2.
     pub angles: usize,
-    /// Height (m) of the wheel's centre at the landing.
-    pub landing_height: f64,
+    /// Height (m) of the wheel's centre above the foothold at the landing; none: the wheel's radius, where it touches.
+    pub landing_height: Option<f64>,
     /// Valve opening time t_v (s).
     pub valve_open: f64,
     /// Valve opening times (s) to choose from over an obstacle; none: that one.
     pub valve_range: Option<(f64, f64)>,
-    /// Lean (rad) at which a stance starts and approach rates count.
-    pub start_lean: f64,
+    /// Lean (rad) at which a stance starts and approach rates count; none: the firing angle.
+    pub start_lean: Option<f64>,
     /// Control period (s).
     pub period: f64,
     /// By how much the valve answers later than the robot file's delay (s).
@@ -45,13 +47,13 @@ impl Default for Request {
     fn default() -> Request {
         Request {
             rates: (3.0, 6.0, 13),
-            distances: (0.3, 1.0, 15),
+            distances: (0.3, 0.8, 11),
             firing_angles: None,
             angles: 11,
-            landing_height: 0.0,
+            landing_height: None,
             valve_open: 0.1,
             valve_range: None,
-            start_lean: -0.5,
+            start_lean: None,
             period: 1e-3,
             extra_delay: 0.0,
             newton_steps: 0,
@@ -83,12 +85,14 @@ pub enum EmbedError {
         drag: f64,
     },
     /// No cell of the table can be reached, or none is as exact as asked.
-    #[error("no cell of the {what} is open: nothing there is reached within {tolerance} m")]
+    #[error("no cell of the {what} is open: nothing there is reached within {tolerance} m{}", remedy(*least))]
     Empty {
         /// Which table.
         what: &'static str,
         /// The error that is allowed (m).
         tolerance: f64,
+        /// The least error (m) with which a cell would be open; none where none is reached at all.
+        least: Option<f64>,
     },
     /// What the planner does not take.
     #[error(transparent)]
@@ -96,6 +100,14 @@ pub enum EmbedError {
     /// A stance cannot be computed.
     #[error(transparent)]
     Stance(#[from] StanceError),
+}
+
+fn remedy(least: Option<f64>) -> String {
+    least.map_or(String::new(), |least| {
+        format!(
+            "; the best cell misses by {least:.1e} m: allow more than that, or ask for more rates or a Newton step",
+        )
+    })
 }
 
 /// How far answers from tables are from the planner's own jumps, over all open cells.
@@ -113,23 +125,49 @@ pub struct Misses {
 #[derive(Clone, Debug)]
 pub struct Tables<R> {
     pub(super) rates: Axis<R>,
-    /// One node for a law.
+    /// One node for a curve.
     pub(super) distances: Axis<R>,
-    pub(super) nodes: Vec<[R; 4]>,
+    pub(super) nodes: Nodes<R>,
     pub(super) open: Vec<u8>,
-    pub(super) law: Option<Law<R>>,
     pub(super) angles: Axis<R>,
     pub(super) map_nodes: Vec<[R; MAP_NODE]>,
     pub(super) map_open: Vec<u8>,
+    pub(super) counted: Rates<R>,
     pub(super) robot: Robot<R>,
     pub(super) limits: Limits<R>,
+    pub(super) tolerance: f64,
+    /// The least error (m) for which a cell of the firing table was closed.
+    least_closed: Option<f64>,
     pub(super) misses: Misses,
     pub(super) name: String,
     pub(super) hash: String,
 }
 
-/// A node of the table before it is rounded: α_f and its slopes by ω and by distance.
-type Firing = Option<[f64; 3]>;
+/// Firing angles at the nodes.
+#[derive(Clone, Debug)]
+pub(super) enum Nodes<R> {
+    /// Over rates and distances.
+    Table(Vec<[R; 4]>),
+    /// Over rates, for one distance.
+    Curve(Vec<[R; 2]>),
+}
+
+impl<R: Number> Nodes<R> {
+    /// Every number in its place.
+    pub(super) fn numbers(&self) -> &[R] {
+        match self {
+            Nodes::Table(nodes) => nodes.as_flattened(),
+            Nodes::Curve(nodes) => nodes.as_flattened(),
+        }
+    }
+
+    pub(super) fn name(&self) -> &'static str {
+        match self {
+            Nodes::Table(_) => "firing table",
+            Nodes::Curve(_) => "firing curve",
+        }
+    }
+}
 
 /// Jumps looked at along each side of a cell.
 const LOOKS: usize = 5;
@@ -141,55 +179,55 @@ impl<R: Number> Tables<R> {
     /// [`EmbedError`] for numbers outside their domain, a robot with drag, or tables without an open cell.
     pub fn new(planner: &Planner, request: &Request) -> Result<Tables<R>, EmbedError> {
         check(planner, request)?;
-        let firing = firing_angles(planner, request)?;
-        let (low, high) = angle_range(request, &firing)?;
+        let Layout { start, rates, angles, firing } = Layout::new::<R>(planner, request)?;
         let robot = planner.robot();
-        let (nodes, open) = table(request, &firing);
+        let (nodes, open) = nodes_and_cells(rates, request.distances, &firing);
         let mut tables = Tables {
-            rates: axis(request.rates),
+            rates: axis(rates),
             distances: axis(request.distances),
             nodes,
             open,
-            law: law(request, &firing),
-            angles: axis((low, high, request.angles)),
+            angles: axis((angles.0, angles.1, request.angles)),
             map_nodes: Vec::new(),
             map_open: Vec::new(),
+            counted: start.rates(request),
             robot: constants(planner, request),
             limits: limits(request),
+            tolerance: request.tolerance,
+            least_closed: None,
             misses: Misses::default(),
             name: robot.name.clone(),
-            hash: hash(robot),
+            hash: fingerprint(robot),
         };
-        tables.fill_map(planner, request)?;
-        tables.measure_map(planner, request)?;
-        tables.measure_table(planner, request)?;
-        let closed = |open: &[u8]| open.iter().all(|cell| *cell == 0);
-        if tables.law.is_none() && closed(&tables.open) {
-            return Err(EmbedError::Empty { what: "firing table", tolerance: request.tolerance });
-        }
-        if closed(&tables.map_open) {
-            return Err(EmbedError::Empty { what: "lift-off map", tolerance: request.tolerance });
-        }
+        let flown = Flown { planner, start, valve_open: request.valve_open };
+        tables.fill_map(&flown)?;
+        tables.measure_map(&flown)?;
+        tables.measure_table(&flown)?;
+        tables.check_open()?;
         Ok(tables)
+    }
+
+    /// That there is something to decide by.
+    fn check_open(&self) -> Result<(), EmbedError> {
+        let tables =
+            [(self.nodes.name(), &self.open, self.least_closed), ("lift-off map", &self.map_open, None)];
+        match tables.into_iter().find(|(_, open, _)| open.iter().all(|cell| *cell == 0)) {
+            Some((what, _, least)) => Err(EmbedError::Empty { what, tolerance: self.tolerance, least }),
+            None => Ok(()),
+        }
     }
 
     /// A controller that decides by them.
     pub fn controller(&self) -> Controller<'_, R> {
-        let rule = match self.law {
-            Some(law) => Rule::Law(law),
-            None => Rule::Table(self.table()),
+        let (rates, open) = (self.rates, &self.open);
+        let rule = match &self.nodes {
+            Nodes::Table(nodes) => Rule::Table(FiringTable { rates, distances: self.distances, nodes, open }),
+            Nodes::Curve(nodes) => {
+                Rule::Curve(FiringCurve { rates, distance: self.distances.first, nodes, open })
+            }
         };
-        let map = LiftOffMap {
-            rates: self.rates,
-            angles: self.angles,
-            nodes: &self.map_nodes,
-            open: &self.map_open,
-        };
-        Controller { rule, map, robot: self.robot, limits: self.limits }
-    }
-
-    pub(super) fn table(&self) -> FiringTable<'_, R> {
-        FiringTable { rates: self.rates, distances: self.distances, nodes: &self.nodes, open: &self.open }
+        let map = LiftOffMap { rates, angles: self.angles, nodes: &self.map_nodes, open: &self.map_open };
+        Controller { rule, map, rates: self.counted, robot: self.robot, limits: self.limits }
     }
 
     /// How far they are from the planner.
@@ -201,7 +239,7 @@ impl<R: Number> Tables<R> {
     pub fn bytes(&self) -> [usize; 2] {
         let number = size_of::<R>();
         [
-            self.nodes.len() * 4 * number + self.open.len(),
+            self.nodes.numbers().len() * number + self.open.len(),
             self.map_nodes.len() * MAP_NODE * number + self.map_open.len(),
         ]
     }
@@ -216,7 +254,7 @@ impl<R: Number> Tables<R> {
     pub fn crc(&self) -> u32 {
         let mut hasher = crc32fast::Hasher::new();
         let mut number = |x: &R| hasher.update(x.bytes().as_ref());
-        self.nodes.iter().flatten().for_each(&mut number);
+        self.nodes.numbers().iter().for_each(&mut number);
         self.map_nodes.iter().flatten().for_each(&mut number);
         hasher.update(&self.open);
         hasher.update(&self.map_open);
@@ -224,14 +262,16 @@ impl<R: Number> Tables<R> {
     }
 
     /// Lift-offs at the nodes, with exact derivatives; the mixed one by differences of these.
-    fn fill_map(&mut self, planner: &Planner, request: &Request) -> Result<(), EmbedError> {
-        let stance = planner.sensitive_stance();
+    fn fill_map(&mut self, flown: &Flown<'_>) -> Result<(), EmbedError> {
+        let stance = flown.planner.sensitive_stance();
         let (rates, angles) = (nodes_of(&self.rates), nodes_of(&self.angles));
-        let mut found: Vec<Option<[Dual<4>; 4]>> = Vec::with_capacity(rates.len() * angles.len());
+        let mut found: Vec<Option<[[f64; 4]; 4]>> = Vec::with_capacity(rates.len() * angles.len());
         for &rate in &rates {
             for &angle in &angles {
-                let jump = planner.sensitive_jump(&stance, &request.launch(rate, angle))?;
-                found.push(jump.flight.map(|f| [f.vacuum.x, f.vacuum.y, f.vacuum.vx, f.vacuum.vy]));
+                let launch = flown.launch(rate, angle);
+                let jump = flown.planner.sensitive_jump(&stance, &launch)?;
+                let state = jump.flight.map(|f| [f.vacuum.x, f.vacuum.y, f.vacuum.vx, f.vacuum.vy]);
+                found.push(state.map(|state| state.map(|x| flown.with_slopes(rate, &launch, x))));
             }
         }
         let (dr, da) = (rates[1] - rates[0], angles[1] - angles[0]);
@@ -241,10 +281,11 @@ impl<R: Number> Tables<R> {
                 let mut node = [R::ZERO; MAP_NODE];
                 if let Some(four) = at(i, j) {
                     for (k, value) in four.iter().enumerate() {
-                        let by_angle = |i: usize| at(i, j).map(|four| four[k].slope[1] * da);
-                        let mixed = difference(i, rates.len(), by_angle);
-                        let row = [value.value, value.slope[0] * dr, value.slope[1] * da, mixed];
-                        for (kind, x) in row.into_iter().chain([value.slope[2]]).enumerate() {
+                        let slope_by_angle = |i: usize| at(i, j).map(|four| four[k][2] * da);
+                        let mixed = difference(i, rates.len(), slope_by_angle);
+                        let [value, by_rate, by_angle, by_valve] = *value;
+                        let row = [value, by_rate * dr, by_angle * da, mixed, by_valve];
+                        for (kind, x) in row.into_iter().enumerate() {
                             node[4 * kind + k] = R::of(x);
                         }
                     }
@@ -256,65 +297,51 @@ impl<R: Number> Tables<R> {
         Ok(())
     }
 
-    /// Flies what the table fires, and closes the cells that miss.
-    fn measure_table(&mut self, planner: &Planner, request: &Request) -> Result<(), EmbedError> {
-        if self.law.is_some() {
-            return self.measure_law(planner, request);
-        }
-        let columns = self.distances.count - 1;
+    /// Flies what the rule fires, and closes the cells that miss.
+    fn measure_table(&mut self, flown: &Flown<'_>) -> Result<(), EmbedError> {
+        // One distance is looked at once.
+        let columns = self.distances.count.max(2) - 1;
+        let along_distances = if self.distances.count > 1 { LOOKS } else { 1 };
         for cell in 0..self.open.len() {
             if self.open[cell] == 0 {
                 continue;
             }
             let mut worst = 0.0_f64;
-            for (s, t) in looks() {
-                let rate = between(&self.rates, cell / columns, s);
-                let distance = between(&self.distances, cell % columns, t);
-                worst = worst.max(self.fired(planner, request, rate, distance)?);
+            for k in 0..LOOKS * along_distances {
+                let rate = between(&self.rates, cell / columns, part(k / along_distances));
+                let distance = if along_distances > 1 {
+                    between(&self.distances, cell % columns, part(k % along_distances))
+                } else {
+                    self.distances.first.wide()
+                };
+                worst = worst.max(self.fired(flown, rate, distance)?);
                 self.misses.jumps += 1;
             }
-            if worst > request.tolerance {
+            if worst > self.tolerance {
                 self.open[cell] = 0;
+                self.least_closed = Some(self.least_closed.map_or(worst, |least| least.min(worst)));
             } else {
                 self.misses.table = self.misses.table.max(worst);
             }
         }
-        Ok(())
-    }
-
-    /// Flies what the law fires.
-    fn measure_law(&mut self, planner: &Planner, request: &Request) -> Result<(), EmbedError> {
-        let Some(law) = self.law else { return Ok(()) };
-        for i in 0..self.rates.count - 1 {
-            for s in 0..LOOKS {
-                let rate = between(&self.rates, i, part(s));
-                if R::of(rate).within(law.least_rate, law.greatest_rate) {
-                    let miss = self.fired(planner, request, rate, law.distance.wide())?;
-                    self.misses.table = self.misses.table.max(miss);
-                    self.misses.jumps += 1;
-                }
-            }
-        }
+        self.least_closed = self.least_closed.filter(|least| least.is_finite());
         Ok(())
     }
 
     /// How far (m) from `distance` the jump lands that the controller fires, Newton steps and all; infinite where it fires none.
-    fn fired(
-        &self,
-        planner: &Planner,
-        request: &Request,
-        rate: f64,
-        distance: f64,
-    ) -> Result<f64, EmbedError> {
+    fn fired(&self, flown: &Flown<'_>, rate: f64, distance: f64) -> Result<f64, EmbedError> {
         let height = self.robot.landing_height;
-        match self.controller().firing_angle(R::of(rate), R::of(distance), height) {
-            Ok(angle) => miss(planner, request, rate, angle.wide(), distance),
+        let mut controller = self.controller();
+        // Cells are over the rate at the reference lean.
+        controller.rates.at_firing = false;
+        match controller.firing_angle(R::of(rate), R::of(distance), height) {
+            Ok(angle) => flown.miss(rate, angle.wide(), distance, height.wide()),
             Err(_) => Ok(f64::INFINITY),
         }
     }
 
     /// Holds the landings that the map predicts against the planner's, and closes the cells that miss.
-    fn measure_map(&mut self, planner: &Planner, request: &Request) -> Result<(), EmbedError> {
+    fn measure_map(&mut self, flown: &Flown<'_>) -> Result<(), EmbedError> {
         let columns = self.angles.count - 1;
         for cell in 0..self.map_open.len() {
             if self.map_open[cell] == 0 {
@@ -329,13 +356,16 @@ impl<R: Number> Tables<R> {
                     .at(R::of(rate), R::of(angle))
                     .and_then(|l| l.landing(self.robot.gravity, self.robot.landing_height));
                 let off = match predicted {
-                    Ok(landing) => miss(planner, request, rate, angle, landing.value.wide())?,
+                    Ok(landing) => {
+                        let height = self.robot.landing_height.wide();
+                        flown.miss(rate, angle, landing.value.wide(), height)?
+                    }
                     Err(_) => f64::INFINITY,
                 };
                 worst = worst.max(off);
                 self.misses.jumps += 1;
             }
-            if worst > request.tolerance {
+            if worst > self.tolerance {
                 self.map_open[cell] = 0;
             } else {
                 self.misses.map = self.misses.map.max(worst);
@@ -346,28 +376,16 @@ impl<R: Number> Tables<R> {
 }
 
 impl Request {
-    pub(super) fn launch(&self, rate: f64, firing_angle: f64) -> Launch {
-        Launch { rate, lean: self.start_lean, firing_angle, valve_open: self.valve_open }
+    /// Height (m) of the wheel's centre at the landing.
+    pub(super) fn landing_height(&self, planner: &Planner) -> f64 {
+        self.landing_height.unwrap_or(planner.robot().body.radius)
     }
 }
 
-/// The first 64 bits of the SHA-256 of the robot's file, as digits.
-fn hash(robot: &saltus_robot::Robot) -> String {
+/// The first 64 bits of the SHA-256 of the robot as a file, in hexadecimal digits: two robots with one fingerprint are one.
+pub fn fingerprint(robot: &saltus_robot::Robot) -> String {
     let digest = Sha256::digest(robot.to_toml());
     format!("{:016x}", digest.iter().take(8).fold(0_u64, |bits, byte| bits << 8 | u64::from(*byte)))
-}
-
-/// How far (m) a jump lands from `distance`; infinite where it does not.
-fn miss(
-    planner: &Planner,
-    request: &Request,
-    rate: f64,
-    angle: f64,
-    distance: f64,
-) -> Result<f64, EmbedError> {
-    let jump = planner.jump(&request.launch(rate, angle))?;
-    let landing = jump.distance(request.landing_height);
-    Ok(landing.map_or(f64::INFINITY, |landing| (landing - distance).abs()))
 }
 
 fn check(planner: &Planner, request: &Request) -> Result<(), EmbedError> {
@@ -379,6 +397,7 @@ fn check(planner: &Planner, request: &Request) -> Result<(), EmbedError> {
     let (r, d) = (request.rates, request.distances);
     let (v, w) = request.valve_range.unwrap_or((request.valve_open, request.valve_open));
     let (a, b) = request.firing_angles.unwrap_or((0.0, 0.1));
+    let lean = request.start_lean.unwrap_or(0.0);
     let nodes = |n: usize, least: usize| (least..=1000).contains(&n);
     let several = "from 2 to 1000";
     let cases = [
@@ -393,8 +412,8 @@ fn check(planner: &Planner, request: &Request) -> Result<(), EmbedError> {
         ("nodes over firing angles", request.angles as f64, nodes(request.angles, 2), several),
         (
             "landing height (m)",
-            request.landing_height,
-            request.landing_height.abs() <= 1e3,
+            request.landing_height(planner),
+            request.landing_height(planner).abs() <= 1e3,
             "from -1000 to 1000 m",
         ),
         (
@@ -415,7 +434,7 @@ fn check(planner: &Planner, request: &Request) -> Result<(), EmbedError> {
             w >= request.valve_open && w <= 1e3,
             "from the valve opening time to 1000 s",
         ),
-        ("start lean (rad)", request.start_lean, upright(request.start_lean), "between -pi/2 and pi/2 rad"),
+        ("start lean (rad)", lean, upright(lean), "between -pi/2 and pi/2 rad"),
         (
             "control period (s)",
             request.period,
@@ -490,59 +509,28 @@ fn difference(i: usize, count: usize, f: impl Fn(usize) -> Option<f64>) -> f64 {
     }
 }
 
-/// The least firing angles where firing later goes farther, distances within rates, with slopes by ω and by distance.
-fn firing_angles(planner: &Planner, request: &Request) -> Result<Vec<Firing>, EmbedError> {
-    // A robot fired before its stance starts is fired there: no angle below the start lean is one of its own.
-    let limits = (request.start_lean, saltus_planner::FIRING_ANGLES.1.max(request.start_lean + 0.1));
-    let table = planner.table(&TableRequest {
-        rates: spread(request.rates),
-        measure: Measure::Distance { landing_height: request.landing_height },
-        targets: spread(request.distances),
-        valve_open: request.valve_open,
-        start_lean: Some(request.start_lean),
-        firing_angles: request.firing_angles.unwrap_or(limits),
-        roots: Roots::All,
-        sensitivities: true,
-        threads: request.threads,
-    })?;
-    let firing = table.cells.iter().map(|cell| {
-        cell.entries.iter().find_map(|entry| {
-            let [distance, _] = entry.sensitivity?;
-            let later = distance.by_firing_angle;
-            (later > 0.0).then(|| [entry.jump.launch.firing_angle, -distance.by_rate / later, 1.0 / later])
-        })
-    });
-    Ok(firing.collect())
-}
-
-fn spread((first, last, count): (f64, f64, usize)) -> Vec<f64> {
+pub(super) fn spread((first, last, count): (f64, f64, usize)) -> Vec<f64> {
     let last_index = count.saturating_sub(1).max(1) as f64;
     (0..count).map(|i| first + (last - first) * i as f64 / last_index).collect()
 }
 
-fn angle_range(request: &Request, firing: &[Firing]) -> Result<(f64, f64), EmbedError> {
-    if let Some(range) = request.firing_angles {
-        return Ok(range);
-    }
-    let known = || firing.iter().flatten().map(|[angle, ..]| *angle);
-    let (low, high) = (known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max));
-    if low > high {
-        return Err(EmbedError::Empty { what: "firing table", tolerance: request.tolerance });
-    }
-    Ok(((low - 0.1).max(request.start_lean), high + 0.1))
-}
-
-/// The table's nodes and open cells.
-fn table<R: Number>(request: &Request, firing: &[Firing]) -> (Vec<[R; 4]>, Vec<u8>) {
-    let ((r0, r1, rows), (d0, d1, columns)) = (request.rates, request.distances);
-    if columns < 2 {
-        return (Vec::new(), Vec::new());
-    }
-    let (dr, dd) = ((r1 - r0) / (rows - 1) as f64, (d1 - d0) / (columns - 1) as f64);
+/// The nodes of the rule, and its open cells.
+fn nodes_and_cells<R: Number>(
+    (r0, r1, rows): (f64, f64, usize),
+    (d0, d1, columns): (f64, f64, usize),
+    firing: &[Firing],
+) -> (Nodes<R>, Vec<u8>) {
+    let dr = (r1 - r0) / (rows - 1) as f64;
     let at = |i: usize, j: usize| firing[i * columns + j];
     let value = |i: usize, j: usize| at(i, j).map(|f| f[0]);
     // Slopes times spacing, limited along either axis.
     let by_rate = |i: usize, j: usize| at(i, j).map(|f| limited(f[1] * dr, i, rows, |i| value(i, j)));
+    if columns < 2 {
+        let node = |i| [value(i, 0), by_rate(i, 0)].map(|x| R::of(x.unwrap_or(0.0)));
+        let open = (0..rows - 1).map(|i| u8::from(at(i, 0).is_some() && at(i + 1, 0).is_some()));
+        return (Nodes::Curve((0..rows).map(node).collect()), open.collect());
+    }
+    let dd = (d1 - d0) / (columns - 1) as f64;
     let by_distance = |i: usize, j: usize| at(i, j).map(|f| limited(f[2] * dd, j, columns, |j| value(i, j)));
     let node = |i: usize, j: usize| {
         let Some([angle, ..]) = at(i, j) else { return [R::ZERO; 4] };
@@ -552,7 +540,7 @@ fn table<R: Number>(request: &Request, firing: &[Firing]) -> (Vec<[R; 4]>, Vec<u
         [angle, by_rate(i, j).unwrap_or(0.0), by_distance(i, j).unwrap_or(0.0), mixed].map(R::of)
     };
     let nodes = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|(i, j)| node(i, j)).collect();
-    (nodes, cells(rows, columns, |i, j| at(i, j).is_some()))
+    (Nodes::Table(nodes), cells(rows, columns, |i, j| at(i, j).is_some()))
 }
 
 /// A slope at node `i` made so that the cubics on both its sides are monotone wherever the nodes are: of the nodes' sign and at most three times
@@ -569,37 +557,17 @@ fn limited(slope: f64, i: usize, count: usize, value: impl Fn(usize) -> Option<f
     })
 }
 
-fn law<R: Number>(request: &Request, firing: &[Firing]) -> Option<Law<R>> {
-    if request.distances.2 > 1 {
-        return None;
-    }
-    let rates = spread(request.rates);
-    let known: Vec<(f64, f64)> =
-        rates.iter().zip(firing).filter_map(|(rate, f)| Some((*rate, (*f)?[0]))).collect();
-    let (slope, intercept) = saltus_planner::line(&known)?;
-    let (first, last) = (known.first()?.0, known.last()?.0);
-    Some(Law {
-        slope: R::of(slope),
-        intercept: R::of(intercept),
-        least_rate: R::of(first),
-        greatest_rate: R::of(last),
-        distance: R::of(request.distances.0),
-    })
-}
-
 fn constants<R: Number>(planner: &Planner, request: &Request) -> Robot<R> {
     let robot = planner.robot();
-    let (mass, radius, gravity) = (robot.axle_mass(), robot.body.radius, robot.axle_gravity());
-    let pendulum = mass * gravity * radius / (robot.body.inertia + mass * radius * radius);
+    let (radius, gravity, pendulum) = (robot.body.radius, robot.axle_gravity(), planner.pendulum());
     let stride = 2.0 * radius * (std::f64::consts::PI / f64::from(robot.body.legs)).sin();
     Robot {
         radius: R::of(radius),
         gravity: R::of(gravity),
         pendulum: R::of(pendulum),
-        start_lean: R::of(request.start_lean),
         stride: R::of(stride),
         valve_open: R::of(request.valve_open),
-        landing_height: R::of(request.landing_height),
+        landing_height: R::of(request.landing_height(planner)),
     }
 }
 

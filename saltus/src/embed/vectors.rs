@@ -1,10 +1,16 @@
 //! Inputs and answers that written code tests itself with.
 
 use saltus_controller::qp::{self, HalfPlane};
-use saltus_controller::{Approach, Axis, Decision, Obstacle, Reason, Sensed, TakeOff, Task};
+use saltus_controller::{Approach, Axis, Decision, NoTakeOff, Obstacle, Reason, Sensed, TakeOff, Task};
 
 use super::numbers::Number;
-use super::tables::Tables;
+use super::tables::{Nodes, Tables};
+
+/// Rate and distance, and the firing angle.
+pub(super) struct Looked<R> {
+    pub(super) given: [R; 2],
+    pub(super) answer: Result<R, Reason>,
+}
 
 /// A decision's input and answer.
 pub(super) struct Decided<R> {
@@ -16,7 +22,7 @@ pub(super) struct Decided<R> {
 /// A take-off's input and answer.
 pub(super) struct Chosen<R> {
     pub(super) approach: Approach<R>,
-    pub(super) answer: Result<TakeOff<R>, Reason>,
+    pub(super) answer: Result<TakeOff<R>, NoTakeOff>,
 }
 
 /// A quadratic program and its answer.
@@ -51,14 +57,32 @@ impl Draw {
 }
 
 impl<R: Number> Tables<R> {
+    /// `count` firing angles for the landing height of the tables: over the rates and distances and a little beyond.
+    pub(super) fn firing_angles(&self, count: usize) -> Vec<Looked<R>> {
+        let mut draw = Draw(4);
+        let rates = Axis { first: self.counted.least, last: self.counted.greatest, ..self.rates };
+        let look = |_| {
+            let given = [R::of(draw.along(&rates)), R::of(self.distance(&mut draw))];
+            let answer = self.controller().firing_angle(given[0], given[1], self.robot.landing_height);
+            Looked { given, answer }
+        };
+        (0..count).map(look).collect()
+    }
+
+    fn distance(&self, draw: &mut Draw) -> f64 {
+        match self.nodes {
+            Nodes::Curve(_) => self.distances.first.wide(),
+            Nodes::Table(_) => draw.along(&self.distances),
+        }
+    }
+
     /// `count` decisions: over the tables and a little beyond, half of them over an obstacle.
     pub(super) fn decisions(&self, count: usize) -> Vec<Decided<R>> {
         let mut draw = Draw(1);
-        let start = self.robot.start_lean.wide();
+        let start = self.counted.reference_lean.wide();
         let decide = |k: usize| {
             let lean = draw.between(start, start + 0.3);
-            let distance =
-                if self.law.is_some() { self.distances.first.wide() } else { draw.along(&self.distances) };
+            let distance = self.distance(&mut draw);
             let radius = self.robot.radius.wide();
             let (front, length) = (draw.between(1.0, 1.5) * radius, draw.between(0.1, 0.8) * radius);
             let height = draw.between(0.0, 0.6) * radius;
@@ -85,12 +109,13 @@ impl<R: Number> Tables<R> {
     pub(super) fn take_offs(&self, count: usize) -> Vec<Chosen<R>> {
         let mut draw = Draw(2);
         let radius = self.robot.radius.wide();
+        let rates = Axis { first: self.counted.least, last: self.counted.greatest, ..self.rates };
         let choose = |_| {
             let approach = Approach {
                 distance: R::of(draw.between(0.5, 5.0) * radius),
                 height: R::of(draw.between(0.0, 0.6) * radius),
                 length: R::of(draw.between(0.1, 0.8) * radius),
-                speed: R::of(draw.along(&self.rates) * radius),
+                speed: R::of(draw.along(&rates) * radius),
                 clearance: R::of(0.01),
             };
             Chosen { approach, answer: self.controller().take_off(&approach) }

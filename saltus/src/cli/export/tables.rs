@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use saltus::Planner;
 use saltus::embed::{EmbedError, Number, Request, Tables};
+use saltus::{Planner, Robot};
 
 use crate::cli::Status;
 use crate::cli::common::{RobotFlags, Threads};
+use crate::cli::terms::{TermFlags, Terms};
 use crate::error::{CliError, cut};
 use crate::output::{Files, print};
 use crate::quantity::{self, Quantity};
@@ -43,24 +44,27 @@ pub(super) struct Rust {
 
 const C_HELP: &str = "\
 Examples:
-  saltus export c --distance 0.3:1.0:15 --out firmware/src
+  saltus export c --distance 0.3:0.8:11 --out firmware/src
   saltus export c --distance 0.6 --newton 2 --out firmware/src
-  saltus export c --distance 0.4:1.0:9 --valve-open 60ms --valve-range 30ms:60ms --real double --out firmware/src
+  saltus export c --distance 0.4:0.7:7 --valve-open 60ms --valve-range 30ms:60ms --real double --out firmware/src
 
-One distance gives a law alpha_f = A omega + B, several, evenly spaced, a table. Beside it stands a map from approach rate and firing \
+One distance gives a curve over the approach rate, several, evenly spaced, a table. Beside it stands a map from approach rate and firing \
 angle to the lift-off, for Newton steps, obstacles and take-offs. Every cell is held against the planner's own jumps; \
 one that misses by more than --tolerance is closed, as is one that cannot be reached. Answers there are reasons, never clamped values.
 
+A distance and an approach rate are those of `saltus table`: for the same options, saltus_firing_angle gives the angle that it prints. \
+saltus_decide takes a lean and its rate at any instant of the stance; it needs no approach rate.
+
 The header declares saltus_decide (whether, when and how long to open the valve), saltus_choose_take_off (from which touch-down to \
-jump over an obstacle ahead), saltus_firing_angle, saltus_approach_rate, saltus_observe, two small QPs, and saltus_self_test, which returns 0 if \
-tables and answers are, to the bit, those of the Rust code. C99, IEEE 754, no allocation; compile with -ffp-contract=off (or -std=c99) \
-and -fno-math-errno. -DSALTUS_NO_SELF_TEST leaves the test and its vectors out. What is printed also heads both files.
+jump over an obstacle ahead, or to ask later), saltus_firing_angle, saltus_rate_at, saltus_observe, two small QPs, and saltus_self_test, which returns 0 if \
+tables and answers are, to the bit, those of the Rust code. C99, IEEE 754, no allocation; compile with -ffp-contract=off (or -std=c99), \
+link with -lm. -DSALTUS_NO_SELF_TEST leaves the test and its vectors out. What is printed also heads both files.
 
 The exit code is 1 if no cell can be used.";
 
 const RUST_HELP: &str = "\
 Examples:
-  saltus export rust --distance 0.3:1.0:15 --out src/rats.rs
+  saltus export rust --distance 0.3:0.8:11 --out src/rats.rs
   saltus export rust --distance 0.6 --name SIXTY_CENTIMETRES --out src/sixty.rs
 
 The file has one public constant, a saltus_controller::Controller<'static, f32> (or f64), whose decide and take_off are those of \
@@ -80,11 +84,11 @@ enum RealType {
 /// What tables hold.
 #[derive(Args, Debug)]
 struct TableFlags {
-    /// Distances (m), evenly spaced: from the foot to where the wheel's centre comes down to the landing height
+    /// Distances (m), evenly spaced, from the foot to the landing
     #[arg(long, value_name = "LENGTHS", value_parser = distances, allow_hyphen_values = true)]
     distance: Values,
 
-    /// Approach rates ω (rad/s) at the start lean, evenly spaced
+    /// Approach rates ω (rad/s), evenly spaced; --start-lean says where they count
     #[arg(long, value_name = "RATES", value_parser = rates, allow_hyphen_values = true, default_value = "3:6:13")]
     omega: Values,
 
@@ -92,17 +96,8 @@ struct TableFlags {
     #[arg(long, value_name = "ANGLES", value_parser = angles, allow_hyphen_values = true)]
     alpha_f: Option<Values>,
 
-    /// Lean φ₀ (rad) at which the robot touches down and approach rates count
-    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true, default_value = "-0.5")]
-    start_lean: f64,
-
-    /// Height of the wheel's centre at the landing (m)
-    #[arg(long, value_name = "HEIGHT", value_parser = quantity::height, allow_hyphen_values = true, default_value = "0")]
-    landing_height: f64,
-
-    /// Valve opening time t_v (s)
-    #[arg(long, value_name = "TIME", value_parser = open, allow_hyphen_values = true, default_value = "0.1")]
-    valve_open: f64,
+    #[command(flatten)]
+    terms: TermFlags,
 
     /// Valve opening times (s) to choose from over an obstacle [default: that of --valve-open]
     #[arg(long, value_name = "LOW:HIGH", value_parser = ends, allow_hyphen_values = true)]
@@ -180,8 +175,8 @@ impl Rust {
 impl TableFlags {
     /// The tables; none, with the reason on standard output, where no cell can be used.
     fn tables<R: Number>(&self) -> Result<Option<Tables<R>>, CliError> {
-        let request = self.request()?;
         let robot = self.robot.robot()?;
+        let request = self.request(&robot)?;
         match Tables::new(&Planner::new(robot), &request) {
             Ok(tables) => Ok(Some(tables)),
             Err(no @ EmbedError::Empty { .. }) => print(&format!("{no}\n")).map(|()| None),
@@ -189,13 +184,17 @@ impl TableFlags {
         }
     }
 
-    fn request(&self) -> Result<Request, CliError> {
+    fn request(&self, robot: &Robot) -> Result<Request, CliError> {
+        let Terms { landing_height, valve_open, start_lean, .. } = self.terms.of(robot);
+        if valve_open <= 0.0 {
+            return Err(CliError::flag("--valve-open", valve_open, Quantity::OPEN.allowed));
+        }
         let angles = self.alpha_f.as_ref().map(|a| spaced("--alpha-f", a, 2)).transpose()?;
         let default = Request::default();
         if let Some((low, high)) = self.valve_range
-            && !(low <= self.valve_open && self.valve_open <= high)
+            && !(low <= valve_open && valve_open <= high)
         {
-            let allowed = format!("a range that holds --valve-open {}", self.valve_open);
+            let allowed = format!("a range that holds --valve-open {valve_open}");
             return Err(CliError::flag("--valve-range", format!("{low}:{high}"), allowed));
         }
         if self.effort <= 0.0 {
@@ -206,10 +205,10 @@ impl TableFlags {
             distances: spaced("--distance", &self.distance, 1)?,
             firing_angles: angles.map(|(low, high, _)| (low, high)),
             angles: angles.map_or(default.angles, |(.., count)| count),
-            landing_height: self.landing_height,
-            valve_open: self.valve_open,
+            landing_height: Some(landing_height),
+            valve_open,
             valve_range: self.valve_range,
-            start_lean: self.start_lean,
+            start_lean,
             period: self.period,
             extra_delay: self.extra_delay,
             newton_steps: self.newton,
