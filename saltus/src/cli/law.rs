@@ -35,8 +35,9 @@ pub(crate) struct Law {
 
 const LONG_HELP: &str = "\
 Examples:
-  saltus law --omega 3:6:5 --distance 1
-  saltus law --omega 3:6:61 --distance 0.6,0.8,1 --tolerance 2cm --plot law.png
+  saltus law --omega 3:6:5 --distance 0.8
+  saltus law --omega 3:6:5 --distance 1 --landing-height 0
+  saltus law --omega 3:6:61 --distance 0.4,0.6,0.8 --tolerance 2cm --plot law.png
 
 Values: a number, start:stop:count (both ends included), or several of these with commas.
 Suffixes: rad/s, deg/s; rad, deg; s, ms; m, cm, mm.
@@ -168,7 +169,7 @@ impl Law {
             "command": "law",
             "robot": robot.name,
             "measure": self.target.kind().name(),
-            "landing_height_m": self.target.landing_height(),
+            "landing_height_m": self.target.terms(robot).landing_height,
             "tolerance_m": self.tolerance,
             "laws": laws,
         }))
@@ -176,6 +177,7 @@ impl Law {
 
     fn text(&self, found: &[Found], robot: &Robot) -> String {
         let mut text = format!("{}: firing angle α_f (rad) over approach rate ω (rad/s)\n", robot.name);
+        text.push_str(&format!("  {}\n", self.target.terms(robot).line()));
         for one in found {
             let title = format!("{} {} m: ", self.target.kind().name(), digits(one.target, 5));
             text.push_str(&title);
@@ -231,9 +233,10 @@ impl Law {
         };
         Ok(Drawing::Law(LawPlot {
             title: format!(
-                "{}: linear law of the firing angle for a {}",
+                "{}: linear law of the firing angle for a {}, {}",
                 robot.name,
-                self.target.kind().name()
+                self.target.kind().name(),
+                self.target.terms(robot).landing_title()
             ),
             lines: found.iter().filter_map(line).collect(),
         }))

@@ -7,12 +7,12 @@ use serde_json::json;
 
 use super::Status;
 use super::common::{Common, PlotOption, Threads};
+use super::terms::{TermFlags, Terms};
 use crate::error::CliError;
 use crate::output::{self, Cell, Format, Table as Rows, digits};
 use crate::plot::Drawing;
 use crate::plot::map::{MapPlot, Panel};
 use crate::progress::Progress;
-use crate::quantity;
 use crate::range::{Values, angles, rates};
 
 /// Most launches of a map, and most that its plot shows.
@@ -33,17 +33,8 @@ pub(crate) struct Map {
     #[arg(long, value_name = "ANGLES", value_parser = angles, allow_hyphen_values = true)]
     alpha_f: Values,
 
-    /// Height of the wheel's centre at the landing (m)
-    #[arg(long, value_name = "HEIGHT", value_parser = quantity::height, allow_hyphen_values = true, default_value = "0")]
-    landing_height: f64,
-
-    /// Valve opening time t_v (s)
-    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true, default_value = "0.1")]
-    valve_open: f64,
-
-    /// Lean φ₀ (rad) at which the stance starts [default: the firing angle]
-    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
-    start_lean: Option<f64>,
+    #[command(flatten)]
+    terms: TermFlags,
 
     /// Give the friction that each stance needs too, which takes some ten times as long
     #[arg(long)]
@@ -106,7 +97,7 @@ impl Map {
             Format::Json => output::json(&json!({
                 "command": "map",
                 "robot": planner.robot().name,
-                "landing_height_m": self.landing_height,
+                "landing_height_m": self.terms.of(planner.robot()).landing_height,
                 "spots": rows.json(),
             })),
             Format::Text => self.text(&map, &rows, planner.robot()),
@@ -125,28 +116,29 @@ impl Map {
         let size = (BLOCK * threads).div_ceil(self.alpha_f.len()).max(threads);
         let mut spots = Vec::with_capacity(rates.len() * self.alpha_f.len());
         for rates in rates.chunks(size) {
-            spots.extend(planner.map(&self.request(rates))?.spots);
+            spots.extend(planner.map(&self.request(rates, planner.robot()))?.spots);
             progress.advance(rates.len());
         }
         Ok(planner::Map { spots })
     }
 
-    fn request(&self, rates: &[f64]) -> MapRequest {
+    fn request(&self, rates: &[f64], robot: &Robot) -> MapRequest {
+        let Terms { landing_height, valve_open, start_lean, .. } = self.terms.of(robot);
         MapRequest {
             rates: rates.to_vec(),
             firing_angles: self.alpha_f.to_vec(),
-            valve_open: self.valve_open,
-            start_lean: self.start_lean,
-            landing_height: self.landing_height,
+            valve_open,
+            start_lean,
+            landing_height,
             friction: self.friction,
             threads: self.threads.count().get(),
         }
     }
 
     fn text(&self, map: &planner::Map, rows: &Rows, robot: &Robot) -> String {
-        let (count, height) = (map.spots.len(), digits(self.landing_height, 5));
+        let count = map.spots.len();
         let mut lines =
-            vec![format!("{}: {count} launches, landing with the centre at {height} m", robot.name)];
+            vec![format!("{}: {count} launches", robot.name), format!("  {}", self.terms.of(robot).line())];
         lines.extend(outcomes(map).into_iter().map(|(name, count)| format!("  {name:<16} {count}")));
         lines.extend([
             extremes(map, "distance", |spot| spot.distance),
@@ -172,7 +164,7 @@ impl Map {
             title,
             values: map.spots.iter().map(|spot| spot.result.as_ref().ok().and_then(key)).collect(),
         };
-        let landing = format!("distance (m) to y = {} m", digits(self.landing_height, 4));
+        let landing = format!("distance (m), {}", self.terms.of(robot).landing_title());
         MapPlot {
             title: format!("{}: what is reachable", robot.name),
             rates: self.omega.to_vec(),

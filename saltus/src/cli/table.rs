@@ -32,15 +32,15 @@ const LONG_HELP: &str = "\
 Examples:
   saltus table --omega 3:6:61 --distance 0.6
   saltus table --omega 3:6:61 --distance 0.3:1.0:36 --out table.csv
-  saltus table --omega 5 --distance 0.8 --landing-height 0.24 --start-lean -0.5
+  saltus table --omega 5 --distance 0.8 --landing-height 0 --start-lean -0.5
   saltus table --omega 4:6:5 --clearance 2cm --obstacle 0.4,0.05,0.1 --plot angles.svg
 
 Values: a number, start:stop:count (both ends included), or several of these with commas.
 Suffixes: rad/s, deg/s; rad, deg; s, ms; m, cm, mm.
 
 CSV columns, one row for each approach rate and target, targets within rates: omega_rad_s, distance_m (or \
-clearance_m; as asked for), alpha_f_rad (the least angle that serves), apex_m, land_m (where the centre \
-comes down to the landing height), t_liftoff_s (from the start of the stance), status (feasible, \
+clearance_m; as asked for), alpha_f_rad (the least angle that serves), apex_m, land_m (distance at which the \
+centre comes down to the landing height), t_liftoff_s (from the start of the stance), status (feasible, \
 infeasible, or no-jump where no angle takes off), alpha_f_late_rad (the next angle that serves, if there \
 is one), distance_sd_m and apex_sd_m (standard deviations from the robot's [errors]), their sensitivities \
 distance_by_omega_m_s_per_rad, distance_by_alpha_f_m_per_rad, distance_by_valve_open_m_per_s, \
@@ -131,7 +131,7 @@ impl Table {
         let angle = |entry: &Entry| entry.jump.launch.firing_angle;
         let mut row = vec![cell.rate.into(), cell.target.into(), first.map(angle).into()];
         row.push(first.and_then(|entry| entry.jump.apex()).into());
-        row.push(first.and_then(|entry| entry.jump.distance(self.target.landing_height())).into());
+        row.push(first.and_then(|entry| entry.jump.distance(self.target.terms(robot).landing_height)).into());
         row.push(first.map(|entry| entry.jump.stance.time).into());
         row.extend([Cell::Word(status), cell.entries.get(1).map(angle).into()]);
         if kind == Kind::Distance {
@@ -147,46 +147,40 @@ impl Table {
             "command": "table",
             "robot": robot.name,
             "measure": self.target.kind().name(),
-            "landing_height_m": self.target.landing_height(),
+            "landing_height_m": self.target.terms(robot).landing_height,
             "rows": rows.json(),
         }))
     }
 
     fn text(&self, rows: &Rows, robot: &Robot) -> String {
-        let landing = format!("landing with the centre at {} m", digits(self.target.landing_height(), 5));
-        match self.target.kind() {
-            Kind::Distance => format!(
-                "{}: firing angles for distances, {landing}\n{}",
-                robot.name,
-                rows.text(&[
-                    ("omega_rad_s", "ω", "rad/s"),
-                    ("distance_m", "distance", "m"),
-                    ("alpha_f_rad", "α_f", "rad"),
-                    ("alpha_f_late_rad", "or", "rad"),
-                    ("distance_sd_m", "± distance", "m"),
-                    ("apex_m", "apex", "m"),
-                    ("apex_sd_m", "± apex", "m"),
-                    ("status", "status", ""),
-                    ("nearest_distance_m", "nearest", "m"),
-                    ("nearest_alpha_f_rad", "at α_f", "rad"),
-                ])
-            ),
-            Kind::Clearance => format!(
-                "{}: firing angles for clearances, {landing}\n{}",
-                robot.name,
-                rows.text(&[
-                    ("omega_rad_s", "ω", "rad/s"),
-                    ("clearance_m", "clearance", "m"),
-                    ("alpha_f_rad", "α_f", "rad"),
-                    ("alpha_f_late_rad", "or", "rad"),
-                    ("apex_m", "apex", "m"),
-                    ("land_m", "landing", "m"),
-                    ("status", "status", ""),
-                    ("nearest_clearance_m", "nearest", "m"),
-                    ("nearest_alpha_f_rad", "at α_f", "rad"),
-                ])
-            ),
-        }
+        let kind = self.target.kind();
+        let columns: &[(&str, &str, &str)] = match kind {
+            Kind::Distance => &[
+                ("omega_rad_s", "ω", "rad/s"),
+                ("distance_m", "distance", "m"),
+                ("alpha_f_rad", "α_f early", "rad"),
+                ("alpha_f_late_rad", "α_f late", "rad"),
+                ("distance_sd_m", "distance ±1σ", "m"),
+                ("apex_m", "apex", "m"),
+                ("apex_sd_m", "apex ±1σ", "m"),
+                ("status", "status", ""),
+                ("nearest_distance_m", "nearest reached", "m"),
+                ("nearest_alpha_f_rad", "with α_f", "rad"),
+            ],
+            Kind::Clearance => &[
+                ("omega_rad_s", "ω", "rad/s"),
+                ("clearance_m", "clearance", "m"),
+                ("alpha_f_rad", "α_f early", "rad"),
+                ("alpha_f_late_rad", "α_f late", "rad"),
+                ("apex_m", "apex", "m"),
+                ("land_m", "landing", "m"),
+                ("status", "status", ""),
+                ("nearest_clearance_m", "nearest reached", "m"),
+                ("nearest_alpha_f_rad", "with α_f", "rad"),
+            ],
+        };
+        let head = format!("{}: firing angles α_f for a {}", robot.name, kind.name());
+        format!("{head}\n  {}\n{}", self.target.terms(robot).line(), rows.text(columns))
     }
 
     fn curves(
@@ -207,9 +201,7 @@ impl Table {
             points: table.cells.iter().skip(i).step_by(width).map(point).collect(),
         };
         let what = match request.measure {
-            Measure::Distance { landing_height } => {
-                format!("distance to y = {} m", digits(landing_height, 4))
-            }
+            Measure::Distance { .. } => format!("{kind}, {}", self.target.terms(robot).landing_title()),
             Measure::Clearance { .. } => format!("{kind} over the obstacle"),
         };
         Ok(Drawing::Curves(Curves {

@@ -6,6 +6,7 @@ use saltus::ballistic::Obstacle;
 use saltus::planner::{FIRING_ANGLES, Measure, Roots, TableRequest};
 
 use super::common::Threads;
+use super::terms::{TermFlags, Terms};
 use crate::error::{CliError, cut};
 use crate::quantity::{self, Quantity};
 use crate::range::{Values, distances, rates};
@@ -20,7 +21,7 @@ pub(crate) struct TargetFlags {
     #[arg(long, value_name = "RATES", value_parser = rates, allow_hyphen_values = true)]
     omega: Values,
 
-    /// Distances to reach (m): from the foot to where the wheel's centre comes down to the landing height
+    /// Distances to reach (m), from the foot to the landing
     #[arg(long, value_name = "LENGTHS", value_parser = distances, allow_hyphen_values = true)]
     #[arg(required_unless_present = "clearance", conflicts_with_all = ["clearance", "obstacle"])]
     distance: Option<Values>,
@@ -34,17 +35,8 @@ pub(crate) struct TargetFlags {
     #[arg(requires = "clearance")]
     obstacle: Option<Block>,
 
-    /// Height of the wheel's centre at the landing (m)
-    #[arg(long, value_name = "HEIGHT", value_parser = quantity::height, allow_hyphen_values = true, default_value = "0")]
-    landing_height: f64,
-
-    /// Valve opening time t_v (s)
-    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true, default_value = "0.1")]
-    valve_open: f64,
-
-    /// Lean φ₀ (rad) at which the stance starts [default: the firing angle]
-    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
-    start_lean: Option<f64>,
+    #[command(flatten)]
+    terms: TermFlags,
 
     /// Firing angles α_f (rad) to choose from [default: -0.6:0.8]
     #[arg(long, value_name = "LOW:HIGH", value_parser = limits, allow_hyphen_values = true)]
@@ -83,14 +75,16 @@ impl TargetFlags {
         if self.clearance.is_some() { Kind::Clearance } else { Kind::Distance }
     }
 
-    pub(crate) fn landing_height(&self) -> f64 {
-        self.landing_height
+    /// Where the jumps start and end.
+    pub(crate) fn terms(&self, robot: &Robot) -> Terms {
+        self.terms.of(robot)
     }
 
     /// The request, for every angle that serves or only for the least.
     pub(crate) fn request(&self, roots: Roots, robot: &Robot) -> Result<TableRequest, CliError> {
+        let Terms { landing_height, valve_open, start_lean, .. } = self.terms(robot);
         let (targets, measure) = match (&self.distance, &self.clearance, self.obstacle) {
-            (Some(distances), ..) => (distances, Measure::Distance { landing_height: self.landing_height }),
+            (Some(distances), ..) => (distances, Measure::Distance { landing_height }),
             (None, Some(clearances), Some(block)) => {
                 (clearances, Measure::Clearance { obstacle: block.obstacle(robot)? })
             }
@@ -113,8 +107,8 @@ impl TargetFlags {
             rates: self.omega.to_vec(),
             measure,
             targets: targets.to_vec(),
-            valve_open: self.valve_open,
-            start_lean: self.start_lean,
+            valve_open,
+            start_lean,
             firing_angles: self.firing_angles.unwrap_or(FIRING_ANGLES),
             roots,
             sensitivities: roots == Roots::All,

@@ -257,7 +257,7 @@ impl<'a> Report<'a> {
             law.map_or("no law".into(), |(a, b)| format!("{} s ω + {} rad", digits(a, 4), digits(b, 4)))
         };
         Some(format!(
-            "Firing table for {} m at {} approach rates: the robot as measured lands off by {} m rms with the table of the robot as \
+            "Firing table for {} m (to where the wheel touches) at {} approach rates: the robot as measured lands off by {} m rms with the table of the robot as \
              believed, {} m with its own. Law before: {}; after: {}.",
             worth.distance,
             worth.rows.len(),

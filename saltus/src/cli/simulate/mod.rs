@@ -13,10 +13,10 @@ use saltus::{Launch, StanceError};
 
 use super::Status;
 use super::common::{Common, PlotOption, Threads};
+use super::terms::{StartLean, start_lean};
 use crate::error::CliError;
 use crate::output::Format;
 use crate::plot::Drawing;
-use crate::quantity;
 use crate::range::{Values, angles, rates, times};
 
 /// Most jumps that one call without a batch makes.
@@ -40,9 +40,9 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "TIME", value_parser = times, allow_hyphen_values = true)]
     valve_open: Option<Values>,
 
-    /// Lean φ₀ (rad) at which the stance starts [default: the firing angle]
-    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
-    start_lean: Option<f64>,
+    /// Where the stance starts and the approach rate counts: `firing`, at the firing angle, or at this lean φ₀ (rad) [default: firing]
+    #[arg(long, value_name = "firing|ANGLE", value_parser = start_lean, allow_hyphen_values = true)]
+    start_lean: Option<StartLean>,
 
     /// Read the launches from this CSV file: columns omega0_rad_s, phi0_rad, alpha_f_rad, valve_open_s
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["omega", "alpha_f", "valve_open", "start_lean"])]
@@ -130,7 +130,7 @@ impl Simulate {
         let mut launches = Vec::with_capacity(count);
         for &rate in rates.iter() {
             for &firing_angle in angles.iter() {
-                let lean = self.start_lean.unwrap_or(firing_angle);
+                let lean = self.start_lean.and_then(StartLean::fixed).unwrap_or(firing_angle);
                 launches.extend(times.iter().map(|&valve_open| Launch {
                     rate,
                     lean,

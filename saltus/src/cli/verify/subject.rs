@@ -9,6 +9,7 @@ use saltus::{Launch, Planner};
 
 use crate::cli::plan::course;
 use crate::cli::target::{Block, block};
+use crate::cli::terms::{LandingHeight, StartLean, landing_height, start_lean};
 use crate::columns::{self, Column, Need};
 use crate::error::{CliError, cut};
 use crate::input;
@@ -43,17 +44,19 @@ pub(crate) struct SubjectFlags {
     #[arg(long, value_name = "FRONT,WIDTH,HEIGHT", value_parser = block, allow_hyphen_values = true)]
     obstacle: Option<Block>,
 
-    /// Height of the wheel's centre at the landing of a law or a table (m) [default: 0]
-    #[arg(long, value_name = "HEIGHT", value_parser = quantity::height, allow_hyphen_values = true)]
-    landing_height: Option<f64>,
+    /// Where the distance of a law or a table ends: `wheel`, where the wheel touches level ground, or the height (m) above the foothold
+    /// to which the wheel's centre comes down [default: wheel]
+    #[arg(long, value_name = "wheel|HEIGHT", value_parser = landing_height, allow_hyphen_values = true)]
+    landing_height: Option<LandingHeight>,
 
     /// Valve opening time t_v (s) of a law or a table [default: 0.1]
     #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
     valve_open: Option<f64>,
 
-    /// Lean φ₀ (rad) at which the stance of a law or a table starts [default: the firing angle]
-    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
-    start_lean: Option<f64>,
+    /// Where the stance of a law or a table starts and its approach rate counts: `firing`, at the firing angle, or at this lean φ₀ (rad)
+    /// [default: firing]
+    #[arg(long, value_name = "firing|ANGLE", value_parser = start_lean, allow_hyphen_values = true)]
+    start_lean: Option<StartLean>,
 }
 
 /// What is verified.
@@ -144,9 +147,9 @@ impl Subject {
     /// What the flags name; none for a course that no plan crosses.
     pub(super) fn load(flags: &SubjectFlags, planner: &Planner) -> Result<Option<Subject>, CliError> {
         match (&flags.file, flags.law) {
-            (Some(file), None) if is_table(file) => table(flags, file).map(Some),
+            (Some(file), None) if is_table(file) => table(flags, file, planner).map(Some),
             (Some(file), None) => plan(flags, file, planner),
-            (_, Some((slope, intercept))) => law(flags, slope, intercept).map(Some),
+            (_, Some((slope, intercept))) => law(flags, slope, intercept, planner).map(Some),
             _ => Err(CliError::Missing { flag: "COURSE.toml", allowed: "or TABLE.csv, or --law" }),
         }
     }
@@ -156,7 +159,7 @@ fn is_table(file: &Path) -> bool {
     file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))
 }
 
-fn law(flags: &SubjectFlags, slope: f64, intercept: f64) -> Result<Subject, CliError> {
+fn law(flags: &SubjectFlags, slope: f64, intercept: f64, planner: &Planner) -> Result<Subject, CliError> {
     let rates = flags.omega.as_ref().map(|rates| rates.to_vec()).unwrap_or_default();
     let sign = if intercept < 0.0 { '−' } else { '+' };
     let formula = format!("{} s · ω {sign} {} rad", digits(slope, 5), digits(intercept.abs(), 5));
@@ -172,23 +175,29 @@ fn law(flags: &SubjectFlags, slope: f64, intercept: f64) -> Result<Subject, CliE
         }
     }
     let title = format!("the law α_f = {formula}");
-    Ok(Subject { title, kind: Kind::Rule(rule(flags, steering, rates, flags.distance)) })
+    Ok(Subject { title, kind: Kind::Rule(rule(flags, steering, rates, flags.distance, planner)) })
 }
 
-fn rule(flags: &SubjectFlags, steering: Steering, rates: Vec<f64>, distance: Option<f64>) -> Rule {
+fn rule(
+    flags: &SubjectFlags,
+    steering: Steering,
+    rates: Vec<f64>,
+    distance: Option<f64>,
+    planner: &Planner,
+) -> Rule {
     Rule {
         steering,
         rates,
         distance,
-        landing_height: flags.landing_height.unwrap_or(0.0),
+        landing_height: flags.landing_height.unwrap_or(LandingHeight::Wheel).of(planner.robot()),
         valve_open: flags.valve_open.unwrap_or(0.1),
-        start_lean: flags.start_lean,
+        start_lean: flags.start_lean.and_then(StartLean::fixed),
         obstacles: flags.obstacle.iter().map(Block::ends).collect(),
     }
 }
 
 /// A table as `saltus table` writes it.
-fn table(flags: &SubjectFlags, path: &Path) -> Result<Subject, CliError> {
+fn table(flags: &SubjectFlags, path: &Path, planner: &Planner) -> Result<Subject, CliError> {
     const COLUMNS: [Column; 3] = [
         Column { name: "omega_rad_s", quantity: Quantity::RATE, need: Need::Value },
         Column { name: "alpha_f_rad", quantity: Quantity::ANGLE, need: Need::Column },
@@ -216,7 +225,7 @@ fn table(flags: &SubjectFlags, path: &Path) -> Result<Subject, CliError> {
         None => points.iter().map(|(rate, _)| *rate).collect(),
     };
     let title = format!("the table {file}");
-    Ok(Subject { title, kind: Kind::Rule(rule(flags, Steering::Table(points), rates, distance)) })
+    Ok(Subject { title, kind: Kind::Rule(rule(flags, Steering::Table(points), rates, distance, planner)) })
 }
 
 /// The rates, none of which a table leaves out.
