@@ -11,7 +11,7 @@ use rand_pcg::rand_core::SeedableRng;
 use saltus::planner::course::{Course, Obstacle, Span};
 use saltus::planner::{Crossing, CrossingAnswer};
 use saltus::sim_check::{Report, Sample};
-use saltus::verify::{Attempt, Demand, Demands, Disturbance, Flight, Plant, Route, Stage, Starts};
+use saltus::verify::{Attempt, Demand, Demands, Disturbance, Flight, Judgement, Plant, Route, Stage, Starts};
 use saltus::{Launch, Planner, Robot};
 
 /// Courses, and those of them whose plans the planner makes; the others are made by hand.
@@ -345,7 +345,7 @@ fn compare(given: &Given, attempts: &[Attempt], starts: Starts, radius: f64, cas
         assert!((here[0] - attempt.foot[0]).abs() < 1e-7 && here[1] == attempt.foot[1], "{case}");
         let found = judge(given, jump, here, &flown.report, radius);
         for demand in Demand::ALL {
-            let theirs = attempt.judgement(demand).map(|judgement| judgement.holds());
+            let theirs = attempt.judgement(demand).map(Judgement::holds);
             let ours = found.verdicts.iter().find(|(d, _)| *d == demand).map(|(_, holds)| *holds);
             assert_eq!(theirs, ours, "{case}: {demand:?} of {:?}", attempt.judgements);
             tally.missed[demand as usize] += usize::from(ours == Some(false));

@@ -80,3 +80,36 @@ fn leap(planned: &PlannedJump, stance: &Stance<f64>, radius: f64) -> Leap {
         ),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use saltus::Robot;
+    use saltus::planner::course::Course;
+
+    use super::*;
+
+    #[test]
+    fn a_plan_that_fails_is_drawn_in_red_and_says_why() {
+        let goal = Span::new(1.6, 1.9);
+        let course = Course {
+            id: "two".into(),
+            start: 0.0,
+            start_height: 0.0,
+            jumps: 2,
+            goal,
+            obstacles: vec![],
+            no_landing: vec![],
+        };
+        let (planner, crossing) = (Planner::new(Robot::rats_planar()), Crossing::new(course, 5.0));
+        let CrossingAnswer::Plan(mut plan) = planner.cross(&crossing).unwrap() else { panic!("no plan") };
+        let drawn = |plan| scene(&CrossingAnswer::Plan(plan), &crossing, &planner, "two.toml");
+        let good = drawn(plan.clone());
+        assert!(good.missed.is_empty() && good.leaps.iter().all(|leap| !leap.fails));
+        assert_eq!(good.ground.goal, Some((1.6, 1.9)));
+        let allowed = Span::new(0.01, f64::INFINITY);
+        plan.checks.push(Check { jump: 1, what: "clearance (m)".into(), value: 0.004, allowed });
+        let bad = drawn(plan);
+        assert_eq!(bad.missed, ["FAILS: jump 2: clearance (m) 0.004"]);
+        assert_eq!(bad.leaps.iter().map(|leap| leap.fails).collect::<Vec<_>>(), [false, true]);
+    }
+}

@@ -1,6 +1,6 @@
 //! Jumps in words.
 
-use saltus::{Flight, Jump, Outcome, Robot};
+use saltus::{Flight, FlightError, Jump, Outcome, Robot};
 
 use super::compute::{Answer, Bearing};
 use super::report::table;
@@ -55,6 +55,9 @@ fn one(answer: &Answer, robot: &Robot) -> String {
         for (height, name) in [(robot.body.radius, "landing at r_s"), (0.0, "landing at 0")] {
             lines.push(match flight.range_to_height(height) {
                 Ok(x) => line(name, x, &format!("m ahead of the foot, centre at {height} m")),
+                Err(FlightError::AboveApex { .. }) => {
+                    format!("  {name:<16} never: the apex is below {height} m")
+                }
                 Err(error) => format!("  {name:<16} never: {error}"),
             });
         }

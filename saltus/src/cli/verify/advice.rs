@@ -21,8 +21,12 @@ pub(super) fn advice(outcomes: &[Outcome], verdict: &Verdict, context: &Context<
     if let Some(sentence) = other_robot(context) {
         return vec![sentence];
     }
-    let advice =
-        [slipping(outcomes), adding_up(outcomes, verdict), no_room(verdict, context), too_near(verdict)];
+    let advice = [
+        slipping(outcomes, context),
+        adding_up(outcomes, verdict),
+        no_room(verdict, context),
+        too_near(verdict),
+    ];
     advice.into_iter().flatten().collect()
 }
 
@@ -32,7 +36,7 @@ fn other_robot(context: &Context<'_>) -> Option<String> {
     if planned == plant {
         return None;
     }
-    let what = if context.subject.is_plan() { "plan" } else { "subject" };
+    let what = if context.subject.is_plan() { "plan" } else { "law or table" };
     if planned.name == plant.name {
         return Some(format!(
             "The {what} was made for {} without the changes of --plant-set. Make it with the same changes: --set.",
@@ -50,13 +54,16 @@ fn other_robot(context: &Context<'_>) -> Option<String> {
 }
 
 /// Feet slip in the runs that fail.
-fn slipping(outcomes: &[Outcome]) -> Option<String> {
+fn slipping(outcomes: &[Outcome], context: &Context<'_>) -> Option<String> {
     let failed = outcomes.iter().filter(|o| !o.passes()).flat_map(|o| &o.attempts);
     let slips = failed.filter(|attempt| attempt.flown().is_some_and(|f| f.report.slips_at.is_some())).count();
+    let remedy = match &context.subject.kind {
+        Kind::Plan { .. } => " Set friction_coefficient in the course to the ground's.",
+        Kind::Rule(_) => "",
+    };
     (slips > 0).then(|| {
         format!(
-            "The foot slips in {slips} jumps of the runs that fail. Give the course friction_coefficient, so that the plan needs no more \
-             friction than the ground has."
+            "The foot slips in {slips} jumps of the runs that fail: they need more friction than the ground has.{remedy}"
         )
     })
 }

@@ -36,11 +36,7 @@ pub(super) struct StepCost {
 impl StepCost {
     /// Of jumps with steps of `step` (s), and the same with error control.
     pub(super) fn of(step: Option<f64>, fixed: &[Outcome], exact: &[Outcome]) -> StepCost {
-        let attempts = |outcomes: &'_ [Outcome]| -> Vec<_> {
-            outcomes.iter().flat_map(|outcome| outcome.attempts.clone()).collect()
-        };
-        let (fixed, exact) = (attempts(fixed), attempts(exact));
-        let pairs = || fixed.iter().zip(&exact);
+        let pairs = || fixed.iter().flat_map(|o| &o.attempts).zip(exact.iter().flat_map(|o| &o.attempts));
         let most = |of: fn(&Flown) -> Option<f64>| {
             let gaps = pairs().filter_map(|(a, b)| Some((of(a.flown()?)? - of(b.flown()?)?).abs()));
             gaps.fold(0.0, f64::max)
