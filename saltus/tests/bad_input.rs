@@ -183,7 +183,7 @@ const CASES: &[(&str, &[&str])] = &[
     ("plan course.toml --plot a.svg", &["course.toml:3: unknown key length_m; the nearest known key is"]),
     (
         "plan rate.toml --out a.json",
-        &["rate.toml:1: approach_rate_rad_s = -5: must be a number from 0 to 1000 rad/s"],
+        &["rate.toml:1: approach_rate_rad_s = -5: must be a finite number ≥ 0 and ≤ 1000 rad/s"],
     ),
     (
         "plan narrow.toml",

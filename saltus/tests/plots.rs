@@ -9,9 +9,9 @@ use common::{Folder, reference};
 const PLOTS: [(&str, &str); 9] = [
     ("family", "simulate --omega 5 --alpha-f -0.25:0.05:7"),
     ("stall", "simulate --omega 0.1 --alpha-f 0 --start-lean -0.5"),
-    ("angles", "table --omega 3:6:7 --distance 0.4:1:4"),
-    ("law", "law --omega 3:6:5 --distance 1"),
-    ("laws", "law --omega 3:6:5 --distance 0.6,1"),
+    ("angles", "table --omega 3:6:7 --distance 0.4:0.7:4"),
+    ("law", "law --omega 3:6:5 --distance 0.7"),
+    ("laws", "law --omega 3:6:5 --distance 0.5,0.7"),
     ("scene", "plan box.toml"),
     ("sheet", "verify box.toml --samples 5 --friction 0.5,1"),
     ("map", "map --omega 2:7:11 --alpha-f -0.5:0.5:9"),
