@@ -33,6 +33,9 @@ impl Unit {
 ///
 /// The decimal is shifted before it is rounded, so that 19.05 mm and 0.01905 m are the same number to the last bit.
 fn shifted(literal: &str, power: i64) -> f64 {
+    if power == 0 {
+        return literal.parse().unwrap_or(f64::NAN);
+    }
     let (mantissa, exponent) = literal.split_once(['e', 'E']).unwrap_or((literal, "0"));
     exponent
         .parse()
@@ -75,10 +78,10 @@ quantities! {
     LENGTH, "m": "_m" Unit::SI, "_mm" MILLI, "_cm" Unit::Decimal(-2), "_in" INCH;
     AREA, "m²": "_m2" Unit::SI, "_mm2" Unit::Decimal(-6);
     VOLUME, "m³": "_m3" Unit::SI, "_cm3" Unit::Decimal(-6);
-    TIME, "s": "_s" Unit::SI, "_ms" MILLI;
+    TIME, "s": "_s" Unit::SI, "_ms" MILLI, "_us" Unit::Decimal(-6), "_ns" Unit::Decimal(-9);
     ACCELERATION, "m/s²": "_m_s2" Unit::SI;
     ANGLE, "rad": "_rad" Unit::SI, "_deg" DEGREE;
-    ANGULAR_RATE, "rad/s": "_rad_s" Unit::SI, "_deg_s" DEGREE;
+    ANGULAR_RATE, "rad/s": "_rad_s" Unit::SI, "_deg_s" DEGREE, "_rpm" Unit::Times(PI / 30.0);
     FORCE, "N": "_n" Unit::SI;
     STIFFNESS, "N/m": "_n_per_m" Unit::SI, "_n_per_mm" Unit::Decimal(3);
     TORQUE, "N m": "_n_m" Unit::SI;

@@ -31,7 +31,10 @@ pub enum Problem {
         robot: String,
     },
     /// A column is about a boom.
-    #[error("robot {robot} has no boom, whose {column} the data have: is it the robot that was measured?")]
+    #[error(
+        "robot {robot} has no boom, whose {column} the data have: is it the robot that was measured? \
+         Of a robot without a boom x_m and y_m of the axle may be given, beside wheel_angle_rad and wheel_rate_rad_s"
+    )]
     NoBoom {
         /// Its name.
         robot: String,

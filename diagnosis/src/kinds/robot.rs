@@ -26,7 +26,7 @@ pub struct Firings {
     /// How many of them have an id.
     listed: usize,
     terms: Vec<Term>,
-    /// Whether the radius angle is 0 where the axle starts, and not where the foot stands.
+    /// Whether the radius angle, or the travel, is 0 where the axle starts, and not where the foot stands.
     from_axle: bool,
 }
 
@@ -51,6 +51,8 @@ pub(super) enum Column {
     Lean,
     Pivot,
     Turn,
+    Travel,
+    Height,
     Rate,
     Distance,
     Apex,
@@ -64,6 +66,8 @@ impl Column {
             "wheel_angle_rad" => Column::Lean,
             "pivot_angle_rad" => Column::Pivot,
             "radius_angle_rad" => Column::Turn,
+            "x_m" => Column::Travel,
+            "y_m" => Column::Height,
             "wheel_rate_rad_s" => Column::Rate,
             "distance_m" => Column::Distance,
             "apex_m" => Column::Apex,
@@ -124,15 +128,15 @@ impl Firings {
         Ok(firings)
     }
 
-    /// Whether the radius angle starts nearer to 0 than where the axle is with the foot at 0.
+    /// Whether the radius angle, or else the travel, starts nearer to 0 than where the axle is with the foot at 0.
     fn starts_at_axle(&self) -> bool {
-        let (Some(turn), Some(lean)) = (
-            self.columns.iter().position(|c| *c == Column::Turn),
-            self.columns.iter().position(|c| *c == Column::Lean),
-        ) else {
+        let of = |column: Column| self.columns.iter().position(|c| *c == column);
+        let turn = of(Column::Turn).map(|turn| (turn, self.arm()));
+        let (Some((turn, arm)), Some(lean)) =
+            (turn.or(of(Column::Travel).map(|travel| (travel, 1.0))), of(Column::Lean))
+        else {
             return false;
         };
-        let arm = self.robot.boom.map_or(1.0, |b| b.length);
         let first = |log: &Log, channel: usize| {
             let mut values: Vec<f64> =
                 log.readings.iter().filter(|r| r.channel == channel).take(5).map(|r| r.value).collect();
@@ -144,6 +148,11 @@ impl Firings {
             if turn.abs() < (turn - foot_at_0).abs() { 1 } else { -1 }
         });
         votes.sum::<i32>() > 0
+    }
+
+    /// Travel of the axle (m) for each unit of a pose's turn.
+    fn arm(&self) -> f64 {
+        self.robot.boom.map_or(1.0, |boom| boom.length)
     }
 
     /// The robot of a run with the terms on.
@@ -204,13 +213,15 @@ impl Firings {
     }
 
     /// What a sensor of `column` makes of the pose, or of the outcome.
-    fn sensed(column: Column, pose: &Pose, gyro: f64) -> f64 {
+    fn sensed(&self, column: Column, pose: &Pose, gyro: f64) -> f64 {
         match column {
             Column::Position => pose.extension.0,
             Column::Pressure => pose.pressure.0,
             Column::Lean => pose.lean.0,
             Column::Pivot => pose.pivot.0,
             Column::Turn => pose.turn.0,
+            Column::Travel => pose.turn.0 * self.arm(),
+            Column::Height => pose.height.0,
             Column::Rate => pose.lean.1 + gyro * pose.turn.1 * pose.pivot.0.sin(),
             Column::Distance | Column::Apex => f64::NAN,
         }
@@ -384,8 +395,12 @@ impl Kind for Firings {
                     let time = (r.time - held).max(first);
                     let pose = course.at(time - delay, &mut places[r.channel]);
                     let column = self.columns[r.channel];
-                    let zero = if column == Column::Turn { from } else { 0.0 };
-                    gain * (Firings::sensed(column, &pose, gyro) - zero) + offset
+                    let zero = match column {
+                        Column::Turn => from,
+                        Column::Travel => from * self.arm(),
+                        _ => 0.0,
+                    };
+                    gain * (self.sensed(column, &pose, gyro) - zero) + offset
                 })
                 .collect(),
         )

@@ -10,7 +10,8 @@ const TELLING: usize = 8;
 #[derive(Debug)]
 pub(super) struct Tally {
     channel: &'static Channel,
-    values: usize,
+    /// Cells that are filled.
+    pub(super) values: usize,
     missing: usize,
     first: f64,
     changes: bool,
@@ -43,6 +44,9 @@ impl Tally {
         let column = self.channel.name;
         let all =
             if self.missing == 0 { format!("all {rows}") } else { format!("all {} filled", self.values) };
+        if self.values == 0 && self.channel.optional {
+            return Ok(None);
+        }
         if self.values == 0 {
             return Err(Error::signal(file, column, format!("is empty in all {rows} rows")));
         }

@@ -6,12 +6,13 @@ use std::io::Read;
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
 
+use saltus_robot::units::{Quantity, TIME, Unit};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::error::{Error, cut, one_line, shown};
 use super::instant::{self, Instant};
-use super::spec::{Domain, SPECS, Setting, Spec};
+use super::spec::{Domain, SPECS, Setting, Spec, power, spellings};
 
 /// Its name in the folder.
 pub(super) const NAME: &str = "experiment.toml";
@@ -85,7 +86,7 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Manifest, Error> {
     let source = Source { file: &file, text };
     let document = DeTable::parse(text).map_err(|error| source.not_toml(&error))?;
     let mut table = Table { source, path: String::new(), start: 0, entries: document.into_inner() };
-    table.know(&["kind", "robot", "noise", "resolution", "run"])?;
+    table.know("key", ["kind", "robot", "noise", "resolution", "run"].map(|key| (key, None)))?;
     let spec = kind(&mut table)?;
     Ok(Manifest {
         spec,
@@ -131,11 +132,11 @@ fn sizes(table: &mut Table<'_>, key: &'static str, spec: &Spec) -> Result<BTreeM
     const SIZE: Domain = Domain { legal: |x| x > 0.0, allowed: "a number above 0 in the column's unit" };
     let Some(value) = table.take(key) else { return Ok(BTreeMap::new()) };
     let mut table = table.inner(key, value)?;
-    let names: Vec<&str> = spec.channels.iter().map(|channel| channel.name).collect();
-    table.know_as("column", &names)?;
+    table.know("column", spec.channels.iter().map(|own| (own.name, Some(own.quantity))))?;
     let mut sizes = BTreeMap::new();
-    for name in names {
-        sizes.extend(table.number(name, &SIZE)?.map(|size| (name.to_owned(), size)));
+    for own in spec.channels {
+        let size = table.number(own.name, (own.quantity, SIZE))?;
+        sizes.extend(size.map(|size| (own.name.to_owned(), size)));
     }
     Ok(sizes)
 }
@@ -172,10 +173,9 @@ fn runs(table: &mut Table<'_>, spec: &Spec) -> Result<Vec<Listed>, Error> {
 /// One run, and where its file is named.
 fn listed(table: &mut Table<'_>, spec: &Spec) -> Result<(Listed, usize), Error> {
     let window: &[&str] = if spec.timed() { &["valid_from_s", "valid_to_s"] } else { &[] };
-    let settings = spec.settings.iter().map(|setting| setting.key);
-    let times = window.iter().chain(spec.instants).copied();
-    let known: Vec<&str> = ["file"].into_iter().chain(settings).chain(times).collect();
-    table.know(&known)?;
+    let settings = spec.settings.iter().map(|setting| (setting.key, Some(setting.quantity)));
+    let times = window.iter().chain(spec.instants).map(|key| (*key, Some(TIME)));
+    table.know("key", [("file", None)].into_iter().chain(settings).chain(times))?;
     let Some(value) = table.take("file") else { return Err(table.missing("file")) };
     let file = match value.get_ref() {
         DeValue::String(name) => within(name),
@@ -188,7 +188,7 @@ fn listed(table: &mut Table<'_>, spec: &Spec) -> Result<(Listed, usize), Error> 
     let settings = set(table, spec.settings)?;
     let mut instants = Vec::new();
     for &key in spec.instants {
-        instants.extend(table.instant(key)?.map(|instant| (key, instant)));
+        instants.extend(table.instant(key)?.map(|(_, instant)| (key, instant)));
     }
     Ok((Listed { file, window, settings, instants }, value.span().start))
 }
@@ -209,20 +209,19 @@ pub(super) fn within(name: &str) -> Option<String> {
 /// The part of a run that the operator calls valid.
 fn valid(table: &mut Table<'_>) -> Result<[Option<Instant>; 2], Error> {
     let from = table.instant("valid_from_s")?;
-    let place = table.entries.get("valid_to_s").map(Spanned::span);
     let to = table.instant("valid_to_s")?;
-    match (from, to, place) {
-        (Some(from), Some(to), Some(place)) if from >= to => {
-            Err(table.refused("valid_to_s", place, &format!("after valid_from_s = {from}")))
-        }
-        _ => Ok([from, to]),
+    if let (Some((_, from)), Some((place, to))) = (&from, &to)
+        && from >= to
+    {
+        return Err(table.refused("valid_to_s", place.clone(), &format!("after valid_from_s = {from}")));
     }
+    Ok([from, to].map(|instant| instant.map(|(_, instant)| instant)))
 }
 
 fn set(table: &mut Table<'_>, known: &[Setting]) -> Result<BTreeMap<String, f64>, Error> {
     let mut settings = BTreeMap::new();
     for setting in known {
-        match table.number(setting.key, &setting.domain)? {
+        match table.number(setting.key, (setting.quantity, setting.domain))? {
             Some(number) => settings.extend([(setting.key.to_owned(), number)]),
             None if setting.required => return Err(table.missing(setting.key)),
             None => {}
@@ -289,29 +288,62 @@ impl<'a> Table<'a> {
     }
 
     /// Refuses every key but these. This comes before what is missing, which mostly is a key misspelt.
-    fn know(&self, known: &[&str]) -> Result<(), Error> {
-        self.know_as("key", known)
-    }
-
-    fn know_as(&self, what: &'static str, known: &[&str]) -> Result<(), Error> {
-        let strange = self.entries.iter().filter(|(key, _)| !known.contains(&&**key.get_ref()));
+    fn know(
+        &self,
+        what: &'static str,
+        known: impl IntoIterator<Item = (&'static str, Option<Quantity>)>,
+    ) -> Result<(), Error> {
+        let mut spelled: Vec<String> = Vec::new();
+        for (key, quantity) in known {
+            match quantity {
+                Some(quantity) => spelled.extend(spellings(key, quantity).map(|(spelling, _)| spelling)),
+                None => spelled.push(key.into()),
+            }
+        }
+        let strange =
+            self.entries.iter().filter(|(key, _)| !spelled.iter().any(|known| known == key.get_ref()));
         strange.min_by_key(|(key, _)| key.span().start).map_or(Ok(()), |(key, _)| {
-            Err(Error::unknown(self.source.place(key.span().start), what, key.get_ref(), known))
+            let known: Vec<&str> = spelled.iter().map(String::as_str).collect();
+            Err(Error::unknown(self.source.place(key.span().start), what, key.get_ref(), &known))
         })
     }
 
-    fn number(&mut self, key: &str, domain: &Domain) -> Result<Option<f64>, Error> {
-        let Some(value) = self.take(key) else { return Ok(None) };
-        let number = literal(&value).and_then(|literal| literal.parse().ok());
-        let legal = number.filter(|number: &f64| number.is_finite() && (domain.legal)(*number));
-        legal.map(Some).ok_or_else(|| self.refused(key, value.span(), domain.allowed))
+    /// How `key`, which is named in SI, is spelled and what it says, in whichever of its units; it must be given once.
+    fn spelled(
+        &mut self,
+        key: &'static str,
+        quantity: Quantity,
+    ) -> Result<Option<(String, Unit, Spanned<DeValue<'a>>)>, Error> {
+        let mut given: Option<(String, Unit, Spanned<DeValue<'a>>)> = None;
+        for (spelling, unit) in spellings(key, quantity) {
+            let Some(value) = self.take(&spelling) else { continue };
+            if let Some((other, ..)) = &given {
+                let allowed = format!("left out: {}{other} says the same", self.path);
+                return Err(self.refused(&spelling, value.span(), &allowed));
+            }
+            given = Some((spelling, unit, value));
+        }
+        Ok(given)
     }
 
-    /// An instant (s) on the clock of a run.
-    fn instant(&mut self, key: &str) -> Result<Option<Instant>, Error> {
-        let Some(value) = self.take(key) else { return Ok(None) };
-        let instant = literal(&value).and_then(|literal| Instant::parse(literal, 0));
-        instant.map(Some).ok_or_else(|| self.refused(key, value.span(), instant::ALLOWED))
+    /// A number in SI.
+    fn number(
+        &mut self,
+        key: &'static str,
+        (quantity, domain): (Quantity, Domain),
+    ) -> Result<Option<f64>, Error> {
+        let Some((spelling, unit, value)) = self.spelled(key, quantity)? else { return Ok(None) };
+        let number = literal(&value).map(|literal| unit.si(literal));
+        let legal = number.filter(|number| number.is_finite() && (domain.legal)(*number));
+        legal.map(Some).ok_or_else(|| self.refused(&spelling, value.span(), domain.allowed))
+    }
+
+    /// An instant on the clock of a run, and where it stands.
+    fn instant(&mut self, key: &'static str) -> Result<Option<(Range<usize>, Instant)>, Error> {
+        let Some((spelling, unit, value)) = self.spelled(key, TIME)? else { return Ok(None) };
+        let instant = literal(&value).and_then(|literal| Instant::parse(literal, power(unit)));
+        let found = instant.map(|instant| Some((value.span(), instant)));
+        found.ok_or_else(|| self.refused(&spelling, value.span(), instant::ALLOWED))
     }
 
     fn refused(&self, key: &str, span: Range<usize>, allowed: &str) -> Error {

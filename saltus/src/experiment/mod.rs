@@ -143,14 +143,12 @@ fn scaled(folder: &Path, manifest: &Manifest, readings: &[Reading]) -> Result<()
 fn gathered(
     path: &Path,
     manifest: Manifest,
-    readings: Vec<Reading>,
+    mut readings: Vec<Reading>,
     hashes: BTreeMap<Hash, String>,
 ) -> Folder {
-    let columns: Vec<String> = readings
-        .first()
-        .map(|first| first.columns.iter().map(|name| (*name).into()).collect())
-        .unwrap_or_default();
+    let (columns, empty) = columns(&mut readings);
     let mut notes = odd(&manifest, &columns);
+    notes.extend(empty);
     notes.extend(readings.iter().flat_map(|reading| reading.notes.clone()));
     notes.extend(shared(&readings));
     notes.extend(unlisted(path, &manifest));
@@ -168,6 +166,19 @@ fn gathered(
     hash.add(write::manifest(&experiment, manifest.robot.as_deref(), manifest.spec).as_bytes());
     parts.into_iter().for_each(|part| hash.join(part));
     Folder { experiment, robot: manifest.robot, path: path.into(), hash: hash.hex(), notes, rows, hashes }
+}
+
+/// The columns of the runs without those that are empty in all of them, and notes of these.
+fn columns(readings: &mut [Reading]) -> (Vec<String>, Vec<String>) {
+    let names = readings.first().map(|first| first.columns.clone()).unwrap_or_default();
+    let is_filled = |i: &usize| readings.iter().any(|reading| reading.filled[*i] > 0);
+    let (filled, empty): (Vec<usize>, Vec<usize>) = (0..names.len()).partition(is_filled);
+    for reading in readings {
+        let mut column = 0..;
+        reading.run.values.retain(|_| column.next().is_some_and(|i| filled.contains(&i)));
+    }
+    let note = |i: usize| format!("{}: {} is empty in all runs and is not used", manifest::NAME, names[i]);
+    (filled.into_iter().map(|i| names[i].to_owned()).collect(), empty.into_iter().map(note).collect())
 }
 
 /// Notes that runs share: each once, of the first run that has it.

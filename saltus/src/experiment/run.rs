@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use saltus_diagnosis::Run;
+use saltus_robot::units::Unit;
 
 use super::channel::Tally;
 use super::clock::{self, Clock};
-use super::error::{Error, one_line, shown};
+use super::error::{Error, cut, one_line, shown};
 use super::header::{Header, bare};
 use super::idle::{Motion, Rest};
 use super::instant::{self, Instant};
@@ -25,8 +26,9 @@ pub(super) struct Reading {
     pub(super) run: Run,
     /// Its channels.
     pub(super) columns: Vec<&'static str>,
-    /// Greatest magnitude in each.
+    /// Greatest magnitude in each, and how many cells are filled.
     pub(super) largest: Vec<f64>,
+    pub(super) filled: Vec<usize>,
     /// Of its rows, whatever the zero of their clock.
     pub(super) hash: Hash,
     /// Rows of the file.
@@ -122,7 +124,7 @@ impl<'a> Log<'a> {
             last: None,
             clock: Clock::default(),
             valve: Valve::default(),
-            tallies: header.channels.iter().map(|(_, channel)| Tally::new(channel)).collect(),
+            tallies: header.channels.iter().map(|(_, channel, _)| Tally::new(channel)).collect(),
             kept: Thinned::new(most, block, channels),
             idle: Thinned::new(motion.map_or(0, |motion| motion.most), block, channels),
             motion,
@@ -136,8 +138,8 @@ impl<'a> Log<'a> {
 
     fn row(&mut self, line: u64, text: &[u8]) -> Result<(), Error> {
         let cells: Vec<&[u8]> = text.split(|byte| *byte == b',').collect();
-        if cells.len() != self.header.width {
-            let reason = format!("{} cells where the header has {}", cells.len(), self.header.width);
+        if cells.len() != self.header.names.len() {
+            let reason = format!("{} cells where the header has {}", cells.len(), self.header.names.len());
             return Err(Error::content(self.place(line), reason));
         }
         self.rows += 1;
@@ -172,7 +174,7 @@ impl<'a> Log<'a> {
     }
 
     fn command(&self, line: u64, cell: &[u8]) -> Result<Option<f64>, Error> {
-        let command = self.number(line, "valve", cell)?;
+        let command = self.number(line, "valve", cell, Unit::SI)?;
         if command.is_some_and(|command| command != 0.0 && command != 1.0) {
             let text = String::from_utf8_lossy(cell);
             return Err(Error::value(self.place(line), "valve", bare(&text), "0 or 1"));
@@ -188,16 +190,12 @@ impl<'a> Log<'a> {
             return Ok(());
         }
         let mut values = Vec::with_capacity(self.header.channels.len());
-        for &(column, channel) in &self.header.channels {
-            let value = self.number(line, channel.name, cells[column])?;
+        for &(column, channel, unit) in &self.header.channels {
+            let name = &self.header.names[column];
+            let value = self.number(line, name, cells[column], unit)?;
             if value.is_some_and(|value| !(channel.domain.legal)(value)) {
                 let text = String::from_utf8_lossy(cells[column]);
-                return Err(Error::value(
-                    self.place(line),
-                    channel.name,
-                    bare(&text),
-                    channel.domain.allowed,
-                ));
+                return Err(Error::value(self.place(line), name, bare(&text), channel.domain.allowed));
             }
             if value.is_none() && channel.needed {
                 self.left_out.get_or_insert((0, line, channel.name)).0 += 1;
@@ -223,13 +221,13 @@ impl<'a> Log<'a> {
         Ok(())
     }
 
-    /// The number in a cell; none where it is empty.
-    fn number(&self, line: u64, name: &str, cell: &[u8]) -> Result<Option<f64>, Error> {
+    /// The number in a cell, in SI; none where it is empty.
+    fn number(&self, line: u64, name: &str, cell: &[u8], unit: Unit) -> Result<Option<f64>, Error> {
         const ALLOWED: &str = "a finite number, or empty where none was measured";
         let text = self.text(line, name, cell)?;
-        match text.parse() {
+        match unit.si(text) {
             _ if text.is_empty() => Ok(None),
-            Ok(number) if f64::is_finite(number) => Ok(Some(number)),
+            number if number.is_finite() => Ok(Some(number)),
             _ => Err(Error::value(self.place(line), name, text, ALLOWED)),
         }
     }
@@ -249,7 +247,7 @@ impl<'a> Log<'a> {
             .header
             .channels
             .iter()
-            .map(|(_, channel)| manifest.resolution.get(channel.name).copied())
+            .map(|(_, channel, _)| manifest.resolution.get(channel.name).copied())
             .collect();
         Motion::within(&self.kept, &steps, self.valve.opened()?, self.source.spec.rest)
     }
@@ -261,6 +259,9 @@ impl<'a> Log<'a> {
         let (mut notes, shared) = (self.notes(), self.shared());
         for tally in &self.tallies {
             notes.extend(tally.judge(file, &self.name, spec)?);
+        }
+        if self.tallies.iter().all(|tally| tally.values == 0) {
+            return Err(Error::content(file, "all cells are empty: nothing was measured"));
         }
         let valve = if spec.valve {
             let (times, odd) = self.valve.times(file)?;
@@ -280,9 +281,10 @@ impl<'a> Log<'a> {
         let (instants, values) = self.kept.merged(self.idle);
         let time = instants.iter().map(|instant| instant.since(origin)).collect();
         let run = Run { name: listed.file.clone(), settings, valve, time, values };
-        let columns = self.header.channels.iter().map(|(_, channel)| channel.name).collect();
+        let columns = self.header.channels.iter().map(|(_, channel, _)| channel.name).collect();
         let largest = self.tallies.iter().map(|tally| tally.largest).collect();
-        Ok(Reading { run, columns, largest, hash: self.hash, rows: self.rows, notes, shared })
+        let filled = self.tallies.iter().map(|tally| tally.values).collect();
+        Ok(Reading { run, columns, largest, filled, hash: self.hash, rows: self.rows, notes, shared })
     }
 
     /// Refuses a run from which nothing can be learned.
@@ -324,6 +326,14 @@ impl<'a> Log<'a> {
     /// What is left out of the rows.
     fn shared(&self) -> Vec<(&'static str, String)> {
         let mut shared = Vec::new();
+        if !self.header.strange.is_empty() {
+            let (spec, names) = (self.source.spec, self.header.strange.join(", "));
+            let known = spec.columns().join(", ");
+            shared.push((
+                "strange",
+                format!("not read: {}; the columns of a {} are {known}", cut(&names), spec.id),
+            ));
+        }
         let (seen, kept, stride) = (self.kept.seen, self.kept.time.len(), self.kept.stride);
         if stride > 1 {
             let advice = if self.source.spec.timed() {

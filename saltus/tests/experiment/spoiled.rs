@@ -47,14 +47,14 @@ const SPOILED: &[(&str, &str, &str, &str, &str)] = &[
     ("flight", "experiment.toml", "mass_kg = 0.05", "valid_from_s = 0.9", "DATA/a.csv: 3 rows from valid_from_s to valid_to_s: a run of kind flight needs 5 at least"),
     ("flight", "experiment.toml", "mass_kg = 0.05", "valid_from_s = 0.9\nvalid_to_s = 0.2", "DATA/experiment.toml:5: run[0].valid_to_s = 0.2: must be after valid_from_s = 0.9"),
     ("outcomes", "experiment.toml", "file = \"a.csv\"\n", "file = \"a.csv\"\nvalid_from_s = 1\n", "DATA/experiment.toml:5: unknown key valid_from_s; the nearest known key is file"),
-    ("bench", "a.csv", "time_s", "time_ms", "DATA/a.csv:1: unknown column time_ms; the nearest known column is time_s"),
+    ("bench", "a.csv", "time_s", "time_min", "DATA/a.csv:1: unknown column time_min; the nearest known column is time_s"),
     ("bench", "a.csv", "pressure_pa", "presure_pa", "DATA/a.csv:1: unknown column presure_pa; the nearest known column is pressure_pa"),
     ("bench", "a.csv", "valve,", ",", "DATA/a.csv:1: column 2 has no name"),
     ("bench", "a.csv", "time_s,valve,position_m,pressure_pa\n", "", "DATA/a.csv:1: 0 stands where the first line must name columns of time_s,valve,position_m,pressure_pa"),
     ("bench", "a.csv", "position_m,pressure_pa", "position_m,position_m", "DATA/a.csv:1: column position_m is there twice"),
     ("flight", "a.csv", "time_s,x_m,y_m", "time_s;x_m;y_m", "DATA/a.csv:1: cells are separated by semicolons: must be commas, and points in numbers"),
     ("flight", "a.csv", "time_s,x_m,y_m", "time_s\tx_m\ty_m", "DATA/a.csv:1: cells are separated by tabs: must be commas, and points in numbers"),
-    ("outcomes", "a.csv", "apex_m", "time_s", "DATA/a.csv:1: unknown column time_s; the nearest known column is apex_m"),
+    ("outcomes", "a.csv", "apex_m", "time_s", "DATA/a.csv:1: missing column apex_m; not known are time_s"),
     ("bench", "a.csv", "0.2,0,0.02,298000\n", "0.2,0,0.02\n", "DATA/a.csv:4: 3 cells where the header has 4"),
     ("bench", "a.csv", "0.02,", "NaN,", "DATA/a.csv:4: position_m = NaN: must be a finite number, or empty where none was measured"),
     ("bench", "a.csv", "0.02,", "-inf,", "DATA/a.csv:4: position_m = -inf: must be a finite number, or empty where none was measured"),
@@ -133,6 +133,7 @@ fn spoiled_columns_are_refused() {
     };
     check("bench", 2, &same("0.03"), &format!("DATA/a.csv: position_m is 0.03 in all 12 rows: {dead}"));
     check("bench", 3, &same("101325"), &format!("DATA/a.csv: pressure_pa is 101325 in all 12 rows: {dead}"));
+    check("hop", 2, &same(""), "DATA/a.csv: all cells are empty: nothing was measured");
     check("hop", 2, &same("0"), &format!("DATA/a.csv: pivot_angle_rad is 0 in all 12 rows: {dead}"));
     check("jump", 5, &same("5"), &format!("DATA/a.csv: wheel_rate_rad_s is 5 in all 12 rows: {dead}"));
     check("flight", 2, &same("1.5"), &format!("DATA/a.csv: y_m is 1.5 in all 12 rows: {dead}"));
@@ -235,7 +236,7 @@ fn spoiled_runs_are_refused() {
         ("long-cell", "a.csv", format!("{header}0,0,{}\t,1\n", "9".repeat(50) + "x").into_bytes(), "DATA/a.csv:2: position_m = 9999999999999999999999999999999999999999…: must be a finite number, or empty where none was measured"),
         ("same-contents", "b.csv", rows("bench", 0).into_bytes(), "DATA/b.csv: duplicate run: its contents are those of a.csv"),
         ("two-clocks", "a.csv", (rows("bench", 0) + &rows("bench", 1)[header.len()..]).into_bytes(), "DATA/a.csv:14: time_s = 0 follows 1.1: it must increase; the clock starts again: a file must be one run"),
-        ("no-column", "a.csv", b"time_s,valve,position_m\n0,0,0\n".to_vec(), "DATA/a.csv:1: missing column pressure_pa"),
+        ("no-column", "a.csv", b"time_s,valve,pressure_pa\n0,0,0\n".to_vec(), "DATA/a.csv:1: missing column position_m"),
     ]);
 }
 

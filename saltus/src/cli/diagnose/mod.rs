@@ -108,6 +108,8 @@ With --inject there is nothing to diagnose: data are made with effects hidden in
 what they are; the folder does not. CAUSE is an id, VALUE its parameter in the unit of its name, several with commas; of a sensor \
 COLUMN:VALUE. A CAUSE that the kind does not have is answered with a list of those that it has.
 
+docs/logs.md has the format of the data: columns, units, zeros and signs, keys, and an example of each kind.
+
 The exit code is 0 if nothing is wrong, 1 if something is.";
 
 fn level(text: &str) -> Result<f64, String> {
