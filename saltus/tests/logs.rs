@@ -45,6 +45,7 @@ fn the_examples_of_the_page_are_read() {
         assert_eq!(format!("{:?}", data.experiment.kind).to_lowercase(), kind);
         assert_eq!(data.notes, [""; 0], "{kind}");
         let robot = data.robot.as_deref().map(|name| Robot::builtin(name).unwrap());
+        saltus::experiment::plausible(&data, robot.as_ref()).unwrap();
         saltus::diagnosis::kinds::build(&data.experiment, robot.as_ref()).unwrap();
     }
 }
@@ -246,4 +247,107 @@ fn units_are_those_of_the_names() {
             && error.ends_with("left out: run[0].load_mass_kg says the same"),
         "{error}"
     );
+}
+
+/// What both commands say of the bench with one column changed.
+#[track_caller]
+fn refused(folder: &Folder, commands: &[&str], words: &[&str]) {
+    for command in commands {
+        let run = folder.run(&[command, "data"]);
+        assert_eq!(run.code, Some(2), "{command}: {}", run.out);
+        assert!(words.iter().all(|word| run.err.contains(word)), "{command}: {}", run.err);
+    }
+}
+
+#[test]
+fn slips_of_unit_on_the_bench_are_named() {
+    let folder = bench("slips");
+    let both = ["diagnose", "fit"];
+    let mut before = 1.0;
+    for (factor, unit) in [
+        (100.0, "is it in cm?"),
+        (1.0 / 0.0254, "is it in in?"),
+        (11.4, "times the stroke"),
+        (-1.0, "sign turned"),
+    ] {
+        change(&folder, |i, cells| replaced(i, cells, 2, "position_m", |x| x * factor / before));
+        refused(&folder, &both, &["position_m", unit]);
+        before = factor;
+    }
+    change(&folder, |i, cells| replaced(i, cells, 2, "position_m", |x| x / before));
+    let toml = folder.read("data/experiment.toml");
+    for (key, factor, unit) in
+        [("load_mass_kg", 400.0, "is it in g?"), ("supply_pressure_gauge_pa", 0.01, "is it in mbar?")]
+    {
+        let text: String = toml
+            .lines()
+            .map(|line| match line.split_once(" = ") {
+                Some((k, value)) if k == key => {
+                    format!("{key} = {}\n", value.parse::<f64>().unwrap() * factor)
+                }
+                _ => format!("{line}\n"),
+            })
+            .collect();
+        folder.write("data/experiment.toml", text);
+        refused(&folder, &both, &[key, unit]);
+    }
+    // And right data are read, whatever the leg does.
+    folder.write("data/experiment.toml", toml);
+    assert_eq!(folder.run(&["diagnose", "data", "--most", "1"]).code, Some(1));
+}
+
+#[test]
+fn slips_of_unit_elsewhere_are_named() {
+    let check = |kind: &str, column: &str, factor: f64, unit: &str| {
+        let folder = Folder::new(&format!("logs-slip-{kind}-{}", column.replace('/', "")));
+        folder.done(&format!("diagnose --inject none --kind {kind} --runs 3 --out data"), 0);
+        let place = |text: &str| text.split(',').position(|name| name == column).unwrap();
+        let k = place(folder.read("data/run-01.csv").lines().next().unwrap());
+        change(&folder, |i, cells| replaced(i, cells, k, column, |x| x * factor));
+        refused(&folder, &["diagnose"], &[column, unit]);
+    };
+    check("flight", "y_m", 1e3, "is it in mm?");
+    check("flight", "y_m", 1.0 / 0.3048, "is it in ft?");
+    check("flight", "y_m", -1.0, "sign turned");
+    check("stroke", "force_n", 1e-3, "is it in kN?");
+    check("stroke", "force_n", 1.0 / 4.448, "is it in lbf?");
+    check("stroke", "force_n", -1.0, "sign turned");
+    check("vessel", "pressure_pa", 0.01, "absolute pressure from 1000");
+    check("outcomes", "omega_rad_s", 9.549, "is it in rpm?");
+    check("outcomes", "apex_m", 39.37, "is it in in?");
+    check("jump", "wheel_rate_rad_s", 9.549, "is it in rpm?");
+    check("jump", "wheel_rate_rad_s", -1.0, "sign turned");
+}
+
+/// What real effects and instruments do is not taken for a slip: every kind with and without effects, and measured drops.
+#[test]
+fn right_data_are_not_refused() {
+    let sets = [
+        ("bench", "valve-discharge=0.95"),
+        ("bench", "encoder-scale=position_m:1.3"),
+        ("bench", "supply-pressure=supply_pressure_factor:0.4"),
+        ("hop", "gravity=4"),
+        ("hop", "coulomb-friction=40"),
+        ("jump", "encoder-scale=wheel_rate_rad_s:0.7"),
+        ("outcomes", "gravity=5"),
+        ("flight", "gravity=4.5"),
+        ("flight", "air-drag=0.3"),
+        ("stroke", "seal-friction=3e-5"),
+        ("slide", "viscous-friction=5"),
+        ("vessel", "gas-type=1"),
+    ];
+    let judge = |path: &Path| {
+        let data = read(path, &|_| ()).unwrap();
+        let robot = data.robot.as_deref().map(|name| Robot::builtin(name).unwrap());
+        saltus::experiment::plausible(&data, robot.as_ref()).unwrap();
+    };
+    for (i, (kind, effect)) in sets.into_iter().enumerate() {
+        let folder = Folder::new(&format!("logs-right-{i}"));
+        folder.done(&format!("diagnose --inject {effect} --kind {kind} --runs 3 --out data"), 0);
+        judge(&folder.path("data"));
+    }
+    let drops = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/reference/ball-drops");
+    for entry in std::fs::read_dir(drops).unwrap().map(Result::unwrap).filter(|entry| entry.path().is_dir()) {
+        judge(&entry.path());
+    }
 }

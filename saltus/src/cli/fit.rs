@@ -93,6 +93,7 @@ impl Fit {
             }
         };
         let believed = saltus::resolve(&name, &self.overrides)?;
+        experiment::plausible(&folder, Some(&believed))?;
         let names: Vec<String> = match self.parameters.as_slice() {
             [] => USUAL.map(str::to_owned).into(),
             names => names.iter().map(|name| name.trim().to_owned()).collect(),

@@ -23,6 +23,7 @@ mod instant;
 mod join;
 mod lines;
 mod manifest;
+mod plausible;
 mod run;
 mod spec;
 mod thin;
@@ -34,6 +35,7 @@ use std::path::{Path, PathBuf};
 
 pub use error::Error;
 pub use join::read_all;
+pub use plausible::plausible;
 pub use saltus_diagnosis::{Experiment, Run, Sort};
 pub use write::write;
 

@@ -140,6 +140,7 @@ impl Diagnose {
             experiment::read_all(&self.folders, &|n| progress.advance(n))?
         };
         let robot = self.robot_of(&folder)?;
+        experiment::plausible(&folder, robot.as_ref())?;
         let kind = diagnosis::kinds::build(&folder.experiment, robot.as_ref())
             .map_err(|error| unusable(&folder, error.to_string()))?;
         let settings = Settings {
