@@ -22,7 +22,7 @@ const LONG: usize = 3;
 /// Fewest rows of rest that are cut off.
 const FEWEST: usize = 20;
 /// Part of a run at each end from which the level at rest is taken.
-const END: usize = 8;
+const END: usize = 32;
 /// Standard deviations of the noise, steps of the instrument and part of the channel's range within which a channel rests.
 const SIGMAS: f64 = 6.0;
 const STEPS: f64 = 1.5;
@@ -118,6 +118,7 @@ fn median(values: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -61,7 +61,7 @@ fn picoseconds(text: &str, power: i64) -> Option<i128> {
     let (whole, part) = mantissa.split_once('.').unwrap_or((mantissa, ""));
     let digits = format!("{whole}{part}");
     // So many digits stand before the point of a number in picoseconds.
-    let before = whole.len() as i64 + exponent.parse::<i64>().ok()? + power + PLACES;
+    let before = i64::try_from(whole.len()).ok()? + exponent.parse::<i64>().ok()? + power + PLACES;
     let Ok(before) = usize::try_from(before) else { return Some(0) };
     let (kept, cut) = digits.split_at(before.min(digits.len()));
     let kept: i128 = format!("0{kept}{}", "0".repeat(before - kept.len())).parse().ok()?;
@@ -81,6 +81,7 @@ impl fmt::Display for Instant {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 
@@ -129,7 +130,8 @@ mod tests {
     #[test]
     fn a_time_is_the_nearest_number() {
         for text in ["0", "0.1", "0.007", "-0.3", "12.345678901234", "99999.999999999999"] {
-            assert_eq!(Instant::parse(text, 0).unwrap().since(Instant(0)), text.parse().unwrap(), "{text}");
+            let nearest: f64 = text.parse().unwrap();
+            assert_eq!(Instant::parse(text, 0).unwrap().since(Instant(0)), nearest, "{text}");
         }
         assert_eq!(Instant::of_row(3).since(Instant(0)), 3.0);
     }

@@ -166,7 +166,9 @@ fn gathered(
     let experiment = Experiment { kind: manifest.spec.sort, noise, resolution, columns, runs };
     let mut hash = Hash::default();
     hash.add(write::manifest(&experiment, manifest.robot.as_deref(), manifest.spec).as_bytes());
-    parts.into_iter().for_each(|part| hash.join(part));
+    for part in parts {
+        hash.join(part);
+    }
     Folder { experiment, robot: manifest.robot, path: path.into(), hash: hash.hex(), notes, rows, hashes }
 }
 

@@ -38,7 +38,7 @@ pub(super) struct Spec {
 }
 
 /// A measured column.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Channel {
     /// Its name in SI, as [`Run`](super::Run) has it.
     pub(super) name: &'static str,
