@@ -249,6 +249,29 @@ fn units_are_those_of_the_names() {
     );
 }
 
+/// A jump that is logged long before the touch-down cannot be simulated from its first row: what to do is said.
+#[test]
+fn a_jump_that_starts_too_early_is_told_where_to_start() {
+    let folder = Folder::new("logs-early");
+    folder.done("diagnose --inject none --kind jump --runs 3 --out data", 0);
+    let text = folder.read("data/run-01.csv");
+    let (header, rows) = text.split_once('\n').unwrap();
+    let mut early = format!("{header}\n");
+    for k in 0..3000 {
+        let time = f64::from(k) * 1e-3 - 3.0;
+        let lean = -0.42 + 0.1 * (3.0 * time).sin();
+        writeln!(early, "{time:.3},0,{lean:.4},0,{:.4},{:.3}", 0.1 * lean, 0.3 * (3.0 * time).cos()).unwrap();
+    }
+    folder.write("data/run-01.csv", early + rows);
+    let run = folder.run(&["diagnose", "data"]);
+    assert_eq!(run.code, Some(2), "{}", run.out);
+    let said = ["run-01.csv: the model has no such motion from the first valid row", "set valid_from_s"];
+    assert!(said.iter().all(|words| run.err.contains(words)), "{}", run.err);
+    let toml = folder.read("data/experiment.toml");
+    folder.write("data/experiment.toml", toml.replacen("[[run]]", "[[run]]\nvalid_from_s = 0", 1));
+    assert_eq!(folder.run(&["diagnose", "data"]).code, Some(0));
+}
+
 /// What both commands say of the bench with one column changed.
 #[track_caller]
 fn refused(folder: &Folder, commands: &[&str], words: &[&str]) {

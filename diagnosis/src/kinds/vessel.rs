@@ -36,6 +36,8 @@ pub struct Vessels {
     listed: usize,
 }
 
+/// Standard deviations of a reading that has left the initial state.
+const LEFT: f64 = 5.0;
 /// The key, and the name of the unknown, of when it is opened.
 const RELEASE: &str = "release_s";
 /// Standard deviation (K) of a thermometer that could be had.
@@ -94,17 +96,24 @@ impl Vessels {
         (time(readings.first()), time(readings.last()))
     }
 
-    /// How long (s) before the first reading it was opened, as the first tenth of the readings of a column has it, on a line.
-    fn opened_before(&self, run: usize) -> f64 {
-        let (readings, tank) = (&self.logs[run].readings, &self.tanks[run]);
-        let Some(first) = readings.first() else { return 0.0 };
-        let column: Vec<&Reading> = readings.iter().filter(|r| r.channel == first.channel).collect();
-        let later = column[(column.len() / 10).max(1).min(column.len() - 1)];
-        let is_pressure = self.channels[first.channel].name == "pressure_pa";
-        let initial = if is_pressure { tank.pressure } else { tank.temperature };
-        let rate = (later.value - first.value) / (later.time - first.time);
-        let before = (first.value - initial) / rate;
-        if before.is_finite() { before.max(0.0) } else { 0.0 }
+    /// When (s) it was opened: the earliest, the likeliest and the latest time.
+    ///
+    /// The latest is that of the first reading that has left the initial state. The likeliest is where a line through it and the first reading twice
+    /// as far away meets that state, the earliest twice as long before.
+    fn opened(&self, run: usize) -> [f64; 3] {
+        let (first, last) = self.span(run);
+        let (channel, tank) = (&self.channels[0], &self.tanks[run]);
+        let initial = if channel.name == "pressure_pa" { tank.pressure } else { tank.temperature };
+        let away = |r: &&Reading| (r.value - initial).abs();
+        let mut column = self.logs[run].readings.iter().filter(|r| r.channel == 0);
+        let Some(left) = column.find(|r| away(r) > LEFT * channel.noise) else {
+            return [first - 2.0 * (last - first), first, last];
+        };
+        let Some(farther) = column.find(|r| away(r) > 2.0 * away(&left)) else {
+            return [first - 2.0 * (last - first), left.time, left.time];
+        };
+        let before = (farther.time - left.time) * away(&left) / (away(&farther) - away(&left));
+        [left.time - 2.0 * before, left.time - before, left.time]
     }
 }
 
@@ -150,10 +159,8 @@ impl Kind for Vessels {
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
         let mut all = vec![unknown("discharge_coefficient", 0.8, (0.05, 1.5), 0.02)];
         if self.tanks[run].release.is_none() {
-            let (first, last) = self.span(run);
-            let length = last - first;
-            let guess = first - self.opened_before(run).min(length);
-            all.push(unknown(RELEASE, guess, (first - 2.0 * length, last), 1e-3 * length));
+            let [earliest, likeliest, latest] = self.opened(run);
+            all.push(unknown(RELEASE, likeliest, (earliest, latest), 1e-3 * (self.span(run).1 - earliest)));
         }
         all
     }

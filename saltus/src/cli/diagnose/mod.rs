@@ -153,10 +153,8 @@ impl Diagnose {
         let diagnosis = diagnosis::diagnose(kind.as_ref(), &settings, &|_| progress.advance(1));
         drop(progress);
         let Some(diagnosis) = diagnosis else {
-            return Err(unusable(
-                &folder,
-                "the model has no such motion: is it the robot that was measured?".into(),
-            ));
+            let reason = diagnose::no_motion(kind.as_ref(), &folder.experiment);
+            return Err(unusable(&folder, reason));
         };
         let extended = diagnose::extended(kind.as_ref(), &diagnosis);
         let worth = robot.as_ref().zip(extended.as_ref()).and_then(|(b, e)| diagnose::worth(b, e));
