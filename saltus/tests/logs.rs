@@ -28,7 +28,7 @@ fn files_of_the_page() -> Vec<(String, String)> {
 }
 
 #[test]
-fn the_examples_of_the_page_are_read() {
+fn the_examples_of_the_page_are_read_and_nothing_is_wrong() {
     let folder = Folder::new("logs-page");
     let files = files_of_the_page();
     let mut kinds: Vec<&str> = files.iter().map(|(name, _)| name.split_once('/').unwrap().0).collect();
@@ -46,7 +46,9 @@ fn the_examples_of_the_page_are_read() {
         assert_eq!(data.notes, [""; 0], "{kind}");
         let robot = data.robot.as_deref().map(|name| Robot::builtin(name).unwrap());
         saltus::experiment::plausible(&data, robot.as_ref()).unwrap();
-        saltus::diagnosis::kinds::build(&data.experiment, robot.as_ref()).unwrap();
+        // Nothing is hidden in them.
+        let run = folder.run(&["diagnose", kind]);
+        assert_eq!(run.code, Some(0), "{kind}: {}{}", run.out, run.err);
     }
 }
 
