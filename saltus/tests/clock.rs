@@ -53,7 +53,7 @@ fn copy(folder: &Folder, offset: i128) {
     };
     for name in folder.names_in("data").into_iter().filter(|name| name != "experiment.toml") {
         let text = folder.read(&format!("data/{name}"));
-        let text = if name.ends_with(".csv") { moved(&text, by()) } else { text };
+        let text = if name.starts_with("run") { moved(&text, by()) } else { text };
         folder.write(&format!("moved/{name}"), text);
     }
     k = 0;
