@@ -45,10 +45,10 @@ impl<R: Real> FiringCurve<'_, R> {
     }
 
     fn check(&self, distance: R) -> Result<(), Reason> {
-        match distance.is_finite() {
-            false => Err(Reason::SensorInvalid),
-            true if distance != self.distance => Err(Reason::OutOfTable),
-            true => Ok(()),
+        if distance == self.distance {
+            Ok(())
+        } else {
+            Err(if distance.is_finite() { Reason::OutOfTable } else { Reason::SensorInvalid })
         }
     }
 

@@ -9,6 +9,8 @@ use crate::quantity::Quantity;
 pub(crate) struct Column {
     /// Its name in the header.
     pub(crate) name: &'static str,
+    /// Other names under which it may stand there, where the first does not.
+    pub(crate) others: &'static [&'static str],
     /// What it holds.
     pub(crate) quantity: Quantity,
     /// What has to be there.
@@ -59,6 +61,47 @@ pub(crate) fn read<const N: usize>(
     Ok(rows)
 }
 
+/// The words of the first row in these columns, with its line; none where one of the columns is not there. Every row must have the same.
+pub(crate) fn words<const N: usize>(
+    source: &[u8],
+    file: &str,
+    names: [&str; N],
+) -> Result<Option<(u64, [String; N])>, CliError> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(source);
+    let header = reader.byte_headers().map_err(|error| not_csv(&error, source, file))?;
+    let places = names.map(|name| header.iter().position(|cell| bare(cell) == name.as_bytes()));
+    if places.iter().any(Option::is_none) {
+        return Ok(None);
+    }
+    let mut first: Option<(u64, [String; N])> = None;
+    for record in reader.byte_records() {
+        let record = record.map_err(|error| not_csv(&error, source, file))?;
+        let here = record.position().map_or(0, |position| line(position, source));
+        let cell = |place: Option<usize>| place.and_then(|i| record.get(i)).map(String::from_utf8_lossy);
+        let words = places.map(|place| cell(place).unwrap_or_default().into_owned());
+        match &first {
+            None => first = Some((here, words)),
+            Some((line, before)) => {
+                if let Some(k) = (0..N).find(|&k| words[k] != before[k]) {
+                    return Err(CliError::Value {
+                        file: file.into(),
+                        line: here,
+                        key: names[k].into(),
+                        value: cut(&words[k]),
+                        allowed: format!("{}, as in line {line}", cut(&before[k])),
+                    });
+                }
+            }
+        }
+    }
+    Ok(first)
+}
+
+/// A byte order mark is no part of the first name.
+fn bare(cell: &[u8]) -> &[u8] {
+    cell.strip_prefix(b"\xef\xbb\xbf").unwrap_or(cell)
+}
+
 /// The line of a record. Where lines end with CR LF, its position is still before the LF.
 fn line(position: &csv::Position, source: &[u8]) -> u64 {
     let start = usize::try_from(position.byte()).unwrap_or(usize::MAX);
@@ -68,10 +111,11 @@ fn line(position: &csv::Position, source: &[u8]) -> u64 {
 
 /// Where a column stands.
 fn find(header: &ByteRecord, column: &Column, all: &[Column], file: &str) -> Result<Option<usize>, CliError> {
-    let name = column.name;
-    // A byte order mark is no part of the first name.
-    let named = |cell: &[u8]| cell.strip_prefix(b"\xef\xbb\xbf").unwrap_or(cell) == name.as_bytes();
-    let mut found = (0..header.len()).filter(|&i| named(&header[i]));
+    // A file that has the first name may mean something else by another: simulated jumps have both.
+    let is_there = |name: &&str| header.iter().any(|cell| bare(cell) == name.as_bytes());
+    let name = column.others.iter().copied().find(is_there).filter(|_| !is_there(&column.name));
+    let name = name.unwrap_or(column.name);
+    let mut found = (0..header.len()).filter(|&i| bare(&header[i]) == name.as_bytes());
     match (found.next(), found.next()) {
         (_, Some(_)) => Err(CliError::content(format!("{file}:1"), format!("column {name} is there twice"))),
         (None, _) if column.need != Need::Nothing => {

@@ -59,6 +59,9 @@ impl Quantity {
         allowed: "a length above 0 and up to 1000 m",
         legal: |x| x > 0.0 && x <= 1e3,
     };
+    /// Where a jump lands (m), which may be behind the foot.
+    pub(crate) const LANDING: Quantity =
+        Quantity { suffixes: METRES, allowed: "a place from -1000 to 1000 m", legal: |x| x.abs() <= 1e3 };
     /// Height (m), which may be below the foot.
     pub(crate) const HEIGHT: Quantity =
         Quantity { suffixes: METRES, allowed: "a height from -1000 to 1000 m", legal: |x| x.abs() <= 1e3 };

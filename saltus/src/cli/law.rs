@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::Status;
 use super::common::{Common, PlotOption};
 use super::target::{Kind, TargetFlags};
+use super::terms::{self, Terms};
 use crate::error::CliError;
 use crate::output::{self, Cell, Format, Table as Rows, digits};
 use crate::plot::Drawing;
@@ -50,12 +51,11 @@ CSV columns, one row for each target: distance_m (or clearance_m), slope_s (A), 
 residual_greatest_rad, residual_rms_rad (fitted less exact angle), miss_greatest_m, miss_rms_m (reached \
 less wanted; empty if one of the jumps fails), valid_from_rad_s, valid_to_rad_s, rates (fitted), \
 rates_out_of_reach, status (feasible; partly where some rates are out of reach; infeasible where fewer \
-than the two rates that a line takes reach it), nearest_distance_m (or nearest_clearance_m), nearest_omega_rad_s and \
+than the two rates that a line takes reach it; no-landing where jumps never come down to the landing height; no-jump where no angle takes off), nearest_distance_m (or nearest_clearance_m), nearest_omega_rad_s and \
 nearest_alpha_f_rad (where infeasible: the nearest that is reached, the target itself where one rate alone reaches it). \
-Numbers have 17 significant digits.
+Then, as for `saltus table`: valve_open_s, start_lean_rad (empty: the firing angle), landing_height_m, robot, robot_sha256, saltus_version. Numbers have 17 significant digits.
 
-JSON: {\"command\": \"law\", \"robot\": NAME, \"measure\": …, \"landing_height_m\": …, \"tolerance_m\": \
-…, \"laws\": [{the columns, \"points\": [{omega_rad_s, alpha_f_exact_rad, alpha_f_law_rad, residual_rad, \
+JSON: {\"command\": \"law\", \"robot\": NAME, \"robot_sha256\", \"saltus_version\", \"landing_height_m\", \"start_lean_rad\" (or \"firing\"), \"valve_open_s\", \"measure\", \"tolerance_m\", \"laws\": [{the columns, \"points\": [{omega_rad_s, alpha_f_exact_rad, alpha_f_law_rad, residual_rad, \
 miss_m}]}]}.
 
 The exit code is 1 if a target is infeasible.";
@@ -79,6 +79,12 @@ macro_rules! columns {
             $nearest,
             "nearest_omega_rad_s",
             "nearest_alpha_f_rad",
+            terms::COLUMNS[0],
+            terms::COLUMNS[1],
+            terms::COLUMNS[2],
+            terms::COLUMNS[3],
+            terms::COLUMNS[4],
+            terms::COLUMNS[5],
         ]
     };
 }
@@ -91,6 +97,8 @@ struct Found {
     target: f64,
     law: Option<planner::Law>,
     nearest: Option<Near>,
+    /// Whether any jump takes off.
+    takes_off: bool,
 }
 
 /// The rate (rad/s) that gets nearest to a target without a law, and how.
@@ -110,21 +118,25 @@ impl Law {
             let _progress = Progress::new("law", 0);
             find(&planner, &request)?
         };
-        let rows = self.rows(&found);
+        let terms = self.target.terms(planner.robot());
+        let rows = self.rows(&found, &terms);
         let report = match self.common.format() {
             Format::Csv => rows.csv(),
-            Format::Json => self.json(&rows, &found, planner.robot()),
-            Format::Text => self.text(&found, planner.robot()),
+            Format::Json => self.json(&rows, &found, &terms),
+            Format::Text => self.text(&found, &terms, planner.robot()),
         };
-        let drawing = || self.drawing(&found, planner.robot());
+        let drawing = || self.drawing(&found, &terms, planner.robot());
         self.common.write_with_plot(report, &self.plot, drawing)?;
         Ok(if found.iter().all(|one| one.law.is_some()) { Status::Done } else { Status::No })
     }
 
-    fn rows(&self, found: &[Found]) -> Rows {
+    fn rows(&self, found: &[Found], terms: &Terms) -> Rows {
         let mut rows = Rows::new(if self.target.kind() == Kind::Distance { DISTANCES } else { CLEARANCES });
         for one in found {
-            rows.push(self.row(one));
+            let mut row = self.row(one);
+            // A law's stances start at angles of their own, or at one lean.
+            row.extend(terms.cells(terms.start_lean));
+            rows.push(row);
         }
         rows
     }
@@ -151,7 +163,7 @@ impl Law {
             Cell::Word(match law {
                 Some(law) if law.out_of_reach.is_empty() => "feasible",
                 Some(_) => "partly",
-                None => "infeasible",
+                None => one.status(),
             }),
             near(|near| near.at.value),
             near(|near| near.rate),
@@ -159,25 +171,22 @@ impl Law {
         ]
     }
 
-    fn json(&self, rows: &Rows, found: &[Found], robot: &Robot) -> String {
+    fn json(&self, rows: &Rows, found: &[Found], terms: &Terms) -> String {
         let mut laws = rows.json();
         for (object, one) in laws.iter_mut().zip(found) {
             let points: Vec<Value> = one.law.iter().flat_map(|law| &law.points).map(point_json).collect();
             object.insert("points".into(), points.into());
         }
-        output::json(&json!({
-            "command": "law",
-            "robot": robot.name,
-            "measure": self.target.kind().name(),
-            "landing_height_m": self.target.terms(robot).landing_height,
-            "tolerance_m": self.tolerance,
-            "laws": laws,
-        }))
+        let mut document = terms.json("law");
+        document.insert("measure".into(), json!(self.target.kind().name()));
+        document.insert("tolerance_m".into(), json!(self.tolerance));
+        document.insert("laws".into(), json!(laws));
+        output::json(&document.into())
     }
 
-    fn text(&self, found: &[Found], robot: &Robot) -> String {
+    fn text(&self, found: &[Found], terms: &Terms, robot: &Robot) -> String {
         let mut text = format!("{}: firing angle α_f (rad) over approach rate ω (rad/s)\n", robot.name);
-        text.push_str(&format!("  {}\n", self.target.terms(robot).line()));
+        text.push_str(&format!("  {}\n", terms.line()));
         for one in found {
             let title = format!("{} {} m: ", self.target.kind().name(), digits(one.target, 5));
             text.push_str(&title);
@@ -214,7 +223,7 @@ impl Law {
         lines.join("\n") + "\n"
     }
 
-    fn drawing(&self, found: &[Found], robot: &Robot) -> Result<Drawing, CliError> {
+    fn drawing(&self, found: &[Found], terms: &Terms, robot: &Robot) -> Result<Drawing, CliError> {
         const MOST: usize = 12;
         if found.len() > MOST {
             let allowed = format!("used with {MOST} targets at most, not {}", found.len());
@@ -236,9 +245,10 @@ impl Law {
                 "{}: linear law of the firing angle for a {}, {}",
                 robot.name,
                 self.target.kind().name(),
-                self.target.terms(robot).landing_title()
+                terms.landing_title()
             ),
             lines: found.iter().filter_map(line).collect(),
+            empty: found.first().map_or(String::new(), nothing_text),
         }))
     }
 }
@@ -247,14 +257,26 @@ fn find(planner: &Planner, request: &TableRequest) -> Result<Vec<Found>, CliErro
     let laws = planner.laws(request)?;
     let mut found = Vec::with_capacity(laws.len());
     for (law, &target) in laws.into_iter().zip(&request.targets) {
-        let nearest = if law.is_none() { nearest(planner, request, target)? } else { None };
-        found.push(Found { target, law, nearest });
+        let (nearest, takes_off) =
+            if law.is_none() { nearest(planner, request, target)? } else { (None, true) };
+        found.push(Found { target, law, nearest, takes_off });
     }
     Ok(found)
 }
 
-/// The rate that gets nearest to `target`.
-fn nearest(planner: &Planner, request: &TableRequest, target: f64) -> Result<Option<Near>, CliError> {
+impl Found {
+    /// What is said of a target without a law.
+    fn status(&self) -> &'static str {
+        match &self.nearest {
+            Some(_) => "infeasible",
+            None if self.takes_off => "no-landing",
+            None => "no-jump",
+        }
+    }
+}
+
+/// The rate that gets nearest to `target`, and whether any jump takes off.
+fn nearest(planner: &Planner, request: &TableRequest, target: f64) -> Result<(Option<Near>, bool), CliError> {
     let table = planner.table(&TableRequest { targets: vec![target], ..request.clone() })?;
     let reached = table.cells.iter().filter_map(|cell| {
         let exact = cell.entries.first();
@@ -263,12 +285,17 @@ fn nearest(planner: &Planner, request: &TableRequest, target: f64) -> Result<Opt
         Some(Near { rate: cell.rate, reaches: exact.is_some(), at: exact.or(cell.nearest)? })
     });
     let gap = |near: &Near| (near.at.value - target).abs();
-    Ok(reached.min_by(|a, b| gap(a).total_cmp(&gap(b))))
+    let takes_off = table.cells.iter().any(|cell| cell.takes_off);
+    Ok((reached.min_by(|a, b| gap(a).total_cmp(&gap(b))), takes_off))
 }
 
 fn nothing_text(one: &Found) -> String {
     let Some(Near { rate, reaches, at }) = &one.nearest else {
-        return "infeasible: the robot does not jump at any of these rates\n".into();
+        return if one.takes_off {
+            "no-landing: the robot takes off, but at none of these rates does it come down to the landing height\n".into()
+        } else {
+            "no-jump: the robot does not take off at any of these rates\n".into()
+        };
     };
     let place = format!("ω = {} rad/s, α_f = {} rad", digits(*rate, 5), digits(at.firing_angle, 5));
     if *reaches {

@@ -59,12 +59,13 @@ Values: a number, start:stop:count (both ends included), or several of these wit
 Suffixes: rad/s, deg/s; rad, deg; s, ms; m, cm, mm.
 
 CSV columns, one row for each approach rate and firing angle, angles within rates: omega_rad_s, \
-alpha_f_rad, outcome (as for `saltus simulate`; not-computed where the model cannot be integrated), \
+alpha_f_rad, outcome (as for `saltus simulate`; no-landing where the robot takes off but never comes down to the landing \
+height; not-computed where the model cannot be integrated), \
 distance_m (where the centre comes down to the landing height), apex_m, friction_needed (the coefficient \
 that keeps the foot still; empty without --friction, and inf where the ground would have to pull). \
 Numbers have 17 significant digits; a cell is empty where there is no such thing.
 
-JSON: {\"command\": \"map\", \"robot\": NAME, \"landing_height_m\": …, \"spots\": [{the columns, null \
+JSON: {\"command\": \"map\", \"robot\": NAME, \"robot_sha256\", \"saltus_version\", \"landing_height_m\", \"start_lean_rad\" (or \"firing\"), \"valve_open_s\", \"spots\": [{the columns, null \
 where empty}]}; a friction that is infinite is the text \"inf\".
 
 The exit code is 1 if none of the launches lands.";
@@ -94,12 +95,11 @@ impl Map {
         let rows = rows(&map);
         let report = match self.common.format() {
             Format::Csv => rows.csv(),
-            Format::Json => output::json(&json!({
-                "command": "map",
-                "robot": planner.robot().name,
-                "landing_height_m": self.terms.of(planner.robot()).landing_height,
-                "spots": rows.json(),
-            })),
+            Format::Json => {
+                let mut document = self.terms.of(planner.robot()).json("map");
+                document.insert("spots".into(), json!(rows.json()));
+                output::json(&document.into())
+            }
             Format::Text => self.text(&map, &rows, planner.robot()),
         };
         let drawing = || Ok(Drawing::Map(self.drawing(&map, planner.robot())));
@@ -195,8 +195,13 @@ fn rows(map: &planner::Map) -> Rows {
     rows
 }
 
+/// How the launch ends: its stance, and of a jump the landing.
 fn outcome(spot: &Spot) -> &'static str {
-    spot.result.as_ref().map_or("not-computed", |result| Outcome::name(result.outcome))
+    match &spot.result {
+        Ok(result) if result.outcome.is_jump() && result.distance.is_none() => "no-landing",
+        Ok(result) => Outcome::name(result.outcome),
+        Err(_) => "not-computed",
+    }
 }
 
 /// How often each outcome occurs, in the order of their first occurrence.

@@ -8,6 +8,7 @@ use serde_json::json;
 use super::Status;
 use super::common::{Common, PlotOption};
 use super::target::{Kind, TargetFlags};
+use super::terms::{self, Terms};
 use crate::error::CliError;
 use crate::output::{self, Cell, Format, Table as Rows, digits};
 use crate::plot::Drawing;
@@ -40,18 +41,20 @@ Suffixes: rad/s, deg/s; rad, deg; s, ms; m, cm, mm.
 
 CSV columns, one row for each approach rate and target, targets within rates: omega_rad_s, distance_m (or \
 clearance_m; as asked for), alpha_f_rad (the least angle that serves), apex_m, land_m (distance at which the \
-centre comes down to the landing height), t_liftoff_s (from the start of the stance), status (feasible, \
-infeasible, or no-jump where no angle takes off), alpha_f_late_rad (the next angle that serves, if there \
+centre comes down to the landing height), t_liftoff_s (from the start of the stance), status (feasible; \
+infeasible: other values are reached; no-landing: the robot takes off but never comes down to the landing \
+height; no-jump: no angle takes off), alpha_f_late_rad (the next angle that serves, if there \
 is one), distance_sd_m and apex_sd_m (standard deviations from the robot's [errors]), their sensitivities \
 distance_by_omega_m_s_per_rad, distance_by_alpha_f_m_per_rad, distance_by_valve_open_m_per_s, \
 distance_by_supply_m_per_pa and apex_by_… (for distances only), nearest_distance_m (or \
 nearest_clearance_m) and nearest_alpha_f_rad (where infeasible: the nearest that is reached; a negative \
-clearance is a hit, or a landing before the obstacle's end). Numbers have 17 significant digits; a cell is empty where there is no such thing.
+clearance is a hit, or a landing before the obstacle's end); and in every row what the table was made for: valve_open_s (empty: a leg without a valve), start_lean_rad (the firing \
+angle, unless --start-lean is given), landing_height_m, robot, robot_sha256, saltus_version. `saltus verify` and `saltus simulate --batch` read them. Numbers have 17 significant digits; a cell is empty where there is no such thing.
 
-JSON: {\"command\": \"table\", \"robot\": NAME, \"measure\": \"distance\" or \"clearance\", \
-\"landing_height_m\": …, \"rows\": [{the columns, null where empty}]}.
+JSON: {\"command\": \"table\", \"robot\": NAME, \"robot_sha256\", \"saltus_version\", \"landing_height_m\", \"start_lean_rad\" (or \"firing\"), \"valve_open_s\", \"measure\": \"distance\" or \"clearance\", \
+\"rows\": [{the columns, null where empty}]}.
 
-The exit code is 1 if any row is infeasible.";
+The exit code is 1 unless every row is feasible.";
 
 /// Columns of a table of distances.
 const DISTANCES: &[&str] = &[
@@ -75,6 +78,12 @@ const DISTANCES: &[&str] = &[
     "apex_by_supply_m_per_pa",
     "nearest_distance_m",
     "nearest_alpha_f_rad",
+    terms::COLUMNS[0],
+    terms::COLUMNS[1],
+    terms::COLUMNS[2],
+    terms::COLUMNS[3],
+    terms::COLUMNS[4],
+    terms::COLUMNS[5],
 ];
 
 /// Columns of a table of clearances.
@@ -89,6 +98,12 @@ const CLEARANCES: &[&str] = &[
     "alpha_f_late_rad",
     "nearest_clearance_m",
     "nearest_alpha_f_rad",
+    terms::COLUMNS[0],
+    terms::COLUMNS[1],
+    terms::COLUMNS[2],
+    terms::COLUMNS[3],
+    terms::COLUMNS[4],
+    terms::COLUMNS[5],
 ];
 
 /// Rates for each thread to compute before progress is shown.
@@ -100,59 +115,36 @@ impl Table {
         let request = self.target.request(Roots::All, &robot)?;
         let planner = Planner::new(robot);
         let table = compute(&planner, &request)?;
-        let rows = self.rows(&table, planner.robot());
+        let terms = self.target.terms(planner.robot());
+        let rows = self.rows(&table, &terms, planner.robot());
         let report = match self.common.format() {
             Format::Csv => rows.csv(),
-            Format::Json => self.json(&rows, planner.robot()),
-            Format::Text => self.text(&rows, planner.robot()),
+            Format::Json => self.json(&rows, &terms),
+            Format::Text => self.text(&rows, &terms, planner.robot()),
         };
-        let drawing = || self.curves(&table, &request, planner.robot());
+        let drawing = || self.curves(&table, &request, &terms, planner.robot());
         self.common.write_with_plot(report, &self.plot, drawing)?;
         let all_feasible = table.cells.iter().all(|cell| !cell.entries.is_empty());
         Ok(if all_feasible { Status::Done } else { Status::No })
     }
 
-    fn rows(&self, table: &planner::Table, robot: &Robot) -> Rows {
+    fn rows(&self, table: &planner::Table, terms: &Terms, robot: &Robot) -> Rows {
         let kind = self.target.kind();
         let mut rows = Rows::new(if kind == Kind::Distance { DISTANCES } else { CLEARANCES });
         for cell in &table.cells {
-            rows.push(self.row(cell, kind, robot));
+            rows.push(row(cell, kind, terms, robot));
         }
         rows
     }
 
-    fn row(&self, cell: &planner::Cell, kind: Kind, robot: &Robot) -> Vec<Cell> {
-        let first = cell.entries.first();
-        let status = match (first, &cell.nearest) {
-            (Some(_), _) => "feasible",
-            (None, None) if kind == Kind::Distance => "no-jump",
-            (None, _) => "infeasible",
-        };
-        let angle = |entry: &Entry| entry.jump.launch.firing_angle;
-        let mut row = vec![cell.rate.into(), cell.target.into(), first.map(angle).into()];
-        row.push(first.and_then(|entry| entry.jump.apex()).into());
-        row.push(first.and_then(|entry| entry.jump.distance(self.target.terms(robot).landing_height)).into());
-        row.push(first.map(|entry| entry.jump.stance.time).into());
-        row.extend([Cell::Word(status), cell.entries.get(1).map(angle).into()]);
-        if kind == Kind::Distance {
-            row.extend(sensitivities(first.and_then(|entry| entry.sensitivity), robot));
-        }
-        let nearest = |key: fn(&Nearest) -> f64| Cell::from(cell.nearest.as_ref().map(key));
-        row.extend([nearest(|n| n.value), nearest(|n| n.firing_angle)]);
-        row
+    fn json(&self, rows: &Rows, terms: &Terms) -> String {
+        let mut document = terms.json("table");
+        document.insert("measure".into(), json!(self.target.kind().name()));
+        document.insert("rows".into(), json!(rows.json()));
+        output::json(&document.into())
     }
 
-    fn json(&self, rows: &Rows, robot: &Robot) -> String {
-        output::json(&json!({
-            "command": "table",
-            "robot": robot.name,
-            "measure": self.target.kind().name(),
-            "landing_height_m": self.target.terms(robot).landing_height,
-            "rows": rows.json(),
-        }))
-    }
-
-    fn text(&self, rows: &Rows, robot: &Robot) -> String {
+    fn text(&self, rows: &Rows, terms: &Terms, robot: &Robot) -> String {
         let kind = self.target.kind();
         let columns: &[(&str, &str, &str)] = match kind {
             Kind::Distance => &[
@@ -180,13 +172,14 @@ impl Table {
             ],
         };
         let head = format!("{}: firing angles α_f for a {}", robot.name, kind.name());
-        format!("{head}\n  {}\n{}", self.target.terms(robot).line(), rows.text(columns))
+        format!("{head}\n  {}\n  {BRANCHES}\n{}", terms.line(), rows.text(columns))
     }
 
     fn curves(
         &self,
         table: &planner::Table,
         request: &TableRequest,
+        terms: &Terms,
         robot: &Robot,
     ) -> Result<Drawing, CliError> {
         const MOST: usize = 40;
@@ -196,12 +189,16 @@ impl Table {
             return Err(CliError::flag("--plot", "", allowed));
         }
         let kind = self.target.kind().name();
-        let curve = |(i, target): (usize, &f64)| Curve {
-            label: format!("{} m", digits(*target, 4)),
-            points: table.cells.iter().skip(i).step_by(width).map(point).collect(),
+        let curve = |(i, target): (usize, &f64)| {
+            let column = || table.cells.iter().skip(i).step_by(width);
+            Curve {
+                label: format!("{} m", digits(*target, 4)),
+                points: column().map(|cell| point(cell, 0)).collect(),
+                late: column().map(|cell| point(cell, 1)).collect(),
+            }
         };
         let what = match request.measure {
-            Measure::Distance { .. } => format!("{kind}, {}", self.target.terms(robot).landing_title()),
+            Measure::Distance { .. } => format!("{kind}, {}", terms.landing_title()),
             Measure::Clearance { .. } => format!("{kind} over the obstacle"),
         };
         Ok(Drawing::Curves(Curves {
@@ -209,6 +206,8 @@ impl Table {
             x: "approach rate ω (rad/s)",
             y: "firing angle α_f (rad)",
             lines: request.targets.iter().enumerate().map(curve).collect(),
+            late: "thick: the early angle, thin: the late one",
+            empty: nothing(table, kind),
         }))
     }
 }
@@ -226,9 +225,56 @@ fn compute(planner: &Planner, request: &TableRequest) -> Result<planner::Table, 
     Ok(planner::Table { cells })
 }
 
-/// Rate and least firing angle of a cell, none where there is no angle.
-fn point(cell: &planner::Cell) -> (f64, Option<f64>) {
-    (cell.rate, cell.entries.first().map(|entry| entry.jump.launch.firing_angle))
+/// What the columns of the text mean.
+const BRANCHES: &str = "α_f early, α_f late: the angles that serve; the early one jumps higher. ±1σ: standard deviation, by the robot's [errors].";
+
+/// Rate and the firing angle `k` of a cell, none where there is none.
+fn point(cell: &planner::Cell, k: usize) -> (f64, Option<f64>) {
+    (cell.rate, cell.entries.get(k).map(|entry| entry.jump.launch.firing_angle))
+}
+
+/// How a cell ends.
+fn status(cell: &planner::Cell) -> &'static str {
+    match (cell.entries.first(), &cell.nearest) {
+        (Some(_), _) => "feasible",
+        (None, Some(_)) => "infeasible",
+        (None, None) if cell.takes_off => "no-landing",
+        (None, None) => "no-jump",
+    }
+}
+
+/// Why a table has no angle at all, for a plot of it.
+fn nothing(table: &planner::Table, kind: &str) -> String {
+    let nearest = table.cells.iter().filter_map(|cell| cell.nearest.map(|n| (cell, n)));
+    let gap = |cell: &planner::Cell, n: &Nearest| (n.value - cell.target).abs();
+    match nearest.min_by(|a, b| gap(a.0, &a.1).total_cmp(&gap(b.0, &b.1))) {
+        Some((cell, nearest)) => format!(
+            "No angle reaches any {kind} asked for; the nearest is {} m at {} rad/s",
+            digits(nearest.value, 4),
+            digits(cell.rate, 4)
+        ),
+        None if table.cells.iter().any(|cell| cell.takes_off) => {
+            "The robot takes off, but never comes down to the landing height".into()
+        }
+        None => "No angle takes off".into(),
+    }
+}
+
+fn row(cell: &planner::Cell, kind: Kind, terms: &Terms, robot: &Robot) -> Vec<Cell> {
+    let first = cell.entries.first();
+    let angle = |entry: &Entry| entry.jump.launch.firing_angle;
+    let mut row = vec![cell.rate.into(), cell.target.into(), first.map(angle).into()];
+    row.push(first.and_then(|entry| entry.jump.apex()).into());
+    row.push(first.and_then(|entry| entry.jump.distance(terms.landing_height)).into());
+    row.push(first.map(|entry| entry.jump.stance.time).into());
+    row.extend([Cell::Word(status(cell)), cell.entries.get(1).map(angle).into()]);
+    if kind == Kind::Distance {
+        row.extend(sensitivities(first.and_then(|entry| entry.sensitivity), robot));
+    }
+    let nearest = |key: fn(&Nearest) -> f64| Cell::from(cell.nearest.as_ref().map(key));
+    row.extend([nearest(|n| n.value), nearest(|n| n.firing_angle)]);
+    row.extend(terms.cells(first.map(angle)));
+    row
 }
 
 /// Standard deviations and sensitivities of distance and apex.

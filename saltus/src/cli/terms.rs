@@ -2,8 +2,10 @@
 
 use clap::Args;
 use saltus::Robot;
+use saltus::robot::Drive;
+use serde_json::{Map, Value, json};
 
-use crate::output::digits;
+use crate::output::{Cell, digits};
 use crate::quantity;
 
 /// Flags that say where a jump starts and ends.
@@ -15,7 +17,7 @@ pub(crate) struct TermFlags {
     landing_height: LandingHeight,
 
     /// Valve opening time t_v (s)
-    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true, default_value = "0.1")]
+    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true, default_value_t = VALVE_OPEN)]
     valve_open: f64,
 
     /// Where the stance starts and the approach rate counts: `firing`, at the firing angle, or at this lean φ₀ (rad)
@@ -64,18 +66,28 @@ impl StartLean {
 impl TermFlags {
     /// The terms for `robot`.
     pub(crate) fn of(self, robot: &Robot) -> Terms {
-        Terms {
-            radius: robot.body.radius,
-            landing_height: self.landing_height.of(robot),
-            valve_open: self.valve_open,
-            start_lean: self.start_lean.fixed(),
-        }
+        Terms::new(robot, self.landing_height, self.valve_open, self.start_lean)
     }
 }
 
+/// Valve opening time (s) that is taken where none is given.
+pub(crate) const VALVE_OPEN: f64 = 0.1;
+
+/// Whether a robot's leg has a valve that closes: a spring, once released, pushes until it is slack.
+pub(crate) fn has_valve(robot: &Robot) -> bool {
+    !matches!(robot.leg.drive, Drive::Spring { .. })
+}
+
+/// Columns that say in every row what a table was made for; columns survive every program that reads CSV.
+pub(crate) const COLUMNS: [&str; 6] =
+    ["valve_open_s", "start_lean_rad", "landing_height_m", "robot", "robot_sha256", "saltus_version"];
+
 /// Where the jumps of a report start and end.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Terms {
+    robot: String,
+    fingerprint: String,
+    has_valve: bool,
     /// Height of the wheel's centre where the wheel touches level ground (m).
     pub(crate) radius: f64,
     /// Height of the wheel's centre at the landing (m).
@@ -87,6 +99,50 @@ pub(crate) struct Terms {
 }
 
 impl Terms {
+    pub(crate) fn new(
+        robot: &Robot,
+        landing_height: LandingHeight,
+        valve_open: f64,
+        start: StartLean,
+    ) -> Terms {
+        Terms {
+            robot: robot.name.clone(),
+            fingerprint: saltus::embed::fingerprint(robot),
+            has_valve: has_valve(robot),
+            radius: robot.body.radius,
+            landing_height: landing_height.of(robot),
+            valve_open,
+            start_lean: start.fixed(),
+        }
+    }
+
+    /// The cells of [`COLUMNS`], for a row with this firing angle.
+    pub(crate) fn cells(&self, firing_angle: Option<f64>) -> [Cell; 6] {
+        [
+            Cell::from(self.has_valve.then_some(self.valve_open)),
+            Cell::from(firing_angle.map(|angle| self.start_lean.unwrap_or(angle))),
+            Cell::from(self.landing_height),
+            Cell::Text(self.robot.clone()),
+            Cell::Text(self.fingerprint.clone()),
+            Cell::Word(env!("CARGO_PKG_VERSION")),
+        ]
+    }
+
+    /// What heads a JSON document: the command, and what its numbers were made for.
+    pub(crate) fn json(&self, command: &str) -> Map<String, Value> {
+        let start = self.start_lean.map_or(json!("firing"), |lean| json!(lean));
+        let head = json!({
+            "command": command,
+            "robot": self.robot,
+            "robot_sha256": self.fingerprint,
+            "saltus_version": env!("CARGO_PKG_VERSION"),
+            "landing_height_m": self.landing_height,
+            "start_lean_rad": start,
+            "valve_open_s": self.has_valve.then_some(self.valve_open),
+        });
+        head.as_object().cloned().unwrap_or_default()
+    }
+
     /// The terms in one line: what a distance and an approach rate are.
     pub(crate) fn line(&self) -> String {
         format!("distance: from the foot to {}; approach rate ω: at {}", self.landing(), self.start())

@@ -237,10 +237,9 @@ impl<R: Number> Tables<R> {
 
     /// Bytes that firing table and lift-off map take.
     pub fn bytes(&self) -> [usize; 2] {
-        let number = size_of::<R>();
         [
-            self.nodes.numbers().len() * number + self.open.len(),
-            self.map_nodes.len() * MAP_NODE * number + self.map_open.len(),
+            size_of_val(self.nodes.numbers()) + self.open.len(),
+            size_of_val(self.map_nodes.as_slice()) + self.map_open.len(),
         ]
     }
 

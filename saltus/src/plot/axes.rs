@@ -186,3 +186,11 @@ pub(crate) fn key<'a, DB: DrawingBackend>(
     }
     Ok(())
 }
+
+/// Writes in the middle of an empty chart why it is empty.
+pub(crate) fn notice<DB: DrawingBackend>(chart: &Chart<'_, DB>, pen: Pen, text: &str) -> Drawn<DB> {
+    let plain = chart.plotting_area().strip_coord_spec();
+    let (width, height) = plain.dim_in_pixel();
+    let middle = (width.cast_signed() / 2, height.cast_signed() / 2);
+    plain.draw_text(text.trim_end(), &pen.text(14, INK, HPos::Center, VPos::Center), middle)
+}

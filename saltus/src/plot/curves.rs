@@ -6,8 +6,8 @@ use plotters::prelude::{Color, DrawingArea, DrawingBackend};
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::Drawn;
-use super::axes::{Axes, label, padded, titled};
-use super::palette::viridis;
+use super::axes::{Axes, key, label, notice, padded, titled};
+use super::palette::{INK, viridis};
 use crate::plot::axes::Pen;
 
 /// Curves, with their axes.
@@ -16,19 +16,25 @@ pub(crate) struct Curves {
     pub(crate) x: &'static str,
     pub(crate) y: &'static str,
     pub(crate) lines: Vec<Curve>,
+    /// What tells both branches of the curves apart, where there are two.
+    pub(crate) late: &'static str,
+    /// What is said where there is no curve.
+    pub(crate) empty: String,
 }
 
 /// One curve; where there is no value it is interrupted.
 pub(crate) struct Curve {
     pub(crate) label: String,
     pub(crate) points: Vec<(f64, Option<f64>)>,
+    /// Its second branch, which is drawn thin.
+    pub(crate) late: Vec<(f64, Option<f64>)>,
 }
 
 impl Curves {
     pub(crate) const SIZE: (u32, u32) = (900, 620);
 
     pub(crate) fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, pen: Pen) -> Drawn<DB> {
-        let all = || self.lines.iter().flat_map(|curve| &curve.points);
+        let all = || self.lines.iter().flat_map(|curve| curve.points.iter().chain(&curve.late));
         let x = span(all().map(|(x, _)| *x));
         let y = span(all().filter_map(|(_, y)| *y));
         // Room for the labels on the right.
@@ -39,14 +45,17 @@ impl Curves {
         let mut taken: Vec<i32> = Vec::new();
         for (i, curve) in self.lines.iter().enumerate() {
             let color = viridis(0.88 * i as f64 / last);
-            for run in curve.runs() {
-                chart.draw_series([PathElement::new(run.clone(), pen.line(color, 2))])?;
+            for run in runs(&curve.late) {
+                chart.draw_series([PathElement::new(run, pen.line(color, 1))])?;
+            }
+            for run in runs(&curve.points) {
+                chart.draw_series([PathElement::new(run.clone(), pen.line(color, 3))])?;
                 if curve.points.len() <= 30 {
                     let dots = run.into_iter().map(|at| Circle::new(at, pen.length(3), color.filled()));
                     chart.draw_series(dots)?;
                 }
             }
-            let Some(end) = curve.runs().last().and_then(|run| run.last().copied()) else { continue };
+            let Some(end) = runs(&curve.points).last().and_then(|run| run.last().copied()) else { continue };
             let row = chart.plotting_area().map_coordinate(&end).1;
             if taken.iter().all(|other| (row - other).abs() >= pen.offset(14)) {
                 let style = pen.text(12, color, HPos::Left, VPos::Center);
@@ -54,24 +63,27 @@ impl Curves {
                 taken.push(row);
             }
         }
+        if all().all(|(_, y)| y.is_none()) {
+            notice(&chart, pen, &self.empty)?;
+        } else if self.lines.iter().any(|curve| curve.late.iter().any(|(_, y)| y.is_some())) {
+            key(&chart, pen, [(self.late, INK)].into_iter())?;
+        }
         Ok(())
     }
 }
 
-impl Curve {
-    /// The parts without an interruption.
-    fn runs(&self) -> Vec<Vec<(f64, f64)>> {
-        let mut runs = vec![Vec::new()];
-        for &(x, y) in &self.points {
-            match (y, runs.last_mut()) {
-                (Some(y), Some(run)) => run.push((x, y)),
-                (None, Some(run)) if !run.is_empty() => runs.push(Vec::new()),
-                _ => {}
-            }
+/// The parts of a curve without an interruption.
+fn runs(points: &[(f64, Option<f64>)]) -> Vec<Vec<(f64, f64)>> {
+    let mut runs = vec![Vec::new()];
+    for &(x, y) in points {
+        match (y, runs.last_mut()) {
+            (Some(y), Some(run)) => run.push((x, y)),
+            (None, Some(run)) if !run.is_empty() => runs.push(Vec::new()),
+            _ => {}
         }
-        runs.retain(|run| !run.is_empty());
-        runs
     }
+    runs.retain(|run| !run.is_empty());
+    runs
 }
 
 /// Least and greatest of some numbers; 0 and 1 without any.
@@ -88,7 +100,6 @@ mod tests {
     fn gaps_interrupt_a_curve() {
         let points =
             vec![(0.0, None), (1.0, Some(1.0)), (2.0, Some(2.0)), (3.0, None), (4.0, None), (5.0, Some(5.0))];
-        let curve = Curve { label: String::new(), points };
-        assert_eq!(curve.runs(), [vec![(1.0, 1.0), (2.0, 2.0)], vec![(5.0, 5.0)]]);
+        assert_eq!(runs(&points), [vec![(1.0, 1.0), (2.0, 2.0)], vec![(5.0, 5.0)]]);
     }
 }

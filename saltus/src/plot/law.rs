@@ -6,7 +6,7 @@ use plotters::prelude::{Color, DrawingArea, DrawingBackend, RGBColor};
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::Drawn;
-use super::axes::{Axes, Chart, Pen, padded, titled};
+use super::axes::{Axes, Chart, Pen, notice, padded, titled};
 use super::curves::span;
 use super::palette::{BLUE, GREY, INK, viridis};
 
@@ -18,6 +18,8 @@ const RESIDUALS: u32 = 240;
 pub(crate) struct LawPlot {
     pub(crate) title: String,
     pub(crate) lines: Vec<Line>,
+    /// What is said where there is no law.
+    pub(crate) empty: String,
 }
 
 /// One law: rate (rad/s), exact and fitted angle (rad) of each point.
@@ -41,6 +43,9 @@ impl LawPlot {
             Axes { x: ("approach rate ω (rad/s)", rates.clone()), y: ("firing angle α_f (rad)", angles) };
         let mut chart = axes.build(&titled(&upper, pen, &self.title)?, pen)?;
         self.draw_angles(&mut chart, pen)?;
+        if self.lines.is_empty() {
+            return notice(&chart, pen, &self.empty);
+        }
         self.draw_labels(&chart, pen)?;
 
         let most = all().map(|p| 1e3 * (p.2 - p.1).abs()).fold(1e-6, f64::max);

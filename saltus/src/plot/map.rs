@@ -2,11 +2,11 @@
 
 use plotters::coord::Shift;
 use plotters::element::{PathElement, Rectangle};
-use plotters::prelude::{Color, DrawingArea, DrawingBackend, RGBColor};
+use plotters::prelude::{Color, DrawingArea, DrawingBackend, RGBColor, WHITE};
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::Drawn;
-use super::axes::{Axes, Chart, Pen, tick, titled};
+use super::axes::{Axes, Chart, Pen, notice, tick, titled};
 use super::contour::{Field, levels};
 use super::curves::span;
 use super::palette::{INK, viridis};
@@ -75,9 +75,85 @@ impl MapPlot {
             let color = value.map_or_else(|| grey(self.outcomes[i]), |value| viridis(share(value)));
             Rectangle::new([(x[column], y[row]), (x[column + 1], y[row + 1])], color.filled())
         }))?;
+        if panel.values.iter().all(Option::is_none) {
+            return notice(&chart, pen, &format!("None of these launches has this: {}", self.counts()));
+        }
         let levels = levels(low, high);
-        self.draw_contours(&mut chart, pen, panel, &levels)?;
+        self.draw_borders(&mut chart, pen, panel, (&x, &y))?;
+        let names = self.named_regions(panel);
+        self.draw_contours(&mut chart, pen, panel, &levels, &names)?;
+        for (name, place) in names {
+            tag(&chart, pen, name, place)?;
+        }
         draw_scale(&right, pen, (low, high), &levels)
+    }
+
+    /// How many launches end in which way.
+    fn counts(&self) -> String {
+        let mut counts: Vec<(&str, usize)> = Vec::new();
+        for outcome in &self.outcomes {
+            match counts.iter_mut().find(|(known, _)| known == outcome) {
+                Some((_, count)) => *count += 1,
+                None => counts.push((outcome, 1)),
+            }
+        }
+        counts.iter().map(|(name, count)| format!("{count} {name}")).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The regions with values, most cells first.
+    fn regions(&self, panel: &Panel) -> Vec<(&'static str, Vec<usize>)> {
+        let mut regions: Vec<(&'static str, Vec<usize>)> = Vec::new();
+        for (i, outcome) in self.outcomes.iter().enumerate().filter(|(i, _)| panel.values[*i].is_some()) {
+            match regions.iter_mut().find(|(known, _)| known == outcome) {
+                Some((_, cells)) => cells.push(i),
+                None => regions.push((outcome, vec![i])),
+            }
+        }
+        regions
+    }
+
+    /// Dark lines where one region with values ends at another.
+    fn draw_borders<DB: DrawingBackend>(
+        &self,
+        chart: &mut Chart<'_, DB>,
+        pen: Pen,
+        panel: &Panel,
+        (x, y): (&[f64], &[f64]),
+    ) -> Drawn<DB> {
+        let height = self.angles.len();
+        let differ = |a: usize, b: usize| {
+            self.outcomes[a] != self.outcomes[b] && panel.values[a].is_some() && panel.values[b].is_some()
+        };
+        let mut lines = Vec::new();
+        for i in 0..self.outcomes.len() {
+            let (column, row) = (i / height, i % height);
+            if row + 1 < height && differ(i, i + 1) {
+                lines.push(vec![(x[column], y[row + 1]), (x[column + 1], y[row + 1])]);
+            }
+            if column + 1 < self.rates.len() && differ(i, i + height) {
+                lines.push(vec![(x[column + 1], y[row]), (x[column + 1], y[row + 1])]);
+            }
+        }
+        chart.draw_series(lines.into_iter().map(|line| PathElement::new(line, pen.line(INK, 2))))?;
+        Ok(())
+    }
+
+    /// The name of each region with values, and a cell of it by its middle, where there are several.
+    fn named_regions(&self, panel: &Panel) -> Vec<(&'static str, (f64, f64))> {
+        let height = self.angles.len();
+        let place = |i: &usize| (self.rates[i / height], self.angles[i % height]);
+        let (wide, high) = (extent(&self.rates), extent(&self.angles));
+        let middle = |(name, cells): &(&'static str, Vec<usize>)| {
+            let count = cells.len() as f64;
+            let sum = cells.iter().map(place).fold((0.0, 0.0), |sum, at| (sum.0 + at.0, sum.1 + at.1));
+            let off = |at: (f64, f64)| {
+                ((at.0 - sum.0 / count) / wide).powi(2) + ((at.1 - sum.1 / count) / high).powi(2)
+            };
+            let nearest = cells.iter().map(place).min_by(|a, b| off(*a).total_cmp(&off(*b)))?;
+            Some((*name, nearest))
+        };
+        let regions = self.regions(panel);
+        if regions.len() > 1 { regions.iter().filter_map(middle).collect() } else { Vec::new() }
     }
 
     fn draw_contours<DB: DrawingBackend>(
@@ -86,12 +162,29 @@ impl MapPlot {
         pen: Pen,
         panel: &Panel,
         levels: &[f64],
+        names: &[(&'static str, (f64, f64))],
     ) -> Drawn<DB> {
         let field = Field { x: &self.rates, y: &self.angles, values: &panel.values, kinds: &self.outcomes };
         let style = pen.line(RGBColor(255, 255, 255), 1);
+        let mut taken: Vec<(i32, i32)> =
+            names.iter().map(|(_, place)| chart.plotting_area().map_coordinate(place)).collect();
         for &level in levels {
-            let lines = field.segments(level).into_iter();
-            chart.draw_series(lines.map(|line| PathElement::new(line.to_vec(), style)))?;
+            let lines = field.segments(level);
+            chart.draw_series(lines.iter().map(|line| PathElement::new(line.to_vec(), style)))?;
+            // Its number stands where there is room, as near the middle of the line as may be.
+            let middle = lines.len() / 2;
+            let mut order: Vec<usize> = (0..lines.len()).collect();
+            order.sort_by_key(|&i| i.abs_diff(middle));
+            let place = |i: &usize| chart.plotting_area().map_coordinate(&lines[*i][0]);
+            let is_free = |at: &(i32, i32)| {
+                taken
+                    .iter()
+                    .all(|t| (t.0 - at.0).abs() > pen.offset(56) || (t.1 - at.1).abs() > pen.offset(18))
+            };
+            if let Some(i) = order.into_iter().find(|i| is_free(&place(i))) {
+                taken.push(place(&i));
+                tag(chart, pen, &tick(level), lines[i][0])?;
+            }
         }
         Ok(())
     }
@@ -114,23 +207,50 @@ impl MapPlot {
         let mut left = pen.offset(78);
         area.draw_text(&panel.title, &style, (left, middle))?;
         left += width(&panel.title, pen);
+        let regions = self.regions(panel);
+        if regions.len() > 1 {
+            let half = pen.offset(9);
+            area.draw(&PathElement::new(vec![(left, middle), (left + 2 * half, middle)], pen.line(INK, 2)))?;
+            left += 2 * half + pen.offset(6);
+            let kinds: Vec<&str> = regions.iter().map(|(name, _)| *name).collect();
+            let words = format!("border of {}", kinds.join(" and "));
+            area.draw_text(&words, &style, (left, middle))?;
+            left += width(&words, pen);
+        }
         for name in names {
             let half = pen.offset(6);
             let square = [(left, middle - half), (left + 2 * half, middle + half)];
             area.draw(&Rectangle::new(square, grey(name).filled()))?;
             area.draw(&Rectangle::new(square, pen.line(INK, 1)))?;
-            let words = if matches!(name, "stroke" | "force") { "does not get there" } else { name };
             left += 3 * half;
-            area.draw_text(words, &style, (left, middle))?;
-            left += width(words, pen);
+            area.draw_text(name, &style, (left, middle))?;
+            left += width(name, pen);
         }
         Ok(())
     }
 }
 
+/// A small label on the map, on a light ground.
+fn tag<DB: DrawingBackend>(chart: &Chart<'_, DB>, pen: Pen, text: &str, at: (f64, f64)) -> Drawn<DB> {
+    let area = chart.plotting_area();
+    let ((x, y), (left, top)) = (area.map_coordinate(&at), area.get_base_pixel());
+    let (x, y) = (x - left, y - top);
+    let count = i32::try_from(text.chars().count()).unwrap_or(0);
+    let (half, high) = (pen.offset(4 * count + 3), pen.offset(7));
+    let plain = area.strip_coord_spec();
+    plain.draw(&Rectangle::new([(x - half, y - high), (x + half, y + high)], WHITE.mix(0.75).filled()))?;
+    plain.draw_text(text, &pen.text(11, INK, HPos::Center, VPos::Center), (x, y))
+}
+
+/// How far numbers are apart at most; 1 for one.
+fn extent(numbers: &[f64]) -> f64 {
+    let (low, high) = span(numbers.iter().copied());
+    if high > low { high - low } else { 1.0 }
+}
+
 /// Some more than the width of a text.
 fn width(text: &str, pen: Pen) -> i32 {
-    const CHARACTER: i32 = 8;
+    const CHARACTER: i32 = 7;
     let count = i32::try_from(text.chars().count()).unwrap_or(0);
     pen.offset(CHARACTER.saturating_mul(count) + 20)
 }
@@ -169,7 +289,7 @@ fn rounded(x: f64) -> i32 {
 /// A shade for each outcome without a value.
 fn grey(outcome: &str) -> RGBColor {
     let shade = match outcome {
-        "stroke" | "force" => 235,
+        "no-landing" => 235,
         "stall" => 205,
         "no-break-away" => 170,
         "early-lift-off" => 130,

@@ -44,7 +44,8 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "firing|ANGLE", value_parser = start_lean, allow_hyphen_values = true)]
     start_lean: Option<StartLean>,
 
-    /// Read the launches from this CSV file: columns omega0_rad_s, phi0_rad, alpha_f_rad, valve_open_s
+    /// Read the launches from this CSV file: columns omega0_rad_s (or omega_rad_s), phi0_rad (or start_lean_rad), alpha_f_rad, valve_open_s;
+    /// a table that `saltus table` wrote has them
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["omega", "alpha_f", "valve_open", "start_lean"])]
     batch: Option<PathBuf>,
 
@@ -64,6 +65,7 @@ Examples:
   saltus simulate --omega 5 --alpha-f -6deg --valve-open 25ms --set leg.stroke_m=0.05
   saltus simulate --omega 5 --alpha-f -0.25:0.05:7 --plot figure-5.9.svg
   saltus simulate --batch jumps.csv --out answers.csv
+  saltus table --omega 3:6:31 --distance 0.6 --out table.csv && saltus simulate --batch table.csv
 
 Values: a number, start:stop:count (both ends included), or several of these with commas; every \
 combination is simulated.
@@ -83,6 +85,8 @@ JSON: {\"command\": \"simulate\", \"robot\": NAME, \"jumps\": [{the columns, nul
 --batch, each jump also has \"contact\" {least_normal_n, least_normal_time_s, friction_needed, \
 friction_needed_time_s} (friction_needed is null where the ground would have to pull) and \"energy\" \
 {drive_j, losses_j, kinetic_j, potential_j}.
+
+Rows of a table that are out of reach have no firing angle; a batch leaves them out.
 
 A jump that does not take off is an answer: the exit code is 0.";
 

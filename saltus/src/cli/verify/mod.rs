@@ -5,6 +5,7 @@ mod animation;
 mod drawing;
 mod report;
 mod subject;
+mod table_file;
 mod trial;
 mod verdict;
 
@@ -105,7 +106,8 @@ Examples:
   saltus verify table.csv --plant rats-boom --samples 200 --out verified.csv
 
 What is verified: a course (its plan is made first, as `saltus plan` does), a table that `saltus table` \
-wrote as CSV (between its rates it is linear), or a law α_f = A ω + B.
+wrote as CSV (between its rates it is linear; its columns say the landing height, start lean and valve \
+time, the robot must be the one that it was made for, and every row must land where it says), or a law α_f = A ω + B.
 
 Each jump is simulated with the whole robot in space: mass of the legs, boom, end stops, contact and slip \
 of the foot, all as the robot file says. A run is all jumps of a course, or one jump of a law or a table. \

@@ -7,18 +7,14 @@ use saltus::planner::{Crossing, CrossingAnswer, CrossingPlan};
 use saltus::verify::Task;
 use saltus::{Launch, Planner};
 
+use super::table_file;
 use crate::cli::plan::course;
 use crate::cli::target::{Block, block};
-use crate::cli::terms::{LandingHeight, StartLean, landing_height, start_lean};
-use crate::columns::{self, Column, Need};
+use crate::cli::terms::{self, LandingHeight, StartLean, Terms, landing_height, start_lean};
 use crate::error::{CliError, cut};
-use crate::input;
 use crate::output::digits;
-use crate::quantity::{self, Quantity};
+use crate::quantity;
 use crate::range::{Values, rates};
-
-/// Greatest size of a table (MiB).
-const LIMIT_MIB: u64 = 64;
 
 /// Flags that say what is verified.
 #[derive(Args, Debug)]
@@ -34,29 +30,29 @@ pub(crate) struct SubjectFlags {
 
     /// Approach rates ω (rad/s) of a law, or of a table in place of its own
     #[arg(long, value_name = "RATES", value_parser = rates, allow_hyphen_values = true)]
-    omega: Option<Values>,
+    pub(super) omega: Option<Values>,
 
     /// Distance (m) that the law is for, or the one of the table's distances to verify
     #[arg(long, value_name = "LENGTH", value_parser = quantity::distance, allow_hyphen_values = true)]
-    distance: Option<f64>,
+    pub(super) distance: Option<f64>,
 
     /// Box in the way of a law or a table (m): its front edge's distance from the foot, its width, its height
     #[arg(long, value_name = "FRONT,WIDTH,HEIGHT", value_parser = block, allow_hyphen_values = true)]
     obstacle: Option<Block>,
 
     /// Where the distance of a law or a table ends: `wheel`, where the wheel touches level ground, or the height (m) above the foothold
-    /// to which the wheel's centre comes down [default: wheel]
+    /// to which the wheel's centre comes down [default: a table's own; of a law: wheel]
     #[arg(long, value_name = "wheel|HEIGHT", value_parser = landing_height, allow_hyphen_values = true)]
-    landing_height: Option<LandingHeight>,
+    pub(super) landing_height: Option<LandingHeight>,
 
-    /// Valve opening time t_v (s) of a law or a table [default: 0.1]
+    /// Valve opening time t_v (s) of a law or a table [default: a table's own; of a law: 0.1]
     #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
-    valve_open: Option<f64>,
+    pub(super) valve_open: Option<f64>,
 
     /// Where the stance of a law or a table starts and its approach rate counts: `firing`, at the firing angle, or at this lean φ₀ (rad)
-    /// [default: firing]
+    /// [default: a table's own; of a law: firing]
     #[arg(long, value_name = "firing|ANGLE", value_parser = start_lean, allow_hyphen_values = true)]
-    start_lean: Option<StartLean>,
+    pub(super) start_lean: Option<StartLean>,
 }
 
 /// What is verified.
@@ -144,19 +140,39 @@ impl Subject {
         matches!(self.kind, Kind::Plan { .. })
     }
 
+    /// The table in `file`: rates and angles, and the rates at which it is verified.
+    pub(super) fn of_table(
+        flags: &SubjectFlags,
+        file: &str,
+        terms: &Terms,
+        points: Vec<(f64, f64)>,
+        rates: Vec<f64>,
+        distance: Option<f64>,
+    ) -> Subject {
+        let title = format!("the table {file}, {}", terms.landing_title());
+        Subject { title, kind: Kind::Rule(rule(flags, terms, Steering::Table(points), rates, distance)) }
+    }
+
     /// What the flags name; none for a course that no plan crosses.
     pub(super) fn load(flags: &SubjectFlags, planner: &Planner) -> Result<Option<Subject>, CliError> {
         match (&flags.file, flags.law) {
-            (Some(file), None) if is_table(file) => table(flags, file, planner).map(Some),
-            (Some(file), None) => plan(flags, file, planner),
+            (Some(file), None) => match ending(file).as_deref() {
+                Some("csv") => table_file::load(flags, file, planner).map(Some),
+                None | Some("toml") => plan(flags, file, planner),
+                Some(_) => Err(CliError::content(
+                    file.display(),
+                    "verify reads a course (.toml) or a table that `saltus table` wrote as CSV (.csv)",
+                )),
+            },
             (_, Some((slope, intercept))) => law(flags, slope, intercept, planner).map(Some),
             _ => Err(CliError::Missing { flag: "COURSE.toml", allowed: "or TABLE.csv, or --law" }),
         }
     }
 }
 
-fn is_table(file: &Path) -> bool {
-    file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))
+/// How a file's name ends, in small letters.
+fn ending(file: &Path) -> Option<String> {
+    Some(file.extension()?.to_str()?.to_ascii_lowercase())
 }
 
 fn law(flags: &SubjectFlags, slope: f64, intercept: f64, planner: &Planner) -> Result<Subject, CliError> {
@@ -174,93 +190,31 @@ fn law(flags: &SubjectFlags, slope: f64, intercept: f64, planner: &Planner) -> R
             return Err(CliError::flag("--law", format!("{slope},{intercept}"), allowed));
         }
     }
-    let title = format!("the law α_f = {formula}");
-    Ok(Subject { title, kind: Kind::Rule(rule(flags, steering, rates, flags.distance, planner)) })
+    let terms = Terms::new(
+        planner.robot(),
+        flags.landing_height.unwrap_or(LandingHeight::Wheel),
+        flags.valve_open.unwrap_or(terms::VALVE_OPEN),
+        flags.start_lean.unwrap_or(StartLean::Firing),
+    );
+    let title = format!("the law α_f = {formula}, {}", terms.landing_title());
+    Ok(Subject { title, kind: Kind::Rule(rule(flags, &terms, steering, rates, flags.distance)) })
 }
 
 fn rule(
     flags: &SubjectFlags,
+    terms: &Terms,
     steering: Steering,
     rates: Vec<f64>,
     distance: Option<f64>,
-    planner: &Planner,
 ) -> Rule {
     Rule {
         steering,
         rates,
         distance,
-        landing_height: flags.landing_height.unwrap_or(LandingHeight::Wheel).of(planner.robot()),
-        valve_open: flags.valve_open.unwrap_or(0.1),
-        start_lean: flags.start_lean.and_then(StartLean::fixed),
+        landing_height: terms.landing_height,
+        valve_open: terms.valve_open,
+        start_lean: terms.start_lean,
         obstacles: flags.obstacle.iter().map(Block::ends).collect(),
-    }
-}
-
-/// A table as `saltus table` writes it.
-fn table(flags: &SubjectFlags, path: &Path, planner: &Planner) -> Result<Subject, CliError> {
-    const COLUMNS: [Column; 3] = [
-        Column { name: "omega_rad_s", quantity: Quantity::RATE, need: Need::Value },
-        Column { name: "alpha_f_rad", quantity: Quantity::ANGLE, need: Need::Column },
-        Column { name: "distance_m", quantity: Quantity::DISTANCE, need: Need::Nothing },
-    ];
-    let file = path.display().to_string();
-    let rows = columns::read(&input::bytes(path, LIMIT_MIB)?, &file, &COLUMNS)?;
-    let distance = the_distance(flags, rows.iter().filter_map(|(_, row)| row[2]), &file)?;
-    let here = |row: &[Option<f64>; 3]| distance.is_none() || row[2].is_none() || row[2] == distance;
-    let mut points: Vec<(f64, f64)> = Vec::new();
-    for (line, row) in rows.iter().filter(|(_, row)| here(row)) {
-        let ([Some(rate), Some(angle)], last) = ([row[0], row[1]], points.last()) else { continue };
-        if last.is_some_and(|(before, _)| *before >= rate) {
-            let allowed = "above the one before: rates ascend, with one row for each".into();
-            let (key, value) = ("omega_rad_s".into(), rate.to_string());
-            return Err(CliError::Value { file, line: *line, key, value, allowed });
-        }
-        points.push((rate, angle));
-    }
-    if points.is_empty() {
-        return Err(CliError::content(file, "no row with a firing angle"));
-    }
-    let rates = match &flags.omega {
-        Some(rates) => within(rates, &points)?,
-        None => points.iter().map(|(rate, _)| *rate).collect(),
-    };
-    let title = format!("the table {file}");
-    Ok(Subject { title, kind: Kind::Rule(rule(flags, Steering::Table(points), rates, distance, planner)) })
-}
-
-/// The rates, none of which a table leaves out.
-fn within(rates: &Values, points: &[(f64, f64)]) -> Result<Vec<f64>, CliError> {
-    let (low, high) = (points[0].0, points[points.len() - 1].0);
-    match rates.iter().find(|rate| !(low..=high).contains(*rate)) {
-        Some(rate) => {
-            Err(CliError::flag("--omega", rate, format!("within the table: from {low} to {high} rad/s")))
-        }
-        None => Ok(rates.to_vec()),
-    }
-}
-
-/// The distance (m) of a table that is verified.
-fn the_distance(
-    flags: &SubjectFlags,
-    rows: impl Iterator<Item = f64>,
-    file: &str,
-) -> Result<Option<f64>, CliError> {
-    let mut all: Vec<f64> = rows.collect();
-    all.sort_by(f64::total_cmp);
-    all.dedup();
-    let listed = || all.iter().take(12).map(f64::to_string).collect::<Vec<_>>().join(", ");
-    match (flags.distance, all.as_slice()) {
-        (wanted, []) => Ok(wanted),
-        (None, [only]) => Ok(Some(*only)),
-        (None, _) => {
-            Err(CliError::flag("--distance", "", format!("one of the distances in {file}: {}", listed())))
-        }
-        (Some(wanted), _) => {
-            let found = all.iter().copied().find(|d| (d - wanted).abs() <= 1e-9);
-            found.map(Some).ok_or_else(|| {
-                CliError::flag("--distance", wanted, format!("one of those in {file}: {}", listed()))
-            })
-        }
     }
 }
 
