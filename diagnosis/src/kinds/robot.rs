@@ -76,6 +76,8 @@ impl Column {
     }
 }
 
+/// Longest time (s) for which a hop is simulated before its command.
+const STANDS: f64 = 0.05;
 /// Index of the gyro's tilt among the unknowns of a jump.
 const GYRO: usize = 2;
 
@@ -290,12 +292,17 @@ fn parts(run: &Run) -> Vec<Run> {
 
 /// The run with times (s) that count from where its motion starts.
 ///
-/// On the bench and in a hop that is the command, before which all is at rest. A jump starts at its first row, or at the command where that is
+/// On the bench that is the command, before which the rod rests under its load. A hop stands still from its first row on, of which the last moments
+/// before the command tell: a robot that is put down sways on its boom. A jump starts at its first row, or at the command where that is
 /// earlier: a leg that fills before the first row does so from a start that can be estimated.
 fn from_start(mut run: Run, kind: Sort) -> Run {
     let first = run.time.first().copied().unwrap_or(0.0);
     let Some((open, shut)) = run.valve else { return run };
-    let start = if kind == Sort::Jump { first.min(open) } else { open };
+    let start = match kind {
+        Sort::Bench => open,
+        Sort::Hop => first.clamp(open - STANDS, open),
+        _ => first.min(open),
+    };
     run.time.iter_mut().for_each(|time| *time -= start);
     run.valve = Some((open - start, shut.map(|shut| shut - start)));
     run
