@@ -23,23 +23,32 @@ const LIMIT_MIB: u64 = 4;
 
 /// The files that a robot file may name.
 #[derive(Clone, Copy)]
-pub(crate) enum Files<'a> {
-    /// Those below a folder.
+pub(crate) struct Files<'a> {
+    pub(crate) place: Place<'a>,
+    /// Told of each file before it is read.
+    pub(crate) opened: &'a dyn Fn(&Path),
+}
+
+/// Where they are.
+#[derive(Clone, Copy)]
+pub(crate) enum Place<'a> {
+    /// Below a folder.
     Folder(&'a Path),
-    /// Those built in, and those below the working folder, which an override may name.
+    /// Built in, or below the working folder, where an override may name one.
     BuiltIn,
 }
 
 impl Files<'_> {
     /// The text of `file`, and what messages call it.
     pub(crate) fn read(self, file: &str) -> Result<(String, String), RobotError> {
-        let path = match self {
-            Files::Folder(folder) => folder.join(file),
-            Files::BuiltIn => match TABLES.iter().find(|(name, _)| *name == file) {
+        let path = match self.place {
+            Place::Folder(folder) => folder.join(file),
+            Place::BuiltIn => match TABLES.iter().find(|(name, _)| *name == file) {
                 Some((name, text)) => return Ok((format!("robots/{name}"), (*text).into())),
                 None => file.into(),
             },
         };
+        (self.opened)(&path);
         Ok((path.display().to_string(), read_text(&path)?))
     }
 }

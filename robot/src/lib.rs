@@ -22,6 +22,7 @@ pub mod domain;
 mod error;
 mod file;
 mod files;
+mod implausible;
 mod model;
 mod parameter;
 mod rig;
@@ -35,6 +36,7 @@ use std::path::Path;
 
 pub use error::{Place, RobotError};
 use files::{Files, ROBOTS, read_text};
+pub use implausible::Implausible;
 pub use model::*;
 pub use parameter::Parameter;
 
@@ -48,17 +50,32 @@ pub use parameter::Parameter;
 /// # Errors
 /// [`RobotError`] if there is no such robot, its file cannot be read, or robot and overrides together are not a sound robot.
 pub fn resolve(name_or_path: &str, overrides: &[String]) -> Result<Robot, RobotError> {
+    resolve_from(name_or_path, overrides, &|_| ())
+}
+
+/// As [`resolve`]; `opened` is told of each file before it is read.
+///
+/// # Errors
+/// As [`resolve`].
+pub fn resolve_from(
+    name_or_path: &str,
+    overrides: &[String],
+    opened: &dyn Fn(&Path),
+) -> Result<Robot, RobotError> {
     if let Some((name, text)) = built_in(name_or_path) {
-        return read(text, &format!("robots/{name}.toml"), Files::BuiltIn, overrides);
+        let files = Files { place: files::Place::BuiltIn, opened };
+        return read(text, &format!("robots/{name}.toml"), files, overrides);
     }
     let path = Path::new(name_or_path);
+    opened(path);
     let text = read_text(path).map_err(|error| match error {
         RobotError::Unreadable { source, .. } if source.kind() == ErrorKind::NotFound => {
             RobotError::UnknownRobot { name: name_or_path.into(), built_in: Robot::builtin_names().collect() }
         }
         error => error,
     })?;
-    read(&text, name_or_path, Files::Folder(path.parent().unwrap_or(path)), overrides)
+    let place = files::Place::Folder(path.parent().unwrap_or(path));
+    read(&text, name_or_path, Files { place, opened }, overrides)
 }
 
 impl Robot {
@@ -78,7 +95,8 @@ impl Robot {
     /// Never: a test reads each of them.
     pub fn builtin(name: &str) -> Option<Robot> {
         let (name, text) = built_in(name)?;
-        Some(read(text, name, Files::BuiltIn, &[]).expect("the built-in robots are sound"))
+        let files = Files { place: files::Place::BuiltIn, opened: &|_| () };
+        Some(read(text, name, files, &[]).expect("the built-in robots are sound"))
     }
 
     /// Names of the built-in robots.
@@ -93,7 +111,7 @@ impl Robot {
     pub fn load(path: impl AsRef<Path>) -> Result<Robot, RobotError> {
         let path = path.as_ref();
         let folder = path.parent().unwrap_or(path);
-        read(&read_text(path)?, &path.display().to_string(), Files::Folder(folder), &[])
+        Robot::parse(&read_text(path)?, &path.display().to_string(), folder)
     }
 
     /// The robot that `text` describes; messages call it `file_name`, and the files that it names are below `base_dir`.
@@ -101,7 +119,8 @@ impl Robot {
     /// # Errors
     /// [`RobotError`] if `text` is not a sound robot, or a file that it names cannot be read.
     pub fn parse(text: &str, file_name: &str, base_dir: &Path) -> Result<Robot, RobotError> {
-        read(text, file_name, Files::Folder(base_dir), &[])
+        let files = Files { place: files::Place::Folder(base_dir), opened: &|_| () };
+        read(text, file_name, files, &[])
     }
 }
 

@@ -1,0 +1,234 @@
+//! Numbers that a robot may have and that look like a slip of unit.
+
+use std::f64::consts::PI;
+use std::fmt;
+
+use crate::{Drive, Robot};
+
+/// A number of a robot that is legal and hardly meant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Implausible {
+    /// Dotted key of the robot file.
+    pub key: &'static str,
+    /// Its value (the unit that the key ends with).
+    pub value: f64,
+    /// What is odd about it.
+    pub why: String,
+    /// The unit in which it would not be odd, or several.
+    pub units: &'static str,
+}
+
+impl fmt::Display for Implausible {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Implausible { key, value, why, units } = self;
+        write!(f, "{key} = {} {why}: is it in {units}?", short(*value))
+    }
+}
+
+/// Density (kg/m³) above that of every metal.
+const DENSEST: f64 = 23_000.0;
+/// Supply pressures (Pa, gauge) between which pneumatic legs are: weaker than a breath, stronger than a full gas bottle.
+const SUPPLY: (f64, f64) = (1e3, 2e7);
+/// Pressures (Pa) of the surroundings: of Mars, of ten atmospheres.
+const AMBIENT: (f64, f64) = (500.0, 1e6);
+/// Gravity (m/s²) that no planet of the sun has.
+const GRAVITY: f64 = 50.0;
+/// Delay (s) of the slowest valve.
+const DELAY: f64 = 1.0;
+/// Gas temperature (K) at which air is nearly liquid.
+const COLD: f64 = 100.0;
+/// Length (m) of a boom, and radius (m) of a wheel, that no laboratory holds.
+const HALL: f64 = 50.0;
+
+impl Robot {
+    /// Numbers that look like a slip of unit; none for most robots.
+    ///
+    /// All of them are legal: a model takes what is written.
+    ///
+    /// # Example
+    /// ```
+    /// use saltus_robot::resolve;
+    /// let robot = resolve("rats-planar", &["leg.stroke_m=5".into()])?;
+    /// assert_eq!(
+    ///     robot.implausible()[0].to_string(),
+    ///     "leg.stroke_m = 5 is longer than the wheel is wide (0.48 m): is it in cm or mm?",
+    /// );
+    /// # Ok::<(), saltus_robot::RobotError>(())
+    /// ```
+    pub fn implausible(&self) -> Vec<Implausible> {
+        let (mass, radius) = (self.body.mass, self.body.radius);
+        let (width, ball) = (2.0 * radius, 4.0 / 3.0 * PI * radius.powi(3));
+        let rim = mass * radius * radius;
+        let mut all = vec![
+            (radius > HALL, "body.wheel_radius_m", radius, "is larger than any hall".into(), "cm or mm"),
+            (
+                mass > DENSEST * ball,
+                "body.mass_kg",
+                mass,
+                format!("is more than a wheel of {} m radius can hold", short(radius)),
+                "g",
+            ),
+            (
+                // The margin is for rounding of a hoop.
+                self.body.inertia > (1.0 + 1e-6) * rim,
+                "body.inertia_kg_m2",
+                self.body.inertia,
+                format!("is more than that of all mass on the rim ({} kg m²)", short(rim)),
+                "g m², kg mm² or g cm²",
+            ),
+            (
+                self.leg.stroke > width,
+                "leg.stroke_m",
+                self.leg.stroke,
+                format!("is longer than the wheel is wide ({} m)", short(width)),
+                "cm or mm",
+            ),
+            (
+                self.leg.delay > DELAY,
+                self.delay_key(),
+                self.leg.delay,
+                "is slow for a valve or latch".into(),
+                "ms",
+            ),
+            (
+                self.environment.gravity > GRAVITY,
+                "environment.gravity_m_s2",
+                self.environment.gravity,
+                "is more than on any planet".into(),
+                "cm/s²",
+            ),
+            (
+                !(AMBIENT.0..=AMBIENT.1).contains(&self.environment.ambient.0),
+                "environment.ambient_pressure_pa",
+                self.environment.ambient.0,
+                "is far from one atmosphere (101325 Pa)".into(),
+                "kPa, bar or psi",
+            ),
+        ];
+        if let Some(boom) = &self.boom {
+            all.push((
+                boom.length > HALL,
+                "boom.length_m",
+                boom.length,
+                "is longer than any hall".into(),
+                "cm or mm",
+            ));
+        }
+        if let Drive::Pneumatic(c) = &self.leg.drive {
+            let supply = c.supply.0;
+            all.extend([
+                (
+                    supply > 0.0 && supply < SUPPLY.0,
+                    "leg.supply_pressure_gauge_pa",
+                    supply,
+                    "is too weak to push".into(),
+                    "kPa, bar or psi",
+                ),
+                (
+                    supply > SUPPLY.1,
+                    "leg.supply_pressure_gauge_pa",
+                    supply,
+                    "is more than a gas bottle holds".into(),
+                    "a smaller unit",
+                ),
+                (c.bore > width, "leg.bore_m", c.bore, "is wider than the wheel".into(), "mm"),
+                (
+                    c.orifice_radius > c.bore,
+                    "leg.orifice_radius_m",
+                    c.orifice_radius,
+                    "is wider than the cylinder".into(),
+                    "mm",
+                ),
+                (
+                    c.dead_volume > ball,
+                    "leg.dead_volume_m3",
+                    c.dead_volume,
+                    "is more than the wheel holds".into(),
+                    "cm³",
+                ),
+                (
+                    c.temperature < COLD,
+                    "leg.gas_temperature_k",
+                    c.temperature,
+                    "is colder than gas".into(),
+                    "°C",
+                ),
+            ]);
+        }
+        let odd = all.into_iter().filter(|(is_odd, ..)| *is_odd);
+        odd.map(|(_, key, value, why, units)| Implausible { key, value, why, units }).collect()
+    }
+
+    fn delay_key(&self) -> &'static str {
+        if matches!(self.leg.drive, Drive::Pneumatic(_)) {
+            "leg.valve_delay_s"
+        } else {
+            "leg.release_delay_s"
+        }
+    }
+
+    /// Keys of the robot file that are set and that the planar model of a planner leaves out; the multi-body simulation has them.
+    ///
+    /// Not named are the mass of the legs and friction across the travel, which a jump in the plane hardly feels.
+    pub fn beyond_the_plane(&self) -> Vec<&'static str> {
+        let ground = &self.ground;
+        let all = [
+            (self.body.imbalance != 0.0, "body.imbalance_m"),
+            (self.body.axle_friction != 0.0, "body.axle_friction_n_m"),
+            (self.boom.is_some_and(|boom| boom.flex.is_some()), "boom.bending_stiffness_n_m_per_rad"),
+            (self.foot.radius != 0.0, "foot.radius_m"),
+            (ground.static_friction.is_finite(), "ground.static_friction"),
+            (ground.stiffness.is_some(), "ground.stiffness_n_per_m"),
+            (ground.slope != 0.0, "ground.slope_rad"),
+        ];
+        all.into_iter().filter(|(is_set, _)| *is_set).map(|(_, key)| key).collect()
+    }
+}
+
+/// A number with few digits.
+fn short(x: f64) -> String {
+    let rounded: f64 = format!("{x:.3e}").parse().unwrap_or(x);
+    if (1e-4..1e6).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Robot, resolve};
+
+    #[test]
+    fn a_slip_of_unit_is_seen() {
+        let check = |set: &str, key: &str| {
+            let robot = resolve("rats-boom", &[set.into()]).expect("a legal robot");
+            let keys: Vec<&str> = robot.implausible().iter().map(|odd| odd.key).collect();
+            assert_eq!(keys, [key], "{set}");
+        };
+        check("body.mass_kg=2750", "body.mass_kg");
+        check("body.inertia_kg_m2=13000", "body.inertia_kg_m2");
+        check("leg.stroke_m=6", "leg.stroke_m");
+        check("leg.valve_delay_s=10", "leg.valve_delay_s");
+        check("leg.supply_pressure_gauge_psi=1e6", "leg.supply_pressure_gauge_pa");
+        check("leg.supply_pressure_gauge_pa=120", "leg.supply_pressure_gauge_pa");
+        check("leg.bore_m=19.05", "leg.bore_m");
+        check("leg.orifice_radius_m=1.0215", "leg.orifice_radius_m");
+        check("leg.dead_volume_m3=5.4", "leg.dead_volume_m3");
+        check("leg.gas_temperature_k=20", "leg.gas_temperature_k");
+        check("environment.gravity_m_s2=981", "environment.gravity_m_s2");
+        check("environment.ambient_pressure_pa=101.325", "environment.ambient_pressure_pa");
+        check("boom.length_m=2120", "boom.length_m");
+    }
+
+    #[test]
+    fn built_in_robots_are_plausible_and_planar() {
+        for name in Robot::builtin_names() {
+            let robot = Robot::builtin(name).expect("built in");
+            assert_eq!((robot.implausible(), robot.beyond_the_plane()), (vec![], vec![]), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_hoop_is_plausible() {
+        let rim = 2.75 * 0.24 * 0.24;
+        let robot = resolve("rats-planar", &[format!("body.inertia_kg_m2={rim}")]).expect("a legal robot");
+        assert_eq!(robot.implausible(), vec![]);
+    }
+}
