@@ -132,7 +132,7 @@ impl<'a> Search<'a> {
 
     /// What is to be said; `stated` is the experiment with the noise that its readings are judged by.
     fn conclude(mut self, stated: &dyn Kind, before: Fit, chosen: Chosen) -> Diagnosis {
-        let Chosen { model: mut after, tried, pairs, mut inflation, .. } = chosen;
+        let Chosen { model: mut after, mut tried, pairs, mut inflation, .. } = chosen;
         if let Some(better) = self.better_pair(&before, &after, &pairs) {
             (after, inflation) = (better.model, better.inflation);
         }
@@ -189,6 +189,14 @@ impl<'a> Search<'a> {
             finding.unlisted = Some(unlisted);
             finding.next = self.next(finding);
         }
+        if let [finding] = &findings[..]
+            && !finding.is_identifiable
+        {
+            for rival in &finding.rivals {
+                tried.retain(|known| known.cause != rival.cause);
+                tried.push(Candidate { reported: Vec::new(), ..rival.clone() });
+            }
+        }
         (self.progress)("data left out");
         let folds = folds(self.kind, self.settings);
         let scores = [&before, &after].map(|model| self.held_out(model, &folds).unwrap_or_default());
@@ -199,12 +207,14 @@ impl<'a> Search<'a> {
 
     /// Whether a parameter of a cause has gone as far as physics lets it.
     fn is_at_a_bound(&self, model: &Fit) -> bool {
-        model.causes.iter().any(|&cause| {
-            self.kind.causes()[cause].parameters.iter().enumerate().any(|(p, parameter)| {
-                let x = model.terms.get(cause, p);
-                let ends = [parameter.bounds.0, parameter.bounds.1];
-                ends.iter().any(|end| *end != parameter.neutral && (x - end).abs() < 1e-6 * parameter.scale)
-            })
+        model.causes.iter().any(|cause| self.goes_to_a_bound(model, *cause))
+    }
+
+    fn goes_to_a_bound(&self, model: &Fit, cause: usize) -> bool {
+        self.kind.causes()[cause].parameters.iter().enumerate().any(|(p, parameter)| {
+            let x = model.terms.get(cause, p);
+            let ends = [parameter.bounds.0, parameter.bounds.1];
+            ends.iter().any(|end| *end != parameter.neutral && (x - end).abs() < 1e-6 * parameter.scale)
         })
     }
 
@@ -396,8 +406,35 @@ impl<'a> Search<'a> {
         let mut fitted = self.fit_each(base, &near, 0.0);
         let best = fitted.iter().map(|c| c.gain).fold(0.0, f64::max);
         fitted.extend(self.fit_each(base, &far, LITTLE * best));
-        fitted.sort_by(|a, b| self.worth(b, 1.0).total_cmp(&self.worth(a, 1.0)));
+        let by_worth = |a: &Candidate, b: &Candidate| self.worth(b, 1.0).total_cmp(&self.worth(a, 1.0));
+        fitted.sort_by(by_worth);
+        // The best goes as far as physics lets it and leaves more than noise: small steps have not led to what explains the data.
+        let is_lost = |best: &Candidate| {
+            self.goes_to_a_bound(&best.fit, best.cause) && fitness::inflation(self.kind, &best.fit) > WANDERS
+        };
+        if fitted.first().is_some_and(is_lost) {
+            self.look_far(base, &mut fitted);
+            fitted.sort_by(by_worth);
+        }
         fitted
+    }
+
+    /// Adds to `fitted` every listed cause that explains more when its search starts from all over its range.
+    fn look_far(&self, base: &Fit, fitted: &mut Vec<Candidate>) {
+        let off: Vec<usize> = (0..self.kind.listed()).filter(|c| !base.causes.contains(c)).collect();
+        let found = parallel::map(off.len(), |k| {
+            (self.progress)(&format!("{}: all of {}", base.causes.len() + 1, self.kind.causes()[off[k]].id));
+            fit::fit_far(self.kind, base, off[k], &self.runs)
+        });
+        for (&cause, fit) in off.iter().zip(found) {
+            let Some(fit) = fit.filter(|fit| fit.loss < base.loss) else { continue };
+            let far = Candidate { cause, gain: base.loss - fit.loss, fit, reported: Vec::new() };
+            match fitted.iter_mut().find(|near| near.cause == cause) {
+                Some(near) if near.gain < far.gain => *near = far,
+                Some(_) => {}
+                None => fitted.push(far),
+            }
+        }
     }
 
     /// `base` with each of `causes` that gains `enough` in its first steps.
@@ -620,6 +657,11 @@ impl<'a> Search<'a> {
                 let gain = base.loss - model.loss;
                 let fit = model.clone();
                 let mut best = Candidate { cause, gain, fit, reported: Vec::new() };
+                let told = report(self.kind, &mut best, inflation, true);
+                if told.is_open {
+                    // Others that hold the machine as well need not lie at the end of small steps.
+                    self.look_far(&base, &mut candidates);
+                }
                 let worth = self.worth(&best, 1.0);
                 let id = self.kind.causes()[cause].id;
                 let with = with.as_ref();
@@ -646,9 +688,9 @@ impl<'a> Search<'a> {
                 });
                 let cost = |c: &Candidate| 2.0 * self.freedom(c.cause) as f64 - c.gain;
                 candidates.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-                let undetermined = report(self.kind, &mut best, inflation, true);
                 for rival in &mut candidates {
-                    report(self.kind, rival, inflation, false);
+                    // Where the data tell nothing but how strong an effect is at least, that is what is of interest.
+                    report(self.kind, rival, inflation, told.is_open);
                 }
                 let without = self.held_out(&base, &folds).map(|scores| losses(&scores));
                 let held_out = match (without, with) {
@@ -662,7 +704,8 @@ impl<'a> Search<'a> {
                     less_likely,
                     unlisted: None,
                     held_out,
-                    undetermined,
+                    undetermined: told.undetermined,
+                    is_identifiable: !told.is_open,
                     next: None,
                 };
                 finding.next = self.next(&finding);

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use crate::fit::Fit;
 use crate::fitness::{self, Fitness};
 use crate::gain::Gain;
-use crate::kind::{Kind, Terms};
+use crate::kind::{Kind, Parameter, Terms};
 use crate::next::NextExperiment;
 use crate::parallel;
 use crate::profile::{Interval, Profile};
@@ -52,6 +52,8 @@ pub struct Finding {
     pub held_out: f64,
     /// A direction of its parameters that the data do not tell, as the part of each.
     pub undetermined: Option<Vec<f64>>,
+    /// Whether the data limit how strong it is. If not, a stronger one predicts the same readings, or physics allows no stronger one.
+    pub is_identifiable: bool,
     /// Where there are rivals, the experiment that would tell them apart.
     pub next: Option<NextExperiment>,
 }
@@ -79,14 +81,32 @@ pub struct Diagnosis {
     pub gains: Vec<Gain>,
 }
 
-/// Fills in what is reported of a candidate's cause, with standard errors by first differences of what is reported; a direction of its
-/// parameters that the data do not tell, if there is one.
+/// Whether nothing limits a parameter, found to be `value`, on the side away from neutral: there its interval, with these ends where
+/// it was taken, has no end, and physics allows far more than the least that explains the data.
+fn is_unlimited(parameter: &Parameter, value: f64, [low, high]: [Option<Option<f64>>; 2]) -> bool {
+    /// How far, in terms of that least.
+    const FAR: f64 = 2.0;
+    let Parameter { neutral, bounds, .. } = parameter;
+    let (inner, outer, bound) = if value > *neutral { (low, high, bounds.1) } else { (high, low, bounds.0) };
+    let least = inner.flatten().map_or(0.0, |x| (x - neutral).abs());
+    outer == Some(None) && (bound - neutral).abs() > FAR * least
+}
+
+/// What the data do not tell of a cause.
+pub(crate) struct Told {
+    /// A direction of its parameters that the data do not tell, if there is one.
+    pub(crate) undetermined: Option<Vec<f64>>,
+    /// Whether nothing limits how strong it is; false without intervals.
+    pub(crate) is_open: bool,
+}
+
+/// Fills in what is reported of a candidate's cause, with standard errors by first differences of what is reported.
 pub(crate) fn report(
     kind: &dyn Kind,
     candidate: &mut Candidate,
     inflation: f64,
     with_intervals: bool,
-) -> Option<Vec<f64>> {
+) -> Told {
     let (fit, cause) = (&candidate.fit, candidate.cause);
     let parameters = &kind.causes()[cause].parameters;
     let known = Tangent::new(kind, fit, false).map(|t| t.known(kind));
@@ -123,6 +143,15 @@ pub(crate) fn report(
         }
         _ => vec![None; 2 * reported.len()],
     };
+    let opens: Vec<bool> = (0..reported.len())
+        .filter_map(|k| {
+            let p = only(k).filter(|p| values[*p] != parameters[*p].neutral)?;
+            let least = |end: &Option<Terms>| end.as_ref().map(|terms| terms.get(cause, p));
+            let ends = [&ends[2 * k], &ends[2 * k + 1]].map(|end| end.as_ref().map(least));
+            Some(is_unlimited(&parameters[p], values[p], ends))
+        })
+        .collect();
+    let is_open = !opens.is_empty() && opens.iter().all(|open| *open);
     candidate.reported = reported
         .into_iter()
         .enumerate()
@@ -143,9 +172,11 @@ pub(crate) fn report(
                 _ => None,
             };
             // One that rests where it does nothing has none.
-            let error = if variance > 0.0 { variance.sqrt() } else { f64::NAN };
+            let error = if variance > 0.0 && variance.is_finite() { variance.sqrt() } else { f64::NAN };
             Reported { name, value, error, interval }
         })
         .collect();
-    known.and_then(|k| (k.least < 1e-6 && n > 1).then(|| k.direction[offset..offset + n].to_vec()))
+    let undetermined =
+        known.and_then(|k| (k.least < 1e-6 && n > 1).then(|| k.direction[offset..offset + n].to_vec()));
+    Told { undetermined, is_open }
 }

@@ -436,6 +436,23 @@ pub(crate) fn fit_if(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize], 
             starts.push(parameters.iter().map(of).collect());
         }
     }
+    fit_from(kind, base, cause, runs, starts, enough)
+}
+
+/// Fits `base` with `cause` added, from wherever physics lets it be: small steps from none need not lead to where it explains most.
+pub(crate) fn fit_far(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]) -> Option<Fit> {
+    fit_from(kind, base, cause, runs, kind.causes()[cause].ladder(), 0.0)
+}
+
+/// Fits `base` with `cause` added from each of `starts`; none where the first steps do not gain `enough`.
+fn fit_from(
+    kind: &dyn Kind,
+    base: &Fit,
+    cause: usize,
+    runs: &[usize],
+    starts: Vec<Vec<f64>>,
+    enough: f64,
+) -> Option<Fit> {
     let mut from: Vec<Fit> = starts
         .into_iter()
         .map(|start| {

@@ -298,6 +298,33 @@ pub(crate) fn excess(kind: &dyn Kind, model: &Fit) -> f64 {
     (model.loss - readings).max(0.0)
 }
 
+/// What a model leaves of a channel.
+pub(crate) struct Level {
+    /// Readings as they count.
+    pub(crate) count: f64,
+    /// Mean square, in the channel's variance.
+    pub(crate) square: f64,
+    /// Whether the residuals scatter one by one.
+    pub(crate) is_white: bool,
+}
+
+/// What `model` leaves of each channel; none where it says nothing of some run.
+pub(crate) fn levels(kind: &dyn Kind, model: &Fit) -> Option<Vec<Level>> {
+    let residuals = raw_residuals(kind, model);
+    let readings: Vec<_> = kind.logs().iter().flat_map(|log| &log.readings).collect();
+    if residuals.len() != readings.len() {
+        return None;
+    }
+    let white = whiteness(&series(kind), kind.channels().len(), &residuals);
+    let level = |(c, white): (usize, f64)| {
+        let here = || readings.iter().zip(&residuals).filter(|(reading, _)| reading.channel == c);
+        let count: f64 = here().map(|(reading, _)| reading.weight).sum();
+        let sum: f64 = here().map(|(_, r)| r * r).sum();
+        Level { count, square: sum / count.max(1.0), is_white: white < SMOOTH }
+    };
+    Some(white.into_iter().enumerate().map(level).collect())
+}
+
 /// Scatter of the residuals of each channel in standard deviations, the outermost twentieth left out.
 pub(crate) fn scatter(kind: &dyn Kind, model: &Fit) -> Vec<f64> {
     let raw = raw_residuals(kind, model);

@@ -72,6 +72,25 @@ impl Cause {
     pub(crate) fn is_apart(&self) -> bool {
         self.parameters.iter().any(|p| p.neutral < p.bounds.0 || p.neutral > p.bounds.1)
     }
+
+    /// Values over the whole range of each parameter, the others as near to neutral as physics lets them: half a decade from one to the next.
+    pub(crate) fn ladder(&self) -> Vec<Vec<f64>> {
+        /// Rungs on each side.
+        const RUNGS: i32 = 16;
+        let rest: Vec<f64> =
+            self.parameters.iter().map(|p| p.neutral.clamp(p.bounds.0, p.bounds.1)).collect();
+        let mut all = Vec::new();
+        for (k, p) in self.parameters.iter().enumerate() {
+            let rung = |n: i32| p.scale * 10_f64.powf(0.5 * f64::from(n));
+            let values = (0..RUNGS).flat_map(|n| [p.neutral - rung(n), p.neutral + rung(n)]);
+            for value in values.filter(|x| (p.bounds.0..=p.bounds.1).contains(x)) {
+                let mut rungs = rest.clone();
+                rungs[k] = value;
+                all.push(rungs);
+            }
+        }
+        all
+    }
 }
 
 /// Values of the parameters of every cause.
@@ -155,6 +174,11 @@ pub trait Kind: Sync {
     /// The robot with the terms on, where the experiment is of a robot.
     fn robot(&self, _terms: &Terms) -> Option<Robot> {
         None
+    }
+
+    /// What to measure where these data hardly show an effect, so that they show it more.
+    fn stronger(&self) -> String {
+        "runs in which it shows more".into()
     }
 
     /// Experiments that were not done and could tell causes apart.

@@ -32,5 +32,6 @@ pub use fitness::{Fitness, Unknown};
 pub use gain::Gain;
 pub use kind::{Cause, Channel, Kind, Log, Parameter, Reading, Terms};
 pub use next::{NextExperiment, Proposal};
+pub use noise::{Misstated, disbelieve, misstated};
 pub use profile::Interval;
 pub use residuals::{PhaseResidual, Point, points, residuals, residuals_under};

@@ -18,7 +18,7 @@ pub struct Interval {
 /// By how much the loss rises to the end of an interval: χ² of one parameter that is exceeded in 5 % of cases.
 const LEVEL: f64 = 3.841_458_8;
 /// Fits that are made to find an end.
-const MOST: usize = 8;
+const MOST: usize = 16;
 /// Most steps of each.
 const STEPS: usize = 10;
 /// Part of its distance to which an end is found.
@@ -42,8 +42,8 @@ impl Profile<'_> {
         let spec = &self.kind.causes()[cause].parameters[parameter];
         let variance = |of: &DMatrix<f64>| of[(index, index)];
         let (all, readings) = match (variance(&self.known.covariance), variance(&self.known.by_readings)) {
-            (all, readings) if readings > 0.0 => (all, readings),
-            // One that rests where it does nothing.
+            (all, readings) if readings > 0.0 && all.is_finite() => (all, readings),
+            // One that does nothing where it is.
             _ => (1.0, 1.0),
         };
         // Noise of measured inputs lets the parameter go further than the loss of the readings says.
@@ -57,6 +57,7 @@ impl Profile<'_> {
                 // The others as they go with it where all is linear.
                 let other = &self.kind.causes()[c].parameters[p];
                 let slope = self.known.by_readings[(k, index)] / readings * other.scale / spec.scale;
+                let slope = if slope.is_finite() { slope } else { 0.0 };
                 let x = moved.terms.get(c, p) + slope * side * distance;
                 moved.terms.set(c, p, x.clamp(other.bounds.0, other.bounds.1));
             }

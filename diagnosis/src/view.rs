@@ -130,6 +130,10 @@ impl Kind for View<'_> {
         self.kind.robot(terms)
     }
 
+    fn stronger(&self) -> String {
+        self.kind.stronger()
+    }
+
     fn proposals(&self) -> Vec<Proposal> {
         self.kind.proposals()
     }

@@ -164,6 +164,10 @@ impl Kind for Flights {
         &self.causes
     }
 
+    fn stronger(&self) -> String {
+        "longer and faster flights".into()
+    }
+
     fn listed(&self) -> usize {
         self.listed
     }

@@ -428,6 +428,15 @@ impl Kind for Firings {
         terms::report(&self.causes[cause], values)
     }
 
+    fn stronger(&self) -> String {
+        match self.sort {
+            Sort::Bench => "firings at a higher supply pressure or under a lighter load, so that the leg extends",
+            Sort::Hop => "hops at a higher supply pressure or with the valve open longer, so that the robot leaves the ground",
+            _ => "jumps over a wider range of approach rates and firing angles, at several supply pressures",
+        }
+        .into()
+    }
+
     fn proposals(&self) -> Vec<Proposal> {
         proposals::of(&self.robot)
     }

@@ -125,6 +125,12 @@ impl Kind for Slides {
         &self.causes
     }
 
+    fn stronger(&self) -> String {
+        let most =
+            self.drives.iter().flat_map(|drive| &drive.force).fold(0.0_f64, |most, f| most.max(f.abs()));
+        format!("runs with a larger force, so that the mass moves more (the largest of these is {most:.3} N)")
+    }
+
     /// The noise of the force, twice integrated.
     fn input_noise(&self, run: usize, normal: &mut dyn FnMut() -> f64) -> Option<Vec<f64>> {
         let drive = &self.drives[run];
@@ -163,11 +169,13 @@ impl Kind for Slides {
         let mut now = *drive.time.first()?;
         let mut at = 0;
         let force = |at: usize, t: f64| force_scale * drive.between(at, t) + offset;
+        // A stiff spring swings fast.
+        let step = STEP.min(0.3 * (mass / stiffness).sqrt());
         let mut out = Vec::with_capacity(self.logs[run].readings.len());
         for reading in &self.logs[run].readings {
             let until = reading.time - delay;
             while now < until {
-                let h = STEP.min(until - now);
+                let h = step.min(until - now);
                 // A late sensor shows now what was before.
                 let seen = now + 0.5 * h + force_delay;
                 while at + 1 < drive.time.len() && drive.time[at + 1] <= seen {
@@ -175,12 +183,12 @@ impl Kind for Slides {
                 }
                 // The middle of the step; dry friction takes what is left of the speed and no more.
                 let middle = x + 0.5 * h * v;
-                let push = force(at, seen)
-                    - stiffness * (middle - start)
-                    - preload
-                    - viscous * v
-                    - drag * v.abs() * v;
-                let free = v + h * push / mass;
+                let push = force(at, seen) - stiffness * (middle - start) - preload;
+                // What brakes in proportion to the speed does so without end, and never turns it round.
+                let brake = h * (viscous + drag * v.abs()) / mass;
+                let left = (-brake).exp();
+                let mean = if brake > 1e-6 { (1.0 - left) / brake } else { 1.0 };
+                let free = left * v + mean * h * push / mass;
                 let next = free.signum() * (free.abs() - h * dry / mass).max(0.0);
                 x += 0.5 * h * (v + next);
                 v = next;

@@ -132,6 +132,10 @@ impl Kind for Strokes {
         &self.causes
     }
 
+    fn stronger(&self) -> String {
+        "strokes over a longer way, at several speeds and pressures".into()
+    }
+
     /// Force on the load cell: p A, friction against the motion (after Dahl: it turns over within the presliding way), less a
     /// spring that grows as the rod extends.
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {

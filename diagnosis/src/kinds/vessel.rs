@@ -169,6 +169,10 @@ impl Kind for Vessels {
         &self.causes
     }
 
+    fn stronger(&self) -> String {
+        "runs from a pressure that is farther from the other side's, until both are equal".into()
+    }
+
     fn listed(&self) -> usize {
         self.listed
     }
