@@ -1,11 +1,63 @@
-//! What a diagnosis is worth: the extended robot, and firing tables before and after.
+//! A diagnosis of data as they were read, and what it is worth: the extended robot, and firing tables before and after.
 
 use std::fmt::Write;
 
+use saltus_diagnosis::kinds::{self, Problem};
 use saltus_diagnosis::rig::Rig;
-use saltus_diagnosis::{Diagnosis, Experiment, Interval, Kind, Reported, Sort, Terms};
+use saltus_diagnosis::{
+    Diagnosis, Experiment, Interval, Kind, Misstated, Reported, Settings, Sort, Terms, disbelieve, misstated,
+};
 use saltus_planner::{FIRING_ANGLES, Measure, Planner, Roots, TableRequest};
 use saltus_robot::Robot;
+
+/// A diagnosis with the model that it is of.
+pub struct Study {
+    /// The experiment, with the noise that its readings are judged by.
+    pub kind: Box<dyn Kind>,
+    /// What was found; none where the model has no motion at its first guesses.
+    pub diagnosis: Option<Diagnosis>,
+    /// Columns whose stated noise is far from what the data scatter. Where it is stated far too large, the seen scatter took its place.
+    pub misstated: Vec<Misstated>,
+}
+
+/// Says what is wrong with the model of an experiment, of `robot` where it is one with a robot; `progress` is told what is being done.
+///
+/// # Errors
+/// [`Problem`] where data and robot do not go together.
+pub fn study(
+    experiment: &Experiment,
+    robot: Option<&Robot>,
+    settings: &Settings,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Study, Problem> {
+    /// Looks at the noise: what a cause explains that is found with less of it may show that there is less still.
+    const MOST: usize = 4;
+    let mut experiment = experiment.clone();
+    let mut doubted = disbelieve(&mut experiment);
+    let mut rounds = 0;
+    loop {
+        let kind = kinds::build(&experiment, robot)?;
+        let diagnosis = saltus_diagnosis::diagnose(kind.as_ref(), settings, progress);
+        let found =
+            diagnosis.as_ref().map_or(Vec::new(), |d| misstated(&experiment, kind.as_ref(), &d.after));
+        let mut is_overstated = false;
+        for now in found {
+            if now.stated > now.seen {
+                is_overstated = true;
+                let column = experiment.columns.iter().position(|column| *column == now.column);
+                column.into_iter().for_each(|k| experiment.noise[k] = Some(now.seen));
+            }
+            match doubted.iter_mut().find(|before| before.column == now.column) {
+                Some(before) => before.seen = now.seen,
+                None => doubted.push(now),
+            }
+        }
+        rounds += 1;
+        if !is_overstated || rounds == MOST {
+            return Ok(Study { kind, diagnosis, misstated: doubted });
+        }
+    }
+}
 
 /// What a firing table is off by when the robot that was measured jumps from it.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,32 +95,21 @@ impl Worth {
 /// Valve opening time (s) of the tables.
 const OPEN: f64 = 0.1;
 
-/// Why there is no diagnosis: the first run for which the model has no motion, and what to do.
-pub fn no_motion(kind: &dyn Kind, experiment: &Experiment) -> String {
-    let terms = Terms::off(kind.causes());
-    let stands = |run: &usize| {
-        let guess: Vec<f64> = kind.unknowns(*run).iter().map(|unknown| unknown.neutral).collect();
-        kind.predict(*run, &terms, &guess).is_none()
-    };
-    let Some(run) = (0..kind.logs().len()).find(stands) else {
-        return "the model has no such motion: is it the robot that was measured?".into();
-    };
-    let name = &kind.logs()[run].name;
-    match experiment.runs.get(run).and_then(|run| run.valve) {
-        Some((open, _)) if experiment.kind == Sort::Jump => format!(
-            "{name}: the model has no such motion from the first valid row, which is {open:.3} s before the command. The log of a jump starts just \
-             after the jumping leg touched down: set valid_from_s to that time. Or is it another robot that was measured?"
-        ),
-        _ => format!("{name}: the model has no such motion: is it the robot that was measured?"),
-    }
-}
-
-/// The robot with the terms that were found; none where the data are not about a robot, or nothing was found.
+use saltus_diagnosis::{
+    Diagnosis, Experiment, Interval, Kind, Misstated, Reported, Settings, Sort, Terms, disbelieve, misstated,
+};
 pub fn extended(kind: &dyn Kind, diagnosis: &Diagnosis) -> Option<Robot> {
-    if diagnosis.findings.is_empty() {
+    let off = Terms::off(kind.causes());
+    let mut terms = diagnosis.after.terms.clone();
+    for finding in diagnosis.findings.iter().filter(|finding| !finding.is_identifiable) {
+        for (p, neutral) in off.of(finding.best.cause).iter().enumerate() {
+            terms.set(finding.best.cause, p, *neutral);
+        }
+    }
+    let (believed, mut robot) = (kind.robot(&off)?, kind.robot(&terms)?);
+    if robot == believed {
         return None;
     }
-    let mut robot = kind.robot(&diagnosis.after.terms)?;
     robot.name = format!("{} as measured", robot.name);
     Some(robot)
 }

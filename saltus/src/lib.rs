@@ -20,6 +20,7 @@ pub mod embed;
 pub mod experiment;
 pub mod fit;
 pub mod inject;
+pub mod temporary;
 pub mod verify;
 
 pub use saltus_ballistic as ballistic;

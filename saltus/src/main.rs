@@ -12,6 +12,7 @@ mod plot;
 mod progress;
 mod quantity;
 mod range;
+mod slip;
 
 use std::process::ExitCode;
 

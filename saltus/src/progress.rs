@@ -25,7 +25,7 @@ impl Progress {
         let (done, ended) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
         let seen = (Arc::clone(&done), Arc::clone(&ended));
         let watch = move || watch(what, total, &seen.0, &seen.1);
-        let watcher = stderr().is_terminal().then(|| std::thread::spawn(watch));
+        let watcher = can_rewrite_lines().then(|| std::thread::spawn(watch));
         Progress { done, ended, watcher: Mutex::new(watcher) }
     }
 
@@ -59,6 +59,11 @@ fn watch(what: &str, total: usize, done: &AtomicUsize, ended: &AtomicBool) {
     if shown {
         show("");
     }
+}
+
+/// Whether standard error is a terminal that takes back what it has shown.
+fn can_rewrite_lines() -> bool {
+    stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
 }
 
 fn line(what: &str, total: usize, done: usize, elapsed: Duration) -> String {

@@ -22,7 +22,11 @@ enum Scale {
 impl Quantity {
     /// Approach rate (rad/s).
     pub(crate) const RATE: Quantity = Quantity {
-        suffixes: &[("rad/s", Scale::Times(1.0)), ("deg/s", DEGREES)],
+        suffixes: &[
+            ("rad/s", Scale::Times(1.0)),
+            ("deg/s", DEGREES),
+            ("rpm", Scale::Times(std::f64::consts::TAU / 60.0)),
+        ],
         allowed: "a number from 0 to 1000 rad/s",
         legal: |x| (0.0..=1e3).contains(&x),
     };
@@ -68,7 +72,11 @@ impl Quantity {
 
     /// The number that `text` gives, in the SI unit.
     pub(crate) fn parse(&self, text: &str) -> Result<f64, QuantityError> {
-        let refused = || QuantityError { value: cut(text), allowed: self.allowed };
+        let refused = || QuantityError {
+            value: cut(text),
+            allowed: self.allowed,
+            units: self.suffixes.iter().map(|(suffix, _)| *suffix).collect(),
+        };
         let text = text.trim();
         let split =
             self.suffixes.iter().find_map(|(suffix, scale)| Some((text.strip_suffix(suffix)?, *scale)));
@@ -85,15 +93,36 @@ impl Quantity {
 const DEGREES: Scale = Scale::Times(std::f64::consts::PI / 180.0);
 
 /// `m` is the end of the others, so it stands last.
-const METRES: &[(&str, Scale)] =
-    &[("mm", Scale::Over(1e3)), ("cm", Scale::Over(1e2)), ("m", Scale::Times(1.0))];
+const METRES: &[(&str, Scale)] = &[
+    ("mm", Scale::Over(1e3)),
+    ("cm", Scale::Over(1e2)),
+    ("in", Scale::Times(0.0254)),
+    ("ft", Scale::Times(0.3048)),
+    ("m", Scale::Times(1.0)),
+];
 
 /// A text that is not an allowed number.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{value:?} must be {allowed}")]
+#[error("{value:?} must be {allowed}{}", self.known())]
 pub(crate) struct QuantityError {
     value: String,
     allowed: &'static str,
+    /// Suffixes that numbers may have.
+    units: Vec<&'static str>,
+}
+
+impl QuantityError {
+    /// The units that are known, where the text is a number with another one.
+    fn known(&self) -> String {
+        let is_number =
+            |end: &usize| self.value.get(..*end).is_some_and(|text| text.trim().parse::<f64>().is_ok());
+        let has_unit = !is_number(&self.value.len()) && (1..self.value.len()).any(|end| is_number(&end));
+        if has_unit && !self.units.is_empty() {
+            format!(", with one of the units {} or without a unit", self.units.join(", "))
+        } else {
+            String::new()
+        }
+    }
 }
 
 /// Parser of a flag.
@@ -145,8 +174,23 @@ mod tests {
         check(&Quantity::TIME, "0.1s", Some(0.1));
         check(&Quantity::DISTANCE, "21cm", Some(0.21));
         check(&Quantity::DISTANCE, "600 mm", Some(0.6));
+        check(&Quantity::DISTANCE, "24in", Some(24.0 * 0.0254));
+        check(&Quantity::HEIGHT, "-2 ft", Some(-0.6096));
+        check(&Quantity::RATE, "30rpm", Some(std::f64::consts::PI));
         for text in ["", " ", "nan", "inf", "-inf", "1e999", "5m", "0x5", "5 5", "1e-", "m"] {
             check(&Quantity::RATE, text, None);
         }
+    }
+
+    #[test]
+    fn an_unknown_unit_is_answered_with_those_that_are_known() {
+        let told = |quantity: &Quantity, text: &str| quantity.parse(text).unwrap_err().to_string();
+        assert_eq!(
+            told(&Quantity::DISTANCE, "3yd"),
+            "\"3yd\" must be a distance from 0 to 1000 m, with one of the units mm, cm, in, ft, m or without a unit"
+        );
+        assert!(told(&Quantity::RATE, "3Hz").contains("rad/s, deg/s, rpm"));
+        assert_eq!(told(&Quantity::DISTANCE, "far"), "\"far\" must be a distance from 0 to 1000 m");
+        assert_eq!(told(&Quantity::DISTANCE, "1e9"), "\"1e9\" must be a distance from 0 to 1000 m");
     }
 }

@@ -5,10 +5,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use saltus::Robot;
+use saltus::experiment::{self, Folder};
 
 use crate::error::CliError;
-use crate::output::{Files, Format};
+use crate::input;
+use crate::output::{Files, Format, message};
 use crate::plot::{Drawing, PlotFile};
+use crate::progress::Progress;
 
 /// Which robot.
 #[derive(Args, Debug)]
@@ -26,8 +29,44 @@ pub(crate) struct RobotFlags {
 impl RobotFlags {
     /// The robot with its overrides.
     pub(crate) fn robot(&self) -> Result<Robot, CliError> {
-        Ok(saltus::resolve(&self.robot, &self.overrides)?)
+        robot(&self.robot, &self.overrides)
     }
+
+    /// The robot with its overrides, for the planar model: says what of it that model leaves out.
+    pub(crate) fn planned_robot(&self) -> Result<Robot, CliError> {
+        let robot = self.robot()?;
+        let ignored = robot.beyond_the_plane();
+        if !ignored.is_empty() {
+            let ignored = ignored.join(", ");
+            message(&format!(
+                "note: robot {}: the planar model of this command leaves out {ignored}; `saltus verify` simulates it",
+                robot.name
+            ));
+        }
+        Ok(robot)
+    }
+}
+
+/// The robot `name`, built in or in a file, with `overrides`; what looks like a slip of unit is said.
+pub(crate) fn robot(name: &str, overrides: &[String]) -> Result<Robot, CliError> {
+    let mut robot = saltus::robot::resolve_from(name, overrides, &input::note)?;
+    // Titles are one line.
+    let words =
+        robot.name.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty());
+    robot.name = words.collect::<Vec<_>>().join(" ");
+    for odd in robot.implausible() {
+        message(&format!("warning: robot {}: {odd}", robot.name));
+    }
+    Ok(robot)
+}
+
+/// The experiment in data folders, with all that the files say of it.
+pub(crate) fn read_folders(folders: &[PathBuf]) -> Result<Folder, CliError> {
+    for file in folders.iter().flat_map(|folder| experiment::files(folder)) {
+        input::note(&file);
+    }
+    let progress = Progress::new("rows", 0);
+    Ok(experiment::read_all(folders, &|n| progress.advance(n))?)
 }
 
 /// Options of every command that reports.
@@ -58,7 +97,7 @@ pub(crate) struct OutputFlags {
 #[derive(Args, Debug)]
 pub(crate) struct Threads {
     /// Threads to work with; the answer does not depend on it [default: as many as the machine has]
-    #[arg(long, value_name = "COUNT", help_heading = "Robot and output")]
+    #[arg(long, value_name = "COUNT", value_parser = threads, help_heading = "Robot and output")]
     threads: Option<NonZeroUsize>,
 }
 
@@ -98,9 +137,14 @@ impl Common {
         self.robot.robot()
     }
 
+    /// The robot with its overrides, for the planar model: says what of it that model leaves out.
+    pub(crate) fn planned_robot(&self) -> Result<Robot, CliError> {
+        self.robot.planned_robot()
+    }
+
     /// The robot with its overrides and `more`.
     pub(crate) fn robot_with(&self, more: &[String]) -> Result<Robot, CliError> {
-        Ok(saltus::resolve(&self.robot.robot, &[self.robot.overrides.as_slice(), more].concat())?)
+        robot(&self.robot.robot, &[self.robot.overrides.as_slice(), more].concat())
     }
 }
 
@@ -128,8 +172,24 @@ impl OutputFlags {
         self.out.as_deref()
     }
 
+    /// Refuses a file whose ending stands for a format that reports do not have, unless a flag names the format.
+    pub(crate) fn check(&self) -> Result<(), CliError> {
+        let ending = self.out().filter(|_| self.format.is_none()).and_then(Path::extension);
+        let Some(ending) = ending.map(|ending| ending.to_string_lossy().to_ascii_lowercase()) else {
+            return Ok(());
+        };
+        if Format::ENDINGS.iter().any(|(known, _)| *known == ending) {
+            return Ok(());
+        }
+        let known: Vec<String> = Format::ENDINGS.iter().map(|(known, _)| format!(".{known}")).collect();
+        let allowed = format!("a name that ends in {} or in nothing, or beside --format", known.join(", "));
+        let out = self.out.as_deref().unwrap_or(Path::new("-"));
+        Err(CliError::flag("--out", out.display(), allowed))
+    }
+
     /// Writes the report alone.
     pub(crate) fn write_report(&self, report: String) -> Result<(), CliError> {
+        self.check()?;
         let mut files = Files::default();
         files.report(self.out.as_deref(), report);
         files.write()
@@ -145,33 +205,31 @@ impl OutputFlags {
         self.write_with(report, option, drawing, None)
     }
 
-    /// As [`write_with_plot`](Self::write_with_plot), with one page more: its flag, file and text.
-    pub(crate) fn write_with(
+    /// As [`write_with_plot`](Self::write_with_plot), with more files: the flag, the name and the text of each.
+    pub(crate) fn write_with<'a>(
         &self,
         report: String,
         option: &PlotOption,
         drawing: impl FnOnce() -> Result<Drawing, CliError>,
-        page: Option<(&'static str, &Path, String)>,
+        more: impl IntoIterator<Item = (&'static str, &'a Path, String)>,
     ) -> Result<(), CliError> {
         let mut files = Files::default();
         if let Some(plot) = &option.plot {
-            self.check_distinct("--plot", plot.path())?;
-            files.add(plot.path(), plot.draw(&drawing()?)?);
+            files.add("--plot", plot.path(), plot.draw(&drawing()?)?);
         }
-        if let Some((flag, path, html)) = page {
-            self.check_distinct(flag, path)?;
-            files.add(path, html.into_bytes());
+        for (flag, path, text) in more {
+            files.add(flag, path, text.into_bytes());
         }
         files.report(self.out.as_deref(), report);
+        files.check()?;
+        self.check()?;
         files.write()
     }
+}
 
-    fn check_distinct(&self, flag: &'static str, file: &Path) -> Result<(), CliError> {
-        match &self.out {
-            Some(out) if out == file => Err(CliError::flag(flag, file.display(), "another file than --out")),
-            _ => Ok(()),
-        }
-    }
+/// Parser of a flag.
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    text.trim().parse().map_err(|_| "must be a whole number, 1 or more".into())
 }
 
 /// Parser of a flag.

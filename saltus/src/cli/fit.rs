@@ -11,7 +11,7 @@ use saltus::fit::{self, Fitted, USUAL};
 use serde_json::{Map, Value, json};
 
 use super::Status;
-use super::common::OutputFlags;
+use super::common::{OutputFlags, read_folders, robot};
 use super::diagnose::beside;
 use crate::error::CliError;
 use crate::output::{self, Files, Format, digits};
@@ -80,10 +80,8 @@ struct Report<'a> {
 
 impl Fit {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        let folder = {
-            let progress = Progress::new("rows", 0);
-            experiment::read_all(&self.folders, &|n| progress.advance(n))?
-        };
+        self.output.check()?;
+        let folder = read_folders(&self.folders)?;
         let unusable = |reason: String| CliError::content(folder.path.display(), reason);
         let name = match (&self.robot, &folder.robot) {
             (Some(name), _) => name.clone(),
@@ -92,7 +90,7 @@ impl Fit {
                 return Err(CliError::Missing { flag: "--robot", allowed: "the robot that was measured" });
             }
         };
-        let believed = saltus::resolve(&name, &self.overrides)?;
+        let believed = robot(&name, &self.overrides)?;
         experiment::plausible(&folder, Some(&believed))?;
         let names: Vec<String> = match self.parameters.as_slice() {
             [] => USUAL.map(str::to_owned).into(),
@@ -116,10 +114,7 @@ impl Fit {
         };
         let mut files = Files::default();
         if let Some(path) = &self.robot_out {
-            if self.output.out() == Some(path) {
-                return Err(CliError::flag("--robot-out", path.display(), "another file than --out"));
-            }
-            files.add(path, report.robot().into_bytes());
+            files.add("--robot-out", path, report.robot().into_bytes());
         }
         files.report(self.output.out(), text);
         files.write()?;

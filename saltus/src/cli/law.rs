@@ -111,7 +111,7 @@ struct Near {
 
 impl Law {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        let robot = self.common.robot()?;
+        let robot = self.common.planned_robot()?;
         let request = self.target.request(Roots::Least, &robot)?;
         let planner = Planner::new(robot);
         let found = {

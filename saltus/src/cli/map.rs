@@ -90,7 +90,7 @@ impl Map {
             let allowed = format!("used with {MOST_DRAWN} combinations at most, not {count}");
             return Err(CliError::flag("--plot", "", allowed));
         }
-        let planner = Planner::new(self.common.robot()?);
+        let planner = Planner::new(self.common.planned_robot()?);
         let map = self.compute(&planner)?;
         let rows = rows(&map);
         let report = match self.common.format() {

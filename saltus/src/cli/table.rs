@@ -111,7 +111,7 @@ const BLOCK: usize = 64;
 
 impl Table {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        let robot = self.common.robot()?;
+        let robot = self.common.planned_robot()?;
         let request = self.target.request(Roots::All, &robot)?;
         let planner = Planner::new(robot);
         let table = compute(&planner, &request)?;

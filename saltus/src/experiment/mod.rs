@@ -101,6 +101,14 @@ pub fn read(folder: &Path, progress: &dyn Fn(usize)) -> Result<Folder, Error> {
     Ok(gathered(folder, manifest, readings, hashes))
 }
 
+/// The files of a data folder: `experiment.toml`, and the runs that it lists where it can be read.
+pub fn files(folder: &Path) -> Vec<PathBuf> {
+    let listed = manifest::bytes(folder).and_then(|bytes| manifest::parse(&bytes, folder));
+    let runs = listed.map(|manifest| manifest.runs).unwrap_or_default();
+    let names = [manifest::NAME.to_owned()].into_iter().chain(runs.into_iter().map(|run| run.file));
+    names.map(|name| folder.join(name)).collect()
+}
+
 /// Refuses a folder of which a file is missing, before any is read.
 fn present(folder: &Path, manifest: &Manifest) -> Result<(), Error> {
     for listed in &manifest.runs {

@@ -9,35 +9,76 @@ use super::error::{Error, one_line, shown};
 use super::manifest::{NAME, within};
 use super::spec::Spec;
 use super::{Experiment, Run};
+use crate::temporary::{self, Temporary};
 
 /// Writes `experiment` into a folder that is new or empty, so that [`read`](super::read()) gives it back; the times of a run then count
 /// from its first row.
 ///
-/// No file is there in part, and `experiment.toml` comes last. Where the valve switches between two rows, a row is put in that has the
-/// command alone.
+/// `more` are files that go with it, name and contents. All is written within the folder under a temporary name and then moved into its
+/// place, `experiment.toml` last: where writing fails, the folder is as it was. Where the valve switches between two rows, a row is put in
+/// that has the command alone.
 ///
 /// # Errors
 /// [`Error`] where the folder is not empty or cannot be written, or where the experiment has what files cannot say: a run without a
 /// file name of its own, columns of unequal length, a number that is not finite.
-pub fn write(folder: &Path, experiment: &Experiment, robot: Option<&str>) -> Result<(), Error> {
+pub fn write(
+    folder: &Path,
+    experiment: &Experiment,
+    robot: Option<&str>,
+    more: &[(&str, String)],
+) -> Result<(), Error> {
     let spec = Spec::of(experiment.kind)
         .ok_or_else(|| Error::content(shown(folder), format!("no file for {:?}", experiment.kind)))?;
     for run in &experiment.runs {
         writable(run, experiment, spec).map_err(|reason| Error::content(one_line(&run.name), reason))?;
     }
-    fs::create_dir_all(folder).map_err(|error| Error::write(folder, error))?;
-    let mut entries = fs::read_dir(folder).map_err(|error| Error::write(folder, error))?;
-    if entries.next().is_some() {
-        return Err(Error::content(shown(folder), "is not empty: data go into a new or an empty folder"));
+    let is_new = !folder.exists();
+    let written = fs::create_dir_all(folder).map_err(|error| Error::write(folder, error)).and_then(|()| {
+        temporary::sweep(folder);
+        let mut entries = fs::read_dir(folder).map_err(|error| Error::write(folder, error))?;
+        if entries.next().is_some() {
+            return Err(Error::content(shown(folder), "is not empty: data go into a new or an empty folder"));
+        }
+        let staged = Temporary::folder_in(folder).map_err(|error| Error::write(folder, error))?;
+        let runs = experiment.runs.iter().map(|run| run.name.as_str());
+        let names: Vec<&str> = more.iter().map(|(name, _)| *name).chain(runs).chain([NAME]).collect();
+        fill(staged.path(), experiment, robot, more, spec)
+            .and_then(|()| publish(staged.path(), folder, &names))
+    });
+    if written.is_err() && is_new {
+        // Only an empty folder goes.
+        let _ = fs::remove_dir(folder);
+    }
+    written
+}
+
+/// Writes all files into `folder`.
+fn fill(
+    folder: &Path,
+    experiment: &Experiment,
+    robot: Option<&str>,
+    more: &[(&str, String)],
+    spec: &Spec,
+) -> Result<(), Error> {
+    for (name, text) in more {
+        whole(&folder.join(name), |out| out.write_all(text.as_bytes()))?;
     }
     for run in &experiment.runs {
-        let path = folder.join(&run.name);
-        if let Some(parent) = path.parent() {
-            fs::create_dir_all(parent).map_err(|error| Error::write(parent, error))?;
-        }
-        whole(&path, |out| rows(out, run, experiment, spec))?;
+        whole(&folder.join(&run.name), |out| rows(out, run, experiment, spec))?;
     }
     whole(&folder.join(NAME), |out| out.write_all(manifest(experiment, robot, spec).as_bytes()))
+}
+
+/// Moves files of these names from one folder to another.
+fn publish(from: &Path, to: &Path, names: &[&str]) -> Result<(), Error> {
+    for name in names {
+        let place = to.join(name);
+        let parent = place.parent().unwrap_or(to);
+        fs::create_dir_all(parent)
+            .and_then(|()| fs::rename(from.join(name), &place))
+            .map_err(|error| Error::write(&place, error))?;
+    }
+    Ok(())
 }
 
 /// Why a run cannot be written.
@@ -119,18 +160,14 @@ fn instants(run: &Run, spec: &Spec, switches: [f64; 2]) -> Vec<(f64, Option<usiz
     instants
 }
 
-/// Writes a file under a temporary name beside its place, then renames it.
+/// Writes the file at `path`, whose folder is made.
 fn whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Error> {
-    let temporary = path.with_file_name(format!(".saltus-{}.tmp", std::process::id()));
     let write = || {
-        let file = fs::OpenOptions::new().write(true).create_new(true).open(&temporary)?;
-        let mut out = BufWriter::new(file);
-        let done = fill(&mut out).and_then(|()| out.flush()).and_then(|()| fs::rename(&temporary, path));
-        if done.is_err() {
-            // What stopped the writing is what is told.
-            let _ = fs::remove_file(&temporary);
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent)?;
         }
-        done
+        let mut out = BufWriter::new(fs::File::create(path)?);
+        fill(&mut out).and_then(|()| out.flush())
     };
     write().map_err(|error| Error::write(path, error))
 }

@@ -158,6 +158,15 @@ pub(super) fn resolve(
             values.push(value);
         }
     }
+    let is_without = |((_, none), value): (&(String, f64), &f64)| (value - none).abs() <= 1e-9 * none.abs();
+    if parameters.iter().zip(&values).all(is_without) {
+        let none: Vec<String> =
+            parameters.iter().map(|(name, none)| format!("{name} = {}", short(*none))).collect();
+        return refused(format!(
+            "other than it is without the effect ({}), or nothing is hidden",
+            none.join(", ")
+        ));
+    }
     Ok((cause, taken(&kind.causes()[cause], &values)))
 }
 

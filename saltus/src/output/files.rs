@@ -1,38 +1,53 @@
 //! Files that appear whole or not at all.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use saltus::temporary::Temporary;
 
 use crate::error::CliError;
+use crate::input::{self, Identity};
+
+/// A file to write.
+#[derive(Debug)]
+struct Output {
+    /// The flag that names it.
+    flag: &'static str,
+    path: PathBuf,
+    bytes: Vec<u8>,
+}
 
 /// What a command writes once everything is computed.
 #[derive(Debug, Default)]
 pub(crate) struct Files {
-    files: Vec<(PathBuf, Vec<u8>)>,
+    files: Vec<Output>,
     screen: Option<String>,
 }
 
 impl Files {
-    /// Adds a file.
-    pub(crate) fn add(&mut self, path: &Path, bytes: Vec<u8>) {
-        self.files.push((path.into(), bytes));
+    /// Adds a file, which `flag` names.
+    pub(crate) fn add(&mut self, flag: &'static str, path: &Path, bytes: Vec<u8>) {
+        self.files.push(Output { flag, path: path.into(), bytes });
     }
 
     /// Adds the report: a file, or the screen without one.
     pub(crate) fn report(&mut self, path: Option<&Path>, text: String) {
         match path {
-            Some(path) if path != Path::new("-") => self.add(path, text.into_bytes()),
+            Some(path) if path != Path::new("-") => self.add("--out", path, text.into_bytes()),
             _ => self.screen = Some(text),
         }
     }
 
     /// Writes all files under temporary names beside their places, then renames them, then prints.
     ///
-    /// Whatever fails, no file is there in part.
+    /// Whatever fails, no file is there in part; no file that the command has read is overwritten, and none is written twice.
     pub(crate) fn write(self) -> Result<(), CliError> {
+        self.check()?;
         let staged =
-            self.files.iter().map(|(path, bytes)| Staged::new(path, bytes)).collect::<Result<Vec<_>, _>>()?;
+            self.files.iter().map(|out| Staged::new(&out.path, &out.bytes)).collect::<Result<Vec<_>, _>>()?;
         for file in staged {
             file.publish()?;
         }
@@ -40,6 +55,25 @@ impl Files {
             Some(text) => print(&text),
             None => Ok(()),
         }
+    }
+
+    /// Refuses a file that the command has read, and one that two flags name.
+    pub(crate) fn check(&self) -> Result<(), CliError> {
+        let mut before: Vec<(&Output, Identity)> = Vec::new();
+        for out in &self.files {
+            let Some(place) = Identity::of(&out.path) else { continue };
+            let refused = |out: &Output, other: &str| {
+                CliError::flag(out.flag, out.path.display(), format!("another file than {other}"))
+            };
+            if input::is_read(&place) {
+                return Err(refused(out, "those that this command reads"));
+            }
+            if let Some((other, _)) = before.iter().find(|(_, known)| known.is_same(&place)) {
+                return Err(refused(other, out.flag));
+            }
+            before.push((out, place));
+        }
+        Ok(())
     }
 }
 
@@ -51,6 +85,15 @@ pub(crate) fn print(text: &str) -> Result<(), CliError> {
             Err(CliError::write(Path::new("standard output"), error))
         }
         _ => Ok(()),
+    }
+}
+
+/// Says something beside the answer, on standard error: once, however often it is said.
+pub(crate) fn message(text: &str) {
+    static SAID: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+    if SAID.lock().unwrap_or_else(PoisonError::into_inner).insert(text.to_owned()) {
+        // Where standard error is closed, nobody wants to know.
+        let _ = writeln!(io::stderr(), "{text}");
     }
 }
 
@@ -76,9 +119,9 @@ impl Staged {
             return Ok(Staged::Device { place, bytes: bytes.into() });
         }
         let temporary = Temporary::beside(&place).map_err(failed)?;
-        fs::write(&temporary.0, bytes).map_err(failed)?;
+        fs::write(temporary.path(), bytes).map_err(failed)?;
         if let Some(it) = there {
-            fs::set_permissions(&temporary.0, it.permissions()).map_err(failed)?;
+            fs::set_permissions(temporary.path(), it.permissions()).map_err(failed)?;
         }
         Ok(Staged::Beside { temporary, place })
     }
@@ -86,7 +129,7 @@ impl Staged {
     fn publish(self) -> Result<(), CliError> {
         match self {
             Staged::Beside { temporary, place } => {
-                fs::rename(&temporary.0, &place).map_err(|error| CliError::write(&place, error))
+                fs::rename(temporary.path(), &place).map_err(|error| CliError::write(&place, error))
             }
             Staged::Device { place, bytes } => fs::OpenOptions::new()
                 .write(true)
@@ -94,31 +137,5 @@ impl Staged {
                 .and_then(|mut device| device.write_all(&bytes))
                 .map_err(|error| CliError::write(&place, error)),
         }
-    }
-}
-
-/// A file that is removed unless it was renamed.
-#[derive(Debug)]
-struct Temporary(PathBuf);
-
-impl Temporary {
-    fn beside(place: &Path) -> io::Result<Temporary> {
-        let mut last = io::Error::from(io::ErrorKind::AlreadyExists);
-        for attempt in 0..100 {
-            let temporary = place.with_file_name(format!(".saltus-{}-{attempt}.tmp", std::process::id()));
-            match fs::OpenOptions::new().write(true).create_new(true).open(&temporary) {
-                Ok(_) => return Ok(Temporary(temporary)),
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => last = error,
-                Err(error) => return Err(error),
-            }
-        }
-        Err(last)
-    }
-}
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        // After the rename there is nothing to remove.
-        let _ = fs::remove_file(&self.0);
     }
 }

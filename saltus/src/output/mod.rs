@@ -8,7 +8,7 @@ use std::path::Path;
 
 use clap::ValueEnum;
 
-pub(crate) use files::{Files, print};
+pub(crate) use files::{Files, message, print};
 pub(crate) use number::digits;
 pub(crate) use table::{Cell, Table};
 
@@ -24,13 +24,14 @@ pub(crate) enum Format {
 }
 
 impl Format {
+    /// Endings of files of each format, without the dot.
+    pub(crate) const ENDINGS: [(&str, Format); 4] =
+        [("json", Format::Json), ("csv", Format::Csv), ("txt", Format::Text), ("md", Format::Text)];
+
     /// The format that a file's name asks for, if it does.
     pub(crate) fn of_file(path: &Path) -> Option<Format> {
-        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "json" => Some(Format::Json),
-            "csv" => Some(Format::Csv),
-            _ => None,
-        }
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        Format::ENDINGS.iter().find(|(known, _)| *known == ending).map(|(_, format)| *format)
     }
 }
 

@@ -66,7 +66,7 @@ fn what_is_written_is_read_back() {
         let data = Folder::new(&format!("written-{:?}", experiment.kind));
         let path = data.path("new/folder");
         let robot = Some("my \"robot\"\n.toml");
-        write(&path, &experiment, robot).unwrap();
+        write(&path, &experiment, robot, &[]).unwrap();
         let folder = read(&path, &|_| ()).unwrap();
         assert_eq!(folder.experiment, experiment);
         assert_eq!(folder.robot.as_deref(), robot);
@@ -74,7 +74,7 @@ fn what_is_written_is_read_back() {
         assert_eq!(data.names(), ["new"]);
         assert_eq!(std::fs::read_dir(path.join("part")).unwrap().count(), 2);
         assert_eq!(std::fs::read_dir(&path).unwrap().count(), 2);
-        let error = write(&path, &experiment, robot).unwrap_err().to_string();
+        let error = write(&path, &experiment, robot, &[]).unwrap_err().to_string();
         assert!(
             error.ends_with("new/folder: is not empty: data go into a new or an empty folder"),
             "{error}"

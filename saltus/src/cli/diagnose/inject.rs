@@ -10,8 +10,12 @@ use serde_json::{Map, Value, json};
 
 use super::Diagnose;
 use crate::cli::Status;
+use crate::cli::common::robot;
 use crate::error::CliError;
 use crate::output::{self, Files, Format, digits};
+
+/// The file of a robot that goes with the data.
+const OWN: &str = "robot.toml";
 
 /// What data are made in place of a diagnosis.
 #[derive(Args, Debug)]
@@ -98,7 +102,7 @@ impl InjectFlags {
             });
         };
         let name = command.robot.as_deref().or(self.kind.usual_robot());
-        let robot = name.map(|name| saltus::resolve(name, &command.overrides)).transpose()?;
+        let robot = name.map(|name| robot(name, &command.overrides)).transpose()?;
         let effects = self.effects()?;
         let made = inject::make(&Request {
             kind: self.kind.sort(),
@@ -110,12 +114,11 @@ impl InjectFlags {
         let is_builtin = |name: &str| saltus::Robot::builtin_names().any(|known| known == name);
         // A robot of its own goes with the data.
         let own = robot.as_ref().filter(|_| !command.overrides.is_empty() || !name.is_some_and(is_builtin));
-        let listed = if own.is_some() { Some("robot.toml") } else { name };
-        experiment::write(folder, &made.experiment, listed.filter(|_| self.kind.usual_robot().is_some()))?;
+        let listed = if own.is_some() { Some(OWN) } else { name };
+        let listed = listed.filter(|_| self.kind.usual_robot().is_some());
+        let more: Vec<(&str, String)> = own.map(|robot| (OWN, robot.to_toml())).into_iter().collect();
+        experiment::write(folder, &made.experiment, listed, &more)?;
         let mut files = Files::default();
-        if let Some(robot) = own {
-            files.add(&folder.join("robot.toml"), robot.to_toml().into_bytes());
-        }
         files.report(
             None,
             match command.output.asked() {

@@ -5,22 +5,23 @@ mod inject;
 mod page;
 mod report;
 mod sheet;
+mod steps;
 mod words;
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use saltus::Robot;
-use saltus::diagnose::{self, Worth};
-use saltus::diagnosis::{self, Diagnosis, Kind, Settings, Sort};
+use saltus::diagnose::{self, Study, Worth};
+use saltus::diagnosis::{Diagnosis, Kind, Misstated, Settings, Sort};
 use saltus::experiment::{self, Folder};
 
 use self::inject::InjectFlags;
 use self::report::Report;
 use super::Status;
-use super::common::{OutputFlags, PlotOption, page_file};
+use super::common::{OutputFlags, PlotOption, page_file, read_folders, robot};
 use crate::error::CliError;
-use crate::output::{Files, Format};
+use crate::output::Format;
 use crate::progress::Progress;
 
 /// Say what measured data show to be wrong with the simulation, why, and what knowing it is worth
@@ -80,17 +81,18 @@ Examples:
 Every cause on the list is an effect that the simulation leaves out, or a number that it may have wrong. \
 They are added one at a time while data that were left out of the fit are predicted better by it than \
 chance explains. Rivals are causes that the data cannot tell from the one named. The cause \"unknown\": \
-something is left that is not noise and that no cause on the list explains.
+something is left that is not noise and that no cause on the list explains. \"Not identifiable\": the data tell that something holds or \
+drives the machine, but neither which of its rivals nor how strong it is; it then says what to measure.
 
 The text says what was found, how well data left out of the fit are predicted before and after, what is \
-left in each channel and phase of the runs and whether that is noise, and what every cause alone would \
-explain. --report writes the same as a page with charts, --plot the residuals before and after.
+left in each channel and phase of the runs and whether that is noise, what every cause alone would \
+explain, and what to do next. --report writes the same as a page with charts, --plot the residuals before and after.
 
 JSON: {\"causes\": [{\"id\", \"column\" (of a sensor), \"parameters\": {name: value}, \"standard_errors\": {name: value}, \
 \"intervals_95\": {name: [low, high]: by profile likelihood, null where an end is beyond what physics allows, as is the standard error of a parameter that rests at such a bound; not of a parameter \
 that depends on several of the fit}, \"rivals\": [ids, two at most], \"less_likely\": [ids that are not excluded either], \"candidates\": [the rivals with their parameters], \"unlisted\" (null, or a term without an id \
 that does as well; then a rival is \"unknown\"), \"undetermined\" (null, or a direction of \
-the parameters that the data do not tell), \"loss_falls_by\", \"held_out_loss_falls_by\"}], \"gain\": {channel: \
+the parameters that the data do not tell), \"identifiable\" (false: the data do not limit how strong it is), \"slips\": {name: what slip of unit it equals}, \"loss_falls_by\", \"held_out_loss_falls_by\"}], \"gain\": {channel: \
 {\"rms_before\", \"rms_after\", \"noise\" (all in the channel's unit), \"ratio_low\", \"ratio_high\" (95 % interval of after/before)}}, \
 \"residuals\": {\"before\": [{\"channel\", \"phase\", \"readings\", \"mean\", \"rms\" (in the channel's unit), \
 \"mean_sigma\", \"rms_sigma\" (in standard deviations of the noise), \"lag_1_correlation\" (of each with the \
@@ -98,7 +100,8 @@ next), \"correlation_with\": {condition: of the runs' means}, \"p_level\", \"p_w
 likely noise is so large, so smooth, so different between runs), \"is_noise\"}], \"after\": […]}, \"tried\": \
 [{\"id\", \"parameters\", \"loss_falls_by\"}: every cause alone], \"data\": {\"hash\", \"rows\", \"runs\", \"notes\"}, \
 \"false_alarm_level\", \"next_experiment\": null or {\"what\", \"channel\", \"sigmas\", \"tells_apart\": [[id, id]]}, \
-\"worth\": null or {\"distance_m\", \"land_error_rms_m\": [before, after], \"laws\", \"rows\"}}. The entry with the id \
+\"worth\": null or {\"distance_m\", \"land_error_rms_m\": [before, after], \"laws\", \"rows\"}, \"planner_leaves_out\": [keys of \
+the corrected robot that only `saltus verify` has], \"misstated_noise\": [{\"column\", \"stated\", \"seen\"}], \"next_steps\": [{\"what\", \"command\" (or null)}]}. The entry with the id \
 \"unknown\" has \"channel\", \"phase\", \"rms\" and \"term\" (null, or the term that describes it). The loss is the sum of squared residuals in standard deviations, \
 outliers counted less; noise makes it fall by about 1 for each parameter.
 
@@ -126,8 +129,14 @@ struct Found {
     kind: Box<dyn Kind>,
     diagnosis: Diagnosis,
     settings: Settings,
+    /// Columns whose noise is stated far from what the data scatter.
+    misstated: Vec<Misstated>,
+    /// The robot with what was found.
+    extended: Option<Robot>,
     /// What knowing it is worth to the planner.
     worth: Option<Worth>,
+    /// The words with which the command was told its data and where the robot goes.
+    asked: steps::Asked,
 }
 
 impl Diagnose {
@@ -135,14 +144,10 @@ impl Diagnose {
         if self.inject.is_set() {
             return self.inject.run(&self);
         }
-        let folder = {
-            let progress = Progress::new("rows", 0);
-            experiment::read_all(&self.folders, &|n| progress.advance(n))?
-        };
+        self.output.check()?;
+        let folder = read_folders(&self.folders)?;
         let robot = self.robot_of(&folder)?;
         experiment::plausible(&folder, robot.as_ref())?;
-        let kind = diagnosis::kinds::build(&folder.experiment, robot.as_ref())
-            .map_err(|error| unusable(&folder, error.to_string()))?;
         let settings = Settings {
             false_alarms: self.false_alarms,
             most: usize::from(self.most),
@@ -150,18 +155,24 @@ impl Diagnose {
             ..Settings::default()
         };
         let progress = Progress::new("fits", 0);
-        let diagnosis = diagnosis::diagnose(kind.as_ref(), &settings, &|_| progress.advance(1));
+        let study = diagnose::study(&folder.experiment, robot.as_ref(), &settings, &|_| progress.advance(1));
         drop(progress);
+        let Study { kind, diagnosis, misstated } =
+            study.map_err(|error| unusable(&folder, error.to_string()))?;
         let Some(diagnosis) = diagnosis else {
             let reason = diagnose::no_motion(kind.as_ref(), &folder.experiment);
             return Err(unusable(&folder, reason));
         };
         let extended = diagnose::extended(kind.as_ref(), &diagnosis);
         let worth = robot.as_ref().zip(extended.as_ref()).and_then(|(b, e)| diagnose::worth(b, e));
-        if let Some(path) = &self.extend {
-            write_extended(path, kind.as_ref(), &diagnosis, extended.as_ref(), &folder.hash)?;
-        }
-        let found = Found { folder, robot, kind, diagnosis, settings, worth };
+        let corrected = self.corrected(kind.as_ref(), &diagnosis, extended.as_ref(), &folder.hash)?;
+        let asked = steps::Asked {
+            folders: self.folders.clone(),
+            robot: self.robot.clone(),
+            overrides: self.overrides.clone(),
+            extend: self.extend.clone(),
+        };
+        let found = Found { folder, robot, kind, diagnosis, settings, misstated, extended, worth, asked };
         let report = Report::of(&found);
         let text = match self.output.format() {
             Format::Text => report.text(),
@@ -169,7 +180,12 @@ impl Diagnose {
             Format::Csv => report.csv(),
         };
         let page = self.report.as_deref().map(|file| ("--report", file, page::html(&report, &self.folders)));
-        self.output.write_with(text, &self.plot, || Ok(sheet::sheet(&report)), page)?;
+        self.output.write_with(
+            text,
+            &self.plot,
+            || Ok(sheet::sheet(&report)),
+            corrected.into_iter().chain(page),
+        )?;
         Ok(if found.diagnosis.findings.is_empty() && found.diagnosis.unknown.is_none() {
             Status::Done
         } else {
@@ -188,25 +204,24 @@ impl Diagnose {
             }
             (None, None) => return Ok(None),
         };
-        Ok(Some(saltus::resolve(&name, &self.overrides)?))
+        robot(&name, &self.overrides).map(Some)
     }
-}
 
-/// Writes the extended robot; where there is none, the flag is refused.
-fn write_extended(
-    path: &Path,
-    kind: &dyn Kind,
-    diagnosis: &Diagnosis,
-    extended: Option<&Robot>,
-    hash: &str,
-) -> Result<(), CliError> {
-    let Some(robot) = extended else {
-        let allowed = "left out: nothing was found that is a property of a robot";
-        return Err(CliError::flag("--extend", path.display(), allowed));
-    };
-    let mut files = Files::default();
-    files.add(path, diagnose::robot_file(kind, diagnosis, robot, hash).into_bytes());
-    files.write()
+    /// The file of the extended robot, where it is asked for; if there is none, the flag is refused.
+    fn corrected(
+        &self,
+        kind: &dyn Kind,
+        diagnosis: &Diagnosis,
+        extended: Option<&Robot>,
+        hash: &str,
+    ) -> Result<Option<(&'static str, &Path, String)>, CliError> {
+        let Some(path) = &self.extend else { return Ok(None) };
+        let Some(robot) = extended else {
+            let allowed = "left out: nothing was found that is a property of a robot";
+            return Err(CliError::flag("--extend", path.display(), allowed));
+        };
+        Ok(Some(("--extend", path, diagnose::robot_file(kind, diagnosis, robot, hash))))
+    }
 }
 
 fn unusable(folder: &Folder, reason: String) -> CliError {

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use saltus::diagnosis::{Finding, Point, Sort, points};
 
 use super::chart::{Bars, Chart, escaped};
-use super::report::{Report, next_of, phase_in};
+use super::report::{Report, next_of, phase_in, ratio};
+use super::steps::steps;
 use super::words::{meaning, split, title};
 use crate::output::digits;
 
@@ -30,6 +31,9 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> String {
          <p class=\"kicker\">Diagnosis of a simulation by measured data · {}</p>\n<h1>{headline}</h1>\n",
         escaped(&report.size())
     );
+    for text in report.misstated() {
+        let _ = writeln!(out, "<div class=\"card off\"><p>{}</p></div>", escaped(&text));
+    }
     for finding in &report.found.diagnosis.findings {
         cause(&mut out, report, finding);
     }
@@ -53,6 +57,7 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> String {
     table(&mut out, &report.residual_lines(), 2);
     sentence(&mut out, Report::MARKS);
     candidates(&mut out, report);
+    next(&mut out, report);
     provenance(&mut out, report, folders);
     out + "</main>\n</body>\n</html>\n"
 }
@@ -93,8 +98,11 @@ fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
         "parameter".to_owned(),
         "value ± standard error; interval by profile likelihood".to_owned(),
     ]];
-    lines.extend(report.parameters(&finding.best).into_iter().map(|(n, x)| vec![n, x]));
+    lines.extend(report.parameters_of(finding, &finding.best).into_iter().map(|(n, x)| vec![n, x]));
     table(out, &lines, 2);
+    if !finding.is_identifiable {
+        let _ = writeln!(out, "<p>{}</p>", escaped(Report::OPEN));
+    }
     if let Some(text) = report.undetermined(finding) {
         let _ = writeln!(out, "<p>{}</p>", escaped(&text));
     }
@@ -102,9 +110,7 @@ fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
         out.push_str("<p>It could as well be:</p>\n");
         let mut lines = vec![vec!["rival".to_owned(), "with".to_owned()]];
         for rival in &finding.rivals {
-            let said: Vec<String> =
-                report.parameters(rival).iter().map(|(n, x)| format!("{n} = {x}")).collect();
-            lines.push(vec![title(kind, rival.cause), said.join(", ")]);
+            lines.push(vec![title(kind, rival.cause), report.rival(finding, rival)]);
         }
         if finding.rivals.is_empty() {
             lines.clear();
@@ -121,6 +127,16 @@ fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
     out.push_str("</div>\n");
 }
 
+/// What to do next.
+fn next(out: &mut String, report: &Report<'_>) {
+    out.push_str("<h2>What to do next</h2>\n<ol>\n");
+    for step in steps(report.found) {
+        let command = step.command.map_or(String::new(), |c| format!("<br><code>{}</code>", escaped(&c)));
+        let _ = writeln!(out, "<li>{}{command}</li>", escaped(&step.what));
+    }
+    out.push_str("</ol>\n");
+}
+
 fn gains(out: &mut String, report: &Report<'_>) {
     out.push_str("<h2>Prediction of data that were left out of the fit</h2>\n");
     sentence(out, "Root mean square of measured less predicted. No model does better than the noise.");
@@ -130,8 +146,7 @@ fn gains(out: &mut String, report: &Report<'_>) {
         let bar = |class, x: f64, what: &str| (class, x, format!("{} {unit} {what}", digits(x, 3)));
         let mut bars = vec![bar("before", gain.rms.0, if changes { "before" } else { "as simulated" })];
         if changes {
-            let (low, high) = (digits(gain.ratio.0, 3), digits(gain.ratio.1, 3));
-            bars.push(bar("after", gain.rms.1, &format!("after ({low} to {high} of before, 95 %)")));
+            bars.push(bar("after", gain.rms.1, &format!("after ({} of before, 95 %)", ratio(gain))));
         }
         bars.push(bar("noise", gain.noise, "noise"));
         (name.to_owned(), bars)

@@ -4,13 +4,15 @@ use std::fmt::Write;
 
 use saltus::diagnose::Worth;
 use saltus::diagnosis::{
-    Candidate, Diagnosis, Finding, Kind, PhaseResidual, Reported, Sort, residuals_under,
+    Candidate, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported, Sort, residuals_under,
 };
 use serde_json::{Map, Value, json};
 
 use super::Found;
+use super::steps::{Step, left_out, steps};
 use super::words::{estimate, grid, interval, meaning, split, title, unit};
 use crate::output::digits;
+use crate::slip::{Estimated, slip};
 
 /// What is reported of a diagnosis.
 pub(super) struct Report<'a> {
@@ -41,7 +43,8 @@ impl<'a> Report<'a> {
     pub(super) fn headline(&self) -> String {
         let diagnosis = &self.found.diagnosis;
         if self.is_well() {
-            return "Nothing is wrong: the simulation explains the data within the noise.".into();
+            let within = if self.found.misstated.is_empty() { "the noise" } else { "what they scatter" };
+            return format!("Nothing is wrong: the simulation explains the data within {within}.");
         }
         let said = |f: &Finding| {
             let (name, what) =
@@ -56,13 +59,47 @@ impl<'a> Report<'a> {
             };
             format!("{name} ({what}){rivals}")
         };
-        let causes: Vec<String> = diagnosis.findings.iter().map(said).collect();
+        let of = |lead: &str, is_identifiable: bool| {
+            let findings = diagnosis.findings.iter().filter(|f| f.is_identifiable == is_identifiable);
+            let causes: Vec<String> = findings.map(said).collect();
+            (!causes.is_empty()).then(|| format!("{lead}: {}", causes.join("; ")))
+        };
+        let causes: Vec<String> =
+            [of("Found", true), of("Not identifiable", false)].into_iter().flatten().collect();
         match (causes.is_empty(), &diagnosis.unknown) {
-            (false, None) => format!("Found: {}.", causes.join("; ")),
-            (false, Some(_)) => format!("Found: {}; and something unknown.", causes.join("; ")),
+            (false, None) => format!("{}.", causes.join(". ")),
+            (false, Some(_)) => format!("{}; and something unknown.", causes.join(". ")),
             (true, _) => "Unknown: something is wrong that no listed cause explains.".into(),
         }
     }
+
+    /// Columns whose stated noise is far from what the data scatter, each in a sentence.
+    pub(super) fn misstated(&self) -> Vec<String> {
+        let said = |wrong: &Misstated| {
+            let (_, unit) = split(&wrong.column);
+            let [stated, seen] = [wrong.stated, wrong.seen].map(|x| with_unit(x, 2, unit));
+            let (ratio, question) = if wrong.stated > wrong.seen {
+                let question = match unit {
+                    "m" => "is it in mm?",
+                    "rad" => "is it in degrees?",
+                    _ => "is it in the unit of the column?",
+                };
+                (digits(wrong.stated / wrong.seen, 2), question)
+            } else {
+                (format!("1/{}", digits(wrong.seen / wrong.stated, 2)), "is it in the unit of the column?")
+            };
+            format!(
+                "The stated noise of {}, {stated}, is {ratio} times what the data scatter ({seen}): {question} The diagnosis goes by \
+                 what the data scatter.",
+                wrong.column
+            )
+        };
+        self.found.misstated.iter().map(said).collect()
+    }
+
+    /// What the finding means where the data do not tell how strong it is.
+    pub(super) const OPEN: &'static str = "Not identifiable: a stronger effect predicts the same readings, so the data tell neither its \
+         size nor which of the causes it is.";
 
     /// What an unknown effect means, if there is one.
     pub(super) fn unknown(&self) -> Option<String> {
@@ -92,7 +129,7 @@ impl<'a> Report<'a> {
     fn acts_like(&self, term: &Candidate) -> String {
         let Some(c) = term.reported.first() else { return String::new() };
         let unit = c.name.strip_prefix("c_").map_or(String::new(), |unit| format!(" ({unit})"));
-        format!("{}, c = {} ± {}{unit}", self.id(term.cause), digits(c.value, 4), digits(c.error, 2))
+        format!("{}, c = {}{unit}", self.id(term.cause), estimate(c.value, c.error, ""))
     }
 
     pub(super) fn id(&self, cause: usize) -> &'static str {
@@ -133,13 +170,43 @@ impl<'a> Report<'a> {
             let reported = self.found.kind.report(candidate.cause, values);
             return reported.into_iter().map(|(n, x)| (n.clone(), with_unit(x, 4, unit(&n)))).collect();
         }
-        let said = |r: &Reported| {
+        let said = |(k, r): (usize, &Reported)| {
             let unit = unit(&r.name);
             let interval =
                 r.interval.map_or(String::new(), |i| format!("; 95 %: {}", interval(i, r.error, unit)));
-            (r.name.clone(), estimate(r.value, r.error, unit) + &interval)
+            let slip = self.slip(candidate, k).map_or(String::new(), |slip| format!("; {slip}"));
+            (r.name.clone(), estimate(r.value, r.error, unit) + &interval + &slip)
+        };
+        candidate.reported.iter().enumerate().map(said).collect()
+    }
+
+    /// Parameters of a cause of `finding`: of one that is not identifiable, their limits alone.
+    pub(super) fn parameters_of(&self, finding: &Finding, candidate: &Candidate) -> Vec<(String, String)> {
+        if finding.is_identifiable {
+            return self.parameters(candidate);
+        }
+        let said = |r: &Reported| {
+            let limits = r.interval.map(|limits| interval(limits, r.error, unit(&r.name)));
+            (r.name.clone(), limits.unwrap_or_else(|| "not bounded by these data".into()))
         };
         candidate.reported.iter().map(said).collect()
+    }
+
+    /// What slip of unit the `k`-th reported parameter equals.
+    fn slip(&self, candidate: &Candidate, k: usize) -> Option<String> {
+        let kind = self.found.kind.as_ref();
+        let cause = &kind.causes()[candidate.cause];
+        let neutral: Vec<f64> = cause.parameters.iter().map(|p| p.neutral).collect();
+        let believed = kind.report(candidate.cause, &neutral).get(k)?.1;
+        let Reported { name, value, error, .. } = &candidate.reported[k];
+        let is_gain = cause.id == "encoder-scale";
+        let unit = match name.as_str() {
+            "load_factor" | "mass_share" => "kg",
+            "supply_pressure_factor" => "Pa",
+            "gain" => unit(cause.column.as_deref().unwrap_or_default()),
+            name => unit(name),
+        };
+        slip(&Estimated { unit, believed, value: *value, error: *error, is_gain })
     }
 
     /// Parameters of a finding that the data do not fix, as a sentence.
@@ -171,8 +238,8 @@ impl<'a> Report<'a> {
          counted less; a needless parameter lowers it by about 1.";
 
     /// What the marks of the residuals mean.
-    pub(super) const MARKS: &'static str = "Noise has mean 0 σ, rms 1 σ and next 0 (the correlation of each residual with the next); after \
-         the arrow with the causes found. Not noise: large (rms beyond the stated noise), smooth (residuals follow each other), differs by run (means of the runs \
+    pub(super) const MARKS: &'static str = "Noise has mean 0 σ, rms 1 σ and lag-1 correlation 0 (of each residual with the next one). After: \
+         with the causes found. Not noise: large (rms beyond the stated noise), smooth (residuals follow each other), differs by run (means of the runs \
          differ). Small parts of it can be the instruments'.";
 
     /// How often something is claimed of nothing, as a sentence.
@@ -213,6 +280,9 @@ impl<'a> Report<'a> {
     pub(super) fn text(&self) -> String {
         let diagnosis = &self.found.diagnosis;
         let mut out = wrapped(&self.headline(), "");
+        for sentence in self.misstated() {
+            out += &wrapped(&sentence, "");
+        }
         for finding in &diagnosis.findings {
             self.finding(&mut out, finding);
         }
@@ -246,6 +316,12 @@ impl<'a> Report<'a> {
         for note in &self.found.folder.notes {
             out += &wrapped(&format!("note: {note}"), "");
         }
+        out += "\nWhat to do next\n\n";
+        for (k, step) in steps(self.found).iter().enumerate() {
+            out += &wrapped(&format!("{}. {}", k + 1, step.what), "  ");
+            // A command is one line, to be copied.
+            out.extend(step.command.iter().map(|command| format!("     {command}\n")));
+        }
         out
     }
 
@@ -256,13 +332,26 @@ impl<'a> Report<'a> {
         let law = |law: Option<(f64, f64)>| {
             law.map_or("no law".into(), |(a, b)| format!("{} s ω + {} rad", digits(a, 4), digits(b, 4)))
         };
+        let left_out = left_out(self.found).join(", ");
+        let (distance, rates) = (worth.distance, worth.rows.len());
+        let [before, after] = [(before, digits(1e3 * before, 3)), (after, digits(1e3 * after, 3))];
+        if !left_out.is_empty() && (before.0 - after.0).abs() < 1e-2 * before.0 {
+            return Some(format!(
+                "Firing tables for {distance} m stay as they were: the planner has no term for {left_out}. Jumps of the corrected robot \
+                 land {} mm off the target (root mean square over {rates} approach rates); `saltus verify` simulates them.",
+                after.1
+            ));
+        }
+        let rest = if left_out.is_empty() {
+            String::new()
+        } else {
+            format!(" What is left is due to {left_out}, for which the planner has no term.")
+        };
         Some(format!(
-            "Firing table for {} m (to where the wheel touches) at {} approach rates: the robot as measured lands off by {} m rms with the table of the robot as \
-             believed, {} m with its own. Law before: {}; after: {}.",
-            worth.distance,
-            worth.rows.len(),
-            digits(before, 3),
-            digits(after, 3),
+            "Firing table for {distance} m (to where the wheel touches) at {rates} approach rates: jumps of the corrected robot land {} mm off the target (root mean \
+             square) with the table of the robot as believed, and {} mm with a table of its own.{rest} Linear law before: {}; after: {}.",
+            before.1,
+            after.1,
             law(worth.laws[0]),
             law(worth.laws[1]),
         ))
@@ -272,19 +361,19 @@ impl<'a> Report<'a> {
         let kind = self.found.kind.as_ref();
         let _ = writeln!(out, "\n{}", title(kind, finding.best.cause));
         let lines: Vec<Vec<String>> =
-            self.parameters(&finding.best).into_iter().map(|(n, x)| vec![n, x]).collect();
+            self.parameters_of(finding, &finding.best).into_iter().map(|(n, x)| vec![n, x]).collect();
         *out += &grid(&lines, 2);
+        if !finding.is_identifiable {
+            *out += &wrapped(Self::OPEN, "  ");
+        }
         if let Some(sentence) = self.undetermined(finding) {
             *out += &wrapped(&sentence, "  ");
         }
-        let held_out = digits(finding.held_out, 4);
-        *out += &wrapped(&format!("On data left out of the fit it lowers the misfit by {held_out}."), "  ");
+        *out += &self.held_out(finding).map_or_else(String::new, |text| wrapped(&text, "  "));
         if !finding.rivals.is_empty() || finding.unlisted.is_some() {
             *out += "  It could as well be\n";
             let line = |rival: &Candidate| {
-                let said: Vec<String> =
-                    self.parameters(rival).iter().map(|(n, x)| format!("{n} = {x}")).collect();
-                vec![format!("  {}", title(kind, rival.cause)), said.join(", ")]
+                vec![format!("  {}", title(kind, rival.cause)), self.rival(finding, rival)]
             };
             *out += &grid(&finding.rivals.iter().map(line).collect::<Vec<_>>(), 2);
             if let Some(term) = &finding.unlisted {
@@ -296,6 +385,22 @@ impl<'a> Report<'a> {
         if let Some(next) = next_of(finding) {
             *out += &wrapped(&next, "  ");
         }
+    }
+
+    /// By how much data left out of the fit are predicted better, as a sentence; none where that is not known.
+    pub(super) fn held_out(&self, finding: &Finding) -> Option<String> {
+        let parameters = self.found.kind.causes()[finding.best.cause].parameters.len();
+        finding.held_out.is_finite().then(|| {
+            let falls = digits(finding.held_out, 4);
+            format!("On data left out of the fit the misfit falls by {falls} with it; chance makes it fall by about {parameters}.")
+        })
+    }
+
+    /// The parameters of a rival, in words.
+    pub(super) fn rival(&self, finding: &Finding, rival: &Candidate) -> String {
+        let is = if finding.is_identifiable { " =" } else { "" };
+        let said = self.parameters_of(finding, rival);
+        said.iter().map(|(name, value)| format!("{name}{is} {value}")).collect::<Vec<_>>().join(", ")
     }
 
     /// A term without an id that is a rival, in words.
@@ -320,7 +425,7 @@ impl<'a> Report<'a> {
                 with_unit(gain.rms.0, 3, unit),
                 with_unit(gain.rms.1, 3, unit),
                 with_unit(gain.noise, 3, unit),
-                format!("{} to {}", digits(gain.ratio.0, 3), digits(gain.ratio.1, 3)),
+                ratio(gain),
             ]);
         }
         lines
@@ -329,22 +434,24 @@ impl<'a> Report<'a> {
     /// Residuals by channel and phase: a header, then lines.
     pub(super) fn residual_lines(&self) -> Vec<Vec<String>> {
         let changes = !self.found.diagnosis.findings.is_empty();
-        let mut header = words(&["channel", "phase", "readings", "mean (σ)", "rms (σ)", "next"]);
+        let before = if changes { "before: mean (σ)" } else { "mean (σ)" };
+        let mut header = words(&["channel", "phase", "readings", before, "rms (σ)", "lag-1"]);
         if changes {
-            header.extend(words(&["→ mean (σ)", "rms (σ)", "next"]));
+            header.extend(words(&["after: mean (σ)", "rms (σ)", "lag-1"]));
         }
         header.extend(words(&["rms", "not noise because"]));
         let mut lines = vec![header];
         for before in &self.before {
-            let last = self.after(before).unwrap_or(before);
+            // With the causes found a run need not have that phase.
+            let last = self.after(before);
             let (name, unit) = split(&self.found.kind.channels()[before.channel].name);
             let mut line = vec![name.to_owned(), self.phase(before).to_owned(), before.count.to_string()];
             line.extend(numbers(before));
             if changes {
-                line.extend(numbers(last));
+                line.extend(last.map_or_else(|| words(&["–"; 3]), numbers));
             }
-            line.push(with_unit(last.rms_in_unit(), 3, unit));
-            let faults = self.faults(last);
+            line.push(last.map_or("–".into(), |last| with_unit(last.rms_in_unit(), 3, unit)));
+            let faults = last.map_or_else(String::new, |last| self.faults(last));
             line.push(if faults.is_empty() { "–".to_owned() } else { format!("* {faults}") });
             lines.push(line);
         }
@@ -393,6 +500,9 @@ impl<'a> Report<'a> {
         }
         entry.insert("parameters".into(), Value::Object(values));
         entry.insert("standard_errors".into(), Value::Object(errors));
+        let slip = |(k, r): (usize, &Reported)| Some((r.name.clone(), json!(self.slip(candidate, k)?)));
+        let slips: Map<String, Value> = candidate.reported.iter().enumerate().filter_map(slip).collect();
+        entry.insert("slips".into(), Value::Object(slips));
         if !intervals.is_empty() {
             entry.insert("intervals_95".into(), Value::Object(intervals));
         }
@@ -421,6 +531,7 @@ impl<'a> Report<'a> {
         entry.insert("unlisted".into(), json!(term));
         entry.insert("held_out_loss_falls_by".into(), json!(finding.held_out));
         entry.insert("undetermined".into(), json!(finding.undetermined));
+        entry.insert("identifiable".into(), json!(finding.is_identifiable));
         let candidates: Vec<Value> = finding.rivals.iter().map(|r| Value::Object(self.entry(r))).collect();
         entry.insert("candidates".into(), json!(candidates));
         Value::Object(entry)
@@ -462,7 +573,7 @@ impl<'a> Report<'a> {
                 "term": diagnosis.term.as_ref().map(|t| term_json(self.found.kind.as_ref(), t)),
             }));
         }
-        let gain = |g: &saltus::diagnosis::Gain| {
+        let gain = |g: &Gain| {
             let entry = json!({
                 "rms_before": g.rms.0,
                 "rms_after": g.rms.1,
@@ -485,6 +596,9 @@ impl<'a> Report<'a> {
             "false_alarm_level": settings.false_alarms,
             "next_experiment": next_json(diagnosis),
             "worth": self.found.worth.as_ref().map(worth_json),
+            "planner_leaves_out": left_out(self.found),
+            "misstated_noise": self.found.misstated.iter().map(misstated_json).collect::<Vec<_>>(),
+            "next_steps": steps(self.found).iter().map(Step::json).collect::<Vec<_>>(),
         })
     }
 
@@ -518,8 +632,13 @@ fn with_unit(x: f64, count: usize, unit: &str) -> String {
 
 /// Mean, root mean square and correlation with the next.
 fn numbers(residual: &PhaseResidual) -> Vec<String> {
-    let number =
-        |x: f64| if x.is_finite() { format!("{x:.2}").replace("-0.00", "0.00") } else { "–".to_owned() };
+    let number = |x: f64| match format!("{x:.2}") {
+        _ if !x.is_finite() => "–".to_owned(),
+        _ if x.abs() >= 1e4 => digits(x, 3),
+        // No negative zero.
+        text if text == "-0.00" => "0.00".to_owned(),
+        text => text,
+    };
     vec![number(residual.mean), number(residual.rms), number(residual.lag)]
 }
 
@@ -579,6 +698,20 @@ fn term_json(kind: &dyn Kind, term: &Candidate) -> Value {
     let numbers: Map<String, Value> =
         term.reported.iter().map(|r| (r.name.clone(), json!([r.value, r.error]))).collect();
     json!({"term": kind.causes()[term.cause].id, "value_and_standard_error": numbers})
+}
+
+fn misstated_json(wrong: &Misstated) -> Value {
+    json!({"column": wrong.column, "stated": wrong.stated, "seen": wrong.seen})
+}
+
+/// 95 % interval of the error after over that before.
+pub(super) fn ratio(gain: &Gain) -> String {
+    let (low, high) = gain.ratio;
+    if low.is_finite() && high.is_finite() {
+        format!("{} to {}", digits(low, 3), digits(high, 3))
+    } else {
+        "–".to_owned()
+    }
 }
 
 fn worth_json(worth: &Worth) -> Value {

@@ -147,8 +147,8 @@ impl C {
         std::fs::create_dir_all(&self.out).map_err(|error| CliError::write(&self.out, error))?;
         let [header, source] = tables.c();
         let mut files = Files::default();
-        files.add(&self.out.join("saltus_controller.h"), header.into_bytes());
-        files.add(&self.out.join("saltus_controller.c"), source.into_bytes());
+        files.add("--out", &self.out.join("saltus_controller.h"), header.into_bytes());
+        files.add("--out", &self.out.join("saltus_controller.c"), source.into_bytes());
         files.report(None, tables.about().join("\n") + "\n");
         files.write()?;
         Ok(Status::Done)
@@ -175,7 +175,7 @@ impl Rust {
 impl TableFlags {
     /// The tables; none, with the reason on standard output, where no cell can be used.
     fn tables<R: Number>(&self) -> Result<Option<Tables<R>>, CliError> {
-        let robot = self.robot.robot()?;
+        let robot = self.robot.planned_robot()?;
         let request = self.request(&robot)?;
         match Tables::new(&Planner::new(robot), &request) {
             Ok(tables) => Ok(Some(tables)),

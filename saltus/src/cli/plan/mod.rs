@@ -71,7 +71,7 @@ The exit code is 1 unless there is a plan that holds in the full model.";
 
 impl Plan {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        let planner = Planner::new(self.common.robot()?);
+        let planner = Planner::new(self.common.planned_robot()?);
         let crossing = course::load(&self.course)?;
         let file = self.course.display().to_string();
         let answer = {

@@ -92,7 +92,7 @@ A jump that does not take off is an answer: the exit code is 0.";
 
 impl Simulate {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        let robot = self.common.robot()?;
+        let robot = self.common.planned_robot()?;
         let (launches, lines) = self.launches()?;
         let drawn = self.plot.is_set();
         if drawn && launches.len() > MOST_DRAWN {

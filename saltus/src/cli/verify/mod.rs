@@ -20,7 +20,7 @@ use self::subject::{Subject, SubjectFlags};
 use self::trial::{Outcome, Trial};
 use self::verdict::Verdict;
 use super::Status;
-use super::common::{Common, PlotOption, Threads, page_file};
+use super::common::{self, Common, PlotOption, Threads, page_file};
 use crate::error::CliError;
 use crate::output::Format;
 use crate::progress::Progress;
@@ -220,7 +220,7 @@ impl Verify {
     /// The robot that jumps.
     fn plant(&self) -> Result<saltus::Robot, CliError> {
         match (&self.plant, self.plant_overrides.is_empty()) {
-            (Some(name), _) => Ok(saltus::resolve(name, &self.plant_overrides)?),
+            (Some(name), _) => common::robot(name, &self.plant_overrides),
             (None, true) => self.common.robot(),
             (None, false) => self.common.robot_with(&self.plant_overrides),
         }
