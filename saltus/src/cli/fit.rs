@@ -5,17 +5,18 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use saltus::Robot;
-use saltus::diagnosis::{Combination, Undetermined};
+use saltus::diagnosis::{Combination, Estimated as Parameter, Undetermined, disbelieve};
 use saltus::experiment::{self, Folder};
 use saltus::fit::{self, Fitted, USUAL};
 use serde_json::{Map, Value, json};
 
 use super::Status;
 use super::common::{OutputFlags, read_folders, robot};
-use super::diagnose::beside;
+use super::diagnose::{beside, words};
 use crate::error::CliError;
 use crate::output::{self, Files, Format, digits};
 use crate::progress::Progress;
+use crate::slip::{Estimated, slip};
 
 /// Fit the parameters of a leg to benchtop firings, with standard errors and what the data do not tell
 #[derive(Args, Debug)]
@@ -65,7 +66,7 @@ CSV columns, one row for each parameter and each product that is known in its pl
 (empty: not determined), at_bound (true where physics allows no more).
 
 JSON: {\"command\": \"fit\", \"robot\": NAME, \"data\": {\"hash\", \"rows\", \"runs\", \"notes\"}, \"parameters\": [{\"name\", \"believed\", \
-\"value\", \"standard_error\" (or null), \"at_bound\"}], \"correlation\": [[…]], \"undetermined\": [{\"together\": {NAME: relative change}, \
+\"value\", \"standard_error\" (or null), \"at_bound\", \"slip\" (null, or what slip of unit it equals)}], \"correlation\": [[…]], \"undetermined\": [{\"together\": {NAME: relative change}, \
 \"determined\": {\"combination\", \"exponents\", \"value\", \"standard_error\"} or null}], \"residuals\": [{\"channel\", \"rms_before\", \
 \"rms_after\", \"noise\"}], \"inflation\": …}.
 
@@ -81,7 +82,9 @@ struct Report<'a> {
 impl Fit {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.output.check()?;
-        let folder = read_folders(&self.folders)?;
+        let mut folder = read_folders(&self.folders)?;
+        let misstated = disbelieve(&mut folder.experiment);
+        folder.notes.extend(misstated.iter().map(words::misstated));
         let unusable = |reason: String| CliError::content(folder.path.display(), reason);
         let name = match (&self.robot, &folder.robot) {
             (Some(name), _) => name.clone(),
@@ -120,6 +123,18 @@ impl Fit {
         files.write()?;
         Ok(if fitted.estimate.undetermined.is_empty() { Status::Done } else { Status::No })
     }
+}
+
+/// What slip of unit a fitted parameter equals.
+fn slip_of(p: &Parameter) -> Option<String> {
+    let error = p.error.unwrap_or(f64::NAN);
+    slip(&Estimated {
+        unit: words::unit(&p.name),
+        believed: p.believed,
+        value: p.value,
+        error,
+        is_gain: false,
+    })
 }
 
 impl Report<'_> {
@@ -171,7 +186,8 @@ impl Report<'_> {
             let error = p.error.map_or("–".into(), |error| digits(error, 2));
             let bound = if p.is_at_bound { "  as far as physics allows" } else { "" };
             let (name, was, is) = (&p.name, digits(p.believed, 5), digits(p.value, 5));
-            let _ = writeln!(out, "  {name:<wide$}  {was:>11}  {is:>11}  {error:>9}{bound}");
+            let slip = slip_of(p).map_or(String::new(), |slip| format!("  {slip}"));
+            let _ = writeln!(out, "  {name:<wide$}  {was:>11}  {is:>11}  {error:>9}{bound}{slip}");
         }
         for direction in &estimate.undetermined {
             let _ = writeln!(out, "\nThe data do not tell all of these: {}.", self.unknown(direction));
@@ -209,6 +225,7 @@ impl Report<'_> {
                 "value": p.value,
                 "standard_error": p.error,
                 "at_bound": p.is_at_bound,
+                "slip": slip_of(p),
             })
         });
         let named = |parts: &[(usize, f64)]| -> Map<String, Value> {

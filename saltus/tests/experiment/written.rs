@@ -88,7 +88,7 @@ fn a_switch_between_rows_is_written() {
     let mut experiment = written(Sort::Hop, &["pivot_angle_rad"], &[("supply_pressure_gauge_pa", 8e5)]);
     experiment.runs[0].valve = Some((-0.1, Some(0.012)));
     experiment.runs[0].values[0][4] = f64::NAN;
-    write(&data.path(""), &experiment, Some("rats-boom")).unwrap();
+    write(&data.path(""), &experiment, Some("rats-boom"), &[]).unwrap();
     let run = &read(&data.path(""), &|_| ()).unwrap().experiment.runs[0];
     // Times count from the first row, which has the command alone.
     assert_eq!(run.valve, Some((0.0, Some(0.112))));
@@ -102,7 +102,7 @@ fn what_files_cannot_say_is_not_written() {
         let data = Folder::new("unwritable");
         let mut experiment = written(Sort::Hop, &["pivot_angle_rad"], &[]);
         spoil(&mut experiment);
-        assert_eq!(write(&data.path(""), &experiment, None).unwrap_err().to_string(), message);
+        assert_eq!(write(&data.path(""), &experiment, None, &[]).unwrap_err().to_string(), message);
         assert_eq!(data.names(), [""; 0]);
     };
     let name = |name: &'static str| move |experiment: &mut Experiment| experiment.runs[0].name = name.into();

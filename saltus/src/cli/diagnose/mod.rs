@@ -6,7 +6,7 @@ mod page;
 mod report;
 mod sheet;
 mod steps;
-mod words;
+pub(super) mod words;
 
 use std::path::{Path, PathBuf};
 
@@ -24,7 +24,7 @@ use crate::error::CliError;
 use crate::output::Format;
 use crate::progress::Progress;
 
-/// Say what measured data show to be wrong with the simulation, why, and what knowing it is worth
+/// Compare measured data with the simulation: name the wrong cause, its size, and what its correction gains
 #[derive(Args, Debug)]
 #[command(after_help = "`saltus diagnose --help` explains data and output.", after_long_help = LONG_HELP)]
 pub(crate) struct Diagnose {

@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 
 use super::Found;
 use super::steps::{Step, left_out, steps};
-use super::words::{estimate, grid, interval, meaning, split, title, unit};
+use super::words::{estimate, grid, interval, meaning, misstated, split, title, unit, with_unit};
 use crate::output::digits;
 use crate::slip::{Estimated, slip};
 
@@ -75,26 +75,7 @@ impl<'a> Report<'a> {
 
     /// Columns whose stated noise is far from what the data scatter, each in a sentence.
     pub(super) fn misstated(&self) -> Vec<String> {
-        let said = |wrong: &Misstated| {
-            let (_, unit) = split(&wrong.column);
-            let [stated, seen] = [wrong.stated, wrong.seen].map(|x| with_unit(x, 2, unit));
-            let (ratio, question) = if wrong.stated > wrong.seen {
-                let question = match unit {
-                    "m" => "is it in mm?",
-                    "rad" => "is it in degrees?",
-                    _ => "is it in the unit of the column?",
-                };
-                (digits(wrong.stated / wrong.seen, 2), question)
-            } else {
-                (format!("1/{}", digits(wrong.seen / wrong.stated, 2)), "is it in the unit of the column?")
-            };
-            format!(
-                "The stated noise of {}, {stated}, is {ratio} times what the data scatter ({seen}): {question} The diagnosis goes by \
-                 what the data scatter.",
-                wrong.column
-            )
-        };
-        self.found.misstated.iter().map(said).collect()
+        self.found.misstated.iter().map(misstated).collect()
     }
 
     /// What the finding means where the data do not tell how strong it is.
@@ -624,10 +605,6 @@ pub(super) fn phase_in(kind: Sort, phase: &'static str) -> &'static str {
 
 fn words(of: &[&str]) -> Vec<String> {
     of.iter().map(|word| (*word).to_owned()).collect()
-}
-
-fn with_unit(x: f64, count: usize, unit: &str) -> String {
-    format!("{} {unit}", digits(x, count)).trim_end().to_owned()
 }
 
 /// Mean, root mean square and correlation with the next.

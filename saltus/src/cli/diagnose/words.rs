@@ -1,6 +1,6 @@
 //! Causes and quantities in words.
 
-use saltus::diagnosis::{Interval, Kind};
+use saltus::diagnosis::{Interval, Kind, Misstated};
 
 use crate::output::digits;
 
@@ -70,13 +70,39 @@ const UNITS: [(&str, &str); 25] = [
 ];
 
 /// Unit that a name ends with; empty where it has none.
-pub(super) fn unit(name: &str) -> &'static str {
+pub(in crate::cli) fn unit(name: &str) -> &'static str {
     UNITS.iter().find(|(end, _)| name.ends_with(end)).map_or("", |(_, unit)| unit)
 }
 
 /// A name without its unit, and the unit.
 pub(super) fn split(name: &str) -> (&str, &'static str) {
     UNITS.iter().find_map(|(end, unit)| Some((name.strip_suffix(end)?, *unit))).unwrap_or((name, ""))
+}
+
+/// A number with so many digits and its unit.
+pub(super) fn with_unit(x: f64, count: usize, unit: &str) -> String {
+    format!("{} {unit}", digits(x, count)).trim_end().to_owned()
+}
+
+/// A stated noise that is far from what the data scatter, in a sentence.
+pub(in crate::cli) fn misstated(wrong: &Misstated) -> String {
+    let (_, unit) = split(&wrong.column);
+    let [stated, seen] = [wrong.stated, wrong.seen].map(|x| with_unit(x, 2, unit));
+    let (ratio, question) = if wrong.stated > wrong.seen {
+        let question = match unit {
+            "m" => "is it in mm?",
+            "rad" => "is it in degrees?",
+            _ => "is it in the unit of the column?",
+        };
+        (digits(wrong.stated / wrong.seen, 2), question)
+    } else {
+        (format!("1/{}", digits(wrong.seen / wrong.stated, 2)), "is it in the unit of the column?")
+    };
+    format!(
+        "The stated noise of {}, {stated}, is {ratio} times what the data scatter ({seen}): {question} The answer goes by what the \
+         data scatter.",
+        wrong.column
+    )
 }
 
 /// A value and its standard error, each with the digits that the error allows, and the unit.
