@@ -21,8 +21,6 @@ use crate::{
 
 const POSITIVE: Domain = Domain::POSITIVE;
 const NON_NEGATIVE: Domain = Domain::NON_NEGATIVE;
-/// Most legs of a wheel.
-const MOST_LEGS: u32 = 1000;
 
 /// The robot that `document` describes; files that it names are found in `files`.
 pub(crate) fn robot(document: Node, files: Files) -> Result<Robot, RobotError> {
@@ -55,7 +53,7 @@ fn body(mut s: Section) -> Result<Body, RobotError> {
         mass: s.number("mass", MASS, POSITIVE),
         inertia: s.number("inertia", INERTIA, NON_NEGATIVE),
         radius: s.number("wheel_radius", LENGTH, POSITIVE),
-        legs: s.count("legs", MOST_LEGS),
+        legs: s.count("legs"),
         imbalance: s.optional("imbalance", LENGTH, NON_NEGATIVE).unwrap_or(0.0),
         imbalance_angle: s.optional("imbalance_angle", ANGLE, Domain::FINITE).unwrap_or(0.0),
         axle_friction: s.optional("axle_friction", TORQUE, NON_NEGATIVE).unwrap_or(0.0),

@@ -85,7 +85,7 @@ pub struct Body {
     pub inertia: f64,
     /// Foot to wheel centre with the leg retracted, r_s (m), > 0; also the wheel's radius.
     pub radius: f64,
-    /// Legs, evenly spaced around the wheel, ≥ 1; a robot file has 1000 at most.
+    /// Legs, evenly spaced around the wheel, ≥ 1.
     pub legs: u32,
     /// Distance of the wheel's centre of mass from the axle (m), ≥ 0.
     pub imbalance: f64,

@@ -209,13 +209,13 @@ impl Section {
         self.value(key, "text in quotes, not empty", read).unwrap_or_default()
     }
 
-    /// The whole number `key`, from 1 to `most`.
-    pub fn count(&mut self, key: &str, most: u32) -> u32 {
+    /// The whole number `key`, ≥ 1.
+    pub fn count(&mut self, key: &str) -> u32 {
         let read = |value: &Value| match value {
-            Value::Number(literal) => literal.parse().ok().filter(|count| (1..=most).contains(count)),
+            Value::Number(literal) => literal.parse().ok().filter(|&count| count >= 1),
             _ => None,
         };
-        self.value(key, &format!("a whole number from 1 to {most}"), read).unwrap_or_default()
+        self.value(key, "a whole number ≥ 1", read).unwrap_or_default()
     }
 
     /// The whole number `key` from 1 to `most`, if given.

@@ -47,6 +47,9 @@ impl RobotFlags {
     }
 }
 
+/// Most legs of a wheel: each is a body of the simulation.
+const MOST_LEGS: u32 = 1000;
+
 /// The robot `name`, built in or in a file, with `overrides`; what looks like a slip of unit is said.
 pub(crate) fn robot(name: &str, overrides: &[String]) -> Result<Robot, CliError> {
     let mut robot = saltus::robot::resolve_from(name, overrides, &input::note)?;
@@ -54,6 +57,10 @@ pub(crate) fn robot(name: &str, overrides: &[String]) -> Result<Robot, CliError>
     let words =
         robot.name.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty());
     robot.name = words.collect::<Vec<_>>().join(" ");
+    if robot.body.legs > MOST_LEGS {
+        let reason = format!("body.legs = {}: must be a whole number from 1 to {MOST_LEGS}", robot.body.legs);
+        return Err(CliError::content(name, reason));
+    }
     for odd in robot.implausible() {
         message(&format!("warning: robot {}: {odd}", robot.name));
     }
