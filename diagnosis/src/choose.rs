@@ -183,6 +183,15 @@ impl<'a> Search<'a> {
         }
         (self.progress)("what else could be");
         let mut findings = self.findings(&after, inflation, Some((&before, &tried)));
+        if findings.len() > 1
+            && findings.iter().any(|finding| !finding.is_identifiable)
+            && let Some(one) = self.one_for_all(&before, &after, &mut tried, inflation)
+        {
+            after = one;
+            fitness_after = self.fitness(stated, &after);
+            unknown = fitness_after.unknown(stated, &after);
+            findings = self.findings(&after, inflation, Some((&before, &tried)));
+        }
         if let ([finding], Some(unlisted)) = (&mut findings[..], unlisted) {
             // With it three are named at most.
             finding.less_likely.splice(0..0, finding.rivals.drain(finding.rivals.len().min(RIVALS - 1)..));
@@ -308,6 +317,18 @@ impl<'a> Search<'a> {
         }
         let inflation = if wanders { fitness::inflation(self.kind, &model) } else { richest };
         Some(Chosen { model, richest: current, tried, pairs, inflation })
+    }
+
+    /// One cause, wherever in its range, that explains the data as well as the several of `model`; then `tried` has all over their ranges.
+    fn one_for_all(&self, before: &Fit, model: &Fit, tried: &mut Vec<Candidate>, inflation: f64) -> Option<Fit> {
+        let mut far = tried.clone();
+        self.look_far(before, &mut far);
+        let best = far.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss))?;
+        let one = best.fit.clone();
+        (one.loss < model.loss + RIVAL * inflation).then(|| {
+            *tried = far;
+            one
+        })
     }
 
     /// Whether some candidate may come to the threshold, as far as its tangent tells it.
