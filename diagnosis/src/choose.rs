@@ -320,7 +320,13 @@ impl<'a> Search<'a> {
     }
 
     /// One cause, wherever in its range, that explains the data as well as the several of `model`; then `tried` has all over their ranges.
-    fn one_for_all(&self, before: &Fit, model: &Fit, tried: &mut Vec<Candidate>, inflation: f64) -> Option<Fit> {
+    fn one_for_all(
+        &self,
+        before: &Fit,
+        model: &Fit,
+        tried: &mut Vec<Candidate>,
+        inflation: f64,
+    ) -> Option<Fit> {
         let mut far = tried.clone();
         self.look_far(before, &mut far);
         let best = far.iter().min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss))?;

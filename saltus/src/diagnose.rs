@@ -95,9 +95,27 @@ impl Worth {
 /// Valve opening time (s) of the tables.
 const OPEN: f64 = 0.1;
 
-use saltus_diagnosis::{
-    Diagnosis, Experiment, Interval, Kind, Misstated, Reported, Settings, Sort, Terms, disbelieve, misstated,
-};
+/// Why there is no diagnosis: the first run for which the model has no motion, and what to do.
+pub fn no_motion(kind: &dyn Kind, experiment: &Experiment) -> String {
+    let terms = Terms::off(kind.causes());
+    let stands = |run: &usize| {
+        let guess: Vec<f64> = kind.unknowns(*run).iter().map(|unknown| unknown.neutral).collect();
+        kind.predict(*run, &terms, &guess).is_none()
+    };
+    let Some(run) = (0..kind.logs().len()).find(stands) else {
+        return "the model has no such motion: is it the robot that was measured?".into();
+    };
+    let name = &kind.logs()[run].name;
+    match experiment.runs.get(run).and_then(|run| run.valve) {
+        Some((open, _)) if experiment.kind == Sort::Jump => format!(
+            "{name}: the model has no such motion from the first valid row, which is {open:.3} s before the command. The log of a jump starts just \
+             after the jumping leg touched down: set valid_from_s to that time. Or is it another robot that was measured?"
+        ),
+        _ => format!("{name}: the model has no such motion: is it the robot that was measured?"),
+    }
+}
+
+/// The robot with the terms that were found and that the data tell the size of; none where nothing of a robot was found.
 pub fn extended(kind: &dyn Kind, diagnosis: &Diagnosis) -> Option<Robot> {
     let off = Terms::off(kind.causes());
     let mut terms = diagnosis.after.terms.clone();

@@ -37,7 +37,7 @@ pub use error::Error;
 pub use join::read_all;
 pub use plausible::plausible;
 pub use saltus_diagnosis::{Experiment, Run, Sort};
-pub use write::write;
+pub use write::{write, write_with};
 
 use error::{one_line, shown};
 use lines::Hash;

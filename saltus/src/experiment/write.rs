@@ -14,14 +14,22 @@ use crate::temporary::{self, Temporary};
 /// Writes `experiment` into a folder that is new or empty, so that [`read`](super::read()) gives it back; the times of a run then count
 /// from its first row.
 ///
-/// `more` are files that go with it, name and contents. All is written within the folder under a temporary name and then moved into its
+/// All is written within the folder under a temporary name and then moved into its
 /// place, `experiment.toml` last: where writing fails, the folder is as it was. Where the valve switches between two rows, a row is put in
 /// that has the command alone.
 ///
 /// # Errors
 /// [`Error`] where the folder is not empty or cannot be written, or where the experiment has what files cannot say: a run without a
 /// file name of its own, columns of unequal length, a number that is not finite.
-pub fn write(
+pub fn write(folder: &Path, experiment: &Experiment, robot: Option<&str>) -> Result<(), Error> {
+    write_with(folder, experiment, robot, &[])
+}
+
+/// As [`write()`], with `more` files that go with it, name and contents.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_with(
     folder: &Path,
     experiment: &Experiment,
     robot: Option<&str>,

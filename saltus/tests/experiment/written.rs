@@ -66,7 +66,7 @@ fn what_is_written_is_read_back() {
         let data = Folder::new(&format!("written-{:?}", experiment.kind));
         let path = data.path("new/folder");
         let robot = Some("my \"robot\"\n.toml");
-        write(&path, &experiment, robot, &[]).unwrap();
+        write(&path, &experiment, robot).unwrap();
         let folder = read(&path, &|_| ()).unwrap();
         assert_eq!(folder.experiment, experiment);
         assert_eq!(folder.robot.as_deref(), robot);
@@ -74,7 +74,7 @@ fn what_is_written_is_read_back() {
         assert_eq!(data.names(), ["new"]);
         assert_eq!(std::fs::read_dir(path.join("part")).unwrap().count(), 2);
         assert_eq!(std::fs::read_dir(&path).unwrap().count(), 2);
-        let error = write(&path, &experiment, robot, &[]).unwrap_err().to_string();
+        let error = write(&path, &experiment, robot).unwrap_err().to_string();
         assert!(
             error.ends_with("new/folder: is not empty: data go into a new or an empty folder"),
             "{error}"
@@ -88,7 +88,7 @@ fn a_switch_between_rows_is_written() {
     let mut experiment = written(Sort::Hop, &["pivot_angle_rad"], &[("supply_pressure_gauge_pa", 8e5)]);
     experiment.runs[0].valve = Some((-0.1, Some(0.012)));
     experiment.runs[0].values[0][4] = f64::NAN;
-    write(&data.path(""), &experiment, Some("rats-boom"), &[]).unwrap();
+    write(&data.path(""), &experiment, Some("rats-boom")).unwrap();
     let run = &read(&data.path(""), &|_| ()).unwrap().experiment.runs[0];
     // Times count from the first row, which has the command alone.
     assert_eq!(run.valve, Some((0.0, Some(0.112))));
@@ -102,7 +102,7 @@ fn what_files_cannot_say_is_not_written() {
         let data = Folder::new("unwritable");
         let mut experiment = written(Sort::Hop, &["pivot_angle_rad"], &[]);
         spoil(&mut experiment);
-        assert_eq!(write(&data.path(""), &experiment, None, &[]).unwrap_err().to_string(), message);
+        assert_eq!(write(&data.path(""), &experiment, None).unwrap_err().to_string(), message);
         assert_eq!(data.names(), [""; 0]);
     };
     let name = |name: &'static str| move |experiment: &mut Experiment| experiment.runs[0].name = name.into();

@@ -117,7 +117,7 @@ impl InjectFlags {
         let listed = if own.is_some() { Some(OWN) } else { name };
         let listed = listed.filter(|_| self.kind.usual_robot().is_some());
         let more: Vec<(&str, String)> = own.map(|robot| (OWN, robot.to_toml())).into_iter().collect();
-        experiment::write(folder, &made.experiment, listed, &more)?;
+        experiment::write_with(folder, &made.experiment, listed, &more)?;
         let mut files = Files::default();
         files.report(
             None,
