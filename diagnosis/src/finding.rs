@@ -81,15 +81,15 @@ pub struct Diagnosis {
     pub gains: Vec<Gain>,
 }
 
-/// Whether nothing limits a parameter, found to be `value`, on the side away from neutral: there its interval, with these ends where
-/// it was taken, has no end, and physics allows far more than the least that explains the data.
-fn is_unlimited(parameter: &Parameter, value: f64, [low, high]: [Option<Option<f64>>; 2]) -> bool {
+/// Whether nothing limits a parameter, found to be `value`, on the side away from neutral: there its interval with these ends has no
+/// end, and physics allows far more than the least that explains the data.
+fn is_unlimited(parameter: &Parameter, value: f64, [low, high]: [Option<f64>; 2]) -> bool {
     /// How far, in terms of that least.
     const FAR: f64 = 2.0;
     let Parameter { neutral, bounds, .. } = parameter;
     let (inner, outer, bound) = if value > *neutral { (low, high, bounds.1) } else { (high, low, bounds.0) };
-    let least = inner.flatten().map_or(0.0, |x| (x - neutral).abs());
-    outer == Some(None) && (bound - neutral).abs() > FAR * least
+    let least = inner.map_or(0.0, |x| (x - neutral).abs());
+    outer.is_none() && (bound - neutral).abs() > FAR * least
 }
 
 /// What the data do not tell of a cause.
@@ -146,9 +146,11 @@ pub(crate) fn report(
     let opens: Vec<bool> = (0..reported.len())
         .filter_map(|k| {
             let p = only(k).filter(|p| values[*p] != parameters[*p].neutral)?;
-            let least = |end: &Option<Terms>| end.as_ref().map(|terms| terms.get(cause, p));
-            let ends = [&ends[2 * k], &ends[2 * k + 1]].map(|end| end.as_ref().map(least));
-            Some(is_unlimited(&parameters[p], values[p], ends))
+            let at = |end: &Option<Terms>| end.as_ref().map(|terms| terms.get(cause, p));
+            Some(match (&ends[2 * k], &ends[2 * k + 1]) {
+                (Some(low), Some(high)) => is_unlimited(&parameters[p], values[p], [at(low), at(high)]),
+                _ => false,
+            })
         })
         .collect();
     let is_open = !opens.is_empty() && opens.iter().all(|open| *open);

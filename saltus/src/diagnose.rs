@@ -45,7 +45,9 @@ pub fn study(
             if now.stated > now.seen {
                 is_overstated = true;
                 let column = experiment.columns.iter().position(|column| *column == now.column);
-                column.into_iter().for_each(|k| experiment.noise[k] = Some(now.seen));
+                if let Some(k) = column {
+                    experiment.noise[k] = Some(now.seen);
+                }
             }
             match doubted.iter_mut().find(|before| before.column == now.column) {
                 Some(before) => before.seen = now.seen,

@@ -81,7 +81,8 @@ pub(crate) fn slip(of: &Estimated<'_>) -> Option<String> {
 
 fn factor(of: &Estimated<'_>) -> Option<String> {
     let (ratio, error) = (of.value / of.believed, (of.error / of.value).abs());
-    if !ratio.is_finite() || ratio <= 0.0 || !(error < VAGUE) {
+    let is_clear = error < VAGUE;
+    if !ratio.is_finite() || ratio <= 0.0 || !is_clear {
         return None;
     }
     let ratio = if of.is_gain { 1.0 / ratio } else { ratio };
