@@ -217,7 +217,7 @@ enum SaltusStatus saltus_controller_decide(const struct SaltusController *contro
                                            const struct SaltusTask *task,
                                            struct SaltusDecision *decision);
 
-// α_f (rad) for an approach rate (rad/s), a distance (m) and a landing height (m).
+// The firing angle (rad) for an approach rate (rad/s), a distance (m) and a landing height (m).
 //
 // # Safety
 // As [`saltus_controller_decide`].

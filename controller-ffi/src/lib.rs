@@ -386,7 +386,7 @@ pub unsafe extern "C" fn saltus_controller_decide(
     }
 }
 
-/// α_f (rad) for an approach rate (rad/s), a distance (m) and a landing height (m).
+/// The firing angle (rad) for an approach rate (rad/s), a distance (m) and a landing height (m).
 ///
 /// # Safety
 /// As [`saltus_controller_decide`].

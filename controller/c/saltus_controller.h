@@ -86,7 +86,7 @@ typedef struct { saltus_real normal[2], bound; } saltus_half_plane;
 typedef struct { saltus_real slope, bound; } saltus_half_line;
 
 /* alpha_f (rad) for an approach rate (rad/s), a distance (m) and a landing height (m). For plans and tests: where rates count at the firing
- * angle it looks for the angle that has this rate, which takes some hundred times as long as a look-up. saltus_decide does not need it. */
+ * angle it looks for the angle that has this rate, which takes tens of times as long as a look-up. saltus_decide does not need it. */
 enum saltus_status saltus_firing_angle(saltus_real rate, saltus_real distance, saltus_real height, saltus_real *angle);
 
 /* The rate (rad/s) that a robot, sensed on its foot, has at `lean` (rad), or had there. */

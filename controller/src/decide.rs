@@ -178,7 +178,7 @@ impl<R: Real> Controller<'_, R> {
     /// α_f (rad) for an approach `rate` (rad/s), a `distance` (m) and a landing `height` (m), by the rule and as many Newton steps on the
     /// lift-off map as asked for.
     ///
-    /// For plans and tests: where rates count at the firing angle, it looks for the angle that has this rate, which takes some hundred times as
+    /// For plans and tests: where rates count at the firing angle, it looks for the angle that has this rate, which takes tens of times as
     /// long as a look-up. [`decide`](Self::decide) does not need it.
     ///
     /// # Errors

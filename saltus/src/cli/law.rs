@@ -185,8 +185,8 @@ impl Law {
     }
 
     fn text(&self, found: &[Found], terms: &Terms, robot: &Robot) -> String {
-        let mut text = format!("{}: firing angle α_f (rad) over approach rate ω (rad/s)\n", robot.name);
-        text.push_str(&format!("  {}\n", terms.line()));
+        let head = format!("{}: firing angle α_f (rad) over approach rate ω (rad/s)", robot.name);
+        let mut text = format!("{head}\n  {}\n", terms.line());
         for one in found {
             let title = format!("{} {} m: ", self.target.kind().name(), digits(one.target, 5));
             text.push_str(&title);

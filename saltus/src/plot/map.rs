@@ -76,7 +76,11 @@ impl MapPlot {
             Rectangle::new([(x[column], y[row]), (x[column + 1], y[row + 1])], color.filled())
         }))?;
         if panel.values.iter().all(Option::is_none) {
-            return notice(&chart, pen, &format!("None of these launches has this: {}", self.counts()));
+            return notice(
+                &chart,
+                pen,
+                &format!("No launch has this value. How they end: {}", self.counts()),
+            );
         }
         let levels = levels(low, high);
         self.draw_borders(&mut chart, pen, panel, (&x, &y))?;

@@ -205,13 +205,11 @@ impl TableFile {
                 let allowed = format!("one of the distances in {}: {}", self.file, listed());
                 Err(CliError::flag("--distance", "", allowed))
             }
-            (Some(wanted), all) => match all.iter().find(|d| (**d - wanted).abs() <= 1e-9) {
-                Some(found) => Ok(Some(*found)),
-                None => {
-                    let allowed = format!("one of those in {}: {}", self.file, listed());
-                    Err(CliError::flag("--distance", wanted, allowed))
-                }
-            },
+            (Some(wanted), all) => {
+                let found = all.iter().copied().find(|d| (d - wanted).abs() <= 1e-9);
+                let allowed = || format!("one of those in {}: {}", self.file, listed());
+                found.map(Some).ok_or_else(|| CliError::flag("--distance", wanted, allowed()))
+            }
         }
     }
 
