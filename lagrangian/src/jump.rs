@@ -168,7 +168,7 @@ impl<S: Single> Stance<S> {
             Next::End(outcome, y) => return end(outcome, S::of(f64::NAN), &y),
         };
         let time_fire = fired[TIME];
-        let close = time_fire + self.leg.delay + launch.valve_open;
+        let close = self.leg.has_valve().then(|| time_fire + self.leg.delay + launch.valve_open);
         let freed = match self.fill(launch, fired, close, early, &mut pace, observer)? {
             Next::On(y) => y,
             Next::End(outcome, y) => return end(outcome, time_fire, &y),
@@ -225,7 +225,7 @@ impl<S: Single> Stance<S> {
         &self,
         launch: &Launch<S>,
         mut y: State<S>,
-        close: S,
+        close: Option<S>,
         early: Option<f64>,
         pace: &mut Pace,
         observer: &mut O,
@@ -247,12 +247,12 @@ impl<S: Single> Stance<S> {
         loop {
             let piece = self.enter(&mut y, true, side, false);
             let filling = Held { stance: self, piece, energized: true, target: None, early };
-            if filling.excess(&y).value() > 0.0 && launch.valve_open.value() > 0.0 {
+            let opens = close.is_none() || launch.valve_open.value() > 0.0;
+            if opens && filling.excess(&y).value() > 0.0 {
                 self.leave(&mut y, piece.as_ref());
                 return Ok(Next::On(y));
             }
-            let event =
-                advance(&filling, &mut y, Some(close), pace, &mut |a, b| observer.held(&filling, a, b))?;
+            let event = advance(&filling, &mut y, close, pace, &mut |a, b| observer.held(&filling, a, b))?;
             self.leave(&mut y, piece.as_ref());
             match event {
                 Some(Held::<S>::BREAK_AWAY) => return Ok(Next::On(y)),
@@ -307,12 +307,10 @@ impl<S: Single> Stance<S> {
     fn extend(
         &self,
         mut y: State<S>,
-        close: S,
+        close: Option<S>,
         pace: &mut Pace,
         observer: &mut impl Observer<S>,
     ) -> Result<(Outcome, State<S>), StanceError> {
-        // A released spring is not caught again.
-        let closes = !matches!(self.leg.drive, Drive::Spring(..));
         let mut switches = Switches { energized: true, cushioned: false };
         let mut passed = S::of(0.0);
         let mut side = 0.0;
@@ -324,9 +322,9 @@ impl<S: Single> Stance<S> {
             let phase = Extension { stance: self, piece, switches, next };
             if phase.force(&y).value() <= 0.0 {
                 self.leave(&mut y, piece.as_ref());
-                return Ok((Outcome::Force, y));
+                return Ok((Outcome::Force.unless_fallen(y[LEAN].value()), y));
             }
-            let end = (switches.energized && closes).then_some(close);
+            let end = close.filter(|_| switches.energized);
             let event = advance(&phase, &mut y, end, pace, &mut |a, b| observer.extension(&phase, a, b))?;
             self.leave(&mut y, piece.as_ref());
             side = 0.0;

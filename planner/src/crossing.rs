@@ -4,6 +4,8 @@
 //! derivatives, and [`course::plan`] searches and solves. The plan is then flown again, finely, and held against every
 //! limit: see [`Check`].
 
+use std::borrow::Cow;
+
 use saltus_ballistic::{Disc, DragFlight, ExtendedLeg, Flight, Obstacle as Solid};
 use saltus_lagrangian::{Launch, Stance, StanceError};
 use saltus_numeric::{Dual, Scalar, Single};
@@ -27,7 +29,7 @@ pub struct Crossing {
     pub start_lean: Option<f64>,
     /// Allowed firing angles (rad).
     pub firing_angles: Span,
-    /// Allowed valve opening times (s).
+    /// Allowed valve opening times (s); without effect for a leg without a valve.
     pub valve_open: Span,
     /// Where each jump has to land (m), beside the course's own limits; none or missing: anywhere.
     pub zones: Vec<Option<Span>>,
@@ -253,6 +255,7 @@ impl Planner {
     /// [`CrossingError`] for a value outside its domain. A course without a plan is an answer, not an error.
     pub fn cross(&self, crossing: &Crossing) -> Result<CrossingAnswer, CrossingError> {
         crossing.check()?;
+        let crossing = &self.with_its_valve(crossing);
         let roller = Roller::new(self, crossing);
         let settings = course::Settings {
             sigmas: crossing.sigmas,
@@ -266,6 +269,15 @@ impl Planner {
             Answer::Infeasible(relief) => CrossingAnswer::Infeasible(relief),
             Answer::Undecided { nodes } => CrossingAnswer::Undecided { nodes },
         })
+    }
+
+    /// `crossing` as this robot can choose: without a valve there is no opening time to choose, and none that costs.
+    fn with_its_valve<'a>(&self, crossing: &'a Crossing) -> Cow<'a, Crossing> {
+        if self.robot().leg.drive.has_valve() {
+            return Cow::Borrowed(crossing);
+        }
+        let valve_open = Span::point(crossing.valve_open.low);
+        Cow::Owned(Crossing { valve_open, effort_weight: 0.0, ..crossing.clone() })
     }
 
     /// Flies a plan in the full model and holds it against every limit.

@@ -279,7 +279,7 @@ impl<'a> Rows<'a> {
     fn label(&self, jump: &Jump) -> Label {
         let end = &jump.stance;
         let closing = end.time_fire + self.planner.robot().leg.delay + self.request.valve_open;
-        (end.outcome, end.time > closing)
+        (end.outcome, self.planner.robot().leg.drive.has_valve() && end.time > closing)
     }
 
     /// Builds the interpolants: all rows at once, interval by interval.

@@ -103,6 +103,14 @@ impl<S: Scalar> Leg<S> {
         }
     }
 
+    /// Whether the drive is switched off again a valve opening time after it was switched on: all but a released spring, which is not
+    /// caught again.
+    ///
+    /// Source: docs/model.md, "The valve opening time".
+    pub fn has_valve(&self) -> bool {
+        !matches!(self.drive, Drive::Spring(..))
+    }
+
     /// The chamber, if the leg is pneumatic.
     #[inline(always)]
     pub fn chamber(&self) -> Option<&Chamber<S>> {
@@ -170,6 +178,11 @@ impl<S: Single> Leg<S> {
                 Force { wrt_extension: on(wrt_extension), wrt_speed: on(wrt_speed), ..constant(on(value)) }
             }
         }
+    }
+
+    /// Whether dry friction ever sets itself against motion: that of the rod, or of the seal under pressure.
+    pub fn has_dry_friction(&self) -> bool {
+        self.coulomb.value() > 0.0 || self.seal.value() > 0.0
     }
 
     /// What dry friction (N) sets against motion at the chamber pressure `p` (Pa): that of the rod, and of the seal.

@@ -182,6 +182,14 @@ pub enum Drive {
     Table(ForceTable),
 }
 
+impl Drive {
+    /// Whether the drive is commanded for a time, the valve opening time: a cylinder through its valve, a motor through its current. A
+    /// spring is released once and not caught again, so that no valve opening time belongs to it.
+    pub fn has_valve(&self) -> bool {
+        !matches!(self, Drive::Spring { .. })
+    }
+}
+
 /// A pneumatic cylinder: chamber, valve, supply, and the effects that a plain one leaves out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {

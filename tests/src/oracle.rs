@@ -131,7 +131,9 @@ impl Oracle<'_> {
         }
         let fire = self.time;
         let open = fire + robot.leg.delay;
-        let close = open + launch.valve_open;
+        // A released spring is not caught again.
+        let closes = !matches!(robot.leg.drive, Drive::Spring { .. });
+        let close = if closes { open + launch.valve_open } else { f64::INFINITY };
 
         // 2. The valve's delay.
         match self.advance(held, open, &[&early, &fallen]) {
@@ -146,7 +148,7 @@ impl Oracle<'_> {
         let excess = |y: &State| {
             force(robot, filling, y).1 + m * y[ALPHA_DOT] * y[ALPHA_DOT] * r - weight * y[ALPHA].sin()
         };
-        if launch.valve_open <= 0.0 {
+        if closes && launch.valve_open <= 0.0 {
             return self.end("no-break-away", fire);
         }
         if excess(&self.y) <= 0.0 {
@@ -171,8 +173,6 @@ impl Oracle<'_> {
             _ => None,
         };
         let cushion = robot.leg.cushion.map(|cushion| robot.leg.stroke - cushion.length);
-        // A released spring is not caught again.
-        let closes = !matches!(robot.leg.drive, Drive::Spring { .. });
         loop {
             if force(robot, mode, &self.y).1 <= 0.0 {
                 return "force";
@@ -187,7 +187,7 @@ impl Oracle<'_> {
             let stroke = |y: &State| y[D] - robot.leg.stroke;
             let slack = |y: &State| -force(robot, mode, y).1;
             let halted = |y: &State| -y[D_DOT];
-            let until = if mode.energized && closes { close } else { f64::INFINITY };
+            let until = if mode.energized { close } else { f64::INFINITY };
             match self.advance(mode, until, &[&stroke, &slack, &halted, &port_reached, &cushion_reached]) {
                 Some(0) => return "stroke",
                 Some(1) => return "force",

@@ -111,6 +111,8 @@ pub(super) struct Answer {
     pub(super) ground: [f64; 2],
     /// Force (N) that holds the leg at its extension, if it is held: positive keeps it from extending.
     pub(super) hold: f64,
+    /// Force (N) of the leg on the wheel, outwards, less what holds it.
+    pub(super) push: f64,
 }
 
 /// Geometry and velocities at an instant.
@@ -495,7 +497,7 @@ impl Machine {
             let hold = push - load * self.gravity;
             let mut acceleration = Coordinates::zeros();
             acceleration[LEG] = if held { 0.0 } else { hold / load };
-            return Some(Answer { acceleration, ground: [0.0; 2], hold });
+            return Some(Answer { acceleration, ground: [0.0; 2], hold, push });
         }
         let f = self.frame(q, v);
         let (mut mass, mut force) = self.assemble(&f, q, v);
@@ -518,7 +520,7 @@ impl Machine {
         let free = factor.solve(&force);
         if foot == Foot::Flies {
             let hold = leg_force - (leg_row * free)[0];
-            return Some(Answer { acceleration: free, ground: [0.0; 2], hold });
+            return Some(Answer { acceleration: free, ground: [0.0; 2], hold, push });
         }
         let (gap, normal, along, place, center) = self.foot(&f, q);
         let columns = self.columns(&f, &place, true);
@@ -571,7 +573,7 @@ impl Machine {
         };
         let acceleration = free + mn * ground[0] + mt * ground[1];
         let hold = leg_force + wn * ground[0] + wt * ground[1] - (leg_row * acceleration)[0];
-        Some(Answer { acceleration, ground, hold })
+        Some(Answer { acceleration, ground, hold, push })
     }
 
     /// Velocities after the leg has been stopped in its stroke, the foot free to leave: it is picked up.

@@ -108,6 +108,8 @@ struct Mode {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Guard {
     Lift,
+    /// A leg without mass has nothing left to push with: its foot leaves the ground.
+    Slack,
     Slip,
     Grip,
     Extend,
@@ -123,7 +125,7 @@ enum Guard {
 impl Guard {
     /// Whether it may be broken at the start of a step, by a jump in a force.
     fn is_of_forces(self) -> bool {
-        matches!(self, Guard::Lift | Guard::Slip | Guard::Extend | Guard::Retract)
+        matches!(self, Guard::Lift | Guard::Slack | Guard::Slip | Guard::Extend | Guard::Retract)
     }
 }
 
@@ -169,8 +171,9 @@ impl Rig {
             }
             match what {
                 0 => run.unlatch(),
-                1 => run.switch(release > fire),
-                _ => run.switch(false),
+                1 => run.switch(release > fire || !self.leg.has_valve()),
+                _ if self.leg.has_valve() => run.switch(false),
+                _ => {}
             }
         }
         run.go(end, until.is_none())?;
@@ -420,6 +423,10 @@ impl<'a> Run<'a> {
         let machine = &self.rig.machine;
         if self.mode.foot != Foot::Flies {
             out.push((Guard::Lift, answer.ground[0]));
+            let moves = matches!(self.mode.leg, Slide::Moves(_));
+            if self.rig.massless && moves && machine.floor.soft.is_none() {
+                out.push((Guard::Slack, answer.push));
+            }
             let standing = machine.floor.friction.0;
             match self.mode.foot {
                 Foot::Stands if standing.is_finite() => {
@@ -599,9 +606,7 @@ impl<'a> Run<'a> {
             return None;
         }
         match guard {
-            Guard::Lift => {
-                self.leave();
-            }
+            Guard::Lift | Guard::Slack => self.leave(),
             Guard::Slip => self.mode.foot = Foot::Slips(-answer.ground[1].signum()),
             Guard::Grip => self.mode.foot = Foot::Stands,
             Guard::Extend => {

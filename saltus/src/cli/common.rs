@@ -1,5 +1,6 @@
 //! What every command takes: the robot, and where the answer goes.
 
+use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -74,6 +75,27 @@ pub(crate) fn read_folders(folders: &[PathBuf]) -> Result<Folder, CliError> {
     }
     let progress = Progress::new("rows", 0);
     Ok(experiment::read_all(folders, &|n| progress.advance(n))?)
+}
+
+/// Says on standard error that `given`, a flag with a valve opening time, has no effect on `robot`, if its leg has no valve.
+pub(crate) fn note_valve(robot: &Robot, given: Option<&str>) {
+    if let (Some(given), false) = (given, robot.leg.drive.has_valve()) {
+        // Where stderr is closed, nobody reads notes.
+        let _ = writeln!(
+            std::io::stderr(),
+            "note: the leg of {} has no valve: {given} has no effect",
+            robot.name
+        );
+    }
+}
+
+/// Those of `columns` (name, title, unit) that `robot` has: without a valve, no opening time.
+pub(crate) fn shown<'a>(
+    columns: &[(&'a str, &'a str, &'a str)],
+    robot: &Robot,
+) -> Vec<(&'a str, &'a str, &'a str)> {
+    let has_valve = robot.leg.drive.has_valve();
+    columns.iter().copied().filter(|(name, ..)| has_valve || *name != "valve_open_s").collect()
 }
 
 /// Options of every command that reports.

@@ -91,6 +91,7 @@ impl Map {
             return Err(CliError::flag("--plot", "", allowed));
         }
         let planner = Planner::new(self.common.planned_robot()?);
+        self.terms.note_valve(planner.robot());
         let map = self.compute(&planner)?;
         let rows = rows(&map);
         let report = match self.common.format() {

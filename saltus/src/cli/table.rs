@@ -282,7 +282,10 @@ fn sensitivities(both: Option<[Sensitivity; 2]>, robot: &Robot) -> Vec<Cell> {
     let Some(both) = both else { return vec![Cell::Empty; 10] };
     // A robot file that states no errors has no bands.
     let deviations = both.iter().map(|one| Some(one.standard_deviation(&robot.errors)).filter(|d| *d > 0.0));
-    let slopes =
-        both.iter().flat_map(|one| [one.by_rate, one.by_firing_angle, one.by_valve_open, one.by_supply]);
+    let has_valve = robot.leg.drive.has_valve();
+    let slopes = both.iter().flat_map(|one| {
+        let by_valve_open = has_valve.then_some(one.by_valve_open);
+        [Some(one.by_rate), Some(one.by_firing_angle), by_valve_open, Some(one.by_supply)]
+    });
     deviations.map(Cell::from).chain(slopes.map(Cell::from)).collect()
 }

@@ -82,6 +82,7 @@ impl TargetFlags {
 
     /// The request, for every angle that serves or only for the least.
     pub(crate) fn request(&self, roots: Roots, robot: &Robot) -> Result<TableRequest, CliError> {
+        self.terms.note_valve(robot);
         let Terms { landing_height, valve_open, start_lean, .. } = self.terms(robot);
         let (targets, measure) = match (&self.distance, &self.clearance, self.obstacle) {
             (Some(distances), ..) => (distances, Measure::Distance { landing_height }),

@@ -2,9 +2,9 @@
 
 use clap::Args;
 use saltus::Robot;
-use saltus::robot::Drive;
 use serde_json::{Map, Value, json};
 
+use super::common::note_valve;
 use crate::output::{Cell, digits};
 use crate::quantity;
 
@@ -16,9 +16,9 @@ pub(crate) struct TermFlags {
     #[arg(long, value_name = "wheel|HEIGHT", value_parser = landing_height, allow_hyphen_values = true, default_value = "wheel")]
     landing_height: LandingHeight,
 
-    /// Valve opening time t_v (s)
-    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true, default_value_t = VALVE_OPEN)]
-    valve_open: f64,
+    /// Valve opening time t_v (s); of no effect for a spring, which has no valve [default: 0.1]
+    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
+    valve_open: Option<f64>,
 
     /// Where the stance starts and the approach rate counts: `firing`, at the firing angle, or at this lean φ₀ (rad)
     #[arg(long, value_name = "firing|ANGLE", value_parser = start_lean, allow_hyphen_values = true, default_value = "firing")]
@@ -64,19 +64,20 @@ impl StartLean {
 }
 
 impl TermFlags {
+    /// Says so where a valve opening time was given for a leg without a valve.
+    pub(crate) fn note_valve(self, robot: &Robot) {
+        note_valve(robot, self.valve_open.map(|_| "--valve-open"));
+    }
+
     /// The terms for `robot`.
     pub(crate) fn of(self, robot: &Robot) -> Terms {
-        Terms::new(robot, self.landing_height, self.valve_open, self.start_lean)
+        let valve_open = self.valve_open.unwrap_or(VALVE_OPEN);
+        Terms::new(robot, self.landing_height, valve_open, self.start_lean)
     }
 }
 
 /// Valve opening time (s) that is taken where none is given.
 pub(crate) const VALVE_OPEN: f64 = 0.1;
-
-/// Whether a robot's leg has a valve that closes: a spring, once released, pushes until it is slack.
-pub(crate) fn has_valve(robot: &Robot) -> bool {
-    !matches!(robot.leg.drive, Drive::Spring { .. })
-}
 
 /// Columns that say in every row what a table was made for; columns survive every program that reads CSV.
 pub(crate) const COLUMNS: [&str; 6] =
@@ -108,7 +109,7 @@ impl Terms {
         Terms {
             robot: robot.name.clone(),
             fingerprint: saltus::embed::fingerprint(robot),
-            has_valve: has_valve(robot),
+            has_valve: robot.leg.drive.has_valve(),
             radius: robot.body.radius,
             landing_height: landing_height.of(robot),
             valve_open,

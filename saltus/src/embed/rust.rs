@@ -34,9 +34,14 @@ impl<R: Number> Tables<R> {
             "Distance: {spread}. Firing angles over {}; {open} of {all} cells are open.",
             range(&self.rates, "rad/s")
         ));
+        let valve = if self.has_valve {
+            format!("Valve open for {} s.", self.robot.valve_open)
+        } else {
+            "The leg has no valve: opening times have no effect.".into()
+        };
         lines.extend([
             format!("A distance goes from the foot to {}.", self.landing()),
-            format!("Valve open for {} s.", self.robot.valve_open),
+            valve,
             format!("Lift-off map: firing angle {}; {map_open} of {map_all} cells are open.", range(&self.angles, "rad")),
             format!(
                 "Against the planner, over all open cells ({} jumps): what is fired lands within {}, what the map predicts within {}.",

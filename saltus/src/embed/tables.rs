@@ -141,6 +141,8 @@ pub struct Tables<R> {
     pub(super) misses: Misses,
     pub(super) name: String,
     pub(super) hash: String,
+    /// Whether the leg has a valve, so that opening times matter.
+    pub(super) has_valve: bool,
 }
 
 /// Firing angles at the nodes.
@@ -198,6 +200,7 @@ impl<R: Number> Tables<R> {
             misses: Misses::default(),
             name: robot.name.clone(),
             hash: fingerprint(robot),
+            has_valve: robot.leg.drive.has_valve(),
         };
         let flown = Flown { planner, start, valve_open: request.valve_open };
         tables.fill_map(&flown)?;

@@ -7,7 +7,7 @@ use saltus::embed::{EmbedError, Number, Request, Tables};
 use saltus::{Planner, Robot};
 
 use crate::cli::Status;
-use crate::cli::common::{RobotFlags, Threads};
+use crate::cli::common::{RobotFlags, Threads, note_valve};
 use crate::cli::terms::{TermFlags, Terms};
 use crate::error::{CliError, cut};
 use crate::output::{Files, print};
@@ -176,6 +176,8 @@ impl TableFlags {
     /// The tables; none, with the reason on standard output, where no cell can be used.
     fn tables<R: Number>(&self) -> Result<Option<Tables<R>>, CliError> {
         let robot = self.robot.planned_robot()?;
+        self.terms.note_valve(&robot);
+        note_valve(&robot, self.valve_range.map(|_| "--valve-range"));
         let request = self.request(&robot)?;
         match Tables::new(&Planner::new(robot), &request) {
             Ok(tables) => Ok(Some(tables)),
@@ -207,7 +209,7 @@ impl TableFlags {
             angles: angles.map_or(default.angles, |(.., count)| count),
             landing_height: Some(landing_height),
             valve_open,
-            valve_range: self.valve_range,
+            valve_range: self.valve_range.filter(|_| robot.leg.drive.has_valve()),
             start_lean,
             period: self.period,
             extra_delay: self.extra_delay,

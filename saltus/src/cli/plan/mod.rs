@@ -80,7 +80,7 @@ impl Plan {
         };
         let robot = planner.robot();
         let report = match self.common.format() {
-            Format::Csv => report::table(&answer).csv(),
+            Format::Csv => report::table(&answer, robot).csv(),
             Format::Json => report::json(&answer, robot, &file),
             Format::Text => report::text(&answer, robot, &file),
         };

@@ -6,6 +6,7 @@ use saltus::planner::{Check, CrossingAnswer, CrossingPlan, PlannedJump};
 use serde_json::{Value, json};
 
 use super::course::ANYWHERE;
+use crate::cli::common::shown;
 use crate::cli::limits;
 use crate::output::{self, Cell, Table, digits};
 
@@ -40,23 +41,23 @@ const SHOWN: &[(&str, &str, &str)] = &[
 ];
 
 /// One row for each jump; none without a plan.
-pub(super) fn table(answer: &CrossingAnswer) -> Table {
+pub(super) fn table(answer: &CrossingAnswer, robot: &Robot) -> Table {
     let mut table = Table::new(COLUMNS);
     if let CrossingAnswer::Plan(plan) = answer {
         for (i, jump) in plan.jumps.iter().enumerate() {
-            table.push(row(i, jump, &plan.checks));
+            table.push(row(i, jump, &plan.checks, robot));
         }
     }
     table
 }
 
-fn row(i: usize, planned: &PlannedJump, checks: &[Check]) -> Vec<Cell> {
+fn row(i: usize, planned: &PlannedJump, checks: &[Check], robot: &Robot) -> Vec<Cell> {
     let launch = &planned.jump.launch;
     let holds = checks.iter().filter(|check| check.jump == i).all(Check::holds);
-    let numbers =
-        [launch.rate, launch.lean, launch.firing_angle, launch.valve_open, planned.foot[0], planned.foot[1]];
     let mut row = vec![Cell::Count(i + 1)];
-    row.extend(numbers.map(Cell::from));
+    row.extend([launch.rate, launch.lean, launch.firing_angle].map(Cell::from));
+    row.push(robot.leg.drive.has_valve().then_some(launch.valve_open).into());
+    row.extend(planned.foot.map(Cell::from));
     row.push(planned.jump.apex().map(|apex| planned.foot[1] + apex).into());
     row.extend(planned.landing.map(Cell::from));
     row.push(Some(planned.deviation).filter(|d| *d > 0.0).into());
@@ -90,7 +91,7 @@ pub(super) fn json(answer: &CrossingAnswer, robot: &Robot, file: &str) -> String
         "course": file,
         "status": status(answer),
         "cost": cost,
-        "jumps": table(answer).json(),
+        "jumps": table(answer, robot).json(),
         "checks": checks,
         "nearest": nearest,
     }))
@@ -112,7 +113,9 @@ fn check_json(check: &Check) -> Value {
 pub(super) fn text(answer: &CrossingAnswer, robot: &Robot, file: &str) -> String {
     let title = format!("{}: plan for {file}: {}\n", robot.name, status(answer));
     match answer {
-        CrossingAnswer::Plan(plan) => title + &table(answer).text(SHOWN) + &checks_text(plan),
+        CrossingAnswer::Plan(plan) => {
+            title + &table(answer, robot).text(&shown(SHOWN, robot)) + &checks_text(plan)
+        }
         CrossingAnswer::Infeasible(relief) => title + &format!("  {}\n", limits::text(&relief.gives)),
         CrossingAnswer::Undecided { nodes } => title + &format!("  no plan was found within {nodes} nodes\n"),
     }

@@ -57,6 +57,7 @@ fn leap(planned: &PlannedJump, stance: &Stance<f64>, radius: f64) -> Leap {
     const POINTS: usize = 400;
     let [x, y] = planned.foot;
     let launch = &planned.jump.launch;
+    let angle = digits(launch.firing_angle, 3);
     let centre = |sample: &Sample| {
         let (reach, (sin, cos)) = (radius + sample.extension, sample.lean.sin_cos());
         (x + reach * sin, y + reach * cos)
@@ -73,11 +74,11 @@ fn leap(planned: &PlannedJump, stance: &Stance<f64>, radius: f64) -> Leap {
         stance: samples.iter().map(centre).collect(),
         flight,
         fails: false,
-        label: format!(
-            "α_f = {} rad, valve {} ms",
-            digits(launch.firing_angle, 3),
-            digits(1e3 * launch.valve_open, 3)
-        ),
+        label: if stance.leg.has_valve() {
+            format!("α_f = {angle} rad, valve {} ms", digits(1e3 * launch.valve_open, 3))
+        } else {
+            format!("α_f = {angle} rad")
+        },
     }
 }
 

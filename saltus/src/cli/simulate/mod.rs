@@ -9,11 +9,11 @@ mod text;
 use std::path::PathBuf;
 
 use clap::Args;
-use saltus::{Launch, StanceError};
+use saltus::{Launch, Robot, StanceError};
 
 use super::Status;
-use super::common::{Common, PlotOption, Threads};
-use super::terms::{StartLean, start_lean};
+use super::common::{Common, PlotOption, Threads, note_valve};
+use super::terms::{StartLean, VALVE_OPEN, start_lean};
 use crate::error::CliError;
 use crate::output::Format;
 use crate::plot::Drawing;
@@ -36,7 +36,7 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "ANGLE", value_parser = angles, allow_hyphen_values = true)]
     alpha_f: Option<Values>,
 
-    /// Valve opening time(s) t_v (s) [default: 0.1]
+    /// Valve opening time(s) t_v (s): how long the drive is commanded; of no effect for a spring, which has no valve [default: 0.1]
     #[arg(long, value_name = "TIME", value_parser = times, allow_hyphen_values = true)]
     valve_open: Option<Values>,
 
@@ -73,13 +73,13 @@ Suffixes: rad/s, deg/s; rad, deg; s, ms.
 
 Outcomes: stroke (lift-off at the end of the stroke), force (lift-off because the leg's force fell to 0); \
 without a flight: stall (came to rest before the firing angle), no-break-away (the valve closed before \
-the leg moved), early-lift-off (left the ground before the leg was fired), fall-back (the leg sank back).
+the leg moved, or the robot fell over), early-lift-off (left the ground before the leg was fired), fall-back (the leg sank back).
 
 CSV columns: omega0_rad_s, phi0_rad, alpha_f_rad, valve_open_s, outcome, t_fire_s, t_liftoff_s; at \
 lift-off phi_rad (lean), omega_rad_s (lean rate), d_m, d_dot_m_s (extension and its rate), pressure_pa \
 (chamber, absolute), x_m, y_m, vx_m_s, vy_m_s (wheel centre, from the foot); apex_m (greatest height of \
 the centre), land_rs_m and land_0_m (where the centre comes down to the wheel's radius and to 0). Numbers \
-have 17 significant digits; a cell is empty where there is no such thing.
+have 17 significant digits; a cell is empty where there is no such thing (valve_open_s for a spring, which has no valve).
 
 JSON: {\"command\": \"simulate\", \"robot\": NAME, \"jumps\": [{the columns, null where empty}]}. Without \
 --batch, each jump also has \"contact\" {least_normal_n, least_normal_time_s, friction_needed, \
@@ -93,7 +93,8 @@ A jump that does not take off is an answer: the exit code is 0.";
 impl Simulate {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         let robot = self.common.planned_robot()?;
-        let (launches, lines) = self.launches()?;
+        note_valve(&robot, self.valve_open.as_ref().map(|_| "--valve-open"));
+        let (launches, lines) = self.launches(&robot)?;
         let drawn = self.plot.is_set();
         if drawn && launches.len() > MOST_DRAWN {
             let allowed = format!("used with {MOST_DRAWN} jumps at most, not {}", launches.len());
@@ -113,19 +114,20 @@ impl Simulate {
     }
 
     /// The launches, and the lines of the batch on which they stand.
-    fn launches(&self) -> Result<(Vec<Launch>, Vec<u64>), CliError> {
+    fn launches(&self, robot: &Robot) -> Result<(Vec<Launch>, Vec<u64>), CliError> {
         match &self.batch {
             Some(path) => Ok(batch::load(path)?.into_iter().map(|(line, launch)| (launch, line)).unzip()),
-            None => Ok((self.combinations()?, Vec::new())),
+            None => Ok((self.combinations(robot)?, Vec::new())),
         }
     }
 
     /// Every combination of the flags' values.
-    fn combinations(&self) -> Result<Vec<Launch>, CliError> {
+    fn combinations(&self, robot: &Robot) -> Result<Vec<Launch>, CliError> {
         let missing = |flag| CliError::Missing { flag, allowed: "a jump needs it, or give a --batch" };
         let rates = self.omega.as_ref().ok_or_else(|| missing("--omega"))?;
         let angles = self.alpha_f.as_ref().ok_or_else(|| missing("--alpha-f"))?;
-        let times = self.valve_open.clone().unwrap_or_else(|| Values::from(0.1));
+        let times = self.valve_open.clone().filter(|_| robot.leg.drive.has_valve());
+        let times = times.unwrap_or_else(|| Values::from(VALVE_OPEN));
         let count = rates.len().saturating_mul(angles.len()).saturating_mul(times.len());
         if count > MOST_JUMPS {
             let allowed = format!("{MOST_JUMPS} combinations at most, not {count}");

@@ -41,8 +41,8 @@ pub(super) fn table(answers: &[Answer], robot: &Robot) -> Table {
 fn row(answer: &Answer, robot: &Robot) -> Vec<Cell> {
     let (launch, end, flies) = (&answer.jump.launch, &answer.jump.stance, answer.jump.flight.is_some());
     let ((x, y), (vx, vy)) = (end.position(), end.velocity());
-    let mut row: Vec<Cell> =
-        [launch.rate, launch.lean, launch.firing_angle, launch.valve_open].map(Cell::from).into();
+    let mut row: Vec<Cell> = [launch.rate, launch.lean, launch.firing_angle].map(Cell::from).into();
+    row.push(robot.leg.drive.has_valve().then_some(launch.valve_open).into());
     row.extend([Cell::Word(end.outcome.name()), Cell::from(end.time_fire)]);
     let motion =
         [end.time, end.lean, end.rate, end.extension, end.extension_rate, end.pressure, x, y, vx, vy];

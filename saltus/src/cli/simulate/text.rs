@@ -4,6 +4,7 @@ use saltus::{Flight, FlightError, Jump, Outcome, Robot};
 
 use super::compute::{Answer, Bearing};
 use super::report::table;
+use crate::cli::common::shown;
 use crate::output::digits;
 
 /// What people see of many jumps: column, title, unit.
@@ -23,7 +24,10 @@ const SHOWN: &[(&str, &str, &str)] = &[
 pub(super) fn text(answers: &[Answer], robot: &Robot) -> String {
     match answers {
         [answer] => one(answer, robot),
-        _ => format!("{}: {} jumps\n{}", robot.name, answers.len(), table(answers, robot).text(SHOWN)),
+        _ => {
+            let shown = shown(SHOWN, robot);
+            format!("{}: {} jumps\n{}", robot.name, answers.len(), table(answers, robot).text(&shown))
+        }
     }
 }
 
@@ -35,9 +39,11 @@ fn one(answer: &Answer, robot: &Robot) -> String {
         line("approach rate", launch.rate, "rad/s"),
         line("start lean", launch.lean, "rad"),
         line("firing angle", launch.firing_angle, "rad"),
-        line("valve open", launch.valve_open, "s"),
-        format!("  {:<16} {}: {}", "outcome", lift_off.outcome.name(), meaning(lift_off.outcome)),
     ];
+    if robot.leg.drive.has_valve() {
+        lines.push(line("valve open", launch.valve_open, "s"));
+    }
+    lines.push(format!("  {:<16} {}: {}", "outcome", lift_off.outcome.name(), meaning(lift_off.outcome)));
     if let Some(flight) = flight {
         let Flight { x, y, vx, vy, .. } = flight.vacuum;
         lines.extend([
@@ -94,7 +100,7 @@ fn meaning(outcome: Outcome) -> &'static str {
         Outcome::Stroke => "lift-off at the end of the stroke",
         Outcome::Force => "lift-off because the leg's force fell to 0",
         Outcome::Stall => "came to rest before the firing angle",
-        Outcome::NoBreakAway => "the valve closed before the leg moved",
+        Outcome::NoBreakAway => "the drive could not move the leg",
         Outcome::EarlyLiftOff => "left the ground before the leg was fired",
         Outcome::FallBack => "the leg came to a halt and sank back",
         _ => "ended without lift-off",

@@ -171,7 +171,7 @@ impl Verify {
         plant.rig().map_err(|error| CliError::content(&plant.robot().name, error))?;
         let Some(subject) = Subject::load(&self.subject, &planner)? else {
             let report = match self.common.format() {
-                Format::Csv => report::rows(&[]).csv(),
+                Format::Csv => report::rows(&[], planner.robot()).csv(),
                 Format::Json => report::no_plan_json(&planner, &plant),
                 Format::Text => report::NO_PLAN.to_owned(),
             };
@@ -203,7 +203,7 @@ impl Verify {
             step_cost: cost.as_ref(),
         };
         let report = match self.common.format() {
-            Format::Csv => report::rows(&outcomes).csv(),
+            Format::Csv => report::rows(&outcomes, planner.robot()).csv(),
             Format::Json => report::json(&outcomes, &verdict, &scene),
             Format::Text => report::text(&outcomes, &verdict, &scene),
         };

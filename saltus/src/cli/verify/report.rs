@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use saltus::Planner;
 use saltus::verify::{Demand, Flown, Plant, Starts};
+use saltus::{Planner, Robot};
 use serde_json::json;
 
 use super::advice::advice;
@@ -101,11 +101,11 @@ const COLUMNS: &[&str] = &[
 ];
 
 /// A row for each jump of each run.
-pub(super) fn rows(outcomes: &[Outcome]) -> Table {
+pub(super) fn rows(outcomes: &[Outcome], robot: &Robot) -> Table {
     let mut table = Table::new(COLUMNS);
     for (run, outcome) in outcomes.iter().enumerate() {
         for jump in outcome.jumps() {
-            table.push(row(run, &jump));
+            table.push(row(run, &jump, robot));
         }
     }
     table
@@ -114,7 +114,7 @@ pub(super) fn rows(outcomes: &[Outcome]) -> Table {
 /// A length (m) below which the simulation knows none.
 pub(super) const NOTHING: f64 = 1e-9;
 
-fn row(run: usize, jump: &Jump<'_>) -> Vec<Cell> {
+fn row(run: usize, jump: &Jump<'_>, robot: &Robot) -> Vec<Cell> {
     let Jump { trial, number, attempt } = jump;
     let (stage, flown) = (jump.stage(), attempt.flown());
     let report = flown.map(|flown| &flown.report);
@@ -126,7 +126,7 @@ fn row(run: usize, jump: &Jump<'_>) -> Vec<Cell> {
         stage.launch.rate.into(),
         attempt.launch.rate.into(),
         stage.launch.firing_angle.into(),
-        stage.launch.valve_open.into(),
+        robot.leg.drive.has_valve().then_some(stage.launch.valve_open).into(),
         trial.friction.into(),
         Cell::Word(attempt.outcome()),
         attempt.was_started().then_some(attempt.foot[0]).into(),
@@ -197,7 +197,7 @@ pub(super) fn json(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
             "other_ends": cost.other_ends,
         })),
         "groups": verdict.groups.iter().map(Group::json).collect::<Vec<_>>(),
-        "rows": rows(outcomes).json(),
+        "rows": rows(outcomes, context.planner.robot()).json(),
     }))
 }
 
@@ -251,7 +251,7 @@ fn jumps_text(outcomes: &[Outcome], context: &Context<'_>) -> String {
         return String::new();
     }
     let mut table = Table::new(COLUMNS);
-    nominal().for_each(|jump| table.push(row(0, &jump)));
+    nominal().for_each(|jump| table.push(row(0, &jump, context.planner.robot())));
     let (jump, foot) = (("jump", "jump", ""), ("foot_x_m", "foot", "m"));
     let mut columns = if context.subject.is_plan() { vec![jump, foot] } else { Vec::new() };
     columns.extend([

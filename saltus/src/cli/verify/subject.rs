@@ -8,6 +8,7 @@ use saltus::verify::Task;
 use saltus::{Launch, Planner};
 
 use super::table_file;
+use crate::cli::common::note_valve;
 use crate::cli::plan::course;
 use crate::cli::target::{Block, block};
 use crate::cli::terms::{self, LandingHeight, StartLean, Terms, landing_height, start_lean};
@@ -45,7 +46,7 @@ pub(crate) struct SubjectFlags {
     #[arg(long, value_name = "wheel|HEIGHT", value_parser = landing_height, allow_hyphen_values = true)]
     pub(super) landing_height: Option<LandingHeight>,
 
-    /// Valve opening time t_v (s) of a law or a table [default: a table's own; of a law: 0.1]
+    /// Valve opening time t_v (s) of a law or a table; of no effect for a spring, which has no valve [default: a table's own; of a law: 0.1]
     #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
     pub(super) valve_open: Option<f64>,
 
@@ -155,6 +156,7 @@ impl Subject {
 
     /// What the flags name; none for a course that no plan crosses.
     pub(super) fn load(flags: &SubjectFlags, planner: &Planner) -> Result<Option<Subject>, CliError> {
+        note_valve(planner.robot(), flags.valve_open.map(|_| "--valve-open"));
         match (&flags.file, flags.law) {
             (Some(file), None) => match ending(file).as_deref() {
                 Some("csv") => table_file::load(flags, file, planner).map(Some),

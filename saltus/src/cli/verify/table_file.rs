@@ -105,7 +105,7 @@ impl TableFile {
             (made, given) => made.or(given).ok_or_else(|| self.missing("--start-lean", "start_lean_rad"))?,
         };
         let valve = self.value("valve_open_s", |row| row.valve_open)?;
-        let valve = if terms::has_valve(robot) || valve.is_some() {
+        let valve = if robot.leg.drive.has_valve() || valve.is_some() {
             self.one("--valve-open", "valve_open_s", valve, flags.valve_open)?
         } else {
             flags.valve_open.unwrap_or(terms::VALVE_OPEN)
