@@ -58,12 +58,16 @@ pub enum SimError {
     },
     /// No contact forces agree with Coulomb's law and rigid bodies.
     #[error(
-        "t = {time} s: no contact forces agree with rigid bodies and these friction coefficients \
-         (Painlevé's paradox); a compliant ground (ground.stiffness_n_per_m) has an answer"
+        "t = {time} s: the contact cannot be solved: on rigid ground with {} no contact forces obey the laws of motion \
+         (Painlevé's paradox); set ground.static_friction to a smaller number, such as 0.8, or make the ground compliant: \
+         ground.stiffness_n_per_m",
+        limit_of(*friction)
     )]
     Inconsistent {
         /// When (s).
         time: f64,
+        /// Greatest friction coefficient of the ground.
+        friction: f64,
     },
     /// More events than a motion can have.
     #[error("t = {time} s: more than {limit} events within {span} s; the last was: {last}")]
@@ -105,4 +109,13 @@ pub enum SimError {
         /// The step (s).
         step: f64,
     },
+}
+
+/// A friction coefficient in words.
+fn limit_of(friction: f64) -> String {
+    if friction.is_finite() {
+        format!("a friction coefficient of {friction}")
+    } else {
+        "no limit of friction".into()
+    }
 }

@@ -1,5 +1,7 @@
 //! One jump of a rig: from standing on a foot through firing and lift-off to the landing.
 
+use std::f64::consts::FRAC_PI_2;
+
 use crate::SimError;
 use crate::rig::Rig;
 use crate::sim::{Happening, Ledger, Pause, Settings, Sim, Stepping};
@@ -112,9 +114,12 @@ pub struct Plan {
     pub sample: f64,
     /// Height of the axle (m) at which [`Report::landing_at`] is taken.
     pub landing_height: f64,
-    /// Longest time (s) from the start to firing, from there to lift-off, and of the flight.
+    /// Longest time (s) from the start to firing, and from there to lift-off.
     pub patience: f64,
 }
+
+/// Longest flight (s): one on a boom that is balanced does not end.
+const LONGEST_FLIGHT: f64 = 100.0;
 
 impl Default for Plan {
     fn default() -> Plan {
@@ -138,7 +143,7 @@ impl Rig {
 }
 
 fn check(launch: &Launch, plan: &Plan) -> Result<(), SimError> {
-    let upright = |x: f64| x.abs() < std::f64::consts::FRAC_PI_2;
+    let upright = |x: f64| x.abs() < FRAC_PI_2;
     let found = [
         ("firing angle (rad)", launch.firing_angle, upright(launch.firing_angle), "between -pi/2 and pi/2"),
         (
@@ -174,10 +179,14 @@ impl Recorder<'_> {
     fn fly(mut self, launch: &Launch) -> Result<Report, SimError> {
         let (lean, rate) = (self.rig.lean_coordinate(), self.rig.lean_velocity());
         self.record();
+        if self.has_left() {
+            return Ok(self.finish(End::EarlyLiftOff, None));
+        }
         let fire = |_: f64, q: &[f64], _: &[f64]| launch.firing_angle - q[lean];
         let rest = |_: f64, _: &[f64], v: &[f64]| v[rate];
         if launch.lean < launch.firing_angle {
-            if launch.rate <= 0.0 {
+            // At rest and leaning forward, it falls forward.
+            if launch.rate <= 0.0 && launch.lean <= 0.0 {
                 return Ok(self.finish(End::Stalled, None));
             }
             let until = self.plan.patience;
@@ -190,15 +199,16 @@ impl Recorder<'_> {
         let time_fire = self.sim.time();
         self.sim.fire(0, launch.valve_open)?;
         // A robot that has fallen over will not jump.
-        let fallen = |_: f64, q: &[f64], _: &[f64]| 1.5 - q[lean].abs();
+        let fallen = |_: f64, q: &[f64], _: &[f64]| FRAC_PI_2 - q[lean].abs();
         let until = time_fire + self.plan.patience;
         match self.go(until, &[&fallen], Recorder::has_left)? {
             Stopped::Left => {}
             _ => return Ok(self.finish(End::NoLiftOff, None)),
         }
         let lift_off = self.lift_off(time_fire);
-        // A foot that leaves before its leg moves was not thrown off.
-        if lift_off.extension <= 1e-12 {
+        // A foot that leaves before its leg is free to move was not thrown off.
+        let freed = Happening::BreakAway(self.rig.legs[0]);
+        if !self.sim.events().iter().any(|e| e.what == freed) {
             return Ok(self.finish(End::EarlyLiftOff, Some(lift_off)));
         }
         self.descend(lift_off)
@@ -259,7 +269,7 @@ impl Recorder<'_> {
         self.sim.stop_touching();
         let rig = self.rig;
         let rising = |_: f64, q: &[f64], v: &[f64]| rig.axle_rates(q, v)[1];
-        let until = self.sim.time() + self.plan.patience;
+        let until = self.sim.time() + LONGEST_FLIGHT;
         let mut apex = lift_off.axle[1];
         if lift_off.axle_rates[1] > 0.0 {
             if self.go(until, &[&rising], |_| false)? != Stopped::Watch(0) {

@@ -96,6 +96,11 @@ impl Mechanism {
         }
     }
 
+    /// Weight of all bodies (N).
+    pub(crate) fn weight(&self) -> f64 {
+        self.tree.bodies().iter().map(|body| body.mass).sum::<f64>() * self.gravity.norm()
+    }
+
     /// The leg that slides `body`.
     pub(crate) fn leg_of(&self, body: usize) -> Option<usize> {
         self.legs.iter().position(|leg| leg.body == body)

@@ -10,7 +10,8 @@ use crate::mechanism::{Drag, JointParts, LegPart, Mechanism};
 use crate::spatial::Vec3;
 use crate::tree::{Body, Joint, Placement, Pose, Tree};
 
-/// Mass of a leg without mass, as a part of the robot's: what its rod would do is below 1e-6 of anything.
+/// Mass of a leg without mass as a part of the robot's, and least moment of inertia of the wheel as a part of that of its mass at the rim:
+/// what they do is below 1e-6 of anything.
 const MASSLESS: f64 = 1e-6;
 
 /// A robot as bodies in space: x along the travel, z up, the boom's base at y = −L.
@@ -143,8 +144,8 @@ impl Rig {
     /// [`SimError::Input`] for a lean or a rate that is not a number, or a lean at which the wheel would be below the ground.
     pub fn stand(&self, lean: f64, rate: f64) -> Result<(Vec<f64>, Vec<f64>), SimError> {
         let wrong = |name: &str, value, allowed| Err(SimError::Input { name: name.into(), value, allowed });
-        if lean.is_nan() || lean.abs() >= 1.5 {
-            return wrong("start lean (rad)", lean, "between -1.5 and 1.5");
+        if lean.is_nan() || lean.abs() >= std::f64::consts::FRAC_PI_2 {
+            return wrong("start lean (rad)", lean, "between -pi/2 and pi/2");
         }
         if rate.is_nan() || rate.abs() >= 1e3 {
             return wrong("approach rate (rad/s)", rate, "a finite number below 1000");
@@ -282,7 +283,8 @@ fn add_wheel(tree: &mut Tree, robot: &Robot, carrier: usize, boom: f64) -> Resul
     let (offset, angle) = (robot.body.imbalance, robot.body.imbalance_angle);
     let center = Vec3::new(angle.sin(), 0.0, -angle.cos()) * offset;
     // A disc: about a diameter half of what it is about the axle.
-    let axle = (robot.wheel_inertia() - mass * offset * offset).max(0.0);
+    let least = MASSLESS * robot.body.mass * robot.body.radius * robot.body.radius;
+    let axle = (robot.wheel_inertia() - mass * offset * offset).max(least);
     let inertia = Matrix3::from_diagonal(&Vec3::new(axle / 2.0, axle, axle / 2.0));
     let at = match (robot.boom, tree.bodies().len()) {
         (None, _) => Vec3::zeros(),

@@ -57,6 +57,7 @@ impl Machine<'_> {
             _ => (0.0, 0.0),
         };
         let (Some(k), false) = (self.dof[part.body], is_latched) else {
+            self.pushes[i] = f64::NAN;
             return;
         };
         let switches = Switches { energized: state.energized, cushioned: state.cushioned };
@@ -73,6 +74,7 @@ impl Machine<'_> {
         };
         self.powers[DRIVE] += drive * speed;
         self.powers[JOINT_LOSS] += (drive - force) * speed;
+        self.pushes[i] = force;
         self.free[k] += force;
     }
 

@@ -8,7 +8,7 @@ mod stepping;
 use crate::complementarity::Problem;
 use crate::linear::cholesky;
 use crate::mechanism::Mechanism;
-use crate::mode::Mode;
+use crate::mode::{JointMode, Mode};
 use crate::spatial::Vec3;
 use crate::tree::{Pose, Welded};
 
@@ -47,6 +47,9 @@ impl Layout {
 
 /// Velocity (m/s or rad/s) below which something counts as standing: round-off of what an event or an impact leaves.
 pub(crate) const STANDING: f64 = 1e-9;
+
+/// Part of the weight that is no force: an exhausted chamber keeps some of it by round-off.
+const NOTHING: f64 = 1e-8;
 
 /// What a constraint row belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,6 +122,12 @@ pub(crate) struct Machine<'a> {
     pub redundant: bool,
     /// Pressure of each chamber (Pa).
     pub pressures: Vec<f64>,
+    /// Force (N) of each leg on the wheel, outwards; NaN where it is latched.
+    pub pushes: Vec<f64>,
+    /// Force (N) that counts as none: [`NOTHING`] of the weight.
+    pub nothing: f64,
+    /// Least force (N) among those that hold feet on rigid ground, over the derivatives since it was set.
+    pub least_hold: f64,
     powers: [f64; WORKS],
     /// How much each joint's force falls with its position (N/m) and its speed (N s/m), welded.
     stiffness: Vec<f64>,
@@ -169,6 +178,9 @@ impl<'a> Machine<'a> {
             acceleration: Vec::new(),
             redundant: false,
             pressures: vec![0.0; layout.legs],
+            pushes: vec![f64::NAN; layout.legs],
+            nothing: NOTHING * mechanism.weight(),
+            least_hold: f64::INFINITY,
             powers: [0.0; WORKS],
             stiffness: Vec::new(),
             damping: Vec::new(),
@@ -215,6 +227,7 @@ impl<'a> Machine<'a> {
     /// The derivative of the state `y` in `mode`; NaN where the equations have no answer.
     pub(crate) fn derivative(&mut self, y: &[f64], mode: &Mode, dy: &mut [f64]) {
         self.look(y, mode);
+        self.least_hold = self.least_hold.min(self.hold(mode));
         dy.fill(0.0);
         if !self.sound {
             dy.fill(f64::NAN);
@@ -230,6 +243,18 @@ impl<'a> Machine<'a> {
         }
         dy[layout.gas()..layout.works()].copy_from_slice(&self.gas_rates);
         dy[layout.works()..].copy_from_slice(&self.powers);
+    }
+
+    /// Least force (N) among those that hold feet on rigid ground: of the ground, and of the legs without mass. Where forces are one
+    /// choice of many, they say nothing.
+    fn hold(&self, mode: &Mode) -> f64 {
+        if self.redundant {
+            return f64::INFINITY;
+        }
+        let rigid = self.touches.iter().filter(|touch| touch.spring.is_none());
+        let normals = rigid.map(|touch| self.normal_force(touch.contact));
+        let props = (0..self.pushes.len()).filter(|&leg| self.is_prop(leg, mode)).map(|leg| self.pushes[leg]);
+        normals.chain(props).fold(f64::INFINITY, f64::min)
     }
 
     /// Accelerations and constraint forces at `y` in `mode`.
@@ -275,6 +300,21 @@ impl<'a> Machine<'a> {
     /// The leg that slides `body`.
     pub(crate) fn leg_of(&self, body: usize) -> Option<usize> {
         self.leg_of[body]
+    }
+
+    /// Whether leg `leg` is one without mass that moves with its foot on rigid ground.
+    ///
+    /// All that it can do is push: where it has nothing to push with, its foot leaves. No ground pulls it out, however rough it is.
+    pub(crate) fn is_prop(&self, leg: usize, mode: &Mode) -> bool {
+        let part = &self.mechanism.legs[leg];
+        let moves = matches!(mode.joints[part.body], JointMode::Free | JointMode::Sliding(_));
+        let stands = |(c, &(point, _)): (usize, &(usize, usize))| {
+            mode.contacts[c].closed && self.mechanism.points[point].body == part.body
+        };
+        part.massless
+            && moves
+            && self.mechanism.material.compliance.is_none()
+            && self.pairs.iter().enumerate().any(stands)
     }
 
     /// Whether the joint of `body` is neither latched nor of several coordinates.

@@ -7,6 +7,9 @@ use super::root::past_root;
 use super::{JUST_LEFT, Sim, Watch};
 use crate::SimError;
 
+/// Times that a step is halved in search of where a force comes and goes.
+const HALVINGS: u32 = 6;
+
 impl Sim<'_> {
     /// One step, or the part of one that ends at an event, which then happens.
     pub(super) fn advance(&mut self, until: f64, watches: &[Watch<'_>]) -> Result<Option<usize>, SimError> {
@@ -27,23 +30,35 @@ impl Sim<'_> {
         if room < h * (1.0 + 1e-9) {
             h = room;
         }
-        loop {
+        let mut halvings = 0;
+        let mut whole = 0.0_f64;
+        let after = loop {
+            self.machine.least_hold = f64::INFINITY;
             let error = self.try_step(h);
-            if error <= 1.0 {
-                self.step = (h * step_factor(error)).max(self.step.min(h));
-                if h < room {
-                    self.step = h * step_factor(error);
+            if !(error <= 1.0) {
+                self.step = h * step_factor(error);
+                if self.step < 1e-15 * (1.0 + self.time.abs()) {
+                    return Err(SimError::Stuck { time: self.time, step: self.step });
                 }
-                break;
+                h = self.step;
+                continue;
             }
-            self.step = h * step_factor(error);
-            if self.step < 1e-15 * (1.0 + self.time.abs()) {
-                return Err(SimError::Stuck { time: self.time, step: self.step });
+            let after = self.guard_values(self.time + h, watches, true);
+            // A force that is gone only for a part of the step: a shorter step ends there.
+            let dips = self.machine.least_hold < -self.machine.nothing
+                && after.iter().all(|(_, value)| *value >= 0.0);
+            if dips && halvings < HALVINGS {
+                whole = whole.max(h);
+                (h, halvings) = (0.5 * h, halvings + 1);
+                continue;
             }
-            h = self.step;
-        }
+            self.step = (h * step_factor(error)).max(self.step.min(h));
+            if h < room {
+                self.step = (h * step_factor(error)).max(whole);
+            }
+            break after;
+        };
         self.steps += 1;
-        let after = self.guard_values(self.time + h, watches, true);
         let first = after.iter().find(|(_, value)| *value < 0.0 || value.is_nan()).copied();
         let Some((guard, _)) = first else {
             self.accept(self.time + h, h == room, stop);
@@ -51,6 +66,8 @@ impl Sim<'_> {
         };
         let (guard, h) = self.locate(guard, h, &before, watches);
         self.accept(self.time + h, false, stop);
+        // The projection has left its own impulses where the event looks for forces.
+        self.machine.look(&self.y, &self.mode);
         self.happen(guard)
     }
 

@@ -28,6 +28,10 @@ impl Sim<'_> {
                 self.open(c);
                 self.settle(Some(guard))?;
             }
+            Guard::Slack(leg) => {
+                self.pick_up_leg(leg);
+                self.settle(None)?;
+            }
             Guard::SlipStart(c, axis) => {
                 let (p, s) = pair(self, c);
                 self.log(Happening::Slip(p, s));
@@ -37,8 +41,13 @@ impl Sim<'_> {
             Guard::SlipEnd(..) | Guard::Redundant => self.settle(None)?,
             Guard::Release(body) => {
                 self.log(Happening::BreakAway(body));
-                let pull = self.machine.force_of(Owner::Joint(body)).first().copied().unwrap_or(0.0);
-                self.mode.joints[body] = self.moving(body, -pull.signum());
+                // Off a stop, whatever round-off leaves of what held it there.
+                let sign = match self.mode.joints[body] {
+                    JointMode::Held(Stop::Low) => 1.0,
+                    JointMode::Held(Stop::High) => -1.0,
+                    _ => -self.machine.force_of(Owner::Joint(body)).first().map_or(0.0, |pull| pull.signum()),
+                };
+                self.mode.joints[body] = self.moving(body, sign);
                 self.settle(Some(guard))?;
             }
             Guard::Halt(body) => {
@@ -54,6 +63,8 @@ impl Sim<'_> {
             Guard::Cushion(leg) => {
                 self.log(Happening::Switch(leg));
                 self.mode.legs[leg].cushioned ^= true;
+                // Its damper makes the leg's force jump.
+                self.settle(None)?;
             }
             Guard::Port(leg) => {
                 self.log(Happening::Switch(leg));
@@ -105,6 +116,27 @@ impl Sim<'_> {
         }
     }
 
+    /// Opens the contacts of leg `leg`, which has no mass: it stays as it is.
+    pub(super) fn pick_up_leg(&mut self, leg: usize) {
+        let mechanism = self.machine.mechanism;
+        let body = mechanism.legs[leg].body;
+        for c in 0..self.mode.contacts.len() {
+            if self.mode.contacts[c].closed && mechanism.points[self.machine.pairs[c].0].body == body {
+                self.open(c);
+            }
+        }
+    }
+
+    /// Picks up the legs without mass that have nothing to push with, as the machine last saw them; whether there were any.
+    pub(super) fn pick_up_slack_legs(&mut self) -> bool {
+        let is_slack = |leg: usize| {
+            self.machine.is_prop(leg, &self.mode) && self.machine.pushes[leg] <= self.machine.nothing
+        };
+        let props: Vec<usize> = (0..self.mode.legs.len()).filter(|&leg| is_slack(leg)).collect();
+        props.iter().for_each(|&leg| self.pick_up_leg(leg));
+        !props.is_empty()
+    }
+
     /// Lets a standing contact slip against the force that held it.
     pub(super) fn let_slip(&mut self, c: usize, axis: usize) {
         let force = self.machine.force_of(Owner::Tangent(c, axis)).to_vec();
@@ -123,7 +155,7 @@ impl Sim<'_> {
     pub(super) fn moving(&self, body: usize, sign: f64) -> JointMode {
         let mechanism = self.machine.mechanism;
         let dry = match mechanism.leg_of(body) {
-            Some(_) => true,
+            Some(leg) => mechanism.legs[leg].leg.has_dry_friction(),
             None => mechanism.joints[body].friction > 0.0,
         };
         if dry { JointMode::Sliding(sign) } else { JointMode::Free }
@@ -180,17 +212,9 @@ impl Sim<'_> {
         let body = self.machine.mechanism.legs[leg].body;
         self.mode.legs[leg].energized = on;
         self.renew_piece(leg, 0.0);
-        if self.mode.joints[body] == JointMode::Latched {
-            let (low, high) = self.machine.mechanism.stops(body);
-            let d = self.y[self.machine.mechanism.tree.coordinate_of(body)];
-            let stop = if d <= low {
-                Stop::Low
-            } else if d >= high {
-                Stop::High
-            } else {
-                Stop::Between
-            };
-            self.mode.joints[body] = JointMode::Held(stop);
+        // A leg without mass that was picked up stays as it is when its valve closes.
+        if on && self.mode.joints[body] == JointMode::Latched {
+            self.mode.joints[body] = JointMode::Held(self.stop_of(body));
             self.machine.weld(&self.mode, &self.y);
         }
         self.settle(None)
@@ -203,7 +227,10 @@ impl Sim<'_> {
         let at = self.layout.gas() + leg;
         let pressure = mode.piece.map_or(chamber.ambient, |piece| chamber.pressure(piece.flow, self.y[at]));
         let piece = Piece::new(chamber, mode.energized, pressure, side, mode.port_open);
-        self.y[at] = chamber.variable(piece.flow, pressure);
+        // Round-off leaves it on either side of the edge that it has crossed.
+        let (from, to) = (piece.low.min(piece.high), piece.low.max(piece.high));
+        let u = chamber.variable(piece.flow, pressure);
+        self.y[at] = if side == 0.0 { u } else { u.clamp(from, to) };
         mode.piece = Some(piece);
     }
 
@@ -250,7 +277,7 @@ impl Sim<'_> {
             }
         }
         if !self.machine.problem.resolve() {
-            return Err(SimError::Inconsistent { time: self.time });
+            return Err(self.inconsistent());
         }
         self.capture(hit);
         self.machine.jump(&mut self.y);

@@ -121,8 +121,14 @@ impl Sim<'_> {
             if !machine.sound {
                 return Err(SimError::Diverged { time: self.time, step: h });
             }
+            if self.pick_up_slack_legs() {
+                fixed.acceleration.fill(0.0);
+                fixed.is_known = false;
+                continue;
+            }
+            let machine = &mut self.machine;
             if machine.problem.rows > 0 && !machine.problem.resolve() {
-                return Err(SimError::Inconsistent { time: self.time });
+                return Err(self.inconsistent());
             }
             machine.step_acceleration(h, &mut fixed.next_acceleration);
             if self.revise(fixed, h) {

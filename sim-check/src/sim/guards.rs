@@ -68,6 +68,8 @@ impl Sim<'_> {
 pub(super) enum Guard {
     Touch(usize),
     Lift(usize),
+    /// The moving leg of this number, without mass and with its foot on rigid ground, has nothing to push with.
+    Slack(usize),
     SlipStart(usize, usize),
     SlipEnd(usize, usize),
     Redundant,
@@ -163,6 +165,9 @@ pub(super) fn leg_guards(machine: &Machine<'_>, mode: &Mode, y: &[f64], guards: 
         }
         if mode.joints[part.body] == JointMode::Latched {
             continue;
+        }
+        if machine.is_prop(i, mode) {
+            guards.push((Guard::Slack(i), machine.pushes[i] - machine.nothing));
         }
         let d = y[machine.mechanism.tree.coordinate_of(part.body)];
         let side = |on: bool, position: f64| if on { d - position } else { position - d };

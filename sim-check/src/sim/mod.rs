@@ -225,7 +225,8 @@ impl<'a> Sim<'a> {
         (self.steps, self.evaluations)
     }
 
-    /// Commands leg `leg` now, for `opening` seconds from when its drive answers, after its delay.
+    /// Commands leg `leg` now, for `opening` seconds from when its drive answers, after its delay; a leg without a valve
+    /// ([`Leg::has_valve`](saltus_pneumatics::Leg::has_valve)) for good.
     ///
     /// # Errors
     /// [`SimError::Input`] for a leg that is not there, or an opening time that is not a finite number ≥ 0.
@@ -242,8 +243,10 @@ impl<'a> Sim<'a> {
             let name = "valve opening time (s)".into();
             return Err(SimError::Input { name, value: opening, allowed: "a finite number ≥ 0" });
         }
-        let delay = self.machine.mechanism.legs[leg].leg.delay;
-        self.commands.extend([(self.time + delay, leg, true), (self.time + delay + opening, leg, false)]);
+        let drive = &self.machine.mechanism.legs[leg].leg;
+        let answers = self.time + drive.delay;
+        let closes = drive.has_valve().then_some((answers + opening, leg, false));
+        self.commands.extend([(answers, leg, true)].into_iter().chain(closes));
         self.commands.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.cmp(&b.2)));
         Ok(())
     }
@@ -299,6 +302,12 @@ impl<'a> Sim<'a> {
                 found
             }
         }
+    }
+
+    /// That no contact forces agree with the laws now.
+    fn inconsistent(&self) -> SimError {
+        let limits = self.machine.friction().map(|(standing, ..)| standing);
+        SimError::Inconsistent { time: self.time, friction: limits[0].max(limits[1]) }
     }
 
     /// From now on nothing that is in the air touches anything: a flight goes on as if there were no ground.

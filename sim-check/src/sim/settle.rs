@@ -10,6 +10,8 @@ use crate::mode::JointMode;
 impl Sim<'_> {
     /// Decides who holds and who moves, from the laws at the present state. What `forced` has just let go stays so.
     pub(super) fn settle(&mut self, forced: Option<Guard>) -> Result<(), SimError> {
+        self.machine.assemble(&self.y, &self.mode, Rows::Holding);
+        self.pick_up_slack_legs();
         if self.settings.stepping != Stepping::Adaptive {
             // What does not part at once, the next step's impulses decide.
             self.part(self.settings.rest_speed);
@@ -23,7 +25,10 @@ impl Sim<'_> {
             self.keep_forced(guard);
         }
         if !self.machine.problem.resolve() {
-            return Err(SimError::Inconsistent { time: self.time });
+            if self.stop_pulling() {
+                return self.settle(None);
+            }
+            return Err(self.inconsistent());
         }
         self.machine.problem.hold_what_stands();
         self.adopt();
@@ -31,7 +36,25 @@ impl Sim<'_> {
         if !self.machine.sound {
             return Err(SimError::Stuck { time: self.time, step: 0.0 });
         }
-        Ok(())
+        // One that has just been freed too.
+        if self.pick_up_slack_legs() { self.settle(None) } else { Ok(()) }
+    }
+
+    /// Opens the contacts that do not slip, whatever it takes, and where the ground would have to pull for that; whether there were any.
+    ///
+    /// With friction that has no limit nothing lies between holding a foot and letting it go: a foot that can only be held by pulling leaves.
+    fn stop_pulling(&mut self) -> bool {
+        let machine = &mut self.machine;
+        if !machine.friction().iter().any(|(standing, ..)| standing.is_infinite()) {
+            return false;
+        }
+        machine.assemble(&self.y, &self.mode, Rows::Candidates);
+        machine.problem.solve();
+        let pulled: Vec<usize> = (0..self.mode.contacts.len())
+            .filter(|&c| self.mode.contacts[c].closed && machine.normal_force(c) < 0.0)
+            .collect();
+        pulled.iter().for_each(|&c| self.open(c));
+        !pulled.is_empty()
     }
 
     /// Opens the rigid contacts that move apart faster than `speed` (m/s).
@@ -125,6 +148,10 @@ impl Sim<'_> {
                 }
                 Owner::Tangent(c, axis) => self.adopt_grip(c, axis, e.grip),
                 Owner::Joint(body) => {
+                    let held = matches!(self.mode.joints[body], JointMode::Held(_));
+                    if held && e.grip != Grip::Held {
+                        self.log(Happening::BreakAway(body));
+                    }
                     self.mode.joints[body] = match e.grip {
                         Grip::Held => JointMode::Held(self.stop_of(body)),
                         Grip::High => self.moving(body, -1.0),
