@@ -40,7 +40,6 @@ fn no_command_overwrites_what_it_reads() {
     folder.write("c.toml", COURSE);
     folder.write("jumps.csv", BATCH);
     folder.write("robot.toml", saltus::Robot::rats_planar().to_toml());
-    folder.write("page.html", COURSE);
     folder.write("drawn.svg", COURSE);
     std::fs::create_dir(folder.path("in")).unwrap();
     folder.done("diagnose --inject none --kind bench --runs 3 --out d", 0);
@@ -48,7 +47,6 @@ fn no_command_overwrites_what_it_reads() {
         ("plan c.toml --format text --out c.toml", "--out c.toml"),
         ("plan c.toml --format text --out ./in/../c.toml", "--out"),
         ("plan drawn.svg --plot drawn.svg", "--plot"),
-        ("verify page.html --samples 0 --animate page.html", "--animate"),
         ("verify c.toml --samples 0 --format text --out c.toml", "--out"),
         ("simulate --batch jumps.csv --out jumps.csv", "--out"),
         ("table --omega 5 --distance 0.6 --robot robot.toml --format text --out robot.toml", "--out"),
@@ -82,6 +80,8 @@ fn links_are_seen_through() {
     std::os::unix::fs::symlink("c.toml", folder.path("soft.json")).unwrap();
     std::fs::hard_link(folder.path("c.toml"), folder.path("hard.json")).unwrap();
     std::os::unix::fs::symlink(".", folder.path("here")).unwrap();
+    std::fs::hard_link(folder.path("c.toml"), folder.path("page.html")).unwrap();
+    refused(&folder, "verify c.toml --samples 0 --animate page.html", "--animate");
     for name in ["soft.json", "hard.json", "here/soft.json", "here/hard.json"] {
         refused(&folder, &format!("plan c.toml --out {name}"), "--out");
         refused(&folder, &format!("plan {name} --format text --out c.toml"), "--out");
