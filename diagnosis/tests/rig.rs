@@ -86,3 +86,27 @@ fn an_outcome_is_the_apex_and_the_landing_of_the_flight() {
         assert!((landing - there).abs() < 5e-6, "{lean} {rate}: landing {landing} m, {there} m");
     }
 }
+
+/// Whatever drives the leg: a spring is not caught again, and where a motor is switched off within the stroke the foot leaves.
+#[test]
+fn every_kind_of_leg_jumps_as_in_the_multi_body_simulation() {
+    for name in ["spring-hopper", "table-hopper", "rats-planar"] {
+        let mut robot = saltus_robot::resolve(name, &[]).expect("sound");
+        robot.boom = saltus_robot::resolve("rats-boom", &[]).expect("sound").boom;
+        let (fast, whole) = (Rig::new(&robot), sim_check::Rig::new(&robot, &[]).expect("a rig"));
+        for valve_open in [0.02, 0.03, 0.1] {
+            let (lean, rate) = (-0.1, 3.5);
+            let launch = sim_check::Launch { lean, rate, firing_angle: lean, valve_open };
+            let plan = sim_check::Plan { landing_height: robot.body.radius, ..sim_check::Plan::default() };
+            let report = whole.jump(&launch, &plan).expect("a motion");
+            let (apex, landing) = fast.outcome(lean, rate, valve_open).expect("a jump");
+            assert!(
+                (apex - report.apex).abs() < 2e-6,
+                "{name} {valve_open}: apex {apex} m, {} m",
+                report.apex
+            );
+            let there = report.landing_at;
+            assert!((landing - there).abs() < 5e-6, "{name} {valve_open}: landing {landing} m, {there} m");
+        }
+    }
+}

@@ -180,6 +180,19 @@ impl<S: Single> Leg<S> {
         }
     }
 
+    /// Force (N), ≤ 0, by which [`drive_force`](Self::drive_force) pulls at extension `d` (m) where a spring is past its free length. The spring
+    /// is slack there: a model that goes on past the end of the push takes this off.
+    pub fn slack_pull(&self, switches: Switches, d: S) -> S {
+        match self.drive {
+            Drive::Spring(stiffness, compression)
+                if switches.energized && d.value() > compression.value() =>
+            {
+                stiffness * (compression - d)
+            }
+            _ => S::of(0.0),
+        }
+    }
+
     /// Whether dry friction ever sets itself against motion: that of the rod, or of the seal under pressure.
     pub fn has_dry_friction(&self) -> bool {
         self.coulomb.value() > 0.0 || self.seal.value() > 0.0

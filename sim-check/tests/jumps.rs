@@ -1,6 +1,6 @@
 //! The whole robot against the reference jumps: two derivations of one jump.
 
-use saltus_robot::Robot;
+use saltus_robot::{Drive, Robot};
 use saltus_sim_check::{End, Launch, Plan, Rig, SimError};
 
 /// The columns of the reference rows, by name.
@@ -131,5 +131,22 @@ fn jumps_that_end_by_force_end_where_the_ground_would_have_to_pull() -> Result<(
     let [back, forward] = worst;
     assert!(back.iter().all(|x| *x < 1e-6), "{back:?}");
     assert!(forward[0] < 1.4e-3 && forward[1] < 1.2e-4 && forward[2] < 1.6e-3, "{forward:?}");
+    Ok(())
+}
+
+/// A spring that is longer than it is loose does not pull: what it gives is all that it held, ½ k c², though the leg goes on.
+#[test]
+fn a_spring_past_its_free_length_is_slack() -> Result<(), SimError> {
+    let mut robot = Robot::builtin("spring-hopper").expect("a built-in robot");
+    let (stiffness, compression) = (20_000.0, 0.03);
+    robot.leg.drive = Drive::Spring { stiffness, compression };
+    (robot.leg.body.mass, robot.leg.body.center) = (0.05, 0.1);
+    let launch = Launch { rate: 0.0, lean: 0.0, firing_angle: 0.0, valve_open: 0.1 };
+    let report = Rig::new(&robot, &[])?.jump(&launch, &Plan::default())?;
+    assert_eq!(report.end, End::Landed);
+    let extension = report.samples.iter().map(|s| s.extension).fold(0.0, f64::max);
+    assert!(extension > 2.0 * compression, "{extension}");
+    let stored = 0.5 * stiffness * compression * compression;
+    assert!((report.ledger.drive - stored).abs() < 1e-6, "{} J of {stored} J", report.ledger.drive);
     Ok(())
 }

@@ -301,8 +301,8 @@ impl<'a> Run<'a> {
         let extra = &self.rig.extra;
         let dry = leg.dry_friction(pressure);
         let speed = s.v[LEG];
-        let push =
-            leg.force(switches, d, speed, pressure).value + dry - extra.quadratic * speed.abs() * speed;
+        let force = leg.force(switches, d, speed, pressure).value - leg.slack_pull(switches, d);
+        let push = force + dry - extra.quadratic * speed.abs() * speed;
         (push, (dry + extra.tightening * d).max(0.0))
     }
 
@@ -425,7 +425,8 @@ impl<'a> Run<'a> {
             out.push((Guard::Lift, answer.ground[0]));
             let moves = matches!(self.mode.leg, Slide::Moves(_));
             if self.rig.massless && moves && machine.floor.soft.is_none() {
-                out.push((Guard::Slack, answer.push));
+                // A drive that is off gives 0, which is none.
+                out.push((Guard::Slack, answer.push - 2.0 * TINY));
             }
             let standing = machine.floor.friction.0;
             match self.mode.foot {

@@ -1,6 +1,6 @@
 //! Applied forces: joints, legs, drag.
 
-use saltus_pneumatics::{Flow, MEGA, Piece, Switches};
+use saltus_pneumatics::Switches;
 
 use super::{DRAG_LOSS, DRIVE, JOINT_LOSS, Machine};
 use crate::mode::{JointMode, Mode};
@@ -44,12 +44,8 @@ impl Machine<'_> {
         let u = y[self.layout.gas() + i];
         let is_latched = mode.joints[part.body] == JointMode::Latched;
         (self.gas_rates[i], self.pressures[i]) = match (leg.chamber(), &state.piece) {
-            // Nothing flows, nothing moves.
-            (Some(chamber), Some(Piece { flow: Flow::ExhaustBalanced, .. }))
-                if is_latched && !chamber.has_extras() =>
-            {
-                (0.0, u * MEGA)
-            }
+            // Before it is fired nothing flows; once a leg without mass has been picked up, nothing depends on its gas.
+            (Some(chamber), Some(piece)) if is_latched => (0.0, chamber.pressure(piece.flow, u)),
             (Some(chamber), Some(piece)) => {
                 let (gas, rate) = piece.gas(chamber, u, d, speed);
                 (rate, gas.pressure)
@@ -61,13 +57,14 @@ impl Machine<'_> {
             return;
         };
         let switches = Switches { energized: state.energized, cushioned: state.cushioned };
-        let drive = leg.drive_force(switches, d, speed, self.pressures[i]).value;
+        let slack = leg.slack_pull(switches, d);
+        let drive = leg.drive_force(switches, d, speed, self.pressures[i]).value - slack;
         let dry = leg.dry_friction(self.pressures[i]);
         let force = leg.force(switches, d, speed, self.pressures[i]);
         self.stiffness[k] -= force.wrt_extension.min(0.0);
         self.damping[k] -= force.wrt_speed.min(0.0);
         // The leg's own law is that of an extending one: dry friction is put right for the others.
-        let without = force.value + dry;
+        let without = force.value - slack + dry;
         let force = match mode.joints[part.body] {
             JointMode::Sliding(sign) => without - sign * dry,
             _ => without,

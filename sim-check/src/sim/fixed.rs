@@ -1,6 +1,6 @@
 //! Steps of fixed length.
 
-use saltus_pneumatics::{Chamber, Flow, Leg, Piece};
+use saltus_pneumatics::{Chamber, Leg, Piece};
 
 use super::guards::Guard;
 use super::root::past_root;
@@ -183,7 +183,7 @@ impl Sim<'_> {
         let part = &self.machine.mechanism.legs[leg];
         let state = &mut self.mode.legs[leg];
         let (Some(chamber), Some(piece)) = (part.leg.chamber(), state.piece) else { return u };
-        if self.mode.joints[part.body] == JointMode::Latched && rests(chamber, &piece) {
+        if self.mode.joints[part.body] == JointMode::Latched {
             return u;
         }
         let mut gas = Gas { piece, u, energized: state.energized, port_open: state.port_open };
@@ -465,9 +465,4 @@ impl Sim<'_> {
             }
         }
     }
-}
-
-/// Whether nothing flows in or out of a chamber on `piece`.
-fn rests(chamber: &Chamber<f64>, piece: &Piece<f64>) -> bool {
-    piece.flow == Flow::ExhaustBalanced && !chamber.has_extras()
 }
