@@ -35,7 +35,7 @@ impl Sim<'_> {
         let after = loop {
             self.machine.least_hold = f64::INFINITY;
             let error = self.try_step(h);
-            if !(error <= 1.0) {
+            if error.is_nan() || error > 1.0 {
                 self.step = h * step_factor(error);
                 if self.step < 1e-15 * (1.0 + self.time.abs()) {
                     return Err(SimError::Stuck { time: self.time, step: self.step });

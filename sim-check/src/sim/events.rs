@@ -133,7 +133,9 @@ impl Sim<'_> {
             self.machine.is_prop(leg, &self.mode) && self.machine.pushes[leg] <= self.machine.nothing
         };
         let props: Vec<usize> = (0..self.mode.legs.len()).filter(|&leg| is_slack(leg)).collect();
-        props.iter().for_each(|&leg| self.pick_up_leg(leg));
+        for &leg in &props {
+            self.pick_up_leg(leg);
+        }
         !props.is_empty()
     }
 

@@ -53,7 +53,9 @@ impl Sim<'_> {
         let pulled: Vec<usize> = (0..self.mode.contacts.len())
             .filter(|&c| self.mode.contacts[c].closed && machine.normal_force(c) < 0.0)
             .collect();
-        pulled.iter().for_each(|&c| self.open(c));
+        for &c in &pulled {
+            self.open(c);
+        }
         !pulled.is_empty()
     }
 
