@@ -248,7 +248,7 @@ fn close(
         let allowed = TOLERANCE * wanted.abs().max(unit) + 4.0 * spread;
         let off = (found - wanted).abs();
         *worst = worst.max(off / allowed);
-        if !(off <= allowed) {
+        if off.is_nan() || off > allowed {
             return Err(format!("{name}: {found} for {wanted}, off by {off:e}, allowed {allowed:e}"));
         }
     }
