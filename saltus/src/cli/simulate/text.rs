@@ -22,13 +22,11 @@ const SHOWN: &[(&str, &str, &str)] = &[
 
 /// Few jumps in full, many as a table.
 pub(super) fn text(answers: &[Answer], robot: &Robot) -> String {
-    match answers {
-        [answer] => one(answer, robot),
-        _ => {
-            let shown = shown(SHOWN, robot);
-            format!("{}: {} jumps\n{}", robot.name, answers.len(), table(answers, robot).text(&shown))
-        }
+    if let [answer] = answers {
+        return one(answer, robot);
     }
+    let shown = shown(SHOWN, robot);
+    format!("{}: {} jumps\n{}", robot.name, answers.len(), table(answers, robot).text(&shown))
 }
 
 /// One jump in words.
