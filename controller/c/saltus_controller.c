@@ -448,11 +448,16 @@ static enum saltus_status over(saltus_real rate, const saltus_task *task, saltus
     if (status) return status;
     status = qp_step(&guess, task, l, step);
     if (status) return status;
+    d->firing_angle = guess.firing_angle + step[0];
+    d->valve_open = guess.valve_open + step[1];
+    /* Lengths that are too great for the numbers of the program leave its bounds to round-off. */
+    if (!(within(d->firing_angle, map_angles.first - R(1e-4), map_angles.last + R(1e-4)) &&
+          within(d->valve_open, least_valve_open - R(1e-5), greatest_valve_open + R(1e-5)))) {
+        return SALTUS_INFEASIBLE;
+    }
     saltus_real miss = R(0.002), least = o->clearance - miss;
     int clears = l[1].value >= least && l[2].value >= least && l[0].value >= o->back - miss;
     d->settled = clears && within(step[0] * l[0].by_angle, -miss, miss) && within(step[1] * l[0].by_valve, -miss, miss);
-    d->firing_angle = guess.firing_angle + step[0];
-    d->valve_open = guess.valve_open + step[1];
     return SALTUS_OK;
 }
 

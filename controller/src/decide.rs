@@ -146,6 +146,10 @@ pub struct Decision<R> {
 const TRUST: f64 = 0.125;
 /// How far (m) inside what is asked a jump over an obstacle counts as clear, and how far apart two count as one.
 const MISS: f64 = 0.002;
+/// How far (rad) round-off may take a firing angle of the program beyond its bounds.
+const ANGLE_SLACK: f64 = 1e-4;
+/// How far (s) round-off may take a valve opening time of the program beyond its bounds.
+const VALVE_SLACK: f64 = 1e-5;
 
 impl<R: Real> Controller<'_, R> {
     /// What to do now: whether and when to open the valve, and how long for.
@@ -280,6 +284,14 @@ impl<R: Real> Controller<'_, R> {
         }
         let lengths = self.lengths(rate, guess, task, obstacle)?;
         let (da, dv) = self.step(guess, task.distance, lengths, obstacle)?;
+        let (firing_angle, valve_open) = (guess.firing_angle + da, guess.valve_open + dv);
+        // Lengths that are too great for the numbers of the program leave its bounds to round-off.
+        let (angles, angle_slack, valve_slack) = (&self.map.angles, R::of(ANGLE_SLACK), R::of(VALVE_SLACK));
+        if !(firing_angle.within(angles.first - angle_slack, angles.last + angle_slack)
+            && valve_open.within(least_valve_open - valve_slack, greatest_valve_open + valve_slack))
+        {
+            return Err(Reason::Infeasible);
+        }
         let [landing, first, second] = lengths;
         let miss = R::of(MISS);
         let least = clearance - miss;
@@ -287,7 +299,7 @@ impl<R: Real> Controller<'_, R> {
         let settled = clears
             && (da * landing.by_angle).within(-miss, miss)
             && (dv * landing.by_valve).within(-miss, miss);
-        Ok((Guess { firing_angle: guess.firing_angle + da, valve_open: guess.valve_open + dv }, settled))
+        Ok((Guess { firing_angle, valve_open }, settled))
     }
 
     /// Landing, and the wheel's clearances over the front and the back corner (m).
