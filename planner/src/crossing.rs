@@ -5,6 +5,9 @@
 //! limit: see [`Check`].
 
 use std::borrow::Cow;
+use std::cell::RefCell;
+use std::ops::ControlFlow;
+use std::rc::Rc;
 
 use saltus_ballistic::{Disc, DragFlight, ExtendedLeg, Flight, Obstacle as Solid};
 use saltus_lagrangian::{Launch, Stance, StanceError};
@@ -12,10 +15,23 @@ use saltus_numeric::{Dual, Scalar, Single};
 use saltus_robot::Parameter;
 
 use crate::course::{
-    self, Answer, Course, CourseError, Envelope, Jumper, Leap, Limit, Margin, Relief, Slope, Span,
+    self, Answer, Course, CourseError, Edge, Envelope, Jumper, Leap, Limit, MAX_JUMPS, Margin, Relief, Side,
+    Sketch, Slope, Span, Watch,
 };
 use crate::jump::{Jump, Planner};
 use crate::table::FIRING_ANGLES;
+
+mod grid;
+
+use grid::{Grid, Within};
+
+/// Distance (m) that landings keep from the ends of their ground unless a course says otherwise: of a robot without stated
+/// errors too no landing is on the last millimetre.
+pub const EDGE_MARGIN: f64 = 5e-3;
+
+/// Standard deviations that landings keep from the ends of their ground unless a course says otherwise: of normally
+/// distributed landings 2 % are beyond an end.
+pub const MARGIN_SIGMAS: f64 = 2.0;
 
 /// What is to be crossed, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,13 +55,14 @@ pub struct Crossing {
     pub roll: f64,
     /// Least clearance (m) of the wheel over obstacles, ≥ 0.
     pub clearance: f64,
-    /// Least distance (m) of a landing from an obstacle's edge, ≥ 0.
+    /// Least distance (m), ≥ 0, of a landing from the ends of its ground: obstacles, no-landing areas, the ends of its zone
+    /// and of a goal that is a zone. From an obstacle that rises beside it, a landing keeps at least the wheel's rim.
     pub edge_margin: f64,
     /// Time (s) after lift-off during which the fired leg is still out, so that the extended leg must stay clear too.
     pub leg_out: f64,
     /// Friction coefficient of the ground; none: the foot holds.
     pub friction: Option<f64>,
-    /// Standard deviations of the landing that are kept from the ends of its ground or zone, ≥ 0.
+    /// Standard deviations of the landing, ≥ 0, that are kept from the ends of its ground beside the margin.
     pub sigmas: f64,
     /// Cost of a squared metre off the target (1/m²), ≥ 0.
     pub deviation_weight: f64,
@@ -58,9 +75,14 @@ pub struct Crossing {
 pub enum CrossingAnswer {
     /// A plan, and how it fared in the check.
     Plan(CrossingPlan),
-    /// There is none: what blocks, and how the nearest course that has one differs.
-    Infeasible(Relief),
-    /// None was found within the search's limit of nodes.
+    /// There is none.
+    Infeasible {
+        /// What blocks, and how the nearest course that has a plan differs.
+        relief: Relief,
+        /// With how many jumps, up to two more, there is a plan.
+        jumps: Option<usize>,
+    },
+    /// None was found before the search came to its limits or was stopped.
     Undecided {
         /// Nodes looked at.
         nodes: usize,
@@ -79,8 +101,8 @@ pub struct CrossingPlan {
 }
 
 impl CrossingPlan {
-    /// Whether every limit holds in the full model.
-    pub fn is_verified(&self) -> bool {
+    /// Whether every limit holds in the planar model.
+    pub fn holds(&self) -> bool {
         self.checks.iter().all(Check::holds)
     }
 }
@@ -144,7 +166,8 @@ pub enum CrossingError {
 
 impl Crossing {
     /// `course` at one approach rate (rad/s): stances start at firing angles of [`FIRING_ANGLES`], the valve opens for 20
-    /// to 100 ms, the last landing should be in the middle of the goal, and nothing else is asked for.
+    /// to 100 ms, the last landing should be in the middle of the goal, landings keep [`EDGE_MARGIN`] and
+    /// [`MARGIN_SIGMAS`] from the ends of their ground, and nothing else is asked for.
     ///
     /// A decimetre off the target costs as much as opening the valve for a second.
     pub fn new(course: Course, rate: f64) -> Crossing {
@@ -158,10 +181,10 @@ impl Crossing {
             zones: Vec::new(),
             roll: 0.0,
             clearance: 0.0,
-            edge_margin: 0.0,
+            edge_margin: EDGE_MARGIN,
             leg_out: 0.0,
             friction: None,
-            sigmas: 0.0,
+            sigmas: MARGIN_SIGMAS,
             deviation_weight: 100.0,
             effort_weight: 1.0,
         }
@@ -235,6 +258,27 @@ impl Crossing {
                 return Err(CrossingError::Input { key, value, allowed });
             }
         }
+        let narrow = |span: Span| span.width() > 0.0 && span.width() <= 2.0 * self.edge_margin;
+        let wider = "more than 2 edge_margin_m beyond its beginning";
+        let ends = [("goal_to_x_m", Some(self.course.goal))].into_iter();
+        let mut ends = ends.chain(self.zones.iter().map(|zone| ("land.to_x_m", *zone)));
+        if let Some((key, Some(span))) = ends.find(|(_, span)| span.is_some_and(narrow)) {
+            return Err(CrossingError::Input { key, value: span.high, allowed: wider });
+        }
+        let inside = |o: &course::Obstacle| {
+            let under = o.span().widened(-1e-9).clamp(self.course.start) == self.course.start;
+            under && self.course.start_height != o.height
+        };
+        let carries = |o: &course::Obstacle| o.span().clamp(self.course.start) == self.course.start;
+        let is_in_the_air = self.course.start_height != 0.0 && !self.course.obstacles.iter().any(carries);
+        if is_in_the_air || self.course.obstacles.iter().any(inside) {
+            let allowed = "the height of the obstacle on which the start is, or 0 on the ground";
+            return Err(CrossingError::Input {
+                key: "start_height_m",
+                value: self.course.start_height,
+                allowed,
+            });
+        }
         let backwards =
             self.zones.iter().flatten().find(|z| z.is_empty() || !z.low.is_finite() || !z.high.is_finite());
         match backwards {
@@ -254,19 +298,26 @@ impl Planner {
     /// # Errors
     /// [`CrossingError`] for a value outside its domain. A course without a plan is an answer, not an error.
     pub fn cross(&self, crossing: &Crossing) -> Result<CrossingAnswer, CrossingError> {
+        self.cross_watched(crossing, &|_| ControlFlow::Continue(()))
+    }
+
+    /// As [`cross`](Self::cross), with `watch` told how far the search is; it may stop it, and gets the best answer so far.
+    ///
+    /// # Errors
+    /// As [`cross`](Self::cross).
+    pub fn cross_watched(
+        &self,
+        crossing: &Crossing,
+        watch: &Watch<'_>,
+    ) -> Result<CrossingAnswer, CrossingError> {
         crossing.check()?;
         let crossing = &self.with_its_valve(crossing);
-        let roller = Roller::new(self, crossing);
-        let settings = course::Settings {
-            sigmas: crossing.sigmas,
-            // One program for each choice of grounds: a choice's distances are smooth in its decisions.
-            resolution: f64::INFINITY,
-            solver: SOLVER,
-            ..course::Settings::default()
-        };
-        Ok(match course::plan(&roller, &crossing.course, &settings)? {
+        Ok(match self.search(crossing, watch)? {
             Answer::Plan(plan) => CrossingAnswer::Plan(self.verify(crossing, plan)?),
-            Answer::Infeasible(relief) => CrossingAnswer::Infeasible(relief),
+            Answer::Infeasible(relief) => {
+                let jumps = self.enough_jumps(crossing, &relief, watch)?;
+                CrossingAnswer::Infeasible { relief, jumps }
+            }
             Answer::Undecided { nodes } => CrossingAnswer::Undecided { nodes },
         })
     }
@@ -278,6 +329,34 @@ impl Planner {
         }
         let valve_open = Span::point(crossing.valve_open.low);
         Cow::Owned(Crossing { valve_open, effort_weight: 0.0, ..crossing.clone() })
+    }
+
+    fn search(&self, crossing: &Crossing, watch: &Watch<'_>) -> Result<Answer, CourseError> {
+        course::plan_watched(&Roller::new(self, crossing), &crossing.course, &settings(crossing), watch)
+    }
+
+    /// With how many jumps, one or two more, there is a plan; looked for where one more landing can help and all jumps
+    /// have the same rate.
+    fn enough_jumps(
+        &self,
+        crossing: &Crossing,
+        relief: &Relief,
+        watch: &Watch<'_>,
+    ) -> Result<Option<usize>, CrossingError> {
+        let helps = |limit: Limit| matches!(limit, Limit::Goal | Limit::Landing(_));
+        if crossing.rates.len() > 1 || !relief.gives.iter().any(|give| helps(give.limit)) {
+            return Ok(None);
+        }
+        for jumps in (crossing.course.jumps + 1..=MAX_JUMPS).take(2) {
+            let mut more = crossing.clone();
+            more.course.jumps = jumps;
+            if let Answer::Plan(plan) = self.search(&more, watch)?
+                && self.verify(&more, plan)?.holds()
+            {
+                return Ok(Some(jumps));
+            }
+        }
+        Ok(None)
     }
 
     /// Flies a plan in the full model and holds it against every limit.
@@ -300,23 +379,27 @@ impl Planner {
             let mut check = |what: String, value: f64, allowed: Span| {
                 checks.push(Check { jump: index, what, value, allowed });
             };
-            let keep = Span::new(crossing.sigmas * deviation, -crossing.sigmas * deviation);
-            let ground = ground(crossing, landing, to);
-            check("landing (m)".into(), landing, ground + keep);
+            let keep = crossing.sigmas * deviation;
+            let ground = ground(crossing, radius, landing, to);
+            check("landing (m)".into(), landing, ground.widened(-keep));
             if let Some(zone) = crossing.zones.get(index).copied().flatten() {
-                check("landing in its zone (m)".into(), landing, zone + keep);
+                check("landing in its zone (m)".into(), landing, zone.widened(-crossing.edge_margin - keep));
             }
+            let goal = crossing.course.goal;
             if index + 1 == search.jumps.len() {
-                check("landing in the goal (m)".into(), landing, crossing.course.goal);
+                let keep = if goal.width() > 0.0 { crossing.edge_margin + keep } else { 0.0 };
+                check("landing in the goal (m)".into(), landing, goal.widened(-keep));
             }
             for (number, obstacle) in crossing.course.obstacles.iter().enumerate() {
                 let (span, top) = (obstacle.span(), obstacle.height);
                 let on_it = |height: f64, x: f64| height == top && x >= span.low && x <= span.high;
-                if on_it(from, foot) || on_it(to, landing) {
+                if on_it(from, foot) {
                     continue;
                 }
+                // The landing itself is a touch.
+                let kept = if on_it(to, landing) { 0.0 } else { crossing.clearance };
                 let gap = flight_gap(crossing, &jump, radius, [foot, from], to, [span.low, span.high, top]);
-                check(format!("clearance of obstacle {} (m)", number + 1), gap, above(crossing.clearance));
+                check(format!("clearance of obstacle {} (m)", number + 1), gap, above(kept));
                 let path = trace.samples.iter().map(|s| {
                     let (sin, cos) = Scalar::sin_cos(s.lean);
                     let reach = radius + s.extension;
@@ -350,6 +433,18 @@ impl Planner {
     }
 }
 
+fn settings(crossing: &Crossing) -> course::Settings {
+    course::Settings {
+        sigmas: crossing.sigmas,
+        // One program for each choice of grounds: a choice's distances are smooth in its decisions.
+        resolution: f64::INFINITY,
+        nodes: NODES,
+        work: WORK,
+        solver: SOLVER,
+        ..course::Settings::default()
+    }
+}
+
 fn above(low: f64) -> Span {
     Span::new(low, f64::INFINITY)
 }
@@ -359,8 +454,17 @@ fn launch(crossing: &Crossing, jump: usize, firing_angle: f64, valve_open: f64) 
     Launch { rate: crossing.rate(jump), lean, firing_angle, valve_open }
 }
 
+/// Least distance (m) of a landing from an obstacle that rises by `rise` (m) above it: the edge margin, and room for the
+/// wheel's rim with its clearance.
+fn margin_beside(crossing: &Crossing, radius: f64, rise: f64) -> f64 {
+    let reach = radius + crossing.clearance;
+    let above = (radius - rise).max(0.0);
+    let rim = if rise > 0.0 { (reach * reach - above * above).max(0.0).sqrt() } else { 0.0 };
+    rim.max(crossing.edge_margin)
+}
+
 /// The part of the surface of height `to` around `landing` (m) on which a jump may land.
-fn ground(crossing: &Crossing, landing: f64, to: f64) -> Span {
+fn ground(crossing: &Crossing, radius: f64, landing: f64, to: f64) -> Span {
     let mut span = Span::ALL;
     let mut exclude = |area: Span| {
         if landing >= f64::midpoint(area.low, area.high) {
@@ -369,17 +473,17 @@ fn ground(crossing: &Crossing, landing: f64, to: f64) -> Span {
             span.high = span.high.min(area.low);
         }
     };
-    crossing.course.no_landing.iter().for_each(|area| exclude(*area));
+    crossing.course.no_landing.iter().for_each(|area| exclude(area.widened(crossing.edge_margin)));
     for obstacle in &crossing.course.obstacles {
-        let (body, margin) = (obstacle.span(), crossing.edge_margin);
-        if to == obstacle.height && landing >= body.low && landing <= body.high {
-            span = span.meet(Span::new(body.low + margin, body.high - margin));
-        } else {
-            let half = f64::midpoint(body.low, body.high);
-            if landing >= half {
-                span.low = span.low.max(body.high + margin);
+        let (body, rise) = (obstacle.span(), obstacle.height - to);
+        if rise == 0.0 && landing >= body.low && landing <= body.high {
+            span = span.meet(body.widened(-crossing.edge_margin));
+        } else if rise > 0.0 {
+            let kept = body.widened(margin_beside(crossing, radius, rise));
+            if landing >= f64::midpoint(body.low, body.high) {
+                span.low = span.low.max(kept.high);
             } else {
-                span.high = span.high.min(body.low - margin);
+                span.high = span.high.min(kept.low);
             }
         }
     }
@@ -425,7 +529,7 @@ fn clearance<S: Single>(
 
 /// Costs are about 1 and a tenth of a millimetre off the target costs 1e-6; the start is within a third of the range of the answer.
 const SOLVER: course::sqp::Settings =
-    course::sqp::Settings { iterations: 60, tolerance: 1e-6, feasibility: 1e-7, radius: 0.3 };
+    course::sqp::Settings { iterations: 60, tolerance: 1e-6, feasibility: 5e-7, radius: 0.3 };
 
 /// Error tolerance of the stances while searching: lengths are then right to some ten nanometres, well within what the
 /// check of the finished plan allows.
@@ -433,6 +537,15 @@ const SEARCH_TOLERANCE: f64 = 2e-8;
 
 /// Firing angles at which the reach of the jumps is sampled.
 const SAMPLES: usize = 16;
+
+/// Nodes that a search may look at.
+const NODES: usize = 1000;
+
+/// Jumps in the programs that a search may solve: 20 programs of 12 jumps take some seconds.
+const WORK: usize = 240;
+
+/// Results of a stance that are remembered for each jump: where the solver is, and a difference for each decision.
+const REMEMBERED: usize = 3;
 
 /// The robot as a [`Jumper`]: decisions are firing angle (rad) and valve opening time (s).
 struct Roller<'a> {
@@ -443,6 +556,20 @@ struct Roller<'a> {
     sensitive: Stance<Dual<4>>,
     /// For each jump its flights over the firing angles, with the valve open longest and then shortest.
     samples: Vec<[Vec<Jump>; 2]>,
+    /// For each jump its flights over angles and valve times, to bound its cost; empty for few jumps.
+    grids: Vec<Rc<Grid>>,
+    /// For each jump what came of its last decisions. A foothold changes nothing but the place of a jump, and so the
+    /// solver's differences cost one stance for each decision and not one for each jump and decision.
+    remembered: RefCell<Vec<Vec<Flown>>>,
+}
+
+/// What came of a jump's decisions, wherever its foothold is.
+#[derive(Clone, Copy)]
+struct Flown {
+    /// Firing angle (rad), valve opening time (s) and landing height (m).
+    of: [f64; 3],
+    /// The flight, the leg's reach at lift-off and the friction that the stance needs; none without a flight.
+    jump: Option<(DragFlight<Slope>, Slope, Slope)>,
 }
 
 impl<'a> Roller<'a> {
@@ -465,7 +592,23 @@ impl<'a> Roller<'a> {
             let twin = (0..jump).find(|&k| crossing.rate(k) == crossing.rate(jump));
             samples.push(twin.map_or_else(|| sample(jump), |k| samples[k].clone()));
         }
-        Roller { planner, crossing, stance, sensitive: planner.sensitive_stance(), samples }
+        let jumps = crossing.course.jumps;
+        let grid = |jump: usize| Rc::new(Grid::new(planner, crossing, jump));
+        let mut grids: Vec<Rc<Grid>> = Vec::new();
+        for jump in 0..jumps {
+            let twin = (0..jump).find(|&k| crossing.rate(k) == crossing.rate(jump));
+            grids.push(twin.map_or_else(|| grid(jump), |k| grids[k].clone()));
+        }
+        let remembered = RefCell::new(vec![Vec::new(); jumps]);
+        Roller {
+            planner,
+            crossing,
+            stance,
+            sensitive: planner.sensitive_stance(),
+            samples,
+            grids,
+            remembered,
+        }
     }
 
     /// Height (m) of the wheel's centre above the foot at the landing.
@@ -489,38 +632,92 @@ impl<'a> Roller<'a> {
             .filter_map(move |jump| Some((jump.launch.firing_angle, jump.distance(height)?)))
     }
 
-    /// The jump's landing and margins, from the derivatives' own stance; none where it does not reach the surface.
+    /// What comes of a jump's decisions.
+    fn flown(&self, leap: &Leap, decisions: [f64; 2]) -> Flown {
+        let height = self.landing_height(leap);
+        let of = [decisions[0], decisions[1], height];
+        let known = self.remembered.borrow()[leap.jump].iter().find(|flown| flown.of == of).copied();
+        known.unwrap_or_else(|| {
+            let flown = Flown { of, jump: self.jump(leap, decisions) };
+            let mut remembered = self.remembered.borrow_mut();
+            remembered[leap.jump].insert(0, flown);
+            remembered[leap.jump].truncate(REMEMBERED);
+            flown
+        })
+    }
+
+    /// The flight, the leg's reach at lift-off and the friction needed, from the derivatives' own stance.
+    fn jump(&self, leap: &Leap, [angle, open]: [f64; 2]) -> Option<(DragFlight<Slope>, Slope, Slope)> {
+        let (angle, open) = (Dual::variable(angle, 0), Dual::variable(open, 1));
+        let lean = self.crossing.start_lean.map_or(angle, Dual::of);
+        let rate = Dual::of(self.crossing.rate(leap.jump));
+        let launch = Launch { rate, lean, firing_angle: angle, valve_open: open };
+        let (end, needed) = if self.crossing.friction.is_some() {
+            let (end, contact) = self.stance.contact(&launch).ok()?;
+            (end, contact.friction_needed)
+        } else {
+            (self.stance.jump(&launch).ok()?, Dual::of(0.0))
+        };
+        let robot = self.planner.robot();
+        let (gravity, drag) = (Dual::of(robot.axle_gravity()), Dual::of(robot.environment.drag));
+        let flight = widen_flight(&Jump::new(launch, end, gravity, drag).flight?);
+        Some((flight, widen(end.reach), widen(needed)))
+    }
+
+    /// The jump's landing and margins; none where it does not reach the surface.
     fn try_fly(
         &self,
         leap: &Leap,
         foot: Slope,
-        launch: &Launch<Dual<2>>,
+        flown: &Flown,
         margins: &mut Vec<Margin<Slope>>,
     ) -> Option<Slope> {
-        let (end, needed) = if self.crossing.friction.is_some() {
-            let (end, contact) = self.stance.contact(launch).ok()?;
-            (end, Some(contact.friction_needed))
-        } else {
-            (self.stance.jump(launch).ok()?, None)
-        };
-        let robot = self.planner.robot();
-        let (gravity, drag) = (Dual::of(robot.axle_gravity()), Dual::of(robot.environment.drag));
-        let flight = widen_flight(&Jump::new(*launch, end, gravity, drag).flight?);
+        let (flight, reach, needed) = flown.jump?;
         let height = self.landing_height(leap);
         let landing = foot + flight.range_to_height(Slope::of(height)).ok()?;
         // The flight along the course, so that clearances know how the foothold moves.
         let mut along = flight;
         along.vacuum.x = along.vacuum.x + foot;
         for edge in &leap.edges {
-            let gap = self.edge_gap(&along, edge.x, leap.from, edge.top, widen(end.reach), height)?;
+            let gap = self.edge_gap(&along, edge.x, leap.from, edge.top, reach, height)?;
             let limit = Limit::Edge { obstacle: edge.obstacle, side: edge.side };
             margins.push(Margin { limit, value: gap - Slope::of(self.crossing.clearance) });
         }
-        if let (Some(friction), Some(needed)) = (self.crossing.friction, needed) {
-            let value = Slope::of(friction) - widen(needed);
+        for edge in &leap.beside {
+            let limit = Limit::Stance { obstacle: edge.obstacle, side: edge.side };
+            margins.push(Margin { limit, value: self.stance_gap(leap, foot, flown.of[0], edge) });
+        }
+        if let Some(friction) = self.crossing.friction {
+            let value = Slope::of(friction) - needed;
             margins.push(Margin { limit: Limit::Robot("friction"), value });
         }
         Some(landing)
+    }
+
+    /// Distance (m) of the wheel's rim from an obstacle beside the foothold while the wheel pivots on the foot: the less
+    /// of those at the start of the stance and at the end of the leg's delay. What comes after, the check sees.
+    fn stance_gap(&self, leap: &Leap, foot: Slope, firing_angle: f64, edge: &Edge) -> Slope {
+        let firing_angle = Slope::variable(firing_angle, 1);
+        let start = self.crossing.start_lean.map_or(firing_angle, Slope::of);
+        let delay = self.crossing.rate(leap.jump) * self.planner.robot().leg.delay;
+        let [start, end] =
+            [start, firing_angle + Slope::of(delay)].map(|lean| self.pivot_gap(leap, foot, lean, edge));
+        if start.value < end.value { start } else { end }
+    }
+
+    /// Distance (m) of the wheel's rim from an obstacle beside the foothold at a lean (rad) on the retracted leg.
+    fn pivot_gap(&self, leap: &Leap, foot: Slope, lean: Slope, edge: &Edge) -> Slope {
+        let radius = self.planner.robot().body.radius;
+        let (sin, cos) = lean.sin_cos();
+        let centre = foot + sin * Slope::of(radius);
+        let away = match edge.side {
+            Side::Front => Slope::of(edge.x) - centre,
+            Side::Back => centre - Slope::of(edge.x),
+        };
+        let above = cos * Slope::of(radius) - Slope::of(edge.top - leap.from);
+        let distance =
+            if above.value > 0.0 && away.value > 0.0 { (away * away + above * above).sqrt() } else { away };
+        distance - Slope::of(radius)
     }
 
     /// Clearance (m) over the edge of a box. The path is concave, so that between two edges it is clear if it is over both.
@@ -555,7 +752,8 @@ impl<'a> Roller<'a> {
         let nothing = |limit| Margin { limit, value: Slope::of(f64::NAN) };
         margins.clear();
         let edges = leap.edges.iter().map(|e| Limit::Edge { obstacle: e.obstacle, side: e.side });
-        margins.extend(edges.map(nothing));
+        let beside = leap.beside.iter().map(|e| Limit::Stance { obstacle: e.obstacle, side: e.side });
+        margins.extend(edges.chain(beside).map(nothing));
         margins.extend(self.crossing.friction.map(|_| nothing(Limit::Robot("friction"))));
     }
 }
@@ -585,35 +783,30 @@ impl Jumper for Roller<'_> {
         [firing_angle, valve_open]: [Slope; 2],
         margins: &mut Vec<Margin<Slope>>,
     ) -> course::Flight<Slope> {
-        let (angle, open) = (Dual::variable(firing_angle.value, 0), Dual::variable(valve_open.value, 1));
-        let lean = self.crossing.start_lean.map_or(angle, Dual::of);
-        let rate = Dual::of(self.crossing.rate(leap.jump));
         let before = margins.len();
-        let launch_here = Launch { rate, lean, firing_angle: angle, valve_open: open };
-        let landing = self.try_fly(leap, foot, &launch_here, margins);
+        let flown = self.flown(leap, [firing_angle.value, valve_open.value]);
+        let landing = self.try_fly(leap, foot, &flown, margins);
         if landing.is_none() {
             margins.truncate(before);
             self.no_margins(leap, margins);
         }
         let landing = landing.unwrap_or(Slope::of(f64::NAN));
-        let plain = launch(self.crossing, leap.jump, firing_angle.value, valve_open.value);
-        let deviation = if self.crossing.sigmas > 0.0 {
-            self.planner.landing_deviation(&self.sensitive, &plain, self.landing_height(leap))
-        } else {
-            0.0
-        };
-        if let Some(zone) = self.crossing.zones.get(leap.jump).copied().flatten() {
-            let keep = Slope::of(self.crossing.sigmas * deviation);
-            let limit = Limit::Robot("landing zone");
-            margins.push(Margin { limit, value: landing - Slope::of(zone.low) - keep });
-            margins.push(Margin { limit, value: Slope::of(zone.high) - landing - keep });
-        }
         let off = landing - Slope::of(self.crossing.target);
         let is_last = leap.jump + 1 == self.crossing.course.jumps;
         let weight = if is_last { self.crossing.deviation_weight } else { 0.0 };
         let cost =
             Slope::of(weight) * off * off + Slope::of(self.crossing.effort_weight) * valve_open * valve_open;
-        course::Flight { landing, cost, deviation: Slope::of(deviation) }
+        course::Flight { landing, cost }
+    }
+
+    fn deviation(&self, leap: &Leap, [angle, open]: [f64; 2]) -> f64 {
+        let launch = launch(self.crossing, leap.jump, angle, open);
+        self.planner.landing_deviation(&self.sensitive, &launch, self.landing_height(leap))
+    }
+
+    fn window(&self, jump: usize) -> Span {
+        let zone = self.crossing.zones.get(jump).copied().flatten();
+        zone.map_or(Span::ALL, |zone| zone.widened(-self.crossing.edge_margin))
     }
 
     /// The sampled jump that misses the landing and the heights over the edges least, moved onto the landing where it
@@ -663,15 +856,54 @@ impl Jumper for Roller<'_> {
             possible = possible.hull(Span::point(distance));
         }
         // The samples may miss the ends of the range by a little.
-        let slack = 0.05 * possible.width();
-        let possible = Span::new(possible.low - slack, possible.high + slack);
+        let possible = possible.widened(0.05 * possible.width());
         let span = possible.meet(landings - feet).meet(reach);
-        let least = self.crossing.effort_weight * self.crossing.valve_open.low.powi(2);
-        (!span.is_empty()).then(|| Envelope::level(span, least))
+        if span.is_empty() {
+            return None;
+        }
+        let is_last = leap.jump + 1 == self.crossing.course.jumps;
+        let off = self.crossing.target - landings.meet(feet + span).clamp(self.crossing.target);
+        let deviation = if is_last { self.crossing.deviation_weight * off * off } else { 0.0 };
+        let effort = self.crossing.effort_weight;
+        match self.grids.get(leap.jump) {
+            Some(grid) => grid.envelope(&Within {
+                height: self.landing_height(leap),
+                rim: self.planner.robot().body.radius + self.crossing.clearance - leap.from,
+                leap,
+                feet,
+                landings,
+                reach: span,
+                cost: [deviation, effort],
+            }),
+            None => Some(Envelope::level(span, deviation + effort * self.crossing.valve_open.low.powi(2))),
+        }
     }
 
-    fn edge_margin(&self) -> f64 {
+    fn sketch(&self, leap: &Leap, foot: f64, landing: f64) -> Option<Sketch> {
+        let rim = self.planner.robot().body.radius + self.crossing.clearance - leap.from;
+        let grid = self.grids.get(leap.jump)?;
+        let (decisions, deviation) = grid.sketch(leap, [foot, landing], self.landing_height(leap), rim)?;
+        let is_last = leap.jump + 1 == self.crossing.course.jumps;
+        let off = if is_last { landing - self.crossing.target } else { 0.0 };
+        let cost =
+            self.crossing.deviation_weight * off * off + self.crossing.effort_weight * decisions[1].powi(2);
+        Some(Sketch { decisions, cost, deviation })
+    }
+
+    fn edge_margin(&self, rise: f64) -> f64 {
+        margin_beside(self.crossing, self.planner.robot().body.radius, rise)
+    }
+
+    fn zone_margin(&self) -> f64 {
         self.crossing.edge_margin
+    }
+
+    fn target(&self, goal: Span) -> f64 {
+        goal.clamp(self.crossing.target)
+    }
+
+    fn girth(&self) -> f64 {
+        2.0 * self.planner.robot().body.radius
     }
 
     fn roll(&self, _: usize) -> f64 {

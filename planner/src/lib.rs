@@ -10,7 +10,9 @@ pub mod parkour;
 mod proxy;
 mod table;
 
-pub use crossing::{Check, Crossing, CrossingAnswer, CrossingError, CrossingPlan, PlannedJump};
+pub use crossing::{
+    Check, Crossing, CrossingAnswer, CrossingError, CrossingPlan, EDGE_MARGIN, MARGIN_SIGMAS, PlannedJump,
+};
 pub use jump::{Jump, PLANNING_TOLERANCE, Planner, SensitiveJump, Sensitivity};
 pub use law::{Law, LawPoint, line};
 pub use map::{Map, MapRequest, Spot, SpotResult};

@@ -263,7 +263,7 @@ impl Jumper for Hopper {
             let limit = Limit::Edge { obstacle: edge.obstacle, side: edge.side };
             margins.push(Margin { limit, value: self.over(edge, foot, &arc) });
         }
-        Flight { landing: foot + distance, cost: arc.time, deviation: Slope::of(0.0) }
+        Flight { landing: foot + distance, cost: arc.time }
     }
 
     fn aim(&self, leap: &Leap, foot: f64, landing: f64) -> [f64; 2] {
@@ -306,7 +306,7 @@ impl Jumper for Hopper {
         })
     }
 
-    fn edge_margin(&self) -> f64 {
+    fn edge_margin(&self, _: f64) -> f64 {
         self.edge_margin
     }
 }

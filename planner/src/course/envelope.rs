@@ -8,7 +8,7 @@
 use super::Span;
 
 /// Most points that an envelope is made of.
-const POINTS: usize = 3;
+const POINTS: usize = 4;
 
 /// A convex piecewise linear function over a span of distances, from (distance, cost) points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,15 +18,17 @@ pub struct Envelope {
 }
 
 impl Envelope {
-    /// Through 1 to 3 points (distance (m), cost) in the order of their distances. A middle point that would make the
+    /// Through 1 to 4 points (distance (m), cost) in the order of their distances. A middle point that would make the
     /// function concave is left out.
     pub fn new(points: &[[f64; 2]]) -> Envelope {
         let slope = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]) / (b[0] - a[0]);
         let mut kept = [points[0]; POINTS];
         let mut len = 1;
-        let convex = points.len() < POINTS || slope(points[0], points[1]) < slope(points[1], points[2]);
-        for (i, &p) in points.iter().enumerate().skip(1) {
-            if p[0] > kept[len - 1][0] && (convex || i + 1 == points.len()) {
+        for &p in points.iter().skip(1).filter(|p| p[0] > points[0][0]) {
+            while len > 1 && slope(kept[len - 2], kept[len - 1]) >= slope(kept[len - 2], p) {
+                len -= 1;
+            }
+            if p[0] > kept[len - 1][0] {
                 kept[len] = p;
                 len += 1;
             }
@@ -42,6 +44,11 @@ impl Envelope {
     /// Distances (m) over which it is defined.
     pub fn reach(&self) -> Span {
         Span::new(self.points[0][0], self.points[self.len - 1][0])
+    }
+
+    /// Least value.
+    pub(super) fn least(&self) -> f64 {
+        self.points[..self.len].iter().fold(f64::INFINITY, |least, p| least.min(p[1]))
     }
 
     /// Value at a distance (m) within [`reach`](Self::reach).
@@ -180,5 +187,9 @@ mod tests {
     fn a_concave_middle_point_is_left_out() {
         let chord = Envelope::new(&[[0.0, 0.0], [1.0, 2.0], [2.0, 2.0]]);
         assert_eq!((chord.at(1.0), chord.reach()), (1.0, Span::new(0.0, 2.0)));
+        let bowl = Envelope::new(&[[0.0, 1.0], [1.0, 0.0], [2.0, 0.0], [3.0, 2.0]]);
+        assert_eq!([0.5, 1.5, 2.5].map(|x| bowl.at(x)), [0.5, 0.0, 1.0]);
+        let dented = Envelope::new(&[[0.0, 0.0], [1.0, 1.0], [2.0, 1.0], [3.0, 0.0]]);
+        assert_eq!(dented.at(1.5), 0.0);
     }
 }

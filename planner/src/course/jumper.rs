@@ -37,6 +37,9 @@ pub struct Leap {
     pub to: f64,
     /// Edges between foothold and landing, in the order of the travel.
     pub edges: Vec<Edge>,
+    /// Sides of obstacles beside the ground of the foothold that rise above it and are within the jumper's
+    /// [`girth`](Jumper::girth).
+    pub beside: Vec<Edge>,
 }
 
 /// What a margin is about.
@@ -47,6 +50,13 @@ pub enum Limit {
         /// Index of the obstacle in the course.
         obstacle: usize,
         /// Which edge of it.
+        side: Side,
+    },
+    /// Distance (m) of the standing jumper from the side of an obstacle beside its foothold.
+    Stance {
+        /// Index of the obstacle in the course.
+        obstacle: usize,
+        /// Which side of it.
         side: Side,
     },
     /// Distance (m) of the landing from the beginning or the end of the ground chosen for it.
@@ -73,8 +83,17 @@ pub struct Flight<S> {
     pub landing: S,
     /// What it costs; the plan has the least sum. Never below the [`Envelope`].
     pub cost: S,
-    /// Standard deviation of the landing (m), ≥ 0.
-    pub deviation: S,
+}
+
+/// What a jump is about, without its derivatives and up to the solver's last word.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sketch {
+    /// Decisions.
+    pub decisions: [f64; 2],
+    /// What it costs.
+    pub cost: f64,
+    /// Standard deviation of the landing (m).
+    pub deviation: f64,
 }
 
 /// A foothold and the two decisions of a jump, as directions of derivatives: foothold 0, decisions 1 and 2.
@@ -96,16 +115,47 @@ pub trait Jumper {
         margins: &mut Vec<Margin<Slope>>,
     ) -> Flight<Slope>;
 
+    /// Standard deviation (m) of the landing of a jump with these decisions, ≥ 0, wherever its foothold is.
+    fn deviation(&self, _leap: &Leap, _decisions: [f64; 2]) -> f64 {
+        0.0
+    }
+
+    /// Where jump number `jump` has to land (m), beside the course's own limits.
+    fn window(&self, _jump: usize) -> Span {
+        Span::ALL
+    }
+
     /// The best known decisions for a jump from `foot` to `landing` (m): where the solver starts, and already the
     /// answer where the jumper can solve this in closed form.
     fn aim(&self, leap: &Leap, foot: f64, landing: f64) -> [f64; 2];
+
+    /// The cheapest jump from `foot` to `landing` (m), roughly; none if there is none, or if the jumper makes no sketches.
+    fn sketch(&self, _leap: &Leap, _foot: f64, _landing: f64) -> Option<Sketch> {
+        None
+    }
 
     /// A convex function of the distance from foothold to landing that no allowed jump from within `feet` to within
     /// `landings` over a distance in `reach` undercuts in cost; none if there is no such jump.
     fn envelope(&self, leap: &Leap, feet: Span, landings: Span, reach: Span) -> Option<Envelope>;
 
-    /// Least distance (m) of a landing from an obstacle's edge, ≥ 0.
-    fn edge_margin(&self) -> f64;
+    /// Least distance (m), ≥ 0, of a landing from an obstacle that rises by `rise` (m) above its surface; where `rise` is
+    /// 0, from the edge of the obstacle that is landed on.
+    fn edge_margin(&self, rise: f64) -> f64;
+
+    /// Least distance (m), ≥ 0, of a landing from a no-landing area and from the ends of a goal that is a zone.
+    fn zone_margin(&self) -> f64 {
+        0.0
+    }
+
+    /// Where in the goal (m) the last jump should land; the solver starts from jumps of even distances to there.
+    fn target(&self, goal: Span) -> f64 {
+        f64::midpoint(goal.low, goal.high)
+    }
+
+    /// How near (m) an obstacle has to be for the jumper to touch it where it stands, ≥ 0.
+    fn girth(&self) -> f64 {
+        0.0
+    }
 
     /// Distance (m) from the landing before jump number `jump` to its foothold; not asked for jump 0.
     fn roll(&self, _jump: usize) -> f64 {

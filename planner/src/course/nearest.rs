@@ -3,9 +3,10 @@
 //! For a choice of grounds the course is made elastic: its edges may sink, its grounds may grow and its goal may move, at
 //! a price of 1 per metre, while the robot stays what it is. The choice with the least sum is the answer.
 
+use super::choices::landable;
 use super::problem::{Choice, Problem};
 use super::sqp::{self, Evaluation, Nlp};
-use super::terrain::{Ground, Terrain};
+use super::terrain::{Ground, Terrain, kept_goal};
 use super::{Course, Jumper, Limit, Settings, Span};
 
 /// By how much one limit of a course has to give.
@@ -31,46 +32,63 @@ pub struct Relief {
     pub decisions: Vec<[f64; 2]>,
 }
 
-/// Most choices of grounds to look at.
+/// Most choices of grounds to look at for a course of one jump; a course of more jumps takes as much longer a choice.
 const CHOICES: usize = 200;
 
 /// Gives (m) below this are round-off.
 const ROUND_OFF: f64 = 1e-7;
 
-/// Finds the choice of grounds that needs the least relief.
-pub(super) fn nearest<J: Jumper>(jumper: &J, course: &Course, settings: &Settings) -> Relief {
+/// Finds the choice of grounds that needs the least relief; none where no nearer course was found.
+pub(super) fn nearest<J: Jumper>(
+    jumper: &J,
+    course: &Course,
+    settings: &Settings,
+) -> (Relief, Option<Choice>) {
     // The goal may have to move forward by as much as the course is long.
     let longer = Span::new(course.goal.low, course.goal.high + (course.goal.high - course.start).abs() + 1.0);
-    let terrain = Terrain::new(&Course { goal: longer, ..course.clone() }, jumper.edge_margin());
+    let terrain = Terrain::new(&Course { goal: longer, ..course.clone() }, jumper);
+    let goal = kept_goal(course.goal, jumper.zone_margin());
     let mut best = Relief { gives: Vec::new(), total: f64::INFINITY, decisions: Vec::new() };
-    for choice in choices(course, &terrain) {
-        let problem = Problem { jumper, start: course.start, choice: &choice, sigmas: settings.sigmas };
-        let relief = Elastic::new(&problem, course).relief(settings);
+    let mut chosen = None;
+    for choice in choices(jumper, course, &terrain, CHOICES / course.jumps) {
+        let mut problem = Problem::new(jumper, course.start, &choice, settings.sigmas);
+        problem.ends_exactly |= course.goal.width() == 0.0;
+        let start = Elastic::new(&problem, course, goal).first();
+        let solve = |problem: &Problem<'_, J>, x: &[f64]| {
+            sqp::solve(&Elastic::new(problem, course, goal), x, &settings.solver)
+        };
+        let report = problem.settle(&start, &settings.solver, solve);
+        let relief = Elastic::new(&problem, course, goal).relief(&report, settings);
         if relief.total < best.total - ROUND_OFF {
-            best = relief;
+            (best, chosen) = (relief, Some(choice));
         }
     }
-    best
+    (best, chosen)
 }
 
-/// Sequences of grounds, whatever the robot can do.
-fn choices(course: &Course, terrain: &Terrain) -> Vec<Choice> {
+/// At most `most` sequences of grounds, whatever the robot can do.
+pub(super) fn choices<J: Jumper>(jumper: &J, course: &Course, terrain: &Terrain, most: usize) -> Vec<Choice> {
     let mut found = Vec::new();
     let mut open: Vec<(&Ground, usize, Choice)> =
-        vec![(&terrain.start, 0, Choice { leaps: vec![], windows: vec![] })];
+        vec![(&terrain.start, 0, Choice { leaps: vec![], windows: vec![], grounds: vec![] })];
     while let Some((from, first, choice)) = open.pop() {
         let jump = choice.leaps.len();
         if jump == course.jumps {
             found.push(choice);
-            if found.len() == CHOICES {
+            if found.len() == most {
                 break;
             }
             continue;
         }
         for (index, ground) in terrain.grounds.iter().enumerate().skip(first) {
+            let window = landable(jumper, course, jump, ground);
+            if window.is_empty() {
+                continue;
+            }
             let mut choice = choice.clone();
             choice.leaps.push(terrain.leap(jump, from, ground));
-            choice.windows.push(ground.span);
+            choice.windows.push(window);
+            choice.grounds.push(index);
             open.push((ground, index, choice));
         }
     }
@@ -81,6 +99,8 @@ fn choices(course: &Course, terrain: &Terrain) -> Vec<Choice> {
 struct Elastic<'a, J> {
     problem: &'a Problem<'a, J>,
     course: &'a Course,
+    /// Where the last jump has to land (m).
+    goal: Span,
     rows: Vec<(usize, Limit)>,
     /// Rows that give, the goal's two behind all others.
     soft: Vec<usize>,
@@ -88,25 +108,29 @@ struct Elastic<'a, J> {
 }
 
 impl<'a, J: Jumper> Elastic<'a, J> {
-    fn new(problem: &'a Problem<'a, J>, course: &'a Course) -> Self {
+    fn new(problem: &'a Problem<'a, J>, course: &'a Course, goal: Span) -> Self {
         let start = evenly(problem, course);
         let rows = problem.rows(&start);
         let last = course.jumps - 1;
         let gives = |row: &usize| match rows[*row] {
-            (_, Limit::Edge { .. }) => true,
+            (_, Limit::Edge { .. } | Limit::Stance { .. }) => true,
             (jump, Limit::Landing(_)) => jump < last,
             _ => false,
         };
         let soft = (0..rows.len()).filter(gives).chain([rows.len(), rows.len() + 1]).collect();
-        Elastic { problem, course, rows, soft, start }
+        Elastic { problem, course, goal, rows, soft, start }
     }
 
-    fn relief(&self, settings: &Settings) -> Relief {
-        let n = self.start.len();
+    /// Where the solver starts: nothing gives.
+    fn first(&self) -> Vec<f64> {
         let mut x = self.start.clone();
-        x.resize(n + self.soft.len(), 0.0);
-        let report = sqp::solve(self, &x, &settings.solver);
-        if report.violation > ROUND_OFF {
+        x.resize(x.len() + self.soft.len(), 0.0);
+        x
+    }
+
+    fn relief(&self, report: &sqp::Report, settings: &Settings) -> Relief {
+        let n = self.start.len();
+        if report.violation > ROUND_OFF.max(settings.solver.feasibility) {
             return Relief { gives: Vec::new(), total: f64::INFINITY, decisions: Vec::new() };
         }
         let give = |(&row, &amount): (&usize, &f64)| {
@@ -115,7 +139,7 @@ impl<'a, J: Jumper> Elastic<'a, J> {
             self.rows.get(row).map_or(goal, |&(jump, limit)| Give { jump, limit, amount })
         };
         let mut gives: Vec<Give> = self.soft.iter().zip(&report.x[n..]).map(give).collect();
-        gives.retain(|g| g.amount.abs() > ROUND_OFF);
+        gives.retain(|g| g.amount.abs() > ROUND_OFF.max(settings.solver.feasibility));
         gives.sort_by(|a, b| b.amount.abs().total_cmp(&a.amount.abs()));
         let total = gives.iter().map(|g| g.amount.abs()).sum();
         let decisions = report.x[..n].chunks_exact(2).map(|d| [d[0], d[1]]).collect();
@@ -124,8 +148,8 @@ impl<'a, J: Jumper> Elastic<'a, J> {
 }
 
 /// Jumps over even distances, as far as the windows allow.
-fn evenly<J: Jumper>(problem: &Problem<'_, J>, course: &Course) -> Vec<f64> {
-    let goal = f64::midpoint(course.goal.low, course.goal.high);
+pub(super) fn evenly<J: Jumper>(problem: &Problem<'_, J>, course: &Course) -> Vec<f64> {
+    let goal = problem.jumper.target(course.goal);
     let mut landing = course.start;
     let mut decisions = Vec::new();
     for (jump, leap) in problem.choice.leaps.iter().enumerate() {
@@ -157,7 +181,7 @@ impl<J: Jumper> Nlp for Elastic<'_, J> {
         self.problem.evaluate(&x[..n], &mut hard);
         // The last two rows are the landing's distances from the ends of its ground; the goal's differ by constants.
         let (window, goal, m) =
-            (self.problem.choice.windows[self.course.jumps - 1], self.course.goal, hard.values.len());
+            (self.problem.choice.windows[self.course.jumps - 1], self.goal, hard.values.len());
         hard.values.extend([
             hard.values[m - 2] + window.low - goal.low,
             hard.values[m - 1] + goal.high - window.high,

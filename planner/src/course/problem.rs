@@ -3,7 +3,7 @@
 use saltus_numeric::Scalar;
 
 use super::jumper::Slope;
-use super::sqp::{Evaluation, Nlp};
+use super::sqp::{self, Evaluation, Nlp};
 use super::{Flight, Jumper, Leap, Limit, Margin, Side, Span};
 
 /// Where each jump of a course is to take off and to land.
@@ -13,6 +13,8 @@ pub(super) struct Choice {
     pub(super) leaps: Vec<Leap>,
     /// Where each of them lands (m).
     pub(super) windows: Vec<Span>,
+    /// Indices of the grounds that they land on.
+    pub(super) grounds: Vec<usize>,
 }
 
 /// The program of a choice: two variables a jump, the footholds follow.
@@ -25,10 +27,129 @@ pub(super) struct Problem<'a, J> {
     pub(super) start: f64,
     pub(super) choice: &'a Choice,
     /// Standard deviations that a landing keeps from the ends of its window.
-    pub(super) sigmas: f64,
+    sigmas: f64,
+    /// Whether the last jump has to land in one exact place, from which it keeps nothing.
+    pub(super) ends_exactly: bool,
+    keeps: Vec<Keep>,
 }
 
-impl<J: Jumper> Problem<'_, J> {
+/// What a landing keeps from the ends of its window, as a linear function of its jump's decisions.
+#[derive(Clone, Copy, Debug, Default)]
+struct Keep {
+    /// Decisions for which it is exact.
+    at: [f64; 2],
+    /// What is kept there (m).
+    value: f64,
+    /// Its change with each decision.
+    slope: [f64; 2],
+}
+
+impl Keep {
+    /// What is kept (m) with the decisions `x`, with its derivatives.
+    fn of(&self, x: [Slope; 2]) -> Slope {
+        let part = |i: usize| (x[i] - Slope::of(self.at[i])) * Slope::of(self.slope[i]);
+        Slope::of(self.value) + part(0) + part(1)
+    }
+}
+
+/// Most times that a program is solved until its landings keep what their deviations ask for.
+const ROUNDS: usize = 12;
+
+/// After so many, what is kept no longer changes with the decisions, and only grows from one solution to the next: where
+/// the cost hardly says which of several jumps to take, it could go to and fro between theirs.
+const LINEAR_ROUNDS: usize = 4;
+
+/// Part of a decision's range over which the slope of what is kept is taken.
+const DIFFERENCE: f64 = 1e-3;
+
+impl<'a, J: Jumper> Problem<'a, J> {
+    pub(super) fn new(jumper: &'a J, start: f64, choice: &'a Choice, sigmas: f64) -> Self {
+        let ends_exactly = choice.windows.last().is_some_and(|window| window.width() == 0.0);
+        Problem {
+            jumper,
+            start,
+            choice,
+            sigmas,
+            ends_exactly,
+            keeps: vec![Keep::default(); choice.leaps.len()],
+        }
+    }
+
+    /// Takes what the landing of a jump keeps from the deviation of the jump with these decisions.
+    pub(super) fn keep_for(&mut self, jump: usize, at: [f64; 2]) {
+        self.keeps[jump] = self.constant_keep(jump, at);
+    }
+
+    fn constant_keep(&self, jump: usize, at: [f64; 2]) -> Keep {
+        Keep { at, value: self.kept(jump, at), slope: [0.0; 2] }
+    }
+
+    /// What the landing of a jump with these decisions has to keep (m).
+    fn kept(&self, jump: usize, decisions: [f64; 2]) -> f64 {
+        if self.sigmas == 0.0 || (self.ends_exactly && jump + 1 == self.choice.leaps.len()) {
+            return 0.0;
+        }
+        self.sigmas * self.jumper.deviation(&self.choice.leaps[jump], decisions)
+    }
+
+    /// The same with its slope.
+    fn linear_keep(&self, jump: usize, at: [f64; 2]) -> Keep {
+        let value = self.kept(jump, at);
+        let bounds = self.jumper.decisions(jump);
+        let slope = std::array::from_fn(|i| {
+            let towards =
+                if at[i] > f64::midpoint(bounds[i].low, bounds[i].high) { -DIFFERENCE } else { DIFFERENCE };
+            let step = towards * bounds[i].width();
+            let mut moved = at;
+            moved[i] += step;
+            if self.sigmas > 0.0 && step != 0.0 { (self.kept(jump, moved) - value) / step } else { 0.0 }
+        });
+        Keep { at, value, slope }
+    }
+
+    /// Takes what landings keep from the jumps with the decisions `x`, with its slope in the first rounds; by how much (m)
+    /// it was greater or less than the program had it, at most, and by how much greater. In later rounds it is more than
+    /// that by as much, and by `spare` (m), so that the next solution keeps enough.
+    fn keep(&mut self, x: &[f64], round: usize, spare: f64) -> [f64; 2] {
+        let (mut change, mut growth) = (0.0_f64, 0.0_f64);
+        for jump in 0..self.keeps.len() {
+            let at = [x[2 * jump], x[2 * jump + 1]];
+            let before = self.keeps[jump].of(at.map(Slope::of)).value;
+            let is_linear = round < LINEAR_ROUNDS;
+            let kept = if is_linear { self.linear_keep(jump, at) } else { self.constant_keep(jump, at) };
+            let grown = kept.value - before;
+            growth = growth.max(grown);
+            change = change.max(if is_linear { grown.abs() } else { grown });
+            let value = if grown > 0.0 { kept.value + grown + spare } else { before };
+            self.keeps[jump] = if round <= LINEAR_ROUNDS { kept } else { Keep { value, ..kept } };
+        }
+        [change, growth]
+    }
+
+    /// Solves the program from `x`, whose first variables are the decisions, again and again until its landings keep what
+    /// the answer's deviations ask for. A deviation costs far more than a jump, and so it is not asked for at every step of
+    /// the solver but once for each solution, with its slope.
+    pub(super) fn settle(
+        &mut self,
+        x: &[f64],
+        solver: &sqp::Settings,
+        solve: impl Fn(&Self, &[f64]) -> sqp::Report,
+    ) -> sqp::Report {
+        self.keep(x, 0, 0.0);
+        let mut report = solve(self, x);
+        for round in 1..=ROUNDS {
+            let [change, growth] = self.keep(&report.x, round, solver.feasibility);
+            // A program that has no solution after a second try hardly gets one by what is kept.
+            let is_lost = round > 1 && report.violation > solver.feasibility;
+            if change <= solver.feasibility || round == ROUNDS || is_lost {
+                report.violation = report.violation.max(growth);
+                break;
+            }
+            report = solve(self, &report.x);
+        }
+        report
+    }
+
     /// Flies jump number `jump`; `margins` gets all its margins.
     pub(super) fn fly(
         &self,
@@ -45,7 +166,7 @@ impl<J: Jumper> Problem<'_, J> {
         if self.is_exact(jump) {
             margins.push(Margin { limit: Limit::Goal, value: flight.landing - Slope::of(low) });
         } else {
-            let keep = flight.deviation * Slope::of(self.sigmas);
+            let keep = self.keeps[jump].of(decisions);
             let (after, before) =
                 (flight.landing - Slope::of(low) - keep, Slope::of(high) - flight.landing - keep);
             margins.push(Margin { limit: Limit::Landing(Side::Front), value: after });

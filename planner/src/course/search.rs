@@ -1,20 +1,34 @@
 //! Which jump lands where: best-first branch and bound.
 //!
+//! Sequences of grounds are grown jump by jump, always the one with the least bound (see [`choices`](super::choices)); one
+//! that is taken up is grown to its end along its best links, so that there is soon a plan to be better than. Once every
+//! jump has its ground, it is a node.
+//!
+//! Of a jumper that makes sketches the first plan is the cheapest way over a lattice of footholds (see
+//! [`lattice`](super::lattice)), and so is the solver's start in each node. A node is given up where its lattice has no
+//! way, or one that is far dearer than the cheapest: as the jumper's bounds, the lattice sees what is sampled.
+//!
 //! A node is a choice of grounds with, for each jump, a window for its landing and a span for its distance. Its bound is
 //! the least sum of the jumps' envelopes, which ignores what envelopes cannot see. Where the footholds of that bound,
 //! with the jumps that reach them best, already cost no more than the bound, the node is done; otherwise the jump that
 //! costs most above its envelope has its window or its distance split in two. The node with the least bound is always
-//! next, so what is left when the search ends cannot be better than its answer by more than the gap.
+//! next, so what is left when the search ends cannot be better than its answer by more than the gap. A search that stops
+//! at a limit, or is told to, says what bound is left.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::ops::ControlFlow;
 
-use super::choices::{choices, roll};
+use super::choices::{Choices, Prefix, roll};
 use super::envelope::CostToCome;
-use super::nearest::{Relief, nearest};
+use super::lattice::{self, Place, Way};
+use super::nearest::{Relief, evenly, nearest};
 use super::problem::{Choice, Problem};
 use super::terrain::Terrain;
 use super::{Course, CourseError, Envelope, Jumper, Leap, Span, sqp};
+
+/// What watches a search: it is told how far the search is, and may stop it.
+pub type Watch<'a> = dyn Fn(&Standing) -> ControlFlow<()> + 'a;
 
 /// How a course is planned.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,13 +42,22 @@ pub struct Settings {
     pub resolution: f64,
     /// Most nodes to look at.
     pub nodes: usize,
+    /// Most programs to solve, in jumps: one of 12 jumps counts for 12.
+    pub work: usize,
     /// How each program is solved.
     pub solver: sqp::Settings,
 }
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { sigmas: 0.0, gap: 5e-5, resolution: 1e-7, nodes: 500, solver: sqp::Settings::default() }
+        Settings {
+            sigmas: 0.0,
+            gap: 5e-5,
+            resolution: 1e-7,
+            nodes: 1000,
+            work: 10_000,
+            solver: sqp::Settings::default(),
+        }
     }
 }
 
@@ -60,7 +83,8 @@ pub struct Plan {
     pub jumps: Vec<Jump>,
     /// Sum of the jumps' costs.
     pub cost: f64,
-    /// No plan costs less than this; infinite resolution: no choice's relaxation does.
+    /// No plan costs less than this, as far as the jumper's envelopes and sketches see; infinite resolution: no choice's
+    /// relaxation does.
     pub bound: f64,
     /// Nodes looked at.
     pub nodes: usize,
@@ -79,11 +103,20 @@ pub enum Answer {
     Plan(Plan),
     /// There is none: what blocks, and how the nearest course that has one differs.
     Infeasible(Relief),
-    /// None was found within the limit of nodes.
+    /// None was found before the search came to a limit or was stopped.
     Undecided {
         /// Nodes looked at.
         nodes: usize,
     },
+}
+
+/// How far a search is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Standing {
+    /// Share of the search's limits that is used up, 0 to 1; most searches end long before 1.
+    pub share: f64,
+    /// By how much the best plan so far may exceed the least cost; infinite without a plan.
+    pub gap: f64,
 }
 
 /// Plans a course.
@@ -91,39 +124,63 @@ pub enum Answer {
 /// # Errors
 /// [`CourseError`] if the course holds a value that is not allowed.
 pub fn plan<J: Jumper>(jumper: &J, course: &Course, settings: &Settings) -> Result<Answer, CourseError> {
+    plan_watched(jumper, course, settings, &|_| ControlFlow::Continue(()))
+}
+
+/// As [`plan`], with `watch` told how far the search is; it may stop it, and gets the best answer so far.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_watched<J: Jumper>(
+    jumper: &J,
+    course: &Course,
+    settings: &Settings,
+    watch: &Watch<'_>,
+) -> Result<Answer, CourseError> {
     course.check()?;
-    let terrain = Terrain::new(course, jumper.edge_margin());
-    let choices = choices(jumper, course, &terrain);
+    let terrain = Terrain::new(course, jumper);
+    let choices = Choices::new(jumper, course, &terrain);
     let mut search = Search {
         jumper,
         course,
         settings,
-        choices: &choices,
+        watch,
+        sequences: &choices,
+        choices: Vec::new(),
         best: None,
         nodes: 0,
         solves: 0,
         serial: 0,
         tries: 0,
         open: BinaryHeap::new(),
+        cheapest_way: None,
     };
-    let bound = search.run();
-    let (nodes, complete) = (search.nodes, search.open.is_empty() || search.nodes < settings.nodes);
+    let End { bound, complete } = search.run();
     if search.best.is_none() && complete {
-        let relief = nearest(jumper, course, settings);
-        if relief.total > 0.0 || relief.decisions.is_empty() {
+        let (relief, choice) = nearest(jumper, course, settings);
+        let Some(mut choice) = choice.filter(|_| relief.total <= 0.0) else {
             return Ok(Answer::Infeasible(relief));
+        };
+        // Nothing has to give: the solver did not find its way from where it started, but is there already.
+        if let Some(last) = choice.windows.last_mut() {
+            *last = last.meet(terrain.goal);
         }
-        // Nothing has to give: the solver did not find its way from where it started, but does from there.
-        for choice in 0..choices.len() {
-            search.solve(choice, relief.decisions.as_flattened(), &settings.solver);
-        }
-        if search.best.is_none() {
-            return Ok(Answer::Infeasible(relief));
-        }
+        search.choices.push(choice);
+        let (choice, decisions) = (search.choices.len() - 1, relief.decisions.as_flattened());
+        let as_it_is = sqp::Settings { iterations: 0, ..settings.solver };
+        let found =
+            search.solve(choice, decisions, &settings.solver) || search.solve(choice, decisions, &as_it_is);
+        return Ok(match &search.best {
+            Some(best) if found => {
+                let bound = choices.start().map_or(best.cost, |start| start.bound.min(best.cost));
+                Answer::Plan(search.finish(best, bound, false))
+            }
+            _ => Answer::Undecided { nodes: search.nodes },
+        });
     }
     Ok(match &search.best {
         Some(best) => Answer::Plan(search.finish(best, bound.min(best.cost), complete)),
-        None => Answer::Undecided { nodes },
+        None => Answer::Undecided { nodes: search.nodes },
     })
 }
 
@@ -135,6 +192,15 @@ const SEARCH_ITERATIONS: usize = 8;
 
 /// First trust region of such an attempt: the relaxed footholds are near, and few rows matter within it.
 const SEARCH_RADIUS: f64 = 0.03;
+
+/// Up to so many jumps each choice is solved from all starts, in case that it has several local optima; unless there is a
+/// way over the lattice, which is the best start.
+const THOROUGH: usize = 4;
+
+/// Choices whose cheapest way over the lattice costs more than so many times the cheapest one of all are not solved; a
+/// lattice misses the cost of its best plan by about [`LATTICE_ERROR`] and by a small part of it.
+const DEAR: f64 = 2.0;
+const LATTICE_ERROR: f64 = 1e-3;
 
 /// What a jump that cannot be made counts for above its envelope (in units of the cost), to weigh it against others.
 const INFEASIBLE_EXCESS: f64 = 0.1;
@@ -152,8 +218,6 @@ struct Node {
     bounded: Vec<Bounded>,
     /// Landings (m) of the bound, and what each jump costs in it.
     relaxed: Vec<[f64; 2]>,
-    /// Order of creation, so that equal bounds are looked at in a fixed order.
-    serial: usize,
 }
 
 /// A jump's envelope and what it holds for.
@@ -164,22 +228,46 @@ struct Bounded {
     envelope: Envelope,
 }
 
-impl PartialEq for Node {
-    fn eq(&self, other: &Node) -> bool {
+/// What the search has still to look at.
+struct Open {
+    /// Nothing in it costs less.
+    bound: f64,
+    /// Order of creation.
+    serial: usize,
+    part: Part,
+}
+
+enum Part {
+    /// The first jumps of a sequence of grounds.
+    Prefix(Prefix),
+    /// A part of a choice.
+    Node(Node),
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Open) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
-impl Eq for Node {}
-impl PartialOrd for Node {
-    fn partial_cmp(&self, other: &Node) -> Option<Ordering> {
+impl Eq for Open {}
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Open) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
-impl Ord for Node {
-    /// The greatest is the next one to look at.
-    fn cmp(&self, other: &Node) -> Ordering {
+impl Ord for Open {
+    /// The greatest is the next one to look at; of equal ones the first made, so that the order is fixed.
+    fn cmp(&self, other: &Open) -> Ordering {
         other.bound.total_cmp(&self.bound).then(other.serial.cmp(&self.serial))
     }
+}
+
+/// How a search ended.
+struct End {
+    /// No plan costs less, unless it is the best one.
+    bound: f64,
+    /// Whether nothing is left that could be better by more than the gap.
+    complete: bool,
 }
 
 /// The best decisions so far.
@@ -196,34 +284,114 @@ struct Search<'a, J> {
     jumper: &'a J,
     course: &'a Course,
     settings: &'a Settings,
-    choices: &'a [Choice],
+    watch: &'a Watch<'a>,
+    sequences: &'a Choices<'a, J>,
+    /// Those that were grown to their end.
+    choices: Vec<Choice>,
     best: Option<Best>,
     nodes: usize,
     solves: usize,
     serial: usize,
     /// Nodes that had to be split.
     tries: usize,
-    open: BinaryHeap<Node>,
+    open: BinaryHeap<Open>,
+    /// Cost of the cheapest way over the whole lattice; none if there is none.
+    cheapest_way: Option<f64>,
 }
 
 impl<J: Jumper> Search<'_, J> {
-    /// Looks at nodes until none can be better; the bound on what is left.
-    fn run(&mut self) -> f64 {
-        for (choice, Choice { windows, .. }) in self.choices.iter().enumerate() {
-            self.add(choice, windows.clone(), vec![Span::ALL; windows.len()], &[]);
+    /// Looks at what is open until none of it can be better.
+    fn run(&mut self) -> End {
+        if let Some(start) = self.sequences.start() {
+            if let Some(way) = self.way(&self.sequences.places()) {
+                self.cheapest_way = Some(way.cost);
+                self.choices.push(self.sequences.choice(&way.grounds));
+                self.solve(self.choices.len() - 1, &way.decisions, &self.settings.solver);
+            }
+            self.push(start.bound, Part::Prefix(start));
         }
-        while let Some(node) = self.open.pop() {
-            if self.nodes >= self.settings.nodes || node.bound >= self.worth() {
-                let bound = node.bound;
-                if node.bound < self.worth() {
-                    self.open.push(node);
-                }
-                return bound;
+        while let Some(open) = self.open.pop() {
+            let bound = open.bound;
+            if bound >= self.worth() {
+                return End { bound, complete: true };
+            }
+            let standing = self.standing(bound);
+            if standing.share >= 1.0 || (self.watch)(&standing).is_break() {
+                return End { bound, complete: false };
             }
             self.nodes += 1;
-            self.look_at(&node);
+            match open.part {
+                Part::Prefix(prefix) => self.dive(prefix),
+                Part::Node(node) => self.look_at(&node),
+            }
         }
-        f64::INFINITY
+        End { bound: f64::INFINITY, complete: true }
+    }
+
+    /// How far the search is, if what is open costs no less than `bound`.
+    fn standing(&self, bound: f64) -> Standing {
+        let work = self.solves * self.course.jumps;
+        let share = |done: usize, most: usize| done as f64 / most as f64;
+        let share = share(self.nodes, self.settings.nodes).max(share(work, self.settings.work));
+        Standing { share, gap: self.best.as_ref().map_or(f64::INFINITY, |b| b.cost - bound) }
+    }
+
+    fn push(&mut self, bound: f64, part: Part) {
+        self.open.push(Open { bound, serial: self.serial, part });
+        self.serial += 1;
+    }
+
+    /// The cheapest way over a lattice of footholds.
+    fn way(&self, places: &[Vec<Place>]) -> Option<Way> {
+        lattice::way(self.jumper, self.course, self.sequences.terrain, places, self.settings.sigmas)
+    }
+
+    /// Where the solver starts for a node that is not split, the most promising last: the cheapest way over the node's
+    /// lattice. A node without one, where other nodes have one, is given up once there is a plan.
+    fn starts(&self, node: &Node, trial: Trial) -> Vec<Vec<f64>> {
+        let choice = &self.choices[node.choice];
+        let places: Vec<Vec<Place>> = choice
+            .grounds
+            .iter()
+            .zip(&node.windows)
+            .map(|(ground, window)| vec![(*ground, *window)])
+            .collect();
+        let way = self.way(&places);
+        let is_dear = |way: &Way| {
+            self.cheapest_way.is_some_and(|cheapest| way.cost > DEAR * (cheapest + LATTICE_ERROR))
+        };
+        let is_given_up = way.as_ref().map_or(self.cheapest_way.is_some(), is_dear);
+        if is_given_up && self.best.is_some() {
+            return Vec::new();
+        }
+        // Relaxed footholds are often extreme, as many cost the same; even distances are far from every limit.
+        let mut starts = vec![trial.decisions, evenly(&self.problem(node.choice), self.course)];
+        starts.extend(way.map(|way| way.decisions));
+        starts
+    }
+
+    /// Grows a sequence of grounds to its end along its best links; the other links are left open.
+    fn dive(&mut self, mut prefix: Prefix) {
+        loop {
+            if let Some(choice) = self.sequences.finished(&prefix) {
+                let (windows, reach) = (choice.windows.clone(), vec![Span::ALL; choice.windows.len()]);
+                self.choices.push(choice);
+                match self.node(self.choices.len() - 1, windows, reach, &[]) {
+                    // Without a plan, everything is worth looking at.
+                    Some(node) if self.best.is_none() => self.look_at(&node),
+                    Some(node) => self.push(node.bound, Part::Node(node)),
+                    None => {}
+                }
+                return;
+            }
+            let mut grown = self.sequences.grow(&prefix);
+            let Some(best) = grown.pop() else { return };
+            let worth = self.worth();
+            for other in grown.into_iter().filter(|other| other.bound < worth) {
+                self.push(other.bound, Part::Prefix(other));
+            }
+            prefix = best;
+        }
     }
 
     /// A cost that is worth finding is below this.
@@ -232,8 +400,7 @@ impl<J: Jumper> Search<'_, J> {
     }
 
     fn problem(&self, choice: usize) -> Problem<'_, J> {
-        let (start, sigmas) = (self.course.start, self.settings.sigmas);
-        Problem { jumper: self.jumper, start, choice: &self.choices[choice], sigmas }
+        Problem::new(self.jumper, self.course.start, &self.choices[choice], self.settings.sigmas)
     }
 
     /// Tries the node's relaxed footholds, then splits it, or solves it where it is too small to be split.
@@ -247,27 +414,37 @@ impl<J: Jumper> Search<'_, J> {
             return;
         }
         self.tries += 1;
-        if !self.split(node, &trial) {
-            self.solve(node.choice, &trial.decisions, &self.settings.solver);
-        } else if is_power(self.tries, SOLVE_BASE) {
-            let quick = sqp::Settings {
-                iterations: SEARCH_ITERATIONS,
-                radius: SEARCH_RADIUS,
-                ..self.settings.solver
-            };
-            self.solve(node.choice, &trial.decisions, &quick);
+        if self.split(node, &trial) {
+            if is_power(self.tries, SOLVE_BASE) {
+                let quick = sqp::Settings {
+                    iterations: SEARCH_ITERATIONS,
+                    radius: SEARCH_RADIUS,
+                    ..self.settings.solver
+                };
+                self.solve(node.choice, &trial.decisions, &quick);
+            }
+        } else {
+            let mut starts = self.starts(node, trial);
+            while let Some(start) = starts.pop() {
+                let found = self.solve(node.choice, &start, &self.settings.solver);
+                if found && (self.cheapest_way.is_some() || self.course.jumps > THOROUGH) {
+                    break;
+                }
+            }
         }
     }
 
-    /// Looks for a local optimum of a choice.
-    fn solve(&mut self, choice: usize, decisions: &[f64], solver: &sqp::Settings) {
+    /// Looks for a local optimum of a choice; whether it finds a plan.
+    fn solve(&mut self, choice: usize, decisions: &[f64], solver: &sqp::Settings) -> bool {
         self.solves += 1;
-        let report = sqp::solve(&self.problem(choice), decisions, solver);
-        if report.violation <= self.settings.solver.feasibility {
+        let report = self.problem(choice).settle(decisions, solver, |p, x| sqp::solve(p, x, solver));
+        let is_plan = report.violation <= self.settings.solver.feasibility;
+        if is_plan {
             let is_final = report.status == sqp::Status::Converged && *solver == self.settings.solver;
             let (decisions, cost) = (report.x.clone(), report.cost);
             self.offer(Best { choice, decisions, cost, report: is_final.then_some(report) });
         }
+        is_plan
     }
 
     fn offer(&mut self, candidate: Best) {
@@ -278,12 +455,13 @@ impl<J: Jumper> Search<'_, J> {
 
     /// The best jumps between the relaxed footholds.
     fn aim(&self, node: &Node) -> Trial {
-        let problem = self.problem(node.choice);
+        let mut problem = self.problem(node.choice);
         let mut trial = Trial { decisions: Vec::new(), excess: Vec::new(), cost: 0.0 };
         let (mut margins, mut landing) = (Vec::with_capacity(16), self.course.start);
         for (jump, [target, floor]) in node.relaxed.iter().enumerate() {
             let foot = problem.foothold(jump, landing);
             let decisions = self.jumper.aim(&self.choices[node.choice].leaps[jump], foot, *target);
+            problem.keep_for(jump, decisions);
             let flight = problem.fly(jump, foot, decisions, &mut margins);
             let tolerance = self.settings.solver.feasibility;
             let bounds = self.jumper.decisions(jump);
@@ -304,7 +482,7 @@ impl<J: Jumper> Search<'_, J> {
     fn split(&mut self, node: &Node, trial: &Trial) -> bool {
         let choice = &self.choices[node.choice];
         let mut widest = (0.0, None);
-        let mut consider = |span: Span, weight: f64, part: Part| {
+        let mut consider = |span: Span, weight: f64, part: Cut| {
             let weight = span.width() * weight;
             if span.width() > self.settings.resolution && weight > widest.0 {
                 widest = (weight, Some((span, part)));
@@ -315,10 +493,10 @@ impl<J: Jumper> Search<'_, J> {
             // An infeasible jump counts as a dear one.
             let excess = trial.excess[jump].min(INFEASIBLE_EXCESS);
             if excess > 0.1 * self.settings.gap {
-                consider(node.reach[jump], 0.5 * excess, Part::Distance(jump));
+                consider(node.reach[jump], 0.5 * excess, Cut::Distance(jump));
                 if !leap.edges.is_empty() {
-                    consider(node.windows[jump], excess, Part::Landing(jump));
-                    consider(before, excess, Part::Landing(jump.wrapping_sub(1)));
+                    consider(node.windows[jump], excess, Cut::Landing(jump));
+                    consider(before, excess, Cut::Landing(jump.wrapping_sub(1)));
                 }
             }
             before = node.windows[jump];
@@ -328,26 +506,28 @@ impl<J: Jumper> Search<'_, J> {
         for half in [Span::new(span.low, at), Span::new(at, span.high)] {
             let (mut windows, mut reach) = (node.windows.clone(), node.reach.clone());
             match part {
-                Part::Distance(jump) => reach[jump] = half,
-                Part::Landing(jump) => windows[jump] = half,
+                Cut::Distance(jump) => reach[jump] = half,
+                Cut::Landing(jump) => windows[jump] = half,
             }
-            self.add(node.choice, windows, reach, &node.bounded);
+            if let Some(part) = self.node(node.choice, windows, reach, &node.bounded) {
+                self.push(part.bound, Part::Node(part));
+            }
         }
         true
     }
 
-    /// Adds the part of a choice within windows and distances, unless its bound says that it is not worth it. What is
-    /// `known` of the jumps' envelopes is used again where it holds.
-    fn add(&mut self, choice: usize, mut windows: Vec<Span>, mut reach: Vec<Span>, known: &[Bounded]) {
-        let Some(bounded) = self.bound(&self.choices[choice], &mut windows, &mut reach, known) else {
-            return;
-        };
-        let Some((bound, relaxed)) = self.relax(&bounded) else { return };
-        if bound < self.worth() {
-            let serial = self.serial;
-            self.serial += 1;
-            self.open.push(Node { choice, windows, reach, bound, bounded, relaxed, serial });
-        }
+    /// The part of a choice within windows and distances, unless its bound says that it is not worth it. What is `known`
+    /// of the jumps' envelopes is used again where it holds.
+    fn node(
+        &self,
+        choice: usize,
+        mut windows: Vec<Span>,
+        mut reach: Vec<Span>,
+        known: &[Bounded],
+    ) -> Option<Node> {
+        let bounded = self.bound(&self.choices[choice], &mut windows, &mut reach, known)?;
+        let (bound, relaxed) = self.relax(&bounded)?;
+        (bound < self.worth()).then_some(Node { choice, windows, reach, bound, bounded, relaxed })
     }
 
     /// Narrows windows and distances to what the jumps can do, and bounds each jump's cost.
@@ -402,8 +582,9 @@ impl<J: Jumper> Search<'_, J> {
 
     /// Lets the solver have the last word on the best decisions.
     fn finish(&self, best: &Best, bound: f64, complete: bool) -> Plan {
-        let problem = self.problem(best.choice);
-        let solve = || sqp::solve(&problem, &best.decisions, &self.settings.solver);
+        let mut problem = self.problem(best.choice);
+        let solver = &self.settings.solver;
+        let solve = || problem.settle(&best.decisions, solver, |p, x| sqp::solve(p, x, solver));
         let mut report = best.report.clone().unwrap_or_else(solve);
         if report.violation > self.settings.solver.feasibility || report.cost > best.cost {
             report.x.clone_from(&best.decisions);
@@ -420,7 +601,7 @@ impl<J: Jumper> Search<'_, J> {
                 foot,
                 landing,
                 decisions,
-                deviation: flight.deviation.value,
+                deviation: self.jumper.deviation(leap, decisions),
             });
         }
         Plan {
@@ -445,7 +626,7 @@ fn is_power(mut n: usize, base: usize) -> bool {
 
 /// What a split halves.
 #[derive(Clone, Copy)]
-enum Part {
+enum Cut {
     /// How far a jump goes.
     Distance(usize),
     /// Where it lands.

@@ -49,6 +49,12 @@ impl Span {
         Span { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
+    /// The same with both ends moved outward by `by`; inward where that is negative.
+    #[must_use]
+    pub fn widened(self, by: f64) -> Span {
+        Span { low: self.low - by, high: self.high + by }
+    }
+
     /// The number in it that is nearest to `x`; `low` where empty.
     pub fn clamp(self, x: f64) -> f64 {
         x.min(self.high).max(self.low)

@@ -83,7 +83,7 @@ pub enum Status {
 pub struct Report {
     /// Why it stopped.
     pub status: Status,
-    /// The last iterate.
+    /// The last iterate; if a row is violated there, the cheapest at which all held, where there was one.
     pub x: Vec<f64>,
     /// Cost there.
     pub cost: f64,
@@ -101,10 +101,16 @@ pub struct Report {
 /// Greatest price of a violation.
 const PRICE_LIMIT: f64 = 1e8;
 
+/// The price is raised by this factor, up to this limit, where the rows then give way by no more than this part.
+const STEERING: f64 = 10.0;
+const STEERING_LIMIT: f64 = 1e6;
+const STEERED: f64 = 0.9;
+
 /// Least size of the trust region.
 const RADIUS_LIMIT: f64 = 1e-9;
 
-/// Steps (in units of the ranges) and changes of the multipliers (of their sum) below these leave the Hessian as it is.
+/// Steps (in units of the ranges) that do what they promise and changes of the multipliers (of their sum) below these
+/// leave the Hessian as it is.
 const SHORT: f64 = 0.01;
 const STEADY: f64 = 0.05;
 
@@ -145,6 +151,8 @@ struct Iterate<'a, P> {
     radius: f64,
     price: f64,
     count: usize,
+    /// The cheapest iterate so far at which every row holds.
+    best: Option<(Vec<f64>, Evaluation)>,
 }
 
 impl<'a, P: Nlp> Iterate<'a, P> {
@@ -168,7 +176,9 @@ impl<'a, P: Nlp> Iterate<'a, P> {
             radius,
             price,
             count: 0,
+            best: None,
         };
+        iterate.remember();
         iterate.hessian = iterate.curvature();
         iterate
     }
@@ -176,14 +186,14 @@ impl<'a, P: Nlp> Iterate<'a, P> {
     /// One quadratic program, and the step if it is good. The status if there is nothing left to do.
     fn advance(&mut self) -> Option<Status> {
         let (violation, row) = self.violation(&self.at);
-        let Some(step) = self.propose(&self.at.values.clone(), violation) else {
+        let Some(step) = self.propose(violation) else {
             self.radius *= 0.25;
             return None;
         };
         let promise = step.gain + self.price * (violation - step.give);
         // What is promised for a lesser violation is known to the violation's round-off.
-        if promise <= self.settings.tolerance + self.settings.feasibility * self.price || !promise.is_finite()
-        {
+        let round_off = self.price * violation.min(self.settings.feasibility);
+        if promise <= self.settings.tolerance + round_off || !promise.is_finite() {
             if violation <= self.settings.feasibility {
                 return Some(Status::Converged);
             }
@@ -194,18 +204,20 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         None
     }
 
-    /// Takes the step, or the step corrected for the rows' curvature, if the penalty function falls by a fair part of the
-    /// promise, and fits the trust region to it.
+    /// Takes the step, or the step and a second one from where it leads, if the penalty function falls by a fair part of
+    /// the promise, and fits the trust region to it.
+    ///
+    /// A step along a curved constraint, or along a curved valley of the cost, leaves it; the second one leads back.
     fn try_step(&mut self, step: &Step, violation: f64, promise: f64) {
         let mut x = self.moved(&step.d);
         let mut ratio = self.fall(&x, violation) / promise;
-        let curved = (ratio.is_nan() || ratio < 0.25) && self.violation(&self.trial).0 > violation;
-        if let Some(corrected) = curved.then(|| self.correct(step, violation)).flatten() {
-            let (first, first_ratio) = (x, ratio);
-            x = self.moved(&corrected.d);
-            ratio = self.fall(&x, violation) / promise;
-            if ratio.is_nan() || ratio <= first_ratio {
-                x = first;
+        if ratio < 0.75
+            && let Some(second) = self.onward(&x)
+        {
+            let second_ratio = self.fall(&second, violation) / promise;
+            if second_ratio > ratio {
+                (x, ratio) = (second, second_ratio);
+            } else {
                 ratio = self.fall(&x, violation) / promise;
             }
         }
@@ -218,7 +230,9 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         if ratio > 1e-3 {
             self.x = x;
             std::mem::swap(&mut self.at, &mut self.trial);
-            if length > SHORT || self.multipliers_moved() {
+            self.remember();
+            let is_as_promised = (0.75..1.25).contains(&ratio);
+            if length > SHORT || !is_as_promised || self.multipliers_moved() {
                 self.hessian = self.curvature();
             }
         }
@@ -242,20 +256,27 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         self.at.cost - self.trial.cost + self.price * (violation - after)
     }
 
-    /// The second-order correction: the step again, with the rows' values from where it led.
-    fn correct(&mut self, step: &Step, violation: f64) -> Option<Step> {
-        let n = self.x.len();
-        let linear = |slopes: &[f64]| {
-            slopes.iter().zip(&step.d).zip(&self.bounds).map(|((s, d), b)| s * d * b.width()).sum()
-        };
-        let change: Vec<f64> = self.at.jacobian.chunks_exact(n).map(linear).collect();
-        let values: Vec<f64> =
-            self.trial.values.iter().zip(change).map(|(v, c): (&f64, f64)| v - c).collect();
-        let multipliers = self.multipliers.clone();
-        let corrected =
-            if values.iter().all(|v| v.is_finite()) { self.propose(&values, violation) } else { None };
-        self.multipliers = multipliers;
-        corrected
+    /// Keeps the iterate if every row holds and none of those was cheaper.
+    fn remember(&mut self) {
+        let is_cheaper = self.best.as_ref().is_none_or(|(_, best)| self.at.cost < best.cost);
+        if is_cheaper && self.violation(&self.at).0 <= self.settings.feasibility {
+            self.best = Some((self.x.clone(), self.at.clone()));
+        }
+    }
+
+    /// Where the step from `x` leads, whose evaluation is the trial, with the Hessian as it is (the watchdog technique,
+    /// Nocedal & Wright, 15.6).
+    fn onward(&mut self, x: &[f64]) -> Option<Vec<f64>> {
+        let (multipliers, price) = (self.multipliers.clone(), self.price);
+        let here = std::mem::replace(&mut self.x, x.to_vec());
+        std::mem::swap(&mut self.at, &mut self.trial);
+        let (violation, _) = self.violation(&self.at);
+        let step = if violation.is_finite() { self.propose(violation) } else { None };
+        let onward = step.map(|step| self.moved(&step.d));
+        std::mem::swap(&mut self.at, &mut self.trial);
+        self.x = here;
+        (self.multipliers, self.price) = (multipliers, price);
+        onward
     }
 
     /// Greatest violation of a row, and which; infinite where a value is not finite.
@@ -271,15 +292,26 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         worst
     }
 
-    /// Solves the quadratic program with the rows' slopes here and the given values; updates the multipliers and the
-    /// price.
-    fn propose(&mut self, values: &[f64], violation: f64) -> Option<Step> {
+    /// Solves the quadratic program here; updates the multipliers and the price.
+    fn propose(&mut self, violation: f64) -> Option<Step> {
         self.count += 1;
         let n = self.x.len();
         let elastic = violation > self.settings.feasibility;
-        let rows = self.relevant_rows(values);
-        let qp = self.subproblem(&rows, values, elastic);
-        let Outcome::Solved { x: mut d, multipliers } = qp.solve() else { return None };
+        let rows = self.relevant_rows();
+        let mut qp = self.subproblem(&rows, elastic);
+        let Outcome::Solved { x: mut d, mut multipliers } = qp.solve() else { return None };
+        if elastic {
+            // A price below what the cost gains from a violation leads away from what is allowed: it is raised as long as
+            // the rows then give way less (steering; Byrd, Nocedal & Waltz, Optim. Methods Softw. 23, 2008).
+            while d[n] > self.settings.feasibility && self.price < STEERING_LIMIT {
+                qp.gradient[n] = STEERING * self.price;
+                let Outcome::Solved { x, multipliers: raised } = qp.solve() else { break };
+                if x[n] > STEERED * d[n] {
+                    break;
+                }
+                (d, multipliers, self.price) = (x, raised, STEERING * self.price);
+            }
+        }
         let give = if elastic { d[n].max(0.0) } else { 0.0 };
         d.truncate(n);
         self.multipliers.fill(0.0);
@@ -302,18 +334,18 @@ impl<'a, P: Nlp> Iterate<'a, P> {
     }
 
     /// Rows that can become active within the trust region.
-    fn relevant_rows(&self, values: &[f64]) -> Vec<usize> {
+    fn relevant_rows(&self) -> Vec<usize> {
         let n = self.x.len();
         let can_fall = |row: usize| -> f64 {
             let slopes = self.at.jacobian[row * n..][..n].iter().zip(&self.bounds);
             self.radius * slopes.map(|(s, b)| (s * b.width()).abs()).sum::<f64>()
         };
-        let relevant = |&row: &usize| row < self.nlp.equalities() || values[row] <= can_fall(row);
-        (0..values.len()).filter(relevant).collect()
+        let relevant = |&row: &usize| row < self.nlp.equalities() || self.at.values[row] <= can_fall(row);
+        (0..self.at.values.len()).filter(relevant).collect()
     }
 
     /// The quadratic program in the step, in units of the ranges, and, if elastic, in the give of the rows.
-    fn subproblem(&self, rows: &[usize], values: &[f64], elastic: bool) -> Qp {
+    fn subproblem(&self, rows: &[usize], elastic: bool) -> Qp {
         let n = self.x.len();
         let size = n + usize::from(elastic);
         let equalities = if elastic { 0 } else { self.nlp.equalities() };
@@ -326,7 +358,7 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         for &row in rows {
             let slopes = self.at.jacobian[row * n..][..n].iter().zip(&self.bounds);
             let slopes: Vec<f64> = slopes.map(|(s, b)| s * b.width()).collect();
-            let value = values[row];
+            let value = self.at.values[row];
             qp.push(slopes.iter().copied(), elastic, -value);
             if elastic && row < self.nlp.equalities() {
                 qp.push(slopes.iter().map(|s| -s), elastic, value);
@@ -381,7 +413,12 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         without_negative_curvature(hessian)
     }
 
-    fn report(self, status: Status) -> Report {
+    fn report(mut self, status: Status) -> Report {
+        if self.violation(&self.at).0 > self.settings.feasibility
+            && let Some((x, at)) = self.best.take()
+        {
+            (self.x, self.at) = (x, at);
+        }
         let pushes = |((slope, x), b): ((f64, &f64), &Span)| {
             let edge = 1e-9 * b.width();
             if (*x <= b.low + edge && slope > 0.0) || (*x >= b.high - edge && slope < 0.0) {

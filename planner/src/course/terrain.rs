@@ -1,6 +1,6 @@
 //! Where a course can be landed on, and what lies between.
 
-use super::{Course, Edge, Leap, Side, Span};
+use super::{Course, Edge, Jumper, Leap, Side, Span};
 
 /// A level stretch to land on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,35 +17,45 @@ pub(super) struct Terrain {
     pub(super) start: Ground,
     pub(super) grounds: Vec<Ground>,
     pub(super) edges: Vec<Edge>,
+    /// Where the last jump may land (m).
+    pub(super) goal: Span,
+    /// How near (m) an obstacle has to be for a jumper to touch it where it stands.
+    girth: f64,
 }
 
 impl Terrain {
-    /// Grounds keep `margin` (m) from every edge and leave out the no-landing areas.
-    pub(super) fn new(course: &Course, margin: f64) -> Terrain {
+    /// Grounds keep the jumper's margins from obstacles, no-landing areas and the ends of a goal zone.
+    pub(super) fn new<J: Jumper>(course: &Course, jumper: &J) -> Terrain {
         let mut boxes: Vec<_> = course.obstacles.iter().enumerate().collect();
         boxes.sort_by(|a, b| a.1.center.total_cmp(&b.1.center));
-        let mut grounds = Vec::new();
         let mut edges = Vec::new();
-        let mut begin = course.start;
-        for (obstacle, o) in boxes {
-            let Span { low, high } = o.span();
-            grounds.push(Ground { span: Span::new(begin, low - margin), height: 0.0 });
-            grounds.push(Ground { span: Span::new(low + margin, high - margin), height: o.height });
-            edges.push(Edge { x: low, top: o.height, obstacle, side: Side::Front });
-            edges.push(Edge { x: high, top: o.height, obstacle, side: Side::Back });
-            begin = high + margin;
+        let mut grounds = vec![Ground { span: Span::new(course.start, f64::INFINITY), height: 0.0 }];
+        for (obstacle, o) in &boxes {
+            let span = o.span();
+            edges.push(Edge { x: span.low, top: o.height, obstacle: *obstacle, side: Side::Front });
+            edges.push(Edge { x: span.high, top: o.height, obstacle: *obstacle, side: Side::Back });
+            grounds.push(Ground { span: span.widened(-jumper.edge_margin(0.0)), height: o.height });
         }
-        grounds.push(Ground { span: Span::new(begin, f64::INFINITY), height: 0.0 });
+        for (_, o) in &boxes {
+            let beside = |g: Ground| {
+                let rise = o.height - g.height;
+                if rise > 0.0 { without(g, o.span().widened(jumper.edge_margin(rise))) } else { vec![g] }
+            };
+            grounds = grounds.into_iter().flat_map(beside).collect();
+        }
+        let zone_margin = jumper.zone_margin();
         for area in &course.no_landing {
-            grounds = grounds.into_iter().flat_map(|g| without(g, *area)).collect();
+            grounds = grounds.into_iter().flat_map(|g| without(g, area.widened(zone_margin))).collect();
         }
         let travel = Span::new(course.start, course.goal.high);
         for ground in &mut grounds {
             ground.span = ground.span.meet(travel);
         }
         grounds.retain(|g| !g.span.is_empty());
+        grounds.sort_by(|a, b| a.span.low.total_cmp(&b.span.low));
         let start = Ground { span: Span::point(course.start), height: course.start_height };
-        Terrain { start, grounds, edges }
+        let goal = kept_goal(course.goal, zone_margin);
+        Terrain { start, grounds, edges, goal, girth: jumper.girth() }
     }
 
     /// Jump number `jump` from a foothold on `from` to a landing on `to`.
@@ -53,13 +63,24 @@ impl Terrain {
         let first = self.edges.partition_point(|e| e.x <= from.span.low);
         let end = self.edges.partition_point(|e| e.x < to.span.high);
         let edges = self.edges[first..end.max(first)].to_vec();
-        Leap { jump, from: from.height, to: to.height, edges }
+        let near = |e: &&Edge| {
+            let behind = e.side == Side::Back && (0.0..=self.girth).contains(&(from.span.low - e.x));
+            let ahead = e.side == Side::Front && (0.0..=self.girth).contains(&(e.x - from.span.high));
+            e.top > from.height && (behind || ahead)
+        };
+        let beside = self.edges.iter().filter(near).copied().collect();
+        Leap { jump, from: from.height, to: to.height, edges, beside }
     }
 }
 
+/// The part of a goal that keeps `margin` (m) from its ends; an exact place is kept as it is.
+pub(super) fn kept_goal(goal: Span, margin: f64) -> Span {
+    if goal.width() > 0.0 { goal.widened(-margin) } else { goal }
+}
+
 /// What is left of a ground outside `area`.
-fn without(ground: Ground, area: Span) -> impl Iterator<Item = Ground> {
+fn without(ground: Ground, area: Span) -> Vec<Ground> {
     let before = Span::new(ground.span.low, ground.span.high.min(area.low));
     let after = Span::new(ground.span.low.max(area.high), ground.span.high);
-    [before, after].into_iter().filter(|s| !s.is_empty()).map(move |span| Ground { span, ..ground })
+    [before, after].into_iter().filter(|s| !s.is_empty()).map(|span| Ground { span, ..ground }).collect()
 }

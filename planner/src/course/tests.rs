@@ -131,7 +131,10 @@ impl Jumper for Thrower {
         }
         let landing = foot + ahead * time;
         let (effort, miss) = (speed - Slope::of(3.0), landing - Slope::of(self.target));
-        Flight { landing, cost: effort * effort + miss * miss, deviation: speed * Slope::of(0.02) }
+        Flight { landing, cost: effort * effort + miss * miss }
+    }
+    fn deviation(&self, _: &Leap, [speed, _]: [f64; 2]) -> f64 {
+        0.02 * speed
     }
     fn aim(&self, _: &Leap, _: f64, _: f64) -> [f64; 2] {
         [3.0, 0.9]
@@ -140,7 +143,7 @@ impl Jumper for Thrower {
         let reach = reach.meet(Span::new(0.0, 2.6)).meet(landings - feet);
         (!reach.is_empty()).then(|| Envelope::level(reach, 0.0))
     }
-    fn edge_margin(&self) -> f64 {
+    fn edge_margin(&self, _: f64) -> f64 {
         0.05
     }
     fn roll(&self, _: usize) -> f64 {
@@ -175,12 +178,13 @@ fn the_program_of_a_choice_has_exact_derivatives() {
     use super::problem::{Choice, Problem};
     use super::sqp::{Evaluation, Nlp};
     let edge = |x, side| Edge { x, top: 0.1, obstacle: 0, side };
-    let leap = |jump, edges| Leap { jump, from: 0.0, to: 0.0, edges };
+    let leap = |jump, edges| Leap { jump, from: 0.0, to: 0.0, edges, beside: vec![] };
     let leaps =
         vec![leap(0, vec![]), leap(1, vec![edge(1.3, Side::Front), edge(1.4, Side::Back)]), leap(2, vec![])];
     let windows = vec![Span::new(0.2, 1.2), Span::new(1.5, 3.0), Span::point(3.0)];
-    let choice = Choice { leaps, windows };
-    let problem = Problem { jumper: &Thrower { target: 3.0 }, start: 0.0, choice: &choice, sigmas: 1.0 };
+    let choice = Choice { leaps, windows, grounds: vec![] };
+    let thrower = Thrower { target: 3.0 };
+    let problem = Problem::new(&thrower, 0.0, &choice, 1.0);
     let x = [2.9, 0.8, 3.1, 0.9, 3.2, 1.0];
     let evaluate = |x: &[f64]| {
         let mut at = Evaluation::default();
