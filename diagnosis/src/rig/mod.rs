@@ -9,6 +9,7 @@ mod machine;
 use course::Knot;
 pub use course::{Course, Pose};
 use machine::{Answer, Coordinates, Foot, LEAN, LEG, Machine};
+use saltus_numeric::dop853;
 use saltus_pneumatics::{Flow, GasState, Leg, Piece, Switches};
 use saltus_robot::{Drive, Robot};
 
@@ -68,14 +69,35 @@ const COARSE: f64 = 6e-3;
 const FLIGHT: f64 = 1.2e-2;
 /// Difference of the stages of a step, as a part of the gas, above which the step is halved while the leg moves.
 const GAS_ERROR: f64 = 3e-4;
-/// Part of the gas by which it changes in a step while the rod rests on the bench: a cubic between the ends of such a step is off by less.
-const RESTING: f64 = 1e-4;
-/// Longest step (s) while the rod rests.
+/// Part of the pressure by which the cubic between the ends of a step may be off while the rod rests on the bench.
+const CUBIC: f64 = 1e-7;
+/// Longest and shortest step (s) there.
 const LONG: f64 = 1.0;
+const BRIEF: f64 = 1e-6;
+/// Error of a step of the gas behind a held leg: of its variable, which is of the size of 1.
+const GAS: f64 = 1e-10;
+/// Part of the gas by which it may be away from balance, and counts as balanced.
+const BALANCE: f64 = 1e-9;
+/// Such steps within one of the motion, beyond which it is taken as stuck.
+const MOST: usize = 10_000;
 /// Events of one jump, beyond which it is taken as stuck.
 const EVENTS: usize = 300;
 /// A force (N) or a room that counts as none.
 const TINY: f64 = 1e-7;
+
+/// Where a function that is above 0 at `from` is 0, up to `to`.
+fn root(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let (mut inside, mut outside) = (from, to);
+    for _ in 0..40 {
+        let middle = 0.5 * (inside + outside);
+        if f(middle) > 0.0 {
+            inside = middle;
+        } else {
+            outside = middle;
+        }
+    }
+    inside
+}
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Slide {
@@ -102,6 +124,8 @@ struct Mode {
     opens: f64,
     port_open: bool,
     piece: Option<Piece<f64>>,
+    /// A leak takes less from a full chamber than the valve gives before the pressure has fallen at all.
+    fed: bool,
 }
 
 /// What ends a smooth phase.
@@ -159,7 +183,19 @@ impl Rig {
     /// What happens from `start` at time 0, when the valve is commanded open and shut at `open` and `shut` (s), up to `until` (s), or
     /// until the axle is back at its height on a retracted, upright leg; none where the motion cannot go on.
     pub fn jump(&self, start: Start, open: f64, shut: f64, until: Option<f64>) -> Option<Course> {
-        let mut run = Run::new(self, start)?;
+        self.jump_in_steps(start, open, shut, until, LONG)
+    }
+
+    /// The same with steps of at most `rests` (s) while the rod rests on the bench.
+    fn jump_in_steps(
+        &self,
+        start: Start,
+        open: f64,
+        shut: f64,
+        until: Option<f64>,
+        rests: f64,
+    ) -> Option<Course> {
+        let mut run = Run { rests, ..Run::new(self, start)? };
         let (fire, release) = (open + self.leg.delay, shut + self.leg.delay);
         let end = until.unwrap_or(PATIENCE);
         let mut marks = [(open, 0), (fire, 1), (release, 2)];
@@ -191,6 +227,10 @@ impl Rig {
 
 struct Run<'a> {
     rig: &'a Rig,
+    /// Longest step (s) while the rod rests on the bench.
+    rests: f64,
+    /// What the next step (s) would be there.
+    stride: f64,
     time: f64,
     state: State,
     mode: Mode,
@@ -228,10 +268,20 @@ impl<'a> Run<'a> {
             None => (None, 0.0),
         };
         let foot = if machine.is_bench() { Foot::Flies } else { Foot::Stands };
-        let mode = Mode { foot, leg: Slide::Latched, energized: false, opens: 0.0, port_open: false, piece };
+        let mode = Mode {
+            foot,
+            leg: Slide::Latched,
+            energized: false,
+            opens: 0.0,
+            port_open: false,
+            piece,
+            fed: false,
+        };
         let course = Course { boom: machine.boom(), radius: machine.radius, ..Course::default() };
         let mut run = Run {
             rig,
+            rests: LONG,
+            stride: FINE,
             time: 0.0,
             state: State { time: 0.0, q, v, gas },
             mode,
@@ -265,6 +315,7 @@ impl<'a> Run<'a> {
 
     /// The piece of the gas law at the present pressure, or just above or below it.
     fn renew(&mut self, side: f64) {
+        self.mode.fed = false;
         if let (Some(chamber), Some(piece)) = (self.rig.leg.chamber(), &self.mode.piece) {
             let pressure = chamber.pressure(piece.flow, self.state.gas);
             let piece = Piece::new(chamber, self.mode.energized, pressure, side, self.mode.port_open);
@@ -278,6 +329,9 @@ impl<'a> Run<'a> {
         let (chamber, piece) = (self.rig.leg.chamber()?, self.mode.piece.as_ref()?);
         let speed = if matches!(self.mode.leg, Slide::Moves(_)) { s.v[LEG] } else { 0.0 };
         let (gas, mut rate) = piece.gas(chamber, s.gas, s.q[LEG], speed);
+        if self.mode.fed {
+            return Some((gas, 0.0));
+        }
         let Extra { leak_along, opening, .. } = self.rig.extra;
         let open = (s.time - self.mode.opens) / opening;
         if self.mode.energized && open < 1.0 {
@@ -327,6 +381,10 @@ impl<'a> Run<'a> {
     /// A Runge–Kutta step of `h`, whose first stage is given; and by what part of the gas its inner stages differ.
     fn step(&self, first: &(Answer, f64, f64), h: f64) -> Option<(State, f64)> {
         let s = &self.state;
+        if self.rests() {
+            let next = State { time: s.time + h, gas: self.held_gas(h)?, ..*s };
+            return Some((next, 0.0));
+        }
         let at = |v: &Coordinates, k: &(Answer, f64, f64), h: f64| State {
             time: s.time + h,
             q: s.q + v * h,
@@ -341,80 +399,79 @@ impl<'a> Run<'a> {
         let s4 = at(&s3.v, &c, h);
         let d = self.look(&s4)?;
         let w = h / 6.0;
-        let (gas, stiff) = match self.mode.leg {
+        let gas = match self.mode.leg {
             // Held, it does not move what is around it, and may be as stiff as it likes.
-            Slide::Held => (self.held_gas(h)?, true),
-            _ => (0.0, false),
+            Slide::Held => self.held_gas(h)?,
+            _ => s.gas + w * (a.1 + 2.0 * (b.1 + c.1) + d.1),
         };
         let next = State {
             time: s.time + h,
             q: s.q + (s.v + (s2.v + s3.v) * 2.0 + s4.v) * w,
             v: s.v + (a.0.acceleration + (b.0.acceleration + c.0.acceleration) * 2.0 + d.0.acceleration) * w,
-            gas: if stiff { gas } else { s.gas + w * (a.1 + 2.0 * (b.1 + c.1) + d.1) },
+            gas,
         };
         let is_finite = next.q.iter().chain(next.v.iter()).all(|x| x.is_finite());
         let error = h * (c.1 - b.1).abs() / next.gas.abs().max(f64::MIN_POSITIVE);
         (is_finite && (next.gas > 0.0 || self.mode.piece.is_none())).then_some((next, error))
     }
 
-    /// The gas behind a leg that is held, after `h`: by Runge–Kutta in steps that are as short as accuracy asks, and where that would be
-    /// too short, by an implicit step, which comes to rest where inflow and outflow balance.
+    /// The gas behind a leg that is held, after `h`: in steps as short as accuracy asks, up to the balance of inflow and outflow, where
+    /// it stays.
     fn held_gas(&self, h: f64) -> Option<f64> {
-        let mut u = self.state.gas;
+        let State { time, gas: mut u, .. } = self.state;
         if self.mode.piece.is_none() {
             return Some(u);
         }
-        let start = self.state.time;
-        let rate =
-            |u: f64, t: f64| self.gas(&State { time: start + t, gas: u, ..self.state }).map(|(_, rate)| rate);
-        // In the air nothing depends on it but whether the leg stays.
-        let matters = self.mode.foot != Foot::Flies || self.rig.machine.is_bench();
-        let least = if matters { h / 4.0 } else { h };
+        let rate = |u: f64, t: f64| {
+            let there = State { time: time + t, gas: u, ..self.state };
+            self.gas(&there).map_or(f64::NAN, |(_, rate)| rate)
+        };
+        let slopes = |y: &[f64; 2]| [rate(y[0], y[1]), 1.0];
         let (mut t, mut tau) = (0.0, h);
-        while t < h {
-            tau = tau.min(h - t);
-            let a = rate(u, t)?;
-            let b = rate(u + 0.5 * tau * a, t + 0.5 * tau)?;
-            let bends = (b - a).abs() > 0.1 * a.abs() || !b.is_finite();
-            if a != 0.0 && bends && tau > least {
-                tau *= 0.5;
-                continue;
+        for _ in 0..MOST {
+            let left = h - t;
+            let slope = rate(u, t);
+            if left <= 0.0 || slope == 0.0 {
+                return Some(u);
             }
-            if a == 0.0 || !bends {
-                let c = rate(u + 0.5 * tau * b, t + 0.5 * tau)?;
-                let d = rate(u + tau * c, t + tau)?;
-                u += tau / 6.0 * (a + 2.0 * (b + c) + d);
-                t += tau;
-                tau *= 2.0;
-            } else {
-                t += tau;
-                u = self.implicit(u, a, tau, &|u| rate(u, t))?;
-            }
-            if !u.is_finite() {
+            if !slope.is_finite() {
                 return None;
             }
+            // A valve that still opens moves the balance.
+            let beyond = u + BALANCE * u.copysign(slope);
+            if rate(beyond, h) * slope <= 0.0 && self.is_open(time + t) {
+                return Some(root(u, beyond, |u| rate(u, h) * slope));
+            }
+            tau = tau.min(left);
+            let step = dop853::step(&slopes, &[u, t], &[slope, 1.0], tau, 1, GAS);
+            if step.error <= 1.0 {
+                u = step.state[0];
+                t = if tau < left { t + tau } else { h };
+            }
+            tau *= dop853::step_factor(step.error);
         }
-        Some(u)
+        None
     }
 
-    /// u after an implicit Euler step of `tau`.
-    fn implicit(&self, u: f64, first: f64, tau: f64, rate: &impl Fn(f64) -> Option<f64>) -> Option<f64> {
-        let far = u + tau * first;
-        let (mut low, mut high) = (u.min(far).max(1e-9), u.max(far));
-        if let Some(piece) = &self.mode.piece {
-            let (start, end) = (piece.low.min(piece.high), piece.low.max(piece.high));
-            // A little past the edge, for the guard to see.
-            (low, high) = (low.max(start * (1.0 - 1e-6)), high.min(end * (1.0 + 1e-6)));
-        }
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            if middle - u - tau * rate(middle)? < 0.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        Some(0.5 * (low + high))
+    /// Whether the rod rests on the bench, where nothing moves but the gas.
+    fn rests(&self) -> bool {
+        self.rig.machine.is_bench() && self.mode.leg == Slide::Held
+    }
+
+    /// Whether the valve has come to where it stays.
+    fn is_open(&self, time: f64) -> bool {
+        !self.mode.energized || time >= self.mode.opens + self.rig.extra.opening
+    }
+
+    /// By what part of the pressure the cubic from here to `next` is off in its middle.
+    fn bend(&self, next: &State) -> Option<f64> {
+        let h = next.time - self.state.time;
+        let of = |s: &State| self.gas(s).map(|(gas, rate)| (gas.pressure, rate * gas.pressure_per_variable));
+        let Some((a, b)) = of(&self.state).zip(of(next)) else { return Some(0.0) };
+        let middle = State { time: self.state.time + 0.5 * h, gas: self.held_gas(0.5 * h)?, ..self.state };
+        let there = of(&middle)?.0;
+        let cubic = 0.5 * (a.0 + b.0) + 0.125 * h * (a.1 - b.1);
+        Some((cubic - there).abs() / there)
     }
 
     /// Values that are above 0 while the mode lasts.
@@ -489,15 +546,9 @@ impl<'a> Run<'a> {
                 if is_empty { FLIGHT } else { FLIGHT / 3.0 }
             }
             Slide::Held if !self.rig.machine.is_bench() => FILLING,
-            Slide::Held => self.resting_step(),
+            Slide::Held => self.stride.min(self.rests),
             Slide::Moves(_) => FINE,
         }
-    }
-
-    /// A step (s) while the rod rests on the bench: the longer the nearer its gas is to balance, so that a log may go on after the firing.
-    fn resting_step(&self) -> f64 {
-        let rate = self.gas(&self.state).map_or(0.0, |(_, rate)| rate.abs());
-        (RESTING * self.state.gas / rate).clamp(FINE, LONG)
     }
 
     /// Goes on to the time `end`, or if `lands`, to the landing.
@@ -516,6 +567,18 @@ impl<'a> Run<'a> {
             }
             let mut h = self.longest().min(end - self.time);
             let mut next = self.step(&first, h)?;
+            if self.rests() {
+                loop {
+                    let part = self.bend(&next.0)? / CUBIC;
+                    let longer = 0.8 / part.powf(0.25);
+                    self.stride = (h * longer.clamp(0.02, 5.0)).clamp(BRIEF, LONG);
+                    if part <= 1.0 || h <= BRIEF {
+                        break;
+                    }
+                    h = self.stride;
+                    next = self.step(&first, h)?;
+                }
+            }
             // A small chamber that is nearly in balance follows faster than the usual step does.
             while matches!(self.mode.leg, Slide::Moves(_)) && next.1 > GAS_ERROR && h > FINE / 16.0 {
                 h *= 0.5;
@@ -612,9 +675,13 @@ impl<'a> Run<'a> {
             Guard::Grip => self.mode.foot = Foot::Stands,
             Guard::Extend => {
                 self.mode.leg = Slide::Moves(1.0);
+                self.mode.fed = false;
                 self.course.breaks_away.get_or_insert(self.time);
             }
-            Guard::Retract => self.mode.leg = Slide::Moves(-1.0),
+            Guard::Retract => {
+                self.mode.leg = Slide::Moves(-1.0);
+                self.mode.fed = false;
+            }
             Guard::Halt => {
                 self.state.v[LEG] = 0.0;
                 self.mode.leg = Slide::Held;
@@ -631,7 +698,12 @@ impl<'a> Run<'a> {
                 self.stop()?;
             }
             Guard::Above => self.renew(1.0),
-            Guard::Below => self.renew(-1.0),
+            Guard::Below => {
+                let is_full = self.mode.piece.is_some_and(|p| p.flow == Flow::FillBalanced);
+                self.renew(-1.0);
+                let returns = self.gas(&self.state).is_some_and(|(_, rate)| rate > 0.0);
+                self.mode.fed = is_full && returns && self.mode.leg == Slide::Held;
+            }
             Guard::Port => {
                 self.mode.port_open = !self.mode.port_open;
                 self.renew(0.0);
@@ -658,3 +730,6 @@ impl<'a> Run<'a> {
         Some(())
     }
 }
+
+#[cfg(test)]
+mod tests;
