@@ -42,9 +42,9 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let Span { low, high } = check.allowed;
                 println!("{verdict}: {} = {:.4}, from {low:.4} to {high:.4}", check.what, check.value);
             }
-            println!("verified: {}", plan.is_verified());
+            println!("holds in the planar model: {}", plan.holds());
         }
-        CrossingAnswer::Infeasible(relief) => println!("there is no plan: {relief:?}"),
+        CrossingAnswer::Infeasible { relief, .. } => println!("there is no plan: {relief:?}"),
         CrossingAnswer::Undecided { nodes } => println!("none found in {nodes} nodes"),
     }
     Ok(())

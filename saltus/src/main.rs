@@ -7,6 +7,7 @@ mod cli;
 mod columns;
 mod error;
 mod input;
+mod interrupt;
 mod output;
 mod plot;
 mod progress;

@@ -15,6 +15,8 @@ const PACE: Duration = Duration::from_millis(100);
 #[derive(Debug)]
 pub(crate) struct Progress {
     done: Arc<AtomicUsize>,
+    /// How far work is that has no parts to count.
+    note: Arc<Mutex<String>>,
     ended: Arc<AtomicBool>,
     watcher: Mutex<Option<JoinHandle<()>>>,
 }
@@ -23,15 +25,21 @@ impl Progress {
     /// Watches work called `what` in `total` parts; 0 where the parts are not counted.
     pub(crate) fn new(what: &'static str, total: usize) -> Progress {
         let (done, ended) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
-        let seen = (Arc::clone(&done), Arc::clone(&ended));
-        let watch = move || watch(what, total, &seen.0, &seen.1);
+        let note = Arc::new(Mutex::new(String::new()));
+        let seen = (Arc::clone(&done), Arc::clone(&note), Arc::clone(&ended));
+        let watch = move || watch(what, total, (&seen.0, &seen.1), &seen.2);
         let watcher = can_rewrite_lines().then(|| std::thread::spawn(watch));
-        Progress { done, ended, watcher: Mutex::new(watcher) }
+        Progress { done, note, ended, watcher: Mutex::new(watcher) }
     }
 
     /// Counts `parts` more as done.
     pub(crate) fn advance(&self, parts: usize) {
         self.done.fetch_add(parts, Ordering::Relaxed);
+    }
+
+    /// Says how far work is that has no parts to count.
+    pub(crate) fn note(&self, note: &str) {
+        note.clone_into(&mut self.note.lock().unwrap_or_else(PoisonError::into_inner));
     }
 }
 
@@ -46,14 +54,15 @@ impl Drop for Progress {
     }
 }
 
-fn watch(what: &str, total: usize, done: &AtomicUsize, ended: &AtomicBool) {
+fn watch(what: &str, total: usize, (done, note): (&AtomicUsize, &Mutex<String>), ended: &AtomicBool) {
     let start = Instant::now();
     let mut shown = false;
     while !ended.load(Ordering::Relaxed) {
         std::thread::park_timeout(PACE);
         if start.elapsed() >= PATIENCE {
             shown = true;
-            show(&line(what, total, done.load(Ordering::Relaxed), start.elapsed()));
+            let note = note.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            show(&line(what, total, done.load(Ordering::Relaxed), &note, start.elapsed()));
         }
     }
     if shown {
@@ -66,11 +75,12 @@ fn can_rewrite_lines() -> bool {
     stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
 }
 
-fn line(what: &str, total: usize, done: usize, elapsed: Duration) -> String {
+fn line(what: &str, total: usize, done: usize, note: &str, elapsed: Duration) -> String {
     let seconds = elapsed.as_secs();
     match (100 * done).checked_div(total) {
         Some(percent) => format!("{what}: {done} of {total} ({percent} %), {seconds} s"),
-        None => format!("{what}: {seconds} s"),
+        None if note.is_empty() => format!("{what}: {seconds} s"),
+        None => format!("{what}: {note}, {seconds} s"),
     }
 }
 
@@ -86,7 +96,8 @@ mod tests {
     #[test]
     fn lines_say_how_far_the_work_is() {
         let elapsed = Duration::from_millis(2500);
-        assert_eq!(line("jumps", 200, 50, elapsed), "jumps: 50 of 200 (25 %), 2 s");
-        assert_eq!(line("plan", 0, 0, elapsed), "plan: 2 s");
+        assert_eq!(line("jumps", 200, 50, "", elapsed), "jumps: 50 of 200 (25 %), 2 s");
+        assert_eq!(line("plan", 0, 0, "", elapsed), "plan: 2 s");
+        assert_eq!(line("plan", 0, 0, "12 % of its limit", elapsed), "plan: 12 % of its limit, 2 s");
     }
 }

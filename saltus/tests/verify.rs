@@ -14,6 +14,7 @@ goal_from_x_m = 0.865
 goal_to_x_m = 1.1
 target_x_m = 0.87
 margin_sigmas = 0
+edge_margin_m = 0
 [[avoid]]
 from_x_m = 0.70
 to_x_m = 0.865

@@ -286,25 +286,26 @@ fn judge(given: &Given, jump: usize, foot: [f64; 2], report: &Report, radius: f6
     }
     let stands_on =
         |b: &[f64; 3], x: f64, y: f64| b[2] == y && x >= b[0] - ROUND_OFF && x <= b[1] + ROUND_OFF;
-    let in_the_way =
-        |b: &&[f64; 3]| !stands_on(b, foot[0], foot[1]) && !place.is_some_and(|x| stands_on(b, x, surface));
+    let in_the_way = |b: &&[f64; 3]| !stands_on(b, foot[0], foot[1]);
     let end = landed.map_or(f64::INFINITY, |(time, _)| time);
     let mut air: Vec<(f64, [f64; 2])> = fine(flight).into_iter().filter(|(t, _)| *t <= end).collect();
     air.extend(landed.map(|(t, x)| (t, [x, height])));
     let out = radius + report.lift_off.map_or(0.0, |l| l.extension);
+    // Inside what is demanded in flight by, and from the nearest box in the stance.
     let (mut clear, mut stance_clear) = (f64::INFINITY, f64::INFINITY);
     for b in given.boxes.iter().filter(in_the_way) {
+        let kept = if place.is_some_and(|x| stands_on(b, x, surface)) { 0.0 } else { given.clearance };
         let b = [b[0] - foot[0], b[1] - foot[0], b[2] - foot[1]];
         for (t, axle) in &air {
             let reach = if *t <= lift_off + given.leg_out && given.leg_out > 0.0 { out } else { radius };
-            clear = clear.min(to_box(*axle, b) - reach);
+            clear = clear.min(to_box(*axle, b) - reach - kept);
         }
         for (_, axle) in fine(stance) {
             stance_clear = stance_clear.min(to_box(axle, b) - radius);
         }
     }
     if clear.is_finite() {
-        verdicts.push((Demand::Clearance, clear >= given.clearance - ROUND_OFF));
+        verdicts.push((Demand::Clearance, clear >= -ROUND_OFF));
     }
     if stance_clear.is_finite() {
         verdicts.push((Demand::Stance, stance_clear >= -ROUND_OFF));

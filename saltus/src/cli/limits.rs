@@ -1,17 +1,76 @@
 //! What keeps a course from having a plan, in words and as JSON.
 
-use saltus::planner::course::{Give, Limit, Side};
+use saltus::planner::course::{Course, Give, Limit, Side};
 use serde_json::{Value, json};
+
+use crate::output::digits;
 
 /// What a limit is about; obstacles are counted from 1, in the order of the file.
 fn name(limit: &Limit) -> String {
+    let side = |side: &Side| if *side == Side::Front { "front" } else { "back" };
     match limit {
-        Limit::Edge { obstacle, side: Side::Front } => format!("front edge of obstacle {}", obstacle + 1),
-        Limit::Edge { obstacle, side: Side::Back } => format!("back edge of obstacle {}", obstacle + 1),
+        Limit::Edge { obstacle, side: it } => format!("{} edge of obstacle {}", side(it), obstacle + 1),
+        Limit::Stance { obstacle, side: it } => {
+            format!("{} side of obstacle {} beside the foothold", side(it), obstacle + 1)
+        }
         Limit::Landing(Side::Front) => "beginning of the ground to land on".into(),
         Limit::Landing(Side::Back) => "end of the ground to land on".into(),
         Limit::Goal => "goal".into(),
         Limit::Robot(name) => (*name).into(),
+    }
+}
+
+/// The obstacles that a goal beginning at `nearer` (m) would be in front of.
+fn in_front_of(course: &Course, nearer: f64) -> String {
+    let is_left_out = |center: f64| nearer < center && center < course.goal.low;
+    let obstacles = course.obstacles.iter().enumerate().filter(|(_, o)| is_left_out(o.center));
+    let names: Vec<String> =
+        obstacles.map(|(i, o)| format!("obstacle {}, {} m high", i + 1, digits(o.height, 4))).collect();
+    if names.is_empty() { String::new() } else { format!(", in front of {}", names.join(" and ")) }
+}
+
+/// What would have to be otherwise.
+fn otherwise(give: &Give, course: &Course) -> String {
+    let (goal, amount) = (course.goal, digits(give.amount.abs(), 3));
+    match give.limit {
+        Limit::Goal if goal.width() == 0.0 => {
+            format!(
+                "the goal would have to be at {} m{} (it is at {} m)",
+                digits(goal.low + give.amount, 4),
+                in_front_of(course, goal.low + give.amount),
+                digits(goal.low, 4)
+            )
+        }
+        Limit::Goal if give.amount < 0.0 => format!(
+            "the goal would have to begin at {} m or nearer{} (it begins at {} m)",
+            digits(goal.low + give.amount, 4),
+            in_front_of(course, goal.low + give.amount),
+            digits(goal.low, 4)
+        ),
+        Limit::Goal => format!(
+            "the goal would have to reach to {} m or farther (it ends at {} m)",
+            digits(goal.high + give.amount, 4),
+            digits(goal.high, 4)
+        ),
+        Limit::Edge { obstacle, side } => format!(
+            "obstacle {} would have to be at least {amount} m lower at its {} edge (it is {} m high)",
+            obstacle + 1,
+            if side == Side::Front { "front" } else { "back" },
+            digits(course.obstacles[obstacle].height, 4)
+        ),
+        Limit::Stance { obstacle, .. } => format!(
+            "obstacle {} is under the wheel where jump {} starts: it would have to stand {amount} m farther from \
+             the foothold",
+            obstacle + 1,
+            give.jump + 1
+        ),
+        Limit::Landing(Side::Front) => {
+            format!("the ground that jump {} lands on would have to begin {amount} m earlier", give.jump + 1)
+        }
+        Limit::Landing(Side::Back) => {
+            format!("the ground that jump {} lands on would have to end {amount} m later", give.jump + 1)
+        }
+        Limit::Robot(name) => format!("jump {}: {name} by {amount}", give.jump + 1),
     }
 }
 
@@ -22,14 +81,12 @@ pub(super) fn json(gives: &[Give]) -> Vec<Value> {
     gives.iter().map(give).collect()
 }
 
-/// The same in words.
-pub(super) fn text(gives: &[Give]) -> String {
-    let give = |give: &Give| format!("jump {}: {} by {:.3} m", give.jump + 1, name(&give.limit), give.amount);
+/// The same in words: what the nearest course with a plan has otherwise.
+pub(super) fn text(gives: &[Give], course: &Course) -> String {
     match gives {
-        [] => "no course near it has a plan".into(),
-        _ => format!(
-            "the nearest course that has a plan differs: {}",
-            gives.iter().map(give).collect::<Vec<_>>().join(", ")
-        ),
+        [] => "none was found; where no jump of this robot lands on the ground that is left, `saltus map` shows what it \
+               reaches"
+            .into(),
+        _ => gives.iter().map(|give| otherwise(give, course)).collect::<Vec<_>>().join("; "),
     }
 }

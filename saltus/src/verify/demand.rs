@@ -265,26 +265,21 @@ impl Demands {
     }
 
     /// All that is demanded of the way to the landing: a jump from `foot` (m along the course, and up) to `landing` (m along the
-    /// course, and the height of the surface), where there is one. What the robot stands or lands on is not in its way.
+    /// course, and the height of the surface), where there is one. What the robot stands on is not in its way; what it
+    /// lands on is not touched before.
     pub(super) fn of_way(
         &self,
         flown: &Flown,
         foot: [f64; 2],
         landing: Option<(f64, f64)>,
     ) -> Vec<Judgement> {
-        let in_the_way = |item: &usize| {
-            let lands = landing.is_some_and(|(x, height)| self.carries(*item, x, height));
-            !lands && !self.carries(*item, foot[0], foot[1])
-        };
+        let in_the_way = |item: &usize| !self.carries(*item, foot[0], foot[1]);
         let gaps = || (0..self.obstacles.len()).filter(in_the_way).map(|item| (item, flown.clearances[item]));
         let flight = gaps().filter_map(|(item, gap)| {
             let value = gap.flight?;
-            Some(Judgement {
-                demand: Demand::Clearance,
-                margin: value - self.clearance,
-                value,
-                item: Some(item),
-            })
+            let lands = landing.is_some_and(|(x, height)| self.carries(item, x, height));
+            let margin = if lands { value } else { value - self.clearance };
+            Some(Judgement { demand: Demand::Clearance, margin, value, item: Some(item) })
         });
         let stance = gaps().map(|(item, gap)| {
             let value = gap.stance;

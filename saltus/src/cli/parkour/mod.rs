@@ -193,7 +193,7 @@ fn text(answers: &[(&Course, Answer)], hopper: &Hopper) -> String {
                 format!("  {:<16} {}, {total:.4} s in flight", course.id, jumps(plan.jumps.len()))
             }
             Answer::Infeasible(relief) => {
-                format!("  {:<16} infeasible; {}", course.id, limits::text(&relief.gives))
+                format!("  {:<16} infeasible; {}", course.id, limits::text(&relief.gives, course))
             }
             Answer::Undecided { nodes } => format!("  {:<16} undecided after {nodes} nodes", course.id),
         });

@@ -4,18 +4,23 @@ pub(super) mod course;
 mod report;
 mod scene;
 
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::Args;
 use saltus::Planner;
 use saltus::planner::CrossingAnswer;
+use saltus::planner::course::Standing;
 
 use super::Status;
 use super::common::{Common, PlotOption};
 use crate::error::CliError;
-use crate::output::Format;
+use crate::interrupt::Interrupt;
+use crate::output::{Format, digits};
 use crate::plot::Drawing;
 use crate::progress::Progress;
+
+use report::Report;
 
 /// Plan firing angles and valve times for a course of obstacles
 #[derive(Args, Debug)]
@@ -50,45 +55,71 @@ Keys: jumps [1], start_x_m [0], start_height_m [0], approach_rate_rad_s, target_
 landing should be), goal_from_x_m and goal_to_x_m (where it must be; the target is their middle unless \
 given), start_lean_rad [the firing angle], firing_angle_rad [[-0.6, 0.8]], valve_open_s [[0.02, 0.1]], \
 roll_m (from a landing to the next foothold) [0], clearance_m of the wheel over obstacles [0], \
-edge_margin_m of landings [0], leg_out_s (how long after lift-off the leg is out and must stay clear too) \
-[0], friction_coefficient [the foot holds], margin_sigmas (standard deviations that landings keep from \
-the ends of their ground) [0], deviation_weight (1/m²) [100] and effort_weight (1/s²) [1] of the cost. \
+edge_margin_m (least distance of a landing from the ends of its ground: obstacles, areas to avoid, its \
+zone, the goal; the wheel's rim stays clear of an obstacle beside it too) [0.005], margin_sigmas (standard \
+deviations of the landing that are kept besides) [2], leg_out_s (how long after lift-off the leg is out and \
+must stay clear too) [0], friction_coefficient [the foot holds], deviation_weight (1/m²) [100] and effort_weight (1/s²) [1] of the cost. \
 Tables: [[obstacle]] front_x_m, width_m, height_m; [[land]] from_x_m, to_x_m, jump (where that jump must \
-land); [[avoid]] from_x_m, to_x_m (where none may). A landing is where the wheel's centre comes down to \
-the wheel's radius above the surface.
+land); [[avoid]] from_x_m, to_x_m (where none may). Units are those of robot files: height_mm, front_x_cm, \
+start_lean_deg. approach_rate_rad_s holds one number, or a list with one for each jump. A landing is where \
+the wheel's centre comes down to the wheel's radius above the surface; every x counts from the course's \
+origin. Jumps go forward: none lands behind the first foothold. After a landing the robot rolls roll_m on the same \
+ground to its next foothold.
+
+The search ends when no plan can be cheaper by more than 5e-5, or at its limits, or at Ctrl-C with the best \
+plan so far; the answer says by how much its cost may be above the least one.
 
 CSV columns, one row for each jump: jump, omega_rad_s, phi0_rad, alpha_f_rad, valve_open_s, foot_x_m, \
 foot_y_m, apex_m (above the ground), land_x_m, land_y_m (surface), land_sd_m (standard deviation from the \
-robot's [errors]), friction_needed, holds (true or false: whether all limits of the jump hold in the full \
-model).
+robot's [errors]), target_x_m and off_target_m (landing less target; last jump), friction_needed, holds \
+(true or false: whether all limits of the jump hold in the planar model).
 
-JSON: {\"command\": \"plan\", \"robot\": NAME, \"course\": FILE, \"status\": verified, not-verified, \
-infeasible or undecided, \"cost\": …, \"jumps\": [{the columns}], \"checks\": [{\"jump\", \"what\", \
+JSON: {\"command\": \"plan\", \"robot\": NAME, \"course\": FILE, \"status\": \
+holds-in-the-planar-model, fails-in-the-planar-model, infeasible or undecided, \"cost\": …, \"bound\" (no plan \
+costs less), \"complete\" (whether the search ran to its end), \"interrupted\", \"jumps\": [{the columns}], \"checks\": [{\"jump\", \"what\", \
 \"value\", \"least\", \"greatest\" (null: no limit), \"holds\"}], \"nearest\": [{\"jump\", \"limit\", \
-\"amount_m\"}]}: the limits by which the nearest course with a plan differs.
+\"amount_m\"}], \"try_jumps\"}: the limits by which the nearest course with a plan differs, and with how many \
+jumps there is a plan. fails-in-the-planar-model: the search's jumps hold, but their stances pass an \
+obstacle too near.
 
-The exit code is 1 unless there is a plan that holds in the full model.";
+The exit code is 1 unless there is a plan that holds in the planar model and the search was not interrupted.";
 
 impl Plan {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         let planner = Planner::new(self.common.planned_robot()?);
         let crossing = course::load(&self.course)?;
         let file = self.course.display().to_string();
+        let interrupt = Interrupt::listen()?;
         let answer = {
-            let _progress = Progress::new("plan", 0);
-            planner.cross(&crossing).map_err(|error| CliError::content(&file, error))?
+            let progress = Progress::new("plan", 0);
+            let watch = |standing: &Standing| {
+                progress.note(&note(standing));
+                if interrupt.came() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            planner.cross_watched(&crossing, &watch).map_err(|error| CliError::content(&file, error))?
         };
         let robot = planner.robot();
+        let report = Report { answer: &answer, crossing: &crossing, interrupted: interrupt.came() };
         let report = match self.common.format() {
-            Format::Csv => report::table(&answer, robot).csv(),
-            Format::Json => report::json(&answer, robot, &file),
-            Format::Text => report::text(&answer, robot, &file),
+            Format::Csv => report.table(robot).csv(),
+            Format::Json => report.json(robot, &file),
+            Format::Text => report.text(robot, &file),
         };
         let drawing = || Ok(Drawing::Scene(scene::scene(&answer, &crossing, &planner, &file)));
         self.common.write_with_plot(report, &self.plot, drawing)?;
         match answer {
-            CrossingAnswer::Plan(plan) if plan.is_verified() => Ok(Status::Done),
+            CrossingAnswer::Plan(plan) if plan.holds() && !interrupt.came() => Ok(Status::Done),
             _ => Ok(Status::No),
         }
+    }
+}
+
+/// How far the search is, for the line of progress.
+fn note(standing: &Standing) -> String {
+    let share = format!("{:.0} % of the search's limit", 100.0 * standing.share);
+    if standing.gap.is_finite() {
+        format!("{share}, best plan at most {} above the least cost", digits(standing.gap, 2))
+    } else {
+        format!("{share}, no plan yet")
     }
 }

@@ -1,8 +1,8 @@
 //! Plans as rows, as JSON and in words.
 
 use saltus::Robot;
-use saltus::planner::course::Span;
-use saltus::planner::{Check, CrossingAnswer, CrossingPlan, PlannedJump};
+use saltus::planner::course::{Relief, Span};
+use saltus::planner::{Check, Crossing, CrossingAnswer, CrossingPlan, PlannedJump};
 use serde_json::{Value, json};
 
 use super::course::ANYWHERE;
@@ -22,6 +22,8 @@ const COLUMNS: &[&str] = &[
     "land_x_m",
     "land_y_m",
     "land_sd_m",
+    "target_x_m",
+    "off_target_m",
     "friction_needed",
     "holds",
 ];
@@ -36,22 +38,160 @@ const SHOWN: &[(&str, &str, &str)] = &[
     ("land_x_m", "landing", "m"),
     ("land_y_m", "at height", "m"),
     ("land_sd_m", "± landing", "m"),
+    ("off_target_m", "off target", "m"),
     ("friction_needed", "friction", "needed"),
     ("holds", "holds", ""),
 ];
 
-/// One row for each jump; none without a plan.
-pub(super) fn table(answer: &CrossingAnswer, robot: &Robot) -> Table {
-    let mut table = Table::new(COLUMNS);
-    if let CrossingAnswer::Plan(plan) = answer {
-        for (i, jump) in plan.jumps.iter().enumerate() {
-            table.push(row(i, jump, &plan.checks, robot));
-        }
-    }
-    table
+/// In place of what is allowed where all is.
+const NO_LIMIT: &str = "no limit";
+
+/// What is reported.
+pub(super) struct Report<'a> {
+    pub(super) answer: &'a CrossingAnswer,
+    pub(super) crossing: &'a Crossing,
+    /// Whether the search was stopped by Ctrl-C.
+    pub(super) interrupted: bool,
 }
 
-fn row(i: usize, planned: &PlannedJump, checks: &[Check], robot: &Robot) -> Vec<Cell> {
+impl Report<'_> {
+    /// One row for each jump; none without a plan.
+    pub(super) fn table(&self, robot: &Robot) -> Table {
+        let mut table = Table::new(COLUMNS);
+        if let CrossingAnswer::Plan(plan) = self.answer {
+            for (i, jump) in plan.jumps.iter().enumerate() {
+                let target = Some(self.crossing.target).filter(|_| i + 1 == plan.jumps.len());
+                table.push(row(i, jump, target, &plan.checks, robot));
+            }
+        }
+        table
+    }
+
+    fn status(&self) -> (&'static str, &'static str) {
+        match self.answer {
+            CrossingAnswer::Plan(plan) if plan.holds() => {
+                ("holds-in-the-planar-model", "holds in the planar model (`saltus verify` flies it)")
+            }
+            CrossingAnswer::Plan(_) => {
+                ("fails-in-the-planar-model", "fails in the planar model: see the limits below")
+            }
+            CrossingAnswer::Infeasible { .. } => ("infeasible", "infeasible"),
+            CrossingAnswer::Undecided { .. } => ("undecided", "undecided"),
+        }
+    }
+
+    /// The document.
+    pub(super) fn json(&self, robot: &Robot, file: &str) -> String {
+        let plan = match self.answer {
+            CrossingAnswer::Plan(plan) => Some(plan),
+            _ => None,
+        };
+        let (nearest, jumps) = match self.answer {
+            CrossingAnswer::Infeasible { relief, jumps } => (limits::json(&relief.gives), *jumps),
+            _ => (Vec::new(), None),
+        };
+        let checks: Vec<Value> = plan.iter().flat_map(|plan| &plan.checks).map(check_json).collect();
+        output::json(&json!({
+            "command": "plan",
+            "robot": robot.name,
+            "course": file,
+            "status": self.status().0,
+            "cost": plan.map(|plan| plan.search.cost),
+            "bound": plan.map(|plan| plan.search.bound),
+            "complete": plan.map(|plan| plan.search.complete),
+            "interrupted": self.interrupted,
+            "jumps": self.table(robot).json(),
+            "checks": checks,
+            "nearest": nearest,
+            "try_jumps": jumps,
+        }))
+    }
+
+    /// The plan in words.
+    pub(super) fn text(&self, robot: &Robot, file: &str) -> String {
+        let title = format!("{}: plan for {file}: {}\n", robot.name, self.status().1);
+        let body = match self.answer {
+            CrossingAnswer::Plan(plan) => {
+                self.table(robot).text(&shown(SHOWN, robot))
+                    + &self.target_text(plan)
+                    + &self.search_text(plan)
+                    + &checks_text(plan)
+            }
+            CrossingAnswer::Infeasible { relief, jumps } => self.infeasible_text(relief, *jumps),
+            CrossingAnswer::Undecided { nodes } => format!(
+                "  no plan was found in {nodes} steps of the search; that there is none is not proven{}\n",
+                if self.interrupted { ", as Ctrl-C stopped the search" } else { "" }
+            ),
+        };
+        title + &body
+    }
+
+    /// How far the last landing is from the target.
+    fn target_text(&self, plan: &CrossingPlan) -> String {
+        let Some(last) = plan.jumps.last() else { return String::new() };
+        let (landing, target, goal) = (last.landing[0], self.crossing.target, self.crossing.course.goal);
+        let zone = match allowed(goal).as_str() {
+            NO_LIMIT => "no goal zone is given".into(),
+            limits => format!("goal: {limits} m"),
+        };
+        format!("  last landing {} m, {}; {zone}\n", digits(landing, 4), off_target(landing, target))
+    }
+
+    /// What is known of better plans.
+    fn search_text(&self, plan: &CrossingPlan) -> String {
+        let (cost, bound) = (plan.search.cost, plan.search.bound);
+        let cost_text = format!("  cost {}", digits(cost, 4));
+        if plan.search.complete {
+            return cost_text + ", and no other choice of landing surfaces is cheaper by more than 0.00005\n";
+        }
+        let why = if self.interrupted { "Ctrl-C stopped the search" } else { "the search came to its limit" };
+        format!("{cost_text}; {why}: a plan may be cheaper by up to {}\n", digits(cost - bound, 2))
+    }
+
+    fn infeasible_text(&self, relief: &Relief, jumps: Option<usize>) -> String {
+        let course = &self.crossing.course;
+        let nearest = limits::text(&relief.gives, course);
+        let answer = match jumps {
+            Some(more) => {
+                let few = match course.jumps {
+                    1 => "one jump is not enough".into(),
+                    count => format!("{count} jumps are not enough"),
+                };
+                format!("  {few}: {nearest}. Try jumps = {more}.\n")
+            }
+            None => format!("  the nearest course that has a plan: {nearest}\n"),
+        };
+        let stopped = if self.interrupted {
+            "  Ctrl-C stopped the search: a nearer course may have a plan\n"
+        } else {
+            ""
+        };
+        answer + stopped + &self.margins_text()
+    }
+
+    /// What landings keep, where that may be why there is no plan.
+    fn margins_text(&self) -> String {
+        let (sigmas, margin) = (self.crossing.sigmas, self.crossing.edge_margin);
+        if sigmas == 0.0 && margin == 0.0 {
+            return String::new();
+        }
+        format!(
+            "  each landing keeps {} standard deviations and {} mm from the ends of its ground; margin_sigmas and \
+             edge_margin_m in the course can ask for less\n",
+            digits(sigmas, 3),
+            digits(1e3 * margin, 3)
+        )
+    }
+}
+
+/// How far a landing (m) is from the target (m), in words.
+pub(super) fn off_target(landing: f64, target: f64) -> String {
+    let off = landing - target;
+    let side = if off < 0.0 { "short of" } else { "beyond" };
+    format!("{:.1} mm {side} the target at {} m", 1e3 * off.abs(), digits(target, 4))
+}
+
+fn row(i: usize, planned: &PlannedJump, target: Option<f64>, checks: &[Check], robot: &Robot) -> Vec<Cell> {
     let launch = &planned.jump.launch;
     let holds = checks.iter().filter(|check| check.jump == i).all(Check::holds);
     let mut row = vec![Cell::Count(i + 1)];
@@ -61,40 +201,11 @@ fn row(i: usize, planned: &PlannedJump, checks: &[Check], robot: &Robot) -> Vec<
     row.push(planned.jump.apex().map(|apex| planned.foot[1] + apex).into());
     row.extend(planned.landing.map(Cell::from));
     row.push(Some(planned.deviation).filter(|d| *d > 0.0).into());
+    row.push(target.into());
+    row.push(target.map(|target| planned.landing[0] - target).into());
     row.push(planned.friction_needed.into());
     row.push(Cell::Flag(holds));
     row
-}
-
-fn status(answer: &CrossingAnswer) -> &'static str {
-    match answer {
-        CrossingAnswer::Plan(plan) if plan.is_verified() => "verified",
-        CrossingAnswer::Plan(_) => "not-verified",
-        CrossingAnswer::Infeasible(_) => "infeasible",
-        CrossingAnswer::Undecided { .. } => "undecided",
-    }
-}
-
-/// The document.
-pub(super) fn json(answer: &CrossingAnswer, robot: &Robot, file: &str) -> String {
-    let (cost, checks) = match answer {
-        CrossingAnswer::Plan(plan) => (Some(plan.search.cost), plan.checks.iter().map(check_json).collect()),
-        _ => (None, Vec::new()),
-    };
-    let nearest = match answer {
-        CrossingAnswer::Infeasible(relief) => limits::json(&relief.gives),
-        _ => Vec::new(),
-    };
-    output::json(&json!({
-        "command": "plan",
-        "robot": robot.name,
-        "course": file,
-        "status": status(answer),
-        "cost": cost,
-        "jumps": table(answer, robot).json(),
-        "checks": checks,
-        "nearest": nearest,
-    }))
 }
 
 /// Numbers that are not finite, no limit among them, are null.
@@ -109,34 +220,29 @@ fn check_json(check: &Check) -> Value {
     })
 }
 
-/// The plan in words.
-pub(super) fn text(answer: &CrossingAnswer, robot: &Robot, file: &str) -> String {
-    let title = format!("{}: plan for {file}: {}\n", robot.name, status(answer));
-    match answer {
-        CrossingAnswer::Plan(plan) => {
-            title + &table(answer, robot).text(&shown(SHOWN, robot)) + &checks_text(plan)
-        }
-        CrossingAnswer::Infeasible(relief) => title + &format!("  {}\n", limits::text(&relief.gives)),
-        CrossingAnswer::Undecided { nodes } => title + &format!("  no plan was found within {nodes} nodes\n"),
-    }
-}
-
 fn checks_text(plan: &CrossingPlan) -> String {
     let line = |check: &Check| {
         let sign = if check.holds() { "holds" } else { "FAILS" };
         let (value, allowed) = (digits(check.value, 4), allowed(check.allowed));
         format!("  {sign}  jump {}: {} {value}, {allowed}\n", check.jump + 1, check.what)
     };
-    plan.checks.iter().map(line).collect()
+    let (hold, fail): (Vec<&Check>, Vec<&Check>) = plan.checks.iter().partition(|check| check.holds());
+    let mut text: String = fail.iter().copied().map(line).collect();
+    if !fail.is_empty() {
+        text += "  → The search sees the stance only where it starts and where the leg begins to extend. More clearance_m \
+                 keeps the jumps farther from boxes.\n";
+    }
+    let hold = hold.into_iter().filter(|check| allowed(check.allowed) != NO_LIMIT);
+    text + &hold.map(line).collect::<String>()
 }
 
 fn allowed(span: Span) -> String {
-    // What the course leaves open spans all that the planner takes.
-    let limits = |x: f64| x.abs() < ANYWHERE.high;
+    // What the course leaves open spans all that the planner takes, less what landings keep.
+    let limits = |x: f64| x.abs() < 0.99 * ANYWHERE.high;
     match (limits(span.low), limits(span.high)) {
         (true, true) => format!("allowed from {} to {}", digits(span.low, 4), digits(span.high, 4)),
         (true, false) => format!("allowed from {}", digits(span.low, 4)),
         (false, true) => format!("allowed up to {}", digits(span.high, 4)),
-        (false, false) => "no limit".into(),
+        (false, false) => NO_LIMIT.into(),
     }
 }

@@ -6,6 +6,7 @@ use saltus::planner::{Check, Crossing, CrossingAnswer, PlannedJump};
 use saltus::{Planner, Stance};
 
 use super::course::ANYWHERE;
+use super::report::off_target;
 use crate::output::digits;
 use crate::plot::ground::Ground;
 use crate::plot::scene::{Leap, Scene};
@@ -28,7 +29,11 @@ pub(super) fn scene(answer: &CrossingAnswer, crossing: &Crossing, planner: &Plan
     Scene {
         title: match jumps {
             [] => format!("{}: no plan for {file}", planner.robot().name),
-            _ => format!("{}: plan for {file}", planner.robot().name),
+            [.., last] => format!(
+                "{}: plan for {file}: lands {}",
+                planner.robot().name,
+                off_target(last.landing[0], crossing.target)
+            ),
         },
         missed: missed
             .iter()
