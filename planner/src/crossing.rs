@@ -5,7 +5,7 @@
 //! limit: see [`Check`].
 
 use std::borrow::Cow;
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::ops::ControlFlow;
 use std::rc::Rc;
 
@@ -15,15 +15,17 @@ use saltus_numeric::{Dual, Scalar, Single};
 use saltus_robot::Parameter;
 
 use crate::course::{
-    self, Answer, Course, CourseError, Edge, Envelope, Jumper, Leap, Limit, MAX_JUMPS, Margin, Relief, Side,
-    Sketch, Slope, Span, Watch,
+    self, Answer, Course, CourseError, Envelope, Jumper, Leap, Limit, MAX_JUMPS, Margin, Relief, Sketch,
+    Slope, Span, Watch,
 };
 use crate::jump::{Jump, Planner};
 use crate::table::FIRING_ANGLES;
 
 mod grid;
+mod stance;
 
 use grid::{Grid, Within};
+use stance::Path;
 
 /// Distance (m) that landings keep from the ends of their ground unless a course says otherwise: of a robot without stated
 /// errors too no landing is on the last millimetre.
@@ -84,8 +86,10 @@ pub enum CrossingAnswer {
     },
     /// None was found before the search came to its limits or was stopped.
     Undecided {
-        /// Nodes looked at.
+        /// Nodes of the search that were looked at.
         nodes: usize,
+        /// Programs that were solved.
+        solves: usize,
     },
 }
 
@@ -221,12 +225,12 @@ impl Crossing {
                 upright(angles.high) && angles.high > angles.low,
                 "above its least value, below pi/2 rad",
             ),
-            ("valve_open_s", valve.low, valve.low > 0.0 && valve.low <= 1e3, "above 0, to 1000 s"),
+            ("valve_open_s", valve.low, valve.low > 0.0 && valve.low <= 10.0, "above 0, to 10 s"),
             (
                 "valve_open_s",
                 valve.high,
-                valve.high > valve.low && valve.high <= 1e3,
-                "above its least value, to 1000 s",
+                valve.high > valve.low && valve.high <= 10.0,
+                "above its least value, to 10 s",
             ),
             ("target_x_m", self.target, self.target.abs() <= 1e4, "from -10000 to 10000 m"),
             ("roll_m", self.roll, length(self.roll), positive),
@@ -318,7 +322,7 @@ impl Planner {
                 let jumps = self.enough_jumps(crossing, &relief, watch)?;
                 CrossingAnswer::Infeasible { relief, jumps }
             }
-            Answer::Undecided { nodes } => CrossingAnswer::Undecided { nodes },
+            Answer::Undecided { nodes, solves } => CrossingAnswer::Undecided { nodes, solves },
         })
     }
 
@@ -544,6 +548,10 @@ const NODES: usize = 1000;
 /// Jumps in the programs that a search may solve: 20 programs of 12 jumps take some seconds.
 const WORK: usize = 240;
 
+/// A wheel that is farther than this (m) from what is beside its foothold, at three places of the stance, does not touch
+/// it; how near a wheel that is nearer comes, the whole stance says.
+const NEAR: f64 = 0.03;
+
 /// Results of a stance that are remembered for each jump: where the solver is, and a difference for each decision.
 const REMEMBERED: usize = 3;
 
@@ -560,16 +568,17 @@ struct Roller<'a> {
     grids: Vec<Rc<Grid>>,
     /// For each jump what came of its last decisions. A foothold changes nothing but the place of a jump, and so the
     /// solver's differences cost one stance for each decision and not one for each jump and decision.
-    remembered: RefCell<Vec<Vec<Flown>>>,
+    remembered: RefCell<Vec<Vec<Rc<Flown>>>>,
 }
 
 /// What came of a jump's decisions, wherever its foothold is.
-#[derive(Clone, Copy)]
 struct Flown {
     /// Firing angle (rad), valve opening time (s) and landing height (m).
     of: [f64; 3],
     /// The flight, the leg's reach at lift-off and the friction that the stance needs; none without a flight.
     jump: Option<(DragFlight<Slope>, Slope, Slope)>,
+    /// The way of the wheel in the stance, once it was asked for; none without a stance.
+    path: OnceCell<Option<Path>>,
 }
 
 impl<'a> Roller<'a> {
@@ -633,25 +642,48 @@ impl<'a> Roller<'a> {
     }
 
     /// What comes of a jump's decisions.
-    fn flown(&self, leap: &Leap, decisions: [f64; 2]) -> Flown {
+    fn flown(&self, leap: &Leap, decisions: [f64; 2]) -> Rc<Flown> {
         let height = self.landing_height(leap);
         let of = [decisions[0], decisions[1], height];
-        let known = self.remembered.borrow()[leap.jump].iter().find(|flown| flown.of == of).copied();
+        let known = self.remembered.borrow()[leap.jump].iter().find(|flown| flown.of == of).cloned();
         known.unwrap_or_else(|| {
-            let flown = Flown { of, jump: self.jump(leap, decisions) };
+            let flown = Rc::new(Flown { of, jump: self.jump(leap, decisions), path: OnceCell::new() });
             let mut remembered = self.remembered.borrow_mut();
-            remembered[leap.jump].insert(0, flown);
+            remembered[leap.jump].insert(0, flown.clone());
             remembered[leap.jump].truncate(REMEMBERED);
             flown
         })
     }
 
-    /// The flight, the leg's reach at lift-off and the friction needed, from the derivatives' own stance.
-    fn jump(&self, leap: &Leap, [angle, open]: [f64; 2]) -> Option<(DragFlight<Slope>, Slope, Slope)> {
+    /// The launch of these decisions, with its derivatives by them.
+    fn launch(&self, leap: &Leap, [angle, open]: [f64; 2]) -> Launch<Dual<2>> {
         let (angle, open) = (Dual::variable(angle, 0), Dual::variable(open, 1));
         let lean = self.crossing.start_lean.map_or(angle, Dual::of);
         let rate = Dual::of(self.crossing.rate(leap.jump));
-        let launch = Launch { rate, lean, firing_angle: angle, valve_open: open };
+        Launch { rate, lean, firing_angle: angle, valve_open: open }
+    }
+
+    /// Where the wheel's centre is at the start of the stance, where the leg begins to extend, and at the lift-off.
+    fn roughly(&self, leap: &Leap, flight: &DragFlight<Slope>, firing_angle: f64) -> Path {
+        let firing_angle = Slope::variable(firing_angle, 1);
+        let start = self.crossing.start_lean.map_or(firing_angle, Slope::of);
+        let turned = self.crossing.rate(leap.jump) * self.planner.robot().leg.delay;
+        let radius = Slope::of(self.planner.robot().body.radius);
+        let pivot = [start, firing_angle + Slope::of(turned)].map(|lean| {
+            let (sin, cos) = lean.sin_cos();
+            [radius * sin, radius * cos]
+        });
+        Path::through(&[pivot[0], pivot[1], [flight.vacuum.x, flight.vacuum.y]])
+    }
+
+    /// The way of the wheel in the stance; none without one.
+    fn path(&self, leap: &Leap, decisions: [f64; 2]) -> Option<Path> {
+        Path::new(&self.stance, &self.launch(leap, decisions), self.planner.robot().body.radius)
+    }
+
+    /// The flight, the leg's reach at lift-off and the friction needed, from the derivatives' own stance.
+    fn jump(&self, leap: &Leap, decisions: [f64; 2]) -> Option<(DragFlight<Slope>, Slope, Slope)> {
+        let launch = self.launch(leap, decisions);
         let (end, needed) = if self.crossing.friction.is_some() {
             let (end, contact) = self.stance.contact(&launch).ok()?;
             (end, contact.friction_needed)
@@ -683,41 +715,21 @@ impl<'a> Roller<'a> {
             let limit = Limit::Edge { obstacle: edge.obstacle, side: edge.side };
             margins.push(Margin { limit, value: gap - Slope::of(self.crossing.clearance) });
         }
+        let radius = Slope::of(self.planner.robot().body.radius);
         for edge in &leap.beside {
             let limit = Limit::Stance { obstacle: edge.obstacle, side: edge.side };
-            margins.push(Margin { limit, value: self.stance_gap(leap, foot, flown.of[0], edge) });
+            let mut distance = self.roughly(leap, &flight, flown.of[0]).distance(foot, leap.from, edge);
+            if distance.value < radius.value + NEAR {
+                let path = flown.path.get_or_init(|| self.path(leap, [flown.of[0], flown.of[1]]));
+                distance = path.as_ref()?.distance(foot, leap.from, edge);
+            }
+            margins.push(Margin { limit, value: distance - radius });
         }
         if let Some(friction) = self.crossing.friction {
             let value = Slope::of(friction) - needed;
             margins.push(Margin { limit: Limit::Robot("friction"), value });
         }
         Some(landing)
-    }
-
-    /// Distance (m) of the wheel's rim from an obstacle beside the foothold while the wheel pivots on the foot: the less
-    /// of those at the start of the stance and at the end of the leg's delay. What comes after, the check sees.
-    fn stance_gap(&self, leap: &Leap, foot: Slope, firing_angle: f64, edge: &Edge) -> Slope {
-        let firing_angle = Slope::variable(firing_angle, 1);
-        let start = self.crossing.start_lean.map_or(firing_angle, Slope::of);
-        let delay = self.crossing.rate(leap.jump) * self.planner.robot().leg.delay;
-        let [start, end] =
-            [start, firing_angle + Slope::of(delay)].map(|lean| self.pivot_gap(leap, foot, lean, edge));
-        if start.value < end.value { start } else { end }
-    }
-
-    /// Distance (m) of the wheel's rim from an obstacle beside the foothold at a lean (rad) on the retracted leg.
-    fn pivot_gap(&self, leap: &Leap, foot: Slope, lean: Slope, edge: &Edge) -> Slope {
-        let radius = self.planner.robot().body.radius;
-        let (sin, cos) = lean.sin_cos();
-        let centre = foot + sin * Slope::of(radius);
-        let away = match edge.side {
-            Side::Front => Slope::of(edge.x) - centre,
-            Side::Back => centre - Slope::of(edge.x),
-        };
-        let above = cos * Slope::of(radius) - Slope::of(edge.top - leap.from);
-        let distance =
-            if above.value > 0.0 && away.value > 0.0 { (away * away + above * above).sqrt() } else { away };
-        distance - Slope::of(radius)
     }
 
     /// Clearance (m) over the edge of a box. The path is concave, so that between two edges it is clear if it is over both.

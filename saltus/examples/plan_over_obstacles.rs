@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             println!("holds in the planar model: {}", plan.holds());
         }
         CrossingAnswer::Infeasible { relief, .. } => println!("there is no plan: {relief:?}"),
-        CrossingAnswer::Undecided { nodes } => println!("none found in {nodes} nodes"),
+        CrossingAnswer::Undecided { nodes, .. } => println!("none found in {nodes} nodes"),
     }
     Ok(())
 }

@@ -16,7 +16,12 @@ pub(crate) fn least_cost<J: Jumper>(jumper: &J, course: &Course, settings: &Sett
         }
         let mut problem = Problem::new(jumper, course.start, &choice, settings.sigmas);
         let start = evenly(&problem, course);
-        let report = problem.settle(&start, &settings.solver, |p, x| sqp::solve(p, x, &settings.solver));
+        let report = problem.settle(
+            &start,
+            &settings.solver,
+            |p, _| p.choice.clone(),
+            |p, x| sqp::solve(p, x, &settings.solver),
+        );
         (report.violation <= settings.solver.feasibility).then_some(report.cost)
     });
     costs.min_by(f64::total_cmp)

@@ -35,6 +35,8 @@ pub struct Leap {
     pub from: f64,
     /// Height of the surface to land on (m).
     pub to: f64,
+    /// Indices of the obstacles that foothold and landing are on; none for the ground itself.
+    pub on: [Option<usize>; 2],
     /// Edges between foothold and landing, in the order of the travel.
     pub edges: Vec<Edge>,
     /// Sides of obstacles beside the ground of the foothold that rise above it and are within the jumper's
@@ -65,6 +67,16 @@ pub enum Limit {
     Goal,
     /// A limit of the robot itself.
     Robot(&'static str),
+}
+
+impl Limit {
+    /// Index of the obstacle that it is about.
+    pub fn obstacle(&self) -> Option<usize> {
+        match self {
+            Limit::Edge { obstacle, .. } | Limit::Stance { obstacle, .. } => Some(*obstacle),
+            _ => None,
+        }
+    }
 }
 
 /// How far a limit is from being violated; ≥ 0 where it holds.

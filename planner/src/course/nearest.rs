@@ -1,22 +1,23 @@
 //! The nearest course that has a plan.
 //!
-//! For a choice of grounds the course is made elastic: its edges may sink, its grounds may grow and its goal may move, at
-//! a price of 1 per metre, while the robot stays what it is. The choice with the least sum is the answer.
+//! For a choice of grounds the course is made elastic: its obstacles may sink, its grounds may grow and its goal may move,
+//! at a price of 1 per metre, while the robot stays what it is. The choice with the least sum is the answer.
 
 use super::choices::landable;
 use super::problem::{Choice, Problem};
 use super::sqp::{self, Evaluation, Nlp};
 use super::terrain::{Ground, Terrain, kept_goal};
-use super::{Course, Jumper, Limit, Settings, Span};
+use super::{Course, Jumper, Leap, Limit, Settings, Side, Span};
 
 /// By how much one limit of a course has to give.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Give {
     /// Index of the jump that it limits.
     pub jump: usize,
-    /// What it is about. A landing's ends are those of the ground chosen for it.
+    /// What it is about. A landing's ends are those of the ground chosen for it; of an obstacle it is the limit that its
+    /// height violates most.
     pub limit: Limit,
-    /// By how much (m); the goal's is signed, positive forward.
+    /// By how much (m). An obstacle is lower by it; the goal moves by it, positive forward.
     pub amount: f64,
 }
 
@@ -53,17 +54,39 @@ pub(super) fn nearest<J: Jumper>(
     for choice in choices(jumper, course, &terrain, CHOICES / course.jumps) {
         let mut problem = Problem::new(jumper, course.start, &choice, settings.sigmas);
         problem.ends_exactly |= course.goal.width() == 0.0;
-        let start = Elastic::new(&problem, course, goal).first();
         let solve = |problem: &Problem<'_, J>, x: &[f64]| {
             sqp::solve(&Elastic::new(problem, course, goal), x, &settings.solver)
         };
-        let report = problem.settle(&start, &settings.solver, solve);
-        let relief = Elastic::new(&problem, course, goal).relief(&report, settings);
-        if relief.total < best.total - ROUND_OFF {
-            (best, chosen) = (relief, Some(choice));
+        let sunk = |problem: &Problem<'_, J>, x: &[f64]| {
+            let elastic = Elastic::new(problem, course, goal);
+            elastic.sunk(&x[elastic.depths_from()..])
+        };
+        let mut is_better = false;
+        for place in ends(course, &choice, goal) {
+            let start = Elastic::new(&problem, course, goal).first(evenly_to(&problem, course, place));
+            let report = problem.settle(&start, &settings.solver, sunk, solve);
+            let relief = Elastic::new(&problem, course, goal).relief(&report, settings);
+            if relief.total < best.total - ROUND_OFF {
+                (best, is_better) = (relief, true);
+            }
+        }
+        if is_better {
+            chosen = Some(choice);
         }
     }
     (best, chosen)
+}
+
+/// Where the last jump lands in the solver's starts (m): at the target; of a single jump, at both ends of where it may too.
+fn ends(course: &Course, choice: &Choice, goal: Span) -> Vec<Option<f64>> {
+    let mut places = vec![None];
+    if let [window] = choice.windows[..]
+        && course.goal.width() > 0.0
+    {
+        let window = if window.meet(goal).is_empty() { window } else { window.meet(goal) };
+        places.extend([window.low, window.high].map(Some));
+    }
+    places
 }
 
 /// At most `most` sequences of grounds, whatever the robot can do.
@@ -95,7 +118,8 @@ pub(super) fn choices<J: Jumper>(jumper: &J, course: &Course, terrain: &Terrain,
     found
 }
 
-/// A problem whose course gives: a variable more for each row of the course, and two rows more for the goal.
+/// A problem whose course gives: two rows more for the goal, and a variable more for each row that gives and for each
+/// obstacle.
 struct Elastic<'a, J> {
     problem: &'a Problem<'a, J>,
     course: &'a Course,
@@ -104,32 +128,70 @@ struct Elastic<'a, J> {
     rows: Vec<(usize, Limit)>,
     /// Rows that give, the goal's two behind all others.
     soft: Vec<usize>,
-    start: Vec<f64>,
+    /// Obstacles in the jumps' way, which may sink.
+    sinking: Vec<usize>,
+    /// Decisions.
+    decisions: usize,
 }
+
+/// Step (m) by which an obstacle sinks for the difference that stands for a derivative.
+const SINKING: f64 = 1e-7;
 
 impl<'a, J: Jumper> Elastic<'a, J> {
     fn new(problem: &'a Problem<'a, J>, course: &'a Course, goal: Span) -> Self {
         let start = evenly(problem, course);
         let rows = problem.rows(&start);
         let last = course.jumps - 1;
-        let gives = |row: &usize| match rows[*row] {
-            (_, Limit::Edge { .. } | Limit::Stance { .. }) => true,
-            (jump, Limit::Landing(_)) => jump < last,
-            _ => false,
-        };
+        let gives = |row: &usize| matches!(rows[*row], (jump, Limit::Landing(_)) if jump < last);
         let soft = (0..rows.len()).filter(gives).chain([rows.len(), rows.len() + 1]).collect();
-        Elastic { problem, course, goal, rows, soft, start }
+        let in_the_way = |o: &usize| problem.choice.leaps.iter().any(|leap| concerns(leap, *o));
+        let sinking = (0..course.obstacles.len()).filter(in_the_way).collect();
+        Elastic { problem, course, goal, rows, soft, sinking, decisions: start.len() }
     }
 
-    /// Where the solver starts: nothing gives.
-    fn first(&self) -> Vec<f64> {
-        let mut x = self.start.clone();
-        x.resize(x.len() + self.soft.len(), 0.0);
+    /// Where the obstacles' depths begin among the variables.
+    fn depths_from(&self) -> usize {
+        self.decisions + self.soft.len()
+    }
+
+    /// The choice's leaps with the obstacles sunk by `depths` (m).
+    fn sunk(&self, depths: &[f64]) -> Choice {
+        let depth = |obstacle: usize| {
+            self.sinking.iter().position(|o| *o == obstacle).map_or(0.0, |position| depths[position])
+        };
+        let mut choice = self.problem.choice.clone();
+        for leap in &mut choice.leaps {
+            leap.from -= leap.on[0].map_or(0.0, depth);
+            leap.to -= leap.on[1].map_or(0.0, depth);
+            for edge in leap.edges.iter_mut().chain(&mut leap.beside) {
+                edge.top -= depth(edge.obstacle);
+            }
+        }
+        choice
+    }
+
+    /// Cost and rows, with derivatives by the decisions, where the obstacles are sunk by `depths` (m).
+    fn rows_of(&self, decisions: &[f64], depths: &[f64]) -> Evaluation {
+        let mut at = Evaluation::default();
+        self.problem.over(&self.sunk(depths)).evaluate(decisions, &mut at);
+        // The last two rows are the landing's distances from the ends of its ground; the goal's differ by constants.
+        let (window, m) = (self.problem.choice.windows[self.course.jumps - 1], at.values.len());
+        at.values.extend([
+            at.values[m - 2] + window.low - self.goal.low,
+            at.values[m - 1] + self.goal.high - window.high,
+        ]);
+        at.jacobian.extend_from_within((m - 2) * decisions.len()..);
+        at
+    }
+
+    /// Where the solver starts from the decisions `x`: nothing gives.
+    fn first(&self, mut x: Vec<f64>) -> Vec<f64> {
+        x.resize(x.len() + self.soft.len() + self.sinking.len(), 0.0);
         x
     }
 
     fn relief(&self, report: &sqp::Report, settings: &Settings) -> Relief {
-        let n = self.start.len();
+        let n = self.decisions;
         if report.violation > ROUND_OFF.max(settings.solver.feasibility) {
             return Relief { gives: Vec::new(), total: f64::INFINITY, decisions: Vec::new() };
         }
@@ -138,7 +200,17 @@ impl<'a, J: Jumper> Elastic<'a, J> {
             let goal = Give { jump: self.course.jumps - 1, limit: Limit::Goal, amount: forward * amount };
             self.rows.get(row).map_or(goal, |&(jump, limit)| Give { jump, limit, amount })
         };
-        let mut gives: Vec<Give> = self.soft.iter().zip(&report.x[n..]).map(give).collect();
+        let (depths, level) = (&report.x[self.depths_from()..], vec![0.0; self.sinking.len()]);
+        let blocked = self.rows_of(&report.x[..n], &level).values;
+        let sink = |(&obstacle, &amount): (&usize, &f64)| {
+            let is_its_own = |row: &(&(usize, Limit), &f64)| row.0.1.obstacle() == Some(obstacle);
+            let rows = self.rows.iter().zip(&blocked).filter(is_its_own);
+            let worst = rows.min_by(|a, b| a.1.total_cmp(b.1)).map(|(row, _)| *row);
+            let (jump, limit) = worst.unwrap_or((0, Limit::Edge { obstacle, side: Side::Front }));
+            Give { jump, limit, amount }
+        };
+        let sinks = self.sinking.iter().zip(depths).map(sink);
+        let mut gives: Vec<Give> = self.soft.iter().zip(&report.x[n..]).map(give).chain(sinks).collect();
         gives.retain(|g| g.amount.abs() > ROUND_OFF.max(settings.solver.feasibility));
         gives.sort_by(|a, b| b.amount.abs().total_cmp(&a.amount.abs()));
         let total = gives.iter().map(|g| g.amount.abs()).sum();
@@ -147,9 +219,14 @@ impl<'a, J: Jumper> Elastic<'a, J> {
     }
 }
 
-/// Jumps over even distances, as far as the windows allow.
+/// Jumps over even distances to the target, as far as the windows allow.
 pub(super) fn evenly<J: Jumper>(problem: &Problem<'_, J>, course: &Course) -> Vec<f64> {
-    let goal = problem.jumper.target(course.goal);
+    evenly_to(problem, course, None)
+}
+
+/// The same to a place (m); none: to the target.
+fn evenly_to<J: Jumper>(problem: &Problem<'_, J>, course: &Course, place: Option<f64>) -> Vec<f64> {
+    let goal = place.unwrap_or_else(|| problem.jumper.target(course.goal));
     let mut landing = course.start;
     let mut decisions = Vec::new();
     for (jump, leap) in problem.choice.leaps.iter().enumerate() {
@@ -167,7 +244,8 @@ impl<J: Jumper> Nlp for Elastic<'_, J> {
     fn bounds(&self) -> Vec<Span> {
         let mut bounds = self.problem.bounds();
         let most = 10.0 + (self.course.goal.high - self.course.start).abs();
-        bounds.resize(self.start.len() + self.soft.len(), Span::new(0.0, most));
+        bounds.resize(self.depths_from(), Span::new(0.0, most));
+        bounds.extend(self.sinking.iter().map(|o| Span::new(0.0, self.course.obstacles[*o].height)));
         bounds
     }
 
@@ -176,29 +254,33 @@ impl<J: Jumper> Nlp for Elastic<'_, J> {
     }
 
     fn evaluate(&self, x: &[f64], at: &mut Evaluation) {
-        let n = self.start.len();
-        let mut hard = Evaluation::default();
-        self.problem.evaluate(&x[..n], &mut hard);
-        // The last two rows are the landing's distances from the ends of its ground; the goal's differ by constants.
-        let (window, goal, m) =
-            (self.problem.choice.windows[self.course.jumps - 1], self.goal, hard.values.len());
-        hard.values.extend([
-            hard.values[m - 2] + window.low - goal.low,
-            hard.values[m - 1] + goal.high - window.high,
-        ]);
-        hard.jacobian.extend_from_within((m - 2) * n..);
-        let size = x.len();
+        let (n, size, first) = (self.decisions, x.len(), self.depths_from());
+        let depths = &x[first..];
+        let hard = self.rows_of(&x[..n], depths);
         at.cost = if hard.cost.is_finite() { x[n..].iter().sum() } else { f64::NAN };
         at.gradient = (0..size).map(|i| if i < n { 0.0 } else { 1.0 }).collect();
-        at.values = hard.values;
         at.jacobian.clear();
         for row in hard.jacobian.chunks_exact(n) {
             at.jacobian.extend_from_slice(row);
             at.jacobian.resize(at.jacobian.len() + size - n, 0.0);
+        }
+        at.values = hard.values;
+        for i in 0..depths.len() {
+            let mut deeper = depths.to_vec();
+            deeper[i] += SINKING;
+            let there = self.rows_of(&x[..n], &deeper);
+            for (row, (here, there)) in at.values.iter().zip(&there.values).enumerate() {
+                at.jacobian[row * size + first + i] = (there - here) / SINKING;
+            }
         }
         for (i, &row) in self.soft.iter().enumerate() {
             at.values[row] += x[n + i];
             at.jacobian[row * size + n + i] = 1.0;
         }
     }
+}
+
+/// Whether an obstacle is in the way of a jump, beside it or under it.
+fn concerns(leap: &Leap, obstacle: usize) -> bool {
+    leap.on.contains(&Some(obstacle)) || leap.edges.iter().chain(&leap.beside).any(|e| e.obstacle == obstacle)
 }

@@ -75,48 +75,56 @@ impl<'a, J: Jumper> Problem<'a, J> {
         }
     }
 
-    /// Takes what the landing of a jump keeps from the deviation of the jump with these decisions.
-    pub(super) fn keep_for(&mut self, jump: usize, at: [f64; 2]) {
-        self.keeps[jump] = self.constant_keep(jump, at);
+    /// The same program for the leaps of another choice.
+    pub(super) fn over<'b>(&self, choice: &'b Choice) -> Problem<'b, J>
+    where
+        'a: 'b,
+    {
+        Problem { choice, keeps: self.keeps.clone(), ..*self }
     }
 
-    fn constant_keep(&self, jump: usize, at: [f64; 2]) -> Keep {
-        Keep { at, value: self.kept(jump, at), slope: [0.0; 2] }
+    /// Takes what the landing of a jump keeps from the deviation of the jump with these decisions.
+    pub(super) fn keep_for(&mut self, jump: usize, at: [f64; 2]) {
+        self.keeps[jump] = self.constant_keep(&self.choice.leaps[jump], at);
+    }
+
+    fn constant_keep(&self, leap: &Leap, at: [f64; 2]) -> Keep {
+        Keep { at, value: self.kept(leap, at), slope: [0.0; 2] }
     }
 
     /// What the landing of a jump with these decisions has to keep (m).
-    fn kept(&self, jump: usize, decisions: [f64; 2]) -> f64 {
-        if self.sigmas == 0.0 || (self.ends_exactly && jump + 1 == self.choice.leaps.len()) {
+    fn kept(&self, leap: &Leap, decisions: [f64; 2]) -> f64 {
+        if self.sigmas == 0.0 || (self.ends_exactly && leap.jump + 1 == self.choice.leaps.len()) {
             return 0.0;
         }
-        self.sigmas * self.jumper.deviation(&self.choice.leaps[jump], decisions)
+        self.sigmas * self.jumper.deviation(leap, decisions)
     }
 
     /// The same with its slope.
-    fn linear_keep(&self, jump: usize, at: [f64; 2]) -> Keep {
-        let value = self.kept(jump, at);
-        let bounds = self.jumper.decisions(jump);
+    fn linear_keep(&self, leap: &Leap, at: [f64; 2]) -> Keep {
+        let value = self.kept(leap, at);
+        let bounds = self.jumper.decisions(leap.jump);
         let slope = std::array::from_fn(|i| {
             let towards =
                 if at[i] > f64::midpoint(bounds[i].low, bounds[i].high) { -DIFFERENCE } else { DIFFERENCE };
             let step = towards * bounds[i].width();
             let mut moved = at;
             moved[i] += step;
-            if self.sigmas > 0.0 && step != 0.0 { (self.kept(jump, moved) - value) / step } else { 0.0 }
+            if self.sigmas > 0.0 && step != 0.0 { (self.kept(leap, moved) - value) / step } else { 0.0 }
         });
         Keep { at, value, slope }
     }
 
-    /// Takes what landings keep from the jumps with the decisions `x`, with its slope in the first rounds; by how much (m)
+    /// Takes what landings keep from the jumps over `leaps` with the decisions `x`, with its slope in the first rounds; by how much (m)
     /// it was greater or less than the program had it, at most, and by how much greater. In later rounds it is more than
     /// that by as much, and by `spare` (m), so that the next solution keeps enough.
-    fn keep(&mut self, x: &[f64], round: usize, spare: f64) -> [f64; 2] {
+    fn keep(&mut self, leaps: &[Leap], x: &[f64], round: usize, spare: f64) -> [f64; 2] {
         let (mut change, mut growth) = (0.0_f64, 0.0_f64);
-        for jump in 0..self.keeps.len() {
+        for (jump, leap) in leaps.iter().enumerate() {
             let at = [x[2 * jump], x[2 * jump + 1]];
             let before = self.keeps[jump].of(at.map(Slope::of)).value;
             let is_linear = round < LINEAR_ROUNDS;
-            let kept = if is_linear { self.linear_keep(jump, at) } else { self.constant_keep(jump, at) };
+            let kept = if is_linear { self.linear_keep(leap, at) } else { self.constant_keep(leap, at) };
             let grown = kept.value - before;
             growth = growth.max(grown);
             change = change.max(if is_linear { grown.abs() } else { grown });
@@ -128,17 +136,19 @@ impl<'a, J: Jumper> Problem<'a, J> {
 
     /// Solves the program from `x`, whose first variables are the decisions, again and again until its landings keep what
     /// the answer's deviations ask for. A deviation costs far more than a jump, and so it is not asked for at every step of
-    /// the solver but once for each solution, with its slope.
+    /// the solver but once for each solution, with its slope. `choice` gives the jumps of a solution.
     pub(super) fn settle(
         &mut self,
         x: &[f64],
         solver: &sqp::Settings,
+        choice: impl Fn(&Self, &[f64]) -> Choice,
         solve: impl Fn(&Self, &[f64]) -> sqp::Report,
     ) -> sqp::Report {
-        self.keep(x, 0, 0.0);
+        self.keep(&choice(self, x).leaps, x, 0, 0.0);
         let mut report = solve(self, x);
         for round in 1..=ROUNDS {
-            let [change, growth] = self.keep(&report.x, round, solver.feasibility);
+            let leaps = choice(self, &report.x).leaps;
+            let [change, growth] = self.keep(&leaps, &report.x, round, solver.feasibility);
             // A program that has no solution after a second try hardly gets one by what is kept.
             let is_lost = round > 1 && report.violation > solver.feasibility;
             if change <= solver.feasibility || round == ROUNDS || is_lost {

@@ -107,6 +107,8 @@ pub enum Answer {
     Undecided {
         /// Nodes looked at.
         nodes: usize,
+        /// Programs solved.
+        solves: usize,
     },
 }
 
@@ -175,12 +177,12 @@ pub fn plan_watched<J: Jumper>(
                 let bound = choices.start().map_or(best.cost, |start| start.bound.min(best.cost));
                 Answer::Plan(search.finish(best, bound, false))
             }
-            _ => Answer::Undecided { nodes: search.nodes },
+            _ => Answer::Undecided { nodes: search.nodes, solves: search.solves },
         });
     }
     Ok(match &search.best {
         Some(best) => Answer::Plan(search.finish(best, bound.min(best.cost), complete)),
-        None => Answer::Undecided { nodes: search.nodes },
+        None => Answer::Undecided { nodes: search.nodes, solves: search.solves },
     })
 }
 
@@ -437,7 +439,12 @@ impl<J: Jumper> Search<'_, J> {
     /// Looks for a local optimum of a choice; whether it finds a plan.
     fn solve(&mut self, choice: usize, decisions: &[f64], solver: &sqp::Settings) -> bool {
         self.solves += 1;
-        let report = self.problem(choice).settle(decisions, solver, |p, x| sqp::solve(p, x, solver));
+        let report = self.problem(choice).settle(
+            decisions,
+            solver,
+            |p, _| p.choice.clone(),
+            |p, x| sqp::solve(p, x, solver),
+        );
         let is_plan = report.violation <= self.settings.solver.feasibility;
         if is_plan {
             let is_final = report.status == sqp::Status::Converged && *solver == self.settings.solver;
@@ -584,7 +591,9 @@ impl<J: Jumper> Search<'_, J> {
     fn finish(&self, best: &Best, bound: f64, complete: bool) -> Plan {
         let mut problem = self.problem(best.choice);
         let solver = &self.settings.solver;
-        let solve = || problem.settle(&best.decisions, solver, |p, x| sqp::solve(p, x, solver));
+        let solve = || {
+            problem.settle(&best.decisions, solver, |p, _| p.choice.clone(), |p, x| sqp::solve(p, x, solver))
+        };
         let mut report = best.report.clone().unwrap_or_else(solve);
         if report.violation > self.settings.solver.feasibility || report.cost > best.cost {
             report.x.clone_from(&best.decisions);

@@ -1,6 +1,6 @@
 //! Where a course can be landed on, and what lies between.
 
-use super::{Course, Edge, Jumper, Leap, Side, Span};
+use super::{Course, Edge, Jumper, Leap, Obstacle, Side, Span};
 
 /// A level stretch to land on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,6 +9,8 @@ pub(super) struct Ground {
     pub(super) span: Span,
     /// Height (m).
     pub(super) height: f64,
+    /// Index of the obstacle that it is the top of; none for the ground itself.
+    pub(super) obstacle: Option<usize>,
 }
 
 /// A course's grounds and edges, both in the order of the travel.
@@ -29,12 +31,14 @@ impl Terrain {
         let mut boxes: Vec<_> = course.obstacles.iter().enumerate().collect();
         boxes.sort_by(|a, b| a.1.center.total_cmp(&b.1.center));
         let mut edges = Vec::new();
-        let mut grounds = vec![Ground { span: Span::new(course.start, f64::INFINITY), height: 0.0 }];
+        let floor = Ground { span: Span::new(course.start, f64::INFINITY), height: 0.0, obstacle: None };
+        let mut grounds = vec![floor];
         for (obstacle, o) in &boxes {
             let span = o.span();
             edges.push(Edge { x: span.low, top: o.height, obstacle: *obstacle, side: Side::Front });
             edges.push(Edge { x: span.high, top: o.height, obstacle: *obstacle, side: Side::Back });
-            grounds.push(Ground { span: span.widened(-jumper.edge_margin(0.0)), height: o.height });
+            let span = span.widened(-jumper.edge_margin(0.0));
+            grounds.push(Ground { span, height: o.height, obstacle: Some(*obstacle) });
         }
         for (_, o) in &boxes {
             let beside = |g: Ground| {
@@ -53,7 +57,14 @@ impl Terrain {
         }
         grounds.retain(|g| !g.span.is_empty());
         grounds.sort_by(|a, b| a.span.low.total_cmp(&b.span.low));
-        let start = Ground { span: Span::point(course.start), height: course.start_height };
+        let carries = |o: &&(usize, &Obstacle)| {
+            o.1.height == course.start_height && o.1.span().clamp(course.start) == course.start
+        };
+        let start = Ground {
+            span: Span::point(course.start),
+            height: course.start_height,
+            obstacle: boxes.iter().find(carries).map(|(obstacle, _)| *obstacle),
+        };
         let goal = kept_goal(course.goal, zone_margin);
         Terrain { start, grounds, edges, goal, girth: jumper.girth() }
     }
@@ -69,7 +80,7 @@ impl Terrain {
             e.top > from.height && (behind || ahead)
         };
         let beside = self.edges.iter().filter(near).copied().collect();
-        Leap { jump, from: from.height, to: to.height, edges, beside }
+        Leap { jump, from: from.height, to: to.height, on: [from.obstacle, to.obstacle], edges, beside }
     }
 }
 

@@ -178,7 +178,7 @@ fn the_program_of_a_choice_has_exact_derivatives() {
     use super::problem::{Choice, Problem};
     use super::sqp::{Evaluation, Nlp};
     let edge = |x, side| Edge { x, top: 0.1, obstacle: 0, side };
-    let leap = |jump, edges| Leap { jump, from: 0.0, to: 0.0, edges, beside: vec![] };
+    let leap = |jump, edges| Leap { jump, from: 0.0, to: 0.0, on: [None; 2], edges, beside: vec![] };
     let leaps =
         vec![leap(0, vec![]), leap(1, vec![edge(1.3, Side::Front), edge(1.4, Side::Back)]), leap(2, vec![])];
     let windows = vec![Span::new(0.2, 1.2), Span::new(1.5, 3.0), Span::point(3.0)];

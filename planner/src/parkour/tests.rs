@@ -12,10 +12,10 @@ fn edge(x: f64, top: f64, side: Side) -> Edge {
 fn leaps() -> [Leap; 4] {
     let (front, back) = (edge(0.35, 0.12, Side::Front), edge(0.45, 0.12, Side::Back));
     [
-        Leap { jump: 0, from: 0.0, to: 0.0, edges: vec![], beside: vec![] },
-        Leap { jump: 0, from: 0.0, to: 0.0, edges: vec![front, back], beside: vec![] },
-        Leap { jump: 0, from: 0.0, to: 0.12, edges: vec![front], beside: vec![] },
-        Leap { jump: 0, from: 0.12, to: 0.0, edges: vec![back], beside: vec![] },
+        Leap { jump: 0, from: 0.0, to: 0.0, on: [None; 2], edges: vec![], beside: vec![] },
+        Leap { jump: 0, from: 0.0, to: 0.0, on: [None; 2], edges: vec![front, back], beside: vec![] },
+        Leap { jump: 0, from: 0.0, to: 0.12, on: [None; 2], edges: vec![front], beside: vec![] },
+        Leap { jump: 0, from: 0.12, to: 0.0, on: [None; 2], edges: vec![back], beside: vec![] },
     ]
 }
 

@@ -52,15 +52,14 @@ fn otherwise(give: &Give, course: &Course) -> String {
             digits(goal.high + give.amount, 4),
             digits(goal.high, 4)
         ),
-        Limit::Edge { obstacle, side } => format!(
-            "obstacle {} would have to be at least {amount} m lower at its {} edge (it is {} m high)",
+        Limit::Edge { obstacle, .. } => format!(
+            "obstacle {} would have to be {amount} m lower (it is {} m high)",
             obstacle + 1,
-            if side == Side::Front { "front" } else { "back" },
             digits(course.obstacles[obstacle].height, 4)
         ),
         Limit::Stance { obstacle, .. } => format!(
-            "obstacle {} is under the wheel where jump {} starts: it would have to stand {amount} m farther from \
-             the foothold",
+            "obstacle {} is under the wheel where jump {} starts: it would have to be {amount} m lower, or to stand \
+             farther from the foothold",
             obstacle + 1,
             give.jump + 1
         ),

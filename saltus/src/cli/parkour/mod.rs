@@ -195,7 +195,7 @@ fn text(answers: &[(&Course, Answer)], hopper: &Hopper) -> String {
             Answer::Infeasible(relief) => {
                 format!("  {:<16} infeasible; {}", course.id, limits::text(&relief.gives, course))
             }
-            Answer::Undecided { nodes } => format!("  {:<16} undecided after {nodes} nodes", course.id),
+            Answer::Undecided { nodes, .. } => format!("  {:<16} undecided after {nodes} nodes", course.id),
         });
     }
     lines.join("\n") + "\n"
