@@ -276,3 +276,56 @@ fn no_two_paths_of_a_drawing_have_one_name() {
         assert!(count >= 2 && names.len() == count, "{line}: {names:?}");
     }
 }
+
+#[test]
+fn a_box_that_is_landed_on_must_not_be_touched_before() {
+    use saltus::verify::{Demand, Demands, Plant, Route, Stage, Starts};
+    let robot = saltus::Robot::rats_planar();
+    let (planner, radius) = (saltus::Planner::new(robot.clone()), robot.body.radius);
+    let launch = saltus::Launch { rate: 5.0, lean: -0.3, firing_angle: -0.3, valve_open: 0.1 };
+    let top = 0.1;
+    let jump = planner.jump(&launch).unwrap();
+    let place = jump.distance(radius + top).unwrap();
+    let plant = Plant::new(robot, 1e-8);
+    let fly = |front: f64| {
+        let stage = Stage {
+            launch,
+            foot: [0.0, 0.0],
+            landing_height: radius + top,
+            surface: Some(top),
+            apex: jump.apex().unwrap(),
+            landing: place,
+            wanted: place,
+        };
+        let demands =
+            Demands { obstacles: vec![[front, place + 1.0, top]], clearance: 0.02, ..Demands::within(0.01) };
+        let mut attempts = plant.run(&Route { stages: vec![stage], demands }, &[], Starts::Chained);
+        attempts.pop().unwrap()
+    };
+    // Where the box begins behind the rise, the landing itself is no touch, whatever clearance is demanded.
+    let clear = fly(0.6 * place);
+    assert!(clear.passes(), "{:?}", clear.reasons());
+    assert_eq!(clear.clearance, None);
+    // Where it begins before, the wheel rises into its corner, in the stance or after it.
+    let touched = fly(0.15);
+    let touches = |demand| touched.judgement(demand).is_some_and(|j| !j.holds() && j.item == Some(0));
+    assert!([Demand::Clearance, Demand::Stance].into_iter().any(touches), "{:?}", touched.judgements);
+    assert_eq!(touched.clearance.map(|gap| gap < -1e-3), Some(true));
+    assert!(touched.landing().is_some(), "it lands on the box all the same");
+}
+
+#[test]
+fn the_box_that_the_robot_stands_on_has_no_clearance() {
+    let folder = folder("stand");
+    // From one box over a ditch onto another.
+    folder.write(
+        "boxes.toml",
+        "approach_rate_rad_s = 5.0\nstart_height_m = 0.1\ntarget_x_m = 0.95\ngoal_from_x_m = 0.8\n\
+         [[obstacle]]\nfront_x_m = -0.3\nwidth_m = 0.4\nheight_m = 0.1\n\
+         [[obstacle]]\nfront_x_m = 0.6\nwidth_m = 1.0\nheight_m = 0.1\n",
+    );
+    let report = json(&folder, "verify boxes.toml --samples 5 --share 0", 0);
+    for row in report["rows"].as_array().unwrap() {
+        assert_eq!(row["clearance_m"], Value::Null, "{row}");
+    }
+}

@@ -182,7 +182,7 @@ fn obstacle(planar: &Planner) -> Outcome<String> {
             let flown = plant.fly(&task)?;
             // Behind the box it has to come down behind, as in the plan's margin.
             let behind = flown.landing.map(|x| x - best.front - SIDE - radius);
-            let margin = flown.clearance.zip(behind).map(|(a, b)| a.min(b)).ok_or("no margin")?;
+            let margin = flown.clearances[0].least().min(behind.ok_or("no landing")?);
             write!(text, " {} |", signed(1e3 * margin, 1))?;
             lost.push(best.margin - margin);
         }

@@ -264,6 +264,30 @@ impl Demands {
         kept.min_by(by_margin)
     }
 
+    /// The boxes on which a foot (m along the course, and up) does not stand.
+    fn in_the_way(&self, foot: [f64; 2]) -> impl Iterator<Item = usize> {
+        (0..self.obstacles.len()).filter(move |item| !self.carries(*item, foot[0], foot[1]))
+    }
+
+    fn is_landed_on(&self, item: usize, landing: Option<(f64, f64)>) -> bool {
+        landing.is_some_and(|(x, height)| self.carries(item, x, height))
+    }
+
+    /// Least distance (m) between the wheel and the boxes, negative where they overlap; none without one. Neither the box
+    /// that the robot stands on counts nor, unless it is touched before, the one that it lands on.
+    pub(super) fn clearance(
+        &self,
+        flown: &Flown,
+        foot: [f64; 2],
+        landing: Option<(f64, f64)>,
+    ) -> Option<f64> {
+        let gap = |item: usize| {
+            let gap = flown.clearances[item].least();
+            (gap < -ROUND_OFF || !self.is_landed_on(item, landing)).then_some(gap)
+        };
+        self.in_the_way(foot).filter_map(gap).reduce(f64::min)
+    }
+
     /// All that is demanded of the way to the landing: a jump from `foot` (m along the course, and up) to `landing` (m along the
     /// course, and the height of the surface), where there is one. What the robot stands on is not in its way; what it
     /// lands on is not touched before.
@@ -273,12 +297,10 @@ impl Demands {
         foot: [f64; 2],
         landing: Option<(f64, f64)>,
     ) -> Vec<Judgement> {
-        let in_the_way = |item: &usize| !self.carries(*item, foot[0], foot[1]);
-        let gaps = || (0..self.obstacles.len()).filter(in_the_way).map(|item| (item, flown.clearances[item]));
+        let gaps = || self.in_the_way(foot).map(|item| (item, flown.clearances[item]));
         let flight = gaps().filter_map(|(item, gap)| {
             let value = gap.flight?;
-            let lands = landing.is_some_and(|(x, height)| self.carries(item, x, height));
-            let margin = if lands { value } else { value - self.clearance };
+            let margin = if self.is_landed_on(item, landing) { value } else { value - self.clearance };
             Some(Judgement { demand: Demand::Clearance, margin, value, item: Some(item) })
         });
         let stance = gaps().map(|(item, gap)| {

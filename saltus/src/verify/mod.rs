@@ -72,9 +72,7 @@ pub struct Flown {
     pub apex: Option<f64>,
     /// Travel (m) from the foothold to the landing; none where it does not get there.
     pub landing: Option<f64>,
-    /// Least distance (m) between the wheel and an obstacle; none without obstacles. Negative: how far they overlap.
-    pub clearance: Option<f64>,
-    /// The same for each obstacle, stance and flight apart.
+    /// Least distances (m) between the wheel and each obstacle.
     pub clearances: Vec<Clearance>,
     /// Everything else.
     pub report: Report,
@@ -173,12 +171,6 @@ impl Plant {
         let landing = number(report.landing_at);
         let path = Path::new(&report, self.robot.body.radius, (landing, task.landing_height), task.leg_out);
         let clearances: Vec<Clearance> = task.obstacles.iter().map(|solid| path.clearance(solid)).collect();
-        Ok(Flown {
-            apex: number(report.apex),
-            landing,
-            clearance: clearances.iter().map(Clearance::least).reduce(f64::min),
-            clearances,
-            report,
-        })
+        Ok(Flown { apex: number(report.apex), landing, clearances, report })
     }
 }

@@ -68,6 +68,9 @@ pub struct Attempt {
     pub launch: Launch,
     /// What became of it.
     pub flight: Flight,
+    /// Least distance (m) between the wheel and an obstacle, negative where they overlap; none without obstacles. What the
+    /// robot stands or lands on does not count, unless the wheel touches it before it lands there.
+    pub clearance: Option<f64>,
     /// How it fares with each demand that applies to it.
     pub judgements: Vec<Judgement>,
 }
@@ -104,8 +107,8 @@ impl Route {
         Route { stages: plan.jumps.iter().map(stage).collect(), demands }
     }
 
-    /// All judgements of a jump from `foot`.
-    fn judge(&self, jump: usize, foot: [f64; 2], flown: &Flown) -> Vec<Judgement> {
+    /// All judgements of a jump from `foot`, and its clearance (m).
+    fn judge(&self, jump: usize, foot: [f64; 2], flown: &Flown) -> (Vec<Judgement>, Option<f64>) {
         let stage = &self.stages[jump];
         let place = flown.landing.map(|distance| foot[0] + distance);
         let mut judgements = vec![touchdown(place.is_some())];
@@ -114,8 +117,9 @@ impl Route {
             let landing = Landing { jump, is_last, place, wanted: stage.wanted, surface: stage.surface };
             judgements.extend(self.demands.of_landing(&landing));
         }
-        judgements.extend(self.demands.of_way(flown, foot, place.zip(stage.surface)));
-        judgements
+        let landing = place.zip(stage.surface);
+        judgements.extend(self.demands.of_way(flown, foot, landing));
+        (judgements, self.demands.clearance(flown, foot, landing))
     }
 }
 
@@ -164,14 +168,14 @@ impl Plant {
             leg_out: route.demands.leg_out,
         };
         let (plant, task) = self.disturbed(&task, errors);
-        let (flight, judgements) = match plant.fly(&task) {
+        let (flight, (judgements, clearance)) = match plant.fly(&task) {
             Ok(flown) => {
-                let judgements = route.judge(jump, foot, &flown);
-                (Flight::Flown(Box::new(flown)), judgements)
+                let judged = route.judge(jump, foot, &flown);
+                (Flight::Flown(Box::new(flown)), judged)
             }
-            Err(error) => (Flight::Failed(error), vec![touchdown(false)]),
+            Err(error) => (Flight::Failed(error), (vec![touchdown(false)], None)),
         };
-        Attempt { foot, launch: task.launch, flight, judgements }
+        Attempt { foot, launch: task.launch, flight, clearance, judgements }
     }
 }
 
@@ -181,6 +185,7 @@ impl Attempt {
             foot: stage.foot,
             launch: stage.launch,
             flight: Flight::NotStarted,
+            clearance: None,
             judgements: vec![touchdown(false)],
         }
     }

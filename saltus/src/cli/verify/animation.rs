@@ -108,7 +108,7 @@ fn verdict(one: &Jump<'_>, flown: &Flown) -> String {
     let mut words = one.attempt.reasons();
     if words.is_empty() {
         words.extend(one.attempt.judgement(Demand::Tolerance).map(Judgement::place));
-        let gap = flown.clearance.filter(|gap| *gap > 0.0);
+        let gap = one.attempt.clearance.filter(|gap| *gap > 0.0);
         words.extend(gap.map(|gap| format!("keeps {} mm from boxes", digits(1e3 * gap, 3))));
     }
     if flown.report.slips_at.is_some() {

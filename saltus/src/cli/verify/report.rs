@@ -139,7 +139,7 @@ fn row(run: usize, jump: &Jump<'_>, robot: &Robot) -> Vec<Cell> {
         jump.land_error().into(),
         stage.wanted.into(),
         jump.miss().into(),
-        flown.and_then(|flown| flown.clearance).into(),
+        attempt.clearance.into(),
         report.and_then(|report| report.slips_at).into(),
         flown.map(|flown| slip(flown.slip())).into(),
         report.map(|report| slip(report.slipped[1])).into(),

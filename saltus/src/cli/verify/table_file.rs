@@ -197,17 +197,19 @@ impl TableFile {
 
     /// The distance (m) that is verified.
     fn distance(&self, wanted: Option<f64>) -> Result<Option<f64>, CliError> {
-        let listed = || self.distances.iter().take(12).map(f64::to_string).collect::<Vec<_>>().join(", ");
+        let listed = || self.distances.iter().take(12).map(|x| digits(*x, 9)).collect::<Vec<_>>().join(", ");
         match (wanted, self.distances.as_slice()) {
             (wanted, []) => Ok(wanted),
             (None, [only]) => Ok(Some(*only)),
             (None, _) => {
-                let allowed = format!("one of the distances in {}: {}", self.file, listed());
-                Err(CliError::flag("--distance", "", allowed))
+                let (count, listed) = (self.distances.len(), listed());
+                let reason =
+                    format!("holds {count} distances (m): {listed}; --distance says which one to verify");
+                Err(CliError::content(&self.file, reason))
             }
             (Some(wanted), all) => {
                 let found = all.iter().copied().find(|d| (d - wanted).abs() <= 1e-9);
-                let allowed = || format!("one of those in {}: {}", self.file, listed());
+                let allowed = || format!("one of those in {} (m): {}", self.file, listed());
                 found.map(Some).ok_or_else(|| CliError::flag("--distance", wanted, allowed()))
             }
         }

@@ -100,7 +100,7 @@ impl Group {
             land_error: Spread::of(jumps().filter_map(|j| j.land_error())),
             miss: Spread::of(jumps().filter_map(|j| j.miss())),
             apex_error: Spread::of(jumps().filter_map(|j| j.apex_error())),
-            clearance: flown().filter_map(|f| f.clearance).reduce(f64::min),
+            clearance: jumps().filter_map(|j| j.attempt.clearance).reduce(f64::min),
             slip: flown().map(Flown::slip).fold(0.0, greater),
             friction_needed: greatest(&|f| f.report.friction_needed),
             least_normal: flown().map(|f| f.report.least_normal).filter(|x| x.is_finite()).reduce(f64::min),
