@@ -241,7 +241,7 @@ impl Section {
         };
         let (given, name) = (items.len(), self.dotted(key));
         if given > most {
-            let allowed = format!("at most {most} tables");
+            let allowed = if most == 1 { "one table".into() } else { format!("at most {most} tables") };
             self.problem(RobotError::NotAllowed {
                 place: node.place,
                 key: format!("[[{name}]]"),

@@ -85,6 +85,12 @@ fn what_cannot_be_is_infeasible_and_says_what_would_do() {
     check(far, &["one jump is not enough: the goal would have to begin at", "Try jumps = 2."]);
     folder.write("two.toml", format!("jumps = 2\n{far}"));
     folder.done("plan two.toml", 0);
+    // A table without rows says why on standard error.
+    folder.write("c.toml", far);
+    let run = folder.run(&["plan", "c.toml", "--format", "csv"]);
+    assert!(run.err.contains("infeasible") && run.err.contains("Try jumps = 2."), "{}", run.err);
+    assert_eq!((run.code, run.out.lines().count()), (Some(1), 1));
+    assert_eq!(json(&folder, "plan c.toml --format json", 1)["complete"], true);
     let under = "approach_rate_rad_s = 5\ntarget_x_m = 0.8\ngoal_from_x_m = 0.6\n[[obstacle]]\nfront_x_m = 0.1\nwidth_m = 0.2\n\
                  height_m = 0.1\n";
     check(under, &["obstacle 1 is under the wheel where jump 1 starts"]);
@@ -150,4 +156,24 @@ fn ctrl_c_gives_the_best_plan_so_far() {
     assert!(killed.success());
     assert_eq!((output.status.code(), plan["interrupted"].as_bool()), (Some(1), Some(true)), "{plan}");
     assert!(plan["status"] == "undecided" || plan["complete"] == false, "{plan}");
+}
+
+#[test]
+fn slips_of_unit_are_refused_or_asked_about() {
+    let folder = Folder::new("course-slips");
+    let course = "approach_rate_rad_s = 5\ngoal_from_x_m = 0.7\n";
+    folder.write("ms.toml", format!("{course}target_x_m = 0.9\nvalve_open_s = [20, 100]\n"));
+    let run = folder.run(&["plan", "ms.toml"]);
+    assert_eq!(run.code, Some(2));
+    assert!(
+        run.err.contains("ms.toml:4: valve_open_s item 1 = 20: must be a finite number > 0 and ≤ 10 s"),
+        "{}",
+        run.err
+    );
+    folder.write("mm.toml", format!("{course}target_x_m = 900\n"));
+    let text = folder.done("plan mm.toml", 0);
+    assert!(text.contains("Is target_x_m in another unit"), "{text}");
+    folder.write("exact.toml", "approach_rate_rad_s = 5\ngoal_from_x_m = 0.9\ngoal_to_x_m = 0.9\n");
+    let text = folder.done("plan exact.toml", 0);
+    assert!(text.contains("on the target at 0.9 m") && !text.contains("e-1"), "{text}");
 }

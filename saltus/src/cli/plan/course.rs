@@ -23,6 +23,8 @@ const PLACE: Domain = Domain::at_least(ANYWHERE.low).up_to(ANYWHERE.high);
 const SIZE: Domain = Domain::NON_NEGATIVE.up_to(1e3);
 const EXTENT: Domain = Domain::POSITIVE.up_to(1e3);
 const LEAN: Domain = Domain::above(-FRAC_PI_2).below(FRAC_PI_2);
+/// Opening times (s) of a valve.
+const OPENING: Domain = Domain::POSITIVE.up_to(10.0);
 const FACTOR: Domain = Domain::NON_NEGATIVE.up_to(1e4);
 
 /// The course in the file at `path`.
@@ -72,7 +74,7 @@ fn numbers(root: &mut Section, crossing: &mut Crossing) {
     crossing.rates = root.numbers("approach_rate", ANGULAR_RATE, rate, crossing.course.jumps);
     crossing.start_lean = root.optional("start_lean", ANGLE, LEAN);
     crossing.firing_angles = root.span("firing_angle", ANGLE, LEAN).map_or(crossing.firing_angles, span);
-    crossing.valve_open = root.span("valve_open", TIME, EXTENT).map_or(crossing.valve_open, span);
+    crossing.valve_open = root.span("valve_open", TIME, OPENING).map_or(crossing.valve_open, span);
     crossing.friction = root.optional("friction_coefficient", NUMBER, FACTOR);
     let numbers = [
         ("roll", LENGTH, SIZE, &mut crossing.roll),
@@ -201,6 +203,7 @@ to_x_m = 1
             "[0.1, 0.02]",
             "valve_open_s = [0.1, 0.02]: must be a list of two numbers, the lower first",
         );
+        check("[0.02, 0.1]", "[20, 100]", "valve_open_s item 1 = 20: must be a finite number > 0 and ≤ 10 s");
         check("[0.02, 0.1]", "[0.1]", "must be a list of two numbers, the lower first; this list has 1");
         check("[0.02, 0.1]", "\"long\"", "valve_open_s = \"long\": must be a list of two numbers");
         check("goal_to_x_m = 1.4", "goal_to_x_m = 0.4", "goal_to_x_m must not be before goal_from_x_m");

@@ -16,7 +16,7 @@ use super::Status;
 use super::common::{Common, PlotOption};
 use crate::error::CliError;
 use crate::interrupt::Interrupt;
-use crate::output::{Format, digits};
+use crate::output::{self, Format, digits};
 use crate::plot::Drawing;
 use crate::progress::Progress;
 
@@ -78,9 +78,9 @@ JSON: {\"command\": \"plan\", \"robot\": NAME, \"course\": FILE, \"status\": \
 holds-in-the-planar-model, fails-in-the-planar-model, infeasible or undecided, \"cost\": …, \"bound\" (no plan \
 costs less), \"complete\" (whether the search ran to its end), \"interrupted\", \"jumps\": [{the columns}], \"checks\": [{\"jump\", \"what\", \
 \"value\", \"least\", \"greatest\" (null: no limit), \"holds\"}], \"nearest\": [{\"jump\", \"limit\", \
-\"amount_m\"}], \"try_jumps\"}: the limits by which the nearest course with a plan differs, and with how many \
-jumps there is a plan. fails-in-the-planar-model: the search's jumps hold, but their stances pass an \
-obstacle too near.
+\"amount_m\"}], \"try_jumps\"}: the limits by which the nearest course with a plan differs (an obstacle is lower \
+by the amount, a ground is longer, the goal moves, forward if positive), and with how many jumps there is a plan. fails-in-the-planar-model: flown ten times finer \
+than in the search, the plan misses a limit.
 
 The exit code is 1 unless there is a plan that holds in the planar model and the search was not interrupted.";
 
@@ -100,6 +100,10 @@ impl Plan {
         };
         let robot = planner.robot();
         let report = Report { answer: &answer, crossing: &crossing, interrupted: interrupt.came() };
+        if !matches!(answer, CrossingAnswer::Plan(_)) && self.common.format() == Format::Csv {
+            // A table without rows says nothing of why.
+            output::message(report.text(robot, &file).trim_end());
+        }
         let report = match self.common.format() {
             Format::Csv => report.table(robot).csv(),
             Format::Json => report.json(robot, &file),

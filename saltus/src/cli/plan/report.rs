@@ -43,6 +43,9 @@ const SHOWN: &[(&str, &str, &str)] = &[
     ("holds", "holds", ""),
 ];
 
+/// A distance (m) below this is round-off.
+const ROUND_OFF: f64 = 1e-9;
+
 /// In place of what is allowed where all is.
 const NO_LIMIT: &str = "no limit";
 
@@ -90,6 +93,11 @@ impl Report<'_> {
             CrossingAnswer::Infeasible { relief, jumps } => (limits::json(&relief.gives), *jumps),
             _ => (Vec::new(), None),
         };
+        let complete = match self.answer {
+            CrossingAnswer::Plan(plan) => plan.search.complete,
+            CrossingAnswer::Infeasible { .. } => !self.interrupted,
+            CrossingAnswer::Undecided { .. } => false,
+        };
         let checks: Vec<Value> = plan.iter().flat_map(|plan| &plan.checks).map(check_json).collect();
         output::json(&json!({
             "command": "plan",
@@ -98,7 +106,7 @@ impl Report<'_> {
             "status": self.status().0,
             "cost": plan.map(|plan| plan.search.cost),
             "bound": plan.map(|plan| plan.search.bound),
-            "complete": plan.map(|plan| plan.search.complete),
+            "complete": complete,
             "interrupted": self.interrupted,
             "jumps": self.table(robot).json(),
             "checks": checks,
@@ -118,9 +126,10 @@ impl Report<'_> {
                     + &checks_text(plan)
             }
             CrossingAnswer::Infeasible { relief, jumps } => self.infeasible_text(relief, *jumps),
-            CrossingAnswer::Undecided { nodes } => format!(
-                "  no plan was found in {nodes} steps of the search; that there is none is not proven{}\n",
-                if self.interrupted { ", as Ctrl-C stopped the search" } else { "" }
+            CrossingAnswer::Undecided { nodes, solves } => format!(
+                "  no plan was found in {nodes} steps of the search, with {solves} programs solved, before {}; that there is \
+                 none is not proven\n",
+                if self.interrupted { "Ctrl-C stopped it" } else { "it came to its limit" }
             ),
         };
         title + &body
@@ -134,7 +143,15 @@ impl Report<'_> {
             NO_LIMIT => "no goal zone is given".into(),
             limits => format!("goal: {limits} m"),
         };
-        format!("  last landing {} m, {}; {zone}\n", digits(landing, 4), off_target(landing, target))
+        let line =
+            format!("  last landing {} m, {}; {zone}\n", digits(landing, 4), off_target(landing, target));
+        let is_far = (target - landing).abs() > (landing - self.crossing.course.start).abs();
+        line + if is_far {
+            "  → The target is farther away than all jumps go together. Is target_x_m in another unit (target_x_cm, \
+             target_x_mm)?\n"
+        } else {
+            ""
+        }
     }
 
     /// What is known of better plans.
@@ -187,6 +204,9 @@ impl Report<'_> {
 /// How far a landing (m) is from the target (m), in words.
 pub(super) fn off_target(landing: f64, target: f64) -> String {
     let off = landing - target;
+    if off.abs() < 5e-5 {
+        return format!("on the target at {} m", digits(target, 4));
+    }
     let side = if off < 0.0 { "short of" } else { "beyond" };
     format!("{:.1} mm {side} the target at {} m", 1e3 * off.abs(), digits(target, 4))
 }
@@ -202,7 +222,8 @@ fn row(i: usize, planned: &PlannedJump, target: Option<f64>, checks: &[Check], r
     row.extend(planned.landing.map(Cell::from));
     row.push(Some(planned.deviation).filter(|d| *d > 0.0).into());
     row.push(target.into());
-    row.push(target.map(|target| planned.landing[0] - target).into());
+    let off = target.map(|target| planned.landing[0] - target);
+    row.push(off.map(|off| if off.abs() < ROUND_OFF { 0.0 } else { off }).into());
     row.push(planned.friction_needed.into());
     row.push(Cell::Flag(holds));
     row
@@ -229,8 +250,8 @@ fn checks_text(plan: &CrossingPlan) -> String {
     let (hold, fail): (Vec<&Check>, Vec<&Check>) = plan.checks.iter().partition(|check| check.holds());
     let mut text: String = fail.iter().copied().map(line).collect();
     if !fail.is_empty() {
-        text += "  → The search sees the stance only where it starts and where the leg begins to extend. More clearance_m \
-                 keeps the jumps farther from boxes.\n";
+        text += "  → Flown ten times finer than in the search, the plan misses this. More clearance_m, edge_margin_m or \
+                 margin_sigmas leaves more room.\n";
     }
     let hold = hold.into_iter().filter(|check| allowed(check.allowed) != NO_LIMIT);
     text + &hold.map(line).collect::<String>()
