@@ -4,7 +4,7 @@
 //! done here; a jump that is anything else is handed to [`Stance::jump`], whose results these equal within the tolerance.
 
 use saltus_numeric::dop853::{self, Derivative, Step};
-use saltus_numeric::{LANES, Lanes, Scalar};
+use saltus_numeric::{LANES, Lanes, Scalar, Width};
 use saltus_pneumatics::{Chamber, Flow, MEGA, Piece, Valve, ValveLaw};
 use saltus_robot::Robot;
 
@@ -32,6 +32,7 @@ const PASSED: f64 = -1e-9;
 pub struct Batch {
     one: Stance<f64>,
     many: Stance<Lanes>,
+    width: Width,
 }
 
 /// A jump at the start of its extension.
@@ -47,7 +48,13 @@ impl Batch {
     /// The model of `robot` with an error `tolerance` as in [`Stance`].
     pub fn new(robot: &Robot, tolerance: f64) -> Batch {
         let many = Stance::<Lanes>::assemble(robot, |_, x| Lanes::of(x)).with_tolerance(tolerance);
-        Batch { one: Stance::new(robot, |_, x| x).with_tolerance(tolerance), many }
+        Batch { one: Stance::new(robot, |_, x| x).with_tolerance(tolerance), many, width: Width::best() }
+    }
+
+    /// The same in registers of `width`, or of the base where the processor has it not. The results are the same bits for
+    /// all that fuse.
+    pub fn with_width(self, width: Width) -> Batch {
+        Batch { width: if width.is_here() { width } else { Width::Base }, ..self }
     }
 
     /// The model of a single jump.
@@ -63,10 +70,16 @@ impl Batch {
         let mut ends = vec![None; launches.len()];
         if let (Some(chamber), Some(lane_chamber)) = (self.one.leg.chamber(), self.many.leg.chamber())
             && self.one.plain
+            && self.width.fuses()
         {
-            let ready = self.prepare(launches, lane_chamber);
-            let mut crew = Crew::new(&self.one, chamber, &self.many, lane_chamber);
-            crew.work(&ready, &mut ends);
+            // All of it is inlined here: what is not is compiled for the base, and forty times slower.
+            self.width.run(
+                #[inline(always)]
+                || {
+                    let ready = self.prepare(launches, lane_chamber);
+                    Crew::new(&self.one, chamber, &self.many, lane_chamber).work(&ready, &mut ends);
+                },
+            );
         }
         ends.into_iter()
             .zip(launches)
@@ -76,6 +89,7 @@ impl Batch {
 
     /// Pivoting and filling by their closed forms, several at a time; leaves out every jump for which these do not hold to
     /// round-off.
+    #[inline(always)]
     fn prepare(&self, launches: &[Launch], chamber: &Chamber<Lanes>) -> Vec<Ready> {
         let mut ready = Vec::with_capacity(launches.len());
         for (block, chunk) in launches.chunks(LANES).enumerate() {
@@ -117,6 +131,7 @@ struct ClosedStart {
 }
 
 impl Stance<Lanes> {
+    #[inline(always)]
     fn closed_start(
         &self,
         rate: Lanes,
@@ -128,31 +143,29 @@ impl Stance<Lanes> {
         let of = Lanes::of;
         let pendulum = &self.pendulum;
         let invariant = pendulum.invariant(lean, rate);
-        let pivots = lean.simd_lt(angle);
-        let fire_lean = pivots.select(angle, lean);
+        let pivots = lean.lt(angle);
+        let fire_lean = pivots.choose(angle, lean);
         let at_top = invariant - of(2.0) * pendulum.stiffness;
         // One panel is exact where it stays clear of the zeros of the rate, φ = ±i acosh(1 + q): at least
         // 1.28 min(√q, 1) away.
         let q = at_top / (of(2.0) * pendulum.stiffness);
-        let clear = of(1.28) * q.fast_max(of(0.0)).sqrt().fast_min(of(1.0));
+        let clear = of(1.28) * q.max(of(0.0)).sqrt().min(of(1.0));
         let near = (fire_lean - lean) * of(0.8);
-        let mut sound = (!pivots) | (at_top.simd_gt(of(0.0)) & near.simd_le(clear));
-        let fire_rate =
-            pivots.select(pendulum.rate_squared(invariant, fire_lean).fast_max(of(0.0)).sqrt(), rate);
-        let time_fire = pivots.select(pendulum.panel_time(invariant, lean, fire_lean), of(0.0));
+        let mut sound = (!pivots) | (at_top.gt(of(0.0)) & near.le(clear));
+        let fire_rate = pivots.choose(pendulum.rate_squared(invariant, fire_lean).max(of(0.0)).sqrt(), rate);
+        let time_fire = pivots.choose(pendulum.panel_time(invariant, lean, fire_lean), of(0.0));
 
         let mut fired = [of(0.0); WIDTH];
         (fired[LEAN], fired[RATE]) = (fire_lean, fire_rate);
         let freed = self.series_break_away(chamber, &fired);
         let wait = freed.time - self.leg.delay;
-        let on_ground =
-            pendulum.keeps_ground(invariant, lean.fast_min(freed.lean), lean.fast_max(freed.lean));
+        let on_ground = pendulum.keeps_ground(invariant, lean.min(freed.lean), lean.max(freed.lean));
         for holds in [
-            freed.residual.abs().simd_lt(of(1e-6)),
-            freed.tail.simd_lt(of(1e-16)),
-            wait.simd_ge(of(0.0)),
-            wait.simd_le(open),
-            freed.pressure.simd_le(chamber.fill_edge()),
+            freed.residual.abs().lt(of(1e-6)),
+            freed.tail.lt(of(1e-16)),
+            wait.ge(of(0.0)),
+            wait.le(open),
+            freed.pressure.le(chamber.fill_edge()),
             on_ground,
         ] {
             sound &= holds;
@@ -301,7 +314,7 @@ impl<'a> Crew<'a> {
             stance: many,
             chamber: lane_chamber,
             // An idle lane rests: sonic, nothing flows, half a megapascal.
-            valve: Valve { law, sonic: unit.simd_gt(zero), outward: unit.simd_lt(zero) },
+            valve: Valve { law, sonic: unit.gt(zero), outward: unit.lt(zero) },
             sign: unit,
             low: zero,
             high: unit,
@@ -325,6 +338,7 @@ impl<'a> Crew<'a> {
         crew
     }
 
+    #[inline(always)]
     fn work(&mut self, ready: &[Ready], ends: &mut [Option<LiftOff>]) {
         let mut queue = ready.iter();
         for lane in 0..LANES {
@@ -415,29 +429,29 @@ impl<'a> Crew<'a> {
     fn plan(&mut self, guards: &[Lanes; GUARDS], rates: &[Lanes; GUARDS]) -> Plan {
         let of = Lanes::of;
         let left = self.end - self.states[TIME];
-        let trial = self.step.fast_min(left);
-        let length = trial.fast_min(self.limit);
-        let is_free = self.limit.simd_eq(of(f64::INFINITY));
+        let trial = self.step.min(left);
+        let length = trial.min(self.limit);
+        let is_free = self.limit.equal(of(f64::INFINITY));
         let mut plan = Plan {
             length,
             event: of(-1.0),
-            wait: is_free.select(of(0.9) * trial, of(0.0)),
-            last: length.simd_ge(left),
+            wait: is_free.choose(of(0.9) * trial, of(0.0)),
+            last: length.ge(left),
             fresh: [of(0.0); GUARDS],
         };
         for g in 0..GUARDS {
             let (value, rate) = (guards[g], rates[g]);
-            let fresh = !self.armed[g] & value.simd_gt(of(PASSED));
-            let due = !fresh & value.simd_lt(of(0.0)) & (-value).simd_lt(rate * plan.wait);
-            plan.wait = due.select(-value / rate, plan.wait);
-            plan.length = due.select(-value, plan.length);
-            plan.event = due.select(of(g as f64), plan.event);
+            let fresh = !self.armed[g] & value.gt(of(PASSED));
+            let due = !fresh & value.lt(of(0.0)) & (-value).lt(rate * plan.wait);
+            plan.wait = due.choose(-value / rate, plan.wait);
+            plan.length = due.choose(-value, plan.length);
+            plan.event = due.choose(of(g as f64), plan.event);
             plan.fresh[g] = fresh;
         }
-        let in_time = plan.event.simd_lt(of(0.0));
+        let in_time = plan.event.lt(of(0.0));
         self.field.any_event = !in_time.all();
         self.field.in_time = in_time & of(1.0);
-        self.field.along = std::array::from_fn(|g| plan.event.simd_eq(of(g as f64)) & of(1.0));
+        self.field.along = std::array::from_fn(|g| plan.event.equal(of(g as f64)) & of(1.0));
         plan
     }
 
@@ -451,26 +465,26 @@ impl<'a> Crew<'a> {
         after: &[Lanes; GUARDS],
     ) -> Lanes {
         let of = Lanes::of;
-        let good = step.error.simd_le(of(1.0));
+        let good = step.error.le(of(1.0));
         let mut eventful = plan.last;
         for g in 0..GUARDS {
-            eventful |= (plan.fresh[g] | before[g].simd_lt(of(0.0))) & after[g].simd_ge(of(0.0));
+            eventful |= (plan.fresh[g] | before[g].lt(of(0.0))) & after[g].ge(of(0.0));
         }
         self.patience -= of(1.0);
-        let unusual = self.field.in_time.simd_eq(of(0.0))
-            | self.patience.simd_le(of(0.0))
-            | step.state[SPEED].simd_le(of(0.0))
+        let unusual = self.field.in_time.equal(of(0.0))
+            | self.patience.le(of(0.0))
+            | step.state[SPEED].le(of(0.0))
             | (good & eventful);
         let usual = !unusual;
         let moved = usual & good;
         for (state, next) in self.states.iter_mut().zip(&step.state) {
-            *state = moved.select(*next, *state);
+            *state = moved.choose(*next, *state);
         }
         for armed in &mut self.armed {
             *armed |= moved;
         }
-        self.step = usual.select(plan.length * dop853::step_factor(step.error), self.step);
-        self.limit = usual.select(of(f64::INFINITY), self.limit);
+        self.step = usual.choose(plan.length * dop853::step_factor(step.error), self.step);
+        self.limit = usual.choose(of(f64::INFINITY), self.limit);
         usual
     }
 

@@ -99,6 +99,7 @@ impl<S: Scalar> Pendulum<S> {
 
 impl Pendulum<Lanes> {
     /// Where the ground never has to pull between the leans `low` and `high`: see [`Pendulum::lift_off_lean`].
+    #[inline(always)]
     pub(crate) fn keeps_ground(&self, invariant: Lanes, low: Lanes, high: Lanes) -> Lanes {
         let of = Lanes::of;
         let (a, b, c) = (
@@ -109,12 +110,12 @@ impl Pendulum<Lanes> {
         let normal = |x: Lanes| c + x * (a * x - b);
         let zero = of(0.0);
         let (x, y) = (low.sin_cos().1, high.sin_cos().1);
-        let around_top = low.simd_lt(zero) & high.simd_gt(zero);
-        let most = around_top.select(of(1.0), x.fast_max(y));
-        let least = x.fast_min(y);
+        let around_top = low.lt(zero) & high.gt(zero);
+        let most = around_top.choose(of(1.0), x.max(y));
+        let least = x.min(y);
         // The quadratic is least at b/2a, or at the end nearest to it.
-        let worst = (b / (of(2.0) * a)).fast_max(least).fast_min(most);
-        normal(worst).simd_gt(zero)
+        let worst = (b / (of(2.0) * a)).max(least).min(most);
+        normal(worst).gt(zero)
     }
 }
 

@@ -26,7 +26,7 @@ pub trait Scalar:
     fn of(x: f64) -> Self;
     /// The number without its derivatives.
     fn value(self) -> Self::Value;
-    /// `self * a + b`, in one rounding where the processor has it.
+    /// `self * a + b`. Plain numbers round twice, on every processor; lanes round once.
     fn mul_add(self, a: Self, b: Self) -> Self;
     /// Square root, for arguments ≥ 0.
     fn sqrt(self) -> Self;
@@ -106,7 +106,7 @@ impl Scalar for f64 {
     }
     #[inline(always)]
     fn mul_add(self, a: f64, b: f64) -> f64 {
-        if cfg!(target_feature = "fma") { f64::mul_add(self, a, b) } else { self * a + b }
+        self * a + b
     }
     #[inline(always)]
     fn sqrt(self) -> f64 {

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use saltus_lagrangian::{Batch, FINE, Launch, LiftOff, Outcome, Stance, StanceError};
-use saltus_numeric::{Dual, Scalar, Single};
+use saltus_numeric::{Dual, Scalar, Single, Width};
 use saltus_planner::PLANNING_TOLERANCE;
 use saltus_robot::{Drive, GaugePressure, Parameter, Robot};
 use saltus_tests::robots::{
@@ -104,6 +104,61 @@ proptest! {
         }
         same(&together[from], &batch.jumps(&launches[from..=from])[0])?;
     }
+}
+
+proptest! {
+    #![proptest_config(cases(60))]
+
+    /// Registers of other widths give the same bits, and a processor without fused multiply-add flies each jump by itself.
+    #[test]
+    fn the_width_of_registers_does_not_matter(
+        (robot, launches) in ordinary(Kind::Plain).prop_flat_map(|robot| {
+            let some = launch(&robot);
+            (Just(robot), prop::collection::vec(some, 1..30))
+        }),
+    ) {
+        let batch = |width| Batch::new(&robot, PLANNING_TOLERANCE).with_width(width);
+        let here = Width::ALL.into_iter().filter(|width| width.is_here());
+        let [one_by_one, fused] = [false, true].map(|fuses| {
+            let widths = here.clone().filter(|width| width.fuses() == fuses);
+            widths.map(|width| batch(width).jumps(&launches)).collect::<Vec<_>>()
+        });
+        for ends in fused.windows(2) {
+            for (a, b) in ends[0].iter().zip(&ends[1]) {
+                same(a, b)?;
+            }
+        }
+        for ends in one_by_one {
+            for (end, launch) in ends.iter().zip(&launches) {
+                same(end, &batch(Width::Base).stance().jump(launch))?;
+            }
+        }
+    }
+}
+
+/// One function on the way that is not inlined is compiled for the base: its multiply-adds are calls, and a jump takes forty
+/// times as long.
+#[test]
+fn lanes_are_faster_than_jumps_one_by_one() {
+    if !Width::best().fuses() {
+        return;
+    }
+    let robot = Robot::rats_planar();
+    let batch = Batch::new(&robot, PLANNING_TOLERANCE);
+    let at = |i: i32| Launch::at_firing(3.0 + 0.003 * f64::from(i), -0.1, 0.1);
+    let launches: Vec<Launch> = (0..1000).map(at).collect();
+    let least = |work: &dyn Fn() -> usize| {
+        let time = |_| {
+            let start = std::time::Instant::now();
+            assert_eq!(std::hint::black_box(work()), launches.len());
+            start.elapsed().as_secs_f64()
+        };
+        (0..7).map(time).fold(f64::INFINITY, f64::min)
+    };
+    let together = least(&|| batch.jumps(&launches).len());
+    let one_by_one =
+        least(&|| launches.iter().map(|launch| batch.stance().jump(launch)).collect::<Vec<_>>().len());
+    assert!(together < one_by_one, "{together} s, one by one {one_by_one} s");
 }
 
 /// Directions: every parameter, then ω_0, φ_0, α_f, t_v.
