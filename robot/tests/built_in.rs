@@ -55,7 +55,7 @@ fn rats_planar_is_the_nominal_robot() {
     );
 }
 
-/// MODEL.md, the full planar robot on its boom: rats-planar with the masses and shapes of its parts.
+/// The robot on its boom (docs/model.md, "The boom"): rats-planar with the masses and shapes of its parts.
 #[test]
 fn rats_boom_is_the_full_rig() {
     let robot = Robot::builtin("rats-boom").expect("built in");

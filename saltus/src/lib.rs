@@ -23,10 +23,16 @@ pub mod inject;
 pub mod temporary;
 pub mod verify;
 
+/// The snippets of README.md.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;
+
 pub use saltus_ballistic as ballistic;
 pub use saltus_controller as controller;
 pub use saltus_diagnosis as diagnosis;
 pub use saltus_lagrangian as lagrangian;
+pub use saltus_numeric as numeric;
 pub use saltus_planner as planner;
 pub use saltus_pneumatics as pneumatics;
 pub use saltus_robot as robot;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// Which of our crates each crate may use. A crate that is not here may not exist.
-const MAY_USE: [(&str, &[&str]); 14] = [
+const MAY_USE: [(&str, &[&str]); 12] = [
     ("numeric", &[]),
     ("robot", &[]),
     ("pneumatics", &["numeric", "robot"]),
@@ -18,13 +18,11 @@ const MAY_USE: [(&str, &[&str]); 14] = [
     // Its equations are derived another way: never lagrangian or ballistic.
     ("sim-check", &["numeric", "robot", "pneumatics"]),
     ("diagnosis", &["numeric", "robot", "pneumatics", "lagrangian", "ballistic", "sim-check"]),
-    ("gait", &["robot", "planner", "sim-check"]),
     ("controller", &[]),
     // What C programs link.
     ("controller-ffi", &["controller"]),
     ("saltus", ALL),
     ("tests", ALL),
-    ("python", &["saltus"]),
 ];
 
 /// What the shells and the tests may use.
@@ -37,7 +35,6 @@ const ALL: &[&str] = &[
     "planner",
     "sim-check",
     "diagnosis",
-    "gait",
     "controller",
     "saltus",
 ];
@@ -55,7 +52,7 @@ const KNOWN_TO: [(&str, &[&str]); 8] = [
 ];
 
 /// Crates that read and write files and talk to a person; the others compute.
-const SHELLS: [&str; 4] = ["robot", "saltus", "tests", "python"];
+const SHELLS: [&str; 3] = ["robot", "saltus", "tests"];
 
 /// What the source of a crate that computes does not say.
 const INPUT_OUTPUT: [&str; 8] =

@@ -20,7 +20,7 @@ fn boom(mass: f64) -> Boom {
     Boom { mass, length: 2.12, radius: 0.015, counterweight: None, flex: None }
 }
 
-/// MODEL.md: 2.917 kg of inertia but 3.0 kg of weight; flight falls at 10.1 m/s².
+/// docs/model.md, "The boom": 2.917 kg of inertia but 3.0 kg of weight; flight falls at 10.1 m/s².
 #[test]
 fn the_axle_of_rats_boom() {
     let robot = rats_boom();

@@ -1,40 +1,8 @@
 //! The laboratory: what it hides can be seen, and follows from the seed.
 
-use saltus_diagnosis::Sort;
+use saltus_diagnosis::{NAMED, Sort, kinds, meaning};
+use saltus_robot::Robot;
 use saltus_tests::lab::{Case, SORTS, Size, causes_of, kinds_of, make, outside};
-
-/// Ids of the named causes: shared/formats/LOGS.md.
-const NAMED: [&str; 29] = [
-    "supply-pressure",
-    "supply-droop",
-    "valve-delay",
-    "valve-discharge",
-    "chamber-leak",
-    "dead-volume",
-    "viscous-friction",
-    "coulomb-friction",
-    "seal-friction",
-    "return-spring",
-    "gas-type",
-    "exhaust-port",
-    "heat-transfer",
-    "mass",
-    "inertia",
-    "imbalance",
-    "boom-inertia",
-    "boom-flex",
-    "axle-friction",
-    "foot-slip",
-    "ground-compliance",
-    "foot-rolling",
-    "ground-slope",
-    "air-drag",
-    "gravity",
-    "counterweight",
-    "encoder-scale",
-    "sensor-offset",
-    "sensor-delay",
-];
 
 /// Every column has as many values as there are rows, time increases, and every value is a number.
 fn check_form(case: &Case) {
@@ -126,11 +94,23 @@ fn all_follows_from_the_seed() {
 
 #[test]
 fn every_named_cause_but_a_slope_shows_somewhere() {
-    for id in NAMED {
+    for (id, _) in NAMED {
         assert_eq!(kinds_of(id).is_empty(), id == "ground-slope", "{id}");
     }
     for kind in SORTS {
-        assert!(causes_of(kind).iter().all(|id| NAMED.contains(id)), "{kind:?}");
-        assert!(outside(kind).iter().all(|id| !NAMED.contains(id)), "{kind:?}");
+        assert!(causes_of(kind).iter().all(|id| meaning(id).is_some()), "{kind:?}");
+        assert!(outside(kind).iter().all(|id| meaning(id).is_none()), "{kind:?}");
+    }
+}
+
+#[test]
+fn every_cause_on_the_list_of_a_kind_has_a_sentence() {
+    for sort in SORTS {
+        let case = make(sort, &[], 1);
+        let robot = case.robot.as_deref().and_then(Robot::builtin);
+        let kind = kinds::build(&case.experiment, robot.as_ref()).expect("a good experiment");
+        for cause in &kind.causes()[..kind.listed()] {
+            assert!(meaning(cause.id).is_some(), "{sort:?} {}", cause.id);
+        }
     }
 }

@@ -68,8 +68,9 @@ impl Slides {
         Slides { channels, logs, drives, causes, mass_is_known, force_noise }
     }
 
-    fn term(&self, id: &str, parameter: usize, terms: &Terms) -> f64 {
-        self.causes.iter().position(|c| c.id == id).map_or(1.0, |i| terms.get(i, parameter))
+    /// A parameter of the cause `id`; none where this experiment has no such cause.
+    fn term(&self, id: &str, parameter: usize, terms: &Terms) -> Option<f64> {
+        self.causes.iter().position(|c| c.id == id).map(|i| terms.get(i, parameter))
     }
 }
 
@@ -151,14 +152,16 @@ impl Kind for Slides {
         let drive = &self.drives[run];
         let mass = match (drive.mass, unknowns.get(2)) {
             (_, Some(&mass)) => mass,
-            (Some(mass), None) => mass * self.term("mass", 0, terms),
+            // Where a run does not tell its mass, there is no such cause: the others' are believed.
+            (Some(mass), None) => mass * self.term("mass", 0, terms).unwrap_or(1.0),
             _ => return None,
         };
-        let [dry, viscous, drag] =
-            ["coulomb-friction", "viscous-friction", "air-drag"].map(|id| self.term(id, 0, terms));
-        let (stiffness, preload) =
-            (self.term("return-spring", 0, terms), self.term("return-spring", 1, terms));
-        let offset = self.term("sensor-offset", 0, terms);
+        let dry = self.term("coulomb-friction", 0, terms)?;
+        let viscous = self.term("viscous-friction", 0, terms)?;
+        let drag = self.term("air-drag", 0, terms)?;
+        let [stiffness, preload] =
+            [self.term("return-spring", 0, terms)?, self.term("return-spring", 1, terms)?];
+        let offset = self.term("sensor-offset", 0, terms)?;
         let of = |id: &str, column: &str, none: f64| {
             let is_it = |c: &&Cause| c.id == id && c.column.as_deref() == Some(column);
             self.causes.iter().position(|c| is_it(&c)).map_or(none, |i| terms.get(i, 0))

@@ -46,6 +46,7 @@ Examples:
   saltus map --omega 2:7:51 --alpha-f -0.5:0.5:41 --plot map.png
   saltus plan course.toml --plot plan.svg
   saltus verify course.toml --plant rats-boom --friction 0.3:1:8
+  saltus diagnose logs/monday --report monday.html
   saltus fit bench/monday --robot-out fitted.toml
   saltus parkour instances.json --out plans.json
   saltus export c --distance 0.3:0.8:11 --out firmware/src
