@@ -45,6 +45,8 @@ const RIVAL: f64 = 4.0;
 const RIVALS: usize = 2;
 /// Inflation above which the noise is not what the data say it is: runs are then what is compared, and not readings.
 const WANDERS: f64 = 2.0;
+/// Part of the best explanation's gain from which on another is among the best.
+const AMONG_THE_BEST: f64 = 0.9;
 /// Where it is not, the part of what is wrong that each cause must explain.
 const SHARE: f64 = 0.2;
 /// Part of what is wrong that may be left because a cause has somewhat another form than its term.
@@ -435,9 +437,12 @@ impl<'a> Search<'a> {
         fitted.extend(self.fit_each(base, &far, LITTLE * best));
         let by_worth = |a: &Candidate, b: &Candidate| self.worth(b, 1.0).total_cmp(&self.worth(a, 1.0));
         fitted.sort_by(by_worth);
-        // The best goes as far as physics lets it and leaves more than noise: small steps have not led to what explains the data.
+        // The best leaves more than noise, and one of the best goes as far as physics lets it: small steps have not led to what
+        // explains the data.
         let is_lost = |best: &Candidate| {
-            self.goes_to_a_bound(&best.fit, best.cause) && fitness::inflation(self.kind, &best.fit) > WANDERS
+            let mut bound = fitted.iter().filter(|c| c.gain >= AMONG_THE_BEST * best.gain);
+            bound.any(|c| self.goes_to_a_bound(&c.fit, c.cause))
+                && fitness::inflation(self.kind, &best.fit) > WANDERS
         };
         if fitted.first().is_some_and(is_lost) {
             self.look_far(base, &mut fitted);
