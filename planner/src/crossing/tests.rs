@@ -255,7 +255,7 @@ fn the_search_finds_what_trying_every_sequence_of_grounds_finds() {
     let planner = Planner::new(Robot::rats_planar());
     let mut random = Random(1);
     let (mut plans, mut none) = (0, 0);
-    for number in 0..12 {
+    for number in 0..6 {
         let crossing = random_course(&mut random, 1 + number % 3);
         let settings = settings(&crossing);
         let all =
@@ -272,7 +272,7 @@ fn the_search_finds_what_trying_every_sequence_of_grounds_finds() {
             (Some(least), answer) => panic!("{number}: {least}, {answer:?}"),
         }
     }
-    assert!(plans >= 8 && plans + none == 12, "{plans} {none}");
+    assert!(plans >= 4 && plans + none == 6, "{plans} {none}");
 }
 
 #[test]
