@@ -17,7 +17,8 @@ const MAY_USE: [(&str, &[&str]); 12] = [
     ("planner", &["numeric", "robot", "lagrangian", "ballistic"]),
     // Its equations are derived another way: never lagrangian or ballistic.
     ("sim-check", &["numeric", "robot", "pneumatics"]),
-    ("diagnosis", &["numeric", "robot", "pneumatics", "lagrangian", "ballistic", "sim-check"]),
+    // The simulation is for its tests alone.
+    ("diagnosis", &["numeric", "robot", "pneumatics", "sim-check"]),
     ("controller", &[]),
     // What C programs link.
     ("controller-ffi", &["controller"]),
