@@ -15,7 +15,8 @@ closure() {
 }
 names=$(closure) || { apt-get update >/dev/null && names=$(closure); }
 mkdir -p "$folder/packages" && cd "$folder/packages"
-apt-get download $names >/dev/null
+# Lists that are old name packages that are no longer there.
+apt-get download $names >/dev/null || { apt-get update >/dev/null && apt-get download $(closure) >/dev/null; }
 for package in *.deb; do
     dpkg --extract "$package" "$folder"
     rm "$package"
