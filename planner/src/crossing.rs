@@ -564,7 +564,7 @@ struct Roller<'a> {
     sensitive: Stance<Dual<4>>,
     /// For each jump its flights over the firing angles, with the valve open longest and then shortest.
     samples: Vec<[Vec<Jump>; 2]>,
-    /// For each jump its flights over angles and valve times, to bound its cost; empty for few jumps.
+    /// For each jump its flights over angles and valve times, to bound its cost.
     grids: Vec<Rc<Grid>>,
     /// For each jump what came of its last decisions. A foothold changes nothing but the place of a jump, and so the
     /// solver's differences cost one stance for each decision and not one for each jump and decision.

@@ -159,7 +159,7 @@ impl Report<'_> {
         let (cost, bound) = (plan.search.cost, plan.search.bound);
         let cost_text = format!("  cost {}", digits(cost, 4));
         if plan.search.complete {
-            return cost_text + ", and no other choice of landing surfaces is cheaper by more than 0.00005\n";
+            return cost_text + "; the search found no plan that is cheaper by more than 0.00005\n";
         }
         let why = if self.interrupted { "Ctrl-C stopped the search" } else { "the search came to its limit" };
         format!("{cost_text}; {why}: a plan may be cheaper by up to {}\n", digits(cost - bound, 2))
