@@ -550,7 +550,7 @@ const WORK: usize = 240;
 
 /// A wheel that is farther than this (m) from what is beside its foothold, at three places of the stance, does not touch
 /// it; how near a wheel that is nearer comes, the whole stance says.
-const NEAR: f64 = 0.01;
+const NEAR: f64 = 0.03;
 
 /// Results of a stance that are remembered for each jump: where the solver is, and a difference for each decision.
 const REMEMBERED: usize = 3;

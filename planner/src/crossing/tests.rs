@@ -177,6 +177,36 @@ fn boxes_and_rates() -> impl Iterator<Item = (f64, f64, f64)> {
 }
 
 #[test]
+fn the_wheel_s_way_beside_a_box_is_that_of_the_stance() {
+    let planner = Planner::new(Robot::rats_planar());
+    let crossing = box_jump(0.5, 5.0);
+    let roller = Roller::new(&planner, &crossing);
+    for (x, top, angle) in [(0.14, 0.05, -0.2), (0.17, 0.1, 0.0), (0.19, 0.15, 0.1)] {
+        let beside = vec![course::Edge { x, top, obstacle: 0, side: Side::Front }];
+        let leap = Leap { jump: 0, from: 0.0, to: 0.0, on: [None; 2], edges: vec![], beside };
+        let gap = |angle: f64| {
+            let mut margins = Vec::new();
+            let decisions = [Slope::variable(angle, 1), Slope::variable(0.1, 2)];
+            roller.fly(&leap, Slope::variable(0.0, 0), decisions, &mut margins);
+            margins.into_iter().find(|m| matches!(m.limit, Limit::Stance { .. })).expect("a limit").value
+        };
+        // The stance's own fine steps, without derivatives and without anything between them.
+        let trace = planner.stance().trace(&launch(&crossing, 0, angle, 0.1)).expect("a stance");
+        let radius = planner.robot().body.radius;
+        let far = Span::new(x, x + 10.0);
+        let seen = trace.samples.iter().map(|s| {
+            let reach = radius + s.extension;
+            box_distance([reach * s.lean.sin(), reach * s.lean.cos()], far, top) - radius
+        });
+        let (found, seen) = (gap(angle), seen.fold(f64::INFINITY, f64::min));
+        assert!(seen < NEAR && (found.value - seen).abs() < 2e-5, "{x}: {} {seen}", found.value);
+        let step = 1e-5;
+        let slope = (gap(angle + step).value - gap(angle - step).value) / (2.0 * step);
+        assert!((found.slope[1] - slope).abs() < 1e-3 * (1.0 + slope.abs()), "{x}: {found:?} {slope}");
+    }
+}
+
+#[test]
 fn nobody_jumps_through_a_wall() {
     let planner = Planner::new(Robot::rats_planar());
     for height in [0.5, 1.0, 2.0] {
