@@ -39,7 +39,8 @@ impl<S> Disc<S> {
 /// The least clearance, and where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance<S> {
-    /// Distance (m) from the disc to the obstacle; negative by the depth of the centre, plus the radius, if it hits.
+    /// Distance (m) from the disc to the obstacle; negative by the depth of the centre, plus the
+    /// radius, if it hits.
     pub distance: S,
     /// Time (s) after lift-off.
     pub time: S,
@@ -54,9 +55,9 @@ pub struct Clearance<S> {
 impl<S: Single> Flight<S> {
     /// Least clearance of `disc` over `obstacle` from time `from` to `to` (s) after lift-off.
     ///
-    /// The minimum over time of the centre's signed distance to the obstacle less the radius. It is found among the
-    /// roots of polynomials, without sampling, and carries exact derivatives: those of an inner minimum with its time
-    /// held fixed, those of a minimum at an end with that end.
+    /// The minimum over time of the centre's signed distance to the obstacle less the radius. It is
+    /// found among the roots of polynomials, without sampling, and carries exact derivatives: those
+    /// of an inner minimum with its time held fixed, those of a minimum at an end with that end.
     ///
     /// Not promised: derivatives where two minima are equal, or where the centre touches a vertex.
     ///
@@ -64,7 +65,8 @@ impl<S: Single> Flight<S> {
     /// use saltus_ballistic::{Disc, Flight, FlightError, Obstacle};
     /// let flight = Flight { x: 0.0, y: 0.3, vx: 2.0, vy: 2.8, gravity: 9.80665 };
     /// let carton = Obstacle::block([0.4, 0.0], [0.61, 0.21])?;
-    /// let clearance = flight.clearance(&Disc::wheel(0.24), &carton, 0.0, flight.time_to_height(0.24)?)?;
+    /// let landing = flight.time_to_height(0.24)?;
+    /// let clearance = flight.clearance(&Disc::wheel(0.24), &carton, 0.0, landing)?;
     /// assert!((clearance.distance - 0.12884).abs() < 1e-5);
     /// # Ok::<(), FlightError>(())
     /// ```
@@ -88,7 +90,11 @@ impl<S: Single> Flight<S> {
 pub(crate) fn check_span<S: Single>(from: S, to: S) -> Result<(), FlightError> {
     let (from, to) = (from.value(), to.value());
     let ordered = from <= to && from.is_finite() && to.is_finite();
-    if ordered { Ok(()) } else { Err(FlightError::EmptySpan { from, to }) }
+    if ordered {
+        Ok(())
+    } else {
+        Err(FlightError::EmptySpan { from, to })
+    }
 }
 
 /// [`Flight::clearance`] on any path.
@@ -104,8 +110,15 @@ pub(crate) fn clearance<S: Single>(
             if to.value() < leg.until.value() {
                 return least([from, to], leg.reach);
             }
-            let (out, retracted) = (least([from, leg.until], leg.reach), least([leg.until, to], disc.radius));
-            if out.distance.value() <= retracted.distance.value() { out } else { retracted }
+            let (out, retracted) = (
+                least([from, leg.until], leg.reach),
+                least([leg.until, to], disc.radius),
+            );
+            if out.distance.value() <= retracted.distance.value() {
+                out
+            } else {
+                retracted
+            }
         }
         _ => least([from, to], disc.radius),
     }
@@ -134,18 +147,32 @@ struct Best<S> {
 impl<S> Best<S> {
     /// The nearer one; of two equally near the earlier.
     fn or(self, other: Self) -> Self {
-        if (other.gap, other.time) < (self.gap, self.time) { other } else { self }
+        if (other.gap, other.time) < (self.gap, self.time) {
+            other
+        } else {
+            self
+        }
     }
 }
 
 /// Least clearance of a disc of constant radius.
 ///
 /// The candidates are a superset of the local minima; the exact distance decides among them.
-fn least<S: Single>(path: &impl Path<S>, outline: &Outline, span: [S; 2], radius: S) -> Clearance<S> {
+fn least<S: Single>(
+    path: &impl Path<S>,
+    outline: &Outline,
+    span: [S; 2],
+    radius: S,
+) -> Clearance<S> {
     let values = span.map(S::value);
     let at = |time: f64, cause: Cause<S>| {
         let (feature, gap) = outline.nearest(path.state(S::of(time)).position.map(S::value));
-        Best { gap, time, feature, cause }
+        Best {
+            gap,
+            time,
+            feature,
+            cause,
+        }
     };
     let mut best = at(values[0], Cause::End(span[0])).or(at(values[1], Cause::End(span[1])));
     for arc in path.arcs(values[0], values[1]) {
@@ -153,14 +180,22 @@ fn least<S: Single>(path: &impl Path<S>, outline: &Outline, span: [S; 2], radius
         best = best.or(at(arc.span[0], Cause::Level));
         for_each_level(outline, &arc, |time| best = best.or(at(time, Cause::Level)));
         if best.gap < NEAR {
-            for_each_tie(outline, &arc, |time, a, b| best = best.or(at(time, Cause::Tie(a, b))));
+            for_each_tie(outline, &arc, |time, a, b| {
+                best = best.or(at(time, Cause::Tie(a, b)))
+            });
         }
     }
     let time = settled(path, outline, &best, values);
     let state = path.state(time);
     let gap = outline.gap(best.feature, &state).value;
     let point = outline.foot(best.feature, state.position, gap);
-    Clearance { distance: gap - radius, time, centre: state.position, feature: best.feature, point }
+    Clearance {
+        distance: gap - radius,
+        time,
+        centre: state.position,
+        feature: best.feature,
+        point,
+    }
 }
 
 /// The time of the minimum on the path itself, with its derivatives.
@@ -179,35 +214,49 @@ fn settled<S: Single>(path: &impl Path<S>, outline: &Outline, best: &Best<S>, sp
     }
 }
 
-/// Times at which the distance to a feature is level, or an edge's line is crossed, which shows that the path dips in.
+/// Times at which the distance to a feature is level, or an edge's line is crossed, which shows
+/// that the path dips in.
 fn for_each_level(outline: &Outline, arc: &Arc, mut found: impl FnMut(f64)) {
     for edge in &outline.edges {
         let distance = arc.distance(edge);
-        arc.roots(&distance.derivative()).chain(arc.roots(&distance)).for_each(&mut found);
+        arc.roots(&distance.derivative())
+            .chain(arc.roots(&distance))
+            .for_each(&mut found);
     }
     for corner in &outline.corners {
-        arc.roots(&arc.squared_distance(corner).derivative()).for_each(&mut found);
+        arc.roots(&arc.squared_distance(corner).derivative())
+            .for_each(&mut found);
     }
 }
 
-/// Times at which two features are equally far from a centre inside the solid: edges and reflex corners only.
+/// Times at which two features are equally far from a centre inside the solid: edges and reflex
+/// corners only.
 fn for_each_tie(outline: &Outline, arc: &Arc, mut found: impl FnMut(f64, Feature, Feature)) {
-    let reflex = || outline.corners.iter().enumerate().filter(|(_, corner)| corner.reflex);
+    let reflex = || {
+        outline
+            .corners
+            .iter()
+            .enumerate()
+            .filter(|(_, corner)| corner.reflex)
+    };
     for (i, edge) in outline.edges.iter().enumerate() {
         let distance = arc.distance(edge);
         for (j, other) in outline.edges.iter().enumerate().skip(i + 1) {
             let tie = distance - arc.distance(other);
-            arc.roots(&tie).for_each(|t| found(t, Feature::Edge(i), Feature::Edge(j)));
+            arc.roots(&tie)
+                .for_each(|t| found(t, Feature::Edge(i), Feature::Edge(j)));
         }
         for (j, corner) in reflex() {
             let tie = distance * distance - arc.squared_distance(corner);
-            arc.roots(&tie).for_each(|t| found(t, Feature::Edge(i), Feature::Vertex(j)));
+            arc.roots(&tie)
+                .for_each(|t| found(t, Feature::Edge(i), Feature::Vertex(j)));
         }
     }
     for (i, corner) in reflex() {
         for (j, other) in reflex().filter(|&(j, _)| j > i) {
             let tie = arc.squared_distance(corner) - arc.squared_distance(other);
-            arc.roots(&tie).for_each(|t| found(t, Feature::Vertex(i), Feature::Vertex(j)));
+            arc.roots(&tie)
+                .for_each(|t| found(t, Feature::Vertex(i), Feature::Vertex(j)));
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Flight through air: the drag −c |v| v as a named term on top of the parabola.
 //!
-//! There is no closed form. The path is integrated by DOP853 over time, and an event (the apex, a height) is located
-//! to round-off as a root of the step that contains it: the step's length is what is solved for, so nothing is
-//! interpolated. Height as the independent variable (Hénon's trick) would do the same but for the apex, where it
-//! stands still.
+//! There is no closed form. The path is integrated by DOP853 over time, and an event (the apex, a
+//! height) is located to round-off as a root of the step that contains it: the step's length is
+//! what is solved for, so nothing is interpolated. Height as the independent variable (Hénon's
+//! trick) would do the same but for the apex, where it stands still.
 
 mod track;
 
@@ -16,8 +16,8 @@ use track::{Node, Track};
 
 /// A flight with the drag −c |v| v per mass.
 ///
-/// Without drag (c = 0) every answer is that of the [`Flight`] in vacuum, bit for bit. Derivatives along c are then
-/// missing; a small c > 0 has them.
+/// Without drag (c = 0) every answer is that of the [`Flight`] in vacuum, bit for bit. Derivatives
+/// along c are then missing; a small c > 0 has them.
 ///
 /// ```
 /// use saltus_ballistic::{DragFlight, Flight, FlightError};
@@ -36,8 +36,8 @@ pub struct DragFlight<S> {
 }
 
 impl<S: Single> DragFlight<S> {
-    /// Position [x, y] (m) of the wheel's centre at time `t` (s) after lift-off; not a number for t < 0 if there is
-    /// drag.
+    /// Position [x, y] (m) of the wheel's centre at time `t` (s) after lift-off; not a number for t
+    /// < 0 if there is drag.
     pub fn position(&self, t: S) -> [S; 2] {
         if self.is_vacuum() {
             self.vacuum.position(t)
@@ -46,8 +46,8 @@ impl<S: Single> DragFlight<S> {
         }
     }
 
-    /// Velocity [v_x, v_y] (m/s) of the wheel's centre at time `t` (s) after lift-off; not a number for t < 0 if
-    /// there is drag.
+    /// Velocity [v_x, v_y] (m/s) of the wheel's centre at time `t` (s) after lift-off; not a number
+    /// for t < 0 if there is drag.
     pub fn velocity(&self, t: S) -> [S; 2] {
         if self.is_vacuum() {
             self.vacuum.velocity(t)
@@ -56,14 +56,18 @@ impl<S: Single> DragFlight<S> {
         }
     }
 
-    /// Greatest height (m) of the wheel's centre from lift-off on; infinite where it rises without gravity.
+    /// Greatest height (m) of the wheel's centre from lift-off on; infinite where it rises without
+    /// gravity.
     pub fn apex_height(&self) -> S {
-        self.apex().map_or_else(|| self.vacuum.apex_height(), |apex| apex.position()[1])
+        self.apex()
+            .map_or_else(|| self.vacuum.apex_height(), |apex| apex.position()[1])
     }
 
-    /// Time (s) from lift-off to the greatest height; infinite where the wheel rises without gravity.
+    /// Time (s) from lift-off to the greatest height; infinite where the wheel rises without
+    /// gravity.
     pub fn apex_time(&self) -> S {
-        self.apex().map_or_else(|| self.vacuum.apex_time(), |apex| apex.time)
+        self.apex()
+            .map_or_else(|| self.vacuum.apex_time(), |apex| apex.time)
     }
 
     /// Time (s) from lift-off until the wheel's centre comes down to `height` (m).
@@ -71,7 +75,11 @@ impl<S: Single> DragFlight<S> {
     /// # Errors
     /// As [`Flight::time_to_height`]; [`FlightError::BadDrag`].
     pub fn time_to_height(&self, height: S) -> Result<S, FlightError> {
-        if self.is_vacuum() { self.vacuum.time_to_height(height) } else { Ok(self.descent(height)?.time) }
+        if self.is_vacuum() {
+            self.vacuum.time_to_height(height)
+        } else {
+            Ok(self.descent(height)?.time)
+        }
     }
 
     /// Forward position (m) at which the wheel's centre comes down to `height` (m).
@@ -112,11 +120,12 @@ impl<S: Single> DragFlight<S> {
         Err(terrain.never_lands(&self.vacuum, radius))
     }
 
-    /// Least clearance of `disc` over `obstacle` from time `from` to `to` (s) after lift-off, as [`Flight::clearance`].
+    /// Least clearance of `disc` over `obstacle` from time `from` to `to` (s) after lift-off, as
+    /// [`Flight::clearance`].
     ///
-    /// Accurate to 1e-8 m: to that the path is approximated by parabolas in the search for minima. Each is then
-    /// settled on the path itself, so that only two minima closer than that can be taken for each other, or one
-    /// shallower be missed.
+    /// Accurate to 1e-8 m: to that the path is approximated by parabolas in the search for minima.
+    /// Each is then settled on the path itself, so that only two minima closer than that can be
+    /// taken for each other, or one shallower be missed.
     ///
     /// # Errors
     /// As [`Flight::clearance`]; [`FlightError::BadDrag`], [`FlightError::BeforeLiftOff`].
@@ -135,15 +144,31 @@ impl<S: Single> DragFlight<S> {
         if from.value() < 0.0 {
             return Err(FlightError::BeforeLiftOff { time: from.value() });
         }
-        Ok(clearance(&Track::new(self, to.value()), disc, obstacle, [from, to]))
+        Ok(clearance(
+            &Track::new(self, to.value()),
+            disc,
+            obstacle,
+            [from, to],
+        ))
     }
 
-    /// Points (t, x, y) of the path at `count` evenly spaced times from `from` to `to` (s), both included: for plots.
-    pub fn samples(&self, from: f64, to: f64, count: usize) -> impl Iterator<Item = (f64, f64, f64)> {
-        let flight = DragFlight { vacuum: self.vacuum.values(), drag: self.drag.value() };
+    /// Points (t, x, y) of the path at `count` evenly spaced times from `from` to `to` (s), both
+    /// included: for plots.
+    pub fn samples(
+        &self,
+        from: f64,
+        to: f64,
+        count: usize,
+    ) -> impl Iterator<Item = (f64, f64, f64)> {
+        let flight = DragFlight {
+            vacuum: self.vacuum.values(),
+            drag: self.drag.value(),
+        };
         let track = (!self.is_vacuum()).then(|| Track::new(&flight, to));
         times(from, to, count).map(move |t| {
-            let [x, y] = track.as_ref().map_or_else(|| flight.position(t), |track| track.node(t).position());
+            let [x, y] = track
+                .as_ref()
+                .map_or_else(|| flight.position(t), |track| track.node(t).position());
             (t, x, y)
         })
     }
@@ -163,33 +188,62 @@ impl<S: Single> DragFlight<S> {
         }
     }
 
-    /// The apex, if drag has a part in it: none where the wheel does not rise, or rises without gravity.
+    /// The apex, if drag has a part in it: none where the wheel does not rise, or rises without
+    /// gravity.
     fn apex(&self) -> Option<Node<S>> {
         let rises = self.vacuum.vy.value() > 0.0 && self.vacuum.gravity.value() > 0.0;
         (rises && !self.is_vacuum()).then(|| {
-            self.first_below(self.lift_off(), |node| [node.velocity()[1], node.acceleration(self)[1]])
+            self.first_below(self.lift_off(), |node| {
+                [node.velocity()[1], node.acceleration(self)[1]]
+            })
         })
     }
 
     /// The state in which the wheel's centre comes down to `height`.
     fn descent(&self, height: S) -> Result<Node<S>, FlightError> {
         self.check()?;
-        let Flight { x, y, vx, vy, gravity } = self.vacuum.values();
+        let Flight {
+            x,
+            y,
+            vx,
+            vy,
+            gravity,
+        } = self.vacuum.values();
         if !height.value().is_finite() {
-            return Err(FlightError::HeightNotFinite { height: height.value() });
+            return Err(FlightError::HeightNotFinite {
+                height: height.value(),
+            });
         }
         let top = self.apex().unwrap_or_else(|| self.lift_off());
         let apex = self.apex_height().value();
         if height.value() > apex {
-            return Err(FlightError::AboveApex { height: height.value(), apex });
+            return Err(FlightError::AboveApex {
+                height: height.value(),
+                apex,
+            });
         }
         if gravity == 0.0 && vy >= 0.0 {
-            return Err(FlightError::NoGravity { height: height.value(), speed: vy });
+            return Err(FlightError::NoGravity {
+                height: height.value(),
+                speed: vy,
+            });
         }
-        let node = self.first_below(top, |node| [node.position()[1] - height, node.velocity()[1]]);
+        let node = self.first_below(top, |node| {
+            [node.position()[1] - height, node.velocity()[1]]
+        });
         // Speeds near the greatest numbers overflow.
         let finite = node.time.value().is_finite();
-        if finite { Ok(node) } else { Err(FlightError::NotFinite { x, y, vx, vy, gravity }) }
+        if finite {
+            Ok(node)
+        } else {
+            Err(FlightError::NotFinite {
+                x,
+                y,
+                vx,
+                vy,
+                gravity,
+            })
+        }
     }
 }
 

@@ -23,7 +23,9 @@ pub enum FlightError {
         speed: f64,
     },
     /// The lift-off state or the gravity is infinite or not a number.
-    #[error("lift-off at ({x}, {y}) m with ({vx}, {vy}) m/s under {gravity} m/s² gives no finite flight")]
+    #[error(
+        "lift-off at ({x}, {y}) m with ({vx}, {vy}) m/s under {gravity} m/s² gives no finite flight"
+    )]
     NotFinite {
         /// Forward position at lift-off (m).
         x: f64,
@@ -56,7 +58,8 @@ pub enum FlightError {
     },
     /// The wheel does not come down to the terrain.
     #[error(
-        "the wheel's centre, {gap} m from the terrain at lift-off, never comes down to its radius of {radius} m"
+        "the wheel's centre, {gap} m from the terrain at lift-off, never comes down to its radius \
+         of {radius} m"
     )]
     NeverLands {
         /// Distance of the wheel's centre from the terrain at lift-off (m), negative below it.

@@ -60,14 +60,18 @@ impl<S: Scalar> Flight<S> {
     /// Infinite where the wheel rises without gravity.
     #[inline]
     pub fn apex_time(&self) -> S {
-        S::select(S::of(0.0).less(self.vy), || self.vy / self.gravity, || S::of(0.0))
+        S::select(
+            S::of(0.0).less(self.vy),
+            || self.vy / self.gravity,
+            || S::of(0.0),
+        )
     }
 
-    /// The later root t (s) of y + v_y t − g t²/2 = `height` (m), free of cancellation; not a number where the parabola
-    /// does not reach that height.
+    /// The later root t (s) of y + v_y t − g t²/2 = `height` (m), free of cancellation; not a
+    /// number where the parabola does not reach that height.
     ///
-    /// For lanes and hot loops: [`time_to_height`](Flight::time_to_height) is the same with its reasons. It may be
-    /// negative: then the wheel passed that height before lift-off only.
+    /// For lanes and hot loops: [`time_to_height`](Flight::time_to_height) is the same with its
+    /// reasons. It may be negative: then the wheel passed that height before lift-off only.
     #[inline]
     pub fn descent_time(&self, height: S) -> S {
         let above = self.y - height;
@@ -89,14 +93,18 @@ impl<S: Single> Flight<S> {
     /// Source: docs/model.md, phase 5; thesis §5.2.2.
     ///
     /// # Errors
-    /// [`FlightError::AboveApex`] if that height is never reached, [`FlightError::NoGravity`] if nothing brings the
-    /// wheel down to it, [`FlightError::NotFinite`] or [`FlightError::HeightNotFinite`] if a number is infinite or
-    /// not one.
+    /// [`FlightError::AboveApex`] if that height is never reached, [`FlightError::NoGravity`] if
+    /// nothing brings the wheel down to it, [`FlightError::NotFinite`] or
+    /// [`FlightError::HeightNotFinite`] if a number is infinite or not one.
     #[inline]
     pub fn time_to_height(&self, height: S) -> Result<S, FlightError> {
         let time = self.descent_time(height);
         // False where the time is not a number, too.
-        if time.value() >= 0.0 && time.value() < f64::INFINITY { Ok(time) } else { self.never_at(height) }
+        if time.value() >= 0.0 && time.value() < f64::INFINITY {
+            Ok(time)
+        } else {
+            self.never_at(height)
+        }
     }
 
     /// Forward position (m) at which the wheel's centre comes down to `height` (m).
@@ -110,12 +118,20 @@ impl<S: Single> Flight<S> {
         Ok(self.vx.mul_add(self.time_to_height(height)?, self.x))
     }
 
-    /// Least distance (m) from the wheel's centre to `point` (m) from time `from` to `to` (s) after lift-off, with its
-    /// exact derivatives: a corner that the wheel passes, at a tenth of the price of [`clearance`](Flight::clearance).
+    /// Least distance (m) from the wheel's centre to `point` (m) from time `from` to `to` (s) after
+    /// lift-off, with its exact derivatives: a corner that the wheel passes, at a tenth of the
+    /// price of [`clearance`](Flight::clearance).
     ///
-    /// The squared distance is a quartic in time; its minima are among the roots of its derivative and the ends.
+    /// The squared distance is a quartic in time; its minima are among the roots of its derivative
+    /// and the ends.
     pub fn distance_to_point(&self, point: [f64; 2], from: S, to: S) -> S {
-        let Flight { x, y, vx, vy, gravity } = self.values();
+        let Flight {
+            x,
+            y,
+            vx,
+            vy,
+            gravity,
+        } = self.values();
         let (x, y) = (x - point[0], y - point[1]);
         let slope = Polynomial([
             x * vx + y * vy,
@@ -133,11 +149,20 @@ impl<S: Single> Flight<S> {
         // At an inner minimum the time counts as constant: the distance does not change with it.
         let inner = roots.as_slice().iter().map(|&t| S::of(t));
         let nearer = |a: S, b: S| if b.value() < a.value() { b } else { a };
-        inner.map(&squared).fold(nearer(squared(from), squared(to)), nearer).sqrt()
+        inner
+            .map(&squared)
+            .fold(nearer(squared(from), squared(to)), nearer)
+            .sqrt()
     }
 
-    /// Points (t, x, y) of the path at `count` evenly spaced times from `from` to `to` (s), both included: for plots.
-    pub fn samples(&self, from: f64, to: f64, count: usize) -> impl Iterator<Item = (f64, f64, f64)> {
+    /// Points (t, x, y) of the path at `count` evenly spaced times from `from` to `to` (s), both
+    /// included: for plots.
+    pub fn samples(
+        &self,
+        from: f64,
+        to: f64,
+        count: usize,
+    ) -> impl Iterator<Item = (f64, f64, f64)> {
         let flight = self.values();
         times(from, to, count).map(move |t| {
             let [x, y] = flight.position(t);
@@ -158,12 +183,31 @@ impl<S: Single> Flight<S> {
 
     /// Refuses a state that is infinite or not a number.
     pub(crate) fn check_finite(&self) -> Result<(), FlightError> {
-        let Flight { x, y, vx, vy, gravity } = self.values();
-        let finite = [x, y, vx, vy, gravity].iter().all(|number| number.is_finite());
-        if finite { Ok(()) } else { Err(FlightError::NotFinite { x, y, vx, vy, gravity }) }
+        let Flight {
+            x,
+            y,
+            vx,
+            vy,
+            gravity,
+        } = self.values();
+        let finite = [x, y, vx, vy, gravity]
+            .iter()
+            .all(|number| number.is_finite());
+        if finite {
+            Ok(())
+        } else {
+            Err(FlightError::NotFinite {
+                x,
+                y,
+                vx,
+                vy,
+                gravity,
+            })
+        }
     }
 
-    /// Why the wheel does not come down to `height`; the apex time if it does, and only round-off says no.
+    /// Why the wheel does not come down to `height`; the apex time if it does, and only round-off
+    /// says no.
     #[cold]
     fn never_at(&self, height: S) -> Result<S, FlightError> {
         self.check_finite()?;
@@ -173,7 +217,10 @@ impl<S: Single> Flight<S> {
         } else if height > apex {
             Err(FlightError::AboveApex { height, apex })
         } else if self.gravity.value() == 0.0 {
-            Err(FlightError::NoGravity { height, speed: self.vy.value() })
+            Err(FlightError::NoGravity {
+                height,
+                speed: self.vy.value(),
+            })
         } else {
             Ok(self.apex_time())
         }

@@ -5,10 +5,12 @@
 //! * [`Terrain`] and [`Landing`]: where the wheel comes down.
 //! * [`Obstacle`], [`Disc`] and [`Clearance`]: what it must clear, and by how much it does.
 //!
-//! A question without an answer says why: [`FlightError`]. Every answer carries exact derivatives where it is asked in
-//! [`Dual`](saltus_numeric::Dual) numbers; decisions, such as which feature is nearest, are made on the values.
+//! A question without an answer says why: [`FlightError`]. Every answer carries exact derivatives
+//! where it is asked in [`Dual`](saltus_numeric::Dual) numbers; decisions, such as which feature is
+//! nearest, are made on the values.
 //!
-//! The plane is that of the motion: x forward, y up, SI units. The ground is at y = 0 unless said otherwise.
+//! The plane is that of the motion: x forward, y up, SI units. The ground is at y = 0 unless said
+//! otherwise.
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 

@@ -7,7 +7,8 @@ use crate::path::State;
 /// What of an outline is nearest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Feature {
-    /// An edge: of an obstacle the one from this vertex to the next, of a terrain the one that ends at this vertex.
+    /// An edge: of an obstacle the one from this vertex to the next, of a terrain the one that ends
+    /// at this vertex.
     Edge(usize),
     /// A vertex.
     Vertex(usize),
@@ -56,10 +57,15 @@ pub(crate) struct Gap<S> {
 }
 
 impl Edge {
-    /// The edge from `start` along `tangent` over `range`, with the solid to its `side`: 1 on the left, −1 on the
-    /// right.
+    /// The edge from `start` along `tangent` over `range`, with the solid to its `side`: 1 on the
+    /// left, −1 on the right.
     pub(crate) fn new(origin: [f64; 2], tangent: [f64; 2], range: [f64; 2], side: f64) -> Self {
-        Edge { origin, tangent, normal: [side * tangent[1], -side * tangent[0]], range }
+        Edge {
+            origin,
+            tangent,
+            normal: [side * tangent[1], -side * tangent[0]],
+            range,
+        }
     }
 
     /// The edge between two points.
@@ -80,25 +86,49 @@ impl Corner {
     /// The corner at which the edge `before` ends and `after` begins; `side` as in [`Edge::new`].
     pub(crate) fn new(at: [f64; 2], before: &Edge, after: &Edge, side: f64) -> Self {
         let turn = before.tangent[0] * after.tangent[1] - before.tangent[1] * after.tangent[0];
-        let outward = [before.normal[0] + after.normal[0], before.normal[1] + after.normal[1]];
-        Corner { at, outward, reflex: side * turn < 0.0 }
+        let outward = [
+            before.normal[0] + after.normal[0],
+            before.normal[1] + after.normal[1],
+        ];
+        Corner {
+            at,
+            outward,
+            reflex: side * turn < 0.0,
+        }
     }
 }
 
 impl Outline {
     /// The feature nearest to `point` and the signed distance to it (m).
     pub(crate) fn nearest(&self, point: [f64; 2]) -> (Feature, f64) {
-        let edges = self.edges.iter().enumerate().filter(|(_, edge)| edge.faces(point));
-        let edges =
-            edges.map(|(i, edge)| (Feature::Edge(i), dot(difference(point, edge.origin), edge.normal)));
+        let edges = self
+            .edges
+            .iter()
+            .enumerate()
+            .filter(|(_, edge)| edge.faces(point));
+        let edges = edges.map(|(i, edge)| {
+            (
+                Feature::Edge(i),
+                dot(difference(point, edge.origin), edge.normal),
+            )
+        });
         let corners = self.corners.iter().enumerate().map(|(i, corner)| {
             let [dx, dy] = difference(point, corner.at);
-            (Feature::Vertex(i), dx.hypot(dy).copysign(dot([dx, dy], corner.outward)))
+            (
+                Feature::Vertex(i),
+                dx.hypot(dy).copysign(dot([dx, dy], corner.outward)),
+            )
         });
         // Edges come first, so that they win a tie.
         edges
             .chain(corners)
-            .reduce(|best, next| if next.1.abs() < best.1.abs() { next } else { best })
+            .reduce(|best, next| {
+                if next.1.abs() < best.1.abs() {
+                    next
+                } else {
+                    best
+                }
+            })
             .unwrap_or((Feature::Vertex(0), f64::NAN))
     }
 
@@ -131,7 +161,9 @@ impl Outline {
     /// The point (m) of `feature` nearest to `position`, which is `gap` away.
     pub(crate) fn foot<S: Single>(&self, feature: Feature, position: [S; 2], gap: S) -> [S; 2] {
         match feature {
-            Feature::Edge(i) => [0, 1].map(|k| (-gap).mul_add(S::of(self.edges[i].normal[k]), position[k])),
+            Feature::Edge(i) => {
+                [0, 1].map(|k| (-gap).mul_add(S::of(self.edges[i].normal[k]), position[k]))
+            }
             Feature::Vertex(i) => self.corners[i].at.map(S::of),
         }
     }

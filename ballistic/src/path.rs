@@ -17,9 +17,11 @@ pub(crate) struct State<S> {
     pub(crate) acceleration: [S; 2],
 }
 
-/// A path of the wheel's centre: its exact state at any time, and the parabolas that it consists of or nearly so.
+/// A path of the wheel's centre: its exact state at any time, and the parabolas that it consists of
+/// or nearly so.
 ///
-/// Times are searched for on the parabolas, where they are roots of polynomials, and then settled on the exact path.
+/// Times are searched for on the parabolas, where they are roots of polynomials, and then settled
+/// on the exact path.
 pub(crate) trait Path<S: Single> {
     /// The state at time `t` (s) after lift-off.
     fn state(&self, t: S) -> State<S>;
@@ -41,7 +43,8 @@ pub(crate) struct Arc {
 }
 
 impl Arc {
-    /// The times (s after lift-off) at which `polynomial`, over the arc's own time, changes its sign.
+    /// The times (s after lift-off) at which `polynomial`, over the arc's own time, changes its
+    /// sign.
     pub(crate) fn roots(&self, polynomial: &Polynomial) -> impl Iterator<Item = f64> {
         let [from, to] = self.span.map(|t| t - self.start);
         let roots = polynomial.roots(from, to);
@@ -63,7 +66,10 @@ impl Arc {
 
     /// Position seen from `origin`.
     fn offset(&self, origin: [f64; 2]) -> [Polynomial; 2] {
-        [self.x - Polynomial::constant(origin[0]), self.y - Polynomial::constant(origin[1])]
+        [
+            self.x - Polynomial::constant(origin[0]),
+            self.y - Polynomial::constant(origin[1]),
+        ]
     }
 }
 
@@ -77,7 +83,13 @@ impl<S: Single> Path<S> for Flight<S> {
     }
 
     fn arcs(&self, from: f64, to: f64) -> impl Iterator<Item = Arc> {
-        let Flight { x, y, vx, vy, gravity } = self.values();
+        let Flight {
+            x,
+            y,
+            vx,
+            vy,
+            gravity,
+        } = self.values();
         std::iter::once(Arc {
             x: Polynomial::quadratic(x, vx, 0.0),
             y: Polynomial::quadratic(y, vy, -0.5 * gravity),
@@ -89,8 +101,8 @@ impl<S: Single> Path<S> for Flight<S> {
 
 /// The root near `t` (s) in `span` of a path's function, given as its value and its slope in time.
 ///
-/// Two steps of Newton's method: they take the root from the arc to the path, and give it its derivatives. Where the
-/// function is flat, or the root is not near, `t` itself.
+/// Two steps of Newton's method: they take the root from the arc to the path, and give it its
+/// derivatives. Where the function is flat, or the root is not near, `t` itself.
 pub(crate) fn settle<S: Single>(t: f64, span: [f64; 2], function: impl Fn(S) -> [S; 2]) -> S {
     /// How near, as a share of the span: far above the error of an arc.
     const NEAR: f64 = 1e-3;

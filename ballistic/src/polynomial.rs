@@ -1,9 +1,10 @@
 //! Polynomials of degree ≤ 4 and their roots in an interval.
 //!
-//! The roots come from those of the derivative, which cut the interval into pieces on which the polynomial is
-//! monotonic: a sign change then brackets exactly one root, and Newton's method, kept inside the bracket, ends on
-//! round-off. Closed formulas (those of the crate `roots`, say) lose digits where the leading coefficient is small,
-//! as in low gravity; this does not, and a leading coefficient of zero is no special case.
+//! The roots come from those of the derivative, which cut the interval into pieces on which the
+//! polynomial is monotonic: a sign change then brackets exactly one root, and Newton's method, kept
+//! inside the bracket, ends on round-off. Closed formulas (those of the crate `roots`, say) lose
+//! digits where the leading coefficient is small, as in low gravity; this does not, and a leading
+//! coefficient of zero is no special case.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -57,14 +58,18 @@ impl Polynomial {
 
     /// Where the polynomial changes its sign in [`from`, `to`]; `to` may be infinite.
     ///
-    /// Roots of even multiplicity are none of these. A zero counts as positive: one at `from` is a root if the
-    /// polynomial falls below zero there.
+    /// Roots of even multiplicity are none of these. A zero counts as positive: one at `from` is a
+    /// root if the polynomial falls below zero there.
     pub(crate) fn roots(&self, from: f64, to: f64) -> Roots {
         let mut roots = Roots::default();
         if self.0[1..].iter().all(|&c| c == 0.0) {
             return roots;
         }
-        let to = if to.is_finite() { to } else { self.root_bound() };
+        let to = if to.is_finite() {
+            to
+        } else {
+            self.root_bound()
+        };
         let slope = self.derivative();
         let mut left = from;
         for &right in slope.roots(from, to).as_slice().iter().chain([&to]) {
@@ -81,12 +86,17 @@ impl Polynomial {
     /// Source: Fujiwara, Tôhoku Mathematical Journal 10 (1916) 167–171.
     fn root_bound(&self) -> f64 {
         let degree = self.0.iter().rposition(|&c| c != 0.0).unwrap_or(0);
-        let ratio = |k: usize| (self.0[degree - k] / self.0[degree]).abs().powf(1.0 / k as f64);
+        let ratio = |k: usize| {
+            (self.0[degree - k] / self.0[degree])
+                .abs()
+                .powf(1.0 / k as f64)
+        };
         2.0 * (1..=degree).map(ratio).fold(0.0, f64::max)
     }
 }
 
-/// The root between `low` and `high` of a function, given as its value and its slope, with different signs there.
+/// The root between `low` and `high` of a function, given as its value and its slope, with
+/// different signs there.
 ///
 /// Newton's method, with a bisection wherever it would leave what is left of the interval.
 pub(crate) fn root_between(mut low: f64, mut high: f64, function: impl Fn(f64) -> [f64; 2]) -> f64 {
@@ -106,7 +116,11 @@ pub(crate) fn root_between(mut low: f64, mut high: f64, function: impl Fn(f64) -
             high = t;
         }
         let newton = t - value / slope;
-        let next = if low <= newton && newton <= high { newton } else { low.midpoint(high) };
+        let next = if low <= newton && newton <= high {
+            newton
+        } else {
+            low.midpoint(high)
+        };
         if (next - t).abs() <= f64::EPSILON * t.abs() {
             return next;
         }
@@ -134,7 +148,13 @@ impl Mul for Polynomial {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         let ([a0, a1, a2, ..], [b0, b1, b2, ..]) = (self.0, other.0);
-        Polynomial([a0 * b0, a0 * b1 + a1 * b0, a0 * b2 + a1 * b1 + a2 * b0, a1 * b2 + a2 * b1, a2 * b2])
+        Polynomial([
+            a0 * b0,
+            a0 * b1 + a1 * b0,
+            a0 * b2 + a1 * b1 + a2 * b0,
+            a1 * b2 + a2 * b1,
+            a2 * b2,
+        ])
     }
 }
 
@@ -147,11 +167,13 @@ mod tests {
 
     /// The polynomial `scale` Π (t − root).
     fn with_roots(scale: f64, roots: &[f64]) -> Polynomial {
-        roots.iter().fold(Polynomial::quadratic(scale, 0.0, 0.0), |p, root| {
-            let mut shifted = [0.0; DEGREE + 1];
-            shifted[1..].copy_from_slice(&p.0[..DEGREE]);
-            Polynomial(std::array::from_fn(|i| shifted[i] - root * p.0[i]))
-        })
+        roots
+            .iter()
+            .fold(Polynomial::quadratic(scale, 0.0, 0.0), |p, root| {
+                let mut shifted = [0.0; DEGREE + 1];
+                shifted[1..].copy_from_slice(&p.0[..DEGREE]);
+                Polynomial(std::array::from_fn(|i| shifted[i] - root * p.0[i]))
+            })
     }
 
     #[test]
@@ -162,7 +184,12 @@ mod tests {
         check(Polynomial::quadratic(0.0, 0.0, 0.0), 0.0, 1.0, &[]);
         check(Polynomial::quadratic(1.0, 0.0, 0.0), 0.0, 1.0, &[]);
         check(Polynomial::quadratic(-1.0, 2.0, 0.0), 0.0, 1.0, &[0.5]);
-        check(Polynomial::quadratic(-1.0, 0.0, 1.0), 0.0, f64::INFINITY, &[1.0]);
+        check(
+            Polynomial::quadratic(-1.0, 0.0, 1.0),
+            0.0,
+            f64::INFINITY,
+            &[1.0],
+        );
         // Two roots meet: no change of sign.
         check(Polynomial::quadratic(1.0, -2.0, 1.0), 0.0, 4.0, &[]);
         // Falls from zero at the start.
@@ -183,7 +210,10 @@ mod tests {
         // The quadratic's: the cubic term moves them by 1e-15 only.
         let expected = [0.754_710_877_053_7, 7.234_042_589_61];
         for (root, expected) in roots.as_slice().iter().zip(expected) {
-            assert!((root - expected).abs() < 1e-10, "{root} instead of {expected}");
+            assert!(
+                (root - expected).abs() < 1e-10,
+                "{root} instead of {expected}"
+            );
         }
         assert_eq!(roots.as_slice().len(), 2);
     }
@@ -197,7 +227,8 @@ mod tests {
             scale in 1e-3..1e3,
         ) {
             made_of.sort_by(f64::total_cmp);
-            // Roots that nearly meet are ill-conditioned: no method finds them from the coefficients.
+            // Roots that nearly meet are ill-conditioned: no method finds them from the
+            // coefficients.
             prop_assume!(made_of.windows(2).all(|pair| pair[1] - pair[0] > 0.1));
             let roots = with_roots(scale, &made_of).roots(-20.0, f64::INFINITY);
             prop_assert_eq!(roots.as_slice().len(), made_of.len());

@@ -6,7 +6,8 @@ use crate::outline::{Corner, Edge, Feature, Gap, Outline};
 use crate::path::{Path, settle};
 use crate::{Flight, FlightError};
 
-/// Distance (m) that another feature may reach into the disc at touchdown: round-off, and the error of an arc.
+/// Distance (m) that another feature may reach into the disc at touchdown: round-off, and the error
+/// of an arc.
 const SLACK: f64 = 1e-6;
 
 /// The ground's surface: a chain of vertices that goes on straight at both ends.
@@ -48,7 +49,10 @@ impl Terrain {
     /// [`FlightError::TooSteep`] unless |angle| < π/2; [`FlightError::VertexNotFinite`].
     pub fn slope(x0: f64, angle: f64) -> Result<Self, FlightError> {
         if !x0.is_finite() {
-            Err(FlightError::VertexNotFinite { vertex: 0, at: [x0, 0.0] })
+            Err(FlightError::VertexNotFinite {
+                vertex: 0,
+                at: [x0, 0.0],
+            })
         } else if angle.abs() < std::f64::consts::FRAC_PI_2 {
             Ok(Self::open(&[[x0, 0.0]], angle))
         } else {
@@ -56,11 +60,13 @@ impl Terrain {
         }
     }
 
-    /// The chain of `vertices` [x, y] (m), level before the first and after the last; x must not fall.
+    /// The chain of `vertices` [x, y] (m), level before the first and after the last; x must not
+    /// fall.
     ///
     /// # Errors
-    /// [`FlightError::FewVertices`], [`FlightError::VertexNotFinite`], [`FlightError::VertexRepeated`], and
-    /// [`FlightError::TerrainRunsBack`] where x falls or a wall goes back over itself.
+    /// [`FlightError::FewVertices`], [`FlightError::VertexNotFinite`],
+    /// [`FlightError::VertexRepeated`], and [`FlightError::TerrainRunsBack`] where x falls or a
+    /// wall goes back over itself.
     pub fn profile(vertices: &[[f64; 2]]) -> Result<Self, FlightError> {
         if vertices.is_empty() {
             return Err(FlightError::FewVertices { count: 0, least: 1 });
@@ -69,7 +75,9 @@ impl Terrain {
             if !at.iter().all(|number| number.is_finite()) {
                 return Err(FlightError::VertexNotFinite { vertex, at });
             }
-            let Some(&next) = vertices.get(vertex + 1) else { break };
+            let Some(&next) = vertices.get(vertex + 1) else {
+                break;
+            };
             let wall_back = vertex > 0 && {
                 let last = vertices[vertex - 1];
                 last[0] == next[0] && (at[1] - last[1]) * (next[1] - at[1]) < 0.0
@@ -91,17 +99,23 @@ impl Terrain {
         let ray = |origin, range| Edge::new(origin, [cos, sin], range, SIDE);
         let last = vertices.len() - 1;
         let mut edges = vec![ray(vertices[0], [f64::NEG_INFINITY, 0.0])];
-        edges.extend(vertices.windows(2).map(|pair| Edge::between(pair[0], pair[1], SIDE)));
+        edges.extend(
+            vertices
+                .windows(2)
+                .map(|pair| Edge::between(pair[0], pair[1], SIDE)),
+        );
         edges.push(ray(vertices[last], [0.0, f64::INFINITY]));
         let corner = |i: usize| Corner::new(vertices[i], &edges[i], &edges[i + 1], SIDE);
         let corners = (0..=last).map(corner).collect();
-        Terrain { outline: Outline { edges, corners } }
+        Terrain {
+            outline: Outline { edges, corners },
+        }
     }
 
     /// The landing of a disc of `radius` on a path, if it lands from time 0 to `horizon` (s).
     ///
-    /// The first time at which the distance to the nearest feature falls to the radius. A foot that has just pushed
-    /// off may leave the wheel nearer than that: what counts is coming down.
+    /// The first time at which the distance to the nearest feature falls to the radius. A foot that
+    /// has just pushed off may leave the wheel nearer than that: what counts is coming down.
     pub(crate) fn touchdown<S: Single>(
         &self,
         path: &impl Path<S>,
@@ -111,7 +125,8 @@ impl Terrain {
         let touches = |time: &f64| {
             let state = path.state(S::of(*time));
             let (feature, gap) = self.outline.nearest(state.position.map(S::value));
-            (gap - radius.value()).abs() <= SLACK && self.outline.gap(feature, &state).rate.value() < 0.0
+            (gap - radius.value()).abs() <= SLACK
+                && self.outline.gap(feature, &state).rate.value() < 0.0
         };
         let time = path.arcs(0.0, horizon).find_map(|arc| {
             let mut times = vec![arc.span[0]];
@@ -132,19 +147,35 @@ impl Terrain {
     }
 
     /// The landing near `time`, with its derivatives.
-    fn landing_at<S: Single>(&self, path: &impl Path<S>, radius: S, time: f64, horizon: f64) -> Landing<S> {
-        let (feature, _) = self.outline.nearest(path.state(S::of(time)).position.map(S::value));
+    fn landing_at<S: Single>(
+        &self,
+        path: &impl Path<S>,
+        radius: S,
+        time: f64,
+        horizon: f64,
+    ) -> Landing<S> {
+        let (feature, _) = self
+            .outline
+            .nearest(path.state(S::of(time)).position.map(S::value));
         let time = settle(time, [0.0, horizon], |t| {
             let Gap { value, rate, .. } = self.outline.gap(feature, &path.state(t));
             [value - radius, rate]
         });
         let centre = path.state(time).position;
-        Landing { time, centre, point: self.outline.foot(feature, centre, radius), feature }
+        Landing {
+            time,
+            centre,
+            point: self.outline.foot(feature, centre, radius),
+            feature,
+        }
     }
 
     /// That the wheel does not come down.
     pub(crate) fn never_lands<S: Single>(&self, flight: &Flight<S>, radius: S) -> FlightError {
-        FlightError::NeverLands { gap: self.gap([flight.x, flight.y]), radius: radius.value() }
+        FlightError::NeverLands {
+            gap: self.gap([flight.x, flight.y]),
+            radius: radius.value(),
+        }
     }
 
     /// Distance (m) from the surface, negative below it.
@@ -154,10 +185,11 @@ impl Terrain {
 }
 
 impl<S: Single> Flight<S> {
-    /// Where a wheel of `radius` (m) lands on `terrain`: its centre comes down to that distance from the surface.
+    /// Where a wheel of `radius` (m) lands on `terrain`: its centre comes down to that distance
+    /// from the surface.
     ///
-    /// On flat ground the centre is at its height plus the radius. A wheel that is nearer at lift-off, as a
-    /// leaning leg may leave it, must rise first. Grazing is not landing.
+    /// On flat ground the centre is at its height plus the radius. A wheel that is nearer at
+    /// lift-off, as a leaning leg may leave it, must rise first. Grazing is not landing.
     ///
     /// ```
     /// use saltus_ballistic::{Flight, FlightError, Terrain};

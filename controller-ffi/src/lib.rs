@@ -1,14 +1,16 @@
-//! The controller for programs in C: a static library and its header, `include/saltus_controller_ffi.h`.
+//! The controller for programs in C: a static library and its header,
+//! `include/saltus_controller_ffi.h`.
 //!
-//! Tables are those of `saltus export`, handed over in a [`SaltusController`]. Every function takes pointers, reads what they point to,
-//! and returns a [`SaltusStatus`]; a null pointer, too, gets a reason. Nothing allocates or panics.
+//! Tables are those of `saltus export`, handed over in a [`SaltusController`]. Every function takes
+//! pointers, reads what they point to, and returns a [`SaltusStatus`]; a null pointer, too, gets a
+//! reason. Nothing allocates or panics.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 
 use saltus_controller::qp::{self, HalfPlane};
 use saltus_controller::{
-    Approach, Axis, Controller, FiringTable, Guess, Input, LiftOffMap, Limits, MAP_NODE, NoTakeOff, Observer,
-    Obstacle, Rates, Reason, Robot, Rule, Sensed, Task, Timing,
+    Approach, Axis, Controller, FiringTable, Guess, Input, LiftOffMap, Limits, MAP_NODE, NoTakeOff,
+    Observer, Obstacle, Rates, Reason, Robot, Rule, Sensed, Task, Timing,
 };
 
 /// A value, or the reason why there is none.
@@ -260,7 +262,12 @@ impl From<Option<Input>> for SaltusInput {
 
 impl From<SaltusAxis> for Axis<f32> {
     fn from(a: SaltusAxis) -> Axis<f32> {
-        Axis { first: a.first, last: a.last, per_unit: a.per_unit, count: a.count as usize }
+        Axis {
+            first: a.first,
+            last: a.last,
+            per_unit: a.per_unit,
+            count: a.count as usize,
+        }
     }
 }
 
@@ -270,17 +277,34 @@ impl SaltusController {
     /// # Safety
     /// Its pointers are null, or point to as many nodes and cells as its axes say.
     unsafe fn view(&self) -> Controller<'_, f32> {
-        let (rates, distances, angles) = (self.rates.into(), self.distances.into(), self.angles.into());
+        let (rates, distances, angles) =
+            (self.rates.into(), self.distances.into(), self.angles.into());
         // SAFETY: as the caller promises.
         let (table, map) = unsafe {
             (
-                (nodes(self.table_nodes, &rates, &distances), cells(self.table_open, &rates, &distances)),
-                (nodes::<MAP_NODE>(self.map_nodes, &rates, &angles), cells(self.map_open, &rates, &angles)),
+                (
+                    nodes(self.table_nodes, &rates, &distances),
+                    cells(self.table_open, &rates, &distances),
+                ),
+                (
+                    nodes::<MAP_NODE>(self.map_nodes, &rates, &angles),
+                    cells(self.map_open, &rates, &angles),
+                ),
             )
         };
         Controller {
-            rule: Rule::Table(FiringTable { rates, distances, nodes: table.0, open: table.1 }),
-            map: LiftOffMap { rates, angles, nodes: map.0, open: map.1 },
+            rule: Rule::Table(FiringTable {
+                rates,
+                distances,
+                nodes: table.0,
+                open: table.1,
+            }),
+            map: LiftOffMap {
+                rates,
+                angles,
+                nodes: map.0,
+                open: map.1,
+            },
             rates: Rates {
                 least: self.least_rate,
                 greatest: self.greatest_rate,
@@ -311,9 +335,14 @@ impl SaltusController {
 ///
 /// # Safety
 /// `first` is null or points to as many.
-unsafe fn nodes<'a, const N: usize>(first: *const [f32; N], a: &Axis<f32>, b: &Axis<f32>) -> &'a [[f32; N]] {
+unsafe fn nodes<'a, const N: usize>(
+    first: *const [f32; N],
+    a: &Axis<f32>,
+    b: &Axis<f32>,
+) -> &'a [[f32; N]] {
     match a.count.checked_mul(b.count) {
-        // SAFETY: as the caller promises; a count whose bytes are more than memory holds is refused.
+        // SAFETY: as the caller promises; a count whose bytes are more than memory holds is
+        // refused.
         Some(count) if !first.is_null() && count < isize::MAX as usize / (4 * N) => unsafe {
             core::slice::from_raw_parts(first, count)
         },
@@ -326,7 +355,11 @@ unsafe fn nodes<'a, const N: usize>(first: *const [f32; N], a: &Axis<f32>, b: &A
 /// # Safety
 /// `first` is null or points to as many.
 unsafe fn cells<'a>(first: *const u8, a: &Axis<f32>, b: &Axis<f32>) -> &'a [u8] {
-    match a.count.saturating_sub(1).checked_mul(b.count.saturating_sub(1)) {
+    match a
+        .count
+        .saturating_sub(1)
+        .checked_mul(b.count.saturating_sub(1))
+    {
         // SAFETY: as the caller promises.
         Some(count) if !first.is_null() && count < isize::MAX as usize => unsafe {
             core::slice::from_raw_parts(first, count)
@@ -338,7 +371,8 @@ unsafe fn cells<'a>(first: *const u8, a: &Axis<f32>, b: &Axis<f32>) -> &'a [u8] 
 /// Whether and when to open the valve now, and how long for.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says, tables as large as their axes say; `decision` may be written.
+/// Each pointer is null or points to what its type says, tables as large as their axes say;
+/// `decision` may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn saltus_controller_decide(
     controller: *const SaltusController,
@@ -347,13 +381,25 @@ pub unsafe extern "C" fn saltus_controller_decide(
     decision: *mut SaltusDecision,
 ) -> SaltusStatus {
     // SAFETY: as the caller promises; null becomes none.
-    let given = unsafe { (controller.as_ref(), sensed.as_ref(), task.as_ref(), decision.as_mut()) };
+    let given = unsafe {
+        (
+            controller.as_ref(),
+            sensed.as_ref(),
+            task.as_ref(),
+            decision.as_mut(),
+        )
+    };
     let (Some(controller), Some(sensed), Some(task), Some(decision)) = given else {
         return SaltusStatus::SensorInvalid;
     };
     // SAFETY: as the caller promises.
-    let (obstacle, guess, controller) =
-        unsafe { (task.obstacle.as_ref(), task.guess.as_ref(), controller.view()) };
+    let (obstacle, guess, controller) = unsafe {
+        (
+            task.obstacle.as_ref(),
+            task.guess.as_ref(),
+            controller.view(),
+        )
+    };
     let task = Task {
         distance: task.distance,
         landing_height: task.landing_height,
@@ -363,9 +409,18 @@ pub unsafe extern "C" fn saltus_controller_decide(
             height: o.height,
             clearance: o.clearance,
         }),
-        guess: guess.map(|g| Guess { firing_angle: g.firing_angle, valve_open: g.valve_open }),
+        guess: guess.map(|g| Guess {
+            firing_angle: g.firing_angle,
+            valve_open: g.valve_open,
+        }),
     };
-    match controller.decide(&Sensed { lean: sensed.lean, rate: sensed.rate }, &task) {
+    match controller.decide(
+        &Sensed {
+            lean: sensed.lean,
+            rate: sensed.rate,
+        },
+        &task,
+    ) {
         Err(reason) => reason.into(),
         Ok(d) => {
             let (timing, time) = match d.timing {
@@ -412,7 +467,8 @@ pub unsafe extern "C" fn saltus_controller_firing_angle(
     }
 }
 
-/// From which of the next four touch-downs to jump, and at which angle; `input` says which number there is no take-off for.
+/// From which of the next four touch-downs to jump, and at which angle; `input` says which number
+/// there is no take-off for.
 ///
 /// # Safety
 /// As [`saltus_controller_decide`]; `input` is null or may be written.
@@ -425,7 +481,9 @@ pub unsafe extern "C" fn saltus_controller_take_off(
 ) -> SaltusStatus {
     // SAFETY: as the caller promises; null becomes none.
     let given = unsafe { (controller.as_ref(), approach.as_ref(), take_off.as_mut()) };
-    let (Some(controller), Some(a), Some(take_off)) = given else { return SaltusStatus::SensorInvalid };
+    let (Some(controller), Some(a), Some(take_off)) = given else {
+        return SaltusStatus::SensorInvalid;
+    };
     let approach = Approach {
         distance: a.distance,
         height: a.height,
@@ -438,7 +496,10 @@ pub unsafe extern "C" fn saltus_controller_take_off(
     let input = unsafe { input.as_mut() }.unwrap_or(&mut ignored);
     // SAFETY: as the caller promises.
     match unsafe { controller.view() }.take_off(&approach) {
-        Err(NoTakeOff { reason, input: which }) => {
+        Err(NoTakeOff {
+            reason,
+            input: which,
+        }) => {
             *input = which.into();
             reason.into()
         }
@@ -456,7 +517,8 @@ pub unsafe extern "C" fn saltus_controller_take_off(
     }
 }
 
-/// Minimises x' H x/2 + g' x under at most 16 constraints; `h` points to H11, H12, H22, `g` and `x` to two numbers.
+/// Minimises x' H x/2 + g' x under at most 16 constraints; `h` points to H11, H12, H22, `g` and `x`
+/// to two numbers.
 ///
 /// # Safety
 /// Each pointer is null or points to as many numbers and constraints; `x` may be written.
@@ -470,11 +532,16 @@ pub unsafe extern "C" fn saltus_controller_qp2(
 ) -> SaltusStatus {
     // SAFETY: as the caller promises; null becomes none.
     let given = unsafe { (h.as_ref(), g.as_ref(), x.as_mut()) };
-    let (Some(h), Some(g), Some(x)) = given else { return SaltusStatus::SensorInvalid };
+    let (Some(h), Some(g), Some(x)) = given else {
+        return SaltusStatus::SensorInvalid;
+    };
     if count > SALTUS_MOST_CONSTRAINTS || (count > 0 && constraints.is_null()) {
         return SaltusStatus::SensorInvalid;
     }
-    let mut planes = [HalfPlane { normal: [0.0; 2], bound: 0.0 }; SALTUS_MOST_CONSTRAINTS];
+    let mut planes = [HalfPlane {
+        normal: [0.0; 2],
+        bound: 0.0,
+    }; SALTUS_MOST_CONSTRAINTS];
     for (k, plane) in planes.iter_mut().enumerate().take(count) {
         // SAFETY: k < count, and the caller promises as many.
         let SaltusHalfPlane { normal, bound } = unsafe { *constraints.add(k) };
@@ -489,7 +556,8 @@ pub unsafe extern "C" fn saltus_controller_qp2(
     }
 }
 
-/// Follows the lean of a pivoting wheel through an encoder's reading `lean` (rad); `pendulum` (1/s²), `period` (s), `memory` from 0 to below 1.
+/// Follows the lean of a pivoting wheel through an encoder's reading `lean` (rad); `pendulum`
+/// (1/s²), `period` (s), `memory` from 0 to below 1.
 ///
 /// # Safety
 /// `state` is null or may be read and written.
@@ -502,11 +570,24 @@ pub unsafe extern "C" fn saltus_controller_observe(
     memory: f32,
 ) {
     // SAFETY: as the caller promises; null becomes none.
-    let Some(state) = (unsafe { state.as_mut() }) else { return };
-    let sensed = Sensed { lean: state.lean, rate: state.rate };
-    let mut observer = Observer { sensed, period, pendulum, memory };
+    let Some(state) = (unsafe { state.as_mut() }) else {
+        return;
+    };
+    let sensed = Sensed {
+        lean: state.lean,
+        rate: state.rate,
+    };
+    let mut observer = Observer {
+        sensed,
+        period,
+        pendulum,
+        memory,
+    };
     observer.update(lean);
-    *state = SaltusSensed { lean: observer.sensed.lean, rate: observer.sensed.rate };
+    *state = SaltusSensed {
+        lean: observer.sensed.lean,
+        rate: observer.sensed.rate,
+    };
 }
 
 /// Never runs: the linked program has no call to it, which `check.sh` looks for.

@@ -5,7 +5,8 @@ use std::path::Path;
 #[test]
 fn the_header_is_what_cbindgen_writes() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let config = cbindgen::Config::from_file(folder.join("cbindgen.toml")).expect("a sound configuration");
+    let config =
+        cbindgen::Config::from_file(folder.join("cbindgen.toml")).expect("a sound configuration");
     let mut text = Vec::new();
     cbindgen::Builder::new()
         .with_config(config)

@@ -38,7 +38,8 @@ impl Draw {
     }
 }
 
-/// Median, least and greatest over 101 rounds of the time (ns) that `call` takes for an input and the answer before.
+/// Median, least and greatest over 101 rounds of the time (ns) that `call` takes for an input and
+/// the answer before.
 fn latency<R: Copy + Default>(what: &str, call: impl Fn(usize, R) -> R) {
     let rounds = if cfg!(debug_assertions) { 2 } else { 10 };
     let mut times: Vec<f64> = (0..101)
@@ -55,7 +56,10 @@ fn latency<R: Copy + Default>(what: &str, call: impl Fn(usize, R) -> R) {
         })
         .collect();
     times.sort_by(f64::total_cmp);
-    println!("{what:46} {:7.1} ns [{:.1}..{:.1}]", times[50], times[0], times[100]);
+    println!(
+        "{what:46} {:7.1} ns [{:.1}..{:.1}]",
+        times[50], times[0], times[100]
+    );
 }
 
 /// H, g and constraints of a quadratic program.
@@ -83,24 +87,35 @@ fn programs(draw: &mut Draw) -> Vec<Program> {
 
 fn main() {
     let mut draw = Draw(1);
-    let Rule::Table(table) = RATS_PLANAR.rule else { return };
+    let Rule::Table(table) = RATS_PLANAR.rule else {
+        return;
+    };
     // Where the table answers: a reason is quicker.
-    let spots: Vec<[f32; 2]> = std::iter::repeat_with(|| [draw.between(3.0, 6.0), draw.between(0.2, 0.8)])
-        .filter(|[rate, distance]| table.firing_angle(*rate, *distance).is_ok())
-        .take(INPUTS)
-        .collect();
+    let spots: Vec<[f32; 2]> =
+        std::iter::repeat_with(|| [draw.between(3.0, 6.0), draw.between(0.2, 0.8)])
+            .filter(|[rate, distance]| table.firing_angle(*rate, *distance).is_ok())
+            .take(INPUTS)
+            .collect();
     latency("table look-up (f32)", |k, last: f32| {
-        table.firing_angle(spots[k][0] + last * 1e-20, spots[k][1]).unwrap_or(0.0)
+        table
+            .firing_angle(spots[k][0] + last * 1e-20, spots[k][1])
+            .unwrap_or(0.0)
     });
 
     let problems = programs(&mut draw);
-    latency("QP of 2 variables and 8 constraints (f64)", |k, last: f64| {
-        let (h, g, constraints) = &problems[k];
-        qp::two(*h, [g[0] + last * 1e-20, g[1]], constraints).map_or(0.0, |x| x[0])
-    });
+    latency(
+        "QP of 2 variables and 8 constraints (f64)",
+        |k, last: f64| {
+            let (h, g, constraints) = &problems[k];
+            qp::two(*h, [g[0] + last * 1e-20, g[1]], constraints).map_or(0.0, |x| x[0])
+        },
+    );
 
     let jumps: Vec<(Sensed<f32>, Task<f32>, Obstacle<f32>)> = std::iter::repeat_with(|| {
-        let sensed = Sensed { lean: draw.between(-0.5, 0.0), rate: draw.between(3.0, 6.0) };
+        let sensed = Sensed {
+            lean: draw.between(-0.5, 0.0),
+            rate: draw.between(3.0, 6.0),
+        };
         let front = draw.between(0.26, 0.4);
         let obstacle = Obstacle {
             front,
@@ -108,12 +123,19 @@ fn main() {
             height: draw.between(0.0, 0.1),
             clearance: 0.01,
         };
-        let task =
-            Task { distance: draw.between(0.25, 0.6), landing_height: 0.24, obstacle: None, guess: None };
+        let task = Task {
+            distance: draw.between(0.25, 0.6),
+            landing_height: 0.24,
+            obstacle: None,
+            guess: None,
+        };
         (sensed, task, obstacle)
     })
     .filter(|(sensed, task, obstacle)| {
-        let over = Task { obstacle: Some(*obstacle), ..*task };
+        let over = Task {
+            obstacle: Some(*obstacle),
+            ..*task
+        };
         RATS_PLANAR.decide(sensed, task).is_ok() && RATS_PLANAR.decide(sensed, &over).is_ok()
     })
     .take(INPUTS)
@@ -122,8 +144,14 @@ fn main() {
         let (mut sensed, mut task, obstacle) = jumps[k];
         sensed.rate += last * 1e-20;
         task.obstacle = with_obstacle.then_some(obstacle);
-        RATS_PLANAR.decide(&sensed, &task).map_or(0.0, |d| d.firing_angle)
+        RATS_PLANAR
+            .decide(&sensed, &task)
+            .map_or(0.0, |d| d.firing_angle)
     };
-    latency("decision: table, Newton step, instant (f32)", |k, last| decide(k, last, false));
-    latency("decision over an obstacle: QP of 2 variables", |k, last| decide(k, last, true));
+    latency("decision: table, Newton step, instant (f32)", |k, last| {
+        decide(k, last, false)
+    });
+    latency("decision over an obstacle: QP of 2 variables", |k, last| {
+        decide(k, last, true)
+    });
 }

@@ -1,4 +1,5 @@
-//! The drill of `firmware/drill.c` in Rust: the same inputs, and a hash of every bit of the answers.
+//! The drill of `firmware/drill.c` in Rust: the same inputs, and a hash of every bit of the
+//! answers.
 //!
 //!     cargo run --release -p saltus-controller --example drill -- [DECISIONS]
 
@@ -22,14 +23,29 @@ impl Draw {
     }
 
     fn decision(&mut self) -> (Sensed<f32>, Task<f32>) {
-        let sensed = Sensed { lean: self.between(-0.55, 0.35), rate: self.between(2.0, 6.5) };
+        let sensed = Sensed {
+            lean: self.between(-0.55, 0.35),
+            rate: self.between(2.0, 6.5),
+        };
         let distance = self.between(0.15, 0.85);
         let front = self.between(0.2, 0.5);
         let back = front + self.between(0.0, 0.2);
-        let obstacle =
-            Obstacle { front, back, height: self.between(0.0, 0.15), clearance: self.between(0.0, 0.02) };
+        let obstacle = Obstacle {
+            front,
+            back,
+            height: self.between(0.0, 0.15),
+            clearance: self.between(0.0, 0.02),
+        };
         let obstacle = (self.between(0.0, 1.0) < 0.75).then_some(obstacle);
-        (sensed, Task { distance, landing_height: 0.24, obstacle, guess: None })
+        (
+            sensed,
+            Task {
+                distance,
+                landing_height: 0.24,
+                obstacle,
+                guess: None,
+            },
+        )
     }
 
     fn approach(&mut self) -> Approach<f32> {
@@ -76,14 +92,24 @@ impl Hash {
             Timing::Fire(time) => (1, time),
             Timing::Late(time) => (2, time),
         };
-        self.numbers(&[answer.approach_rate, answer.firing_angle, answer.valve_open, time]);
+        self.numbers(&[
+            answer.approach_rate,
+            answer.firing_angle,
+            answer.valve_open,
+            time,
+        ]);
         self.word(timing);
         self.word(u32::from(answer.settled));
     }
 
     fn take_off(&mut self, answer: &TakeOff<f32>) {
         self.word(answer.touch_down);
-        self.numbers(&[answer.approach_rate, answer.firing_angle, answer.distance, answer.clearance]);
+        self.numbers(&[
+            answer.approach_rate,
+            answer.firing_angle,
+            answer.distance,
+            answer.clearance,
+        ]);
     }
 }
 
@@ -104,12 +130,16 @@ fn drill<A>(
             put(&mut hash, &answer);
         }
     }
-    println!("{what}: {calls} calls, {answered} answered, hash {:08x}", hash.0);
+    println!(
+        "{what}: {calls} calls, {answered} answered, hash {:08x}",
+        hash.0
+    );
 }
 
 fn main() {
-    let decisions: u32 =
-        std::env::args().nth(1).map_or(10_000, |text| text.parse().expect("a number of decisions"));
+    let decisions: u32 = std::env::args()
+        .nth(1)
+        .map_or(10_000, |text| text.parse().expect("a number of decisions"));
     let decide = |draw: &mut Draw, with_obstacle: bool| {
         let (sensed, mut task) = draw.decision();
         if !with_obstacle {
@@ -117,13 +147,35 @@ fn main() {
         }
         RATS_PLANAR.decide(&sensed, &task)
     };
-    drill("decisions without an obstacle", 1, decisions, |draw| decide(draw, false), Hash::decision);
-    drill("decisions", 1, decisions, |draw| decide(draw, true), Hash::decision);
-    let take_off = |draw: &mut Draw| RATS_PLANAR.take_off(&draw.approach()).map_err(|no| no.reason);
+    drill(
+        "decisions without an obstacle",
+        1,
+        decisions,
+        |draw| decide(draw, false),
+        Hash::decision,
+    );
+    drill(
+        "decisions",
+        1,
+        decisions,
+        |draw| decide(draw, true),
+        Hash::decision,
+    );
+    let take_off = |draw: &mut Draw| {
+        RATS_PLANAR
+            .take_off(&draw.approach())
+            .map_err(|no| no.reason)
+    };
     drill("take-offs", 2, decisions / 50, take_off, Hash::take_off);
     let solve = |draw: &mut Draw| {
         let (h, g, constraints) = draw.program();
         qp::two(h, g, &constraints)
     };
-    drill("programs of 8 constraints", 3, decisions / 2, solve, |hash, x| hash.numbers(x));
+    drill(
+        "programs of 8 constraints",
+        3,
+        decisions / 2,
+        solve,
+        |hash, x| hash.numbers(x),
+    );
 }

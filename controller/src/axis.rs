@@ -27,7 +27,12 @@ pub(crate) struct Spot<R> {
 impl<R: Real> Axis<R> {
     /// `count` nodes from `first` to `last`.
     pub fn new(first: R, last: R, count: usize) -> Axis<R> {
-        Axis { first, last, per_unit: R::of_index(count.saturating_sub(1)) / (last - first), count }
+        Axis {
+            first,
+            last,
+            per_unit: R::of_index(count.saturating_sub(1)) / (last - first),
+            count,
+        }
     }
 
     /// The node `index`.
@@ -43,18 +48,24 @@ impl<R: Real> Axis<R> {
     /// Where `x` lies.
     ///
     /// # Errors
-    /// [`Reason::SensorInvalid`] for what is no finite number, [`Reason::OutOfTable`] beyond the ends.
+    /// [`Reason::SensorInvalid`] for what is no finite number, [`Reason::OutOfTable`] beyond the
+    /// ends.
     #[inline]
     pub(crate) fn locate(&self, x: R) -> Result<Spot<R>, Reason> {
         if !x.within(self.first, self.last) || self.count < 2 {
-            return Err(if x.is_finite() { Reason::OutOfTable } else { Reason::SensorInvalid });
+            return Err(if x.is_finite() {
+                Reason::OutOfTable
+            } else {
+                Reason::SensorInvalid
+            });
         }
         let (cell, part) = ((x - self.first) * self.per_unit).split(self.count - 2);
         Ok(Spot { cell, part })
     }
 }
 
-/// Weights of the cubic at `t`, from 0 to 1 through a cell: of the difference of the values at its ends, and of the scaled slopes there.
+/// Weights of the cubic at `t`, from 0 to 1 through a cell: of the difference of the values at its
+/// ends, and of the scaled slopes there.
 #[inline]
 pub(crate) fn hermite<R: Real>(t: R) -> [R; 3] {
     let (s, rest) = (t * t, R::ONE - t);
@@ -71,7 +82,8 @@ pub(crate) fn hermite_slope<R: Real>(t: R) -> [R; 3] {
     [rise, (end - (t + t)) + R::ONE, end]
 }
 
-/// The cubic between the values `low` and `high`, each with its scaled slope, by the weights of [`hermite`].
+/// The cubic between the values `low` and `high`, each with its scaled slope, by the weights of
+/// [`hermite`].
 #[inline]
 pub(crate) fn cubic<R: Real>([rise, first, second]: [R; 3], low: (R, R), high: (R, R)) -> R {
     (low.0 + rise * (high.0 - low.0)) + (first * low.1 + second * high.1)

@@ -19,10 +19,12 @@ pub struct FiringCurve<'a, R> {
 }
 
 impl<R: Real> FiringCurve<'_, R> {
-    /// α_f (rad) at the approach rate `rate` (rad/s) for its distance, which `distance` (m) must be.
+    /// α_f (rad) at the approach rate `rate` (rad/s) for its distance, which `distance` (m) must
+    /// be.
     ///
     /// # Errors
-    /// As [`FiringTable::firing_angle`](crate::FiringTable::firing_angle); another distance is [`Reason::OutOfTable`].
+    /// As [`FiringTable::firing_angle`](crate::FiringTable::firing_angle); another distance is
+    /// [`Reason::OutOfTable`].
     #[inline]
     pub fn firing_angle(&self, rate: R, distance: R) -> Result<R, Reason> {
         let i = self.rates.locate(rate)?;
@@ -37,7 +39,10 @@ impl<R: Real> FiringCurve<'_, R> {
     /// As [`firing_angle`](Self::firing_angle).
     pub(crate) fn ends(&self, cell: usize, distance: R) -> Result<Option<[R; 2]>, Reason> {
         self.check(distance)?;
-        match self.cell(Spot { cell, part: R::ZERO }) {
+        match self.cell(Spot {
+            cell,
+            part: R::ZERO,
+        }) {
             Ok([(a, _), (b, _)]) => Ok(Some([a, b])),
             Err(Reason::Infeasible) => Ok(None),
             Err(reason) => Err(reason),
@@ -48,7 +53,11 @@ impl<R: Real> FiringCurve<'_, R> {
         if distance == self.distance {
             Ok(())
         } else {
-            Err(if distance.is_finite() { Reason::OutOfTable } else { Reason::SensorInvalid })
+            Err(if distance.is_finite() {
+                Reason::OutOfTable
+            } else {
+                Reason::SensorInvalid
+            })
         }
     }
 
@@ -60,8 +69,12 @@ impl<R: Real> FiringCurve<'_, R> {
             Some(_) => return Err(Reason::Infeasible),
             None => return Err(Reason::OutOfTable),
         }
-        let at =
-            |k: usize| self.nodes.get(k).map(|[value, slope]| (*value, *slope)).ok_or(Reason::OutOfTable);
+        let at = |k: usize| {
+            self.nodes
+                .get(k)
+                .map(|[value, slope]| (*value, *slope))
+                .ok_or(Reason::OutOfTable)
+        };
         Ok([at(i.cell)?, at(i.cell.wrapping_add(1))?])
     }
 }

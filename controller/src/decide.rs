@@ -30,7 +30,8 @@ pub enum Rule<'a, R> {
 }
 
 impl<R: Real> Rule<'_, R> {
-    /// The approach rates of its nodes, and how many cells lie between them; cells that are not there do not count.
+    /// The approach rates of its nodes, and how many cells lie between them; cells that are not
+    /// there do not count.
     pub(crate) fn cells(&self) -> (&Axis<R>, usize) {
         let (axis, open) = match self {
             Rule::Table(table) => (&table.rates, table.open.len()),
@@ -39,7 +40,8 @@ impl<R: Real> Rule<'_, R> {
         (axis, axis.count.saturating_sub(1).min(open))
     }
 
-    /// α_f (rad) for `distance` (m) at both ends of the cell `cell` of rates; none where it is closed.
+    /// α_f (rad) for `distance` (m) at both ends of the cell `cell` of rates; none where it is
+    /// closed.
     pub(crate) fn ends(&self, cell: usize, distance: R) -> Result<Option<[R; 2]>, Reason> {
         match self {
             Rule::Table(table) => table.ends(cell, distance),
@@ -61,7 +63,8 @@ pub struct Robot<R> {
     pub stride: R,
     /// Valve opening time t_v (s) for which tables and map hold.
     pub valve_open: R,
-    /// Height (m) of the wheel's centre above the foot at a landing, for which the firing angles hold.
+    /// Height (m) of the wheel's centre above the foot at a landing, for which the firing angles
+    /// hold.
     pub landing_height: R,
 }
 
@@ -70,15 +73,18 @@ pub struct Robot<R> {
 pub struct Limits<R> {
     /// Control period (s).
     pub period: R,
-    /// By how much the valve answers later than the robot file's (s): it is commanded that much sooner.
+    /// By how much the valve answers later than the robot file's (s): it is commanded that much
+    /// sooner.
     pub extra_delay: R,
     /// Newton steps that refine a firing angle by the lift-off map, 0 to 3; more count as 3.
     pub newton_steps: u8,
-    /// Least valve opening time (s) that may be chosen over an obstacle; with the next equal to it, only the angle is.
+    /// Least valve opening time (s) that may be chosen over an obstacle; with the next equal to it,
+    /// only the angle is.
     pub least_valve_open: R,
     /// Greatest valve opening time (s) that may be.
     pub greatest_valve_open: R,
-    /// Cost of a squared second of open valve, a squared metre off the distance costing 1 (m²/s²), > 0.
+    /// Cost of a squared second of open valve, a squared metre off the distance costing 1 (m²/s²),
+    /// > 0.
     pub effort: R,
 }
 
@@ -100,7 +106,8 @@ pub struct Task<R> {
     pub landing_height: R,
     /// What is to be cleared on the way.
     pub obstacle: Option<Obstacle<R>>,
-    /// Over an obstacle: what to start from, the last decision on the same jump; none: the firing angle for the distance.
+    /// Over an obstacle: what to start from, the last decision on the same jump; none: the firing
+    /// angle for the distance.
     pub guess: Option<Guess<R>>,
 }
 
@@ -129,7 +136,8 @@ pub struct Obstacle<R> {
 /// A firing decision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decision<R> {
-    /// Approach rate (rad/s), counted where [`Rates`] says: at the firing angle, or at the start lean.
+    /// Approach rate (rad/s), counted where [`Rates`] says: at the firing angle, or at the start
+    /// lean.
     pub approach_rate: R,
     /// Firing angle α_f (rad).
     pub firing_angle: R,
@@ -137,14 +145,15 @@ pub struct Decision<R> {
     pub valve_open: R,
     /// When to command the valve.
     pub timing: Timing<R>,
-    /// Whether it is final: by the lift-off map the jump clears what it should. If not, the next decision may be, with this one for its
-    /// guess.
+    /// Whether it is final: by the lift-off map the jump clears what it should. If not, the next
+    /// decision may be, with this one for its guess.
     pub settled: bool,
 }
 
 /// How far a step over an obstacle may go (rad): the map is nearly linear over it.
 const TRUST: f64 = 0.125;
-/// How far (m) inside what is asked a jump over an obstacle counts as clear, and how far apart two count as one.
+/// How far (m) inside what is asked a jump over an obstacle counts as clear, and how far apart two
+/// count as one.
 const MISS: f64 = 0.002;
 /// How far (rad) round-off may take a firing angle of the program beyond its bounds.
 const ANGLE_SLACK: f64 = 1e-4;
@@ -154,39 +163,62 @@ const VALVE_SLACK: f64 = 1e-5;
 impl<R: Real> Controller<'_, R> {
     /// What to do now: whether and when to open the valve, and how long for.
     ///
-    /// Over an obstacle, one quadratic program about the guess is solved at each call. With the last decision for a guess the next goes on from
-    /// there, until they agree and the map says that the jump is clear: then it is settled, mostly at the second or third.
+    /// Over an obstacle, one quadratic program about the guess is solved at each call. With the
+    /// last decision for a guess the next goes on from there, until they agree and the map says
+    /// that the jump is clear: then it is settled, mostly at the second or third.
     ///
-    /// Source: Diehl, Bock and Schlöder, A real-time iteration scheme for nonlinear optimization in optimal feedback control, SIAM J. Control
-    /// Optim. 43 (2005).
+    /// Source: Diehl, Bock and Schlöder, A real-time iteration scheme for nonlinear optimization in
+    /// optimal feedback control, SIAM J. Control Optim. 43 (2005).
     ///
     /// # Errors
-    /// [`Reason::SensorInvalid`] for what is no measurement or no task; [`Reason::OutOfTable`] where tables or map do not reach;
-    /// [`Reason::Infeasible`] where no jump does what is asked, or the robot comes to rest before its firing angle.
+    /// [`Reason::SensorInvalid`] for what is no measurement or no task; [`Reason::OutOfTable`]
+    /// where tables or map do not reach; [`Reason::Infeasible`] where no jump does what is asked,
+    /// or the robot comes to rest before its firing angle.
     #[inline]
     pub fn decide(&self, sensed: &Sensed<R>, task: &Task<R>) -> Result<Decision<R>, Reason> {
         let rate = self.rate_at(sensed, self.rates.reference_lean)?;
         let (guess, settled) = match &task.obstacle {
             None => {
                 let angle = self.angle_at_reference(rate, task.distance, task.landing_height)?;
-                (Guess { firing_angle: angle, valve_open: self.robot.valve_open }, true)
+                (
+                    Guess {
+                        firing_angle: angle,
+                        valve_open: self.robot.valve_open,
+                    },
+                    true,
+                )
             }
             Some(obstacle) => self.over(rate, task, obstacle)?,
         };
-        let Guess { firing_angle, valve_open } = guess;
+        let Guess {
+            firing_angle,
+            valve_open,
+        } = guess;
         let timing = self.timing(sensed, firing_angle)?;
-        let approach_rate = if self.rates.at_firing { self.rate_at(sensed, firing_angle)? } else { rate };
-        Ok(Decision { approach_rate, firing_angle, valve_open, timing, settled })
+        let approach_rate = if self.rates.at_firing {
+            self.rate_at(sensed, firing_angle)?
+        } else {
+            rate
+        };
+        Ok(Decision {
+            approach_rate,
+            firing_angle,
+            valve_open,
+            timing,
+            settled,
+        })
     }
 
-    /// α_f (rad) for an approach `rate` (rad/s), a `distance` (m) and a landing `height` (m), by the rule and as many Newton steps on the
-    /// lift-off map as asked for.
+    /// α_f (rad) for an approach `rate` (rad/s), a `distance` (m) and a landing `height` (m), by
+    /// the rule and as many Newton steps on the lift-off map as asked for.
     ///
-    /// For plans and tests: where rates count at the firing angle, it looks for the angle that has this rate, which takes tens of times as
-    /// long as a look-up. [`decide`](Self::decide) does not need it.
+    /// For plans and tests: where rates count at the firing angle, it looks for the angle that has
+    /// this rate, which takes tens of times as long as a look-up. [`decide`](Self::decide) does not
+    /// need it.
     ///
     /// # Errors
-    /// As [`FiringTable::firing_angle`]. Another landing height than the table's is [`Reason::OutOfTable`] without Newton steps.
+    /// As [`FiringTable::firing_angle`]. Another landing height than the table's is
+    /// [`Reason::OutOfTable`] without Newton steps.
     #[inline]
     pub fn firing_angle(&self, rate: R, distance: R, height: R) -> Result<R, Reason> {
         if self.rates.at_firing {
@@ -205,18 +237,26 @@ impl<R: Real> Controller<'_, R> {
         let mut angle = self.look_up(rate, distance)?;
         let steps = self.limits.newton_steps;
         if steps == 0 {
-            return if height == self.robot.landing_height { Ok(angle) } else { Err(Reason::OutOfTable) };
+            return if height == self.robot.landing_height {
+                Ok(angle)
+            } else {
+                Err(Reason::OutOfTable)
+            };
         }
         let mut step = R::ZERO;
         for _ in 0..if steps > 3 { 3 } else { steps } {
-            let landing = self.map.at(rate, angle)?.landing(self.robot.gravity, height)?;
+            let landing = self
+                .map
+                .at(rate, angle)?
+                .landing(self.robot.gravity, height)?;
             if !landing.by_angle.is_positive() {
                 return Err(Reason::Infeasible);
             }
             step = (distance - landing.value) / landing.by_angle;
             angle = angle + step;
         }
-        // The next step is smaller than the square of the last, which for the last must be small itself.
+        // The next step is smaller than the square of the last, which for the last must be small
+        // itself.
         let settled = step.within(-R::of(TRUST), R::of(TRUST));
         if !settled {
             return Err(Reason::Infeasible);
@@ -231,10 +271,12 @@ impl<R: Real> Controller<'_, R> {
     /// When to command the valve of a robot that is to be fired at `angle` (rad).
     ///
     /// # Errors
-    /// [`Reason::Infeasible`] if it comes to rest before; [`Reason::SensorInvalid`] for numbers that are not finite.
+    /// [`Reason::Infeasible`] if it comes to rest before; [`Reason::SensorInvalid`] for numbers
+    /// that are not finite.
     #[inline]
     pub fn timing(&self, sensed: &Sensed<R>, angle: R) -> Result<Timing<R>, Reason> {
-        let time = time_to(sensed.lean, sensed.rate, self.robot.pendulum, angle)? - self.limits.extra_delay;
+        let time = time_to(sensed.lean, sensed.rate, self.robot.pendulum, angle)?
+            - self.limits.extra_delay;
         if !time.is_finite() {
             return Err(Reason::SensorInvalid);
         }
@@ -256,12 +298,24 @@ impl<R: Real> Controller<'_, R> {
         }
     }
 
-    /// Firing angle (rad) and valve opening time (s) nearest to the wanted distance that clear `obstacle`, to first order about the guess; and
-    /// whether the guess clears it and they are no other jump than it.
+    /// Firing angle (rad) and valve opening time (s) nearest to the wanted distance that clear
+    /// `obstacle`, to first order about the guess; and whether the guess clears it and they are no
+    /// other jump than it.
     #[inline]
-    fn over(&self, rate: R, task: &Task<R>, obstacle: &Obstacle<R>) -> Result<(Guess<R>, bool), Reason> {
-        let Obstacle { front, back, height, clearance } = *obstacle;
-        let finite = front.is_finite() && back.is_finite() && height.is_finite() && clearance.is_finite();
+    fn over(
+        &self,
+        rate: R,
+        task: &Task<R>,
+        obstacle: &Obstacle<R>,
+    ) -> Result<(Guess<R>, bool), Reason> {
+        let Obstacle {
+            front,
+            back,
+            height,
+            clearance,
+        } = *obstacle;
+        let finite =
+            front.is_finite() && back.is_finite() && height.is_finite() && clearance.is_finite();
         if !(finite && front < back && height.is_at_least_zero() && clearance.is_at_least_zero()) {
             return Err(Reason::SensorInvalid);
         }
@@ -272,10 +326,20 @@ impl<R: Real> Controller<'_, R> {
             guess
         } else {
             let angle = self.look_up(rate, task.distance)?;
-            Guess { firing_angle: angle, valve_open: self.robot.valve_open }
+            Guess {
+                firing_angle: angle,
+                valve_open: self.robot.valve_open,
+            }
         };
-        let Limits { least_valve_open, greatest_valve_open, .. } = self.limits;
-        if !guess.valve_open.within(least_valve_open, greatest_valve_open) {
+        let Limits {
+            least_valve_open,
+            greatest_valve_open,
+            ..
+        } = self.limits;
+        if !guess
+            .valve_open
+            .within(least_valve_open, greatest_valve_open)
+        {
             return Err(if guess.valve_open.is_finite() {
                 Reason::OutOfTable
             } else {
@@ -286,9 +350,13 @@ impl<R: Real> Controller<'_, R> {
         let (da, dv) = self.step(guess, task.distance, lengths, obstacle)?;
         let (firing_angle, valve_open) = (guess.firing_angle + da, guess.valve_open + dv);
         // Lengths that are too great for the numbers of the program leave its bounds to round-off.
-        let (angles, angle_slack, valve_slack) = (&self.map.angles, R::of(ANGLE_SLACK), R::of(VALVE_SLACK));
+        let (angles, angle_slack, valve_slack) =
+            (&self.map.angles, R::of(ANGLE_SLACK), R::of(VALVE_SLACK));
         if !(firing_angle.within(angles.first - angle_slack, angles.last + angle_slack)
-            && valve_open.within(least_valve_open - valve_slack, greatest_valve_open + valve_slack))
+            && valve_open.within(
+                least_valve_open - valve_slack,
+                greatest_valve_open + valve_slack,
+            ))
         {
             return Err(Reason::Infeasible);
         }
@@ -299,7 +367,13 @@ impl<R: Real> Controller<'_, R> {
         let settled = clears
             && (da * landing.by_angle).within(-miss, miss)
             && (dv * landing.by_valve).within(-miss, miss);
-        Ok((Guess { firing_angle, valve_open }, settled))
+        Ok((
+            Guess {
+                firing_angle,
+                valve_open,
+            },
+            settled,
+        ))
     }
 
     /// Landing, and the wheel's clearances over the front and the back corner (m).
@@ -312,11 +386,17 @@ impl<R: Real> Controller<'_, R> {
         obstacle: &Obstacle<R>,
     ) -> Result<[Linear<R>; 3], Reason> {
         let g = self.robot.gravity;
-        let lift_off = shifted(&self.map.at(rate, at.firing_angle)?, at.valve_open - self.robot.valve_open);
+        let lift_off = shifted(
+            &self.map.at(rate, at.firing_angle)?,
+            at.valve_open - self.robot.valve_open,
+        );
         let landing = lift_off.landing(g, task.landing_height)?;
         let [front, back] = lift_off
             .distances_to(g, [obstacle.front, obstacle.back], obstacle.height)
-            .map(|distance| Linear { value: distance.value - self.robot.radius, ..distance });
+            .map(|distance| Linear {
+                value: distance.value - self.robot.radius,
+                ..distance
+            });
         Ok([landing, front, back])
     }
 
@@ -329,33 +409,74 @@ impl<R: Real> Controller<'_, R> {
         [landing, first, second]: [Linear<R>; 3],
         obstacle: &Obstacle<R>,
     ) -> Result<(R, R), Reason> {
-        let Guess { firing_angle: angle, valve_open } = guess;
-        let Limits { least_valve_open, greatest_valve_open, effort, .. } = self.limits;
+        let Guess {
+            firing_angle: angle,
+            valve_open,
+        } = guess;
+        let Limits {
+            least_valve_open,
+            greatest_valve_open,
+            effort,
+            ..
+        } = self.limits;
         let (trust, axis) = (R::of(TRUST), &self.map.angles);
         let high = trust.lesser(axis.last - angle);
         let low = (-trust).greater(axis.first - angle);
         let off = landing.value - distance;
         let beyond = landing.value - obstacle.back;
-        let (over_first, over_second) = (first.value - obstacle.clearance, second.value - obstacle.clearance);
+        let (over_first, over_second) = (
+            first.value - obstacle.clearance,
+            second.value - obstacle.clearance,
+        );
         let chooses_valve = greatest_valve_open > least_valve_open;
         if !chooses_valve {
             let constraints = [
-                HalfLine { slope: R::ONE, bound: high },
-                HalfLine { slope: -R::ONE, bound: -low },
-                HalfLine { slope: -first.by_angle, bound: over_first },
-                HalfLine { slope: -second.by_angle, bound: over_second },
-                HalfLine { slope: -landing.by_angle, bound: beyond },
+                HalfLine {
+                    slope: R::ONE,
+                    bound: high,
+                },
+                HalfLine {
+                    slope: -R::ONE,
+                    bound: -low,
+                },
+                HalfLine {
+                    slope: -first.by_angle,
+                    bound: over_first,
+                },
+                HalfLine {
+                    slope: -second.by_angle,
+                    bound: over_second,
+                },
+                HalfLine {
+                    slope: -landing.by_angle,
+                    bound: beyond,
+                },
             ];
             let j = landing.by_angle;
             return Ok((qp::one(j * j, j * off, &constraints)?, R::ZERO));
         }
-        let plane = |l: &Linear<R>, bound: R| HalfPlane { normal: [-l.by_angle, -l.by_valve], bound };
+        let plane = |l: &Linear<R>, bound: R| HalfPlane {
+            normal: [-l.by_angle, -l.by_valve],
+            bound,
+        };
         // Bounds first: what is violated later is cut by all before it.
         let constraints = [
-            HalfPlane { normal: [R::ZERO, -R::ONE], bound: valve_open - least_valve_open },
-            HalfPlane { normal: [R::ZERO, R::ONE], bound: greatest_valve_open - valve_open },
-            HalfPlane { normal: [-R::ONE, R::ZERO], bound: -low },
-            HalfPlane { normal: [R::ONE, R::ZERO], bound: high },
+            HalfPlane {
+                normal: [R::ZERO, -R::ONE],
+                bound: valve_open - least_valve_open,
+            },
+            HalfPlane {
+                normal: [R::ZERO, R::ONE],
+                bound: greatest_valve_open - valve_open,
+            },
+            HalfPlane {
+                normal: [-R::ONE, R::ZERO],
+                bound: -low,
+            },
+            HalfPlane {
+                normal: [R::ONE, R::ZERO],
+                bound: high,
+            },
             plane(&first, over_first),
             plane(&second, over_second),
             plane(&landing, beyond),
@@ -370,7 +491,20 @@ impl<R: Real> Controller<'_, R> {
 /// A lift-off with the valve open for `more` seconds than the map's, to first order.
 #[inline]
 fn shifted<R: Real>(lift_off: &LiftOff<R>, more: R) -> LiftOff<R> {
-    let LiftOff { state: [x, y, vx, vy], by_angle, by_valve } = *lift_off;
+    let LiftOff {
+        state: [x, y, vx, vy],
+        by_angle,
+        by_valve,
+    } = *lift_off;
     let [dx, dy, dvx, dvy] = by_valve;
-    LiftOff { state: [x + more * dx, y + more * dy, vx + more * dvx, vy + more * dvy], by_angle, by_valve }
+    LiftOff {
+        state: [
+            x + more * dx,
+            y + more * dy,
+            vx + more * dvx,
+            vy + more * dvy,
+        ],
+        by_angle,
+        by_valve,
+    }
 }

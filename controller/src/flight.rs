@@ -24,7 +24,8 @@ pub struct Linear<R> {
     pub by_valve: R,
 }
 
-/// Newton steps to the nearest point of a parabola; the start is beyond it and the function convex, so that none overshoots.
+/// Newton steps to the nearest point of a parabola; the start is beyond it and the function convex,
+/// so that none overshoots.
 const STEPS: usize = 4;
 
 impl<R: Real> LiftOff<R> {
@@ -47,22 +48,34 @@ impl<R: Real> LiftOff<R> {
             return Err(Reason::Infeasible);
         }
         // Grazing the apex, the landing has no derivative; nothing is asked of it there.
-        let slow = if speed > R::ZERO { R::ONE / speed } else { R::ZERO };
+        let slow = if speed > R::ZERO {
+            R::ONE / speed
+        } else {
+            R::ZERO
+        };
         let by = |[x, y, sx, sy]: [R; 4]| {
             let later = sy * inverse + (vy * sy * inverse + y) * slow;
             x + sx * time + vx * later
         };
-        Ok(Linear { value: x + vx * time, by_angle: by(self.by_angle), by_valve: by(self.by_valve) })
+        Ok(Linear {
+            value: x + vx * time,
+            by_angle: by(self.by_angle),
+            by_valve: by(self.by_valve),
+        })
     }
 
-    /// Least distances (m) from the parabola of the wheel's centre to the points (`xs`, `y`) (m), negative where it passes below the point.
+    /// Least distances (m) from the parabola of the wheel's centre to the points (`xs`, `y`) (m),
+    /// negative where it passes below the point.
     ///
-    /// The parabola counts whole, before lift-off and after landing too: this is never more than the flight's. It is concave, so that a point
-    /// above it has its nearest point below itself, and one under it, above.
+    /// The parabola counts whole, before lift-off and after landing too: this is never more than
+    /// the flight's. It is concave, so that a point above it has its nearest point below itself,
+    /// and one under it, above.
     ///
-    /// With s the time from the apex, (X, Y) the apex as the point sees it, P = 2 (v_x² − g Y)/g² and Q = 2 v_x X/g², the derivative of the
-    /// squared distance is that of s³ + P s + Q up to a factor. Of its minima the lower has the sign that Q has not, and with r = |s| it is the
-    /// only positive root of r³ + P r − |Q|, which Newton's steps reach from above. cbrt |Q| is at most (|Q|/b² + 2 b)/3 for any b.
+    /// With s the time from the apex, (X, Y) the apex as the point sees it, P = 2 (v_x² − g Y)/g²
+    /// and Q = 2 v_x X/g², the derivative of the squared distance is that of s³ + P s + Q up to a
+    /// factor. Of its minima the lower has the sign that Q has not, and with r = |s| it is the only
+    /// positive root of r³ + P r − |Q|, which Newton's steps reach from above. cbrt |Q| is at most
+    /// (|Q|/b² + 2 b)/3 for any b.
     ///
     /// Both points go side by side: a step waits for its division, and the other's need not.
     #[inline]
@@ -75,7 +88,8 @@ impl<R: Real> LiftOff<R> {
         let p = scale * (vx * vx - gravity * apex.1);
         let qs = xs.map(|x| scale * (vx * (apex.0 - x)));
         let reach = if p < R::ZERO { (-p).sqrt() } else { R::ZERO };
-        let mut roots = qs.map(|q| reach + (R::of(16.0) * q.magnitude() + R::of(0.5)) * R::of(0.33333334));
+        let mut roots =
+            qs.map(|q| reach + (R::of(16.0) * q.magnitude() + R::of(0.5)) * R::of(0.33333334));
         for _ in 0..STEPS {
             let [a, b] = roots;
             let [q, o] = qs;
@@ -87,11 +101,24 @@ impl<R: Real> LiftOff<R> {
             let size = (across * across + up * up).sqrt();
             let distance = if up < R::ZERO { -size } else { size };
             let time = s + rise;
-            let inverse = if size > R::ZERO { R::ONE / distance } else { R::ZERO };
-            let by = |[x, y, sx, sy]: [R; 4]| (across * (x + sx * time) + up * (y + sy * time)) * inverse;
-            Linear { value: distance, by_angle: by(self.by_angle), by_valve: by(self.by_valve) }
+            let inverse = if size > R::ZERO {
+                R::ONE / distance
+            } else {
+                R::ZERO
+            };
+            let by = |[x, y, sx, sy]: [R; 4]| {
+                (across * (x + sx * time) + up * (y + sy * time)) * inverse
+            };
+            Linear {
+                value: distance,
+                by_angle: by(self.by_angle),
+                by_valve: by(self.by_valve),
+            }
         };
-        [nearest(xs[0], qs[0], roots[0]), nearest(xs[1], qs[1], roots[1])]
+        [
+            nearest(xs[0], qs[0], roots[0]),
+            nearest(xs[1], qs[1], roots[1]),
+        ]
     }
 }
 

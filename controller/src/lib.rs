@@ -1,12 +1,14 @@
 //! The planner on a robot: what runs at 1 kHz, from tables that `saltus export` writes.
 //!
-//! A [`Controller`] is data: a firing [`Rule`] (table or curve), a [`LiftOffMap`] and the [`Robot`]'s few constants, all `const`.
-//! [`Controller::decide`] says when to open the valve and for how long, [`Controller::take_off`] from which touch-down to jump over
-//! an obstacle ahead; [`qp`] is the small quadratic program behind the first. [`Rates`] says what an approach rate is.
+//! A [`Controller`] is data: a firing [`Rule`] (table or curve), a [`LiftOffMap`] and the
+//! [`Robot`]'s few constants, all `const`. [`Controller::decide`] says when to open the valve and
+//! for how long, [`Controller::take_off`] from which touch-down to jump over an obstacle ahead;
+//! [`qp`] is the small quadratic program behind the first. [`Rates`] says what an approach rate is.
 //!
-//! Every answer is a value or a [`Reason`]. Nothing allocates, panics, or loops more often than a constant says, whatever bits are
-//! given. Numbers are `f32` or `f64`; only +, −, ×, ÷ and √ are used, each correctly rounded everywhere, so that the C of `saltus export c`
-//! gives the same bits on every machine that has IEEE 754 and does not contract products and sums.
+//! Every answer is a value or a [`Reason`]. Nothing allocates, panics, or loops more often than a
+//! constant says, whatever bits are given. Numbers are `f32` or `f64`; only +, −, ×, ÷ and √ are
+//! used, each correctly rounded everywhere, so that the C of `saltus export c` gives the same bits
+//! on every machine that has IEEE 754 and does not contract products and sums.
 //!
 //! ```
 //! use saltus_controller::{Axis, Reason, FiringTable};

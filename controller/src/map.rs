@@ -7,22 +7,25 @@ use crate::{Axis, LiftOff, Real, Reason};
 /// Numbers at a node of a [`LiftOffMap`].
 pub const MAP_NODE: usize = 20;
 
-/// Where and how fast the wheel's centre lifts off, over approach rate and firing angle, between nodes by bicubics.
+/// Where and how fast the wheel's centre lifts off, over approach rate and firing angle, between
+/// nodes by bicubics.
 #[derive(Clone, Copy, Debug)]
 pub struct LiftOffMap<'a, R> {
     /// Approach rates ω (rad/s).
     pub rates: Axis<R>,
     /// Firing angles α_f (rad).
     pub angles: Axis<R>,
-    /// At each node, angles within rates: x, y (m), v_x, v_y (m/s); their slopes by ω; by α_f; their mixed derivatives, each times the
-    /// spacing; then the derivatives of the four by the valve opening time (m/s, m/s²).
+    /// At each node, angles within rates: x, y (m), v_x, v_y (m/s); their slopes by ω; by α_f;
+    /// their mixed derivatives, each times the spacing; then the derivatives of the four by the
+    /// valve opening time (m/s, m/s²).
     pub nodes: &'a [[R; MAP_NODE]],
     /// For each cell, angles within rates: 1 if all of it jumps, else 0.
     pub open: &'a [u8],
 }
 
 impl<R: Real> LiftOffMap<'_, R> {
-    /// The lift-off of a robot that comes at `rate` (rad/s) and is fired at `angle` (rad), with its derivatives.
+    /// The lift-off of a robot that comes at `rate` (rad/s) and is fired at `angle` (rad), with its
+    /// derivatives.
     ///
     /// # Errors
     /// As [`FiringTable::firing_angle`](crate::FiringTable::firing_angle).
@@ -33,27 +36,49 @@ impl<R: Real> LiftOffMap<'_, R> {
         let (u, v, w) = (hermite(i.part), hermite(j.part), hermite_slope(j.part));
         // Four quantities side by side, as registers hold them.
         let along = |p: &[R; MAP_NODE], q: &[R; MAP_NODE], k: usize| {
-            four(part(p, k), part(q, k), part(p, k + 4), part(q, k + 4), |p, q, p_s, q_s| {
-                cubic(u, (p, p_s), (q, q_s))
-            })
+            four(
+                part(p, k),
+                part(q, k),
+                part(p, k + 4),
+                part(q, k + 4),
+                |p, q, p_s, q_s| cubic(u, (p, p_s), (q, q_s)),
+            )
         };
         let (low, low_slope) = (along(a, c, 0), along(a, c, 8));
         let (high, high_slope) = (along(b, d, 0), along(b, d, 8));
-        let state = four(low, low_slope, high, high_slope, |p, p_t, q, q_t| cubic(v, (p, p_t), (q, q_t)));
+        let state = four(low, low_slope, high, high_slope, |p, p_t, q, q_t| {
+            cubic(v, (p, p_t), (q, q_t))
+        });
         let by_angle = four(low, low_slope, high, high_slope, |p, p_t, q, q_t| {
             cubic_slope(w, (p, p_t), (q, q_t)) * self.angles.per_unit
         });
-        let by_valve = four(part(a, 16), part(b, 16), part(c, 16), part(d, 16), |a, b, c, d| {
-            let (low, high) = (a + i.part * (c - a), b + i.part * (d - b));
-            low + j.part * (high - low)
-        });
-        Ok(LiftOff { state, by_angle, by_valve })
+        let by_valve = four(
+            part(a, 16),
+            part(b, 16),
+            part(c, 16),
+            part(d, 16),
+            |a, b, c, d| {
+                let (low, high) = (a + i.part * (c - a), b + i.part * (d - b));
+                low + j.part * (high - low)
+            },
+        );
+        Ok(LiftOff {
+            state,
+            by_angle,
+            by_valve,
+        })
     }
 }
 
 /// `f` of the first of each, of the second, and so on.
 #[inline]
-fn four<R: Real>(a: [R; 4], b: [R; 4], c: [R; 4], d: [R; 4], f: impl Fn(R, R, R, R) -> R) -> [R; 4] {
+fn four<R: Real>(
+    a: [R; 4],
+    b: [R; 4],
+    c: [R; 4],
+    d: [R; 4],
+    f: impl Fn(R, R, R, R) -> R,
+) -> [R; 4] {
     [
         f(a[0], b[0], c[0], d[0]),
         f(a[1], b[1], c[1], d[1]),

@@ -1,15 +1,19 @@
-//! The small quadratic programs of a firing: one or two decisions under linear constraints, solved exactly.
+//! The small quadratic programs of a firing: one or two decisions under linear constraints, solved
+//! exactly.
 //!
-//! The objective is strictly convex, so that there is one optimum, and it is the optimum under at most two of the constraints alone: its
-//! active set. These sets are enumerated, most of them without a look.
+//! The objective is strictly convex, so that there is one optimum, and it is the optimum under at
+//! most two of the constraints alone: its active set. These sets are enumerated, most of them
+//! without a look.
 //!
-//! **Why it is right.** Let y be the optimum under the first i − 1 constraints. If y keeps constraint i, it is the optimum under the
-//! first i. If not, the optimum z under the first i lies on the border of i: else the straight way from z to y, along which the objective falls and
-//! the first i − 1 hold, would go on inside i for a while, and z would not be best. So i is active, and the other that may be is
-//! found on its line, an interval that each earlier constraint cuts once.
+//! **Why it is right.** Let y be the optimum under the first i − 1 constraints. If y keeps
+//! constraint i, it is the optimum under the first i. If not, the optimum z under the first i lies
+//! on the border of i: else the straight way from z to y, along which the objective falls and the
+//! first i − 1 hold, would go on inside i for a while, and z would not be best. So i is active, and
+//! the other that may be is found on its line, an interval that each earlier constraint cuts once.
 //!
-//! **How much work it is.** Each of m constraints is looked at once and, if it is violated, each earlier one cuts its line once: at most
-//! m looks and m (m − 1)/2 cuts ([`most_cuts`]), whatever the numbers. With one decision it is m cuts.
+//! **How much work it is.** Each of m constraints is looked at once and, if it is violated, each
+//! earlier one cuts its line once: at most m looks and m (m − 1)/2 cuts ([`most_cuts`]), whatever
+//! the numbers. With one decision it is m cuts.
 
 use crate::{Real, Reason};
 
@@ -40,7 +44,8 @@ pub const fn most_cuts(constraints: usize) -> usize {
 /// The x that minimises ½ h x² + g x under `constraints`.
 ///
 /// # Errors
-/// [`Reason::Infeasible`] if none keeps them all, to round-off; [`Reason::SensorInvalid`] if h is not positive or a number is not finite.
+/// [`Reason::Infeasible`] if none keeps them all, to round-off; [`Reason::SensorInvalid`] if h is
+/// not positive or a number is not finite.
 #[inline]
 pub fn one<R: Real>(h: R, g: R, constraints: &[HalfLine<R>]) -> Result<R, Reason> {
     let free = -g / h;
@@ -60,8 +65,8 @@ pub fn one<R: Real>(h: R, g: R, constraints: &[HalfLine<R>]) -> Result<R, Reason
 /// The x that minimises ½ xᵀ H x + gᵀ x under `constraints`; `h` holds H₁₁, H₁₂ and H₂₂.
 ///
 /// # Errors
-/// [`Reason::Infeasible`] if none keeps them all, to round-off; [`Reason::SensorInvalid`] if H is not positive definite or a number
-/// is not finite.
+/// [`Reason::Infeasible`] if none keeps them all, to round-off; [`Reason::SensorInvalid`] if H is
+/// not positive definite or a number is not finite.
 #[inline]
 pub fn two<R: Real>(h: [R; 3], g: [R; 2], constraints: &[HalfPlane<R>]) -> Result<[R; 2], Reason> {
     let [h11, h12, h22] = h;
@@ -89,12 +94,22 @@ pub fn two<R: Real>(h: [R; 3], g: [R; 2], constraints: &[HalfPlane<R>]) -> Resul
         if (p + q) - c.bound <= R::ROUND_OFF * size {
             continue;
         }
-        best = on_border(c, inverse(c.normal), free, constraints.get(..i).unwrap_or(&[]))?;
+        best = on_border(
+            c,
+            inverse(c.normal),
+            free,
+            constraints.get(..i).unwrap_or(&[]),
+        )?;
     }
-    if best[0].is_finite() && best[1].is_finite() { Ok(best) } else { Err(Reason::SensorInvalid) }
+    if best[0].is_finite() && best[1].is_finite() {
+        Ok(best)
+    } else {
+        Err(Reason::SensorInvalid)
+    }
 }
 
-/// The best point of the border of `c` that keeps the `earlier` constraints; `way` is H⁻¹ a but for a factor.
+/// The best point of the border of `c` that keeps the `earlier` constraints; `way` is H⁻¹ a but for
+/// a factor.
 ///
 /// Along the border the objective is a parabola about where `way` from the `free` optimum meets it.
 #[inline]
@@ -134,14 +149,22 @@ struct Interval<R> {
 impl<R: Real> Interval<R> {
     #[inline]
     fn all() -> Interval<R> {
-        Interval { low: -R::GREATEST, high: R::GREATEST }
+        Interval {
+            low: -R::GREATEST,
+            high: R::GREATEST,
+        }
     }
 
-    /// Keeps where slope · t ≤ room; a slope within `doubt` is none. `size` is that of the numbers whose difference `room` is.
+    /// Keeps where slope · t ≤ room; a slope within `doubt` is none. `size` is that of the numbers
+    /// whose difference `room` is.
     #[inline]
     fn cut(&mut self, slope: R, room: R, doubt: R, size: R) -> Result<(), Reason> {
         if slope.magnitude() <= doubt {
-            return if room < -(R::ROUND_OFF * size) { Err(Reason::Infeasible) } else { Ok(()) };
+            return if room < -(R::ROUND_OFF * size) {
+                Err(Reason::Infeasible)
+            } else {
+                Ok(())
+            };
         }
         let end = room / slope;
         // Without branches, which nothing could predict.
@@ -161,6 +184,10 @@ impl<R: Real> Interval<R> {
             return Err(Reason::Infeasible);
         }
         let t = t.lesser(self.high).greater(self.low);
-        if t.is_finite() { Ok(t) } else { Err(Reason::SensorInvalid) }
+        if t.is_finite() {
+            Ok(t)
+        } else {
+            Err(Reason::SensorInvalid)
+        }
     }
 }

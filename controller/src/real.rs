@@ -37,7 +37,8 @@ pub trait Real:
 
     /// A whole number next to x, at most 1 away and at most `most`, and x less it; for 0 ≤ x < 2²².
     ///
-    /// By adding a number so great that only whole ones lie beside it, which takes a third of the time of converting.
+    /// By adding a number so great that only whole ones lie beside it, which takes a third of the
+    /// time of converting.
     fn split(self, most: usize) -> (usize, Self);
 
     /// `index` as a number.

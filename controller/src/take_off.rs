@@ -2,7 +2,8 @@
 
 use crate::{Controller, Linear, Real, Reason};
 
-/// Touch-downs that are looked at; where all of them are too far from the obstacle, the answer is [`Reason::AskLater`].
+/// Touch-downs that are looked at; where all of them are too far from the obstacle, the answer is
+/// [`Reason::AskLater`].
 pub const MOST_TOUCH_DOWNS: u32 = 4;
 
 /// A running robot before an obstacle.
@@ -16,7 +17,8 @@ pub struct Approach<R> {
     pub length: R,
     /// Running speed of the axle (m/s).
     pub speed: R,
-    /// Least distance to keep (m) between the wheel and the obstacle, ≥ 0, and from its back to the landing.
+    /// Least distance to keep (m) between the wheel and the obstacle, ≥ 0, and from its back to the
+    /// landing.
     pub clearance: R,
 }
 
@@ -38,15 +40,30 @@ pub struct TakeOff<R> {
 impl<R: Real> Approach<R> {
     /// The first input that is no measurement.
     fn wrong(&self) -> Option<Input> {
-        let Approach { distance, height, length, speed, clearance } = *self;
+        let Approach {
+            distance,
+            height,
+            length,
+            speed,
+            clearance,
+        } = *self;
         let sound = [
             (Input::Distance, distance.is_finite()),
-            (Input::Height, height.is_finite() && height.is_at_least_zero()),
+            (
+                Input::Height,
+                height.is_finite() && height.is_at_least_zero(),
+            ),
             (Input::Length, length.is_finite() && length.is_positive()),
             (Input::Speed, speed.is_finite()),
-            (Input::Clearance, clearance.is_finite() && clearance.is_at_least_zero()),
+            (
+                Input::Clearance,
+                clearance.is_finite() && clearance.is_at_least_zero(),
+            ),
         ];
-        sound.into_iter().find(|(_, holds)| !holds).map(|(input, _)| input)
+        sound
+            .into_iter()
+            .find(|(_, holds)| !holds)
+            .map(|(input, _)| input)
     }
 }
 
@@ -55,8 +72,8 @@ impl<R: Real> Approach<R> {
 pub struct NoTakeOff {
     /// Why.
     pub reason: Reason,
-    /// Which input: the one that is no measurement or lies outside, the distance where the obstacle is too near or too far yet; none where no
-    /// jump from any touch-down clears the obstacle.
+    /// Which input: the one that is no measurement or lies outside, the distance where the obstacle
+    /// is too near or too far yet; none where no jump from any touch-down clears the obstacle.
     pub input: Option<Input>,
 }
 
@@ -78,7 +95,10 @@ pub enum Input {
 
 impl NoTakeOff {
     const fn by(reason: Reason, input: Input) -> NoTakeOff {
-        NoTakeOff { reason, input: Some(input) }
+        NoTakeOff {
+            reason,
+            input: Some(input),
+        }
     }
 }
 
@@ -87,19 +107,26 @@ const LOOKS: usize = 9;
 const SECTIONS: usize = 9;
 
 impl<R: Real> Controller<'_, R> {
-    /// From which of the coming touch-downs to jump over what is ahead, and at which angle: the one that keeps most clear.
+    /// From which of the coming touch-downs to jump over what is ahead, and at which angle: the one
+    /// that keeps most clear.
     ///
-    /// A jump's margin is the least of its clearances over both corners and of its landing's distance beyond the back. For one touch-down it
-    /// first rises and then falls with the firing angle, so that it is looked at on 9 angles and by golden section about
-    /// the best: 20 jumps for each of 4 touch-downs at most.
+    /// A jump's margin is the least of its clearances over both corners and of its landing's
+    /// distance beyond the back. For one touch-down it first rises and then falls with the firing
+    /// angle, so that it is looked at on 9 angles and by golden section about the best: 20 jumps
+    /// for each of 4 touch-downs at most.
     ///
     /// # Errors
     /// [`NoTakeOff`]: [`Reason::SensorInvalid`] for an input that is no measurement; [`Reason::OutOfTable`] for a speed that the tables do not
-    /// hold; [`Reason::AskLater`] if the obstacle is farther than the coming touch-downs reach, so that the next touch-down is the time to ask
-    /// again; [`Reason::Infeasible`] if no jump clears it, or, with the input [`Input::Distance`], if it is so near that the wheel would stand
+    /// hold; [`Reason::AskLater`] if the obstacle is farther than the coming touch-downs reach, so
+    /// that the next touch-down is the time to ask again; [`Reason::Infeasible`] if no jump clears
+    /// it, or, with the input [`Input::Distance`], if it is so near that the wheel would stand
     /// against it.
     pub fn take_off(&self, approach: &Approach<R>) -> Result<TakeOff<R>, NoTakeOff> {
-        let Approach { distance, clearance, .. } = *approach;
+        let Approach {
+            distance,
+            clearance,
+            ..
+        } = *approach;
         if let Some(input) = approach.wrong() {
             return Err(NoTakeOff::by(Reason::SensorInvalid, input));
         }
@@ -122,7 +149,10 @@ impl<R: Real> Controller<'_, R> {
             if let Some(found) = self.best_over(rate, front, approach)
                 && best.is_none_or(|b| found.clearance > b.clearance)
             {
-                best = Some(TakeOff { touch_down, ..found });
+                best = Some(TakeOff {
+                    touch_down,
+                    ..found
+                });
             }
             front = front - self.robot.stride;
         }
@@ -130,21 +160,32 @@ impl<R: Real> Controller<'_, R> {
             Some(best) if best.clearance >= clearance => Ok(best),
             // A touch-down to come is nearer than all these.
             _ if stands_clear(front) => Err(NoTakeOff::by(Reason::AskLater, Input::Distance)),
-            _ => Err(NoTakeOff { reason: Reason::Infeasible, input: None }),
+            _ => Err(NoTakeOff {
+                reason: Reason::Infeasible,
+                input: None,
+            }),
         }
     }
 
-    /// The jump that keeps most clear of an obstacle whose front is `front` (m) from the foot; none where no angle jumps.
+    /// The jump that keeps most clear of an obstacle whose front is `front` (m) from the foot; none
+    /// where no angle jumps.
     fn best_over(&self, rate: R, front: R, approach: &Approach<R>) -> Option<TakeOff<R>> {
         let axis = &self.map.angles;
         let step = (axis.last - axis.first) / R::of_index(LOOKS - 1);
         let mut best: Option<TakeOff<R>> = None;
         for k in 0..LOOKS {
-            let angle = if k + 1 == LOOKS { axis.last } else { axis.first + R::of_index(k) * step };
+            let angle = if k + 1 == LOOKS {
+                axis.last
+            } else {
+                axis.first + R::of_index(k) * step
+            };
             best = better(best, self.jump_over(rate, angle, front, approach));
         }
         let middle = best?.firing_angle;
-        let (mut a, mut b) = ((middle - step).greater(axis.first), (middle + step).lesser(axis.last));
+        let (mut a, mut b) = (
+            (middle - step).greater(axis.first),
+            (middle + step).lesser(axis.last),
+        );
         let part = R::of(0.38196602);
         let (mut p, mut q) = (a + part * (b - a), b - part * (b - a));
         let mut at_p = self.jump_over(rate, p, front, approach);
@@ -199,5 +240,9 @@ fn margin<R: Real>(jump: Option<TakeOff<R>>) -> R {
 /// The jump that keeps more clear, the first where they are equal.
 #[inline]
 fn better<R: Real>(first: Option<TakeOff<R>>, second: Option<TakeOff<R>>) -> Option<TakeOff<R>> {
-    if margin(second) > margin(first) { second } else { first }
+    if margin(second) > margin(first) {
+        second
+    } else {
+        first
+    }
 }

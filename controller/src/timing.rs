@@ -10,14 +10,16 @@ pub enum Timing<R> {
     Wait(R),
     /// Within this control period, this long (s) after the reading.
     Fire(R),
-    /// The instant has passed by this time (s); the caller decides whether a late jump is better than none.
+    /// The instant has passed by this time (s); the caller decides whether a late jump is better
+    /// than none.
     Late(R),
 }
 
-/// Time (s) in which a wheel that pivots on its foot goes from `lean` (rad) at `rate` (rad/s) on to `angle` (rad); negative where it is past.
+/// Time (s) in which a wheel that pivots on its foot goes from `lean` (rad) at `rate` (rad/s) on to
+/// `angle` (rad); negative where it is past.
 ///
-/// At constant acceleration c sin φ, `pendulum` being c (1/s²). That is exact to third order in the time, and asked anew at every
-/// reading.
+/// At constant acceleration c sin φ, `pendulum` being c (1/s²). That is exact to third order in the
+/// time, and asked anew at every reading.
 ///
 /// # Errors
 /// [`Reason::Infeasible`] if it comes to rest before.

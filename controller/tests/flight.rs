@@ -12,7 +12,11 @@ const CONTROLLER: Controller<'static, f32> = tables::RATS_PLANAR;
 const GRAVITY: f64 = 9.80665;
 
 fn lift_off(state: [f64; 4]) -> LiftOff<f64> {
-    LiftOff { state, by_angle: [0.1, -0.2, 0.3, -0.4], by_valve: [0.05, 0.1, 2.0, 7.0] }
+    LiftOff {
+        state,
+        by_angle: [0.1, -0.2, 0.3, -0.4],
+        by_valve: [0.05, 0.1, 2.0, 7.0],
+    }
 }
 
 fn moved(state: [f64; 4], by: [f64; 4], step: f64) -> LiftOff<f64> {
@@ -63,7 +67,8 @@ proptest! {
         let step = 1e-6;
         let value = |by, step| moved(here.state, by, step).distances_to(GRAVITY, [cx; 2], cy)[0].value;
         let slope = (value(here.by_angle, step) - value(here.by_angle, -step)) / (2.0 * step);
-        // Beside the evolute of the parabola the nearest point, and so the derivative, jumps or nearly does.
+        // Beside the evolute of the parabola the nearest point, and so the derivative, jumps or
+        // nearly does.
         let curvature = (vx * vx - GRAVITY * (y + 0.5 * vy * vy / GRAVITY - cy)).abs();
         prop_assume!(curvature > 0.5);
         prop_assert!((ours.by_angle - slope).abs() < 0.02 * (1.0 + slope.abs()), "{} {slope}", ours.by_angle);
@@ -90,7 +95,8 @@ proptest! {
             prop_assert!(ahead < 1e-6, "late");
             return Ok(());
         };
-        // A lean's acceleration changes by c ω t: c ω t³/6 of the lean, and a fifth of that again, over ω; and f32.
+        // A lean's acceleration changes by c ω t: c ω t³/6 of the lean, and a fifth of that again,
+        // over ω; and f32.
         let bound = 0.25 * c * ahead.powi(3) + 2e-7;
         prop_assert!((f64::from(time) - ahead).abs() < bound, "{time} {ahead}");
     }
@@ -98,11 +104,15 @@ proptest! {
 
 #[test]
 fn the_valve_is_commanded_by_its_extra_delay_sooner() {
-    let sensed = Sensed { lean: -0.1, rate: 5.0 };
+    let sensed = Sensed {
+        lean: -0.1,
+        rate: 5.0,
+    };
     let plain = CONTROLLER.timing(&sensed, 0.1);
     let mut slow = CONTROLLER;
     slow.limits.extra_delay = 0.004;
-    let (Ok(Timing::Wait(plain)), Ok(Timing::Wait(sooner))) = (plain, slow.timing(&sensed, 0.1)) else {
+    let (Ok(Timing::Wait(plain)), Ok(Timing::Wait(sooner))) = (plain, slow.timing(&sensed, 0.1))
+    else {
         panic!("{plain:?}");
     };
     assert!((plain - sooner - 0.004).abs() < 1e-8);
@@ -123,8 +133,13 @@ fn an_approach_rate_is_the_same_all_the_way() {
     let rate_at = |lean: f64| (4.0 * 4.0 + 2.0 * c * ((-0.5_f64).cos() - lean.cos())).sqrt();
     for lean in [-0.5, -0.3, 0.0, 0.2, 0.6, 1.2] {
         #[allow(clippy::cast_possible_truncation)]
-        let sensed = Sensed { lean: lean as f32, rate: rate_at(lean) as f32 };
-        let rate = CONTROLLER.rate_at(&sensed, -0.5).expect("a lean above the ground");
+        let sensed = Sensed {
+            lean: lean as f32,
+            rate: rate_at(lean) as f32,
+        };
+        let rate = CONTROLLER
+            .rate_at(&sensed, -0.5)
+            .expect("a lean above the ground");
         assert!((rate - 4.0).abs() < 5e-6, "{lean}: {rate}");
     }
 }
@@ -138,7 +153,10 @@ fn an_observer_follows_an_encoder() {
         let (mut lean, mut rate) = (-0.5, 3.5 + 0.05 * f64::from(k));
         #[allow(clippy::cast_possible_truncation)]
         let mut observer = Observer {
-            sensed: Sensed { lean: -0.5_f32, rate: rate as f32 + 0.1 },
+            sensed: Sensed {
+                lean: -0.5_f32,
+                rate: rate as f32 + 0.1,
+            },
             period: 1e-3,
             pendulum: c as f32,
             memory: 0.9,
@@ -153,6 +171,7 @@ fn an_observer_follows_an_encoder() {
         }
         worst = worst.max((f64::from(observer.sensed.rate) - rate).abs());
     }
-    // It began 0.1 rad/s off. One count is 7.9 mrad; over the 20 ms that it remembers that is some 0.1 rad/s, and less on the mean.
+    // It began 0.1 rad/s off. One count is 7.9 mrad; over the 20 ms that it remembers that is some
+    // 0.1 rad/s, and less on the mean.
     assert!(worst < 0.1, "{worst}");
 }

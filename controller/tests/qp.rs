@@ -4,22 +4,32 @@ use proptest::prelude::*;
 use saltus_controller::Reason;
 use saltus_controller::qp::{self, HalfLine, HalfPlane};
 
-/// The best of all points with at most two active constraints that keep the others, by Cramer's rule for each.
+/// The best of all points with at most two active constraints that keep the others, by Cramer's
+/// rule for each.
 fn oracle(h: [f64; 3], g: [f64; 2], constraints: &[HalfPlane<f64>]) -> Option<[f64; 2]> {
     let cost = |x: [f64; 2]| {
-        0.5 * (h[0] * x[0] * x[0] + 2.0 * h[1] * x[0] * x[1] + h[2] * x[1] * x[1]) + g[0] * x[0] + g[1] * x[1]
+        0.5 * (h[0] * x[0] * x[0] + 2.0 * h[1] * x[0] * x[1] + h[2] * x[1] * x[1])
+            + g[0] * x[0]
+            + g[1] * x[1]
     };
-    let keeps =
-        |x: [f64; 2]| constraints.iter().all(|c| c.normal[0] * x[0] + c.normal[1] * x[1] <= c.bound + 1e-9);
+    let keeps = |x: [f64; 2]| {
+        constraints
+            .iter()
+            .all(|c| c.normal[0] * x[0] + c.normal[1] * x[1] <= c.bound + 1e-9)
+    };
     let determinant = h[0] * h[2] - h[1] * h[1];
-    let mut points =
-        vec![[(h[1] * g[1] - h[2] * g[0]) / determinant, (h[1] * g[0] - h[0] * g[1]) / determinant]];
+    let mut points = vec![[
+        (h[1] * g[1] - h[2] * g[0]) / determinant,
+        (h[1] * g[0] - h[0] * g[1]) / determinant,
+    ]];
     for (i, a) in constraints.iter().enumerate() {
         // H x + g + λ a = 0 and a x = b, by elimination along the line.
         let n2 = a.normal[0].powi(2) + a.normal[1].powi(2);
         let foot = [a.normal[0] * a.bound / n2, a.normal[1] * a.bound / n2];
         let way = [-a.normal[1], a.normal[0]];
-        let slope = |d: [f64; 2]| way[0] * (h[0] * d[0] + h[1] * d[1]) + way[1] * (h[1] * d[0] + h[2] * d[1]);
+        let slope = |d: [f64; 2]| {
+            way[0] * (h[0] * d[0] + h[1] * d[1]) + way[1] * (h[1] * d[0] + h[2] * d[1])
+        };
         let t = -(slope(foot) + way[0] * g[0] + way[1] * g[1]) / slope(way);
         points.push([foot[0] + t * way[0], foot[1] + t * way[1]]);
         for b in &constraints[..i] {
@@ -30,7 +40,10 @@ fn oracle(h: [f64; 3], g: [f64; 2], constraints: &[HalfPlane<f64>]) -> Option<[f
             ]);
         }
     }
-    points.into_iter().filter(|x| keeps(*x)).min_by(|x, y| cost(*x).total_cmp(&cost(*y)))
+    points
+        .into_iter()
+        .filter(|x| keeps(*x))
+        .min_by(|x, y| cost(*x).total_cmp(&cost(*y)))
 }
 
 fn half_plane() -> impl Strategy<Value = HalfPlane<f64>> {
@@ -75,25 +88,64 @@ proptest! {
 #[test]
 fn contradictions_and_nonsense_are_told_apart() {
     let h = [1.0, 0.0, 1.0];
-    let plane = |a: f64, b: f64, bound: f64| HalfPlane { normal: [a, b], bound };
+    let plane = |a: f64, b: f64, bound: f64| HalfPlane {
+        normal: [a, b],
+        bound,
+    };
     let check = |constraints: &[HalfPlane<f64>], answer: Result<[f64; 2], Reason>| {
-        assert_eq!(qp::two(h, [0.0, 0.0], constraints), answer, "{constraints:?}");
+        assert_eq!(
+            qp::two(h, [0.0, 0.0], constraints),
+            answer,
+            "{constraints:?}"
+        );
     };
     check(&[], Ok([0.0, 0.0]));
     // Parallel lines, apart, upon each other, and as an equation.
-    check(&[plane(1.0, 0.0, -1.0), plane(-1.0, 0.0, -1.0)], Err(Reason::Infeasible));
-    check(&[plane(1.0, 0.0, -1.0), plane(3.0, 0.0, -3.0)], Ok([-1.0, 0.0]));
-    check(&[plane(1.0, 0.0, -1.0), plane(-1.0, 0.0, 1.0)], Ok([-1.0, 0.0]));
+    check(
+        &[plane(1.0, 0.0, -1.0), plane(-1.0, 0.0, -1.0)],
+        Err(Reason::Infeasible),
+    );
+    check(
+        &[plane(1.0, 0.0, -1.0), plane(3.0, 0.0, -3.0)],
+        Ok([-1.0, 0.0]),
+    );
+    check(
+        &[plane(1.0, 0.0, -1.0), plane(-1.0, 0.0, 1.0)],
+        Ok([-1.0, 0.0]),
+    );
     // 0 ≤ b.
     check(&[plane(0.0, 0.0, 1.0)], Ok([0.0, 0.0]));
     check(&[plane(0.0, 0.0, -1.0)], Err(Reason::Infeasible));
     check(&[plane(f64::NAN, 0.0, 1.0)], Err(Reason::SensorInvalid));
-    check(&[plane(1.0, 0.0, f64::INFINITY)], Err(Reason::SensorInvalid));
-    for h in [[0.0, 0.0, 1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 1.0], [f64::NAN, 0.0, 1.0], [-1.0, 0.0, 1.0]] {
-        assert_eq!(qp::two(h, [0.0, 0.0], &[]), Err(Reason::SensorInvalid), "{h:?}");
+    check(
+        &[plane(1.0, 0.0, f64::INFINITY)],
+        Err(Reason::SensorInvalid),
+    );
+    for h in [
+        [0.0, 0.0, 1.0],
+        [1.0, 1.0, 1.0],
+        [1.0, 2.0, 1.0],
+        [f64::NAN, 0.0, 1.0],
+        [-1.0, 0.0, 1.0],
+    ] {
+        assert_eq!(
+            qp::two(h, [0.0, 0.0], &[]),
+            Err(Reason::SensorInvalid),
+            "{h:?}"
+        );
     }
     assert_eq!(qp::one(0.0, 1.0, &[]), Err(Reason::SensorInvalid));
-    assert_eq!(qp::one(1.0, -3.0, &[HalfLine { slope: 0.0, bound: -1.0 }]), Err(Reason::Infeasible));
+    assert_eq!(
+        qp::one(
+            1.0,
+            -3.0,
+            &[HalfLine {
+                slope: 0.0,
+                bound: -1.0
+            }]
+        ),
+        Err(Reason::Infeasible)
+    );
     assert_eq!(qp::one(1.0, -3.0, &[]), Ok(3.0));
 }
 

@@ -1,4 +1,5 @@
-//! Chosen parameters from data, all at once: values, standard errors, and what the data do not tell.
+//! Chosen parameters from data, all at once: values, standard errors, and what the data do not
+//! tell.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -22,7 +23,8 @@ pub struct Estimate {
     pub undetermined: Vec<Undetermined>,
     /// What is left of each channel.
     pub residuals: Vec<Residual>,
-    /// By how much more than white noise of the stated size the residuals weigh, ≥ 1: variances are larger by as much.
+    /// By how much more than white noise of the stated size the residuals weigh, ≥ 1: variances are
+    /// larger by as much.
     pub inflation: f64,
 }
 
@@ -44,8 +46,8 @@ pub struct Estimated {
 /// A direction that the data do not tell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Undetermined {
-    /// Indices of the parameters that change together without showing, each with its part: relative to its value, or to its scale where
-    /// it is 0.
+    /// Indices of the parameters that change together without showing, each with its part: relative
+    /// to its value, or to its scale where it is 0.
     pub parts: Vec<(usize, f64)>,
     /// What is known of them nevertheless, where they are two.
     pub known: Option<Combination>,
@@ -79,8 +81,8 @@ pub struct Residual {
 const STEPS: usize = 60;
 /// Loss for each reading above which other starts are tried.
 const POOR: f64 = 1.5;
-/// Least part of a direction's information, when each parameter alone has information 1, that is more than the error of difference
-/// quotients.
+/// Least part of a direction's information, when each parameter alone has information 1, that is
+/// more than the error of difference quotients.
 const NOTHING: f64 = 1e-6;
 /// A parameter of which the square of a unit direction is less has no part in it.
 const NO_PART: f64 = 0.01;
@@ -92,20 +94,29 @@ pub fn estimate(kind: &dyn Kind, causes: &[usize]) -> Option<Estimate> {
     let runs: Vec<usize> = (0..kind.logs().len()).collect();
     let before = fit::fit_none(kind, &runs)?;
     let after = fitted(kind, &before, causes, &runs)?;
-    let places: Vec<(usize, usize)> =
-        causes.iter().flat_map(|&c| (0..kind.causes()[c].parameters.len()).map(move |p| (c, p))).collect();
-    let specs: Vec<&Parameter> = places.iter().map(|&(c, p)| &kind.causes()[c].parameters[p]).collect();
+    let places: Vec<(usize, usize)> = causes
+        .iter()
+        .flat_map(|&c| (0..kind.causes()[c].parameters.len()).map(move |p| (c, p)))
+        .collect();
+    let specs: Vec<&Parameter> = places
+        .iter()
+        .map(|&(c, p)| &kind.causes()[c].parameters[p])
+        .collect();
     let values: Vec<f64> = places.iter().map(|&(c, p)| after.terms.get(c, p)).collect();
     let inflation = fitness::inflation(kind, &after);
     let tangent = Tangent::new(kind, &after, false)?;
     let known = Known::new(&tangent.information(), &specs, &values, inflation);
-    let parameters = specs.iter().zip(&values).enumerate().map(|(i, (spec, &value))| Estimated {
-        name: spec.name.clone(),
-        believed: spec.neutral,
-        value,
-        error: known.error(i),
-        is_at_bound: value <= spec.bounds.0 || value >= spec.bounds.1,
-    });
+    let parameters = specs
+        .iter()
+        .zip(&values)
+        .enumerate()
+        .map(|(i, (spec, &value))| Estimated {
+            name: spec.name.clone(),
+            believed: spec.neutral,
+            value,
+            error: known.error(i),
+            is_at_bound: value <= spec.bounds.0 || value >= spec.bounds.1,
+        });
     Some(Estimate {
         parameters: parameters.collect(),
         correlation: known.correlation(),
@@ -119,11 +130,16 @@ pub fn estimate(kind: &dyn Kind, causes: &[usize]) -> Option<Estimate> {
 
 /// The fit from where the model is, and where that is poor from every start of every parameter.
 fn fitted(kind: &dyn Kind, before: &Fit, causes: &[usize], runs: &[usize]) -> Option<Fit> {
-    let mut first = Fit { causes: causes.to_vec(), ..before.clone() };
+    let mut first = Fit {
+        causes: causes.to_vec(),
+        ..before.clone()
+    };
     for &cause in causes {
         for (p, spec) in kind.causes()[cause].parameters.iter().enumerate() {
             if spec.neutral < spec.bounds.0 || spec.neutral > spec.bounds.1 {
-                first.terms.set(cause, p, *spec.starts.first().unwrap_or(&spec.bounds.0));
+                first
+                    .terms
+                    .set(cause, p, *spec.starts.first().unwrap_or(&spec.bounds.0));
             }
         }
     }
@@ -132,12 +148,17 @@ fn fitted(kind: &dyn Kind, before: &Fit, causes: &[usize], runs: &[usize]) -> Op
     for &cause in causes {
         for (p, spec) in kind.causes()[cause].parameters.iter().enumerate() {
             for &start in &spec.starts {
-                if best.as_ref().is_some_and(|fit| fit.loss < POOR * readings as f64) {
+                if best
+                    .as_ref()
+                    .is_some_and(|fit| fit.loss < POOR * readings as f64)
+                {
                     return best;
                 }
                 let mut from = first.clone();
                 from.terms.set(cause, p, start);
-                let Some(there) = again(kind, from, runs) else { continue };
+                let Some(there) = again(kind, from, runs) else {
+                    continue;
+                };
                 if best.as_ref().is_none_or(|fit| there.loss < fit.loss) {
                     best = Some(there);
                 }
@@ -172,9 +193,16 @@ fn residuals(kind: &dyn Kind, before: &Fit, after: &Fit) -> Option<Vec<Residual>
                 sum.1 += 1.0;
             }
         }
-        Some(sums.into_iter().map(|(sum, n)| (sum / f64::max(n, 1.0)).sqrt()).collect())
+        Some(
+            sums.into_iter()
+                .map(|(sum, n)| (sum / f64::max(n, 1.0)).sqrt())
+                .collect(),
+        )
     };
-    let of_each = kind.channels().iter().zip(rms(before)?.into_iter().zip(rms(after)?));
+    let of_each = kind
+        .channels()
+        .iter()
+        .zip(rms(before)?.into_iter().zip(rms(after)?));
     let residual = |(channel, (before, after)): (&crate::kind::Channel, (f64, f64))| Residual {
         channel: channel.name.clone(),
         before,
@@ -197,9 +225,18 @@ struct Known {
 }
 
 impl Known {
-    fn new(information: &DMatrix<f64>, specs: &[&Parameter], values: &[f64], inflation: f64) -> Known {
+    fn new(
+        information: &DMatrix<f64>,
+        specs: &[&Parameter],
+        values: &[f64],
+        inflation: f64,
+    ) -> Known {
         let n = values.len();
-        let is_relative: Vec<bool> = specs.iter().zip(values).map(|(s, v)| v.abs() > s.scale).collect();
+        let is_relative: Vec<bool> = specs
+            .iter()
+            .zip(values)
+            .map(|(s, v)| v.abs() > s.scale)
+            .collect();
         let units: Vec<f64> = specs
             .iter()
             .zip(values.iter().zip(&is_relative))
@@ -208,14 +245,18 @@ impl Known {
         let in_units = |i: usize, j: usize| {
             information[(i, j)] * units[i] / specs[i].scale * units[j] / specs[j].scale / inflation
         };
-        let sizes: Vec<f64> = (0..n).map(|i| in_units(i, i).max(0.0).sqrt().max(1e-150)).collect();
-        let eigen = DMatrix::from_fn(n, n, |i, j| in_units(i, j) / (sizes[i] * sizes[j])).symmetric_eigen();
+        let sizes: Vec<f64> = (0..n)
+            .map(|i| in_units(i, i).max(0.0).sqrt().max(1e-150))
+            .collect();
+        let eigen =
+            DMatrix::from_fn(n, n, |i, j| in_units(i, j) / (sizes[i] * sizes[j])).symmetric_eigen();
         let mut dark = Vec::new();
         let mut inverse = DMatrix::zeros(n, n);
         for (k, part) in eigen.eigenvalues.iter().enumerate() {
             let v = eigen.eigenvectors.column(k).into_owned();
             // A change by all of a parameter that is within one standard error.
-            let is_vague = |i: usize| is_relative[i] && v[i].abs() > sizes[i] * part.max(1e-300).sqrt();
+            let is_vague =
+                |i: usize| is_relative[i] && v[i].abs() > sizes[i] * part.max(1e-300).sqrt();
             if *part < NOTHING || (0..n).any(|i| v[i] * v[i] > NO_PART && is_vague(i)) {
                 dark.push(v);
             } else {
@@ -223,7 +264,12 @@ impl Known {
             }
         }
         let covariance = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (sizes[i] * sizes[j]));
-        Known { units, sizes, dark, covariance }
+        Known {
+            units,
+            sizes,
+            dark,
+            covariance,
+        }
     }
 
     fn is_told(&self, i: usize) -> bool {
@@ -231,7 +277,8 @@ impl Known {
     }
 
     fn error(&self, i: usize) -> Option<f64> {
-        self.is_told(i).then(|| self.units[i] * self.covariance[(i, i)].max(0.0).sqrt())
+        self.is_told(i)
+            .then(|| self.units[i] * self.covariance[(i, i)].max(0.0).sqrt())
     }
 
     fn correlation(&self) -> Vec<Vec<f64>> {
@@ -242,7 +289,9 @@ impl Known {
             (false, true) => c[(i, j)] / (c[(i, i)] * c[(j, j)]).sqrt().max(1e-300),
             (false, false) => 0.0,
         };
-        (0..n).map(|i| (0..n).map(|j| one(i, j)).collect()).collect()
+        (0..n)
+            .map(|i| (0..n).map(|j| one(i, j)).collect())
+            .collect()
     }
 
     fn undetermined(&self, values: &[f64]) -> Vec<Undetermined> {
@@ -251,22 +300,42 @@ impl Known {
             let changes: Vec<f64> = involved.iter().map(|&i| v[i] / self.sizes[i]).collect();
             let most = changes.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
             let sign = changes.first().map_or(1.0, |x| x.signum());
-            let parts = involved.iter().zip(&changes).map(|(&i, x)| (i, sign * x / most)).collect();
-            Undetermined { parts, known: self.combination(&involved, &changes, values) }
+            let parts = involved
+                .iter()
+                .zip(&changes)
+                .map(|(&i, x)| (i, sign * x / most))
+                .collect();
+            Undetermined {
+                parts,
+                known: self.combination(&involved, &changes, values),
+            }
         };
         self.dark.iter().map(direction).collect()
     }
 
     /// The product of two parameters' powers that stays as it is where they change by `changes`.
-    fn combination(&self, involved: &[usize], changes: &[f64], values: &[f64]) -> Option<Combination> {
-        let (&[a, b], &[x, y]) = (involved, changes) else { return None };
+    fn combination(
+        &self,
+        involved: &[usize],
+        changes: &[f64],
+        values: &[f64],
+    ) -> Option<Combination> {
+        let (&[a, b], &[x, y]) = (involved, changes) else {
+            return None;
+        };
         let alone = |i: usize| self.dark.iter().filter(|v| v[i] * v[i] > NO_PART).count() == 1;
-        let is_product = [a, b].iter().all(|&i| values[i] > 0.0 && self.units[i] == values[i] && alone(i));
+        let is_product = [a, b]
+            .iter()
+            .all(|&i| values[i] > 0.0 && self.units[i] == values[i] && alone(i));
         if !is_product || y == 0.0 || x == 0.0 {
             return None;
         }
         let slope = -x / y;
-        let exponent = if (slope - slope.round()).abs() < WHOLE { slope.round() } else { slope };
+        let exponent = if (slope - slope.round()).abs() < WHOLE {
+            slope.round()
+        } else {
+            slope
+        };
         if exponent == 0.0 {
             return None;
         }
@@ -286,7 +355,13 @@ mod tests {
     use super::*;
 
     fn parameter(name: &str) -> Parameter {
-        Parameter { name: name.into(), neutral: 1.0, bounds: (0.0, 1e3), scale: 1e-2, starts: Vec::new() }
+        Parameter {
+            name: name.into(),
+            neutral: 1.0,
+            bounds: (0.0, 1e3),
+            scale: 1e-2,
+            starts: Vec::new(),
+        }
     }
 
     /// Readings of a b² and of c: the product is known as well as its readings, and c alone.
@@ -308,7 +383,11 @@ mod tests {
         let all = known.undetermined(&values);
         assert_eq!(all.len(), 1);
         let found = all[0].known.as_ref();
-        assert!(found.is_some_and(|k| k.exponents == [(0, 1.0), (1, 2.0)] && (k.value - 18.0).abs() < 1e-12));
+        assert!(
+            found.is_some_and(
+                |k| k.exponents == [(0, 1.0), (1, 2.0)] && (k.value - 18.0).abs() < 1e-12
+            )
+        );
         assert!(found.is_some_and(|k| (k.error / k.value - 0.1 / 10_f64.sqrt()).abs() < 1e-9));
     }
 }

@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::kind::{Kind, Parameter, Reading, Terms};
 
-/// Residuals beyond so many standard deviations count in proportion to their size only (Huber's loss).
+/// Residuals beyond so many standard deviations count in proportion to their size only (Huber's
+/// loss).
 const HUBER: f64 = 3.0;
 /// Most steps of a fit.
 const STEPS: usize = 40;
@@ -31,7 +32,8 @@ pub struct Fit {
     pub terms: Terms,
     /// Unknowns of each run.
     pub unknowns: Vec<Vec<f64>>,
-    /// Twice the negative log-likelihood up to a constant: the sum of Huber's loss of the residuals in standard deviations.
+    /// Twice the negative log-likelihood up to a constant: the sum of Huber's loss of the residuals
+    /// in standard deviations.
     pub loss: f64,
 }
 
@@ -50,7 +52,11 @@ impl Fit {
 
 pub(crate) fn huber(r: f64) -> f64 {
     let size = r.abs();
-    if size <= HUBER { r * r } else { 2.0 * HUBER * size - HUBER * HUBER }
+    if size <= HUBER {
+        r * r
+    } else {
+        2.0 * HUBER * size - HUBER * HUBER
+    }
 }
 
 /// Weight of a residual in a step of least squares that lowers Huber's loss.
@@ -63,8 +69,14 @@ pub(crate) fn scatter(kind: &dyn Kind, reading: &Reading) -> f64 {
     kind.channels()[reading.channel].noise / reading.weight.sqrt()
 }
 
-/// What the model says of the readings of a run, in standard deviations of each; none where it has no answer.
-pub(crate) fn predicted(kind: &dyn Kind, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+/// What the model says of the readings of a run, in standard deviations of each; none where it has
+/// no answer.
+pub(crate) fn predicted(
+    kind: &dyn Kind,
+    run: usize,
+    terms: &Terms,
+    unknowns: &[f64],
+) -> Option<Vec<f64>> {
     let mut values = kind.predict(run, terms, unknowns)?;
     for (value, reading) in values.iter_mut().zip(&kind.logs()[run].readings) {
         *value /= scatter(kind, reading);
@@ -73,7 +85,12 @@ pub(crate) fn predicted(kind: &dyn Kind, run: usize, terms: &Terms, unknowns: &[
 }
 
 /// Residuals in standard deviations, of all readings of a run.
-pub(crate) fn residuals(kind: &dyn Kind, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+pub(crate) fn residuals(
+    kind: &dyn Kind,
+    run: usize,
+    terms: &Terms,
+    unknowns: &[f64],
+) -> Option<Vec<f64>> {
     let mut values = predicted(kind, run, terms, unknowns)?;
     for (value, reading) in values.iter_mut().zip(&kind.logs()[run].readings) {
         *value = reading.value / scatter(kind, reading) - *value;
@@ -90,8 +107,8 @@ pub(crate) enum Place {
     Own(usize),
 }
 
-/// How the prediction of a run (in standard deviations) changes with a parameter, for one of its scale: a difference quotient that
-/// stays within the bounds.
+/// How the prediction of a run (in standard deviations) changes with a parameter, for one of its
+/// scale: a difference quotient that stays within the bounds.
 pub(crate) fn derivative(
     kind: &dyn Kind,
     run: usize,
@@ -133,8 +150,8 @@ struct Problem<'a> {
     mask: &'a Mask,
     parameters: Vec<Parameter>,
     fit: Fit,
-    /// Derivatives of the predictions of each run, for one of each parameter's scale: taken once, and then corrected by what every step has
-    /// shown (Broyden).
+    /// Derivatives of the predictions of each run, for one of each parameter's scale: taken once,
+    /// and then corrected by what every step has shown (Broyden).
     slopes: Vec<Option<Vec<Vec<f64>>>>,
 }
 
@@ -146,7 +163,8 @@ struct Point {
 }
 
 impl Point {
-    /// Fall of the loss below which a fit is done: where much is left that is not noise, the last digit of it tells nothing.
+    /// Fall of the loss below which a fit is done: where much is left that is not noise, the last
+    /// digit of it tells nothing.
     fn done(&self) -> f64 {
         let readings: usize = self.residuals.iter().map(Vec::len).sum();
         DONE.max(DONE_PART * (self.loss - readings as f64))
@@ -161,17 +179,33 @@ impl<'a> Problem<'a> {
         runs: &'a [usize],
         mask: &'a Mask,
     ) -> Problem<'a> {
-        let mut parameters: Vec<Parameter> =
-            shared.iter().map(|&(c, p)| kind.causes()[c].parameters[p].clone()).collect();
+        let mut parameters: Vec<Parameter> = shared
+            .iter()
+            .map(|&(c, p)| kind.causes()[c].parameters[p].clone())
+            .collect();
         for &run in runs {
             parameters.extend(kind.unknowns(run));
         }
-        Problem { kind, shared, runs, mask, parameters, fit, slopes: vec![None; runs.len()] }
+        Problem {
+            kind,
+            shared,
+            runs,
+            mask,
+            parameters,
+            fit,
+            slopes: vec![None; runs.len()],
+        }
     }
 
     fn read(&self) -> Vec<f64> {
         let shared = self.shared.iter().map(|&(c, p)| self.fit.terms.get(c, p));
-        shared.chain(self.runs.iter().flat_map(|&run| self.fit.unknowns[run].iter().copied())).collect()
+        shared
+            .chain(
+                self.runs
+                    .iter()
+                    .flat_map(|&run| self.fit.unknowns[run].iter().copied()),
+            )
+            .collect()
     }
 
     fn write(&mut self, x: &[f64]) {
@@ -188,7 +222,11 @@ impl<'a> Problem<'a> {
 
     fn at(&mut self, x: &[f64]) -> Option<Point> {
         self.write(x);
-        let mut point = Point { predicted: Vec::new(), residuals: Vec::new(), loss: 0.0 };
+        let mut point = Point {
+            predicted: Vec::new(),
+            residuals: Vec::new(),
+            loss: 0.0,
+        };
         for &run in self.runs {
             let predicted = predicted(self.kind, run, &self.fit.terms, &self.fit.unknowns[run])?;
             let readings = &self.kind.logs()[run].readings;
@@ -198,7 +236,11 @@ impl<'a> Problem<'a> {
                 .enumerate()
                 .map(|(i, (reading, value))| {
                     let counts = self.mask.as_ref().is_none_or(|m| m[run][i]);
-                    if counts { reading.value / scatter(self.kind, reading) - value } else { 0.0 }
+                    if counts {
+                        reading.value / scatter(self.kind, reading) - value
+                    } else {
+                        0.0
+                    }
                 })
                 .collect();
             point.loss += residuals.iter().map(|r| huber(*r)).sum::<f64>();
@@ -234,7 +276,14 @@ impl<'a> Problem<'a> {
             let unknowns = &self.fit.unknowns[run];
             let by = |(place, index): (&Place, &usize)| {
                 let place = (*place, &self.parameters[*index]);
-                derivative(self.kind, run, &self.fit.terms, unknowns, &point.predicted[k], place)
+                derivative(
+                    self.kind,
+                    run,
+                    &self.fit.terms,
+                    unknowns,
+                    &point.predicted[k],
+                    place,
+                )
             };
             self.slopes[k] = Some(places.iter().zip(&indices).map(by).collect::<Option<_>>()?);
         }
@@ -244,14 +293,23 @@ impl<'a> Problem<'a> {
     /// Corrects the derivatives by what `step` (in the parameters' scales) did to the predictions.
     fn correct(&mut self, step: &[f64], before: &[Vec<f64>], after: &[Vec<f64>]) {
         for (k, (_, indices)) in self.places().into_iter().enumerate() {
-            let Some(slopes) = &mut self.slopes[k] else { continue };
+            let Some(slopes) = &mut self.slopes[k] else {
+                continue;
+            };
             let size: f64 = indices.iter().map(|i| step[*i] * step[*i]).sum();
             if size < 1e-12 {
                 continue;
             }
-            let told = |i: usize| slopes.iter().zip(&indices).map(|(s, at)| s[i] * step[*at]).sum::<f64>();
-            let missed: Vec<f64> =
-                (0..before[k].len()).map(|i| (after[k][i] - before[k][i] - told(i)) / size).collect();
+            let told = |i: usize| {
+                slopes
+                    .iter()
+                    .zip(&indices)
+                    .map(|(s, at)| s[i] * step[*at])
+                    .sum::<f64>()
+            };
+            let missed: Vec<f64> = (0..before[k].len())
+                .map(|i| (after[k][i] - before[k][i] - told(i)) / size)
+                .collect();
             for (slope, at) in slopes.iter_mut().zip(&indices) {
                 for (s, missed) in slope.iter_mut().zip(&missed) {
                     *s += missed * step[*at];
@@ -260,7 +318,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Normal equations in units of the parameters' scales. The present parameters are those of `point`.
+    /// Normal equations in units of the parameters' scales. The present parameters are those of
+    /// `point`.
     fn normal(&mut self, point: &Point) -> Option<(DMatrix<f64>, DVector<f64>)> {
         self.look(point)?;
         let n = self.parameters.len();
@@ -270,10 +329,20 @@ impl<'a> Problem<'a> {
             let weights: Vec<f64> = point.residuals[k]
                 .iter()
                 .enumerate()
-                .map(|(i, r)| if self.mask.as_ref().is_none_or(|m| m[run][i]) { weight(*r) } else { 0.0 })
+                .map(|(i, r)| {
+                    if self.mask.as_ref().is_none_or(|m| m[run][i]) {
+                        weight(*r)
+                    } else {
+                        0.0
+                    }
+                })
                 .collect();
             for (a, &row) in columns.iter().enumerate() {
-                let weighted: Vec<f64> = jacobian[a].iter().zip(&weights).map(|(j, w)| j * w).collect();
+                let weighted: Vec<f64> = jacobian[a]
+                    .iter()
+                    .zip(&weights)
+                    .map(|(j, w)| j * w)
+                    .collect();
                 slope[row] += dot(&weighted, &point.residuals[k]);
                 for (b, &column) in columns.iter().enumerate().take(a + 1) {
                     let sum = dot(&weighted, &jacobian[b]);
@@ -300,7 +369,9 @@ impl<'a> Problem<'a> {
         let mut is_new = true;
         for _ in 0..steps {
             self.write(&x);
-            let Some((matrix, slope)) = self.normal(&point) else { break };
+            let Some((matrix, slope)) = self.normal(&point) else {
+                break;
+            };
             let done = point.done();
             let (from, before) = (x.clone(), point.predicted.clone());
             let (fall, as_told) = self.step(&mut x, &mut point, &matrix, &slope, &mut damping);
@@ -314,8 +385,11 @@ impl<'a> Problem<'a> {
             } else if as_told < GOOD {
                 self.slopes.fill(None);
             } else {
-                let moved =
-                    x.iter().zip(from).zip(&self.parameters).map(|((x, from), p)| (x - from) / p.scale);
+                let moved = x
+                    .iter()
+                    .zip(from)
+                    .zip(&self.parameters)
+                    .map(|((x, from), p)| (x - from) / p.scale);
                 self.correct(&moved.collect::<Vec<_>>(), &before, &point.predicted);
             }
             is_new = fall < done;
@@ -383,7 +457,10 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// Every parameter of `causes`, in turn.
 pub(crate) fn parameters_of(kind: &dyn Kind, causes: &[usize]) -> Vec<(usize, usize)> {
-    causes.iter().flat_map(|&c| (0..kind.causes()[c].parameters.len()).map(move |p| (c, p))).collect()
+    causes
+        .iter()
+        .flat_map(|&c| (0..kind.causes()[c].parameters.len()).map(move |p| (c, p)))
+        .collect()
 }
 
 /// The model as it is, with the unknowns fitted; none where it has no answer at its first guesses.
@@ -391,16 +468,29 @@ pub(crate) fn fit_none(kind: &dyn Kind, runs: &[usize]) -> Option<Fit> {
     refit(kind, Fit::first(kind), runs, &None, STEPS)
 }
 
-/// Fits the causes of `from` and the unknowns of `runs` anew, from where they are, to the readings that count.
-pub(crate) fn refit(kind: &dyn Kind, from: Fit, runs: &[usize], mask: &Mask, steps: usize) -> Option<Fit> {
+/// Fits the causes of `from` and the unknowns of `runs` anew, from where they are, to the readings
+/// that count.
+pub(crate) fn refit(
+    kind: &dyn Kind,
+    from: Fit,
+    runs: &[usize],
+    mask: &Mask,
+    steps: usize,
+) -> Option<Fit> {
     let shared = parameters_of(kind, &from.causes);
     let mut problem = Problem::new(kind, from, shared, runs, mask);
     problem.solve(steps)?;
     Some(problem.fit)
 }
 
-/// Fits the causes of `from` but for one of their parameters, which is `held` where it is, and all unknowns.
-pub(crate) fn refit_but(kind: &dyn Kind, held: (usize, usize), from: Fit, steps: usize) -> Option<Fit> {
+/// Fits the causes of `from` but for one of their parameters, which is `held` where it is, and all
+/// unknowns.
+pub(crate) fn refit_but(
+    kind: &dyn Kind,
+    held: (usize, usize),
+    from: Fit,
+    steps: usize,
+) -> Option<Fit> {
     let runs: Vec<usize> = (0..kind.logs().len()).collect();
     let mut shared = parameters_of(kind, &from.causes);
     shared.retain(|place| *place != held);
@@ -410,7 +500,12 @@ pub(crate) fn refit_but(kind: &dyn Kind, held: (usize, usize), from: Fit, steps:
 }
 
 /// Fits the unknowns of `runs` alone to the readings that count; the loss on them.
-pub(crate) fn refit_unknowns(kind: &dyn Kind, model: &Fit, runs: &[usize], mask: &Mask) -> Option<Fit> {
+pub(crate) fn refit_unknowns(
+    kind: &dyn Kind,
+    model: &Fit,
+    runs: &[usize],
+    mask: &Mask,
+) -> Option<Fit> {
     let mut problem = Problem::new(kind, model.clone(), Vec::new(), runs, mask);
     problem.solve(STEPS)?;
     Some(problem.fit)
@@ -422,7 +517,13 @@ pub(crate) fn fit_with(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]
 }
 
 /// The same; none where the first steps do not gain `enough`.
-pub(crate) fn fit_if(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize], enough: f64) -> Option<Fit> {
+pub(crate) fn fit_if(
+    kind: &dyn Kind,
+    base: &Fit,
+    cause: usize,
+    runs: &[usize],
+    enough: f64,
+) -> Option<Fit> {
     let parameters = &kind.causes()[cause].parameters;
     let mut starts: Vec<Vec<f64>> = Vec::new();
     let is_apart = kind.causes()[cause].is_apart();
@@ -432,19 +533,27 @@ pub(crate) fn fit_if(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize], 
     let most = parameters.iter().map(|p| p.starts.len()).max().unwrap_or(0);
     if is_apart || parameters.len() > 1 {
         for k in 0..most {
-            let of = |p: &Parameter| p.starts.get(k).or(p.starts.last()).copied().unwrap_or(p.neutral);
+            let of = |p: &Parameter| {
+                p.starts
+                    .get(k)
+                    .or(p.starts.last())
+                    .copied()
+                    .unwrap_or(p.neutral)
+            };
             starts.push(parameters.iter().map(of).collect());
         }
     }
     fit_from(kind, base, cause, runs, starts, enough)
 }
 
-/// Fits `base` with `cause` added, from wherever physics lets it be: small steps from none need not lead to where it explains most.
+/// Fits `base` with `cause` added, from wherever physics lets it be: small steps from none need not
+/// lead to where it explains most.
 pub(crate) fn fit_far(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]) -> Option<Fit> {
     fit_from(kind, base, cause, runs, kind.causes()[cause].ladder(), 0.0)
 }
 
-/// Fits `base` with `cause` added from each of `starts`; none where the first steps do not gain `enough`.
+/// Fits `base` with `cause` added from each of `starts`; none where the first steps do not gain
+/// `enough`.
 fn fit_from(
     kind: &dyn Kind,
     base: &Fit,
@@ -466,12 +575,20 @@ fn fit_from(
         .collect();
     if from.len() > MOST_STARTS {
         // The best as they are.
-        let loss = |fit: &Fit| refit(kind, fit.clone(), runs, &None, 0).map_or(f64::INFINITY, |f| f.loss);
+        let loss =
+            |fit: &Fit| refit(kind, fit.clone(), runs, &None, 0).map_or(f64::INFINITY, |f| f.loss);
         let mut all: Vec<(f64, Fit)> = from.into_iter().map(|fit| (loss(&fit), fit)).collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        from = all.into_iter().take(MOST_STARTS).map(|(_, fit)| fit).collect();
+        from = all
+            .into_iter()
+            .take(MOST_STARTS)
+            .map(|(_, fit)| fit)
+            .collect();
     }
-    let mut tried: Vec<Fit> = from.into_iter().filter_map(|fit| refit(kind, fit, runs, &None, 4)).collect();
+    let mut tried: Vec<Fit> = from
+        .into_iter()
+        .filter_map(|fit| refit(kind, fit, runs, &None, 4))
+        .collect();
     tried.sort_by(|a, b| a.loss.total_cmp(&b.loss));
     let least = tried.first()?.loss;
     if base.loss - least < enough {
@@ -479,6 +596,9 @@ fn fit_from(
     }
     // Starts that stay behind are given up.
     tried.retain(|t| t.loss <= least + 0.1 * (base.loss - least).max(10.0));
-    let done = tried.into_iter().take(2).filter_map(|t| refit(kind, t, runs, &None, STEPS));
+    let done = tried
+        .into_iter()
+        .take(2)
+        .filter_map(|t| refit(kind, t, runs, &None, STEPS));
     done.min_by(|a, b| a.loss.total_cmp(&b.loss))
 }

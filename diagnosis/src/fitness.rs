@@ -1,4 +1,5 @@
-//! Whether what a model leaves of the data is noise: its level, its smoothness, and what returns in every run.
+//! Whether what a model leaves of the data is noise: its level, its smoothness, and what returns in
+//! every run.
 
 use rand_distr::{Bernoulli, Distribution};
 use rand_pcg::Pcg64;
@@ -13,15 +14,18 @@ use crate::tangent::Tangent;
 
 /// Smooth shapes over a run that residuals are compared with.
 const SHAPES: usize = 8;
-/// Mean square of residuals beyond 1, or of their smooth part, below which nothing is said to be wrong; or as far as the model is true.
+/// Mean square of residuals beyond 1, or of their smooth part, below which nothing is said to be
+/// wrong; or as far as the model is true.
 const LEAST: f64 = 0.03;
 /// The same of the level where the noise is estimated.
 const LEAST_ESTIMATED: f64 = 0.5;
-/// Mean of residuals over a part of a run, in standard deviations, below which nothing is said to be wrong.
+/// Mean of residuals over a part of a run, in standard deviations, below which nothing is said to
+/// be wrong.
 const LEAST_MEAN: f64 = 0.75;
 /// By how much more residuals must stand out where the noise is estimated.
 const DOUBT: f64 = 3.0;
-/// Scatter in terms of the stated noise above which something is wrong however the instruments may wander.
+/// Scatter in terms of the stated noise above which something is wrong however the instruments may
+/// wander.
 const GROSS: f64 = 5.0;
 /// Correlation of residuals with the next from which on they follow each other.
 const SMOOTH: f64 = 0.5;
@@ -38,17 +42,20 @@ pub struct Fitness {
     pub level: Vec<f64>,
     /// Correlation of each residual with the next, of each channel.
     pub whiteness: Vec<f64>,
-    /// Mean square of the part of the residuals of each channel that is smooth over a run, less what chance gives it.
+    /// Mean square of the part of the residuals of each channel that is smooth over a run, less
+    /// what chance gives it.
     pub smooth: Vec<f64>,
     /// Sum of squares of the residuals beyond their number.
     pub squares: f64,
-    /// How far the most telling of these is beyond chance: above 1 is less likely than the stated level.
+    /// How far the most telling of these is beyond chance: above 1 is less likely than the stated
+    /// level.
     pub alarm: f64,
     /// Whether something is left that is not noise.
     pub is_off: bool,
     /// Whether so much is left that it is not the instruments, however they may wander.
     pub is_gross: bool,
-    /// Whether the noise was given, or most runs leave what was estimated, so that this can be told for sure.
+    /// Whether the noise was given, or most runs leave what was estimated, so that this can be told
+    /// for sure.
     pub is_sure: bool,
 }
 
@@ -66,7 +73,11 @@ pub struct Unknown {
 impl Fitness {
     /// What is wrong, if something is.
     pub(crate) fn unknown(&self, kind: &dyn Kind, model: &Fit) -> Option<Unknown> {
-        if self.is_off { self.worst(kind, model) } else { None }
+        if self.is_off {
+            self.worst(kind, model)
+        } else {
+            None
+        }
     }
 
     /// Where `model` is most off.
@@ -79,16 +90,26 @@ impl Fitness {
             let residuals = fit::residuals(kind, run, &model.terms, &model.unknowns[run])?;
             let phases = kind.phases(run, &model.terms, &model.unknowns[run]);
             let (first, last) = (log.readings.first()?.time, log.readings.last()?.time);
-            for (reading, r) in log.readings.iter().zip(residuals).filter(|(x, _)| x.channel == worst) {
+            for (reading, r) in log
+                .readings
+                .iter()
+                .zip(residuals)
+                .filter(|(x, _)| x.channel == worst)
+            {
                 let r = r / reading.weight.sqrt();
-                let name = phases.iter().rev().find(|(_, from)| *from <= reading.time).map_or_else(
-                    || {
-                        let third = 3.0 * (reading.time - first) / (last - first).max(f64::MIN_POSITIVE);
-                        let name = ["first third", "second third", "last third"];
-                        name[usize::from(third >= 1.0) + usize::from(third >= 2.0)].to_owned()
-                    },
-                    |(name, _)| (*name).to_owned(),
-                );
+                let name = phases
+                    .iter()
+                    .rev()
+                    .find(|(_, from)| *from <= reading.time)
+                    .map_or_else(
+                        || {
+                            let third = 3.0 * (reading.time - first)
+                                / (last - first).max(f64::MIN_POSITIVE);
+                            let name = ["first third", "second third", "last third"];
+                            name[usize::from(third >= 1.0) + usize::from(third >= 2.0)].to_owned()
+                        },
+                        |(name, _)| (*name).to_owned(),
+                    );
                 match parts.iter_mut().find(|p| p.0 == name) {
                     Some(part) => {
                         part.1 += r * r;
@@ -98,9 +119,15 @@ impl Fitness {
                 }
             }
         }
-        let (phase, sum, n) = parts.into_iter().max_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2)))?;
+        let (phase, sum, n) = parts
+            .into_iter()
+            .max_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2)))?;
         let channel = &kind.channels()[worst];
-        Some(Unknown { channel: channel.name.clone(), phase, rms: (sum / n).sqrt() * channel.noise })
+        Some(Unknown {
+            channel: channel.name.clone(),
+            phase,
+            rms: (sum / n).sqrt() * channel.noise,
+        })
     }
 }
 
@@ -149,14 +176,20 @@ fn series(kind: &dyn Kind) -> Vec<Series> {
                     *x /= size;
                 }
             }
-            all.push(Series { channel, run, places, shapes });
+            all.push(Series {
+                channel,
+                run,
+                places,
+                shapes,
+            });
         }
         start += log.readings.len();
     }
     all
 }
 
-/// What is compared with chance: level, smooth part, and the part that returns in every run, of each channel in turn.
+/// What is compared with chance: level, smooth part, and the part that returns in every run, of
+/// each channel in turn.
 fn statistics(series: &[Series], channels: usize, residuals: &[f64]) -> [Vec<f64>; 3] {
     let (mut level, mut smooth) = (vec![0.0; channels], vec![0.0; channels]);
     let mut returning = vec![[0.0; SHAPES]; channels];
@@ -169,11 +202,24 @@ fn statistics(series: &[Series], channels: usize, residuals: &[f64]) -> [Vec<f64
             returning[s.channel][k] += part;
         }
     }
-    [level, smooth, returning.iter().map(|parts| parts.iter().map(|p| p * p).sum()).collect()]
+    [
+        level,
+        smooth,
+        returning
+            .iter()
+            .map(|parts| parts.iter().map(|p| p * p).sum())
+            .collect(),
+    ]
 }
 
 /// How well `model` fits, with a stated `level` of saying that it does not when it does.
-pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, random: &mut Pcg64) -> Fitness {
+pub(crate) fn fitness(
+    kind: &dyn Kind,
+    model: &Fit,
+    draws: usize,
+    level: f64,
+    random: &mut Pcg64,
+) -> Fitness {
     let channels = kind.channels().len();
     let series = series(kind);
     let residuals = Tangent::residuals(kind, model).unwrap_or_default();
@@ -182,7 +228,8 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
     for reading in kind.logs().iter().flat_map(|log| &log.readings) {
         counts[reading.channel] += reading.weight;
     }
-    let Some(tangent) = tangent.filter(|t| *t.bounds().last().unwrap_or(&0) == residuals.len()) else {
+    let Some(tangent) = tangent.filter(|t| *t.bounds().last().unwrap_or(&0) == residuals.len())
+    else {
         return Fitness {
             level: vec![f64::NAN; channels],
             whiteness: vec![f64::NAN; channels],
@@ -200,16 +247,21 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
         let found = patterns.find(residuals);
         let of = |c: usize| {
             let known = [level[c], smooth[c], returning[c]];
-            known.into_iter().chain(found[c].iter().map(|p| p.statistic)).collect::<Vec<_>>()
+            known
+                .into_iter()
+                .chain(found[c].iter().map(|p| p.statistic))
+                .collect::<Vec<_>>()
         };
         (0..channels).map(of).collect()
     };
     let found = measure(&residuals);
-    let drawn: Vec<Vec<f64>> = (0..draws.max(100)).map(|_| tangent.chance(kind, random)).collect();
+    let drawn: Vec<Vec<f64>> = (0..draws.max(100))
+        .map(|_| tangent.chance(kind, random))
+        .collect();
     let chance = parallel::map(drawn.len(), |k| measure(&drawn[k]));
     let is_given = kind.channels().iter().all(|c| c.is_given);
-    let is_sure =
-        (0..channels).all(|c| kind.channels()[c].is_given || is_as_estimated(&series, c, &residuals));
+    let is_sure = (0..channels)
+        .all(|c| kind.channels()[c].is_given || is_as_estimated(&series, c, &residuals));
     // Each statistic in terms of its own scatter by chance; the most telling of them.
     let scatter = |c: usize, k: usize| {
         let values: Vec<f64> = chance.iter().map(|x| x[c][k]).collect();
@@ -218,24 +270,36 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
         (mean, square.sqrt().max(1e-9 * mean.abs()).max(1e-12))
     };
     let kinds = 3 + patterns::COUNT;
-    let scatters: Vec<Vec<(f64, f64)>> =
-        (0..channels).map(|c| (0..kinds).map(|k| scatter(c, k)).collect()).collect();
+    let scatters: Vec<Vec<(f64, f64)>> = (0..channels)
+        .map(|c| (0..kinds).map(|k| scatter(c, k)).collect())
+        .collect();
     let beyond = |x: &Measured, c: usize, k: usize| (x[c][k] - scatters[c][k].0) / scatters[c][k].1;
     let all = || (0..channels).flat_map(|c| (0..kinds).map(move |k| (c, k)));
-    let most = |x: &Measured| all().map(|(c, k)| beyond(x, c, k)).fold(f64::NEG_INFINITY, f64::max);
+    let most = |x: &Measured| {
+        all()
+            .map(|(c, k)| beyond(x, c, k))
+            .fold(f64::NEG_INFINITY, f64::max)
+    };
     let mut by_chance: Vec<f64> = chance.iter().map(most).collect();
     by_chance.sort_by(f64::total_cmp);
     // Beyond the greatest of what was drawn by a little: the level is finer than the draws tell.
     let threshold = (percentile(&by_chance, 1.0 - level) * 1.25).max(1e-9);
     let alarm = most(&found) / threshold;
-    let mean_square: Vec<f64> = (0..channels).map(|c| found[c][0] / counts[c].max(1.0)).collect();
-    let smooth: Vec<f64> =
-        (0..channels).map(|c| (found[c][1] - scatters[c][1].0).max(0.0) / counts[c].max(1.0)).collect();
+    let mean_square: Vec<f64> = (0..channels)
+        .map(|c| found[c][0] / counts[c].max(1.0))
+        .collect();
+    let smooth: Vec<f64> = (0..channels)
+        .map(|c| (found[c][1] - scatters[c][1].0).max(0.0) / counts[c].max(1.0))
+        .collect();
     let sizes = patterns.find(&residuals);
     let least = LEAST.max(kind.trust().powi(2));
     let matters = |c: usize, k: usize| match k {
         0 => {
-            let least = if kind.channels()[c].is_given { least } else { LEAST_ESTIMATED };
+            let least = if kind.channels()[c].is_given {
+                least
+            } else {
+                LEAST_ESTIMATED
+            };
             (found[c][0] - scatters[c][0].0) / counts[c].max(1.0) > least
         }
         1 | 2 => smooth[c] > least,
@@ -252,21 +316,36 @@ pub(crate) fn fitness(kind: &dyn Kind, model: &Fit, draws: usize, level: f64, ra
     };
     let whiteness = whiteness(&series, channels, &residuals);
     // One by one they may scatter as they like: jumps of a robot do.
-    let is_gross =
-        crate::fitness::scatter(kind, model).iter().zip(&whiteness).any(|(s, w)| *s > GROSS && *w > SMOOTH);
+    let is_gross = crate::fitness::scatter(kind, model)
+        .iter()
+        .zip(&whiteness)
+        .any(|(s, w)| *s > GROSS && *w > SMOOTH);
     let raw = raw_residuals(kind, model);
     let squares = (fit::dot(&raw, &raw) - raw.len() as f64).max(0.0);
-    Fitness { level: mean_square, whiteness, smooth, squares, alarm, is_off, is_gross, is_sure }
+    Fitness {
+        level: mean_square,
+        whiteness,
+        smooth,
+        squares,
+        alarm,
+        is_off,
+        is_gross,
+        is_sure,
+    }
 }
 
-/// Whether most runs leave of a channel about the noise that was estimated for it: what others leave beyond that is then no instrument
-/// that wanders.
+/// Whether most runs leave of a channel about the noise that was estimated for it: what others
+/// leave beyond that is then no instrument that wanders.
 fn is_as_estimated(series: &[Series], channel: usize, residuals: &[f64]) -> bool {
     let square = |s: &Series| {
         let values = s.places.iter().map(|&i| residuals[i] * residuals[i]);
         values.sum::<f64>() / s.places.len().max(1) as f64
     };
-    let mut squares: Vec<f64> = series.iter().filter(|s| s.channel == channel).map(square).collect();
+    let mut squares: Vec<f64> = series
+        .iter()
+        .filter(|s| s.channel == channel)
+        .map(square)
+        .collect();
     squares.len() >= 3 && median(&mut squares) < 1.0 + LEAST_ESTIMATED
 }
 
@@ -279,7 +358,11 @@ fn whiteness(series: &[Series], channels: usize, residuals: &[f64]) -> Vec<f64> 
                 for pair in s.places.windows(2) {
                     above += residuals[pair[0]] * residuals[pair[1]];
                 }
-                below += s.places.iter().map(|&i| residuals[i] * residuals[i]).sum::<f64>();
+                below += s
+                    .places
+                    .iter()
+                    .map(|&i| residuals[i] * residuals[i])
+                    .sum::<f64>();
             }
             above / below
         })
@@ -289,12 +372,19 @@ fn whiteness(series: &[Series], channels: usize, residuals: &[f64]) -> Vec<f64> 
 /// Whether the residuals of every channel scatter one by one, and do not follow each other.
 pub(crate) fn is_white(kind: &dyn Kind, model: &Fit) -> bool {
     let residuals = Tangent::residuals(kind, model).unwrap_or_default();
-    whiteness(&series(kind), kind.channels().len(), &residuals).iter().all(|w| w.abs() < SMOOTH)
+    whiteness(&series(kind), kind.channels().len(), &residuals)
+        .iter()
+        .all(|w| w.abs() < SMOOTH)
 }
 
 /// Loss of a model beyond the number of readings, which is what noise would leave.
 pub(crate) fn excess(kind: &dyn Kind, model: &Fit) -> f64 {
-    let readings: f64 = kind.logs().iter().flat_map(|log| &log.readings).map(|r| r.weight).sum();
+    let readings: f64 = kind
+        .logs()
+        .iter()
+        .flat_map(|log| &log.readings)
+        .map(|r| r.weight)
+        .sum();
     (model.loss - readings).max(0.0)
 }
 
@@ -317,23 +407,40 @@ pub(crate) fn levels(kind: &dyn Kind, model: &Fit) -> Option<Vec<Level>> {
     }
     let white = whiteness(&series(kind), kind.channels().len(), &residuals);
     let level = |(c, white): (usize, f64)| {
-        let here = || readings.iter().zip(&residuals).filter(|(reading, _)| reading.channel == c);
+        let here = || {
+            readings
+                .iter()
+                .zip(&residuals)
+                .filter(|(reading, _)| reading.channel == c)
+        };
         let count: f64 = here().map(|(reading, _)| reading.weight).sum();
         let sum: f64 = here().map(|(_, r)| r * r).sum();
-        Level { count, square: sum / count.max(1.0), is_white: white < SMOOTH }
+        Level {
+            count,
+            square: sum / count.max(1.0),
+            is_white: white < SMOOTH,
+        }
     };
     Some(white.into_iter().enumerate().map(level).collect())
 }
 
-/// Scatter of the residuals of each channel in standard deviations, the outermost twentieth left out.
+/// Scatter of the residuals of each channel in standard deviations, the outermost twentieth left
+/// out.
 pub(crate) fn scatter(kind: &dyn Kind, model: &Fit) -> Vec<f64> {
     let raw = raw_residuals(kind, model);
-    let channel_of: Vec<usize> =
-        kind.logs().iter().flat_map(|l| l.readings.iter().map(|r| r.channel)).collect();
+    let channel_of: Vec<usize> = kind
+        .logs()
+        .iter()
+        .flat_map(|l| l.readings.iter().map(|r| r.channel))
+        .collect();
     (0..kind.channels().len())
         .map(|c| {
-            let mut sizes: Vec<f64> =
-                raw.iter().zip(&channel_of).filter(|(_, k)| **k == c).map(|(r, _)| r.abs()).collect();
+            let mut sizes: Vec<f64> = raw
+                .iter()
+                .zip(&channel_of)
+                .filter(|(_, k)| **k == c)
+                .map(|(r, _)| r.abs())
+                .collect();
             sizes.sort_by(f64::total_cmp);
             // Of a normal distribution 95 % are within 1.96.
             percentile(&sizes, 0.95) / 1.96
@@ -343,7 +450,9 @@ pub(crate) fn scatter(kind: &dyn Kind, model: &Fit) -> Vec<f64> {
 
 /// Residuals of all readings in standard deviations.
 fn raw_residuals(kind: &dyn Kind, model: &Fit) -> Vec<f64> {
-    let of = |run: usize| fit::residuals(kind, run, &model.terms, &model.unknowns[run]).unwrap_or_default();
+    let of = |run: usize| {
+        fit::residuals(kind, run, &model.terms, &model.unknowns[run]).unwrap_or_default()
+    };
     (0..kind.logs().len()).flat_map(of).collect()
 }
 
@@ -368,13 +477,26 @@ fn returning(parts: &[Vec<[f64; SHAPES]>], signs: &[f64]) -> f64 {
     let channels = parts.first().map_or(0, Vec::len);
     (0..channels)
         .flat_map(|c| (0..SHAPES).map(move |k| (c, k)))
-        .map(|(c, k)| parts.iter().zip(signs).map(|(p, sign)| sign * p[c][k]).sum::<f64>().powi(2))
+        .map(|(c, k)| {
+            parts
+                .iter()
+                .zip(signs)
+                .map(|(p, sign)| sign * p[c][k])
+                .sum::<f64>()
+                .powi(2)
+        })
         .sum()
 }
 
-/// Whether the same smooth shape returns in the residuals of every run more than if the sign of each run's were drawn: what can be told
-/// where the noise is not known.
-fn returns(series: &[Series], channels: usize, residuals: &[f64], level: f64, random: &mut Pcg64) -> bool {
+/// Whether the same smooth shape returns in the residuals of every run more than if the sign of
+/// each run's were drawn: what can be told where the noise is not known.
+fn returns(
+    series: &[Series],
+    channels: usize,
+    residuals: &[f64],
+    level: f64,
+    random: &mut Pcg64,
+) -> bool {
     let runs = runs_of(series);
     if runs < RUNS {
         return false;
@@ -382,10 +504,14 @@ fn returns(series: &[Series], channels: usize, residuals: &[f64], level: f64, ra
     let parts = smooth_parts(series, channels, residuals);
     let whole = fit::dot(residuals, residuals);
     let found = returning(&parts, &vec![1.0; runs]);
-    let Ok(coin) = Bernoulli::new(0.5) else { return false };
+    let Ok(coin) = Bernoulli::new(0.5) else {
+        return false;
+    };
     let mut by_chance: Vec<f64> = (0..1000)
         .map(|_| {
-            let signs: Vec<f64> = (0..runs).map(|_| if coin.sample(random) { 1.0 } else { -1.0 }).collect();
+            let signs: Vec<f64> = (0..runs)
+                .map(|_| if coin.sample(random) { 1.0 } else { -1.0 })
+                .collect();
             returning(&parts, &signs)
         })
         .collect();
@@ -394,8 +520,8 @@ fn returns(series: &[Series], channels: usize, residuals: &[f64], level: f64, ra
     found > percentile(&by_chance, 1.0 - level) && found / runs as f64 > 0.2 * whole
 }
 
-/// By how much more the residuals weigh than white noise of their standard deviation would: the greatest over channels of variance times
-/// correlation time, at least 1.
+/// By how much more the residuals weigh than white noise of their standard deviation would: the
+/// greatest over channels of variance times correlation time, at least 1.
 pub(crate) fn inflation(kind: &dyn Kind, model: &Fit) -> f64 {
     // Outliers are cut; what is off by less than that everywhere is not made of outliers.
     let raw = raw_residuals(kind, model);

@@ -12,7 +12,8 @@ pub(crate) struct Fold {
     pub masks: Option<(Mask, Mask)>,
 }
 
-/// Every run left out once, ten at most together with others; or where there is one run, every block of it.
+/// Every run left out once, ten at most together with others; or where there is one run, every
+/// block of it.
 pub(crate) fn folds(kind: &dyn Kind, settings: &Settings) -> Vec<Fold> {
     let logs = kind.logs();
     if logs.len() > 1 {
@@ -29,7 +30,10 @@ pub(crate) fn folds(kind: &dyn Kind, settings: &Settings) -> Vec<Fold> {
         .map(|fold| {
             let inside: Vec<bool> = (0..n).map(|i| i * settings.blocks / n == fold).collect();
             let outside = inside.iter().map(|x| !x).collect();
-            Fold { runs: Vec::new(), masks: Some((Some(vec![outside]), Some(vec![inside]))) }
+            Fold {
+                runs: Vec::new(),
+                masks: Some((Some(vec![outside]), Some(vec![inside]))),
+            }
         })
         .collect()
 }

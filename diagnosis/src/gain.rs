@@ -14,7 +14,8 @@ use crate::parallel;
 pub struct Gain {
     /// Name of the channel.
     pub channel: String,
-    /// Root mean square of what is predicted wrongly of data left out, before and after (the channel's unit).
+    /// Root mean square of what is predicted wrongly of data left out, before and after (the
+    /// channel's unit).
     pub rms: (f64, f64),
     /// The same of the noise.
     pub noise: f64,
@@ -37,7 +38,9 @@ fn without(kind: &dyn Kind, model: &Fit, fold: &Fold) -> Option<Fit> {
     const STEPS: usize = 2;
     match &fold.masks {
         None => {
-            let train: Vec<usize> = (0..kind.logs().len()).filter(|run| !fold.runs.contains(run)).collect();
+            let train: Vec<usize> = (0..kind.logs().len())
+                .filter(|run| !fold.runs.contains(run))
+                .collect();
             let fitted = fit::refit(kind, model.clone(), &train, &None, STEPS)?;
             fit::refit_unknowns(kind, &fitted, &fold.runs, &None)
         }
@@ -51,7 +54,10 @@ fn score(kind: &dyn Kind, model: &Fit, fold: &Fold) -> Option<Score> {
         None => (fold.runs.clone(), &None),
         Some((_, test)) => (vec![0], test),
     };
-    let mut score = Score { loss: 0.0, squares: vec![(0.0, 0.0); kind.channels().len()] };
+    let mut score = Score {
+        loss: 0.0,
+        squares: vec![(0.0, 0.0); kind.channels().len()],
+    };
     for run in runs {
         let residuals = fit::residuals(kind, run, &fitted.terms, &fitted.unknowns[run])?;
         for (i, (reading, r)) in kind.logs()[run].readings.iter().zip(residuals).enumerate() {
@@ -68,11 +74,18 @@ fn score(kind: &dyn Kind, model: &Fit, fold: &Fold) -> Option<Score> {
 
 /// What a model says of what is left out, fold by fold.
 pub(crate) fn held_out(kind: &dyn Kind, model: &Fit, folds: &[Fold]) -> Option<Vec<Score>> {
-    parallel::map(folds.len(), |k| score(kind, model, &folds[k])).into_iter().collect()
+    parallel::map(folds.len(), |k| score(kind, model, &folds[k]))
+        .into_iter()
+        .collect()
 }
 
 /// Held-out gain of every channel, from the scores of the model before and after.
-pub(crate) fn gains(kind: &dyn Kind, before: &[Score], after: &[Score], settings: &Settings) -> Vec<Gain> {
+pub(crate) fn gains(
+    kind: &dyn Kind,
+    before: &[Score],
+    after: &[Score],
+    settings: &Settings,
+) -> Vec<Gain> {
     let folds = before.len().min(after.len());
     let rms = |scores: &[Score], channel: usize, draw: &[usize]| {
         let add = |(s, n): (f64, f64), &k: &usize| {
@@ -85,17 +98,19 @@ pub(crate) fn gains(kind: &dyn Kind, before: &[Score], after: &[Score], settings
     let all: Vec<usize> = (0..folds).collect();
     let mut random = Pcg64::new(u128::from(settings.seed), 11);
     let draws: Vec<Vec<usize>> = match Uniform::new(0, folds.max(1)) {
-        Ok(uniform) if folds > 0 => {
-            (0..500).map(|_| all.iter().map(|_| uniform.sample(&mut random)).collect()).collect()
-        }
+        Ok(uniform) if folds > 0 => (0..500)
+            .map(|_| all.iter().map(|_| uniform.sample(&mut random)).collect())
+            .collect(),
         _ => Vec::new(),
     };
     kind.channels()
         .iter()
         .enumerate()
         .map(|(c, channel)| {
-            let mut ratios: Vec<f64> =
-                draws.iter().map(|d| rms(after, c, d) / rms(before, c, d).max(f64::MIN_POSITIVE)).collect();
+            let mut ratios: Vec<f64> = draws
+                .iter()
+                .map(|d| rms(after, c, d) / rms(before, c, d).max(f64::MIN_POSITIVE))
+                .collect();
             ratios.sort_by(f64::total_cmp);
             Gain {
                 channel: channel.name.clone(),

@@ -1,4 +1,5 @@
-//! What a kind of experiment has to say for itself: what was measured, what is not known, what could be wrong.
+//! What a kind of experiment has to say for itself: what was measured, what is not known, what
+//! could be wrong.
 
 use saltus_robot::Robot;
 
@@ -26,7 +27,8 @@ pub struct Reading {
     pub time: f64,
     /// In the channel's unit.
     pub value: f64,
-    /// How much it counts, in (0, 1]: of a quantised channel that stands still, each repetition tells little more.
+    /// How much it counts, in (0, 1]: of a quantised channel that stands still, each repetition
+    /// tells little more.
     pub weight: f64,
 }
 
@@ -46,7 +48,8 @@ pub struct Parameter {
     pub name: String,
     /// Its value in the model as it is; for an unknown of a run, a first guess.
     pub neutral: f64,
-    /// Least and greatest that physics allows. Where `neutral` is outside them, the effect is off there, and cannot be reached in small steps.
+    /// Least and greatest that physics allows. Where `neutral` is outside them, the effect is off
+    /// there, and cannot be reached in small steps.
     pub bounds: (f64, f64),
     /// A change that matters.
     pub scale: f64,
@@ -63,22 +66,29 @@ pub struct Cause {
     pub column: Option<String>,
     /// What is estimated.
     pub parameters: Vec<Parameter>,
-    /// How much such an effect may be before it is a surprise, in terms of the first parameter; none: anything is.
+    /// How much such an effect may be before it is a surprise, in terms of the first parameter;
+    /// none: anything is.
     pub usual: Option<f64>,
 }
 
 impl Cause {
     /// Whether the effect cannot be reached in small steps from none.
     pub(crate) fn is_apart(&self) -> bool {
-        self.parameters.iter().any(|p| p.neutral < p.bounds.0 || p.neutral > p.bounds.1)
+        self.parameters
+            .iter()
+            .any(|p| p.neutral < p.bounds.0 || p.neutral > p.bounds.1)
     }
 
-    /// Values over the whole range of each parameter, the others as near to neutral as physics lets them: half a decade from one to the next.
+    /// Values over the whole range of each parameter, the others as near to neutral as physics lets
+    /// them: half a decade from one to the next.
     pub(crate) fn ladder(&self) -> Vec<Vec<f64>> {
         /// Rungs on each side.
         const RUNGS: i32 = 16;
-        let rest: Vec<f64> =
-            self.parameters.iter().map(|p| p.neutral.clamp(p.bounds.0, p.bounds.1)).collect();
+        let rest: Vec<f64> = self
+            .parameters
+            .iter()
+            .map(|p| p.neutral.clamp(p.bounds.0, p.bounds.1))
+            .collect();
         let mut all = Vec::new();
         for (k, p) in self.parameters.iter().enumerate() {
             let rung = |n: i32| p.scale * 10_f64.powf(0.5 * f64::from(n));
@@ -100,7 +110,12 @@ pub struct Terms(Vec<Vec<f64>>);
 impl Terms {
     /// All off.
     pub fn off(causes: &[Cause]) -> Terms {
-        Terms(causes.iter().map(|c| c.parameters.iter().map(|p| p.neutral).collect()).collect())
+        Terms(
+            causes
+                .iter()
+                .map(|c| c.parameters.iter().map(|p| p.neutral).collect())
+                .collect(),
+        )
     }
 
     /// Parameter `parameter` of cause `cause`.
@@ -138,12 +153,14 @@ pub trait Kind: Sync {
     /// What could be wrong.
     fn causes(&self) -> &[Cause];
 
-    /// How many of the causes have an id; those after them are terms that describe what no listed cause explains.
+    /// How many of the causes have an id; those after them are terms that describe what no listed
+    /// cause explains.
     fn listed(&self) -> usize {
         self.causes().len()
     }
 
-    /// Standard deviations of a reading to which the model itself can be trusted: what is off by less is not said to be wrong.
+    /// Standard deviations of a reading to which the model itself can be trusted: what is off by
+    /// less is not said to be wrong.
     fn trust(&self) -> f64 {
         0.1
     }
@@ -156,7 +173,8 @@ pub trait Kind: Sync {
     /// What the model says of each reading of a run; none where it has no answer.
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>>;
 
-    /// What noise of measured inputs does to the prediction of a run, drawn by `normal`; none where no input is measured.
+    /// What noise of measured inputs does to the prediction of a run, drawn by `normal`; none where
+    /// no input is measured.
     fn input_noise(&self, _run: usize, _normal: &mut dyn FnMut() -> f64) -> Option<Vec<f64>> {
         None
     }
@@ -166,9 +184,15 @@ pub trait Kind: Sync {
         Vec::new()
     }
 
-    /// What is reported of a cause whose parameters are `values`: names and values, in the units of a robot file.
+    /// What is reported of a cause whose parameters are `values`: names and values, in the units of
+    /// a robot file.
     fn report(&self, cause: usize, values: &[f64]) -> Vec<(String, f64)> {
-        self.causes()[cause].parameters.iter().zip(values).map(|(p, v)| (p.name.clone(), *v)).collect()
+        self.causes()[cause]
+            .parameters
+            .iter()
+            .zip(values)
+            .map(|(p, v)| (p.name.clone(), *v))
+            .collect()
     }
 
     /// The robot with the terms on, where the experiment is of a robot.

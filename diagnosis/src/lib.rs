@@ -1,7 +1,9 @@
-//! What measured data say is wrong with a simulation: which named cause, how surely, and what knowing it is worth.
+//! What measured data say is wrong with a simulation: which named cause, how surely, and what
+//! knowing it is worth.
 //!
-//! An [`Experiment`] of some [`Kind`] has its data and the model of them, with every [`Cause`] that could be at work as a term that is
-//! off. [`diagnose`] switches them on one at a time while data that were left out ask for it.
+//! An [`Experiment`] of some [`Kind`] has its data and the model of them, with every [`Cause`] that
+//! could be at work as a term that is off. [`diagnose`] switches them on one at a time while data
+//! that were left out ask for it.
 
 mod choose;
 mod estimate;

@@ -2,18 +2,33 @@
 
 /// Ids of the named causes, each with what is so in the machine and not in the simulation.
 pub const NAMED: [(&str, &str); 29] = [
-    ("supply-pressure", "the supply pressure differs from the set value"),
-    ("supply-droop", "the supply pressure falls with the flow that is drawn"),
-    ("valve-delay", "the valve opens and closes later than commanded"),
+    (
+        "supply-pressure",
+        "the supply pressure differs from the set value",
+    ),
+    (
+        "supply-droop",
+        "the supply pressure falls with the flow that is drawn",
+    ),
+    (
+        "valve-delay",
+        "the valve opens and closes later than commanded",
+    ),
     ("valve-discharge", "the valve lets more or less gas through"),
     ("chamber-leak", "the chamber leaks to the atmosphere"),
     ("dead-volume", "the volume of the chamber at rest differs"),
     ("viscous-friction", "friction that grows with speed differs"),
     ("coulomb-friction", "dry friction differs"),
-    ("seal-friction", "friction of the seal grows with the pressure in the chamber"),
+    (
+        "seal-friction",
+        "friction of the seal grows with the pressure in the chamber",
+    ),
     ("return-spring", "a spring pulls the rod back"),
     ("gas-type", "the gas is another one"),
-    ("exhaust-port", "the chamber opens to the atmosphere before the end of the stroke"),
+    (
+        "exhaust-port",
+        "the chamber opens to the atmosphere before the end of the stroke",
+    ),
     ("heat-transfer", "gas and wall exchange heat"),
     ("mass", "the mass differs"),
     ("inertia", "the moment of inertia differs"),
@@ -23,11 +38,17 @@ pub const NAMED: [(&str, &str); 29] = [
     ("axle-friction", "dry friction in the axle brakes the spin"),
     ("foot-slip", "the foot slips on the ground"),
     ("ground-compliance", "the ground gives way under the foot"),
-    ("foot-rolling", "the foot rolls on the ground instead of turning about a point"),
+    (
+        "foot-rolling",
+        "the foot rolls on the ground instead of turning about a point",
+    ),
     ("ground-slope", "the ground slopes"),
     ("air-drag", "the air brakes the body"),
     ("gravity", "the acceleration of free fall differs"),
-    ("counterweight", "a counterweight carries a part of the weight"),
+    (
+        "counterweight",
+        "a counterweight carries a part of the weight",
+    ),
     ("encoder-scale", "the sensor's scale is wrong"),
     ("sensor-offset", "the sensor's zero is off"),
     ("sensor-delay", "the sensor reports late"),
@@ -35,5 +56,8 @@ pub const NAMED: [(&str, &str); 29] = [
 
 /// What the cause `id` means; none for a term that stands for something unknown.
 pub fn meaning(id: &str) -> Option<&'static str> {
-    NAMED.iter().find(|(name, _)| *name == id).map(|(_, meaning)| *meaning)
+    NAMED
+        .iter()
+        .find(|(name, _)| *name == id)
+        .map(|(_, meaning)| *meaning)
 }

@@ -4,7 +4,8 @@ use crate::fit::Fit;
 use crate::kind::Kind;
 use crate::parallel;
 
-/// An experiment that was not done: one run of it, and which of its causes are those of the experiment that was.
+/// An experiment that was not done: one run of it, and which of its causes are those of the
+/// experiment that was.
 pub struct Proposal {
     /// What to do, at which settings, in words with units.
     pub what: String,
@@ -28,18 +29,26 @@ pub struct NextExperiment {
 /// Standard deviations by which two causes are told apart for sure.
 const APART: f64 = 5.0;
 
-/// Of `proposals`, the one that tells most of the `rivals` apart (their causes and models); none where none would show a difference of a
-/// standard deviation.
+/// Of `proposals`, the one that tells most of the `rivals` apart (their causes and models); none
+/// where none would show a difference of a standard deviation.
 pub(crate) fn next(
     kind: &dyn Kind,
     rivals: &[(usize, &Fit)],
     proposals: &[Proposal],
 ) -> Option<NextExperiment> {
-    let id = |k: usize| if rivals[k].0 < kind.listed() { kind.causes()[rivals[k].0].id } else { "unknown" };
+    let id = |k: usize| {
+        if rivals[k].0 < kind.listed() {
+            kind.causes()[rivals[k].0].id
+        } else {
+            "unknown"
+        }
+    };
     let tried = parallel::map(proposals.len(), |k| {
         let there = proposals[k].kind.as_ref();
-        let all: Option<Vec<Vec<f64>>> =
-            rivals.iter().map(|(_, fit)| predicted(kind, &proposals[k], fit)).collect();
+        let all: Option<Vec<Vec<f64>>> = rivals
+            .iter()
+            .map(|(_, fit)| predicted(kind, &proposals[k], fit))
+            .collect();
         let all = all?;
         let (mut score, mut most, mut apart) = (0.0, (0.0, 0), Vec::new());
         for a in 0..all.len() {
@@ -58,7 +67,9 @@ pub(crate) fn next(
     });
     let mut best: Option<(usize, f64, f64)> = None;
     for (k, found) in tried.iter().enumerate() {
-        let Some((score, (sigmas, _), _)) = found else { continue };
+        let Some((score, (sigmas, _), _)) = found else {
+            continue;
+        };
         if best.is_none_or(|(_, s, m)| *score > s + 1e-9 || (*score > s - 1e-9 && *sigmas > m)) {
             best = Some((k, *score, *sigmas));
         }
@@ -77,8 +88,14 @@ pub(crate) fn next(
 fn predicted(kind: &dyn Kind, proposal: &Proposal, fit: &Fit) -> Option<Vec<f64>> {
     let there = proposal.kind.as_ref();
     let mut terms = crate::kind::Terms::off(there.causes());
-    // A cause is the same where its id, its column and its parameters are; one that is not there does not show there.
-    for (c, cause) in kind.causes().iter().enumerate().filter(|(c, _)| fit.causes.contains(c)) {
+    // A cause is the same where its id, its column and its parameters are; one that is not there
+    // does not show there.
+    for (c, cause) in kind
+        .causes()
+        .iter()
+        .enumerate()
+        .filter(|(c, _)| fit.causes.contains(c))
+    {
         let is_it = |other: &&crate::kind::Cause| {
             other.id == cause.id
                 && other.column == cause.column

@@ -18,16 +18,29 @@ pub(crate) fn channels(experiment: &Experiment, indices: &[usize]) -> Vec<Channe
                     // What the count does not explain.
                     let seen = STRIDES.map(|stride| estimate(experiment, k, stride));
                     let seen = seen.into_iter().fold(f64::INFINITY, f64::min);
-                    (if seen > 1.5 * quantised { seen } else { quantised }, seen <= 1.5 * quantised)
+                    (
+                        if seen > 1.5 * quantised {
+                            seen
+                        } else {
+                            quantised
+                        },
+                        seen <= 1.5 * quantised,
+                    )
                 }
                 (None, None) => (estimate(experiment, k, 1), false),
             };
-            Channel { name: experiment.columns[k].clone(), noise, step: step.unwrap_or(0.0), is_given }
+            Channel {
+                name: experiment.columns[k].clone(),
+                noise,
+                step: step.unwrap_or(0.0),
+                is_given,
+            }
         })
         .collect()
 }
 
-/// Rows between which counts are compared: of a column that moves by half a count a row, each one differs from the next, without noise.
+/// Rows between which counts are compared: of a column that moves by half a count a row, each one
+/// differs from the next, without noise.
 const STRIDES: [usize; 3] = [1, 2, 3];
 
 /// A stated noise that is far from the scatter of the data.
@@ -41,82 +54,120 @@ pub struct Misstated {
     pub seen: f64,
 }
 
-/// Ratio of stated to seen scatter from which on the statement is not believed: a filter of the instrument, and the wish to be on the
-/// safe side, make less of it.
+/// Ratio of stated to seen scatter from which on the statement is not believed: a filter of the
+/// instrument, and the wish to be on the safe side, make less of it.
 const FAR: f64 = 10.0;
 /// Scatter in terms of a column's span below which models of machines are not compared with data.
 const FINE: f64 = 5e-4;
 
-/// Takes the scatter of the data in place of each noise that is stated far larger, and says where: a diagnosis by such a noise would
-/// explain everything. The rows of [`Sort::Outcomes`] do not follow each other: [`misstated`] tells of those, once a model is fitted.
+/// Takes the scatter of the data in place of each noise that is stated far larger, and says where:
+/// a diagnosis by such a noise would explain everything. The rows of [`Sort::Outcomes`] do not
+/// follow each other: [`misstated`] tells of those, once a model is fitted.
 pub fn disbelieve(experiment: &mut Experiment) -> Vec<Misstated> {
     if experiment.kind == Sort::Outcomes {
         return Vec::new();
     }
     let mut all = Vec::new();
     for k in 0..experiment.columns.len() {
-        let Some(stated) = experiment.noise[k] else { continue };
+        let Some(stated) = experiment.noise[k] else {
+            continue;
+        };
         let seen = STRIDES.map(|stride| roughness(experiment, k, stride));
         let seen = seen.into_iter().flatten().reduce(f64::max);
         let fine = FINE * span(experiment, k);
-        let Some(seen) = seen.filter(|seen| stated > FAR * seen.max(fine)) else { continue };
+        let Some(seen) = seen.filter(|seen| stated > FAR * seen.max(fine)) else {
+            continue;
+        };
         experiment.noise[k] = (seen < fine).then_some(fine);
-        all.push(Misstated { column: experiment.columns[k].clone(), stated, seen: seen.max(fine) });
+        all.push(Misstated {
+            column: experiment.columns[k].clone(),
+            stated,
+            seen: seen.max(fine),
+        });
     }
     all
 }
 
-/// Channels of `kind`, which is of `experiment`, whose stated noise is far from what `model` leaves of them: far more than that, or far
-/// less where residuals scatter one by one.
+/// Channels of `kind`, which is of `experiment`, whose stated noise is far from what `model` leaves
+/// of them: far more than that, or far less where residuals scatter one by one.
 pub fn misstated(experiment: &Experiment, kind: &dyn Kind, model: &Fit) -> Vec<Misstated> {
     /// Readings that tell a scatter.
     const LEAST: f64 = 12.0;
-    let Some(left) = fitness::levels(kind, model) else { return Vec::new() };
-    let channels =
-        kind.channels().iter().zip(left).filter(|(channel, left)| channel.is_given && left.count > LEAST);
+    let Some(left) = fitness::levels(kind, model) else {
+        return Vec::new();
+    };
+    let channels = kind
+        .channels()
+        .iter()
+        .zip(left)
+        .filter(|(channel, left)| channel.is_given && left.count > LEAST);
     let of = |(channel, left): (&Channel, fitness::Level)| {
-        let k = experiment.columns.iter().position(|column| *column == channel.name)?;
+        let k = experiment
+            .columns
+            .iter()
+            .position(|column| *column == channel.name)?;
         let stated = experiment.noise[k]?;
         let seen = (left.square.sqrt() * channel.noise).max(FINE * span(experiment, k));
         let is_far = stated > FAR * seen || (seen > FAR * stated && left.is_white);
-        is_far.then(|| Misstated { column: channel.name.clone(), stated, seen })
+        is_far.then(|| Misstated {
+            column: channel.name.clone(),
+            stated,
+            seen,
+        })
     };
     channels.filter_map(of).collect()
 }
 
 /// Greatest less least value of a column.
 fn span(experiment: &Experiment, column: usize) -> f64 {
-    let values = || experiment.runs.iter().flat_map(|run| &run.values[column]).filter(|v| v.is_finite());
-    values().fold(f64::NEG_INFINITY, |a, b| a.max(*b)) - values().fold(f64::INFINITY, |a, b| a.min(*b))
+    let values = || {
+        experiment
+            .runs
+            .iter()
+            .flat_map(|run| &run.values[column])
+            .filter(|v| v.is_finite())
+    };
+    values().fold(f64::NEG_INFINITY, |a, b| a.max(*b))
+        - values().fold(f64::INFINITY, |a, b| a.min(*b))
 }
 
-/// Scatter by third differences, as in [`estimate`], of the rows in which the column changes; none where it never does.
+/// Scatter by third differences, as in [`estimate`], of the rows in which the column changes; none
+/// where it never does.
 fn roughness(experiment: &Experiment, column: usize, stride: usize) -> Option<f64> {
     let mut all = third_differences(experiment, column, stride);
     all.retain(|x| *x > 0.0);
     (!all.is_empty()).then(|| median(&mut all) / THIRD)
 }
 
-/// What the median of third differences is of independent readings with a standard deviation of 1: Σ of the squares of 1, 3, 3, 1 is
-/// 20, and the median of |x| is 0.6745 of a standard deviation.
+/// What the median of third differences is of independent readings with a standard deviation of 1:
+/// Σ of the squares of 1, 3, 3, 1 is 20, and the median of |x| is 0.6745 of a standard deviation.
 const THIRD: f64 = 0.674_489_75 * 4.472_135_954_999_58;
 
 /// Sizes of third differences of readings `stride` rows apart, of all runs.
 fn third_differences(experiment: &Experiment, column: usize, stride: usize) -> Vec<f64> {
     let third = |w: &[f64]| (w[3 * stride] - 3.0 * w[2 * stride] + 3.0 * w[stride] - w[0]).abs();
     let of = |run: &Run| -> Vec<f64> {
-        let values: Vec<f64> = run.values[column].iter().copied().filter(|v| v.is_finite()).collect();
+        let values: Vec<f64> = run.values[column]
+            .iter()
+            .copied()
+            .filter(|v| v.is_finite())
+            .collect();
         values.windows(3 * stride + 1).map(third).collect()
     };
     experiment.runs.iter().flat_map(of).collect()
 }
 
-/// Standard deviation of what changes from one reading to the one `stride` later: from third differences, which a smooth course does not have, and
-/// their median, which outliers do not move. Never below what the values' own digits are worth.
+/// Standard deviation of what changes from one reading to the one `stride` later: from third
+/// differences, which a smooth course does not have, and their median, which outliers do not move.
+/// Never below what the values' own digits are worth.
 fn estimate(experiment: &Experiment, column: usize, stride: usize) -> f64 {
     let mut count: f64 = f64::INFINITY;
     for run in &experiment.runs {
-        let values: Vec<f64> = run.values[column].iter().copied().filter(|v| v.is_finite()).collect();
+        let values: Vec<f64> = run.values[column]
+            .iter()
+            .copied()
+            .filter(|v| v.is_finite())
+            .collect();
         for w in values.windows(2) {
             let change = (w[1] - w[0]).abs();
             if change > 0.0 {
@@ -126,9 +177,17 @@ fn estimate(experiment: &Experiment, column: usize, stride: usize) -> f64 {
     }
     let seen = median(&mut third_differences(experiment, column, stride)) / THIRD;
     // A quantised column that mostly stands still shows no differences: its step does.
-    let least = if count.is_finite() { count / 12f64.sqrt() } else { 0.0 };
+    let least = if count.is_finite() {
+        count / 12f64.sqrt()
+    } else {
+        0.0
+    };
     let span = span(experiment, column).max(f64::MIN_POSITIVE);
-    if seen > 0.0 { seen.max(1e-9 * span) } else { least.max(1e-6 * span) }
+    if seen > 0.0 {
+        seen.max(1e-9 * span)
+    } else {
+        least.max(1e-6 * span)
+    }
 }
 
 /// The median; 0 of nothing.
@@ -153,7 +212,11 @@ fn weights(values: &[f64], is_quantised: bool) -> Vec<f64> {
     }
     let mut start = 0;
     while start < values.len() {
-        let same = values[start..].iter().take_while(|v| **v == values[start]).count().max(1);
+        let same = values[start..]
+            .iter()
+            .take_while(|v| **v == values[start])
+            .count()
+            .max(1);
         weights[start..start + same].fill((REPEATED / same as f64).min(1.0));
         start += same;
     }
@@ -175,9 +238,17 @@ pub(crate) fn log(experiment: &Experiment, run: &Run, indices: &[usize]) -> Log 
         for (channel, &k) in indices.iter().enumerate() {
             let value = run.values[k][row];
             if value.is_finite() {
-                readings.push(Reading { channel, time, value, weight: weights[channel][row] });
+                readings.push(Reading {
+                    channel,
+                    time,
+                    value,
+                    weight: weights[channel][row],
+                });
             }
         }
     }
-    Log { name: run.name.clone(), readings }
+    Log {
+        name: run.name.clone(),
+        readings,
+    }
 }

@@ -5,7 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// `f` of 0 to `n` − 1, in that order, whatever the number of threads.
 pub(crate) fn map<T: Send>(n: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(n);
+    let threads = std::thread::available_parallelism()
+        .map_or(1, usize::from)
+        .min(n);
     if threads <= 1 {
         return (0..n).map(f).collect();
     }
@@ -20,12 +22,16 @@ pub(crate) fn map<T: Send>(n: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
                         return;
                     }
                     let value = f(k);
-                    done.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((k, value));
+                    done.lock()
+                        .unwrap_or_else(std::sync::PoisonError::into_inner)
+                        .push((k, value));
                 }
             });
         }
     });
-    let mut all = done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let mut all = done
+        .into_inner()
+        .unwrap_or_else(std::sync::PoisonError::into_inner);
     all.sort_by_key(|(k, _)| *k);
     all.into_iter().map(|(_, value)| value).collect()
 }

@@ -1,4 +1,5 @@
-//! Patterns in residuals: parts of a run that are off, waves over the time of a run, and waves or steps over the value itself.
+//! Patterns in residuals: parts of a run that are off, waves over the time of a run, and waves or
+//! steps over the value itself.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +9,8 @@ use crate::kind::Kind;
 const CELLS: usize = 96;
 /// Lengths of parts in cells.
 const PARTS: [usize; 9] = [1, 2, 3, 4, 6, 8, 12, 16, 24];
-/// Steps of frequency in which waves are sought, each half a period over the longest run or the range.
+/// Steps of frequency in which waves are sought, each half a period over the longest run or the
+/// range.
 const WAVES: usize = 64;
 /// Cells that make one where values are compared, and not waves.
 const COARSE: usize = 4;
@@ -19,13 +21,18 @@ pub(crate) const COUNT: usize = 4;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Pattern {
     pub(crate) statistic: f64,
-    /// Mean of the residuals where it is, for a part of a run; else the mean square of what the pattern has of all of them.
+    /// Mean of the residuals where it is, for a part of a run; else the mean square of what the
+    /// pattern has of all of them.
     pub(crate) size: f64,
 }
 
 impl Pattern {
     fn most(self, statistic: f64, size: f64) -> Pattern {
-        if statistic > self.statistic { Pattern { statistic, size } } else { self }
+        if statistic > self.statistic {
+            Pattern { statistic, size }
+        } else {
+            self
+        }
     }
 }
 
@@ -47,13 +54,16 @@ pub(crate) struct Patterns {
     rows: Vec<Row>,
 }
 
-/// cos and sin of every wave over a row of this length: from its start the phase grows with the time, and not with the cell.
+/// cos and sin of every wave over a row of this length: from its start the phase grows with the
+/// time, and not with the cell.
 fn waves(length: f64) -> Vec<[(f64, f64); CELLS]> {
     let at = |wave: usize, cell: usize| {
         let (sin, cos) = (TAU * (wave * cell) as f64 * length / (2 * CELLS) as f64).sin_cos();
         (cos, sin)
     };
-    (0..=WAVES).map(|wave| std::array::from_fn(|cell| at(wave, cell))).collect()
+    (0..=WAVES)
+        .map(|wave| std::array::from_fn(|cell| at(wave, cell)))
+        .collect()
 }
 
 impl Patterns {
@@ -61,9 +71,14 @@ impl Patterns {
     pub(crate) fn new(kind: &dyn Kind, predicted: &[f64]) -> Patterns {
         let channels = kind.channels().len();
         let span = |log: &crate::kind::Log| -> f64 {
-            log.readings.last().map_or(0.0, |l| l.time) - log.readings.first().map_or(0.0, |f| f.time)
+            log.readings.last().map_or(0.0, |l| l.time)
+                - log.readings.first().map_or(0.0, |f| f.time)
         };
-        let longest = kind.logs().iter().map(span).fold(f64::MIN_POSITIVE, f64::max);
+        let longest = kind
+            .logs()
+            .iter()
+            .map(span)
+            .fold(f64::MIN_POSITIVE, f64::max);
         let mut rows = Vec::new();
         for channel in 0..channels {
             let mut by_value = [Vec::new(), Vec::new()];
@@ -80,18 +95,30 @@ impl Patterns {
                 if n == 0 {
                     continue;
                 }
-                let cells = places.iter().enumerate().map(|(i, &p)| (p, i * CELLS / n)).collect();
+                let cells = places
+                    .iter()
+                    .enumerate()
+                    .map(|(i, &p)| (p, i * CELLS / n))
+                    .collect();
                 let waves = waves(span(log) / longest);
-                rows.push(Row { channel, is_time: true, cells, counts: Vec::new(), waves });
+                rows.push(Row {
+                    channel,
+                    is_time: true,
+                    cells,
+                    counts: Vec::new(),
+                    waves,
+                });
                 for (i, &place) in places.iter().enumerate() {
-                    let falls =
-                        predicted[places[(i + 1).min(n - 1)]] < predicted[places[i.saturating_sub(1)]];
+                    let falls = predicted[places[(i + 1).min(n - 1)]]
+                        < predicted[places[i.saturating_sub(1)]];
                     by_value[usize::from(falls)].push(place);
                 }
             }
             let values = || by_value.iter().flatten().map(|&p| predicted[p]);
-            let (low, high) =
-                (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+            let (low, high) = (
+                values().fold(f64::INFINITY, f64::min),
+                values().fold(f64::NEG_INFINITY, f64::max),
+            );
             for places in &by_value {
                 let cell = |place: usize| {
                     let share = (predicted[place] - low) / (high - low).max(f64::MIN_POSITIVE);
@@ -101,7 +128,13 @@ impl Patterns {
                     (place, cell.min(CELLS - 1))
                 };
                 let cells = places.iter().map(|&p| cell(p)).collect();
-                rows.push(Row { channel, is_time: false, cells, counts: Vec::new(), waves: waves(1.0) });
+                rows.push(Row {
+                    channel,
+                    is_time: false,
+                    cells,
+                    counts: Vec::new(),
+                    waves: waves(1.0),
+                });
             }
             for row in rows.iter_mut().filter(|row| row.channel == channel) {
                 row.counts = vec![0.0; CELLS];
@@ -130,12 +163,15 @@ impl Patterns {
                     count += row.counts.iter().sum::<f64>();
                     for (k, power) in row.powers(&sums).into_iter().enumerate() {
                         let [re, im] = power;
-                        waves[0][k] += (re * re + im * im) / row.counts.iter().sum::<f64>().max(1.0);
+                        waves[0][k] +=
+                            (re * re + im * im) / row.counts.iter().sum::<f64>().max(1.0);
                     }
                 } else {
                     for k in (0..CELLS).step_by(COARSE) {
-                        let (sum, n): (f64, f64) =
-                            (sums[k..k + COARSE].iter().sum(), row.counts[k..k + COARSE].iter().sum());
+                        let (sum, n): (f64, f64) = (
+                            sums[k..k + COARSE].iter().sum(),
+                            row.counts[k..k + COARSE].iter().sum(),
+                        );
                         if n > 0.0 {
                             steps += sum * sum / n - 1.0;
                         }
@@ -153,7 +189,10 @@ impl Patterns {
                 // A wave a sin has the mean square a²/2, and the power n a²/4.
                 found[1 + k] = found[1 + k].most(most, 2.0 * most / count.max(1.0));
             }
-            found[3] = Pattern { statistic: steps, size: steps / count.max(1.0) };
+            found[3] = Pattern {
+                statistic: steps,
+                size: steps / count.max(1.0),
+            };
         }
         found
     }
@@ -163,8 +202,9 @@ impl Row {
     /// Real and imaginary part of each wave.
     fn powers(&self, sums: &[f64]) -> Vec<[f64; 2]> {
         let of = |wave: &[(f64, f64); CELLS]| {
-            let add =
-                |[re, im]: [f64; 2], (sum, (cos, sin)): (&f64, &(f64, f64))| [re + sum * cos, im + sum * sin];
+            let add = |[re, im]: [f64; 2], (sum, (cos, sin)): (&f64, &(f64, f64))| {
+                [re + sum * cos, im + sum * sin]
+            };
             sums.iter().zip(wave).fold([0.0; 2], add)
         };
         self.waves.iter().map(of).collect()

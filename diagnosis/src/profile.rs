@@ -1,4 +1,5 @@
-//! Profile likelihood: how far a parameter may go before the data speak against it, whatever all others do.
+//! Profile likelihood: how far a parameter may go before the data speak against it, whatever all
+//! others do.
 
 use nalgebra::DMatrix;
 
@@ -15,7 +16,8 @@ pub struct Interval {
     pub high: Option<f64>,
 }
 
-/// By how much the loss rises to the end of an interval: χ² of one parameter that is exceeded in 5 % of cases.
+/// By how much the loss rises to the end of an interval: χ² of one parameter that is exceeded in 5
+/// % of cases.
 const LEVEL: f64 = 3.841_458_8;
 /// Fits that are made to find an end.
 const MOST: usize = 16;
@@ -35,31 +37,48 @@ pub(crate) struct Profile<'a> {
 }
 
 impl Profile<'_> {
-    /// The parameters where `parameter` of `cause` is as far up (or down) as the data allow; none where that is as far as physics does.
+    /// The parameters where `parameter` of `cause` is as far up (or down) as the data allow; none
+    /// where that is as far as physics does.
     pub(crate) fn end(&self, cause: usize, parameter: usize, is_upper: bool) -> Option<Terms> {
         let places = parameters_of(self.kind, &self.fit.causes);
-        let index = places.iter().position(|place| *place == (cause, parameter))?;
+        let index = places
+            .iter()
+            .position(|place| *place == (cause, parameter))?;
         let spec = &self.kind.causes()[cause].parameters[parameter];
         let variance = |of: &DMatrix<f64>| of[(index, index)];
-        let (all, readings) = match (variance(&self.known.covariance), variance(&self.known.by_readings)) {
+        let (all, readings) = match (
+            variance(&self.known.covariance),
+            variance(&self.known.by_readings),
+        ) {
             (all, readings) if readings > 0.0 && all.is_finite() => (all, readings),
             // One that does nothing where it is.
             _ => (1.0, 1.0),
         };
-        // Noise of measured inputs lets the parameter go further than the loss of the readings says.
+        // Noise of measured inputs lets the parameter go further than the loss of the readings
+        // says.
         let level = LEVEL * self.inflation * all / readings;
-        let (from, side) = (self.fit.terms.get(cause, parameter), if is_upper { 1.0 } else { -1.0 });
-        let bound = if is_upper { spec.bounds.1 } else { spec.bounds.0 };
+        let (from, side) = (
+            self.fit.terms.get(cause, parameter),
+            if is_upper { 1.0 } else { -1.0 },
+        );
+        let bound = if is_upper {
+            spec.bounds.1
+        } else {
+            spec.bounds.0
+        };
         let most = (bound - from) * side;
         let fitted = |distance: f64| {
             let mut moved = self.fit.clone();
             for (k, &(c, p)) in places.iter().enumerate() {
                 // The others as they go with it where all is linear.
                 let other = &self.kind.causes()[c].parameters[p];
-                let slope = self.known.by_readings[(k, index)] / readings * other.scale / spec.scale;
+                let slope =
+                    self.known.by_readings[(k, index)] / readings * other.scale / spec.scale;
                 let slope = if slope.is_finite() { slope } else { 0.0 };
                 let x = moved.terms.get(c, p) + slope * side * distance;
-                moved.terms.set(c, p, x.clamp(other.bounds.0, other.bounds.1));
+                moved
+                    .terms
+                    .set(c, p, x.clamp(other.bounds.0, other.bounds.1));
             }
             moved.terms.set(cause, parameter, from + side * distance);
             fit::refit_but(self.kind, (cause, parameter), moved, STEPS)
@@ -93,7 +112,11 @@ impl Profile<'_> {
             }
             last = Some(there.terms);
             let straight = distance / rise.max(0.2);
-            distance = if straight > below && straight < above { straight } else { 0.5 * (below + above) };
+            distance = if straight > below && straight < above {
+                straight
+            } else {
+                0.5 * (below + above)
+            };
         }
         last.filter(|_| above.is_finite())
     }
@@ -129,7 +152,12 @@ mod tests {
                 weight: 1.0,
             };
             Toy {
-                channels: [Channel { name: "y".into(), noise: 1.0, step: 0.0, is_given: true }],
+                channels: [Channel {
+                    name: "y".into(),
+                    noise: 1.0,
+                    step: 0.0,
+                    is_given: true,
+                }],
                 logs: [Log {
                     name: "run".into(),
                     readings: values.iter().enumerate().map(reading).collect(),
@@ -147,9 +175,18 @@ mod tests {
         fn intervals(&self) -> Vec<Interval> {
             let before = fit::fit_none(self, &[0]).expect("an answer");
             let fit = fit::fit_with(self, &before, 0, &[0]).expect("a fit");
-            let mut candidate = Candidate { cause: 0, gain: 0.0, fit, reported: Vec::new() };
+            let mut candidate = Candidate {
+                cause: 0,
+                gain: 0.0,
+                fit,
+                reported: Vec::new(),
+            };
             report(self, &mut candidate, 1.0, true);
-            candidate.reported.iter().map(|r| r.interval.expect("an interval")).collect()
+            candidate
+                .reported
+                .iter()
+                .map(|r| r.interval.expect("an interval"))
+                .collect()
         }
     }
 
@@ -167,7 +204,13 @@ mod tests {
             &self.causes
         }
         fn predict(&self, _: usize, terms: &Terms, _: &[f64]) -> Option<Vec<f64>> {
-            Some(self.logs[0].readings.iter().map(|r| (self.law)(terms.of(0), r.time)).collect())
+            Some(
+                self.logs[0]
+                    .readings
+                    .iter()
+                    .map(|r| (self.law)(terms.of(0), r.time))
+                    .collect(),
+            )
         }
     }
 
@@ -180,16 +223,21 @@ mod tests {
     /// The mean of 100 readings is known to 0.1, and x is its root.
     #[test]
     fn an_interval_is_as_crooked_as_its_law() {
-        let root = |mean: f64| Toy::new(&[(0.0, 10.0)], &[mean; 100], |x, _| x[0] * x[0]).intervals()[0];
+        let root =
+            |mean: f64| Toy::new(&[(0.0, 10.0)], &[mean; 100], |x, _| x[0] * x[0]).intervals()[0];
         let clear = root(0.3);
         let known = [0.3 - 0.1 * HALF, 0.3 + 0.1 * HALF].map(f64::sqrt);
-        assert!(is_near(clear.low, known[0]) && is_near(clear.high, known[1]), "{clear:?} {known:?}");
+        assert!(
+            is_near(clear.low, known[0]) && is_near(clear.high, known[1]),
+            "{clear:?} {known:?}"
+        );
         let vague = root(0.1);
         assert_eq!(vague.low, None);
         assert!(is_near(vague.high, (0.1 + 0.1 * HALF).sqrt()), "{vague:?}");
     }
 
-    /// A line through readings at 0 to 9: its ends are those of least squares, whatever the other parameter does.
+    /// A line through readings at 0 to 9: its ends are those of least squares, whatever the other
+    /// parameter does.
     #[test]
     fn of_a_line_it_is_the_standard_error() {
         let values: Vec<f64> = (0..10).map(|k| 3.0 + 0.5 * f64::from(k)).collect();
@@ -212,11 +260,19 @@ mod tests {
     /// Only the product of two factors shows: each goes as far as the bounds of the other let it.
     #[test]
     fn a_factor_of_a_product_has_no_ends_of_its_own() {
-        let found = Toy::new(&[(0.1, 100.0), (0.1, 100.0)], &[6.0; 50], |x, _| x[0] * x[1]).intervals();
+        let found = Toy::new(&[(0.1, 100.0), (0.1, 100.0)], &[6.0; 50], |x, _| {
+            x[0] * x[1]
+        })
+        .intervals();
         let high = (6.0 + HALF / 50_f64.sqrt()) / 0.1;
         for interval in &found {
             assert_eq!(interval.low, None);
-            assert!(interval.high.is_some_and(|x| (x - high).abs() < 0.03 * high), "{interval:?} {high}");
+            assert!(
+                interval
+                    .high
+                    .is_some_and(|x| (x - high).abs() < 0.03 * high),
+                "{interval:?} {high}"
+            );
         }
     }
 }

@@ -1,4 +1,5 @@
-//! What a model leaves of the data, channel by channel and phase by phase, and whether that is noise.
+//! What a model leaves of the data, channel by channel and phase by phase, and whether that is
+//! noise.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
 
@@ -8,8 +9,8 @@ use crate::kind::Kind;
 /// Phase of a run whose kind has none.
 const WHOLE: &str = "all";
 
-/// Step of a quantised channel, in terms of its noise, above which rounding itself makes neighbours and runs alike or not: then their
-/// likeness is not tested.
+/// Step of a quantised channel, in terms of its noise, above which rounding itself makes neighbours
+/// and runs alike or not: then their likeness is not tested.
 const COARSE: f64 = 2.0;
 
 /// A reading beside what a model says of it.
@@ -56,7 +57,8 @@ pub struct PhaseResidual {
     pub level: f64,
     /// How likely noise is so smooth; NaN of few readings, or where they are rounded coarsely.
     pub whiteness: f64,
-    /// How likely the means of the runs of noise differ so much; NaN of one run, or where they are rounded coarsely.
+    /// How likely the means of the runs of noise differ so much; NaN of one run, or where they are
+    /// rounded coarsely.
     pub runs: f64,
 }
 
@@ -71,11 +73,20 @@ impl PhaseResidual {
         self.rms * self.noise
     }
 
-    /// What tells that it is not noise, where noise is said not to be with chance `level`: words for the tests that fail.
+    /// What tells that it is not noise, where noise is said not to be with chance `level`: words
+    /// for the tests that fail.
     pub fn faults(&self, level: f64) -> Vec<&'static str> {
         // Three tests share the chance.
-        let tests = [(self.level, "large"), (self.whiteness, "smooth"), (self.runs, "differs by run")];
-        tests.into_iter().filter(|(p, _)| *p < level / 3.0).map(|(_, word)| word).collect()
+        let tests = [
+            (self.level, "large"),
+            (self.whiteness, "smooth"),
+            (self.runs, "differs by run"),
+        ];
+        tests
+            .into_iter()
+            .filter(|(p, _)| *p < level / 3.0)
+            .map(|(_, word)| word)
+            .collect()
     }
 
     /// Whether it could be noise, which is denied with chance `level` where it is.
@@ -86,7 +97,10 @@ impl PhaseResidual {
 
 /// Every reading beside what `model` says of it; runs of which it says nothing are left out.
 pub fn points(kind: &dyn Kind, model: &Fit) -> Vec<Point> {
-    (0..kind.logs().len()).filter_map(|run| points_of(kind, model, run)).flatten().collect()
+    (0..kind.logs().len())
+        .filter_map(|run| points_of(kind, model, run))
+        .flatten()
+        .collect()
 }
 
 fn points_of(kind: &dyn Kind, model: &Fit, run: usize) -> Option<Vec<Point>> {
@@ -96,11 +110,15 @@ fn points_of(kind: &dyn Kind, model: &Fit, run: usize) -> Option<Vec<Point>> {
     let point = |(reading, predicted): (&crate::kind::Reading, f64)| Point {
         run,
         channel: reading.channel,
-        phase: phases.iter().rev().find(|(_, from)| *from <= reading.time).map_or(
-            // Before the first phase is the first.
-            phases.first().map_or(WHOLE, |(name, _)| name),
-            |(name, _)| name,
-        ),
+        phase: phases
+            .iter()
+            .rev()
+            .find(|(_, from)| *from <= reading.time)
+            .map_or(
+                // Before the first phase is the first.
+                phases.first().map_or(WHOLE, |(name, _)| name),
+                |(name, _)| name,
+            ),
         time: reading.time,
         measured: reading.value,
         predicted,
@@ -118,12 +136,18 @@ fn points_of(kind: &dyn Kind, model: &Fit, run: usize) -> Option<Vec<Point>> {
     )
 }
 
-/// Residuals of `model`, by channel and phase; the condition that differs between runs is the mean of each channel.
+/// Residuals of `model`, by channel and phase; the condition that differs between runs is the mean
+/// of each channel.
 pub fn residuals(kind: &dyn Kind, model: &Fit) -> Vec<PhaseResidual> {
     let mut conditions = vec![Vec::new(); kind.logs().len()];
     for (log, conditions) in kind.logs().iter().zip(&mut conditions) {
         for (c, channel) in kind.channels().iter().enumerate() {
-            let values: Vec<f64> = log.readings.iter().filter(|r| r.channel == c).map(|r| r.value).collect();
+            let values: Vec<f64> = log
+                .readings
+                .iter()
+                .filter(|r| r.channel == c)
+                .map(|r| r.value)
+                .collect();
             if !values.is_empty() {
                 conditions.push((format!("mean of {}", channel.name), mean(&values)));
             }
@@ -140,7 +164,11 @@ pub fn residuals_under(
 ) -> Vec<PhaseResidual> {
     let points = points(kind, model);
     // What was fitted took as many degrees of freedom from the readings, evenly.
-    let shared: usize = model.causes.iter().map(|c| kind.causes()[*c].parameters.len()).sum();
+    let shared: usize = model
+        .causes
+        .iter()
+        .map(|c| kind.causes()[*c].parameters.len())
+        .sum();
     let fitted = shared + model.unknowns.iter().map(Vec::len).sum::<usize>();
     let free = (1.0 - fitted as f64 / points.len().max(1) as f64).max(0.1);
     let mut all = Vec::new();
@@ -152,8 +180,10 @@ pub fn residuals_under(
             }
         }
         for phase in phases {
-            let these: Vec<&Point> =
-                points.iter().filter(|p| p.channel == channel && p.phase == phase).collect();
+            let these: Vec<&Point> = points
+                .iter()
+                .filter(|p| p.channel == channel && p.phase == phase)
+                .collect();
             let mut found = summary(&these, free, conditions);
             (found.channel, found.phase, found.noise) = (channel, phase, about.noise);
             if about.step > COARSE * about.noise {
@@ -165,7 +195,8 @@ pub fn residuals_under(
     all
 }
 
-/// Of the residuals of one channel and phase, in the order of runs; `free` is the part of them that is not fitted away.
+/// Of the residuals of one channel and phase, in the order of runs; `free` is the part of them that
+/// is not fitted away.
 fn summary(points: &[&Point], free: f64, conditions: &[Vec<(String, f64)>]) -> PhaseResidual {
     let runs: Vec<&[&Point]> = points.chunk_by(|a, b| a.run == b.run).collect();
     let weights: f64 = points.iter().map(|p| p.weight).sum();
@@ -189,7 +220,8 @@ fn summary(points: &[&Point], free: f64, conditions: &[Vec<(String, f64)>]) -> P
 
 /// Correlation of each residual with the next of its run, and how likely noise has so much.
 ///
-/// Only residuals that follow each other too closely count: what a fit takes away makes them alternate.
+/// Only residuals that follow each other too closely count: what a fit takes away makes them
+/// alternate.
 fn whiteness(runs: &[&[&Point]]) -> (f64, f64) {
     let (mut above, mut below, mut pairs) = (0.0, 0.0, 0.0_f64);
     for pair in runs.iter().flat_map(|run| run.windows(2)) {
@@ -205,14 +237,18 @@ fn whiteness(runs: &[&[&Point]]) -> (f64, f64) {
     (lag, Normal::standard().sf(lag * pairs.sqrt()))
 }
 
-/// How likely runs of noise differ so much in their means: F test, with the scatter within runs grown by its correlation `lag`.
+/// How likely runs of noise differ so much in their means: F test, with the scatter within runs
+/// grown by its correlation `lag`.
 fn runs_alike(runs: &[&[&Point]], lag: f64) -> f64 {
     let k = runs.len() as f64;
     let n: f64 = runs.iter().map(|run| run.len() as f64).sum();
     if runs.len() < 2 || n - k < 2.0 {
         return f64::NAN;
     }
-    let values: Vec<Vec<f64>> = runs.iter().map(|run| run.iter().map(|p| p.residual).collect()).collect();
+    let values: Vec<Vec<f64>> = runs
+        .iter()
+        .map(|run| run.iter().map(|p| p.residual).collect())
+        .collect();
     let whole = values.iter().flatten().sum::<f64>() / n;
     let (mut between, mut within) = (0.0, 0.0);
     for run in &values {
@@ -226,10 +262,15 @@ fn runs_alike(runs: &[&[&Point]], lag: f64) -> f64 {
     FisherSnedecor::new(k - 1.0, n - k).map_or(f64::NAN, |f| f.sf(ratio))
 }
 
-/// Correlation of the runs' means with each condition that differs between them, of three runs or more.
+/// Correlation of the runs' means with each condition that differs between them, of three runs or
+/// more.
 fn correlations(runs: &[&[&Point]], conditions: &[Vec<(String, f64)>]) -> Vec<(String, f64)> {
     let mut names: Vec<&String> = Vec::new();
-    for (name, _) in runs.iter().filter_map(|run| conditions.get(run[0].run)).flatten() {
+    for (name, _) in runs
+        .iter()
+        .filter_map(|run| conditions.get(run[0].run))
+        .flatten()
+    {
         if !names.contains(&name) {
             names.push(name);
         }
@@ -238,8 +279,14 @@ fn correlations(runs: &[&[&Point]], conditions: &[Vec<(String, f64)>]) -> Vec<(S
         let pairs: Vec<(f64, f64)> = runs
             .iter()
             .filter_map(|run| {
-                let (_, value) = conditions.get(run[0].run)?.iter().find(|(n, _)| n == name)?;
-                Some((*value, mean(&run.iter().map(|p| p.residual).collect::<Vec<_>>())))
+                let (_, value) = conditions
+                    .get(run[0].run)?
+                    .iter()
+                    .find(|(n, _)| n == name)?;
+                Some((
+                    *value,
+                    mean(&run.iter().map(|p| p.residual).collect::<Vec<_>>()),
+                ))
             })
             .collect();
         correlation(&pairs).map(|c| (name.clone(), c))
@@ -292,7 +339,12 @@ mod tests {
             }
         }
         let conditions: Vec<_> = (0..runs)
-            .map(|run| vec![("load_kg".to_owned(), run as f64), ("bore_m".to_owned(), 0.1)])
+            .map(|run| {
+                vec![
+                    ("load_kg".to_owned(), run as f64),
+                    ("bore_m".to_owned(), 0.1),
+                ]
+            })
             .collect();
         summary(&points.iter().collect::<Vec<_>>(), 1.0, &conditions)
     }
@@ -300,7 +352,9 @@ mod tests {
     #[test]
     fn noise_is_noise() {
         // At a level of 1 % four of 200 or fewer but once in twenty times: ten are a fault.
-        let denied = (0..200).filter(|seed| !drawn(4, *seed, |_, _| 0.0).is_noise(LEVEL)).count();
+        let denied = (0..200)
+            .filter(|seed| !drawn(4, *seed, |_, _| 0.0).is_noise(LEVEL))
+            .count();
         assert!(denied < 10, "{denied}");
     }
 
@@ -313,7 +367,10 @@ mod tests {
     #[test]
     fn what_is_smooth_is_seen() {
         let found = drawn(4, 2, |_, time| (6.0 * time).sin());
-        assert!(found.faults(LEVEL).contains(&"smooth") && found.lag > 0.2, "{found:?}");
+        assert!(
+            found.faults(LEVEL).contains(&"smooth") && found.lag > 0.2,
+            "{found:?}"
+        );
         // What returns in every run does not differ between them.
         assert!(found.runs > 0.05, "{found:?}");
     }
@@ -322,7 +379,11 @@ mod tests {
     fn what_grows_with_a_condition_is_seen() {
         let found = drawn(6, 3, |run, _| 0.4 * run as f64 - 1.0);
         assert!(found.faults(LEVEL).contains(&"differs by run"), "{found:?}");
-        assert_eq!(found.conditions.len(), 1, "a bore that is the same in all runs explains nothing");
+        assert_eq!(
+            found.conditions.len(),
+            1,
+            "a bore that is the same in all runs explains nothing"
+        );
         assert!(found.conditions[0].1 > 0.95, "{found:?}");
     }
 

@@ -1,4 +1,5 @@
-//! The model near a fit: what small changes would do, what chance alone does, and how surely parameters are known.
+//! The model near a fit: what small changes would do, what chance alone does, and how surely
+//! parameters are known.
 
 use nalgebra::{DMatrix, DVector};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
@@ -8,14 +9,17 @@ use crate::fit::{Fit, Place, derivative, dot, predicted, residuals, weight};
 use crate::kind::Kind;
 use crate::parallel;
 
-/// Directions in the space of all readings, in standard deviations, one value for each reading of each run in turn.
+/// Directions in the space of all readings, in standard deviations, one value for each reading of
+/// each run in turn.
 pub(crate) struct Tangent {
-    /// For each candidate, directions clear of what the unknowns and the causes that are on can do; one that cannot be reached in small
-    /// steps has one for each of its starts.
+    /// For each candidate, directions clear of what the unknowns and the causes that are on can do;
+    /// one that cannot be reached in small steps has one for each of its starts.
     pub(crate) candidates: Vec<Direction>,
-    /// Directions of the causes that are on, clear of the unknowns, in units of the parameters' scales.
+    /// Directions of the causes that are on, clear of the unknowns, in units of the parameters'
+    /// scales.
     on: Vec<Vec<f64>>,
-    /// Which of them rest at a bound where they do nothing: the others are known as if these were not there.
+    /// Which of them rest at a bound where they do nothing: the others are known as if these were
+    /// not there.
     rests: Vec<bool>,
     /// The directions of causes that are on, orthonormal.
     clear: Vec<Vec<f64>>,
@@ -52,9 +56,16 @@ pub(crate) struct Direction {
 impl Direction {
     /// By how much the loss of `residuals` would fall.
     pub(crate) fn gain(&self, residuals: &[f64]) -> f64 {
-        let g = DVector::from_iterator(self.columns.len(), self.columns.iter().map(|c| dot(c, residuals)));
+        let g = DVector::from_iterator(
+            self.columns.len(),
+            self.columns.iter().map(|c| dot(c, residuals)),
+        );
         let step = &self.inverse * &g;
-        if self.one_sided && step[0] < 0.0 { 0.0 } else { g.dot(&step) }
+        if self.one_sided && step[0] < 0.0 {
+            0.0
+        } else {
+            g.dot(&step)
+        }
     }
 }
 
@@ -71,7 +82,8 @@ fn clear_own(column: &mut [f64], own: &[Vec<Vec<f64>>], bounds: &[usize]) {
     }
 }
 
-/// Orthonormal directions that span `columns`, those that are not nearly in the span of the ones before.
+/// Orthonormal directions that span `columns`, those that are not nearly in the span of the ones
+/// before.
 fn orthonormal(columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let mut all: Vec<Vec<f64>> = Vec::new();
     for mut column in columns {
@@ -96,8 +108,14 @@ fn orthonormal(columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     all
 }
 
-/// What `cause` could do by `raw`, clear of the orthonormal directions `clear`; none where that is nothing.
-fn direction(cause: usize, raw: Vec<Vec<f64>>, clear: &[Vec<f64>], one_sided: bool) -> Option<Direction> {
+/// What `cause` could do by `raw`, clear of the orthonormal directions `clear`; none where that is
+/// nothing.
+fn direction(
+    cause: usize,
+    raw: Vec<Vec<f64>>,
+    clear: &[Vec<f64>],
+    one_sided: bool,
+) -> Option<Direction> {
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for mut column in raw {
         let whole = dot(&column, &column);
@@ -118,8 +136,17 @@ fn direction(cause: usize, raw: Vec<Vec<f64>>, clear: &[Vec<f64>], one_sided: bo
     }
     let n = columns.len();
     let products = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]));
-    let inverse = if n > 0 { products.try_inverse()? } else { return None };
-    Some(Direction { cause, columns, inverse, one_sided })
+    let inverse = if n > 0 {
+        products.try_inverse()?
+    } else {
+        return None;
+    };
+    Some(Direction {
+        cause,
+        columns,
+        inverse,
+        one_sided,
+    })
 }
 
 impl Tangent {
@@ -152,21 +179,31 @@ impl Tangent {
             let mut all = Vec::with_capacity(bounds[runs]);
             for run in 0..runs {
                 let place = (Place::Shared(c, p), parameter);
-                all.extend(derivative(kind, run, &fit.terms, &fit.unknowns[run], &here[run], place)?);
+                all.extend(derivative(
+                    kind,
+                    run,
+                    &fit.terms,
+                    &fit.unknowns[run],
+                    &here[run],
+                    place,
+                )?);
             }
             clear_own(&mut all, &own, &bounds);
             Some(all)
         };
         let rests = |&(c, p): &(usize, usize)| {
             let (spec, x) = (&kind.causes()[c].parameters, fit.terms.get(c, p));
-            spec.len() > 1 && x == spec[p].neutral && (x == spec[p].bounds.0 || x == spec[p].bounds.1)
+            spec.len() > 1
+                && x == spec[p].neutral
+                && (x == spec[p].bounds.0 || x == spec[p].bounds.1)
         };
         let rests = on.iter().map(rests).collect();
         let on = parallel::map(on.len(), |k| column(fit, &here, on[k].0, on[k].1));
         let on: Vec<Vec<f64>> = on.into_iter().collect::<Option<_>>()?;
         let clear = orthonormal(on.clone());
-        let off: Vec<usize> =
-            (0..kind.listed()).filter(|c| with_candidates && !fit.causes.contains(c)).collect();
+        let off: Vec<usize> = (0..kind.listed())
+            .filter(|c| with_candidates && !fit.causes.contains(c))
+            .collect();
         let candidates = parallel::map(off.len(), |k| {
             let cause = off[k];
             let spec = &kind.causes()[cause];
@@ -175,7 +212,9 @@ impl Tangent {
                 let mut moved = fit.clone();
                 for (p, parameter) in spec.parameters.iter().enumerate() {
                     let value = parameter.starts.get(start).or(parameter.starts.last());
-                    moved.terms.set(cause, p, value.copied().unwrap_or(parameter.bounds.0));
+                    moved
+                        .terms
+                        .set(cause, p, value.copied().unwrap_or(parameter.bounds.0));
                 }
                 let mut all = Vec::with_capacity(bounds[runs]);
                 for run in 0..runs {
@@ -186,17 +225,36 @@ impl Tangent {
                 Some(all)
             };
             if spec.is_apart() {
-                let most = spec.parameters.iter().map(|p| p.starts.len()).max().unwrap_or(0);
+                let most = spec
+                    .parameters
+                    .iter()
+                    .map(|p| p.starts.len())
+                    .max()
+                    .unwrap_or(0);
                 let each = (0..most).filter_map(away);
-                return each.filter_map(|raw| direction(cause, vec![raw], &clear, true)).collect();
+                return each
+                    .filter_map(|raw| direction(cause, vec![raw], &clear, true))
+                    .collect();
             }
             let first = &spec.parameters[0];
-            let raw = (0..spec.parameters.len()).filter_map(|p| column(fit, &here, cause, p)).collect();
+            let raw = (0..spec.parameters.len())
+                .filter_map(|p| column(fit, &here, cause, p))
+                .collect();
             let one_sided = spec.parameters.len() == 1 && first.neutral <= first.bounds.0;
-            direction(cause, raw, &clear, one_sided).into_iter().collect::<Vec<_>>()
+            direction(cause, raw, &clear, one_sided)
+                .into_iter()
+                .collect::<Vec<_>>()
         });
         let candidates = candidates.into_iter().flatten().collect();
-        Some(Tangent { candidates, on, rests, clear, own, predicted: here.concat(), bounds })
+        Some(Tangent {
+            candidates,
+            on,
+            rests,
+            clear,
+            own,
+            predicted: here.concat(),
+            bounds,
+        })
     }
 
     /// The residuals of `fit` in standard deviations, outliers cut.
@@ -211,15 +269,17 @@ impl Tangent {
         Some(all)
     }
 
-    /// By how much any two candidates among those that `may` be lower the loss of `residuals` together, the best first.
+    /// By how much any two candidates among those that `may` be lower the loss of `residuals`
+    /// together, the best first.
     pub(crate) fn best_pairs(
         &self,
         residuals: &[f64],
         may: impl Fn(usize) -> bool,
     ) -> Vec<(f64, (usize, usize))> {
         let all: Vec<&Direction> = self.candidates.iter().filter(|d| may(d.cause)).collect();
-        let pairs: Vec<(usize, usize)> =
-            (0..all.len()).flat_map(|i| (i + 1..all.len()).map(move |j| (i, j))).collect();
+        let pairs: Vec<(usize, usize)> = (0..all.len())
+            .flat_map(|i| (i + 1..all.len()).map(move |j| (i, j)))
+            .collect();
         let gains = parallel::map(pairs.len(), |k| {
             let (a, b) = (all[pairs[k].0], all[pairs[k].1]);
             let columns: Vec<&Vec<f64>> = a.columns.iter().chain(&b.columns).collect();
@@ -229,35 +289,51 @@ impl Tangent {
             products.cholesky().map_or(0.0, |c| g.dot(&c.solve(&g)))
         });
         let named = |(gain, (i, j)): (f64, (usize, usize))| (gain, (all[i].cause, all[j].cause));
-        let mut found: Vec<_> = gains.into_iter().zip(pairs.iter().copied()).map(named).collect();
+        let mut found: Vec<_> = gains
+            .into_iter()
+            .zip(pairs.iter().copied())
+            .map(named)
+            .collect();
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
         found
     }
 
-    /// Residuals (standard deviations) that chance alone would leave: noise and quantisation as in the data, fitted again.
+    /// Residuals (standard deviations) that chance alone would leave: noise and quantisation as in
+    /// the data, fitted again.
     pub(crate) fn chance(&self, kind: &dyn Kind, random: &mut Pcg64) -> Vec<f64> {
         let mut all = Vec::with_capacity(self.predicted.len());
         let within = StandardUniform.map(|x: f64| x - 0.5);
-        // Where between two steps of a quantised column the readings lie is not known so well; it is the same in runs that are alike.
-        let places: Vec<f64> =
-            kind.channels().iter().map(|c| c.step / c.noise * within.sample(random)).collect();
+        // Where between two steps of a quantised column the readings lie is not known so well; it
+        // is the same in runs that are alike.
+        let places: Vec<f64> = kind
+            .channels()
+            .iter()
+            .map(|c| c.step / c.noise * within.sample(random))
+            .collect();
         for (run, log) in kind.logs().iter().enumerate() {
             let by_input = kind.input_noise(run, &mut || StandardNormal.sample(random));
-            for (i, (reading, value)) in
-                log.readings.iter().zip(&self.predicted[self.bounds[run]..]).enumerate()
+            for (i, (reading, value)) in log
+                .readings
+                .iter()
+                .zip(&self.predicted[self.bounds[run]..])
+                .enumerate()
             {
                 let channel = &kind.channels()[reading.channel];
                 let z: f64 = StandardNormal.sample(random);
                 let count = reading.weight.sqrt();
                 let drawn = if channel.step > 0.0 {
-                    let (step, value) =
-                        (channel.step / channel.noise, value / count + places[reading.channel]);
+                    let (step, value) = (
+                        channel.step / channel.noise,
+                        value / count + places[reading.channel],
+                    );
                     let white = (1.0 - step * step / 12.0).max(0.0).sqrt();
                     ((value + white * z) / step).round() * step - value
                 } else {
                     z
                 };
-                let moved = by_input.as_ref().map_or(0.0, |moved| moved[i] / channel.noise);
+                let moved = by_input
+                    .as_ref()
+                    .map_or(0.0, |moved| moved[i] / channel.noise);
                 all.push(count * (drawn + moved));
             }
         }
@@ -300,7 +376,9 @@ impl Tangent {
             information.column_mut(k).fill(0.0);
             information[(k, k)] = 1.0;
         }
-        let sizes: Vec<f64> = (0..n).map(|i| information[(i, i)].sqrt().max(1e-150)).collect();
+        let sizes: Vec<f64> = (0..n)
+            .map(|i| information[(i, i)].sqrt().max(1e-150))
+            .collect();
         let scaled = DMatrix::from_fn(n, n, |i, j| information[(i, j)] / (sizes[i] * sizes[j]));
         let eigen = scaled.symmetric_eigen();
         let least = eigen.eigenvalues.imin();
@@ -311,7 +389,11 @@ impl Tangent {
         }
         let by_readings = DMatrix::from_fn(n, n, |i, j| {
             let is_held = self.rests[i] || self.rests[j];
-            if is_held { 0.0 } else { inverse[(i, j)] / (sizes[i] * sizes[j]) }
+            if is_held {
+                0.0
+            } else {
+                inverse[(i, j)] / (sizes[i] * sizes[j])
+            }
         });
         Known {
             covariance: &by_readings + self.by_inputs(kind, &by_readings),
@@ -321,7 +403,8 @@ impl Tangent {
         }
     }
 
-    /// What noise of measured inputs adds to the covariance that noise of the readings gives: the scatter of the parameters over draws.
+    /// What noise of measured inputs adds to the covariance that noise of the readings gives: the
+    /// scatter of the parameters over draws.
     fn by_inputs(&self, kind: &dyn Kind, covariance: &DMatrix<f64>) -> DMatrix<f64> {
         const DRAWS: usize = 200;
         let n = self.on.len();
@@ -330,13 +413,19 @@ impl Tangent {
         for _ in 0..DRAWS {
             let mut against = DVector::zeros(n);
             for (run, log) in kind.logs().iter().enumerate() {
-                let Some(moved) = kind.input_noise(run, &mut || StandardNormal.sample(&mut random)) else {
+                let Some(moved) = kind.input_noise(run, &mut || StandardNormal.sample(&mut random))
+                else {
                     return sum;
                 };
                 for (k, column) in self.on.iter().enumerate() {
-                    let readings = log.readings.iter().zip(&moved).zip(&column[self.bounds[run]..]);
-                    let parts = readings
-                        .map(|((r, m), c)| r.weight.sqrt() * m / kind.channels()[r.channel].noise * c);
+                    let readings = log
+                        .readings
+                        .iter()
+                        .zip(&moved)
+                        .zip(&column[self.bounds[run]..]);
+                    let parts = readings.map(|((r, m), c)| {
+                        r.weight.sqrt() * m / kind.channels()[r.channel].noise * c
+                    });
                     against[k] += parts.sum::<f64>();
                 }
             }

@@ -1,4 +1,5 @@
-//! An experiment as a search sees it: the scatter that readings are judged by, and what the model said before.
+//! An experiment as a search sees it: the scatter that readings are judged by, and what the model
+//! said before.
 
 use std::collections::VecDeque;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -28,8 +29,8 @@ struct Question {
 /// A question by its hash, and the answer.
 type Known = (u64, Question, Option<Arc<[f64]>>);
 
-/// An experiment whose readings may scatter more than was stated, with what its model said of each run, the latest last: searches come
-/// back to the same places.
+/// An experiment whose readings may scatter more than was stated, with what its model said of each
+/// run, the latest last: searches come back to the same places.
 pub(crate) struct View<'a> {
     kind: &'a dyn Kind,
     channels: Vec<Channel>,
@@ -40,7 +41,11 @@ impl<'a> View<'a> {
     /// As it was stated.
     pub(crate) fn new(kind: &'a dyn Kind) -> View<'a> {
         let said = kind.logs().iter().map(|_| Mutex::default()).collect();
-        View { kind, channels: kind.channels().to_vec(), said }
+        View {
+            kind,
+            channels: kind.channels().to_vec(),
+            said,
+        }
     }
 
     /// With the scatter that `model` leaves; none where that is about what was stated.
@@ -52,7 +57,11 @@ impl<'a> View<'a> {
         };
         let is_more = scatter.iter().any(|s| *s > AS_STATED);
         let channels = self.channels.iter().zip(&scatter).map(scale).collect();
-        is_more.then(|| View { kind: self.kind, channels, said: Arc::clone(&self.said) })
+        is_more.then(|| View {
+            kind: self.kind,
+            channels,
+            said: Arc::clone(&self.said),
+        })
     }
 }
 
@@ -68,10 +77,21 @@ impl Question {
 
 impl Kind for View<'_> {
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
-        let question = Question { terms: terms.clone(), unknowns: unknowns.to_vec() };
+        let question = Question {
+            terms: terms.clone(),
+            unknowns: unknowns.to_vec(),
+        };
         let hash = question.hash();
-        let known = || self.said[run].lock().unwrap_or_else(PoisonError::into_inner);
-        let answer = known().iter().rev().find(|k| k.0 == hash && k.1 == question).map(|k| k.2.clone());
+        let known = || {
+            self.said[run]
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+        };
+        let answer = known()
+            .iter()
+            .rev()
+            .find(|k| k.0 == hash && k.1 == question)
+            .map(|k| k.2.clone());
         if let Some(answer) = answer {
             return answer.map(|values| values.to_vec());
         }

@@ -5,7 +5,8 @@ use saltus_numeric::{Scalar, Single};
 
 use crate::StanceError;
 
-/// Numbers in a state: lean, rate, extension, speed, gas, time, and two that round the state up to a SIMD register.
+/// Numbers in a state: lean, rate, extension, speed, gas, time, and two that round the state up to
+/// a SIMD register.
 pub(crate) const WIDTH: usize = 8;
 
 /// Components whose error is controlled: all but time.
@@ -24,7 +25,8 @@ pub(crate) mod index {
     pub(crate) const EXTENSION: usize = 2;
     /// Extension rate ḋ (m/s).
     pub(crate) const SPEED: usize = 3;
-    /// The gas, as the variable u of the valve's law: pressure (MPa) or temperature ratio, about 1 both.
+    /// The gas, as the variable u of the valve's law: pressure (MPa) or temperature ratio, about 1
+    /// both.
     pub(crate) const GAS: usize = 4;
     /// Time (s).
     pub(crate) const TIME: usize = 5;
@@ -63,7 +65,8 @@ impl<S: Single, P: Phase<S, M>, const M: usize> Derivative<S, WIDTH> for AlongGu
     }
 }
 
-/// A guard nearer to 0 than this at the start of a phase, and falling, is the one that was just passed.
+/// A guard nearer to 0 than this at the start of a phase, and falling, is the one that was just
+/// passed.
 const PASSED: f64 = -1e-9;
 /// A guard that changes by less (1/s) stands still but for round-off.
 const STANDING: f64 = 1e-6;
@@ -85,11 +88,12 @@ pub(crate) struct Pace {
     pub steps: u32,
 }
 
-/// Carries `y` through `phase` to its first event, whose number is returned, or to the time `end` (none).
+/// Carries `y` through `phase` to its first event, whose number is returned, or to the time `end`
+/// (none).
 ///
-/// The step that meets an event takes the guard as independent variable (Hénon 1982), so that it ends on the event to
-/// round-off without a search; where that fails, ordinary steps close in until it works. `observe` sees the state
-/// before and after each step.
+/// The step that meets an event takes the guard as independent variable (Hénon 1982), so that it
+/// ends on the event to round-off without a search; where that fails, ordinary steps close in until
+/// it works. `observe` sees the state before and after each step.
 pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
     phase: &P,
     y: &mut State<S>,
@@ -123,7 +127,10 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
         }
         pace.steps += 1;
         if pace.steps > MOST_STEPS {
-            return Err(StanceError::TooManySteps { time: now, steps: MOST_STEPS });
+            return Err(StanceError::TooManySteps {
+                time: now,
+                steps: MOST_STEPS,
+            });
         }
         let trial = pace.step.min(longest);
         let foreseen = foresee(&here, &armed, 0.9 * trial);
@@ -132,7 +139,9 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
             let reached = event_step(phase, y, &here, i, pace.tolerance);
             if let Some(next) = reached.filter(|next| {
                 let time = next[TIME].value();
-                time >= now && time <= now + longest && first_passed(phase, next, &armed, i).is_none()
+                time >= now
+                    && time <= now + longest
+                    && first_passed(phase, next, &armed, i).is_none()
             }) {
                 observe(y, &next);
                 *y = next;
@@ -142,11 +151,18 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
             length = 0.5 * wait;
         }
         if length < LEAST_STEP && longest > LEAST_STEP {
-            return Err(StanceError::StepTooSmall { time: now, step: length });
+            return Err(StanceError::StepTooSmall {
+                time: now,
+                step: length,
+            });
         }
         // The last step ends on `end` with its derivatives.
         let last = foreseen.is_none() && length >= longest;
-        let h = if last { left.unwrap_or(S::of(length)) } else { S::of(length) };
+        let h = if last {
+            left.unwrap_or(S::of(length))
+        } else {
+            S::of(length)
+        };
         let step = dop853::step(phase, y, &here.rates, h, CHECKED, pace.tolerance);
         if step.error.is_nan() || step.error > 1.0 {
             pace.step = length * dop853::step_factor(step.error);
@@ -156,10 +172,14 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
         let there = phase.look(&next);
         let crossed = crossing(&here.guards, &there.guards, &armed);
         if let Some((i, fraction)) = crossed {
-            if let Some(event) = event_step(phase, &next, &there, i, pace.tolerance).filter(|event| {
-                let time = event[TIME].value();
-                time >= now && time <= next[TIME].value() && first_passed(phase, event, &armed, i).is_none()
-            }) {
+            if let Some(event) =
+                event_step(phase, &next, &there, i, pace.tolerance).filter(|event| {
+                    let time = event[TIME].value();
+                    time >= now
+                        && time <= next[TIME].value()
+                        && first_passed(phase, event, &armed, i).is_none()
+                })
+            {
                 observe(y, &event);
                 *y = event;
                 return Ok(Some(i));
@@ -207,7 +227,8 @@ fn foresee<S: Single, const M: usize>(
     first
 }
 
-/// The guard that rose through 0 between two states, the earliest by straight interpolation, and at which fraction.
+/// The guard that rose through 0 between two states, the earliest by straight interpolation, and at
+/// which fraction.
 #[inline(always)]
 fn crossing<S: Single, const M: usize>(
     before: &[S; M],
@@ -239,8 +260,8 @@ fn first_passed<S: Single, P: Phase<S, M>, const M: usize>(
     (0..M).find(|&i| i != event && armed[i] && guards[i].value() > 0.0)
 }
 
-/// The state at which guard `i` vanishes, by one step along it from `y`, forwards or back; none where the step is not
-/// accurate.
+/// The state at which guard `i` vanishes, by one step along it from `y`, forwards or back; none
+/// where the step is not accurate.
 fn event_step<S: Single, P: Phase<S, M>, const M: usize>(
     phase: &P,
     y: &State<S>,

@@ -1,7 +1,9 @@
-//! Many stances at once: several jumps side by side in SIMD lanes, each on its own phase, step and event.
+//! Many stances at once: several jumps side by side in SIMD lanes, each on its own phase, step and
+//! event.
 //!
-//! A lane that finishes takes the next jump, so that none idles. What a plain pneumatic leg does in all but rare cases is
-//! done here; a jump that is anything else is handed to [`Stance::jump`], whose results these equal within the tolerance.
+//! A lane that finishes takes the next jump, so that none idles. What a plain pneumatic leg does in
+//! all but rare cases is done here; a jump that is anything else is handed to [`Stance::jump`],
+//! whose results these equal within the tolerance.
 
 use saltus_numeric::dop853::{self, Derivative, Step};
 use saltus_numeric::{LANES, Lanes, Scalar, Width};
@@ -16,7 +18,8 @@ use crate::{Launch, LiftOff, Outcome, Stance, StanceError};
 
 /// Numbers in a state that move.
 const MOVING: usize = 6;
-/// Guards of the extension: end of the stroke, force, the edges of the valve's piece above and below.
+/// Guards of the extension: end of the stroke, force, the edges of the valve's piece above and
+/// below.
 const GUARDS: usize = 4;
 const STROKE: usize = 0;
 const FORCE: usize = 1;
@@ -48,13 +51,20 @@ impl Batch {
     /// The model of `robot` with an error `tolerance` as in [`Stance`].
     pub fn new(robot: &Robot, tolerance: f64) -> Batch {
         let many = Stance::<Lanes>::assemble(robot, |_, x| Lanes::of(x)).with_tolerance(tolerance);
-        Batch { one: Stance::new(robot, |_, x| x).with_tolerance(tolerance), many, width: Width::best() }
+        Batch {
+            one: Stance::new(robot, |_, x| x).with_tolerance(tolerance),
+            many,
+            width: Width::best(),
+        }
     }
 
-    /// The same in registers of `width`, or of the base where the processor has it not. The results are the same bits for
-    /// all that fuse.
+    /// The same in registers of `width`, or of the base where the processor has it not. The results
+    /// are the same bits for all that fuse.
     pub fn with_width(self, width: Width) -> Batch {
-        Batch { width: if width.is_here() { width } else { Width::Base }, ..self }
+        Batch {
+            width: if width.is_here() { width } else { Width::Base },
+            ..self
+        }
     }
 
     /// The model of a single jump.
@@ -68,11 +78,13 @@ impl Batch {
     /// Each as [`Stance::jump`].
     pub fn jumps(&self, launches: &[Launch]) -> Vec<Result<LiftOff, StanceError>> {
         let mut ends = vec![None; launches.len()];
-        if let (Some(chamber), Some(lane_chamber)) = (self.one.leg.chamber(), self.many.leg.chamber())
+        if let (Some(chamber), Some(lane_chamber)) =
+            (self.one.leg.chamber(), self.many.leg.chamber())
             && self.one.plain
             && self.width.fuses()
         {
-            // All of it is inlined here: what is not is compiled for the base, and forty times slower.
+            // All of it is inlined here: what is not is compiled for the base, and forty times
+            // slower.
             self.width.run(
                 #[inline(always)]
                 || {
@@ -87,18 +99,25 @@ impl Batch {
             .collect()
     }
 
-    /// Pivoting and filling by their closed forms, several at a time; leaves out every jump for which these do not hold to
-    /// round-off.
+    /// Pivoting and filling by their closed forms, several at a time; leaves out every jump for
+    /// which these do not hold to round-off.
     #[inline(always)]
     fn prepare(&self, launches: &[Launch], chamber: &Chamber<Lanes>) -> Vec<Ready> {
         let mut ready = Vec::with_capacity(launches.len());
         for (block, chunk) in launches.chunks(LANES).enumerate() {
             let column = |f: fn(&Launch) -> f64| {
-                Lanes::from(std::array::from_fn::<f64, LANES, _>(|i| f(&chunk[i.min(chunk.len() - 1)])))
+                Lanes::from(std::array::from_fn::<f64, LANES, _>(|i| {
+                    f(&chunk[i.min(chunk.len() - 1)])
+                }))
             };
-            let (lean, angle, open) =
-                (column(|l| l.lean), column(|l| l.firing_angle), column(|l| l.valve_open));
-            let start = self.many.closed_start(column(|l| l.rate), lean, angle, open, chamber);
+            let (lean, angle, open) = (
+                column(|l| l.lean),
+                column(|l| l.firing_angle),
+                column(|l| l.valve_open),
+            );
+            let start = self
+                .many
+                .closed_start(column(|l| l.rate), lean, angle, open, chamber);
             let rows = start.columns.map(Lanes::to_array);
             let sound = start.sound.to_array();
             for (i, launch) in chunk.iter().enumerate() {
@@ -108,7 +127,8 @@ impl Batch {
                     let [lean, rate, gas, time, time_fire] = row;
                     let mut state = [0.0; WIDTH];
                     (state[LEAN], state[RATE], state[GAS], state[TIME]) = (lean, rate, gas, time);
-                    // Where the robot's own swing pulls the leg out, there may be no force left to push with.
+                    // Where the robot's own swing pulls the leg out, there may be no force left to
+                    // push with.
                     let pushes = self.one.leg.chamber().is_some_and(|chamber| {
                         self.one.leg.plain_force(chamber, 0.0, gas * MEGA).value > 0.0
                     });
@@ -116,7 +136,12 @@ impl Batch {
                         continue;
                     }
                     let close = time_fire + self.one.leg.delay + launch.valve_open;
-                    ready.push(Ready { job: block * LANES + i, state, time_fire, close });
+                    ready.push(Ready {
+                        job: block * LANES + i,
+                        state,
+                        time_fire,
+                        close,
+                    });
                 }
             }
         }
@@ -124,7 +149,8 @@ impl Batch {
     }
 }
 
-/// The start of several extensions: lean, rate, pressure (MPa), time, time of firing; and in which lanes this is exact.
+/// The start of several extensions: lean, rate, pressure (MPa), time, time of firing; and in which
+/// lanes this is exact.
 struct ClosedStart {
     columns: [Lanes; 5],
     sound: Lanes,
@@ -146,20 +172,27 @@ impl Stance<Lanes> {
         let pivots = lean.lt(angle);
         let fire_lean = pivots.choose(angle, lean);
         let at_top = invariant - of(2.0) * pendulum.stiffness;
-        // One panel is exact where it stays clear of the zeros of the rate, φ = ±i acosh(1 + q): at least
-        // 1.28 min(√q, 1) away.
+        // One panel is exact where it stays clear of the zeros of the rate, φ = ±i acosh(1 + q): at
+        // least 1.28 min(√q, 1) away.
         let q = at_top / (of(2.0) * pendulum.stiffness);
         let clear = of(1.28) * q.max(of(0.0)).sqrt().min(of(1.0));
         let near = (fire_lean - lean) * of(0.8);
         let mut sound = (!pivots) | (at_top.gt(of(0.0)) & near.le(clear));
-        let fire_rate = pivots.choose(pendulum.rate_squared(invariant, fire_lean).max(of(0.0)).sqrt(), rate);
+        let fire_rate = pivots.choose(
+            pendulum
+                .rate_squared(invariant, fire_lean)
+                .max(of(0.0))
+                .sqrt(),
+            rate,
+        );
         let time_fire = pivots.choose(pendulum.panel_time(invariant, lean, fire_lean), of(0.0));
 
         let mut fired = [of(0.0); WIDTH];
         (fired[LEAN], fired[RATE]) = (fire_lean, fire_rate);
         let freed = self.series_break_away(chamber, &fired);
         let wait = freed.time - self.leg.delay;
-        let on_ground = pendulum.keeps_ground(invariant, lean.min(freed.lean), lean.max(freed.lean));
+        let on_ground =
+            pendulum.keeps_ground(invariant, lean.min(freed.lean), lean.max(freed.lean));
         for holds in [
             freed.residual.abs().lt(of(1e-6)),
             freed.tail.lt(of(1e-16)),
@@ -236,7 +269,8 @@ struct Taken {
     after: [[f64; LANES]; GUARDS],
 }
 
-/// The equations of motion in all lanes, each with its piece of the valve's law and its independent variable.
+/// The equations of motion in all lanes, each with its piece of the valve's law and its independent
+/// variable.
 struct Field<'a> {
     stance: &'a Stance<Lanes>,
     chamber: &'a Chamber<Lanes>,
@@ -257,11 +291,16 @@ impl Field<'_> {
     #[inline(always)]
     fn look(&self, y: &[Lanes; MOVING]) -> ([Lanes; MOVING], [Lanes; GUARDS], [Lanes; GUARDS]) {
         let (gas, about) = self.stance.gas(y, self.chamber, &self.valve);
-        let force = self.stance.leg.plain_force(self.chamber, y[SPEED], gas.pressure);
+        let force = self
+            .stance
+            .leg
+            .plain_force(self.chamber, y[SPEED], gas.pressure);
         let mut dy = self.stance.motion(y, force.value, about);
         dy[GAS] = gas.rate;
-        let change =
-            force.wrt_pressure.mul_add(gas.rate * gas.pressure_per_variable, force.wrt_speed * dy[SPEED]);
+        let change = force.wrt_pressure.mul_add(
+            gas.rate * gas.pressure_per_variable,
+            force.wrt_speed * dy[SPEED],
+        );
         let rise = self.sign * gas.rate;
         let scale = Lanes::of(-FORCE_SCALE);
         let guards = [
@@ -309,12 +348,21 @@ impl<'a> Crew<'a> {
         lane_chamber: &'a Chamber<Lanes>,
     ) -> Self {
         let (zero, unit) = (Lanes::of(0.0), Lanes::of(1.0));
-        let law = ValveLaw { constant: zero, flow: zero, expansion: zero, stiffness: unit };
+        let law = ValveLaw {
+            constant: zero,
+            flow: zero,
+            expansion: zero,
+            stiffness: unit,
+        };
         let field = Field {
             stance: many,
             chamber: lane_chamber,
             // An idle lane rests: sonic, nothing flows, half a megapascal.
-            valve: Valve { law, sonic: unit.gt(zero), outward: unit.lt(zero) },
+            valve: Valve {
+                law,
+                sonic: unit.gt(zero),
+                outward: unit.lt(zero),
+            },
             sign: unit,
             low: zero,
             high: unit,
@@ -348,7 +396,14 @@ impl<'a> Crew<'a> {
             let (dy, before, rates) = self.field.look(&self.states);
             let plan = self.plan(&before, &rates);
             let k0 = self.field.scaled(&dy, &rates);
-            let step = dop853::step(&self.field, &self.states, &k0, plan.length, CHECKED, self.one.tolerance);
+            let step = dop853::step(
+                &self.field,
+                &self.states,
+                &k0,
+                plan.length,
+                CHECKED,
+                self.one.tolerance,
+            );
             let after = self.field.look(&step.state).1;
             let usual = self.go_on(&plan, &step, &before, &after);
             if usual.all() {
@@ -387,7 +442,10 @@ impl<'a> Crew<'a> {
         };
         let p = ready.state[GAS] * MEGA;
         let piece = Piece::new(self.chamber, true, p, 0.0, false);
-        self.jobs[i] = Some(Job { ready: *ready, flow: piece.flow });
+        self.jobs[i] = Some(Job {
+            ready: *ready,
+            flow: piece.flow,
+        });
         set(&mut self.end, i, ready.close);
         set(&mut self.step, i, FIRST_STEP);
         set(&mut self.limit, i, f64::INFINITY);
@@ -455,7 +513,8 @@ impl<'a> Crew<'a> {
         plan
     }
 
-    /// Accepts or refuses the ordinary steps that nothing comes of, and says in which lanes; the others need a closer look.
+    /// Accepts or refuses the ordinary steps that nothing comes of, and says in which lanes; the
+    /// others need a closer look.
     #[inline(always)]
     fn go_on(
         &mut self,
@@ -488,7 +547,8 @@ impl<'a> Crew<'a> {
         usual
     }
 
-    /// Accepts or refuses the unusual step of lane `i`; `Some` where the lane is done with its jump.
+    /// Accepts or refuses the unusual step of lane `i`; `Some` where the lane is done with its
+    /// jump.
     fn judge(&mut self, i: usize, taken: &Taken) -> Option<Given> {
         let next: [f64; MOVING] = std::array::from_fn(|k| taken.next[k][i]);
         // A leg that comes to a halt, or too many steps, are for the careful one.
@@ -552,13 +612,23 @@ impl<'a> Crew<'a> {
     /// Puts lane `i` on the piece of the valve's law that its pressure calls for.
     fn switch(&mut self, i: usize, energized: bool, side: f64) -> Option<Given> {
         let job = self.jobs[i].as_mut()?;
-        let p = self.chamber.pressure(job.flow, self.states[GAS].as_array()[i]);
+        let p = self
+            .chamber
+            .pressure(job.flow, self.states[GAS].as_array()[i]);
         let piece = Piece::new(self.chamber, energized, p, side, false);
         job.flow = piece.flow;
-        set(&mut self.states[GAS], i, self.chamber.variable(piece.flow, p));
+        set(
+            &mut self.states[GAS],
+            i,
+            self.chamber.variable(piece.flow, p),
+        );
         self.enter(i, piece);
         // With the valve closed the leg may have no force left: that is for the careful one.
-        let push = self.one.leg.plain_force(self.chamber, self.states[SPEED].as_array()[i], p).value;
+        let push = self
+            .one
+            .leg
+            .plain_force(self.chamber, self.states[SPEED].as_array()[i], p)
+            .value;
         (push <= 0.0).then_some(Given(None))
     }
 

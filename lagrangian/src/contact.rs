@@ -16,8 +16,8 @@ pub struct Contact<S = f64> {
     pub least_normal: S,
     /// When it occurs (s).
     pub least_normal_time: f64,
-    /// Greatest |friction/normal|: the friction coefficient that the stance needs; infinite where the normal force
-    /// reaches 0.
+    /// Greatest |friction/normal|: the friction coefficient that the stance needs; infinite where
+    /// the normal force reaches 0.
     pub friction_needed: S,
     /// When it occurs (s).
     pub friction_needed_time: f64,
@@ -32,13 +32,17 @@ const LOOKS: usize = 4;
 impl<S: Single> Stance<S> {
     /// One stance with its contact; every phase is stepped through, closed forms left aside.
     ///
-    /// Extremes are looked for at the ends of the integration's steps and, by the slopes there, between them. Not
-    /// promised: an extreme that comes and goes within a step, which [`Stance::trace`] sees.
+    /// Extremes are looked for at the ends of the integration's steps and, by the slopes there,
+    /// between them. Not promised: an extreme that comes and goes within a step, which
+    /// [`Stance::trace`] sees.
     ///
     /// # Errors
     /// As [`Stance::jump`].
     pub fn contact(&self, launch: &Launch<S>) -> Result<(LiftOff<S>, Contact<S>), StanceError> {
-        let mut watch = Watch { stance: self, contact: Contact::none() };
+        let mut watch = Watch {
+            stance: self,
+            contact: Contact::none(),
+        };
         let lift_off = self.run(launch, &mut watch)?;
         Ok((lift_off, watch.contact))
     }
@@ -65,7 +69,10 @@ impl<S: Single> Watch<'_, S> {
     fn step(&mut self, phase: &impl Derivative<S, WIDTH>, from: &State<S>, to: &State<S>) {
         let rates = phase.at(from);
         let length = to[TIME] - from[TIME];
-        let (first, last) = (self.around(phase, from, MOMENT), self.around(phase, to, -MOMENT));
+        let (first, last) = (
+            self.around(phase, from, MOMENT),
+            self.around(phase, to, -MOMENT),
+        );
         self.keep(from, &first);
         self.keep(to, &last);
         for measure in [|r: &Reaction<S>| -r.normal.value(), Reaction::demand] {
@@ -80,7 +87,8 @@ impl<S: Single> Watch<'_, S> {
                 let y = dop853::step(phase, from, &rates, h, CHECKED, self.stance.tolerance).state;
                 let here = self.around(phase, &y, MOMENT);
                 self.keep(&y, &here);
-                // An end that stays counts half, so that it does not stay for long (the Illinois rule).
+                // An end that stays counts half, so that it does not stay for long (the Illinois
+                // rule).
                 if slope(&here) > 0.0 {
                     (a, b) = ((fraction, slope(&here)), (b.0, 0.5 * b.1));
                 } else {
@@ -102,7 +110,11 @@ impl<S: Single> Watch<'_, S> {
             *near = S::of(moment).mul_add(*rate, *near);
         }
         let reaction = |y, rates| self.stance.reaction(y, rates);
-        Around { here: reaction(y, &rates), near: reaction(&near, &phase.at(&near)), moment }
+        Around {
+            here: reaction(y, &rates),
+            near: reaction(&near, &phase.at(&near)),
+            moment,
+        }
     }
 }
 
@@ -137,7 +149,8 @@ impl<S: Single> Contact<S> {
             (self.least_normal, self.least_normal_time) = (reaction.normal, time);
         }
         if is_first || reaction.demand() > self.friction_needed.value() {
-            (self.friction_needed, self.friction_needed_time) = (reaction.friction_coefficient(), time);
+            (self.friction_needed, self.friction_needed_time) =
+                (reaction.friction_coefficient(), time);
         }
     }
 }
@@ -147,12 +160,20 @@ impl<S: Single> Reaction<S> {
     /// pull.
     pub fn demand(&self) -> f64 {
         let (n, t) = (self.normal.value(), self.friction.value());
-        if n > 0.0 { (t / n).abs() } else { f64::INFINITY }
+        if n > 0.0 {
+            (t / n).abs()
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// [`demand`](Self::demand) with its derivatives.
     fn friction_coefficient(&self) -> S {
-        if self.normal.value() > 0.0 { (self.friction / self.normal).abs() } else { S::of(f64::INFINITY) }
+        if self.normal.value() > 0.0 {
+            (self.friction / self.normal).abs()
+        } else {
+            S::of(f64::INFINITY)
+        }
     }
 }
 
@@ -173,7 +194,12 @@ mod tests {
     ];
 
     fn launch<S: Scalar>([rate, lean, firing_angle, valve_open]: [S; 4]) -> Launch<S> {
-        Launch { rate, lean, firing_angle, valve_open }
+        Launch {
+            rate,
+            lean,
+            firing_angle,
+            valve_open,
+        }
     }
 
     #[test]
@@ -204,21 +230,33 @@ mod tests {
         let mut tried = 0;
         for [rate, _, angle, open] in CASES {
             let (x, y) = (Dual::variable(angle, 0), Dual::variable(open, 1));
-            let (_, contact) = dual.contact(&launch([Dual::of(rate), x, x, y])).expect("a legal launch");
+            let (_, contact) = dual
+                .contact(&launch([Dual::of(rate), x, x, y]))
+                .expect("a legal launch");
             if contact.friction_needed.value.is_infinite() {
                 continue;
             }
             tried += 1;
             let needed = |angle: f64, open: f64| {
-                let trace = plain.trace(&launch([rate, angle, angle, open])).expect("a legal launch");
+                let trace = plain
+                    .trace(&launch([rate, angle, angle, open]))
+                    .expect("a legal launch");
                 trace.contact.friction_needed
             };
             // Central differences: half the digits of a stance, and the curvature of the extreme.
             let h = 1e-5;
             let by_angle = (needed(angle + h, open) - needed(angle - h, open)) / (2.0 * h);
             let by_open = (needed(angle, open + h) - needed(angle, open - h)) / (2.0 * h);
-            for (got, wanted) in contact.friction_needed.slope.into_iter().zip([by_angle, by_open]) {
-                assert!((got - wanted).abs() < 1e-4 * (1.0 + wanted.abs()), "{angle} {open}: {got} {wanted}");
+            for (got, wanted) in contact
+                .friction_needed
+                .slope
+                .into_iter()
+                .zip([by_angle, by_open])
+            {
+                assert!(
+                    (got - wanted).abs() < 1e-4 * (1.0 + wanted.abs()),
+                    "{angle} {open}: {got} {wanted}"
+                );
             }
         }
         assert!(tried >= 4, "{tried}");

@@ -1,6 +1,7 @@
 //! What keeps a stance from being computed at all.
 
-/// A stance that could not be integrated. An outcome without lift-off is not an error: see [`Outcome`](crate::Outcome).
+/// A stance that could not be integrated. An outcome without lift-off is not an error: see
+/// [`Outcome`](crate::Outcome).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StanceError {
@@ -14,9 +15,11 @@ pub enum StanceError {
         /// What is allowed.
         allowed: &'static str,
     },
-    /// The error control asks for steps below round-off: the model is stiffer there than the method can follow.
+    /// The error control asks for steps below round-off: the model is stiffer there than the method
+    /// can follow.
     #[error(
-        "the step at {time} s fell below {step} s: the leg's parameters make the stance too stiff to integrate"
+        "the step at {time} s fell below {step} s: the leg's parameters make the stance too stiff \
+         to integrate"
     )]
     StepTooSmall {
         /// Time in the stance (s).
@@ -26,7 +29,8 @@ pub enum StanceError {
     },
     /// The leg's parameters make the stance so stiff that no end was in sight.
     #[error(
-        "{steps} steps came no further than {time} s: the leg's parameters make the stance too stiff to integrate"
+        "{steps} steps came no further than {time} s: the leg's parameters make the stance too \
+         stiff to integrate"
     )]
     TooManySteps {
         /// Time in the stance (s).

@@ -27,7 +27,8 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// Its name in files: `stroke`, `force`, `stall`, `no-break-away`, `early-lift-off`, `fall-back`.
+    /// Its name in files: `stroke`, `force`, `stall`, `no-break-away`, `early-lift-off`,
+    /// `fall-back`.
     pub fn name(self) -> &'static str {
         match self {
             Outcome::Stroke => "stroke",
@@ -41,7 +42,11 @@ impl Outcome {
 
     /// A wheel at or below the ground has not lifted off, whatever its leg did.
     pub(crate) fn unless_fallen(self, lean: f64) -> Outcome {
-        if lean.abs() < std::f64::consts::FRAC_PI_2 { self } else { Outcome::FallBack }
+        if lean.abs() < std::f64::consts::FRAC_PI_2 {
+            self
+        } else {
+            Outcome::FallBack
+        }
     }
 
     /// Whether the robot flies.
@@ -84,10 +89,18 @@ impl<S: Scalar> LiftOff<S> {
     pub fn velocity(&self) -> (S, S) {
         let (sin, cos) = self.lean.sin_cos();
         let across = self.reach * self.rate;
-        (self.extension_rate * sin + across * cos, self.extension_rate * cos - across * sin)
+        (
+            self.extension_rate * sin + across * cos,
+            self.extension_rate * cos - across * sin,
+        )
     }
 
-    pub(crate) fn new(stance: &Stance<S>, outcome: Outcome, time_fire: S, y: &State<S>) -> LiftOff<S> {
+    pub(crate) fn new(
+        stance: &Stance<S>,
+        outcome: Outcome,
+        time_fire: S,
+        y: &State<S>,
+    ) -> LiftOff<S> {
         LiftOff {
             outcome,
             time_fire,
@@ -113,7 +126,8 @@ pub(crate) enum Next<S> {
 /// First step (s) tried in a stance.
 pub(crate) const FIRST_STEP: f64 = 3e-3;
 
-/// Pieces after which an extension is given up: a leg has a few switches, a measured table as many as it has rows.
+/// Pieces after which an extension is given up: a leg has a few switches, a measured table as many
+/// as it has rows.
 const MOST_PIECES: usize = 100_000;
 
 /// What watches the steps of a stance.
@@ -139,14 +153,15 @@ impl<S: Single> Observer<S> for Unobserved {
 impl<S: Single> Stance<S> {
     /// One stance, from `launch` to its end.
     ///
-    /// Pivoting and filling go by closed forms where these are exact to round-off, the extension by an eighth-order
-    /// method with events on its steps.
+    /// Pivoting and filling go by closed forms where these are exact to round-off, the extension by
+    /// an eighth-order method with events on its steps.
     ///
     /// Source: thesis §5.2, docs/model.md, "One jump, phase by phase".
     ///
     /// # Errors
     /// [`StanceError::Input`] for an input outside its domain; [`StanceError::StepTooSmall`],
-    /// [`StanceError::TooManySteps`] or [`StanceError::TooLong`] where the leg's parameters allow no solution.
+    /// [`StanceError::TooManySteps`] or [`StanceError::TooLong`] where the leg's parameters allow
+    /// no solution.
     pub fn jump(&self, launch: &Launch<S>) -> Result<LiftOff<S>, StanceError> {
         self.run(launch, &mut Unobserved)
     }
@@ -160,7 +175,11 @@ impl<S: Single> Stance<S> {
         let start = self.start(launch);
         let invariant = self.pendulum.invariant(launch.lean, launch.rate);
         let early = self.pendulum.lift_off_lean(invariant, launch.lean);
-        let mut pace = Pace { step: FIRST_STEP, tolerance: self.tolerance, steps: 0 };
+        let mut pace = Pace {
+            step: FIRST_STEP,
+            tolerance: self.tolerance,
+            steps: 0,
+        };
         let end = |outcome, time_fire, y: &State<S>| Ok(LiftOff::new(self, outcome, time_fire, y));
 
         let fired = match self.pivot(launch, start, early, &mut pace, observer)? {
@@ -168,7 +187,10 @@ impl<S: Single> Stance<S> {
             Next::End(outcome, y) => return end(outcome, S::of(f64::NAN), &y),
         };
         let time_fire = fired[TIME];
-        let close = self.leg.has_valve().then(|| time_fire + self.leg.delay + launch.valve_open);
+        let close = self
+            .leg
+            .has_valve()
+            .then(|| time_fire + self.leg.delay + launch.valve_open);
         let freed = match self.fill(launch, fired, close, early, &mut pace, observer)? {
             Next::On(y) => y,
             Next::End(outcome, y) => return end(outcome, time_fire, &y),
@@ -208,11 +230,20 @@ impl<S: Single> Stance<S> {
             && early.is_none_or(|early| early > to.value())
             && let Some(time) = self.pendulum.time(invariant, from, to)
         {
-            (y[LEAN], y[RATE], y[TIME]) = (to, self.pendulum.rate_squared(invariant, to).sqrt(), time);
+            (y[LEAN], y[RATE], y[TIME]) =
+                (to, self.pendulum.rate_squared(invariant, to).sqrt(), time);
             return Ok(Next::On(y));
         }
-        let held = Held { stance: self, piece: None, energized: false, target: Some(to), early };
-        let event = advance(&held, &mut y, None, pace, &mut |a, b| observer.held(&held, a, b))?;
+        let held = Held {
+            stance: self,
+            piece: None,
+            energized: false,
+            target: Some(to),
+            early,
+        };
+        let event = advance(&held, &mut y, None, pace, &mut |a, b| {
+            observer.held(&held, a, b)
+        })?;
         Ok(match event {
             Some(Held::<S>::TARGET) => Next::On(y),
             Some(Held::<S>::EARLY) => Next::End(Outcome::EarlyLiftOff, y),
@@ -236,8 +267,16 @@ impl<S: Single> Stance<S> {
             return Ok(Next::On(freed));
         }
         let open = y[TIME] + self.leg.delay;
-        let waiting = Held { stance: self, piece: None, energized: false, target: None, early };
-        let event = advance(&waiting, &mut y, Some(open), pace, &mut |a, b| observer.held(&waiting, a, b))?;
+        let waiting = Held {
+            stance: self,
+            piece: None,
+            energized: false,
+            target: None,
+            early,
+        };
+        let event = advance(&waiting, &mut y, Some(open), pace, &mut |a, b| {
+            observer.held(&waiting, a, b)
+        })?;
         match event {
             Some(Held::<S>::EARLY) => return Ok(Next::End(Outcome::EarlyLiftOff, y)),
             Some(_) => return Ok(Next::End(Outcome::NoBreakAway, y)),
@@ -246,13 +285,21 @@ impl<S: Single> Stance<S> {
         let mut side = 0.0;
         loop {
             let piece = self.enter(&mut y, true, side, false);
-            let filling = Held { stance: self, piece, energized: true, target: None, early };
+            let filling = Held {
+                stance: self,
+                piece,
+                energized: true,
+                target: None,
+                early,
+            };
             let opens = close.is_none() || launch.valve_open.value() > 0.0;
             if opens && filling.excess(&y).value() > 0.0 {
                 self.leave(&mut y, piece.as_ref());
                 return Ok(Next::On(y));
             }
-            let event = advance(&filling, &mut y, close, pace, &mut |a, b| observer.held(&filling, a, b))?;
+            let event = advance(&filling, &mut y, close, pace, &mut |a, b| {
+                observer.held(&filling, a, b)
+            })?;
             self.leave(&mut y, piece.as_ref());
             match event {
                 Some(Held::<S>::BREAK_AWAY) => return Ok(Next::On(y)),
@@ -263,9 +310,15 @@ impl<S: Single> Stance<S> {
         }
     }
 
-    /// Break-away of a plain pneumatic leg while sonic flow fills its chamber: the pressure then rises linearly, and a
-    /// power series carries the pivoting. None where that does not hold to round-off.
-    fn break_away_by_series(&self, fired: &State<S>, valve_open: S, early: Option<f64>) -> Option<State<S>> {
+    /// Break-away of a plain pneumatic leg while sonic flow fills its chamber: the pressure then
+    /// rises linearly, and a power series carries the pivoting. None where that does not hold to
+    /// round-off.
+    fn break_away_by_series(
+        &self,
+        fired: &State<S>,
+        valve_open: S,
+        early: Option<f64>,
+    ) -> Option<State<S>> {
         let chamber = self.leg.chamber().filter(|_| self.plain)?;
         let freed = self.series_break_away(chamber, fired);
         let wait = freed.time - self.leg.delay;
@@ -283,8 +336,15 @@ impl<S: Single> Stance<S> {
         Some(y)
     }
 
-    /// The chamber's piece at `y`, where the gas is given by its pressure (MPa) and becomes the piece's own variable.
-    fn enter(&self, y: &mut State<S>, energized: bool, side: f64, port_open: bool) -> Option<Piece<S>> {
+    /// The chamber's piece at `y`, where the gas is given by its pressure (MPa) and becomes the
+    /// piece's own variable.
+    fn enter(
+        &self,
+        y: &mut State<S>,
+        energized: bool,
+        side: f64,
+        port_open: bool,
+    ) -> Option<Piece<S>> {
         let chamber = self.leg.chamber()?;
         let p = y[GAS] * S::of(MEGA);
         let mut piece = Piece::new(chamber, energized, p, side, port_open);
@@ -311,21 +371,36 @@ impl<S: Single> Stance<S> {
         pace: &mut Pace,
         observer: &mut impl Observer<S>,
     ) -> Result<(Outcome, State<S>), StanceError> {
-        let mut switches = Switches { energized: true, cushioned: false };
+        let mut switches = Switches {
+            energized: true,
+            cushioned: false,
+        };
         let mut passed = S::of(0.0);
         let mut side = 0.0;
         for _ in 0..MOST_PIECES {
-            let port_open = self.port().is_some_and(|port| port.value() <= passed.value());
+            let port_open = self
+                .port()
+                .is_some_and(|port| port.value() <= passed.value());
             let piece = self.enter(&mut y, switches.energized, side, port_open);
-            switches.cushioned = self.leg.cushion_start().is_some_and(|c| c.value() <= passed.value());
+            switches.cushioned = self
+                .leg
+                .cushion_start()
+                .is_some_and(|c| c.value() <= passed.value());
             let next = self.next_switch(passed);
-            let phase = Extension { stance: self, piece, switches, next };
+            let phase = Extension {
+                stance: self,
+                piece,
+                switches,
+                next,
+            };
             if phase.force(&y).value() <= 0.0 {
                 self.leave(&mut y, piece.as_ref());
                 return Ok((Outcome::Force.unless_fallen(y[LEAN].value()), y));
             }
             let end = close.filter(|_| switches.energized);
-            let event = advance(&phase, &mut y, end, pace, &mut |a, b| observer.extension(&phase, a, b))?;
+            let event = advance(&phase, &mut y, end, pace, &mut |a, b| {
+                observer.extension(&phase, a, b)
+            })?;
             self.leave(&mut y, piece.as_ref());
             side = 0.0;
             match event {
@@ -333,24 +408,31 @@ impl<S: Single> Stance<S> {
                     switches.energized = false;
                     pace.step = pace.step.min(FIRST_STEP);
                 }
-                Some(Extension::<S>::REACHED) if next.value() < self.leg.stroke.value() => passed = next,
+                Some(Extension::<S>::REACHED) if next.value() < self.leg.stroke.value() => {
+                    passed = next
+                }
                 Some(Extension::<S>::REACHED) => {
                     return Ok((Outcome::Stroke.unless_fallen(y[LEAN].value()), y));
                 }
-                Some(Extension::<S>::FORCE) => return Ok((Outcome::Force.unless_fallen(y[LEAN].value()), y)),
+                Some(Extension::<S>::FORCE) => {
+                    return Ok((Outcome::Force.unless_fallen(y[LEAN].value()), y));
+                }
                 Some(Extension::<S>::EDGE_ABOVE) => side = 1.0,
                 Some(Extension::<S>::EDGE_BELOW) => side = -1.0,
                 Some(_) => return Ok((Outcome::FallBack, y)),
             }
         }
-        Err(StanceError::TooLong { time: y[TIME].value() })
+        Err(StanceError::TooLong {
+            time: y[TIME].value(),
+        })
     }
 
     fn port(&self) -> Option<S> {
         self.leg.chamber().and_then(Chamber::port)
     }
 
-    /// The first extension (m) past `d` at which something switches; the end of the stroke at the latest.
+    /// The first extension (m) past `d` at which something switches; the end of the stroke at the
+    /// latest.
     fn next_switch(&self, d: S) -> S {
         let mut next = self.leg.stroke;
         let mut consider = |x: S| {
@@ -382,16 +464,21 @@ pub(crate) struct SeriesBreakAway<S> {
 }
 
 impl<S: Scalar> Stance<S> {
-    /// Solves (P − P_a) A − F_f + m ω² r_s − m g cos φ = 0 with P = P_a + Ṗ (t − t_d), by Newton steps from the last
-    /// solution's usual place; the caller judges the result.
+    /// Solves (P − P_a) A − F_f + m ω² r_s − m g cos φ = 0 with P = P_a + Ṗ (t − t_d), by Newton
+    /// steps from the last solution's usual place; the caller judges the result.
     #[inline(always)]
-    pub(crate) fn series_break_away(&self, chamber: &Chamber<S>, fired: &[S; WIDTH]) -> SeriesBreakAway<S> {
+    pub(crate) fn series_break_away(
+        &self,
+        chamber: &Chamber<S>,
+        fired: &[S; WIDTH],
+    ) -> SeriesBreakAway<S> {
         let series = self.pendulum.series(fired[LEAN], fired[RATE]);
         let growth = chamber.sonic_filling_rate();
         let zero = S::of(0.0);
         let mut time = self.leg.delay + S::of(1e-3);
         let mut residual = zero;
-        // Quadratic convergence from a millisecond away: four steps reach round-off, derivatives included.
+        // Quadratic convergence from a millisecond away: four steps reach round-off, derivatives
+        // included.
         for _ in 0..5 {
             let (lean, rate, cos) = series.at(time);
             let pressure = growth.mul_add(time - self.leg.delay, chamber.ambient);
@@ -403,6 +490,13 @@ impl<S: Scalar> Stance<S> {
         }
         let (lean, rate, _) = series.at(time);
         let pressure = growth.mul_add(time - self.leg.delay, chamber.ambient);
-        SeriesBreakAway { time, lean, rate, pressure, residual, tail: series.tail(time) }
+        SeriesBreakAway {
+            time,
+            lean,
+            rate,
+            pressure,
+            residual,
+            tail: series.tail(time),
+        }
     }
 }

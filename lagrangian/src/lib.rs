@@ -12,7 +12,8 @@
 //! # Ok::<(), saltus_lagrangian::StanceError>(())
 //! ```
 //!
-//! Angles are leans from the ground's normal, forward positive (φ = π/2 − α); the loaded foot is the origin.
+//! Angles are leans from the ground's normal, forward positive (φ = π/2 − α); the loaded foot is
+//! the origin.
 
 mod advance;
 mod batch;

@@ -17,10 +17,12 @@ pub(crate) struct Pendulum<S> {
     radius: S,
 }
 
-/// Terms of the Taylor series in time: at the usual 11 ms from firing to break-away the last is below 1e-17.
+/// Terms of the Taylor series in time: at the usual 11 ms from firing to break-away the last is
+/// below 1e-17.
 const TERMS: usize = 13;
 
-/// Nodes (on [0, 1]) and weights of the Gauss–Legendre rule of 16 points, first half; the rule is symmetric.
+/// Nodes (on [0, 1]) and weights of the Gauss–Legendre rule of 16 points, first half; the rule is
+/// symmetric.
 const GAUSS: [(f64, f64); 8] = [
     (0.005299532504175033, 0.013576229705877048),
     (0.02771248846338371, 0.031126761969323947),
@@ -58,14 +60,17 @@ impl<S: Scalar> Pendulum<S> {
         invariant - S::of(2.0) * self.stiffness * cos
     }
 
-    /// Time (s) from lean `from` to `to`, forwards and without coming to rest, by one Gauss–Legendre panel.
+    /// Time (s) from lean `from` to `to`, forwards and without coming to rest, by one
+    /// Gauss–Legendre panel.
     #[inline(always)]
     pub(crate) fn panel_time(&self, invariant: S, from: S, to: S) -> S {
         let length = to - from;
         let mut sum = S::of(0.0);
         for (x, w) in GAUSS {
             for x in [x, 1.0 - x] {
-                let rate = self.rate_squared(invariant, length.mul_add(S::of(x), from)).sqrt();
+                let rate = self
+                    .rate_squared(invariant, length.mul_add(S::of(x), from))
+                    .sqrt();
                 sum = sum + S::of(w) / rate;
             }
         }
@@ -98,7 +103,8 @@ impl<S: Scalar> Pendulum<S> {
 }
 
 impl Pendulum<Lanes> {
-    /// Where the ground never has to pull between the leans `low` and `high`: see [`Pendulum::lift_off_lean`].
+    /// Where the ground never has to pull between the leans `low` and `high`: see
+    /// [`Pendulum::lift_off_lean`].
     #[inline(always)]
     pub(crate) fn keeps_ground(&self, invariant: Lanes, low: Lanes, high: Lanes) -> Lanes {
         let of = Lanes::of;
@@ -120,8 +126,8 @@ impl Pendulum<Lanes> {
 }
 
 impl<S: Single> Pendulum<S> {
-    /// Time (s) from lean `from` to `to` > `from`, or none where the closed form does not reach: the robot comes to
-    /// rest there, or has too little speed to pass the top.
+    /// Time (s) from lean `from` to `to` > `from`, or none where the closed form does not reach:
+    /// the robot comes to rest there, or has too little speed to pass the top.
     pub(crate) fn time(&self, invariant: S, from: S, to: S) -> Option<S> {
         // ω² = W + 2c(1 − cos φ) vanishes at φ = ±i b: panels must stay clear of these points.
         let at_top = (invariant - S::of(2.0) * self.stiffness).value();
@@ -135,7 +141,11 @@ impl<S: Single> Pendulum<S> {
             let mut right = to;
             while {
                 let (a, b) = (left.value(), right.value());
-                let nearest = if a * b <= 0.0 { 0.0 } else { a.abs().min(b.abs()) };
+                let nearest = if a * b <= 0.0 {
+                    0.0
+                } else {
+                    a.abs().min(b.abs())
+                };
                 // A ratio of 1.6 leaves an error of 3.5^−32.
                 0.5 * (b - a) * 1.6 > nearest.hypot(clear)
             } {
@@ -147,14 +157,18 @@ impl<S: Single> Pendulum<S> {
         Some(total)
     }
 
-    /// The first lean (rad) at or after `lean` at which the ground would have to pull, the leg being held: none if it
-    /// never does.
+    /// The first lean (rad) at or after `lean` at which the ground would have to pull, the leg
+    /// being held: none if it never does.
     ///
-    /// With x = cos φ, E the invariant and k = m r_s²/(I + m r_s²), the normal force over the mass is
-    /// g(1 − k) − r_s E x + 3 g k x².
+    /// With x = cos φ, E the invariant and k = m r_s²/(I + m r_s²), the normal force over the mass
+    /// is g(1 − k) − r_s E x + 3 g k x².
     pub(crate) fn lift_off_lean(&self, invariant: S, lean: S) -> Option<f64> {
         let (g, k) = (self.gravity.value(), self.share.value());
-        let (a, b, c) = (3.0 * g * k, self.radius.value() * invariant.value(), g * (1.0 - k));
+        let (a, b, c) = (
+            3.0 * g * k,
+            self.radius.value() * invariant.value(),
+            g * (1.0 - k),
+        );
         let lean = lean.value();
         let normal = |x: f64| c + x * (a * x - b);
         if normal(lean.cos()) < 0.0 {

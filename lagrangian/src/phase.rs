@@ -32,20 +32,27 @@ impl<S: Single> Held<'_, S> {
     pub(crate) const EDGE: usize = 3;
     pub(crate) const EARLY: usize = 4;
 
-    /// The force (N) by which the leg is pushed beyond what holds it: positive where it breaks away.
+    /// The force (N) by which the leg is pushed beyond what holds it: positive where it breaks
+    /// away.
     ///
     /// (P − P_a) A − F_f + m ω² r_s − m g cos φ, with the drive's other terms where it has them.
     pub(crate) fn excess(&self, y: &State<S>) -> S {
         let stance = self.stance;
         let (_, cos) = y[LEAN].sin_cos();
-        self.force(y).value + stance.mass * (y[RATE] * y[RATE] * stance.radius - stance.gravity * cos)
+        self.force(y).value
+            + stance.mass * (y[RATE] * y[RATE] * stance.radius - stance.gravity * cos)
     }
 
     /// The leg's force at rest.
     fn force(&self, y: &State<S>) -> Force<S> {
-        let switches = Switches { energized: self.energized, cushioned: false };
+        let switches = Switches {
+            energized: self.energized,
+            cushioned: false,
+        };
         let zero = S::of(0.0);
-        self.stance.leg.force(switches, zero, zero, self.pressure(y))
+        self.stance
+            .leg
+            .force(switches, zero, zero, self.pressure(y))
     }
 
     /// Chamber pressure (Pa); without a piece, u is the pressure (MPa).
@@ -96,12 +103,22 @@ impl<S: Single> Phase<S, 6> for Held<'_, S> {
         let (never, zero, scale) = (S::of(NEVER), S::of(0.0), S::of(FORCE_SCALE));
         let dy = self.at(y);
         let idle = (never, zero);
-        let aside = if y[LEAN].value() < 0.0 { -dy[LEAN] } else { dy[LEAN] };
+        let aside = if y[LEAN].value() < 0.0 {
+            -dy[LEAN]
+        } else {
+            dy[LEAN]
+        };
         let guards = [
-            self.target.map_or(idle, |target| (y[LEAN] - target, dy[LEAN])),
+            self.target
+                .map_or(idle, |target| (y[LEAN] - target, dy[LEAN])),
             self.target.map_or(idle, |_| (-y[RATE], -dy[RATE])),
-            if self.energized { (self.excess(y) * scale, self.excess_rate(y, &dy) * scale) } else { idle },
-            self.piece.map_or(idle, |piece| (piece.guards(y[GAS]).0, piece.sign * dy[GAS])),
+            if self.energized {
+                (self.excess(y) * scale, self.excess_rate(y, &dy) * scale)
+            } else {
+                idle
+            },
+            self.piece
+                .map_or(idle, |piece| (piece.guards(y[GAS]).0, piece.sign * dy[GAS])),
             // The ground lets go of a robot that falls back where it would of one that falls ahead.
             self.early.map_or(idle, |early| match early {
                 early if early > 0.0 => (y[LEAN].abs() - S::of(early), aside),
@@ -109,7 +126,11 @@ impl<S: Single> Phase<S, 6> for Held<'_, S> {
             }),
             (y[LEAN].abs() - S::of(FRAC_PI_2), aside),
         ];
-        Look { rates: dy, guards: guards.map(|g| g.0), guard_rates: guards.map(|g| g.1) }
+        Look {
+            rates: dy,
+            guards: guards.map(|g| g.0),
+            guard_rates: guards.map(|g| g.1),
+        }
     }
 }
 
@@ -164,8 +185,8 @@ impl<S: Single> Derivative<S, WIDTH> for Extension<'_, S> {
 }
 
 impl<S: Single> Extension<'_, S> {
-    /// The thesis' equations of motion (§5.2.1) with the leg's force and the chamber's pressure: the state's derivative,
-    /// the force, and Ṗ (Pa/s).
+    /// The thesis' equations of motion (§5.2.1) with the leg's force and the chamber's pressure:
+    /// the state's derivative, the force, and Ṗ (Pa/s).
     #[inline(always)]
     fn dynamics(&self, y: &State<S>) -> (State<S>, Force<S>, S) {
         let stance = self.stance;
@@ -177,7 +198,11 @@ impl<S: Single> Extension<'_, S> {
             (dy, force, dy[GAS] * gas.pressure_per_variable)
         } else {
             let force = self.force_at(y, S::of(0.0));
-            (stance.motion(y, force.value, stance.about_foot(y).inverse()), force, S::of(0.0))
+            (
+                stance.motion(y, force.value, stance.about_foot(y).inverse()),
+                force,
+                S::of(0.0),
+            )
         }
     }
 }
@@ -187,14 +212,25 @@ impl<S: Single> Phase<S, 5> for Extension<'_, S> {
     fn look(&self, y: &State<S>) -> Look<S, 5> {
         let (never, scale) = (S::of(NEVER), S::of(-FORCE_SCALE));
         let (dy, force, pressure_rate) = self.dynamics(y);
-        let change = force
-            .wrt_pressure
-            .mul_add(pressure_rate, force.wrt_speed.mul_add(dy[SPEED], force.wrt_extension * dy[EXTENSION]));
-        let (above, below) = self.piece.map_or((never, never), |piece| piece.guards(y[GAS]));
+        let change = force.wrt_pressure.mul_add(
+            pressure_rate,
+            force
+                .wrt_speed
+                .mul_add(dy[SPEED], force.wrt_extension * dy[EXTENSION]),
+        );
+        let (above, below) = self
+            .piece
+            .map_or((never, never), |piece| piece.guards(y[GAS]));
         let rise = self.piece.map_or(S::of(0.0), |piece| piece.sign * dy[GAS]);
         Look {
             rates: dy,
-            guards: [y[EXTENSION] - self.next, force.value * scale, above, below, -y[SPEED]],
+            guards: [
+                y[EXTENSION] - self.next,
+                force.value * scale,
+                above,
+                below,
+                -y[SPEED],
+            ],
             guard_rates: [dy[EXTENSION], change * scale, rise, -rise, -dy[SPEED]],
         }
     }

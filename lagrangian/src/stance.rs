@@ -53,7 +53,10 @@ pub(crate) struct AboutFoot<S> {
 
 impl<S: Scalar> AboutFoot<S> {
     pub(crate) fn inverse(&self) -> Pivoting<S> {
-        Pivoting { reach: self.reach, lever: self.lever / self.inertia }
+        Pivoting {
+            reach: self.reach,
+            lever: self.lever / self.inertia,
+        }
     }
 }
 
@@ -76,8 +79,9 @@ pub struct Reaction<S> {
 }
 
 impl<S: Single> Stance<S> {
-    /// The model of `robot`; `lift` turns each parameter's value into a number of the wanted kind: `|_, x| x` for plain
-    /// numbers, a [`Dual`](saltus_numeric::Dual) variable for those to differentiate by.
+    /// The model of `robot`; `lift` turns each parameter's value into a number of the wanted kind:
+    /// `|_, x| x` for plain numbers, a [`Dual`](saltus_numeric::Dual) variable for those to
+    /// differentiate by.
     pub fn new(robot: &Robot, lift: impl Fn(Parameter, f64) -> S + Copy) -> Stance<S> {
         let mut stance = Stance::assemble(robot, lift);
         stance.plain = stance.leg.is_plain();
@@ -119,7 +123,11 @@ impl<S: Scalar> Stance<S> {
     pub(crate) fn about_foot<const N: usize>(&self, y: &[S; N]) -> AboutFoot<S> {
         let reach = self.radius + y[EXTENSION];
         let lever = self.mass * reach;
-        AboutFoot { reach, lever, inertia: lever.mul_add(reach, self.inertia) }
+        AboutFoot {
+            reach,
+            lever,
+            inertia: lever.mul_add(reach, self.inertia),
+        }
     }
 
     /// The gas in the chamber, with the robot's inertia about the foot; their divisions are one.
@@ -132,12 +140,23 @@ impl<S: Scalar> Stance<S> {
     ) -> (GasState<S>, Pivoting<S>) {
         let about = self.about_foot(y);
         let gas = chamber.gas(valve, y[GAS], y[EXTENSION], y[SPEED], about.inertia);
-        (gas, Pivoting { reach: about.reach, lever: about.lever * gas.inverses.0 })
+        (
+            gas,
+            Pivoting {
+                reach: about.reach,
+                lever: about.lever * gas.inverses.0,
+            },
+        )
     }
 
     /// Derivative in time of a state while the leg extends under `force` (N), the gas left out.
     #[inline(always)]
-    pub(crate) fn motion<const N: usize>(&self, y: &[S; N], force: S, about: Pivoting<S>) -> [S; N] {
+    pub(crate) fn motion<const N: usize>(
+        &self,
+        y: &[S; N],
+        force: S,
+        about: Pivoting<S>,
+    ) -> [S; N] {
         let Pivoting { reach, lever } = about;
         let (sin, cos) = y[LEAN].sin_cos();
         let (rate, speed) = (y[RATE], y[SPEED]);
@@ -145,13 +164,16 @@ impl<S: Scalar> Stance<S> {
         dy[LEAN] = rate;
         dy[RATE] = lever * self.gravity.mul_add(sin, -((rate + rate) * speed));
         dy[EXTENSION] = speed;
-        dy[SPEED] = force.mul_add(self.inverse_mass, (rate * rate).mul_add(reach, -(self.gravity * cos)));
+        dy[SPEED] = force.mul_add(
+            self.inverse_mass,
+            (rate * rate).mul_add(reach, -(self.gravity * cos)),
+        );
         dy[TIME] = S::of(1.0);
         dy
     }
 
-    /// The ground's reaction where the state `y` changes at the rates `dy`: m times the centre's acceleration, with the
-    /// weight.
+    /// The ground's reaction where the state `y` changes at the rates `dy`: m times the centre's
+    /// acceleration, with the weight.
     pub(crate) fn reaction(&self, y: &State<S>, dy: &State<S>) -> Reaction<S> {
         let (sin, cos) = y[LEAN].sin_cos();
         let reach = self.radius + y[EXTENSION];
@@ -177,10 +199,12 @@ impl<S: Scalar> Stance<S> {
     }
 }
 
-/// Mass and gravity at the axle of `robot` with its own `mass` and `gravity`: [`Robot::axle_mass`] and
-/// [`Robot::axle_gravity`] to the bit, with derivatives.
+/// Mass and gravity at the axle of `robot` with its own `mass` and `gravity`: [`Robot::axle_mass`]
+/// and [`Robot::axle_gravity`] to the bit, with derivatives.
 fn at_axle<S: Scalar>(robot: &Robot, mass: S, gravity: S) -> (S, S) {
-    let Some((boom, weight)) = robot.boom.zip(robot.boom_weight()) else { return (mass, gravity) };
+    let Some((boom, weight)) = robot.boom.zip(robot.boom_weight()) else {
+        return (mass, gravity);
+    };
     let inertial = mass + S::of(boom.inertial_mass());
     (inertial, gravity * ((mass + S::of(weight)) / inertial))
 }
@@ -192,7 +216,8 @@ pub struct Launch<S = f64> {
     pub rate: S,
     /// Lean at the start, φ_0 (rad), in (−π/2, π/2).
     pub lean: S,
-    /// Firing angle α_f (rad), in (−π/2, π/2): the lean at which the leg is fired; at once where it is not past `lean`.
+    /// Firing angle α_f (rad), in (−π/2, π/2): the lean at which the leg is fired; at once where it
+    /// is not past `lean`.
     pub firing_angle: S,
     /// Valve opening time t_v (s), ≥ 0.
     pub valve_open: S,
@@ -201,7 +226,12 @@ pub struct Launch<S = f64> {
 impl Launch<f64> {
     /// A stance that starts at its firing angle.
     pub fn at_firing(rate: f64, firing_angle: f64, valve_open: f64) -> Launch<f64> {
-        Launch { rate, lean: firing_angle, firing_angle, valve_open }
+        Launch {
+            rate,
+            lean: firing_angle,
+            firing_angle,
+            valve_open,
+        }
     }
 }
 
@@ -211,14 +241,33 @@ impl<S: Single> Launch<S> {
         let is_upright = |x: S| x.value().abs() < std::f64::consts::FRAC_PI_2;
         let is_moderate = |x: S| (0.0..=1e3).contains(&x.value());
         let cases = [
-            ("approach rate (rad/s)", self.rate, is_moderate(self.rate), "from 0 to 1000 rad/s"),
+            (
+                "approach rate (rad/s)",
+                self.rate,
+                is_moderate(self.rate),
+                "from 0 to 1000 rad/s",
+            ),
             ("start lean (rad)", self.lean, is_upright(self.lean), angle),
-            ("firing angle (rad)", self.firing_angle, is_upright(self.firing_angle), angle),
-            ("valve opening time (s)", self.valve_open, is_moderate(self.valve_open), "from 0 to 1000 s"),
+            (
+                "firing angle (rad)",
+                self.firing_angle,
+                is_upright(self.firing_angle),
+                angle,
+            ),
+            (
+                "valve opening time (s)",
+                self.valve_open,
+                is_moderate(self.valve_open),
+                "from 0 to 1000 s",
+            ),
         ];
         for (name, x, is_legal, allowed) in cases {
             if !is_legal {
-                return Err(StanceError::Input { name, value: x.value(), allowed });
+                return Err(StanceError::Input {
+                    name,
+                    value: x.value(),
+                    allowed,
+                });
             }
         }
         Ok(())

@@ -18,7 +18,8 @@ pub struct TouchDown<S = f64> {
 }
 
 impl<S: Scalar> Stance<S> {
-    /// Lean rate ω_0 (rad/s) right after a plastic impact, and the kinetic energy (J) that it takes.
+    /// Lean rate ω_0 (rad/s) right after a plastic impact, and the kinetic energy (J) that it
+    /// takes.
     ///
     /// The foot stops dead and neither slips nor bounces, so the angular momentum about it is kept:
     /// (I + m r_s²) ω_0 = I spin + m r_s (vx cos φ − vy sin φ).

@@ -42,8 +42,8 @@ pub struct Sample<S = f64> {
     pub reaction: Reaction<S>,
 }
 
-/// Where the energy of a stance comes from and goes to (J). It closes: `drive` − `losses` − `springs` = Δ(`kinetic` +
-/// `potential`).
+/// Where the energy of a stance comes from and goes to (J). It closes: `drive` − `losses` −
+/// `springs` = Δ(`kinetic` + `potential`).
 #[derive(Clone, Copy, Debug)]
 pub struct EnergyLedger<S = f64> {
     /// Work of the drive (the gas) on the leg.
@@ -66,7 +66,8 @@ impl EnergyLedger<f64> {
 /// Parts into which each integration step is divided for samples and quadrature.
 const PARTS: usize = 8;
 
-/// Gauss–Legendre nodes (on [0, 1]) and weights of 5 points, exact to degree 9, for the work within a step.
+/// Gauss–Legendre nodes (on [0, 1]) and weights of 5 points, exact to degree 9, for the work within
+/// a step.
 const GAUSS: [(f64, f64); 5] = [
     (0.046_910_077_030_668, 0.118_463_442_528_094_54),
     (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
@@ -76,7 +77,8 @@ const GAUSS: [(f64, f64); 5] = [
 ];
 
 impl<S: Single> Stance<S> {
-    /// One stance with its course, contact and energy; every phase is stepped through, closed forms left aside.
+    /// One stance with its course, contact and energy; every phase is stepped through, closed forms
+    /// left aside.
     ///
     /// # Errors
     /// As [`Stance::jump`].
@@ -110,7 +112,10 @@ impl<S: Single> Look<S> for Extension<'_, S> {
     }
     fn forces(&self, y: &State<S>) -> (S, S) {
         let p = self.pressure(y);
-        let Force { value, .. } = self.stance.leg.drive_force(self.switches, y[EXTENSION], y[SPEED], p);
+        let Force { value, .. } =
+            self.stance
+                .leg
+                .drive_force(self.switches, y[EXTENSION], y[SPEED], p);
         (value, self.force(y))
     }
 }
@@ -159,8 +164,15 @@ impl<'a, S: Single> Recorder<'a, S> {
             0.0 => *from,
             1.0 => *to,
             _ => {
-                dop853::step(phase, from, &start, length * S::of(fraction), CHECKED, self.stance.tolerance)
-                    .state
+                dop853::step(
+                    phase,
+                    from,
+                    &start,
+                    length * S::of(fraction),
+                    CHECKED,
+                    self.stance.tolerance,
+                )
+                .state
             }
         };
         for (x, weight) in GAUSS {
@@ -171,24 +183,28 @@ impl<'a, S: Single> Recorder<'a, S> {
             self.losses = self.losses + (drive - force) * share;
         }
         let sample = |y: &State<S>| self.stance.sample(phase, y);
-        let parts: Vec<Sample<S>> = (0..=PARTS).map(|i| sample(&inside(i as f64 / PARTS as f64))).collect();
+        let parts: Vec<Sample<S>> = (0..=PARTS)
+            .map(|i| sample(&inside(i as f64 / PARTS as f64)))
+            .collect();
         for (i, here) in parts.iter().enumerate() {
             let neighbours = i.checked_sub(1).map(|j| &parts[j]).zip(parts.get(i + 1));
             // Between samples an extremum shows as a middle sample that beats both neighbours.
-            let refined = neighbours.map(|(a, b)| (a.reaction, b.reaction)).map(|(a, b)| {
-                let refine = |measure: &dyn Fn(&Reaction<S>) -> f64| {
-                    (measure(&here.reaction) > measure(&a) && measure(&here.reaction) >= measure(&b)).then(
-                        || {
+            let refined = neighbours
+                .map(|(a, b)| (a.reaction, b.reaction))
+                .map(|(a, b)| {
+                    let refine = |measure: &dyn Fn(&Reaction<S>) -> f64| {
+                        (measure(&here.reaction) > measure(&a)
+                            && measure(&here.reaction) >= measure(&b))
+                        .then(|| {
                             let centre = i as f64 / PARTS as f64;
                             let width = 1.0 / PARTS as f64;
                             sample(&inside(greatest(centre - width, centre + width, |x| {
                                 measure(&sample(&inside(x)).reaction)
                             })))
-                        },
-                    )
-                };
-                (refine(&|r| -r.normal.value()), refine(&Reaction::demand))
-            });
+                        })
+                    };
+                    (refine(&|r| -r.normal.value()), refine(&Reaction::demand))
+                });
             let (normal, friction) = refined.unwrap_or((None, None));
             for found in [Some(*here), normal, friction].into_iter().flatten() {
                 self.contact.extend(found.time.value(), &found.reaction);
@@ -209,7 +225,12 @@ impl<'a, S: Single> Recorder<'a, S> {
             lift_off,
             samples: self.samples,
             contact: self.contact,
-            energy: EnergyLedger { drive: self.drive, losses: self.losses, kinetic, potential },
+            energy: EnergyLedger {
+                drive: self.drive,
+                losses: self.losses,
+                kinetic,
+                potential,
+            },
         }
     }
 }
@@ -228,7 +249,8 @@ impl<S: Single> Stance<S> {
     }
 }
 
-/// Where in [a, b] a function with one maximum is greatest, by golden section to 1e-9 of the interval.
+/// Where in [a, b] a function with one maximum is greatest, by golden section to 1e-9 of the
+/// interval.
 fn greatest(mut a: f64, mut b: f64, f: impl Fn(f64) -> f64) -> f64 {
     let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
     let (mut x, mut y) = (b - golden * (b - a), a + golden * (b - a));

@@ -1,6 +1,8 @@
-//! One step of DOP853, the explicit Runge–Kutta method of order 8 with error estimates of orders 5 and 3.
+//! One step of DOP853, the explicit Runge–Kutta method of order 8 with error estimates of orders 5
+//! and 3.
 //!
-//! Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed., §II.5 and its program `dop853`.
+//! Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed., §II.5 and
+//! its program `dop853`.
 
 use crate::scalar::Scalar;
 
@@ -10,10 +12,62 @@ pub const STAGES: usize = 12;
 /// Weights of the earlier stages in each stage's argument.
 pub const A: [[f64; STAGES]; STAGES] = [
     [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [0.05260015195876773, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [0.0197250569845379, 0.0591751709536137, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [0.02958758547680685, 0.0, 0.08876275643042054, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [0.2413651341592667, 0.0, -0.8845494793282861, 0.924834003261792, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [
+        0.05260015195876773,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    ],
+    [
+        0.0197250569845379,
+        0.0591751709536137,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    ],
+    [
+        0.02958758547680685,
+        0.0,
+        0.08876275643042054,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    ],
+    [
+        0.2413651341592667,
+        0.0,
+        -0.8845494793282861,
+        0.924834003261792,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    ],
     [
         0.037037037037037035,
         0.0,
@@ -167,12 +221,14 @@ pub const E3: [f64; STAGES] = [
 pub struct Step<S: Scalar, const N: usize> {
     /// State after the step.
     pub state: [S; N],
-    /// Error estimate as a multiple of the tolerance: the step is good where it is ≤ 1; a NaN is bad.
+    /// Error estimate as a multiple of the tolerance: the step is good where it is ≤ 1; a NaN is
+    /// bad.
     pub error: S::Value,
 }
 
-/// A derivative of the state with respect to the independent variable, whatever that is: time, or the value of an event
-/// function (Hénon's trick: then a step ends on the event, to round-off, with no root to search).
+/// A derivative of the state with respect to the independent variable, whatever that is: time, or
+/// the value of an event function (Hénon's trick: then a step ends on the event, to round-off, with
+/// no root to search).
 pub trait Derivative<S, const N: usize> {
     /// The derivative at the state `y`.
     fn at(&self, y: &[S; N]) -> [S; N];
@@ -198,8 +254,8 @@ pub fn step<S: Scalar, const N: usize>(
     checked: usize,
     tolerance: f64,
 ) -> Step<S, N> {
-    // Written out, so that each stage's weights are constants, the zeros among them cost nothing, and no stage is
-    // copied.
+    // Written out, so that each stage's weights are constants, the zeros among them cost nothing,
+    // and no stage is copied.
     macro_rules! stages {
         ($($n:literal: $k:ident from $($earlier:ident)*;)*) => {
             $(let $k = f.at(&along(y, h, &weighted(&A[$n], &[$($earlier),*])));
@@ -221,7 +277,10 @@ pub fn step<S: Scalar, const N: usize>(
     }
     let k = [k0, k1, k2, k3, k4, k5, k6, k7, k8, k9, k10, k11];
     let state = along(y, h, &weighted(&B, &k));
-    Step { error: error(&k, y, &state, h.value(), checked, tolerance), state }
+    Step {
+        error: error(&k, y, &state, h.value(), checked, tolerance),
+        state,
+    }
 }
 
 /// y + h k.
@@ -236,7 +295,10 @@ fn along<S: Scalar, const N: usize>(y: &[S; N], h: S, k: &[S; N]) -> [S; N] {
 
 /// Σ weights[j] k[j] over the first `M` stages, in two chains so that they overlap.
 #[inline(always)]
-fn weighted<S: Scalar, const N: usize, const M: usize>(weights: &[f64; STAGES], k: &[&[S; N]; M]) -> [S; N] {
+fn weighted<S: Scalar, const N: usize, const M: usize>(
+    weights: &[f64; STAGES],
+    k: &[&[S; N]; M],
+) -> [S; N] {
     let mut sums = [[S::of(0.0); N]; 2];
     for j in 0..M {
         if weights[j] != 0.0 {

@@ -21,8 +21,8 @@ pub struct Dual<const N: usize> {
     pub slope: [f64; N],
 }
 
-/// An array from its elements. Unlike that of [`std::array::from_fn`], its closure is inlined for every `N`: a jump with
-/// derivatives takes a quarter less time.
+/// An array from its elements. Unlike that of [`std::array::from_fn`], its closure is inlined for
+/// every `N`: a jump with derivatives takes a quarter less time.
 #[inline(always)]
 fn each<const N: usize>(element: impl Fn(usize) -> f64) -> [f64; N] {
     let mut all = [0.0; N];
@@ -46,13 +46,17 @@ impl<const N: usize> Dual<N> {
     /// `value` = f(self), whose derivative at `self` is `slope`.
     #[inline(always)]
     pub fn chain(self, value: f64, slope: f64) -> Self {
-        Dual { value, slope: each(|i| self.slope[i] * slope) }
+        Dual {
+            value,
+            slope: each(|i| self.slope[i] * slope),
+        }
     }
 
     /// A two-argument function's `value`, with the derivatives `by_self` and `by_other`.
     #[inline(always)]
     fn chain2(self, other: Self, value: f64, by_self: f64, by_other: f64) -> Self {
-        let slope = each(|i| <f64 as Scalar>::mul_add(self.slope[i], by_self, other.slope[i] * by_other));
+        let slope =
+            each(|i| <f64 as Scalar>::mul_add(self.slope[i], by_self, other.slope[i] * by_other));
         Dual { value, slope }
     }
 }
@@ -61,7 +65,10 @@ impl<const N: usize> Add for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn add(self, o: Self) -> Self {
-        Dual { value: self.value + o.value, slope: each(|i| self.slope[i] + o.slope[i]) }
+        Dual {
+            value: self.value + o.value,
+            slope: each(|i| self.slope[i] + o.slope[i]),
+        }
     }
 }
 
@@ -69,7 +76,10 @@ impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, o: Self) -> Self {
-        Dual { value: self.value - o.value, slope: each(|i| self.slope[i] - o.slope[i]) }
+        Dual {
+            value: self.value - o.value,
+            slope: each(|i| self.slope[i] - o.slope[i]),
+        }
     }
 }
 
@@ -105,7 +115,10 @@ impl<const N: usize> Scalar for Dual<N> {
 
     #[inline(always)]
     fn of(x: f64) -> Self {
-        Dual { value: x, slope: [0.0; N] }
+        Dual {
+            value: x,
+            slope: [0.0; N],
+        }
     }
     #[inline(always)]
     fn value(self) -> f64 {
@@ -114,8 +127,17 @@ impl<const N: usize> Scalar for Dual<N> {
     #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {
         let f = <f64 as Scalar>::mul_add;
-        let slope = each(|i| f(self.slope[i], a.value, f(self.value, a.slope[i], b.slope[i])));
-        Dual { value: f(self.value, a.value, b.value), slope }
+        let slope = each(|i| {
+            f(
+                self.slope[i],
+                a.value,
+                f(self.value, a.slope[i], b.slope[i]),
+            )
+        });
+        Dual {
+            value: f(self.value, a.value, b.value),
+            slope,
+        }
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -134,7 +156,11 @@ impl<const N: usize> Scalar for Dual<N> {
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        if self.value >= other.value { self } else { other }
+        if self.value >= other.value {
+            self
+        } else {
+            other
+        }
     }
     #[inline(always)]
     fn abs(self) -> Self {

@@ -7,8 +7,9 @@ use crate::scalar::{SERIES_LIMIT, Scalar, series_sin_cos};
 /// Numbers in a [`Lanes`].
 pub const LANES: usize = 8;
 
-/// Several numbers side by side, so that many jumps go at once: one register of 512 bits, two of 256 or four of 128, as the
-/// function they are inlined into is compiled for (see [`Width`](crate::Width)).
+/// Several numbers side by side, so that many jumps go at once: one register of 512 bits, two of
+/// 256 or four of 128, as the function they are inlined into is compiled for (see
+/// [`Width`](crate::Width)).
 ///
 /// Comparisons give masks: lanes of all ones (which is a NaN) where they hold, of 0 elsewhere.
 #[derive(Clone, Copy, Debug)]
@@ -108,7 +109,11 @@ impl Lanes {
     pub fn choose(self, yes: Lanes, no: Lanes) -> Lanes {
         let mut out = no;
         for i in 0..LANES {
-            out.0[i] = if self.0[i].to_bits() == 0 { no.0[i] } else { yes.0[i] };
+            out.0[i] = if self.0[i].to_bits() == 0 {
+                no.0[i]
+            } else {
+                yes.0[i]
+            };
         }
         out
     }
@@ -220,7 +225,10 @@ impl Scalar for Lanes {
             return (sin, cos);
         }
         // Lane by lane, so that no lane's result depends on its neighbours.
-        (far.choose(self.map(f64::sin), sin), far.choose(self.map(f64::cos), cos))
+        (
+            far.choose(self.map(f64::sin), sin),
+            far.choose(self.map(f64::cos), cos),
+        )
     }
     #[inline(always)]
     fn pow(self, n: Lanes) -> Lanes {

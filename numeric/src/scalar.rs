@@ -5,9 +5,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number that the equations of motion can be evaluated in.
 ///
-/// `f64` gives one jump, [`Dual`](crate::Dual) one jump with its exact derivatives, [`Lanes`](crate::Lanes)
-/// several jumps at a time. Angles given to [`sin_cos`](Scalar::sin_cos) are leans: any size is right, those below a
-/// right angle are fast.
+/// `f64` gives one jump, [`Dual`](crate::Dual) one jump with its exact derivatives,
+/// [`Lanes`](crate::Lanes) several jumps at a time. Angles given to [`sin_cos`](Scalar::sin_cos)
+/// are leans: any size is right, those below a right angle are fast.
 pub trait Scalar:
     Copy
     + Debug
@@ -51,8 +51,8 @@ impl<S: Scalar<Value = f64, Mask = bool>> Single for S {}
 /// Greatest magnitude of an angle (rad) for which [`series_sin_cos`] is good to round-off.
 pub(crate) const SERIES_LIMIT: f64 = 1.6;
 
-/// Sine and cosine for |x| ≤ [`SERIES_LIMIT`]: their Taylor series to x²¹ and x²², which is exact to round-off there
-/// and, unlike a library's, needs no reduction of the argument.
+/// Sine and cosine for |x| ≤ [`SERIES_LIMIT`]: their Taylor series to x²¹ and x²², which is exact
+/// to round-off there and, unlike a library's, needs no reduction of the argument.
 #[inline(always)]
 pub(crate) fn series_sin_cos<S: Scalar>(x: S) -> (S, S) {
     // Coefficients 1/n! with alternating sign, lowest power first.
@@ -114,7 +114,11 @@ impl Scalar for f64 {
     }
     #[inline(always)]
     fn sin_cos(self) -> (f64, f64) {
-        if self.abs() <= SERIES_LIMIT { series_sin_cos(self) } else { f64::sin_cos(self) }
+        if self.abs() <= SERIES_LIMIT {
+            series_sin_cos(self)
+        } else {
+            f64::sin_cos(self)
+        }
     }
     #[inline(always)]
     fn pow(self, n: f64) -> f64 {

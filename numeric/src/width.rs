@@ -3,7 +3,8 @@
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 use fearless_simd::{Level, Simd};
 
-/// The registers that [`Lanes`](crate::Lanes) go through. All that have fused multiply-add give the same bits.
+/// The registers that [`Lanes`](crate::Lanes) go through. All that have fused multiply-add give the
+/// same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Width {
     /// What every processor of the target has.
@@ -20,7 +21,11 @@ impl Width {
 
     /// The widest that this processor has.
     pub fn best() -> Width {
-        Width::ALL.into_iter().rev().find(|width| width.is_here()).unwrap_or(Width::Base)
+        Width::ALL
+            .into_iter()
+            .rev()
+            .find(|width| width.is_here())
+            .unwrap_or(Width::Base)
     }
 
     /// Whether this processor has it.
@@ -35,13 +40,15 @@ impl Width {
         return self == Width::Base;
     }
 
-    /// Whether a multiply-add is one instruction. Where it is a call, lanes cost more than jumps one by one.
+    /// Whether a multiply-add is one instruction. Where it is a call, lanes cost more than jumps
+    /// one by one.
     pub fn fuses(self) -> bool {
         const ALWAYS: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
         ALWAYS || self > Width::Base
     }
 
-    /// Does `work` with all that is inlined into it compiled for this width, or for the base where the processor has it not.
+    /// Does `work` with all that is inlined into it compiled for this width, or for the base where
+    /// the processor has it not.
     #[inline(always)]
     pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

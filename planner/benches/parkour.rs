@@ -8,7 +8,12 @@ use serde_json::Value;
 fn courses() -> Vec<Course> {
     let text = include_str!("../../tests/reference/parkour-hopper/instances.json");
     let file: Value = serde_json::from_str(text).unwrap_or_default();
-    file["instances"].as_array().into_iter().flatten().map(course).collect()
+    file["instances"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .map(course)
+        .collect()
 }
 
 fn course(i: &Value) -> Course {
@@ -27,7 +32,10 @@ fn course(i: &Value) -> Course {
         id: i["id"].as_str().unwrap_or_default().into(),
         start: number(i, "start_x_m"),
         start_height: number(i, "start_height_m"),
-        jumps: i["jumps"].as_u64().and_then(|n| usize::try_from(n).ok()).unwrap_or(0),
+        jumps: i["jumps"]
+            .as_u64()
+            .and_then(|n| usize::try_from(n).ok())
+            .unwrap_or(0),
         goal: Span::point(number(i, "goal_x_m")),
         obstacles: items("obstacles").iter().map(obstacle).collect(),
         no_landing: items("no_landing").iter().map(area).collect(),
@@ -37,11 +45,20 @@ fn course(i: &Value) -> Course {
 fn parkour(c: &mut Criterion) {
     let (courses, hopper, settings) = (courses(), Hopper::default(), Settings::default());
     c.bench_function("parkour/all 58", |b| {
-        b.iter(|| courses.iter().map(|course| plan(&hopper, course, &settings)).collect::<Vec<_>>());
+        b.iter(|| {
+            courses
+                .iter()
+                .map(|course| plan(&hopper, course, &settings))
+                .collect::<Vec<_>>()
+        });
     });
     for id in ["static-00", "static-06", "disturbances-05"] {
-        let Some(course) = courses.iter().find(|c| c.id == id) else { continue };
-        c.bench_function(&format!("parkour/{id}"), |b| b.iter(|| plan(&hopper, course, &settings)));
+        let Some(course) = courses.iter().find(|c| c.id == id) else {
+            continue;
+        };
+        c.bench_function(&format!("parkour/{id}"), |b| {
+            b.iter(|| plan(&hopper, course, &settings))
+        });
     }
 }
 

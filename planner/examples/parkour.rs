@@ -1,5 +1,6 @@
-//! Plans every problem of a parkour file and prints the time of each and of all: `parkour [INSTANCES.json [PLANS.json]]`, from the
-//! repository's root; without a file the 58 problems of the reference.
+//! Plans every problem of a parkour file and prints the time of each and of all: `parkour
+//! [INSTANCES.json [PLANS.json]]`, from the repository's root; without a file the 58 problems of
+//! the reference.
 
 use std::time::Instant;
 
@@ -26,7 +27,10 @@ struct Instance {
 }
 
 #[derive(Deserialize)]
-#[expect(clippy::struct_field_names, reason = "the file's keys carry their unit")]
+#[expect(
+    clippy::struct_field_names,
+    reason = "the file's keys carry their unit"
+)]
 struct Item {
     center_x_m: f64,
     width_m: f64,
@@ -36,8 +40,17 @@ struct Item {
 
 impl From<&Instance> for Course {
     fn from(i: &Instance) -> Course {
-        let obstacle = |o: &Item| Obstacle { center: o.center_x_m, width: o.width_m, height: o.height_m };
-        let area = |a: &Item| Span::new(a.center_x_m - a.width_m / 2.0, a.center_x_m + a.width_m / 2.0);
+        let obstacle = |o: &Item| Obstacle {
+            center: o.center_x_m,
+            width: o.width_m,
+            height: o.height_m,
+        };
+        let area = |a: &Item| {
+            Span::new(
+                a.center_x_m - a.width_m / 2.0,
+                a.center_x_m + a.width_m / 2.0,
+            )
+        };
         Course {
             id: i.id.clone(),
             start: i.start_x_m,
@@ -52,7 +65,9 @@ impl From<&Instance> for Course {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);
-    let file = args.next().unwrap_or("tests/reference/parkour-hopper/instances.json".into());
+    let file = args
+        .next()
+        .unwrap_or("tests/reference/parkour-hopper/instances.json".into());
     let file: File = serde_json::from_str(&std::fs::read_to_string(file)?)?;
     let (hopper, settings) = (Hopper::default(), Settings::default());
     let mut plans = Vec::new();
@@ -67,13 +82,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             best = best.min(begin.elapsed().as_secs_f64());
         }
         times.push(best);
-        let published = instance.published["total_flight_time_s"].as_f64().unwrap_or(f64::NAN);
+        let published = instance.published["total_flight_time_s"]
+            .as_f64()
+            .unwrap_or(f64::NAN);
         let Answer::Plan(plan) = answer else {
             println!("{:18} {:8.1} µs  {answer:?}", instance.id, best * 1e6);
             continue;
         };
         println!(
-            "{:18} {:8.1} µs  {:6} nodes {:4} solves {:3} QPs  {:?} kkt {:.1e} violation {:.1e}  {:.6} s, bound {:.6}, gain {:+.6}",
+            "{:18} {:8.1} µs  {:6} nodes {:4} solves {:3} QPs  {:?} kkt {:.1e} violation {:.1e}  \
+             {:.6} s, bound {:.6}, gain {:+.6}",
             instance.id,
             best * 1e6,
             plan.nodes,
@@ -96,7 +114,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     times.sort_by(f64::total_cmp);
     let middle = times.len() / 2;
-    println!("median {:.1} µs, worst {:.1} µs", times[middle] * 1e6, times[times.len() - 1] * 1e6);
+    println!(
+        "median {:.1} µs, worst {:.1} µs",
+        times[middle] * 1e6,
+        times[times.len() - 1] * 1e6
+    );
     if let Some(out) = args.next() {
         std::fs::write(out, serde_json::to_string(&json!({ "plans": plans }))?)?;
     }

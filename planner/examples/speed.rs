@@ -1,4 +1,5 @@
-//! Accuracy and speed together: reference rows, random jumps, the 61 × 36 firing table, a plan over a box.
+//! Accuracy and speed together: reference rows, random jumps, the 61 × 36 firing table, a plan over
+//! a box.
 //!
 //! `cargo run --release -p saltus-planner --example speed`, from the repository's root.
 
@@ -8,7 +9,8 @@ use std::time::Instant;
 use saltus_lagrangian::Launch;
 use saltus_planner::course::{Course, Obstacle, Span};
 use saltus_planner::{
-    Crossing, CrossingAnswer, FIRING_ANGLES, Jump, Measure, PLANNING_TOLERANCE, Planner, Roots, TableRequest,
+    Crossing, CrossingAnswer, FIRING_ANGLES, Jump, Measure, PLANNING_TOLERANCE, Planner, Roots,
+    TableRequest,
 };
 use saltus_robot::Robot;
 
@@ -16,7 +18,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let planner = Planner::new(Robot::rats_planar());
     let rows: Vec<Launch> = read("tests/reference/jumps.csv")?
         .iter()
-        .map(|row| Launch { rate: row[0], lean: row[1], firing_angle: row[2], valve_open: row[3] })
+        .map(|row| Launch {
+            rate: row[0],
+            lean: row[1],
+            firing_angle: row[2],
+            valve_open: row[3],
+        })
         .collect();
     compare("192 reference rows", &planner, &rows);
     compare("20000 random jumps", &planner, &random(20_000));
@@ -31,23 +38,46 @@ fn compare(name: &str, planner: &Planner, launches: &[Launch]) {
         .iter()
         .map(|launch| {
             let end = fine.jump(launch).expect("a legal launch");
-            results(&Jump { stance: end, ..planner.jump(launch).expect("a legal launch") }, &end)
+            results(
+                &Jump {
+                    stance: end,
+                    ..planner.jump(launch).expect("a legal launch")
+                },
+                &end,
+            )
         })
         .collect();
-    let single = || -> Vec<Jump> { launches.iter().filter_map(|l| planner.jump(l).ok()).collect() };
-    let batch = || -> Vec<Jump> { planner.jumps(launches).into_iter().filter_map(Result::ok).collect() };
-    for (route, jumps) in [("one at a time", &single as &dyn Fn() -> Vec<Jump>), ("in SIMD lanes", &batch)] {
+    let single = || -> Vec<Jump> {
+        launches
+            .iter()
+            .filter_map(|l| planner.jump(l).ok())
+            .collect()
+    };
+    let batch = || -> Vec<Jump> {
+        planner
+            .jumps(launches)
+            .into_iter()
+            .filter_map(Result::ok)
+            .collect()
+    };
+    for (route, jumps) in [
+        ("one at a time", &single as &dyn Fn() -> Vec<Jump>),
+        ("in SIMD lanes", &batch),
+    ] {
         let worst = jumps()
             .iter()
             .zip(&exact)
             .flat_map(|(jump, exact)| {
                 let got = results(jump, &jump.stance);
-                std::array::from_fn::<f64, 3, _>(|k| (got[k] - exact[k]).abs() / exact[k].abs().max(0.01))
+                std::array::from_fn::<f64, 3, _>(|k| {
+                    (got[k] - exact[k]).abs() / exact[k].abs().max(0.01)
+                })
             })
             .fold(0.0, f64::max);
         let [least, median, most] = time(|| jumps().len()).map(|s| s / launches.len() as f64 * 1e6);
         println!(
-            "saltus {name}, {route}: error at most {worst:.1e}; {median:.2} us a jump [{least:.2}..{most:.2}], {:.0} jumps/s",
+            "saltus {name}, {route}: error at most {worst:.1e}; {median:.2} us a jump \
+             [{least:.2}..{most:.2}], {:.0} jumps/s",
             1e6 / median
         );
     }
@@ -56,9 +86,16 @@ fn compare(name: &str, planner: &Planner, launches: &[Launch]) {
 
 /// Apex and both landings (m) of a stance's end.
 fn results(jump: &Jump, end: &saltus_lagrangian::LiftOff) -> [f64; 3] {
-    let Some(mut flight) = jump.flight else { return [f64::NAN; 3] };
+    let Some(mut flight) = jump.flight else {
+        return [f64::NAN; 3];
+    };
     let ((x, y), (vx, vy)) = (end.position(), end.velocity());
-    (flight.vacuum.x, flight.vacuum.y, flight.vacuum.vx, flight.vacuum.vy) = (x, y, vx, vy);
+    (
+        flight.vacuum.x,
+        flight.vacuum.y,
+        flight.vacuum.vx,
+        flight.vacuum.vy,
+    ) = (x, y, vx, vy);
     let land = |height| flight.range_to_height(height).unwrap_or(f64::NAN);
     [flight.apex_height(), land(0.24), land(0.0)]
 }
@@ -66,11 +103,15 @@ fn results(jump: &Jump, end: &saltus_lagrangian::LiftOff) -> [f64; 3] {
 /// The firing table, against its reference.
 fn table(planner: &Planner) -> Result<(), Box<dyn Error>> {
     let grid = |low: f64, high: f64, n: usize| {
-        (0..n).map(|i| low + (high - low) * i as f64 / (n - 1) as f64).collect::<Vec<_>>()
+        (0..n)
+            .map(|i| low + (high - low) * i as f64 / (n - 1) as f64)
+            .collect::<Vec<_>>()
     };
     let mut request = TableRequest {
         rates: grid(3.0, 6.0, 61),
-        measure: Measure::Distance { landing_height: 0.0 },
+        measure: Measure::Distance {
+            landing_height: 0.0,
+        },
         targets: grid(0.3, 1.0, 36),
         valve_open: 0.1,
         start_lean: None,
@@ -88,22 +129,26 @@ fn table(planner: &Planner) -> Result<(), Box<dyn Error>> {
             .iter()
             .zip(&reference)
             .map(|(cell, row)| {
-                let angle = cell.entries.first().map_or(f64::NAN, |e| e.jump.launch.firing_angle);
+                let angle = cell
+                    .entries
+                    .first()
+                    .map_or(f64::NAN, |e| e.jump.launch.firing_angle);
                 (angle - row[2]).abs()
             })
             .fold(0.0, f64::max);
         let [least, median, most] =
             time(|| planner.table(&request).map_or(0, |t| t.cells.len())).map(|s| s * 1e3);
         println!(
-            "saltus table 61 x 36, every cell checked by a jump: {threads} thread(s) {median:.2} ms [{least:.2}..{most:.2}]; \
-             max |d alpha| {worst:.1e} rad in {} cells",
+            "saltus table 61 x 36, every cell checked by a jump: {threads} thread(s) {median:.2} \
+             ms [{least:.2}..{most:.2}]; max |d alpha| {worst:.1e} rad in {} cells",
             table.cells.len()
         );
     }
     Ok(())
 }
 
-/// The 21 cm box of thesis §5.2.3, 46 cm before the foot at 5 rad/s, with and without friction as a limit.
+/// The 21 cm box of thesis §5.2.3, 46 cm before the foot at 5 rad/s, with and without friction as a
+/// limit.
 fn plan(planner: &Planner) -> Result<(), Box<dyn Error>> {
     let course = Course {
         id: "box".into(),
@@ -111,16 +156,29 @@ fn plan(planner: &Planner) -> Result<(), Box<dyn Error>> {
         start_height: 0.0,
         jumps: 1,
         goal: Span::new(0.7, 1.1),
-        obstacles: vec![Obstacle { center: 0.46, width: 0.21, height: 0.21 }],
+        obstacles: vec![Obstacle {
+            center: 0.46,
+            width: 0.21,
+            height: 0.21,
+        }],
         no_landing: Vec::new(),
     };
     for friction in [None, Some(0.5)] {
-        let crossing = Crossing { friction, ..Crossing::new(course.clone(), 5.0) };
-        let CrossingAnswer::Plan(plan) = planner.cross(&crossing)? else { return Err("no plan".into()) };
-        let [least, median, most] = time(|| usize::from(planner.cross(&crossing).is_ok())).map(|s| s * 1e3);
-        let limit = friction.map_or("no friction limit".into(), |mu| format!("friction at most {mu}"));
+        let crossing = Crossing {
+            friction,
+            ..Crossing::new(course.clone(), 5.0)
+        };
+        let CrossingAnswer::Plan(plan) = planner.cross(&crossing)? else {
+            return Err("no plan".into());
+        };
+        let [least, median, most] =
+            time(|| usize::from(planner.cross(&crossing).is_ok())).map(|s| s * 1e3);
+        let limit = friction.map_or("no friction limit".into(), |mu| {
+            format!("friction at most {mu}")
+        });
         println!(
-            "saltus plan over a 21 cm box, {limit}: {median:.3} ms [{least:.3}..{most:.3}], holds in the planar model: {}",
+            "saltus plan over a 21 cm box, {limit}: {median:.3} ms [{least:.3}..{most:.3}], holds \
+             in the planar model: {}",
             plan.holds()
         );
     }
@@ -156,14 +214,27 @@ fn random(count: usize) -> Vec<Launch> {
         .map(|_| {
             let (rate, firing_angle) = (3.0 + 3.0 * uniform(), -0.25 + 0.35 * uniform());
             let lean = if uniform() < 0.5 { firing_angle } else { -0.35 };
-            Launch { rate, lean, firing_angle, valve_open: 0.02 + 0.08 * uniform() }
+            Launch {
+                rate,
+                lean,
+                firing_angle,
+                valve_open: 0.02 + 0.08 * uniform(),
+            }
         })
         .collect()
 }
 
 /// The numbers of a CSV file; its words become NaN.
 fn read(path: &str) -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
-    let text =
-        std::fs::read_to_string(path).map_err(|e| format!("{path}: {e}; run from the repository's root"))?;
-    Ok(text.lines().skip(1).map(|l| l.split(',').map(|x| x.parse().unwrap_or(f64::NAN)).collect()).collect())
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| format!("{path}: {e}; run from the repository's root"))?;
+    Ok(text
+        .lines()
+        .skip(1)
+        .map(|l| {
+            l.split(',')
+                .map(|x| x.parse().unwrap_or(f64::NAN))
+                .collect()
+        })
+        .collect())
 }

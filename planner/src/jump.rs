@@ -5,8 +5,8 @@ use saltus_lagrangian::{Batch, Launch, LiftOff, Stance, StanceError};
 use saltus_numeric::{Dual, Single};
 use saltus_robot::{Parameter, Robot};
 
-/// Error tolerance of the planner's stances: apex and landing are then right to nine digits (`bench/README.md` says how
-/// it is measured).
+/// Error tolerance of the planner's stances: apex and landing are then right to nine digits
+/// (`bench/README.md` says how it is measured).
 pub const PLANNING_TOLERANCE: f64 = 2e-9;
 
 /// A robot, ready to plan its jumps.
@@ -23,7 +23,8 @@ pub struct Jump<S = f64> {
     pub launch: Launch<S>,
     /// How the stance ended.
     pub stance: LiftOff<S>,
-    /// The flight of the wheel's centre, from the foot at (0, 0); none where the robot does not lift off.
+    /// The flight of the wheel's centre, from the foot at (0, 0); none where the robot does not
+    /// lift off.
     pub flight: Option<DragFlight<S>>,
 }
 
@@ -31,9 +32,22 @@ impl<S: Single> Jump<S> {
     pub(crate) fn new(launch: Launch<S>, stance: LiftOff<S>, gravity: S, drag: S) -> Jump<S> {
         let flight = stance.outcome.is_jump().then(|| {
             let ((x, y), (vx, vy)) = (stance.position(), stance.velocity());
-            DragFlight { vacuum: Flight { x, y, vx, vy, gravity }, drag }
+            DragFlight {
+                vacuum: Flight {
+                    x,
+                    y,
+                    vx,
+                    vy,
+                    gravity,
+                },
+                drag,
+            }
         });
-        Jump { launch, stance, flight }
+        Jump {
+            launch,
+            stance,
+            flight,
+        }
     }
 
     /// Greatest height (m) of the wheel's centre above the ground; none without a flight.
@@ -41,9 +55,11 @@ impl<S: Single> Jump<S> {
         self.flight.map(|f| f.apex_height())
     }
 
-    /// Distance (m) from the foot to where the wheel's centre comes down to `height` (m); none where it never does.
+    /// Distance (m) from the foot to where the wheel's centre comes down to `height` (m); none
+    /// where it never does.
     pub fn distance(&self, height: f64) -> Option<S> {
-        self.flight.and_then(|f| f.range_to_height(S::of(height)).ok())
+        self.flight
+            .and_then(|f| f.range_to_height(S::of(height)).ok())
     }
 
     /// As [`distance`](Self::distance), with the reason where there is none.
@@ -55,7 +71,8 @@ impl<S: Single> Jump<S> {
     }
 }
 
-/// A jump with its derivatives by approach rate, firing angle, valve opening time and supply pressure, in this order.
+/// A jump with its derivatives by approach rate, firing angle, valve opening time and supply
+/// pressure, in this order.
 pub type SensitiveJump = Jump<Dual<4>>;
 
 /// How a jump's result changes with what is measured and commanded.
@@ -77,7 +94,13 @@ impl Sensitivity {
     /// From a number with its derivatives.
     pub fn new(x: Dual<4>) -> Sensitivity {
         let [by_rate, by_firing_angle, by_valve_open, by_supply] = x.slope;
-        Sensitivity { value: x.value, by_rate, by_firing_angle, by_valve_open, by_supply }
+        Sensitivity {
+            value: x.value,
+            by_rate,
+            by_firing_angle,
+            by_valve_open,
+            by_supply,
+        }
     }
 
     /// Standard deviation of the result for independent `errors`, to first order.
@@ -114,15 +137,18 @@ impl Planner {
     /// Source: docs/model.md, Stance.
     pub fn pendulum(&self) -> f64 {
         let (mass, radius) = (self.robot.axle_mass(), self.robot.body.radius);
-        mass * self.robot.axle_gravity() * radius / (self.robot.body.inertia + mass * radius * radius)
+        mass * self.robot.axle_gravity() * radius
+            / (self.robot.body.inertia + mass * radius * radius)
     }
 
-    /// The rate (rad/s) at the lean `to` (rad) of a robot that pivots on its retracted leg with `rate` at the lean `from`; 0 where it does not get
-    /// there.
+    /// The rate (rad/s) at the lean `to` (rad) of a robot that pivots on its retracted leg with
+    /// `rate` at the lean `from`; 0 where it does not get there.
     ///
     /// √(ω² + 2 c (cos from − cos to)).
     pub fn pivoted(&self, rate: f64, from: f64, to: f64) -> f64 {
-        (rate * rate + 2.0 * self.pendulum() * (from.cos() - to.cos())).max(0.0).sqrt()
+        (rate * rate + 2.0 * self.pendulum() * (from.cos() - to.cos()))
+            .max(0.0)
+            .sqrt()
     }
 
     /// One jump.
@@ -139,11 +165,19 @@ impl Planner {
     /// Each as [`Stance::jump`].
     pub fn jumps(&self, launches: &[Launch]) -> Vec<Result<Jump, StanceError>> {
         let ends = self.batch.jumps(launches);
-        ends.into_iter().zip(launches).map(|(end, launch)| Ok(self.fly(launch, end?))).collect()
+        ends.into_iter()
+            .zip(launches)
+            .map(|(end, launch)| Ok(self.fly(launch, end?)))
+            .collect()
     }
 
     fn fly(&self, launch: &Launch, end: LiftOff) -> Jump {
-        Jump::new(*launch, end, self.robot.axle_gravity(), self.robot.environment.drag)
+        Jump::new(
+            *launch,
+            end,
+            self.robot.axle_gravity(),
+            self.robot.environment.drag,
+        )
     }
 
     /// The stance with the supply pressure as the direction `3` of its derivatives.
@@ -155,8 +189,8 @@ impl Planner {
         Stance::new(&self.robot, lift).with_tolerance(self.stance().tolerance)
     }
 
-    /// One jump with its derivatives by ω, α_f, t_v and P_s; a stance that starts at its firing angle keeps doing so
-    /// when that angle changes. `stance` is [`Planner::sensitive_stance`].
+    /// One jump with its derivatives by ω, α_f, t_v and P_s; a stance that starts at its firing
+    /// angle keeps doing so when that angle changes. `stance` is [`Planner::sensitive_stance`].
     ///
     /// # Errors
     /// As [`Stance::jump`].
@@ -170,7 +204,11 @@ impl Planner {
         let starts_at_firing = launch.lean == launch.firing_angle;
         let launch = Launch {
             rate: Dual::variable(launch.rate, 0),
-            lean: if starts_at_firing { firing_angle } else { Dual::of(launch.lean) },
+            lean: if starts_at_firing {
+                firing_angle
+            } else {
+                Dual::of(launch.lean)
+            },
             firing_angle,
             valve_open: Dual::variable(launch.valve_open, 2),
         };

@@ -16,7 +16,8 @@ pub struct Law {
     pub intercept: f64,
     /// Where it was fitted, one point an approach rate that can reach the target.
     pub points: Vec<LawPoint>,
-    /// Approach rates (rad/s) from which no angle reaches the target, with the nearest that is reached.
+    /// Approach rates (rad/s) from which no angle reaches the target, with the nearest that is
+    /// reached.
     pub out_of_reach: Vec<(f64, Option<Nearest>)>,
 }
 
@@ -58,27 +59,36 @@ impl Law {
         greatest_and_rms(self.points.iter().map(LawPoint::residual))
     }
 
-    /// Greatest and root-mean-square miss (m) of the jumps that the law fires; infinite if one of them does not jump.
+    /// Greatest and root-mean-square miss (m) of the jumps that the law fires; infinite if one of
+    /// them does not jump.
     pub fn misses(&self) -> (f64, f64) {
-        greatest_and_rms(self.points.iter().map(|p| p.miss().unwrap_or(f64::INFINITY)))
+        greatest_and_rms(
+            self.points
+                .iter()
+                .map(|p| p.miss().unwrap_or(f64::INFINITY)),
+        )
     }
 
-    /// Approach rates (rad/s) from the least to the greatest around which every fitted rate reaches the target within
-    /// `tolerance` (m): the longest such run; none if no rate does.
+    /// Approach rates (rad/s) from the least to the greatest around which every fitted rate reaches
+    /// the target within `tolerance` (m): the longest such run; none if no rate does.
     pub fn valid_range(&self, tolerance: f64) -> Option<(f64, f64)> {
         let holds = |p: &LawPoint| p.miss().is_some_and(|m| m.abs() <= tolerance);
-        let broken = |low: f64, high: f64| self.out_of_reach.iter().any(|(r, _)| *r > low && *r < high);
+        let broken =
+            |low: f64, high: f64| self.out_of_reach.iter().any(|(r, _)| *r > low && *r < high);
         let mut runs: Vec<(f64, f64)> = Vec::new();
         let mut open = false;
         for point in &self.points {
             match runs.last_mut() {
-                Some(run) if open && holds(point) && !broken(run.1, point.rate) => run.1 = point.rate,
+                Some(run) if open && holds(point) && !broken(run.1, point.rate) => {
+                    run.1 = point.rate
+                }
                 _ if holds(point) => runs.push((point.rate, point.rate)),
                 _ => {}
             }
             open = holds(point);
         }
-        runs.into_iter().max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)))
+        runs.into_iter()
+            .max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)))
     }
 }
 
@@ -89,12 +99,19 @@ fn greatest_and_rms(values: impl Iterator<Item = f64>) -> (f64, f64) {
         squares += value * value;
         count += 1.0;
     }
-    (greatest, if count > 0.0 { (squares / count).sqrt() } else { 0.0 })
+    (
+        greatest,
+        if count > 0.0 {
+            (squares / count).sqrt()
+        } else {
+            0.0
+        },
+    )
 }
 
 impl Planner {
-    /// The linear law of each target of `request`, by least squares over its approach rates; none for a target that
-    /// fewer than two of them reach.
+    /// The linear law of each target of `request`, by least squares over its approach rates; none
+    /// for a target that fewer than two of them reach.
     ///
     /// # Errors
     /// As [`Planner::table`].
@@ -104,31 +121,56 @@ impl Planner {
         let law = |target: usize| {
             let column = || table.cells.iter().skip(target).step_by(width);
             let known: Vec<(f64, f64)> = column()
-                .filter_map(|cell| Some((cell.rate, cell.entries.first()?.jump.launch.firing_angle)))
+                .filter_map(|cell| {
+                    Some((cell.rate, cell.entries.first()?.jump.launch.firing_angle))
+                })
                 .collect();
             let (slope, intercept) = line(&known)?;
             let target = request.targets[target];
             let points = known.iter().map(|&(rate, exact)| {
                 let fitted = slope * rate + intercept;
                 let lean = request.start_lean.unwrap_or(fitted);
-                let launch = Launch { rate, lean, firing_angle: fitted, valve_open: request.valve_open };
-                let value = self.jump(&launch).ok().and_then(|jump| request.measure.of(self, &jump));
-                LawPoint { rate, exact, fitted, value, target }
+                let launch = Launch {
+                    rate,
+                    lean,
+                    firing_angle: fitted,
+                    valve_open: request.valve_open,
+                };
+                let value = self
+                    .jump(&launch)
+                    .ok()
+                    .and_then(|jump| request.measure.of(self, &jump));
+                LawPoint {
+                    rate,
+                    exact,
+                    fitted,
+                    value,
+                    target,
+                }
             });
             let out_of_reach = column()
                 .filter(|cell| cell.entries.is_empty())
                 .map(|cell| (cell.rate, cell.nearest))
                 .collect();
-            Some(Law { slope, intercept, points: points.collect(), out_of_reach })
+            Some(Law {
+                slope,
+                intercept,
+                points: points.collect(),
+                out_of_reach,
+            })
         };
         Ok((0..width).map(law).collect())
     }
 }
 
-/// Slope and intercept of the least-squares line through `points`; none if they do not have two abscissae.
+/// Slope and intercept of the least-squares line through `points`; none if they do not have two
+/// abscissae.
 pub fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let n = points.len() as f64;
-    let (mx, my) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
+    let (mx, my) = (
+        points.iter().map(|p| p.0).sum::<f64>() / n,
+        points.iter().map(|p| p.1).sum::<f64>() / n,
+    );
     let spread: f64 = points.iter().map(|p| (p.0 - mx) * (p.0 - mx)).sum();
     if points.len() < 2 || spread <= 0.0 {
         return None;
@@ -157,7 +199,9 @@ mod tests {
     fn the_thesis_relation_is_linear_to_a_hundredth_of_a_radian() {
         let request = TableRequest {
             rates: vec![3.0, 3.75, 4.5, 5.25, 6.0],
-            measure: Measure::Distance { landing_height: 0.0 },
+            measure: Measure::Distance {
+                landing_height: 0.0,
+            },
             targets: vec![1.0, 40.0],
             valve_open: 0.1,
             start_lean: None,
@@ -166,12 +210,18 @@ mod tests {
             sensitivities: false,
             threads: 1,
         };
-        let laws = Planner::new(Robot::rats_planar()).laws(&request).expect("a legal request");
+        let laws = Planner::new(Robot::rats_planar())
+            .laws(&request)
+            .expect("a legal request");
         let law = laws[0].as_ref().expect("one metre is in reach");
-        // One reading of the thesis' search (docs/thesis.md) gives about −0.14 s and 0.68 rad; the thesis itself (5.2.3) says −0.1 s and
-        // 0.46 rad, which no reading gives. The slope falls from −0.151 at 3 rad/s to −0.141 at 6, so that any five of these rates agree
-        // to the width taken here.
-        assert!((law.slope + 0.145).abs() < 0.007 && (law.intercept - 0.69).abs() < 0.03, "{law:?}");
+        // One reading of the thesis' search (docs/thesis.md) gives about −0.14 s and 0.68 rad; the
+        // thesis itself (5.2.3) says −0.1 s and 0.46 rad, which no reading gives. The slope falls
+        // from −0.151 at 3 rad/s to −0.141 at 6, so that any five of these rates agree to the width
+        // taken here.
+        assert!(
+            (law.slope + 0.145).abs() < 0.007 && (law.intercept - 0.69).abs() < 0.03,
+            "{law:?}"
+        );
         assert!(law.residuals().0 < 0.01);
         assert_eq!(law.valid_range(law.misses().0), Some((3.0, 6.0)));
         // Nobody jumps 40 m.

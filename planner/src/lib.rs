@@ -11,9 +11,12 @@ mod proxy;
 mod table;
 
 pub use crossing::{
-    Check, Crossing, CrossingAnswer, CrossingError, CrossingPlan, EDGE_MARGIN, MARGIN_SIGMAS, PlannedJump,
+    Check, Crossing, CrossingAnswer, CrossingError, CrossingPlan, EDGE_MARGIN, MARGIN_SIGMAS,
+    PlannedJump,
 };
 pub use jump::{Jump, PLANNING_TOLERANCE, Planner, SensitiveJump, Sensitivity};
 pub use law::{Law, LawPoint, line};
 pub use map::{Map, MapRequest, Spot, SpotResult};
-pub use table::{Cell, Entry, FIRING_ANGLES, Measure, Nearest, Roots, Table, TableError, TableRequest};
+pub use table::{
+    Cell, Entry, FIRING_ANGLES, Measure, Nearest, Roots, Table, TableError, TableRequest,
+};

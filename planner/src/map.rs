@@ -53,8 +53,8 @@ pub struct SpotResult {
     pub distance: Option<f64>,
     /// Greatest height (m); none without a flight.
     pub apex: Option<f64>,
-    /// The friction coefficient that keeps the foot still, infinite where the foot would leave the ground; none if not
-    /// asked for.
+    /// The friction coefficient that keeps the foot still, infinite where the foot would leave the
+    /// ground; none if not asked for.
     pub friction_needed: Option<f64>,
 }
 
@@ -62,38 +62,53 @@ impl Planner {
     /// The map of `request`.
     ///
     /// # Errors
-    /// [`TableError`] if an axis is empty or there are no threads; a single launch outside its domain, or that cannot be
-    /// computed, has its error at its spot.
+    /// [`TableError`] if an axis is empty or there are no threads; a single launch outside its
+    /// domain, or that cannot be computed, has its error at its spot.
     pub fn map(&self, request: &MapRequest) -> Result<Map, TableError> {
-        for (name, axis) in
-            [("approach rates (rad/s)", &request.rates), ("firing angles (rad)", &request.firing_angles)]
-        {
+        for (name, axis) in [
+            ("approach rates (rad/s)", &request.rates),
+            ("firing angles (rad)", &request.firing_angles),
+        ] {
             if axis.is_empty() {
                 return Err(TableError::Empty { name });
             }
         }
         if request.threads == 0 {
-            return Err(TableError::Input { name: "threads", value: 0.0, allowed: "at least 1" });
+            return Err(TableError::Input {
+                name: "threads",
+                value: 0.0,
+                allowed: "at least 1",
+            });
         }
         let launches: Vec<Launch> = request
             .rates
             .iter()
             .flat_map(|&rate| {
-                request.firing_angles.iter().map(move |&firing_angle| Launch {
-                    rate,
-                    lean: request.start_lean.unwrap_or(firing_angle),
-                    firing_angle,
-                    valve_open: request.valve_open,
-                })
+                request
+                    .firing_angles
+                    .iter()
+                    .map(move |&firing_angle| Launch {
+                        rate,
+                        lean: request.start_lean.unwrap_or(firing_angle),
+                        firing_angle,
+                        valve_open: request.valve_open,
+                    })
             })
             .collect();
-        let parts = in_chunks(&launches, LAUNCHES, request.threads, |launches| self.spots(request, launches));
-        Ok(Map { spots: parts.into_iter().flatten().collect() })
+        let parts = in_chunks(&launches, LAUNCHES, request.threads, |launches| {
+            self.spots(request, launches)
+        });
+        Ok(Map {
+            spots: parts.into_iter().flatten().collect(),
+        })
     }
 
     fn spots(&self, request: &MapRequest, launches: &[Launch]) -> Vec<Spot> {
         let needed = |stance: &Stance<f64>, launch: &Launch| {
-            stance.trace(launch).map(|trace| trace.contact.friction_needed).ok()
+            stance
+                .trace(launch)
+                .map(|trace| trace.contact.friction_needed)
+                .ok()
         };
         self.jumps(launches)
             .into_iter()
@@ -104,7 +119,10 @@ impl Planner {
                     outcome: jump.stance.outcome,
                     distance: jump.distance(request.landing_height),
                     apex: jump.apex(),
-                    friction_needed: request.friction.then(|| needed(self.stance(), launch)).flatten(),
+                    friction_needed: request
+                        .friction
+                        .then(|| needed(self.stance(), launch))
+                        .flatten(),
                 }),
             })
             .collect()

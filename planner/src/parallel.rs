@@ -3,9 +3,11 @@
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What `work` makes of each chunk of `size` items (≥ 1), in their order, with so many `threads` at work.
+/// What `work` makes of each chunk of `size` items (≥ 1), in their order, with so many `threads` at
+/// work.
 ///
-/// A thread that is done with a chunk takes the next, so that none waits for one whose chunks are harder.
+/// A thread that is done with a chunk takes the next, so that none waits for one whose chunks are
+/// harder.
 ///
 /// # Panics
 /// If `size` is 0, and as `work` does.
@@ -27,7 +29,9 @@ pub fn in_chunks<T: Sync, R: Send>(
         done
     };
     let mut done = std::thread::scope(|scope| {
-        let others: Vec<_> = (1..threads.min(chunks.len())).map(|_| scope.spawn(take)).collect();
+        let others: Vec<_> = (1..threads.min(chunks.len()))
+            .map(|_| scope.spawn(take))
+            .collect();
         let mut done = take();
         for other in others {
             done.extend(other.join().unwrap_or_else(|panic| resume_unwind(panic)));
@@ -49,7 +53,11 @@ mod tests {
             for size in [1, 4, 100, 101, 500] {
                 let parts = in_chunks(&items, size, threads, <[usize]>::to_vec);
                 assert_eq!(parts.len(), items.len().div_ceil(size));
-                assert_eq!(parts.concat(), items, "chunks of {size} by {threads} threads");
+                assert_eq!(
+                    parts.concat(),
+                    items,
+                    "chunks of {size} by {threads} threads"
+                );
             }
         }
         assert!(in_chunks(&[0; 0], 4, 2, <[i32]>::len).is_empty());
@@ -58,6 +66,8 @@ mod tests {
     #[test]
     #[should_panic(expected = "chunk 3")]
     fn a_panic_comes_through() {
-        in_chunks(&[0, 1, 2, 3, 4], 1, 2, |chunk| assert!(chunk[0] != 3, "chunk {}", chunk[0]));
+        in_chunks(&[0, 1, 2, 3, 4], 1, 2, |chunk| {
+            assert!(chunk[0] != 3, "chunk {}", chunk[0])
+        });
     }
 }

@@ -1,20 +1,20 @@
-//! A one-leg hopper on a boom that crosses obstacle courses, as a [`Jumper`]: launch speed and angle are free, and the
-//! total flight time is to be least.
+//! A one-leg hopper on a boom that crosses obstacle courses, as a [`Jumper`]: launch speed and
+//! angle are free, and the total flight time is to be least.
 //!
-//! Decided are the distance D of a jump, foothold to foothold, and its launch angle θ; the landing is then linear in the
-//! decisions, and time and speed follow in closed form. With the flight from p = foothold + ℓ (cos θ, sin θ) + f over
-//! the length L = D − p_x and the rise H = surface − p_z:
+//! Decided are the distance D of a jump, foothold to foothold, and its launch angle θ; the landing
+//! is then linear in the decisions, and time and speed follow in closed form. With the flight from
+//! p = foothold + ℓ (cos θ, sin θ) + f over the length L = D − p_x and the rise H = surface − p_z:
 //!
 //! ```text
 //! t = √(2 (L tan θ − H) / g)      v = L / (t cos θ)
 //! height over a point e ahead of p:  p_z + e tan θ − (e/L)² (L tan θ − H)
 //! ```
 //!
-//! Time, speed and all heights grow with θ at a given distance: a jump from here to there is fastest at the lowest θ that
-//! its clearances and the least speed allow.
+//! Time, speed and all heights grow with θ at a given distance: a jump from here to there is
+//! fastest at the lowest θ that its clearances and the least speed allow.
 //!
-//! Source: README.md and check.py of the problem set (Albracht, Kumar, Vyas, 'Model Predictive Parkour Control of a
-//! Monoped Hopper in Dynamically Changing Environments', RA-L 2024).
+//! Source: README.md and check.py of the problem set (Albracht, Kumar, Vyas, 'Model Predictive
+//! Parkour Control of a Monoped Hopper in Dynamically Changing Environments', RA-L 2024).
 
 use saltus_numeric::{Scalar, Single};
 
@@ -33,7 +33,8 @@ pub struct Hopper {
     pub knee: [f64; 2],
     /// Launch speed v (m/s), > 0.
     pub speed: Span,
-    /// Launch angle θ (rad) above the ground, above the angle of the longest jump and below a right angle.
+    /// Launch angle θ (rad) above the ground, above the angle of the longest jump and below a right
+    /// angle.
     pub angle: Span,
     /// Flight time t (s), > 0.
     pub time: Span,
@@ -93,7 +94,11 @@ impl Hopper {
     pub fn launch(&self, jump: &Jump) -> Launch {
         let [distance, angle] = jump.decisions;
         let arc = self.arc(&jump.leap, distance, angle);
-        Launch { flight_time: arc.time, speed: arc.speed, angle }
+        Launch {
+            flight_time: arc.time,
+            speed: arc.speed,
+            angle,
+        }
     }
 
     fn start<S: Single>(&self, leap: &Leap, (sin, cos): (S, S)) -> [S; 2] {
@@ -109,10 +114,18 @@ impl Hopper {
         let length = distance - start[0];
         let fall = length * tan + start[1] - S::of(leap.to);
         let time = (fall * S::of(2.0 / self.gravity)).sqrt();
-        Arc { tan, start, length, fall, time, speed: length / (time * cos) }
+        Arc {
+            tan,
+            start,
+            length,
+            fall,
+            time,
+            speed: length / (time * cos),
+        }
     }
 
-    /// What passes an edge: the flying foot at a front edge, the knee at a back edge (m from the flying foot).
+    /// What passes an edge: the flying foot at a front edge, the knee at a back edge (m from the
+    /// flying foot).
     fn passing(&self, edge: &Edge) -> [f64; 2] {
         match edge.side {
             Side::Front => [0.0, 0.0],
@@ -125,11 +138,12 @@ impl Hopper {
         let [x, z] = self.passing(edge);
         let ahead = S::of(edge.x - x) - foot - arc.start[0];
         let part = ahead / arc.length;
-        arc.start[1] + ahead * arc.tan - part * part * arc.fall + S::of(z - edge.top - self.clearance)
+        arc.start[1] + ahead * arc.tan - part * part * arc.fall
+            + S::of(z - edge.top - self.clearance)
     }
 
-    /// The most clearance (m) beyond what is required that a jump at `angle` from within `feet` to within `landings` can
-    /// have over all its edges; exact where both are points.
+    /// The most clearance (m) beyond what is required that a jump at `angle` from within `feet` to
+    /// within `landings` can have over all its edges; exact where both are points.
     ///
     /// With a point e ahead of the start and r = L − e before the end, the height is
     /// p_z + tan θ · e r/(e + r) + H (e/(e + r))²; the first product grows with e and with r.
@@ -167,14 +181,16 @@ impl Hopper {
         leap.edges.iter().map(over).fold(f64::INFINITY, f64::min)
     }
 
-    /// How much further (m) a flight falls below its tangent than one that lands at its apex, L tan θ − 2 H.
+    /// How much further (m) a flight falls below its tangent than one that lands at its apex, L tan
+    /// θ − 2 H.
     fn descent(&self, leap: &Leap, distance: f64, angle: f64) -> f64 {
         let (sin, cos) = Scalar::sin_cos(angle);
         let start = self.start(leap, (sin, cos));
         (distance - start[0]) * sin / cos + 2.0 * (start[1] - leap.to)
     }
 
-    /// Lowest launch angle (rad) from `low` up at which `margin`, which grows with the angle, is not negative.
+    /// Lowest launch angle (rad) from `low` up at which `margin`, which grows with the angle, is
+    /// not negative.
     fn steepen(&self, low: f64, margin: impl Fn(f64) -> f64) -> Option<f64> {
         let high = self.angle.high;
         let at_low = margin(low);
@@ -185,7 +201,8 @@ impl Hopper {
         (at_high >= 0.0).then(|| rising_root(margin, [low, at_low], [high, at_high]))
     }
 
-    /// Distance (m) of a jump at a speed and an angle; none if it does not get as high as the landing.
+    /// Distance (m) of a jump at a speed and an angle; none if it does not get as high as the
+    /// landing.
     fn distance(&self, leap: &Leap, speed: f64, angle: f64) -> Option<f64> {
         let (sin, cos) = Scalar::sin_cos(angle);
         let start = self.start(leap, (sin, cos));
@@ -194,12 +211,13 @@ impl Hopper {
         (square >= 0.0).then(|| start[0] + speed * cos * (up + square.sqrt()) / self.gravity)
     }
 
-    /// Whether jumps at `speed` get shorter with every launch angle above `angle`: the longest is at
-    /// tan θ = v/√(v² − 2 g H).
+    /// Whether jumps at `speed` get shorter with every launch angle above `angle`: the longest is
+    /// at tan θ = v/√(v² − 2 g H).
     fn past_longest(&self, leap: &Leap, speed: f64, angle: f64) -> bool {
         // The start moves with the angle, by less than a hundredth of a radian's worth.
         let (sin, cos) = Scalar::sin_cos(angle - 0.01);
-        let square = speed * speed + 2.0 * self.gravity * (self.start(leap, (sin, cos))[1] - leap.to);
+        let square =
+            speed * speed + 2.0 * self.gravity * (self.start(leap, (sin, cos))[1] - leap.to);
         square > 0.0 && square * sin * sin > speed * speed * cos * cos
     }
 
@@ -210,7 +228,9 @@ impl Hopper {
         let up = speed.low * speed.low * (2.0 * steepest).sin() / (2.0 * self.gravity);
         let to_apex = self.start(leap, Scalar::sin_cos(steepest))[0] + up;
         let shortest = self.distance(leap, speed.low, steepest);
-        let low = shortest.filter(|_| self.past_longest(leap, speed.low, angle)).unwrap_or(to_apex);
+        let low = shortest
+            .filter(|_| self.past_longest(leap, speed.low, angle))
+            .unwrap_or(to_apex);
         let high = if self.past_longest(leap, speed.high, angle) {
             self.distance(leap, speed.high, angle)?
         } else {
@@ -226,9 +246,14 @@ impl Hopper {
         Some(Span::new(low, high))
     }
 
-    /// Speed (m/s) above the least one; negative too where the landing is above the launch's tangent.
+    /// Speed (m/s) above the least one; negative too where the landing is above the launch's
+    /// tangent.
     fn excess_speed(&self, arc: &Arc<f64>) -> f64 {
-        if arc.fall > 0.0 { arc.speed - self.speed.low } else { -self.speed.low }
+        if arc.fall > 0.0 {
+            arc.speed - self.speed.low
+        } else {
+            -self.speed.low
+        }
     }
 
     /// Least time (s) over a distance at `angle` or steeper, with the least speed.
@@ -242,7 +267,13 @@ impl Hopper {
 
 impl Jumper for Hopper {
     fn decisions(&self, _jump: usize) -> [Span; 2] {
-        [Span::new(0.0, self.leg + self.speed.high * self.angle.low.cos() * self.time.high), self.angle]
+        [
+            Span::new(
+                0.0,
+                self.leg + self.speed.high * self.angle.low.cos() * self.time.high,
+            ),
+            self.angle,
+        ]
     }
 
     fn fly(
@@ -253,17 +284,37 @@ impl Jumper for Hopper {
         margins: &mut Vec<Margin<Slope>>,
     ) -> Flight<Slope> {
         let arc = self.arc(leap, distance, angle);
-        let mut robot = |name, value| margins.push(Margin { limit: Limit::Robot(name), value });
+        let mut robot = |name, value| {
+            margins.push(Margin {
+                limit: Limit::Robot(name),
+                value,
+            })
+        };
         robot("least launch speed", arc.speed - Slope::of(self.speed.low));
-        robot("greatest launch speed", Slope::of(self.speed.high) - arc.speed);
-        robot("landing from above", arc.fall + arc.start[1] - Slope::of(leap.to));
+        robot(
+            "greatest launch speed",
+            Slope::of(self.speed.high) - arc.speed,
+        );
+        robot(
+            "landing from above",
+            arc.fall + arc.start[1] - Slope::of(leap.to),
+        );
         robot("least flight time", arc.time - Slope::of(self.time.low));
         robot("greatest flight time", Slope::of(self.time.high) - arc.time);
         for edge in &leap.edges {
-            let limit = Limit::Edge { obstacle: edge.obstacle, side: edge.side };
-            margins.push(Margin { limit, value: self.over(edge, foot, &arc) });
+            let limit = Limit::Edge {
+                obstacle: edge.obstacle,
+                side: edge.side,
+            };
+            margins.push(Margin {
+                limit,
+                value: self.over(edge, foot, &arc),
+            });
         }
-        Flight { landing: foot + distance, cost: arc.time }
+        Flight {
+            landing: foot + distance,
+            cost: arc.time,
+        }
     }
 
     fn aim(&self, leap: &Leap, foot: f64, landing: f64) -> [f64; 2] {
@@ -274,20 +325,32 @@ impl Jumper for Hopper {
                 .excess_speed(&arc)
                 .min(arc.time - self.time.low)
                 .min(self.descent(leap, distance, angle));
-            self.most_over(leap, Span::point(foot), Span::point(landing), distance, angle).min(robot)
+            self.most_over(
+                leap,
+                Span::point(foot),
+                Span::point(landing),
+                distance,
+                angle,
+            )
+            .min(robot)
         };
-        [distance, self.steepen(self.angle.low, margin).unwrap_or(self.angle.high)]
+        [
+            distance,
+            self.steepen(self.angle.low, margin)
+                .unwrap_or(self.angle.high),
+        ]
     }
 
-    /// At a given launch angle the time grows concavely with the distance, and so it falls at the least speed: chords
-    /// bound it from below.
+    /// At a given launch angle the time grows concavely with the distance, and so it falls at the
+    /// least speed: chords bound it from below.
     fn envelope(&self, leap: &Leap, feet: Span, landings: Span, reach: Span) -> Option<Envelope> {
         let furthest = reach.high.min(landings.high - feet.low);
         let angle = if leap.edges.is_empty() && leap.to <= leap.from {
             self.angle.low
         } else {
             self.steepen(self.angle.low, |angle| {
-                self.most_over(leap, feet, landings, furthest, angle).min(self.descent(leap, furthest, angle))
+                self.most_over(leap, feet, landings, furthest, angle)
+                    .min(self.descent(leap, furthest, angle))
             })?
         };
         let Span { low, high } = self.reach(leap, angle)?.meet(reach).meet(landings - feet);
@@ -299,9 +362,11 @@ impl Jumper for Hopper {
             .distance(leap, self.speed.low, angle)
             .filter(|_| self.past_longest(leap, self.speed.low, angle));
         Some(match slowest {
-            Some(middle) if low < middle && middle < high => {
-                Envelope::new(&[least(low), [middle, self.arc(leap, middle, angle).time], least(high)])
-            }
+            Some(middle) if low < middle && middle < high => Envelope::new(&[
+                least(low),
+                [middle, self.arc(leap, middle, angle).time],
+                least(high),
+            ]),
             _ => Envelope::new(&[least(low), least(high)]),
         })
     }
@@ -311,8 +376,8 @@ impl Jumper for Hopper {
     }
 }
 
-/// Where a rising function crosses zero between a point [x, f] with f < 0 and one with f ≥ 0; from the side where it is
-/// not negative. Regula falsi, the Illinois way.
+/// Where a rising function crosses zero between a point [x, f] with f < 0 and one with f ≥ 0; from
+/// the side where it is not negative. Regula falsi, the Illinois way.
 fn rising_root(f: impl Fn(f64) -> f64, mut below: [f64; 2], mut above: [f64; 2]) -> f64 {
     const ROUND_OFF: f64 = 1e-15;
     let mut end = above[0];

@@ -1,6 +1,8 @@
-//! A function of one variable, sampled where it costs and then known everywhere: piecewise Chebyshev interpolants.
+//! A function of one variable, sampled where it costs and then known everywhere: piecewise
+//! Chebyshev interpolants.
 //!
-//! Source: Boyd, Solving Transcendental Equations (SIAM 2014), ch. 2–3: adaptive interpolation, roots from the interpolant.
+//! Source: Boyd, Solving Transcendental Equations (SIAM 2014), ch. 2–3: adaptive interpolation,
+//! roots from the interpolant.
 
 use std::f64::consts::PI;
 
@@ -55,12 +57,18 @@ impl Piece {
             let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
             *c = sign * sum * if j == 0 { 1.0 } else { 2.0 } / NODES as f64;
         }
-        Piece { low, high, coefficients }
+        Piece {
+            low,
+            high,
+            coefficients,
+        }
     }
 
     /// Size of the last coefficients: about what the interpolant is off by.
     pub(crate) fn tail(&self) -> f64 {
-        self.coefficients[NODES - 3..].iter().fold(0.0, |m, c| m.max(c.abs()))
+        self.coefficients[NODES - 3..]
+            .iter()
+            .fold(0.0, |m, c| m.max(c.abs()))
     }
 
     /// Value and slope at `x`, by Clenshaw's recurrence.
@@ -72,7 +80,10 @@ impl Piece {
             (d1, d2) = (2.0 * t * d1 - d2 + 2.0 * b1, d1);
             (b1, b2) = (2.0 * t * b1 - b2 + c, b1);
         }
-        (self.coefficients[0] + t * b1 - b2, (b1 + t * d1 - d2) * scale)
+        (
+            self.coefficients[0] + t * b1 - b2,
+            (b1 + t * d1 - d2) * scale,
+        )
     }
 
     /// Adds the stretches on which this piece, number `index`, is monotonic.
@@ -88,25 +99,43 @@ impl Piece {
             if slope * next < 0.0 {
                 let turn = self.turn(x(i - 1), x(i), slope);
                 let value = self.at(turn).0;
-                into.push(Branch { piece: index, low: start.0, high: turn, at_low: start.1, at_high: value });
+                into.push(Branch {
+                    piece: index,
+                    low: start.0,
+                    high: turn,
+                    at_low: start.1,
+                    at_high: value,
+                });
                 start = (turn, value);
             }
             slope = next;
         }
         let value = self.at(self.high).0;
-        into.push(Branch { piece: index, low: start.0, high: self.high, at_low: start.1, at_high: value });
+        into.push(Branch {
+            piece: index,
+            low: start.0,
+            high: self.high,
+            at_low: start.1,
+            at_high: value,
+        });
     }
 
-    /// Where the slope, whose sign at `a` is that of `slope`, vanishes between `a` and `b`: by bisection to round-off.
+    /// Where the slope, whose sign at `a` is that of `slope`, vanishes between `a` and `b`: by
+    /// bisection to round-off.
     fn turn(&self, mut a: f64, mut b: f64, slope: f64) -> f64 {
         for _ in 0..60 {
             let middle = 0.5 * (a + b);
-            if self.at(middle).1 * slope > 0.0 { a = middle } else { b = middle }
+            if self.at(middle).1 * slope > 0.0 {
+                a = middle
+            } else {
+                b = middle
+            }
         }
         0.5 * (a + b)
     }
 
-    /// Where the interpolant takes `value` on `branch`: Newton's method, held inside the bracket by bisection.
+    /// Where the interpolant takes `value` on `branch`: Newton's method, held inside the bracket by
+    /// bisection.
     pub(crate) fn solve(&self, branch: &Branch, value: f64) -> Option<f64> {
         let (mut a, mut b) = (branch.low, branch.high);
         let (fa, fb) = (branch.at_low - value, branch.at_high - value);
@@ -114,7 +143,11 @@ impl Piece {
             return None;
         }
         let rising = fb > fa;
-        let mut x = if fb == fa { a } else { a - fa * (b - a) / (fb - fa) };
+        let mut x = if fb == fa {
+            a
+        } else {
+            a - fa * (b - a) / (fb - fa)
+        };
         for _ in 0..60 {
             let (f, slope) = self.at(x);
             let f = f - value;
@@ -124,7 +157,11 @@ impl Piece {
                 a = x;
             }
             let newton = x - f / slope;
-            let next = if newton > a && newton < b { newton } else { 0.5 * (a + b) };
+            let next = if newton > a && newton < b {
+                newton
+            } else {
+                0.5 * (a + b)
+            };
             if (next - x).abs() <= 1e-15 {
                 return Some(next);
             }

@@ -1,4 +1,5 @@
-//! Firing tables: the firing angles that reach a distance, or clear an obstacle, over approach rates.
+//! Firing tables: the firing angles that reach a distance, or clear an obstacle, over approach
+//! rates.
 
 use saltus_ballistic::{Disc, Obstacle};
 use saltus_lagrangian::{Launch, StanceError};
@@ -38,8 +39,9 @@ pub enum Measure {
         /// Height (m) of the wheel's centre at the landing.
         landing_height: f64,
     },
-    /// Least distance (m) of the flying wheel from an obstacle, given from the foot at x = 0, or how far beyond it the
-    /// wheel's centre lands, whichever is less; negative where the wheel hits the obstacle or lands before its end.
+    /// Least distance (m) of the flying wheel from an obstacle, given from the foot at x = 0, or
+    /// how far beyond it the wheel's centre lands, whichever is less; negative where the wheel hits
+    /// the obstacle or lands before its end.
     Clearance {
         /// The obstacle.
         obstacle: Obstacle,
@@ -74,10 +76,11 @@ pub struct Cell {
     pub target: f64,
     /// The firing angles that serve, ascending; none where no angle does.
     pub entries: Vec<Entry>,
-    /// Where no angle serves: the nearest value (m) that is reached, and how; none where no jump has a value.
+    /// Where no angle serves: the nearest value (m) that is reached, and how; none where no jump
+    /// has a value.
     pub nearest: Option<Nearest>,
-    /// Whether any angle takes off. Where one does and there is still no nearest, no jump comes down to the landing height: each stays below
-    /// it, or falls for ever.
+    /// Whether any angle takes off. Where one does and there is still no nearest, no jump comes
+    /// down to the landing height: each stays below it, or falls for ever.
     pub takes_off: bool,
 }
 
@@ -88,7 +91,8 @@ pub struct Entry {
     pub jump: Jump,
     /// What its measure comes to (m): the target, to the planner's tolerance.
     pub value: f64,
-    /// Sensitivity of the measured distance and of the apex, where asked for and the measure is a distance.
+    /// Sensitivity of the measured distance and of the apex, where asked for and the measure is a
+    /// distance.
     pub sensitivity: Option<[Sensitivity; 2]>,
 }
 
@@ -126,12 +130,13 @@ pub enum TableError {
     Stance(#[from] StanceError),
 }
 
-/// An interpolant is trusted where its last coefficients are below this (m): a Newton step from its root then lands
-/// within round-off.
+/// An interpolant is trusted where its last coefficients are below this (m): a Newton step from its
+/// root then lands within round-off.
 const INTERPOLANT: f64 = 2e-9;
 /// Residual (m) at which an entry counts as solved: below the error of the jump itself.
 const RESIDUAL: f64 = 5e-10;
-/// Rows that are worked on together: few, so that threads share them evenly, and enough to keep SIMD lanes full.
+/// Rows that are worked on together: few, so that threads share them evenly, and enough to keep
+/// SIMD lanes full.
 const ROWS: usize = 4;
 /// Intervals (rad) are not divided below this.
 const NARROW: f64 = 1e-4;
@@ -145,7 +150,9 @@ impl Measure {
                 let flight = jump.flight?;
                 let radius = planner.robot().body.radius;
                 let landing = flight.time_to_height(radius).ok()?;
-                let clearance = flight.clearance(&Disc::wheel(radius), obstacle, 0.0, landing).ok()?;
+                let clearance = flight
+                    .clearance(&Disc::wheel(radius), obstacle, 0.0, landing)
+                    .ok()?;
                 let beyond = flight.range_to_height(radius).ok()? - obstacle.back();
                 Some(clearance.distance.min(beyond))
             }
@@ -157,9 +164,10 @@ impl Measure {
 impl Planner {
     /// The firing table of `request`.
     ///
-    /// Each row is sampled at Chebyshev points of the firing angle; pieces end where the outcome changes. Between its
-    /// turning points an interpolant has at most one root for each target, so none is missed that is wider than a
-    /// quarter of the nodes' spacing; each root is then solved with jumps, until one confirms it.
+    /// Each row is sampled at Chebyshev points of the firing angle; pieces end where the outcome
+    /// changes. Between its turning points an interpolant has at most one root for each target, so
+    /// none is missed that is wider than a quarter of the nodes' spacing; each root is then solved
+    /// with jumps, until one confirms it.
     ///
     /// # Errors
     /// [`TableError`] for a request outside its domain.
@@ -167,20 +175,31 @@ impl Planner {
         self.tabulate(request, None)
     }
 
-    /// As [`table`](Self::table), for robots whose rates count at `reference_lean` (rad): each stance starts at its firing angle, with the rate
-    /// that pivoting leaves there. The start lean of `request` is not used.
+    /// As [`table`](Self::table), for robots whose rates count at `reference_lean` (rad): each
+    /// stance starts at its firing angle, with the rate that pivoting leaves there. The start lean
+    /// of `request` is not used.
     ///
     /// # Errors
     /// As [`table`](Self::table).
-    pub fn table_by_energy(&self, request: &TableRequest, reference_lean: f64) -> Result<Table, TableError> {
+    pub fn table_by_energy(
+        &self,
+        request: &TableRequest,
+        reference_lean: f64,
+    ) -> Result<Table, TableError> {
         self.tabulate(request, Some(reference_lean))
     }
 
-    fn tabulate(&self, request: &TableRequest, reference_lean: Option<f64>) -> Result<Table, TableError> {
+    fn tabulate(
+        &self,
+        request: &TableRequest,
+        reference_lean: Option<f64>,
+    ) -> Result<Table, TableError> {
         request.check()?;
         let cells = |rates: &[f64]| Rows::new(self, request, reference_lean, rates).cells();
         let parts = in_chunks(&request.rates, ROWS, request.threads, cells);
-        Ok(Table { cells: parts.into_iter().flatten().collect() })
+        Ok(Table {
+            cells: parts.into_iter().flatten().collect(),
+        })
     }
 }
 
@@ -195,7 +214,10 @@ impl TableRequest {
     }
 
     fn check(&self) -> Result<(), TableError> {
-        for (name, list) in [("approach rates (rad/s)", &self.rates), ("targets (m)", &self.targets)] {
+        for (name, list) in [
+            ("approach rates (rad/s)", &self.rates),
+            ("targets (m)", &self.targets),
+        ] {
             if list.is_empty() {
                 return Err(TableError::Empty { name });
             }
@@ -205,22 +227,52 @@ impl TableRequest {
         let angle = "a finite angle strictly between -pi/2 and pi/2 rad";
         let all = |list: &[f64], ok: fn(f64) -> bool| list.iter().copied().find(|x| !ok(*x));
         let found = [
-            ("approach rate (rad/s)", all(&self.rates, |x| (0.0..=1e3).contains(&x)), "from 0 to 1000 rad/s"),
-            ("target (m)", all(&self.targets, |x| x.abs() < 1e6), "a finite length below 1000 km"),
+            (
+                "approach rate (rad/s)",
+                all(&self.rates, |x| (0.0..=1e3).contains(&x)),
+                "from 0 to 1000 rad/s",
+            ),
+            (
+                "target (m)",
+                all(&self.targets, |x| x.abs() < 1e6),
+                "a finite length below 1000 km",
+            ),
             (
                 "valve opening time (s)",
                 all(&[self.valve_open], |x| (0.0..=1e3).contains(&x)),
                 "from 0 to 1000 s",
             ),
-            ("start lean (rad)", self.start_lean.filter(|x| !upright(*x)), angle),
-            ("least firing angle (rad)", Some(low).filter(|x| !upright(*x)), angle),
-            ("greatest firing angle (rad)", Some(high).filter(|x| !upright(*x)), angle),
-            ("greatest firing angle (rad)", Some(high).filter(|x| *x <= low), "above the least firing angle"),
+            (
+                "start lean (rad)",
+                self.start_lean.filter(|x| !upright(*x)),
+                angle,
+            ),
+            (
+                "least firing angle (rad)",
+                Some(low).filter(|x| !upright(*x)),
+                angle,
+            ),
+            (
+                "greatest firing angle (rad)",
+                Some(high).filter(|x| !upright(*x)),
+                angle,
+            ),
+            (
+                "greatest firing angle (rad)",
+                Some(high).filter(|x| *x <= low),
+                "above the least firing angle",
+            ),
             ("threads", (self.threads == 0).then_some(0.0), "at least 1"),
         ];
-        let wrong = found.into_iter().find_map(|(name, value, allowed)| value.map(|v| (name, v, allowed)));
+        let wrong = found
+            .into_iter()
+            .find_map(|(name, value, allowed)| value.map(|v| (name, v, allowed)));
         match wrong {
-            Some((name, value, allowed)) => Err(TableError::Input { name, value, allowed }),
+            Some((name, value, allowed)) => Err(TableError::Input {
+                name,
+                value,
+                allowed,
+            }),
             None => Ok(()),
         }
     }
@@ -248,8 +300,8 @@ struct Candidate {
     found: Option<Entry>,
 }
 
-/// What must stay the same for a result to be a smooth function of the firing angle: the outcome, and whether the valve
-/// closed before lift-off.
+/// What must stay the same for a result to be a smooth function of the firing angle: the outcome,
+/// and whether the valve closed before lift-off.
 type Label = (saltus_lagrangian::Outcome, bool);
 
 impl<'a> Rows<'a> {
@@ -260,7 +312,14 @@ impl<'a> Rows<'a> {
         rates: &'a [f64],
     ) -> Self {
         let (pieces, takes_off) = (vec![Vec::new(); rates.len()], vec![false; rates.len()]);
-        let mut rows = Rows { planner, request, reference_lean, rates, pieces, takes_off };
+        let mut rows = Rows {
+            planner,
+            request,
+            reference_lean,
+            rates,
+            pieces,
+            takes_off,
+        };
         rows.sample();
         rows
     }
@@ -279,13 +338,17 @@ impl<'a> Rows<'a> {
     fn label(&self, jump: &Jump) -> Label {
         let end = &jump.stance;
         let closing = end.time_fire + self.planner.robot().leg.delay + self.request.valve_open;
-        (end.outcome, self.planner.robot().leg.drive.has_valve() && end.time > closing)
+        (
+            end.outcome,
+            self.planner.robot().leg.drive.has_valve() && end.time > closing,
+        )
     }
 
     /// Builds the interpolants: all rows at once, interval by interval.
     fn sample(&mut self) {
         let (low, high) = self.request.firing_angles;
-        let mut work: Vec<(usize, f64, f64)> = (0..self.rates.len()).map(|row| (row, low, high)).collect();
+        let mut work: Vec<(usize, f64, f64)> =
+            (0..self.rates.len()).map(|row| (row, low, high)).collect();
         while !work.is_empty() {
             let launches: Vec<Launch> = work
                 .iter()
@@ -313,13 +376,21 @@ impl<'a> Rows<'a> {
         next: &mut Vec<(usize, f64, f64)>,
     ) {
         self.takes_off[row] |= jumps.iter().flatten().any(|jump| jump.flight.is_some());
-        let labels: Vec<Option<Label>> =
-            jumps.iter().map(|jump| jump.as_ref().ok().map(|jump| self.label(jump))).collect();
+        let labels: Vec<Option<Label>> = jumps
+            .iter()
+            .map(|jump| jump.as_ref().ok().map(|jump| self.label(jump)))
+            .collect();
         let values: [Option<f64>; NODES] = std::array::from_fn(|k| {
-            jumps[k].as_ref().ok().and_then(|jump| self.request.measure.of(self.planner, jump))
+            jumps[k]
+                .as_ref()
+                .ok()
+                .and_then(|jump| self.request.measure.of(self.planner, jump))
         });
         let wide = high - low > NARROW;
-        if let Some(k) = (1..NODES).find(|&k| labels[k] != labels[k - 1]).filter(|_| wide) {
+        if let Some(k) = (1..NODES)
+            .find(|&k| labels[k] != labels[k - 1])
+            .filter(|_| wide)
+        {
             let points = nodes(low, high);
             let border = self.border(row, points[k - 1], points[k], labels[k - 1]);
             // The border itself belongs to neither side.
@@ -332,13 +403,19 @@ impl<'a> Rows<'a> {
         }
         if values.iter().any(Option::is_none) {
             if wide {
-                next.extend([(row, low, 0.5 * (low + high)), (row, 0.5 * (low + high), high)]);
+                next.extend([
+                    (row, low, 0.5 * (low + high)),
+                    (row, 0.5 * (low + high), high),
+                ]);
             }
             return;
         }
         let piece = Piece::new(low, high, &values.map(Option::unwrap_or_default));
         if wide && piece.tail() > INTERPOLANT {
-            next.extend([(row, low, 0.5 * (low + high)), (row, 0.5 * (low + high), high)]);
+            next.extend([
+                (row, low, 0.5 * (low + high)),
+                (row, 0.5 * (low + high), high),
+            ]);
         } else {
             self.pieces[row].push(piece);
         }
@@ -349,7 +426,11 @@ impl<'a> Rows<'a> {
         while b - a > 1e-12 {
             let middle = 0.5 * (a + b);
             let jump = self.planner.jump(&self.launch(row, middle));
-            if jump.ok().map(|jump| self.label(&jump)) == label { a = middle } else { b = middle }
+            if jump.ok().map(|jump| self.label(&jump)) == label {
+                a = middle
+            } else {
+                b = middle
+            }
         }
         0.5 * (a + b)
     }
@@ -368,9 +449,19 @@ impl<'a> Rows<'a> {
                 let cell = cells.len();
                 let roots = branches.iter().filter_map(|branch| {
                     let angle = self.pieces[row][branch.piece].solve(branch, target)?;
-                    Some(Candidate { cell, row, branch: *branch, angle, found: None })
+                    Some(Candidate {
+                        cell,
+                        row,
+                        branch: *branch,
+                        angle,
+                        found: None,
+                    })
                 });
-                let wanted = if self.request.roots == Roots::Least { 1 } else { usize::MAX };
+                let wanted = if self.request.roots == Roots::Least {
+                    1
+                } else {
+                    usize::MAX
+                };
                 candidates.extend(roots.take(wanted));
                 cells.push(Cell {
                     rate,
@@ -401,17 +492,22 @@ impl<'a> Rows<'a> {
         cells
     }
 
-    /// Confirms each candidate with a jump, correcting it by the interpolant's slope until one does.
+    /// Confirms each candidate with a jump, correcting it by the interpolant's slope until one
+    /// does.
     fn solve(&self, candidates: &mut [Candidate]) {
         let mut open: Vec<usize> = (0..candidates.len()).collect();
         for _ in 0..4 {
-            let launches: Vec<Launch> =
-                open.iter().map(|&i| self.launch(candidates[i].row, candidates[i].angle)).collect();
+            let launches: Vec<Launch> = open
+                .iter()
+                .map(|&i| self.launch(candidates[i].row, candidates[i].angle))
+                .collect();
             let jumps = self.planner.jumps(&launches);
             open = open
                 .into_iter()
                 .zip(jumps)
-                .filter_map(|(i, jump)| (!self.confirm(&mut candidates[i], jump.ok()?)).then_some(i))
+                .filter_map(|(i, jump)| {
+                    (!self.confirm(&mut candidates[i], jump.ok()?)).then_some(i)
+                })
                 .collect();
             if open.is_empty() {
                 return;
@@ -428,10 +524,16 @@ impl<'a> Rows<'a> {
 
     /// Whether `jump` solves the candidate; if not, moves its angle.
     fn confirm(&self, candidate: &mut Candidate, jump: Jump) -> bool {
-        let Some(value) = self.request.measure.of(self.planner, &jump) else { return false };
+        let Some(value) = self.request.measure.of(self.planner, &jump) else {
+            return false;
+        };
         let residual = value - self.target(candidate);
         if residual.abs() <= RESIDUAL {
-            candidate.found = Some(Entry { jump, value, sensitivity: None });
+            candidate.found = Some(Entry {
+                jump,
+                value,
+                sensitivity: None,
+            });
             return true;
         }
         let (_, slope) = self.pieces[candidate.row][candidate.branch.piece].at(candidate.angle);
@@ -442,8 +544,8 @@ impl<'a> Rows<'a> {
         false
     }
 
-    /// Solves a candidate by bisection on the jumps themselves: where the interpolant's slope leads nowhere (a kink, or
-    /// the very top of the reachable).
+    /// Solves a candidate by bisection on the jumps themselves: where the interpolant's slope leads
+    /// nowhere (a kink, or the very top of the reachable).
     fn bisect(&self, candidate: &mut Candidate) {
         let target = self.target(candidate);
         let look = |angle: f64| {
@@ -456,18 +558,33 @@ impl<'a> Rows<'a> {
         let mut best: Option<Entry> = None;
         for _ in 0..60 {
             let middle = 0.5 * (a + b);
-            let Some((jump, value)) = look(middle) else { break };
-            if best.as_ref().is_none_or(|e| (value - target).abs() < (e.value - target).abs()) {
-                best = Some(Entry { jump, value, sensitivity: None });
+            let Some((jump, value)) = look(middle) else {
+                break;
+            };
+            if best
+                .as_ref()
+                .is_none_or(|e| (value - target).abs() < (e.value - target).abs())
+            {
+                best = Some(Entry {
+                    jump,
+                    value,
+                    sensitivity: None,
+                });
             }
-            if (value > target) == rising { b = middle } else { a = middle }
+            if (value > target) == rising {
+                b = middle
+            } else {
+                a = middle
+            }
         }
         candidate.found = best.filter(|entry| (entry.value - target).abs() <= 1e3 * RESIDUAL);
     }
 
     /// Gives each entry its sensitivities.
     fn differentiate(&self, cells: &mut [Cell]) {
-        let Measure::Distance { landing_height } = self.request.measure else { return };
+        let Measure::Distance { landing_height } = self.request.measure else {
+            return;
+        };
         let stance = self.planner.sensitive_stance();
         for entry in cells.iter_mut().flat_map(|cell| &mut cell.entries) {
             let jump = self.planner.sensitive_jump(&stance, &entry.jump.launch);
@@ -485,5 +602,8 @@ fn nearest(branches: &[Branch], target: f64) -> Option<Nearest> {
         .iter()
         .flat_map(|b| [(b.at_low, b.low), (b.at_high, b.high)])
         .min_by(|a, b| (a.0 - target).abs().total_cmp(&(b.0 - target).abs()))
-        .map(|(value, firing_angle)| Nearest { value, firing_angle })
+        .map(|(value, firing_angle)| Nearest {
+            value,
+            firing_angle,
+        })
 }

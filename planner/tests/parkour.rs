@@ -1,4 +1,5 @@
-//! The 58 published problems: every plan is valid by the published rules, and none is slower than the published one.
+//! The 58 published problems: every plan is valid by the published rules, and none is slower than
+//! the published one.
 
 use saltus_planner::course::{Answer, Course, Obstacle, Plan, Settings, Span, plan};
 use saltus_planner::parkour::Hopper;
@@ -22,7 +23,10 @@ struct Instance {
 }
 
 #[derive(Clone, Deserialize)]
-#[expect(clippy::struct_field_names, reason = "the file's keys carry their unit")]
+#[expect(
+    clippy::struct_field_names,
+    reason = "the file's keys carry their unit"
+)]
 struct Item {
     center_x_m: f64,
     width_m: f64,
@@ -37,12 +41,23 @@ struct Published {
 
 fn instances() -> Vec<Instance> {
     let text = include_str!("../../tests/reference/parkour-hopper/instances.json");
-    serde_json::from_str::<File>(text).expect("the reference file").instances
+    serde_json::from_str::<File>(text)
+        .expect("the reference file")
+        .instances
 }
 
 fn course(i: &Instance) -> Course {
-    let obstacle = |o: &Item| Obstacle { center: o.center_x_m, width: o.width_m, height: o.height_m };
-    let area = |a: &Item| Span::new(a.center_x_m - a.width_m / 2.0, a.center_x_m + a.width_m / 2.0);
+    let obstacle = |o: &Item| Obstacle {
+        center: o.center_x_m,
+        width: o.width_m,
+        height: o.height_m,
+    };
+    let area = |a: &Item| {
+        Span::new(
+            a.center_x_m - a.width_m / 2.0,
+            a.center_x_m + a.width_m / 2.0,
+        )
+    };
     Course {
         id: i.id.clone(),
         start: i.start_x_m,
@@ -61,8 +76,8 @@ fn solved(i: &Instance, settings: &Settings) -> Plan {
     }
 }
 
-/// The greatest violation of the published rules by jumps of time t, speed v and angle θ; infinite where a yes or no
-/// fails. Written from the problem set's README alone.
+/// The greatest violation of the published rules by jumps of time t, speed v and angle θ; infinite
+/// where a yes or no fails. Written from the problem set's README alone.
 fn violation(i: &Instance, jumps: &[[f64; 3]]) -> f64 {
     let pose = 94_f64.to_radians();
     let [c, s] = [-0.17 * pose.cos(), -0.17 * pose.sin()];
@@ -80,17 +95,23 @@ fn violation(i: &Instance, jumps: &[[f64; 3]]) -> f64 {
         let (nx, nz) = (px + v * angle.cos() * t, height(t));
         let mut surface = 0.0;
         for o in &i.obstacles {
-            let (front, back) = (o.center_x_m - o.width_m / 2.0, o.center_x_m + o.width_m / 2.0);
+            let (front, back) = (
+                o.center_x_m - o.width_m / 2.0,
+                o.center_x_m + o.width_m / 2.0,
+            );
             if front <= nx && nx <= back {
                 surface = o.height_m;
             }
-            worst = worst.max(0.03 - (nx - front).abs()).max(0.03 - (nx - back).abs());
+            worst = worst
+                .max(0.03 - (nx - front).abs())
+                .max(0.03 - (nx - back).abs());
             let speed = v * angle.cos();
             if x < front && front < nx {
                 worst = worst.max(o.height_m + 0.05 - height((front - px) / speed));
             }
             if x < back && back < nx {
-                worst = worst.max(o.height_m + 0.05 - knee[1] - height((back - px - knee[0]) / speed));
+                worst =
+                    worst.max(o.height_m + 0.05 - knee[1] - height((back - px - knee[0]) / speed));
             }
         }
         for a in &i.no_landing {
@@ -107,36 +128,67 @@ fn every_plan_is_valid_and_none_is_slower() {
     for i in instances() {
         let plan = solved(&i, &Settings::default());
         let launches = plan.jumps.iter().map(|j| Hopper::default().launch(j));
-        let jumps: Vec<_> = launches.map(|l| [l.flight_time, l.speed, l.angle]).collect();
+        let jumps: Vec<_> = launches
+            .map(|l| [l.flight_time, l.speed, l.angle])
+            .collect();
         // The solver's feasibility is 1e-10, for landings and clearances in a row.
-        assert!(violation(&i, &jumps) < 1e-9, "{}: {:e}", i.id, violation(&i, &jumps));
+        assert!(
+            violation(&i, &jumps) < 1e-9,
+            "{}: {:e}",
+            i.id,
+            violation(&i, &jumps)
+        );
         let total: f64 = jumps.iter().map(|j| j[0]).sum();
         // The published times have 8 digits, their landings a tolerance of 1e-6.
-        assert!(total < i.published.total_flight_time_s + 1e-5, "{}: {total}", i.id);
+        assert!(
+            total < i.published.total_flight_time_s + 1e-5,
+            "{}: {total}",
+            i.id
+        );
     }
 }
 
 #[test]
 fn a_longer_search_finds_nothing_better() {
-    let proof = Settings { nodes: 20_000, ..Settings::default() };
+    let proof = Settings {
+        nodes: 20_000,
+        ..Settings::default()
+    };
     for i in instances() {
         let (quick, proven) = (solved(&i, &Settings::default()), solved(&i, &proof));
-        assert!(proven.complete, "{}: {} to {}", i.id, proven.bound, proven.cost);
+        assert!(
+            proven.complete,
+            "{}: {} to {}",
+            i.id, proven.bound, proven.cost
+        );
         // The gap of the search.
-        assert!(quick.cost <= proven.cost + 5e-5 && proven.bound >= proven.cost - 5e-5, "{}", i.id);
+        assert!(
+            quick.cost <= proven.cost + 5e-5 && proven.bound >= proven.cost - 5e-5,
+            "{}",
+            i.id
+        );
     }
 }
 
-/// Least time of a jump from x to nx over launch angles, on a grid of them; infinite if none is allowed.
+/// Least time of a jump from x to nx over launch angles, on a grid of them; infinite if none is
+/// allowed.
 fn fastest(i: &Instance, x: f64, z: f64, nx: f64, surface: f64) -> [f64; 3] {
-    let foot = [-0.17 * 94_f64.to_radians().cos(), -0.17 * 94_f64.to_radians().sin()];
+    let foot = [
+        -0.17 * 94_f64.to_radians().cos(),
+        -0.17 * 94_f64.to_radians().sin(),
+    ];
     for step in 0..=800 {
         let angle = (65.0 + 0.025 * f64::from(step)).to_radians();
         let length = nx - x - 0.19 * angle.cos() - foot[0];
         let rise = surface - z - 0.19 * angle.sin() - foot[1];
         let t = ((length * angle.tan() - rise) * 2.0 / 8.0665).sqrt();
         let jump = [t, length / (t * angle.cos()), angle];
-        let alone = Instance { start_x_m: x, start_height_m: z, goal_x_m: nx, ..i.clone() };
+        let alone = Instance {
+            start_x_m: x,
+            start_height_m: z,
+            goal_x_m: nx,
+            ..i.clone()
+        };
         if violation(&alone, &[jump]) < 1e-9 {
             return jump;
         }
@@ -149,7 +201,8 @@ fn surface(i: &Instance, x: f64) -> f64 {
     i.obstacles.iter().find(on).map_or(0.0, |o| o.height_m)
 }
 
-/// Times grow with the angle, so the first allowed one on its grid is the fastest; landings are on a grid of 1 cm.
+/// Times grow with the angle, so the first allowed one on its grid is the fastest; landings are on
+/// a grid of 1 cm.
 #[test]
 fn brute_force_finds_nothing_better() {
     for id in [
@@ -161,15 +214,23 @@ fn brute_force_finds_nothing_better() {
         "two_rounds-20",
         "static-02",
     ] {
-        let Some(i) = instances().into_iter().find(|i| i.id == id) else { panic!("{id}") };
+        let Some(i) = instances().into_iter().find(|i| i.id == id) else {
+            panic!("{id}")
+        };
         // Distances from the goal backwards, so that the last jump hits it.
-        let steps = (0..).map(|n| i.goal_x_m - 0.01 * f64::from(n)).take_while(|x| *x > i.start_x_m);
+        let steps = (0..)
+            .map(|n| i.goal_x_m - 0.01 * f64::from(n))
+            .take_while(|x| *x > i.start_x_m);
         let mut places: Vec<f64> = steps.chain([i.start_x_m]).collect();
         places.reverse();
         let mut cost = vec![f64::INFINITY; places.len()];
         cost[0] = 0.0;
         let from = |a: usize, x: f64| {
-            let z = if a == 0 { i.start_height_m } else { surface(&i, x) };
+            let z = if a == 0 {
+                i.start_height_m
+            } else {
+                surface(&i, x)
+            };
             let to = |&nx: &f64| {
                 if nx <= x || nx > x + 1.25 {
                     f64::INFINITY
@@ -179,14 +240,27 @@ fn brute_force_finds_nothing_better() {
             };
             places.iter().map(to).collect::<Vec<_>>()
         };
-        let jump_cost: Vec<_> = places.iter().enumerate().map(|(a, &x)| from(a, x)).collect();
+        let jump_cost: Vec<_> = places
+            .iter()
+            .enumerate()
+            .map(|(a, &x)| from(a, x))
+            .collect();
         for _ in 0..i.jumps {
-            let least = |b: usize| (0..b).map(|a| cost[a] + jump_cost[a][b]).fold(f64::INFINITY, f64::min);
+            let least = |b: usize| {
+                (0..b)
+                    .map(|a| cost[a] + jump_cost[a][b])
+                    .fold(f64::INFINITY, f64::min)
+            };
             cost = (0..places.len()).map(least).collect();
         }
         let plan = solved(&i, &Settings::default());
         let least = cost[places.len() - 1];
         // The gap of the search; and a grid of 1 cm and 0.025° comes within a tenth of a second.
-        assert!(plan.cost <= least + 5e-5 && plan.cost > least - 0.1, "{id}: {} {}", plan.cost, least);
+        assert!(
+            plan.cost <= least + 5e-5 && plan.cost > least - 0.1,
+            "{id}: {} {}",
+            plan.cost,
+            least
+        );
     }
 }

@@ -40,10 +40,10 @@ pub struct Chamber<S> {
 
 /// What the valve does to the chamber while nothing switches: one smooth piece of the orifice law.
 ///
-/// Each piece carries the pressure as the variable u in which it is smoothest: the pressure itself (MPa) where the flow
-/// is sonic, the temperature ratio e = (P_d/P_u)^((κ−1)/κ) where it is subsonic. All obey
-/// V u̇ = `constant` + u (`flow` X + `expansion` ḋ), with X = 1 (sonic), √(1−e)/e (filling), r √(1−e)/e (exhausting),
-/// where r = e^(κ/(κ−1)) is the pressure ratio.
+/// Each piece carries the pressure as the variable u in which it is smoothest: the pressure itself
+/// (MPa) where the flow is sonic, the temperature ratio e = (P_d/P_u)^((κ−1)/κ) where it is
+/// subsonic. All obey V u̇ = `constant` + u (`flow` X + `expansion` ḋ), with X = 1 (sonic),
+/// √(1−e)/e (filling), r √(1−e)/e (exhausting), where r = e^(κ/(κ−1)) is the pressure ratio.
 #[derive(Clone, Copy, Debug)]
 pub struct Valve<S: Scalar> {
     /// The coefficients of the law, one for each lane.
@@ -108,8 +108,13 @@ impl Flow {
 }
 
 impl<S: Scalar> Chamber<S> {
-    /// The chamber of `cylinder` in `robot`; `lift` turns a parameter into a number of the wanted kind.
-    pub(crate) fn new(robot: &Robot, cylinder: &Cylinder, lift: impl Fn(Parameter, f64) -> S) -> Chamber<S> {
+    /// The chamber of `cylinder` in `robot`; `lift` turns a parameter into a number of the wanted
+    /// kind.
+    pub(crate) fn new(
+        robot: &Robot,
+        cylinder: &Cylinder,
+        lift: impl Fn(Parameter, f64) -> S,
+    ) -> Chamber<S> {
         let gas = cylinder.gas;
         let exponent = cylinder.polytropic_exponent.unwrap_or(gas.heat_ratio);
         let of_area = |area: f64| area / cylinder.temperature.sqrt();
@@ -123,7 +128,9 @@ impl<S: Scalar> Chamber<S> {
             conductance: lift(Parameter::ValveArea, cylinder.valve_area())
                 * S::of(1.0 / cylinder.temperature.sqrt()),
             leak: S::of(of_area(cylinder.leak_area)),
-            port: cylinder.exhaust_port.map(|p| (S::of(p.position), S::of(of_area(p.area)))),
+            port: cylinder
+                .exhaust_port
+                .map(|p| (S::of(p.position), S::of(of_area(p.area)))),
             droop: S::of(cylinder.supply_droop),
             heating: S::of(exponent * gas.constant * cylinder.temperature),
             exponent: S::of(exponent),
@@ -137,7 +144,8 @@ impl<S: Scalar> Chamber<S> {
         self.area.mul_add(d, self.dead_volume)
     }
 
-    /// Pressure change (Pa/s) with the leg held, when sonic flow fills the chamber; none of the other effects.
+    /// Pressure change (Pa/s) with the leg held, when sonic flow fills the chamber; none of the
+    /// other effects.
     pub fn sonic_filling_rate(&self) -> S {
         self.heating * self.conductance * S::of(self.law.choked) * self.supply / self.dead_volume
     }
@@ -154,12 +162,14 @@ impl<S: Scalar> Chamber<S> {
         self.ambient * S::of(1.0 / self.law.critical_ratio)
     }
 
-    /// Pressure (Pa) from which filling counts as over: just short of the supply's, which it reaches at rate 0.
+    /// Pressure (Pa) from which filling counts as over: just short of the supply's, which it
+    /// reaches at rate 0.
     pub fn balance_above(&self) -> S {
         self.supply * S::of(1.0 - 1e-12)
     }
 
-    /// Pressure (Pa) from which exhausting counts as over: just above ambient, which it reaches at rate 0.
+    /// Pressure (Pa) from which exhausting counts as over: just above ambient, which it reaches at
+    /// rate 0.
     pub fn balance_below(&self) -> S {
         self.ambient * S::of(1.0 + 1e-12)
     }
@@ -181,23 +191,37 @@ impl<S: Scalar> Chamber<S> {
     pub fn valve_law(&self, flow: Flow) -> ValveLaw<S> {
         let zero = S::of(0.0);
         let heat = self.heating * self.conductance;
-        let (sonic, subsonic) = (heat * S::of(self.law.choked), heat * S::of(self.law.subsonic));
+        let (sonic, subsonic) = (
+            heat * S::of(self.law.choked),
+            heat * S::of(self.law.subsonic),
+        );
         let growth = self.exponent * self.area;
         let k = S::of(self.law.temperature_exponent);
         let one = S::of(1.0);
         let (constant, flow, expansion, stiffness) = match flow {
-            Flow::FillChoked => (sonic * self.sonic_supply() * S::of(1.0 / MEGA), zero, -growth, one),
+            Flow::FillChoked => (
+                sonic * self.sonic_supply() * S::of(1.0 / MEGA),
+                zero,
+                -growth,
+                one,
+            ),
             Flow::FillSubsonic => (zero, k * subsonic, -(k * growth), one / k),
             Flow::ExhaustChoked => (zero, -sonic, -growth, one),
             Flow::ExhaustSubsonic => (zero, k * subsonic, k * growth, -(one / k)),
             Flow::FillBalanced | Flow::ExhaustBalanced => (zero, zero, -growth, one),
         };
-        ValveLaw { constant, flow, expansion, stiffness }
+        ValveLaw {
+            constant,
+            flow,
+            expansion,
+            stiffness,
+        }
     }
 
     /// The gas at `u` while the leg at extension `d` (m) extends at `speed` (m/s).
     ///
-    /// The inverse of `about_foot`, which the caller would divide by, comes with that of the volume.
+    /// The inverse of `about_foot`, which the caller would divide by, comes with that of the
+    /// volume.
     #[inline(always)]
     pub fn gas(&self, valve: &Valve<S>, u: S, d: S, speed: S, about_foot: S) -> GasState<S> {
         let one = S::of(1.0);
@@ -209,13 +233,20 @@ impl<S: Scalar> Chamber<S> {
         let pressure = S::select(
             valve.sonic,
             || u * S::of(MEGA),
-            || S::select(valve.outward, || self.ambient / ratio, || self.supply * ratio),
+            || {
+                S::select(
+                    valve.outward,
+                    || self.ambient / ratio,
+                    || self.supply * ratio,
+                )
+            },
         );
         let x = S::select(
             valve.sonic,
             || one,
             || {
-                // Not 0: where the flow ends, its slopes are infinite, and a dual would not be a number.
+                // Not 0: where the flow ends, its slopes are infinite, and a dual would not be a
+                // number.
                 let root = (one - u).max(S::of(f64::MIN_POSITIVE)).sqrt() * inverse_u;
                 S::select(valve.outward, || root * ratio, || root)
             },
@@ -255,10 +286,15 @@ impl<S: Single> Chamber<S> {
     pub fn valve(&self, flow: Flow) -> Valve<S> {
         let mut law = self.valve_law(flow);
         if self.droops(flow) {
-            // The whole of this flow is among the extra ones: near balance the plain one is all cancellation.
+            // The whole of this flow is among the extra ones: near balance the plain one is all
+            // cancellation.
             law.flow = S::of(0.0);
         }
-        Valve { law, sonic: !flow.is_subsonic(), outward: flow == Flow::ExhaustSubsonic }
+        Valve {
+            law,
+            sonic: !flow.is_subsonic(),
+            outward: flow == Flow::ExhaustSubsonic,
+        }
     }
 
     /// u at pressure `p` (Pa) on the piece `flow`.
@@ -270,7 +306,8 @@ impl<S: Single> Chamber<S> {
         }
     }
 
-    /// Where the piece `flow` of the plain valve's law ends, in u: with the pressure falling, and rising.
+    /// Where the piece `flow` of the plain valve's law ends, in u: with the pressure falling, and
+    /// rising.
     pub fn edges(&self, flow: Flow) -> (S, S) {
         let (micro, never) = (S::of(1.0 / MEGA), S::of(1e6));
         let balance = S::of(1.0 - 1e-12 * self.law.temperature_exponent);
@@ -298,8 +335,8 @@ impl<S: Single> Chamber<S> {
         self.droop.value() > 0.0 && flow == Flow::FillSubsonic
     }
 
-    /// Mass flow (kg/s) into the chamber besides that of [`valve`](Chamber::valve): leak, exhaust port, and all that
-    /// a drooping supply gives below sonic speed.
+    /// Mass flow (kg/s) into the chamber besides that of [`valve`](Chamber::valve): leak, exhaust
+    /// port, and all that a drooping supply gives below sonic speed.
     pub fn extra_inflow(&self, flow: Flow, p: S, port_open: bool) -> S {
         let mut out = self.leak;
         if let (true, Some((_, conductance))) = (port_open, self.port) {
@@ -315,7 +352,8 @@ impl<S: Single> Chamber<S> {
         inflow
     }
 
-    /// n R T (J/kg): a mass flow (kg/s) into the volume V raises the pressure by n R T/V times as much (Pa/s).
+    /// n R T (J/kg): a mass flow (kg/s) into the volume V raises the pressure by n R T/V times as
+    /// much (Pa/s).
     pub fn pressure_per_mass(&self) -> S {
         self.heating
     }
@@ -325,11 +363,12 @@ impl<S: Single> Chamber<S> {
         self.leak.value() > 0.0 || self.port.is_some() || self.droop.value() > 0.0
     }
 
-    /// Mass flow (kg/s) from a supply that falls by `droop` × the flow: ṁ = q(P_s − k ṁ, P), below sonic speed.
+    /// Mass flow (kg/s) from a supply that falls by `droop` × the flow: ṁ = q(P_s − k ṁ, P), below
+    /// sonic speed.
     ///
-    /// With w = √(1 − e) of the temperature ratio e across the valve, ṁ = C C_2 P w/(1 − w²), and the supply's balance
-    /// P (1 − w²)^(−κ/(κ−1)) + k ṁ = P_s is smooth, rising and convex in w: Newton's steps from the flow without droop
-    /// come down to its root, and never past it.
+    /// With w = √(1 − e) of the temperature ratio e across the valve, ṁ = C C_2 P w/(1 − w²), and
+    /// the supply's balance P (1 − w²)^(−κ/(κ−1)) + k ṁ = P_s is smooth, rising and convex in w:
+    /// Newton's steps from the flow without droop come down to its root, and never past it.
     fn drooping_flow(&self, p: S) -> S {
         let (one, two) = (S::of(1.0), S::of(2.0));
         let valve = self.conductance * S::of(self.law.subsonic) * p;
@@ -344,7 +383,8 @@ impl<S: Single> Chamber<S> {
             let e = one - w * w;
             let upstream = p * e.pow(S::of(-power));
             let flow = valve * w / e;
-            let slope = (S::of(power) * upstream * two * w + self.droop * valve * (one + w * w) / e) / e;
+            let slope =
+                (S::of(power) * upstream * two * w + self.droop * valve * (one + w * w) / e) / e;
             w - (upstream + self.droop * flow - self.supply) / slope
         };
         // It takes four to ten; one more carries the derivatives.

@@ -77,14 +77,18 @@ impl<S: Scalar> Leg<S> {
     pub fn new(robot: &Robot, lift: impl Fn(Parameter, f64) -> S + Copy) -> Leg<S> {
         let leg = &robot.leg;
         let (drive, seal) = match &leg.drive {
-            saltus_robot::Drive::Pneumatic(c) => {
-                (Drive::Pneumatic(Chamber::new(robot, c, lift)), c.seal_friction)
-            }
-            saltus_robot::Drive::Spring { stiffness, compression } => {
-                (Drive::Spring(S::of(*stiffness), S::of(*compression)), 0.0)
-            }
+            saltus_robot::Drive::Pneumatic(c) => (
+                Drive::Pneumatic(Chamber::new(robot, c, lift)),
+                c.seal_friction,
+            ),
+            saltus_robot::Drive::Spring {
+                stiffness,
+                compression,
+            } => (Drive::Spring(S::of(*stiffness), S::of(*compression)), 0.0),
             saltus_robot::Drive::Constant { force } => (Drive::Constant(S::of(*force)), 0.0),
-            saltus_robot::Drive::Table(table) => (Drive::Table(Arc::new(ForceSurface::new(table))), 0.0),
+            saltus_robot::Drive::Table(table) => {
+                (Drive::Table(Arc::new(ForceSurface::new(table))), 0.0)
+            }
         };
         let stroke = lift(Parameter::Stroke, leg.stroke);
         Leg {
@@ -94,7 +98,9 @@ impl<S: Scalar> Leg<S> {
             viscous: lift(Parameter::ViscousFriction, leg.viscous_friction),
             coulomb: lift(Parameter::CoulombFriction, leg.coulomb_friction),
             seal: S::of(seal),
-            spring: leg.return_spring.map(|s| (S::of(s.stiffness), S::of(s.preload))),
+            spring: leg
+                .return_spring
+                .map(|s| (S::of(s.stiffness), S::of(s.preload))),
             cushion: leg.cushion.map(|c| Cushion {
                 start: stroke - S::of(c.length),
                 stiffness: S::of(c.stiffness),
@@ -103,8 +109,8 @@ impl<S: Scalar> Leg<S> {
         }
     }
 
-    /// Whether the drive is switched off again a valve opening time after it was switched on: all but a released spring, which is not
-    /// caught again.
+    /// Whether the drive is switched off again a valve opening time after it was switched on: all
+    /// but a released spring, which is not caught again.
     ///
     /// Source: docs/model.md, "The valve opening time".
     pub fn has_valve(&self) -> bool {
@@ -120,8 +126,8 @@ impl<S: Scalar> Leg<S> {
         }
     }
 
-    /// Force (N) of a plain pneumatic leg that extends at `speed` (m/s) under pressure `p` (Pa): the terms that no
-    /// option switches.
+    /// Force (N) of a plain pneumatic leg that extends at `speed` (m/s) under pressure `p` (Pa):
+    /// the terms that no option switches.
     ///
     /// F = (P − P_a) A − β ḋ − F_f
     #[inline(always)]
@@ -135,7 +141,8 @@ impl<S: Scalar> Leg<S> {
         }
     }
 
-    /// The force of the drive alone, before friction and springs, times speed is the power (W) that it gives.
+    /// The force of the drive alone, before friction and springs, times speed is the power (W) that
+    /// it gives.
     ///
     /// Friction, springs and cushion take `drive_force − force` times speed.
     #[inline(always)]
@@ -163,25 +170,37 @@ impl<S: Single> Leg<S> {
     pub fn drive_force(&self, switches: Switches, d: S, speed: S, p: S) -> Force<S> {
         let zero = S::of(0.0);
         let on = |f: S| if switches.energized { f } else { zero };
-        let constant = |value: S| Force { value, wrt_extension: zero, wrt_speed: zero, wrt_pressure: zero };
+        let constant = |value: S| Force {
+            value,
+            wrt_extension: zero,
+            wrt_speed: zero,
+            wrt_pressure: zero,
+        };
         match &self.drive {
-            Drive::Pneumatic(chamber) => {
-                Force { wrt_pressure: chamber.area, ..constant(self.plain_drive_force(chamber, p)) }
-            }
+            Drive::Pneumatic(chamber) => Force {
+                wrt_pressure: chamber.area,
+                ..constant(self.plain_drive_force(chamber, p))
+            },
             // Not cut off at 0, where the stance ends: so the event is one of a smooth function.
-            Drive::Spring(stiffness, compression) => {
-                Force { wrt_extension: on(-*stiffness), ..constant(on(*stiffness * (*compression - d))) }
-            }
+            Drive::Spring(stiffness, compression) => Force {
+                wrt_extension: on(-*stiffness),
+                ..constant(on(*stiffness * (*compression - d)))
+            },
             Drive::Constant(force) => constant(on(*force)),
             Drive::Table(surface) => {
                 let (value, wrt_extension, wrt_speed) = surface.force(d, speed);
-                Force { wrt_extension: on(wrt_extension), wrt_speed: on(wrt_speed), ..constant(on(value)) }
+                Force {
+                    wrt_extension: on(wrt_extension),
+                    wrt_speed: on(wrt_speed),
+                    ..constant(on(value))
+                }
             }
         }
     }
 
-    /// Force (N), ≤ 0, by which [`drive_force`](Self::drive_force) pulls at extension `d` (m) where a spring is past its free length. The spring
-    /// is slack there: a model that goes on past the end of the push takes this off.
+    /// Force (N), ≤ 0, by which [`drive_force`](Self::drive_force) pulls at extension `d` (m) where
+    /// a spring is past its free length. The spring is slack there: a model that goes on past the
+    /// end of the push takes this off.
     pub fn slack_pull(&self, switches: Switches, d: S) -> S {
         match self.drive {
             Drive::Spring(stiffness, compression)
@@ -193,12 +212,14 @@ impl<S: Single> Leg<S> {
         }
     }
 
-    /// Whether dry friction ever sets itself against motion: that of the rod, or of the seal under pressure.
+    /// Whether dry friction ever sets itself against motion: that of the rod, or of the seal under
+    /// pressure.
     pub fn has_dry_friction(&self) -> bool {
         self.coulomb.value() > 0.0 || self.seal.value() > 0.0
     }
 
-    /// What dry friction (N) sets against motion at the chamber pressure `p` (Pa): that of the rod, and of the seal.
+    /// What dry friction (N) sets against motion at the chamber pressure `p` (Pa): that of the rod,
+    /// and of the seal.
     pub fn dry_friction(&self, p: S) -> S {
         match self.chamber() {
             Some(chamber) => self.seal.mul_add((p - chamber.ambient).abs(), self.coulomb),
@@ -206,8 +227,8 @@ impl<S: Single> Leg<S> {
         }
     }
 
-    /// Force F (N) on the wheel of a leg at extension `d` (m) that extends at `speed` (m/s) ≥ 0 under the chamber
-    /// pressure `p` (Pa; ignored by the drives that have none).
+    /// Force F (N) on the wheel of a leg at extension `d` (m) that extends at `speed` (m/s) ≥ 0
+    /// under the chamber pressure `p` (Pa; ignored by the drives that have none).
     ///
     /// F = drive − β ḋ − F_f − seal (P − P_a) − (k d + preload) − cushion
     ///
@@ -221,7 +242,11 @@ impl<S: Single> Leg<S> {
             && self.seal.value() > 0.0
         {
             let gauge = p - chamber.ambient;
-            let sign = if gauge.value() < 0.0 { -self.seal } else { self.seal };
+            let sign = if gauge.value() < 0.0 {
+                -self.seal
+            } else {
+                self.seal
+            };
             f.value = f.value - sign * gauge;
             f.wrt_pressure = f.wrt_pressure - sign;
         }

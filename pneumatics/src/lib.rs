@@ -1,7 +1,8 @@
-//! The force of a leg: orifice, valve and chamber of a pneumatic cylinder, and the other drives a leg can have.
+//! The force of a leg: orifice, valve and chamber of a pneumatic cylinder, and the other drives a
+//! leg can have.
 //!
-//! Everything is generic over [`Scalar`](saltus_numeric::Scalar): one jump, a jump with its derivatives, or several jumps
-//! at a time. Pressures are absolute, in pascals.
+//! Everything is generic over [`Scalar`](saltus_numeric::Scalar): one jump, a jump with its
+//! derivatives, or several jumps at a time. Pressures are absolute, in pascals.
 //!
 //! Source: thesis §4.3; the exact reading is in the reference model (`docs/model.md`).
 

@@ -5,8 +5,8 @@ use saltus_robot::Gas;
 
 /// The thesis' orifice law for one gas: constants C_1, C_2 and the critical pressure ratio.
 ///
-/// Source: thesis §4.3.1 (which swaps the names of the two pressures in its text), with the conductance
-/// C_f A_v/√T taken out.
+/// Source: thesis §4.3.1 (which swaps the names of the two pressures in its text), with the
+/// conductance C_f A_v/√T taken out.
 #[derive(Clone, Copy, Debug)]
 pub struct OrificeLaw {
     /// C_1 = √(κ/R) (2/(κ+1))^((κ+1)/(2(κ−1))), (√(kg K/J)).
@@ -37,7 +37,8 @@ impl OrificeLaw {
         }
     }
 
-    /// Mass flow over conductance (Pa √(kg K/J)) from `upstream` to `downstream` (Pa, absolute); negative backwards.
+    /// Mass flow over conductance (Pa √(kg K/J)) from `upstream` to `downstream` (Pa, absolute);
+    /// negative backwards.
     pub fn flow<S: Single>(&self, upstream: S, downstream: S) -> S {
         if downstream.value() > upstream.value() {
             return -self.flow(downstream, upstream);
@@ -54,7 +55,8 @@ impl OrificeLaw {
         upstream * S::of(self.subsonic) * (ratio / cooling) * headroom.sqrt()
     }
 
-    /// e = (downstream/upstream)^((κ−1)/κ): ratio of the temperatures across an isentropic expansion.
+    /// e = (downstream/upstream)^((κ−1)/κ): ratio of the temperatures across an isentropic
+    /// expansion.
     pub fn temperature_ratio<S: Scalar>(&self, downstream: S, upstream: S) -> S {
         (downstream / upstream).pow(S::of(self.temperature_exponent))
     }
@@ -62,6 +64,10 @@ impl OrificeLaw {
     /// The pressure ratio e^(κ/(κ−1)) that belongs to the temperature ratio `e`.
     #[inline(always)]
     pub fn pressure_ratio<S: Scalar>(&self, e: S) -> S {
-        if self.is_diatomic { e * e * e * e.sqrt() } else { e.pow(S::of(1.0 / self.temperature_exponent)) }
+        if self.is_diatomic {
+            e * e * e * e.sqrt()
+        } else {
+            e.pow(S::of(1.0 / self.temperature_exponent))
+        }
     }
 }

@@ -26,18 +26,31 @@ const FOLLOWED: f64 = 0.05;
 
 impl<S: Single> Piece<S> {
     /// The piece at pressure `p` (Pa), or just above or below it where `side` is ±1.
-    pub fn new(chamber: &Chamber<S>, energized: bool, p: S, side: f64, port_open: bool) -> Piece<S> {
+    pub fn new(
+        chamber: &Chamber<S>,
+        energized: bool,
+        p: S,
+        side: f64,
+        port_open: bool,
+    ) -> Piece<S> {
         let nudged = p * S::of(1.0 + 1e-9 * side);
         let flow = chamber.flow(energized, nudged);
         let extras = chamber.has_extras();
-        let (low, high) =
-            if extras { edges_with_extras(chamber, energized, flow, nudged) } else { chamber.edges(flow) };
+        let (low, high) = if extras {
+            edges_with_extras(chamber, energized, flow, nudged)
+        } else {
+            chamber.edges(flow)
+        };
         Piece {
             flow,
             valve: chamber.valve(flow),
             low,
             high,
-            sign: S::of(if flow == Flow::ExhaustSubsonic { -1.0 } else { 1.0 }),
+            sign: S::of(if flow == Flow::ExhaustSubsonic {
+                -1.0
+            } else {
+                1.0
+            }),
             port_open,
             extras,
         }
@@ -55,10 +68,12 @@ impl<S: Single> Piece<S> {
         chamber.gas(&self.valve, u, zero, zero, S::of(1.0))
     }
 
-    /// The gas at `u` in the chamber of a leg at extension `d` (m) that extends at `speed` (m/s), and u̇ with every term.
+    /// The gas at `u` in the chamber of a leg at extension `d` (m) that extends at `speed` (m/s),
+    /// and u̇ with every term.
     ///
-    /// In an exhausted chamber the gas follows a slow leg at ambient pressure: what it would take to drive it through the valve is
-    /// below 50 Pa, and the orifice law, infinitely stiff there, would switch at every step.
+    /// In an exhausted chamber the gas follows a slow leg at ambient pressure: what it would take
+    /// to drive it through the valve is below 50 Pa, and the orifice law, infinitely stiff there,
+    /// would switch at every step.
     pub fn gas(&self, chamber: &Chamber<S>, u: S, d: S, speed: S) -> (GasState<S>, S) {
         let gas = chamber.gas(&self.valve, u, d, speed, S::of(1.0));
         if self.flow == Flow::ExhaustBalanced && speed.value().abs() < FOLLOWED {
@@ -79,7 +94,8 @@ impl<S: Single> Piece<S> {
     }
 }
 
-/// The edges (in u) around pressure `p` (Pa) of a chamber that also leaks: those of the valve, and of the leak's own flow.
+/// The edges (in u) around pressure `p` (Pa) of a chamber that also leaks: those of the valve, and
+/// of the leak's own flow.
 fn edges_with_extras<S: Single>(chamber: &Chamber<S>, energized: bool, flow: Flow, p: S) -> (S, S) {
     let exhaust = chamber.exhaust_edge();
     let edges = if energized {

@@ -5,8 +5,9 @@ use saltus_robot::ForceTable;
 
 /// A force table with the slopes that make its interpolant once continuously differentiable.
 ///
-/// Bicubic Hermite patches with slopes by central differences (one-sided at the borders). Beyond the table's last
-/// speed the force stays that of the last speed; extensions are within the table, as the robot's checks require.
+/// Bicubic Hermite patches with slopes by central differences (one-sided at the borders). Beyond
+/// the table's last speed the force stays that of the last speed; extensions are within the table,
+/// as the robot's checks require.
 #[derive(Clone, Debug)]
 pub struct ForceSurface {
     table: ForceTable,
@@ -14,7 +15,9 @@ pub struct ForceSurface {
 
 impl ForceSurface {
     pub(crate) fn new(table: &ForceTable) -> ForceSurface {
-        ForceSurface { table: table.clone() }
+        ForceSurface {
+            table: table.clone(),
+        }
     }
 
     /// Extensions (m) between which the interpolant is one polynomial in d.
@@ -62,9 +65,18 @@ fn weights<S: Single>(grid: &[f64], x: S) -> Stencil<S> {
     let (t2, t3) = (t * t, t * t * t);
     // Hermite basis: value and slope at both ends, and their derivatives.
     let c = S::of;
-    let basis = [c(2.0) * t3 - c(3.0) * t2 + one, t3 - c(2.0) * t2 + t, c(3.0) * t2 - c(2.0) * t3, t3 - t2];
-    let slopes =
-        [c(6.0) * (t2 - t), c(3.0) * t2 - c(4.0) * t + one, c(6.0) * (t - t2), c(3.0) * t2 - c(2.0) * t];
+    let basis = [
+        c(2.0) * t3 - c(3.0) * t2 + one,
+        t3 - c(2.0) * t2 + t,
+        c(3.0) * t2 - c(2.0) * t3,
+        t3 - t2,
+    ];
+    let slopes = [
+        c(6.0) * (t2 - t),
+        c(3.0) * t2 - c(4.0) * t + one,
+        c(6.0) * (t - t2),
+        c(3.0) * t2 - c(2.0) * t,
+    ];
     let points = [k.saturating_sub(1), k, k + 1, (k + 2).min(last)];
     let combine = |b: [S; 4]| {
         // Slope at a grid point by the difference of its neighbours.
@@ -73,5 +85,8 @@ fn weights<S: Single>(grid: &[f64], x: S) -> Stencil<S> {
         [-left, b[0] - right, b[2] + left, right]
     };
     let inverse = S::of(1.0 / h);
-    (points, (combine(basis), combine(slopes).map(|w| w * inverse)))
+    (
+        points,
+        (combine(basis), combine(slopes).map(|w| w * inverse)),
+    )
 }

@@ -22,7 +22,12 @@ impl Domain {
     pub const NON_NEGATIVE: Domain = Domain::at_least(0.0);
 
     const fn from(low: Bound<f64>) -> Domain {
-        Domain { low, high: Bound::Unbounded, endless: false, reason: "" }
+        Domain {
+            low,
+            high: Bound::Unbounded,
+            endless: false,
+            reason: "",
+        }
     }
 
     /// x > `low`.
@@ -37,17 +42,26 @@ impl Domain {
 
     /// The same, and x < `high`.
     pub const fn below(self, high: f64) -> Domain {
-        Domain { high: Bound::Excluded(high), ..self }
+        Domain {
+            high: Bound::Excluded(high),
+            ..self
+        }
     }
 
     /// The same, and x ≤ `high`.
     pub const fn up_to(self, high: f64) -> Domain {
-        Domain { high: Bound::Included(high), ..self }
+        Domain {
+            high: Bound::Included(high),
+            ..self
+        }
     }
 
     /// The same, and infinity.
     pub const fn or_infinite(self) -> Domain {
-        Domain { endless: true, ..self }
+        Domain {
+            endless: true,
+            ..self
+        }
     }
 
     /// The same with the reason for its bounds.
@@ -57,7 +71,8 @@ impl Domain {
 
     /// Whether `x` is inside; what is not finite mostly is not.
     pub fn contains(self, x: f64) -> bool {
-        (x.is_finite() && (self.low, self.high).contains(&x)) || (self.endless && x == f64::INFINITY)
+        (x.is_finite() && (self.low, self.high).contains(&x))
+            || (self.endless && x == f64::INFINITY)
     }
 
     /// What is allowed, for messages, with bounds in `unit`.
@@ -72,8 +87,11 @@ impl Domain {
             Bound::Excluded(high) => Some(("<", high)),
             Bound::Included(high) => Some(("≤", high)),
         };
-        let bounds: Vec<String> =
-            [low, high].into_iter().flatten().map(|(sign, bound)| written(sign, bound, unit)).collect();
+        let bounds: Vec<String> = [low, high]
+            .into_iter()
+            .flatten()
+            .map(|(sign, bound)| written(sign, bound, unit))
+            .collect();
         let number = format!("a finite number {}", bounds.join(" and "));
         let endless = if self.endless { ", or inf" } else { "" };
         format!("{}{endless}{}", number.trim_end(), self.reason)
@@ -96,11 +114,31 @@ mod tests {
             assert_eq!(domain.describe("m"), text);
             assert!(inside.iter().all(|&x| domain.contains(x)), "{text}");
             assert!(outside.iter().all(|&x| !domain.contains(x)), "{text}");
-            assert!([f64::NAN, f64::INFINITY, -f64::INFINITY].iter().all(|&x| !domain.contains(x)), "{text}");
+            assert!(
+                [f64::NAN, f64::INFINITY, -f64::INFINITY]
+                    .iter()
+                    .all(|&x| !domain.contains(x)),
+                "{text}"
+            );
         };
-        check(Domain::POSITIVE, "a finite number > 0", &[5e-324, f64::MAX], &[0.0, -0.0, -1.0]);
-        check(Domain::NON_NEGATIVE, "a finite number ≥ 0", &[0.0, 1.0], &[-5e-324]);
-        check(Domain::POSITIVE.below(0.06), "a finite number > 0 and < 0.06 m", &[0.059], &[0.0, 0.06]);
+        check(
+            Domain::POSITIVE,
+            "a finite number > 0",
+            &[5e-324, f64::MAX],
+            &[0.0, -0.0, -1.0],
+        );
+        check(
+            Domain::NON_NEGATIVE,
+            "a finite number ≥ 0",
+            &[0.0, 1.0],
+            &[-5e-324],
+        );
+        check(
+            Domain::POSITIVE.below(0.06),
+            "a finite number > 0 and < 0.06 m",
+            &[0.059],
+            &[0.0, 0.06],
+        );
         check(
             Domain::at_least(1.0).up_to(1.4),
             "a finite number ≥ 1 m and ≤ 1.4 m",
@@ -122,6 +160,10 @@ mod tests {
         let domain = Domain::NON_NEGATIVE.or_infinite();
         assert_eq!(domain.describe(""), "a finite number ≥ 0, or inf");
         assert!([0.0, f64::INFINITY].iter().all(|&x| domain.contains(x)));
-        assert!([-1.0, f64::NEG_INFINITY, f64::NAN].iter().all(|&x| !domain.contains(x)));
+        assert!(
+            [-1.0, f64::NEG_INFINITY, f64::NAN]
+                .iter()
+                .all(|&x| !domain.contains(x))
+        );
     }
 }

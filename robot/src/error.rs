@@ -39,14 +39,18 @@ impl Place {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Place::File { file, line: Some(line) } => write!(f, "{file}:{line}"),
+            Place::File {
+                file,
+                line: Some(line),
+            } => write!(f, "{file}:{line}"),
             Place::File { file, line: None } => f.write_str(file),
             Place::Override { text, .. } => write!(f, "--set {text}"),
         }
     }
 }
 
-/// Why a robot, or another file read by [`Section`](crate::section::Section), could not be read. Every message names the place, the key or column, the value and what is allowed.
+/// Why a robot, or another file read by [`Section`](crate::section::Section), could not be read.
+/// Every message names the place, the key or column, the value and what is allowed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RobotError {
@@ -124,7 +128,8 @@ pub enum RobotError {
     },
     /// A grid point of a force table with two rows.
     #[error(
-        "{place}: extension {extension} m, speed {speed} m/s: must be given once; line {first} has it too"
+        "{place}: extension {extension} m, speed {speed} m/s: must be given once; line {first} \
+         has it too"
     )]
     GridPointTwice {
         /// The second row.
@@ -138,7 +143,8 @@ pub enum RobotError {
     },
     /// A grid point of a force table without a row.
     #[error(
-        "{place}: extension {extension} m, speed {speed} m/s: must be given; the grid has each extension at each speed"
+        "{place}: extension {extension} m, speed {speed} m/s: must be given; the grid has each \
+         extension at each speed"
     )]
     GridPointMissing {
         /// The file.
@@ -184,7 +190,14 @@ pub enum RobotError {
 
 /// Spellings of one key: the first in full, of the others what is behind the last dot.
 fn spelled(keys: &[String]) -> String {
-    let (first, others) = keys.split_first().map_or(("", keys), |(first, others)| (first.as_str(), others));
-    let short = others.iter().map(|key| key.rsplit('.').next().unwrap_or(key));
-    std::iter::once(first).chain(short).collect::<Vec<_>>().join(" or ")
+    let (first, others) = keys
+        .split_first()
+        .map_or(("", keys), |(first, others)| (first.as_str(), others));
+    let short = others
+        .iter()
+        .map(|key| key.rsplit('.').next().unwrap_or(key));
+    std::iter::once(first)
+        .chain(short)
+        .collect::<Vec<_>>()
+        .join(" or ")
 }

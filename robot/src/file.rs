@@ -1,7 +1,7 @@
 //! The robot file: its keys, and the robot that they describe.
 //!
-//! The document itself serves as the file's struct. With serde, each quantity would be one optional field for each of its units,
-//! and a value's line would be lost to the checks that come after.
+//! The document itself serves as the file's struct. With serde, each quantity would be one optional
+//! field for each of its units, and a value's line would be lost to the checks that come after.
 
 use crate::document::Node;
 use crate::domain::Domain;
@@ -10,13 +10,13 @@ use crate::rig::{boom, foot, ground, leg_body};
 use crate::section::Section;
 use crate::table::force_table;
 use crate::units::{
-    ACCELERATION, ANGLE, ANGULAR_RATE, AREA, DAMPING, FORCE, FORCE_PER_PRESSURE, GAS_CONSTANT, INERTIA,
-    LENGTH, MASS, NUMBER, PER_LENGTH, PRESSURE, PRESSURE_PER_FLOW, STIFFNESS, TEMPERATURE, TIME, TORQUE,
-    VOLUME,
+    ACCELERATION, ANGLE, ANGULAR_RATE, AREA, DAMPING, FORCE, FORCE_PER_PRESSURE, GAS_CONSTANT,
+    INERTIA, LENGTH, MASS, NUMBER, PER_LENGTH, PRESSURE, PRESSURE_PER_FLOW, STIFFNESS, TEMPERATURE,
+    TIME, TORQUE, VOLUME,
 };
 use crate::{
-    AbsolutePressure, Body, Cushion, Cylinder, Drive, Environment, Errors, ExhaustPort, Gas, GaugePressure,
-    Leg, ReturnSpring, Robot, RobotError,
+    AbsolutePressure, Body, Cushion, Cylinder, Drive, Environment, Errors, ExhaustPort, Gas,
+    GaugePressure, Leg, ReturnSpring, Robot, RobotError,
 };
 
 const POSITIVE: Domain = Domain::POSITIVE;
@@ -29,7 +29,10 @@ pub(crate) fn robot(document: Node, files: Files) -> Result<Robot, RobotError> {
     let (body_table, leg_table, environment_table) =
         (s.table("body"), s.table("leg"), s.table("environment"));
     let errors = s.optional_table("errors", errors);
-    let (foot, ground) = (s.optional_table("foot", foot), s.optional_table("ground", ground));
+    let (foot, ground) = (
+        s.optional_table("foot", foot),
+        s.optional_table("ground", ground),
+    );
     // What may stand there depends on the body.
     let boom_table = s.optional_table("boom", Ok);
     s.finish(())?;
@@ -55,8 +58,12 @@ fn body(mut s: Section) -> Result<Body, RobotError> {
         radius: s.number("wheel_radius", LENGTH, POSITIVE),
         legs: s.count("legs"),
         imbalance: s.optional("imbalance", LENGTH, NON_NEGATIVE).unwrap_or(0.0),
-        imbalance_angle: s.optional("imbalance_angle", ANGLE, Domain::FINITE).unwrap_or(0.0),
-        axle_friction: s.optional("axle_friction", TORQUE, NON_NEGATIVE).unwrap_or(0.0),
+        imbalance_angle: s
+            .optional("imbalance_angle", ANGLE, Domain::FINITE)
+            .unwrap_or(0.0),
+        axle_friction: s
+            .optional("axle_friction", TORQUE, NON_NEGATIVE)
+            .unwrap_or(0.0),
     };
     s.finish(body)
 }
@@ -72,10 +79,16 @@ fn environment(mut s: Section) -> Result<Environment, RobotError> {
 
 fn errors(mut s: Section) -> Result<Errors, RobotError> {
     let errors = Errors {
-        rate: s.optional("rate", ANGULAR_RATE, NON_NEGATIVE).unwrap_or(0.0),
-        firing_angle: s.optional("firing_angle", ANGLE, NON_NEGATIVE).unwrap_or(0.0),
+        rate: s
+            .optional("rate", ANGULAR_RATE, NON_NEGATIVE)
+            .unwrap_or(0.0),
+        firing_angle: s
+            .optional("firing_angle", ANGLE, NON_NEGATIVE)
+            .unwrap_or(0.0),
         valve_open: s.optional("valve_open", TIME, NON_NEGATIVE).unwrap_or(0.0),
-        supply: s.optional("supply_pressure", PRESSURE, NON_NEGATIVE).unwrap_or(0.0),
+        supply: s
+            .optional("supply_pressure", PRESSURE, NON_NEGATIVE)
+            .unwrap_or(0.0),
     };
     s.finish(errors)
 }
@@ -96,11 +109,20 @@ const KINDS: [(&str, Kind); 4] = [
     ("table", Kind::Table),
 ];
 
-fn leg(mut s: Section, body: &Body, ambient: AbsolutePressure, files: Files) -> Result<Leg, RobotError> {
+fn leg(
+    mut s: Section,
+    body: &Body,
+    ambient: AbsolutePressure,
+    files: Files,
+) -> Result<Leg, RobotError> {
     let kind = s.choice("kind", &KINDS, "pneumatic, spring, constant or table");
     // Without its kind, nobody knows the leg's keys.
     s.stop_at_problem()?;
-    let delay = if kind == Kind::Pneumatic { "valve_delay" } else { "release_delay" };
+    let delay = if kind == Kind::Pneumatic {
+        "valve_delay"
+    } else {
+        "release_delay"
+    };
     let stroke = s.number("stroke", LENGTH, POSITIVE);
     let leg = Leg {
         stroke,
@@ -115,7 +137,9 @@ fn leg(mut s: Section, body: &Body, ambient: AbsolutePressure, files: Files) -> 
                 stiffness: s.number("stiffness", STIFFNESS, POSITIVE),
                 compression: s.number("compression", LENGTH, POSITIVE),
             },
-            Kind::Constant => Drive::Constant { force: s.number("force", FORCE, POSITIVE) },
+            Kind::Constant => Drive::Constant {
+                force: s.number("force", FORCE, POSITIVE),
+            },
             Kind::Table => Drive::Table(force_table(&mut s, stroke, files)),
         },
         body: leg_body(&mut s, body),
@@ -151,11 +175,15 @@ fn cylinder(s: &mut Section, stroke: f64, ambient: AbsolutePressure) -> Cylinder
         orifice_radius: s.number("orifice_radius", LENGTH, POSITIVE),
         gas,
         temperature: s.number("gas_temperature", TEMPERATURE, POSITIVE),
-        supply_droop: s.optional("supply_droop", PRESSURE_PER_FLOW, NON_NEGATIVE).unwrap_or(0.0),
+        supply_droop: s
+            .optional("supply_droop", PRESSURE_PER_FLOW, NON_NEGATIVE)
+            .unwrap_or(0.0),
         leak_area: s.optional("leak_area", AREA, NON_NEGATIVE).unwrap_or(0.0),
         exhaust_port: s.optional_table("exhaust_port", |s| exhaust_port(s, stroke)),
         polytropic_exponent: s.optional("polytropic_exponent", NUMBER, polytropic),
-        seal_friction: s.optional("seal_friction", FORCE_PER_PRESSURE, NON_NEGATIVE).unwrap_or(0.0),
+        seal_friction: s
+            .optional("seal_friction", FORCE_PER_PRESSURE, NON_NEGATIVE)
+            .unwrap_or(0.0),
     }
 }
 
@@ -169,14 +197,22 @@ fn supply(s: &mut Section, ambient: AbsolutePressure) -> GaugePressure {
     }
 }
 
-const GASES: [(&str, Gas); 3] = [("air", Gas::AIR), ("co2", Gas::CO2), ("nitrogen", Gas::NITROGEN)];
+const GASES: [(&str, Gas); 3] = [
+    ("air", Gas::AIR),
+    ("co2", Gas::CO2),
+    ("nitrogen", Gas::NITROGEN),
+];
 
 /// A gas by name, or a table of its constants.
 fn gas(s: &mut Section) -> Gas {
     if s.is_table("gas") {
         return s.optional_table("gas", gas_constants).unwrap_or(Gas::AIR);
     }
-    s.choice("gas", &GASES, "air, co2, nitrogen or a table of heat_ratio and constant_j_per_kg_k")
+    s.choice(
+        "gas",
+        &GASES,
+        "air, co2, nitrogen or a table of heat_ratio and constant_j_per_kg_k",
+    )
 }
 
 fn gas_constants(mut s: Section) -> Result<Gas, RobotError> {

@@ -10,13 +10,21 @@ use crate::RobotError;
 pub(crate) const ROBOTS: [(&str, &str); 4] = [
     ("rats-planar", include_str!("../../robots/rats-planar.toml")),
     ("rats-boom", include_str!("../../robots/rats-boom.toml")),
-    ("spring-hopper", include_str!("../../robots/spring-hopper.toml")),
-    ("table-hopper", include_str!("../../robots/table-hopper.toml")),
+    (
+        "spring-hopper",
+        include_str!("../../robots/spring-hopper.toml"),
+    ),
+    (
+        "table-hopper",
+        include_str!("../../robots/table-hopper.toml"),
+    ),
 ];
 
 /// Files that built-in robots name.
-const TABLES: [(&str, &str); 1] =
-    [("table-hopper-force.csv", include_str!("../../robots/table-hopper-force.csv"))];
+const TABLES: [(&str, &str); 1] = [(
+    "table-hopper-force.csv",
+    include_str!("../../robots/table-hopper-force.csv"),
+)];
 
 /// Greatest size of a file (MiB): some hundred thousand rows of a force table.
 const LIMIT_MIB: u64 = 4;
@@ -61,10 +69,18 @@ pub(crate) fn read_text(path: &Path) -> Result<String, RobotError> {
     // One byte more than the limit tells a file at the limit from a larger or an endless one.
     File::open(path)
         .and_then(|opened| opened.take(limit + 1).read_to_end(&mut bytes))
-        .map_err(|source| RobotError::Unreadable { file: file(), source })?;
+        .map_err(|source| RobotError::Unreadable {
+            file: file(),
+            source,
+        })?;
     if bytes.len() as u64 > limit {
-        return Err(RobotError::TooLarge { file: file(), limit_mib: LIMIT_MIB });
+        return Err(RobotError::TooLarge {
+            file: file(),
+            limit_mib: LIMIT_MIB,
+        });
     }
-    String::from_utf8(bytes)
-        .map_err(|error| RobotError::NotText { file: file(), offset: error.utf8_error().valid_up_to() })
+    String::from_utf8(bytes).map_err(|error| RobotError::NotText {
+        file: file(),
+        offset: error.utf8_error().valid_up_to(),
+    })
 }

@@ -20,14 +20,20 @@ pub struct Implausible {
 
 impl fmt::Display for Implausible {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Implausible { key, value, why, units } = self;
+        let Implausible {
+            key,
+            value,
+            why,
+            units,
+        } = self;
         write!(f, "{key} = {} {why}: is it in {units}?", short(*value))
     }
 }
 
 /// Density (kg/m³) above that of every metal.
 const DENSEST: f64 = 23_000.0;
-/// Supply pressures (Pa, gauge) between which pneumatic legs are: weaker than a breath, stronger than a full gas bottle.
+/// Supply pressures (Pa, gauge) between which pneumatic legs are: weaker than a breath, stronger
+/// than a full gas bottle.
 const SUPPLY: (f64, f64) = (1e3, 2e7);
 /// Pressures (Pa) of the surroundings: of Mars, of ten atmospheres.
 const AMBIENT: (f64, f64) = (500.0, 1e6);
@@ -60,12 +66,21 @@ impl Robot {
         let (width, ball) = (2.0 * radius, 4.0 / 3.0 * PI * radius.powi(3));
         let rim = mass * radius * radius;
         let mut all = vec![
-            (radius > HALL, "body.wheel_radius_m", radius, "is larger than any hall".into(), "cm or mm"),
+            (
+                radius > HALL,
+                "body.wheel_radius_m",
+                radius,
+                "is larger than any hall".into(),
+                "cm or mm",
+            ),
             (
                 mass > DENSEST * ball,
                 "body.mass_kg",
                 mass,
-                format!("is more than a wheel of {} m radius can hold", short(radius)),
+                format!(
+                    "is more than a wheel of {} m radius can hold",
+                    short(radius)
+                ),
                 "g",
             ),
             (
@@ -73,7 +88,10 @@ impl Robot {
                 self.body.inertia > (1.0 + 1e-6) * rim,
                 "body.inertia_kg_m2",
                 self.body.inertia,
-                format!("is more than that of all mass on the rim ({} kg m²)", short(rim)),
+                format!(
+                    "is more than that of all mass on the rim ({} kg m²)",
+                    short(rim)
+                ),
                 "g m², kg mm² or g cm²",
             ),
             (
@@ -131,7 +149,13 @@ impl Robot {
                     "is more than a gas bottle holds".into(),
                     "a smaller unit",
                 ),
-                (c.bore > width, "leg.bore_m", c.bore, "is wider than the wheel".into(), "mm"),
+                (
+                    c.bore > width,
+                    "leg.bore_m",
+                    c.bore,
+                    "is wider than the wheel".into(),
+                    "mm",
+                ),
                 (
                     c.orifice_radius > c.bore,
                     "leg.orifice_radius_m",
@@ -156,7 +180,13 @@ impl Robot {
             ]);
         }
         let odd = all.into_iter().filter(|(is_odd, ..)| *is_odd);
-        odd.map(|(_, key, value, why, units)| Implausible { key, value, why, units }).collect()
+        odd.map(|(_, key, value, why, units)| Implausible {
+            key,
+            value,
+            why,
+            units,
+        })
+        .collect()
     }
 
     fn delay_key(&self) -> &'static str {
@@ -167,28 +197,40 @@ impl Robot {
         }
     }
 
-    /// Keys of the robot file that are set and that the planar model of a planner leaves out; the multi-body simulation has them.
+    /// Keys of the robot file that are set and that the planar model of a planner leaves out; the
+    /// multi-body simulation has them.
     ///
-    /// Not named are the mass of the legs and friction across the travel, which a jump in the plane hardly feels.
+    /// Not named are the mass of the legs and friction across the travel, which a jump in the plane
+    /// hardly feels.
     pub fn beyond_the_plane(&self) -> Vec<&'static str> {
         let ground = &self.ground;
         let all = [
             (self.body.imbalance != 0.0, "body.imbalance_m"),
             (self.body.axle_friction != 0.0, "body.axle_friction_n_m"),
-            (self.boom.is_some_and(|boom| boom.flex.is_some()), "boom.bending_stiffness_n_m_per_rad"),
+            (
+                self.boom.is_some_and(|boom| boom.flex.is_some()),
+                "boom.bending_stiffness_n_m_per_rad",
+            ),
             (self.foot.radius != 0.0, "foot.radius_m"),
             (ground.static_friction.is_finite(), "ground.static_friction"),
             (ground.stiffness.is_some(), "ground.stiffness_n_per_m"),
             (ground.slope != 0.0, "ground.slope_rad"),
         ];
-        all.into_iter().filter(|(is_set, _)| *is_set).map(|(_, key)| key).collect()
+        all.into_iter()
+            .filter(|(is_set, _)| *is_set)
+            .map(|(_, key)| key)
+            .collect()
     }
 }
 
 /// A number with few digits.
 fn short(x: f64) -> String {
     let rounded: f64 = format!("{x:.3e}").parse().unwrap_or(x);
-    if (1e-4..1e6).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
+    if (1e-4..1e6).contains(&rounded.abs()) {
+        rounded.to_string()
+    } else {
+        format!("{rounded:e}")
+    }
 }
 
 #[cfg(test)]
@@ -206,14 +248,23 @@ mod tests {
         check("body.inertia_kg_m2=13000", "body.inertia_kg_m2");
         check("leg.stroke_m=6", "leg.stroke_m");
         check("leg.valve_delay_s=10", "leg.valve_delay_s");
-        check("leg.supply_pressure_gauge_psi=1e6", "leg.supply_pressure_gauge_pa");
-        check("leg.supply_pressure_gauge_pa=120", "leg.supply_pressure_gauge_pa");
+        check(
+            "leg.supply_pressure_gauge_psi=1e6",
+            "leg.supply_pressure_gauge_pa",
+        );
+        check(
+            "leg.supply_pressure_gauge_pa=120",
+            "leg.supply_pressure_gauge_pa",
+        );
         check("leg.bore_m=19.05", "leg.bore_m");
         check("leg.orifice_radius_m=1.0215", "leg.orifice_radius_m");
         check("leg.dead_volume_m3=5.4", "leg.dead_volume_m3");
         check("leg.gas_temperature_k=20", "leg.gas_temperature_k");
         check("environment.gravity_m_s2=981", "environment.gravity_m_s2");
-        check("environment.ambient_pressure_pa=101.325", "environment.ambient_pressure_pa");
+        check(
+            "environment.ambient_pressure_pa=101.325",
+            "environment.ambient_pressure_pa",
+        );
         check("boom.length_m=2120", "boom.length_m");
     }
 
@@ -221,14 +272,19 @@ mod tests {
     fn built_in_robots_are_plausible_and_planar() {
         for name in Robot::builtin_names() {
             let robot = Robot::builtin(name).expect("built in");
-            assert_eq!((robot.implausible(), robot.beyond_the_plane()), (vec![], vec![]), "{name}");
+            assert_eq!(
+                (robot.implausible(), robot.beyond_the_plane()),
+                (vec![], vec![]),
+                "{name}"
+            );
         }
     }
 
     #[test]
     fn a_hoop_is_plausible() {
         let rim = 2.75 * 0.24 * 0.24;
-        let robot = resolve("rats-planar", &[format!("body.inertia_kg_m2={rim}")]).expect("a legal robot");
+        let robot =
+            resolve("rats-planar", &[format!("body.inertia_kg_m2={rim}")]).expect("a legal robot");
         assert_eq!(robot.implausible(), vec![]);
     }
 }

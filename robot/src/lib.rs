@@ -1,8 +1,9 @@
 //! What a jumping robot is: parameters with units, TOML files, checks.
 //!
-//! A robot file is TOML with the unit in each key's name; `robots/README.md` lists the keys. Reading it gives the
-//! [`Robot`] that the models see, in SI, each value checked; an unknown key, a value outside its domain or a quantity given twice is
-//! an error that names the place. [`resolve`] is what a command line needs: a built-in robot or a file, with overrides.
+//! A robot file is TOML with the unit in each key's name; `robots/README.md` lists the keys.
+//! Reading it gives the [`Robot`] that the models see, in SI, each value checked; an unknown key, a
+//! value outside its domain or a quantity given twice is an error that names the place. [`resolve`]
+//! is what a command line needs: a built-in robot or a file, with overrides.
 //!
 //! ```
 //! use saltus_robot::resolve;
@@ -44,11 +45,13 @@ pub use parameter::Parameter;
 ///
 /// A built-in name comes before a file of that name, which is then `./name`.
 ///
-/// An override is `KEY=VALUE` with a dotted key of the robot file and a TOML value; a value that is not TOML is text without
-/// quotes. It may name a quantity in another unit than the file does, add optional keys and tables, or replace a whole table.
+/// An override is `KEY=VALUE` with a dotted key of the robot file and a TOML value; a value that is
+/// not TOML is text without quotes. It may name a quantity in another unit than the file does, add
+/// optional keys and tables, or replace a whole table.
 ///
 /// # Errors
-/// [`RobotError`] if there is no such robot, its file cannot be read, or robot and overrides together are not a sound robot.
+/// [`RobotError`] if there is no such robot, its file cannot be read, or robot and overrides
+/// together are not a sound robot.
 pub fn resolve(name_or_path: &str, overrides: &[String]) -> Result<Robot, RobotError> {
     resolve_from(name_or_path, overrides, &|_| ())
 }
@@ -63,14 +66,20 @@ pub fn resolve_from(
     opened: &dyn Fn(&Path),
 ) -> Result<Robot, RobotError> {
     if let Some((name, text)) = built_in(name_or_path) {
-        let files = Files { place: files::Place::BuiltIn, opened };
+        let files = Files {
+            place: files::Place::BuiltIn,
+            opened,
+        };
         return read(text, &format!("robots/{name}.toml"), files, overrides);
     }
     let path = Path::new(name_or_path);
     opened(path);
     let text = read_text(path).map_err(|error| match error {
         RobotError::Unreadable { source, .. } if source.kind() == ErrorKind::NotFound => {
-            RobotError::UnknownRobot { name: name_or_path.into(), built_in: Robot::builtin_names().collect() }
+            RobotError::UnknownRobot {
+                name: name_or_path.into(),
+                built_in: Robot::builtin_names().collect(),
+            }
         }
         error => error,
     })?;
@@ -95,7 +104,10 @@ impl Robot {
     /// Never: a test reads each of them.
     pub fn builtin(name: &str) -> Option<Robot> {
         let (name, text) = built_in(name)?;
-        let files = Files { place: files::Place::BuiltIn, opened: &|_| () };
+        let files = Files {
+            place: files::Place::BuiltIn,
+            opened: &|_| (),
+        };
         Some(read(text, name, files, &[]).expect("the built-in robots are sound"))
     }
 
@@ -114,12 +126,16 @@ impl Robot {
         Robot::parse(&read_text(path)?, &path.display().to_string(), folder)
     }
 
-    /// The robot that `text` describes; messages call it `file_name`, and the files that it names are below `base_dir`.
+    /// The robot that `text` describes; messages call it `file_name`, and the files that it names
+    /// are below `base_dir`.
     ///
     /// # Errors
     /// [`RobotError`] if `text` is not a sound robot, or a file that it names cannot be read.
     pub fn parse(text: &str, file_name: &str, base_dir: &Path) -> Result<Robot, RobotError> {
-        let files = Files { place: files::Place::Folder(base_dir), opened: &|_| () };
+        let files = Files {
+            place: files::Place::Folder(base_dir),
+            opened: &|_| (),
+        };
         read(text, file_name, files, &[])
     }
 }

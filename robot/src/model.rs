@@ -1,6 +1,7 @@
 //! A robot as the models see it: plain numbers in SI units.
 
-/// Absolute pressure (Pa), > 0. Gauge pressures are [`GaugePressure`]; the two never mix without an ambient pressure.
+/// Absolute pressure (Pa), > 0. Gauge pressures are [`GaugePressure`]; the two never mix without an
+/// ambient pressure.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct AbsolutePressure(pub f64);
 
@@ -51,18 +52,25 @@ impl Robot {
         self.body.mass + self.boom.map_or(0.0, |boom| boom.inertial_mass())
     }
 
-    /// Gravity (m/s²) that pulls at the axle, ≥ 0: g, and with a boom g (m + m_b/2 − m_c l/L)/(m + m_b/3 + m_c (l/L)²).
+    /// Gravity (m/s²) that pulls at the axle, ≥ 0: g, and with a boom g (m + m_b/2 − m_c l/L)/(m +
+    /// m_b/3 + m_c (l/L)²).
     ///
-    /// The axle falls at it, and [`axle_mass`](Self::axle_mass) times it is what stands on a foot at rest.
+    /// The axle falls at it, and [`axle_mass`](Self::axle_mass) times it is what stands on a foot
+    /// at rest.
     pub fn axle_gravity(&self) -> f64 {
         let gravity = self.environment.gravity;
-        self.boom_weight().map_or(gravity, |added| gravity * ((self.body.mass + added) / self.axle_mass()))
+        self.boom_weight().map_or(gravity, |added| {
+            gravity * ((self.body.mass + added) / self.axle_mass())
+        })
     }
 
-    /// Mass (kg) whose weight the boom adds at the axle, m_b/2 − m_c l/L, never below −m; none without a boom.
+    /// Mass (kg) whose weight the boom adds at the axle, m_b/2 − m_c l/L, never below −m; none
+    /// without a boom.
     pub fn boom_weight(&self) -> Option<f64> {
-        // A counterweight that balances the robot may be off by round-off, and nothing falls upwards.
-        self.boom.map(|boom| boom.weighing_mass().max(-self.body.mass))
+        // A counterweight that balances the robot may be off by round-off, and nothing falls
+        // upwards.
+        self.boom
+            .map(|boom| boom.weighing_mass().max(-self.body.mass))
     }
 
     /// Mass (kg) of the wheel without its legs, > 0.
@@ -116,7 +124,8 @@ pub struct Leg {
     pub body: LegBody,
 }
 
-/// The moving part of a leg, rod and foot, as a solid cylinder along the leg; of no mass by default.
+/// The moving part of a leg, rod and foot, as a solid cylinder along the leg; of no mass by
+/// default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LegBody {
     /// Mass (kg), ≥ 0.
@@ -183,8 +192,9 @@ pub enum Drive {
 }
 
 impl Drive {
-    /// Whether the drive is commanded for a time, the valve opening time: a cylinder through its valve, a motor through its current. A
-    /// spring is released once and not caught again, so that no valve opening time belongs to it.
+    /// Whether the drive is commanded for a time, the valve opening time: a cylinder through its
+    /// valve, a motor through its current. A spring is released once and not caught again, so that
+    /// no valve opening time belongs to it.
     pub fn has_valve(&self) -> bool {
         !matches!(self, Drive::Spring { .. })
     }
@@ -209,20 +219,25 @@ pub struct Cylinder {
     pub temperature: f64,
     /// Fall of the supply pressure with the mass flow drawn (Pa s/kg), ≥ 0; 0 is off.
     pub supply_droop: f64,
-    /// Effective area C_f A of an orifice from the chamber to the atmosphere, always open (m²), ≥ 0; 0 is off.
+    /// Effective area C_f A of an orifice from the chamber to the atmosphere, always open (m²), ≥
+    /// 0; 0 is off.
     pub leak_area: f64,
     /// Opening to the atmosphere once d passes it.
     pub exhaust_port: Option<ExhaustPort>,
     /// Exponent n in the chamber's equation in place of κ, in [1, κ]; none: adiabatic.
     pub polytropic_exponent: Option<f64>,
-    /// Coulomb friction of the seal for each pascal of the chamber's gauge pressure (N/Pa), ≥ 0; 0 is off.
+    /// Coulomb friction of the seal for each pascal of the chamber's gauge pressure (N/Pa), ≥ 0; 0
+    /// is off.
     pub seal_friction: f64,
 }
 
 impl Cylinder {
     /// Effective area of the valve's orifice, C_f A_v (m²).
     pub fn valve_area(&self) -> f64 {
-        self.discharge_coefficient * std::f64::consts::PI * self.orifice_radius * self.orifice_radius
+        self.discharge_coefficient
+            * std::f64::consts::PI
+            * self.orifice_radius
+            * self.orifice_radius
     }
 }
 
@@ -246,11 +261,20 @@ pub struct Gas {
 
 impl Gas {
     /// Dry air.
-    pub const AIR: Gas = Gas { heat_ratio: 1.4, constant: 287.05 };
+    pub const AIR: Gas = Gas {
+        heat_ratio: 1.4,
+        constant: 287.05,
+    };
     /// Carbon dioxide.
-    pub const CO2: Gas = Gas { heat_ratio: 1.30, constant: 188.9 };
+    pub const CO2: Gas = Gas {
+        heat_ratio: 1.30,
+        constant: 188.9,
+    };
     /// Nitrogen.
-    pub const NITROGEN: Gas = Gas { heat_ratio: 1.4, constant: 296.8 };
+    pub const NITROGEN: Gas = Gas {
+        heat_ratio: 1.4,
+        constant: 296.8,
+    };
 }
 
 /// Measured force over extension and speed, on a full grid.
@@ -282,12 +306,18 @@ pub struct Boom {
 impl Boom {
     /// Mass (kg) at the axle that has the boom's inertia about its base: m_b/3 + m_c (l/L)².
     pub fn inertial_mass(&self) -> f64 {
-        self.mass / 3.0 + self.counterweight.map_or(0.0, |c| c.mass * (c.distance / self.length).powi(2))
+        self.mass / 3.0
+            + self
+                .counterweight
+                .map_or(0.0, |c| c.mass * (c.distance / self.length).powi(2))
     }
 
     /// Mass (kg) at the axle that has the boom's moment of weight about its base: m_b/2 − m_c l/L.
     fn weighing_mass(&self) -> f64 {
-        self.mass / 2.0 - self.counterweight.map_or(0.0, |c| c.mass * (c.distance / self.length))
+        self.mass / 2.0
+            - self
+                .counterweight
+                .map_or(0.0, |c| c.mass * (c.distance / self.length))
     }
 }
 
@@ -307,7 +337,8 @@ pub struct Foot {
     pub radius: f64,
 }
 
-/// What the feet stand on; by default it is rigid, level, inelastic, and lets nothing slip along the travel.
+/// What the feet stand on; by default it is rigid, level, inelastic, and lets nothing slip along
+/// the travel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground {
     /// Friction coefficient along the travel until a foot slips, ≥ 0; infinite: no slip.

@@ -46,7 +46,8 @@ impl Parameter {
         Parameter::ValveArea,
     ];
 
-    /// Its value in `robot` (absolute for the supply pressure); none where the robot's drive has no such parameter.
+    /// Its value in `robot` (absolute for the supply pressure); none where the robot's drive has no
+    /// such parameter.
     pub fn of(self, robot: &Robot) -> Option<f64> {
         let (body, leg) = (&robot.body, &robot.leg);
         let cylinder = match &leg.drive {

@@ -1,4 +1,5 @@
-//! Reading one table of a TOML file key by key: typed, checked, in any of a quantity's units, with no key left over.
+//! Reading one table of a TOML file key by key: typed, checked, in any of a quantity's units, with
+//! no key left over.
 //!
 //! ```
 //! use saltus_robot::domain::Domain;
@@ -24,8 +25,9 @@ use crate::{Place, RobotError};
 
 /// A table being read.
 ///
-/// Reading takes keys out and goes on after the first problem, with a stand-in such as NaN; [`Section::finish`] then lets nothing out.
-/// So an unknown key, which is mostly a misspelt one, is reported before the key that it leaves missing.
+/// Reading takes keys out and goes on after the first problem, with a stand-in such as NaN;
+/// [`Section::finish`] then lets nothing out. So an unknown key, which is mostly a misspelt one, is
+/// reported before the key that it leaves missing.
 pub struct Section {
     /// Dotted key; empty for the whole file.
     path: String,
@@ -52,10 +54,25 @@ impl Section {
 
     /// The table `node`, whose dotted key is `path`.
     pub(crate) fn new(path: String, node: Node) -> Result<Section, RobotError> {
-        let Node { place, source, value } = node;
+        let Node {
+            place,
+            source,
+            value,
+        } = node;
         match value {
-            Value::Table(entries) => Ok(Section { path, place, entries, known: Vec::new(), problem: None }),
-            _ => Err(RobotError::NotAllowed { place, key: path, value: source, allowed: "a table".into() }),
+            Value::Table(entries) => Ok(Section {
+                path,
+                place,
+                entries,
+                known: Vec::new(),
+                problem: None,
+            }),
+            _ => Err(RobotError::NotAllowed {
+                place,
+                key: path,
+                value: source,
+                allowed: "a table".into(),
+            }),
         }
     }
 
@@ -67,7 +84,11 @@ impl Section {
         let Some((key, node)) = self.entries.iter().min_by_key(|(_, node)| &node.place) else {
             return self.stop_at_problem().map(|()| read);
         };
-        let nearest = self.known.iter().min_by_key(|known| edits(known, key)).map_or("", String::as_str);
+        let nearest = self
+            .known
+            .iter()
+            .min_by_key(|known| edits(known, key))
+            .map_or("", String::as_str);
         Err(RobotError::UnknownKey {
             place: node.place.clone(),
             key: self.dotted(key),
@@ -90,7 +111,8 @@ impl Section {
 
     /// The number `stem` in SI, if given.
     pub fn optional(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> Option<f64> {
-        self.optional_one_of(&[(stem, domain)], quantity).map(|(_, number)| number)
+        self.optional_one_of(&[(stem, domain)], quantity)
+            .map(|(_, number)| number)
     }
 
     /// Which of several ways to give a number was taken, and the number in SI.
@@ -102,20 +124,35 @@ impl Section {
         })
     }
 
-    fn optional_one_of(&mut self, ways: &[(&str, Domain)], quantity: Quantity) -> Option<(usize, f64)> {
+    fn optional_one_of(
+        &mut self,
+        ways: &[(&str, Domain)],
+        quantity: Quantity,
+    ) -> Option<(usize, f64)> {
         let (key, way, unit, node) = self.spelled(ways, quantity)?;
-        Some((way, self.si(self.dotted(&key), node, (unit, quantity, ways[way].1))))
+        Some((
+            way,
+            self.si(self.dotted(&key), node, (unit, quantity, ways[way].1)),
+        ))
     }
 
     /// One number `stem` for all of `count` things, or a list with one for each (SI).
-    pub fn numbers(&mut self, stem: &str, quantity: Quantity, domain: Domain, count: usize) -> Vec<f64> {
+    pub fn numbers(
+        &mut self,
+        stem: &str,
+        quantity: Quantity,
+        domain: Domain,
+        count: usize,
+    ) -> Vec<f64> {
         let ways = [(stem, domain)];
         let Some((key, _, unit, node)) = self.spelled(&ways, quantity) else {
             self.missing(&spellings(&ways, quantity).0);
             return Vec::new();
         };
         match node.value {
-            Value::Array(items) if items.len() == count => self.items(&key, items, (unit, quantity, domain)),
+            Value::Array(items) if items.len() == count => {
+                self.items(&key, items, (unit, quantity, domain))
+            }
             Value::Array(ref items) => {
                 let given = items.len();
                 let allowed = format!("one number, or a list of {count}; this list has {given}");
@@ -151,14 +188,24 @@ impl Section {
     }
 
     /// The numbers (SI) of the list `key`; messages count its items from 1.
-    fn items(&mut self, key: &str, items: Vec<Node>, meaning: (Unit, Quantity, Domain)) -> Vec<f64> {
+    fn items(
+        &mut self,
+        key: &str,
+        items: Vec<Node>,
+        meaning: (Unit, Quantity, Domain),
+    ) -> Vec<f64> {
         let name = self.dotted(key);
         let item = |(i, item)| self.si(format!("{name} item {}", i + 1), item, meaning);
         items.into_iter().enumerate().map(item).collect()
     }
 
     /// The number of `node` in SI, which must be in its domain; messages call it `name`.
-    fn si(&mut self, name: String, node: Node, (unit, quantity, domain): (Unit, Quantity, Domain)) -> f64 {
+    fn si(
+        &mut self,
+        name: String,
+        node: Node,
+        (unit, quantity, domain): (Unit, Quantity, Domain),
+    ) -> f64 {
         let number = match &node.value {
             Value::Number(literal) => unit.si(literal),
             _ => f64::NAN,
@@ -182,7 +229,8 @@ impl Section {
         Some((keys.swap_remove(spelling), way, unit, node))
     }
 
-    /// What `read` makes of the value of `key`; a value of which it makes nothing is not what is `allowed`.
+    /// What `read` makes of the value of `key`; a value of which it makes nothing is not what is
+    /// `allowed`.
     pub(crate) fn value<T>(
         &mut self,
         key: &str,
@@ -206,7 +254,8 @@ impl Section {
             Value::Text(text) if !text.is_empty() => Some(text.clone()),
             _ => None,
         };
-        self.value(key, "text in quotes, not empty", read).unwrap_or_default()
+        self.value(key, "text in quotes, not empty", read)
+            .unwrap_or_default()
     }
 
     /// The whole number `key`, ≥ 1.
@@ -215,25 +264,35 @@ impl Section {
             Value::Number(literal) => literal.parse().ok().filter(|&count| count >= 1),
             _ => None,
         };
-        self.value(key, "a whole number ≥ 1", read).unwrap_or_default()
+        self.value(key, "a whole number ≥ 1", read)
+            .unwrap_or_default()
     }
 
     /// The whole number `key` from 1 to `most`, if given.
     pub fn count_to(&mut self, key: &str, most: usize) -> Option<usize> {
         let node = self.take(key)?;
         let count = match &node.value {
-            Value::Number(literal) => literal.parse().ok().filter(|count| (1..=most).contains(count)),
+            Value::Number(literal) => literal
+                .parse()
+                .ok()
+                .filter(|count| (1..=most).contains(count)),
             _ => None,
         };
         if count.is_none() {
-            self.refuse(self.dotted(key), node, format!("a whole number from 1 to {most}"));
+            self.refuse(
+                self.dotted(key),
+                node,
+                format!("a whole number from 1 to {most}"),
+            );
         }
         count
     }
 
     /// The tables of the list `[[key]]`, at most `most`; messages count them from 1.
     pub fn tables(&mut self, key: &str, most: usize) -> Vec<Section> {
-        let Some(node) = self.take(key) else { return Vec::new() };
+        let Some(node) = self.take(key) else {
+            return Vec::new();
+        };
         let allowed = format!("tables, as in [[{key}]]");
         let Value::Array(items) = node.value else {
             self.refuse(self.dotted(key), node, allowed);
@@ -241,7 +300,11 @@ impl Section {
         };
         let (given, name) = (items.len(), self.dotted(key));
         if given > most {
-            let allowed = if most == 1 { "one table".into() } else { format!("at most {most} tables") };
+            let allowed = if most == 1 {
+                "one table".into()
+            } else {
+                format!("at most {most} tables")
+            };
             self.problem(RobotError::NotAllowed {
                 place: node.place,
                 key: format!("[[{name}]]"),
@@ -251,13 +314,18 @@ impl Section {
         }
         let section = |(i, item)| Section::new(format!("{name} {}", i + 1), item);
         let sections: Result<_, _> = items.into_iter().enumerate().map(section).collect();
-        sections.map_err(|error| self.problem(error)).unwrap_or_default()
+        sections
+            .map_err(|error| self.problem(error))
+            .unwrap_or_default()
     }
 
     /// What the text `key` stands for among `choices`, which `allowed` lists.
     pub fn choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)], allowed: &str) -> T {
         let read = |value: &Value| match value {
-            Value::Text(text) => choices.iter().find(|(name, _)| name == text).map(|&(_, choice)| choice),
+            Value::Text(text) => choices
+                .iter()
+                .find(|(name, _)| name == text)
+                .map(|&(_, choice)| choice),
             _ => None,
         };
         self.value(key, allowed, read).unwrap_or(choices[0].1)
@@ -265,7 +333,13 @@ impl Section {
 
     /// Whether `key` is given, and as a table.
     pub fn is_table(&self, key: &str) -> bool {
-        matches!(self.entries.get(key), Some(Node { value: Value::Table(_), .. }))
+        matches!(
+            self.entries.get(key),
+            Some(Node {
+                value: Value::Table(_),
+                ..
+            })
+        )
     }
 
     /// The table `key`, which must be there; an empty one stands in.
@@ -277,10 +351,17 @@ impl Section {
             Some(Err(error)) => self.problem(error),
             None => self.missing(&[key]),
         }
-        Section { path, place: self.place.clone(), entries: Table::new(), known: Vec::new(), problem: None }
+        Section {
+            path,
+            place: self.place.clone(),
+            entries: Table::new(),
+            known: Vec::new(),
+            problem: None,
+        }
     }
 
-    /// The table `key` through `read`, if given; not read after a problem, on which `read` might rest.
+    /// The table `key` through `read`, if given; not read after a problem, on which `read` might
+    /// rest.
     pub fn optional_table<T>(
         &mut self,
         key: &str,
@@ -298,7 +379,8 @@ impl Section {
         read().map_err(|error| self.problem(error)).ok()
     }
 
-    /// Which of `keys`, spellings of one thing, is given. An override drops what the file or an earlier override spells otherwise.
+    /// Which of `keys`, spellings of one thing, is given. An override drops what the file or an
+    /// earlier override spells otherwise.
     pub fn given(&mut self, keys: &[impl AsRef<str>]) -> Option<usize> {
         let mut given: Vec<(usize, Node)> = Vec::new();
         for (spelling, key) in keys.iter().enumerate() {
@@ -306,9 +388,19 @@ impl Section {
         }
         given.sort_by(|(_, a), (_, b)| a.place.cmp(&b.place));
         let (newest, node) = given.pop()?;
-        if let Some((other, _)) = given.iter().rfind(|(_, other)| other.place.same_source(&node.place)) {
-            let (key, other) = (self.dotted(keys[newest].as_ref()), self.dotted(keys[*other].as_ref()));
-            self.problem(RobotError::GivenTwice { place: node.place.clone(), key, other });
+        if let Some((other, _)) = given
+            .iter()
+            .rfind(|(_, other)| other.place.same_source(&node.place))
+        {
+            let (key, other) = (
+                self.dotted(keys[newest].as_ref()),
+                self.dotted(keys[*other].as_ref()),
+            );
+            self.problem(RobotError::GivenTwice {
+                place: node.place.clone(),
+                key,
+                other,
+            });
         }
         self.entries.insert(keys[newest].as_ref().into(), node);
         Some(newest)
@@ -317,7 +409,10 @@ impl Section {
     /// Notes that none of `keys`, spellings of one thing, is given.
     pub fn missing(&mut self, keys: &[impl AsRef<str>]) {
         let keys = keys.iter().map(|key| self.dotted(key.as_ref())).collect();
-        self.problem(RobotError::MissingKey { place: self.place.clone(), keys });
+        self.problem(RobotError::MissingKey {
+            place: self.place.clone(),
+            keys,
+        });
     }
 
     fn take(&mut self, key: &str) -> Option<Node> {
@@ -329,8 +424,22 @@ impl Section {
         join(&self.path, &[key])
     }
 
-    fn refuse(&mut self, key: String, Node { place, source: value, .. }: Node, allowed: String) {
-        self.problem(RobotError::NotAllowed { place, key, value, allowed });
+    fn refuse(
+        &mut self,
+        key: String,
+        Node {
+            place,
+            source: value,
+            ..
+        }: Node,
+        allowed: String,
+    ) {
+        self.problem(RobotError::NotAllowed {
+            place,
+            key,
+            value,
+            allowed,
+        });
     }
 
     fn problem(&mut self, problem: RobotError) {
@@ -343,12 +452,16 @@ fn spellings(ways: &[(&str, Domain)], quantity: Quantity) -> (Vec<String>, Vec<(
     ways.iter()
         .enumerate()
         .flat_map(|(way, (stem, _))| {
-            quantity.units.iter().map(move |&(suffix, unit)| (format!("{stem}{suffix}"), (way, unit)))
+            quantity
+                .units
+                .iter()
+                .map(move |&(suffix, unit)| (format!("{stem}{suffix}"), (way, unit)))
         })
         .unzip()
 }
 
-/// Characters to insert, delete or replace to get from `a` to `b` (Levenshtein); of a long text only the beginning counts.
+/// Characters to insert, delete or replace to get from `a` to `b` (Levenshtein); of a long text
+/// only the beginning counts.
 fn edits(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().take(64).collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

@@ -1,7 +1,7 @@
 //! Measured forces of a leg, from a CSV file or from lists in the robot file.
 //!
-//! The CSV file has the columns `extension_m`, `speed_m_s` and `force_n` in any order, one row for each extension at each speed in
-//! any order, and comments on lines that begin with `#`.
+//! The CSV file has the columns `extension_m`, `speed_m_s` and `force_n` in any order, one row for
+//! each extension at each speed in any order, and comments on lines that begin with `#`.
 
 use std::sync::Arc;
 
@@ -14,7 +14,8 @@ use crate::{ForceTable, Place, RobotError};
 /// The columns of the CSV file.
 const COLUMNS: [&str; 3] = ["extension_m", "speed_m_s", "force_n"];
 
-/// The force table of the leg `s`, which must cover `stroke` (m): the CSV file under `file`, or the lists under `table`.
+/// The force table of the leg `s`, which must cover `stroke` (m): the CSV file under `file`, or the
+/// lists under `table`.
 pub(crate) fn force_table(s: &mut Section, stroke: f64, files: Files) -> ForceTable {
     let spellings = ["file", "table"];
     let table = match s.given(&spellings) {
@@ -28,7 +29,11 @@ pub(crate) fn force_table(s: &mut Section, stroke: f64, files: Files) -> ForceTa
         }
         Some(_) => s.optional_table("table", |s| listed_table(s, stroke)),
     };
-    table.unwrap_or(ForceTable { extensions: Vec::new(), speeds: Vec::new(), forces: Vec::new() })
+    table.unwrap_or(ForceTable {
+        extensions: Vec::new(),
+        speeds: Vec::new(),
+        forces: Vec::new(),
+    })
 }
 
 /// The force table of the lists in `s`.
@@ -41,10 +46,17 @@ fn listed_table(mut s: Section, stroke: f64) -> Result<ForceTable, RobotError> {
     let speeds = axis("speeds_m_s", Axis::speeds());
     let (rows, columns) = (extensions.len(), speeds.len());
     let allowed = format!(
-        "a list of {rows} lists, one for each extension, of {columns} finite numbers, one for each speed"
+        "a list of {rows} lists, one for each extension, of {columns} finite numbers, one for \
+         each speed"
     );
-    let forces = s.value("forces_n", &allowed, |value| grid(value, rows, columns)).unwrap_or_default();
-    s.finish(ForceTable { extensions, speeds, forces })
+    let forces = s
+        .value("forces_n", &allowed, |value| grid(value, rows, columns))
+        .unwrap_or_default();
+    s.finish(ForceTable {
+        extensions,
+        speeds,
+        forces,
+    })
 }
 
 /// What the extensions or the speeds of a table must be.
@@ -58,16 +70,24 @@ struct Axis {
 impl Axis {
     fn extensions(stroke: f64) -> Axis {
         let speeds = Axis::speeds();
-        Axis { reach: stroke, allowed: format!("{} to at least {stroke} m, the stroke", speeds.allowed) }
+        Axis {
+            reach: stroke,
+            allowed: format!("{} to at least {stroke} m, the stroke", speeds.allowed),
+        }
     }
 
     fn speeds() -> Axis {
-        Axis { reach: 0.0, allowed: "at least 2 finite numbers, strictly increasing from 0".into() }
+        Axis {
+            reach: 0.0,
+            allowed: "at least 2 finite numbers, strictly increasing from 0".into(),
+        }
     }
 
     fn admits(&self, numbers: &[f64]) -> bool {
         match numbers {
-            [first, .., last] => *first == 0.0 && *last >= self.reach && numbers.is_sorted_by(|a, b| a < b),
+            [first, .., last] => {
+                *first == 0.0 && *last >= self.reach && numbers.is_sorted_by(|a, b| a < b)
+            }
             _ => false,
         }
     }
@@ -75,8 +95,13 @@ impl Axis {
 
 /// The finite numbers of a list.
 fn numbers(value: &Value) -> Option<Vec<f64>> {
-    let Value::Array(items) = value else { return None };
-    items.iter().map(|Node { value, .. }| number(value)).collect()
+    let Value::Array(items) = value else {
+        return None;
+    };
+    items
+        .iter()
+        .map(|Node { value, .. }| number(value))
+        .collect()
 }
 
 fn number(value: &Value) -> Option<f64> {
@@ -92,8 +117,13 @@ fn finite(literal: &str) -> Option<f64> {
 
 /// The finite numbers of a list of `rows` lists of `columns`, row after row.
 fn grid(value: &Value, rows: usize, columns: usize) -> Option<Vec<f64>> {
-    let Value::Array(lists) = value else { return None };
-    let lists: Vec<Vec<f64>> = lists.iter().map(|list| numbers(&list.value)).collect::<Option<_>>()?;
+    let Value::Array(lists) = value else {
+        return None;
+    };
+    let lists: Vec<Vec<f64>> = lists
+        .iter()
+        .map(|list| numbers(&list.value))
+        .collect::<Option<_>>()?;
     (lists.len() == rows && lists.iter().all(|list| list.len() == columns)).then(|| lists.concat())
 }
 
@@ -106,11 +136,17 @@ fn csv_table(file: &str, stroke: f64, files: Files) -> Result<ForceTable, RobotE
 /// The force table in `text`, which messages call `file`.
 fn parse_csv(text: &str, file: &Arc<str>, stroke: f64) -> Result<ForceTable, RobotError> {
     let table = full_grid(rows(text, file)?, file)?;
-    let axes = [(&table.extensions, Axis::extensions(stroke)), (&table.speeds, Axis::speeds())];
+    let axes = [
+        (&table.extensions, Axis::extensions(stroke)),
+        (&table.speeds, Axis::speeds()),
+    ];
     for ((numbers, axis), column) in axes.into_iter().zip(COLUMNS) {
         if !axis.admits(numbers) {
             return Err(RobotError::NotAllowed {
-                place: Place::File { file: file.clone(), line: None },
+                place: Place::File {
+                    file: file.clone(),
+                    line: None,
+                },
                 key: column.into(),
                 value: cut(&format!("{numbers:?}")),
                 allowed: axis.allowed,
@@ -130,8 +166,14 @@ struct Row {
 
 /// The rows of the CSV file.
 fn rows(text: &str, file: &Arc<str>) -> Result<Vec<Row>, RobotError> {
-    let place = |line| Place::File { file: file.clone(), line };
-    let not_csv = |source: csv::Error| RobotError::NotCsv { place: place(None), source };
+    let place = |line| Place::File {
+        file: file.clone(),
+        line,
+    };
+    let not_csv = |source: csv::Error| RobotError::NotCsv {
+        place: place(None),
+        source,
+    };
     // Flexible, as a row of another length is told here, with its line.
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
@@ -142,7 +184,11 @@ fn rows(text: &str, file: &Arc<str>) -> Result<Vec<Row>, RobotError> {
     let order = COLUMNS.map(|column| header.iter().position(|cell| cell == column));
     let ([Some(extension), Some(speed), Some(force)], 3) = (order, header.len()) else {
         let place = place(Some(line(text, &header)));
-        return Err(RobotError::WrongColumns { place, found: joined(&header), allowed: COLUMNS.join(",") });
+        return Err(RobotError::WrongColumns {
+            place,
+            found: joined(&header),
+            allowed: COLUMNS.join(","),
+        });
     };
     reader
         .into_records()
@@ -159,9 +205,15 @@ fn rows(text: &str, file: &Arc<str>) -> Result<Vec<Row>, RobotError> {
                 return Err(refuse("row", joined(&record), "3 cells"));
             }
             let cell = |at: usize| {
-                finite(&record[at]).ok_or_else(|| refuse(&header[at], cut(&record[at]), "a finite number"))
+                finite(&record[at])
+                    .ok_or_else(|| refuse(&header[at], cut(&record[at]), "a finite number"))
             };
-            Ok(Row { extension: cell(extension)?, speed: cell(speed)?, force: cell(force)?, line })
+            Ok(Row {
+                extension: cell(extension)?,
+                speed: cell(speed)?,
+                force: cell(force)?,
+                line,
+            })
         })
         .collect()
 }
@@ -172,16 +224,28 @@ fn joined(record: &csv::StringRecord) -> String {
 
 /// The line of `record` in `text`.
 fn line(text: &str, record: &csv::StringRecord) -> u64 {
-    let position = record.position().expect("a record that was read has a position");
+    let position = record
+        .position()
+        .expect("a record that was read has a position");
     // The position is where the reader began to skip empty lines and comments.
-    let rest = usize::try_from(position.byte()).ok().and_then(|byte| text.get(byte..)).unwrap_or_default();
-    let skipped = rest.lines().take_while(|line| line.is_empty() || line.starts_with('#')).count();
+    let rest = usize::try_from(position.byte())
+        .ok()
+        .and_then(|byte| text.get(byte..))
+        .unwrap_or_default();
+    let skipped = rest
+        .lines()
+        .take_while(|line| line.is_empty() || line.starts_with('#'))
+        .count();
     position.line() + skipped as u64
 }
 
 /// The table of `rows`, if they hold each point of a grid once.
 fn full_grid(mut rows: Vec<Row>, file: &Arc<str>) -> Result<ForceTable, RobotError> {
-    rows.sort_by(|a, b| a.extension.total_cmp(&b.extension).then(a.speed.total_cmp(&b.speed)));
+    rows.sort_by(|a, b| {
+        a.extension
+            .total_cmp(&b.extension)
+            .then(a.speed.total_cmp(&b.speed))
+    });
     let mut extensions: Vec<f64> = rows.iter().map(|row| row.extension).collect();
     extensions.dedup();
     let mut speeds: Vec<f64> = rows.iter().map(|row| row.speed).collect();
@@ -191,7 +255,10 @@ fn full_grid(mut rows: Vec<Row>, file: &Arc<str>) -> Result<ForceTable, RobotErr
     for (row, next) in rows.iter().zip(rows.iter().skip(1)) {
         if (row.extension, row.speed) == (next.extension, next.speed) {
             let (first, second) = (row.line.min(next.line), row.line.max(next.line));
-            let place = Place::File { file: file.clone(), line: Some(second) };
+            let place = Place::File {
+                file: file.clone(),
+                line: Some(second),
+            };
             return Err(RobotError::GridPointTwice {
                 place,
                 extension: row.extension,
@@ -203,13 +270,27 @@ fn full_grid(mut rows: Vec<Row>, file: &Arc<str>) -> Result<ForceTable, RobotErr
     let mut found = rows.iter();
     for &extension in &extensions {
         for &speed in &speeds {
-            if found.next().is_none_or(|row| (row.extension, row.speed) != (extension, speed)) {
-                let place = Place::File { file: file.clone(), line: None };
-                return Err(RobotError::GridPointMissing { place, extension, speed });
+            if found
+                .next()
+                .is_none_or(|row| (row.extension, row.speed) != (extension, speed))
+            {
+                let place = Place::File {
+                    file: file.clone(),
+                    line: None,
+                };
+                return Err(RobotError::GridPointMissing {
+                    place,
+                    extension,
+                    speed,
+                });
             }
         }
     }
-    Ok(ForceTable { extensions, speeds, forces: rows.iter().map(|row| row.force).collect() })
+    Ok(ForceTable {
+        extensions,
+        speeds,
+        forces: rows.iter().map(|row| row.force).collect(),
+    })
 }
 
 #[cfg(test)]
@@ -229,11 +310,24 @@ mod tests {
     /// Reading `text` does not panic and gives nothing outside its domain.
     fn check(text: &str) -> Result<(), TestCaseError> {
         match read(text) {
-            Ok(ForceTable { extensions, speeds, forces }) => {
-                prop_assert!(Axis::extensions(STROKE).admits(&extensions), "{:?}", extensions);
+            Ok(ForceTable {
+                extensions,
+                speeds,
+                forces,
+            }) => {
+                prop_assert!(
+                    Axis::extensions(STROKE).admits(&extensions),
+                    "{:?}",
+                    extensions
+                );
                 prop_assert!(Axis::speeds().admits(&speeds), "{:?}", speeds);
                 prop_assert_eq!(forces.len(), extensions.len() * speeds.len());
-                prop_assert!([extensions, speeds, forces].concat().iter().all(|x| x.is_finite()));
+                prop_assert!(
+                    [extensions, speeds, forces]
+                        .concat()
+                        .iter()
+                        .all(|x| x.is_finite())
+                );
             }
             Err(error) => prop_assert!(error.to_string().starts_with("force.csv")),
         }
@@ -244,10 +338,15 @@ mod tests {
     fn a_thin_table_is_not_blown_up() {
         // Each row at an extension and a speed of its own: a full grid would have 10^10 points.
         let rows: Vec<String> = (0..100_000).map(|i| format!("{i},{i},1")).collect();
-        let error = read(&format!("extension_m,speed_m_s,force_n\n{}", rows.join("\n")))
-            .expect_err("points are missing");
+        let error = read(&format!(
+            "extension_m,speed_m_s,force_n\n{}",
+            rows.join("\n")
+        ))
+        .expect_err("points are missing");
         assert!(
-            error.to_string().starts_with("force.csv: extension 0 m, speed 1 m/s: must be given"),
+            error
+                .to_string()
+                .starts_with("force.csv: extension 0 m, speed 1 m/s: must be given"),
             "{error}"
         );
     }

@@ -25,13 +25,18 @@ impl Unit {
             Unit::Times(factor) => literal.parse().unwrap_or(f64::NAN) * factor,
         };
         // Adding 0 turns −0 into 0: an effect that is off is off with the same bits.
-        if number.is_finite() { 0.0 + number } else { f64::NAN }
+        if number.is_finite() {
+            0.0 + number
+        } else {
+            f64::NAN
+        }
     }
 }
 
 /// The number nearest to `literal` × 10^`power`.
 ///
-/// The decimal is shifted before it is rounded, so that 19.05 mm and 0.01905 m are the same number to the last bit.
+/// The decimal is shifted before it is rounded, so that 19.05 mm and 0.01905 m are the same number
+/// to the last bit.
 fn shifted(literal: &str, power: i64) -> f64 {
     if power == 0 {
         return literal.parse().unwrap_or(f64::NAN);
@@ -40,11 +45,16 @@ fn shifted(literal: &str, power: i64) -> f64 {
     exponent
         .parse()
         .ok()
-        .and_then(|e: i64| format!("{mantissa}e{}", e.saturating_add(power)).parse().ok())
+        .and_then(|e: i64| {
+            format!("{mantissa}e{}", e.saturating_add(power))
+                .parse()
+                .ok()
+        })
         .unwrap_or(f64::NAN)
 }
 
-/// A kind of quantity: its SI unit and the suffixes of the units that files may use, the SI one first.
+/// A kind of quantity: its SI unit and the suffixes of the units that files may use, the SI one
+/// first.
 #[derive(Clone, Copy, Debug)]
 pub struct Quantity {
     /// SI unit as messages write it.
@@ -102,7 +112,11 @@ mod tests {
     #[test]
     fn decimal_units_round_once() {
         let check = |power: i64, literal: &str, si: f64| {
-            assert_eq!(Unit::Decimal(power).si(literal), si, "{literal} shifted by {power}");
+            assert_eq!(
+                Unit::Decimal(power).si(literal),
+                si,
+                "{literal} shifted by {power}"
+            );
         };
         check(-3, "19.05", 0.01905);
         check(-3, "1.0215", 1.0215e-3);
@@ -117,9 +131,21 @@ mod tests {
 
     #[test]
     fn what_is_no_finite_decimal_stays_not_finite() {
-        for literal in ["nan", "-inf", "1e400", "1e99999999999999999999", "", "e", "0x10", "1_0"] {
+        for literal in [
+            "nan",
+            "-inf",
+            "1e400",
+            "1e99999999999999999999",
+            "",
+            "e",
+            "0x10",
+            "1_0",
+        ] {
             assert!(!Unit::Decimal(-3).si(literal).is_finite(), "{literal}");
-            assert!(!PSI.si(literal).is_finite() || literal.is_empty(), "{literal}");
+            assert!(
+                !PSI.si(literal).is_finite() || literal.is_empty(),
+                "{literal}"
+            );
         }
     }
 

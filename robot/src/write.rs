@@ -7,10 +7,11 @@ use crate::{
 };
 
 impl Robot {
-    /// The robot file, in SI units, that [`Robot::parse`] reads as this very robot, to the last bit.
+    /// The robot file, in SI units, that [`Robot::parse`] reads as this very robot, to the last
+    /// bit.
     ///
-    /// A force table is written into it, so that the file stands alone. A value outside its domain is written as it is, for the
-    /// reader to refuse.
+    /// A force table is written into it, so that the file stands alone. A value outside its domain
+    /// is written as it is, for the reader to refuse.
     ///
     /// # Example
     /// ```
@@ -36,7 +37,16 @@ impl fmt::Display for RobotFile<'_> {
 }
 
 fn write_robot(f: &mut Formatter<'_>, robot: &Robot) -> fmt::Result {
-    let Robot { name, body, leg, boom, foot, ground, environment, errors } = robot;
+    let Robot {
+        name,
+        body,
+        leg,
+        boom,
+        foot,
+        ground,
+        environment,
+        errors,
+    } = robot;
     writeln!(f, "name = {}", quoted(name))?;
     write_body(f, body)?;
     write_leg(f, leg)?;
@@ -120,7 +130,10 @@ fn write_leg(f: &mut Formatter<'_>, leg: &Leg) -> fmt::Result {
     }
     match &leg.drive {
         Drive::Pneumatic(cylinder) => write_cylinder(f, cylinder)?,
-        Drive::Spring { stiffness, compression } => {
+        Drive::Spring {
+            stiffness,
+            compression,
+        } => {
             writeln!(f, "stiffness_n_per_m = {stiffness:?}")?;
             writeln!(f, "compression_m = {compression:?}")?;
         }
@@ -146,9 +159,17 @@ fn write_cylinder(f: &mut Formatter<'_>, cylinder: &Cylinder) -> fmt::Result {
     writeln!(f, "bore_m = {:?}", cylinder.bore)?;
     writeln!(f, "dead_volume_m3 = {:?}", cylinder.dead_volume)?;
     writeln!(f, "supply_pressure_gauge_pa = {:?}", cylinder.supply.0)?;
-    writeln!(f, "discharge_coefficient = {:?}", cylinder.discharge_coefficient)?;
+    writeln!(
+        f,
+        "discharge_coefficient = {:?}",
+        cylinder.discharge_coefficient
+    )?;
     writeln!(f, "orifice_radius_m = {:?}", cylinder.orifice_radius)?;
-    writeln!(f, "gas = {{ heat_ratio = {:?}, constant_j_per_kg_k = {:?} }}", gas.heat_ratio, gas.constant)?;
+    writeln!(
+        f,
+        "gas = {{ heat_ratio = {:?}, constant_j_per_kg_k = {:?} }}",
+        gas.heat_ratio, gas.constant
+    )?;
     writeln!(f, "gas_temperature_k = {:?}", cylinder.temperature)?;
     writeln!(f, "supply_droop_pa_s_per_kg = {:?}", cylinder.supply_droop)?;
     writeln!(f, "leak_area_m2 = {:?}", cylinder.leak_area)?;

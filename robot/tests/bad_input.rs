@@ -57,20 +57,56 @@ fn the_sound_file_is_sound() {
 
 #[test]
 fn numbers_outside_their_domains() {
-    check("bore_mm = 19.05", "bore_mm = -3", "hopper.toml:13: leg.bore_mm = -3: must be a finite number > 0");
-    check("= 2.75", "= 0", "hopper.toml:3: body.mass_kg = 0: must be a finite number > 0");
-    check("= 2.75", "= nan", "hopper.toml:3: body.mass_kg = nan: must be a finite number > 0");
-    check("= 2.75", "= inf", "hopper.toml:3: body.mass_kg = inf: must be a finite number > 0");
-    check("= 2.75", "= 1e400", "hopper.toml:3: body.mass_kg = 1e400: must be a finite number > 0");
-    check("= 0.24", "= -0.0", "hopper.toml:5: body.wheel_radius_m = -0.0: must be a finite number > 0");
-    check("= 19.05", "= 1e-400", "hopper.toml:13: leg.bore_mm = 1e-400: must be a finite number > 0");
-    check("= 0.0792", "= -1", "hopper.toml:4: body.inertia_kg_m2 = -1: must be a finite number ≥ 0");
+    check(
+        "bore_mm = 19.05",
+        "bore_mm = -3",
+        "hopper.toml:13: leg.bore_mm = -3: must be a finite number > 0",
+    );
+    check(
+        "= 2.75",
+        "= 0",
+        "hopper.toml:3: body.mass_kg = 0: must be a finite number > 0",
+    );
+    check(
+        "= 2.75",
+        "= nan",
+        "hopper.toml:3: body.mass_kg = nan: must be a finite number > 0",
+    );
+    check(
+        "= 2.75",
+        "= inf",
+        "hopper.toml:3: body.mass_kg = inf: must be a finite number > 0",
+    );
+    check(
+        "= 2.75",
+        "= 1e400",
+        "hopper.toml:3: body.mass_kg = 1e400: must be a finite number > 0",
+    );
+    check(
+        "= 0.24",
+        "= -0.0",
+        "hopper.toml:5: body.wheel_radius_m = -0.0: must be a finite number > 0",
+    );
+    check(
+        "= 19.05",
+        "= 1e-400",
+        "hopper.toml:13: leg.bore_mm = 1e-400: must be a finite number > 0",
+    );
+    check(
+        "= 0.0792",
+        "= -1",
+        "hopper.toml:4: body.inertia_kg_m2 = -1: must be a finite number ≥ 0",
+    );
     check(
         "delay_ms = 10",
         "delay_ms = -1",
         "hopper.toml:10: leg.valve_delay_ms = -1: must be a finite number ≥ 0",
     );
-    check("= 120", "= -1", "hopper.toml:15: leg.supply_pressure_gauge_psi = -1: must be a finite number ≥ 0");
+    check(
+        "= 120",
+        "= -1",
+        "hopper.toml:15: leg.supply_pressure_gauge_psi = -1: must be a finite number ≥ 0",
+    );
     check(
         "= 0.5378",
         "= 1.1",
@@ -79,7 +115,8 @@ fn numbers_outside_their_domains() {
     check(
         "gauge_psi = 120",
         "absolute_pa = 100000",
-        "hopper.toml:15: leg.supply_pressure_absolute_pa = 100000: must be a finite number ≥ 101325 Pa",
+        "hopper.toml:15: leg.supply_pressure_absolute_pa = 100000: must be a finite number ≥ \
+         101325 Pa",
     );
     check(
         "= 120",
@@ -98,7 +135,8 @@ fn numbers_that_do_not_fit_together() {
     check(
         "[leg.cushion]",
         "exhaust_port = { position_m = 0.06, area_mm2 = 3 }\n[leg.cushion]",
-        "hopper.toml:20: leg.exhaust_port.position_m = 0.06: must be a finite number > 0 and < 0.06 m",
+        "hopper.toml:20: leg.exhaust_port.position_m = 0.06: must be a finite number > 0 and < \
+         0.06 m",
     );
     check(
         "[leg.cushion]",
@@ -112,46 +150,74 @@ fn numbers_that_do_not_fit_together() {
     );
 }
 
-/// `line` added to the body (from line 7), the leg (from line 20) or the file (from line 27) of the sound file.
+/// `line` added to the body (from line 7), the leg (from line 20) or the file (from line 27) of the
+/// sound file.
 #[test]
 fn keys_of_a_rig() {
     let body = |line: &str, expected: &str| check("[leg]", &format!("{line}\n[leg]"), expected);
-    body("imbalance_mm = -1", "hopper.toml:7: body.imbalance_mm = -1: must be a finite number ≥ 0");
+    body(
+        "imbalance_mm = -1",
+        "hopper.toml:7: body.imbalance_mm = -1: must be a finite number ≥ 0",
+    );
     body(
         "imbalance_angle_deg = inf",
         "hopper.toml:7: body.imbalance_angle_deg = inf: must be a finite number",
     );
-    body("axle_friction_n_m = -1", "hopper.toml:7: body.axle_friction_n_m = -1: must be a finite number ≥ 0");
+    body(
+        "axle_friction_n_m = -1",
+        "hopper.toml:7: body.axle_friction_n_m = -1: must be a finite number ≥ 0",
+    );
 
-    let leg =
-        |line: &str, expected: &str| check("[leg.cushion]", &format!("{line}\n[leg.cushion]"), expected);
-    leg("center_m = -0.1", "hopper.toml:20: leg.center_m = -0.1: must be a finite number ≥ 0");
-    leg("rod_length_m = -0.1", "hopper.toml:20: leg.rod_length_m = -0.1: must be a finite number ≥ 0");
-    leg("rod_radius_mm = nan", "hopper.toml:20: leg.rod_radius_mm = nan: must be a finite number ≥ 0");
-    leg("mass_kg = 0.05", "hopper.toml:7: missing key leg.center_m or center_mm or center_cm or center_in");
+    let leg = |line: &str, expected: &str| {
+        check("[leg.cushion]", &format!("{line}\n[leg.cushion]"), expected)
+    };
+    leg(
+        "center_m = -0.1",
+        "hopper.toml:20: leg.center_m = -0.1: must be a finite number ≥ 0",
+    );
+    leg(
+        "rod_length_m = -0.1",
+        "hopper.toml:20: leg.rod_length_m = -0.1: must be a finite number ≥ 0",
+    );
+    leg(
+        "rod_radius_mm = nan",
+        "hopper.toml:20: leg.rod_radius_mm = nan: must be a finite number ≥ 0",
+    );
+    leg(
+        "mass_kg = 0.05",
+        "hopper.toml:7: missing key leg.center_m or center_mm or center_cm or center_in",
+    );
     leg(
         "mass_g = 550\ncenter_m = 0.1",
-        "hopper.toml:20: leg.mass_g = 550: must be a finite number ≥ 0 and < 0.55 kg, for all legs to have less than \
-         body.mass",
+        "hopper.toml:20: leg.mass_g = 550: must be a finite number ≥ 0 and < 0.55 kg, for all \
+         legs to have less than body.mass",
     );
     // 0.0792/(5 · 1²) = 0.01584 kg at 1 m.
     leg(
         "mass_kg = 0.4\ncenter_m = 1",
-        "hopper.toml:20: leg.mass_kg = 0.4: must be a finite number ≥ 0 and < 0.01584 kg, for all legs to \
-         have less than body.inertia",
+        "hopper.toml:20: leg.mass_kg = 0.4: must be a finite number ≥ 0 and < 0.01584 kg, for all \
+         legs to have less than body.inertia",
     );
 
-    let rig = |lines: &str, expected: &str| assert_eq!(complaint(&format!("{SOUND}{lines}\n")), expected);
+    let rig =
+        |lines: &str, expected: &str| assert_eq!(complaint(&format!("{SOUND}{lines}\n")), expected);
     rig(
         "boom = 3",
-        "hopper.toml:27: unknown key environment.boom; the nearest known key is environment.drag_per_m",
+        "hopper.toml:27: unknown key environment.boom; the nearest known key is \
+         environment.drag_per_m",
     );
-    rig("[boom]\nlength_m = 2", "hopper.toml:27: missing key boom.mass_kg or mass_g or mass_lb");
+    rig(
+        "[boom]\nlength_m = 2",
+        "hopper.toml:27: missing key boom.mass_kg or mass_g or mass_lb",
+    );
     rig(
         "[boom]\nmass_kg = 1",
         "hopper.toml:27: missing key boom.length_m or length_mm or length_cm or length_in",
     );
-    rig("[boom]\nmass_kg = -1", "hopper.toml:28: boom.mass_kg = -1: must be a finite number ≥ 0");
+    rig(
+        "[boom]\nmass_kg = -1",
+        "hopper.toml:28: boom.mass_kg = -1: must be a finite number ≥ 0",
+    );
     rig(
         "[boom]\nmass_kg = 1\nlength_m = 0",
         "hopper.toml:29: boom.length_m = 0: must be a finite number > 0",
@@ -176,11 +242,14 @@ fn keys_of_a_rig() {
     // (2.75 + 0.5/2) · 2/0.5 = 12 kg balance robot and boom.
     rig(
         &format!("{boom}\ncounterweight = {{ mass_kg = 12.5, distance_m = 0.5 }}"),
-        "hopper.toml:30: boom.counterweight.mass_kg = 12.5: must be a finite number ≥ 0 and ≤ 12 kg, which balances \
-         robot and boom",
+        "hopper.toml:30: boom.counterweight.mass_kg = 12.5: must be a finite number ≥ 0 and ≤ 12 \
+         kg, which balances robot and boom",
     );
 
-    rig("[foot]\nradius_mm = -1", "hopper.toml:28: foot.radius_mm = -1: must be a finite number ≥ 0");
+    rig(
+        "[foot]\nradius_mm = -1",
+        "hopper.toml:28: foot.radius_mm = -1: must be a finite number ≥ 0",
+    );
     rig(
         "[foot]\nlength_mm = 1",
         "hopper.toml:28: unknown key foot.length_mm; the nearest known key is foot.radius_mm",
@@ -201,26 +270,69 @@ fn keys_of_a_rig() {
     ground("restitution = -0.1", "≥ 0 and < 1");
     ground("stiffness_n_per_m = 0", "> 0");
     ground("damping_n_s_per_m = -1", "≥ 0");
-    ground("slope_deg = 45", "> -0.7853981633974483 rad and < 0.7853981633974483 rad");
+    ground(
+        "slope_deg = 45",
+        "> -0.7853981633974483 rad and < 0.7853981633974483 rad",
+    );
 }
 
 #[test]
 fn values_of_the_wrong_type() {
-    check("= 2.75", "= \"2.75\"", "hopper.toml:3: body.mass_kg = \"2.75\": must be a finite number > 0");
-    check("= 2.75", "= true", "hopper.toml:3: body.mass_kg = true: must be a finite number > 0");
-    check("= 2.75", "= [2.75]", "hopper.toml:3: body.mass_kg = [2.75]: must be a finite number > 0");
-    check("= 2.75", "= 1979-05-27", "hopper.toml:3: body.mass_kg = 1979-05-27: must be a finite number > 0");
-    check("= 2.75", "= { x = 1 }", "hopper.toml:3: body.mass_kg = { x = 1 }: must be a finite number > 0");
-    check("legs = 5", "legs = 0", "hopper.toml:6: body.legs = 0: must be a whole number ≥ 1");
-    check("legs = 5", "legs = 2.5", "hopper.toml:6: body.legs = 2.5: must be a whole number ≥ 1");
-    check("legs = 5", "legs = -1", "hopper.toml:6: body.legs = -1: must be a whole number ≥ 1");
+    check(
+        "= 2.75",
+        "= \"2.75\"",
+        "hopper.toml:3: body.mass_kg = \"2.75\": must be a finite number > 0",
+    );
+    check(
+        "= 2.75",
+        "= true",
+        "hopper.toml:3: body.mass_kg = true: must be a finite number > 0",
+    );
+    check(
+        "= 2.75",
+        "= [2.75]",
+        "hopper.toml:3: body.mass_kg = [2.75]: must be a finite number > 0",
+    );
+    check(
+        "= 2.75",
+        "= 1979-05-27",
+        "hopper.toml:3: body.mass_kg = 1979-05-27: must be a finite number > 0",
+    );
+    check(
+        "= 2.75",
+        "= { x = 1 }",
+        "hopper.toml:3: body.mass_kg = { x = 1 }: must be a finite number > 0",
+    );
+    check(
+        "legs = 5",
+        "legs = 0",
+        "hopper.toml:6: body.legs = 0: must be a whole number ≥ 1",
+    );
+    check(
+        "legs = 5",
+        "legs = 2.5",
+        "hopper.toml:6: body.legs = 2.5: must be a whole number ≥ 1",
+    );
+    check(
+        "legs = 5",
+        "legs = -1",
+        "hopper.toml:6: body.legs = -1: must be a whole number ≥ 1",
+    );
     check(
         "legs = 5",
         "legs = 4294967296",
         "hopper.toml:6: body.legs = 4294967296: must be a whole number ≥ 1",
     );
-    check("\"hopper\"", "5", "hopper.toml:1: name = 5: must be text in quotes, not empty");
-    check("\"hopper\"", "\"\"", "hopper.toml:1: name = \"\": must be text in quotes, not empty");
+    check(
+        "\"hopper\"",
+        "5",
+        "hopper.toml:1: name = 5: must be text in quotes, not empty",
+    );
+    check(
+        "\"hopper\"",
+        "\"\"",
+        "hopper.toml:1: name = \"\": must be text in quotes, not empty",
+    );
     check(
         "\"pneumatic\"",
         "\"piston\"",
@@ -229,7 +341,8 @@ fn values_of_the_wrong_type() {
     check(
         "\"air\"",
         "\"helium\"",
-        "hopper.toml:18: leg.gas = \"helium\": must be air, co2, nitrogen or a table of heat_ratio and constant_j_per_kg_k",
+        "hopper.toml:18: leg.gas = \"helium\": must be air, co2, nitrogen or a table of \
+         heat_ratio and constant_j_per_kg_k",
     );
     check(
         "\"air\"",
@@ -241,7 +354,11 @@ fn values_of_the_wrong_type() {
         "[errors]\nrate_rad_s = -1\n[body]",
         "hopper.toml:3: errors.rate_rad_s = -1: must be a finite number ≥ 0",
     );
-    check("[body]", "errors = 3\n[body]", "hopper.toml:2: errors = 3: must be a table");
+    check(
+        "[body]",
+        "errors = 3\n[body]",
+        "hopper.toml:2: errors = 3: must be a table",
+    );
     check(
         "[environment]",
         "[[environment]]",
@@ -261,8 +378,16 @@ fn keys_unknown_missing_or_twice() {
         "mass_oz",
         "hopper.toml:3: unknown key body.mass_oz; the nearest known key is body.mass_kg",
     );
-    check("[body]", "[bodi]", "hopper.toml:2: unknown key bodi; the nearest known key is body");
-    check("[leg.cushion]", "[cushion]", "hopper.toml:20: unknown key cushion; the nearest known key is foot");
+    check(
+        "[body]",
+        "[bodi]",
+        "hopper.toml:2: unknown key bodi; the nearest known key is body",
+    );
+    check(
+        "[leg.cushion]",
+        "[cushion]",
+        "hopper.toml:20: unknown key cushion; the nearest known key is foot",
+    );
     check(
         "mass_kg",
         "\"mass kg\" = 1\nmass_kg",
@@ -271,17 +396,27 @@ fn keys_unknown_missing_or_twice() {
     check(
         "valve_delay_ms",
         "release_delay_ms",
-        "hopper.toml:10: unknown key leg.release_delay_ms; the nearest known key is leg.valve_delay_ms",
+        "hopper.toml:10: unknown key leg.release_delay_ms; the nearest known key is \
+         leg.valve_delay_ms",
     );
     check(
         "damping_n_s_per_m = 30",
         "damping_n_s_per_m = 30\nsize = 3",
-        "hopper.toml:24: unknown key leg.cushion.size; the nearest known key is leg.cushion.length_m",
+        "hopper.toml:24: unknown key leg.cushion.size; the nearest known key is \
+         leg.cushion.length_m",
     );
     check("name = \"hopper\"", "", "hopper.toml: missing key name");
-    check("mass_kg = 2.75", "", "hopper.toml:2: missing key body.mass_kg or mass_g or mass_lb");
+    check(
+        "mass_kg = 2.75",
+        "",
+        "hopper.toml:2: missing key body.mass_kg or mass_g or mass_lb",
+    );
     check("legs = 5", "", "hopper.toml:2: missing key body.legs");
-    check("kind = \"pneumatic\"", "", "hopper.toml:7: missing key leg.kind");
+    check(
+        "kind = \"pneumatic\"",
+        "",
+        "hopper.toml:7: missing key leg.kind",
+    );
     check(
         "stroke_m = 0.06",
         "",
@@ -306,10 +441,14 @@ fn keys_unknown_missing_or_twice() {
     check(
         "[leg.cushion]",
         "supply_pressure_absolute_pa = 9e5\n[leg.cushion]",
-        "hopper.toml:20: leg.supply_pressure_absolute_pa is already given as leg.supply_pressure_gauge_psi; \
-         give one of them",
+        "hopper.toml:20: leg.supply_pressure_absolute_pa is already given as \
+         leg.supply_pressure_gauge_psi; give one of them",
     );
-    check("mass_kg = 2.75", "mass_kg = 2.75\nmass_kg = 2.75", "hopper.toml:4: not TOML: duplicate key");
+    check(
+        "mass_kg = 2.75",
+        "mass_kg = 2.75\nmass_kg = 2.75",
+        "hopper.toml:4: not TOML: duplicate key",
+    );
     check("[leg]", "[body]", "hopper.toml:7: not TOML: duplicate key");
 }
 
@@ -322,7 +461,10 @@ fn text_that_is_not_toml() {
     // What follows is in the words of the `toml` crate.
     let check = |text: &str, place: &str| {
         let complaint = complaint(text);
-        assert!(complaint.starts_with(&format!("{place}: not TOML: ")), "{complaint}");
+        assert!(
+            complaint.starts_with(&format!("{place}: not TOML: ")),
+            "{complaint}"
+        );
     };
     check("name\n", "hopper.toml:1");
     check("name = \"hopper\n", "hopper.toml:1");
@@ -332,7 +474,10 @@ fn text_that_is_not_toml() {
     check("{}", "hopper.toml:1");
     check("\0\u{1}\u{7f}", "hopper.toml:1");
     // Nested so deeply that a recursive reader would run out of stack.
-    check(&format!("{} = 1", "a.".repeat(100_000) + "a"), "hopper.toml");
+    check(
+        &format!("{} = 1", "a.".repeat(100_000) + "a"),
+        "hopper.toml",
+    );
     check(&format!("[{}]", "a.".repeat(100_000) + "a"), "hopper.toml");
     check(&format!("a = {}", "[".repeat(100_000)), "hopper.toml:1");
     check(&format!("a = {}", "{a=".repeat(100_000)), "hopper.toml:1");
@@ -343,11 +488,20 @@ fn text_that_is_not_toml() {
 fn long_values_and_keys_are_cut() {
     let long = "x".repeat(1 << 20);
     let key = complaint(&format!("{long} = 1\n"));
-    assert_eq!(key, format!("hopper.toml:1: unknown key {}…; the nearest known key is name", "x".repeat(40)));
+    assert_eq!(
+        key,
+        format!(
+            "hopper.toml:1: unknown key {}…; the nearest known key is name",
+            "x".repeat(40)
+        )
+    );
     let value = complaint(&SOUND.replacen("2.75", &format!("\"{long}\""), 1));
     assert_eq!(
         value,
-        format!("hopper.toml:3: body.mass_kg = \"{}…: must be a finite number > 0", "x".repeat(39))
+        format!(
+            "hopper.toml:3: body.mass_kg = \"{}…: must be a finite number > 0",
+            "x".repeat(39)
+        )
     );
 }
 
@@ -363,20 +517,38 @@ fn check_set(overrides: &[&str], expected: &str) {
 
 #[test]
 fn overrides() {
-    check_set(&["leg.foo=1"], "--set leg.foo=1: unknown key leg.foo; the nearest known key is leg.gas");
+    check_set(
+        &["leg.foo=1"],
+        "--set leg.foo=1: unknown key leg.foo; the nearest known key is leg.gas",
+    );
     check_set(
         &["leg.boer_mm=1"],
         "--set leg.boer_mm=1: unknown key leg.boer_mm; the nearest known key is leg.bore_mm",
     );
-    check_set(&["mass_kg=1"], "--set mass_kg=1: unknown key mass_kg; the nearest known key is name");
-    check_set(&["leg.bore_mm=-3"], "--set leg.bore_mm=-3: leg.bore_mm = -3: must be a finite number > 0");
+    check_set(
+        &["mass_kg=1"],
+        "--set mass_kg=1: unknown key mass_kg; the nearest known key is name",
+    );
+    check_set(
+        &["leg.bore_mm=-3"],
+        "--set leg.bore_mm=-3: leg.bore_mm = -3: must be a finite number > 0",
+    );
     check_set(
         &["leg.bore_mm=wide"],
         "--set leg.bore_mm=wide: leg.bore_mm = wide: must be a finite number > 0",
     );
-    check_set(&["leg.bore_mm="], "--set leg.bore_mm=: leg.bore_mm = : must be a finite number > 0");
-    check_set(&["leg.bore_mm=1 2"], "--set leg.bore_mm=1 2: leg.bore_mm = 1 2: must be a finite number > 0");
-    check_set(&["body.legs=2.5"], "--set body.legs=2.5: body.legs = 2.5: must be a whole number ≥ 1");
+    check_set(
+        &["leg.bore_mm="],
+        "--set leg.bore_mm=: leg.bore_mm = : must be a finite number > 0",
+    );
+    check_set(
+        &["leg.bore_mm=1 2"],
+        "--set leg.bore_mm=1 2: leg.bore_mm = 1 2: must be a finite number > 0",
+    );
+    check_set(
+        &["body.legs=2.5"],
+        "--set body.legs=2.5: body.legs = 2.5: must be a whole number ≥ 1",
+    );
     check_set(
         &["leg.return_spring.stiffness_n_per_m=50"],
         "--set leg.return_spring.stiffness_n_per_m=50: missing key leg.return_spring.preload_n",
@@ -386,7 +558,10 @@ fn overrides() {
         "--set leg.gas.heat_ratio=1.3: leg.gas = \"air\": must be a table",
     );
     check_set(&["leg=3"], "--set leg=3: leg = 3: must be a table");
-    check_set(&["leg.cushion=soft"], "--set leg.cushion=soft: leg.cushion = soft: must be a table");
+    check_set(
+        &["leg.cushion=soft"],
+        "--set leg.cushion=soft: leg.cushion = soft: must be a table",
+    );
     check_set(
         &["leg.cushion={length_mm=1, length_m=1, stiffness_n_per_m=1, damping_n_s_per_m=1}"],
         "--set leg.cushion={length_mm=1, length_m=1, stiffness_n_per_m=1, damping_n_s_per_m=1}: \
@@ -394,12 +569,21 @@ fn overrides() {
     );
     check_set(
         &["leg.kind=spring"],
-        "robots/rats-planar.toml:15: unknown key leg.valve_delay_ms; the nearest known key is leg.release_delay_ms",
+        "robots/rats-planar.toml:15: unknown key leg.valve_delay_ms; the nearest known key is \
+         leg.release_delay_ms",
     );
     let not_an_override = "must be KEY=VALUE with a dotted key, as in leg.stroke_m=0.05";
-    for text in
-        ["leg.bore_mm", "", "=", "=3", "leg..bore_mm=3", ".=3", "leg bore=3", "a\nb=3", "[leg]\nbore_mm=3"]
-    {
+    for text in [
+        "leg.bore_mm",
+        "",
+        "=",
+        "=3",
+        "leg..bore_mm=3",
+        ".=3",
+        "leg bore=3",
+        "a\nb=3",
+        "[leg]\nbore_mm=3",
+    ] {
         check_set(&[text], &format!("--set {text}: {not_an_override}"));
     }
 }
@@ -435,7 +619,8 @@ fn complaint_about(path: &str) -> String {
 #[test]
 fn files_that_are_no_robot_files() {
     let folder = Folder::new("files");
-    let no_robot = "no such robot or file; built in are rats-planar, rats-boom, spring-hopper, table-hopper";
+    let no_robot =
+        "no such robot or file; built in are rats-planar, rats-boom, spring-hopper, table-hopper";
     assert_eq!(complaint_about("ratz"), format!("ratz: {no_robot}"));
     assert_eq!(complaint_about(""), format!(": {no_robot}"));
     let missing = folder.0.join("missing.toml").display().to_string();
@@ -443,16 +628,25 @@ fn files_that_are_no_robot_files() {
     let directory = folder.0.display().to_string();
     assert!(complaint_about(&directory).starts_with(&format!("{directory}: cannot be read: ")));
     let empty = folder.write("empty.toml", b"");
-    assert_eq!(complaint_about(&empty), format!("{empty}: missing key name"));
+    assert_eq!(
+        complaint_about(&empty),
+        format!("{empty}: missing key name")
+    );
     let binary = folder.write("binary.toml", b"name = \"\xff\xfe\"");
-    assert_eq!(complaint_about(&binary), format!("{binary}: byte 8 is not UTF-8 text"));
+    assert_eq!(
+        complaint_about(&binary),
+        format!("{binary}: byte 8 is not UTF-8 text")
+    );
     let huge = folder.write("huge.toml", &vec![b'\n'; (4 << 20) + 1]);
     assert_eq!(
         complaint_about(&huge),
         format!("{huge}: larger than 4 MiB, the most a robot file or force table may have")
     );
     let large = folder.write("large.toml", &vec![b'\n'; 4 << 20]);
-    assert_eq!(complaint_about(&large), format!("{large}: missing key name"));
+    assert_eq!(
+        complaint_about(&large),
+        format!("{large}: missing key name")
+    );
 }
 
 /// A robot with a force table; `leg.file` and `leg.table` are left to add.
@@ -472,16 +666,25 @@ fn force_tables_in_csv_files() {
     let folder = Folder::new("csv");
     let check = |csv: &str, expected: &str| {
         let file = folder.write("force.csv", csv.as_bytes());
-        let robot = folder.write("hopper.toml", format!("{TABLE_LEG}file = \"force.csv\"\n").as_bytes());
-        assert_eq!(complaint_about(&robot), expected.replace("force.csv", &file));
+        let robot = folder.write(
+            "hopper.toml",
+            format!("{TABLE_LEG}file = \"force.csv\"\n").as_bytes(),
+        );
+        assert_eq!(
+            complaint_about(&robot),
+            expected.replace("force.csv", &file)
+        );
     };
     let columns = "must be extension_m,speed_m_s,force_n";
-    let extensions =
-        "must be at least 2 finite numbers, strictly increasing from 0 to at least 0.05 m, the stroke";
+    let extensions = "must be at least 2 finite numbers, strictly increasing from 0 to at least \
+        0.05 m, the stroke";
     let speeds = "must be at least 2 finite numbers, strictly increasing from 0";
     let header = "extension_m,speed_m_s,force_n\n";
     check("", &format!("force.csv:1: columns : {columns}"));
-    check("a,b,c\n1,2,3\n", &format!("force.csv:1: columns a,b,c: {columns}"));
+    check(
+        "a,b,c\n1,2,3\n",
+        &format!("force.csv:1: columns a,b,c: {columns}"),
+    );
     check(
         "extension_m,speed_m_s,force_n,extra\n",
         &format!("force.csv:1: columns extension_m,speed_m_s,force_n,extra: {columns}"),
@@ -490,8 +693,14 @@ fn force_tables_in_csv_files() {
         "extension_m,speed_m_s,force_n,force_n\n",
         &format!("force.csv:1: columns extension_m,speed_m_s,force_n,force_n: {columns}"),
     );
-    check(header, &format!("force.csv: extension_m = []: {extensions}"));
-    check(&format!("{header}0,0,1\n0,1,2\n"), &format!("force.csv: extension_m = [0.0]: {extensions}"));
+    check(
+        header,
+        &format!("force.csv: extension_m = []: {extensions}"),
+    );
+    check(
+        &format!("{header}0,0,1\n0,1,2\n"),
+        &format!("force.csv: extension_m = [0.0]: {extensions}"),
+    );
     check(
         &format!("{header}0,0,1\n0,1,2\n0.04,0,3\n0.04,1,4\n"),
         &format!("force.csv: extension_m = [0.0, 0.04]: {extensions}"),
@@ -500,61 +709,109 @@ fn force_tables_in_csv_files() {
         &format!("{header}0.01,0,1\n0.01,1,2\n0.05,0,3\n0.05,1,4\n"),
         &format!("force.csv: extension_m = [0.01, 0.05]: {extensions}"),
     );
-    check(&format!("{header}0,0,1\n0.05,0,2\n"), &format!("force.csv: speed_m_s = [0.0]: {speeds}"));
+    check(
+        &format!("{header}0,0,1\n0.05,0,2\n"),
+        &format!("force.csv: speed_m_s = [0.0]: {speeds}"),
+    );
     check(
         &format!("{header}0,0,1\n0,1,2\n0.05,0,3\n"),
-        "force.csv: extension 0.05 m, speed 1 m/s: must be given; the grid has each extension at each speed",
+        "force.csv: extension 0.05 m, speed 1 m/s: must be given; the grid has each extension at \
+         each speed",
     );
     check(
         &format!("{header}0,0,1\n0,1,2\n0.05,0,3\n# twice\n0.05,0,4\n"),
         "force.csv:6: extension 0.05 m, speed 0 m/s: must be given once; line 4 has it too",
     );
-    check(&format!("{header}0,0,fast\n"), "force.csv:2: force_n = fast: must be a finite number");
-    check(&format!("{header}0,0,1\nnan,0,1\n"), "force.csv:3: extension_m = nan: must be a finite number");
-    check(&format!("{header}0,inf,1\n"), "force.csv:2: speed_m_s = inf: must be a finite number");
-    check(&format!("{header}0,0,\n"), "force.csv:2: force_n = : must be a finite number");
-    check(&format!("{header}0,0,1\n0,1\n"), "force.csv:3: row = 0,1: must be 3 cells");
+    check(
+        &format!("{header}0,0,fast\n"),
+        "force.csv:2: force_n = fast: must be a finite number",
+    );
+    check(
+        &format!("{header}0,0,1\nnan,0,1\n"),
+        "force.csv:3: extension_m = nan: must be a finite number",
+    );
+    check(
+        &format!("{header}0,inf,1\n"),
+        "force.csv:2: speed_m_s = inf: must be a finite number",
+    );
+    check(
+        &format!("{header}0,0,\n"),
+        "force.csv:2: force_n = : must be a finite number",
+    );
+    check(
+        &format!("{header}0,0,1\n0,1\n"),
+        "force.csv:3: row = 0,1: must be 3 cells",
+    );
 }
 
 #[test]
 fn force_tables_in_the_robot_file() {
-    let check = |table: &str, expected: &str| assert_eq!(complaint(&format!("{TABLE_LEG}{table}")), expected);
+    let check = |table: &str, expected: &str| {
+        assert_eq!(complaint(&format!("{TABLE_LEG}{table}")), expected)
+    };
     let sound = "extensions_m = [0, 0.05]\nspeeds_m_s = [0, 1]\nforces_n = [[1, 2], [3, 4]]\n";
-    Robot::parse(&format!("{TABLE_LEG}[leg.table]\n{sound}"), "hopper.toml", Path::new(".")).expect("sound");
+    Robot::parse(
+        &format!("{TABLE_LEG}[leg.table]\n{sound}"),
+        "hopper.toml",
+        Path::new("."),
+    )
+    .expect("sound");
 
-    let forces = "must be a list of 2 lists, one for each extension, of 2 finite numbers, one for each speed";
+    let forces = "must be a list of 2 lists, one for each extension, of 2 finite numbers, one for \
+        each speed";
     check("", "hopper.toml:4: missing key leg.file or table");
-    check("file = 3\n", "hopper.toml:10: leg.file = 3: must be text in quotes, not empty");
-    check("table = 3\n", "hopper.toml:10: leg.table = 3: must be a table");
-    check("fiel = 'force.csv'\n", "hopper.toml:10: unknown key leg.fiel; the nearest known key is leg.file");
+    check(
+        "file = 3\n",
+        "hopper.toml:10: leg.file = 3: must be text in quotes, not empty",
+    );
+    check(
+        "table = 3\n",
+        "hopper.toml:10: leg.table = 3: must be a table",
+    );
+    check(
+        "fiel = 'force.csv'\n",
+        "hopper.toml:10: unknown key leg.fiel; the nearest known key is leg.file",
+    );
     check(
         &format!("file = \"force.csv\"\n[leg.table]\n{sound}"),
         "hopper.toml:11: leg.table is already given as leg.file; give one of them",
     );
-    check("[leg.table]\n", "hopper.toml:10: missing key leg.table.extensions_m");
+    check(
+        "[leg.table]\n",
+        "hopper.toml:10: missing key leg.table.extensions_m",
+    );
     check(
         "[leg.table]\nextensions_m = [0, 0.02, 0.01, 0.05]\n",
-        "hopper.toml:11: leg.table.extensions_m = [0, 0.02, 0.01, 0.05]: must be at least 2 finite numbers, \
-         strictly increasing from 0 to at least 0.05 m, the stroke",
+        "hopper.toml:11: leg.table.extensions_m = [0, 0.02, 0.01, 0.05]: must be at least 2 \
+         finite numbers, strictly increasing from 0 to at least 0.05 m, the stroke",
     );
     check(
         &format!("[leg.table]\n{}", sound.replace("[0, 1]", "[0, 1, 1]")),
-        "hopper.toml:12: leg.table.speeds_m_s = [0, 1, 1]: must be at least 2 finite numbers, strictly \
-         increasing from 0",
+        "hopper.toml:12: leg.table.speeds_m_s = [0, 1, 1]: must be at least 2 finite numbers, \
+         strictly increasing from 0",
     );
     check(
         &format!("[leg.table]\n{}", sound.replace("[0, 1]", "[0, nan]")),
-        "hopper.toml:12: leg.table.speeds_m_s = [0, nan]: must be at least 2 finite numbers, strictly \
-         increasing from 0",
+        "hopper.toml:12: leg.table.speeds_m_s = [0, nan]: must be at least 2 finite numbers, \
+         strictly increasing from 0",
     );
-    for wrong in
-        ["3", "[]", "[[1, 2]]", "[[1, 2], [3]]", "[[1, 2], [3, inf]]", "[[1, 2], [3, \"4\"]]", "[1, 2, 3, 4]"]
-    {
+    for wrong in [
+        "3",
+        "[]",
+        "[[1, 2]]",
+        "[[1, 2], [3]]",
+        "[[1, 2], [3, inf]]",
+        "[[1, 2], [3, \"4\"]]",
+        "[1, 2, 3, 4]",
+    ] {
         check(
             &format!("[leg.table]\n{}", sound.replace("[[1, 2], [3, 4]]", wrong)),
             &format!("hopper.toml:13: leg.table.forces_n = {wrong}: {forces}"),
         );
     }
     let missing = complaint(&format!("{TABLE_LEG}file = \"no-such.csv\"\n"));
-    assert!(missing.starts_with("./no-such.csv: cannot be read: "), "{missing}");
+    assert!(
+        missing.starts_with("./no-such.csv: cannot be read: "),
+        "{missing}"
+    );
 }

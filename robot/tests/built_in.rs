@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use saltus_robot::{
-    AbsolutePressure, Body, Boom, Cylinder, Drive, Environment, Foot, ForceTable, Gas, GaugePressure, Ground,
-    Leg, LegBody, Robot, resolve,
+    AbsolutePressure, Body, Boom, Cylinder, Drive, Environment, Foot, ForceTable, Gas,
+    GaugePressure, Ground, Leg, LegBody, Robot, resolve,
 };
 
 /// The nominal robot of docs/model.md, number for number: thesis, tables 4.1 and 4.2.
@@ -22,7 +22,10 @@ fn rats_planar_is_the_nominal_robot() {
         axle_friction: 0.0,
     };
     assert_eq!(robot.body, body);
-    assert_eq!((robot.boom, robot.foot, robot.ground), (None, Foot::default(), Ground::default()));
+    assert_eq!(
+        (robot.boom, robot.foot, robot.ground),
+        (None, Foot::default(), Ground::default())
+    );
     assert_eq!(
         robot.leg,
         Leg {
@@ -51,17 +54,33 @@ fn rats_planar_is_the_nominal_robot() {
     );
     assert_eq!(
         robot.environment,
-        Environment { gravity: 9.80665, ambient: AbsolutePressure(101_325.0), drag: 0.0 }
+        Environment {
+            gravity: 9.80665,
+            ambient: AbsolutePressure(101_325.0),
+            drag: 0.0
+        }
     );
 }
 
-/// The robot on its boom (docs/model.md, "The boom"): rats-planar with the masses and shapes of its parts.
+/// The robot on its boom (docs/model.md, "The boom"): rats-planar with the masses and shapes of its
+/// parts.
 #[test]
 fn rats_boom_is_the_full_rig() {
     let robot = Robot::builtin("rats-boom").expect("built in");
-    let rod = LegBody { mass: 0.05, center: 0.19, length: 0.1, radius: 0.007 };
+    let rod = LegBody {
+        mass: 0.05,
+        center: 0.19,
+        length: 0.1,
+        radius: 0.007,
+    };
     assert_eq!(robot.leg.body, rod);
-    let boom = Boom { mass: 0.5, length: 2.12, radius: 0.015, counterweight: None, flex: None };
+    let boom = Boom {
+        mass: 0.5,
+        length: 2.12,
+        radius: 0.015,
+        counterweight: None,
+        flex: None,
+    };
     assert_eq!(robot.boom, Some(boom));
 
     // The totals in the file are the sums of the parts to the last digit written there.
@@ -69,7 +88,10 @@ fn rats_boom_is_the_full_rig() {
     close(robot.wheel_mass(), 2.5);
     close(robot.wheel_inertia(), 0.072);
     close(0.072, 0.5 * 2.5 * robot.body.radius * robot.body.radius);
-    close(rod.inertia(), 0.05 * (3.0 * 0.007 * 0.007 + 0.1 * 0.1) / 12.0);
+    close(
+        rod.inertia(),
+        0.05 * (3.0 * 0.007 * 0.007 + 0.1 * 0.1) / 12.0,
+    );
     close(rod.center + 0.5 * rod.length, robot.body.radius);
 
     let planar = Robot::rats_planar();
@@ -86,8 +108,9 @@ fn rats_planar_errors_follow_from_its_sensors() {
     let errors = Robot::rats_planar().errors;
     let (encoder, loop_time) = (uniform(std::f64::consts::TAU / 800.0), 1e-3);
     // The file states three digits.
-    let check =
-        |stated: f64, derived: f64| assert!((stated / derived - 1.0).abs() < 5e-3, "{stated} {derived}");
+    let check = |stated: f64, derived: f64| {
+        assert!((stated / derived - 1.0).abs() < 5e-3, "{stated} {derived}")
+    };
     check(errors.rate, 2.0_f64.sqrt() * encoder / 0.05);
     check(errors.firing_angle, encoder.hypot(uniform(5.0 * loop_time)));
     check(errors.valve_open, uniform(loop_time));
@@ -98,7 +121,10 @@ fn rats_planar_errors_follow_from_its_sensors() {
 fn starting_force(leg: &Leg) -> f64 {
     let drive = match &leg.drive {
         Drive::Pneumatic(c) => c.supply.0 * std::f64::consts::PI * (c.bore / 2.0).powi(2),
-        Drive::Spring { stiffness, compression } => stiffness * compression,
+        Drive::Spring {
+            stiffness,
+            compression,
+        } => stiffness * compression,
         Drive::Constant { force } => *force,
         Drive::Table(table) => table.forces[0],
     };
@@ -123,15 +149,24 @@ fn built_in_robots_are_the_files_in_robots() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
     for name in Robot::builtin_names() {
         let path = folder.join(name).with_extension("toml");
-        assert_eq!(Robot::load(&path).expect("in the repository"), Robot::builtin(name).expect("built in"));
-        assert_eq!(resolve(name, &[]).expect("built in"), Robot::builtin(name).expect("built in"));
+        assert_eq!(
+            Robot::load(&path).expect("in the repository"),
+            Robot::builtin(name).expect("built in")
+        );
+        assert_eq!(
+            resolve(name, &[]).expect("built in"),
+            Robot::builtin(name).expect("built in")
+        );
     }
 }
 
 #[test]
 fn the_table_hopper_has_its_csv_file() {
-    let Drive::Table(ForceTable { extensions, speeds, forces }) =
-        Robot::builtin("table-hopper").expect("built in").leg.drive
+    let Drive::Table(ForceTable {
+        extensions,
+        speeds,
+        forces,
+    }) = Robot::builtin("table-hopper").expect("built in").leg.drive
     else {
         panic!("a force table");
     };

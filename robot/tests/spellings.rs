@@ -27,12 +27,24 @@ fn rats_with_cylinder(change: impl Fn(&mut Cylinder)) -> Robot {
 fn units_of_one_quantity_agree_to_the_last_bit() {
     let check = |spellings: &[&str]| {
         let robots: Vec<Robot> = spellings.iter().map(|&text| rats_with(&[text])).collect();
-        assert!(robots.windows(2).all(|pair| pair[0] == pair[1]), "{spellings:?}");
+        assert!(
+            robots.windows(2).all(|pair| pair[0] == pair[1]),
+            "{spellings:?}"
+        );
         assert_ne!(robots[0], Robot::rats_planar(), "{spellings:?}");
     };
-    check(&["body.mass_kg=2.6", "body.mass_g=2600", "body.mass_g=2_600.0", "body.mass_g=0.26e4"]);
+    check(&[
+        "body.mass_kg=2.6",
+        "body.mass_g=2600",
+        "body.mass_g=2_600.0",
+        "body.mass_g=0.26e4",
+    ]);
     check(&["body.wheel_radius_m=0.2417", "body.wheel_radius_mm=241.7"]);
-    check(&["leg.stroke_m=0.0617", "leg.stroke_mm=61.7", "leg.stroke_mm=+61.7"]);
+    check(&[
+        "leg.stroke_m=0.0617",
+        "leg.stroke_mm=61.7",
+        "leg.stroke_mm=+61.7",
+    ]);
     check(&["leg.valve_delay_s=0.0113", "leg.valve_delay_ms=11.3"]);
     check(&["leg.dead_volume_m3=5.7e-6", "leg.dead_volume_cm3=5.7"]);
     check(&[
@@ -43,9 +55,18 @@ fn units_of_one_quantity_agree_to_the_last_bit() {
         "leg.supply_pressure_absolute_kpa=931.325",
     ]);
     check(&["leg.leak_area_m2=1.3e-7", "leg.leak_area_mm2=0.13"]);
-    check(&["leg.seal_friction_n_per_pa=1.7e-6", "leg.seal_friction_mm2=1.7"]);
-    check(&["environment.ambient_pressure_pa=98765", "environment.ambient_pressure_kpa=98.765"]);
-    check(&["errors.firing_angle_rad=0.017453292519943295", "errors.firing_angle_deg=1"]);
+    check(&[
+        "leg.seal_friction_n_per_pa=1.7e-6",
+        "leg.seal_friction_mm2=1.7",
+    ]);
+    check(&[
+        "environment.ambient_pressure_pa=98765",
+        "environment.ambient_pressure_kpa=98.765",
+    ]);
+    check(&[
+        "errors.firing_angle_rad=0.017453292519943295",
+        "errors.firing_angle_deg=1",
+    ]);
     check(&[
         "leg.gas=nitrogen",
         "leg.gas=\"nitrogen\"",
@@ -58,27 +79,57 @@ fn units_of_one_quantity_agree_to_the_last_bit() {
 fn an_override_changes_what_it_names() {
     let psi = 6_894.757_293_168;
     let check = |overrides: &[&str], change: &dyn Fn(&mut Cylinder)| {
-        assert_eq!(rats_with(overrides), rats_with_cylinder(change), "{overrides:?}");
+        assert_eq!(
+            rats_with(overrides),
+            rats_with_cylinder(change),
+            "{overrides:?}"
+        );
     };
     check(&[], &|_| ());
-    check(&["leg.supply_pressure_gauge_psi=100"], &|c| c.supply = GaugePressure(100.0 * psi));
-    check(&[" leg . supply_pressure_gauge_psi = 100 "], &|c| c.supply = GaugePressure(100.0 * psi));
-    check(&["leg.supply_pressure_gauge_bar=7"], &|c| c.supply = GaugePressure(7e5));
-    check(&["leg.supply_pressure_absolute_pa=701325"], &|c| c.supply = GaugePressure(6e5));
+    check(&["leg.supply_pressure_gauge_psi=100"], &|c| {
+        c.supply = GaugePressure(100.0 * psi)
+    });
+    check(&[" leg . supply_pressure_gauge_psi = 100 "], &|c| {
+        c.supply = GaugePressure(100.0 * psi)
+    });
+    check(&["leg.supply_pressure_gauge_bar=7"], &|c| {
+        c.supply = GaugePressure(7e5)
+    });
+    check(&["leg.supply_pressure_absolute_pa=701325"], &|c| {
+        c.supply = GaugePressure(6e5)
+    });
     // The later one wins, in whichever unit.
     check(&["leg.bore_m=0.02", "leg.bore_mm=25"], &|c| c.bore = 0.025);
     check(&["leg.bore_mm=25", "leg.bore_m=0.02"], &|c| c.bore = 0.02);
     check(&["leg.gas=co2"], &|c| c.gas = Gas::CO2);
-    check(&["leg.gas={heat_ratio=1.3, constant_j_per_kg_k=200}", "leg.gas.heat_ratio=1.2"], &|c| {
-        c.gas = Gas { heat_ratio: 1.2, constant: 200.0 };
+    check(
+        &[
+            "leg.gas={heat_ratio=1.3, constant_j_per_kg_k=200}",
+            "leg.gas.heat_ratio=1.2",
+        ],
+        &|c| {
+            c.gas = Gas {
+                heat_ratio: 1.2,
+                constant: 200.0,
+            };
+        },
+    );
+    check(&["leg.polytropic_exponent=1.2"], &|c| {
+        c.polytropic_exponent = Some(1.2)
     });
-    check(&["leg.polytropic_exponent=1.2"], &|c| c.polytropic_exponent = Some(1.2));
-    check(&["leg.supply_droop_pa_s_per_kg=2e6"], &|c| c.supply_droop = 2e6);
+    check(&["leg.supply_droop_pa_s_per_kg=2e6"], &|c| {
+        c.supply_droop = 2e6
+    });
     check(&["leg.exhaust_port={position_mm=50, area_mm2=3}"], &|c| {
-        c.exhaust_port = Some(ExhaustPort { position: 0.05, area: 3e-6 });
+        c.exhaust_port = Some(ExhaustPort {
+            position: 0.05,
+            area: 3e-6,
+        });
     });
     // −0 is off with the same bits as 0.
-    check(&["leg.leak_area_m2=-0.0"], &|c| assert_eq!(c.leak_area.to_bits(), 0));
+    check(&["leg.leak_area_m2=-0.0"], &|c| {
+        assert_eq!(c.leak_area.to_bits(), 0)
+    });
 }
 
 #[test]
@@ -92,8 +143,21 @@ fn overrides_add_optional_tables() {
         "environment.drag_per_m=0.01",
         "name=my own rats",
     ]);
-    assert_eq!(robot.leg.return_spring, Some(ReturnSpring { stiffness: 50.0, preload: 2.0 }));
-    assert_eq!(robot.leg.cushion, Some(Cushion { length: 0.005, stiffness: 2000.0, damping: 3.0 }));
+    assert_eq!(
+        robot.leg.return_spring,
+        Some(ReturnSpring {
+            stiffness: 50.0,
+            preload: 2.0
+        })
+    );
+    assert_eq!(
+        robot.leg.cushion,
+        Some(Cushion {
+            length: 0.005,
+            stiffness: 2000.0,
+            damping: 3.0
+        })
+    );
     assert_eq!(robot.environment.drag, 0.01);
     assert_eq!(robot.name, "my own rats");
 }
@@ -106,11 +170,31 @@ fn ground_friction() {
     assert_eq!(ground(&["ground.static_friction=inf"]), plain);
     assert_eq!(ground(&["ground.slope_rad=-0.0"]).slope.to_bits(), 0);
     let rough = ground(&["ground.static_friction=0.8"]);
-    assert_eq!(rough, Ground { static_friction: 0.8, kinetic_friction: 0.8, ..plain });
+    assert_eq!(
+        rough,
+        Ground {
+            static_friction: 0.8,
+            kinetic_friction: 0.8,
+            ..plain
+        }
+    );
     let rough = ground(&["ground.static_friction=0.8", "ground.kinetic_friction=0.6"]);
-    assert_eq!(rough, Ground { static_friction: 0.8, kinetic_friction: 0.6, ..plain });
+    assert_eq!(
+        rough,
+        Ground {
+            static_friction: 0.8,
+            kinetic_friction: 0.6,
+            ..plain
+        }
+    );
     let late = ground(&["ground.kinetic_friction=0.6"]);
-    assert_eq!(late, Ground { kinetic_friction: 0.6, ..plain });
+    assert_eq!(
+        late,
+        Ground {
+            kinetic_friction: 0.6,
+            ..plain
+        }
+    );
 }
 
 #[test]
@@ -128,10 +212,15 @@ fn an_override_replaces_a_force_table_by_a_file_and_back() {
     let file = folder.join("table-hopper-force.csv");
     let listed = "leg.table={extensions_m=[0,0.05],speeds_m_s=[0,1],forces_n=[[4,3],[2,1]]}";
     let from_list = resolve("table-hopper", &[listed.into()]).expect("sound");
-    let Drive::Table(table) = &from_list.leg.drive else { panic!("{:?}", from_list.leg.drive) };
+    let Drive::Table(table) = &from_list.leg.drive else {
+        panic!("{:?}", from_list.leg.drive)
+    };
     assert_eq!(table.forces, [4.0, 3.0, 2.0, 1.0]);
-    let from_file =
-        resolve("table-hopper", &[listed.into(), format!("leg.file={}", file.display())]).expect("sound");
+    let from_file = resolve(
+        "table-hopper",
+        &[listed.into(), format!("leg.file={}", file.display())],
+    )
+    .expect("sound");
     assert_eq!(Some(from_file), Robot::builtin("table-hopper"));
 }
 
@@ -143,11 +232,16 @@ fn a_force_table_is_a_set_of_rows() {
     let read = |csv: &str| {
         let file = folder.join("force.csv");
         std::fs::write(&file, csv).expect("a writable temporary folder");
-        resolve("table-hopper", &[format!("leg.file={}", file.display())]).expect("sound").leg.drive
+        resolve("table-hopper", &[format!("leg.file={}", file.display())])
+            .expect("sound")
+            .leg
+            .drive
     };
     let tidy = read("extension_m,speed_m_s,force_n\n0,0,4\n0,1,3\n0.05,0,2\n0.05,1,1\n");
-    let untidy =
-        read("# made up\nforce_n, speed_m_s, extension_m\r\n\n1,1,5e-2\r\n4,-0,0\n3,1,0\n# last\n2,0,0.050");
+    let untidy = read(
+        "# made up\nforce_n, speed_m_s, extension_m\r\n\n1,1,5e-2\r\n4,-0,0\n3,1,0\n# \
+         last\n2,0,0.050",
+    );
     std::fs::remove_dir_all(&folder).expect("the folder made above");
     assert_eq!(tidy, untidy);
 }
@@ -157,10 +251,15 @@ fn a_force_table_is_a_set_of_rows() {
 fn the_examples_of_the_readme_are_sound() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
     let readme = include_str!("../../robots/README.md");
-    let examples: Vec<&str> =
-        readme.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    let examples: Vec<&str> = readme
+        .split("```toml\n")
+        .skip(1)
+        .filter_map(|rest| rest.split("```").next())
+        .collect();
     assert_eq!(examples.len(), 5);
-    let everything = Robot::parse(examples[0], "README.md", &folder).expect("sound").to_toml();
+    let everything = Robot::parse(examples[0], "README.md", &folder)
+        .expect("sound")
+        .to_toml();
     // An effect left out would be written as 0, or not at all.
     assert!(!everything.contains("= 0.0\n"), "{everything}");
     let optional = [

@@ -1,4 +1,5 @@
-//! A firing table for a robot of one's own, described in TOML: which angle carries it how far, at which approach rate.
+//! A firing table for a robot of one's own, described in TOML: which angle carries it how far, at
+//! which approach rate.
 //!
 //! `cargo run -p saltus --example own_table`
 
@@ -37,7 +38,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let planner = Planner::new(Robot::parse(ROBOT, "spring wheel", Path::new("."))?);
     let table = planner.table(&TableRequest {
         rates: vec![3.0, 4.0, 5.0, 6.0],
-        measure: Measure::Distance { landing_height: planner.robot().body.radius },
+        measure: Measure::Distance {
+            landing_height: planner.robot().body.radius,
+        },
         targets: vec![0.4, 0.6, 5.0],
         valve_open: 0.1,
         start_lean: None,
@@ -55,11 +58,16 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let angle = entry.jump.launch.firing_angle;
                 let apex = entry.jump.apex().unwrap_or(f64::NAN);
                 let errors = &planner.robot().errors;
-                let deviation = entry.sensitivity.map_or(f64::NAN, |s| s[0].standard_deviation(errors));
+                let deviation = entry
+                    .sensitivity
+                    .map_or(f64::NAN, |s| s[0].standard_deviation(errors));
                 println!(" {angle:10.4} {apex:9.4} {deviation:14.4}");
             }
             (None, Some(nearest)) => {
-                println!("  out of reach: {:.3} m at {:.4} rad", nearest.value, nearest.firing_angle);
+                println!(
+                    "  out of reach: {:.3} m at {:.4} rad",
+                    nearest.value, nearest.firing_angle
+                );
             }
             (None, None) => println!("  no angle jumps"),
         }

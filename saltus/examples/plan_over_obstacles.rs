@@ -1,5 +1,5 @@
-//! A plan over the thesis' box, 21 cm square: where to plant the foot, when to fire, how long to hold the valve open, and
-//! every limit held against the full model.
+//! A plan over the thesis' box, 21 cm square: where to plant the foot, when to fire, how long to
+//! hold the valve open, and every limit held against the full model.
 //!
 //! `cargo run -p saltus --example plan_over_obstacles`
 
@@ -17,18 +17,28 @@ fn main() -> Result<(), Box<dyn Error>> {
         start_height: 0.0,
         jumps: 1,
         goal: Span::new(0.8, 1.0),
-        obstacles: vec![Obstacle { center: 0.435, width: 0.21, height: 0.21 }],
+        obstacles: vec![Obstacle {
+            center: 0.435,
+            width: 0.21,
+            height: 0.21,
+        }],
         no_landing: Vec::new(),
     };
-    // At 5.5 rad/s; the wheel stays a centimetre clear of the box, and the foot must hold on rubber.
-    let crossing = Crossing { clearance: 0.01, friction: Some(0.8), ..Crossing::new(course, 5.5) };
+    // At 5.5 rad/s; the wheel stays a centimetre clear of the box, and the foot must hold on
+    // rubber.
+    let crossing = Crossing {
+        clearance: 0.01,
+        friction: Some(0.8),
+        ..Crossing::new(course, 5.5)
+    };
 
     match planner.cross(&crossing)? {
         CrossingAnswer::Plan(plan) => {
             for (number, planned) in plan.jumps.iter().enumerate() {
                 let launch = planned.jump.launch;
                 println!(
-                    "jump {}: from {:.3} m, fire at {:.4} rad, valve open {:.1} ms, land at {:.3} ± {:.3} m",
+                    "jump {}: from {:.3} m, fire at {:.4} rad, valve open {:.1} ms, land at {:.3} \
+                     ± {:.3} m",
                     number + 1,
                     planned.foot[0],
                     launch.firing_angle,
@@ -40,7 +50,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             for check in &plan.checks {
                 let verdict = if check.holds() { "holds" } else { "FAILS" };
                 let Span { low, high } = check.allowed;
-                println!("{verdict}: {} = {:.4}, from {low:.4} to {high:.4}", check.what, check.value);
+                println!(
+                    "{verdict}: {} = {:.4}, from {low:.4} to {high:.4}",
+                    check.what, check.value
+                );
             }
             println!("holds in the planar model: {}", plan.holds());
         }

@@ -1,8 +1,10 @@
-//! Flights predicted from their first 20 samples, with gravity as believed and as other flights say.
+//! Flights predicted from their first 20 samples, with gravity as believed and as other flights
+//! say.
 //!
 //!     cargo run --release -p saltus --example predict_flights -- BELIEVED FIT… -- OTHER…
 //!
-//! BELIEVED is the operator's gravity (m/s²), FIT and OTHER are data folders of kind `flight` with a column `y_m`.
+//! BELIEVED is the operator's gravity (m/s²), FIT and OTHER are data folders of kind `flight` with
+//! a column `y_m`.
 
 use std::path::PathBuf;
 
@@ -29,7 +31,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         read_all(&paths, &|_| ())
     };
     let flights = Flights::new(&read(fit)?.experiment, believed);
-    let found = diagnose(&flights, &Settings::default(), &|_| ()).ok_or("no model of these flights")?;
+    let found =
+        diagnose(&flights, &Settings::default(), &|_| ()).ok_or("no model of these flights")?;
     let mut gravity = believed;
     for finding in &found.findings {
         let id = flights.causes()[finding.best.cause].id;
@@ -54,7 +57,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// Root mean square (m) of the heights after the first samples of each flight, predicted from them.
 fn rms(experiment: &Experiment, gravity: f64) -> f64 {
-    let column = experiment.columns.iter().position(|c| c == "y_m").unwrap_or(0);
+    let column = experiment
+        .columns
+        .iter()
+        .position(|c| c == "y_m")
+        .unwrap_or(0);
     let (mut sum, mut count) = (0.0, 0.0);
     for run in &experiment.runs {
         let heights = &run.values[column];
@@ -64,7 +71,9 @@ fn rms(experiment: &Experiment, gravity: f64) -> f64 {
             let t = run.time[i] - run.time[0];
             (t, heights[i] + 0.5 * gravity * t * t)
         };
-        let mean = (0..n).map(flat).fold((0.0, 0.0), |s, p| (s.0 + p.0 / n as f64, s.1 + p.1 / n as f64));
+        let mean = (0..n).map(flat).fold((0.0, 0.0), |s, p| {
+            (s.0 + p.0 / n as f64, s.1 + p.1 / n as f64)
+        });
         let (mut above, mut below) = (0.0, 0.0);
         for (t, y) in (0..n).map(flat) {
             above += (t - mean.0) * (y - mean.1);

@@ -1,9 +1,11 @@
-//! Writes `docs/thesis.md`: chapter 5 of the thesis, section 5.1's valve times and section 5.2, beside what Saltus gets.
+//! Writes `docs/thesis.md`: chapter 5 of the thesis, section 5.1's valve times and section 5.2,
+//! beside what Saltus gets.
 //!
 //! `cargo run --release -p saltus --example thesis`
 //!
-//! Every number is computed here but those of the thesis, which are constants with their place; every claim about ours is
-//! held against the numbers first, so that the page is not written when it would say something that is no longer so.
+//! Every number is computed here but those of the thesis, which are constants with their place;
+//! every claim about ours is held against the numbers first, so that the page is not written when
+//! it would say something that is no longer so.
 
 use std::error::Error;
 use std::fs;
@@ -42,16 +44,20 @@ fn main() -> Outcome<()> {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
     fs::create_dir_all(docs.join("thesis"))?;
     let mut page = format!(
-        "<!-- Written by `{COMMAND}`: do not edit. -->\n\n\
-         # The thesis beside Saltus\n\n\
-         Chapter 5 of the thesis on the robot RATS: the valve times of section 5.1 and the jumps of section 5.2, each figure and number \
-         beside what Saltus gets with the robot `rats-planar`. Nothing is tuned to agree. The model is in [model.md](model.md); this page \
-         and its drawings are written by\n\n    {COMMAND}\n\n\
-         The thesis' plots are known here by their axes, captions and text only, so a comparison with a curve is one with its ends.\n"
+        "<!-- Written by `{COMMAND}`: do not edit. -->\n\n# The thesis beside Saltus\n\nChapter 5 \
+         of the thesis on the robot RATS: the valve times of section 5.1 and the jumps of section \
+         5.2, each figure and number beside what Saltus gets with the robot `rats-planar`. \
+         Nothing is tuned to agree. The model is in [model.md](model.md); this page and its \
+         drawings are written by\n\n    {COMMAND}\n\nThe thesis' plots are known here by their \
+         axes, captions and text only, so a comparison with a curve is one with its ends.\n"
     );
-    for section in
-        [valve::section()?, family::section()?, law::section()?, obstacle::section()?, slip::section()?]
-    {
+    for section in [
+        valve::section()?,
+        family::section()?,
+        law::section()?,
+        obstacle::section()?,
+        slip::section()?,
+    ] {
         page.push('\n');
         page.push_str(section.text.trim());
         page.push('\n');
@@ -60,10 +66,10 @@ fn main() -> Outcome<()> {
         }
     }
     page.push_str(
-        "\n## Running (5.1)\n\n\
-         \"From rest to 3.2 m/s in less than 3 seconds\", the gaits and their firing angles are results of a wheel that runs on leg after \
-         leg, with several legs at work. Saltus models one jump of one leg; these are not modelled here, and nothing on this \
-         page says anything about them.\n",
+        "\n## Running (5.1)\n\n\"From rest to 3.2 m/s in less than 3 seconds\", the gaits and \
+         their firing angles are results of a wheel that runs on leg after leg, with several legs \
+         at work. Saltus models one jump of one leg; these are not modelled here, and nothing on \
+         this page says anything about them.\n",
     );
     fs::write(docs.join("thesis.md"), page)?;
     Ok(())
@@ -71,7 +77,11 @@ fn main() -> Outcome<()> {
 
 /// Refuses to go on where a claim of the page does not hold.
 fn claim(holds: bool, what: &str) -> Outcome<()> {
-    if holds { Ok(()) } else { Err(format!("the page claims what is not so: {what}").into()) }
+    if holds {
+        Ok(())
+    } else {
+        Err(format!("the page claims what is not so: {what}").into())
+    }
 }
 
 /// A negative number with a real minus sign.
@@ -79,5 +89,9 @@ fn signed(x: f64, digits: usize) -> String {
     let text = format!("{x:.digits$}");
     // What rounds to nothing has no sign.
     let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
-    if is_zero { text.replace('-', "") } else { text.replace('-', "−") }
+    if is_zero {
+        text.replace('-', "")
+    } else {
+        text.replace('-', "−")
+    }
 }

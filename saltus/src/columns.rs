@@ -39,19 +39,31 @@ pub(crate) fn read<const N: usize>(
     file: &str,
     columns: &[Column; N],
 ) -> Result<Vec<Row<N>>, CliError> {
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(source);
-    let header = reader.byte_headers().map_err(|error| not_csv(&error, source, file))?;
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .from_reader(source);
+    let header = reader
+        .byte_headers()
+        .map_err(|error| not_csv(&error, source, file))?;
     let mut places = [None; N];
     for (place, column) in places.iter_mut().zip(columns) {
         *place = find(header, column, columns, file)?;
     }
     let mut rows = Vec::new();
     let mut record = ByteRecord::new();
-    while reader.read_byte_record(&mut record).map_err(|error| not_csv(&error, source, file))? {
-        let line = record.position().map_or(0, |position| line(position, source));
+    while reader
+        .read_byte_record(&mut record)
+        .map_err(|error| not_csv(&error, source, file))?
+    {
+        let line = record
+            .position()
+            .map_or(0, |position| line(position, source));
         let mut row = [None; N];
         for ((cell, column), place) in row.iter_mut().zip(columns).zip(places) {
-            let text = place.and_then(|i| record.get(i)).map(String::from_utf8_lossy).unwrap_or_default();
+            let text = place
+                .and_then(|i| record.get(i))
+                .map(String::from_utf8_lossy)
+                .unwrap_or_default();
             if column.need == Need::Value || !text.is_empty() {
                 *cell = Some(number(&text, column, file, line)?);
             }
@@ -61,14 +73,19 @@ pub(crate) fn read<const N: usize>(
     Ok(rows)
 }
 
-/// The words of the first row in these columns, with its line; none where one of the columns is not there. Every row must have the same.
+/// The words of the first row in these columns, with its line; none where one of the columns is not
+/// there. Every row must have the same.
 pub(crate) fn words<const N: usize>(
     source: &[u8],
     file: &str,
     names: [&str; N],
 ) -> Result<Option<(u64, [String; N])>, CliError> {
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(source);
-    let header = reader.byte_headers().map_err(|error| not_csv(&error, source, file))?;
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .from_reader(source);
+    let header = reader
+        .byte_headers()
+        .map_err(|error| not_csv(&error, source, file))?;
     let places = names.map(|name| header.iter().position(|cell| bare(cell) == name.as_bytes()));
     if places.iter().any(Option::is_none) {
         return Ok(None);
@@ -76,8 +93,14 @@ pub(crate) fn words<const N: usize>(
     let mut first: Option<(u64, [String; N])> = None;
     for record in reader.byte_records() {
         let record = record.map_err(|error| not_csv(&error, source, file))?;
-        let here = record.position().map_or(0, |position| line(position, source));
-        let cell = |place: Option<usize>| place.and_then(|i| record.get(i)).map(String::from_utf8_lossy);
+        let here = record
+            .position()
+            .map_or(0, |position| line(position, source));
+        let cell = |place: Option<usize>| {
+            place
+                .and_then(|i| record.get(i))
+                .map(String::from_utf8_lossy)
+        };
         let words = places.map(|place| cell(place).unwrap_or_default().into_owned());
         match &first {
             None => first = Some((here, words)),
@@ -105,22 +128,46 @@ fn bare(cell: &[u8]) -> &[u8] {
 /// The line of a record. Where lines end with CR LF, its position is still before the LF.
 fn line(position: &csv::Position, source: &[u8]) -> u64 {
     let start = usize::try_from(position.byte()).unwrap_or(usize::MAX);
-    let breaks = source.get(start..).unwrap_or_default().iter().take_while(|byte| byte.is_ascii_whitespace());
+    let breaks = source
+        .get(start..)
+        .unwrap_or_default()
+        .iter()
+        .take_while(|byte| byte.is_ascii_whitespace());
     position.line() + breaks.filter(|byte| **byte == b'\n').count() as u64
 }
 
 /// Where a column stands.
-fn find(header: &ByteRecord, column: &Column, all: &[Column], file: &str) -> Result<Option<usize>, CliError> {
+fn find(
+    header: &ByteRecord,
+    column: &Column,
+    all: &[Column],
+    file: &str,
+) -> Result<Option<usize>, CliError> {
     // A file that has the first name may mean something else by another: simulated jumps have both.
     let is_there = |name: &&str| header.iter().any(|cell| bare(cell) == name.as_bytes());
-    let name = column.others.iter().copied().find(is_there).filter(|_| !is_there(&column.name));
+    let name = column
+        .others
+        .iter()
+        .copied()
+        .find(is_there)
+        .filter(|_| !is_there(&column.name));
     let name = name.unwrap_or(column.name);
     let mut found = (0..header.len()).filter(|&i| bare(&header[i]) == name.as_bytes());
     match (found.next(), found.next()) {
-        (_, Some(_)) => Err(CliError::content(format!("{file}:1"), format!("column {name} is there twice"))),
+        (_, Some(_)) => Err(CliError::content(
+            format!("{file}:1"),
+            format!("column {name} is there twice"),
+        )),
         (None, _) if column.need != Need::Nothing => {
-            let needed: Vec<&str> = all.iter().filter(|c| c.need != Need::Nothing).map(|c| c.name).collect();
-            let reason = format!("no column {name}: the header must name {}", needed.join(", "));
+            let needed: Vec<&str> = all
+                .iter()
+                .filter(|c| c.need != Need::Nothing)
+                .map(|c| c.name)
+                .collect();
+            let reason = format!(
+                "no column {name}: the header must name {}",
+                needed.join(", ")
+            );
             Err(CliError::content(format!("{file}:1"), reason))
         }
         (place, _) => Ok(place),
@@ -139,8 +186,14 @@ fn number(text: &str, column: &Column, file: &str, line: u64) -> Result<f64, Cli
 
 fn not_csv(error: &csv::Error, source: &[u8], file: &str) -> CliError {
     match error.kind() {
-        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => CliError::content(
-            pos.as_ref().map_or(file.to_owned(), |pos| format!("{file}:{}", line(pos, source))),
+        csv::ErrorKind::UnequalLengths {
+            pos,
+            expected_len,
+            len,
+        } => CliError::content(
+            pos.as_ref().map_or(file.to_owned(), |pos| {
+                format!("{file}:{}", line(pos, source))
+            }),
             format!("{len} fields where the header has {expected_len}"),
         ),
         _ => CliError::content(file, error),

@@ -1,11 +1,13 @@
-//! A diagnosis of data as they were read, and what it is worth: the extended robot, and firing tables before and after.
+//! A diagnosis of data as they were read, and what it is worth: the extended robot, and firing
+//! tables before and after.
 
 use std::fmt::Write;
 
 use saltus_diagnosis::kinds::{self, Problem};
 use saltus_diagnosis::rig::Rig;
 use saltus_diagnosis::{
-    Diagnosis, Experiment, Interval, Kind, Misstated, Reported, Settings, Sort, Terms, disbelieve, misstated,
+    Diagnosis, Experiment, Interval, Kind, Misstated, Reported, Settings, Sort, Terms, disbelieve,
+    misstated,
 };
 use saltus_planner::{FIRING_ANGLES, Measure, Planner, Roots, TableRequest};
 use saltus_robot::Robot;
@@ -16,11 +18,13 @@ pub struct Study {
     pub kind: Box<dyn Kind>,
     /// What was found; none where the model has no motion at its first guesses.
     pub diagnosis: Option<Diagnosis>,
-    /// Columns whose stated noise is far from what the data scatter. Where it is stated far too large, the seen scatter took its place.
+    /// Columns whose stated noise is far from what the data scatter. Where it is stated far too
+    /// large, the seen scatter took its place.
     pub misstated: Vec<Misstated>,
 }
 
-/// Says what is wrong with the model of an experiment, of `robot` where it is one with a robot; `progress` is told what is being done.
+/// Says what is wrong with the model of an experiment, of `robot` where it is one with a robot;
+/// `progress` is told what is being done.
 ///
 /// # Errors
 /// [`Problem`] where data and robot do not go together.
@@ -30,7 +34,8 @@ pub fn study(
     settings: &Settings,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Study, Problem> {
-    /// Looks at the noise: what a cause explains that is found with less of it may show that there is less still.
+    /// Looks at the noise: what a cause explains that is found with less of it may show that there
+    /// is less still.
     const MOST: usize = 4;
     let mut experiment = experiment.clone();
     let mut doubted = disbelieve(&mut experiment);
@@ -38,25 +43,36 @@ pub fn study(
     loop {
         let kind = kinds::build(&experiment, robot)?;
         let diagnosis = saltus_diagnosis::diagnose(kind.as_ref(), settings, progress);
-        let found =
-            diagnosis.as_ref().map_or(Vec::new(), |d| misstated(&experiment, kind.as_ref(), &d.after));
+        let found = diagnosis.as_ref().map_or(Vec::new(), |d| {
+            misstated(&experiment, kind.as_ref(), &d.after)
+        });
         let mut is_overstated = false;
         for now in found {
             if now.stated > now.seen {
                 is_overstated = true;
-                let column = experiment.columns.iter().position(|column| *column == now.column);
+                let column = experiment
+                    .columns
+                    .iter()
+                    .position(|column| *column == now.column);
                 if let Some(k) = column {
                     experiment.noise[k] = Some(now.seen);
                 }
             }
-            match doubted.iter_mut().find(|before| before.column == now.column) {
+            match doubted
+                .iter_mut()
+                .find(|before| before.column == now.column)
+            {
                 Some(before) => before.seen = now.seen,
                 None => doubted.push(now),
             }
         }
         rounds += 1;
         if !is_overstated || rounds == MOST {
-            return Ok(Study { kind, diagnosis, misstated: doubted });
+            return Ok(Study {
+                kind,
+                diagnosis,
+                misstated: doubted,
+            });
         }
     }
 }
@@ -66,7 +82,8 @@ pub fn study(
 pub struct Worth {
     /// Distance (m) that is planned for, landing with the axle at its height on a retracted leg.
     pub distance: f64,
-    /// For each approach rate (rad/s): firing angles (rad) before and after, and by how far (m) the extended robot lands off with each.
+    /// For each approach rate (rad/s): firing angles (rad) before and after, and by how far (m) the
+    /// extended robot lands off with each.
     pub rows: Vec<Row>,
     /// The linear law α_f = A ω + B (s, rad) through the angles, before and after.
     pub laws: [Option<(f64, f64)>; 2],
@@ -84,10 +101,14 @@ pub struct Row {
 }
 
 impl Worth {
-    /// Root mean square of the landing errors (m) before and after, over the rates at which both tables have an angle.
+    /// Root mean square of the landing errors (m) before and after, over the rates at which both
+    /// tables have an angle.
     pub fn rms(&self) -> Option<[f64; 2]> {
-        let pairs: Vec<[f64; 2]> =
-            self.rows.iter().filter_map(|r| Some([r.errors[0]?, r.errors[1]?])).collect();
+        let pairs: Vec<[f64; 2]> = self
+            .rows
+            .iter()
+            .filter_map(|r| Some([r.errors[0]?, r.errors[1]?]))
+            .collect();
         let n = pairs.len() as f64;
         let of = |k: usize| (pairs.iter().map(|p| p[k] * p[k]).sum::<f64>() / n).sqrt();
         (!pairs.is_empty()).then(|| [of(0), of(1)])
@@ -101,7 +122,11 @@ const OPEN: f64 = 0.1;
 pub fn no_motion(kind: &dyn Kind, experiment: &Experiment) -> String {
     let terms = Terms::off(kind.causes());
     let stands = |run: &usize| {
-        let guess: Vec<f64> = kind.unknowns(*run).iter().map(|unknown| unknown.neutral).collect();
+        let guess: Vec<f64> = kind
+            .unknowns(*run)
+            .iter()
+            .map(|unknown| unknown.neutral)
+            .collect();
         kind.predict(*run, &terms, &guess).is_none()
     };
     let Some(run) = (0..kind.logs().len()).find(stands) else {
@@ -110,18 +135,24 @@ pub fn no_motion(kind: &dyn Kind, experiment: &Experiment) -> String {
     let name = &kind.logs()[run].name;
     match experiment.runs.get(run).and_then(|run| run.valve) {
         Some((open, _)) if experiment.kind == Sort::Jump => format!(
-            "{name}: the model has no such motion from the first valid row, which is {open:.3} s before the command. The log of a jump starts just \
-             after the jumping leg touched down: set valid_from_s to that time. Or is it another robot that was measured?"
+            "{name}: the model has no such motion from the first valid row, which is {open:.3} s \
+             before the command. The log of a jump starts just after the jumping leg touched \
+             down: set valid_from_s to that time. Or is it another robot that was measured?"
         ),
         _ => format!("{name}: the model has no such motion: is it the robot that was measured?"),
     }
 }
 
-/// The robot with the terms that were found and that the data tell the size of; none where nothing of a robot was found.
+/// The robot with the terms that were found and that the data tell the size of; none where nothing
+/// of a robot was found.
 pub fn extended(kind: &dyn Kind, diagnosis: &Diagnosis) -> Option<Robot> {
     let off = Terms::off(kind.causes());
     let mut terms = diagnosis.after.terms.clone();
-    for finding in diagnosis.findings.iter().filter(|finding| !finding.is_identifiable) {
+    for finding in diagnosis
+        .findings
+        .iter()
+        .filter(|finding| !finding.is_identifiable)
+    {
         for (p, neutral) in off.of(finding.best.cause).iter().enumerate() {
             terms.set(finding.best.cause, p, *neutral);
         }
@@ -134,7 +165,8 @@ pub fn extended(kind: &dyn Kind, diagnosis: &Diagnosis) -> Option<Robot> {
     Some(robot)
 }
 
-/// The robot file of the extended robot: values, standard errors and the data's hash are in comments at its head.
+/// The robot file of the extended robot: values, standard errors and the data's hash are in
+/// comments at its head.
 pub fn robot_file(kind: &dyn Kind, diagnosis: &Diagnosis, robot: &Robot, hash: &str) -> String {
     let mut text = String::from("# Written by saltus diagnose from measured data, ");
     let _ = writeln!(text, "hash {hash}.");
@@ -145,7 +177,13 @@ pub fn robot_file(kind: &dyn Kind, diagnosis: &Diagnosis, robot: &Robot, hash: &
             let _ = write!(text, " of {column}, not a property of the robot");
         }
         let _ = writeln!(text, ":");
-        for Reported { name, value, error, interval } in &finding.best.reported {
+        for Reported {
+            name,
+            value,
+            error,
+            interval,
+        } in &finding.best.reported
+        {
             let _ = write!(text, "#   {name} = {value:?}");
             if error.is_finite() {
                 let _ = write!(text, ", standard error {error:.2e}");
@@ -158,7 +196,11 @@ pub fn robot_file(kind: &dyn Kind, diagnosis: &Diagnosis, robot: &Robot, hash: &
         }
         if !finding.rivals.is_empty() {
             let rivals: Vec<&str> = finding.rivals.iter().map(|r| id(r.cause)).collect();
-            let _ = writeln!(text, "#   the data cannot tell it from: {}", rivals.join(", "));
+            let _ = writeln!(
+                text,
+                "#   the data cannot tell it from: {}",
+                rivals.join(", ")
+            );
         }
     }
     text.push('\n');
@@ -166,34 +208,50 @@ pub fn robot_file(kind: &dyn Kind, diagnosis: &Diagnosis, robot: &Robot, hash: &
     text
 }
 
-/// Firing tables for a distance that both robots reach, made with the robot as believed and as `extended`, and where the extended robot
-/// lands when it jumps from each.
+/// Firing tables for a distance that both robots reach, made with the robot as believed and as
+/// `extended`, and where the extended robot lands when it jumps from each.
 ///
-/// It jumps in the model that was fitted, which knows what the planar model of the tables leaves out: so the error after is that of the
-/// planar model alone.
+/// It jumps in the model that was fitted, which knows what the planar model of the tables leaves
+/// out: so the error after is that of the planar model alone.
 pub fn worth(believed: &Robot, extended: &Robot) -> Option<Worth> {
     let rates: Vec<f64> = (0..7).map(|k| 3.0 + 0.5 * f64::from(k)).collect();
     let rig = Rig::new(extended);
     [0.8, 0.6, 0.4, 0.3].into_iter().find_map(|distance| {
         let tables = [believed, extended].map(|robot| angles(robot, &rates, distance));
-        let [Some(before), Some(after)] = tables else { return None };
-        let lands =
-            |rate: f64, angle: Option<f64>| rig.outcome(angle?, rate, OPEN).map(|(_, x)| x - distance);
+        let [Some(before), Some(after)] = tables else {
+            return None;
+        };
+        let lands = |rate: f64, angle: Option<f64>| {
+            rig.outcome(angle?, rate, OPEN).map(|(_, x)| x - distance)
+        };
         let rows: Vec<Row> = rates
             .iter()
             .zip(before.iter().zip(&after))
-            .map(|(&rate, (&b, &a))| Row { rate, angles: [b, a], errors: [lands(rate, b), lands(rate, a)] })
+            .map(|(&rate, (&b, &a))| Row {
+                rate,
+                angles: [b, a],
+                errors: [lands(rate, b), lands(rate, a)],
+            })
             .collect();
-        let count = rows.iter().filter(|r| r.errors.iter().all(Option::is_some)).count();
+        let count = rows
+            .iter()
+            .filter(|r| r.errors.iter().all(Option::is_some))
+            .count();
         let laws = [0, 1].map(|k| line(rows.iter().filter_map(|r| Some((r.rate, r.angles[k]?)))));
-        (count >= 4).then_some(Worth { distance, rows, laws })
+        (count >= 4).then_some(Worth {
+            distance,
+            rows,
+            laws,
+        })
     })
 }
 
 fn angles(robot: &Robot, rates: &[f64], distance: f64) -> Option<Vec<Option<f64>>> {
     let request = TableRequest {
         rates: rates.to_vec(),
-        measure: Measure::Distance { landing_height: robot.body.radius },
+        measure: Measure::Distance {
+            landing_height: robot.body.radius,
+        },
         targets: vec![distance],
         valve_open: OPEN,
         start_lean: None,
@@ -203,14 +261,22 @@ fn angles(robot: &Robot, rates: &[f64], distance: f64) -> Option<Vec<Option<f64>
         threads: 1,
     };
     let table = Planner::new(robot.clone()).table(&request).ok()?;
-    Some(table.cells.iter().map(|cell| cell.entries.first().map(|e| e.jump.launch.firing_angle)).collect())
+    Some(
+        table
+            .cells
+            .iter()
+            .map(|cell| cell.entries.first().map(|e| e.jump.launch.firing_angle))
+            .collect(),
+    )
 }
 
 /// Slope and intercept of the least-squares line through points; none through fewer than two.
 fn line(points: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
     let points: Vec<(f64, f64)> = points.collect();
     let n = points.len() as f64;
-    let (x, y) = points.iter().fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
+    let (x, y) = points
+        .iter()
+        .fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
     let (mut above, mut below) = (0.0, 0.0);
     for (a, b) in &points {
         above += (a - x) * (b - y);

@@ -1,4 +1,5 @@
-//! Why a command could not be carried out. An answer that is no is not an error: see [`Status`](crate::cli::Status).
+//! Why a command could not be carried out. An answer that is no is not an error: see
+//! [`Status`](crate::cli::Status).
 
 use std::path::{Path, PathBuf};
 
@@ -107,22 +108,44 @@ impl CliError {
     pub(crate) const EXIT: u8 = 2;
 
     #[allow(clippy::needless_pass_by_value)] // A reference shows itself just as well.
-    pub(crate) fn flag(flag: &'static str, value: impl ToString, allowed: impl Into<String>) -> CliError {
-        CliError::Flag { flag, value: value.to_string(), allowed: allowed.into() }
+    pub(crate) fn flag(
+        flag: &'static str,
+        value: impl ToString,
+        allowed: impl Into<String>,
+    ) -> CliError {
+        CliError::Flag {
+            flag,
+            value: value.to_string(),
+            allowed: allowed.into(),
+        }
     }
 
     #[allow(clippy::needless_pass_by_value)]
     pub(crate) fn content(file: impl ToString, reason: impl ToString) -> CliError {
-        CliError::Content { file: file.to_string(), reason: reason.to_string() }
+        CliError::Content {
+            file: file.to_string(),
+            reason: reason.to_string(),
+        }
     }
 
     pub(crate) fn write(file: &Path, source: std::io::Error) -> CliError {
-        CliError::Write { file: file.into(), source }
+        CliError::Write {
+            file: file.into(),
+            source,
+        }
     }
 }
 
 /// `text` on one line, cut after 40 characters: a value as messages quote it.
 pub(crate) fn cut(text: &str) -> String {
-    let line: String = text.chars().take(40).map(|c| if c.is_control() { '␀' } else { c }).collect();
-    if text.chars().count() > 40 { format!("{line}…") } else { line }
+    let line: String = text
+        .chars()
+        .take(40)
+        .map(|c| if c.is_control() { '␀' } else { c })
+        .collect();
+    if text.chars().count() > 40 {
+        format!("{line}…")
+    } else {
+        line
+    }
 }

@@ -1,12 +1,14 @@
 //! Parameters of a leg from benchtop firings, as the thesis' 4.3.3 identifies them.
 //!
-//! All that is chosen is fitted at once, so that what the data do not tell apart shows: the discharge coefficient and the radius of the
-//! orifice, of which only C_f r² is ever seen.
+//! All that is chosen is fitted at once, so that what the data do not tell apart shows: the
+//! discharge coefficient and the radius of the orifice, of which only C_f r² is ever seen.
 //!
 //! Source: thesis §4.3.3, table 4.2.
 
 use saltus_diagnosis::kinds::{Firings, Problem};
-use saltus_diagnosis::{Cause, Channel, Estimate, Experiment, Kind, Log, Parameter, Sort, Terms, estimate};
+use saltus_diagnosis::{
+    Cause, Channel, Estimate, Experiment, Kind, Log, Parameter, Sort, Terms, estimate,
+};
 use saltus_robot::{Drive, Robot};
 
 /// What table 4.2 of the thesis lists and the data can tell.
@@ -61,13 +63,17 @@ pub enum Error {
     Robot(#[from] Problem),
 }
 
-/// Fits the parameters of these names (keys of a robot file) to firings of what is believed to be the leg of `robot`.
+/// Fits the parameters of these names (keys of a robot file) to firings of what is believed to be
+/// the leg of `robot`.
 ///
 /// # Errors
-/// [`Error`] for data of another kind, for a name that is no parameter of a leg, or where the model has no such motion.
+/// [`Error`] for data of another kind, for a name that is no parameter of a leg, or where the model
+/// has no such motion.
 pub fn fit(experiment: &Experiment, robot: &Robot, names: &[String]) -> Result<Fitted, Error> {
     if experiment.kind != Sort::Bench {
-        return Err(Error::Kind { found: experiment.kind });
+        return Err(Error::Kind {
+            found: experiment.kind,
+        });
     }
     let bench = Bench::new(experiment, robot, names)?;
     let all: Vec<usize> = (0..bench.causes.len()).collect();
@@ -109,21 +115,40 @@ impl Bench {
             if places.contains(place) {
                 return Err(Error::Twice { name: name.clone() });
             }
-            causes.push(Cause { id, column: None, parameters: vec![parameter.clone()], usual: None });
+            causes.push(Cause {
+                id,
+                column: None,
+                parameters: vec![parameter.clone()],
+                usual: None,
+            });
             places.push(*place);
         }
         if causes.is_empty() {
-            return Err(Error::Twice { name: String::new() });
+            return Err(Error::Twice {
+                name: String::new(),
+            });
         }
-        let noise: Vec<Option<f64>> =
-            experiment.columns.iter().map(|column| noise(&firings, column)).collect();
+        let noise: Vec<Option<f64>> = experiment
+            .columns
+            .iter()
+            .map(|column| noise(&firings, column))
+            .collect();
         let single = |run: &saltus_diagnosis::Run| Experiment {
             noise: noise.clone(),
             runs: vec![run.clone()],
-            ..Experiment { runs: Vec::new(), ..experiment.clone() }
+            ..Experiment {
+                runs: Vec::new(),
+                ..experiment.clone()
+            }
         };
         let singles = experiment.runs.iter().map(single).collect();
-        Ok(Bench { firings, singles, believed: robot.clone(), causes, places })
+        Ok(Bench {
+            firings,
+            singles,
+            believed: robot.clone(),
+            causes,
+            places,
+        })
     }
 
     /// The terms of the firings, and the robot with its orifice where that is not what is believed.
@@ -150,9 +175,16 @@ impl Bench {
 
 /// What is given, as quantisation is counted on top of it.
 fn noise(firings: &Firings, column: &str) -> Option<f64> {
-    let channel = firings.channels().iter().find(|channel| channel.name == *column)?;
+    let channel = firings
+        .channels()
+        .iter()
+        .find(|channel| channel.name == *column)?;
     let quantised = channel.step * channel.step / 12.0;
-    Some((channel.noise * channel.noise - quantised).max(1e-6 * channel.noise * channel.noise).sqrt())
+    Some(
+        (channel.noise * channel.noise - quantised)
+            .max(1e-6 * channel.noise * channel.noise)
+            .sqrt(),
+    )
 }
 
 /// Every parameter of the leg, with the cause that it is of.
@@ -200,7 +232,9 @@ impl Kind for Bench {
         let (terms, changed) = self.terms(terms);
         match changed {
             None => self.firings.predict(run, &terms, unknowns),
-            Some(robot) => Firings::new(&self.singles[run], &robot).ok()?.predict(0, &terms, unknowns),
+            Some(robot) => Firings::new(&self.singles[run], &robot)
+                .ok()?
+                .predict(0, &terms, unknowns),
         }
     }
 
@@ -220,8 +254,13 @@ mod tests {
     fn data(effects: &[&str], seed: u64) -> Experiment {
         let effects: Vec<Effect> = effects.iter().map(|text| text.parse().unwrap()).collect();
         let robot = Robot::rats_planar();
-        let request =
-            Request { kind: Sort::Bench, robot: Some(&robot), effects: &effects, seed, runs: Some(8) };
+        let request = Request {
+            kind: Sort::Bench,
+            robot: Some(&robot),
+            effects: &effects,
+            seed,
+            runs: Some(8),
+        };
         make(&request).unwrap().experiment
     }
 
@@ -240,37 +279,65 @@ mod tests {
             "valve-delay=0.013",
         ];
         let found = fit(&data(&effects, 5), &Robot::rats_planar(), &names(&USUAL)).unwrap();
-        assert!(found.estimate.undetermined.is_empty(), "{:?}", found.estimate.undetermined);
+        assert!(
+            found.estimate.undetermined.is_empty(),
+            "{:?}",
+            found.estimate.undetermined
+        );
         for (p, truth) in found.estimate.parameters.iter().zip(truth) {
             let error = p.error.unwrap();
             // Five errors beyond 3 standard deviations: once in 70 seeds; and no error is large.
-            assert!((p.value - truth).abs() < 3.0 * error && error < 0.1 * truth, "{p:?}");
+            assert!(
+                (p.value - truth).abs() < 3.0 * error && error < 0.1 * truth,
+                "{p:?}"
+            );
         }
         for r in &found.estimate.residuals {
-            assert!((r.after / r.noise - 1.0).abs() < 0.1 && r.before > 1.5 * r.noise, "{r:?}");
+            assert!(
+                (r.after / r.noise - 1.0).abs() < 0.1 && r.before > 1.5 * r.noise,
+                "{r:?}"
+            );
         }
         assert_eq!(found.robot.leg.delay, found.estimate.parameters[4].value);
     }
 
     #[test]
     fn coefficient_and_radius_are_told_as_a_product_alone() {
-        let both = names(&["leg.discharge_coefficient", "leg.coulomb_friction_n", ORIFICE]);
-        let found = fit(&data(&["valve-discharge=0.45"], 2), &Robot::rats_planar(), &both).unwrap();
+        let both = names(&[
+            "leg.discharge_coefficient",
+            "leg.coulomb_friction_n",
+            ORIFICE,
+        ]);
+        let found = fit(
+            &data(&["valve-discharge=0.45"], 2),
+            &Robot::rats_planar(),
+            &both,
+        )
+        .unwrap();
         let estimate = &found.estimate;
-        assert_eq!((estimate.parameters[0].error, estimate.parameters[2].error), (None, None));
+        assert_eq!(
+            (estimate.parameters[0].error, estimate.parameters[2].error),
+            (None, None)
+        );
         assert!(estimate.parameters[1].error.is_some());
         assert_eq!(estimate.undetermined.len(), 1);
         let known = estimate.undetermined[0].known.as_ref().unwrap();
         assert_eq!(known.exponents, [(0, 1.0), (2, 2.0)]);
         let truth = 0.45 * 1.0215e-3 * 1.0215e-3;
-        assert!((known.value - truth).abs() < 3.0 * known.error && known.error < 0.02 * truth, "{known:?}");
+        assert!(
+            (known.value - truth).abs() < 3.0 * known.error && known.error < 0.02 * truth,
+            "{known:?}"
+        );
     }
 
     #[test]
     fn wrong_names_are_told_the_right_ones() {
         let experiment = data(&[], 1);
-        let error =
-            |list: &[&str]| fit(&experiment, &Robot::rats_planar(), &names(list)).unwrap_err().to_string();
+        let error = |list: &[&str]| {
+            fit(&experiment, &Robot::rats_planar(), &names(list))
+                .unwrap_err()
+                .to_string()
+        };
         assert!(error(&["leg.bore_m"]).contains(ORIFICE));
         assert!(error(&[]).contains("at least one"));
         assert!(error(&[ORIFICE, ORIFICE]).contains("once"));

@@ -26,11 +26,19 @@ impl Identity {
             return None;
         }
         let place = path.canonicalize().unwrap_or_else(|_| {
-            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-            let folder = folder.unwrap_or(Path::new(".")).canonicalize().unwrap_or_default();
+            let folder = path
+                .parent()
+                .filter(|folder| !folder.as_os_str().is_empty());
+            let folder = folder
+                .unwrap_or(Path::new("."))
+                .canonicalize()
+                .unwrap_or_default();
             folder.join(path.file_name().unwrap_or_default())
         });
-        Some(Identity { place, node: there.as_ref().and_then(node) })
+        Some(Identity {
+            place,
+            node: there.as_ref().and_then(node),
+        })
     }
 
     /// Whether both are one file.
@@ -53,12 +61,17 @@ fn node(_: &std::fs::Metadata) -> Option<(u64, u64)> {
 
 /// Notes that the command reads the file at `path`.
 pub(crate) fn note(path: &Path) {
-    READ.lock().unwrap_or_else(PoisonError::into_inner).extend(Identity::of(path));
+    READ.lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .extend(Identity::of(path));
 }
 
 /// Whether the command has read this file.
 pub(crate) fn is_read(file: &Identity) -> bool {
-    READ.lock().unwrap_or_else(PoisonError::into_inner).iter().any(|read| read.is_same(file))
+    READ.lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .iter()
+        .any(|read| read.is_same(file))
 }
 
 /// The bytes of the file at `path`, which may have `limit_mib` MiB at most; `-` is standard input.
@@ -72,7 +85,10 @@ pub(crate) fn bytes(path: &Path, limit_mib: u64) -> Result<Vec<u8>, CliError> {
     } else {
         File::open(path).and_then(|file| file.take(limit + 1).read_to_end(&mut bytes))
     };
-    read.map_err(|source| CliError::Read { file: path.into(), source })?;
+    read.map_err(|source| CliError::Read {
+        file: path.into(),
+        source,
+    })?;
     if bytes.len() as u64 > limit {
         let reason = format!("larger than {limit_mib} MiB, the most it may have");
         return Err(CliError::content(path.display(), reason));

@@ -18,10 +18,14 @@ impl Interrupt {
     /// Listens from now on.
     pub(crate) fn listen() -> Result<Interrupt, CliError> {
         let came = Arc::new(AtomicBool::new(false));
-        // In this order: the first signal finds the flag down and raises it, the second finds it up.
+        // In this order: the first signal finds the flag down and raises it, the second finds it
+        // up.
         flag::register_conditional_shutdown(SIGINT, EXIT, Arc::clone(&came))
             .and_then(|_| flag::register(SIGINT, Arc::clone(&came)))
-            .map_err(|source| CliError::Read { file: "SIGINT".into(), source })?;
+            .map_err(|source| CliError::Read {
+                file: "SIGINT".into(),
+                source,
+            })?;
         Ok(Interrupt(came))
     }
 

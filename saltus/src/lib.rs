@@ -1,7 +1,7 @@
 //! Saltus plans the jumps of legged robots and checks its own plans.
 //!
-//! This is the front door: what a program needs of the crates behind it. A jump of the thesis' robot that rolls at 5 rad/s
-//! onto its leg and fires it 0.1 rad before the upright:
+//! This is the front door: what a program needs of the crates behind it. A jump of the thesis'
+//! robot that rolls at 5 rad/s onto its leg and fires it 0.1 rad before the upright:
 //!
 //! ```
 //! use saltus::{Launch, Planner, Robot};

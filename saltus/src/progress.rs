@@ -24,12 +24,20 @@ pub(crate) struct Progress {
 impl Progress {
     /// Watches work called `what` in `total` parts; 0 where the parts are not counted.
     pub(crate) fn new(what: &'static str, total: usize) -> Progress {
-        let (done, ended) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
+        let (done, ended) = (
+            Arc::new(AtomicUsize::new(0)),
+            Arc::new(AtomicBool::new(false)),
+        );
         let note = Arc::new(Mutex::new(String::new()));
         let seen = (Arc::clone(&done), Arc::clone(&note), Arc::clone(&ended));
         let watch = move || watch(what, total, (&seen.0, &seen.1), &seen.2);
         let watcher = can_rewrite_lines().then(|| std::thread::spawn(watch));
-        Progress { done, note, ended, watcher: Mutex::new(watcher) }
+        Progress {
+            done,
+            note,
+            ended,
+            watcher: Mutex::new(watcher),
+        }
     }
 
     /// Counts `parts` more as done.
@@ -46,7 +54,12 @@ impl Progress {
 impl Drop for Progress {
     fn drop(&mut self) {
         self.ended.store(true, Ordering::Relaxed);
-        if let Some(watcher) = self.watcher.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        if let Some(watcher) = self
+            .watcher
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take()
+        {
             watcher.thread().unpark();
             // A watcher that died has shown what it could.
             let _ = watcher.join();
@@ -54,7 +67,12 @@ impl Drop for Progress {
     }
 }
 
-fn watch(what: &str, total: usize, (done, note): (&AtomicUsize, &Mutex<String>), ended: &AtomicBool) {
+fn watch(
+    what: &str,
+    total: usize,
+    (done, note): (&AtomicUsize, &Mutex<String>),
+    ended: &AtomicBool,
+) {
     let start = Instant::now();
     let mut shown = false;
     while !ended.load(Ordering::Relaxed) {
@@ -62,7 +80,13 @@ fn watch(what: &str, total: usize, (done, note): (&AtomicUsize, &Mutex<String>),
         if start.elapsed() >= PATIENCE {
             shown = true;
             let note = note.lock().unwrap_or_else(PoisonError::into_inner).clone();
-            show(&line(what, total, done.load(Ordering::Relaxed), &note, start.elapsed()));
+            show(&line(
+                what,
+                total,
+                done.load(Ordering::Relaxed),
+                &note,
+                start.elapsed(),
+            ));
         }
     }
     if shown {
@@ -96,8 +120,14 @@ mod tests {
     #[test]
     fn lines_say_how_far_the_work_is() {
         let elapsed = Duration::from_millis(2500);
-        assert_eq!(line("jumps", 200, 50, "", elapsed), "jumps: 50 of 200 (25 %), 2 s");
+        assert_eq!(
+            line("jumps", 200, 50, "", elapsed),
+            "jumps: 50 of 200 (25 %), 2 s"
+        );
         assert_eq!(line("plan", 0, 0, "", elapsed), "plan: 2 s");
-        assert_eq!(line("plan", 0, 0, "12 % of its limit", elapsed), "plan: 12 % of its limit, 2 s");
+        assert_eq!(
+            line("plan", 0, 0, "12 % of its limit", elapsed),
+            "plan: 12 % of its limit, 2 s"
+        );
     }
 }

@@ -5,7 +5,8 @@ use crate::error::cut;
 /// A kind of number: its unit, others that it may be given in, and what is allowed.
 #[derive(Debug)]
 pub(crate) struct Quantity {
-    /// The unit of a number without a suffix, and whether that number is `divided` or multiplied to get there.
+    /// The unit of a number without a suffix, and whether that number is `divided` or multiplied to
+    /// get there.
     suffixes: &'static [(&'static str, Scale)],
     /// What is allowed, for messages.
     pub(crate) allowed: &'static str,
@@ -55,8 +56,11 @@ impl Quantity {
         legal: |x| x > 0.0 && x <= 1e3,
     };
     /// Number without a unit.
-    pub(crate) const FACTOR: Quantity =
-        Quantity { suffixes: &[], allowed: "a number from 0 to 10000", legal: |x| (0.0..=1e4).contains(&x) };
+    pub(crate) const FACTOR: Quantity = Quantity {
+        suffixes: &[],
+        allowed: "a number from 0 to 10000",
+        legal: |x| (0.0..=1e4).contains(&x),
+    };
     /// Extent of an obstacle (m).
     pub(crate) const EXTENT: Quantity = Quantity {
         suffixes: METRES,
@@ -64,11 +68,17 @@ impl Quantity {
         legal: |x| x > 0.0 && x <= 1e3,
     };
     /// Where a jump lands (m), which may be behind the foot.
-    pub(crate) const LANDING: Quantity =
-        Quantity { suffixes: METRES, allowed: "a place from -1000 to 1000 m", legal: |x| x.abs() <= 1e3 };
+    pub(crate) const LANDING: Quantity = Quantity {
+        suffixes: METRES,
+        allowed: "a place from -1000 to 1000 m",
+        legal: |x| x.abs() <= 1e3,
+    };
     /// Height (m), which may be below the foot.
-    pub(crate) const HEIGHT: Quantity =
-        Quantity { suffixes: METRES, allowed: "a height from -1000 to 1000 m", legal: |x| x.abs() <= 1e3 };
+    pub(crate) const HEIGHT: Quantity = Quantity {
+        suffixes: METRES,
+        allowed: "a height from -1000 to 1000 m",
+        legal: |x| x.abs() <= 1e3,
+    };
 
     /// The number that `text` gives, in the SI unit.
     pub(crate) fn parse(&self, text: &str) -> Result<f64, QuantityError> {
@@ -78,15 +88,21 @@ impl Quantity {
             units: self.suffixes.iter().map(|(suffix, _)| *suffix).collect(),
         };
         let text = text.trim();
-        let split =
-            self.suffixes.iter().find_map(|(suffix, scale)| Some((text.strip_suffix(suffix)?, *scale)));
+        let split = self
+            .suffixes
+            .iter()
+            .find_map(|(suffix, scale)| Some((text.strip_suffix(suffix)?, *scale)));
         let (digits, scale) = split.unwrap_or((text, Scale::Times(1.0)));
         let number: f64 = digits.trim_end().parse().map_err(|_| refused())?;
         let number = match scale {
             Scale::Times(factor) => number * factor,
             Scale::Over(divisor) => number / divisor,
         };
-        if number.is_finite() && (self.legal)(number) { Ok(number) } else { Err(refused()) }
+        if number.is_finite() && (self.legal)(number) {
+            Ok(number)
+        } else {
+            Err(refused())
+        }
     }
 }
 
@@ -114,11 +130,18 @@ pub(crate) struct QuantityError {
 impl QuantityError {
     /// The units that are known, where the text is a number with another one.
     fn known(&self) -> String {
-        let is_number =
-            |end: &usize| self.value.get(..*end).is_some_and(|text| text.trim().parse::<f64>().is_ok());
-        let has_unit = !is_number(&self.value.len()) && (1..self.value.len()).any(|end| is_number(&end));
+        let is_number = |end: &usize| {
+            self.value
+                .get(..*end)
+                .is_some_and(|text| text.trim().parse::<f64>().is_ok())
+        };
+        let has_unit =
+            !is_number(&self.value.len()) && (1..self.value.len()).any(|end| is_number(&end));
         if has_unit && !self.units.is_empty() {
-            format!(", with one of the units {} or without a unit", self.units.join(", "))
+            format!(
+                ", with one of the units {} or without a unit",
+                self.units.join(", ")
+            )
         } else {
             String::new()
         }
@@ -177,7 +200,9 @@ mod tests {
         check(&Quantity::DISTANCE, "24in", Some(24.0 * 0.0254));
         check(&Quantity::HEIGHT, "-2 ft", Some(-0.6096));
         check(&Quantity::RATE, "30rpm", Some(std::f64::consts::PI));
-        for text in ["", " ", "nan", "inf", "-inf", "1e999", "5m", "0x5", "5 5", "1e-", "m"] {
+        for text in [
+            "", " ", "nan", "inf", "-inf", "1e999", "5m", "0x5", "5 5", "1e-", "m",
+        ] {
             check(&Quantity::RATE, text, None);
         }
     }
@@ -187,10 +212,17 @@ mod tests {
         let told = |quantity: &Quantity, text: &str| quantity.parse(text).unwrap_err().to_string();
         assert_eq!(
             told(&Quantity::DISTANCE, "3yd"),
-            "\"3yd\" must be a distance from 0 to 1000 m, with one of the units mm, cm, in, ft, m or without a unit"
+            "\"3yd\" must be a distance from 0 to 1000 m, with one of the units mm, cm, in, ft, m \
+             or without a unit"
         );
         assert!(told(&Quantity::RATE, "3Hz").contains("rad/s, deg/s, rpm"));
-        assert_eq!(told(&Quantity::DISTANCE, "far"), "\"far\" must be a distance from 0 to 1000 m");
-        assert_eq!(told(&Quantity::DISTANCE, "1e9"), "\"1e9\" must be a distance from 0 to 1000 m");
+        assert_eq!(
+            told(&Quantity::DISTANCE, "far"),
+            "\"far\" must be a distance from 0 to 1000 m"
+        );
+        assert_eq!(
+            told(&Quantity::DISTANCE, "1e9"),
+            "\"1e9\" must be a distance from 0 to 1000 m"
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! Values of a flag: `0.6`, `0.3:1.0:36` (start:stop:count, both ends included), or several of these with commas.
+//! Values of a flag: `0.6`, `0.3:1.0:36` (start:stop:count, both ends included), or several of
+//! these with commas.
 
 use crate::error::cut;
 use crate::quantity::{Quantity, QuantityError};
@@ -75,7 +76,8 @@ fn extend(values: &mut Vec<f64>, text: &str, quantity: &Quantity) -> Result<(), 
     Ok(())
 }
 
-/// `count` evenly spaced numbers from `start` to `stop`, both included: start + (stop − start) i/(count − 1).
+/// `count` evenly spaced numbers from `start` to `stop`, both included: start + (stop − start)
+/// i/(count − 1).
 pub(crate) fn linspace(start: f64, stop: f64, count: usize) -> impl Iterator<Item = f64> {
     let last = count - 1;
     (0..count).map(move |i| match i {
@@ -128,15 +130,19 @@ mod tests {
     #[test]
     fn ranges_are_those_of_the_reference_table() {
         let distances = distances("0.3:1.0:36").unwrap();
-        assert_eq!((distances[1], distances[7]), (0.32, 0.439_999_999_999_999_95));
+        assert_eq!(
+            (distances[1], distances[7]),
+            (0.32, 0.439_999_999_999_999_95)
+        );
         assert_eq!(distances.last(), Some(&1.0));
     }
 
     #[test]
     fn wrong_ranges_are_refused() {
-        for text in
-            ["", ":", "1:2", "1:2:3:4", "1:2:0", "1:2:1", "1:2:-3", "1:2:2.5", "1:2:1e3", "1,", "nan:1:2"]
-        {
+        for text in [
+            "", ":", "1:2", "1:2:3:4", "1:2:0", "1:2:1", "1:2:-3", "1:2:2.5", "1:2:1e3", "1,",
+            "nan:1:2",
+        ] {
             assert!(rates(text).is_err(), "{text}");
         }
         assert!(rates("1:2:1000001").is_err());

@@ -1,4 +1,5 @@
-//! Slips of unit: factors and offsets that a wrong unit makes, and what to say where an estimate equals one.
+//! Slips of unit: factors and offsets that a wrong unit makes, and what to say where an estimate
+//! equals one.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -13,11 +14,13 @@ pub(crate) struct Estimated<'a> {
     pub(crate) value: f64,
     /// Its standard error.
     pub(crate) error: f64,
-    /// Whether it is the factor of a sensor, whose reading is so many times the truth; a factor elsewhere is truth over belief.
+    /// Whether it is the factor of a sensor, whose reading is so many times the truth; a factor
+    /// elsewhere is truth over belief.
     pub(crate) is_gain: bool,
 }
 
-/// Units that are taken for each other: one of the first is so many of the second (whose SI unit comes first).
+/// Units that are taken for each other: one of the first is so many of the second (whose SI unit
+/// comes first).
 const UNITS: [(&str, &str, f64, &str); 30] = [
     ("kg", "lb", 0.453_592_37, "kg"),
     ("kg", "oz", 0.028_349_523_125, "kg"),
@@ -51,7 +54,8 @@ const UNITS: [(&str, &str, f64, &str); 30] = [
     ("m²", "mm²", 1e-6, "m²"),
 ];
 
-/// Offsets that a wrong zero makes: unit, size, and what it means if it is added and if it is missing.
+/// Offsets that a wrong zero makes: unit, size, and what it means if it is added and if it is
+/// missing.
 const ZEROS: [(&str, f64, [&str; 2]); 5] = [
     (
         "Pa",
@@ -62,9 +66,21 @@ const ZEROS: [(&str, f64, [&str; 2]); 5] = [
         ],
     ),
     ("K", 273.15, ["0 °C in K: is the temperature in °C?"; 2]),
-    ("rad", FRAC_PI_2, ["a quarter turn: is the zero at the horizontal?"; 2]),
-    ("rad", PI, ["half a turn: does the angle count from the other side?"; 2]),
-    ("rad", TAU, ["a whole turn: did the counter start one turn off?"; 2]),
+    (
+        "rad",
+        FRAC_PI_2,
+        ["a quarter turn: is the zero at the horizontal?"; 2],
+    ),
+    (
+        "rad",
+        PI,
+        ["half a turn: does the angle count from the other side?"; 2],
+    ),
+    (
+        "rad",
+        TAU,
+        ["a whole turn: did the counter start one turn off?"; 2],
+    ),
 ];
 
 /// Standard errors within which an estimate equals a slip.
@@ -87,27 +103,32 @@ fn factor(of: &Estimated<'_>) -> Option<String> {
     }
     let ratio = if of.is_gain { 1.0 / ratio } else { ratio };
     let is = |known: f64| (ratio / known - 1.0).abs() <= (ERRORS * error).max(TRUE);
-    UNITS.iter().filter(|(unit, ..)| *unit == of.unit).find_map(|(_, one, size, other)| {
-        let said = |one: &str, other: &str| format!("that is {one} for {other}");
-        if is(*size) {
-            Some(said(one, other))
-        } else if is(1.0 / size) {
-            Some(said(other, one))
-        } else {
-            None
-        }
-    })
+    UNITS
+        .iter()
+        .filter(|(unit, ..)| *unit == of.unit)
+        .find_map(|(_, one, size, other)| {
+            let said = |one: &str, other: &str| format!("that is {one} for {other}");
+            if is(*size) {
+                Some(said(one, other))
+            } else if is(1.0 / size) {
+                Some(said(other, one))
+            } else {
+                None
+            }
+        })
 }
 
 fn zero(of: &Estimated<'_>) -> Option<String> {
     let off = of.value - of.believed;
-    ZEROS.iter().filter(|(unit, ..)| *unit == of.unit && !of.is_gain).find_map(
-        |(_, size, [added, missing])| {
+    ZEROS
+        .iter()
+        .filter(|(unit, ..)| *unit == of.unit && !of.is_gain)
+        .find_map(|(_, size, [added, missing])| {
             let is_clear = of.error < VAGUE * size;
             let is_near = (off.abs() - size).abs() <= (ERRORS * of.error).max(TRUE * size);
-            (is_clear && is_near).then(|| format!("that is {}", if off > 0.0 { added } else { missing }))
-        },
-    )
+            (is_clear && is_near)
+                .then(|| format!("that is {}", if off > 0.0 { added } else { missing }))
+        })
 }
 
 #[cfg(test)]
@@ -115,13 +136,23 @@ mod tests {
     use super::*;
 
     fn told(unit: &str, believed: f64, value: f64, error: f64, is_gain: bool) -> Option<String> {
-        slip(&Estimated { unit, believed, value, error, is_gain })
+        slip(&Estimated {
+            unit,
+            believed,
+            value,
+            error,
+            is_gain,
+        })
     }
 
     #[test]
     fn estimates_that_equal_a_slip_say_so() {
         let check = |unit: &str, believed: f64, value: f64, error: f64, words: &str| {
-            assert_eq!(told(unit, believed, value, error, false).as_deref(), Some(words), "{value}");
+            assert_eq!(
+                told(unit, believed, value, error, false).as_deref(),
+                Some(words),
+                "{value}"
+            );
         };
         check(
             "Pa",
@@ -137,13 +168,25 @@ mod tests {
         check("m³", 5.4, 5.4e-6, 1e-9, "that is cm³ for m³");
         check("Pa", 120.0, 827_370.0, 100.0, "that is psi for Pa");
         check("rad", 1.0, 57.296, 0.01, "that is rad for degrees");
-        check("rad", 0.0, 1.571, 1e-3, "that is a quarter turn: is the zero at the horizontal?");
+        check(
+            "rad",
+            0.0,
+            1.571,
+            1e-3,
+            "that is a quarter turn: is the zero at the horizontal?",
+        );
     }
 
     #[test]
     fn a_reading_counts_the_other_way_round() {
-        assert_eq!(told("m", 1.0, 3.281, 1e-3, true).as_deref(), Some("that is ft for m"));
-        assert_eq!(told("N", 1.0, 0.2248, 1e-4, true).as_deref(), Some("that is lbf for N"));
+        assert_eq!(
+            told("m", 1.0, 3.281, 1e-3, true).as_deref(),
+            Some("that is ft for m")
+        );
+        assert_eq!(
+            told("N", 1.0, 0.2248, 1e-4, true).as_deref(),
+            Some("that is lbf for N")
+        );
     }
 
     #[test]

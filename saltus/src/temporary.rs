@@ -1,4 +1,5 @@
-//! Files and folders under a temporary name, which a run that is killed leaves and the next one removes.
+//! Files and folders under a temporary name, which a run that is killed leaves and the next one
+//! removes.
 
 use std::fs::{self, DirBuilder, OpenOptions};
 use std::io::{Error, ErrorKind, Result};
@@ -15,7 +16,11 @@ impl Temporary {
     /// What the system says where it cannot be made.
     pub fn beside(place: &Path) -> Result<Temporary> {
         Temporary::make(folder_of(place), |path| {
-            OpenOptions::new().write(true).create_new(true).open(path).map(|_| ())
+            OpenOptions::new()
+                .write(true)
+                .create_new(true)
+                .open(path)
+                .map(|_| ())
         })
     }
 
@@ -55,7 +60,11 @@ impl Drop for Temporary {
 
 /// Removes from `folder` what runs that are gone have left in it.
 pub fn sweep(folder: &Path) {
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let folder = if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    };
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
         let process = name.to_str().and_then(process_of);
@@ -72,12 +81,16 @@ fn folder_of(place: &Path) -> &Path {
 
 /// The process whose temporary file has this name: `.saltus-PROCESS-ATTEMPT.tmp`.
 fn process_of(name: &str) -> Option<u32> {
-    let (process, attempt) = name.strip_prefix(".saltus-")?.strip_suffix(".tmp")?.split_once('-')?;
+    let (process, attempt) = name
+        .strip_prefix(".saltus-")?
+        .strip_suffix(".tmp")?
+        .split_once('-')?;
     attempt.parse::<u32>().ok()?;
     process.parse().ok()
 }
 
-/// Whether a process has ended that wrote `entry`: where the system does not tell, whether it has not written for a day.
+/// Whether a process has ended that wrote `entry`: where the system does not tell, whether it has
+/// not written for a day.
 fn is_gone(process: u32, entry: &fs::DirEntry) -> bool {
     const DAY: u64 = 86_400;
     let processes = Path::new("/proc");
@@ -85,7 +98,9 @@ fn is_gone(process: u32, entry: &fs::DirEntry) -> bool {
         return !processes.join(process.to_string()).exists();
     }
     let changed = entry.metadata().and_then(|it| it.modified()).ok();
-    changed.and_then(|at| at.elapsed().ok()).is_some_and(|age| age.as_secs() > DAY)
+    changed
+        .and_then(|at| at.elapsed().ok())
+        .is_some_and(|age| age.as_secs() > DAY)
 }
 
 /// Removes a file or a folder; after a rename there is nothing to remove.
@@ -99,11 +114,16 @@ mod tests {
 
     #[test]
     fn only_names_of_temporary_files_name_a_process() {
-        let check = |name: &str, process: Option<u32>| assert_eq!(process_of(name), process, "{name}");
+        let check =
+            |name: &str, process: Option<u32>| assert_eq!(process_of(name), process, "{name}");
         check(".saltus-17-0.tmp", Some(17));
-        for name in
-            ["saltus-17-0.tmp", ".saltus-17.tmp", ".saltus-x-0.tmp", ".saltus-17-0.tmp.csv", ".saltus--0.tmp"]
-        {
+        for name in [
+            "saltus-17-0.tmp",
+            ".saltus-17.tmp",
+            ".saltus-x-0.tmp",
+            ".saltus-17-0.tmp.csv",
+            ".saltus--0.tmp",
+        ] {
             check(name, None);
         }
     }

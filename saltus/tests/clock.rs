@@ -28,7 +28,11 @@ fn picoseconds(text: &str) -> i128 {
 fn seconds(picoseconds: i128) -> String {
     let sign = if picoseconds < 0 { "-" } else { "" };
     let size = picoseconds.abs();
-    format!("{sign}{}.{:012}", size / 1_000_000_000_000, size % 1_000_000_000_000)
+    format!(
+        "{sign}{}.{:012}",
+        size / 1_000_000_000_000,
+        size % 1_000_000_000_000
+    )
 }
 
 /// The run with `offset` added to each time.
@@ -42,7 +46,8 @@ fn moved(run: &str, offset: i128) -> String {
     text
 }
 
-/// Copies `data` to `moved`, each run on a clock of its own, the first `offset` away; times of `experiment.toml` with it.
+/// Copies `data` to `moved`, each run on a clock of its own, the first `offset` away; times of
+/// `experiment.toml` with it.
 fn copy(folder: &Folder, offset: i128) {
     let _ = std::fs::remove_dir_all(folder.path("moved"));
     std::fs::create_dir(folder.path("moved")).unwrap();
@@ -51,9 +56,17 @@ fn copy(folder: &Folder, offset: i128) {
         k += 1;
         offset * k
     };
-    for name in folder.names_in("data").into_iter().filter(|name| name != "experiment.toml") {
+    for name in folder
+        .names_in("data")
+        .into_iter()
+        .filter(|name| name != "experiment.toml")
+    {
         let text = folder.read(&format!("data/{name}"));
-        let text = if name.starts_with("run") { moved(&text, by()) } else { text };
+        let text = if name.starts_with("run") {
+            moved(&text, by())
+        } else {
+            text
+        };
         folder.write(&format!("moved/{name}"), text);
     }
     k = 0;
@@ -79,22 +92,41 @@ fn copy(folder: &Folder, offset: i128) {
 fn check(folder: &Folder, command: &[&str], clocks: usize) {
     let said = |name: &str| {
         let run = folder.run(&[&[command[0], name], &command[1..]].concat());
-        assert!(run.code == Some(0) || run.code == Some(1), "{command:?}: {}", run.err);
+        assert!(
+            run.code == Some(0) || run.code == Some(1),
+            "{command:?}: {}",
+            run.err
+        );
         // The folder's own name is in the commands of the next steps.
-        (run.code, run.out.replace(&format!("saltus diagnose {name} "), "saltus diagnose FOLDER "))
+        (
+            run.code,
+            run.out.replace(
+                &format!("saltus diagnose {name} "),
+                "saltus diagnose FOLDER ",
+            ),
+        )
     };
     let expected = said("data");
     for offset in OFFSETS.into_iter().rev().take(clocks) {
         copy(folder, offset);
-        assert_eq!(said("moved"), expected, "{command:?} with {} s more", seconds(offset));
+        assert_eq!(
+            said("moved"),
+            expected,
+            "{command:?} with {} s more",
+            seconds(offset)
+        );
     }
 }
 
-/// What is read of data of `kind`, with `more` of its last run, is the same for every clock; and so is the answer, for so many clocks.
+/// What is read of data of `kind`, with `more` of its last run, is the same for every clock; and so
+/// is the answer, for so many clocks.
 #[track_caller]
 fn kind(kind: &str, effect: &str, more: &str, clocks: usize) {
     let folder = Folder::new(&format!("clock-{kind}-{}", more.len()));
-    folder.done(&format!("diagnose --inject {effect} --kind {kind} --runs 2 --out data"), 0);
+    folder.done(
+        &format!("diagnose --inject {effect} --kind {kind} --runs 2 --out data"),
+        0,
+    );
     let toml = folder.read("data/experiment.toml");
     folder.write("data/experiment.toml", toml + more);
     let read = |name: &str| {
@@ -104,18 +136,38 @@ fn kind(kind: &str, effect: &str, more: &str, clocks: usize) {
     let expected = read("data");
     for offset in OFFSETS {
         copy(&folder, offset);
-        assert_eq!(read("moved"), expected, "{kind} with {} s more", seconds(offset));
+        assert_eq!(
+            read("moved"),
+            expected,
+            "{kind} with {} s more",
+            seconds(offset)
+        );
     }
-    check(&folder, &["diagnose", "--most", "1", "--format", "json"], clocks);
+    check(
+        &folder,
+        &["diagnose", "--most", "1", "--format", "json"],
+        clocks,
+    );
 }
 
 #[test]
 fn of_the_bench() {
     let folder = Folder::new("clock-bench");
-    folder.done("diagnose --inject viscous-friction=25 --runs 2 --out data", 0);
+    folder.done(
+        "diagnose --inject viscous-friction=25 --runs 2 --out data",
+        0,
+    );
     check(&folder, &["diagnose", "--most", "1", "--format", "json"], 6);
     check(&folder, &["diagnose", "--most", "1"], 1);
-    check(&folder, &["fit", "--parameters", "leg.viscous_friction_n_s_per_m,leg.valve_delay_s"], 2);
+    check(
+        &folder,
+        &[
+            "fit",
+            "--parameters",
+            "leg.viscous_friction_n_s_per_m,leg.valve_delay_s",
+        ],
+        2,
+    );
     let late = "valid_from_s = 0.03\nvalid_to_s = 0.12\n";
     kind("bench", "viscous-friction=25", late, 1);
 }
@@ -123,7 +175,12 @@ fn of_the_bench() {
 #[test]
 fn of_hops_and_jumps() {
     kind("hop", "coulomb-friction=25", "", 1);
-    kind("jump", "mass=9", "valid_from_s = 0.004\nvalid_to_s = 0.3\n", 1);
+    kind(
+        "jump",
+        "mass=9",
+        "valid_from_s = 0.004\nvalid_to_s = 0.3\n",
+        1,
+    );
 }
 
 #[test]
@@ -141,19 +198,34 @@ fn friction(folder: &Folder, data: &str) -> [f64; 2] {
     let run = folder.run(&["diagnose", data, "--most", "1", "--format", "json"]);
     let said: serde_json::Value = serde_json::from_str(&run.out).unwrap();
     let cause = &said["causes"][0];
-    assert_eq!((cause["id"].as_str(), run.code), (Some("viscous-friction"), Some(1)), "{}", run.err);
-    ["parameters", "standard_errors"]
-        .map(|key| cause[key]["leg.viscous_friction_n_s_per_m"].as_f64().unwrap())
+    assert_eq!(
+        (cause["id"].as_str(), run.code),
+        (Some("viscous-friction"), Some(1)),
+        "{}",
+        run.err
+    );
+    ["parameters", "standard_errors"].map(|key| {
+        cause[key]["leg.viscous_friction_n_s_per_m"]
+            .as_f64()
+            .unwrap()
+    })
 }
 
-/// A valve that opens before the first valid row has opened all the same, and rest does not blur what is found.
+/// A valve that opens before the first valid row has opened all the same, and rest does not blur
+/// what is found.
 #[test]
 fn a_firing_is_found_wherever_the_log_begins_and_ends() {
     let folder = Folder::new("clock-rest");
-    folder.done("diagnose --inject viscous-friction=25 --runs 2 --out data", 0);
+    folder.done(
+        "diagnose --inject viscous-friction=25 --runs 2 --out data",
+        0,
+    );
     let [expected, error] = friction(&folder, "data");
     let toml = folder.read("data/experiment.toml");
-    folder.write("data/experiment.toml", toml.replace("load_mass", "valid_from_s = 0.03\nload_mass"));
+    folder.write(
+        "data/experiment.toml",
+        toml.replace("load_mass", "valid_from_s = 0.03\nload_mass"),
+    );
     let [found, _] = friction(&folder, "data");
     assert!((found - expected).abs() < 2.0 * error, "{found}");
 
@@ -162,8 +234,13 @@ fn a_firing_is_found_wherever_the_log_begins_and_ends() {
     for name in ["data/run-01.csv", "data/run-02.csv"] {
         let text = folder.read(name);
         let (header, rows) = text.split_once('\n').unwrap();
-        let last: Vec<f64> =
-            rows.lines().last().unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
+        let last: Vec<f64> = rows
+            .lines()
+            .last()
+            .unwrap()
+            .split(',')
+            .map(|cell| cell.parse().unwrap())
+            .collect();
         // The noise of the last row is not that of the rest.
         let level = rows
             .lines()
@@ -192,8 +269,17 @@ fn a_firing_is_found_wherever_the_log_begins_and_ends() {
     }
     let read = saltus::experiment::read(&folder.path("data"), &|_| ()).unwrap();
     // The firing is whole, and there is hardly more.
-    let steps = |time: &[f64]| time.windows(2).filter(|pair| pair[1] - pair[0] < 1.5e-3).count();
-    assert!(read.experiment.runs.iter().all(|run| steps(&run.time) > 60 && run.time.len() < 250));
+    let steps = |time: &[f64]| {
+        time.windows(2)
+            .filter(|pair| pair[1] - pair[0] < 1.5e-3)
+            .count()
+    };
+    assert!(
+        read.experiment
+            .runs
+            .iter()
+            .all(|run| steps(&run.time) > 60 && run.time.len() < 250)
+    );
     assert_eq!(read.notes.len(), 1, "{:?}", read.notes);
     let [found, with_rest] = friction(&folder, "data");
     assert!(

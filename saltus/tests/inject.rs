@@ -1,4 +1,5 @@
-//! Synthetic data: what is hidden is found, and `fit` gives it back; what cannot be hidden is refused.
+//! Synthetic data: what is hidden is found, and `fit` gives it back; what cannot be hidden is
+//! refused.
 
 #![allow(clippy::unwrap_used)]
 
@@ -10,7 +11,8 @@ use serde_json::Value;
 /// Ids that a diagnosis of `data` names, each with its rivals.
 fn found(folder: &Folder, data: &str, code: i32) -> Vec<Vec<String>> {
     let json: Value =
-        serde_json::from_str(&folder.done(&format!("diagnose {data} --format json"), code)).unwrap();
+        serde_json::from_str(&folder.done(&format!("diagnose {data} --format json"), code))
+            .unwrap();
     let word = |value: &Value| value.as_str().unwrap().to_owned();
     let ids = |cause: &Value| {
         let rivals = cause["rivals"].as_array().unwrap().iter().map(word);
@@ -36,7 +38,11 @@ fn check(test: &str, inject: &str, id: &str) {
 
 #[test]
 fn friction_on_the_bench_is_found() {
-    check("inject-bench", "coulomb-friction=25 --runs 5", "coulomb-friction");
+    check(
+        "inject-bench",
+        "coulomb-friction=25 --runs 5",
+        "coulomb-friction",
+    );
 }
 
 #[test]
@@ -52,9 +58,19 @@ fn a_heavy_wheel_is_found_in_jumps() {
 #[test]
 fn nothing_is_found_where_nothing_is_hidden() {
     let folder = Folder::new("inject-none");
-    for kind in ["bench --runs 4", "flight", "slide", "stroke", "vessel", "outcomes --runs 20"] {
+    for kind in [
+        "bench --runs 4",
+        "flight",
+        "slide",
+        "stroke",
+        "vessel",
+        "outcomes --runs 20",
+    ] {
         let name = kind.split(' ').next().unwrap();
-        let told = folder.done(&format!("diagnose --inject none --kind {kind} --out {name}"), 0);
+        let told = folder.done(
+            &format!("diagnose --inject none --kind {kind} --out {name}"),
+            0,
+        );
         assert!(told.contains("Nothing is hidden"), "{told}");
         assert_eq!(found(&folder, name, 0), Vec::<Vec<String>>::new(), "{kind}");
     }
@@ -64,7 +80,10 @@ fn nothing_is_found_where_nothing_is_hidden() {
 fn the_same_seed_makes_the_same_data() {
     let folder = Folder::new("inject-seed");
     let make = |out: &str, seed: u32| {
-        folder.done(&format!("diagnose --inject none --kind hop --runs 1 --seed {seed} --out {out}"), 0);
+        folder.done(
+            &format!("diagnose --inject none --kind hop --runs 1 --seed {seed} --out {out}"),
+            0,
+        );
         folder.read(&format!("{out}/run-01.csv"))
     };
     assert_eq!(make("a", 3), make("b", 3));
@@ -75,23 +94,40 @@ fn the_same_seed_makes_the_same_data() {
 #[test]
 fn a_robot_of_its_own_goes_with_the_data() {
     let folder = Folder::new("inject-robot");
-    folder.done("diagnose --inject dead-volume=0.00001 --set leg.stroke_m=0.05 --runs 2 --out data", 0);
-    assert!(folder.read("data/experiment.toml").contains("robot = \"robot.toml\""));
+    folder.done(
+        "diagnose --inject dead-volume=0.00001 --set leg.stroke_m=0.05 --runs 2 --out data",
+        0,
+    );
+    assert!(
+        folder
+            .read("data/experiment.toml")
+            .contains("robot = \"robot.toml\"")
+    );
     let robot = folder.read("data/robot.toml");
-    assert!(robot.contains("stroke_m = 0.05") && robot.contains("5.4e-6"), "{robot}");
+    assert!(
+        robot.contains("stroke_m = 0.05") && robot.contains("5.4e-6"),
+        "{robot}"
+    );
 }
 
 #[test]
 fn the_truth_has_three_formats() {
     let folder = Folder::new("inject-formats");
-    let line = "diagnose --inject sensor-offset=position_m:0.002 --inject exhaust-port=0.03,0.00002 --runs 2";
+    let line = "diagnose --inject sensor-offset=position_m:0.002 --inject \
+        exhaust-port=0.03,0.00002 --runs 2";
     let json: Value =
         serde_json::from_str(&folder.done(&format!("{line} --out a --format json"), 0)).unwrap();
     assert_eq!(json["causes"][0]["column"], "position_m");
-    assert_eq!(json["causes"][1]["parameters"]["leg.exhaust_port.area_m2"], 2e-5);
+    assert_eq!(
+        json["causes"][1]["parameters"]["leg.exhaust_port.area_m2"],
+        2e-5
+    );
     let (header, lines) = rows(&folder.done(&format!("{line} --out b --format csv"), 0));
     assert_eq!(header, ["cause", "column", "parameter", "value"]);
-    assert_eq!(lines[0], ["sensor-offset", "position_m", "offset_m", "0.002"]);
+    assert_eq!(
+        lines[0],
+        ["sensor-offset", "position_m", "offset_m", "0.002"]
+    );
     assert_eq!(lines.len(), 3);
 }
 
@@ -102,22 +138,54 @@ fn what_cannot_be_hidden_is_refused() {
         ("--inject none", &["--out is missing"]),
         (
             "--inject gremlins=1 --out a",
-            &["gremlins=1", "kind bench", "coulomb-friction=leg.coulomb_friction_n", "9.7003"],
+            &[
+                "gremlins=1",
+                "kind bench",
+                "coulomb-friction=leg.coulomb_friction_n",
+                "9.7003",
+            ],
         ),
-        ("--inject foot-slip=0.5 --out a", &["foot-slip", "kind bench"]),
+        (
+            "--inject foot-slip=0.5 --out a",
+            &["foot-slip", "kind bench"],
+        ),
         ("--inject air-drag --out a", &["air-drag", "CAUSE=VALUE"]),
         ("--inject coulomb-friction=much --out a", &["CAUSE=VALUE"]),
-        ("--inject coulomb-friction=-5 --out a", &["leg.coulomb_friction_n from 0 to 1000", "-5"]),
+        (
+            "--inject coulomb-friction=-5 --out a",
+            &["leg.coulomb_friction_n from 0 to 1000", "-5"],
+        ),
         ("--inject coulomb-friction=1,2 --out a", &["at most 1"]),
-        ("--inject exhaust-port=0.03 --out a", &["leg.exhaust_port.area_m2"]),
-        ("--inject encoder-scale=1.1 --out a", &["encoder-scale=position_m:gain"]),
-        ("--inject encoder-scale=y_m:1.1 --out a", &["encoder-scale=position_m:gain"]),
-        ("--inject none --inject mass=1.1 --out a", &["none", "the only one"]),
+        (
+            "--inject exhaust-port=0.03 --out a",
+            &["leg.exhaust_port.area_m2"],
+        ),
+        (
+            "--inject encoder-scale=1.1 --out a",
+            &["encoder-scale=position_m:gain"],
+        ),
+        (
+            "--inject encoder-scale=y_m:1.1 --out a",
+            &["encoder-scale=position_m:gain"],
+        ),
+        (
+            "--inject none --inject mass=1.1 --out a",
+            &["none", "the only one"],
+        ),
         ("--inject mass=1.1 --inject mass=1.2 --out a", &["twice"]),
-        ("--inject none --kind toss --out a", &["invalid value 'toss'", "vessel"]),
-        ("--inject none --kind jump --robot rats-planar --out a", &["rats-planar has no boom"]),
+        (
+            "--inject none --kind toss --out a",
+            &["invalid value 'toss'", "vessel"],
+        ),
+        (
+            "--inject none --kind jump --robot rats-planar --out a",
+            &["rats-planar has no boom"],
+        ),
         ("--inject none --runs 0 --out a", &["--runs"]),
-        ("--inject valve-discharge=0.02 --kind jump --runs 1 --out a", &["the robot makes 0 of 1 motions"]),
+        (
+            "--inject valve-discharge=0.02 --kind jump --runs 1 --out a",
+            &["the robot makes 0 of 1 motions"],
+        ),
         ("data --inject none --out a", &["cannot be used with"]),
         ("", &["<FOLDER"]),
     ];
@@ -135,9 +203,15 @@ fn what_cannot_be_hidden_is_refused() {
 #[test]
 fn a_fit_gives_back_what_was_hidden() {
     let folder = Folder::new("fit");
-    folder.done("diagnose --inject valve-discharge=0.45 --inject coulomb-friction=15 --runs 5 --out data", 0);
+    folder.done(
+        "diagnose --inject valve-discharge=0.45 --inject coulomb-friction=15 --runs 5 --out data",
+        0,
+    );
     let text = folder.done("fit data --robot-out fitted.toml", 0);
-    assert!(text.contains("leg.discharge_coefficient") && text.contains("pressure_pa"), "{text}");
+    assert!(
+        text.contains("leg.discharge_coefficient") && text.contains("pressure_pa"),
+        "{text}"
+    );
     let json: Value = serde_json::from_str(&folder.done("fit data --format json", 0)).unwrap();
     let of = |i: usize, key: &str| json["parameters"][i][key].as_f64().unwrap();
     assert!((of(0, "value") - 0.45).abs() < 3.0 * of(0, "standard_error"));
@@ -148,7 +222,12 @@ fn a_fit_gives_back_what_was_hidden() {
         "{robot}"
     );
     // The fitted robot explains the data.
-    assert_eq!(folder.run(&["diagnose", "data", "--robot", "fitted.toml"]).code, Some(0));
+    assert_eq!(
+        folder
+            .run(&["diagnose", "data", "--robot", "fitted.toml"])
+            .code,
+        Some(0)
+    );
     let both = "fit data --parameters leg.discharge_coefficient,leg.orifice_radius_m";
     let text = folder.done(both, 1);
     let words = "only leg.discharge_coefficient · leg.orifice_radius_m² is determined";
@@ -166,8 +245,14 @@ fn a_fit_of_other_data_is_refused() {
         ("", &["<FOLDER"]),
         ("nowhere", &["nowhere"]),
         ("flight --robot rats-planar", &["flight", "kind bench"]),
-        ("bench --parameters leg.bore_m", &["leg.bore_m", "leg.orifice_radius_m"]),
-        ("bench --parameters leg.dead_volume_m3,leg.dead_volume_m3", &["each once"]),
+        (
+            "bench --parameters leg.bore_m",
+            &["leg.bore_m", "leg.orifice_radius_m"],
+        ),
+        (
+            "bench --parameters leg.dead_volume_m3,leg.dead_volume_m3",
+            &["each once"],
+        ),
         ("bench --robot spring-hopper", &["not pneumatic"]),
         ("bench --out a --robot-out a", &["--robot-out"]),
     ];

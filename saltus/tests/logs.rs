@@ -31,9 +31,17 @@ fn files_of_the_page() -> Vec<(String, String)> {
 fn the_examples_of_the_page_are_read_and_nothing_is_wrong() {
     let folder = Folder::new("logs-page");
     let files = files_of_the_page();
-    let mut kinds: Vec<&str> = files.iter().map(|(name, _)| name.split_once('/').unwrap().0).collect();
+    let mut kinds: Vec<&str> = files
+        .iter()
+        .map(|(name, _)| name.split_once('/').unwrap().0)
+        .collect();
     kinds.dedup();
-    assert_eq!(kinds, ["bench", "hop", "jump", "outcomes", "flight", "stroke", "slide", "vessel"]);
+    assert_eq!(
+        kinds,
+        [
+            "bench", "hop", "jump", "outcomes", "flight", "stroke", "slide", "vessel"
+        ]
+    );
     for kind in &kinds {
         std::fs::create_dir(folder.path(kind)).unwrap();
     }
@@ -44,7 +52,10 @@ fn the_examples_of_the_page_are_read_and_nothing_is_wrong() {
         let data = read(&folder.path(kind), &|_| ()).unwrap();
         assert_eq!(format!("{:?}", data.experiment.kind).to_lowercase(), kind);
         assert_eq!(data.notes, [""; 0], "{kind}");
-        let robot = data.robot.as_deref().map(|name| Robot::builtin(name).unwrap());
+        let robot = data
+            .robot
+            .as_deref()
+            .map(|name| Robot::builtin(name).unwrap());
         saltus::experiment::plausible(&data, robot.as_ref()).unwrap();
         // Nothing is hidden in them.
         let run = folder.run(&["diagnose", kind]);
@@ -55,15 +66,24 @@ fn the_examples_of_the_page_are_read_and_nothing_is_wrong() {
 /// Two firings on the bench with a hidden friction, in `data`.
 fn bench(name: &str) -> Folder {
     let folder = Folder::new(&format!("logs-{name}"));
-    folder.done("diagnose --inject viscous-friction=25 --runs 2 --out data", 0);
+    folder.done(
+        "diagnose --inject viscous-friction=25 --runs 2 --out data",
+        0,
+    );
     folder
 }
 
 /// Changes every run of `data`, cell by cell: the header's cells are row 0.
 fn change(folder: &Folder, cells: impl Fn(usize, &[&str]) -> Vec<String>) {
-    for name in folder.names_in("data").into_iter().filter(|name| name.starts_with("run")) {
+    for name in folder
+        .names_in("data")
+        .into_iter()
+        .filter(|name| name.starts_with("run"))
+    {
         let text = folder.read(&format!("data/{name}"));
-        let row = |(i, line): (usize, &str)| cells(i, &line.split(',').collect::<Vec<_>>()).join(",") + "\n";
+        let row = |(i, line): (usize, &str)| {
+            cells(i, &line.split(',').collect::<Vec<_>>()).join(",") + "\n"
+        };
         let text: String = text.lines().enumerate().map(row).collect();
         folder.write(&format!("data/{name}"), text);
     }
@@ -74,9 +94,19 @@ fn owned(cells: &[&str]) -> Vec<String> {
 }
 
 /// The row with one cell replaced: by `name` in the header, by `value` of the number elsewhere.
-fn replaced(i: usize, cells: &[&str], column: usize, name: &str, value: impl Fn(f64) -> f64) -> Vec<String> {
+fn replaced(
+    i: usize,
+    cells: &[&str],
+    column: usize,
+    name: &str,
+    value: impl Fn(f64) -> f64,
+) -> Vec<String> {
     let mut cells = owned(cells);
-    cells[column] = if i == 0 { name.into() } else { value(cells[column].parse().unwrap()).to_string() };
+    cells[column] = if i == 0 {
+        name.into()
+    } else {
+        value(cells[column].parse().unwrap()).to_string()
+    };
     cells
 }
 
@@ -85,27 +115,51 @@ fn columns_of_their_own_are_skipped_with_one_note() {
     let folder = bench("strange");
     let before = read(&folder.path("data"), &|_| ()).unwrap();
     change(&folder, |i, cells| {
-        let own = if i == 0 { ["battery_v", "comment"] } else { ["11.7", "warm; \"ok\""] };
-        [&owned(&cells[..2])[..], &own.map(str::to_owned), &owned(&cells[2..])].concat()
+        let own = if i == 0 {
+            ["battery_v", "comment"]
+        } else {
+            ["11.7", "warm; \"ok\""]
+        };
+        [
+            &owned(&cells[..2])[..],
+            &own.map(str::to_owned),
+            &owned(&cells[2..]),
+        ]
+        .concat()
     });
     let after = read(&folder.path("data"), &|_| ()).unwrap();
-    assert_eq!((after.experiment, after.hash), (before.experiment, before.hash));
-    let note = "run-01.csv: not read: battery_v, comment; the columns of a bench are time_s, valve, position_m, pressure_pa; \
-                1 more run is treated alike";
+    assert_eq!(
+        (after.experiment, after.hash),
+        (before.experiment, before.hash)
+    );
+    let note = "run-01.csv: not read: battery_v, comment; the columns of a bench are time_s, \
+        valve, position_m, pressure_pa; 1 more run is treated alike";
     assert_eq!(after.notes, [note]);
 
     let said = |from: &str, to: &str| {
         change(&folder, |i, cells| {
             owned(cells)
                 .into_iter()
-                .map(|cell| if i == 0 && cell == from { to.into() } else { cell })
+                .map(|cell| {
+                    if i == 0 && cell == from {
+                        to.into()
+                    } else {
+                        cell
+                    }
+                })
                 .collect()
         });
         let error = read(&folder.path("data"), &|_| ()).unwrap_err().to_string();
         change(&folder, |i, cells| {
             owned(cells)
                 .into_iter()
-                .map(|cell| if i == 0 && cell == to { from.into() } else { cell })
+                .map(|cell| {
+                    if i == 0 && cell == to {
+                        from.into()
+                    } else {
+                        cell
+                    }
+                })
                 .collect()
         });
         error.rsplit_once(".csv:1: ").unwrap().1.to_owned()
@@ -116,22 +170,31 @@ fn columns_of_their_own_are_skipped_with_one_note() {
             format!("unknown column {slip}; the nearest known column is position_m"),
         );
     }
-    assert_eq!(said("position_m", "pos"), "missing column position_m; not known are battery_v, comment, pos");
+    assert_eq!(
+        said("position_m", "pos"),
+        "missing column position_m; not known are battery_v, comment, pos"
+    );
     assert_eq!(
         said("pressure_pa", "pressure_gauge_pa"),
         "unknown column pressure_gauge_pa; the nearest known column is pressure_pa"
     );
-    assert_eq!(said("battery_v", "position_mm"), "column position_m is there twice");
+    assert_eq!(
+        said("battery_v", "position_mm"),
+        "column position_m is there twice"
+    );
 }
 
 #[test]
 fn a_bench_works_without_pressure() {
     let folder = bench("no-pressure");
     let mut said = Vec::new();
-    change(
-        &folder,
-        |i, cells| if i == 0 { owned(cells) } else { [&owned(&cells[..3])[..], &[String::new()]].concat() },
-    );
+    change(&folder, |i, cells| {
+        if i == 0 {
+            owned(cells)
+        } else {
+            [&owned(&cells[..3])[..], &[String::new()]].concat()
+        }
+    });
     said.push(folder.run(&["diagnose", "data", "--most", "1"]));
     change(&folder, |_, cells| owned(&cells[..3]));
     said.push(folder.run(&["diagnose", "data", "--most", "1"]));
@@ -146,7 +209,8 @@ fn a_bench_works_without_pressure() {
     }
 }
 
-/// A jump of a robot without a boom, as the model has it: lean, rate, travel and height, whether travel counts from the foot or the axle.
+/// A jump of a robot without a boom, as the model has it: lean, rate, travel and height, whether
+/// travel counts from the foot or the axle.
 #[test]
 fn a_jump_works_without_a_boom() {
     let folder = Folder::new("logs-no-boom");
@@ -157,7 +221,9 @@ fn a_jump_works_without_a_boom() {
         settings: [("supply_pressure_gauge_pa".to_owned(), 8e5)].into(),
         valve: Some((0.05, Some(0.13))),
         time: (0..200).map(|row| f64::from(row) * 2e-3).collect(),
-        values: [-0.2, 4.0, -0.05, 0.24].map(|first| vec![first; 200]).into(),
+        values: [-0.2, 4.0, -0.05, 0.24]
+            .map(|first| vec![first; 200])
+            .into(),
     };
     let mut experiment = Experiment {
         kind: Sort::Jump,
@@ -167,7 +233,13 @@ fn a_jump_works_without_a_boom() {
         runs: vec![run],
     };
     let model = Firings::new(&experiment, &robot).unwrap();
-    let exact = model.predict(0, &saltus::diagnosis::Terms::off(model.causes()), &[-0.2, 4.0]).unwrap();
+    let exact = model
+        .predict(
+            0,
+            &saltus::diagnosis::Terms::off(model.causes()),
+            &[-0.2, 4.0],
+        )
+        .unwrap();
     let start = exact[2];
     for (i, (reading, value)) in model.logs()[0].readings.iter().zip(exact).enumerate() {
         let sigma = [1e-3, 0.02, 1e-3, 1e-3][reading.channel];
@@ -176,7 +248,9 @@ fn a_jump_works_without_a_boom() {
         experiment.runs[0].values[reading.channel][i / 4] = value + 3.0 * sigma * chance;
     }
     for (name, from) in [("foot", 0.0), ("axle", start)] {
-        experiment.runs[0].values[2].iter_mut().for_each(|x| *x -= from);
+        experiment.runs[0].values[2]
+            .iter_mut()
+            .for_each(|x| *x -= from);
         write(&folder.path(name), &experiment, Some("rats-planar")).unwrap();
         let run = folder.run(&["diagnose", name, "--most", "1"]);
         assert_eq!(run.code, Some(0), "{name}: {}{}", run.out, run.err);
@@ -190,24 +264,39 @@ fn units_are_those_of_the_names() {
     let digits = |text: &str, places: usize| format!("{:.places$}", text.parse::<f64>().unwrap());
     change(&folder, |i, cells| match i {
         0 => owned(cells),
-        _ => vec![digits(cells[0], 3), cells[1].into(), digits(cells[2], 5), digits(cells[3], 0)],
+        _ => vec![
+            digits(cells[0], 3),
+            cells[1].into(),
+            digits(cells[2], 5),
+            digits(cells[3], 0),
+        ],
     });
     let toml = folder.read("data/experiment.toml");
     let number = |key: &str| -> Vec<f64> {
-        toml.lines().filter_map(|line| line.strip_prefix(key)?.strip_prefix(" = ")?.parse().ok()).collect()
+        toml.lines()
+            .filter_map(|line| line.strip_prefix(key)?.strip_prefix(" = ")?.parse().ok())
+            .collect()
     };
     let [loads, supplies] = ["load_mass_kg", "supply_pressure_gauge_pa"].map(number);
-    let manifest = |load: &str, supply: &str, noise: &str, loads: &[String], supplies: &[String]| {
-        let mut text = format!("kind = \"bench\"\nrobot = \"rats-planar\"\n[noise]\n{noise}\n");
-        for k in 0..2 {
-            let (mass, pressure) = (&loads[k], &supplies[k]);
-            writeln!(text, "[[run]]\nfile = \"run-0{}.csv\"\n{load} = {mass}\n{supply} = {pressure}", k + 1)
+    let manifest =
+        |load: &str, supply: &str, noise: &str, loads: &[String], supplies: &[String]| {
+            let mut text = format!("kind = \"bench\"\nrobot = \"rats-planar\"\n[noise]\n{noise}\n");
+            for k in 0..2 {
+                let (mass, pressure) = (&loads[k], &supplies[k]);
+                writeln!(
+                    text,
+                    "[[run]]\nfile = \"run-0{}.csv\"\n{load} = {mass}\n{supply} = {pressure}",
+                    k + 1
+                )
                 .unwrap();
-        }
-        text
-    };
+            }
+            text
+        };
     let say = |values: &[f64], factor: f64, places: usize| -> Vec<String> {
-        values.iter().map(|value| format!("{:.places$}", value * factor)).collect()
+        values
+            .iter()
+            .map(|value| format!("{:.places$}", value * factor))
+            .collect()
     };
     let psi = 1.0 / 6_894.757_293_168;
     let si = manifest(
@@ -232,16 +321,28 @@ fn units_are_those_of_the_names() {
     folder.write("data/experiment.toml", other);
     change(&folder, |i, cells| {
         if i == 0 {
-            return ["time_ms", "valve", "position_mm", "pressure_kpa"].map(str::to_owned).into();
+            return ["time_ms", "valve", "position_mm", "pressure_kpa"]
+                .map(str::to_owned)
+                .into();
         }
         let shifted = |k: usize, factor: f64, places: usize| {
             format!("{:.places$}", cells[k].parse::<f64>().unwrap() * factor)
         };
-        vec![shifted(0, 1e3, 0), cells[1].into(), shifted(2, 1e3, 2), shifted(3, 1e-3, 3)]
+        vec![
+            shifted(0, 1e3, 0),
+            cells[1].into(),
+            shifted(2, 1e3, 2),
+            shifted(3, 1e-3, 3),
+        ]
     });
     let found = read(&folder.path("data"), &|_| ()).unwrap();
-    assert_eq!((found.experiment, found.hash), (expected.experiment, expected.hash));
-    let twice = folder.read("data/experiment.toml").replace("load_mass_g", "load_mass_kg = 2\nload_mass_g");
+    assert_eq!(
+        (found.experiment, found.hash),
+        (expected.experiment, expected.hash)
+    );
+    let twice = folder
+        .read("data/experiment.toml")
+        .replace("load_mass_g", "load_mass_kg = 2\nload_mass_g");
     folder.write("data/experiment.toml", twice);
     let error = read(&folder.path("data"), &|_| ()).unwrap_err().to_string();
     assert!(
@@ -251,7 +352,8 @@ fn units_are_those_of_the_names() {
     );
 }
 
-/// A jump that is logged long before the touch-down cannot be simulated from its first row: what to do is said.
+/// A jump that is logged long before the touch-down cannot be simulated from its first row: what to
+/// do is said.
 #[test]
 fn a_jump_that_starts_too_early_is_told_where_to_start() {
     let folder = Folder::new("logs-early");
@@ -262,15 +364,31 @@ fn a_jump_that_starts_too_early_is_told_where_to_start() {
     for k in 0..3000 {
         let time = f64::from(k) * 1e-3 - 3.0;
         let lean = -0.42 + 0.1 * (3.0 * time).sin();
-        writeln!(early, "{time:.3},0,{lean:.4},0,{:.4},{:.3}", 0.1 * lean, 0.3 * (3.0 * time).cos()).unwrap();
+        writeln!(
+            early,
+            "{time:.3},0,{lean:.4},0,{:.4},{:.3}",
+            0.1 * lean,
+            0.3 * (3.0 * time).cos()
+        )
+        .unwrap();
     }
     folder.write("data/run-01.csv", early + rows);
     let run = folder.run(&["diagnose", "data"]);
     assert_eq!(run.code, Some(2), "{}", run.out);
-    let said = ["run-01.csv: the model has no such motion from the first valid row", "set valid_from_s"];
-    assert!(said.iter().all(|words| run.err.contains(words)), "{}", run.err);
+    let said = [
+        "run-01.csv: the model has no such motion from the first valid row",
+        "set valid_from_s",
+    ];
+    assert!(
+        said.iter().all(|words| run.err.contains(words)),
+        "{}",
+        run.err
+    );
     let toml = folder.read("data/experiment.toml");
-    folder.write("data/experiment.toml", toml.replacen("[[run]]", "[[run]]\nvalid_from_s = 0", 1));
+    folder.write(
+        "data/experiment.toml",
+        toml.replacen("[[run]]", "[[run]]\nvalid_from_s = 0", 1),
+    );
     assert_eq!(folder.run(&["diagnose", "data"]).code, Some(0));
 }
 
@@ -280,7 +398,11 @@ fn refused(folder: &Folder, commands: &[&str], words: &[&str]) {
     for command in commands {
         let run = folder.run(&[command, "data"]);
         assert_eq!(run.code, Some(2), "{command}: {}", run.out);
-        assert!(words.iter().all(|word| run.err.contains(word)), "{command}: {}", run.err);
+        assert!(
+            words.iter().all(|word| run.err.contains(word)),
+            "{command}: {}",
+            run.err
+        );
     }
 }
 
@@ -295,15 +417,20 @@ fn slips_of_unit_on_the_bench_are_named() {
         (11.4, "times the stroke"),
         (-1.0, "sign turned"),
     ] {
-        change(&folder, |i, cells| replaced(i, cells, 2, "position_m", |x| x * factor / before));
+        change(&folder, |i, cells| {
+            replaced(i, cells, 2, "position_m", |x| x * factor / before)
+        });
         refused(&folder, &both, &["position_m", unit]);
         before = factor;
     }
-    change(&folder, |i, cells| replaced(i, cells, 2, "position_m", |x| x / before));
+    change(&folder, |i, cells| {
+        replaced(i, cells, 2, "position_m", |x| x / before)
+    });
     let toml = folder.read("data/experiment.toml");
-    for (key, factor, unit) in
-        [("load_mass_kg", 400.0, "is it in g?"), ("supply_pressure_gauge_pa", 0.01, "is it in mbar?")]
-    {
+    for (key, factor, unit) in [
+        ("load_mass_kg", 400.0, "is it in g?"),
+        ("supply_pressure_gauge_pa", 0.01, "is it in mbar?"),
+    ] {
         let text: String = toml
             .lines()
             .map(|line| match line.split_once(" = ") {
@@ -318,17 +445,25 @@ fn slips_of_unit_on_the_bench_are_named() {
     }
     // And right data are read, whatever the leg does.
     folder.write("data/experiment.toml", toml);
-    assert_eq!(folder.run(&["diagnose", "data", "--most", "1"]).code, Some(1));
+    assert_eq!(
+        folder.run(&["diagnose", "data", "--most", "1"]).code,
+        Some(1)
+    );
 }
 
 #[test]
 fn slips_of_unit_elsewhere_are_named() {
     let check = |kind: &str, column: &str, factor: f64, unit: &str| {
         let folder = Folder::new(&format!("logs-slip-{kind}-{}", column.replace('/', "")));
-        folder.done(&format!("diagnose --inject none --kind {kind} --runs 3 --out data"), 0);
+        folder.done(
+            &format!("diagnose --inject none --kind {kind} --runs 3 --out data"),
+            0,
+        );
         let place = |text: &str| text.split(',').position(|name| name == column).unwrap();
         let k = place(folder.read("data/run-01.csv").lines().next().unwrap());
-        change(&folder, |i, cells| replaced(i, cells, k, column, |x| x * factor));
+        change(&folder, |i, cells| {
+            replaced(i, cells, k, column, |x| x * factor)
+        });
         refused(&folder, &["diagnose"], &[column, unit]);
     };
     check("flight", "y_m", 1e3, "is it in mm?");
@@ -344,7 +479,8 @@ fn slips_of_unit_elsewhere_are_named() {
     check("jump", "wheel_rate_rad_s", -1.0, "sign turned");
 }
 
-/// What real effects and instruments do is not taken for a slip: every kind with and without effects, and measured drops.
+/// What real effects and instruments do is not taken for a slip: every kind with and without
+/// effects, and measured drops.
 #[test]
 fn right_data_are_not_refused() {
     let sets = [
@@ -363,16 +499,26 @@ fn right_data_are_not_refused() {
     ];
     let judge = |path: &Path| {
         let data = read(path, &|_| ()).unwrap();
-        let robot = data.robot.as_deref().map(|name| Robot::builtin(name).unwrap());
+        let robot = data
+            .robot
+            .as_deref()
+            .map(|name| Robot::builtin(name).unwrap());
         saltus::experiment::plausible(&data, robot.as_ref()).unwrap();
     };
     for (i, (kind, effect)) in sets.into_iter().enumerate() {
         let folder = Folder::new(&format!("logs-right-{i}"));
-        folder.done(&format!("diagnose --inject {effect} --kind {kind} --runs 3 --out data"), 0);
+        folder.done(
+            &format!("diagnose --inject {effect} --kind {kind} --runs 3 --out data"),
+            0,
+        );
         judge(&folder.path("data"));
     }
     let drops = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/reference/ball-drops");
-    for entry in std::fs::read_dir(drops).unwrap().map(Result::unwrap).filter(|entry| entry.path().is_dir()) {
+    for entry in std::fs::read_dir(drops)
+        .unwrap()
+        .map(Result::unwrap)
+        .filter(|entry| entry.path().is_dir())
+    {
         judge(&entry.path());
     }
 }

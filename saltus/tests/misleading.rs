@@ -14,16 +14,33 @@ type Table = (Vec<String>, Vec<Vec<f64>>);
 
 fn table(text: &str) -> Table {
     let mut lines = text.lines();
-    let names = lines.next().unwrap().split(',').map(str::to_owned).collect();
-    (names, lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect())
+    let names = lines
+        .next()
+        .unwrap()
+        .split(',')
+        .map(str::to_owned)
+        .collect();
+    (
+        names,
+        lines
+            .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
+            .collect(),
+    )
 }
 
 fn text((names, rows): &Table) -> String {
-    let rows = rows.iter().map(|row| row.iter().map(f64::to_string).collect::<Vec<_>>().join(","));
-    std::iter::once(names.join(",")).chain(rows).collect::<Vec<_>>().join("\n") + "\n"
+    let rows = rows
+        .iter()
+        .map(|row| row.iter().map(f64::to_string).collect::<Vec<_>>().join(","));
+    std::iter::once(names.join(","))
+        .chain(rows)
+        .collect::<Vec<_>>()
+        .join("\n")
+        + "\n"
 }
 
-/// Makes data of `kind` without an effect, spoils each run, and diagnoses them: only `unknown` may be said.
+/// Makes data of `kind` without an effect, spoils each run, and diagnoses them: only `unknown` may
+/// be said.
 #[track_caller]
 fn check(name: &str, kind: &str, spoil: impl Fn(&mut Table)) {
     names_nothing(&spoiled(name, kind, spoil), name);
@@ -33,13 +50,25 @@ fn check(name: &str, kind: &str, spoil: impl Fn(&mut Table)) {
 #[track_caller]
 fn refused(name: &str, kind: &str, spoil: impl Fn(&mut Table)) {
     let run = spoiled(name, kind, spoil).run(&["diagnose", "data"]);
-    assert!(run.code == Some(2) && run.err.ends_with("?\n"), "{name}: {}{}", run.out, run.err);
+    assert!(
+        run.code == Some(2) && run.err.ends_with("?\n"),
+        "{name}: {}{}",
+        run.out,
+        run.err
+    );
 }
 
 fn spoiled(name: &str, kind: &str, spoil: impl Fn(&mut Table)) -> Folder {
     let folder = Folder::new(&format!("misleading-{name}"));
-    folder.done(&format!("diagnose --inject none --kind {kind} --out data"), 0);
-    for file in folder.names_in("data").iter().filter(|file| file.starts_with("run")) {
+    folder.done(
+        &format!("diagnose --inject none --kind {kind} --out data"),
+        0,
+    );
+    for file in folder
+        .names_in("data")
+        .iter()
+        .filter(|file| file.starts_with("run"))
+    {
         let mut run = table(&folder.read(&format!("data/{file}")));
         spoil(&mut run);
         folder.write(&format!("data/{file}"), text(&run));
@@ -50,10 +79,17 @@ fn spoiled(name: &str, kind: &str, spoil: impl Fn(&mut Table)) -> Folder {
 #[track_caller]
 fn names_nothing(folder: &Folder, name: &str) {
     let run = folder.run(&["diagnose", "data", "--format", "json"]);
-    assert!(run.code == Some(0) || run.code == Some(1), "{name}: {}", run.err);
+    assert!(
+        run.code == Some(0) || run.code == Some(1),
+        "{name}: {}",
+        run.err
+    );
     let said: Value = serde_json::from_str(&run.out).unwrap();
     let causes = said["causes"].as_array().unwrap();
-    assert!(causes.iter().all(|cause| cause["id"] == "unknown"), "{name}: {causes:?}");
+    assert!(
+        causes.iter().all(|cause| cause["id"] == "unknown"),
+        "{name}: {causes:?}"
+    );
 }
 
 fn column(run: &Table, name: &str) -> usize {
@@ -121,9 +157,15 @@ fn parts_that_are_none_name_no_cause() {
 fn runs_that_are_mixed_up_name_no_cause() {
     let folder = Folder::new("misleading-mixed-up");
     folder.done("diagnose --inject none --kind bench --runs 4 --out data", 0);
-    let files: Vec<String> =
-        folder.names_in("data").into_iter().filter(|name| name.starts_with("run")).collect();
-    let runs: Vec<String> = files.iter().map(|file| folder.read(&format!("data/{file}"))).collect();
+    let files: Vec<String> = folder
+        .names_in("data")
+        .into_iter()
+        .filter(|name| name.starts_with("run"))
+        .collect();
+    let runs: Vec<String> = files
+        .iter()
+        .map(|file| folder.read(&format!("data/{file}")))
+        .collect();
     for (k, file) in files.iter().enumerate() {
         folder.write(&format!("data/{file}"), &runs[(k + 1) % runs.len()]);
     }
@@ -135,10 +177,18 @@ fn another_robot_is_refused_or_unknown() {
     let folder = Folder::new("misleading-robot");
     folder.done("diagnose --inject none --kind hop --runs 2 --out data", 0);
     let manifest = folder.read("data/experiment.toml");
-    folder.write("data/experiment.toml", manifest.replace("\"rats-boom\"", "\"rats-planar\""));
+    folder.write(
+        "data/experiment.toml",
+        manifest.replace("\"rats-boom\"", "\"rats-planar\""),
+    );
     let run = folder.run(&["diagnose", "data"]);
     assert_eq!(run.code, Some(2), "{}", run.out);
-    assert!(run.err.contains("rats-planar has no boom, whose pivot_angle_rad the data have"), "{}", run.err);
+    assert!(
+        run.err
+            .contains("rats-planar has no boom, whose pivot_angle_rad the data have"),
+        "{}",
+        run.err
+    );
 }
 
 /// One processor says what all say.
@@ -146,7 +196,10 @@ fn another_robot_is_refused_or_unknown() {
 #[cfg(target_os = "linux")]
 fn the_answer_does_not_depend_on_the_number_of_threads() {
     let folder = Folder::new("misleading-threads");
-    folder.done("diagnose --inject coulomb-friction=25 --runs 3 --out data", 0);
+    folder.done(
+        "diagnose --inject coulomb-friction=25 --runs 3 --out data",
+        0,
+    );
     let words = ["diagnose", "data", "--format", "json", "--most", "1"];
     let alone = Command::new("taskset")
         .args(["-c", "0", env!("CARGO_BIN_EXE_saltus")])
@@ -154,6 +207,11 @@ fn the_answer_does_not_depend_on_the_number_of_threads() {
         .current_dir(folder.path("."))
         .output();
     // Where there is no taskset, or processor 0 is not ours, nothing can be compared.
-    let Some(alone) = alone.ok().filter(|run| run.status.code() == Some(1)) else { return };
-    assert_eq!(String::from_utf8(alone.stdout).unwrap(), folder.run(&words).out);
+    let Some(alone) = alone.ok().filter(|run| run.status.code() == Some(1)) else {
+        return;
+    };
+    assert_eq!(
+        String::from_utf8(alone.stdout).unwrap(),
+        folder.run(&words).out
+    );
 }

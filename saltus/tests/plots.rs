@@ -8,7 +8,10 @@ use common::{Folder, reference};
 
 const PLOTS: [(&str, &str); 9] = [
     ("family", "simulate --omega 5 --alpha-f -0.25:0.05:7"),
-    ("stall", "simulate --omega 0.1 --alpha-f 0 --start-lean -0.5"),
+    (
+        "stall",
+        "simulate --omega 0.1 --alpha-f 0 --start-lean -0.5",
+    ),
     ("angles", "table --omega 3:6:7 --distance 0.4:0.7:4"),
     ("law", "law --omega 3:6:5 --distance 0.7"),
     ("laws", "law --omega 3:6:5 --distance 0.5,0.7"),
@@ -45,14 +48,22 @@ fn an_svg_is_well_formed_and_says_what_it_shows() {
         folder.done(&format!("{line} --plot {name}.svg"), 0);
         let text = folder.read(&format!("{name}.svg"));
         check_well_formed(&text);
-        let robot = if name == "hops" { "mppc-hopper" } else { "rats-planar" };
+        let robot = if name == "hops" {
+            "mppc-hopper"
+        } else {
+            "rats-planar"
+        };
         assert!(text.contains(robot) && text.contains("<text"), "{name}");
         assert!(
-            text.matches("<circle").count() + text.matches("<poly").count() + text.matches("<rect").count()
+            text.matches("<circle").count()
+                + text.matches("<poly").count()
+                + text.matches("<rect").count()
                 > 8
         );
     }
-    assert!(folder.read("family.svg").contains("−0.15") && folder.read("family.svg").contains("x (m)"));
+    assert!(
+        folder.read("family.svg").contains("−0.15") && folder.read("family.svg").contains("x (m)")
+    );
     assert!(folder.read("map.svg").contains("early-lift-off"));
 }
 
@@ -63,7 +74,11 @@ fn check_well_formed(text: &str) {
     for part in text.split('<').skip(1) {
         let (tag, _) = part.split_once('>').expect("a tag ends");
         assert_eq!(tag.matches('"').count() % 2, 0, "{tag}");
-        let name = tag.trim_start_matches('/').split([' ', '/', '\n']).next().unwrap();
+        let name = tag
+            .trim_start_matches('/')
+            .split([' ', '/', '\n'])
+            .next()
+            .unwrap();
         if tag.starts_with('/') {
             assert_eq!(open.pop(), Some(name));
         } else if !tag.starts_with(['?', '!']) {
@@ -86,8 +101,14 @@ fn a_png_decodes_and_is_not_blank() {
         let mut pixels = vec![0; reader.output_buffer_size()];
         let info = reader.next_frame(&mut pixels).unwrap();
         assert!(info.width >= 1000 && info.height >= 600, "{name}");
-        let dark = pixels.chunks(3).filter(|pixel| pixel.iter().all(|byte| *byte < 100)).count();
-        let white = pixels.chunks(3).filter(|pixel| pixel.iter().all(|byte| *byte == 255)).count();
+        let dark = pixels
+            .chunks(3)
+            .filter(|pixel| pixel.iter().all(|byte| *byte < 100))
+            .count();
+        let white = pixels
+            .chunks(3)
+            .filter(|pixel| pixel.iter().all(|byte| *byte == 255))
+            .count();
         // Text and axes are dark; the margins are white.
         assert!(dark > 2000 && white > 100_000, "{name}: {dark} {white}");
     }
@@ -98,7 +119,10 @@ fn plots_are_the_same_on_every_run() {
     let folder = Folder::new("same");
     for end in ["svg", "png"] {
         for name in ["a", "b"] {
-            folder.done(&format!("simulate --omega 5 --alpha-f 0 --plot {name}.{end}"), 0);
+            folder.done(
+                &format!("simulate --omega 5 --alpha-f 0 --plot {name}.{end}"),
+                0,
+            );
         }
         let bytes = |name: &str| std::fs::read(folder.path(&format!("{name}.{end}"))).unwrap();
         assert!(bytes("a") == bytes("b"), "{end}");

@@ -1,8 +1,10 @@
-//! Three ways to hold a foot on the ground, on the same jumps: rigid contact whose events are located, a compliant ground under which
-//! a foot sticks truly, and impulses in fixed steps.
+//! Three ways to hold a foot on the ground, on the same jumps: rigid contact whose events are
+//! located, a compliant ground under which a foot sticks truly, and impulses in fixed steps.
 //!
-//! `cargo run --release -p saltus-sim-check --example formulations` prints the worst over the launches: differences of apex and landing
-//! from the first formulation at a friction coefficient of 1, how far the foot that should stick has crept along the travel by lift-off, and CPU time a jump.
+//! `cargo run --release -p saltus-sim-check --example formulations` prints the worst over the
+//! launches: differences of apex and landing from the first formulation at a friction coefficient
+//! of 1, how far the foot that should stick has crept along the travel by lift-off, and CPU time a
+//! jump.
 
 use std::error::Error;
 use std::time::Instant;
@@ -16,8 +18,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!(
         "robot,formulation,setting,apex_m,landing_m,apex_difference_m,landing_difference_m,creep_m,cpu_ms"
     );
-    let adaptive = Settings { tolerance: 1e-8, ..Settings::default() };
-    let fixed = |h| Settings { stepping: Stepping::Fixed(h), ..Settings::default() };
+    let adaptive = Settings {
+        tolerance: 1e-8,
+        ..Settings::default()
+    };
+    let fixed = |h| Settings {
+        stepping: Stepping::Fixed(h),
+        ..Settings::default()
+    };
     for name in ["rats-boom", "rats-planar"] {
         let friction = |coefficient: &str| {
             [
@@ -35,18 +43,47 @@ fn main() -> Result<(), Box<dyn Error>> {
             let ground = |coefficient: &str| {
                 let [standing, slipping] = friction(coefficient);
                 let stiffness = format!("ground.stiffness_n_per_m={stiffness:.1}");
-                [standing, slipping, stiffness, format!("ground.damping_n_s_per_m={damping:.3}")]
+                [
+                    standing,
+                    slipping,
+                    stiffness,
+                    format!("ground.damping_n_s_per_m={damping:.3}"),
+                ]
             };
             let soft = Rig::new(&saltus_robot::resolve(name, &ground("1.0"))?, &[])?;
             let setting = format!("1e{exponent} N/m");
-            row(name, "compliant by events", &setting, &jumps(&soft, adaptive)?, &best);
-            row(name, "compliant in steps of 1 ms", &setting, &jumps(&soft, fixed(1e-3))?, &best);
+            row(
+                name,
+                "compliant by events",
+                &setting,
+                &jumps(&soft, adaptive)?,
+                &best,
+            );
+            row(
+                name,
+                "compliant in steps of 1 ms",
+                &setting,
+                &jumps(&soft, fixed(1e-3))?,
+                &best,
+            );
             let sticky = Rig::new(&saltus_robot::resolve(name, &ground("inf"))?, &[])?;
-            row(name, "compliant by events and no slip ever", &setting, &jumps(&sticky, adaptive)?, &best);
+            row(
+                name,
+                "compliant by events and no slip ever",
+                &setting,
+                &jumps(&sticky, adaptive)?,
+                &best,
+            );
         }
         for h in [4e-3, 1e-3, 2.5e-4] {
             let setting = format!("{} ms", h * 1e3);
-            row(name, "rigid in fixed steps", &setting, &jumps(&rigid, fixed(h))?, &best);
+            row(
+                name,
+                "rigid in fixed steps",
+                &setting,
+                &jumps(&rigid, fixed(h))?,
+                &best,
+            );
         }
     }
     Ok(())
@@ -62,10 +99,23 @@ struct Jumps {
 
 fn jumps(rig: &Rig, settings: Settings) -> Result<Jumps, Box<dyn Error>> {
     let clock = Instant::now();
-    let mut found = Jumps { reports: Vec::new(), creep: 0.0, time: 0.0 };
+    let mut found = Jumps {
+        reports: Vec::new(),
+        creep: 0.0,
+        time: 0.0,
+    };
     for rate in RATES {
-        let launch = Launch { rate, lean: 0.0, firing_angle: 0.15, valve_open: 0.04 };
-        let plan = Plan { sample: 1.0, settings, ..Plan::default() };
+        let launch = Launch {
+            rate,
+            lean: 0.0,
+            firing_angle: 0.15,
+            valve_open: 0.04,
+        };
+        let plan = Plan {
+            sample: 1.0,
+            settings,
+            ..Plan::default()
+        };
         let began = cpu(&clock);
         for _ in 1..CALLS {
             rig.jump(&launch, &plan)?;
@@ -74,15 +124,22 @@ fn jumps(rig: &Rig, settings: Settings) -> Result<Jumps, Box<dyn Error>> {
         found.time += (cpu(&clock) - began) / f64::from(CALLS) / RATES.len() as f64;
         let at = |q: &[f64]| {
             let mut pose = Pose::default();
-            pose.set(&rig.mechanism.tree, q, &vec![0.0; rig.mechanism.tree.velocities()]);
+            pose.set(
+                &rig.mechanism.tree,
+                q,
+                &vec![0.0; rig.mechanism.tree.velocities()],
+            );
             let foot = &rig.mechanism.points[0];
             rig.travel_of(&pose.frames[foot.body].point(&foot.center))
         };
         let lift_off = report.lift_off.map_or(f64::NAN, |l| l.time);
-        if let (Some(first), Some(last)) =
-            (report.samples.first(), report.samples.iter().find(|s| s.time == lift_off))
-        {
-            found.creep = found.creep.max((at(&last.coordinates) - at(&first.coordinates)).abs());
+        if let (Some(first), Some(last)) = (
+            report.samples.first(),
+            report.samples.iter().find(|s| s.time == lift_off),
+        ) {
+            found.creep = found
+                .creep
+                .max((at(&last.coordinates) - at(&first.coordinates)).abs());
         }
         found.reports.push(report);
     }
@@ -94,7 +151,10 @@ fn row(robot: &str, formulation: &str, setting: &str, found: &Jumps, best: &Jump
         let pairs = found.reports.iter().zip(&best.reports);
         pairs
             .map(|(a, b)| (of(a) - of(b)).abs())
-            .fold(0.0, |worst: f64, x| if x.is_nan() { x } else { worst.max(x) })
+            .fold(
+                0.0,
+                |worst: f64, x| if x.is_nan() { x } else { worst.max(x) },
+            )
     };
     println!(
         "{robot},{formulation},{setting},{:.6},{:.6},{:.1e},{:.1e},{:.1e},{:.3}",

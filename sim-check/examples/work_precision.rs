@@ -1,6 +1,7 @@
 //! What the simulator's answers cost: steps a second, error over CPU time, and robots of many legs.
 //!
-//! `cargo run --release -p saltus-sim-check --example work_precision` prints three tables, comma-separated. Times are CPU time of this thread.
+//! `cargo run --release -p saltus-sim-check --example work_precision` prints three tables,
+//! comma-separated. Times are CPU time of this thread.
 
 use std::error::Error;
 use std::time::Instant;
@@ -8,7 +9,12 @@ use std::time::Instant;
 use saltus_robot::Robot;
 use saltus_sim_check::{Launch, Plan, Report, Rig, Settings, Sim, Stepping};
 
-const LAUNCH: Launch = Launch { rate: 3.0, lean: 0.0, firing_angle: 0.15, valve_open: 0.04 };
+const LAUNCH: Launch = Launch {
+    rate: 3.0,
+    lean: 0.0,
+    firing_angle: 0.15,
+    valve_open: 0.04,
+};
 /// CPU time (s) to spend on each row, at the least.
 const BUDGET: f64 = if cfg!(debug_assertions) { 0.02 } else { 0.2 };
 
@@ -41,14 +47,21 @@ fn time<T, E>(mut work: impl FnMut() -> Result<T, E>) -> Result<(T, f64), E> {
 }
 
 fn fixed(h: f64) -> Settings {
-    Settings { stepping: Stepping::Fixed(h), ..Settings::default() }
+    Settings {
+        stepping: Stepping::Fixed(h),
+        ..Settings::default()
+    }
 }
 
 fn tolerance(tolerance: f64) -> Settings {
-    Settings { tolerance, ..Settings::default() }
+    Settings {
+        tolerance,
+        ..Settings::default()
+    }
 }
 
-/// From standing, fired at once: a stance of 0.1 s, whose leg extends for the last half, and a flight of 0.4 s.
+/// From standing, fired at once: a stance of 0.1 s, whose leg extends for the last half, and a
+/// flight of 0.4 s.
 fn steps_a_second() -> Result<(), Box<dyn Error>> {
     println!("robot,phase,step_s,steps_per_s,microseconds_per_step");
     for name in ["rats-boom", "rats-planar"] {
@@ -69,7 +82,8 @@ fn steps_a_second() -> Result<(), Box<dyn Error>> {
         }
         let rows = [("stance", 0..1), ("flight", 1..2), ("both", 0..2)];
         for (phase, part) in rows {
-            let rate = steps[part.clone()].iter().sum::<usize>() as f64 / spent[part].iter().sum::<f64>();
+            let rate =
+                steps[part.clone()].iter().sum::<usize>() as f64 / spent[part].iter().sum::<f64>();
             println!("{name},{phase},0.001,{rate:.0},{:.2}", 1e6 / rate);
         }
     }
@@ -81,11 +95,23 @@ fn work_and_precision() -> Result<(), Box<dyn Error>> {
     for name in ["rats-boom", "rats-planar"] {
         let rig = Rig::new(&saltus_robot::resolve(name, &[])?, &[])?;
         // Samples are for plots: none here.
-        let jump = |settings| rig.jump(&LAUNCH, &Plan { sample: 1.0, settings, ..Plan::default() });
+        let jump = |settings| {
+            rig.jump(
+                &LAUNCH,
+                &Plan {
+                    sample: 1.0,
+                    settings,
+                    ..Plan::default()
+                },
+            )
+        };
         let limit = jump(tolerance(1e-13))?;
         let row = |stepping: &str, setting: f64, report: &Report, time: f64| {
             let (landing, apex) = (report.landing - limit.landing, report.apex - limit.apex);
-            println!("{name},{stepping},{setting:e},{landing:.2e},{apex:.2e},{:.3}", time * 1e3);
+            println!(
+                "{name},{stepping},{setting:e},{landing:.2e},{apex:.2e},{:.3}",
+                time * 1e3
+            );
         };
         for h in [4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5] {
             let (report, time) = time(|| jump(fixed(h)))?;
@@ -106,7 +132,10 @@ fn many_legs() -> Result<(), Box<dyn Error>> {
         let robot: Robot = saltus_robot::resolve("rats-boom", &[format!("body.legs={legs}")])?;
         let rig = Rig::new(&robot, &[])?;
         let (q, v) = rig.stand(0.1, 3.0)?;
-        for (name, settings) in [("fixed 1e-3 s", fixed(1e-3)), ("adaptive 1e-6", tolerance(1e-6))] {
+        for (name, settings) in [
+            ("fixed 1e-3 s", fixed(1e-3)),
+            ("adaptive 1e-6", tolerance(1e-6)),
+        ] {
             let (_, time) = time(|| {
                 let mut sim = Sim::new(&rig.mechanism, &q, &v, settings)?;
                 sim.fire(0, 0.04)?;

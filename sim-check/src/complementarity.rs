@@ -1,11 +1,14 @@
-//! Which contacts hold, which slide and which let go: Coulomb's law and end stops as a complementarity problem.
+//! Which contacts hold, which slide and which let go: Coulomb's law and end stops as a
+//! complementarity problem.
 //!
-//! With w = A λ + b, where w are accelerations (or velocities after an impact) along the constraints' directions and λ the forces
-//! (or impulses) along them: a row that holds has w = 0 and its λ within its bounds; one at a bound has λ there and moves away
-//! from it. Solved by a semismooth Newton method (guess who holds, solve, correct the guess), and where that cycles by projected
-//! Gauss–Seidel iteration.
+//! With w = A λ + b, where w are accelerations (or velocities after an impact) along the
+//! constraints' directions and λ the forces (or impulses) along them: a row that holds has w = 0
+//! and its λ within its bounds; one at a bound has λ there and moves away from it. Solved by a
+//! semismooth Newton method (guess who holds, solve, correct the guess), and where that cycles by
+//! projected Gauss–Seidel iteration.
 //!
-//! Source: Pang & Trinkle, Complementarity formulations, Math. Prog. 73 (1996); Hintermüller, Ito, Kunisch, SIAM J. Optim. 13 (2003).
+//! Source: Pang & Trinkle, Complementarity formulations, Math. Prog. 73 (1996); Hintermüller, Ito,
+//! Kunisch, SIAM J. Optim. 13 (2003).
 
 use crate::linear;
 
@@ -27,8 +30,13 @@ pub(crate) enum Grip {
 pub(crate) enum Bounds {
     /// Between two numbers: one row.
     Between(f64, f64),
-    /// At most `limit` times the force of the row `normal`, or `limit` itself: one row, or two in a disc.
-    Friction { normal: Option<usize>, limit: f64, rows: usize },
+    /// At most `limit` times the force of the row `normal`, or `limit` itself: one row, or two in a
+    /// disc.
+    Friction {
+        normal: Option<usize>,
+        limit: f64,
+        rows: usize,
+    },
 }
 
 /// A constraint: its rows begin at `row`.
@@ -98,9 +106,19 @@ impl Problem {
             };
             for k in 0..e.rows() {
                 self.known[e.row + k] = match e.bounds {
-                    Bounds::Between(low, high) => Known::Is(if e.grip == Grip::Low { low } else { high }),
-                    Bounds::Friction { normal: None, limit, .. } => Known::Is(limit * direction[k]),
-                    Bounds::Friction { normal: Some(n), limit, .. } => match self.known[n] {
+                    Bounds::Between(low, high) => {
+                        Known::Is(if e.grip == Grip::Low { low } else { high })
+                    }
+                    Bounds::Friction {
+                        normal: None,
+                        limit,
+                        ..
+                    } => Known::Is(limit * direction[k]),
+                    Bounds::Friction {
+                        normal: Some(n),
+                        limit,
+                        ..
+                    } => match self.known[n] {
                         Known::Unknown => Known::Times(n, limit * direction[k]),
                         _ => Known::Is(0.0),
                     },
@@ -151,9 +169,12 @@ impl Problem {
     /// Whether an element is the friction of a contact that is open.
     fn is_idle(&self, e: &Element) -> bool {
         match e.bounds {
-            Bounds::Friction { normal: Some(n), .. } => {
-                self.elements.iter().any(|other| other.row == n && other.grip != Grip::Held)
-            }
+            Bounds::Friction {
+                normal: Some(n), ..
+            } => self
+                .elements
+                .iter()
+                .any(|other| other.row == n && other.grip != Grip::Held),
             _ => false,
         }
     }
@@ -170,7 +191,9 @@ impl Problem {
 
     /// Whether an element's rows do not move, though its force may be at a bound.
     pub(crate) fn stands(&self, e: &Element) -> bool {
-        self.motion[e.row..e.row + e.rows()].iter().all(|w| w.abs() <= 10.0 * self.still())
+        self.motion[e.row..e.row + e.rows()]
+            .iter()
+            .all(|w| w.abs() <= 10.0 * self.still())
     }
 
     /// Whether the force of an element is at a bound and it moves faster than `speed`.
@@ -178,8 +201,8 @@ impl Problem {
         e.grip != Grip::Held && self.motion[e.row].abs() > speed
     }
 
-    /// Where forces are one choice of many, one at its bound says nothing: there, after [`resolve`](Self::resolve), what
-    /// stands is to hold.
+    /// Where forces are one choice of many, one at its bound says nothing: there, after
+    /// [`resolve`](Self::resolve), what stands is to hold.
     pub(crate) fn hold_what_stands(&mut self) {
         let grips: Vec<Grip> = self.elements.iter().map(|e| e.grip).collect();
         for i in 0..self.elements.len() {
@@ -203,8 +226,16 @@ impl Problem {
     fn limit(&self, e: &Element) -> f64 {
         match e.bounds {
             Bounds::Between(_, high) => high,
-            Bounds::Friction { normal: None, limit, .. } => limit,
-            Bounds::Friction { normal: Some(n), limit, .. } => {
+            Bounds::Friction {
+                normal: None,
+                limit,
+                ..
+            } => limit,
+            Bounds::Friction {
+                normal: Some(n),
+                limit,
+                ..
+            } => {
                 if self.force[n] > 0.0 {
                     limit * self.force[n]
                 } else {
@@ -272,9 +303,15 @@ impl Problem {
                     return e.grip;
                 }
                 let ahead = w[0] * d[0] + w[1] * d[1];
-                if ahead < 0.0 { Grip::Held } else { Grip::Along([w[0] / speed, w[1] / speed]) }
+                if ahead < 0.0 {
+                    Grip::Held
+                } else {
+                    Grip::Along([w[0] / speed, w[1] / speed])
+                }
             }
-            _ if size > self.limit(e) + slack && size > 0.0 => Grip::Along([-f[0] / size, -f[1] / size]),
+            _ if size > self.limit(e) + slack && size > 0.0 => {
+                Grip::Along([-f[0] / size, -f[1] / size])
+            }
             grip => grip,
         }
     }
@@ -285,24 +322,38 @@ impl Problem {
         self.force.clear();
         self.force.resize(m, 0.0);
         let row = |a: &[f64], b: &[f64], f: &[f64], i: usize| -> f64 {
-            a[i * m..(i + 1) * m].iter().zip(f).map(|(a, f)| a * f).sum::<f64>() + b[i]
+            a[i * m..(i + 1) * m]
+                .iter()
+                .zip(f)
+                .map(|(a, f)| a * f)
+                .sum::<f64>()
+                + b[i]
         };
         for _ in 0..20_000 {
             let mut change = 0.0_f64;
             for i in 0..self.elements.len() {
                 let e = self.elements[i];
                 let limit = self.limit(&e);
-                let before = [self.force[e.row], if e.rows() == 2 { self.force[e.row + 1] } else { 0.0 }];
+                let before = [
+                    self.force[e.row],
+                    if e.rows() == 2 {
+                        self.force[e.row + 1]
+                    } else {
+                        0.0
+                    },
+                ];
                 if e.rows() == 1 {
                     let (low, high) = match e.bounds {
                         Bounds::Between(low, high) => (low, high),
                         Bounds::Friction { .. } => (-limit, limit),
                     };
                     let w = row(&self.a, &self.b, &self.force, e.row);
-                    self.force[e.row] = (before[0] - w / self.a[e.row * m + e.row]).clamp(low, high);
+                    self.force[e.row] =
+                        (before[0] - w / self.a[e.row * m + e.row]).clamp(low, high);
                 } else {
                     let w = [0, 1].map(|k| row(&self.a, &self.b, &self.force, e.row + k));
-                    let step = 1.0 / self.a[e.row * m + e.row].max(self.a[(e.row + 1) * m + e.row + 1]);
+                    let step =
+                        1.0 / self.a[e.row * m + e.row].max(self.a[(e.row + 1) * m + e.row + 1]);
                     let next = [before[0] - step * w[0], before[1] - step * w[1]];
                     let size = next[0].hypot(next[1]);
                     let scale = if size > limit { limit / size } else { 1.0 };
@@ -326,7 +377,11 @@ impl Problem {
             self.elements[i].grip = if e.rows() == 2 {
                 let v = [w, self.motion[e.row + 1]];
                 let speed = v[0].hypot(v[1]);
-                if speed <= still { Grip::Held } else { Grip::Along([v[0] / speed, v[1] / speed]) }
+                if speed <= still {
+                    Grip::Held
+                } else {
+                    Grip::Along([v[0] / speed, v[1] / speed])
+                }
             } else if w > still {
                 Grip::Low
             } else if w < -still {
@@ -354,7 +409,11 @@ impl Problem {
                         && (w >= -still || f >= high - slack)
                 }
                 Bounds::Friction { rows, .. } => {
-                    let size = if rows == 2 { f.hypot(self.force[e.row + 1]) } else { f.abs() };
+                    let size = if rows == 2 {
+                        f.hypot(self.force[e.row + 1])
+                    } else {
+                        f.abs()
+                    };
                     size <= self.limit(e) + slack
                 }
             }
@@ -377,14 +436,28 @@ mod tests {
     fn contact(a: Vec<f64>, b: Vec<f64>, limit: f64) -> Problem {
         let rows = b.len();
         let elements = vec![
-            Element { row: 0, bounds: Bounds::Between(0.0, f64::INFINITY), grip: Grip::Held },
+            Element {
+                row: 0,
+                bounds: Bounds::Between(0.0, f64::INFINITY),
+                grip: Grip::Held,
+            },
             Element {
                 row: 1,
-                bounds: Bounds::Friction { normal: Some(0), limit, rows: rows - 1 },
+                bounds: Bounds::Friction {
+                    normal: Some(0),
+                    limit,
+                    rows: rows - 1,
+                },
                 grip: Grip::Held,
             },
         ];
-        Problem { rows, a, b, elements, ..Problem::default() }
+        Problem {
+            rows,
+            a,
+            b,
+            elements,
+            ..Problem::default()
+        }
     }
 
     #[test]
@@ -408,14 +481,17 @@ mod tests {
         let mut slides = contact(unit, vec![-10.0, 3.0, 4.0], 0.1);
         assert!(slides.resolve());
         let f = &slides.force;
-        assert!((f[1] + 0.6).abs() < 1e-12 && (f[2] + 0.8).abs() < 1e-12, "{f:?}");
+        assert!(
+            (f[1] + 0.6).abs() < 1e-12 && (f[2] + 0.8).abs() < 1e-12,
+            "{f:?}"
+        );
     }
 
     proptest! {
         #![proptest_config(ProptestConfig { rng_seed: proptest::test_runner::RngSeed::Fixed(1), failure_persistence: None, ..ProptestConfig::with_cases(500) })]
 
-        /// Whatever the masses and the pushes: contact forces obey Signorini's and Coulomb's laws. Low friction, so that rigid
-        /// bodies always have an answer.
+        /// Whatever the masses and the pushes: contact forces obey Signorini's and Coulomb's laws.
+        /// Low friction, so that rigid bodies always have an answer.
         #[test]
         fn forces_obey_the_laws(
             j in prop::collection::vec(-1.0..1.0_f64, 36),

@@ -1,4 +1,5 @@
-//! What can touch what: points and small spheres of the robot, and the ground, slopes, boxes and steps.
+//! What can touch what: points and small spheres of the robot, and the ground, slopes, boxes and
+//! steps.
 
 use crate::SimError;
 use crate::spatial::Vec3;
@@ -49,14 +50,22 @@ pub(crate) struct Proximity {
 impl Proximity {
     /// How fast the normal turns (1/s) where the centre moves at `velocity` (m/s).
     pub(crate) fn normal_rate(&self, velocity: &Vec3) -> Vec3 {
-        self.turning.iter().map(|axis| axis * axis.dot(velocity)).sum::<Vec3>() / self.distance.max(1e-9)
+        self.turning
+            .iter()
+            .map(|axis| axis * axis.dot(velocity))
+            .sum::<Vec3>()
+            / self.distance.max(1e-9)
     }
 }
 
 impl Surface {
-    /// Flat ground at height 0 (m), or a slope through the origin that rises by `slope` (rad) along x.
+    /// Flat ground at height 0 (m), or a slope through the origin that rises by `slope` (rad) along
+    /// x.
     pub fn ground(slope: f64) -> Surface {
-        Surface::Plane { point: Vec3::zeros(), normal: Vec3::new(-slope.sin(), 0.0, slope.cos()) }
+        Surface::Plane {
+            point: Vec3::zeros(),
+            normal: Vec3::new(-slope.sin(), 0.0, slope.cos()),
+        }
     }
 
     /// What messages call it.
@@ -68,7 +77,13 @@ impl Surface {
     }
 
     pub(crate) fn check(&self) -> Result<(), SimError> {
-        let wrong = |name: &str, value, allowed| Err(SimError::Input { name: name.into(), value, allowed });
+        let wrong = |name: &str, value, allowed| {
+            Err(SimError::Input {
+                name: name.into(),
+                value,
+                allowed,
+            })
+        };
         match self {
             Surface::Plane { point, normal } => {
                 if !point.iter().all(|x| x.is_finite()) {
@@ -110,8 +125,11 @@ fn block_proximity(low: &Vec3, high: &Vec3, center: &Vec3) -> Proximity {
     let distance = away.norm();
     if distance == 0.0 {
         // Inside: out through the nearest face.
-        let mut best =
-            Proximity { distance: f64::NEG_INFINITY, normal: Vec3::zeros(), turning: [Vec3::zeros(); 2] };
+        let mut best = Proximity {
+            distance: f64::NEG_INFINITY,
+            normal: Vec3::zeros(),
+            turning: [Vec3::zeros(); 2],
+        };
         for k in 0..3 {
             for (depth, sign) in [(low[k] - center[k], -1.0), (center[k] - high[k], 1.0)] {
                 if depth > best.distance {
@@ -140,12 +158,20 @@ fn block_proximity(low: &Vec3, high: &Vec3, center: &Vec3) -> Proximity {
         }
         _ => {}
     }
-    Proximity { distance, normal, turning }
+    Proximity {
+        distance,
+        normal,
+        turning,
+    }
 }
 
 /// Two unit vectors across `normal` and each other.
 pub(crate) fn across(normal: &Vec3) -> (Vec3, Vec3) {
-    let axis = if normal.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() };
+    let axis = if normal.x.abs() < 0.6 {
+        Vec3::x()
+    } else {
+        Vec3::y()
+    };
     let first = (axis - normal * normal.dot(&axis)).normalize();
     (first, normal.cross(&first))
 }
@@ -160,7 +186,8 @@ pub enum Travel {
 }
 
 impl Travel {
-    /// Unit vectors along and across the travel, both along a surface with this `normal` at `point` (m).
+    /// Unit vectors along and across the travel, both along a surface with this `normal` at `point`
+    /// (m).
     pub(crate) fn directions(&self, point: &Vec3, normal: &Vec3) -> (Vec3, Vec3) {
         let ahead = match self {
             Travel::Straight => Vec3::x(),
@@ -202,8 +229,10 @@ pub enum Friction {
 
 impl Friction {
     /// No slip along the travel, no friction across it.
-    pub const TRAVEL_STICKS: Friction =
-        Friction::Axes { along: (f64::INFINITY, f64::INFINITY), across: (0.0, 0.0) };
+    pub const TRAVEL_STICKS: Friction = Friction::Axes {
+        along: (f64::INFINITY, f64::INFINITY),
+        across: (0.0, 0.0),
+    };
 
     pub(crate) fn check(&self) -> Result<(), SimError> {
         let pairs = match *self {
@@ -213,7 +242,11 @@ impl Friction {
         for (standing, slipping) in pairs {
             if standing.is_nan() || standing < 0.0 {
                 let name = "static friction coefficient".into();
-                return Err(SimError::Input { name, value: standing, allowed: "a number ≥ 0, or inf" });
+                return Err(SimError::Input {
+                    name,
+                    value: standing,
+                    allowed: "a number ≥ 0, or inf",
+                });
             }
             if slipping.is_nan() || slipping < 0.0 || slipping > standing {
                 let name = "kinetic friction coefficient".into();
@@ -242,7 +275,13 @@ pub struct Material {
 impl Material {
     pub(crate) fn check(&self) -> Result<(), SimError> {
         self.friction.check()?;
-        let wrong = |name: &str, value, allowed| Err(SimError::Input { name: name.into(), value, allowed });
+        let wrong = |name: &str, value, allowed| {
+            Err(SimError::Input {
+                name: name.into(),
+                value,
+                allowed,
+            })
+        };
         if !(0.0..=1.0).contains(&self.restitution) {
             return wrong("restitution", self.restitution, "from 0 to 1");
         }
@@ -264,11 +303,22 @@ mod tests {
 
     #[test]
     fn a_block_is_as_far_as_its_nearest_point() {
-        let block = Surface::Block { low: Vec3::new(0.0, -1.0, 0.0), high: Vec3::new(2.0, 1.0, 1.0) };
+        let block = Surface::Block {
+            low: Vec3::new(0.0, -1.0, 0.0),
+            high: Vec3::new(2.0, 1.0, 1.0),
+        };
         let check = |center: [f64; 3], distance: f64, normal: [f64; 3]| {
             let found = block.proximity(&Vec3::from(center));
-            assert!((found.distance - distance).abs() < 1e-15, "{center:?}: {}", found.distance);
-            assert!((found.normal - Vec3::from(normal)).norm() < 1e-15, "{center:?}: {}", found.normal);
+            assert!(
+                (found.distance - distance).abs() < 1e-15,
+                "{center:?}: {}",
+                found.distance
+            );
+            assert!(
+                (found.normal - Vec3::from(normal)).norm() < 1e-15,
+                "{center:?}: {}",
+                found.normal
+            );
         };
         check([1.0, 0.0, 1.5], 0.5, [0.0, 0.0, 1.0]);
         check([-0.25, 0.0, 0.5], 0.25, [-1.0, 0.0, 0.0]);
@@ -278,8 +328,15 @@ mod tests {
 
     #[test]
     fn normals_turn_as_differences_say() {
-        let block = Surface::Block { low: Vec3::zeros(), high: Vec3::new(2.0, 1.0, 1.0) };
-        for center in [Vec3::new(-0.3, 0.5, 1.4), Vec3::new(-0.3, -0.2, 1.4), Vec3::new(0.3, 0.2, 1.4)] {
+        let block = Surface::Block {
+            low: Vec3::zeros(),
+            high: Vec3::new(2.0, 1.0, 1.0),
+        };
+        for center in [
+            Vec3::new(-0.3, 0.5, 1.4),
+            Vec3::new(-0.3, -0.2, 1.4),
+            Vec3::new(0.3, 0.2, 1.4),
+        ] {
             let velocity = Vec3::new(0.7, -0.4, 0.3);
             let normal = |t: f64| block.proximity(&(center + velocity * t)).normal;
             let difference = (normal(1e-6) - normal(-1e-6)) / 2e-6;

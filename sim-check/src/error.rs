@@ -25,14 +25,18 @@ pub enum SimError {
         wanted: usize,
     },
     /// A joint can move nothing: the bodies beyond it have no mass, or no inertia about it.
-    #[error("joint of body '{body}': what it moves has no inertia along it; give the bodies beyond it mass")]
+    #[error(
+        "joint of body '{body}': what it moves has no inertia along it; give the bodies beyond it \
+         mass"
+    )]
     NoInertia {
         /// The body that the joint carries.
         body: String,
     },
     /// The start has a point inside the ground or an obstacle.
     #[error(
-        "point '{point}' starts {depth} m inside {surface}; a start must not penetrate by more than {allowed} m"
+        "point '{point}' starts {depth} m inside {surface}; a start must not penetrate by more \
+         than {allowed} m"
     )]
     Penetration {
         /// Name of the contact point.
@@ -58,9 +62,9 @@ pub enum SimError {
     },
     /// No contact forces agree with Coulomb's law and rigid bodies.
     #[error(
-        "t = {time} s: the contact cannot be solved: on rigid ground with {} no contact forces obey the laws of motion \
-         (Painlevé's paradox); set ground.static_friction to a smaller number, such as 0.8, or make the ground compliant: \
-         ground.stiffness_n_per_m",
+        "t = {time} s: the contact cannot be solved: on rigid ground with {} no contact forces \
+         obey the laws of motion (Painlevé's paradox); set ground.static_friction to a smaller \
+         number, such as 0.8, or make the ground compliant: ground.stiffness_n_per_m",
         limit_of(*friction)
     )]
     Inconsistent {
@@ -91,7 +95,8 @@ pub enum SimError {
     },
     /// The integrator cannot go on.
     #[error(
-        "t = {time} s: the motion cannot be integrated further (step of {step} s); a number is infinite or not one"
+        "t = {time} s: the motion cannot be integrated further (step of {step} s); a number is \
+         infinite or not one"
     )]
     Stuck {
         /// When (s).
@@ -101,7 +106,8 @@ pub enum SimError {
     },
     /// A fixed step has led to numbers that are none, or beyond all bounds.
     #[error(
-        "t = {time} s: the motion diverges in fixed steps of {step} s; take shorter ones, or adaptive ones"
+        "t = {time} s: the motion diverges in fixed steps of {step} s; take shorter ones, or \
+         adaptive ones"
     )]
     Diverged {
         /// When (s).

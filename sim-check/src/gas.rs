@@ -37,8 +37,8 @@ const BEND: f64 = 0.02;
 const SUB_STEPS: usize = 48;
 
 impl Gas {
-    /// The gas after `h` seconds of `path`: midpoint sub-steps on each piece of the law, and where it is too stiff for them, an implicit
-    /// one, which is stable and stays on its piece.
+    /// The gas after `h` seconds of `path`: midpoint sub-steps on each piece of the law, and where
+    /// it is too stiff for them, an implicit one, which is stable and stays on its piece.
     pub(crate) fn advance(&mut self, chamber: &Chamber<f64>, path: &Path, h: f64) {
         let (mut t, mut tau) = (0.0, h);
         for _ in 0..SUB_STEPS {
@@ -80,9 +80,21 @@ impl Gas {
         (self.u + tau * second, (second - first).abs() * tau)
     }
 
-    /// Goes to the edge of the piece that `next`, after `tau`, is past, and onto the piece beyond it; the time that took.
-    fn meet_edge(&mut self, chamber: &Chamber<f64>, path: &Path, tau: f64, next: f64, is_above: bool) -> f64 {
-        let edge = if is_above { self.piece.high } else { self.piece.low };
+    /// Goes to the edge of the piece that `next`, after `tau`, is past, and onto the piece beyond
+    /// it; the time that took.
+    fn meet_edge(
+        &mut self,
+        chamber: &Chamber<f64>,
+        path: &Path,
+        tau: f64,
+        next: f64,
+        is_above: bool,
+    ) -> f64 {
+        let edge = if is_above {
+            self.piece.high
+        } else {
+            self.piece.low
+        };
         let (mut a, mut b, mut fa, mut fb) = (0.0, tau, self.u - edge, next - edge);
         // Secant steps; the parabola that the midpoint rule follows needs few.
         for _ in 0..4 {
@@ -107,10 +119,13 @@ impl Gas {
         self.u = chamber.variable(self.piece.flow, pressure);
     }
 
-    /// An implicit Euler step of `tau` to the end `path`: u₁ − τ u̇(u₁) = u, between the edges of the piece.
+    /// An implicit Euler step of `tau` to the end `path`: u₁ − τ u̇(u₁) = u, between the edges of
+    /// the piece.
     fn implicit(&mut self, chamber: &Chamber<f64>, path: &Path, tau: f64) {
-        let (edge_low, edge_high) =
-            (self.piece.low.min(self.piece.high), self.piece.low.max(self.piece.high));
+        let (edge_low, edge_high) = (
+            self.piece.low.min(self.piece.high),
+            self.piece.low.max(self.piece.high),
+        );
         let (mut low, mut high) = (edge_low.max(f64::MIN_POSITIVE), edge_high);
         for _ in 0..80 {
             let middle = 0.5 * (low + high);

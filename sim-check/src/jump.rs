@@ -13,7 +13,8 @@ pub struct Launch {
     pub rate: f64,
     /// Lean φ at the start (rad).
     pub lean: f64,
-    /// Firing angle α_f (rad): the lean at which the leg is commanded; at once where the start is beyond it.
+    /// Firing angle α_f (rad): the lean at which the leg is commanded; at once where the start is
+    /// beyond it.
     pub firing_angle: f64,
     /// Valve opening time t_v (s).
     pub valve_open: f64,
@@ -85,7 +86,8 @@ pub struct Report {
     pub lift_off: Option<LiftOff>,
     /// Greatest height of the axle (m).
     pub apex: f64,
-    /// Travel (m) from the foothold to where the axle comes down to the height of standing; NaN where it does not.
+    /// Travel (m) from the foothold to where the axle comes down to the height of standing; NaN
+    /// where it does not.
     pub landing: f64,
     /// The same, to the landing height asked for.
     pub landing_at: f64,
@@ -123,21 +125,41 @@ const LONGEST_FLIGHT: f64 = 100.0;
 
 impl Default for Plan {
     fn default() -> Plan {
-        Plan { settings: Settings::default(), sample: 1e-3, landing_height: 0.0, patience: 3.0 }
+        Plan {
+            settings: Settings::default(),
+            sample: 1e-3,
+            landing_height: 0.0,
+            patience: 3.0,
+        }
     }
 }
 
 impl Rig {
-    /// Simulates the jump `launch`. In flight nothing touches: the axle may come down as low as asked.
+    /// Simulates the jump `launch`. In flight nothing touches: the axle may come down as low as
+    /// asked.
     ///
     /// # Errors
     /// [`SimError`] for numbers that are no jump, or a motion that cannot go on.
     pub fn jump(&self, launch: &Launch, plan: &Plan) -> Result<Report, SimError> {
         check(launch, plan)?;
         let (q, v) = self.stand(launch.lean, launch.rate)?;
-        let sim = Sim::new(&self.mechanism, &q, &v, Settings { penetration: 1e-9, ..plan.settings })?;
+        let sim = Sim::new(
+            &self.mechanism,
+            &q,
+            &v,
+            Settings {
+                penetration: 1e-9,
+                ..plan.settings
+            },
+        )?;
         let start = sim.ledger();
-        let recorder = Recorder { rig: self, plan: *plan, sim, samples: Vec::new(), start };
+        let recorder = Recorder {
+            rig: self,
+            plan: *plan,
+            sim,
+            samples: Vec::new(),
+            start,
+        };
         recorder.fly(launch)
     }
 }
@@ -145,7 +167,12 @@ impl Rig {
 fn check(launch: &Launch, plan: &Plan) -> Result<(), SimError> {
     let upright = |x: f64| x.abs() < FRAC_PI_2;
     let found = [
-        ("firing angle (rad)", launch.firing_angle, upright(launch.firing_angle), "between -pi/2 and pi/2"),
+        (
+            "firing angle (rad)",
+            launch.firing_angle,
+            upright(launch.firing_angle),
+            "between -pi/2 and pi/2",
+        ),
         (
             "valve opening time (s)",
             launch.valve_open,
@@ -158,11 +185,25 @@ fn check(launch: &Launch, plan: &Plan) -> Result<(), SimError> {
             plan.sample > 1e-7 && plan.sample.is_finite(),
             "above 1e-7",
         ),
-        ("patience (s)", plan.patience, plan.patience > 0.0 && plan.patience < 1e4, "above 0, below 10000"),
-        ("landing height (m)", plan.landing_height, plan.landing_height.is_finite(), "a finite number"),
+        (
+            "patience (s)",
+            plan.patience,
+            plan.patience > 0.0 && plan.patience < 1e4,
+            "above 0, below 10000",
+        ),
+        (
+            "landing height (m)",
+            plan.landing_height,
+            plan.landing_height.is_finite(),
+            "a finite number",
+        ),
     ];
     match found.into_iter().find(|(_, _, is_right, _)| !is_right) {
-        Some((name, value, _, allowed)) => Err(SimError::Input { name: name.into(), value, allowed }),
+        Some((name, value, _, allowed)) => Err(SimError::Input {
+            name: name.into(),
+            value,
+            allowed,
+        }),
         None => Ok(()),
     }
 }
@@ -216,7 +257,10 @@ impl Recorder<'_> {
 
     /// Whether the jumping foot has left the ground.
     fn has_left(&self) -> bool {
-        self.sim.events().iter().any(|e| e.what == Happening::LiftOff(0, 0))
+        self.sim
+            .events()
+            .iter()
+            .any(|e| e.what == Happening::LiftOff(0, 0))
     }
 
     /// Goes on, sampling, until the time, a watch, or `left` holds.
@@ -287,7 +331,9 @@ impl Recorder<'_> {
             }
             let here = rig.axle(self.sim.coordinates());
             // The second of two equal heights is where the first is.
-            if here[1] <= height + 1e-12 || self.go(until, &[&above], |_| false)? == Stopped::Watch(0) {
+            if here[1] <= height + 1e-12
+                || self.go(until, &[&above], |_| false)? == Stopped::Watch(0)
+            {
                 landings[which] = rig.axle(self.sim.coordinates())[0];
             }
         }
@@ -318,10 +364,19 @@ impl Recorder<'_> {
         let stance = lift_off.map_or(f64::INFINITY, |l| l.time);
         // The last sample of a stance is that of a foot in the air.
         let standing: Vec<&Sample> = self.samples.iter().filter(|s| s.time < stance).collect();
-        let least_normal = standing.iter().map(|s| s.force[0]).fold(f64::INFINITY, f64::min);
+        let least_normal = standing
+            .iter()
+            .map(|s| s.force[0])
+            .fold(f64::INFINITY, f64::min);
         let needed = |s: &&Sample| (s.force[0] > 0.0).then(|| (s.force[1] / s.force[0]).abs());
-        let last = lift_off.filter(|l| l.at_end_stop).and_then(|l| at_end(&standing, l.time, needed));
-        let friction_needed = standing.iter().filter_map(needed).chain(last).fold(0.0, f64::max);
+        let last = lift_off
+            .filter(|l| l.at_end_stop)
+            .and_then(|l| at_end(&standing, l.time, needed));
+        let friction_needed = standing
+            .iter()
+            .filter_map(needed)
+            .chain(last)
+            .fold(0.0, f64::max);
         let slips_at = self
             .sim
             .events()
@@ -331,7 +386,8 @@ impl Recorder<'_> {
         let mut slipped = [0.0; 2];
         for pair in standing.windows(2) {
             for k in 0..2 {
-                slipped[k] += 0.5 * (pair[0].slip[k] + pair[1].slip[k]) * (pair[1].time - pair[0].time);
+                slipped[k] +=
+                    0.5 * (pair[0].slip[k] + pair[1].slip[k]) * (pair[1].time - pair[0].time);
             }
         }
         Report {
@@ -351,7 +407,8 @@ impl Recorder<'_> {
     }
 }
 
-/// What `of` comes to at the end of the stance, which is later than its last sample: by the parabola through the last three.
+/// What `of` comes to at the end of the stance, which is later than its last sample: by the
+/// parabola through the last three.
 fn at_end(standing: &[&Sample], end: f64, of: impl Fn(&&Sample) -> Option<f64>) -> Option<f64> {
     let [.., a, b, c] = standing else { return None };
     let (fa, fb, fc) = (of(a)?, of(b)?, of(c)?);

@@ -1,4 +1,5 @@
-//! The whole robot in space: a tree of bodies with contact, friction and slip, derived without `lagrangian` and `ballistic`.
+//! The whole robot in space: a tree of bodies with contact, friction and slip, derived without
+//! `lagrangian` and `ballistic`.
 
 mod complementarity;
 mod contact;

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Factors the symmetric positive definite `m` (n × n, row by row) into L Lᵀ, L in the lower triangle; false where it is not
-/// positive definite.
+/// Factors the symmetric positive definite `m` (n × n, row by row) into L Lᵀ, L in the lower
+/// triangle; false where it is not positive definite.
 pub(crate) fn cholesky(m: &mut [f64], n: usize) -> bool {
     for j in 0..n {
         let (above, rest) = m.split_at_mut(j * n);
@@ -45,8 +45,8 @@ pub(crate) fn backward(l: &[f64], n: usize, b: &mut [f64]) {
 /// Pivots below this part of the greatest are rows that say what others have said.
 const REDUNDANT: f64 = 1e-12;
 
-/// Solves the m × m system `a` x = `b` (row by row); x is left in `b`. Where rows are redundant, the x of least norm, and true;
-/// of numbers that are none, NaN.
+/// Solves the m × m system `a` x = `b` (row by row); x is left in `b`. Where rows are redundant,
+/// the x of least norm, and true; of numbers that are none, NaN.
 pub(crate) fn solve(a: &mut [f64], m: usize, b: &mut [f64]) -> bool {
     let scale = a[..m * m].iter().fold(0.0_f64, |s, x| s.max(x.abs()));
     let whole = Small::of(&a[..m * m], &b[..m]);
@@ -61,10 +61,11 @@ pub(crate) fn solve(a: &mut [f64], m: usize, b: &mut [f64]) -> bool {
     true
 }
 
-/// The x of least norm that solves the equations of `a` x = `b` which pivots above [`REDUNDANT`] of the greatest lead; none where
-/// there is a number that is not finite.
+/// The x of least norm that solves the equations of `a` x = `b` which pivots above [`REDUNDANT`] of
+/// the greatest lead; none where there is a number that is not finite.
 ///
-/// Elimination with full pivoting gives a solution and the null space, onto which that solution must have no part.
+/// Elimination with full pivoting gives a solution and the null space, onto which that solution
+/// must have no part.
 fn least_norm(a: &[f64], b: &[f64], m: usize) -> Option<Vec<f64>> {
     let mut a = DMatrix::from_row_slice(m, m, a);
     let mut b = DVector::from_row_slice(b);
@@ -101,7 +102,9 @@ fn least_norm(a: &[f64], b: &[f64], m: usize) -> Option<Vec<f64>> {
         i => f64::from(i == rank + k),
     });
     if null.ncols() > 0 {
-        let part = (null.transpose() * &null).cholesky()?.solve(&(null.transpose() * &x));
+        let part = (null.transpose() * &null)
+            .cholesky()?
+            .solve(&(null.transpose() * &x));
         x -= null * part;
     }
     let mut found = vec![0.0; m];
@@ -190,8 +193,17 @@ mod tests {
     #[test]
     fn redundant_systems_are_solved_to_round_off() {
         // The normals of four corners that slide: rank 3, not symmetric.
-        let left = [[1.0, 0.3, -0.2], [0.9, -1.1, 0.4], [1.2, 0.7, 1.5], [1.1, -0.7, 2.1]];
-        let right = [[1.0, 0.4, 0.6, 0.0], [0.2, 1.3, -0.7, 0.4], [0.5, -0.6, 1.7, 0.6]];
+        let left = [
+            [1.0, 0.3, -0.2],
+            [0.9, -1.1, 0.4],
+            [1.2, 0.7, 1.5],
+            [1.1, -0.7, 2.1],
+        ];
+        let right = [
+            [1.0, 0.4, 0.6, 0.0],
+            [0.2, 1.3, -0.7, 0.4],
+            [0.5, -0.6, 1.7, 0.6],
+        ];
         let mut a = [0.0; 16];
         for (i, j) in (0..16).map(|k| (k / 4, k % 4)) {
             a[i * 4 + j] = (0..3).map(|k| left[i][k] * right[k][j]).sum();
@@ -199,12 +211,18 @@ mod tests {
         let whole = a;
         let null = null_of(&right);
         let some = [0.3, 1.0, -0.4, 2.0];
-        let mut b: Vec<f64> = (0..4).map(|i| (0..4).map(|k| a[i * 4 + k] * some[k]).sum()).collect();
+        let mut b: Vec<f64> = (0..4)
+            .map(|i| (0..4).map(|k| a[i * 4 + k] * some[k]).sum())
+            .collect();
         let wanted = b.clone();
         assert!(solve(&mut a, 4, &mut b));
         for i in 0..4 {
             let got: f64 = (0..4).map(|k| whole[i * 4 + k] * b[k]).sum();
-            assert!((got - wanted[i]).abs() < 1e-14, "row {i}: {got} for {}", wanted[i]);
+            assert!(
+                (got - wanted[i]).abs() < 1e-14,
+                "row {i}: {got} for {}",
+                wanted[i]
+            );
         }
         let part: f64 = (0..4).map(|k| null[k] * b[k]).sum();
         assert!(part.abs() < 1e-14, "{part} along the null space");

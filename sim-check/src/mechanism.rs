@@ -12,7 +12,8 @@ use crate::tree::{Joint, Pose, Tree};
 pub struct Mechanism {
     /// The bodies.
     pub tree: Tree,
-    /// What acts in the joint of each body (joints of one coordinate; the others' parts are not used).
+    /// What acts in the joint of each body (joints of one coordinate; the others' parts are not
+    /// used).
     pub joints: Vec<JointParts>,
     /// Telescoping legs.
     pub legs: Vec<LegPart>,
@@ -63,7 +64,8 @@ pub struct LegPart {
     pub body: usize,
     /// What pushes it, and what resists.
     pub leg: Leg<f64>,
-    /// Without mass of its own: once its foot is off the ground, nothing tells where it is, and it stays.
+    /// Without mass of its own: once its foot is off the ground, nothing tells where it is, and it
+    /// stays.
     pub massless: bool,
 }
 
@@ -86,7 +88,10 @@ impl Mechanism {
             points: Vec::new(),
             surfaces: Vec::new(),
             material: Material {
-                friction: crate::contact::Friction::Cone { standing: 0.0, slipping: 0.0 },
+                friction: crate::contact::Friction::Cone {
+                    standing: 0.0,
+                    slipping: 0.0,
+                },
                 restitution: 0.0,
                 compliance: None,
             },
@@ -122,10 +127,20 @@ impl Mechanism {
 
     /// Checks every number, and that each joint has something to move at coordinates `q`.
     pub(crate) fn check(&self, q: &[f64]) -> Result<(), SimError> {
-        let wrong = |name: String, value, allowed| Err(SimError::Input { name, value, allowed });
+        let wrong = |name: String, value, allowed| {
+            Err(SimError::Input {
+                name,
+                value,
+                allowed,
+            })
+        };
         if self.joints.len() != self.tree.bodies().len() {
             let (given, wanted) = (self.joints.len(), self.tree.bodies().len());
-            return Err(SimError::Length { name: "joints", given, wanted });
+            return Err(SimError::Length {
+                name: "joints",
+                given,
+                wanted,
+            });
         }
         if let Some(g) = self.gravity.iter().find(|g| !g.is_finite()) {
             return wrong("gravity (m/s²)".into(), *g, "finite");
@@ -148,7 +163,11 @@ impl Mechanism {
                 );
             }
             if !point.center.iter().all(|x| x.is_finite()) {
-                return wrong(format!("centre of point '{}' (m)", point.name), f64::NAN, "finite");
+                return wrong(
+                    format!("centre of point '{}' (m)", point.name),
+                    f64::NAN,
+                    "finite",
+                );
             }
         }
         for (body, parts) in self.tree.bodies().iter().zip(&self.joints) {
@@ -161,7 +180,11 @@ impl Mechanism {
                 );
             }
             if parts.spring.1.is_nan() || parts.stops.0.is_nan() || parts.stops.1.is_nan() {
-                return wrong(format!("rest or stop in the joint of '{}'", body.name), f64::NAN, "a number");
+                return wrong(
+                    format!("rest or stop in the joint of '{}'", body.name),
+                    f64::NAN,
+                    "a number",
+                );
             }
             if parts.spring.1.is_infinite() {
                 let name = format!("rest of the spring in the joint of '{}'", body.name);
@@ -176,21 +199,35 @@ impl Mechanism {
         for leg in &self.legs {
             match self.tree.bodies().get(leg.body) {
                 Some(body) if matches!(body.joint, Joint::Prismatic(_)) => {}
-                _ => return wrong("body of a leg".into(), leg.body as f64, "one on a prismatic joint"),
+                _ => {
+                    return wrong(
+                        "body of a leg".into(),
+                        leg.body as f64,
+                        "one on a prismatic joint",
+                    );
+                }
             }
         }
         self.check_inertia(q)
     }
 
     fn check_surroundings(&self) -> Result<(), SimError> {
-        let wrong = |name: &str, value, allowed| Err(SimError::Input { name: name.into(), value, allowed });
+        let wrong = |name: &str, value, allowed| {
+            Err(SimError::Input {
+                name: name.into(),
+                value,
+                allowed,
+            })
+        };
         match (self.drag, self.travel) {
             (Some(drag), _) if drag.body >= self.tree.bodies().len() => {
                 wrong("body of the drag", drag.body as f64, "one of the tree's")
             }
-            (Some(drag), _) if !(drag.coefficient >= 0.0 && drag.coefficient.is_finite()) => {
-                wrong("drag coefficient (kg/m)", drag.coefficient, "a finite number ≥ 0")
-            }
+            (Some(drag), _) if !(drag.coefficient >= 0.0 && drag.coefficient.is_finite()) => wrong(
+                "drag coefficient (kg/m)",
+                drag.coefficient,
+                "a finite number ≥ 0",
+            ),
             (_, Travel::Around(center)) if !center.iter().all(|x| x.is_finite()) => {
                 wrong("centre of the travel (m)", f64::NAN, "finite")
             }
@@ -207,7 +244,9 @@ impl Mechanism {
             let first = self.tree.velocity_of(i);
             for k in first..first + body.joint.sizes().1 {
                 if mass[k * n + k] <= 0.0 || mass[k * n + k].is_nan() {
-                    return Err(SimError::NoInertia { body: body.name.clone() });
+                    return Err(SimError::NoInertia {
+                        body: body.name.clone(),
+                    });
                 }
             }
         }

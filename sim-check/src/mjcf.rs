@@ -13,11 +13,13 @@ use crate::tree::Joint;
 
 /// Friction coefficient that stands for one that is infinite.
 ///
-/// No greater one: MuJoCo's cone is convex, so that a foot that lifts off at v_n while it moves along at v_t is still pulled at while
-/// v_n < μ v_t. A leg of lean φ that is picked up at its end stop leaves with v_t/v_n = tan φ: it is let go up to φ = acot 2 = 0.46 rad.
+/// No greater one: MuJoCo's cone is convex, so that a foot that lifts off at v_n while it moves
+/// along at v_t is still pulled at while v_n < μ v_t. A leg of lean φ that is picked up at its end
+/// stop leaves with v_t/v_n = tan φ: it is let go up to φ = acot 2 = 0.46 rad.
 const NO_SLIP: f64 = 2.0;
 
-/// Least friction coefficient across the travel: with less beside one along it, MuJoCo's solver chatters between pushing and not.
+/// Least friction coefficient across the travel: with less beside one along it, MuJoCo's solver
+/// chatters between pushing and not.
 const LEAST_FRICTION: f64 = 1e-3;
 
 /// Radius (m) of the sphere that stands for a foot that is a point.
@@ -26,25 +28,33 @@ const POINT: f64 = 1e-5;
 /// Least moment of inertia (kg m²): MuJoCo takes none that is 0.
 const LEAST_INERTIA: f64 = 1e-12;
 
-/// Time constant (s) and damping ratio of constraints: MuJoCo lengthens the first to two of its steps.
+/// Time constant (s) and damping ratio of constraints: MuJoCo lengthens the first to two of its
+/// steps.
 const REFERENCE: &str = "1e-06 1";
 
-/// The same of end stops, damped so that a leg does not rebound: critically damped, they give back exp(-2) of its speed.
+/// The same of end stops, damped so that a leg does not rebound: critically damped, they give back
+/// exp(-2) of its speed.
 const STOP: &str = "1e-06 10";
 
 /// Impedance of every constraint: as near to rigid as MuJoCo goes.
 const IMPEDANCE: &str = "0.9999 0.9999 0.001 0.5 2";
 
-/// The rig of `robot` on its ground as MJCF: the same bodies, coordinates and signs as [`Rig::new`] gives, in SI units and radians.
+/// The rig of `robot` on its ground as MJCF: the same bodies, coordinates and signs as [`Rig::new`]
+/// gives, in SI units and radians.
 ///
-/// One motor for each leg, whose control is the force (N) of its drive, and one latch, an equality that holds the leg retracted until
-/// it is made inactive. What MuJoCo cannot express is said in a comment at the head of the file.
+/// One motor for each leg, whose control is the force (N) of its drive, and one latch, an equality
+/// that holds the leg retracted until it is made inactive. What MuJoCo cannot express is said in a
+/// comment at the head of the file.
 ///
 /// # Errors
 /// [`SimError`] for a robot whose parts cannot be bodies.
 pub fn mjcf(robot: &Robot) -> Result<String, SimError> {
     let rig = Rig::new(robot, &[])?;
-    let mut writer = Writer { robot, rig: &rig, xml: Xml::default() };
+    let mut writer = Writer {
+        robot,
+        rig: &rig,
+        xml: Xml::default(),
+    };
     writer.head();
     writer.xml.open("mujoco", &[("model", robot.name.clone())]);
     writer.options();
@@ -69,7 +79,8 @@ struct Writer<'a> {
     xml: Xml,
 }
 
-/// A joint that waits for a body with mass to be written in: its body, and its place (m) in the frame of the next.
+/// A joint that waits for a body with mass to be written in: its body, and its place (m) in the
+/// frame of the next.
 #[derive(Clone, Copy)]
 struct Waiting {
     body: usize,
@@ -85,27 +96,36 @@ impl Writer<'_> {
             env!("CARGO_PKG_VERSION")
         )]);
         let coordinates = if self.rig.boom.is_some() {
-            "Coordinates: turn (rad, forward) and pivot (rad, up) of the boom, then lean of leg_0 (rad), then each leg's extension."
+            "Coordinates: turn (rad, forward) and pivot (rad, up) of the boom, then lean of leg_0 \
+             (rad), then each leg's extension."
         } else {
-            "Coordinates: travel and height of the axle (m), lean of leg_0 (rad), then each leg's extension (m)."
+            "Coordinates: travel and height of the axle (m), lean of leg_0 (rad), then each leg's \
+             extension (m)."
         };
         self.xml.comment(&[
             "SI units and radians; x is the travel, z is up, lean is forward positive.",
             coordinates,
         ]);
         self.xml.comment(&[
-            "A leg's motor takes the force of its drive (N), less what is said below; its joint has viscous and Coulomb friction.",
-            "To fire leg K make the equality latch_K inactive (data.eq_active), wait for its delay, and set its motor's control.",
+            "A leg's motor takes the force of its drive (N), less what is said below; its joint \
+             has viscous and Coulomb friction.",
+            "To fire leg K make the equality latch_K inactive (data.eq_active), wait for its \
+             delay, and set its motor's control.",
         ]);
         let missing = missing(robot);
         let lines: Vec<&str> = missing.iter().map(String::as_str).collect();
-        self.xml.comment(&[&["What MuJoCo does not express:"], lines.as_slice()].concat());
+        self.xml
+            .comment(&[&["What MuJoCo does not express:"], lines.as_slice()].concat());
     }
 
     fn options(&mut self) {
         self.xml.leaf(
             "compiler",
-            &[("angle", "radian".into()), ("autolimits", "true".into()), ("inertiafromgeom", "false".into())],
+            &[
+                ("angle", "radian".into()),
+                ("autolimits", "true".into()),
+                ("inertiafromgeom", "false".into()),
+            ],
         );
         self.xml.leaf(
             "option",
@@ -113,14 +133,18 @@ impl Writer<'_> {
                 ("timestep", "0.0001".into()),
                 ("integrator", "implicitfast".into()),
                 ("cone", "elliptic".into()),
-                // At its default of 1e-8 the solver gives up while two coefficients of friction are far apart.
+                // At its default of 1e-8 the solver gives up while two coefficients of friction are
+                // far apart.
                 ("tolerance", "1e-15".into()),
                 ("gravity", vector(&self.rig.mechanism.gravity)),
             ],
         );
         self.xml.open("default", &[]);
         let solver = [("solref", REFERENCE.into()), ("solimp", IMPEDANCE.into())];
-        self.xml.leaf("geom", &[("contype", "0".into()), ("conaffinity", "0".into())]);
+        self.xml.leaf(
+            "geom",
+            &[("contype", "0".into()), ("conaffinity", "0".into())],
+        );
         self.xml.leaf(
             "joint",
             &[
@@ -131,13 +155,19 @@ impl Writer<'_> {
             ],
         );
         self.xml.leaf("equality", &solver);
-        self.xml.leaf("pair", &[&[("condim", "3".into())], solver.as_slice()].concat());
+        self.xml.leaf(
+            "pair",
+            &[&[("condim", "3".into())], solver.as_slice()].concat(),
+        );
         self.xml.close("default");
     }
 
     fn world(&mut self) {
         self.xml.open("worldbody", &[]);
-        self.xml.leaf("light", &[("pos", "0 0 4".into()), ("dir", "0 0 -1".into())]);
+        self.xml.leaf(
+            "light",
+            &[("pos", "0 0 4".into()), ("dir", "0 0 -1".into())],
+        );
         if let Some(Surface::Plane { point, normal }) = self.rig.mechanism.surfaces.first() {
             self.xml.leaf(
                 "geom",
@@ -159,18 +189,24 @@ impl Writer<'_> {
 
     fn children(&self, parent: Option<usize>) -> Vec<usize> {
         let bodies = self.rig.mechanism.tree.bodies().iter().enumerate();
-        bodies.filter(|(_, body)| body.parent == parent).map(|(i, _)| i).collect()
+        bodies
+            .filter(|(_, body)| body.parent == parent)
+            .map(|(i, _)| i)
+            .collect()
     }
 
-    /// Writes a body, `at` (m) in the frame of what is written around it. One without mass, which MuJoCo does not take, leaves its
-    /// joint to the body that it carries.
+    /// Writes a body, `at` (m) in the frame of what is written around it. One without mass, which
+    /// MuJoCo does not take, leaves its joint to the body that it carries.
     fn body(&mut self, index: usize, at: Vec3, mut joints: Vec<Waiting>) {
         let body = &self.rig.mechanism.tree.bodies()[index];
         let at = at + body.placement.position;
         for waiting in &mut joints {
             waiting.anchor -= body.placement.position;
         }
-        joints.push(Waiting { body: index, anchor: Vec3::zeros() });
+        joints.push(Waiting {
+            body: index,
+            anchor: Vec3::zeros(),
+        });
         if body.mass == 0.0 {
             for child in self.children(Some(index)) {
                 self.body(child, at, joints.clone());
@@ -179,8 +215,13 @@ impl Writer<'_> {
         }
         // The height is that of the axle above the ground: the robot as drawn stands on it.
         let raised = joints.iter().any(|j| Some(j.body) == self.height());
-        let at = if raised { at + Vec3::z() * self.rig.radius } else { at };
-        self.xml.open("body", &[("name", plain(&body.name)), ("pos", vector(&at))]);
+        let at = if raised {
+            at + Vec3::z() * self.rig.radius
+        } else {
+            at
+        };
+        self.xml
+            .open("body", &[("name", plain(&body.name)), ("pos", vector(&at))]);
         self.inertial(index);
         for joint in &joints {
             self.joint(joint);
@@ -203,13 +244,21 @@ impl Writer<'_> {
         let i = body.inertia + Matrix3::identity() * lacking.max(0.0);
         let off = [i[(0, 1)], i[(0, 2)], i[(1, 2)]];
         let diagonal = i.diagonal();
-        // MuJoCo finds the axes of a full matrix with round-off that a disc, two of whose moments sum to the third, does not bear.
+        // MuJoCo finds the axes of a full matrix with round-off that a disc, two of whose moments
+        // sum to the third, does not bear.
         let moments = if off == [0.0; 3] {
             ("diaginertia", vector(&diagonal))
         } else {
-            ("fullinertia", format!("{} {}", vector(&diagonal), numbers(&off)))
+            (
+                "fullinertia",
+                format!("{} {}", vector(&diagonal), numbers(&off)),
+            )
         };
-        let attributes = [("pos", vector(&body.center)), ("mass", number(body.mass)), moments];
+        let attributes = [
+            ("pos", vector(&body.center)),
+            ("mass", number(body.mass)),
+            moments,
+        ];
         self.xml.leaf("inertial", &attributes);
     }
 
@@ -243,9 +292,18 @@ impl Writer<'_> {
                 spring = (s.stiffness, -s.preload / s.stiffness);
             }
         }
-        let optional =
-            [("damping", damping), ("frictionloss", dry), ("stiffness", spring.0), ("springref", spring.1)];
-        attributes.extend(optional.into_iter().filter(|(_, x)| *x != 0.0).map(|(key, x)| (key, number(x))));
+        let optional = [
+            ("damping", damping),
+            ("frictionloss", dry),
+            ("stiffness", spring.0),
+            ("springref", spring.1),
+        ];
+        attributes.extend(
+            optional
+                .into_iter()
+                .filter(|(_, x)| *x != 0.0)
+                .map(|(key, x)| (key, number(x))),
+        );
         self.xml.leaf("joint", &attributes);
     }
 
@@ -259,20 +317,49 @@ impl Writer<'_> {
             let size = number(0.6 * rig.radius);
             self.xml.leaf(
                 "geom",
-                &[kind("cylinder"), ("fromto", ends), ("size", size), ("rgba", "0.3 0.4 0.6 1".into())],
+                &[
+                    kind("cylinder"),
+                    ("fromto", ends),
+                    ("size", size),
+                    ("rgba", "0.3 0.4 0.6 1".into()),
+                ],
             );
-            self.xml.leaf("site", &[("name", "axle".into()), ("size", "0.005".into())]);
-        } else if let Some(point) = rig.mechanism.points.iter().find(|point| point.body == index) {
+            self.xml
+                .leaf("site", &[("name", "axle".into()), ("size", "0.005".into())]);
+        } else if let Some(point) = rig
+            .mechanism
+            .points
+            .iter()
+            .find(|point| point.body == index)
+        {
             let way = point.center.normalize();
             let tip = way * rig.radius;
-            let length = if robot.leg.body.length > 0.0 { robot.leg.body.length } else { 0.4 * rig.radius };
-            let thickness =
-                if robot.leg.body.radius > 0.0 { robot.leg.body.radius } else { 0.02 * rig.radius };
+            let length = if robot.leg.body.length > 0.0 {
+                robot.leg.body.length
+            } else {
+                0.4 * rig.radius
+            };
+            let thickness = if robot.leg.body.radius > 0.0 {
+                robot.leg.body.radius
+            } else {
+                0.02 * rig.radius
+            };
             // Rods are drawn short of the tip, or they would hide the foot.
             let ends = [tip - way * length, tip - way * thickness.min(0.5 * length)];
             let ends = format!("{} {}", vector(&ends[0]), vector(&ends[1]));
-            self.xml.leaf("geom", &[kind("cylinder"), ("fromto", ends), ("size", number(thickness))]);
-            let radius = if point.radius > 0.0 { point.radius } else { POINT };
+            self.xml.leaf(
+                "geom",
+                &[
+                    kind("cylinder"),
+                    ("fromto", ends),
+                    ("size", number(thickness)),
+                ],
+            );
+            let radius = if point.radius > 0.0 {
+                point.radius
+            } else {
+                POINT
+            };
             let center = vector(&(tip - way * radius));
             let name = plain(&point.name);
             self.xml.leaf(
@@ -285,12 +372,22 @@ impl Writer<'_> {
                     ("rgba", "0.8 0.2 0.2 1".into()),
                 ],
             );
-            self.xml.leaf("site", &[("name", name), ("pos", center), ("size", number(radius + 0.005))]);
+            self.xml.leaf(
+                "site",
+                &[
+                    ("name", name),
+                    ("pos", center),
+                    ("size", number(radius + 0.005)),
+                ],
+            );
         } else if let Some(boom) = &robot.boom {
             let half = if boom.flex.is_some() { 0.5 } else { 1.0 };
             let ends = numbers(&[0.0, 0.0, 0.0, 0.0, half * boom.length, 0.0]);
             let size = number(if boom.radius > 0.0 { boom.radius } else { 0.01 });
-            self.xml.leaf("geom", &[kind("cylinder"), ("fromto", ends), ("size", size)]);
+            self.xml.leaf(
+                "geom",
+                &[kind("cylinder"), ("fromto", ends), ("size", size)],
+            );
         }
     }
 
@@ -319,7 +416,11 @@ impl Writer<'_> {
     }
 
     fn legs(&self) -> Vec<String> {
-        self.rig.legs.iter().map(|&leg| plain(&self.rig.mechanism.tree.bodies()[leg].name)).collect()
+        self.rig
+            .legs
+            .iter()
+            .map(|&leg| plain(&self.rig.mechanism.tree.bodies()[leg].name))
+            .collect()
     }
 
     fn latches(&mut self) {
@@ -327,7 +428,11 @@ impl Writer<'_> {
         for (k, joint1) in self.legs().into_iter().enumerate() {
             self.xml.leaf(
                 "joint",
-                &[("name", format!("latch_{k}")), ("joint1", joint1), ("polycoef", "0 0 0 0 0".into())],
+                &[
+                    ("name", format!("latch_{k}")),
+                    ("joint1", joint1),
+                    ("polycoef", "0 0 0 0 0".into()),
+                ],
             );
         }
         self.xml.close("equality");
@@ -336,7 +441,8 @@ impl Writer<'_> {
     fn actuators(&mut self) {
         self.xml.open("actuator", &[]);
         for joint in self.legs() {
-            self.xml.leaf("motor", &[("name", joint.clone()), ("joint", joint)]);
+            self.xml
+                .leaf("motor", &[("name", joint.clone()), ("joint", joint)]);
         }
         self.xml.close("actuator");
     }
@@ -346,17 +452,46 @@ impl Writer<'_> {
         let joints: Vec<String> = tree.bodies().iter().map(|body| plain(&body.name)).collect();
         self.xml.open("sensor", &[]);
         for joint in joints {
-            self.xml.leaf("jointpos", &[("name", format!("{joint}_position")), ("joint", joint.clone())]);
-            self.xml.leaf("jointvel", &[("name", format!("{joint}_velocity")), ("joint", joint)]);
+            self.xml.leaf(
+                "jointpos",
+                &[
+                    ("name", format!("{joint}_position")),
+                    ("joint", joint.clone()),
+                ],
+            );
+            self.xml.leaf(
+                "jointvel",
+                &[("name", format!("{joint}_velocity")), ("joint", joint)],
+            );
         }
         for sensor in ["framepos", "framelinvel"] {
-            let name = format!("axle_{}", if sensor == "framepos" { "position" } else { "velocity" });
-            self.xml.leaf(sensor, &[("name", name), ("objtype", "site".into()), ("objname", "axle".into())]);
+            let name = format!(
+                "axle_{}",
+                if sensor == "framepos" {
+                    "position"
+                } else {
+                    "velocity"
+                }
+            );
+            self.xml.leaf(
+                sensor,
+                &[
+                    ("name", name),
+                    ("objtype", "site".into()),
+                    ("objname", "axle".into()),
+                ],
+            );
         }
-        self.xml.leaf("gyro", &[("name", "axle_gyro".into()), ("site", "axle".into())]);
+        self.xml.leaf(
+            "gyro",
+            &[("name", "axle_gyro".into()), ("site", "axle".into())],
+        );
         for point in &self.rig.mechanism.points {
             let site = plain(&point.name);
-            self.xml.leaf("touch", &[("name", format!("{site}_force")), ("site", site)]);
+            self.xml.leaf(
+                "touch",
+                &[("name", format!("{site}_force")), ("site", site)],
+            );
         }
         self.xml.close("sensor");
     }
@@ -364,7 +499,8 @@ impl Writer<'_> {
     fn keyframe(&mut self) -> Result<(), SimError> {
         let (q, _) = self.rig.stand(0.0, 0.0)?;
         self.xml.open("keyframe", &[]);
-        self.xml.leaf("key", &[("name", "stand".into()), ("qpos", numbers(&q))]);
+        self.xml
+            .leaf("key", &[("name", "stand".into()), ("qpos", numbers(&q))]);
         self.xml.close("keyframe");
         Ok(())
     }
@@ -373,9 +509,12 @@ impl Writer<'_> {
 /// What of `robot` the file does not say, or says otherwise, a line each.
 fn missing(robot: &Robot) -> Vec<String> {
     let mut lines = vec![
-        "- constraints are soft: contacts, end stops, latches and dry friction give way a little, with a time constant of two time steps,"
+        "- constraints are soft: contacts, end stops, latches and dry friction give way a little, \
+         with a time constant of two time steps,"
             .to_owned(),
-        "  and an end stop or a foot may rebound a little; reduce the time step until nothing changes;".to_owned(),
+        "  and an end stop or a foot may rebound a little; reduce the time step until nothing \
+         changes;"
+            .to_owned(),
     ];
     let mut say = |condition: bool, text: String| {
         if condition {
@@ -392,37 +531,67 @@ fn missing(robot: &Robot) -> Vec<String> {
         "the law of the drive: give its force to the motor".into(),
     );
     if let Drive::Pneumatic(cylinder) = &leg.drive {
-        say(cylinder.seal_friction > 0.0, format!("seal friction of {} N/Pa", cylinder.seal_friction));
+        say(
+            cylinder.seal_friction > 0.0,
+            format!("seal friction of {} N/Pa", cylinder.seal_friction),
+        );
     }
     if let Some(spring) = leg.return_spring {
         say(
             spring.stiffness == 0.0 && spring.preload > 0.0,
-            format!("the return spring's constant force of {} N: take it from the motor's", spring.preload),
+            format!(
+                "the return spring's constant force of {} N: take it from the motor's",
+                spring.preload
+            ),
         );
     }
-    say(leg.cushion.is_some(), "the end-stop cushion: take its force from the motor's".into());
+    say(
+        leg.cushion.is_some(),
+        "the end-stop cushion: take its force from the motor's".into(),
+    );
     say(
         leg.body.mass == 0.0,
-        "legs without mass: each has 1e-6 of the robot's, and a drive pushes it through ground and end stop; give leg.mass_kg".into(),
+        "legs without mass: each has 1e-6 of the robot's, and a drive pushes it through ground \
+         and end stop; give leg.mass_kg"
+            .into(),
     );
-    say(!ground.static_friction.is_finite(), format!("infinite friction: the coefficient is {NO_SLIP}"));
+    say(
+        !ground.static_friction.is_finite(),
+        format!("infinite friction: the coefficient is {NO_SLIP}"),
+    );
     say(
         ground.static_friction.is_finite() && ground.kinetic_friction != ground.static_friction,
-        format!("kinetic friction of {}: the coefficient is the static one", ground.kinetic_friction),
+        format!(
+            "kinetic friction of {}: the coefficient is the static one",
+            ground.kinetic_friction
+        ),
     );
     say(
         robot.boom.is_some(),
-        "friction by the direction of travel: across it is along y, as where the boom stands at turn 0"
+        "friction by the direction of travel: across it is along y, as where the boom stands at \
+         turn 0"
             .into(),
     );
     say(
         robot.boom.is_some() && ground.across_friction < LEAST_FRICTION,
         format!("a coefficient of friction across it below {LEAST_FRICTION}: it is that"),
     );
-    say(robot.foot.radius == 0.0, format!("feet that are points: they are spheres of radius {POINT} m"));
-    say(ground.restitution > 0.0, format!("a foot's restitution of {}", ground.restitution));
-    say(ground.stiffness.is_some(), "the stiffness of the ground (N/m)".into());
-    say(robot.environment.drag > 0.0, format!("air drag of {} 1/m", robot.environment.drag));
+    say(
+        robot.foot.radius == 0.0,
+        format!("feet that are points: they are spheres of radius {POINT} m"),
+    );
+    say(
+        ground.restitution > 0.0,
+        format!("a foot's restitution of {}", ground.restitution),
+    );
+    say(
+        ground.stiffness.is_some(),
+        "the stiffness of the ground (N/m)".into(),
+    );
+    say(
+        robot.environment.drag > 0.0,
+        format!("air drag of {} 1/m", robot.environment.drag),
+    );
     if let Some(last) = lines.last_mut() {
         last.pop();
         last.push('.');
@@ -436,7 +605,10 @@ fn number(x: f64) -> String {
 }
 
 fn numbers(list: &[f64]) -> String {
-    list.iter().map(|x| number(*x)).collect::<Vec<_>>().join(" ")
+    list.iter()
+        .map(|x| number(*x))
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 fn vector(v: &Vec3) -> String {
@@ -472,7 +644,11 @@ impl Xml {
 
     fn comment(&mut self, lines: &[&str]) {
         // Two dashes end a comment.
-        let text = lines.iter().map(|line| allowed(line)).collect::<Vec<_>>().join("\n     ");
+        let text = lines
+            .iter()
+            .map(|line| allowed(line))
+            .collect::<Vec<_>>()
+            .join("\n     ");
         let text = text.replace("--", "- -").replace("--", "- -");
         self.line(&format!("<!-- {text} -->"));
     }
@@ -489,12 +665,23 @@ fn listed(attributes: &[(&str, String)]) -> String {
 /// `text` without the characters that XML has no way to write.
 fn allowed(text: &str) -> String {
     text.chars()
-        .map(|c| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { ' ' } else { c })
+        .map(|c| {
+            if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') {
+                ' '
+            } else {
+                c
+            }
+        })
         .collect()
 }
 
 fn escaped(text: &str) -> String {
-    let entities = [('&', "&amp;"), ('<', "&lt;"), ('>', "&gt;"), ('"', "&quot;")];
+    let entities = [
+        ('&', "&amp;"),
+        ('<', "&lt;"),
+        ('>', "&gt;"),
+        ('"', "&quot;"),
+    ];
     let mut out = String::new();
     for c in allowed(text).chars() {
         match entities.iter().find(|(e, _)| *e == c) {

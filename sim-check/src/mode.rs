@@ -34,7 +34,10 @@ pub(crate) struct ContactMode {
 }
 
 impl ContactMode {
-    pub(crate) const OPEN: ContactMode = ContactMode { closed: false, grips: [Grip::Held; 2] };
+    pub(crate) const OPEN: ContactMode = ContactMode {
+        closed: false,
+        grips: [Grip::Held; 2],
+    };
 }
 
 /// What a leg's drive does.
@@ -59,6 +62,9 @@ pub(crate) struct Mode {
 
 impl Mode {
     pub(crate) fn latched(&self) -> Vec<bool> {
-        self.joints.iter().map(|j| *j == JointMode::Latched).collect()
+        self.joints
+            .iter()
+            .map(|j| *j == JointMode::Latched)
+            .collect()
     }
 }

@@ -10,14 +10,15 @@ use crate::mechanism::{Drag, JointParts, LegPart, Mechanism};
 use crate::spatial::Vec3;
 use crate::tree::{Body, Joint, Placement, Pose, Tree};
 
-/// Mass of a leg without mass as a part of the robot's, and least moment of inertia of the wheel as a part of that of its mass at the rim:
-/// what they do is below 1e-6 of anything.
+/// Mass of a leg without mass as a part of the robot's, and least moment of inertia of the wheel as
+/// a part of that of its mass at the rim: what they do is below 1e-6 of anything.
 const MASSLESS: f64 = 1e-6;
 
 /// A robot as bodies in space: x along the travel, z up, the boom's base at y = −L.
 ///
-/// Coordinates: travel x (m) and height z (m) of the axle, or with a boom its radius angle ψ (rad, forward) and pivot angle θ (rad, up;
-/// and the bend of a flexible one); then the lean φ of the first leg (rad), then each leg's extension (m).
+/// Coordinates: travel x (m) and height z (m) of the axle, or with a boom its radius angle ψ (rad,
+/// forward) and pivot angle θ (rad, up; and the bend of a flexible one); then the lean φ of the
+/// first leg (rad), then each leg's extension (m).
 #[derive(Clone, Debug)]
 pub struct Rig {
     /// The mechanism.
@@ -44,8 +45,16 @@ impl Rig {
             Some(boom) => add_boom(&mut tree, &mut joints, boom, robot.body.radius)?,
             None => add_plane(&mut tree, &mut joints)?,
         };
-        let wheel = add_wheel(&mut tree, robot, carrier, robot.boom.map_or(0.0, |b| b.length))?;
-        joints.push(JointParts { friction: robot.body.axle_friction, ..JointParts::default() });
+        let wheel = add_wheel(
+            &mut tree,
+            robot,
+            carrier,
+            robot.boom.map_or(0.0, |b| b.length),
+        )?;
+        joints.push(JointParts {
+            friction: robot.body.axle_friction,
+            ..JointParts::default()
+        });
         let legs = add_legs(&mut tree, robot, wheel)?;
         joints.resize(tree.bodies().len(), JointParts::default());
 
@@ -53,7 +62,14 @@ impl Rig {
         let massless = robot.leg.body.mass == 0.0;
         let mut mechanism = Mechanism::new(tree, Vec3::new(0.0, 0.0, -robot.environment.gravity));
         mechanism.joints = joints;
-        mechanism.legs = legs.iter().map(|&body| LegPart { body, leg: leg.clone(), massless }).collect();
+        mechanism.legs = legs
+            .iter()
+            .map(|&body| LegPart {
+                body,
+                leg: leg.clone(),
+                massless,
+            })
+            .collect();
         let foot = robot.foot.radius;
         mechanism.points = legs
             .iter()
@@ -72,10 +88,18 @@ impl Rig {
             mechanism.travel = Travel::Around(Vec3::new(0.0, -boom.length, 0.0));
         }
         if robot.environment.drag > 0.0 {
-            mechanism.drag =
-                Some(Drag { body: wheel, coefficient: robot.environment.drag * robot.axle_mass() });
+            mechanism.drag = Some(Drag {
+                body: wheel,
+                coefficient: robot.environment.drag * robot.axle_mass(),
+            });
         }
-        Ok(Rig { mechanism, wheel, legs, radius: robot.body.radius, boom: robot.boom.map(|b| b.length) })
+        Ok(Rig {
+            mechanism,
+            wheel,
+            legs,
+            radius: robot.body.radius,
+            boom: robot.boom.map(|b| b.length),
+        })
     }
 
     /// Coordinate of the wheel's lean (rad).
@@ -98,7 +122,10 @@ impl Rig {
         match self.boom {
             Some(length) => {
                 let (pivot, bend, part) = self.boom_angles(q, length);
-                [length * q[0], self.radius + part * (pivot.sin() + (pivot + bend).sin())]
+                [
+                    length * q[0],
+                    self.radius + part * (pivot.sin() + (pivot + bend).sin()),
+                ]
             }
             None => [q[0], q[1]],
         }
@@ -117,15 +144,24 @@ impl Rig {
         }
     }
 
-    /// A boom's pivot angle and bend among `x`, coordinates or velocities, and the length of each half (m).
+    /// A boom's pivot angle and bend among `x`, coordinates or velocities, and the length of each
+    /// half (m).
     fn boom_angles(&self, x: &[f64], length: f64) -> (f64, f64, f64) {
-        let bend = if self.lean_coordinate() == 3 { x[2] } else { 0.0 };
+        let bend = if self.lean_coordinate() == 3 {
+            x[2]
+        } else {
+            0.0
+        };
         (x[1], bend, 0.5 * length)
     }
 
     fn pose_at(&self, q: &[f64]) -> Pose {
         let mut pose = Pose::default();
-        pose.set(&self.mechanism.tree, q, &vec![0.0; self.mechanism.tree.velocities()]);
+        pose.set(
+            &self.mechanism.tree,
+            q,
+            &vec![0.0; self.mechanism.tree.velocities()],
+        );
         pose
     }
 
@@ -137,13 +173,21 @@ impl Rig {
         }
     }
 
-    /// The robot on the foot of leg 0, retracted, at the lean `lean` (rad) and turning forward at `rate` (rad/s) about the foot, which
-    /// is at travel 0 and does not slip along it: coordinates and velocities.
+    /// The robot on the foot of leg 0, retracted, at the lean `lean` (rad) and turning forward at
+    /// `rate` (rad/s) about the foot, which is at travel 0 and does not slip along it: coordinates
+    /// and velocities.
     ///
     /// # Errors
-    /// [`SimError::Input`] for a lean or a rate that is not a number, or a lean at which the wheel would be below the ground.
+    /// [`SimError::Input`] for a lean or a rate that is not a number, or a lean at which the wheel
+    /// would be below the ground.
     pub fn stand(&self, lean: f64, rate: f64) -> Result<(Vec<f64>, Vec<f64>), SimError> {
-        let wrong = |name: &str, value, allowed| Err(SimError::Input { name: name.into(), value, allowed });
+        let wrong = |name: &str, value, allowed| {
+            Err(SimError::Input {
+                name: name.into(),
+                value,
+                allowed,
+            })
+        };
         if lean.is_nan() || lean.abs() >= std::f64::consts::FRAC_PI_2 {
             return wrong("start lean (rad)", lean, "between -pi/2 and pi/2");
         }
@@ -156,7 +200,8 @@ impl Rig {
         if self.boom.is_none() {
             q[1] = self.radius;
         }
-        // The foot's gap is nearly linear in the height, or in the pivot angle; so is its travel in the other.
+        // The foot's gap is nearly linear in the height, or in the pivot angle; so is its travel in
+        // the other.
         for _ in 0..30 {
             let (gap, place) = self.foot(&q);
             let travel = self.travel_of(&place);
@@ -191,7 +236,10 @@ impl Rig {
         let point = &self.mechanism.points[0];
         let center = pose.frames[point.body].point(&point.center);
         let near = self.mechanism.surfaces[0].proximity(&center);
-        (near.distance - point.radius, center - near.normal * point.radius)
+        (
+            near.distance - point.radius,
+            center - near.normal * point.radius,
+        )
     }
 
     fn slope_of_gap(&self, q: &[f64]) -> f64 {
@@ -233,8 +281,18 @@ fn link(name: &str, parent: Option<usize>, joint: Joint, at: Vec3) -> Body {
 }
 
 fn add_plane(tree: &mut Tree, joints: &mut Vec<JointParts>) -> Result<usize, SimError> {
-    let travel = tree.add(link("travel", None, Joint::Prismatic(Vec3::x()), Vec3::zeros()))?;
-    let height = tree.add(link("height", Some(travel), Joint::Prismatic(Vec3::z()), Vec3::zeros()))?;
+    let travel = tree.add(link(
+        "travel",
+        None,
+        Joint::Prismatic(Vec3::x()),
+        Vec3::zeros(),
+    ))?;
+    let height = tree.add(link(
+        "height",
+        Some(travel),
+        Joint::Prismatic(Vec3::z()),
+        Vec3::zeros(),
+    ))?;
     joints.resize(2, JointParts::default());
     Ok(height)
 }
@@ -271,15 +329,24 @@ fn add_boom(
     }
     let inner = tree.add(inner)?;
     joints.push(JointParts::default());
-    let Some(stiffness) = boom.flex else { return Ok(inner) };
-    joints.push(JointParts { spring: (stiffness, 0.0), ..JointParts::default() });
+    let Some(stiffness) = boom.flex else {
+        return Ok(inner);
+    };
+    joints.push(JointParts {
+        spring: (stiffness, 0.0),
+        ..JointParts::default()
+    });
     tree.add(rod("boom's outer half", inner, Vec3::y() * length, length))
 }
 
 fn add_wheel(tree: &mut Tree, robot: &Robot, carrier: usize, boom: f64) -> Result<usize, SimError> {
     let massless = robot.leg.body.mass == 0.0;
     let mass = robot.wheel_mass()
-        - if massless { f64::from(robot.body.legs) * MASSLESS * robot.body.mass } else { 0.0 };
+        - if massless {
+            f64::from(robot.body.legs) * MASSLESS * robot.body.mass
+        } else {
+            0.0
+        };
     let (offset, angle) = (robot.body.imbalance, robot.body.imbalance_angle);
     let center = Vec3::new(angle.sin(), 0.0, -angle.cos()) * offset;
     // A disc: about a diameter half of what it is about the axle.
@@ -291,7 +358,12 @@ fn add_wheel(tree: &mut Tree, robot: &Robot, carrier: usize, boom: f64) -> Resul
         (Some(_), 3) => Vec3::y() * (boom / 2.0),
         (Some(_), _) => Vec3::y() * boom,
     };
-    tree.add(Body { mass, center, inertia, ..link("wheel", Some(carrier), Joint::Revolute(Vec3::y()), at) })
+    tree.add(Body {
+        mass,
+        center,
+        inertia,
+        ..link("wheel", Some(carrier), Joint::Revolute(Vec3::y()), at)
+    })
 }
 
 fn add_legs(tree: &mut Tree, robot: &Robot, wheel: usize) -> Result<Vec<usize>, SimError> {
@@ -300,7 +372,12 @@ fn add_legs(tree: &mut Tree, robot: &Robot, wheel: usize) -> Result<Vec<usize>, 
     (0..n)
         .map(|k| {
             let way = direction(k, n);
-            let mut body = link(&format!("leg {k}"), Some(wheel), Joint::Prismatic(way), Vec3::zeros());
+            let mut body = link(
+                &format!("leg {k}"),
+                Some(wheel),
+                Joint::Prismatic(way),
+                Vec3::zeros(),
+            );
             if part.mass == 0.0 {
                 // At the axle, where it adds nothing to the wheel's moment of inertia.
                 body.mass = MASSLESS * robot.body.mass;
@@ -309,7 +386,8 @@ fn add_legs(tree: &mut Tree, robot: &Robot, wheel: usize) -> Result<Vec<usize>, 
                 body.center = way * part.center;
                 let along = 0.5 * part.mass * part.radius * part.radius;
                 let across = part.inertia();
-                body.inertia = Matrix3::identity() * across + way * way.transpose() * (along - across);
+                body.inertia =
+                    Matrix3::identity() * across + way * way.transpose() * (along - across);
             }
             tree.add(body)
         })
@@ -324,6 +402,8 @@ fn material(robot: &Robot) -> Material {
             across: (ground.across_friction, ground.across_friction),
         },
         restitution: ground.restitution,
-        compliance: ground.stiffness.map(|stiffness| (stiffness, ground.damping)),
+        compliance: ground
+            .stiffness
+            .map(|stiffness| (stiffness, ground.damping)),
     }
 }

@@ -1,6 +1,7 @@
 //! Spatial vectors: motions, wrenches and inertias, all in world axes and about the world's origin.
 //!
-//! Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 2, with one frame for all bodies.
+//! Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 2, with one frame for all
+//! bodies.
 
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
@@ -34,8 +35,8 @@ impl Motion {
         self.linear + self.angular.cross(point)
     }
 
-    /// Classical acceleration (m/s²) of the body's point at `point`, where `self` is the body's spatial acceleration and
-    /// `velocity` its velocity.
+    /// Classical acceleration (m/s²) of the body's point at `point`, where `self` is the body's
+    /// spatial acceleration and `velocity` its velocity.
     #[inline]
     pub fn acceleration_at(&self, velocity: &Motion, point: &Vec3) -> Vec3 {
         self.at(point) + velocity.angular.cross(&velocity.at(point))
@@ -69,7 +70,10 @@ impl Motion {
 impl Wrench {
     /// The `force` (N) that acts at `point` (m).
     pub fn at(point: &Vec3, force: Vec3) -> Wrench {
-        Wrench { moment: point.cross(&force), force }
+        Wrench {
+            moment: point.cross(&force),
+            force,
+        }
     }
 }
 
@@ -77,7 +81,10 @@ impl Add for Motion {
     type Output = Motion;
     #[inline]
     fn add(self, other: Motion) -> Motion {
-        Motion { angular: self.angular + other.angular, linear: self.linear + other.linear }
+        Motion {
+            angular: self.angular + other.angular,
+            linear: self.linear + other.linear,
+        }
     }
 }
 
@@ -85,7 +92,10 @@ impl Mul<f64> for Motion {
     type Output = Motion;
     #[inline]
     fn mul(self, scale: f64) -> Motion {
-        Motion { angular: self.angular * scale, linear: self.linear * scale }
+        Motion {
+            angular: self.angular * scale,
+            linear: self.linear * scale,
+        }
     }
 }
 
@@ -101,7 +111,10 @@ impl Sub for Wrench {
     type Output = Wrench;
     #[inline]
     fn sub(self, other: Wrench) -> Wrench {
-        Wrench { moment: self.moment - other.moment, force: self.force - other.force }
+        Wrench {
+            moment: self.moment - other.moment,
+            force: self.force - other.force,
+        }
     }
 }
 
@@ -117,7 +130,10 @@ impl Add for Wrench {
 impl Neg for Wrench {
     type Output = Wrench;
     fn neg(self) -> Wrench {
-        Wrench { moment: -self.moment, force: -self.force }
+        Wrench {
+            moment: -self.moment,
+            force: -self.force,
+        }
     }
 }
 
@@ -133,7 +149,8 @@ pub struct Inertia {
 }
 
 impl Inertia {
-    /// A body of `mass` (kg) with its centre at `center` (m) and the moments `about_center` (kg m²).
+    /// A body of `mass` (kg) with its centre at `center` (m) and the moments `about_center` (kg
+    /// m²).
     #[inline]
     pub fn new(mass: f64, center: &Vec3, about_center: &Matrix3<f64>) -> Inertia {
         let (c, i) = (center, about_center);

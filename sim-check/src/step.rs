@@ -11,7 +11,10 @@ pub(crate) struct Stages {
 
 impl Stages {
     pub(crate) fn new(size: usize) -> Stages {
-        Stages { k: vec![vec![0.0; size]; STAGES], argument: vec![0.0; size] }
+        Stages {
+            k: vec![vec![0.0; size]; STAGES],
+            argument: vec![0.0; size],
+        }
     }
 
     /// The derivative at the start of the step, to be set before it.
@@ -19,8 +22,9 @@ impl Stages {
         &mut self.k[0]
     }
 
-    /// One step of length `h` from `y` to `next`; the error estimate over the first `checked` components as a multiple of
-    /// `tolerance`, each relative to 1 + |y|. NaN is a step that cannot be.
+    /// One step of length `h` from `y` to `next`; the error estimate over the first `checked`
+    /// components as a multiple of `tolerance`, each relative to 1 + |y|. NaN is a step that cannot
+    /// be.
     pub(crate) fn step(
         &mut self,
         mut f: impl FnMut(&[f64], &mut [f64]),
@@ -44,7 +48,12 @@ impl Stages {
         for i in 0..checked {
             let scale = 1.0 / (1.0 + y[i].abs().max(next[i].abs()));
             let sum = |weights: &[f64; STAGES]| -> f64 {
-                weights.iter().zip(&self.k).map(|(w, k)| w * k[i]).sum::<f64>() * scale
+                weights
+                    .iter()
+                    .zip(&self.k)
+                    .map(|(w, k)| w * k[i])
+                    .sum::<f64>()
+                    * scale
             };
             fifth += sum(&E5).powi(2);
             third += sum(&E3).powi(2);

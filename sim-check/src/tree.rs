@@ -1,7 +1,8 @@
-//! A tree of rigid bodies in reduced coordinates: where everything is, and the equations of motion M(q) v̇ + h(q, v) = τ.
+//! A tree of rigid bodies in reduced coordinates: where everything is, and the equations of motion
+//! M(q) v̇ + h(q, v) = τ.
 //!
-//! Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5 (Newton–Euler) and 6 (composite bodies), with every
-//! quantity in world axes about one origin.
+//! Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5 (Newton–Euler) and 6
+//! (composite bodies), with every quantity in world axes about one origin.
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 
@@ -20,12 +21,18 @@ pub struct Placement {
 impl Placement {
     /// The frame itself.
     pub fn identity() -> Placement {
-        Placement { rotation: Matrix3::identity(), position: Vec3::zeros() }
+        Placement {
+            rotation: Matrix3::identity(),
+            position: Vec3::zeros(),
+        }
     }
 
     /// A frame with the same axes, at `position` (m).
     pub fn at(position: Vec3) -> Placement {
-        Placement { rotation: Matrix3::identity(), position }
+        Placement {
+            rotation: Matrix3::identity(),
+            position,
+        }
     }
 
     /// The frame `inner`, which is given in this one, in this one's own surroundings.
@@ -51,8 +58,8 @@ pub enum Joint {
     Revolute(Vec3),
     /// Slides along a unit axis: 1 coordinate (m).
     Prismatic(Vec3),
-    /// Moves freely, on the world only: 7 coordinates, the position (m) and a unit quaternion (w, x, y, z); 6 velocities, linear
-    /// (m/s) and angular (rad/s), both in world axes.
+    /// Moves freely, on the world only: 7 coordinates, the position (m) and a unit quaternion (w,
+    /// x, y, z); 6 velocities, linear (m/s) and angular (rad/s), both in world axes.
     Free,
 }
 
@@ -75,7 +82,8 @@ pub struct Body {
     pub parent: Option<usize>,
     /// The joint.
     pub joint: Joint,
-    /// The joint's frame in its parent's; the body's frame is there where the joint's coordinate is 0.
+    /// The joint's frame in its parent's; the body's frame is there where the joint's coordinate
+    /// is 0.
     pub placement: Placement,
     /// Mass (kg), ≥ 0.
     pub mass: f64,
@@ -117,27 +125,42 @@ impl Tree {
             before = Some(self.carrier.len());
             self.carrier.push(index);
         }
-        self.straight.push(body.placement.rotation == Matrix3::identity());
+        self.straight
+            .push(body.placement.rotation == Matrix3::identity());
         self.bodies.push(body);
         Ok(index)
     }
 
     fn check(&self, body: &Body) -> Result<(), SimError> {
         let wrong = |what: &str, value, allowed| {
-            Err(SimError::Input { name: format!("body '{}': {what}", body.name), value, allowed })
+            Err(SimError::Input {
+                name: format!("body '{}': {what}", body.name),
+                value,
+                allowed,
+            })
         };
         let finite = |values: &[f64]| values.iter().copied().find(|x| !x.is_finite());
         if !(body.mass >= 0.0 && body.mass.is_finite()) {
             return wrong("mass (kg)", body.mass, "a finite number ≥ 0");
         }
         let placement = &body.placement;
-        let numbers = [body.center.as_slice(), body.inertia.as_slice(), placement.position.as_slice()];
+        let numbers = [
+            body.center.as_slice(),
+            body.inertia.as_slice(),
+            placement.position.as_slice(),
+        ];
         if let Some(x) = numbers.into_iter().find_map(finite) {
             return wrong("geometry (m, kg m²)", x, "finite");
         }
-        let turned = (placement.rotation.transpose() * placement.rotation - Matrix3::identity()).abs().max();
+        let turned = (placement.rotation.transpose() * placement.rotation - Matrix3::identity())
+            .abs()
+            .max();
         if !(turned < 1e-9 && placement.rotation.determinant() > 0.0) {
-            return wrong("placement's rotation, deviation", turned, "a rotation matrix");
+            return wrong(
+                "placement's rotation, deviation",
+                turned,
+                "a rotation matrix",
+            );
         }
         let principal = body.inertia.symmetric_eigenvalues();
         let asymmetric = (body.inertia - body.inertia.transpose()).abs().max();
@@ -147,7 +170,11 @@ impl Tree {
         if principal.min() < -slack || 2.0 * greatest > sum + slack || asymmetric > slack {
             return wrong(
                 "principal moment (kg m²)",
-                if principal.min() < 0.0 { principal.min() } else { greatest },
+                if principal.min() < 0.0 {
+                    principal.min()
+                } else {
+                    greatest
+                },
                 "symmetric, none negative, none above the sum of the other two",
             );
         }
@@ -158,12 +185,18 @@ impl Tree {
                 return wrong("joint axis' length", axis.norm(), "1");
             }
             Joint::Free if body.parent.is_some() => {
-                return wrong("free joint's parent", body.parent.unwrap_or(0) as f64, "the world");
+                return wrong(
+                    "free joint's parent",
+                    body.parent.unwrap_or(0) as f64,
+                    "the world",
+                );
             }
             _ => {}
         }
         match body.parent {
-            Some(p) if p >= self.bodies.len() => wrong("parent", p as f64, "a body that was added before"),
+            Some(p) if p >= self.bodies.len() => {
+                wrong("parent", p as f64, "a body that was added before")
+            }
             _ => Ok(()),
         }
     }
@@ -246,7 +279,8 @@ impl Tree {
         }
     }
 
-    /// The tree in which each of `held` (by body) stays on its parent as it is at the coordinates `q`.
+    /// The tree in which each of `held` (by body) stays on its parent as it is at the coordinates
+    /// `q`.
     pub(crate) fn weld(&self, held: &[bool], q: &[f64]) -> Welded {
         let mut welded = Welded {
             tree: Tree::default(),
@@ -275,7 +309,11 @@ impl Tree {
             let (coordinates, velocities) = body.joint.sizes();
             welded.coordinates.extend(iq..iq + coordinates);
             welded.velocities.extend(iv..iv + velocities);
-            let body = Body { parent: carried.0, placement: carried.1, ..body.clone() };
+            let body = Body {
+                parent: carried.0,
+                placement: carried.1,
+                ..body.clone()
+            };
             let index = welded.tree.push(&body);
             welded.home.push((Some(index), Placement::identity()));
         }
@@ -294,7 +332,12 @@ impl Tree {
 impl Body {
     /// Fixes a point of `mass` (kg) to the body at `place` (m, body frame).
     pub fn add_point_mass(&mut self, mass: f64, place: Vec3) {
-        let point = Body { mass, center: Vec3::zeros(), inertia: Matrix3::zeros(), ..self.clone() };
+        let point = Body {
+            mass,
+            center: Vec3::zeros(),
+            inertia: Matrix3::zeros(),
+            ..self.clone()
+        };
         self.merge(&point, &Placement::at(place));
     }
 
@@ -310,7 +353,8 @@ impl Body {
             (Matrix3::identity() * from.norm_squared() - from * from.transpose()) * mass
         };
         let both = (self.center * self.mass + center * other.mass) / mass;
-        self.inertia += turned + about(self.mass, self.center - both) + about(other.mass, center - both);
+        self.inertia +=
+            turned + about(self.mass, self.center - both) + about(other.mass, center - both);
         (self.center, self.mass) = (both, mass);
     }
 }
@@ -319,7 +363,8 @@ impl Body {
 #[derive(Clone, Debug)]
 pub(crate) struct Welded {
     pub tree: Tree,
-    /// Each body of the whole tree: the body that it is now part of (none: the world), and its frame there.
+    /// Each body of the whole tree: the body that it is now part of (none: the world), and its
+    /// frame there.
     pub home: Vec<(Option<usize>, Placement)>,
     /// Each coordinate and velocity in the whole tree.
     pub coordinates: Vec<usize>,
@@ -329,7 +374,10 @@ pub(crate) struct Welded {
 /// The body's frame in its joint's at the joint's coordinates, which `q` begins with.
 fn joint_placement(joint: &Joint, q: &[f64]) -> Placement {
     match joint {
-        Joint::Revolute(axis) => Placement { rotation: turn(axis, q[0]), position: Vec3::zeros() },
+        Joint::Revolute(axis) => Placement {
+            rotation: turn(axis, q[0]),
+            position: Vec3::zeros(),
+        },
         Joint::Prismatic(axis) => Placement::at(axis * q[0]),
         Joint::Free => Placement {
             rotation: UnitQuaternion::new_normalize(Quaternion::new(q[3], q[4], q[5], q[6]))
@@ -359,10 +407,13 @@ fn turn(axis: &Vec3, angle: f64) -> Matrix3<f64> {
     )
 }
 
-/// `rotation` after a turn by `angle` (rad) about the unit vector `axis` of its own; about a base axis only two columns change.
+/// `rotation` after a turn by `angle` (rad) about the unit vector `axis` of its own; about a base
+/// axis only two columns change.
 #[inline]
 fn turned(rotation: &Matrix3<f64>, axis: &Vec3, angle: f64) -> Matrix3<f64> {
-    let Some(k) = (0..3).find(|&k| axis[k].abs() == 1.0) else { return rotation * turn(axis, angle) };
+    let Some(k) = (0..3).find(|&k| axis[k].abs() == 1.0) else {
+        return rotation * turn(axis, angle);
+    };
     let (s, c) = angle.sin_cos();
     let s = s * axis[k];
     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
@@ -416,13 +467,17 @@ impl Pose {
         self.axes.clear();
         self.bias.clear();
         let world = (Placement::identity(), Motion::default(), Motion::default());
-        for ((body, &(iq, iv)), straight) in tree.bodies.iter().zip(&tree.first).zip(&tree.straight) {
+        for ((body, &(iq, iv)), straight) in tree.bodies.iter().zip(&tree.first).zip(&tree.straight)
+        {
             let (parent, velocity, bias) = match body.parent {
                 Some(p) => (self.frames[p], self.velocities[p], self.bias[p]),
                 None => world,
             };
             let joint = if *straight {
-                Placement { rotation: parent.rotation, position: parent.point(&body.placement.position) }
+                Placement {
+                    rotation: parent.rotation,
+                    position: parent.point(&body.placement.position),
+                }
             } else {
                 parent.then(&body.placement)
             };
@@ -434,14 +489,23 @@ impl Pose {
                         position: joint.position,
                     };
                     let angular = joint.rotation * axis;
-                    let along = Motion { angular, linear: joint.position.cross(&angular) };
+                    let along = Motion {
+                        angular,
+                        linear: joint.position.cross(&angular),
+                    };
                     self.axes.push(along);
                     (along * v[iv], velocity.cross(&along) * v[iv])
                 }
                 Joint::Prismatic(axis) => {
                     let linear = joint.rotation * axis;
-                    frame = Placement { rotation: joint.rotation, position: joint.position + linear * q[iq] };
-                    let along = Motion { angular: Vec3::zeros(), linear };
+                    frame = Placement {
+                        rotation: joint.rotation,
+                        position: joint.position + linear * q[iq],
+                    };
+                    let along = Motion {
+                        angular: Vec3::zeros(),
+                        linear,
+                    };
                     self.axes.push(along);
                     (along * v[iv], velocity.cross(&along) * v[iv])
                 }
@@ -449,14 +513,29 @@ impl Pose {
                     frame = joint.then(&joint_placement(&body.joint, &q[iq..iq + 7]));
                     let (turned, at) = (joint.rotation, frame.position);
                     let column = |k: usize| turned.column(k).into_owned();
-                    let linear = (0..3).map(|k| Motion { angular: Vec3::zeros(), linear: column(k) });
-                    let angular = (0..3).map(|k| Motion { angular: column(k), linear: at.cross(&column(k)) });
+                    let linear = (0..3).map(|k| Motion {
+                        angular: Vec3::zeros(),
+                        linear: column(k),
+                    });
+                    let angular = (0..3).map(|k| Motion {
+                        angular: column(k),
+                        linear: at.cross(&column(k)),
+                    });
                     self.axes.extend(linear.chain(angular));
                     let speed = turned * Vec3::new(v[iv], v[iv + 1], v[iv + 2]);
                     let spin = turned * Vec3::new(v[iv + 3], v[iv + 4], v[iv + 5]);
-                    let moved = Motion { angular: spin, linear: speed + at.cross(&spin) };
+                    let moved = Motion {
+                        angular: spin,
+                        linear: speed + at.cross(&spin),
+                    };
                     // The axes of rotation keep their direction and move with the body's origin.
-                    (moved, Motion { angular: Vec3::zeros(), linear: speed.cross(&spin) })
+                    (
+                        moved,
+                        Motion {
+                            angular: Vec3::zeros(),
+                            linear: speed.cross(&spin),
+                        },
+                    )
                 }
             };
             self.frames.push(frame);
@@ -466,7 +545,13 @@ impl Pose {
     }
 
     /// M (row by row, `tree.velocities()` squared) and h, under gravity `gravity` (m/s²).
-    pub(crate) fn equations(&mut self, tree: &Tree, gravity: &Vec3, mass: &mut [f64], bias: &mut [f64]) {
+    pub(crate) fn equations(
+        &mut self,
+        tree: &Tree,
+        gravity: &Vec3,
+        mass: &mut [f64],
+        bias: &mut [f64],
+    ) {
         let n = tree.velocities();
         self.inertias.clear();
         self.wrenches.clear();
@@ -475,10 +560,18 @@ impl Pose {
             let inertia = if body.mass == 0.0 {
                 Inertia::default()
             } else {
-                Inertia::new(body.mass, &frame.point(&body.center), &rotated(&frame.rotation, &body.inertia))
+                Inertia::new(
+                    body.mass,
+                    &frame.point(&body.center),
+                    &rotated(&frame.rotation, &body.inertia),
+                )
             };
             let v = &self.velocities[i];
-            let a = self.bias[i] + Motion { angular: Vec3::zeros(), linear: -gravity };
+            let a = self.bias[i]
+                + Motion {
+                    angular: Vec3::zeros(),
+                    linear: -gravity,
+                };
             self.inertias.push(inertia);
             self.wrenches.push(if body.mass == 0.0 {
                 Wrench::default()
@@ -512,12 +605,16 @@ impl Pose {
 
     /// Kinetic energy (J) of `tree`.
     pub fn kinetic_energy(&self, tree: &Tree) -> f64 {
-        self.parts(tree).map(|(inertia, v)| 0.5 * v.dot(&inertia.times(&v))).sum()
+        self.parts(tree)
+            .map(|(inertia, v)| 0.5 * v.dot(&inertia.times(&v)))
+            .sum()
     }
 
     /// Potential energy (J) of the weight under `gravity` (m/s²), 0 at the world's origin.
     pub fn potential_energy(&self, tree: &Tree, gravity: &Vec3) -> f64 {
-        self.parts(tree).map(|(inertia, _)| -inertia.first.dot(gravity)).sum()
+        self.parts(tree)
+            .map(|(inertia, _)| -inertia.first.dot(gravity))
+            .sum()
     }
 
     /// Momentum: the linear one (kg m/s), and the angular one about the centre of mass (kg m²/s).
@@ -538,7 +635,10 @@ impl Pose {
         tree.bodies.iter().enumerate().map(|(i, body)| {
             let frame = &self.frames[i];
             let turned = frame.rotation * body.inertia * frame.rotation.transpose();
-            (Inertia::new(body.mass, &frame.point(&body.center), &turned), self.velocities[i])
+            (
+                Inertia::new(body.mass, &frame.point(&body.center), &turned),
+                self.velocities[i],
+            )
         })
     }
 }

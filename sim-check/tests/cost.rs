@@ -34,7 +34,8 @@ fn evaluations_grow_in_proportion_to_time() -> Result<(), SimError> {
     Ok(())
 }
 
-/// The same of a tumbling body whose legs all swing: not periodic, so that the ratio is only near 4.
+/// The same of a tumbling body whose legs all swing: not periodic, so that the ratio is only
+/// near 4.
 #[test]
 fn twelve_legs_cost_in_proportion_to_time() -> Result<(), SimError> {
     let mechanism = free_body(12)?;
@@ -49,7 +50,8 @@ fn twelve_legs_cost_in_proportion_to_time() -> Result<(), SimError> {
     Ok(())
 }
 
-/// Twelve legs have 18 freedoms, five have 11: (18/11)² of work in the matrices, (18/11)³ in their factors, at most.
+/// Twelve legs have 18 freedoms, five have 11: (18/11)² of work in the matrices, (18/11)³ in their
+/// factors, at most.
 #[test]
 fn twelve_legs_cost_at_most_four_times_five() -> Result<(), SimError> {
     let few = free_body(5)?;

@@ -12,12 +12,21 @@ struct Rows {
 impl Rows {
     fn read() -> Rows {
         let text = include_str!("../../tests/reference/jumps.csv");
-        let mut lines = text.lines().map(|line| line.split(',').map(String::from).collect::<Vec<_>>());
-        Rows { names: lines.next().unwrap_or_default(), rows: lines.collect() }
+        let mut lines = text
+            .lines()
+            .map(|line| line.split(',').map(String::from).collect::<Vec<_>>());
+        Rows {
+            names: lines.next().unwrap_or_default(),
+            rows: lines.collect(),
+        }
     }
 
     fn text<'a>(&self, row: &'a [String], name: &str) -> &'a str {
-        let column = self.names.iter().position(|n| n == name).expect("a column of the reference");
+        let column = self
+            .names
+            .iter()
+            .position(|n| n == name)
+            .expect("a column of the reference");
         &row[column]
     }
 
@@ -47,7 +56,10 @@ fn massless_legs_on_rigid_ground_jump_as_the_reference() -> Result<(), SimError>
             continue;
         }
         let launch = rows.launch(row);
-        let plan = Plan { sample: 0.02, ..Plan::default() };
+        let plan = Plan {
+            sample: 0.02,
+            ..Plan::default()
+        };
         let report = rig.jump(&launch, &plan)?;
         assert_eq!(report.end, End::Landed, "{launch:?}");
         let l = report.lift_off.expect("it landed");
@@ -69,7 +81,11 @@ fn massless_legs_on_rigid_ground_jump_as_the_reference() -> Result<(), SimError>
         ];
         for (name, found) in pairs {
             let error = (found - n(name)).abs() / n(name).abs().max(0.01);
-            assert!(error < 1e-4, "{name}: {found} for {} in {launch:?}", n(name));
+            assert!(
+                error < 1e-4,
+                "{name}: {found} for {} in {launch:?}",
+                n(name)
+            );
             worst = worst.max(error);
         }
         assert!(report.residual.abs() < 1e-8, "{}", report.residual);
@@ -90,18 +106,27 @@ fn the_energy_ledger_closes_on_ground_that_gives() -> Result<(), SimError> {
     (robot.ground.static_friction, robot.ground.kinetic_friction) = (1.0, 1.0);
     for (stiffness, damping) in [(1e5, 0.0), (1e5, 300.0), (1e6, 1000.0)] {
         (robot.ground.stiffness, robot.ground.damping) = (Some(stiffness), damping);
-        let launch = Launch { rate: 5.0, lean: -0.3, firing_angle: -0.1, valve_open: 0.1 };
+        let launch = Launch {
+            rate: 5.0,
+            lean: -0.3,
+            firing_angle: -0.1,
+            valve_open: 0.1,
+        };
         let report = Rig::new(&robot, &[])?.jump(&launch, &Plan::default())?;
-        println!("{stiffness:.0e} N/m, {damping} N s/m: {:.1e} J unexplained", report.residual);
+        println!(
+            "{stiffness:.0e} N/m, {damping} N s/m: {:.1e} J unexplained",
+            report.residual
+        );
         assert!(report.residual.abs() < 1e-6, "{}", report.residual);
     }
     Ok(())
 }
 
-/// Jumps that end before the stroke does. The reference ends the stance where the leg's axial force F comes to 0, the simulation there or
-/// where the normal force does, N = F cos φ − T sin φ, whichever is first. The tangential T = I ω̇/R stays finite where F vanishes, so that
-/// leaning forward N comes to 0 before F. Ground that cannot pull makes the simulation the right one, by 1.3 ms, 0.1 mm of apex and
-/// 1.5 mm of landing at most. Leaning back, the two are one.
+/// Jumps that end before the stroke does. The reference ends the stance where the leg's axial force
+/// F comes to 0, the simulation there or where the normal force does, N = F cos φ − T sin φ,
+/// whichever is first. The tangential T = I ω̇/R stays finite where F vanishes, so that leaning
+/// forward N comes to 0 before F. Ground that cannot pull makes the simulation the right one, by
+/// 1.3 ms, 0.1 mm of apex and 1.5 mm of landing at most. Leaning back, the two are one.
 #[test]
 fn jumps_that_end_by_force_end_where_the_ground_would_have_to_pull() -> Result<(), SimError> {
     let rig = Rig::new(&Robot::rats_planar(), &[])?;
@@ -114,39 +139,74 @@ fn jumps_that_end_by_force_end_where_the_ground_would_have_to_pull() -> Result<(
             continue;
         }
         let launch = rows.launch(row);
-        let report = rig.jump(&launch, &Plan { sample: 0.02, ..Plan::default() })?;
+        let report = rig.jump(
+            &launch,
+            &Plan {
+                sample: 0.02,
+                ..Plan::default()
+            },
+        )?;
         assert_eq!(report.end, End::Landed, "{launch:?}");
         let l = report.lift_off.expect("it landed");
         assert!(!l.at_end_stop, "{launch:?}");
-        let differences =
-            [l.time - n("t_liftoff_s"), report.apex - n("apex_m"), report.landing_at - n("land_0_m")];
-        assert!(differences[0] < 1e-7, "{} s later in {launch:?}", differences[0]);
+        let differences = [
+            l.time - n("t_liftoff_s"),
+            report.apex - n("apex_m"),
+            report.landing_at - n("land_0_m"),
+        ];
+        assert!(
+            differences[0] < 1e-7,
+            "{} s later in {launch:?}",
+            differences[0]
+        );
         let leans_forward = usize::from(n("phi_rad") > 0.01);
         let worst = &mut worst[leans_forward];
         *worst = std::array::from_fn(|k| worst[k].max(differences[k].abs()));
         count += 1;
     }
-    println!("{count} jumps differ by {worst:?} in s, m of apex and m of landing: leaning back, forward");
+    println!(
+        "{count} jumps differ by {worst:?} in s, m of apex and m of landing: leaning back, forward"
+    );
     assert_eq!(count, 64);
     let [back, forward] = worst;
     assert!(back.iter().all(|x| *x < 1e-6), "{back:?}");
-    assert!(forward[0] < 1.4e-3 && forward[1] < 1.2e-4 && forward[2] < 1.6e-3, "{forward:?}");
+    assert!(
+        forward[0] < 1.4e-3 && forward[1] < 1.2e-4 && forward[2] < 1.6e-3,
+        "{forward:?}"
+    );
     Ok(())
 }
 
-/// A spring that is longer than it is loose does not pull: what it gives is all that it held, ½ k c², though the leg goes on.
+/// A spring that is longer than it is loose does not pull: what it gives is all that it held, ½ k
+/// c², though the leg goes on.
 #[test]
 fn a_spring_past_its_free_length_is_slack() -> Result<(), SimError> {
     let mut robot = Robot::builtin("spring-hopper").expect("a built-in robot");
     let (stiffness, compression) = (20_000.0, 0.03);
-    robot.leg.drive = Drive::Spring { stiffness, compression };
+    robot.leg.drive = Drive::Spring {
+        stiffness,
+        compression,
+    };
     (robot.leg.body.mass, robot.leg.body.center) = (0.05, 0.1);
-    let launch = Launch { rate: 0.0, lean: 0.0, firing_angle: 0.0, valve_open: 0.1 };
+    let launch = Launch {
+        rate: 0.0,
+        lean: 0.0,
+        firing_angle: 0.0,
+        valve_open: 0.1,
+    };
     let report = Rig::new(&robot, &[])?.jump(&launch, &Plan::default())?;
     assert_eq!(report.end, End::Landed);
-    let extension = report.samples.iter().map(|s| s.extension).fold(0.0, f64::max);
+    let extension = report
+        .samples
+        .iter()
+        .map(|s| s.extension)
+        .fold(0.0, f64::max);
     assert!(extension > 2.0 * compression, "{extension}");
     let stored = 0.5 * stiffness * compression * compression;
-    assert!((report.ledger.drive - stored).abs() < 1e-6, "{} J of {stored} J", report.ledger.drive);
+    assert!(
+        (report.ledger.drive - stored).abs() < 1e-6,
+        "{} J of {stored} J",
+        report.ledger.drive
+    );
     Ok(())
 }

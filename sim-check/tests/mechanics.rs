@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3, UnitQuaternion};
 use saltus_sim_check::{
-    ContactPoint, Friction, Happening, Joint, Mechanism, Settings, Sim, SimError, Surface, Tree, Vec3,
+    ContactPoint, Friction, Happening, Joint, Mechanism, Settings, Sim, SimError, Surface, Tree,
+    Vec3,
 };
 
 mod bodies;
@@ -33,9 +34,14 @@ fn a_pendulum_swings_in_the_time_of_the_elliptic_integral() -> Result<(), SimErr
     let mut sim = Sim::new(&mechanism, &[amplitude], &[0.0], Settings::default())?;
     let start = sim.ledger();
     // T = 2π √(l/g) / agm(1, cos(θ/2)).
-    let period = 2.0 * std::f64::consts::PI * (length / G).sqrt() / agm(1.0, (amplitude / 2.0).cos());
+    let period =
+        2.0 * std::f64::consts::PI * (length / G).sqrt() / agm(1.0, (amplitude / 2.0).cos());
     sim.run(10.0 * period, &[])?;
-    assert!((sim.coordinates()[0] - amplitude).abs() < 1e-9, "{}", sim.coordinates()[0] - amplitude);
+    assert!(
+        (sim.coordinates()[0] - amplitude).abs() < 1e-9,
+        "{}",
+        sim.coordinates()[0] - amplitude
+    );
     assert!(sim.ledger().residual(&start).abs() < 1e-9 * start.potential.abs());
     Ok(())
 }
@@ -64,12 +70,16 @@ fn a_double_pendulum_is_lagranges_and_keeps_its_energy() -> Result<(), SimError>
         Matrix3::zeros(),
     ))?;
     let mechanism = Mechanism::new(tree, down());
-    let settings = Settings { tolerance: 1e-12, ..Settings::default() };
+    let settings = Settings {
+        tolerance: 1e-12,
+        ..Settings::default()
+    };
     let mut sim = Sim::new(&mechanism, &[2.0, 0.5], &[0.0, 0.0], settings)?;
     let start = sim.ledger();
     sim.run(3.0, &[])?;
     assert!(sim.ledger().residual(&start).abs() < 1e-9 * start.potential.abs());
-    // Lagrange's equations of the textbook, in absolute angles, by classical Runge–Kutta with small steps.
+    // Lagrange's equations of the textbook, in absolute angles, by classical Runge–Kutta with small
+    // steps.
     let (m1, m2, l1, l2) = (1.0, 0.5, 1.0, 0.8);
     let f = |s: [f64; 4]| {
         let [a, b, u, w] = s;
@@ -87,7 +97,8 @@ fn a_double_pendulum_is_lagranges_and_keeps_its_energy() -> Result<(), SimError>
     let mut s: [f64; 4] = [2.0, 2.5, 0.0, 0.0];
     let n = 100_000;
     let h = 3.0 / f64::from(n);
-    let add = |s: [f64; 4], k: [f64; 4], h: f64| std::array::from_fn::<f64, 4, _>(|i| s[i] + h * k[i]);
+    let add =
+        |s: [f64; 4], k: [f64; 4], h: f64| std::array::from_fn::<f64, 4, _>(|i| s[i] + h * k[i]);
     for _ in 0..n {
         let k1 = f(s);
         let k2 = f(add(s, k1, h / 2.0));
@@ -133,8 +144,24 @@ fn a_top_spins_as_its_three_integrals_say() -> Result<(), SimError> {
     let mut tree = Tree::default();
     let none = || (0.0, Vec3::zeros(), Matrix3::zeros());
     let (m, c, i) = none();
-    let a = tree.add(body("precession", None, Joint::Revolute(Vec3::z()), Vec3::zeros(), m, c, i))?;
-    let b = tree.add(body("nutation", Some(a), Joint::Revolute(Vec3::x()), Vec3::zeros(), m, c, i))?;
+    let a = tree.add(body(
+        "precession",
+        None,
+        Joint::Revolute(Vec3::z()),
+        Vec3::zeros(),
+        m,
+        c,
+        i,
+    ))?;
+    let b = tree.add(body(
+        "nutation",
+        Some(a),
+        Joint::Revolute(Vec3::x()),
+        Vec3::zeros(),
+        m,
+        c,
+        i,
+    ))?;
     let (mass, height, across, along) = (0.4, 0.06, 8e-4, 3e-4);
     tree.add(body(
         "top",
@@ -146,7 +173,10 @@ fn a_top_spins_as_its_three_integrals_say() -> Result<(), SimError> {
         diagonal(across, across, along),
     ))?;
     let mechanism = Mechanism::new(tree, down());
-    let settings = Settings { tolerance: 1e-12, ..Settings::default() };
+    let settings = Settings {
+        tolerance: 1e-12,
+        ..Settings::default()
+    };
     let (tilt, spin) = (0.5, 120.0);
     let mut sim = Sim::new(&mechanism, &[0.0, tilt, 0.0], &[0.0, 0.0, spin], settings)?;
     let energy = sim.ledger();
@@ -154,7 +184,10 @@ fn a_top_spins_as_its_three_integrals_say() -> Result<(), SimError> {
     let integrals = |q: &[f64], v: &[f64]| {
         let (theta, precession) = (q[1], v[0]);
         let own = along * (v[2] + precession * theta.cos());
-        (own, about_foot * precession * theta.sin().powi(2) + own * theta.cos())
+        (
+            own,
+            about_foot * precession * theta.sin().powi(2) + own * theta.cos(),
+        )
     };
     let (own, vertical) = integrals(sim.coordinates(), sim.velocities());
     let mut greatest: f64 = 0.0;
@@ -165,7 +198,8 @@ fn a_top_spins_as_its_three_integrals_say() -> Result<(), SimError> {
         greatest = greatest.max(sim.coordinates()[1]);
     }
     assert!(sim.ledger().residual(&energy).abs() < 1e-9 * energy.kinetic);
-    // It nutates between its start and the other root of the cubic f(u) = (1 − u²)(2E' − 2mgh u)/A − ((L_z − L u)/A)².
+    // It nutates between its start and the other root of the cubic f(u) = (1 − u²)(2E' − 2mgh u)/A
+    // − ((L_z − L u)/A)².
     let f = |u: f64| {
         let e = mass * G * height * tilt.cos();
         (1.0 - u * u) * 2.0 * (e - mass * G * height * u) / about_foot
@@ -174,10 +208,18 @@ fn a_top_spins_as_its_three_integrals_say() -> Result<(), SimError> {
     let (mut low, mut high) = (-1.0, tilt.cos() - 1e-6);
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
-        if f(middle) < 0.0 { low = middle } else { high = middle }
+        if f(middle) < 0.0 {
+            low = middle
+        } else {
+            high = middle
+        }
     }
     // Sampling every 5 ms misses the turning point by a little.
-    assert!(greatest <= high.acos() + 1e-9 && greatest > high.acos() - 1e-3, "{greatest} {}", high.acos());
+    assert!(
+        greatest <= high.acos() + 1e-9 && greatest > high.acos() - 1e-3,
+        "{greatest} {}",
+        high.acos()
+    );
     Ok(())
 }
 
@@ -205,9 +247,14 @@ fn a_free_rigid_body_turns_as_euler_says() -> Result<(), SimError> {
     let time = 3.0;
     sim.run(time, &[])?;
     let axis = nalgebra::Unit::new_normalize(momentum);
-    let expected = UnitQuaternion::from_axis_angle(&axis, momentum.norm() / 0.01 * time) * Vec3::z();
+    let expected =
+        UnitQuaternion::from_axis_angle(&axis, momentum.norm() / 0.01 * time) * Vec3::z();
     let found = sim.pose().frames[0].rotation * Vec3::z();
-    assert!((found - expected).norm() < 1e-9, "{}", (found - expected).norm());
+    assert!(
+        (found - expected).norm() < 1e-9,
+        "{}",
+        (found - expected).norm()
+    );
     Ok(())
 }
 
@@ -232,10 +279,17 @@ fn a_slider_meets_its_end_stop_and_stays() -> Result<(), SimError> {
     sim.run(1.0, &[])?;
     let up = (speed - (speed * speed - 2.0 * G * 0.2).sqrt()) / G;
     let down = (2.0 * 0.2 / G).sqrt();
-    let times: Vec<f64> =
-        sim.events().iter().filter(|e| e.what == Happening::EndStop(0)).map(|e| e.time).collect();
+    let times: Vec<f64> = sim
+        .events()
+        .iter()
+        .filter(|e| e.what == Happening::EndStop(0))
+        .map(|e| e.time)
+        .collect();
     assert_eq!(times.len(), 2, "{:?}", sim.events());
-    assert!((times[0] - up).abs() < 1e-9 && (times[1] - up - down).abs() < 1e-9, "{times:?}");
+    assert!(
+        (times[0] - up).abs() < 1e-9 && (times[1] - up - down).abs() < 1e-9,
+        "{times:?}"
+    );
     assert_eq!((sim.coordinates()[0], sim.velocities()[0]), (0.0, 0.0));
     assert!(sim.ledger().residual(&start).abs() < 1e-9 * start.kinetic);
     assert!((sim.joint_reaction(0) - 0.3 * G).abs() < 1e-12);
@@ -263,21 +317,42 @@ fn dry_friction_stops_a_slider_where_its_work_says() -> Result<(), SimError> {
     Ok(())
 }
 
-/// A block of 0.4 × 0.3 × 0.2 m and 5 kg with eight corners, flat on a slope (rad) under `friction`.
+/// A block of 0.4 × 0.3 × 0.2 m and 5 kg with eight corners, flat on a slope (rad) under
+/// `friction`.
 fn block(slope: f64, friction: f64) -> Result<(Mechanism, Vec<f64>), SimError> {
     let half = Vec3::new(0.2, 0.15, 0.1);
     let mut tree = Tree::default();
     let inertia = |a: f64, b: f64| 5.0 / 3.0 * (a * a + b * b);
-    let moments = diagonal(inertia(half.y, half.z), inertia(half.x, half.z), inertia(half.x, half.y));
-    tree.add(body("block", None, Joint::Free, Vec3::zeros(), 5.0, Vec3::zeros(), moments))?;
+    let moments = diagonal(
+        inertia(half.y, half.z),
+        inertia(half.x, half.z),
+        inertia(half.x, half.y),
+    );
+    tree.add(body(
+        "block",
+        None,
+        Joint::Free,
+        Vec3::zeros(),
+        5.0,
+        Vec3::zeros(),
+        moments,
+    ))?;
     let mut mechanism = Mechanism::new(tree, down());
     for k in 0..8 {
         let sign = |bit: usize| if k >> bit & 1 == 0 { -1.0 } else { 1.0 };
         let center = half.component_mul(&Vec3::new(sign(0), sign(1), sign(2)));
-        mechanism.points.push(ContactPoint { name: format!("corner {k}"), body: 0, center, radius: 0.0 });
+        mechanism.points.push(ContactPoint {
+            name: format!("corner {k}"),
+            body: 0,
+            center,
+            radius: 0.0,
+        });
     }
     mechanism.surfaces.push(Surface::ground(slope));
-    mechanism.material.friction = Friction::Cone { standing: friction, slipping: friction };
+    mechanism.material.friction = Friction::Cone {
+        standing: friction,
+        slipping: friction,
+    };
     let turn = UnitQuaternion::from_axis_angle(&Vec3::y_axis(), -slope);
     let at = turn * Vec3::new(0.0, 0.0, half.z);
     let q = vec![at.x, at.y, at.z, turn.w, turn.i, turn.j, turn.k];
@@ -289,7 +364,10 @@ fn a_block_below_the_friction_angle_does_not_creep() -> Result<(), SimError> {
     let (mechanism, q) = block(0.3, 0.35)?;
     let mut sim = Sim::new(&mechanism, &q, &[0.0; 6], Settings::default())?;
     sim.run(10.0, &[])?;
-    let moved = (0..3).map(|k| (sim.coordinates()[k] - q[k]).powi(2)).sum::<f64>().sqrt();
+    let moved = (0..3)
+        .map(|k| (sim.coordinates()[k] - q[k]).powi(2))
+        .sum::<f64>()
+        .sqrt();
     println!("creep in 10 s: {moved:.1e} m, effort {:?}", sim.effort());
     assert!(moved < 1e-9);
     Ok(())
@@ -323,9 +401,17 @@ fn sphere(radius: f64, slope: f64, friction: f64, restitution: f64) -> Result<Me
         diagonal(moment, moment, moment),
     ))?;
     let mut mechanism = Mechanism::new(tree, down());
-    mechanism.points.push(ContactPoint { name: "sphere".into(), body: 0, center: Vec3::zeros(), radius });
+    mechanism.points.push(ContactPoint {
+        name: "sphere".into(),
+        body: 0,
+        center: Vec3::zeros(),
+        radius,
+    });
     mechanism.surfaces.push(Surface::ground(slope));
-    mechanism.material.friction = Friction::Cone { standing: friction, slipping: friction };
+    mechanism.material.friction = Friction::Cone {
+        standing: friction,
+        slipping: friction,
+    };
     mechanism.material.restitution = restitution;
     Ok(mechanism)
 }
@@ -336,11 +422,19 @@ fn a_sliding_sphere_comes_to_roll() -> Result<(), SimError> {
     let mechanism = sphere(radius, 0.0, friction, 0.0)?;
     let direction = Vec3::new(0.6, 0.8, 0.0);
     let v = [speed * direction.x, speed * direction.y, 0.0, 0.0, 0.0, 0.0];
-    let mut sim = Sim::new(&mechanism, &[0.0, 0.0, radius, 1.0, 0.0, 0.0, 0.0], &v, Settings::default())?;
+    let mut sim = Sim::new(
+        &mechanism,
+        &[0.0, 0.0, radius, 1.0, 0.0, 0.0, 0.0],
+        &v,
+        Settings::default(),
+    )?;
     let start = sim.ledger();
     sim.run(2.0, &[])?;
-    let sticks =
-        sim.events().iter().find(|e| matches!(e.what, Happening::Stick(..))).map_or(f64::NAN, |e| e.time);
+    let sticks = sim
+        .events()
+        .iter()
+        .find(|e| matches!(e.what, Happening::Stick(..)))
+        .map_or(f64::NAN, |e| e.time);
     let rolling = sim.velocities()[0].hypot(sim.velocities()[1]);
     println!(
         "rolls after {:.1e} s too much, {:.1e} m/s too fast",
@@ -357,7 +451,15 @@ fn a_sliding_sphere_comes_to_roll() -> Result<(), SimError> {
 fn a_sphere_rolls_down_a_slope() -> Result<(), SimError> {
     let (radius, slope) = (0.11, 0.3_f64);
     let mechanism = sphere(radius, slope, 1.0, 0.0)?;
-    let at = [-radius * slope.sin(), 0.0, radius * slope.cos(), 1.0, 0.0, 0.0, 0.0];
+    let at = [
+        -radius * slope.sin(),
+        0.0,
+        radius * slope.cos(),
+        1.0,
+        0.0,
+        0.0,
+        0.0,
+    ];
     let mut sim = Sim::new(&mechanism, &at, &[0.0; 6], Settings::default())?;
     sim.run(1.5, &[])?;
     let down = -(sim.velocities()[0] * slope.cos() + sim.velocities()[2] * slope.sin());
@@ -371,8 +473,12 @@ fn a_sphere_rolls_down_a_slope() -> Result<(), SimError> {
 fn a_ball_bounces_to_e_squared_of_its_height() -> Result<(), SimError> {
     let (radius, e, drop) = (0.05, 0.85, 1.0);
     let mechanism = sphere(radius, 0.0, 0.3, e)?;
-    let mut sim =
-        Sim::new(&mechanism, &[0.0, 0.0, radius + drop, 1.0, 0.0, 0.0, 0.0], &[0.0; 6], Settings::default())?;
+    let mut sim = Sim::new(
+        &mechanism,
+        &[0.0, 0.0, radius + drop, 1.0, 0.0, 0.0, 0.0],
+        &[0.0; 6],
+        Settings::default(),
+    )?;
     let mut wanted = drop;
     let rising = |_: f64, _: &[f64], v: &[f64]| v[2];
     // The first watch is at the drop itself.
@@ -385,7 +491,10 @@ fn a_ball_bounces_to_e_squared_of_its_height() -> Result<(), SimError> {
         sim.run(sim.time() + 10.0, &[&rising])?;
         wanted *= e * e;
         let height = sim.coordinates()[2] - radius;
-        assert!((height - wanted).abs() < 1e-6 * drop, "bounce {bounce}: {height} {wanted}");
+        assert!(
+            (height - wanted).abs() < 1e-6 * drop,
+            "bounce {bounce}: {height} {wanted}"
+        );
     }
     Ok(())
 }

@@ -1,8 +1,10 @@
-//! The campaign: hidden effects of every cause in every kind of experiment, and what the diagnosis says of each.
+//! The campaign: hidden effects of every cause in every kind of experiment, and what the diagnosis
+//! says of each.
 //!
 //!     cargo run --release -p saltus-tests --example campaign [kind=all] [what=clear,none] [seeds=2] [first=1] [cause=ID] [noise=untold]
 //!
-//! With nothing given it runs flights only; with `noise=untold` the folders do not say how much their columns scatter.
+//! With nothing given it runs flights only; with `noise=untold` the folders do not say how much
+//! their columns scatter.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -25,7 +27,8 @@ struct Tally {
     gains: usize,
     at_noise: usize,
     wrong: Vec<String>,
-    /// Of each effect: how often it was hidden, named alone, named with rivals; and what was said else.
+    /// Of each effect: how often it was hidden, named alone, named with rivals; and what was said
+    /// else.
     by_effect: BTreeMap<String, (usize, usize, usize, Vec<String>)>,
 }
 
@@ -55,12 +58,18 @@ fn main() {
                 one(&mut table, &name, "none", sort, &[], seed);
             }
             for (what, size) in [("clear", Size::Clear), ("subtle", Size::Subtle)] {
-                for id in lab::causes_of(sort).iter().filter(|id| lists("cause", id) && lists("what", what)) {
+                for id in lab::causes_of(sort)
+                    .iter()
+                    .filter(|id| lists("cause", id) && lists("what", what))
+                {
                     one(&mut table, &name, what, sort, &[(*id, size)], seed);
                 }
             }
             for (what, size) in [("outside", Size::Large), ("outside, clear", Size::Clear)] {
-                for id in lab::outside(sort).iter().filter(|id| lists("cause", id) && lists("what", what)) {
+                for id in lab::outside(sort)
+                    .iter()
+                    .filter(|id| lists("cause", id) && lists("what", what))
+                {
                     one(&mut table, &name, what, sort, &[(*id, size)], seed);
                 }
             }
@@ -83,7 +92,8 @@ fn main() {
         }
     }
     println!(
-        "\n| kind | hidden | sets | right | % | named alone | parameters within 2 errors | in 95 % interval | rms at most 1.1 noise |"
+        "\n| kind | hidden | sets | right | % | named alone | parameters within 2 errors | in 95 \
+         % interval | rms at most 1.1 noise |"
     );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     for ((kind, what), t) in &table {
@@ -103,9 +113,15 @@ fn main() {
     }
     println!("\n| kind | hidden | effect | sets | alone | with rivals | otherwise |");
     println!("| --- | --- | --- | --- | --- | --- | --- |");
-    for ((kind, what), t) in table.iter().filter(|((_, what), _)| what != "none" && what != "two") {
+    for ((kind, what), t) in table
+        .iter()
+        .filter(|((_, what), _)| what != "none" && what != "two")
+    {
         for (effect, (sets, alone, rivals, other)) in &t.by_effect {
-            println!("| {kind} | {what} | {effect} | {sets} | {alone} | {rivals} | {} |", other.join("; "));
+            println!(
+                "| {kind} | {what} | {effect} | {sets} | {alone} | {rivals} | {} |",
+                other.join("; ")
+            );
         }
     }
     for ((kind, what), t) in &table {
@@ -130,16 +146,25 @@ fn one(
     }
     let made = start.elapsed().as_secs_f64();
     let robot = case.robot.as_deref().and_then(Robot::builtin);
-    let Ok(kind) = kinds::build(&case.experiment, robot.as_ref()) else { return };
+    let Ok(kind) = kinds::build(&case.experiment, robot.as_ref()) else {
+        return;
+    };
     let found = diagnose(kind.as_ref(), &Settings::default(), &|_| ());
-    let said = found.as_ref().map_or_else(|| "no motion".into(), |d| verdict::say(kind.as_ref(), d));
+    let said = found
+        .as_ref()
+        .map_or_else(|| "no motion".into(), |d| verdict::say(kind.as_ref(), d));
     let tally = table.entry((name.into(), what.into())).or_default();
     let ids: Vec<&str> = hidden.iter().map(|h| h.0).collect();
-    let is_right = found.as_ref().is_some_and(|d| judge(tally, kind.as_ref(), d, &case, what));
+    let is_right = found
+        .as_ref()
+        .is_some_and(|d| judge(tally, kind.as_ref(), d, &case, what));
     tally.sets += 1;
     tally.right += usize::from(is_right);
-    let truth: Vec<String> =
-        case.truth.iter().map(|t| format!("{} {:?} ({:.1} σ)", t.id, t.parameters, t.sigmas)).collect();
+    let truth: Vec<String> = case
+        .truth
+        .iter()
+        .map(|t| format!("{} {:?} ({:.1} σ)", t.id, t.parameters, t.sigmas))
+        .collect();
     let line = format!("seed {seed} {}: {said}", truth.join(" + "));
     println!(
         "{} {name} {what} {ids:?} {line} [{:.1} + {:.1} s]",
@@ -149,14 +174,26 @@ fn one(
     );
     let row = tally.by_effect.entry(ids.join(" + ")).or_default();
     row.0 += 1;
-    let all = found.as_ref().map(|d| verdict::sets(kind.as_ref(), d)).unwrap_or_default();
+    let all = found
+        .as_ref()
+        .map(|d| verdict::sets(kind.as_ref(), d))
+        .unwrap_or_default();
     match (is_right, all.as_slice()) {
         (true, [set]) if set.len() > 1 => row.2 += 1,
         (true, _) => row.1 += 1,
         (false, _) => {
             let mut ids: Vec<String> = all.iter().map(|set| set.join(" or ")).collect();
-            ids.extend(found.as_ref().and_then(|d| d.unknown.as_ref()).map(|_| "unknown".into()));
-            row.3.push(if ids.is_empty() { "none".into() } else { ids.join(" and ") });
+            ids.extend(
+                found
+                    .as_ref()
+                    .and_then(|d| d.unknown.as_ref())
+                    .map(|_| "unknown".into()),
+            );
+            row.3.push(if ids.is_empty() {
+                "none".into()
+            } else {
+                ids.join(" and ")
+            });
         }
     }
     if !is_right {
@@ -168,16 +205,25 @@ fn judge(tally: &mut Tally, kind: &dyn Kind, d: &Diagnosis, case: &Case, what: &
     if ["clear", "subtle"].contains(&what) {
         let truth = &case.truth[0];
         tally.alone += usize::from(verdict::sets(kind, d) == [[truth.id]]);
-        let candidates = d.findings.iter().flat_map(|f| std::iter::once(&f.best).chain(&f.rivals));
-        for candidate in candidates.filter(|c| kind.causes()[c.cause].id == truth.id).take(1) {
+        let candidates = d
+            .findings
+            .iter()
+            .flat_map(|f| std::iter::once(&f.best).chain(&f.rivals));
+        for candidate in candidates
+            .filter(|c| kind.causes()[c.cause].id == truth.id)
+            .take(1)
+        {
             for r in &candidate.reported {
-                if let Some((_, known)) = truth.parameters.iter().find(|(n, _)| n.ends_with(r.name.as_str()))
+                if let Some((_, known)) = truth
+                    .parameters
+                    .iter()
+                    .find(|(n, _)| n.ends_with(r.name.as_str()))
                 {
                     tally.parameters += 1;
                     tally.within += usize::from((r.value - known).abs() <= 2.0 * r.error);
                     if let Some(Interval { low, high }) = r.interval {
-                        let is_inside =
-                            low.is_none_or(|low| low <= *known) && high.is_none_or(|high| *known <= high);
+                        let is_inside = low.is_none_or(|low| low <= *known)
+                            && high.is_none_or(|high| *known <= high);
                         tally.intervals += 1;
                         tally.inside += usize::from(is_inside);
                     }
@@ -190,5 +236,9 @@ fn judge(tally: &mut Tally, kind: &dyn Kind, d: &Diagnosis, case: &Case, what: &
         }
     }
     let is_outside = what.starts_with("outside");
-    if is_outside { d.unknown.is_some() } else { verdict::names(kind, d, &case.truth) }
+    if is_outside {
+        d.unknown.is_some()
+    } else {
+        verdict::names(kind, d, &case.truth)
+    }
 }

@@ -1,11 +1,13 @@
-//! Jumps at random approach rates in the multi-body simulation, fired by the controller behind a quantised encoder at 1 kHz: how far from
-//! where they should land, beside the exact planner, a constant firing angle, and perfect sensors.
+//! Jumps at random approach rates in the multi-body simulation, fired by the controller behind a
+//! quantised encoder at 1 kHz: how far from where they should land, beside the exact planner, a
+//! constant firing angle, and perfect sensors.
 //!
 //!     cargo run --release -p saltus-tests --example in_the_loop -- [JUMPS] [PROGRAM]
 //!
-//! PROGRAM is another controller, such as `controller/examples/robot.c`: for each jump it reads a line `start RATE LEAN`, then a line with the
-//! lean for each millisecond, and answers each of these with `wait` or `fire AFTER VALVE_OPEN`. Its jumps have to be those of the Rust
-//! controller, to the bit.
+//! PROGRAM is another controller, such as `controller/examples/robot.c`: for each jump it reads a
+//! line `start RATE LEAN`, then a line with the lean for each millisecond, and answers each of
+//! these with `wait` or `fire AFTER VALVE_OPEN`. Its jumps have to be those of the Rust controller,
+//! to the bit.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command as Program, Stdio};
@@ -55,11 +57,19 @@ struct Loop<'a> {
 impl<'a> Loop<'a> {
     fn new(rate: f64, lean: f64, memory: f32, by: By<'a>) -> Loop<'a> {
         let controller = RATS_PLANAR;
-        let sensed = Sensed { lean: single(lean), rate: single(rate) };
+        let sensed = Sensed {
+            lean: single(lean),
+            rate: single(rate),
+        };
         let period = controller.limits.period;
         Loop {
             controller,
-            observer: Observer { sensed, period, pendulum: controller.robot.pendulum, memory },
+            observer: Observer {
+                sensed,
+                period,
+                pendulum: controller.robot.pendulum,
+                memory,
+            },
             by,
         }
     }
@@ -77,16 +87,26 @@ impl<'a> Loop<'a> {
         let timing = match self.by {
             By::Controller => self.controller.decide(&sensed, &task).map(|d| d.timing),
             By::Constant(angle) => self.controller.timing(&sensed, angle),
-            By::Planner(planner) => self.controller.rate_at(&sensed, TOUCH_DOWN).and_then(|rate| {
-                let start = self.controller.firing_angle(rate, task.distance, task.landing_height)?;
-                self.controller.timing(&sensed, exact(planner, rate.into(), start.into()))
-            }),
+            By::Planner(planner) => self
+                .controller
+                .rate_at(&sensed, TOUCH_DOWN)
+                .and_then(|rate| {
+                    let start =
+                        self.controller
+                            .firing_angle(rate, task.distance, task.landing_height)?;
+                    self.controller
+                        .timing(&sensed, exact(planner, rate.into(), start.into()))
+                }),
         };
         match timing {
-            Ok(Timing::Fire(after)) => {
-                Command::Fire { after: after.into(), valve_open: robot.valve_open.into() }
-            }
-            Ok(Timing::Late(_)) => Command::Fire { after: 0.0, valve_open: robot.valve_open.into() },
+            Ok(Timing::Fire(after)) => Command::Fire {
+                after: after.into(),
+                valve_open: robot.valve_open.into(),
+            },
+            Ok(Timing::Late(_)) => Command::Fire {
+                after: 0.0,
+                valve_open: robot.valve_open.into(),
+            },
             _ => Command::Wait,
         }
     }
@@ -95,12 +115,21 @@ impl<'a> Loop<'a> {
 /// The planner's own firing angle (rad), by Newton on whole jumps.
 fn exact(planner: &Planner, rate: f64, start: f64) -> f32 {
     let stance = planner.sensitive_stance();
-    let (lean, valve_open) = (f64::from(TOUCH_DOWN), f64::from(RATS_PLANAR.robot.valve_open));
+    let (lean, valve_open) = (
+        f64::from(TOUCH_DOWN),
+        f64::from(RATS_PLANAR.robot.valve_open),
+    );
     let mut angle = start;
     for _ in 0..3 {
-        let launch = Launch { rate, lean, firing_angle: angle, valve_open };
+        let launch = Launch {
+            rate,
+            lean,
+            firing_angle: angle,
+            valve_open,
+        };
         let jump = planner.sensitive_jump(&stance, &launch).ok();
-        let Some(landing) = jump.and_then(|jump| jump.distance(RATS_PLANAR.robot.landing_height.into()))
+        let Some(landing) =
+            jump.and_then(|jump| jump.distance(RATS_PLANAR.robot.landing_height.into()))
         else {
             break;
         };
@@ -124,12 +153,20 @@ impl Outside {
             .stdout(Stdio::piped())
             .spawn()
             .unwrap_or_else(|error| panic!("{path}: {error}"));
-        let (input, output) = (child.stdin.take().expect("a pipe"), child.stdout.take().expect("a pipe"));
-        Outside { input, output: BufReader::new(output), child }
+        let (input, output) = (
+            child.stdin.take().expect("a pipe"),
+            child.stdout.take().expect("a pipe"),
+        );
+        Outside {
+            input,
+            output: BufReader::new(output),
+            child,
+        }
     }
 
     fn start(&mut self, rate: f64, lean: f64) {
-        writeln!(self.input, "start {:?} {:?}", single(rate), single(lean)).expect("a controller that reads");
+        writeln!(self.input, "start {:?} {:?}", single(rate), single(lean))
+            .expect("a controller that reads");
     }
 
     fn tick(&mut self, lean: f64) -> Command {
@@ -137,13 +174,18 @@ impl Outside {
             .and_then(|()| self.input.flush())
             .expect("a controller that reads");
         let mut line = String::new();
-        self.output.read_line(&mut line).expect("a controller that answers");
+        self.output
+            .read_line(&mut line)
+            .expect("a controller that answers");
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[..] {
             ["wait"] => Command::Wait,
             ["fire", after, valve_open] => {
                 let number = |text: &str| f64::from(text.parse::<f32>().expect("a number"));
-                Command::Fire { after: number(after), valve_open: number(valve_open) }
+                Command::Fire {
+                    after: number(after),
+                    valve_open: number(valve_open),
+                }
             }
             _ => panic!("the controller says {line:?}"),
         }
@@ -152,13 +194,17 @@ impl Outside {
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let jumps: usize = arguments.next().map_or(40, |text| text.parse().expect("a number of jumps"));
+    let jumps: usize = arguments
+        .next()
+        .map_or(40, |text| text.parse().expect("a number of jumps"));
     let mut outside = arguments.next().map(|path| Outside::new(&path));
     let robot = Robot::rats_planar();
     let planner = Planner::new(robot.clone());
     let lean = f64::from(TOUCH_DOWN);
     let height = f64::from(RATS_PLANAR.robot.landing_height);
-    let constant = RATS_PLANAR.firing_angle(4.5, single(DISTANCE), single(height)).expect("in reach");
+    let constant = RATS_PLANAR
+        .firing_angle(4.5, single(DISTANCE), single(height))
+        .expect("in reach");
 
     let mut random = Pcg64::seed_from_u64(7);
     let rates = Uniform::new(3.0, 6.0).expect("a range");
@@ -174,11 +220,22 @@ fn main() {
         let rate = rates.sample(&mut random);
         let encoder = Encoder::drawn(&mut random);
         for (k, (_, by, quantised)) in kinds.iter().enumerate() {
-            let encoder = if *quantised { encoder } else { Encoder { phase: None } };
+            let encoder = if *quantised {
+                encoder
+            } else {
+                Encoder { phase: None }
+            };
             let memory = if *quantised { MEMORY } else { 0.0 };
-            let mut control = Loop::new(encoder.approach_rate(lean, rate), encoder.read(lean), memory, *by);
-            let landing =
-                jump(&robot, [lean, rate], height, encoder, |lean| control.tick(lean)).expect("a jump");
+            let mut control = Loop::new(
+                encoder.approach_rate(lean, rate),
+                encoder.read(lean),
+                memory,
+                *by,
+            );
+            let landing = jump(&robot, [lean, rate], height, encoder, |lean| {
+                control.tick(lean)
+            })
+            .expect("a jump");
             match landing {
                 Some(landing) => errors[k].push(landing - DISTANCE),
                 None => lost[k] += 1,
@@ -186,8 +243,10 @@ fn main() {
         }
         if let Some(outside) = &mut outside {
             outside.start(encoder.approach_rate(lean, rate), encoder.read(lean));
-            let landing =
-                jump(&robot, [lean, rate], height, encoder, |lean| outside.tick(lean)).expect("a jump");
+            let landing = jump(&robot, [lean, rate], height, encoder, |lean| {
+                outside.tick(lean)
+            })
+            .expect("a jump");
             match landing {
                 Some(landing) => errors[kinds.len()].push(landing - DISTANCE),
                 None => lost[kinds.len()] += 1,
@@ -195,10 +254,14 @@ fn main() {
         }
     }
     println!("{jumps} jumps to {DISTANCE} m at 3 to 6 rad/s; landing errors (mm):");
-    println!("{:30} {:>8} {:>8} {:>8} {:>6}", "", "mean", "sd", "worst", "lost");
+    println!(
+        "{:30} {:>8} {:>8} {:>8} {:>6}",
+        "", "mean", "sd", "worst", "lost"
+    );
     let names = kinds.iter().map(|k| k.0).chain(["the program"]);
-    for (name, (errors, lost)) in
-        names.zip(errors.iter().zip(&lost)).take(kinds.len() + usize::from(outside.is_some()))
+    for (name, (errors, lost)) in names
+        .zip(errors.iter().zip(&lost))
+        .take(kinds.len() + usize::from(outside.is_some()))
     {
         let [mean, sd, worst] = spread(errors).map(|x| 1e3 * x);
         println!("{name:30} {mean:8.2} {sd:8.2} {worst:8.2} {lost:6}");
@@ -206,11 +269,17 @@ fn main() {
     let [ours, constant] = [&errors[0], &errors[2]].map(|e| spread(e)[1]);
     println!("{:.1} times better than a constant angle", constant / ours);
     assert!(lost[0] == 0 && constant > 3.0 * ours);
-    if let Some(Outside { input, mut child, .. }) = outside {
+    if let Some(Outside {
+        input, mut child, ..
+    }) = outside
+    {
         drop(input);
         let ended = child.wait().expect("a program that ends");
         assert!(ended.success(), "the program ended with {ended}");
-        assert!(errors[kinds.len()] == errors[0], "the program's jumps are not those of the Rust controller");
+        assert!(
+            errors[kinds.len()] == errors[0],
+            "the program's jumps are not those of the Rust controller"
+        );
         println!("the program's jumps are those of the Rust controller, to the bit");
     }
 }

@@ -40,7 +40,11 @@ pub struct Encoder {
 impl Encoder {
     /// One that is put on at random.
     pub fn drawn(random: &mut Pcg64) -> Encoder {
-        Encoder { phase: Uniform::new(0.0, 1.0).ok().map(|range| range.sample(random)) }
+        Encoder {
+            phase: Uniform::new(0.0, 1.0)
+                .ok()
+                .map(|range| range.sample(random)),
+        }
     }
 
     /// The lean (rad) that it reads: the middle of the step.
@@ -51,13 +55,15 @@ impl Encoder {
         }
     }
 
-    /// The approach rate (rad/s) that two readings give, of a robot that rolled at `rate` up to `lean`.
+    /// The approach rate (rad/s) that two readings give, of a robot that rolled at `rate` up to
+    /// `lean`.
     pub fn approach_rate(&self, lean: f64, rate: f64) -> f64 {
         (self.read(lean) - self.read(lean - rate * BASELINE)) / BASELINE
     }
 }
 
-/// A jump in the simulation under `control`, which is given each reading of the lean (rad): where it lands (m); none where it does not jump.
+/// A jump in the simulation under `control`, which is given each reading of the lean (rad): where
+/// it lands (m); none where it does not jump.
 ///
 /// # Errors
 /// [`SimError`] for a motion that cannot go on.
@@ -71,7 +77,11 @@ pub fn jump(
     let [lean, rate] = start;
     let rig = Rig::new(robot, &[])?;
     let (q, v) = rig.stand(lean, rate)?;
-    let settings = Settings { tolerance: 1e-8, stepping: Stepping::Adaptive, ..Settings::default() };
+    let settings = Settings {
+        tolerance: 1e-8,
+        stepping: Stepping::Adaptive,
+        ..Settings::default()
+    };
     let mut sim = Sim::new(&rig.mechanism, &q, &v, settings)?;
     let mut fired = false;
     // The start is known; readings begin a period later.
@@ -79,7 +89,11 @@ pub fn jump(
         let next = f64::from(tick) * PERIOD;
         while sim.time() < next {
             let pause = sim.run_eventwise(next, &[])?;
-            if sim.events().iter().any(|e| e.what == Happening::LiftOff(0, 0)) {
+            if sim
+                .events()
+                .iter()
+                .any(|e| e.what == Happening::LiftOff(0, 0))
+            {
                 return fly(&rig, sim, height);
             }
             if pause == Some(Pause::Time) {
@@ -124,5 +138,9 @@ pub fn spread(errors: &[f64]) -> [f64; 3] {
     let n = errors.len().max(1) as f64;
     let mean = errors.iter().sum::<f64>() / n;
     let square = errors.iter().map(|e| (e - mean) * (e - mean)).sum::<f64>() / (n - 1.0).max(1.0);
-    [mean, square.sqrt(), errors.iter().fold(0.0, |worst, e| worst.max(e.abs()))]
+    [
+        mean,
+        square.sqrt(),
+        errors.iter().fold(0.0, |worst, e| worst.max(e.abs())),
+    ]
 }

@@ -1,4 +1,5 @@
-//! What the tests across crates share: reference data, random robots, an independent integrator, a laboratory.
+//! What the tests across crates share: reference data, random robots, an independent integrator, a
+//! laboratory.
 //!
 //! The tests themselves are in `tests/`, one file a subject.
 

@@ -1,8 +1,10 @@
-//! An independent integrator of the reference model with every named term: classical Runge–Kutta steps of one fixed
-//! length, in the letters of the thesis, each event found by halving the step that meets it.
+//! An independent integrator of the reference model with every named term: classical Runge–Kutta
+//! steps of one fixed length, in the letters of the thesis, each event found by halving the step
+//! that meets it.
 //!
-//! It shares with the product the description of a robot and nothing else, and is slow on purpose: no closed forms, no
-//! change of variables, no step control. [`solve_twice`] says how far it can be trusted.
+//! It shares with the product the description of a robot and nothing else, and is slow on purpose:
+//! no closed forms, no change of variables, no step control. [`solve_twice`] says how far it can be
+//! trusted.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -35,7 +37,8 @@ pub struct End {
 }
 
 impl End {
-    /// The numbers of the end, for comparisons: time, lean, rate, extension and its rate, pressure, work, losses.
+    /// The numbers of the end, for comparisons: time, lean, rate, extension and its rate, pressure,
+    /// work, losses.
     pub fn numbers(&self) -> [f64; 8] {
         [
             self.time,
@@ -86,19 +89,25 @@ pub fn solve(robot: &Robot, launch: &Launch, step: f64) -> End {
     let mut y = [0.0; 7];
     (y[ALPHA], y[ALPHA_DOT]) = (FRAC_PI_2 - launch.lean, -launch.rate);
     y[P] = robot.environment.ambient.0;
-    let mut oracle = Oracle { robot, step, time: 0.0, y };
+    let mut oracle = Oracle {
+        robot,
+        step,
+        time: 0.0,
+        y,
+    };
     oracle.run(launch)
 }
 
-/// [`solve`] with `step` and with half of it: the finer end, and by how much each number moved. The method is of fourth
-/// order where the model is smooth, so that what is left is less than that.
+/// [`solve`] with `step` and with half of it: the finer end, and by how much each number moved. The
+/// method is of fourth order where the model is smooth, so that what is left is less than that.
 pub fn solve_twice(robot: &Robot, launch: &Launch, step: f64) -> (End, [f64; 8]) {
     let (coarse, fine) = (solve(robot, launch, step), solve(robot, launch, 0.5 * step));
     let (a, b) = (coarse.numbers(), fine.numbers());
     (fine, std::array::from_fn(|i| (a[i] - b[i]).abs()))
 }
 
-/// Normal force over the weight on a foot whose leg is held at d = 0: 1 + m ÿ/weight, with y = r_s sin α.
+/// Normal force over the weight on a foot whose leg is held at d = 0: 1 + m ÿ/weight, with y = r_s
+/// sin α.
 pub fn held_normal(robot: &Robot, lean: f64, rate: f64) -> f64 {
     let ((m, weight), i, r) = (at_axle(robot), robot.body.inertia, robot.body.radius);
     let (sin, cos) = (FRAC_PI_2 - lean).sin_cos();
@@ -108,7 +117,12 @@ pub fn held_normal(robot: &Robot, lean: f64, rate: f64) -> f64 {
 
 impl Oracle<'_> {
     fn run(&mut self, launch: &Launch) -> End {
-        let held = Mode { energized: false, extending: false, port: false, cushion: false };
+        let held = Mode {
+            energized: false,
+            extending: false,
+            port: false,
+            cushion: false,
+        };
         let robot = self.robot;
         let early = |y: &State| -held_normal(robot, FRAC_PI_2 - y[ALPHA], -y[ALPHA_DOT]);
         let fallen = |y: &State| (y[ALPHA] - FRAC_PI_2).abs() - FRAC_PI_2;
@@ -133,7 +147,11 @@ impl Oracle<'_> {
         let open = fire + robot.leg.delay;
         // A released spring is not caught again.
         let closes = !matches!(robot.leg.drive, Drive::Spring { .. });
-        let close = if closes { open + launch.valve_open } else { f64::INFINITY };
+        let close = if closes {
+            open + launch.valve_open
+        } else {
+            f64::INFINITY
+        };
 
         // 2. The valve's delay.
         match self.advance(held, open, &[&early, &fallen]) {
@@ -143,10 +161,14 @@ impl Oracle<'_> {
         }
 
         // 3. Filling until break-away: (P − P_a) A − F_f + m ω² r_s − weight cos φ > 0.
-        let filling = Mode { energized: true, ..held };
+        let filling = Mode {
+            energized: true,
+            ..held
+        };
         let ((m, weight), r) = (at_axle(robot), robot.body.radius);
         let excess = |y: &State| {
-            force(robot, filling, y).1 + m * y[ALPHA_DOT] * y[ALPHA_DOT] * r - weight * y[ALPHA].sin()
+            force(robot, filling, y).1 + m * y[ALPHA_DOT] * y[ALPHA_DOT] * r
+                - weight * y[ALPHA].sin()
         };
         if closes && launch.valve_open <= 0.0 {
             return self.end("no-break-away", fire);
@@ -167,12 +189,20 @@ impl Oracle<'_> {
 
     fn extend(&mut self, close: f64) -> &'static str {
         let robot = self.robot;
-        let mut mode = Mode { energized: true, extending: true, port: false, cushion: false };
+        let mut mode = Mode {
+            energized: true,
+            extending: true,
+            port: false,
+            cushion: false,
+        };
         let port = match &robot.leg.drive {
             Drive::Pneumatic(cylinder) => cylinder.exhaust_port.map(|port| port.position),
             _ => None,
         };
-        let cushion = robot.leg.cushion.map(|cushion| robot.leg.stroke - cushion.length);
+        let cushion = robot
+            .leg
+            .cushion
+            .map(|cushion| robot.leg.stroke - cushion.length);
         loop {
             if force(robot, mode, &self.y).1 <= 0.0 {
                 return "force";
@@ -188,7 +218,11 @@ impl Oracle<'_> {
             let slack = |y: &State| -force(robot, mode, y).1;
             let halted = |y: &State| -y[D_DOT];
             let until = if mode.energized { close } else { f64::INFINITY };
-            match self.advance(mode, until, &[&stroke, &slack, &halted, &port_reached, &cushion_reached]) {
+            match self.advance(
+                mode,
+                until,
+                &[&stroke, &slack, &halted, &port_reached, &cushion_reached],
+            ) {
                 Some(0) => return "stroke",
                 Some(1) => return "force",
                 Some(2) => return "fall-back",
@@ -222,12 +256,20 @@ impl Oracle<'_> {
     /// The event that turns positive first within a step to `next`, and after which fraction of it.
     fn first(&self, mode: Mode, h: f64, next: &State, events: &[Event]) -> Option<(usize, f64)> {
         let mut first: Option<(usize, f64)> = None;
-        for (i, event) in events.iter().enumerate().filter(|(_, event)| event(next) > 0.0) {
+        for (i, event) in events
+            .iter()
+            .enumerate()
+            .filter(|(_, event)| event(next) > 0.0)
+        {
             let (mut low, mut high) = (0.0, 1.0);
             // Fifty halvings reach round-off.
             for _ in 0..50 {
                 let middle = 0.5 * (low + high);
-                if event(&self.stepped(mode, middle * h)) > 0.0 { high = middle } else { low = middle }
+                if event(&self.stepped(mode, middle * h)) > 0.0 {
+                    high = middle
+                } else {
+                    low = middle
+                }
             }
             if first.is_none_or(|(_, fraction)| high < fraction) {
                 first = Some((i, high));
@@ -264,12 +306,18 @@ impl Oracle<'_> {
     }
 }
 
-/// Mass (kg) that moves with the axle and weight (N) that hangs on it: moments of the boom about its base, over its length.
+/// Mass (kg) that moves with the axle and weight (N) that hangs on it: moments of the boom about
+/// its base, over its length.
 fn at_axle(robot: &Robot) -> (f64, f64) {
     let (m, g) = (robot.body.mass, robot.environment.gravity);
-    let Some(boom) = robot.boom else { return (m, m * g) };
+    let Some(boom) = robot.boom else {
+        return (m, m * g);
+    };
     let length = boom.length;
-    let (mut inertia, mut torque) = (boom.mass * length * length / 3.0, boom.mass * g * length / 2.0);
+    let (mut inertia, mut torque) = (
+        boom.mass * length * length / 3.0,
+        boom.mass * g * length / 2.0,
+    );
     if let Some(counterweight) = boom.counterweight {
         inertia += counterweight.mass * counterweight.distance * counterweight.distance;
         torque -= counterweight.mass * g * counterweight.distance;
@@ -285,8 +333,8 @@ fn derivative(robot: &Robot, mode: Mode, y: &State) -> State {
     let (drive, total) = force(robot, mode, y);
     let mut dy = [0.0; 7];
     dy[ALPHA] = y[ALPHA_DOT];
-    dy[ALPHA_DOT] =
-        (-weight * big_r * cos - 2.0 * m * y[ALPHA_DOT] * y[D_DOT] * big_r) / (i + m * big_r * big_r);
+    dy[ALPHA_DOT] = (-weight * big_r * cos - 2.0 * m * y[ALPHA_DOT] * y[D_DOT] * big_r)
+        / (i + m * big_r * big_r);
     if mode.extending {
         dy[D] = y[D_DOT];
         dy[D_DOT] = total / m + y[ALPHA_DOT] * y[ALPHA_DOT] * big_r - weight / m * sin;
@@ -311,7 +359,10 @@ fn force(robot: &Robot, mode: Mode, y: &State) -> (f64, f64) {
             seal = cylinder.seal_friction * gauge.abs();
             gauge * PI / 4.0 * cylinder.bore * cylinder.bore
         }
-        Drive::Spring { stiffness, compression } => on(stiffness * (compression - d)),
+        Drive::Spring {
+            stiffness,
+            compression,
+        } => on(stiffness * (compression - d)),
         Drive::Constant { force } => on(*force),
         Drive::Table(table) => on(table_force(table, d, speed)),
     };
@@ -332,12 +383,15 @@ fn pressure_rate(robot: &Robot, cylinder: &Cylinder, mode: Mode, y: &State) -> f
     let area = PI / 4.0 * cylinder.bore * cylinder.bore;
     let volume = cylinder.dead_volume + area * y[D];
     let ambient = robot.environment.ambient.0;
-    let valve = cylinder.discharge_coefficient * PI * cylinder.orifice_radius * cylinder.orifice_radius;
-    let q = |area: f64, from: f64, to: f64| area / cylinder.temperature.sqrt() * orifice(gas, from, to);
+    let valve =
+        cylinder.discharge_coefficient * PI * cylinder.orifice_radius * cylinder.orifice_radius;
+    let q =
+        |area: f64, from: f64, to: f64| area / cylinder.temperature.sqrt() * orifice(gas, from, to);
     let mut inflow = if mode.energized {
         let supply = cylinder.supply.0 + ambient;
         let most = q(valve, supply, y[P]);
-        // The supply falls by as much as its flow asks; the flow that fits lies between none and that without a fall.
+        // The supply falls by as much as its flow asks; the flow that fits lies between none and
+        // that without a fall.
         let (mut low, mut high) = (0.0, most);
         if cylinder.supply_droop > 0.0 {
             for _ in 0..60 {
@@ -373,20 +427,23 @@ fn orifice(gas: Gas, up: f64, down: f64) -> f64 {
     }
 }
 
-/// Force (N) of a table: cubic through the grid, along d in the four columns around the speed, then along the speed.
+/// Force (N) of a table: cubic through the grid, along d in the four columns around the speed, then
+/// along the speed.
 fn table_force(table: &ForceTable, d: f64, speed: f64) -> f64 {
     let columns = table.speeds.len();
     let along: Vec<f64> = (0..columns)
         .map(|j| {
-            let column: Vec<f64> =
-                (0..table.extensions.len()).map(|i| table.forces[i * columns + j]).collect();
+            let column: Vec<f64> = (0..table.extensions.len())
+                .map(|i| table.forces[i * columns + j])
+                .collect();
             cubic(&table.extensions, &column, d)
         })
         .collect();
     cubic(&table.speeds, &along, speed)
 }
 
-/// The cubic Hermite interpolant through (`x`, `f`) with the slope between the neighbours at each point; constant outside.
+/// The cubic Hermite interpolant through (`x`, `f`) with the slope between the neighbours at each
+/// point; constant outside.
 fn cubic(x: &[f64], f: &[f64], at: f64) -> f64 {
     let last = x.len() - 1;
     if at <= x[0] {

@@ -71,14 +71,20 @@ pub fn jumps() -> Vec<Row> {
 /// `hop.csv`.
 pub fn hops() -> Vec<Hop> {
     let (_, rows) = table(include_str!("../reference/hop.csv"));
-    rows.iter().map(|c| (number(&c[0]), c[1].clone(), number(&c[2]), number(&c[3]))).collect()
+    rows.iter()
+        .map(|c| (number(&c[0]), c[1].clone(), number(&c[2]), number(&c[3])))
+        .collect()
 }
 
 /// `table.csv`.
 pub fn firings() -> Vec<Firing> {
     let (_, rows) = table(include_str!("../reference/table.csv"));
     rows.iter()
-        .map(|c| Firing { rate: number(&c[0]), distance: number(&c[1]), firing_angle: number(&c[2]) })
+        .map(|c| Firing {
+            rate: number(&c[0]),
+            distance: number(&c[1]),
+            firing_angle: number(&c[2]),
+        })
         .collect()
 }
 
@@ -88,8 +94,18 @@ pub fn firings() -> Vec<Firing> {
 /// If the wheel does not come down to y = r_s: no row of the reference is such a jump.
 pub fn columns(robot: &Robot, end: &LiftOff) -> [f64; 14] {
     let ((x, y), (vx, vy)) = (end.position(), end.velocity());
-    let flight = Flight { x, y, vx, vy, gravity: robot.axle_gravity() };
-    let landing = |height: f64| flight.range_to_height(height).expect("the wheel comes down");
+    let flight = Flight {
+        x,
+        y,
+        vx,
+        vy,
+        gravity: robot.axle_gravity(),
+    };
+    let landing = |height: f64| {
+        flight
+            .range_to_height(height)
+            .expect("the wheel comes down")
+    };
     [
         end.time_fire,
         end.time,
@@ -113,6 +129,8 @@ fn number(text: &str) -> f64 {
 }
 
 fn table(text: &str) -> (Vec<String>, Vec<Vec<String>>) {
-    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let mut lines = text
+        .lines()
+        .map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
     (lines.next().unwrap_or_default(), lines.collect())
 }

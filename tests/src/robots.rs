@@ -1,7 +1,7 @@
 //! Random robots and launches.
 //!
-//! [`ordinary`] robots can jump, or nearly: their numbers are drawn around scales that fit together. [`legal`] robots are
-//! anything that a robot file admits.
+//! [`ordinary`] robots can jump, or nearly: their numbers are drawn around scales that fit
+//! together. [`legal`] robots are anything that a robot file admits.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -9,8 +9,8 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use saltus_lagrangian::Launch;
 use saltus_robot::{
-    AbsolutePressure, Body, Boom, Counterweight, Cushion, Cylinder, Drive, Environment, Errors, ExhaustPort,
-    Foot, ForceTable, Gas, GaugePressure, Ground, Leg, LegBody, ReturnSpring, Robot,
+    AbsolutePressure, Body, Boom, Counterweight, Cushion, Cylinder, Drive, Environment, Errors,
+    ExhaustPort, Foot, ForceTable, Gas, GaugePressure, Ground, Leg, LegBody, ReturnSpring, Robot,
 };
 
 /// What pushes, and which of the optional terms may be on.
@@ -30,7 +30,13 @@ pub enum Kind {
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 5] = [Kind::Plain, Kind::Pneumatic, Kind::Spring, Kind::Constant, Kind::Table];
+    pub const ALL: [Kind; 5] = [
+        Kind::Plain,
+        Kind::Pneumatic,
+        Kind::Spring,
+        Kind::Constant,
+        Kind::Table,
+    ];
 }
 
 /// `cases` cases from a fixed seed.
@@ -57,7 +63,10 @@ impl Draw {
     /// From 2 to 4.
     fn count(&mut self) -> usize {
         let thirds = self.unit();
-        2 + [1.0 / 3.0, 2.0 / 3.0].iter().filter(|third| thirds > **third).count()
+        2 + [1.0 / 3.0, 2.0 / 3.0]
+            .iter()
+            .filter(|third| thirds > **third)
+            .count()
     }
 
     /// Evenly distributed in the logarithm.
@@ -81,7 +90,8 @@ impl Draw {
 
 /// A robot of `kind` that can jump, or nearly, from any of its parameters at 0.
 pub fn ordinary(kind: Kind) -> impl Strategy<Value = Robot> {
-    prop::collection::vec(0.0..1.0, 64).prop_map(move |units| robot(kind, &mut Draw(units.into_iter())))
+    prop::collection::vec(0.0..1.0, 64)
+        .prop_map(move |units| robot(kind, &mut Draw(units.into_iter())))
 }
 
 /// As [`ordinary`], of any kind.
@@ -89,7 +99,8 @@ pub fn any_ordinary() -> impl Strategy<Value = Robot> {
     prop::sample::select(&Kind::ALL[..]).prop_flat_map(ordinary)
 }
 
-/// `robots` on booms of up to three times their mass, some with a counterweight that takes part of the weight.
+/// `robots` on booms of up to three times their mass, some with a counterweight that takes part of
+/// the weight.
 pub fn on_boom(robots: impl Strategy<Value = Robot>) -> impl Strategy<Value = Robot> {
     (robots, prop::collection::vec(0.0..1.0, 8)).prop_map(|(mut robot, units)| {
         let mut draw = Draw(units.into_iter());
@@ -98,14 +109,24 @@ pub fn on_boom(robots: impl Strategy<Value = Robot>) -> impl Strategy<Value = Ro
         let counterweight = draw.option(|d| {
             let distance = d.scale(0.1, 1.0) * length;
             let moment = (robot.body.mass + 0.5 * mass) * length;
-            Counterweight { mass: d.between(0.0, 0.7) * moment / distance, distance }
+            Counterweight {
+                mass: d.between(0.0, 0.7) * moment / distance,
+                distance,
+            }
         });
-        robot.boom = Some(Boom { mass, length, radius: 0.0, counterweight, flex: None });
+        robot.boom = Some(Boom {
+            mass,
+            length,
+            radius: 0.0,
+            counterweight,
+            flex: None,
+        });
         robot
     })
 }
 
-/// A launch that suits `robot`: from rest to a little faster than the ground can hold, leans of all sizes, mostly small.
+/// A launch that suits `robot`: from rest to a little faster than the ground can hold, leans of all
+/// sizes, mostly small.
 pub fn launch(robot: &Robot) -> impl Strategy<Value = Launch> + use<> {
     let top = (robot.axle_gravity() / robot.body.radius).sqrt();
     let time = stroke_time(robot);
@@ -132,7 +153,10 @@ pub fn jump(robots: impl Strategy<Value = Robot>) -> impl Strategy<Value = (Robo
 pub fn stroke_time(robot: &Robot) -> f64 {
     let force = match &robot.leg.drive {
         Drive::Pneumatic(c) => c.supply.0 * PI / 4.0 * c.bore * c.bore,
-        Drive::Spring { stiffness, compression } => stiffness * compression,
+        Drive::Spring {
+            stiffness,
+            compression,
+        } => stiffness * compression,
         Drive::Constant { force } => *force,
         Drive::Table(table) => table.forces.iter().copied().fold(0.0, f64::max),
     };
@@ -144,7 +168,8 @@ fn robot(kind: Kind, draw: &mut Draw) -> Robot {
     let gravity = draw.scale(1.6, 25.0);
     let inertia = draw.perhaps(1.5) * mass * radius * radius;
     let stroke = radius * draw.scale(0.03, 0.9);
-    // The force of the drive from three times the weight on, and the time that it needs for a stroke.
+    // The force of the drive from three times the weight on, and the time that it needs for a
+    // stroke.
     let force = mass * gravity * draw.scale(3.0, 150.0);
     let time = (2.0 * stroke * mass / force).sqrt();
     let optional = kind != Kind::Plain;
@@ -171,7 +196,10 @@ fn robot(kind: Kind, draw: &mut Draw) -> Robot {
             }
             Kind::Spring => {
                 let compression = stroke * draw.between(0.5, 3.0);
-                Drive::Spring { stiffness: force / compression, compression }
+                Drive::Spring {
+                    stiffness: force / compression,
+                    compression,
+                }
             }
             Kind::Constant => Drive::Constant { force },
             Kind::Table => Drive::Table(force_table(draw, stroke, force, time)),
@@ -193,7 +221,11 @@ fn robot(kind: Kind, draw: &mut Draw) -> Robot {
         boom: None,
         foot: Foot::default(),
         ground: Ground::default(),
-        environment: Environment { gravity, ambient, drag: 0.0 },
+        environment: Environment {
+            gravity,
+            ambient,
+            drag: 0.0,
+        },
         errors: Errors::default(),
     }
 }
@@ -213,13 +245,17 @@ fn cylinder(
         x if x < 0.3 => Gas::AIR,
         x if x < 0.5 => Gas::CO2,
         x if x < 0.7 => Gas::NITROGEN,
-        _ => Gas { heat_ratio: draw.between(1.05, 1.67), constant: draw.scale(50.0, 4000.0) },
+        _ => Gas {
+            heat_ratio: draw.between(1.05, 1.67),
+            constant: draw.scale(50.0, 4000.0),
+        },
     };
     let temperature = draw.between(150.0, 600.0);
     // The valve fills the extended leg in about the time of a stroke.
     let volume = dead_volume + area * stroke;
     let heat = gas.constant * temperature;
-    let effective = draw.scale(0.2, 5.0) * supply * volume / (time * heat.sqrt() * (supply + ambient.0));
+    let effective =
+        draw.scale(0.2, 5.0) * supply * volume / (time * heat.sqrt() * (supply + ambient.0));
     let discharge_coefficient = draw.between(0.2, 1.0);
     let flow = effective * (supply + ambient.0) / heat.sqrt();
     let supply_droop = draw.perhaps(0.3) * supply / flow;
@@ -247,14 +283,21 @@ fn cylinder(
     }
 }
 
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0, 1 or 2")]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "0, 1 or 2"
+)]
 fn force_table(draw: &mut Draw, stroke: f64, force: f64, time: f64) -> ForceTable {
     let rows = draw.count();
     let columns = draw.count();
     let reach = draw.between(1.0, 1.3) * stroke;
-    let extensions: Vec<f64> = (0..rows).map(|i| reach * (i as f64 / (rows - 1) as f64).powf(1.2)).collect();
-    let speeds: Vec<f64> =
-        (0..columns).map(|j| 2.0 * stroke / time * j as f64 / (columns - 1) as f64).collect();
+    let extensions: Vec<f64> = (0..rows)
+        .map(|i| reach * (i as f64 / (rows - 1) as f64).powf(1.2))
+        .collect();
+    let speeds: Vec<f64> = (0..columns)
+        .map(|j| 2.0 * stroke / time * j as f64 / (columns - 1) as f64)
+        .collect();
     let forces = extensions
         .iter()
         .flat_map(|_| {
@@ -264,7 +307,11 @@ fn force_table(draw: &mut Draw, stroke: f64, force: f64, time: f64) -> ForceTabl
             (0..columns).map(move |j| force * (start - fall * j as f64 / last))
         })
         .collect();
-    ForceTable { extensions, speeds, forces }
+    ForceTable {
+        extensions,
+        speeds,
+        forces,
+    }
 }
 
 /// Any finite number > 0, from the smallest to the greatest.
@@ -276,11 +323,15 @@ fn positive() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Any robot that a robot file admits: an ordinary one, in which from one number to all are replaced by any legal ones.
+/// Any robot that a robot file admits: an ordinary one, in which from one number to all are
+/// replaced by any legal ones.
 pub fn legal() -> impl Strategy<Value = Robot> {
     const NUMBERS: usize = 40;
     let chance = prop_oneof![Just(0.05), Just(0.3), Just(1.0)];
-    let wild = prop::collection::vec((0.0..1.0_f64, prop_oneof![1 => Just(0.0), 6 => positive()]), NUMBERS);
+    let wild = prop::collection::vec(
+        (0.0..1.0_f64, prop_oneof![1 => Just(0.0), 6 => positive()]),
+        NUMBERS,
+    );
     (any_ordinary(), chance, wild).prop_map(|(mut robot, chance, wild)| {
         let mut wild = wild.into_iter();
         let mut replace = |number: &mut f64, low: f64| {
@@ -302,7 +353,11 @@ pub fn legal() -> impl Strategy<Value = Robot> {
         let stroke = leg.stroke;
         replace(&mut leg.stroke, above_zero);
         let stretch = leg.stroke / stroke;
-        for number in [&mut leg.delay, &mut leg.viscous_friction, &mut leg.coulomb_friction] {
+        for number in [
+            &mut leg.delay,
+            &mut leg.viscous_friction,
+            &mut leg.coulomb_friction,
+        ] {
             replace(number, zero);
         }
         if let Some(spring) = &mut leg.return_spring {
@@ -314,10 +369,15 @@ pub fn legal() -> impl Strategy<Value = Robot> {
             replace(&mut cushion.stiffness, zero);
             replace(&mut cushion.damping, zero);
         }
-        leg.cushion = leg.cushion.filter(|cushion| cushion.length > 0.0 && cushion.length < leg.stroke);
+        leg.cushion = leg
+            .cushion
+            .filter(|cushion| cushion.length > 0.0 && cushion.length < leg.stroke);
         match &mut leg.drive {
             Drive::Pneumatic(c) => replace_cylinder(c, leg.stroke, stretch, &mut replace),
-            Drive::Spring { stiffness, compression } => {
+            Drive::Spring {
+                stiffness,
+                compression,
+            } => {
                 replace(stiffness, above_zero);
                 replace(compression, above_zero);
             }
@@ -334,7 +394,13 @@ pub fn legal() -> impl Strategy<Value = Robot> {
                 }
             }
         }
-        let mut boom = Boom { mass: 0.0, length: 1.0, radius: 0.0, counterweight: None, flex: None };
+        let mut boom = Boom {
+            mass: 0.0,
+            length: 1.0,
+            radius: 0.0,
+            counterweight: None,
+            flex: None,
+        };
         replace(&mut boom.mass, zero);
         replace(&mut boom.length, above_zero);
         robot.boom = (boom.mass > 0.0).then_some(boom);
@@ -342,14 +408,28 @@ pub fn legal() -> impl Strategy<Value = Robot> {
     })
 }
 
-fn replace_cylinder(c: &mut Cylinder, stroke: f64, stretch: f64, replace: &mut impl FnMut(&mut f64, f64)) {
+fn replace_cylinder(
+    c: &mut Cylinder,
+    stroke: f64,
+    stretch: f64,
+    replace: &mut impl FnMut(&mut f64, f64),
+) {
     let (zero, above_zero) = (-1.0, 0.0);
-    for number in
-        [&mut c.bore, &mut c.dead_volume, &mut c.orifice_radius, &mut c.temperature, &mut c.gas.constant]
-    {
+    for number in [
+        &mut c.bore,
+        &mut c.dead_volume,
+        &mut c.orifice_radius,
+        &mut c.temperature,
+        &mut c.gas.constant,
+    ] {
         replace(number, above_zero);
     }
-    for number in [&mut c.supply.0, &mut c.supply_droop, &mut c.leak_area, &mut c.seal_friction] {
+    for number in [
+        &mut c.supply.0,
+        &mut c.supply_droop,
+        &mut c.leak_area,
+        &mut c.seal_friction,
+    ] {
         replace(number, zero);
     }
     replace(&mut c.discharge_coefficient, above_zero);
@@ -359,7 +439,9 @@ fn replace_cylinder(c: &mut Cylinder, stroke: f64, stretch: f64, replace: &mut i
         port.position *= stretch;
         replace(&mut port.area, above_zero);
     }
-    c.exhaust_port = c.exhaust_port.filter(|port| port.position > 0.0 && port.position < stroke);
+    c.exhaust_port = c
+        .exhaust_port
+        .filter(|port| port.position > 0.0 && port.position < stroke);
     c.polytropic_exponent = c.polytropic_exponent.map(|n| n.min(c.gas.heat_ratio));
 }
 
@@ -373,11 +455,13 @@ pub fn any_launch() -> impl Strategy<Value = Launch> {
             3 => -2.0..2.0,
         ]
     };
-    (number(), number(), number(), number()).prop_map(|(rate, lean, firing_angle, valve_open)| Launch {
-        rate,
-        lean,
-        firing_angle,
-        valve_open,
+    (number(), number(), number(), number()).prop_map(|(rate, lean, firing_angle, valve_open)| {
+        Launch {
+            rate,
+            lean,
+            firing_angle,
+            valve_open,
+        }
     })
 }
 

@@ -12,15 +12,26 @@ pub fn sets<'a>(kind: &'a dyn Kind, d: &Diagnosis) -> Vec<Vec<&'a str>> {
         .map(|f| {
             let rivals = f.rivals.iter().map(|r| id(r.cause));
             let unlisted = f.unlisted.iter().map(|_| "unknown");
-            std::iter::once(id(f.best.cause)).chain(rivals).chain(unlisted).collect()
+            std::iter::once(id(f.best.cause))
+                .chain(rivals)
+                .chain(unlisted)
+                .collect()
         })
         .collect()
 }
 
 fn number(r: &Reported) -> String {
     let end = |end: Option<f64>| end.map_or("open".into(), |x| format!("{x:.3e}"));
-    let interval = r.interval.map(|i| format!(" ({} to {})", end(i.low), end(i.high)));
-    format!("{} {:.4e} ± {:.1e}{}", r.name, r.value, r.error, interval.unwrap_or_default())
+    let interval = r
+        .interval
+        .map(|i| format!(" ({} to {})", end(i.low), end(i.high)));
+    format!(
+        "{} {:.4e} ± {:.1e}{}",
+        r.name,
+        r.value,
+        r.error,
+        interval.unwrap_or_default()
+    )
 }
 
 /// What is said, in a line.
@@ -40,15 +51,28 @@ pub fn say(kind: &dyn Kind, d: &Diagnosis) -> String {
             let numbers: Vec<String> = t.reported.iter().map(number).collect();
             format!(": {} {}", kind.causes()[t.cause].id, numbers.join(", "))
         });
-        all.push(format!("unknown in {} {}{}", u.channel, u.phase, term.unwrap_or_default()));
+        all.push(format!(
+            "unknown in {} {}{}",
+            u.channel,
+            u.phase,
+            term.unwrap_or_default()
+        ));
     }
-    if all.is_empty() { "none".into() } else { all.join(" + ") }
+    if all.is_empty() {
+        "none".into()
+    } else {
+        all.join(" + ")
+    }
 }
 
 /// Whether the effects are named and nothing else is: each alone or in a set of three at most.
 pub fn names(kind: &dyn Kind, d: &Diagnosis, truth: &[Effect]) -> bool {
     let sets = sets(kind, d);
-    let named = |effect: &Effect| sets.iter().any(|set| set.len() <= 3 && set.contains(&effect.id));
+    let named = |effect: &Effect| {
+        sets.iter()
+            .any(|set| set.len() <= 3 && set.contains(&effect.id))
+    };
     // Two effects may be of one cause with something beside it; one, or none, may not.
-    truth.iter().all(named) && (truth.len() > 1 || (sets.len() == truth.len() && d.unknown.is_none()))
+    truth.iter().all(named)
+        && (truth.len() > 1 || (sets.len() == truth.len() && d.unknown.is_none()))
 }

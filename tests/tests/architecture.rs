@@ -18,7 +18,10 @@ const MAY_USE: [(&str, &[&str]); 12] = [
     // Its equations are derived another way: never lagrangian or ballistic.
     ("sim-check", &["numeric", "robot", "pneumatics"]),
     // The simulation is for its tests alone.
-    ("diagnosis", &["numeric", "robot", "pneumatics", "sim-check"]),
+    (
+        "diagnosis",
+        &["numeric", "robot", "pneumatics", "sim-check"],
+    ),
     ("controller", &[]),
     // What C programs link.
     ("controller-ffi", &["controller"]),
@@ -56,8 +59,16 @@ const KNOWN_TO: [(&str, &[&str]); 8] = [
 const SHELLS: [&str; 3] = ["robot", "saltus", "tests"];
 
 /// What the source of a crate that computes does not say.
-const INPUT_OUTPUT: [&str; 8] =
-    ["std::fs", "std::io", "std::net", "std::env", "std::process", "print!(", "println!(", "dbg!("];
+const INPUT_OUTPUT: [&str; 8] = [
+    "std::fs",
+    "std::io",
+    "std::net",
+    "std::env",
+    "std::process",
+    "print!(",
+    "println!(",
+    "dbg!(",
+];
 
 /// A crate of the workspace.
 struct Member {
@@ -67,7 +78,9 @@ struct Member {
 
 impl Member {
     fn package(&self) -> &str {
-        self.manifest["package"]["name"].as_str().expect("a package has a name")
+        self.manifest["package"]["name"]
+            .as_str()
+            .expect("a package has a name")
     }
 
     /// Names of what it depends on to run and to build, and, if `with_tests`, to be tested.
@@ -77,7 +90,10 @@ impl Member {
             kinds.push("dev-dependencies");
         }
         let targets = self.manifest.get("target").and_then(Value::as_table);
-        let tables = targets.into_iter().flat_map(Table::values).filter_map(Value::as_table);
+        let tables = targets
+            .into_iter()
+            .flat_map(Table::values)
+            .filter_map(Value::as_table);
         std::iter::once(&self.manifest)
             .chain(tables)
             .flat_map(|table| kinds.iter().filter_map(|kind| table.get(*kind)?.as_table()))
@@ -98,24 +114,33 @@ fn root() -> PathBuf {
 
 fn manifest(folder: &Path) -> Table {
     let path = folder.join("Cargo.toml");
-    let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    text.parse().unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+    let text =
+        fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    text.parse()
+        .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 fn members() -> Vec<Member> {
     let workspace = manifest(&root());
-    let folders = workspace["workspace"]["members"].as_array().expect("a list of members");
+    let folders = workspace["workspace"]["members"]
+        .as_array()
+        .expect("a list of members");
     folders
         .iter()
         .map(|folder| folder.as_str().expect("members are folders").to_owned())
-        .map(|folder| Member { manifest: manifest(&root().join(&folder)), folder })
+        .map(|folder| Member {
+            manifest: manifest(&root().join(&folder)),
+            folder,
+        })
         .collect()
 }
 
 /// What `arrows` the table forbids, as `from -> to`.
 fn forbidden(arrows: &[(&str, &str)]) -> Vec<String> {
     let allowed = |from: &str, to: &str| {
-        MAY_USE.iter().any(|(folder, uses)| *folder == from && (uses.contains(&to) || from == to))
+        MAY_USE
+            .iter()
+            .any(|(folder, uses)| *folder == from && (uses.contains(&to) || from == to))
     };
     arrows
         .iter()
@@ -128,7 +153,10 @@ fn forbidden(arrows: &[(&str, &str)]) -> Vec<String> {
 fn arrows_between_our_crates_are_those_of_the_table() {
     let members = members();
     let folder_of = |package: &str| {
-        members.iter().find(|member| member.package() == package).map(|member| member.folder.as_str())
+        members
+            .iter()
+            .find(|member| member.package() == package)
+            .map(|member| member.folder.as_str())
     };
     let mut arrows = Vec::new();
     for member in &members {
@@ -143,15 +171,29 @@ fn arrows_between_our_crates_are_those_of_the_table() {
             arrows.extend(folder_of(&dependency).map(|to| (member.folder.as_str(), to)));
         }
     }
-    assert!(arrows.contains(&("lagrangian", "pneumatics")), "no arrows were found: {arrows:?}");
+    assert!(
+        arrows.contains(&("lagrangian", "pneumatics")),
+        "no arrows were found: {arrows:?}"
+    );
     assert_eq!(forbidden(&arrows), Vec::<String>::new());
 }
 
 #[test]
 fn the_check_sees_a_wrong_arrow() {
-    let arrows =
-        [("planner", "saltus"), ("robot", "numeric"), ("ballistic", "lagrangian"), ("saltus", "robot")];
-    assert_eq!(forbidden(&arrows), ["planner -> saltus", "robot -> numeric", "ballistic -> lagrangian"]);
+    let arrows = [
+        ("planner", "saltus"),
+        ("robot", "numeric"),
+        ("ballistic", "lagrangian"),
+        ("saltus", "robot"),
+    ];
+    assert_eq!(
+        forbidden(&arrows),
+        [
+            "planner -> saltus",
+            "robot -> numeric",
+            "ballistic -> lagrangian"
+        ]
+    );
 }
 
 #[test]
@@ -159,7 +201,8 @@ fn crates_of_others_stay_where_they_belong() {
     for member in members().iter().filter(|member| member.folder != "tests") {
         for dependency in member.dependencies(false) {
             let known_to = KNOWN_TO.iter().find(|(name, _)| *name == dependency);
-            let allowed = known_to.is_none_or(|(_, folders)| folders.contains(&member.folder.as_str()));
+            let allowed =
+                known_to.is_none_or(|(_, folders)| folders.contains(&member.folder.as_str()));
             assert!(allowed, "{} knows {dependency}", member.folder);
         }
     }
@@ -168,14 +211,23 @@ fn crates_of_others_stay_where_they_belong() {
 #[test]
 fn the_core_does_no_input_or_output() {
     let mut looked_at = 0;
-    for member in members().iter().filter(|member| !SHELLS.contains(&member.folder.as_str())) {
+    for member in members()
+        .iter()
+        .filter(|member| !SHELLS.contains(&member.folder.as_str()))
+    {
         for path in rust_files(&root().join(&member.folder).join("src")) {
             let text = fs::read_to_string(&path).expect("a source file");
             looked_at += 1;
             for (number, line) in text.lines().enumerate() {
                 let code = line.split("//").next().unwrap_or_default();
                 let said = INPUT_OUTPUT.iter().find(|word| code.contains(*word));
-                assert!(said.is_none(), "{}:{}: {}", path.display(), number + 1, line.trim());
+                assert!(
+                    said.is_none(),
+                    "{}:{}: {}",
+                    path.display(),
+                    number + 1,
+                    line.trim()
+                );
             }
         }
     }
@@ -184,7 +236,8 @@ fn the_core_does_no_input_or_output() {
 
 /// Every `.rs` below `folder`.
 fn rust_files(folder: &Path) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let entries =
+        fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
     let paths = entries.map(|entry| entry.expect("a readable folder").path());
     paths
         .flat_map(|path| match path.extension() {

@@ -1,10 +1,13 @@
-//! The controller's tables against the planner, its take-offs against a search with whole jumps, and its loop in the simulation.
+//! The controller's tables against the planner, its take-offs against a search with whole jumps,
+//! and its loop in the simulation.
 
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 use saltus::ballistic::{Disc, Obstacle};
-use saltus::controller::{Approach, Guess, NoTakeOff, Observer, Reason, Rule, Sensed, Task, Timing};
+use saltus::controller::{
+    Approach, Guess, NoTakeOff, Observer, Reason, Rule, Sensed, Task, Timing,
+};
 use saltus::embed::{EmbedError, Request, Tables};
 use saltus::planner::{FIRING_ANGLES, Measure, Roots, TableRequest};
 use saltus::{Launch, Planner, Robot};
@@ -51,25 +54,50 @@ fn what_the_table_fires_lands_within_two_millimetres_everywhere() {
     let mut random = Pcg64::seed_from_u64(1);
     let (mut worst, mut answered) = (0.0_f64, 0);
     for _ in 0..20_000 {
-        let (rate, distance) =
-            (single(uniform(&mut random, 3.0, 6.0)), single(uniform(&mut random, 0.3, 1.0)));
-        let Ok(angle) = tables.controller().firing_angle(rate, distance, 0.0) else { continue };
+        let (rate, distance) = (
+            single(uniform(&mut random, 3.0, 6.0)),
+            single(uniform(&mut random, 0.3, 1.0)),
+        );
+        let Ok(angle) = tables.controller().firing_angle(rate, distance, 0.0) else {
+            continue;
+        };
         answered += 1;
-        let launch = Launch { rate: rate.into(), lean: -0.5, firing_angle: angle.into(), valve_open: 0.1 };
-        let landing = planner.jump(&launch).expect("a stance").distance(0.0).expect("a landing");
+        let launch = Launch {
+            rate: rate.into(),
+            lean: -0.5,
+            firing_angle: angle.into(),
+            valve_open: 0.1,
+        };
+        let landing = planner
+            .jump(&launch)
+            .expect("a stance")
+            .distance(0.0)
+            .expect("a landing");
         worst = worst.max((landing - f64::from(distance)).abs());
     }
-    // The issue asks for 2 mm; this table has 0.03, and a tenth is left for another processor's round-off and luck.
+    // The issue asks for 2 mm; this table has 0.03, and a tenth is left for another processor's
+    // round-off and luck.
     assert!(worst < 1e-4 && answered > 19_000, "{worst} m, {answered}");
-    assert!(worst <= 2.0 * tables.misses().table, "{worst} m, {:?}", tables.misses());
+    assert!(
+        worst <= 2.0 * tables.misses().table,
+        "{worst} m, {:?}",
+        tables.misses()
+    );
 }
 
 #[test]
 fn one_distance_is_a_curve_within_the_tolerance_whatever_the_steps() {
     let planner = Planner::new(Robot::rats_planar());
     let curve = |newton_steps| {
-        let request = Request { distances: (0.6, 0.6, 1), newton_steps, ..Request::default() };
-        Tables::<f64>::new(&planner, &request).expect("a curve").misses().table
+        let request = Request {
+            distances: (0.6, 0.6, 1),
+            newton_steps,
+            ..Request::default()
+        };
+        Tables::<f64>::new(&planner, &request)
+            .expect("a curve")
+            .misses()
+            .table
     };
     // A line would miss by 9 mm. One Newton step and two leave the map's own error, at most.
     let [plain, once, twice] = [0, 1, 2].map(curve);
@@ -84,14 +112,20 @@ fn the_controller_answers_as_the_table_does() {
     for robot in robots {
         let planner = Planner::new(saltus::resolve(robot, &[]).expect("a robot"));
         for (landing_height, start_lean) in [(None, None), (Some(0.0), None), (None, Some(-0.4))] {
-            let request =
-                Request { distances: (0.3, 0.6, 4), landing_height, start_lean, ..Request::default() };
+            let request = Request {
+                distances: (0.3, 0.6, 4),
+                landing_height,
+                start_lean,
+                ..Request::default()
+            };
             let tables = Tables::<f32>::new(&planner, &request).expect("tables");
             let height = landing_height.unwrap_or(planner.robot().body.radius);
             let table = planner
                 .table(&TableRequest {
                     rates: vec![3.1, 4.0, 5.0, 5.9],
-                    measure: Measure::Distance { landing_height: height },
+                    measure: Measure::Distance {
+                        landing_height: height,
+                    },
                     targets: vec![0.35, 0.5, 0.6],
                     valve_open: 0.1,
                     start_lean,
@@ -103,14 +137,23 @@ fn the_controller_answers_as_the_table_does() {
                 .expect("a table");
             for cell in &table.cells {
                 let controller = tables.controller();
-                let angle = controller.firing_angle(single(cell.rate), single(cell.target), single(height));
-                let (Ok(angle), Some(entry)) = (angle, cell.entries.first()) else { continue };
+                let angle =
+                    controller.firing_angle(single(cell.rate), single(cell.target), single(height));
+                let (Ok(angle), Some(entry)) = (angle, cell.entries.first()) else {
+                    continue;
+                };
                 answered += 1;
-                let launch = Launch { firing_angle: angle.into(), ..entry.jump.launch };
+                let launch = Launch {
+                    firing_angle: angle.into(),
+                    ..entry.jump.launch
+                };
                 let lean = start_lean.unwrap_or(launch.firing_angle);
                 let jump = planner.jump(&Launch { lean, ..launch }).expect("a stance");
                 let landing = jump.distance(height).expect("a landing");
-                assert!((landing - cell.target).abs() < request.tolerance, "{robot} {cell:?}: {angle}");
+                assert!(
+                    (landing - cell.target).abs() < request.tolerance,
+                    "{robot} {cell:?}: {angle}"
+                );
             }
         }
     }
@@ -121,34 +164,70 @@ fn the_controller_answers_as_the_table_does() {
 fn tables_that_cannot_be_made_say_why() {
     let planner = Planner::new(Robot::rats_planar());
     let check = |request: Request, text: &str| {
-        let error = Tables::<f32>::new(&planner, &request).expect_err(text).to_string();
+        let error = Tables::<f32>::new(&planner, &request)
+            .expect_err(text)
+            .to_string();
         assert!(error.contains(text), "{error}");
     };
     check(
-        Request { rates: (3.0, 3.0, 13), ..Request::default() },
+        Request {
+            rates: (3.0, 3.0, 13),
+            ..Request::default()
+        },
         "greatest approach rate (rad/s) = 3: must be above",
     );
     check(
-        Request { distances: (30.0, 40.0, 5), ..Request::default() },
+        Request {
+            distances: (30.0, 40.0, 5),
+            ..Request::default()
+        },
         "no cell of the firing table is open",
     );
-    check(Request { tolerance: 1e-12, ..Request::default() }, "is open");
-    check(Request { newton_steps: 4, ..Request::default() }, "Newton steps = 4: must be from 0 to 3");
-    let windy = saltus::resolve("rats-planar", &["environment.drag_per_m=0.1".into()]).expect("a robot");
+    check(
+        Request {
+            tolerance: 1e-12,
+            ..Request::default()
+        },
+        "is open",
+    );
+    check(
+        Request {
+            newton_steps: 4,
+            ..Request::default()
+        },
+        "Newton steps = 4: must be from 0 to 3",
+    );
+    let windy =
+        saltus::resolve("rats-planar", &["environment.drag_per_m=0.1".into()]).expect("a robot");
     let error = Tables::<f32>::new(&Planner::new(windy), &Request::default()).expect_err("drag");
     assert!(matches!(error, EmbedError::Drag { .. }), "{error}");
 }
 
-/// What a jump keeps clear of a box from `front`, by the planner's own jump: over the box, and behind it.
-fn exact_margin(planner: &Planner, rate: f64, angle: f64, [front, length, height]: [f64; 3]) -> f64 {
+/// What a jump keeps clear of a box from `front`, by the planner's own jump: over the box, and
+/// behind it.
+fn exact_margin(
+    planner: &Planner,
+    rate: f64,
+    angle: f64,
+    [front, length, height]: [f64; 3],
+) -> f64 {
     let radius = planner.robot().body.radius;
-    let launch = Launch { rate, lean: -0.5, firing_angle: angle, valve_open: 0.1 };
+    let launch = Launch {
+        rate,
+        lean: -0.5,
+        firing_angle: angle,
+        valve_open: 0.1,
+    };
     let Some(flight) = planner.jump(&launch).ok().and_then(|jump| jump.flight) else {
         return f64::NEG_INFINITY;
     };
-    let Ok(landing) = flight.time_to_height(radius) else { return f64::NEG_INFINITY };
+    let Ok(landing) = flight.time_to_height(radius) else {
+        return f64::NEG_INFINITY;
+    };
     let beyond = flight.range_to_height(radius).unwrap_or(f64::NEG_INFINITY) - (front + length);
-    let Ok(solid) = Obstacle::block([front, 0.0], [front + length, height]) else { return f64::NEG_INFINITY };
+    let Ok(solid) = Obstacle::block([front, 0.0], [front + length, height]) else {
+        return f64::NEG_INFINITY;
+    };
     let over = flight
         .clearance(&Disc::wheel(radius), &solid, 0.0, landing)
         .map_or(f64::NEG_INFINITY, |c| c.distance);
@@ -160,26 +239,46 @@ fn take_offs_are_those_of_a_search_with_whole_jumps() {
     let planner = Planner::new(Robot::rats_planar());
     let tables = Tables::<f32>::new(&planner, &on_the_ground()).expect("tables");
     let controller = tables.controller();
-    let (radius, stride) = (f64::from(controller.robot.radius), f64::from(controller.robot.stride));
+    let (radius, stride) = (
+        f64::from(controller.robot.radius),
+        f64::from(controller.robot.stride),
+    );
     let mut random = Pcg64::seed_from_u64(2);
     let (mut yes, mut no) = (0, 0);
     for _ in 0..150 {
         let rate = uniform(&mut random, 3.0, 6.0);
         let [distance, length, height] =
             [(0.3, 1.2), (0.02, 0.2), (0.02, 0.25)].map(|(a, b)| uniform(&mut random, a, b));
-        let approach =
-            Approach { distance, height, length, speed: rate * radius, clearance: 0.01 }.map(single);
+        let approach = Approach {
+            distance,
+            height,
+            length,
+            speed: rate * radius,
+            clearance: 0.01,
+        }
+        .map(single);
         let margin = |k: u32, angle: f64| {
-            exact_margin(&planner, rate, angle, [distance - f64::from(k) * stride, length, height])
+            exact_margin(
+                &planner,
+                rate,
+                angle,
+                [distance - f64::from(k) * stride, length, height],
+            )
         };
         match controller.take_off(&approach) {
             Ok(t) => {
                 yes += 1;
                 let exact = margin(t.touch_down, t.firing_angle.into());
                 // The map's 2 mm, and nothing for hope: what it promises is kept.
-                assert!(exact > f64::from(t.clearance) - 2.5e-3, "{approach:?}: {t:?} {exact}");
+                assert!(
+                    exact > f64::from(t.clearance) - 2.5e-3,
+                    "{approach:?}: {t:?} {exact}"
+                );
             }
-            Err(NoTakeOff { reason: Reason::Infeasible, .. }) => {
+            Err(NoTakeOff {
+                reason: Reason::Infeasible,
+                ..
+            }) => {
                 no += 1;
                 let fronts = (0..4).filter(|k| distance - f64::from(*k) * stride >= radius + 0.01);
                 let best = fronts
@@ -208,23 +307,45 @@ fn decisions_over_an_obstacle_settle_and_keep_clear() {
         let distance = uniform(&mut random, 0.45, 0.7);
         let [front, length, height] =
             [(0.27, 0.35), (0.02, 0.08), (0.02, 0.2)].map(|(a, b)| uniform(&mut random, a, b));
-        let obstacle =
-            saltus::controller::Obstacle { front, back: front + length, height, clearance: 0.01 }.map(single);
-        let sensed = Sensed { lean: -0.5, rate: single(rate) };
-        let mut task =
-            Task { distance: single(distance), landing_height: 0.24, obstacle: Some(obstacle), guess: None };
+        let obstacle = saltus::controller::Obstacle {
+            front,
+            back: front + length,
+            height,
+            clearance: 0.01,
+        }
+        .map(single);
+        let sensed = Sensed {
+            lean: -0.5,
+            rate: single(rate),
+        };
+        let mut task = Task {
+            distance: single(distance),
+            landing_height: 0.24,
+            obstacle: Some(obstacle),
+            guess: None,
+        };
         // Ten milliseconds.
         for tick in 1..=10 {
             match controller.decide(&sensed, &task) {
                 Ok(d) if d.settled => {
-                    let exact = exact_margin(&planner, rate, d.firing_angle.into(), [front, length, height]);
+                    let exact = exact_margin(
+                        &planner,
+                        rate,
+                        d.firing_angle.into(),
+                        [front, length, height],
+                    );
                     // 1 cm asked for; 2 mm count as none, and the map has as much of its own.
                     assert!(exact > 0.01 - 4.5e-3, "{task:?}: {exact}");
                     settled += 1;
                     ticks += tick;
                     break;
                 }
-                Ok(d) => task.guess = Some(Guess { firing_angle: d.firing_angle, valve_open: d.valve_open }),
+                Ok(d) => {
+                    task.guess = Some(Guess {
+                        firing_angle: d.firing_angle,
+                        valve_open: d.valve_open,
+                    })
+                }
                 Err(_) => {
                     refused += 1;
                     break;
@@ -232,7 +353,10 @@ fn decisions_over_an_obstacle_settle_and_keep_clear() {
             }
         }
     }
-    assert!(settled > 150 && f64::from(ticks) < 4.0 * f64::from(settled), "{settled} {refused} {ticks}");
+    assert!(
+        settled > 150 && f64::from(ticks) < 4.0 * f64::from(settled),
+        "{settled} {refused} {ticks}"
+    );
 }
 
 /// Numbers of one kind as numbers of another.
@@ -244,7 +368,13 @@ trait Map<R> {
 impl Map<f32> for Approach<f64> {
     type Out = Approach<f32>;
     fn map(self, f: impl Fn(f64) -> f32) -> Approach<f32> {
-        let Approach { distance, height, length, speed, clearance } = self;
+        let Approach {
+            distance,
+            height,
+            length,
+            speed,
+            clearance,
+        } = self;
         Approach {
             distance: f(distance),
             height: f(height),
@@ -258,7 +388,12 @@ impl Map<f32> for Approach<f64> {
 impl Map<f32> for saltus::controller::Obstacle<f64> {
     type Out = saltus::controller::Obstacle<f32>;
     fn map(self, f: impl Fn(f64) -> f32) -> saltus::controller::Obstacle<f32> {
-        let saltus::controller::Obstacle { front, back, height, clearance } = self;
+        let saltus::controller::Obstacle {
+            front,
+            back,
+            height,
+            clearance,
+        } = self;
         saltus::controller::Obstacle {
             front: f(front),
             back: f(back),
@@ -283,28 +418,46 @@ fn in_the_loop_the_controller_is_three_times_better_than_a_constant_angle() {
     let tables = Tables::<f32>::new(&planner, &request).expect("tables");
     let controller = tables.controller();
     let distance = 0.6;
-    let constant = controller.firing_angle(4.5, single(distance), 0.0).expect("in reach");
+    let constant = controller
+        .firing_angle(4.5, single(distance), 0.0)
+        .expect("in reach");
     let mut random = Pcg64::seed_from_u64(4);
     let mut errors = [Vec::new(), Vec::new()];
     for _ in 0..24 {
         let rate = uniform(&mut random, 3.0, 6.0);
         let encoder = Encoder::drawn(&mut random);
         for (k, errors) in errors.iter_mut().enumerate() {
-            let sensed =
-                Sensed { lean: single(encoder.read(-0.5)), rate: single(encoder.approach_rate(-0.5, rate)) };
-            let mut observer =
-                Observer { sensed, period: 1e-3, pendulum: controller.robot.pendulum, memory: 0.9 };
+            let sensed = Sensed {
+                lean: single(encoder.read(-0.5)),
+                rate: single(encoder.approach_rate(-0.5, rate)),
+            };
+            let mut observer = Observer {
+                sensed,
+                period: 1e-3,
+                pendulum: controller.robot.pendulum,
+                memory: 0.9,
+            };
             let control = |lean: f64| {
                 observer.update(single(lean));
-                let task =
-                    Task { distance: single(distance), landing_height: 0.0, obstacle: None, guess: None };
+                let task = Task {
+                    distance: single(distance),
+                    landing_height: 0.0,
+                    obstacle: None,
+                    guess: None,
+                };
                 let timing = match k {
                     0 => controller.decide(&observer.sensed, &task).map(|d| d.timing),
                     _ => controller.timing(&observer.sensed, constant),
                 };
                 match timing {
-                    Ok(Timing::Fire(after)) => Command::Fire { after: after.into(), valve_open: 0.1 },
-                    Ok(Timing::Late(_)) => Command::Fire { after: 0.0, valve_open: 0.1 },
+                    Ok(Timing::Fire(after)) => Command::Fire {
+                        after: after.into(),
+                        valve_open: 0.1,
+                    },
+                    Ok(Timing::Late(_)) => Command::Fire {
+                        after: 0.0,
+                        valve_open: 0.1,
+                    },
                     _ => Command::Wait,
                 }
             };
@@ -331,13 +484,39 @@ fn the_committed_example_is_what_is_exported_today() {
     let (today, there) = (today.controller(), tables::RATS_PLANAR);
     // Rounding aside, which other processors do otherwise.
     let close = |a: f32, b: f32| (a - b).abs() <= 1e-5 * (1.0 + a.abs());
-    let (Rule::Table(a), Rule::Table(b)) = (today.rule, there.rule) else { panic!("tables") };
-    assert!(a.nodes.iter().flatten().zip(b.nodes.iter().flatten()).all(|(a, b)| close(*a, *b)));
+    let (Rule::Table(a), Rule::Table(b)) = (today.rule, there.rule) else {
+        panic!("tables")
+    };
     assert!(
-        today.map.nodes.iter().flatten().zip(there.map.nodes.iter().flatten()).all(|(a, b)| close(*a, *b))
+        a.nodes
+            .iter()
+            .flatten()
+            .zip(b.nodes.iter().flatten())
+            .all(|(a, b)| close(*a, *b))
+    );
+    assert!(
+        today
+            .map
+            .nodes
+            .iter()
+            .flatten()
+            .zip(there.map.nodes.iter().flatten())
+            .all(|(a, b)| close(*a, *b))
     );
     assert_eq!(
-        (a.open, today.map.open, today.limits, today.rates, today.robot),
-        (b.open, there.map.open, there.limits, there.rates, there.robot)
+        (
+            a.open,
+            today.map.open,
+            today.limits,
+            today.rates,
+            today.robot
+        ),
+        (
+            b.open,
+            there.map.open,
+            there.limits,
+            there.rates,
+            there.robot
+        )
     );
 }

@@ -1,4 +1,5 @@
-//! A hidden effect is found, nothing is found where nothing is hidden, and what is not on the list is not given a name of it.
+//! A hidden effect is found, nothing is found where nothing is hidden, and what is not on the list
+//! is not given a name of it.
 //!
 //! A quick sample of what the example `campaign` does at length.
 
@@ -19,14 +20,23 @@ fn diagnosed(sort: Sort, hidden: &[(&str, Size)], seed: u64) -> (Case, Box<dyn K
 fn finds(sort: Sort, hidden: &[(&str, Size)], seed: u64) {
     let (case, kind, found) = diagnosed(sort, hidden, seed);
     let said = verdict::say(kind.as_ref(), &found);
-    assert!(verdict::names(kind.as_ref(), &found, &case.truth), "{sort:?} {hidden:?}: {said}");
+    assert!(
+        verdict::names(kind.as_ref(), &found, &case.truth),
+        "{sort:?} {hidden:?}: {said}"
+    );
 }
 
 #[test]
 fn nothing_is_found_where_nothing_is_hidden() {
-    for sort in
-        [Sort::Bench, Sort::Hop, Sort::Outcomes, Sort::Flight, Sort::Stroke, Sort::Slide, Sort::Vessel]
-    {
+    for sort in [
+        Sort::Bench,
+        Sort::Hop,
+        Sort::Outcomes,
+        Sort::Flight,
+        Sort::Stroke,
+        Sort::Slide,
+        Sort::Vessel,
+    ] {
         // At one seed in twenty chance may look like an effect; not at this one.
         finds(sort, &[], 62);
     }
@@ -66,7 +76,11 @@ fn a_part_of_one_run_where_the_noise_is_not_told() {
     case.experiment.noise.fill(None);
     let kind = kinds::build(&case.experiment, None).expect("a model of the data");
     let found = diagnose(kind.as_ref(), &Settings::default(), &|_| ()).expect("an answer");
-    assert!(found.unknown.is_some() && found.findings.is_empty(), "{}", verdict::say(kind.as_ref(), &found));
+    assert!(
+        found.unknown.is_some() && found.findings.is_empty(),
+        "{}",
+        verdict::say(kind.as_ref(), &found)
+    );
 }
 
 #[test]
@@ -85,8 +99,22 @@ fn a_clear_effect_in_flights_and_parts() {
 
 #[test]
 fn two_effects_at_once() {
-    finds(Sort::Stroke, &[("seal-friction", Size::Clear), ("sensor-offset", Size::Clear)], 45);
-    finds(Sort::Bench, &[("valve-delay", Size::Clear), ("viscous-friction", Size::Clear)], 45);
+    finds(
+        Sort::Stroke,
+        &[
+            ("seal-friction", Size::Clear),
+            ("sensor-offset", Size::Clear),
+        ],
+        45,
+    );
+    finds(
+        Sort::Bench,
+        &[
+            ("valve-delay", Size::Clear),
+            ("viscous-friction", Size::Clear),
+        ],
+        45,
+    );
 }
 
 #[test]
@@ -99,6 +127,10 @@ fn what_is_not_on_the_list_is_unknown() {
         (Sort::Bench, "ripple"),
     ] {
         let (_, kind, found) = diagnosed(sort, &[(id, Size::Large)], 46);
-        assert!(found.unknown.is_some(), "{sort:?} {id}: {}", verdict::say(kind.as_ref(), &found));
+        assert!(
+            found.unknown.is_some(),
+            "{sort:?} {id}: {}",
+            verdict::say(kind.as_ref(), &found)
+        );
     }
 }

@@ -27,7 +27,12 @@ fn try_every_way(robot: &Robot, launch: &Launch) -> Result<(), TestCaseError> {
         firing_angle: of(launch.firing_angle),
         valve_open: of(launch.valve_open),
     });
-    prop_assert!(begin.elapsed() < HANG, "{:?} for {:?}", begin.elapsed(), end);
+    prop_assert!(
+        begin.elapsed() < HANG,
+        "{:?} for {:?}",
+        begin.elapsed(),
+        end
+    );
     prop_assert_eq!(end.is_ok(), dual.is_ok(), "{:?} {:?}", end, dual);
     prop_assert_eq!(batch.len(), 3);
     let _ = trace;

@@ -11,7 +11,11 @@ fn check_form(case: &Case) {
     assert_eq!(experiment.columns.len(), experiment.noise.len());
     assert_eq!(experiment.columns.len(), experiment.resolution.len());
     for run in &experiment.runs {
-        assert!(run.time.windows(2).all(|pair| pair[0] < pair[1]), "{}", run.name);
+        assert!(
+            run.time.windows(2).all(|pair| pair[0] < pair[1]),
+            "{}",
+            run.name
+        );
         assert_eq!(run.values.len(), experiment.columns.len());
         for values in &run.values {
             assert_eq!(values.len(), run.time.len());
@@ -25,10 +29,15 @@ fn check_sizes(kind: Sort, ids: &[&str], seed: u64) {
         let clear = make(kind, &[(id, Size::Clear)], seed);
         check_form(&clear);
         assert_eq!(clear.truth[0].id, *id);
-        assert!(clear.truth[0].sigmas >= 5.0, "{kind:?} {id}: {}", clear.truth[0].sigmas);
+        assert!(
+            clear.truth[0].sigmas >= 5.0,
+            "{kind:?} {id}: {}",
+            clear.truth[0].sigmas
+        );
         if *id != "gas-type" {
             let subtle = make(kind, &[(id, Size::Subtle)], seed).truth[0].sigmas;
-            // What the runs that gave the strength leave open; a foot that slips at all slips by some.
+            // What the runs that gave the strength leave open; a foot that slips at all slips by
+            // some.
             let most = if *id == "foot-slip" { 4.0 } else { 2.5 };
             assert!((1.7..most).contains(&subtle), "{kind:?} {id}: {subtle}");
         }
@@ -54,7 +63,11 @@ fn every_effect_on_a_part_shows() {
 /// A few of each; all take minutes.
 #[test]
 fn effects_on_a_robot_show() {
-    check_sizes(Sort::Jump, &["inertia", "foot-slip", "ground-compliance"], 1);
+    check_sizes(
+        Sort::Jump,
+        &["inertia", "foot-slip", "ground-compliance"],
+        1,
+    );
     check_sizes(Sort::Hop, &["valve-delay", "chamber-leak"], 1);
     check_sizes(Sort::Outcomes, &["air-drag"], 1);
 }
@@ -75,7 +88,10 @@ fn all_follows_from_the_seed() {
     for kind in SORTS {
         let id = causes_of(kind)[0];
         let [a, b, c] = [4, 4, 5].map(|seed| make(kind, &[(id, Size::Subtle)], seed));
-        assert!(a.experiment == b.experiment && a.truth == b.truth, "{kind:?}");
+        assert!(
+            a.experiment == b.experiment && a.truth == b.truth,
+            "{kind:?}"
+        );
         assert!(a.experiment != c.experiment, "{kind:?}");
         // No effect, and two: the second is what it is alone.
         let none = make(kind, &[], 4);
@@ -98,8 +114,14 @@ fn every_named_cause_but_a_slope_shows_somewhere() {
         assert_eq!(kinds_of(id).is_empty(), id == "ground-slope", "{id}");
     }
     for kind in SORTS {
-        assert!(causes_of(kind).iter().all(|id| meaning(id).is_some()), "{kind:?}");
-        assert!(outside(kind).iter().all(|id| meaning(id).is_none()), "{kind:?}");
+        assert!(
+            causes_of(kind).iter().all(|id| meaning(id).is_some()),
+            "{kind:?}"
+        );
+        assert!(
+            outside(kind).iter().all(|id| meaning(id).is_none()),
+            "{kind:?}"
+        );
     }
 }
 

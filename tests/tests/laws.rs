@@ -12,7 +12,8 @@ fn stance(robot: &Robot) -> Stance<f64> {
     Stance::new(robot, |_, x| x)
 }
 
-/// Greatest height (m) that the wheel's centre comes to in a hop; where the leg only lifts it for a while, that height.
+/// Greatest height (m) that the wheel's centre comes to in a hop; where the leg only lifts it for a
+/// while, that height.
 fn apex(robot: &Robot, end: &LiftOff) -> f64 {
     let rise = end.velocity().1.max(0.0).powi(2) / (2.0 * robot.environment.gravity);
     end.position().1 + if end.outcome.is_jump() { rise } else { 0.0 }
@@ -57,7 +58,10 @@ fn in_units(robot: &Robot, length: f64, mass: f64, time: f64) -> Robot {
                 port.area *= length * length;
             }
         }
-        Drive::Spring { stiffness, compression } => {
+        Drive::Spring {
+            stiffness,
+            compression,
+        } => {
             *stiffness *= force / length;
             *compression *= length;
         }
@@ -72,7 +76,9 @@ fn in_units(robot: &Robot, length: f64, mass: f64, time: f64) -> Robot {
 }
 
 /// Weights of the closed Newton–Cotes rule on nine points, exact to degree 9.
-const NEWTON_COTES: [f64; 9] = [989.0, 5888.0, -928.0, 10496.0, -4540.0, 10496.0, -928.0, 5888.0, 989.0];
+const NEWTON_COTES: [f64; 9] = [
+    989.0, 5888.0, -928.0, 10496.0, -4540.0, 10496.0, -928.0, 5888.0, 989.0,
+];
 
 /// A spring leg without losses.
 fn lossless(mut robot: Robot) -> Robot {
@@ -90,7 +96,8 @@ proptest! {
     fn the_energy_ledger_closes((robot, launch) in jump(any_ordinary())) {
         let Ok(trace) = stance(&robot).trace(&launch) else { return Err(TestCaseError::fail("no stance")) };
         let ledger = trace.energy;
-        // What is asked for: 1e-9 of the work done, by the drive or, while the leg is held, by the weight.
+        // What is asked for: 1e-9 of the work done, by the drive or, while the leg is held, by the
+        // weight.
         let work = ledger.drive.abs() + ledger.losses.abs() + ledger.potential.abs() + ledger.kinetic.abs();
         prop_assert!(ledger.residual().abs() <= 1e-9 * work, "{:e} of {:?}", ledger.residual(), ledger);
         prop_assert!(ledger.losses >= -1e-9 * work || robot.leg.return_spring.is_some(), "{:?}", ledger);
@@ -115,14 +122,16 @@ proptest! {
         let start: f64 = first.iter().sum();
         for sample in &trace.samples {
             let now: f64 = parts(sample).iter().sum();
-            // The tolerance of 1e-12 a step is relative to 1 + |state|; the least robots are a thousandth of that.
+            // The tolerance of 1e-12 a step is relative to 1 + |state|; the least robots are a
+            // thousandth of that.
             prop_assert!((now - start).abs() <= 1e-9 * start, "{:e} at {:?}", now - start, sample);
         }
     }
 
     #[test]
     fn only_the_weight_changes_the_angular_momentum((robot, launch) in jump(any_ordinary())) {
-        // A leg's force has no moment about the foot: d/dt (I + m R²) ω = m g R sin φ, with any leg.
+        // A leg's force has no moment about the foot: d/dt (I + m R²) ω = m g R sin φ, with any
+        // leg.
         let trace = stance(&robot).trace(&launch).expect("a stance");
         let (m, g) = (robot.body.mass, robot.environment.gravity);
         let reach = |s: &Sample| robot.body.radius + s.extension;
@@ -137,14 +146,16 @@ proptest! {
                 * length
                 / NEWTON_COTES.iter().sum::<f64>();
             let change = momentum(&parts[8]) - momentum(&parts[0]);
-            // The error control's 1e-12 a step, on momenta whose squares and products count a few times over.
+            // The error control's 1e-12 a step, on momenta whose squares and products count a few
+            // times over.
             prop_assert!((change - impulse).abs() <= 1e-10 * size, "{change} {impulse}");
         }
     }
 
     #[test]
     fn without_gravity_a_robot_at_rest_only_rises((mut robot, launch) in jump(any_ordinary())) {
-        // Without weight any motion around the foot takes the robot off the ground; from rest it goes straight out.
+        // Without weight any motion around the foot takes the robot off the ground; from rest it
+        // goes straight out.
         robot.environment.gravity = 0.0;
         let launch = Launch { rate: 0.0, firing_angle: launch.lean, ..launch };
         let trace = stance(&robot).trace(&launch).expect("a stance");
@@ -163,7 +174,8 @@ proptest! {
             let reach = robot.body.radius + s.extension;
             let (sin, cos) = s.lean.sin_cos();
             let turning = m * reach * (g * sin - 2.0 * s.rate * s.extension_rate) / (i + m * reach * reach);
-            // The leg's force, or that of the end stop while it is held, along the leg; −I φ̈/R across it.
+            // The leg's force, or that of the end stop while it is held, along the leg; −I φ̈/R
+            // across it.
             let along = if s.extension > 0.0 {
                 stiffness * (compression - s.extension)
             } else {
@@ -201,8 +213,8 @@ proptest! {
 
     #[test]
     fn the_mirror_image_of_a_stance_is_one(robot in any_ordinary(), lean in 0.0..1.5, late in any::<bool>(), open in 0.0..4.0) {
-        // From rest, fired at once: a launch cannot go backwards, but it can lean either way. A long delay lets the robot
-        // fall far.
+        // From rest, fired at once: a launch cannot go backwards, but it can lean either way. A
+        // long delay lets the robot fall far.
         let mut robot = robot;
         if late {
             robot.leg.delay = 0.5 * (robot.body.radius / robot.environment.gravity).sqrt();
@@ -243,7 +255,8 @@ proptest! {
             if name == "pressure" && !matches!(robot.leg.drive, Drive::Pneumatic(_)) {
                 continue;
             }
-            // The error control is relative to 1 + |state| in SI, so the steps differ; both are right to nine digits.
+            // The error control is relative to 1 + |state| in SI, so the steps differ; both are
+            // right to nine digits.
             prop_assert!((x - y).abs() <= 1e-8 * (y.abs() + scale), "{name}: {x} {y}");
         }
     }
@@ -265,8 +278,8 @@ proptest! {
             (apex(&robot, &end), starves)
         };
         let ((low, starves), (high, starves_too)) = (hop(1.0), hop(more));
-        // A leg that outruns its valve, so that its force falls to 0 while that is open, bounces on its gas: the law is
-        // about legs that push.
+        // A leg that outruns its valve, so that its force falls to 0 while that is open, bounces on
+        // its gas: the law is about legs that push.
         prop_assume!(!starves && !starves_too);
         // Each is right to ten digits.
         prop_assert!(high >= low - 1e-9 * low, "{low} {high}");
@@ -280,7 +293,8 @@ proptest! {
         // Each is right to ten digits.
         prop_assert!(apex(&robot, &long) >= apex(&robot, &short) * (1.0 - 1e-9), "{:?} {:?}", short, long);
         if short.outcome.is_jump() && short.time < robot.leg.delay + open {
-            // The leg was off the ground before the valve closed: nothing is left to change but the steps' lengths.
+            // The leg was off the ground before the valve closed: nothing is left to change but the
+            // steps' lengths.
             prop_assert_eq!(short.outcome, long.outcome);
             prop_assert!((apex(&robot, &short) - apex(&robot, &long)).abs() <= 1e-9 * apex(&robot, &long));
             prop_assert!((short.time - long.time).abs() <= 1e-9 * long.time);
@@ -324,7 +338,8 @@ proptest! {
         let rate = |lean: f64| {
             (launch.rate * launch.rate + 2.0 * stiffness * (launch.lean.cos() - lean.cos())).max(0.0).sqrt()
         };
-        // Densely between the start and the firing, which every stance that does not stall comes through.
+        // Densely between the start and the firing, which every stance that does not stall comes
+        // through.
         let samples = (0..=1000).map(|k| launch.lean + (launch.firing_angle - launch.lean) * f64::from(k) / 1000.0);
         let pulled = samples.into_iter().find(|&lean| held_normal(&robot, lean, rate(lean)) < -1e-9);
         match (pulled, end.outcome) {
@@ -345,11 +360,18 @@ proptest! {
 
 #[test]
 fn a_trace_has_a_tolerance_of_its_own() {
-    // The ledger closes because the quadrature follows the steps: it does so at the planner's tolerance too.
+    // The ledger closes because the quadrature follows the steps: it does so at the planner's
+    // tolerance too.
     let robot = Robot::rats_planar();
     for tolerance in [FINE, 1e-9] {
         let stance = stance(&robot).with_tolerance(tolerance);
-        let ledger = stance.trace(&Launch::at_firing(5.0, -0.1, 0.1)).expect("a stance").energy;
-        assert!(ledger.residual().abs() <= 1e-8 * ledger.drive, "{tolerance}: {ledger:?}");
+        let ledger = stance
+            .trace(&Launch::at_firing(5.0, -0.1, 0.1))
+            .expect("a stance")
+            .energy;
+        assert!(
+            ledger.residual().abs() <= 1e-8 * ledger.drive,
+            "{tolerance}: {ledger:?}"
+        );
     }
 }

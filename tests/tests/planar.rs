@@ -1,5 +1,6 @@
-//! One robot in two models: a plan of the planar model and the multi-body simulation of the same robot, over every kind of leg and the
-//! whole range of every field of its legs, body, surroundings and launches.
+//! One robot in two models: a plan of the planar model and the multi-body simulation of the same
+//! robot, over every kind of leg and the whole range of every field of its legs, body, surroundings
+//! and launches.
 //!
 //! `SALTUS_PLANAR_CASES=2000` sets how many robots are drawn.
 
@@ -15,7 +16,8 @@ use saltus_robot::{Drive, Robot};
 use saltus_sim_check::{End, Happening, Plan, Report, Rig, Settings, Sim};
 use saltus_tests::robots::{Kind, launch, ordinary, stroke_time};
 
-/// Greatest difference, relative to the number or to its natural unit (wheel radius, time of a stroke, a radian, ambient pressure).
+/// Greatest difference, relative to the number or to its natural unit (wheel radius, time of a
+/// stroke, a radian, ambient pressure).
 const TOLERANCE: f64 = 7e-6;
 
 /// What the simulation's robot is off by: legs without mass have a millionth of the robot's there.
@@ -29,7 +31,8 @@ const PULL: f64 = 1e-5;
 enum Found {
     /// The same outcome and the same numbers.
     Agrees,
-    /// The foot of the planar model would have to be pulled; the simulation lets go there, and agrees up to there.
+    /// The foot of the planar model would have to be pulled; the simulation lets go there, and
+    /// agrees up to there.
     LetsGo,
     /// Two events within [`NEAR`]: which comes first is not the models' to say.
     Tie,
@@ -49,7 +52,13 @@ fn case(kind: Kind) -> impl Strategy<Value = (Robot, Launch)> {
             1 => (-6.0..3.0_f64).prop_map(|exponent| 10_f64.powf(exponent)),
         ];
         let launches = (launch(&robot), valve);
-        (Just(robot), launches.prop_map(|(launch, valve_open)| Launch { valve_open, ..launch }))
+        (
+            Just(robot),
+            launches.prop_map(|(launch, valve_open)| Launch {
+                valve_open,
+                ..launch
+            }),
+        )
     })
 }
 
@@ -61,25 +70,52 @@ fn planar(robot: &Robot, launch: &Launch) -> Option<(LiftOff, f64)> {
 }
 
 fn simulated(robot: &Robot, launch: &Launch) -> Result<Report, String> {
-    let plan = Plan { sample: 0.05, patience: 1e3, ..Plan::default() };
+    let plan = Plan {
+        sample: 0.05,
+        patience: 1e3,
+        ..Plan::default()
+    };
     let jump = Rig::new(robot, &[]).and_then(|rig| rig.jump(&of_simulation(launch), &plan));
     jump.map_err(|error| error.to_string())
 }
 
 fn of_simulation(launch: &Launch) -> saltus_sim_check::Launch {
-    let Launch { rate, lean, firing_angle, valve_open } = *launch;
-    saltus_sim_check::Launch { rate, lean, firing_angle, valve_open }
+    let Launch {
+        rate,
+        lean,
+        firing_angle,
+        valve_open,
+    } = *launch;
+    saltus_sim_check::Launch {
+        rate,
+        lean,
+        firing_angle,
+        valve_open,
+    }
 }
 
 fn flight(robot: &Robot, [x, y]: [f64; 2], [vx, vy]: [f64; 2]) -> DragFlight<f64> {
-    let vacuum = Flight { x, y, vx, vy, gravity: robot.environment.gravity };
-    DragFlight { vacuum, drag: robot.environment.drag }
+    let vacuum = Flight {
+        x,
+        y,
+        vx,
+        vy,
+        gravity: robot.environment.gravity,
+    };
+    DragFlight {
+        vacuum,
+        drag: robot.environment.drag,
+    }
 }
 
 /// Apex and landings (m) at the wheel's radius and at 0; NaN where it does not come down there.
 fn ends(robot: &Robot, flight: &DragFlight<f64>) -> [f64; 3] {
     let landing = |height: f64| flight.range_to_height(height).unwrap_or(f64::NAN);
-    [flight.apex_height(), landing(robot.body.radius), landing(0.0)]
+    [
+        flight.apex_height(),
+        landing(robot.body.radius),
+        landing(0.0),
+    ]
 }
 
 /// The numbers of a lift-off and what follows: name, natural unit, value.
@@ -101,7 +137,11 @@ fn numbers(robot: &Robot, end: &LiftOff) -> Vec<(&'static str, f64, f64)> {
         ("vy", speed, vy),
     ];
     if end.outcome.is_jump() {
-        all.extend([("apex", r, apex), ("landing at r_s", r, at_radius), ("landing at 0", r, at_zero)]);
+        all.extend([
+            ("apex", r, apex),
+            ("landing at r_s", r, at_radius),
+            ("landing at 0", r, at_zero),
+        ]);
     }
     all
 }
@@ -118,7 +158,11 @@ fn pressure(robot: &Robot) -> f64 {
 /// The simulation's numbers in the order of [`numbers`].
 fn found(robot: &Robot, report: &Report) -> Vec<f64> {
     let l = report.lift_off.expect("a lift-off");
-    let pressure = if l.pressure == 0.0 { robot.environment.ambient.0 } else { l.pressure };
+    let pressure = if l.pressure == 0.0 {
+        robot.environment.ambient.0
+    } else {
+        l.pressure
+    };
     vec![
         l.time,
         l.lean,
@@ -171,7 +215,9 @@ fn cut_off(robot: &Robot, extension: f64) -> Robot {
         (cushion.length > 0.0).then_some(cushion)
     });
     if let Drive::Pneumatic(cylinder) = &mut cut.leg.drive {
-        cylinder.exhaust_port = cylinder.exhaust_port.filter(|port| port.position < extension);
+        cylinder.exhaust_port = cylinder
+            .exhaust_port
+            .filter(|port| port.position < extension);
     }
     cut
 }
@@ -179,19 +225,25 @@ fn cut_off(robot: &Robot, extension: f64) -> Robot {
 /// Compares one case; what is wrong, where something is.
 fn compare(robot: &Robot, launch: &Launch, worst: &mut f64) -> Result<Found, String> {
     let (end, normal) = planar(robot, launch).ok_or("the planar model has no answer")?;
-    // Another foot is not to touch: it is higher than the one that stands while the lean is within half of the legs' angle.
+    // Another foot is not to touch: it is higher than the one that stands while the lean is within
+    // half of the legs' angle.
     let mut robot = robot.clone();
     let widest = launch.lean.abs().max(end.lean.abs()) + 0.05;
     if widest > PI / f64::from(robot.body.legs) {
         robot.body.legs = 1;
     }
-    // In the stance the simulation has the air's drag too, the planar model does not: see `check_drag`.
+    // In the stance the simulation has the air's drag too, the planar model does not: see
+    // `check_drag`.
     let mut still = robot.clone();
     still.environment.drag = 0.0;
-    let near: Vec<(LiftOff, f64)> =
-        neighbours(&still, launch).iter().filter_map(|(robot, launch)| planar(robot, launch)).collect();
+    let near: Vec<(LiftOff, f64)> = neighbours(&still, launch)
+        .iter()
+        .filter_map(|(robot, launch)| planar(robot, launch))
+        .collect();
     let pulls = |normal: f64| normal < -PULL * robot.body.mass * robot.environment.gravity;
-    let is_tie = near.iter().any(|(other, n)| other.outcome != end.outcome || pulls(*n) != pulls(normal));
+    let is_tie = near
+        .iter()
+        .any(|(other, n)| other.outcome != end.outcome || pulls(*n) != pulls(normal));
     let report = simulated(&still, launch).map_err(|e| format!("{e}, for {end:?}"))?;
     let result = if pulls(normal) && !matches!(end.outcome, Outcome::EarlyLiftOff) {
         check_let_go(&still, launch, &end, &report, worst).map(|()| Found::LetsGo)
@@ -229,11 +281,15 @@ fn check_same(
     if at_end_stop != (end.outcome == Outcome::Stroke) {
         return Err(format!("at the end stop: {at_end_stop}, for {end:?}"));
     }
-    let others: Vec<_> = near.iter().map(|(other, _)| numbers(robot, other)).collect();
+    let others: Vec<_> = near
+        .iter()
+        .map(|(other, _)| numbers(robot, other))
+        .collect();
     close(&numbers(robot, end), &others, &found(robot, report), worst)
 }
 
-/// Whether `found` is `wanted`, within the tolerance and what a change of the inputs by [`NEAR`] makes.
+/// Whether `found` is `wanted`, within the tolerance and what a change of the inputs by [`NEAR`]
+/// makes.
 fn close(
     wanted: &[(&'static str, f64, f64)],
     near: &[Vec<(&'static str, f64, f64)>],
@@ -244,18 +300,24 @@ fn close(
         if wanted.is_nan() && found.is_nan() {
             continue;
         }
-        let spread = near.iter().map(|other| (other[i].2 - wanted).abs()).fold(0.0, f64::max);
+        let spread = near
+            .iter()
+            .map(|other| (other[i].2 - wanted).abs())
+            .fold(0.0, f64::max);
         let allowed = TOLERANCE * wanted.abs().max(unit) + 4.0 * spread;
         let off = (found - wanted).abs();
         *worst = worst.max(off / allowed);
         if off.is_nan() || off > allowed {
-            return Err(format!("{name}: {found} for {wanted}, off by {off:e}, allowed {allowed:e}"));
+            return Err(format!(
+                "{name}: {found} for {wanted}, off by {off:e}, allowed {allowed:e}"
+            ));
         }
     }
     Ok(())
 }
 
-/// The state in which a stance without a jump ends: where the simulation's foot leaves, or just before that.
+/// The state in which a stance without a jump ends: where the simulation's foot leaves, or just
+/// before that.
 fn check_state(
     robot: &Robot,
     launch: &Launch,
@@ -264,17 +326,29 @@ fn check_state(
     worst: &mut f64,
 ) -> Result<(), String> {
     let time = stroke_time(robot);
-    let until = end.time + if end.outcome == Outcome::EarlyLiftOff { 1e-3 * time } else { -1e-9 * time };
+    let until = end.time
+        + if end.outcome == Outcome::EarlyLiftOff {
+            1e-3 * time
+        } else {
+            -1e-9 * time
+        };
     let error = |error: saltus_sim_check::SimError| error.to_string();
     let rig = Rig::new(robot, &[]).map_err(error)?;
     let (q, v) = rig.stand(launch.lean, launch.rate).map_err(error)?;
-    let settings = Settings { penetration: 1e-9, ..Settings::default() };
+    let settings = Settings {
+        penetration: 1e-9,
+        ..Settings::default()
+    };
     let mut sim = Sim::new(&rig.mechanism, &q, &v, settings).map_err(error)?;
     if end.time_fire.is_finite() {
         sim.run(end.time_fire, &[]).map_err(error)?;
         sim.fire(0, launch.valve_open).map_err(error)?;
     }
-    let left = |sim: &Sim<'_>| sim.events().iter().any(|e| e.what == Happening::LiftOff(0, 0));
+    let left = |sim: &Sim<'_>| {
+        sim.events()
+            .iter()
+            .any(|e| e.what == Happening::LiftOff(0, 0))
+    };
     while sim.time() < until && !left(&sim) {
         sim.run_eventwise(until, &[]).map_err(error)?;
     }
@@ -285,13 +359,22 @@ fn check_state(
         q[rig.lean_coordinate()],
         v[rig.lean_velocity()],
         q[rig.extension_coordinate(0)],
-        if has_chamber { sim.pressure(0) } else { robot.environment.ambient.0 },
+        if has_chamber {
+            sim.pressure(0)
+        } else {
+            robot.environment.ambient.0
+        },
     ];
-    let near: Vec<_> = near.iter().map(|(other, _)| numbers(robot, other)).collect();
-    close(&numbers(robot, end)[..5], &near, &found, worst).map_err(|e| format!("{}: {e}", end.outcome.name()))
+    let near: Vec<_> = near
+        .iter()
+        .map(|(other, _)| numbers(robot, other))
+        .collect();
+    close(&numbers(robot, end)[..5], &near, &found, worst)
+        .map_err(|e| format!("{}: {e}", end.outcome.name()))
 }
 
-/// The ground cannot pull: where the planar model would have it to, the simulation's foot leaves, and up to there the two agree.
+/// The ground cannot pull: where the planar model would have it to, the simulation's foot leaves,
+/// and up to there the two agree.
 fn check_let_go(
     robot: &Robot,
     launch: &Launch,
@@ -322,7 +405,12 @@ fn check_let_go(
         .filter_map(|(robot, launch)| planar(robot, launch))
         .map(|(other, _)| numbers(robot, &other))
         .collect();
-    close(&numbers(robot, &end)[..9], &near, &found(robot, report), worst)
+    close(
+        &numbers(robot, &end)[..9],
+        &near,
+        &found(robot, report),
+        worst,
+    )
 }
 
 /// A flight with drag, from where the simulation's begins.
@@ -331,9 +419,14 @@ fn check_drag(robot: &Robot, launch: &Launch) -> Result<(), String> {
     let mut robot = robot.clone();
     robot.body.legs = 1;
     let report = simulated(&robot, launch)?;
-    let (Some(l), End::Landed) = (report.lift_off, report.end) else { return Ok(()) };
+    let (Some(l), End::Landed) = (report.lift_off, report.end) else {
+        return Ok(());
+    };
     let wanted = ends(&robot, &flight(&robot, l.axle, l.axle_rates));
-    for (wanted, found) in wanted.into_iter().zip([report.apex, report.landing, report.landing_at]) {
+    for (wanted, found) in wanted
+        .into_iter()
+        .zip([report.apex, report.landing, report.landing_at])
+    {
         let off = (found - wanted).abs();
         if off > TOLERANCE * wanted.abs().max(robot.body.radius) {
             return Err(format!("with drag: {found} for {wanted}, after {l:?}"));
@@ -344,8 +437,12 @@ fn check_drag(robot: &Robot, launch: &Launch) -> Result<(), String> {
 
 #[test]
 fn a_plan_is_what_the_simulation_flies() {
-    let count = std::env::var("SALTUS_PLANAR_CASES").ok().map_or(60, |n| n.parse().expect("a number"));
-    let from = std::env::var("SALTUS_PLANAR_FROM").ok().map_or(0, |n| n.parse().expect("a number"));
+    let count = std::env::var("SALTUS_PLANAR_CASES")
+        .ok()
+        .map_or(60, |n| n.parse().expect("a number"));
+    let from = std::env::var("SALTUS_PLANAR_FROM")
+        .ok()
+        .map_or(0, |n| n.parse().expect("a number"));
     let (mut counts, mut wrong, mut worst) = (BTreeMap::new(), Vec::new(), 0.0);
     for i in from..count {
         let kind = Kind::ALL[i % Kind::ALL.len()];
@@ -363,6 +460,9 @@ fn a_plan_is_what_the_simulation_flies() {
             println!("case {i} took {:?}", began.elapsed());
         }
     }
-    println!("{counts:?}\nworst {worst:.2} of what is allowed; {} beyond", wrong.len());
+    println!(
+        "{counts:?}\nworst {worst:.2} of what is allowed; {} beyond",
+        wrong.len()
+    );
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

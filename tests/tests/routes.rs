@@ -1,4 +1,5 @@
-//! One jump by several routes through the code: closed forms, step by step, eight at a time, with derivatives.
+//! One jump by several routes through the code: closed forms, step by step, eight at a time, with
+//! derivatives.
 
 use proptest::prelude::*;
 use saltus_lagrangian::{Batch, FINE, Launch, LiftOff, Outcome, Stance, StanceError};
@@ -22,7 +23,11 @@ fn numbers<S: Single>(robot: &Robot, end: &LiftOff<S>) -> [(&'static str, S, f64
         ("lean", end.lean, 1.0),
         ("rate", end.rate, swing),
         ("extension", end.extension, robot.leg.stroke),
-        ("extension rate", end.extension_rate, robot.leg.stroke / time),
+        (
+            "extension rate",
+            end.extension_rate,
+            robot.leg.stroke / time,
+        ),
         ("pressure", end.pressure, robot.environment.ambient.0),
     ]
 }
@@ -31,13 +36,22 @@ fn numbers<S: Single>(robot: &Robot, end: &LiftOff<S>) -> [(&'static str, S, f64
 fn agree(robot: &Robot, a: &LiftOff, b: &LiftOff, error: f64) -> Result<(), TestCaseError> {
     prop_assert_eq!(a.outcome, b.outcome, "{:?} {:?}", a, b);
     for ((name, x, size), (_, y, _)) in numbers(robot, a).into_iter().zip(numbers(robot, b)) {
-        prop_assert!((x - y).abs() <= error * (size + y.abs()), "{}: {} {}", name, x, y);
+        prop_assert!(
+            (x - y).abs() <= error * (size + y.abs()),
+            "{}: {} {}",
+            name,
+            x,
+            y
+        );
     }
     Ok(())
 }
 
 /// The same answer to the bit, or the same error; numbers that are none are alike.
-fn same(a: &Result<LiftOff, StanceError>, b: &Result<LiftOff, StanceError>) -> Result<(), TestCaseError> {
+fn same(
+    a: &Result<LiftOff, StanceError>,
+    b: &Result<LiftOff, StanceError>,
+) -> Result<(), TestCaseError> {
     prop_assert_eq!(format!("{a:?}"), format!("{b:?}"));
     Ok(())
 }
@@ -49,7 +63,8 @@ proptest! {
     fn closed_forms_are_the_steps((robot, launch) in jump(any_ordinary())) {
         let stance = stance(&robot);
         let (jump, trace) = (stance.jump(&launch).expect("a stance"), stance.trace(&launch).expect("a stance"));
-        // Both are right to ten digits at this tolerance; a hundredth of it is left to the least robots.
+        // Both are right to ten digits at this tolerance; a hundredth of it is left to the least
+        // robots.
         agree(&robot, &jump, &trace.lift_off, 1e-9)?;
     }
 
@@ -76,7 +91,8 @@ proptest! {
             let batch = Batch::new(&robot, tolerance);
             for (end, launch) in batch.jumps(&launches).iter().zip(&launches) {
                 match (end, batch.stance().jump(launch)) {
-                    // Steps of another length: within the tolerance a step, over some tens of steps.
+                    // Steps of another length: within the tolerance a step, over some tens of
+                    // steps.
                     (Ok(end), Ok(alone)) => agree(&robot, end, &alone, error)?,
                     (end, alone) => same(end, &alone)?,
                 }
@@ -109,7 +125,8 @@ proptest! {
 proptest! {
     #![proptest_config(cases(60))]
 
-    /// Registers of other widths give the same bits, and a processor without fused multiply-add flies each jump by itself.
+    /// Registers of other widths give the same bits, and a processor without fused multiply-add
+    /// flies each jump by itself.
     #[test]
     fn the_width_of_registers_does_not_matter(
         (robot, launches) in ordinary(Kind::Plain).prop_flat_map(|robot| {
@@ -136,8 +153,8 @@ proptest! {
     }
 }
 
-/// One function on the way that is not inlined is compiled for the base: its multiply-adds are calls, and a jump takes forty
-/// times as long.
+/// One function on the way that is not inlined is compiled for the base: its multiply-adds are
+/// calls, and a jump takes forty times as long.
 #[test]
 fn lanes_are_faster_than_jumps_one_by_one() {
     if !Width::best().fuses() {
@@ -156,18 +173,32 @@ fn lanes_are_faster_than_jumps_one_by_one() {
         (0..7).map(time).fold(f64::INFINITY, f64::min)
     };
     let together = least(&|| batch.jumps(&launches).len());
-    let one_by_one =
-        least(&|| launches.iter().map(|launch| batch.stance().jump(launch)).collect::<Vec<_>>().len());
-    assert!(together < one_by_one, "{together} s, one by one {one_by_one} s");
+    let one_by_one = least(&|| {
+        launches
+            .iter()
+            .map(|launch| batch.stance().jump(launch))
+            .collect::<Vec<_>>()
+            .len()
+    });
+    assert!(
+        together < one_by_one,
+        "{together} s, one by one {one_by_one} s"
+    );
 }
 
 /// Directions: every parameter, then ω_0, φ_0, α_f, t_v.
 const DIRECTIONS: usize = Parameter::ALL.len() + 4;
 const LAUNCH: usize = Parameter::ALL.len();
 
-fn with_derivatives(robot: &Robot, launch: &Launch) -> Result<LiftOff<Dual<DIRECTIONS>>, StanceError> {
+fn with_derivatives(
+    robot: &Robot,
+    launch: &Launch,
+) -> Result<LiftOff<Dual<DIRECTIONS>>, StanceError> {
     let lift = |parameter: Parameter, x: f64| {
-        let direction = Parameter::ALL.iter().position(|p| *p == parameter).expect("every parameter");
+        let direction = Parameter::ALL
+            .iter()
+            .position(|p| *p == parameter)
+            .expect("every parameter");
         Dual::variable(x, direction)
     };
     let launch = Launch {
@@ -216,7 +247,8 @@ fn moved(robot: &Robot, launch: &Launch, i: usize, change: f64) -> (Robot, Launc
     (robot, launch)
 }
 
-/// The number of direction `i` and how far it may be moved for a difference; none where it is at the edge of its domain.
+/// The number of direction `i` and how far it may be moved for a difference; none where it is at
+/// the edge of its domain.
 fn width(robot: &Robot, launch: &Launch, i: usize) -> Option<f64> {
     let swing = (robot.environment.gravity / robot.body.radius).sqrt();
     let (x, size) = match i.checked_sub(LAUNCH) {
@@ -225,7 +257,8 @@ fn width(robot: &Robot, launch: &Launch, i: usize) -> Option<f64> {
         Some(_) => (launch.valve_open, stroke_time(robot)),
         None => {
             let x = Parameter::ALL[i].of(robot)?;
-            if let (Parameter::Stroke, Drive::Table(table)) = (Parameter::ALL[i], &robot.leg.drive) {
+            if let (Parameter::Stroke, Drive::Table(table)) = (Parameter::ALL[i], &robot.leg.drive)
+            {
                 // Beyond its last extension a table goes on with a kink.
                 table.extensions.last().filter(|last| **last > 1.002 * x)?;
             }
@@ -239,15 +272,20 @@ fn width(robot: &Robot, launch: &Launch, i: usize) -> Option<f64> {
 fn check_derivatives(robot: &Robot, launch: &Launch, digits: f64) -> Result<(), TestCaseError> {
     let dual = with_derivatives(robot, launch).expect("a stance");
     // What a looser tolerance changes is a bound on what is wrong with an end.
-    let rough = stance(robot).with_tolerance(10.0 * FINE).jump(launch).expect("a stance");
+    let rough = stance(robot)
+        .with_tolerance(10.0 * FINE)
+        .jump(launch)
+        .expect("a stance");
     for i in 0..DIRECTIONS {
-        let Some(h) = width(robot, launch, i) else { continue };
+        let Some(h) = width(robot, launch, i) else {
+            continue;
+        };
         let ends = [h, -h, 0.5 * h, -0.5 * h].map(|change| {
             let (robot, launch) = moved(robot, launch, i, change);
             stance(&robot).jump(&launch).expect("a stance")
         });
-        // Across a change of outcome, and where a robot is fired or without force at once on one side only, there is no
-        // derivative.
+        // Across a change of outcome, and where a robot is fired or without force at once on one
+        // side only, there is no derivative.
         let is_pivoting = dual.time_fire.value > 0.0;
         let is_extending = dual.extension.value > 0.0;
         let differs = |end: &LiftOff| {
@@ -262,8 +300,8 @@ fn check_derivatives(robot: &Robot, launch: &Launch, digits: f64) -> Result<(), 
         for (k, (name, exact, size)) in numbers(robot, &dual).into_iter().enumerate() {
             let difference = |a: usize, h: f64| (rows[a][k].1 - rows[a + 1][k].1) / (2.0 * h);
             let (coarse, fine) = (difference(0, h), difference(2, 0.5 * h));
-            // Richardson's step leaves h⁴; how far the two differences are apart tells how much that is, and whether a
-            // kink (a valve that closes just then) lies between.
+            // Richardson's step leaves h⁴; how far the two differences are apart tells how much
+            // that is, and whether a kink (a valve that closes just then) lies between.
             let best = fine + (fine - coarse) / 3.0;
             let noise = (numbers(robot, &rough)[k].1 - exact.value).abs() / h;
             let scale = best.abs() + 1e-3 * (size + exact.value.abs()) / h;
@@ -291,9 +329,10 @@ proptest! {
         let dual = with_derivatives(&robot, &launch).expect("a stance");
         // Where the ground lets go early, or the robot stalls, there is no jump to differentiate.
         prop_assume!(dual.outcome.is_jump());
-        // The steps serve the state; its derivatives ride along, and lose some digits where a leg without friction
-        // bounces on its gas. Where it is out of force only as the pressure comes down to the ambient one, the orifice's
-        // law has the infinite slope of a square root, and two digits are left.
+        // The steps serve the state; its derivatives ride along, and lose some digits where a leg
+        // without friction bounces on its gas. Where it is out of force only as the pressure comes
+        // down to the ambient one, the orifice's law has the infinite slope of a square root, and
+        // two digits are left.
         let gauge = (dual.pressure.value / robot.environment.ambient.0 - 1.0).abs();
         let at_root = dual.outcome == Outcome::Force && gauge < 1e-3;
         check_derivatives(&robot, &launch, if at_root { 1e-2 } else { 1e-4 })?;
@@ -327,10 +366,18 @@ proptest! {
 fn every_derivative_of_the_built_in_robots() {
     for name in Robot::builtin_names() {
         let robot = Robot::builtin(name).expect("built in");
-        for (rate, lean, angle, valve_open) in
-            [(3.0, -0.25, -0.1, 0.1), (4.0, -0.3, -0.15, 0.03), (5.0, -0.1, -0.1, 0.1), (2.0, 0.1, 0.2, 0.05)]
-        {
-            let launch = Launch { rate, lean, firing_angle: angle, valve_open };
+        for (rate, lean, angle, valve_open) in [
+            (3.0, -0.25, -0.1, 0.1),
+            (4.0, -0.3, -0.15, 0.03),
+            (5.0, -0.1, -0.1, 0.1),
+            (2.0, 0.1, 0.2, 0.05),
+        ] {
+            let launch = Launch {
+                rate,
+                lean,
+                firing_angle: angle,
+                valve_open,
+            };
             // Round-off of 1e-11 over the width of 1e-3.
             check_derivatives(&robot, &launch, 1e-7)
                 .unwrap_or_else(|error| panic!("{name}, {launch:?}: {error}"));
@@ -343,7 +390,17 @@ fn a_constant_has_no_derivative() {
     let robot = Robot::rats_planar();
     let stance: Stance<Dual<1>> = Stance::new(&robot, |_, x| Dual::of(x));
     let of = Dual::of;
-    let launch = Launch { rate: of(5.0), lean: of(-0.3), firing_angle: of(-0.1), valve_open: of(0.1) };
+    let launch = Launch {
+        rate: of(5.0),
+        lean: of(-0.3),
+        firing_angle: of(-0.1),
+        valve_open: of(0.1),
+    };
     let end = stance.jump(&launch).expect("a stance");
-    assert!(numbers(&robot, &end).iter().all(|(_, x, _)| x.slope == [0.0]), "{end:?}");
+    assert!(
+        numbers(&robot, &end)
+            .iter()
+            .all(|(_, x, _)| x.slope == [0.0]),
+        "{end:?}"
+    );
 }

@@ -1,4 +1,5 @@
-//! The model's named terms: off they are not there, on they act as named, and as an independent integrator has them.
+//! The model's named terms: off they are not there, on they act as named, and as an independent
+//! integrator has them.
 
 use proptest::prelude::*;
 use saltus_ballistic::{DragFlight, Flight};
@@ -19,12 +20,16 @@ fn rats(change: impl FnOnce(&mut Robot)) -> Robot {
 }
 
 fn cylinder(robot: &mut Robot) -> &mut Cylinder {
-    let Drive::Pneumatic(cylinder) = &mut robot.leg.drive else { unreachable!("rats-planar is pneumatic") };
+    let Drive::Pneumatic(cylinder) = &mut robot.leg.drive else {
+        unreachable!("rats-planar is pneumatic")
+    };
     cylinder
 }
 
 fn hop(robot: &Robot) -> LiftOff {
-    stance(robot).jump(&Launch::at_firing(0.0, 0.0, 0.1)).expect("a stance")
+    stance(robot)
+        .jump(&Launch::at_firing(0.0, 0.0, 0.1))
+        .expect("a stance")
 }
 
 fn apex(robot: &Robot) -> f64 {
@@ -40,7 +45,13 @@ fn check_stance(robot: &Robot, launch: &Launch) -> Result<(), TestCaseError> {
     let (expected, moved) = solve_twice(robot, launch, step);
     let trace = stance(robot).trace(launch).expect("a stance");
     let end = stance(robot).jump(launch).expect("a stance");
-    prop_assert_eq!(end.outcome.name(), expected.outcome, "{:?} {:?}", end, expected);
+    prop_assert_eq!(
+        end.outcome.name(),
+        expected.outcome,
+        "{:?} {:?}",
+        end,
+        expected
+    );
     prop_assert!(
         (end.time_fire - expected.time_fire).abs() < 1e-8
             || end.time_fire.is_nan() && expected.time_fire.is_nan()
@@ -59,12 +70,17 @@ fn check_stance(robot: &Robot, launch: &Launch) -> Result<(), TestCaseError> {
         ("work of the drive", ledger.drive, work),
         ("losses", ledger.losses, work),
     ];
-    for (((name, found, size), expected), moved) in found.into_iter().zip(expected.numbers()).zip(moved) {
-        // By how much the oracle's number moved when its steps were halved bounds what is wrong with it where the
-        // model is smooth; a kink within a step costs it an order or two, so a few times that. 1e-8 of the number is
-        // what is asked of the product.
+    for (((name, found, size), expected), moved) in
+        found.into_iter().zip(expected.numbers()).zip(moved)
+    {
+        // By how much the oracle's number moved when its steps were halved bounds what is wrong
+        // with it where the model is smooth; a kink within a step costs it an order or two, so a
+        // few times that. 1e-8 of the number is what is asked of the product.
         let allowed = 4.0 * moved + 1e-8 * (expected.abs() + size);
-        prop_assert!((found - expected).abs() <= allowed, "{name}: {found} not {expected} ± {allowed:e}");
+        prop_assert!(
+            (found - expected).abs() <= allowed,
+            "{name}: {found} not {expected} ± {allowed:e}"
+        );
     }
     Ok(())
 }
@@ -102,19 +118,26 @@ proptest! {
             (plain.extension_rate, other.extension_rate),
             (plain.pressure, other.pressure),
         ] {
-            // Steps end where a term switches, so they are others: the error control's 1e-12 over some tens of steps.
+            // Steps end where a term switches, so they are others: the error control's 1e-12 over
+            // some tens of steps.
             prop_assert!((x - y).abs() <= 1e-9 * (x.abs() + 1e-3), "{x} {y}");
         }
     }
 }
 
-/// Terms of strength 0 are off: the base model to the bit. A leg that the code does not take for plain, but whose terms
-/// come to nothing, goes by the general equations: the base model to round-off.
+/// Terms of strength 0 are off: the base model to the bit. A leg that the code does not take for
+/// plain, but whose terms come to nothing, goes by the general equations: the base model to
+/// round-off.
 #[test]
 fn off_is_the_base_model_to_the_bit() {
     for rate in [3.0, 4.5, 6.0] {
         for angle in [-0.25, -0.1, 0.05] {
-            let launch = Launch { rate, lean: -0.35, firing_angle: angle, valve_open: 0.04 };
+            let launch = Launch {
+                rate,
+                lean: -0.35,
+                firing_angle: angle,
+                valve_open: 0.04,
+            };
             let lift_off = |robot: &Robot| stance(robot).trace(&launch).expect("a stance").lift_off;
             let base = lift_off(&Robot::rats_planar());
             let explicit = rats(|robot| {
@@ -125,12 +148,21 @@ fn off_is_the_base_model_to_the_bit() {
             });
             assert_eq!(base, lift_off(&explicit));
             let general = rats(|robot| {
-                robot.leg.return_spring = Some(ReturnSpring { stiffness: 0.0, preload: 0.0 });
+                robot.leg.return_spring = Some(ReturnSpring {
+                    stiffness: 0.0,
+                    preload: 0.0,
+                });
             });
-            // The general equations add the same numbers in another order: a few roundings over some tens of steps.
+            // The general equations add the same numbers in another order: a few roundings over
+            // some tens of steps.
             let (a, b) = (lift_off(&general), base);
             assert_eq!(a.outcome, b.outcome);
-            for (x, y) in [(a.time, b.time), (a.lean, b.lean), (a.rate, b.rate), (a.pressure, b.pressure)] {
+            for (x, y) in [
+                (a.time, b.time),
+                (a.lean, b.lean),
+                (a.rate, b.rate),
+                (a.pressure, b.pressure),
+            ] {
                 assert!((x - y).abs() <= 1e-13 * y.abs(), "{x} {y}");
             }
         }
@@ -146,15 +178,51 @@ fn each_term_acts_as_it_is_named() {
         ("seal friction", rats(|r| cylinder(r).seal_friction = 1e-5)),
         (
             "return spring",
-            rats(|r| r.leg.return_spring = Some(ReturnSpring { stiffness: 50.0, preload: 0.0 })),
+            rats(|r| {
+                r.leg.return_spring = Some(ReturnSpring {
+                    stiffness: 50.0,
+                    preload: 0.0,
+                })
+            }),
         ),
-        ("preload", rats(|r| r.leg.return_spring = Some(ReturnSpring { stiffness: 0.0, preload: 2.0 }))),
+        (
+            "preload",
+            rats(|r| {
+                r.leg.return_spring = Some(ReturnSpring {
+                    stiffness: 0.0,
+                    preload: 2.0,
+                })
+            }),
+        ),
         (
             "exhaust port",
-            rats(|r| cylinder(r).exhaust_port = Some(ExhaustPort { position: 0.05, area: 2e-5 })),
+            rats(|r| {
+                cylinder(r).exhaust_port = Some(ExhaustPort {
+                    position: 0.05,
+                    area: 2e-5,
+                })
+            }),
         ),
-        ("cushion", rats(|r| r.leg.cushion = Some(Cushion { length: 4e-3, stiffness: 1e4, damping: 0.0 }))),
-        ("damping", rats(|r| r.leg.cushion = Some(Cushion { length: 4e-3, stiffness: 0.0, damping: 30.0 }))),
+        (
+            "cushion",
+            rats(|r| {
+                r.leg.cushion = Some(Cushion {
+                    length: 4e-3,
+                    stiffness: 1e4,
+                    damping: 0.0,
+                })
+            }),
+        ),
+        (
+            "damping",
+            rats(|r| {
+                r.leg.cushion = Some(Cushion {
+                    length: 4e-3,
+                    stiffness: 0.0,
+                    damping: 30.0,
+                })
+            }),
+        ),
         ("viscous friction", rats(|r| r.leg.viscous_friction += 1.0)),
         ("Coulomb friction", rats(|r| r.leg.coulomb_friction += 1.0)),
         // More molar mass: a slower flow, and a lower κ.
@@ -166,15 +234,25 @@ fn each_term_acts_as_it_is_named() {
     }
     // Less molar mass than air.
     assert!(apex(&rats(|r| cylinder(r).gas = Gas::NITROGEN)) > base);
-    // The wall takes heat: the chamber fills more slowly, but its gas cools less as it expands, so that either may win.
+    // The wall takes heat: the chamber fills more slowly, but its gas cools less as it expands, so
+    // that either may win.
     let breaks_away = |robot: &Robot| {
-        let trace = stance(robot).trace(&Launch::at_firing(0.0, 0.0, 0.1)).expect("a stance");
-        trace.samples.iter().rfind(|sample| sample.extension == 0.0).map(|sample| sample.time)
+        let trace = stance(robot)
+            .trace(&Launch::at_firing(0.0, 0.0, 0.1))
+            .expect("a stance");
+        trace
+            .samples
+            .iter()
+            .rfind(|sample| sample.extension == 0.0)
+            .map(|sample| sample.time)
     };
     let cooled = rats(|r| cylinder(r).polytropic_exponent = Some(1.2));
     assert!(breaks_away(&cooled) > breaks_away(&Robot::rats_planar()));
     // A delay shifts an upright hop and changes nothing else.
-    let (now, later) = (hop(&Robot::rats_planar()), hop(&rats(|r| r.leg.delay += 0.01)));
+    let (now, later) = (
+        hop(&Robot::rats_planar()),
+        hop(&rats(|r| r.leg.delay += 0.01)),
+    );
     assert!(
         (later.time - now.time - 0.01).abs() < 1e-12
             && (later.extension_rate - now.extension_rate).abs() < 1e-9
@@ -184,12 +262,23 @@ fn each_term_acts_as_it_is_named() {
 #[test]
 fn drag_shortens_and_lowers_a_flight() {
     let robot = Robot::rats_planar();
-    let end = stance(&robot).jump(&Launch::at_firing(5.0, -0.1, 0.1)).expect("a stance");
+    let end = stance(&robot)
+        .jump(&Launch::at_firing(5.0, -0.1, 0.1))
+        .expect("a stance");
     let ((x, y), (vx, vy)) = (end.position(), end.velocity());
-    let vacuum = Flight { x, y, vx, vy, gravity: robot.environment.gravity };
+    let vacuum = Flight {
+        x,
+        y,
+        vx,
+        vy,
+        gravity: robot.environment.gravity,
+    };
     let drag = |drag| DragFlight { vacuum, drag };
     let range = |flight: DragFlight<f64>| flight.range_to_height(0.0).expect("it lands");
-    assert_eq!(range(drag(0.0)).to_bits(), vacuum.range_to_height(0.0).expect("it lands").to_bits());
+    assert_eq!(
+        range(drag(0.0)).to_bits(),
+        vacuum.range_to_height(0.0).expect("it lands").to_bits()
+    );
     assert!(range(drag(0.05)) < range(drag(0.01)) && range(drag(0.01)) < range(drag(0.0)));
     assert!(drag(0.01).apex_height() < vacuum.apex_height());
     // Against steps of 10 µs: second order leaves 1e-9.
@@ -197,7 +286,10 @@ fn drag_shortens_and_lowers_a_flight() {
     let (mut p, mut v) = ([x, y], [vx, vy]);
     let acceleration = |v: [f64; 2]| {
         let speed = v[0].hypot(v[1]);
-        [-c * speed * v[0], -c * speed * v[1] - robot.environment.gravity]
+        [
+            -c * speed * v[0],
+            -c * speed * v[1] - robot.environment.gravity,
+        ]
     };
     loop {
         let a = acceleration(v);
@@ -211,7 +303,12 @@ fn drag_shortens_and_lowers_a_flight() {
         }
         (p, v) = (next, [v[0] + h * a[0], v[1] + h * a[1]]);
     }
-    assert!((range(drag(c)) - p[0]).abs() < 1e-7, "{} {}", range(drag(c)), p[0]);
+    assert!(
+        (range(drag(c)) - p[0]).abs() < 1e-7,
+        "{} {}",
+        range(drag(c)),
+        p[0]
+    );
 }
 
 #[test]
@@ -219,6 +316,8 @@ fn a_leg_without_a_chamber_shows_the_ambient_pressure() {
     let robot = Robot::builtin("spring-hopper").expect("built in");
     let mut robot = robot;
     robot.environment.ambient.0 = 9e4;
-    let end = stance(&robot).jump(&Launch::at_firing(2.0, 0.0, 0.1)).expect("a stance");
+    let end = stance(&robot)
+        .jump(&Launch::at_firing(2.0, 0.0, 0.1))
+        .expect("a stance");
     assert_eq!(end.pressure, 9e4);
 }

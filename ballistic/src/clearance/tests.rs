@@ -6,7 +6,13 @@ use saltus_numeric::{Dual, Scalar};
 use super::*;
 use crate::check::{check_slopes, close, config, dual};
 
-const HOP: Flight<f64> = Flight { x: 0.0, y: 1.0, vx: 1.0, vy: 4.0, gravity: 8.0 };
+const HOP: Flight<f64> = Flight {
+    x: 0.0,
+    y: 1.0,
+    vx: 1.0,
+    vy: 4.0,
+    gravity: 8.0,
+};
 
 fn block(low: [f64; 2], high: [f64; 2]) -> Obstacle {
     Obstacle::block(low, high).unwrap()
@@ -14,23 +20,71 @@ fn block(low: [f64; 2], high: [f64; 2]) -> Obstacle {
 
 #[test]
 fn closed_forms() {
-    let check =
-        |flight: Flight<f64>, obstacle: Obstacle, to: f64, expected: f64, time: f64, feature: Feature| {
-            let found = flight.clearance(&Disc::wheel(0.25), &obstacle, 0.0, to).unwrap();
-            assert!((found.distance + 0.25 - expected).abs() < 1e-15, "{found:?}");
-            assert!((found.time - time).abs() < 1e-15, "{found:?}");
-            assert_eq!(found.feature, feature, "{found:?}");
-        };
+    let check = |flight: Flight<f64>,
+                 obstacle: Obstacle,
+                 to: f64,
+                 expected: f64,
+                 time: f64,
+                 feature: Feature| {
+        let found = flight
+            .clearance(&Disc::wheel(0.25), &obstacle, 0.0, to)
+            .unwrap();
+        assert!(
+            (found.distance + 0.25 - expected).abs() < 1e-15,
+            "{found:?}"
+        );
+        assert!((found.time - time).abs() < 1e-15, "{found:?}");
+        assert_eq!(found.feature, feature, "{found:?}");
+    };
     // The parabola y = 2 − 4 (x − 1/2)² is nearest to a low box at the start.
-    check(HOP, block([0.25, 0.0], [0.75, 0.5]), 1.0, 0.25 * 5_f64.sqrt(), 0.0, Feature::Vertex(3));
+    check(
+        HOP,
+        block([0.25, 0.0], [0.75, 0.5]),
+        1.0,
+        0.25 * 5_f64.sqrt(),
+        0.0,
+        Feature::Vertex(3),
+    );
     // Under a ceiling that the apex comes nearest to.
-    check(HOP, block([-9.0, 2.5], [9.0, 3.0]), 1.0, 0.5, 0.5, Feature::Edge(0));
+    check(
+        HOP,
+        block([-9.0, 2.5], [9.0, 3.0]),
+        1.0,
+        0.5,
+        0.5,
+        Feature::Edge(0),
+    );
     // Into a wall, and out: the deepest point is where the top is as far as the side.
-    let still = Flight { gravity: 0.0, vy: 0.0, ..HOP };
-    check(still, block([0.5, 0.0], [9.0, 2.0]), 0.75, -0.25, 0.75, Feature::Edge(3));
-    check(still, block([0.5, 0.0], [1.5, 1.125]), 2.0, -0.125, 0.625, Feature::Edge(2));
+    let still = Flight {
+        gravity: 0.0,
+        vy: 0.0,
+        ..HOP
+    };
+    check(
+        still,
+        block([0.5, 0.0], [9.0, 2.0]),
+        0.75,
+        -0.25,
+        0.75,
+        Feature::Edge(3),
+    );
+    check(
+        still,
+        block([0.5, 0.0], [1.5, 1.125]),
+        2.0,
+        -0.125,
+        0.625,
+        Feature::Edge(2),
+    );
     // A straight, a vertical and no motion past a corner.
-    check(still, block([2.0, 0.0], [3.0, 0.5]), 9.0, 0.5, 2.0, Feature::Edge(2));
+    check(
+        still,
+        block([2.0, 0.0], [3.0, 0.5]),
+        9.0,
+        0.5,
+        2.0,
+        Feature::Edge(2),
+    );
     check(
         Flight { vx: 0.0, ..HOP },
         block([1.0, 0.0], [2.0, 0.5]),
@@ -39,31 +93,79 @@ fn closed_forms() {
         0.0,
         Feature::Vertex(3),
     );
-    check(Flight { vx: 0.0, ..still }, block([3.0, 0.0], [4.0, 1.0]), 1.0, 3.0, 0.0, Feature::Edge(3));
+    check(
+        Flight { vx: 0.0, ..still },
+        block([3.0, 0.0], [4.0, 1.0]),
+        1.0,
+        3.0,
+        0.0,
+        Feature::Edge(3),
+    );
     // No time at all.
-    check(HOP, block([3.0, 0.0], [4.0, 1.0]), 0.0, 3.0, 0.0, Feature::Edge(3));
+    check(
+        HOP,
+        block([3.0, 0.0], [4.0, 1.0]),
+        0.0,
+        3.0,
+        0.0,
+        Feature::Edge(3),
+    );
 }
 
 #[test]
 fn the_deepest_point_is_where_two_features_tie() {
-    let check = |vertices: &[[f64; 2]], start: [f64; 2], velocity: [f64; 2], expected: f64, time: f64| {
-        let ([x, y], [vx, vy]) = (start, velocity);
-        let flight = Flight { x, y, vx, vy, gravity: 0.0 };
-        let obstacle = Obstacle::polygon(vertices).unwrap();
-        let found = flight.clearance(&Disc::wheel(0.0), &obstacle, 0.0, 8.0).unwrap();
-        assert!((found.distance - expected).abs() < 1e-14, "{found:?}");
-        assert!((found.time - time).abs() < 1e-14, "{found:?}");
-    };
-    // Steeply through a long slab: top and bottom. No distance is level inside; only the crossing tells that there is
-    // one.
-    check(&[[0.0, 0.0], [10.0, 0.0], [10.0, 1.0], [0.0, 1.0]], [3.0, 4.5], [0.5, -1.0], -0.5, 4.0);
+    let check =
+        |vertices: &[[f64; 2]], start: [f64; 2], velocity: [f64; 2], expected: f64, time: f64| {
+            let ([x, y], [vx, vy]) = (start, velocity);
+            let flight = Flight {
+                x,
+                y,
+                vx,
+                vy,
+                gravity: 0.0,
+            };
+            let obstacle = Obstacle::polygon(vertices).unwrap();
+            let found = flight
+                .clearance(&Disc::wheel(0.0), &obstacle, 0.0, 8.0)
+                .unwrap();
+            assert!((found.distance - expected).abs() < 1e-14, "{found:?}");
+            assert!((found.time - time).abs() < 1e-14, "{found:?}");
+        };
+    // Steeply through a long slab: top and bottom. No distance is level inside; only the crossing
+    // tells that there is one.
+    check(
+        &[[0.0, 0.0], [10.0, 0.0], [10.0, 1.0], [0.0, 1.0]],
+        [3.0, 4.5],
+        [0.5, -1.0],
+        -0.5,
+        4.0,
+    );
     // Down the diagonal of an L: its reflex corner, and the sides.
-    let l = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+    let l = [
+        [0.0, 0.0],
+        [2.0, 0.0],
+        [2.0, 1.0],
+        [1.0, 1.0],
+        [1.0, 2.0],
+        [0.0, 2.0],
+    ];
     let s = 2_f64.sqrt() / (1.0 + 2_f64.sqrt());
     check(&l, [2.0, 2.0], [-1.0, -1.0], -s, 2.0 - s);
     // Below two notches in a block: their tips.
-    let mut notched = vec![[-2.9, -9.0], [3.0, -9.0], [3.0, 9.0], [1.1, 9.0], [1.0, 0.0]];
-    notched.extend([[0.8, 9.0], [-0.9, 9.0], [-1.0, 0.0], [-1.4, 9.0], [-2.9, 9.0]]);
+    let mut notched = vec![
+        [-2.9, -9.0],
+        [3.0, -9.0],
+        [3.0, 9.0],
+        [1.1, 9.0],
+        [1.0, 0.0],
+    ];
+    notched.extend([
+        [0.8, 9.0],
+        [-0.9, 9.0],
+        [-1.0, 0.0],
+        [-1.4, 9.0],
+        [-2.9, 9.0],
+    ]);
     check(&notched, [-4.0, -0.5], [1.0, 0.0], -1.25_f64.sqrt(), 4.0);
 }
 
@@ -71,9 +173,15 @@ fn the_deepest_point_is_where_two_features_tie() {
 fn the_leg_counts_until_it_is_in() {
     let obstacle = block([-9.0, 2.5], [9.0, 3.0]);
     let check = |until: f64, expected: f64, time: f64| {
-        let disc = Disc { radius: 0.2, leg: Some(ExtendedLeg { reach: 0.3, until }) };
+        let disc = Disc {
+            radius: 0.2,
+            leg: Some(ExtendedLeg { reach: 0.3, until }),
+        };
         let found = HOP.clearance(&disc, &obstacle, 0.0, 1.0).unwrap();
-        assert!(close(found.distance, expected, 1e-15) && close(found.time, time, 1e-15), "{found:?}");
+        assert!(
+            close(found.distance, expected, 1e-15) && close(found.time, time, 1e-15),
+            "{found:?}"
+        );
     };
     check(2.0, 0.2, 0.5);
     check(0.75, 0.2, 0.5);
@@ -88,7 +196,9 @@ fn the_leg_counts_until_it_is_in() {
 fn a_span_must_be_one() {
     let obstacle = block([0.0, 0.0], [1.0, 1.0]);
     for (from, to) in [(1.0, 0.0), (0.0, f64::INFINITY), (f64::NAN, 1.0)] {
-        let error = HOP.clearance(&Disc::wheel(0.2), &obstacle, from, to).unwrap_err();
+        let error = HOP
+            .clearance(&Disc::wheel(0.2), &obstacle, from, to)
+            .unwrap_err();
         assert!(matches!(error, FlightError::EmptySpan { .. }));
     }
 }
@@ -108,25 +218,46 @@ fn jumps() -> impl Strategy<Value = Flight<f64>> {
 
 /// Star-shaped polygons about a point: simple, and mostly not convex.
 pub(crate) fn stars() -> impl Strategy<Value = Obstacle> {
-    (prop::collection::vec(0.1..1.0_f64, 3..9), -1.0..1.0, 0.0..1.5).prop_map(|(radii, x, y)| {
-        let turn = std::f64::consts::TAU / radii.len() as f64;
-        let vertices: Vec<_> = radii
-            .iter()
-            .enumerate()
-            .map(|(i, r)| {
-                let (sin, cos) = (turn * i as f64).sin_cos();
-                [x + r * cos, y + r * sin]
-            })
-            .collect();
-        Obstacle::polygon(&vertices).unwrap()
-    })
+    (
+        prop::collection::vec(0.1..1.0_f64, 3..9),
+        -1.0..1.0,
+        0.0..1.5,
+    )
+        .prop_map(|(radii, x, y)| {
+            let turn = std::f64::consts::TAU / radii.len() as f64;
+            let vertices: Vec<_> = radii
+                .iter()
+                .enumerate()
+                .map(|(i, r)| {
+                    let (sin, cos) = (turn * i as f64).sin_cos();
+                    [x + r * cos, y + r * sin]
+                })
+                .collect();
+            Obstacle::polygon(&vertices).unwrap()
+        })
 }
 
-/// Least gap at `count` evenly spaced times, and the greatest step of the centre between two of them.
-fn sampled(flight: &Flight<f64>, obstacle: &Obstacle, from: f64, to: f64, count: usize) -> (f64, f64) {
-    let points: Vec<_> = flight.samples(from, to, count).map(|(_, x, y)| [x, y]).collect();
-    let step = points.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).fold(0.0, f64::max);
-    let least = points.iter().map(|&p| obstacle.outline.nearest(p).1).fold(f64::INFINITY, f64::min);
+/// Least gap at `count` evenly spaced times, and the greatest step of the centre between two of
+/// them.
+fn sampled(
+    flight: &Flight<f64>,
+    obstacle: &Obstacle,
+    from: f64,
+    to: f64,
+    count: usize,
+) -> (f64, f64) {
+    let points: Vec<_> = flight
+        .samples(from, to, count)
+        .map(|(_, x, y)| [x, y])
+        .collect();
+    let step = points
+        .windows(2)
+        .map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1]))
+        .fold(0.0, f64::max);
+    let least = points
+        .iter()
+        .map(|&p| obstacle.outline.nearest(p).1)
+        .fold(f64::INFINITY, f64::min);
     (least, step)
 }
 
@@ -142,7 +273,8 @@ proptest! {
         let (least, step) = sampled(&flight, &obstacle, from, to, 2000);
         prop_assert!(found.distance <= least + 1e-14, "{found:?}, but a sample at {least}");
         // A distance changes by no more than the centre moves.
-        prop_assert!(found.distance >= least - step, "{found:?}, but the samples stay above {least}");
+        prop_assert!(found.distance >= least - step, "{found:?}, but the samples stay above \
+            {least}");
         // It is what it says: the distance of the centre, then, from that point.
         prop_assert_eq!(flight.position(found.time), found.centre);
         let [dx, dy] = [found.centre[0] - found.point[0], found.centre[1] - found.point[1]];
@@ -165,7 +297,8 @@ proptest! {
         let disc = Disc::wheel(0.2);
         let clearance = |f: Flight<f64>| f.clearance(&disc, &obstacle, 0.0, to).unwrap();
         let here = clearance(flight);
-        // Differences need room: the same feature, no kink and no second minimum within their reach.
+        // Differences need room: the same feature, no kink and no second minimum within their
+        // reach.
         let settled = |by: f64| {
             let moved = Flight { x: flight.x + by, y: flight.y - by, vx: flight.vx + by, vy: flight.vy + by, ..flight };
             let there = clearance(moved);
@@ -183,8 +316,11 @@ proptest! {
 fn slopes_of_the_minimum_s_time_and_place() {
     let check = |obstacle: Obstacle, to: f64, tie: bool| {
         let of = Dual::of;
-        let exact = dual(HOP).clearance(&Disc::wheel(of(0.2)), &obstacle, of(0.0), of(to)).unwrap();
-        let clearance = |f: Flight<f64>| f.clearance(&Disc::wheel(0.2), &obstacle, 0.0, to).unwrap();
+        let exact = dual(HOP)
+            .clearance(&Disc::wheel(of(0.2)), &obstacle, of(0.0), of(to))
+            .unwrap();
+        let clearance =
+            |f: Flight<f64>| f.clearance(&Disc::wheel(0.2), &obstacle, 0.0, to).unwrap();
         check_slopes(HOP, exact.time, |f| clearance(f).time);
         for i in 0..2 {
             check_slopes(HOP, exact.centre[i], |f| clearance(f).centre[i]);
@@ -208,16 +344,35 @@ fn slopes_along_the_ends_the_radius_and_the_leg() {
     let [to, radius, reach, until] = [0.45, 0.2, 0.3, 0.4];
     let obstacle = block([-9.0, 2.5], [9.0, 3.0]);
     let of = |f: f64| D::of(f);
-    let flight = Flight { x: of(0.0), y: of(1.0), vx: of(1.0), vy: of(4.0), gravity: of(8.0) };
+    let flight = Flight {
+        x: of(0.0),
+        y: of(1.0),
+        vx: of(1.0),
+        vy: of(4.0),
+        gravity: of(8.0),
+    };
     let slopes = |until: f64| {
-        let leg = ExtendedLeg { reach: D::variable(reach, 2), until: D::variable(until, 3) };
-        let disc = Disc { radius: D::variable(radius, 1), leg: Some(leg) };
-        flight.clearance(&disc, &obstacle, of(0.0), D::variable(to, 0)).unwrap().distance.slope
+        let leg = ExtendedLeg {
+            reach: D::variable(reach, 2),
+            until: D::variable(until, 3),
+        };
+        let disc = Disc {
+            radius: D::variable(radius, 1),
+            leg: Some(leg),
+        };
+        flight
+            .clearance(&disc, &obstacle, of(0.0), D::variable(to, 0))
+            .unwrap()
+            .distance
+            .slope
     };
     // Upward speed 4 − 8 t at the end, or when the leg is in.
     let check = |until: f64, expected: [f64; 4]| {
         for (slope, expected) in slopes(until).into_iter().zip(expected) {
-            assert!((slope - expected).abs() < 1e-12, "{slope} instead of {expected}");
+            assert!(
+                (slope - expected).abs() < 1e-12,
+                "{slope} instead of {expected}"
+            );
         }
     };
     check(until, [0.0, 0.0, -1.0, -0.8]);

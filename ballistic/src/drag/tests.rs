@@ -8,7 +8,13 @@ use crate::ExtendedLeg;
 use crate::check::{check_slopes, close, config, dual};
 use crate::path::Path;
 
-const HOP: Flight<f64> = Flight { x: 0.0, y: 1.0, vx: 2.0, vy: 4.0, gravity: 9.8 };
+const HOP: Flight<f64> = Flight {
+    x: 0.0,
+    y: 1.0,
+    vx: 2.0,
+    vy: 4.0,
+    gravity: 9.8,
+};
 
 fn block(low: [f64; 2], high: [f64; 2]) -> Obstacle {
     Obstacle::block(low, high).unwrap()
@@ -16,51 +22,122 @@ fn block(low: [f64; 2], high: [f64; 2]) -> Obstacle {
 
 /// Flights of a robot, and drags from a ball of lead's to a feather's.
 fn flights() -> impl Strategy<Value = DragFlight<f64>> {
-    (-1.0..1.0, 0.3..2.0, -8.0..8.0, -6.0..6.0, 1.0..20.0, -4.0..1.0_f64).prop_map(
-        |(x, y, vx, vy, gravity, magnitude)| DragFlight {
-            vacuum: Flight { x, y, vx, vy, gravity },
-            drag: 10_f64.powf(magnitude),
-        },
+    (
+        -1.0..1.0,
+        0.3..2.0,
+        -8.0..8.0,
+        -6.0..6.0,
+        1.0..20.0,
+        -4.0..1.0_f64,
     )
+        .prop_map(|(x, y, vx, vy, gravity, magnitude)| DragFlight {
+            vacuum: Flight {
+                x,
+                y,
+                vx,
+                vy,
+                gravity,
+            },
+            drag: 10_f64.powf(magnitude),
+        })
 }
 
 #[test]
 fn bad_questions_say_why() {
-    let flight = DragFlight { vacuum: HOP, drag: 0.1 };
-    assert!(matches!(flight.time_to_height(9.0), Err(FlightError::AboveApex { apex, .. }) if apex < 1.82));
-    let negative = DragFlight { drag: -1.0, ..flight }.time_to_height(0.0);
+    let flight = DragFlight {
+        vacuum: HOP,
+        drag: 0.1,
+    };
+    assert!(
+        matches!(flight.time_to_height(9.0), Err(FlightError::AboveApex { apex, .. }) if apex < 1.82)
+    );
+    let negative = DragFlight {
+        drag: -1.0,
+        ..flight
+    }
+    .time_to_height(0.0);
     assert_eq!(negative, Err(FlightError::BadDrag { drag: -1.0 }));
     let early = flight.clearance(&Disc::wheel(0.2), &block([0.0, 0.0], [1.0, 0.5]), -0.1, 1.0);
     assert_eq!(early, Err(FlightError::BeforeLiftOff { time: -0.1 }));
     assert!(flight.position(-0.1)[0].is_nan());
-    let rising = DragFlight { vacuum: Flight { gravity: 0.0, ..HOP }, ..flight };
+    let rising = DragFlight {
+        vacuum: Flight {
+            gravity: 0.0,
+            ..HOP
+        },
+        ..flight
+    };
     assert_eq!(rising.apex_height(), f64::INFINITY);
-    assert_eq!(rising.time_to_height(0.0), Err(FlightError::NoGravity { height: 0.0, speed: 4.0 }));
-    assert!(matches!(rising.landing(&Terrain::flat(0.0), 0.2), Err(FlightError::NeverLands { .. })));
+    assert_eq!(
+        rising.time_to_height(0.0),
+        Err(FlightError::NoGravity {
+            height: 0.0,
+            speed: 4.0
+        })
+    );
+    assert!(matches!(
+        rising.landing(&Terrain::flat(0.0), 0.2),
+        Err(FlightError::NeverLands { .. })
+    ));
     // So fast that its square is no number any more.
-    let fast = DragFlight { vacuum: Flight { vy: 1e200, ..HOP }, ..flight };
-    assert!(matches!(fast.time_to_height(0.0), Err(FlightError::NotFinite { .. })));
+    let fast = DragFlight {
+        vacuum: Flight { vy: 1e200, ..HOP },
+        ..flight
+    };
+    assert!(matches!(
+        fast.time_to_height(0.0),
+        Err(FlightError::NotFinite { .. })
+    ));
 }
 
 /// Up and down through the apex, where |v| v has a kink.
 fn check_vertical_jump(drag: f64, gravity: f64, vy: f64) {
     let terminal = f64::sqrt(gravity / drag);
-    let flight = DragFlight { vacuum: Flight { x: 0.0, y: 1.0, vx: 0.0, vy, gravity }, drag };
+    let flight = DragFlight {
+        vacuum: Flight {
+            x: 0.0,
+            y: 1.0,
+            vx: 0.0,
+            vy,
+            gravity,
+        },
+        drag,
+    };
     let (apex, rise) = (flight.apex_height(), flight.apex_time());
-    assert!(close(apex, 1.0 + (vy / terminal).powi(2).ln_1p() / (2.0 * drag), 1e-12));
-    assert!(close(rise, terminal / gravity * (vy / terminal).atan(), 1e-12));
+    assert!(close(
+        apex,
+        1.0 + (vy / terminal).powi(2).ln_1p() / (2.0 * drag),
+        1e-12
+    ));
+    assert!(close(
+        rise,
+        terminal / gravity * (vy / terminal).atan(),
+        1e-12
+    ));
     let fall = vy / gravity;
     let height = apex - (gravity * fall / terminal).cosh().ln() / drag;
     assert!(close(flight.position(rise + fall)[1], height, 1e-12));
     // The well-known speed back at the height of lift-off, v / √(1 + v²/v_t²).
     let down = flight.velocity(flight.time_to_height(1.0).unwrap())[1];
-    assert!(close(down, -vy / (1.0 + (vy / terminal).powi(2)).sqrt(), 1e-12));
+    assert!(close(
+        down,
+        -vy / (1.0 + (vy / terminal).powi(2)).sqrt(),
+        1e-12
+    ));
 }
 
 #[test]
 fn vertical_jumps_that_steps_across_the_apex_got_wrong() {
-    check_vertical_jump(0.283_457_439_187_988_7, 9.267_007_540_876_671, 5.966_996_482_718_977);
-    check_vertical_jump(7.523_427_566_230_847, 1.344_922_813_793_219, 3.724_619_374_048_160_6);
+    check_vertical_jump(
+        0.283_457_439_187_988_7,
+        9.267_007_540_876_671,
+        5.966_996_482_718_977,
+    );
+    check_vertical_jump(
+        7.523_427_566_230_847,
+        1.344_922_813_793_219,
+        3.724_619_374_048_160_6,
+    );
 }
 
 proptest! {
@@ -159,7 +236,8 @@ proptest! {
         let vacuum = Flight { x: x * scale, y: y * scale, vx: vx * speed, vy: vy * speed, gravity };
         let scaled = DragFlight { vacuum, drag: flight.drag / scale };
         let range = scaled.range_to_height(0.1 * scale).unwrap() / scale;
-        // A step's tolerance is relative to 1 m and 1 m/s, whatever the scale, so that the steps differ.
+        // A step's tolerance is relative to 1 m and 1 m/s, whatever the scale, so that the steps
+        // differ.
         prop_assert!(close(range, flight.range_to_height(0.1).unwrap(), 1e-12));
     }
 
@@ -172,7 +250,8 @@ proptest! {
         let step = points.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).fold(0.0, f64::max);
         let least = points.iter().map(|&p| obstacle.outline.nearest(p).1).fold(f64::INFINITY, f64::min) - 0.2;
         prop_assert!(found.distance <= least + 1e-8, "{found:?}, but a sample at {least}");
-        prop_assert!(found.distance >= least - step, "{found:?}, but the samples stay above {least}");
+        prop_assert!(found.distance >= least - step, "{found:?}, but the samples stay above \
+            {least}");
     }
 
     #[test]
@@ -241,8 +320,15 @@ proptest! {
 
 #[test]
 fn a_drop_from_rest_has_slopes() {
-    let vacuum = Flight { vx: 0.0, vy: 0.0, ..HOP };
-    let d = DragFlight { vacuum: dual(vacuum), drag: Dual::of(0.1) };
+    let vacuum = Flight {
+        vx: 0.0,
+        vy: 0.0,
+        ..HOP
+    };
+    let d = DragFlight {
+        vacuum: dual(vacuum),
+        drag: Dual::of(0.1),
+    };
     for i in 0..2 {
         let at = |vacuum| DragFlight { vacuum, drag: 0.1 }.position(0.3)[i];
         check_slopes(vacuum, d.position(Dual::of(0.3))[i], at);
@@ -252,11 +338,20 @@ fn a_drop_from_rest_has_slopes() {
 #[test]
 fn slopes_of_clearance_and_landing() {
     let with = |vacuum| DragFlight { vacuum, drag: 0.1 };
-    let d = DragFlight { vacuum: dual(HOP), drag: Dual::of(0.1) };
+    let d = DragFlight {
+        vacuum: dual(HOP),
+        drag: Dual::of(0.1),
+    };
     let of = Dual::of;
     let check = |obstacle: Obstacle| {
-        let exact = d.clearance(&Disc::wheel(of(0.2)), &obstacle, of(0.0), of(0.7)).unwrap();
-        let clearance = |f: Flight<f64>| with(f).clearance(&Disc::wheel(0.2), &obstacle, 0.0, 0.7).unwrap();
+        let exact = d
+            .clearance(&Disc::wheel(of(0.2)), &obstacle, of(0.0), of(0.7))
+            .unwrap();
+        let clearance = |f: Flight<f64>| {
+            with(f)
+                .clearance(&Disc::wheel(0.2), &obstacle, 0.0, 0.7)
+                .unwrap()
+        };
         check_slopes(HOP, exact.distance, |f| clearance(f).distance);
         check_slopes(HOP, exact.time, |f| clearance(f).time);
     };
@@ -274,8 +369,17 @@ fn slopes_of_clearance_and_landing() {
 
 #[test]
 fn the_leg_counts_until_it_is_in() {
-    let flight = DragFlight { vacuum: HOP, drag: 0.1 };
-    let disc = Disc { radius: 0.2, leg: Some(ExtendedLeg { reach: 0.3, until: 0.2 }) };
+    let flight = DragFlight {
+        vacuum: HOP,
+        drag: 0.1,
+    };
+    let disc = Disc {
+        radius: 0.2,
+        leg: Some(ExtendedLeg {
+            reach: 0.3,
+            until: 0.2,
+        }),
+    };
     let ceiling = block([-9.0, 2.5], [9.0, 3.0]);
     let found = flight.clearance(&disc, &ceiling, 0.0, 1.0).unwrap();
     assert!(close(found.time, flight.apex_time(), 1e-12));

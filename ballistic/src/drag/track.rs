@@ -8,8 +8,9 @@ use crate::polynomial::{Polynomial, root_between};
 
 /// Error of a step, relative to 1 + |state|.
 ///
-/// Below round-off on purpose: the estimate is too good where a steep jump turns over and |v| has all but a kink. At
-/// 1e-13 it let 2e-10 pass, which the scaling law, tested to 1e-12, brought to light.
+/// Below round-off on purpose: the estimate is too good where a steep jump turns over and |v| has
+/// all but a kink. At 1e-13 it let 2e-10 pass, which the scaling law, tested to 1e-12, brought to
+/// light.
 const TOLERANCE: f64 = 1e-15;
 
 /// Distance (m) by which an arc may miss the path.
@@ -50,9 +51,14 @@ impl<S: Single> DragFlight<S> {
         let flight = &self.vacuum;
         let values = flight.values();
         let (drag, speed) = (self.drag.value(), values.vx.hypot(values.vy));
-        // A tenth of the shorter time over which the drag acts, that of this speed or of the terminal one.
+        // A tenth of the shorter time over which the drag acts, that of this speed or of the
+        // terminal one.
         let step = (0.1 / (drag * speed + (drag * values.gravity).sqrt())).min(1.0);
-        Node { time: S::of(0.0), state: [flight.x, flight.y, flight.vx, flight.vy], step }
+        Node {
+            time: S::of(0.0),
+            state: [flight.x, flight.y, flight.vx, flight.vy],
+            step,
+        }
     }
 
     /// Derivative of x, y, v_x, v_y in time.
@@ -68,7 +74,14 @@ impl<S: Single> DragFlight<S> {
     fn step(&self, node: &Node<S>, h: S) -> (Node<S>, f64) {
         let rates = |state: &[S; 4]| self.rates(state);
         let step = dop853::step(&rates, &node.state, &rates(&node.state), h, 4, TOLERANCE);
-        (Node { time: node.time + h, state: step.state, step: node.step }, step.error)
+        (
+            Node {
+                time: node.time + h,
+                state: step.state,
+                step: node.step,
+            },
+            step.error,
+        )
     }
 
     /// The state after one step of a length that keeps to the tolerance.
@@ -80,11 +93,17 @@ impl<S: Single> DragFlight<S> {
             let (next, error) = self.step(node, S::of(h));
             let factor = dop853::step_factor(error);
             if error <= 1.0 {
-                return Node { step: h * factor, ..next };
+                return Node {
+                    step: h * factor,
+                    ..next
+                };
             }
             h *= factor;
         }
-        Node { time: S::of(f64::NAN), ..*node }
+        Node {
+            time: S::of(f64::NAN),
+            ..*node
+        }
     }
 
     /// The states after `from`, step by step without end, itself included.
@@ -92,7 +111,8 @@ impl<S: Single> DragFlight<S> {
         std::iter::successors(Some(from), |node| Some(self.advance(node)))
     }
 
-    /// The state after `from` in which `event`, given as its value and its slope in time, first falls below zero.
+    /// The state after `from` in which `event`, given as its value and its slope in time, first
+    /// falls below zero.
     ///
     /// At `from` it is not below zero. It is a root of the step's length.
     pub(super) fn first_below(&self, from: Node<S>, event: impl Fn(&Node<S>) -> [S; 2]) -> Node<S> {
@@ -107,9 +127,14 @@ impl<S: Single> DragFlight<S> {
                 let length = (next.time - node.time).value();
                 let h = root_between(0.0, length, |h| event(&after(S::of(h))).map(S::value));
                 let [value, slope] = event(&after(S::of(h)));
-                // A step of Newton's method gives the root its derivatives; a height at the apex has none.
+                // A step of Newton's method gives the root its derivatives; a height at the apex
+                // has none.
                 let level = slope.value() == 0.0;
-                return after(if level { S::of(h) } else { S::of(h) - value / S::of(slope.value()) });
+                return after(if level {
+                    S::of(h)
+                } else {
+                    S::of(h) - value / S::of(slope.value())
+                });
             }
             node = next;
         }
@@ -130,28 +155,39 @@ impl<S: Single> Track<S> {
         let apex = flight.apex();
         let turn = apex.map_or(f64::INFINITY, |apex| apex.time.value());
         let reached = |node: &Node<S>| node.time.value() <= until;
-        let rise =
-            flight.nodes(flight.lift_off()).take_while(|node| reached(node) && node.time.value() < turn);
+        let rise = flight
+            .nodes(flight.lift_off())
+            .take_while(|node| reached(node) && node.time.value() < turn);
         let mut nodes: Vec<_> = rise.collect();
         if let Some(apex) = apex {
             nodes.extend(flight.nodes(apex).take_while(reached));
         }
-        Track { flight: *flight, nodes }
+        Track {
+            flight: *flight,
+            nodes,
+        }
     }
 
     /// The state at time `t` (s): one step from the node before; not a number before lift-off.
     pub(super) fn node(&self, t: S) -> Node<S> {
-        let after = self.nodes.partition_point(|node| node.time.value() <= t.value());
+        let after = self
+            .nodes
+            .partition_point(|node| node.time.value() <= t.value());
         match after.checked_sub(1) {
             Some(i) => self.flight.step(&self.nodes[i], t - self.nodes[i].time).0,
-            None => Node { state: [S::of(f64::NAN); 4], ..self.flight.lift_off() },
+            None => Node {
+                state: [S::of(f64::NAN); 4],
+                ..self.flight.lift_off()
+            },
         }
     }
 
-    /// The greatest length (s) of a parabola that misses the path after node `i` by no more than [`ARC_ERROR`].
+    /// The greatest length (s) of a parabola that misses the path after node `i` by no more than
+    /// [`ARC_ERROR`].
     ///
-    /// A parabola through the ends and the middle of a piece of length h misses by up to |j| h³/125. The jerk j, at most
-    /// 2 c |v| |a|, is taken at the nodes, between which it changes little.
+    /// A parabola through the ends and the middle of a piece of length h misses by up to |j|
+    /// h³/125. The jerk j, at most 2 c |v| |a|, is taken at the nodes, between which it changes
+    /// little.
     fn arc_length(&self, i: usize, end: f64) -> f64 {
         let drag = self.flight.drag.value();
         let jerk = [self.nodes[i], self.node(S::of(end))].map(|node| {
@@ -164,12 +200,18 @@ impl<S: Single> Track<S> {
     /// The parabola through the path at `from`, `to` and the middle between them (s).
     fn arc(&self, from: f64, to: f64) -> Arc {
         let half = 0.5 * (to - from);
-        let [a, b, c] = [from, from + half, to].map(|t| self.node(S::of(t)).position().map(S::value));
+        let [a, b, c] =
+            [from, from + half, to].map(|t| self.node(S::of(t)).position().map(S::value));
         let through = |i: usize| {
             let (second, first) = (0.5 * (c[i] - 2.0 * b[i] + a[i]), 0.5 * (c[i] - a[i]));
             Polynomial::quadratic(b[i], first / half, second / (half * half))
         };
-        Arc { x: through(0), y: through(1), start: from + half, span: [from, to] }
+        Arc {
+            x: through(0),
+            y: through(1),
+            start: from + half,
+            span: [from, to],
+        }
     }
 }
 
@@ -187,8 +229,18 @@ impl<S: Single> Path<S> for Track<S> {
         (0..self.nodes.len()).flat_map(move |i| {
             let next = self.nodes.get(i + 1).map_or(to, |node| node.time.value());
             let (from, to) = (self.nodes[i].time.value().max(from), next.min(to));
-            let count = if from < to { ((to - from) / self.arc_length(i, to)).ceil().max(1.0) } else { 0.0 };
-            let at = move |share: f64| if share < count { from + (to - from) * share / count } else { to };
+            let count = if from < to {
+                ((to - from) / self.arc_length(i, to)).ceil().max(1.0)
+            } else {
+                0.0
+            };
+            let at = move |share: f64| {
+                if share < count {
+                    from + (to - from) * share / count
+                } else {
+                    to
+                }
+            };
             std::iter::successors(Some(0.0), |share| Some(share + 1.0))
                 .take_while(move |share| *share < count)
                 .map(move |share| self.arc(at(share), at(share + 1.0)))

@@ -11,56 +11,131 @@ fn known_flights() {
     let check = |flight: Flight<f64>, height: f64, expected: Result<f64, FlightError>| {
         assert_eq!(flight.time_to_height(height), expected);
     };
-    let base = Flight { x: 0.0, y: 1.0, vx: 3.0, vy: 0.0, gravity: 8.0 };
+    let base = Flight {
+        x: 0.0,
+        y: 1.0,
+        vx: 3.0,
+        vy: 0.0,
+        gravity: 8.0,
+    };
     check(base, 0.0, Ok(0.5));
     check(base, 1.0, Ok(0.0));
-    check(base, 2.0, Err(FlightError::AboveApex { height: 2.0, apex: 1.0 }));
+    check(
+        base,
+        2.0,
+        Err(FlightError::AboveApex {
+            height: 2.0,
+            apex: 1.0,
+        }),
+    );
     check(Flight { vy: 4.0, ..base }, 1.0, Ok(1.0));
     check(Flight { vy: 4.0, ..base }, 2.0, Ok(0.5));
     check(Flight { vy: -3.0, ..base }, 0.0, Ok(0.25));
     // The parabola was that high, but before lift-off.
-    check(Flight { vy: -4.0, ..base }, 1.5, Err(FlightError::AboveApex { height: 1.5, apex: 1.0 }));
+    check(
+        Flight { vy: -4.0, ..base },
+        1.5,
+        Err(FlightError::AboveApex {
+            height: 1.5,
+            apex: 1.0,
+        }),
+    );
 }
 
 #[test]
 fn without_gravity() {
-    let rising = Flight { x: 0.0, y: 1.0, vx: 3.0, vy: 2.0, gravity: 0.0 };
+    let rising = Flight {
+        x: 0.0,
+        y: 1.0,
+        vx: 3.0,
+        vy: 2.0,
+        gravity: 0.0,
+    };
     assert_eq!(rising.apex_height(), f64::INFINITY);
-    assert_eq!(rising.time_to_height(0.0), Err(FlightError::NoGravity { height: 0.0, speed: 2.0 }));
+    assert_eq!(
+        rising.time_to_height(0.0),
+        Err(FlightError::NoGravity {
+            height: 0.0,
+            speed: 2.0
+        })
+    );
     let level = Flight { vy: 0.0, ..rising };
     assert_eq!(level.apex_height(), 1.0);
-    assert_eq!(level.time_to_height(0.0), Err(FlightError::NoGravity { height: 0.0, speed: 0.0 }));
+    assert_eq!(
+        level.time_to_height(0.0),
+        Err(FlightError::NoGravity {
+            height: 0.0,
+            speed: 0.0
+        })
+    );
     let falling = Flight { vy: -2.0, ..rising };
     assert_eq!(falling.range_to_height(0.0), Ok(1.5));
 }
 
 #[test]
 fn numbers_that_are_none_are_named() {
-    let flight = Flight { x: 0.0, y: f64::NAN, vx: 1.0, vy: 1.0, gravity: 9.8 };
-    assert!(matches!(flight.time_to_height(0.0), Err(FlightError::NotFinite { .. })));
+    let flight = Flight {
+        x: 0.0,
+        y: f64::NAN,
+        vx: 1.0,
+        vy: 1.0,
+        gravity: 9.8,
+    };
+    assert!(matches!(
+        flight.time_to_height(0.0),
+        Err(FlightError::NotFinite { .. })
+    ));
     let deep = Flight { y: 0.0, ..flight }.time_to_height(f64::NEG_INFINITY);
-    assert_eq!(deep, Err(FlightError::HeightNotFinite { height: f64::NEG_INFINITY }));
+    assert_eq!(
+        deep,
+        Err(FlightError::HeightNotFinite {
+            height: f64::NEG_INFINITY
+        })
+    );
 }
 
 #[test]
 fn the_later_root_keeps_its_digits_where_the_textbook_formula_loses_them() {
     // Falling fast, 1e-9 m above the ground: t = h/v (1 − g h/(2 v²)) to second order.
-    let flight = Flight { x: 0.0, y: 1e-9, vx: 0.0, vy: -40.0, gravity: 9.8 };
+    let flight = Flight {
+        x: 0.0,
+        y: 1e-9,
+        vx: 0.0,
+        vy: -40.0,
+        gravity: 9.8,
+    };
     let expected = 1e-9 / 40.0 * (1.0 - 9.8e-9 / 3200.0);
     let time = flight.time_to_height(0.0).unwrap();
-    assert!((time / expected - 1.0).abs() < 1e-15, "{time} instead of {expected}");
+    assert!(
+        (time / expected - 1.0).abs() < 1e-15,
+        "{time} instead of {expected}"
+    );
 }
 
 #[test]
 fn flights_side_by_side_are_the_same() {
-    let [vy, heights] =
-        [[-3.0, -1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0], [0.9, 0.5, 0.1, 1.5, 0.0, 1.0, 0.2, -1.0]];
+    let [vy, heights] = [
+        [-3.0, -1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0],
+        [0.9, 0.5, 0.1, 1.5, 0.0, 1.0, 0.2, -1.0],
+    ];
     let of = Lanes::of;
     let first = |all: [f64; 8]| Lanes::from(std::array::from_fn::<f64, LANES, _>(|i| all[i]));
-    let lanes = Flight { x: of(0.0), y: of(1.0), vx: of(2.0), vy: first(vy), gravity: of(9.8) };
+    let lanes = Flight {
+        x: of(0.0),
+        y: of(1.0),
+        vx: of(2.0),
+        vy: first(vy),
+        gravity: of(9.8),
+    };
     let (apex, time) = (lanes.apex_height(), lanes.descent_time(first(heights)));
     for i in 0..LANES {
-        let flight = Flight { x: 0.0, y: 1.0, vx: 2.0, vy: vy[i], gravity: 9.8 };
+        let flight = Flight {
+            x: 0.0,
+            y: 1.0,
+            vx: 2.0,
+            vy: vy[i],
+            gravity: 9.8,
+        };
         assert_eq!(apex.to_array()[i], flight.apex_height());
         let one = flight.descent_time(heights[i]);
         // Out of reach is not a number in both.
@@ -70,7 +145,13 @@ fn flights_side_by_side_are_the_same() {
 
 #[test]
 fn samples_include_both_ends() {
-    let flight = Flight { x: 0.0, y: 1.0, vx: 3.0, vy: 4.0, gravity: 8.0 };
+    let flight = Flight {
+        x: 0.0,
+        y: 1.0,
+        vx: 3.0,
+        vy: 4.0,
+        gravity: 8.0,
+    };
     let points: Vec<_> = flight.samples(0.0, 1.0, 3).collect();
     assert_eq!(points, [(0.0, 0.0, 1.0), (0.5, 1.5, 2.0), (1.0, 3.0, 1.0)]);
     assert_eq!(flight.samples(0.25, 1.0, 1).next().map(|p| p.0), Some(0.25));
@@ -198,15 +279,27 @@ proptest! {
 
 #[test]
 fn distance_to_a_corner_is_the_clearance_of_a_box_passed_above() {
-    let flight = Flight { x: 0.02, y: 0.3, vx: 1.4, vy: 2.6, gravity: 9.8 };
+    let flight = Flight {
+        x: 0.02,
+        y: 0.3,
+        vx: 1.4,
+        vy: 2.6,
+        gravity: 9.8,
+    };
     let landing = flight.time_to_height(0.24).unwrap();
     for x in [0.2, 0.4, 0.7] {
         // A box that begins or ends at x is nearest with one of its corners.
         let block = crate::Obstacle::block([x, 0.0], [x + 1e-9, 0.2]).unwrap();
-        let clearance = flight.clearance(&crate::Disc::wheel(0.0), &block, 0.0, landing).unwrap();
+        let clearance = flight
+            .clearance(&crate::Disc::wheel(0.0), &block, 0.0, landing)
+            .unwrap();
         let distance = flight.distance_to_point([x, 0.2], 0.0, landing);
         // The box is a nanometre wide.
-        assert!((distance - clearance.distance).abs() < 2e-9, "{x}: {distance} {}", clearance.distance);
+        assert!(
+            (distance - clearance.distance).abs() < 2e-9,
+            "{x}: {distance} {}",
+            clearance.distance
+        );
     }
 }
 
@@ -214,19 +307,34 @@ fn distance_to_a_corner_is_the_clearance_of_a_box_passed_above() {
 fn distance_to_a_point_has_exact_derivatives() {
     let at = |v: [f64; 4]| {
         let [x, y, vx, vy] = std::array::from_fn(|i| Dual::<4>::variable(v[i], i));
-        let flight = Flight { x, y, vx, vy, gravity: Dual::of(9.8) };
+        let flight = Flight {
+            x,
+            y,
+            vx,
+            vy,
+            gravity: Dual::of(9.8),
+        };
         let landing = flight.time_to_height(Dual::of(0.24)).unwrap();
         // The second point is nearest at the landing, whose time depends on everything.
-        [[0.4, 0.2], [3.0, 0.0]].map(|point| flight.distance_to_point(point, Dual::of(0.0), landing))
+        [[0.4, 0.2], [3.0, 0.0]]
+            .map(|point| flight.distance_to_point(point, Dual::of(0.0), landing))
     };
     let start = [0.02, 0.3, 1.4, 2.6];
     for i in 0..4 {
-        let shifted = |h: f64| at(std::array::from_fn(|k| start[k] + if k == i { h } else { 0.0 }));
+        let shifted = |h: f64| {
+            at(std::array::from_fn(|k| {
+                start[k] + if k == i { h } else { 0.0 }
+            }))
+        };
         let (up, down, here) = (shifted(1e-5), shifted(-1e-5), at(start));
         for k in 0..2 {
             let difference = (up[k].value - down[k].value) / 2e-5;
             // Central differences: 1e-10 of curvature, 1e-16/1e-5 of round-off.
-            assert!((here[k].slope[i] - difference).abs() < 1e-8, "{i} {k}: {:?} {difference}", here[k]);
+            assert!(
+                (here[k].slope[i] - difference).abs() < 1e-8,
+                "{i} {k}: {:?} {difference}",
+                here[k]
+            );
         }
     }
 }

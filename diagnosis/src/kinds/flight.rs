@@ -23,7 +23,8 @@ pub struct Flights {
     drag: Vec<f64>,
     /// Length (m) of the boom of each run, if it is on one and the data show its arc.
     boom: Vec<Option<f64>>,
-    /// Drops from rest: when each was let go is not known, and may be before its first row or after.
+    /// Drops from rest: when each was let go is not known, and may be before its first row or
+    /// after.
     is_drop: bool,
 }
 
@@ -37,39 +38,102 @@ impl Flights {
     pub fn new(experiment: &Experiment, gravity: f64) -> Flights {
         let indices: Vec<usize> = (0..experiment.columns.len()).collect();
         let channels = noise::channels(experiment, &indices);
-        let logs: Vec<Log> =
-            experiment.runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
-        let boom: Vec<Option<f64>> =
-            experiment.runs.iter().map(|r| r.settings.get("boom_radius_m").copied()).collect();
+        let logs: Vec<Log> = experiment
+            .runs
+            .iter()
+            .map(|run| noise::log(experiment, run, &indices))
+            .collect();
+        let boom: Vec<Option<f64>> = experiment
+            .runs
+            .iter()
+            .map(|r| r.settings.get("boom_radius_m").copied())
+            .collect();
         let on_boom = boom.iter().any(Option::is_some);
         let sizes: Vec<Option<f64>> = experiment
             .runs
             .iter()
             .map(|run| {
-                let (mass, diameter) = (run.settings.get("mass_kg")?, run.settings.get("diameter_m")?);
+                let (mass, diameter) = (
+                    run.settings.get("mass_kg")?,
+                    run.settings.get("diameter_m")?,
+                );
                 Some(0.5 * AIR * std::f64::consts::FRAC_PI_4 * diameter * diameter / mass)
             })
             .collect();
         let known: Option<Vec<f64>> = sizes.into_iter().collect();
         let mut causes = vec![match &known {
-            Some(_) => simple("air-drag", "drag_coefficient", 0.0, (0.0, 50.0), 0.05, &[0.3, 1.0]),
-            None => simple("air-drag", "drag_per_m", 0.0, (0.0, 10.0), 1e-3, &[0.01, 0.1]),
+            Some(_) => simple(
+                "air-drag",
+                "drag_coefficient",
+                0.0,
+                (0.0, 50.0),
+                0.05,
+                &[0.3, 1.0],
+            ),
+            None => simple(
+                "air-drag",
+                "drag_per_m",
+                0.0,
+                (0.0, 10.0),
+                1e-3,
+                &[0.01, 0.1],
+            ),
         }];
         if on_boom {
             // Less effective gravity and more inertia: both at once are one ratio.
-            causes.push(simple("counterweight", "gravity_share", 1.0, (0.02, 2.0), 0.01, &[0.5]));
+            causes.push(simple(
+                "counterweight",
+                "gravity_share",
+                1.0,
+                (0.02, 2.0),
+                0.01,
+                &[0.5],
+            ));
         }
-        let of_gravity = simple("gravity", "gravity_m_s2", gravity, (0.1, 40.0), 0.05, &[0.5 * gravity]);
+        let of_gravity = simple(
+            "gravity",
+            "gravity_m_s2",
+            gravity,
+            (0.1, 40.0),
+            0.05,
+            &[0.5 * gravity],
+        );
         // Gravity is known, wherever a body falls.
-        causes.push(Cause { usual: Some(0.01 * gravity), ..of_gravity });
+        causes.push(Cause {
+            usual: Some(0.01 * gravity),
+            ..of_gravity
+        });
         for channel in &channels {
-            causes.push(sensor("encoder-scale", &channel.name, "gain", 1.0, (0.2, 5.0), 0.01, &[0.9, 1.1]));
+            causes.push(sensor(
+                "encoder-scale",
+                &channel.name,
+                "gain",
+                1.0,
+                (0.2, 5.0),
+                0.01,
+                &[0.9, 1.1],
+            ));
             if channels.len() > 1 {
-                causes.push(sensor("sensor-delay", &channel.name, "delay_s", 0.0, (0.0, 0.5), 1e-3, &[0.01]));
+                causes.push(sensor(
+                    "sensor-delay",
+                    &channel.name,
+                    "delay_s",
+                    0.0,
+                    (0.0, 0.5),
+                    1e-3,
+                    &[0.01],
+                ));
             }
         }
         let listed = causes.len();
-        causes.push(simple("acceleration -c v", "c_per_s", 0.0, (-50.0, 50.0), 1e-3, &[]));
+        causes.push(simple(
+            "acceleration -c v",
+            "c_per_s",
+            0.0,
+            (-50.0, 50.0),
+            1e-3,
+            &[],
+        ));
         if channels.len() > 1 {
             causes.push(simple(
                 "acceleration across the path, c v",
@@ -79,30 +143,59 @@ impl Flights {
                 1e-3,
                 &[],
             ));
-            causes.push(simple("acceleration along x, -c v_x", "c_per_s", 0.0, (-50.0, 50.0), 1e-2, &[]));
-            causes.push(simple("constant acceleration along x", "c_m_s2", 0.0, (-50.0, 50.0), 0.02, &[]));
+            causes.push(simple(
+                "acceleration along x, -c v_x",
+                "c_per_s",
+                0.0,
+                (-50.0, 50.0),
+                1e-2,
+                &[],
+            ));
+            causes.push(simple(
+                "constant acceleration along x",
+                "c_m_s2",
+                0.0,
+                (-50.0, 50.0),
+                0.02,
+                &[],
+            ));
         }
         let is_height: Vec<bool> = channels.iter().map(|c| c.name == "y_m").collect();
-        let is_drop = !on_boom && is_height == [true] && logs.iter().all(|log| !rises(log, &channels[0]));
+        let is_drop =
+            !on_boom && is_height == [true] && logs.iter().all(|log| !rises(log, &channels[0]));
         let drag = known.unwrap_or_else(|| vec![1.0; logs.len()]);
         let flat = vec![None; logs.len()];
-        let mut flights =
-            Flights { gravity, channels, logs, causes, listed, is_height, drag, boom: flat, is_drop };
+        let mut flights = Flights {
+            gravity,
+            channels,
+            logs,
+            causes,
+            listed,
+            is_height,
+            drag,
+            boom: flat,
+            is_drop,
+        };
         if on_boom && flights.is_round(&boom) {
             flights.boom = boom;
         }
         flights
     }
 
-    /// Whether the data follow the end of these booms round its base, with the height counted from the pivot, rather than a plane: what
-    /// a log means by x and y nobody tells. If with one of them nothing is wrong, it is that; else, whatever is at work, the arc must explain most of
+    /// Whether the data follow the end of these booms round its base, with the height counted from
+    /// the pivot, rather than a plane: what a log means by x and y nobody tells. If with one of
+    /// them nothing is wrong, it is that; else, whatever is at work, the arc must explain most of
     /// what the plane leaves.
     fn is_round(&self, boom: &[Option<f64>]) -> bool {
-        let round = Flights { boom: boom.to_vec(), ..self.clone() };
+        let round = Flights {
+            boom: boom.to_vec(),
+            ..self.clone()
+        };
         let runs: Vec<usize> = (0..self.logs.len()).collect();
         let readings: usize = self.logs.iter().map(|log| log.readings.len()).sum();
         let noise = readings as f64 + 3.0 * (2.0 * readings as f64).sqrt();
-        let [plane, arc] = [self, &round].map(|flights| fit::fit_none(flights, &runs).map(|f| f.loss));
+        let [plane, arc] =
+            [self, &round].map(|flights| fit::fit_none(flights, &runs).map(|f| f.loss));
         if let (Some(plane), Some(arc)) = (plane, arc)
             && plane.min(arc) < noise
         {
@@ -122,7 +215,10 @@ impl Flights {
     }
 
     fn value(&self, id: &str, column: Option<&str>, terms: &Terms) -> Option<f64> {
-        self.causes.iter().position(|c| c.id == id && c.column.as_deref() == column).map(|i| terms.get(i, 0))
+        self.causes
+            .iter()
+            .position(|c| c.id == id && c.column.as_deref() == column)
+            .map(|i| terms.get(i, 0))
     }
 }
 
@@ -138,8 +234,10 @@ impl Kind for Flights {
     /// Where and how fast it starts; of a drop when, as the first rows may precede the release.
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
         let readings = &self.logs[run].readings;
-        let (first, last) =
-            (readings.first().map_or(0.0, |r| r.time), readings.last().map_or(0.0, |r| r.time));
+        let (first, last) = (
+            readings.first().map_or(0.0, |r| r.time),
+            readings.last().map_or(0.0, |r| r.time),
+        );
         let mut all = Vec::new();
         for (channel, &is_height) in self.is_height.iter().enumerate() {
             let here: Vec<_> = readings.iter().filter(|r| r.channel == channel).collect();
@@ -147,12 +245,20 @@ impl Kind for Flights {
             // From the first tenth of the flight.
             let later = here.get((here.len() / 10).max(1)).or(here.last());
             let speed = later.map_or(0.0, |r| (r.value - start) / (r.time - first).max(1e-6));
-            let fall =
-                if is_height { 0.5 * self.gravity * (later.map_or(0.0, |r| r.time) - first) } else { 0.0 };
+            let fall = if is_height {
+                0.5 * self.gravity * (later.map_or(0.0, |r| r.time) - first)
+            } else {
+                0.0
+            };
             all.push(unknown("start_m", start, FREE, 0.01));
             if self.is_drop {
                 let bounds = (first - 2.0, first + 0.3 * (last - first));
-                all.push(unknown("release_s", first + 0.02 * (last - first), bounds, 0.01));
+                all.push(unknown(
+                    "release_s",
+                    first + 0.02 * (last - first),
+                    bounds,
+                    0.01,
+                ));
             } else {
                 all.push(unknown("start_speed_m_s", speed + fall, FREE, 0.1));
             }
@@ -172,7 +278,8 @@ impl Kind for Flights {
         self.listed
     }
 
-    /// Free falls, without the boom and with a body of another weight, and flights that are timed against a ruler.
+    /// Free falls, without the boom and with a body of another weight, and flights that are timed
+    /// against a ruler.
     fn proposals(&self) -> Vec<Proposal> {
         let mut all = Vec::new();
         for height in [2.0, 10.0] {
@@ -181,8 +288,12 @@ impl Kind for Flights {
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             let rows = (fall / 5e-3) as usize;
             let time: Vec<f64> = (0..rows).map(|i| i as f64 * 5e-3).collect();
-            let run =
-                Run { name: "proposal".into(), values: vec![vec![height; rows]], time, ..Run::default() };
+            let run = Run {
+                name: "proposal".into(),
+                values: vec![vec![height; rows]],
+                time,
+                ..Run::default()
+            };
             let experiment = Experiment {
                 kind: Sort::Flight,
                 columns: vec!["y_m".into()],
@@ -195,9 +306,13 @@ impl Kind for Flights {
             kind.causes.retain(|c| c.id == "gravity");
             kind.listed = 1;
             let what = format!(
-                "drop a heavy, small body by {height} m, free of the boom, its height measured by a ruler"
+                "drop a heavy, small body by {height} m, free of the boom, its height measured by \
+                 a ruler"
             );
-            all.push(Proposal { what, kind: Box::new(kind) });
+            all.push(Proposal {
+                what,
+                kind: Box::new(kind),
+            });
         }
         all
     }
@@ -207,7 +322,11 @@ impl Kind for Flights {
         let share = self.value("counterweight", None, terms).unwrap_or(1.0);
         let gravity = share * self.value("gravity", None, terms).unwrap_or(self.gravity);
         let readings = &self.logs[run].readings;
-        let release = if self.is_drop { unknowns[1] } else { readings.first()?.time };
+        let release = if self.is_drop {
+            unknowns[1]
+        } else {
+            readings.first()?.time
+        };
         // x, y, and their rates; what is not measured stands still.
         let (mut place, mut speed) = ([0.0; 2], [0.0; 2]);
         for (channel, &is_height) in self.is_height.iter().enumerate() {
@@ -218,17 +337,30 @@ impl Kind for Flights {
         }
         let extra = |id: &str| self.value(id, None, terms).unwrap_or(0.0);
         let linear = extra("acceleration -c v");
-        let (lift, wind) =
-            (extra("acceleration across the path, c v"), extra("constant acceleration along x"));
+        let (lift, wind) = (
+            extra("acceleration across the path, c v"),
+            extra("constant acceleration along x"),
+        );
         let turning = extra("acceleration along x, -c v_x");
         let boom = self.boom[run].filter(|length| place[1].abs() < 0.99 * length);
-        let is_parabola =
-            drag == 0.0 && linear == 0.0 && lift == 0.0 && wind == 0.0 && turning == 0.0 && boom.is_none();
+        let is_parabola = drag == 0.0
+            && linear == 0.0
+            && lift == 0.0
+            && wind == 0.0
+            && turning == 0.0
+            && boom.is_none();
         let pull = |v: [f64; 2]| {
             let against = drag * v[0].hypot(v[1]) + linear;
-            [wind - (against + turning) * v[0] - lift * v[1], -against * v[1] + lift * v[0]]
+            [
+                wind - (against + turning) * v[0] - lift * v[1],
+                -against * v[1] + lift * v[0],
+            ]
         };
-        let motion = Motion { gravity, boom, pull };
+        let motion = Motion {
+            gravity,
+            boom,
+            pull,
+        };
         let start = motion.start(release, place, speed);
         let mut out = vec![0.0; readings.len()];
         for (channel, &is_height) in self.is_height.iter().enumerate() {
@@ -237,14 +369,26 @@ impl Kind for Flights {
             let scale = self.value("encoder-scale", name, terms).unwrap_or(1.0);
             let k = usize::from(is_height);
             let mut path = start;
-            for (i, reading) in readings.iter().enumerate().filter(|(_, r)| r.channel == channel) {
+            for (i, reading) in readings
+                .iter()
+                .enumerate()
+                .filter(|(_, r)| r.channel == channel)
+            {
                 let time = reading.time - delay;
                 // Before the first row it was on the same path, unless it was held.
-                let time = if self.is_drop { time.max(start.time) } else { time };
+                let time = if self.is_drop {
+                    time.max(start.time)
+                } else {
+                    time
+                };
                 out[i] = scale
                     * if is_parabola {
                         let t = time - start.time;
-                        let fall = if is_height { 0.5 * gravity * t * t } else { 0.0 };
+                        let fall = if is_height {
+                            0.5 * gravity * t * t
+                        } else {
+                            0.0
+                        };
                         start.place[k] + start.speed[k] * t - fall
                     } else {
                         motion.go(&mut path, time);
@@ -258,7 +402,9 @@ impl Kind for Flights {
 
 /// Whether a body rises from its first row on, by more than the noise.
 fn rises(log: &Log, channel: &Channel) -> bool {
-    let Some(first) = log.readings.first() else { return false };
+    let Some(first) = log.readings.first() else {
+        return false;
+    };
     let early = log.readings.iter().take(log.readings.len().div_ceil(4));
     early.map(|r| r.value).fold(f64::NEG_INFINITY, f64::max) > first.value + 5.0 * channel.noise
 }
@@ -283,7 +429,9 @@ struct Motion<F> {
 
 impl<F: Fn([f64; 2]) -> [f64; 2]> Motion<F> {
     fn start(&self, time: f64, place: [f64; 2], speed: [f64; 2]) -> Path {
-        let Some(length) = self.boom else { return Path { time, place, speed } };
+        let Some(length) = self.boom else {
+            return Path { time, place, speed };
+        };
         let pivot = (place[1] / length).clamp(-1.0, 1.0).asin();
         Path {
             time,
@@ -294,7 +442,9 @@ impl<F: Fn([f64; 2]) -> [f64; 2]> Motion<F> {
 
     /// Where it is seen: x along the arc of the boom's end when level.
     fn seen(&self, path: &Path) -> [f64; 2] {
-        self.boom.map_or(path.place, |length| [length * path.place[0], length * path.place[1].sin()])
+        self.boom.map_or(path.place, |length| {
+            [length * path.place[0], length * path.place[1].sin()]
+        })
     }
 
     fn accelerations(&self, place: [f64; 2], v: [f64; 2]) -> [f64; 2] {

@@ -32,8 +32,9 @@ pub enum Problem {
     },
     /// A column is about a boom.
     #[error(
-        "robot {robot} has no boom, whose {column} the data have: is it the robot that was measured? \
-         Of a robot without a boom x_m and y_m of the axle may be given, beside wheel_angle_rad and wheel_rate_rad_s"
+        "robot {robot} has no boom, whose {column} the data have: is it the robot that was \
+         measured? Of a robot without a boom x_m and y_m of the axle may be given, beside \
+         wheel_angle_rad and wheel_rate_rad_s"
     )]
     NoBoom {
         /// Its name.
@@ -52,7 +53,10 @@ pub fn build(experiment: &Experiment, robot: Option<&Robot>) -> Result<Box<dyn K
         Sort::Bench | Sort::Hop | Sort::Jump | Sort::Outcomes => {
             Box::new(Firings::new(experiment, robot.ok_or(Problem::NoRobot)?)?)
         }
-        Sort::Flight => Box::new(Flights::new(experiment, robot.map_or(9.80665, |r| r.environment.gravity))),
+        Sort::Flight => Box::new(Flights::new(
+            experiment,
+            robot.map_or(9.80665, |r| r.environment.gravity),
+        )),
         Sort::Stroke => Box::new(Strokes::new(experiment)),
         Sort::Slide => Box::new(Slides::new(experiment)),
         Sort::Vessel => Box::new(Vessels::new(experiment)),
@@ -71,7 +75,13 @@ fn simple(
     Cause {
         id,
         column: None,
-        parameters: vec![Parameter { name: name.into(), neutral, bounds, scale, starts: starts.to_vec() }],
+        parameters: vec![Parameter {
+            name: name.into(),
+            neutral,
+            bounds,
+            scale,
+            starts: starts.to_vec(),
+        }],
         usual: None,
     }
 }
@@ -87,12 +97,22 @@ fn sensor(
     starts: &[f64],
 ) -> Cause {
     let usual = (id == "encoder-scale").then_some(0.05);
-    Cause { column: Some(column.into()), usual, ..simple(id, name, neutral, bounds, scale, starts) }
+    Cause {
+        column: Some(column.into()),
+        usual,
+        ..simple(id, name, neutral, bounds, scale, starts)
+    }
 }
 
 /// An unknown of a run, free but for `bounds`.
 fn unknown(name: &str, neutral: f64, bounds: (f64, f64), scale: f64) -> Parameter {
-    Parameter { name: name.into(), neutral, bounds, scale, starts: Vec::new() }
+    Parameter {
+        name: name.into(),
+        neutral,
+        bounds,
+        scale,
+        starts: Vec::new(),
+    }
 }
 
 /// Any number.

@@ -26,7 +26,8 @@ pub struct Firings {
     /// How many of them have an id.
     listed: usize,
     terms: Vec<Term>,
-    /// Whether the radius angle, or the travel, is 0 where the axle starts, and not where the foot stands.
+    /// Whether the radius angle, or the travel, is 0 where the axle starts, and not where the foot
+    /// stands.
     from_axle: bool,
 }
 
@@ -89,11 +90,17 @@ impl Firings {
     pub fn new(experiment: &Experiment, robot: &Robot) -> Result<Firings, Problem> {
         let is_pneumatic = matches!(robot.leg.drive, Drive::Pneumatic(_));
         if experiment.kind == Sort::Bench && !is_pneumatic {
-            return Err(Problem::NotPneumatic { robot: robot.name.clone() });
+            return Err(Problem::NotPneumatic {
+                robot: robot.name.clone(),
+            });
         }
-        let of_boom = |name: &&String| matches!(Column::named(name), Some(Column::Pivot | Column::Turn));
+        let of_boom =
+            |name: &&String| matches!(Column::named(name), Some(Column::Pivot | Column::Turn));
         if let (None, Some(column)) = (robot.boom, experiment.columns.iter().find(of_boom)) {
-            return Err(Problem::NoBoom { robot: robot.name.clone(), column: column.clone() });
+            return Err(Problem::NoBoom {
+                robot: robot.name.clone(),
+                column: column.clone(),
+            });
         }
         let asked = |name: &str| experiment.columns.iter().position(|c| c == name);
         let measured: Vec<(usize, Column)> = experiment
@@ -110,8 +117,14 @@ impl Firings {
             Sort::Outcomes => experiment.runs.iter().flat_map(parts).collect(),
             _ => experiment.runs.clone(),
         };
-        let runs: Vec<Run> = runs.into_iter().map(|run| from_start(run, experiment.kind)).collect();
-        let logs: Vec<Log> = runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
+        let runs: Vec<Run> = runs
+            .into_iter()
+            .map(|run| from_start(run, experiment.kind))
+            .collect();
+        let logs: Vec<Log> = runs
+            .iter()
+            .map(|run| noise::log(experiment, run, &indices))
+            .collect();
         let runs = runs.iter().map(|run| setting(run, &requests)).collect();
         let (causes, terms, listed) = terms::causes(experiment.kind, robot, &columns, &channels);
         let mut firings = Firings {
@@ -130,24 +143,35 @@ impl Firings {
         Ok(firings)
     }
 
-    /// Whether the radius angle, or else the travel, starts nearer to 0 than where the axle is with the foot at 0.
+    /// Whether the radius angle, or else the travel, starts nearer to 0 than where the axle is with
+    /// the foot at 0.
     fn starts_at_axle(&self) -> bool {
         let of = |column: Column| self.columns.iter().position(|c| *c == column);
         let turn = of(Column::Turn).map(|turn| (turn, self.arm()));
-        let (Some((turn, arm)), Some(lean)) =
-            (turn.or(of(Column::Travel).map(|travel| (travel, 1.0))), of(Column::Lean))
-        else {
+        let (Some((turn, arm)), Some(lean)) = (
+            turn.or(of(Column::Travel).map(|travel| (travel, 1.0))),
+            of(Column::Lean),
+        ) else {
             return false;
         };
         let first = |log: &Log, channel: usize| {
-            let mut values: Vec<f64> =
-                log.readings.iter().filter(|r| r.channel == channel).take(5).map(|r| r.value).collect();
+            let mut values: Vec<f64> = log
+                .readings
+                .iter()
+                .filter(|r| r.channel == channel)
+                .take(5)
+                .map(|r| r.value)
+                .collect();
             noise::median(&mut values)
         };
         let votes = self.logs.iter().map(|log| {
             let (turn, lean) = (first(log, turn), first(log, lean));
             let foot_at_0 = self.robot.body.radius * lean.sin() / arm;
-            if turn.abs() < (turn - foot_at_0).abs() { 1 } else { -1 }
+            if turn.abs() < (turn - foot_at_0).abs() {
+                1
+            } else {
+                -1
+            }
         });
         votes.sum::<i32>() > 0
     }
@@ -172,7 +196,11 @@ impl Firings {
     fn switch_on(&self, robot: &mut Robot, load: &mut f64, terms: &Terms) {
         for (k, (term, cause)) in self.terms.iter().zip(&self.causes).enumerate() {
             let values = terms.of(k);
-            if values.iter().zip(&cause.parameters).all(|(v, p)| *v == p.neutral) {
+            if values
+                .iter()
+                .zip(&cause.parameters)
+                .all(|(v, p)| *v == p.neutral)
+            {
                 continue;
             }
             match term {
@@ -201,15 +229,26 @@ impl Firings {
         let end = self.logs[run].readings.last()?.time;
         let extra = self.extra(terms);
         match self.sort {
-            Sort::Bench => {
-                Rig::bench(&robot, load).with(extra).jump(Start::Rest, setting.open, setting.shut, Some(end))
-            }
-            Sort::Hop => {
-                Rig::new(&robot).with(extra).jump(Start::Rest, setting.open, setting.shut, Some(end))
-            }
+            Sort::Bench => Rig::bench(&robot, load).with(extra).jump(
+                Start::Rest,
+                setting.open,
+                setting.shut,
+                Some(end),
+            ),
+            Sort::Hop => Rig::new(&robot).with(extra).jump(
+                Start::Rest,
+                setting.open,
+                setting.shut,
+                Some(end),
+            ),
             _ => {
-                let start = Start::Rolling { lean: unknowns[0], rate: unknowns[1] };
-                Rig::new(&robot).with(extra).jump(start, setting.open, setting.shut, Some(end))
+                let start = Start::Rolling {
+                    lean: unknowns[0],
+                    rate: unknowns[1],
+                };
+                Rig::new(&robot)
+                    .with(extra)
+                    .jump(start, setting.open, setting.shut, Some(end))
             }
         }
     }
@@ -260,11 +299,16 @@ impl Firings {
                     let [rate, lean, open] =
                         setting.asked[setting.rows.partition_point(|row| *row < reading.time)];
                     // One that does not jump lands where it stands.
-                    rig.outcome(lean, rate, open).unwrap_or((robot.body.radius, 0.0))
+                    rig.outcome(lean, rate, open)
+                        .unwrap_or((robot.body.radius, 0.0))
                 }
             };
             last = Some((reading.time, outcome));
-            let value = if self.columns[reading.channel] == Column::Apex { outcome.0 } else { outcome.1 };
+            let value = if self.columns[reading.channel] == Column::Apex {
+                outcome.0
+            } else {
+                outcome.1
+            };
             let [gain, offset, ..] = sensors[reading.channel];
             out.push(gain * value + offset);
         }
@@ -272,10 +316,12 @@ impl Firings {
     }
 }
 
-/// Every tenth jump of a run of outcomes, from each of the first ten on: parts that can be left out.
+/// Every tenth jump of a run of outcomes, from each of the first ten on: parts that can be left
+/// out.
 fn parts(run: &Run) -> Vec<Run> {
     let count = run.time.len().min(10);
-    let every = |values: &[f64], first: usize| values.iter().copied().skip(first).step_by(count).collect();
+    let every =
+        |values: &[f64], first: usize| values.iter().copied().skip(first).step_by(count).collect();
     (0..count)
         .map(|first| {
             let values: Vec<Vec<f64>> = run.values.iter().map(|v| every(v, first)).collect();
@@ -292,12 +338,15 @@ fn parts(run: &Run) -> Vec<Run> {
 
 /// The run with times (s) that count from where its motion starts.
 ///
-/// On the bench that is the command, before which the rod rests under its load. A hop stands still from its first row on, of which the last moments
-/// before the command tell: a robot that is put down sways on its boom. A jump starts at its first row, or at the command where that is
-/// earlier: a leg that fills before the first row does so from a start that can be estimated.
+/// On the bench that is the command, before which the rod rests under its load. A hop stands still
+/// from its first row on, of which the last moments before the command tell: a robot that is put
+/// down sways on its boom. A jump starts at its first row, or at the command where that is earlier:
+/// a leg that fills before the first row does so from a start that can be estimated.
 fn from_start(mut run: Run, kind: Sort) -> Run {
     let first = run.time.first().copied().unwrap_or(0.0);
-    let Some((open, shut)) = run.valve else { return run };
+    let Some((open, shut)) = run.valve else {
+        return run;
+    };
     let start = match kind {
         Sort::Bench => open,
         Sort::Hop => first.clamp(open - STANDS, open),
@@ -312,9 +361,9 @@ fn setting(run: &Run, asked: &[Option<usize>; 3]) -> Setting {
     let of = |key: &str| run.settings.get(key).copied();
     let (open, shut) = run.valve.unwrap_or((0.0, None));
     let rows = match asked {
-        [Some(a), Some(b), Some(c)] => {
-            (0..run.time.len()).map(|row| [a, b, c].map(|k| run.values[*k][row])).collect()
-        }
+        [Some(a), Some(b), Some(c)] => (0..run.time.len())
+            .map(|row| [a, b, c].map(|k| run.values[*k][row]))
+            .collect(),
         _ => Vec::new(),
     };
     Setting {
@@ -336,8 +385,8 @@ impl Kind for Firings {
         &self.logs
     }
 
-    /// Lean and rate of a jump at its start, and on which side the gyro of a tilted boom feels its turn: by the geometry −1, by the
-    /// description of the data 1.
+    /// Lean and rate of a jump at its start, and on which side the gyro of a tilted boom feels its
+    /// turn: by the geometry −1, by the description of the data 1.
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
         if self.sort != Sort::Jump {
             return Vec::new();
@@ -345,19 +394,30 @@ impl Kind for Firings {
         let readings = &self.logs[run].readings;
         let first = |column: Column| -> Option<(f64, f64)> {
             let channel = self.columns.iter().position(|c| *c == column)?;
-            let here: Vec<_> = readings.iter().filter(|r| r.channel == channel).take(30).collect();
+            let here: Vec<_> = readings
+                .iter()
+                .filter(|r| r.channel == channel)
+                .take(30)
+                .collect();
             let mut values: Vec<f64> = here.iter().take(5).map(|r| r.value).collect();
             let (a, b) = (here.first()?, here.last()?);
             let slope = (b.value - a.value) / (b.time - a.time).max(1e-3);
             Some((noise::median(&mut values), slope))
         };
-        let rate =
-            first(Column::Rate).map(|f| f.0).or_else(|| first(Column::Lean).map(|f| f.1)).unwrap_or(4.0);
+        let rate = first(Column::Rate)
+            .map(|f| f.0)
+            .or_else(|| first(Column::Lean).map(|f| f.1))
+            .unwrap_or(4.0);
         let late = readings.first().map_or(0.0, |r| r.time);
         let lean = first(Column::Lean).map_or(-0.2, |f| f.0 - rate * late);
         let mut all = vec![
             unknown("start_lean_rad", lean.clamp(-1.4, 1.4), (-1.5, 1.5), 1e-3),
-            unknown("start_rate_rad_s", rate.clamp(0.1, 50.0), (0.01, 60.0), 0.02),
+            unknown(
+                "start_rate_rad_s",
+                rate.clamp(0.1, 50.0),
+                (0.01, 60.0),
+                0.02,
+            ),
         ];
         if self.columns.contains(&Column::Rate) && self.robot.boom.is_some() {
             all.push(unknown("gyro_tilt", 1.0, (-1.0, 1.0), 0.2));
@@ -380,7 +440,11 @@ impl Kind for Firings {
 
     /// All ground gives a little, that of simulators too.
     fn least_effect(&self, cause: usize) -> f64 {
-        if self.causes[cause].id == "ground-compliance" { 0.8 } else { 0.2 }
+        if self.causes[cause].id == "ground-compliance" {
+            0.8
+        } else {
+            0.2
+        }
     }
 
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
@@ -390,7 +454,11 @@ impl Kind for Firings {
         let course = self.course(run, terms, unknowns)?;
         let sensors = self.sensors(terms);
         let gyro = unknowns.get(GYRO).copied().unwrap_or(1.0);
-        let from = if self.from_axle { course.at(0.0, &mut 0).turn.0 } else { 0.0 };
+        let from = if self.from_axle {
+            course.at(0.0, &mut 0).turn.0
+        } else {
+            0.0
+        };
         let mut places = vec![0; self.channels.len()];
         let readings = &self.logs[run].readings;
         let first = readings.first()?.time;
@@ -417,8 +485,13 @@ impl Kind for Firings {
         if self.sort == Sort::Outcomes {
             return Vec::new();
         }
-        let Some(course) = self.course(run, terms, unknowns) else { return Vec::new() };
-        let mut all = vec![("pivot", f64::NEG_INFINITY), ("filling", self.runs[run].open)];
+        let Some(course) = self.course(run, terms, unknowns) else {
+            return Vec::new();
+        };
+        let mut all = vec![
+            ("pivot", f64::NEG_INFINITY),
+            ("filling", self.runs[run].open),
+        ];
         all.extend(course.breaks_away.map(|t| ("extension", t)));
         all.extend(course.leaves.map(|t| ("flight", t)));
         all
@@ -430,9 +503,18 @@ impl Kind for Firings {
 
     fn stronger(&self) -> String {
         match self.sort {
-            Sort::Bench => "firings at a higher supply pressure or under a lighter load, so that the leg extends",
-            Sort::Hop => "hops at a higher supply pressure or with the valve open longer, so that the robot leaves the ground",
-            _ => "jumps over a wider range of approach rates and firing angles, at several supply pressures",
+            Sort::Bench => {
+                "firings at a higher supply pressure or under a lighter load, so that \
+                the leg extends"
+            }
+            Sort::Hop => {
+                "hops at a higher supply pressure or with the valve open longer, so that \
+                the robot leaves the ground"
+            }
+            _ => {
+                "jumps over a wider range of approach rates and firing angles, at several supply \
+                pressures"
+            }
         }
         .into()
     }

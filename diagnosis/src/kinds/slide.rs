@@ -34,18 +34,46 @@ const STEP: f64 = 1e-3;
 impl Slides {
     /// The experiment's slides.
     pub fn new(experiment: &Experiment) -> Slides {
-        let column = |name: &str| experiment.columns.iter().position(|c| c == name).unwrap_or(0);
+        let column = |name: &str| {
+            experiment
+                .columns
+                .iter()
+                .position(|c| c == name)
+                .unwrap_or(0)
+        };
         let (force, position) = (column("force_n"), column("position_m"));
         let mut channels = noise::channels(experiment, &[position]);
         let of_force = noise::channels(experiment, &[force]).swap_remove(0);
         channels[0].is_given &= of_force.is_given;
         let force_noise = of_force.noise;
-        let logs = experiment.runs.iter().map(|run| noise::log(experiment, run, &[position])).collect();
-        let drives: Vec<Drive> = experiment.runs.iter().map(|run| drive(run, force)).collect();
+        let logs = experiment
+            .runs
+            .iter()
+            .map(|run| noise::log(experiment, run, &[position]))
+            .collect();
+        let drives: Vec<Drive> = experiment
+            .runs
+            .iter()
+            .map(|run| drive(run, force))
+            .collect();
         let mass_is_known = drives.iter().all(|d| d.mass.is_some());
         let mut causes = vec![
-            simple("coulomb-friction", "coulomb_friction_n", 0.0, (0.0, 1e5), 0.5, &[1.0, 5.0]),
-            simple("viscous-friction", "viscous_friction_n_s_per_m", 0.0, (0.0, 1e6), 0.5, &[1.0, 10.0]),
+            simple(
+                "coulomb-friction",
+                "coulomb_friction_n",
+                0.0,
+                (0.0, 1e5),
+                0.5,
+                &[1.0, 5.0],
+            ),
+            simple(
+                "viscous-friction",
+                "viscous_friction_n_s_per_m",
+                0.0,
+                (0.0, 1e6),
+                0.5,
+                &[1.0, 10.0],
+            ),
             simple("air-drag", "drag_n_s2_per_m2", 0.0, (0.0, 1e5), 0.1, &[1.0]),
             Cause {
                 id: "return-spring",
@@ -57,20 +85,69 @@ impl Slides {
                 usual: None,
             },
             sensor("sensor-offset", "force_n", "offset_n", 0.0, FREE, 0.1, &[]),
-            sensor("sensor-delay", "position_m", "delay_s", 0.0, (0.0, 0.5), 1e-3, &[0.01]),
-            sensor("sensor-delay", "force_n", "delay_s", 0.0, (0.0, 0.5), 1e-3, &[0.01]),
-            sensor("encoder-scale", "position_m", "gain", 1.0, (0.2, 5.0), 0.01, &[]),
+            sensor(
+                "sensor-delay",
+                "position_m",
+                "delay_s",
+                0.0,
+                (0.0, 0.5),
+                1e-3,
+                &[0.01],
+            ),
+            sensor(
+                "sensor-delay",
+                "force_n",
+                "delay_s",
+                0.0,
+                (0.0, 0.5),
+                1e-3,
+                &[0.01],
+            ),
+            sensor(
+                "encoder-scale",
+                "position_m",
+                "gain",
+                1.0,
+                (0.2, 5.0),
+                0.01,
+                &[],
+            ),
         ];
         if mass_is_known {
-            causes.push(sensor("encoder-scale", "force_n", "gain", 1.0, (0.2, 5.0), 0.01, &[]));
-            causes.push(simple("mass", "mass_share", 1.0, (0.05, 20.0), 0.02, &[0.8, 1.25]));
+            causes.push(sensor(
+                "encoder-scale",
+                "force_n",
+                "gain",
+                1.0,
+                (0.2, 5.0),
+                0.01,
+                &[],
+            ));
+            causes.push(simple(
+                "mass",
+                "mass_share",
+                1.0,
+                (0.05, 20.0),
+                0.02,
+                &[0.8, 1.25],
+            ));
         }
-        Slides { channels, logs, drives, causes, mass_is_known, force_noise }
+        Slides {
+            channels,
+            logs,
+            drives,
+            causes,
+            mass_is_known,
+            force_noise,
+        }
     }
 
     /// A parameter of the cause `id`; none where this experiment has no such cause.
     fn term(&self, id: &str, parameter: usize, terms: &Terms) -> Option<f64> {
-        self.causes.iter().position(|c| c.id == id).map(|i| terms.get(i, parameter))
+        self.causes
+            .iter()
+            .position(|c| c.id == id)
+            .map(|i| terms.get(i, parameter))
     }
 }
 
@@ -78,7 +155,11 @@ impl Slides {
 fn drive(run: &Run, force: usize) -> Drive {
     let rows = (0..run.time.len()).filter(|&i| run.values[force][i].is_finite());
     let (time, force) = rows.map(|i| (run.time[i], run.values[force][i])).unzip();
-    Drive { mass: run.settings.get("mass_kg").copied(), time, force }
+    Drive {
+        mass: run.settings.get("mass_kg").copied(),
+        time,
+        force,
+    }
 }
 
 impl Drive {
@@ -93,7 +174,8 @@ impl Drive {
         let s = ((t - self.time[a]) / width).clamp(0.0, 1.0);
         let slope = |i: usize| {
             let (before, after) = (i.saturating_sub(1), (i + 1).min(last));
-            width * (self.force[after] - self.force[before]) / (self.time[after] - self.time[before])
+            width * (self.force[after] - self.force[before])
+                / (self.time[after] - self.time[before])
         };
         let (p, q) = (self.force[a], self.force[b]);
         let (u, v, rise) = (slope(a), slope(b), q - p);
@@ -114,8 +196,10 @@ impl Kind for Slides {
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
         let readings = &self.logs[run].readings;
         let start = readings.first().map_or(0.0, |r| r.value);
-        let mut all =
-            vec![unknown("start_m", start, FREE, 1e-3), unknown("start_speed_m_s", 0.0, FREE, 0.01)];
+        let mut all = vec![
+            unknown("start_m", start, FREE, 1e-3),
+            unknown("start_speed_m_s", 0.0, FREE, 0.01),
+        ];
         if !self.mass_is_known {
             all.push(unknown("mass_kg", 1.0, (1e-4, 1e5), 0.1));
         }
@@ -127,9 +211,15 @@ impl Kind for Slides {
     }
 
     fn stronger(&self) -> String {
-        let most =
-            self.drives.iter().flat_map(|drive| &drive.force).fold(0.0_f64, |most, f| most.max(f.abs()));
-        format!("runs with a larger force, so that the mass moves more (the largest of these is {most:.3} N)")
+        let most = self
+            .drives
+            .iter()
+            .flat_map(|drive| &drive.force)
+            .fold(0.0_f64, |most, f| most.max(f.abs()));
+        format!(
+            "runs with a larger force, so that the mass moves more (the largest of these is \
+             {most:.3} N)"
+        )
     }
 
     /// The noise of the force, twice integrated.
@@ -159,15 +249,25 @@ impl Kind for Slides {
         let dry = self.term("coulomb-friction", 0, terms)?;
         let viscous = self.term("viscous-friction", 0, terms)?;
         let drag = self.term("air-drag", 0, terms)?;
-        let [stiffness, preload] =
-            [self.term("return-spring", 0, terms)?, self.term("return-spring", 1, terms)?];
+        let [stiffness, preload] = [
+            self.term("return-spring", 0, terms)?,
+            self.term("return-spring", 1, terms)?,
+        ];
         let offset = self.term("sensor-offset", 0, terms)?;
         let of = |id: &str, column: &str, none: f64| {
             let is_it = |c: &&Cause| c.id == id && c.column.as_deref() == Some(column);
-            self.causes.iter().position(|c| is_it(&c)).map_or(none, |i| terms.get(i, 0))
+            self.causes
+                .iter()
+                .position(|c| is_it(&c))
+                .map_or(none, |i| terms.get(i, 0))
         };
-        let [(delay, scale), (force_delay, force_scale)] = ["position_m", "force_n"]
-            .map(|column| (of("sensor-delay", column, 0.0), of("encoder-scale", column, 1.0)));
+        let [(delay, scale), (force_delay, force_scale)] =
+            ["position_m", "force_n"].map(|column| {
+                (
+                    of("sensor-delay", column, 0.0),
+                    of("encoder-scale", column, 1.0),
+                )
+            });
         let (start, mut x, mut v) = (unknowns[0], unknowns[0], unknowns[1]);
         let mut now = *drive.time.first()?;
         let mut at = 0;
@@ -187,10 +287,15 @@ impl Kind for Slides {
                 // The middle of the step; dry friction takes what is left of the speed and no more.
                 let middle = x + 0.5 * h * v;
                 let push = force(at, seen) - stiffness * (middle - start) - preload;
-                // What brakes in proportion to the speed does so without end, and never turns it round.
+                // What brakes in proportion to the speed does so without end, and never turns it
+                // round.
                 let brake = h * (viscous + drag * v.abs()) / mass;
                 let left = (-brake).exp();
-                let mean = if brake > 1e-6 { (1.0 - left) / brake } else { 1.0 };
+                let mean = if brake > 1e-6 {
+                    (1.0 - left) / brake
+                } else {
+                    1.0
+                };
                 let free = left * v + mean * h * push / mass;
                 let next = free.signum() * (free.abs() - h * dry / mass).max(0.0);
                 x += 0.5 * h * (v + next);

@@ -12,7 +12,8 @@ struct Drive {
     bore: f64,
     /// Gauge pressure (Pa) at each reading.
     pressure: Vec<f64>,
-    /// Position (m, increasing as it retracts against the pressure) without its noise, and speed (m/s), at each reading.
+    /// Position (m, increasing as it retracts against the pressure) without its noise, and speed
+    /// (m/s), at each reading.
     motion: Vec<(f64, f64)>,
 }
 
@@ -37,20 +38,40 @@ const SCALE: usize = 5;
 impl Strokes {
     /// The experiment's strokes.
     pub fn new(experiment: &Experiment) -> Strokes {
-        let column = |name: &str| experiment.columns.iter().position(|c| c == name).unwrap_or(0);
-        let (position, pressure, force) =
-            (column("position_m"), column("pressure_gauge_pa"), column("force_n"));
+        let column = |name: &str| {
+            experiment
+                .columns
+                .iter()
+                .position(|c| c == name)
+                .unwrap_or(0)
+        };
+        let (position, pressure, force) = (
+            column("position_m"),
+            column("pressure_gauge_pa"),
+            column("force_n"),
+        );
         let [mut channel, of_pressure] =
             [force, pressure].map(|column| noise::channels(experiment, &[column]).swap_remove(0));
         // What is compared with p A has the noise of p in it.
-        let bores = experiment.runs.iter().filter_map(|run| run.settings.get("bore_m"));
-        let area = std::f64::consts::FRAC_PI_4 * bores.fold(0.0, |most: f64, bore| most.max(bore * bore));
+        let bores = experiment
+            .runs
+            .iter()
+            .filter_map(|run| run.settings.get("bore_m"));
+        let area =
+            std::f64::consts::FRAC_PI_4 * bores.fold(0.0, |most: f64, bore| most.max(bore * bore));
         channel.noise = channel.noise.hypot(area * of_pressure.noise);
         channel.is_given &= of_pressure.is_given;
         let channels = vec![channel];
-        let logs = experiment.runs.iter().map(|run| noise::log(experiment, run, &[force])).collect();
-        let drives: Vec<Drive> =
-            experiment.runs.iter().map(|run| drive(run, position, pressure, force)).collect();
+        let logs = experiment
+            .runs
+            .iter()
+            .map(|run| noise::log(experiment, run, &[force]))
+            .collect();
+        let drives: Vec<Drive> = experiment
+            .runs
+            .iter()
+            .map(|run| drive(run, position, pressure, force))
+            .collect();
         let places = drives.iter().flat_map(|drive| &drive.motion).map(|m| m.0);
         let retracted = places.fold(f64::NEG_INFINITY, f64::max);
         let spring = Cause {
@@ -63,23 +84,64 @@ impl Strokes {
             usual: None,
         };
         let causes = vec![
-            simple("coulomb-friction", "coulomb_friction_n", 0.0, (0.0, 1e4), 0.5, &[1.0]),
-            simple("seal-friction", "seal_friction_n_per_pa", 0.0, (0.0, 1.0), 1e-6, &[1e-5]),
-            simple("viscous-friction", "viscous_friction_n_s_per_m", 0.0, (0.0, 1e6), 1.0, &[10.0]),
+            simple(
+                "coulomb-friction",
+                "coulomb_friction_n",
+                0.0,
+                (0.0, 1e4),
+                0.5,
+                &[1.0],
+            ),
+            simple(
+                "seal-friction",
+                "seal_friction_n_per_pa",
+                0.0,
+                (0.0, 1.0),
+                1e-6,
+                &[1e-5],
+            ),
+            simple(
+                "viscous-friction",
+                "viscous_friction_n_s_per_m",
+                0.0,
+                (0.0, 1e6),
+                1.0,
+                &[10.0],
+            ),
             spring,
             sensor("sensor-offset", "force_n", "offset_n", 0.0, FREE, 0.5, &[]),
-            sensor("encoder-scale", "force_n", "gain", 1.0, (0.2, 5.0), 0.01, &[]),
+            sensor(
+                "encoder-scale",
+                "force_n",
+                "gain",
+                1.0,
+                (0.2, 5.0),
+                0.01,
+                &[],
+            ),
         ];
-        Strokes { channels, logs, drives, causes, retracted }
+        Strokes {
+            channels,
+            logs,
+            drives,
+            causes,
+            retracted,
+        }
     }
 }
 
 /// What drives the rows of a run that have a force; empty cells of the others are bridged.
 fn drive(run: &Run, position: usize, pressure: usize, force: usize) -> Drive {
-    let rows: Vec<usize> = (0..run.time.len()).filter(|&i| run.values[force][i].is_finite()).collect();
+    let rows: Vec<usize> = (0..run.time.len())
+        .filter(|&i| run.values[force][i].is_finite())
+        .collect();
     let times: Vec<f64> = rows.iter().map(|&i| run.time[i]).collect();
     let along = |column: usize| -> Vec<f64> {
-        let mut last = run.values[column].iter().copied().find(|v| v.is_finite()).unwrap_or(0.0);
+        let mut last = run.values[column]
+            .iter()
+            .copied()
+            .find(|v| v.is_finite())
+            .unwrap_or(0.0);
         rows.iter()
             .map(|&i| {
                 let value = run.values[column][i];
@@ -89,7 +151,11 @@ fn drive(run: &Run, position: usize, pressure: usize, force: usize) -> Drive {
             .collect()
     };
     let bore = run.settings.get("bore_m").copied().unwrap_or(0.01);
-    Drive { bore, pressure: along(pressure), motion: motion(&times, &along(position)) }
+    Drive {
+        bore,
+        pressure: along(pressure),
+        motion: motion(&times, &along(position)),
+    }
 }
 
 /// Position and speed from least-squares lines over nine readings.
@@ -125,7 +191,10 @@ impl Kind for Strokes {
 
     /// How the seal stands at the start, and over what way it turns over.
     fn unknowns(&self, _: usize) -> Vec<Parameter> {
-        vec![unknown("seal_state", 0.0, (-1.0, 1.0), 0.5), unknown("presliding_m", 2e-4, (1e-6, 5e-3), 1e-4)]
+        vec![
+            unknown("seal_state", 0.0, (-1.0, 1.0), 0.5),
+            unknown("presliding_m", 2e-4, (1e-6, 5e-3), 1e-4),
+        ]
     }
 
     fn causes(&self) -> &[Cause] {
@@ -136,8 +205,8 @@ impl Kind for Strokes {
         "strokes over a longer way, at several speeds and pressures".into()
     }
 
-    /// Force on the load cell: p A, friction against the motion (after Dahl: it turns over within the presliding way), less a
-    /// spring that grows as the rod extends.
+    /// Force on the load cell: p A, friction against the motion (after Dahl: it turns over within
+    /// the presliding way), less a spring that grows as the rod extends.
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         let drive = &self.drives[run];
         let area = std::f64::consts::FRAC_PI_4 * drive.bore * drive.bore;

@@ -44,8 +44,9 @@ const RELEASE: &str = "release_s";
 const THERMOMETER: f64 = 1.0;
 /// Steps of a run.
 const STEPS: f64 = 500.0;
-/// Part of the pressure from the balance within which steps are cut, and part of the gas that flows within such a part of a step at most: the
-/// pressure is then true within a few millionths of itself.
+/// Part of the pressure from the balance within which steps are cut, and part of the gas that flows
+/// within such a part of a step at most: the pressure is then true within a few millionths of
+/// itself.
 const NEAR: f64 = 0.05;
 const SHARE: f64 = 3e-3;
 const HEAT: usize = 0;
@@ -53,8 +54,16 @@ const GAS: usize = 1;
 const OUTSIDE: usize = 2;
 /// Terms of the flow that have no id of a cause: name, parameter, a change that matters.
 const DRIFTS: [(&str, &str, f64); 2] = [
-    ("flow through the orifice, times 1 + c times the share of pressure that is lost", "c", 0.01),
-    ("flow through the orifice, times 1 + c times the share of time that is gone", "c", 0.01),
+    (
+        "flow through the orifice, times 1 + c times the share of pressure that is lost",
+        "c",
+        0.01,
+    ),
+    (
+        "flow through the orifice, times 1 + c times the share of time that is gone",
+        "c",
+        0.01,
+    ),
 ];
 /// Air and carbon dioxide: κ and R (J/(kg K)).
 const AIR: (f64, f64) = (1.4, 287.05);
@@ -65,23 +74,58 @@ impl Vessels {
     pub fn new(experiment: &Experiment) -> Vessels {
         let indices: Vec<usize> = (0..experiment.columns.len()).collect();
         let channels = noise::channels(experiment, &indices);
-        let logs: Vec<Log> =
-            experiment.runs.iter().map(|run| noise::log(experiment, run, &indices)).collect();
+        let logs: Vec<Log> = experiment
+            .runs
+            .iter()
+            .map(|run| noise::log(experiment, run, &indices))
+            .collect();
         let tanks = experiment.runs.iter().map(vessel).collect();
         let mut causes = vec![
             // Natural convection, Nu = c Ra^⅓; turbulent, c is 0.1 to 0.15.
             simple("heat-transfer", "convection", 0.0, (0.0, 5.0), 0.02, &[0.1]),
-            simple("gas-type", "carbon_dioxide_share", 0.0, (0.8, 1.0), 0.05, &[0.999]),
-            simple("supply-pressure", "outside_pressure_pa", 0.0, (-1e6, 1e6), 1e3, &[]),
+            simple(
+                "gas-type",
+                "carbon_dioxide_share",
+                0.0,
+                (0.8, 1.0),
+                0.05,
+                &[0.999],
+            ),
+            simple(
+                "supply-pressure",
+                "outside_pressure_pa",
+                0.0,
+                (-1e6, 1e6),
+                1e3,
+                &[],
+            ),
         ];
         for (column, unit, scale) in [("pressure_pa", "pa", 1e3), ("temperature_k", "k", 0.2)] {
             if experiment.columns.iter().any(|c| c == column) {
                 let offset = format!("offset_{unit}");
                 let usual = Some(5.0 * scale);
-                causes
-                    .push(Cause { usual, ..sensor("sensor-offset", column, &offset, 0.0, FREE, scale, &[]) });
-                causes.push(sensor("encoder-scale", column, "gain", 1.0, (0.2, 5.0), 0.01, &[]));
-                causes.push(sensor("sensor-delay", column, "delay_s", 0.0, (0.0, 10.0), 0.1, &[]));
+                causes.push(Cause {
+                    usual,
+                    ..sensor("sensor-offset", column, &offset, 0.0, FREE, scale, &[])
+                });
+                causes.push(sensor(
+                    "encoder-scale",
+                    column,
+                    "gain",
+                    1.0,
+                    (0.2, 5.0),
+                    0.01,
+                    &[],
+                ));
+                causes.push(sensor(
+                    "sensor-delay",
+                    column,
+                    "delay_s",
+                    0.0,
+                    (0.0, 10.0),
+                    0.1,
+                    &[],
+                ));
             }
         }
         let listed = causes.len();
@@ -90,9 +134,25 @@ impl Vessels {
         }
         let length = |log: &Log| Some(log.readings.last()?.time - log.readings.first()?.time);
         let last = logs.iter().filter_map(length).fold(0.0, f64::max);
-        let (bounds, starts) = ((0.01 * last, last), [0.02, 0.06, 0.2].map(|part| part * last));
-        causes.push(simple("orifice that opens over a time", "opening_s", 0.0, bounds, 0.02 * last, &starts));
-        Vessels { channels, logs, tanks, causes, listed }
+        let (bounds, starts) = (
+            (0.01 * last, last),
+            [0.02, 0.06, 0.2].map(|part| part * last),
+        );
+        causes.push(simple(
+            "orifice that opens over a time",
+            "opening_s",
+            0.0,
+            bounds,
+            0.02 * last,
+            &starts,
+        ));
+        Vessels {
+            channels,
+            logs,
+            tanks,
+            causes,
+            listed,
+        }
     }
 
     /// Times (s) of the first and the last reading of a run.
@@ -104,13 +164,19 @@ impl Vessels {
 
     /// When (s) it was opened: the earliest, the likeliest and the latest time.
     ///
-    /// The latest is that of the first reading that has left the initial state. The likeliest is where a line through it and a reading more than
-    /// twice as far away meets that state. The earliest is twice as long before as that line would meet it with both readings off by as much as
-    /// no noise is: a bound that shuts out the truth in one of many runs would be a false alarm.
+    /// The latest is that of the first reading that has left the initial state. The likeliest is
+    /// where a line through it and a reading more than twice as far away meets that state. The
+    /// earliest is twice as long before as that line would meet it with both readings off by as
+    /// much as no noise is: a bound that shuts out the truth in one of many runs would be a false
+    /// alarm.
     fn opened(&self, run: usize) -> [f64; 3] {
         let (first, last) = self.span(run);
         let (channel, tank) = (&self.channels[0], &self.tanks[run]);
-        let initial = if channel.name == "pressure_pa" { tank.pressure } else { tank.temperature };
+        let initial = if channel.name == "pressure_pa" {
+            tank.pressure
+        } else {
+            tank.temperature
+        };
         let away = |r: &Reading| (r.value - initial).abs();
         let doubt = LEFT * channel.noise;
         let mut column = self.logs[run].readings.iter().filter(|r| r.channel == 0);
@@ -125,7 +191,11 @@ impl Vessels {
         let (near, apart) = (away(left), away(farther) - away(left));
         let between = farther.time - left.time;
         let most = between * (near + doubt) / (apart - 2.0 * doubt);
-        [left.time - 2.0 * most, left.time - between * near / apart, left.time]
+        [
+            left.time - 2.0 * most,
+            left.time - between * near / apart,
+            left.time,
+        ]
     }
 }
 
@@ -142,8 +212,9 @@ fn vessel(run: &Run) -> Vessel {
     }
 }
 
-/// Dimensionless flow through an orifice from `up` to `down` (Pa); in proportion to the difference where that is less than the part `least`
-/// of `up`, so that steps of an integration do not jump to and fro across the balance.
+/// Dimensionless flow through an orifice from `up` to `down` (Pa); in proportion to the difference
+/// where that is less than the part `least` of `up`, so that steps of an integration do not jump to
+/// and fro across the balance.
 fn flow_function(up: f64, down: f64, kappa: f64, least: f64) -> f64 {
     if down > (1.0 - least) * up {
         return flow_function(1.0, 1.0 - least, kappa, 0.0) * (1.0 - down / up) / least;
@@ -166,13 +237,18 @@ impl Kind for Vessels {
         &self.logs
     }
 
-    /// What the orifice lets through of the ideal flow, which no drawing tells; and when it was opened, where nobody says: some time before or after the
-    /// first row.
+    /// What the orifice lets through of the ideal flow, which no drawing tells; and when it was
+    /// opened, where nobody says: some time before or after the first row.
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
         let mut all = vec![unknown("discharge_coefficient", 0.8, (0.05, 1.5), 0.02)];
         if self.tanks[run].release.is_none() {
             let [earliest, likeliest, latest] = self.opened(run);
-            all.push(unknown(RELEASE, likeliest, (earliest, latest), 1e-3 * (self.span(run).1 - earliest)));
+            all.push(unknown(
+                RELEASE,
+                likeliest,
+                (earliest, latest),
+                1e-3 * (self.span(run).1 - earliest),
+            ));
         }
         all
     }
@@ -194,12 +270,24 @@ impl Kind for Vessels {
         if self.channels.iter().any(|c| c.name == "temperature_k") {
             return Vec::new();
         }
-        let channel = Channel { name: "temperature_k".into(), noise: THERMOMETER, step: 0.0, is_given: true };
+        let channel = Channel {
+            name: "temperature_k".into(),
+            noise: THERMOMETER,
+            step: 0.0,
+            is_given: true,
+        };
         let proposal = |(log, tank): (&Log, &Vessel)| {
-            let readings = log.readings.iter().map(|r| Reading { channel: 0, ..*r }).collect();
+            let readings = log
+                .readings
+                .iter()
+                .map(|r| Reading { channel: 0, ..*r })
+                .collect();
             let kind = Vessels {
                 channels: vec![channel.clone()],
-                logs: vec![Log { name: log.name.clone(), readings }],
+                logs: vec![Log {
+                    name: log.name.clone(),
+                    readings,
+                }],
                 tanks: vec![*tank],
                 causes: self.causes.clone(),
                 listed: self.listed,
@@ -208,12 +296,16 @@ impl Kind for Vessels {
                 "measure the temperature of the gas too, to {THERMOMETER} K, in a run like {}",
                 log.name
             );
-            Proposal { what, kind: Box::new(kind) }
+            Proposal {
+                what,
+                kind: Box::new(kind),
+            }
         };
         self.logs.iter().zip(&self.tanks).map(proposal).collect()
     }
 
-    /// Mass and energy of the gas: dU = h_in dm + Q, with natural convection from a wall that stays at the first temperature.
+    /// Mass and energy of the gas: dU = h_in dm + Q, with natural convection from a wall that stays
+    /// at the first temperature.
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         let vessel = &self.tanks[run];
         let share = terms.get(GAS, 0);
@@ -224,9 +316,9 @@ impl Kind for Vessels {
         if outside <= 0.0 {
             return None;
         }
-        let wall = vessel
-            .wall
-            .unwrap_or_else(|| (36.0 * std::f64::consts::PI).cbrt() * vessel.volume.powf(2.0 / 3.0));
+        let wall = vessel.wall.unwrap_or_else(|| {
+            (36.0 * std::f64::consts::PI).cbrt() * vessel.volume.powf(2.0 / 3.0)
+        });
         let release = vessel.release.or(unknowns.get(1).copied())?;
         let last = self.span(run).1 - release;
         if last <= 0.0 {
@@ -237,7 +329,9 @@ impl Kind for Vessels {
         let speed = kappa * (gas * vessel.temperature).sqrt() / vessel.volume;
         let (first, end) = self.span(run);
         let widest = std::f64::consts::FRAC_PI_4 * vessel.orifice * vessel.orifice;
-        let parts = (speed * widest * (end - first) / (STEPS * SHARE)).ceil().clamp(1.0, 100.0);
+        let parts = (speed * widest * (end - first) / (STEPS * SHARE))
+            .ceil()
+            .clamp(1.0, 100.0);
         // A part there shall not be stiff: the flow is nearly √(2 difference).
         let least = (2.0 * (speed * area * step / parts).powi(2)).clamp(1e-9, 0.1);
         let drift = [self.listed, self.listed + 1].map(|k| terms.get(k, 0));
@@ -252,23 +346,31 @@ impl Kind for Vessels {
             let lost = (vessel.pressure - pressure) / (vessel.pressure - outside);
             let opened = if time < opening { time / opening } else { 1.0 };
             let drifted = opened * (1.0 + drift[0] * lost + drift[1] * time / last).max(0.0);
-            let flow =
-                sign * drifted * area * up / (gas * source).sqrt() * flow_function(up, down, kappa, least);
-            let heat =
-                terms.get(HEAT, 0) * wall * convection(mass / vessel.volume, vessel.temperature, temperature);
+            let flow = sign * drifted * area * up / (gas * source).sqrt()
+                * flow_function(up, down, kappa, least);
+            let heat = terms.get(HEAT, 0)
+                * wall
+                * convection(mass / vessel.volume, vessel.temperature, temperature);
             let heat_capacity = gas / (kappa - 1.0);
             // Inflow brings the enthalpy of outside, outflow takes that of inside.
             let brought = flow * (kappa * source - temperature) * heat_capacity;
             [flow, (brought + heat) / (mass * heat_capacity)]
         };
-        let mut state = [vessel.pressure * vessel.volume / (gas * vessel.temperature), vessel.temperature];
+        let mut state = [
+            vessel.pressure * vessel.volume / (gas * vessel.temperature),
+            vessel.temperature,
+        ];
         let mut now = 0.0;
         let mut out = Vec::with_capacity(self.logs[run].readings.len());
         let mut knots = vec![(0.0, state, rates(0.0, state))];
         while now < last {
             let pressure = state[0] * gas * state[1] / vessel.volume;
             let is_near = (pressure - outside).abs() < NEAR * pressure.max(outside);
-            let (mut left, h) = if is_near { (parts, step / parts) } else { (1.0, step) };
+            let (mut left, h) = if is_near {
+                (parts, step / parts)
+            } else {
+                (1.0, step)
+            };
             let mut time = now;
             while left > 0.5 {
                 state = runge_kutta(time, state, h, &rates);
@@ -281,20 +383,30 @@ impl Kind for Vessels {
         for reading in &self.logs[run].readings {
             let column = self.channels[reading.channel].name.as_str();
             let of = |id: &str, none: f64| {
-                let found =
-                    self.causes.iter().position(|c| c.id == id && c.column.as_deref() == Some(column));
+                let found = self
+                    .causes
+                    .iter()
+                    .position(|c| c.id == id && c.column.as_deref() == Some(column));
                 found.map_or(none, |k| terms.get(k, 0))
             };
-            let [mass, temperature] = between(&knots, step, reading.time - release - of("sensor-delay", 0.0));
-            let value =
-                if column == "pressure_pa" { mass * gas * temperature / vessel.volume } else { temperature };
+            let [mass, temperature] = between(
+                &knots,
+                step,
+                reading.time - release - of("sensor-delay", 0.0),
+            );
+            let value = if column == "pressure_pa" {
+                mass * gas * temperature / vessel.volume
+            } else {
+                temperature
+            };
             out.push(of("encoder-scale", 1.0) * value + of("sensor-offset", 0.0));
         }
         out.iter().all(|x| x.is_finite()).then_some(out)
     }
 }
 
-/// Heat (W/m²) from a wall at `wall` (K) to air of this density (kg/m³) at `inside` (K), for Nu = Ra^⅓: no length matters.
+/// Heat (W/m²) from a wall at `wall` (K) to air of this density (kg/m³) at `inside` (K), for Nu =
+/// Ra^⅓: no length matters.
 fn convection(density: f64, wall: f64, inside: f64) -> f64 {
     // Air near 280 K: conductivity W/(m K), viscosity Pa s, heat capacity J/(kg K).
     const CONDUCTIVITY: f64 = 0.0246;
@@ -302,7 +414,8 @@ fn convection(density: f64, wall: f64, inside: f64) -> f64 {
     const CAPACITY: f64 = 1006.0;
     let difference = wall - inside;
     let film = 0.5 * (wall + inside);
-    let rayleigh = 9.81 / film * difference.abs() * density * density * CAPACITY / (VISCOSITY * CONDUCTIVITY);
+    let rayleigh =
+        9.81 / film * difference.abs() * density * density * CAPACITY / (VISCOSITY * CONDUCTIVITY);
     CONDUCTIVITY * rayleigh.cbrt() * difference
 }
 
@@ -357,12 +470,17 @@ mod tests {
             columns: vec!["pressure_pa".into()],
             noise: vec![Some(NOISE)],
             resolution: vec![None],
-            runs: vec![Run { settings, time, values: vec![pressure], ..Run::default() }],
+            runs: vec![Run {
+                settings,
+                time,
+                values: vec![pressure],
+                ..Run::default()
+            }],
         })
     }
 
-    /// Pressure (Pa) at a time (s): gas that fills a vessel without heat below the speed of sound; of the temperature ratio e across the orifice
-    /// √(1 − e) falls evenly, to 0 at the balance.
+    /// Pressure (Pa) at a time (s): gas that fills a vessel without heat below the speed of sound;
+    /// of the temperature ratio e across the orifice √(1 − e) falls evenly, to 0 at the balance.
     fn filled(initial: f64, discharge: f64, time: f64) -> f64 {
         let (kappa, gas) = AIR;
         let area = discharge * std::f64::consts::FRAC_PI_4 * ORIFICE * ORIFICE;
@@ -374,17 +492,23 @@ mod tests {
         OUTSIDE * (1.0 - root * root).powf(kappa / (kappa - 1.0))
     }
 
-    /// Where the flow ends its root is steep: the steps must not round it off, or every vessel that fills up seems to have something wrong.
+    /// Where the flow ends its root is steep: the steps must not round it off, or every vessel that
+    /// fills up seems to have something wrong.
     #[test]
     fn a_vessel_fills_up_as_in_closed_form() {
         for (initial, end) in [(0.7e6, 8.0), (0.7e6, 40.0), (1.15e6, 3.0)] {
             let time: Vec<f64> = (0..=400).map(|k| f64::from(k) * end / 400.0).collect();
             let pressure: Vec<f64> = time.iter().map(|t| filled(initial, 0.8, *t)).collect();
             let vessels = filling(initial, time.clone(), pressure.clone());
-            let found = vessels.predict(0, &Terms::off(vessels.causes()), &[0.8, 0.0]).expect("an answer");
+            let found = vessels
+                .predict(0, &Terms::off(vessels.causes()), &[0.8, 0.0])
+                .expect("an answer");
             for ((t, p), q) in time.iter().zip(pressure).zip(found) {
                 // A hundredth of what a good gauge tells.
-                assert!((p - q).abs() < 1e-5 * OUTSIDE, "{initial} Pa, {t} of {end} s: {q}, {p}");
+                assert!(
+                    (p - q).abs() < 1e-5 * OUTSIDE,
+                    "{initial} Pa, {t} of {end} s: {q}, {p}"
+                );
             }
         }
     }
@@ -403,7 +527,10 @@ mod tests {
             };
             let pressure = time.iter().map(read).collect();
             let [earliest, likeliest, latest] = filling(0.7e6, time, pressure).opened(0);
-            assert!(earliest <= 0.0 && latest >= 0.0, "{k}: {earliest} to {latest}");
+            assert!(
+                earliest <= 0.0 && latest >= 0.0,
+                "{k}: {earliest} to {latest}"
+            );
             assert!((earliest..=latest).contains(&likeliest), "{k}: {likeliest}");
         }
     }

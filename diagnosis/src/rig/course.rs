@@ -31,7 +31,8 @@ pub(super) struct Knot {
 pub struct Pose {
     /// Lean φ of the leg (rad), and its rate (rad/s).
     pub lean: (f64, f64),
-    /// Pivot angle θ of the boom at its base (rad), and its rate; height of the axle (m) without a boom.
+    /// Pivot angle θ of the boom at its base (rad), and its rate; height of the axle (m) without a
+    /// boom.
     pub pivot: (f64, f64),
     /// Radius angle ψ (rad), and its rate; travel of the axle (m) without a boom. The foot is at 0.
     pub turn: (f64, f64),
@@ -43,7 +44,8 @@ pub struct Pose {
     pub pressure: (f64, f64),
 }
 
-/// Value and slope at `s` in [0, 1] of the cubic with these ends; the slopes are for the whole length `h`.
+/// Value and slope at `s` in [0, 1] of the cubic with these ends; the slopes are for the whole
+/// length `h`.
 fn hermite(a: (f64, f64), b: (f64, f64), s: f64, h: f64) -> (f64, f64) {
     let (da, db) = (a.1 * h, b.1 * h);
     let rise = b.0 - a.0;
@@ -54,7 +56,8 @@ fn hermite(a: (f64, f64), b: (f64, f64), s: f64, h: f64) -> (f64, f64) {
 }
 
 impl Course {
-    /// The pose at the time (s); before the start it is on a line, after the end the last. `place` is where the last one was found.
+    /// The pose at the time (s); before the start it is on a line, after the end the last. `place`
+    /// is where the last one was found.
     pub fn at(&self, time: f64, place: &mut usize) -> Pose {
         let knots = &self.knots;
         if *place + 1 >= knots.len() || knots[*place].time > time {
@@ -65,7 +68,11 @@ impl Course {
         }
         let (a, b) = (&knots[*place], &knots[(*place + 1).min(knots.len() - 1)]);
         let h = b.time - a.time;
-        let s = if h > 0.0 { ((time - a.time) / h).clamp(0.0, 1.0) } else { 1.0 };
+        let s = if h > 0.0 {
+            ((time - a.time) / h).clamp(0.0, 1.0)
+        } else {
+            1.0
+        };
         let early = (time - a.time).min(0.0);
         let at = |a: (f64, f64), b| {
             let (value, slope) = hermite(a, b, s, h);
@@ -85,15 +92,25 @@ impl Course {
     pub(super) fn apex_and_landing(&self) -> Option<(f64, f64)> {
         // Before, the axle rises and sinks on its way over the foot.
         let flight = &self.knots[self.knots.partition_point(|k| Some(k.time) < self.leaves)..];
-        let apex = flight.windows(2).find(|w| w[0].height.1 > 0.0 && w[1].height.1 <= 0.0);
+        let apex = flight
+            .windows(2)
+            .find(|w| w[0].height.1 > 0.0 && w[1].height.1 <= 0.0);
         let top = match apex {
             Some([a, b]) => {
                 let h = b.time - a.time;
-                hermite(a.height, b.height, root(|s| hermite(a.height, b.height, s, h).1), h).0
+                hermite(
+                    a.height,
+                    b.height,
+                    root(|s| hermite(a.height, b.height, s, h).1),
+                    h,
+                )
+                .0
             }
             _ => flight.iter().map(|k| k.height.0).fold(0.0, f64::max),
         };
-        let [.., a, b] = &self.knots[..] else { return None };
+        let [.., a, b] = &self.knots[..] else {
+            return None;
+        };
         let h = b.time - a.time;
         let s = root(|s| hermite(a.height, b.height, s, h).0 - self.radius);
         let turn = hermite((a.q[TURN], a.v[TURN]), (b.q[TURN], b.v[TURN]), s, h).0;

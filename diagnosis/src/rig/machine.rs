@@ -1,8 +1,10 @@
-//! Equations of motion of a wheel with legs on a boom, or free in its plane, with the foot of one leg on the ground.
+//! Equations of motion of a wheel with legs on a boom, or free in its plane, with the foot of one
+//! leg on the ground.
 //!
-//! Coordinates q: radius angle ψ (rad, forward) and pivot angle θ (rad, up), or travel x and height z (m) without a boom; the bend of
-//! the boom (rad); the lean φ of the leg (rad); its extension d (m). What a robot has not is held. All vectors are written in axes that
-//! turn with ψ: x forward, y outward along the level boom, z up, from the boom's base.
+//! Coordinates q: radius angle ψ (rad, forward) and pivot angle θ (rad, up), or travel x and height
+//! z (m) without a boom; the bend of the boom (rad); the lean φ of the leg (rad); its extension d
+//! (m). What a robot has not is held. All vectors are written in axes that turn with ψ: x forward,
+//! y outward along the level boom, z up, from the boom's base.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use saltus_robot::Robot;
@@ -31,7 +33,9 @@ impl Rigid {
     fn turned(&self, axes: &Matrix3<f64>) -> Matrix3<f64> {
         // Most are round.
         let [x, y, z] = [0, 1, 2].map(|k| self.inertia[(k, k)]);
-        let is_bare = [(0, 1), (0, 2), (1, 2)].iter().all(|at| self.inertia[*at] == 0.0);
+        let is_bare = [(0, 1), (0, 2), (1, 2)]
+            .iter()
+            .all(|at| self.inertia[*at] == 0.0);
         let round = |across: f64, along: f64, axis: usize| {
             let u = axes.column(axis);
             Matrix3::identity() * across + u * (u * (along - across)).transpose()
@@ -53,7 +57,11 @@ impl Rigid {
             let r = b.center - center;
             b.inertia + (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * b.mass
         };
-        *self = Rigid { mass, center, inertia: about(self) + about(other) };
+        *self = Rigid {
+            mass,
+            center,
+            inertia: about(self) + about(other),
+        };
     }
 }
 
@@ -109,7 +117,8 @@ pub(super) struct Answer {
     pub(super) acceleration: Coordinates,
     /// Force (N) of the ground, normal and along the travel.
     pub(super) ground: [f64; 2],
-    /// Force (N) that holds the leg at its extension, if it is held: positive keeps it from extending.
+    /// Force (N) that holds the leg at its extension, if it is held: positive keeps it from
+    /// extending.
     pub(super) hold: f64,
     /// Force (N) of the leg on the wheel, outwards, less what holds it.
     pub(super) push: f64,
@@ -124,7 +133,8 @@ struct Frame {
     axle: V3,
     /// Rotation of the wheel.
     wheel: Matrix3<f64>,
-    /// Angular velocity and its rate where all accelerations are 0: of the boom's halves and of the wheel.
+    /// Angular velocity and its rate where all accelerations are 0: of the boom's halves and of the
+    /// wheel.
     spin: [V3; 3],
     spin_rate: [V3; 3],
     /// Velocity of the axle; acceleration of hinge and axle where all accelerations are 0.
@@ -154,23 +164,40 @@ impl Machine {
         let rod = |k: u32| {
             let u = way(k);
             let along = 0.5 * part.mass * part.radius * part.radius;
-            let inertia = Matrix3::identity() * part.inertia() + u * u.transpose() * (along - part.inertia());
-            Rigid { mass: part.mass, center: u * part.center, inertia }
+            let inertia =
+                Matrix3::identity() * part.inertia() + u * u.transpose() * (along - part.inertia());
+            Rigid {
+                mass: part.mass,
+                center: u * part.center,
+                inertia,
+            }
         };
         let mut leg = rod(0);
         let least = MASSLESS * body.mass;
-        let lent = if floor.soft.is_some() { (SOFT_LEAST - leg.mass).max(0.0) } else { 0.0 };
+        let lent = if floor.soft.is_some() {
+            (SOFT_LEAST - leg.mass).max(0.0)
+        } else {
+            0.0
+        };
         leg.mass += lent;
         let (offset, angle) = (body.imbalance, body.imbalance_angle);
         let center = V3::new(angle.sin(), 0.0, -angle.cos()) * offset;
         let mass = robot.wheel_mass() - lent;
         let axle = (robot.wheel_inertia() - mass * offset * offset).max(0.0);
         let inertia = Matrix3::from_diagonal(&V3::new(axle / 2.0, axle, axle / 2.0));
-        let mut wheel = Rigid { mass, center, inertia };
+        let mut wheel = Rigid {
+            mass,
+            center,
+            inertia,
+        };
         for k in 1..n {
             wheel.add(&rod(k));
         }
-        let nothing = Rigid { mass: 0.0, center: V3::zeros(), inertia: Matrix3::zeros() };
+        let nothing = Rigid {
+            mass: 0.0,
+            center: V3::zeros(),
+            inertia: Matrix3::zeros(),
+        };
         let (mut inner, mut outer) = (nothing, nothing);
         let flex = robot.boom.and_then(|b| b.flex);
         if let Some(boom) = &robot.boom {
@@ -179,9 +206,17 @@ impl Machine {
                 let across = mass * (3.0 * boom.radius * boom.radius + length * length) / 12.0;
                 let along = 0.5 * mass * boom.radius * boom.radius;
                 let inertia = Matrix3::from_diagonal(&V3::new(across, along, across));
-                Rigid { mass, center: V3::y() * (length / 2.0), inertia }
+                Rigid {
+                    mass,
+                    center: V3::y() * (length / 2.0),
+                    inertia,
+                }
             };
-            inner = half(if flex.is_some() { boom.length / 2.0 } else { boom.length });
+            inner = half(if flex.is_some() {
+                boom.length / 2.0
+            } else {
+                boom.length
+            });
             if flex.is_some() {
                 outer = half(boom.length / 2.0);
             }
@@ -212,9 +247,13 @@ impl Machine {
         }
     }
 
-    /// One cylinder of `robot` upright on the bench under a dead load (kg), which is all that it moves.
+    /// One cylinder of `robot` upright on the bench under a dead load (kg), which is all that it
+    /// moves.
     pub(super) fn bench(robot: &Robot, load: f64) -> Machine {
-        Machine { load: Some(load), ..Machine::new(robot) }
+        Machine {
+            load: Some(load),
+            ..Machine::new(robot)
+        }
     }
 
     /// With terms that no listed cause has.
@@ -232,7 +271,9 @@ impl Machine {
 
     /// Longest step (s) that follows what bends; none where nothing does.
     pub(super) fn longest_step(&self) -> f64 {
-        let (Some(stiffness), Some(length)) = (self.flex, self.boom) else { return f64::INFINITY };
+        let (Some(stiffness), Some(length)) = (self.flex, self.boom) else {
+            return f64::INFINITY;
+        };
         // One half of the boom alone, turning about its end against the spring.
         let inertia = self.inner.mass.max(0.01) * (length / 2.0).powi(2) / 3.0;
         (0.25 / (4.0 * stiffness / inertia).sqrt()).max(1e-4)
@@ -250,7 +291,13 @@ impl Machine {
 
     /// The same robot on ground that does not give.
     pub(super) fn on_rigid_ground(&self) -> Machine {
-        Machine { floor: Floor { soft: None, ..self.floor }, ..self.clone() }
+        Machine {
+            floor: Floor {
+                soft: None,
+                ..self.floor
+            },
+            ..self.clone()
+        }
     }
 
     fn frame(&self, q: &Coordinates, v: &Coordinates) -> Frame {
@@ -288,23 +335,41 @@ impl Machine {
             bias = [V3::zeros(); 2];
             axle_rate = V3::new(v[TURN], 0.0, v[PIVOT]);
         }
-        // The wheel's axes: x' forward and z' up in its plane, turned by the lean about the boom's direction.
+        // The wheel's axes: x' forward and z' up in its plane, turned by the lean about the boom's
+        // direction.
         let up = x.cross(&outward[1]);
         let (sin, cos) = q[LEAN].sin_cos();
         let forward = x * cos - up * sin;
         let upward = up * cos + x * sin;
         let wheel = Matrix3::from_columns(&[forward, outward[1], upward]);
-        Frame { outward, down: -upward, hinge, axle, wheel, spin, spin_rate, axle_rate, bias }
+        Frame {
+            outward,
+            down: -upward,
+            hinge,
+            axle,
+            wheel,
+            spin,
+            spin_rate,
+            axle_rate,
+            bias,
+        }
     }
 
-    /// Column k: velocity of a point `at` of the wheel or the leg (`with_leg`) for a unit velocity k.
+    /// Column k: velocity of a point `at` of the wheel or the leg (`with_leg`) for a unit velocity
+    /// k.
     fn columns(&self, f: &Frame, at: &V3, with_leg: bool) -> [V3; N] {
         let from_axle = f.outward[1].cross(&(at - f.axle));
         let leg = if with_leg { f.down } else { V3::zeros() };
         if self.boom.is_some() {
             // −z × r and x × r.
             let bend = V3::new(0.0, f.hinge.z - at.z, at.y - f.hinge.y);
-            [V3::new(at.y, -at.x, 0.0), V3::new(0.0, -at.z, at.y), bend, from_axle, leg]
+            [
+                V3::new(at.y, -at.x, 0.0),
+                V3::new(0.0, -at.z, at.y),
+                bend,
+                from_axle,
+                leg,
+            ]
         } else {
             [V3::x(), V3::z(), V3::zeros(), from_axle, leg]
         }
@@ -363,8 +428,24 @@ impl Machine {
         let zero = V3::zeros();
         if self.boom.is_some() {
             let axes = |y: &V3| Matrix3::from_columns(&[V3::x(), *y, V3::x().cross(y)]);
-            add(&self.inner, &axes(&f.outward[0]), 0, &[TURN, PIVOT], &zero, &zero, None);
-            add(&self.outer, &axes(&f.outward[1]), 1, &[TURN, PIVOT, BEND], &f.hinge, &f.bias[0], None);
+            add(
+                &self.inner,
+                &axes(&f.outward[0]),
+                0,
+                &[TURN, PIVOT],
+                &zero,
+                &zero,
+                None,
+            );
+            add(
+                &self.outer,
+                &axes(&f.outward[1]),
+                1,
+                &[TURN, PIVOT, BEND],
+                &f.hinge,
+                &f.bias[0],
+                None,
+            );
         }
         // Joints that a body moves with; the bend only where there is one.
         let (wheel, leg): (&[usize], &[usize]) = if self.flex.is_some() {
@@ -377,7 +458,15 @@ impl Machine {
             // What keeps its coordinate in the equations moves nothing else.
             mass[(LEG, LEG)] = self.least;
         } else {
-            add(&self.leg, &f.wheel, 2, leg, &f.axle, &f.bias[1], Some((q[LEG], v[LEG])));
+            add(
+                &self.leg,
+                &f.wheel,
+                2,
+                leg,
+                &f.axle,
+                &f.bias[1],
+                Some((q[LEG], v[LEG])),
+            );
         }
         for j in 0..N {
             for i in 0..j {
@@ -396,7 +485,8 @@ impl Machine {
         }
         force[LEAN] -= self.extra.spin_damping * v[LEAN];
         if self.boom.is_some() {
-            force[PIVOT] -= self.extra.pivot_damping * v[PIVOT] + self.extra.pivot_spring * q[PIVOT];
+            force[PIVOT] -=
+                self.extra.pivot_damping * v[PIVOT] + self.extra.pivot_spring * q[PIVOT];
             force[TURN] -= self.extra.turn_damping * v[TURN];
         }
         if self.axle_friction > 0.0 {
@@ -405,7 +495,8 @@ impl Machine {
         (mass, force)
     }
 
-    /// Gap (m) between foot and ground, and the foot's directions: normal and along the travel, with the place of contact and the centre.
+    /// Gap (m) between foot and ground, and the foot's directions: normal and along the travel,
+    /// with the place of contact and the centre.
     fn foot(&self, f: &Frame, q: &Coordinates) -> (f64, V3, V3, V3, V3) {
         let center = f.axle + f.down * (self.radius - self.foot + q[LEG]);
         // The ground's normal in axes that turn with ψ; its point below the start.
@@ -429,7 +520,8 @@ impl Machine {
         (gap, normal, along, place, center)
     }
 
-    /// Gap (m) of the foot, its speed along normal and travel (m/s), and its travel angle (rad) or travel (m).
+    /// Gap (m) of the foot, its speed along normal and travel (m/s), and its travel angle (rad) or
+    /// travel (m).
     pub(super) fn contact(&self, q: &Coordinates, v: &Coordinates) -> (f64, [f64; 2], f64) {
         let f = self.frame(q, v);
         let (gap, normal, along, place, _) = self.foot(&f, q);
@@ -455,8 +547,14 @@ impl Machine {
         }
     }
 
-    /// The robot on its retracted foot at travel 0, at lean `lean` (rad) and turning at `rate` (rad/s); soft ground gives as much as `sag` (m).
-    pub(super) fn stand(&self, lean: f64, rate: f64, sag: f64) -> Option<(Coordinates, Coordinates)> {
+    /// The robot on its retracted foot at travel 0, at lean `lean` (rad) and turning at `rate`
+    /// (rad/s); soft ground gives as much as `sag` (m).
+    pub(super) fn stand(
+        &self,
+        lean: f64,
+        rate: f64,
+        sag: f64,
+    ) -> Option<(Coordinates, Coordinates)> {
         let (mut q, mut v) = (Coordinates::zeros(), Coordinates::zeros());
         q[LEAN] = lean;
         if self.boom.is_none() {
@@ -484,7 +582,8 @@ impl Machine {
         (q.iter().chain(v.iter()).all(|x| x.is_finite())).then_some((q, v))
     }
 
-    /// Accelerations under the leg's force `push` (N, positive extends), with the foot as it is and the leg held or not.
+    /// Accelerations under the leg's force `push` (N, positive extends), with the foot as it is and
+    /// the leg held or not.
     pub(super) fn solve(
         &self,
         q: &Coordinates,
@@ -497,7 +596,12 @@ impl Machine {
             let hold = push - load * self.gravity;
             let mut acceleration = Coordinates::zeros();
             acceleration[LEG] = if held { 0.0 } else { hold / load };
-            return Some(Answer { acceleration, ground: [0.0; 2], hold, push });
+            return Some(Answer {
+                acceleration,
+                ground: [0.0; 2],
+                hold,
+                push,
+            });
         }
         let f = self.frame(q, v);
         let (mut mass, mut force) = self.assemble(&f, q, v);
@@ -520,7 +624,12 @@ impl Machine {
         let free = factor.solve(&force);
         if foot == Foot::Flies {
             let hold = leg_force - (leg_row * free)[0];
-            return Some(Answer { acceleration: free, ground: [0.0; 2], hold, push });
+            return Some(Answer {
+                acceleration: free,
+                ground: [0.0; 2],
+                hold,
+                push,
+            });
         }
         let (gap, normal, along, place, center) = self.foot(&f, q);
         let columns = self.columns(&f, &place, true);
@@ -538,11 +647,13 @@ impl Machine {
         let ((jn, wn), (jt, wt)) = (row(&normal), row(&along));
         let (w, r) = (&f.spin[2], &f.spin_rate[2]);
         let arm = center - f.axle;
-        let at_center = f.bias[1] + r.cross(&arm) + w.cross(&w.cross(&arm)) + 2.0 * w.cross(&f.down) * v[LEG];
+        let at_center =
+            f.bias[1] + r.cross(&arm) + w.cross(&w.cross(&arm)) + 2.0 * w.cross(&f.down) * v[LEG];
         let on_sphere = r.cross(&(place - center));
         let (bn, mut bt) = (normal.dot(&at_center), along.dot(&(at_center + on_sphere)));
         if self.boom.is_some() {
-            // The travel's direction turns as a rolling foot goes along it, while the boom drags it across.
+            // The travel's direction turns as a rolling foot goes along it, while the boom drags it
+            // across.
             let moving = f.axle_rate + w.cross(&arm) + f.down * v[LEG];
             let level = V3::new(place.x, place.y, 0.0);
             let rate = moving.dot(&along) / level.norm();
@@ -568,15 +679,24 @@ impl Machine {
             (None, _) => {
                 let (nn, nt, tt) = (jn.dot(&mn), jn.dot(&mt), jt.dot(&mt));
                 let determinant = nn * tt - nt * nt;
-                [(-an * tt + at * nt) / determinant, (-at * nn + an * nt) / determinant]
+                [
+                    (-an * tt + at * nt) / determinant,
+                    (-at * nn + an * nt) / determinant,
+                ]
             }
         };
         let acceleration = free + mn * ground[0] + mt * ground[1];
         let hold = leg_force + wn * ground[0] + wt * ground[1] - (leg_row * acceleration)[0];
-        Some(Answer { acceleration, ground, hold, push })
+        Some(Answer {
+            acceleration,
+            ground,
+            hold,
+            push,
+        })
     }
 
-    /// Velocities after the leg has been stopped in its stroke, the foot free to leave: it is picked up.
+    /// Velocities after the leg has been stopped in its stroke, the foot free to leave: it is
+    /// picked up.
     pub(super) fn stop_leg(&self, q: &Coordinates, v: &Coordinates) -> Option<Coordinates> {
         if self.is_bench() {
             return Some(Coordinates::zeros());

@@ -1,7 +1,9 @@
-//! One jump of a robot, fast enough to be fitted: phases, guards and resets, in fixed steps that end on every event.
+//! One jump of a robot, fast enough to be fitted: phases, guards and resets, in fixed steps that
+//! end on every event.
 //!
-//! The model is that of the multi-body simulation (docs/model.md), in the five coordinates that one leg on the ground needs. It shares
-//! with it the force of the leg and nothing else; tests hold the two together for every term of a robot file.
+//! The model is that of the multi-body simulation (docs/model.md), in the five coordinates that one
+//! leg on the ground needs. It shares with it the force of the leg and nothing else; tests hold the
+//! two together for every term of a robot file.
 
 mod course;
 mod machine;
@@ -61,15 +63,18 @@ pub struct Rig {
 
 /// What is left of a flight when nobody asks.
 const PATIENCE: f64 = 3.0;
-/// Steps (s): on soft ground, while the leg fills, while it works, before it is fired, and in flight. With them a jump is off by less than 1e-6 rad.
+/// Steps (s): on soft ground, while the leg fills, while it works, before it is fired, and in
+/// flight. With them a jump is off by less than 1e-6 rad.
 const SOFT: f64 = 2.5e-4;
 const FILLING: f64 = 3e-3;
 const FINE: f64 = 1e-3;
 const COARSE: f64 = 6e-3;
 const FLIGHT: f64 = 1.2e-2;
-/// Difference of the stages of a step, as a part of the gas, above which the step is halved while the leg moves.
+/// Difference of the stages of a step, as a part of the gas, above which the step is halved while
+/// the leg moves.
 const GAS_ERROR: f64 = 3e-4;
-/// Part of the pressure by which the cubic between the ends of a step may be off while the rod rests on the bench.
+/// Part of the pressure by which the cubic between the ends of a step may be off while the rod
+/// rests on the bench.
 const CUBIC: f64 = 1e-7;
 /// Longest and shortest step (s) there.
 const LONG: f64 = 1.0;
@@ -124,7 +129,8 @@ struct Mode {
     opens: f64,
     port_open: bool,
     piece: Option<Piece<f64>>,
-    /// A leak takes less from a full chamber than the valve gives before the pressure has fallen at all.
+    /// A leak takes less from a full chamber than the valve gives before the pressure has fallen at
+    /// all.
     fed: bool,
 }
 
@@ -149,7 +155,10 @@ enum Guard {
 impl Guard {
     /// Whether it may be broken at the start of a step, by a jump in a force.
     fn is_of_forces(self) -> bool {
-        matches!(self, Guard::Lift | Guard::Slack | Guard::Slip | Guard::Extend | Guard::Retract)
+        matches!(
+            self,
+            Guard::Lift | Guard::Slack | Guard::Slip | Guard::Extend | Guard::Retract
+        )
     }
 }
 
@@ -169,19 +178,28 @@ impl Rig {
         }
     }
 
-    /// One leg of `robot` upright on the bench under a dead load (kg), which is all that it moves; at the end of its stroke it stays.
+    /// One leg of `robot` upright on the bench under a dead load (kg), which is all that it moves;
+    /// at the end of its stroke it stays.
     pub fn bench(robot: &Robot, load: f64) -> Rig {
-        Rig { machine: Machine::bench(robot, load), ..Rig::new(robot) }
+        Rig {
+            machine: Machine::bench(robot, load),
+            ..Rig::new(robot)
+        }
     }
 
     /// The rig with terms that no listed cause has.
     #[must_use]
     pub fn with(self, extra: Extra) -> Rig {
-        Rig { machine: self.machine.with(extra), extra, ..self }
+        Rig {
+            machine: self.machine.with(extra),
+            extra,
+            ..self
+        }
     }
 
-    /// What happens from `start` at time 0, when the valve is commanded open and shut at `open` and `shut` (s), up to `until` (s), or
-    /// until the axle is back at its height on a retracted, upright leg; none where the motion cannot go on.
+    /// What happens from `start` at time 0, when the valve is commanded open and shut at `open` and
+    /// `shut` (s), up to `until` (s), or until the axle is back at its height on a retracted,
+    /// upright leg; none where the motion cannot go on.
     pub fn jump(&self, start: Start, open: f64, shut: f64, until: Option<f64>) -> Option<Course> {
         self.jump_in_steps(start, open, shut, until, LONG)
     }
@@ -195,7 +213,10 @@ impl Rig {
         until: Option<f64>,
         rests: f64,
     ) -> Option<Course> {
-        let mut run = Run { rests, ..Run::new(self, start)? };
+        let mut run = Run {
+            rests,
+            ..Run::new(self, start)?
+        };
         let (fire, release) = (open + self.leg.delay, shut + self.leg.delay);
         let end = until.unwrap_or(PATIENCE);
         let mut marks = [(open, 0), (fire, 1), (release, 2)];
@@ -216,8 +237,8 @@ impl Rig {
         Some(run.course)
     }
 
-    /// The greatest height of the axle (m) and its travel (m) from the foot when it is back at its height on the retracted leg, of a
-    /// jump that begins where it fires.
+    /// The greatest height of the axle (m) and its travel (m) from the foot when it is back at its
+    /// height on the retracted leg, of a jump that begins where it fires.
     pub fn outcome(&self, lean: f64, rate: f64, valve_open: f64) -> Option<(f64, f64)> {
         let course = self.jump(Start::Rolling { lean, rate }, 0.0, valve_open, None)?;
         course.leaves?;
@@ -253,7 +274,10 @@ impl<'a> Run<'a> {
             let sag = match machine.floor.soft {
                 Some((k, _)) => {
                     let (q, v) = machine.stand(lean, rate, 0.0)?;
-                    let answer = machine.on_rigid_ground().solve(&q, &v, 0.0, true, Foot::Stands)?;
+                    let answer =
+                        machine
+                            .on_rigid_ground()
+                            .solve(&q, &v, 0.0, true, Foot::Stands)?;
                     answer.ground[0].max(0.0) / k
                 }
                 None => 0.0,
@@ -267,7 +291,11 @@ impl<'a> Run<'a> {
             }
             None => (None, 0.0),
         };
-        let foot = if machine.is_bench() { Foot::Flies } else { Foot::Stands };
+        let foot = if machine.is_bench() {
+            Foot::Flies
+        } else {
+            Foot::Stands
+        };
         let mode = Mode {
             foot,
             leg: Slide::Latched,
@@ -277,13 +305,22 @@ impl<'a> Run<'a> {
             piece,
             fed: false,
         };
-        let course = Course { boom: machine.boom(), radius: machine.radius, ..Course::default() };
+        let course = Course {
+            boom: machine.boom(),
+            radius: machine.radius,
+            ..Course::default()
+        };
         let mut run = Run {
             rig,
             rests: LONG,
             stride: FINE,
             time: 0.0,
-            state: State { time: 0.0, q, v, gas },
+            state: State {
+                time: 0.0,
+                q,
+                v,
+                gas,
+            },
             mode,
             course,
             events: 0,
@@ -296,10 +333,16 @@ impl<'a> Run<'a> {
     fn record(&mut self) {
         let State { q, v, .. } = self.state;
         let height = self.rig.machine.height(&q, &v);
-        let pressure = self
-            .gas(&self.state)
-            .map_or((0.0, 0.0), |(gas, rate)| (gas.pressure, rate * gas.pressure_per_variable));
-        self.course.knots.push(Knot { time: self.time, q, v, height, pressure });
+        let pressure = self.gas(&self.state).map_or((0.0, 0.0), |(gas, rate)| {
+            (gas.pressure, rate * gas.pressure_per_variable)
+        });
+        self.course.knots.push(Knot {
+            time: self.time,
+            q,
+            v,
+            height,
+            pressure,
+        });
     }
 
     fn unlatch(&mut self) {
@@ -318,7 +361,13 @@ impl<'a> Run<'a> {
         self.mode.fed = false;
         if let (Some(chamber), Some(piece)) = (self.rig.leg.chamber(), &self.mode.piece) {
             let pressure = chamber.pressure(piece.flow, self.state.gas);
-            let piece = Piece::new(chamber, self.mode.energized, pressure, side, self.mode.port_open);
+            let piece = Piece::new(
+                chamber,
+                self.mode.energized,
+                pressure,
+                side,
+                self.mode.port_open,
+            );
             self.state.gas = chamber.variable(piece.flow, pressure);
             self.mode.piece = Some(piece);
         }
@@ -327,12 +376,20 @@ impl<'a> Run<'a> {
     /// The gas, and how its variable changes; none without a chamber.
     fn gas(&self, s: &State) -> Option<(GasState<f64>, f64)> {
         let (chamber, piece) = (self.rig.leg.chamber()?, self.mode.piece.as_ref()?);
-        let speed = if matches!(self.mode.leg, Slide::Moves(_)) { s.v[LEG] } else { 0.0 };
+        let speed = if matches!(self.mode.leg, Slide::Moves(_)) {
+            s.v[LEG]
+        } else {
+            0.0
+        };
         let (gas, mut rate) = piece.gas(chamber, s.gas, s.q[LEG], speed);
         if self.mode.fed {
             return Some((gas, 0.0));
         }
-        let Extra { leak_along, opening, .. } = self.rig.extra;
+        let Extra {
+            leak_along,
+            opening,
+            ..
+        } = self.rig.extra;
         let open = (s.time - self.mode.opens) / opening;
         if self.mode.energized && open < 1.0 {
             // What flows through the valve, and not what the leg's motion does.
@@ -351,7 +408,10 @@ impl<'a> Run<'a> {
         let leg = &self.rig.leg;
         let d = s.q[LEG];
         let cushioned = leg.cushion_start().is_some_and(|c| d > c);
-        let switches = Switches { energized: self.mode.energized, cushioned };
+        let switches = Switches {
+            energized: self.mode.energized,
+            cushioned,
+        };
         let extra = &self.rig.extra;
         let dry = leg.dry_friction(pressure);
         let speed = s.v[LEG];
@@ -364,7 +424,9 @@ impl<'a> Run<'a> {
     fn look(&self, s: &State) -> Option<(Answer, f64, f64)> {
         let (pressure, rate) = match self.mode.leg {
             Slide::Latched => (0.0, 0.0),
-            _ => self.gas(s).map_or((0.0, 0.0), |(gas, rate)| (gas.pressure, rate)),
+            _ => self
+                .gas(s)
+                .map_or((0.0, 0.0), |(gas, rate)| (gas.pressure, rate)),
         };
         let (push, dry) = match self.mode.leg {
             Slide::Latched => (0.0, 0.0),
@@ -374,15 +436,23 @@ impl<'a> Run<'a> {
             Slide::Moves(way) => (push - way * dry, false),
             _ => (push, true),
         };
-        let answer = self.rig.machine.solve(&s.q, &s.v, force, held, self.mode.foot)?;
+        let answer = self
+            .rig
+            .machine
+            .solve(&s.q, &s.v, force, held, self.mode.foot)?;
         Some((answer, rate, dry))
     }
 
-    /// A Runge–Kutta step of `h`, whose first stage is given; and by what part of the gas its inner stages differ.
+    /// A Runge–Kutta step of `h`, whose first stage is given; and by what part of the gas its inner
+    /// stages differ.
     fn step(&self, first: &(Answer, f64, f64), h: f64) -> Option<(State, f64)> {
         let s = &self.state;
         if self.rests() {
-            let next = State { time: s.time + h, gas: self.held_gas(h)?, ..*s };
+            let next = State {
+                time: s.time + h,
+                gas: self.held_gas(h)?,
+                ..*s
+            };
             return Some((next, 0.0));
         }
         let at = |v: &Coordinates, k: &(Answer, f64, f64), h: f64| State {
@@ -407,7 +477,11 @@ impl<'a> Run<'a> {
         let next = State {
             time: s.time + h,
             q: s.q + (s.v + (s2.v + s3.v) * 2.0 + s4.v) * w,
-            v: s.v + (a.0.acceleration + (b.0.acceleration + c.0.acceleration) * 2.0 + d.0.acceleration) * w,
+            v: s.v
+                + (a.0.acceleration
+                    + (b.0.acceleration + c.0.acceleration) * 2.0
+                    + d.0.acceleration)
+                    * w,
             gas,
         };
         let is_finite = next.q.iter().chain(next.v.iter()).all(|x| x.is_finite());
@@ -415,15 +489,21 @@ impl<'a> Run<'a> {
         (is_finite && (next.gas > 0.0 || self.mode.piece.is_none())).then_some((next, error))
     }
 
-    /// The gas behind a leg that is held, after `h`: in steps as short as accuracy asks, up to the balance of inflow and outflow, where
-    /// it stays.
+    /// The gas behind a leg that is held, after `h`: in steps as short as accuracy asks, up to the
+    /// balance of inflow and outflow, where it stays.
     fn held_gas(&self, h: f64) -> Option<f64> {
-        let State { time, gas: mut u, .. } = self.state;
+        let State {
+            time, gas: mut u, ..
+        } = self.state;
         if self.mode.piece.is_none() {
             return Some(u);
         }
         let rate = |u: f64, t: f64| {
-            let there = State { time: time + t, gas: u, ..self.state };
+            let there = State {
+                time: time + t,
+                gas: u,
+                ..self.state
+            };
             self.gas(&there).map_or(f64::NAN, |(_, rate)| rate)
         };
         let slopes = |y: &[f64; 2]| [rate(y[0], y[1]), 1.0];
@@ -466,16 +546,30 @@ impl<'a> Run<'a> {
     /// By what part of the pressure the cubic from here to `next` is off in its middle.
     fn bend(&self, next: &State) -> Option<f64> {
         let h = next.time - self.state.time;
-        let of = |s: &State| self.gas(s).map(|(gas, rate)| (gas.pressure, rate * gas.pressure_per_variable));
-        let Some((a, b)) = of(&self.state).zip(of(next)) else { return Some(0.0) };
-        let middle = State { time: self.state.time + 0.5 * h, gas: self.held_gas(0.5 * h)?, ..self.state };
+        let of = |s: &State| {
+            self.gas(s)
+                .map(|(gas, rate)| (gas.pressure, rate * gas.pressure_per_variable))
+        };
+        let Some((a, b)) = of(&self.state).zip(of(next)) else {
+            return Some(0.0);
+        };
+        let middle = State {
+            time: self.state.time + 0.5 * h,
+            gas: self.held_gas(0.5 * h)?,
+            ..self.state
+        };
         let there = of(&middle)?.0;
         let cubic = 0.5 * (a.0 + b.0) + 0.125 * h * (a.1 - b.1);
         Some((cubic - there).abs() / there)
     }
 
     /// Values that are above 0 while the mode lasts.
-    fn guards(&self, s: &State, (answer, _, dry): &(Answer, f64, f64), out: &mut Vec<(Guard, f64)>) {
+    fn guards(
+        &self,
+        s: &State,
+        (answer, _, dry): &(Answer, f64, f64),
+        out: &mut Vec<(Guard, f64)>,
+    ) {
         out.clear();
         let machine = &self.rig.machine;
         if self.mode.foot != Foot::Flies {
@@ -488,7 +582,10 @@ impl<'a> Run<'a> {
             let standing = machine.floor.friction.0;
             match self.mode.foot {
                 Foot::Stands if standing.is_finite() => {
-                    out.push((Guard::Slip, standing * answer.ground[0] - answer.ground[1].abs()));
+                    out.push((
+                        Guard::Slip,
+                        standing * answer.ground[0] - answer.ground[1].abs(),
+                    ));
                 }
                 Foot::Slips(way) => {
                     let (_, [_, along], _) = machine.contact(&s.q, &s.v);
@@ -522,7 +619,14 @@ impl<'a> Run<'a> {
             out.push((Guard::Above, -above));
             out.push((Guard::Below, -below));
             if let Some(port) = chamber.port() {
-                out.push((Guard::Port, if self.mode.port_open { d - port } else { port - d }));
+                out.push((
+                    Guard::Port,
+                    if self.mode.port_open {
+                        d - port
+                    } else {
+                        port - d
+                    },
+                ));
             }
         }
     }
@@ -542,7 +646,10 @@ impl<'a> Run<'a> {
         match self.mode.leg {
             Slide::Latched => COARSE,
             Slide::Held if self.mode.foot == Foot::Flies && !self.rig.machine.is_bench() => {
-                let is_empty = self.mode.piece.is_none_or(|p| p.flow == Flow::ExhaustBalanced);
+                let is_empty = self
+                    .mode
+                    .piece
+                    .is_none_or(|p| p.flow == Flow::ExhaustBalanced);
                 if is_empty { FLIGHT } else { FLIGHT / 3.0 }
             }
             Slide::Held if !self.rig.machine.is_bench() => FILLING,
@@ -580,7 +687,8 @@ impl<'a> Run<'a> {
                 }
             }
             // A small chamber that is nearly in balance follows faster than the usual step does.
-            while matches!(self.mode.leg, Slide::Moves(_)) && next.1 > GAS_ERROR && h > FINE / 16.0 {
+            while matches!(self.mode.leg, Slide::Moves(_)) && next.1 > GAS_ERROR && h > FINE / 16.0
+            {
                 h *= 0.5;
                 next = self.step(&first, h)?;
             }
@@ -589,7 +697,9 @@ impl<'a> Run<'a> {
             self.guards(&next, &last, &mut after);
             let mut hit = None;
             // The earliest of what is broken at the end of the step.
-            while let Some(k) = (0..after.len()).find(|&k| after[k].1 < 0.0 && Some(after[k].0) != hit) {
+            while let Some(k) =
+                (0..after.len()).find(|&k| after[k].1 < 0.0 && Some(after[k].0) != hit)
+            {
                 let guard = after[k].0;
                 if before[k].1 < 0.0 && !guard.is_of_forces() && after[k].1 >= before[k].1 {
                     after[k].1 = 0.0;
@@ -633,8 +743,15 @@ impl<'a> Run<'a> {
         Some(())
     }
 
-    /// Length of the step at whose end guard number `k` is 0, just past it: regula falsi (Illinois).
-    fn locate(&self, first: &(Answer, f64, f64), k: usize, ends: (f64, f64), h: f64) -> Option<f64> {
+    /// Length of the step at whose end guard number `k` is 0, just past it: regula falsi
+    /// (Illinois).
+    fn locate(
+        &self,
+        first: &(Answer, f64, f64),
+        k: usize,
+        ends: (f64, f64),
+        h: f64,
+    ) -> Option<f64> {
         let (mut a, mut b, mut fa, mut fb) = (0.0, h, ends.0, ends.1);
         if fa == 0.0 {
             return Some(0.0);
@@ -699,7 +816,10 @@ impl<'a> Run<'a> {
             }
             Guard::Above => self.renew(1.0),
             Guard::Below => {
-                let is_full = self.mode.piece.is_some_and(|p| p.flow == Flow::FillBalanced);
+                let is_full = self
+                    .mode
+                    .piece
+                    .is_some_and(|p| p.flow == Flow::FillBalanced);
                 self.renew(-1.0);
                 let returns = self.gas(&self.state).is_some_and(|(_, rate)| rate > 0.0);
                 self.mode.fed = is_full && returns && self.mode.leg == Slide::Held;

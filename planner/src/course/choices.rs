@@ -1,9 +1,10 @@
 //! Which grounds the jumps of a course can land on, one after the other.
 //!
-//! The sequences of grounds are as many as there are ways over the course, so they are not listed. The jumps of a course
-//! hang together through the footholds alone: a recursion from the last jump to the first gives, for each landing on each
-//! ground, a lower bound on what the jumps that follow cost (dynamic programming). A [`Prefix`], the first jumps of a
-//! sequence, then has a lower bound on all its sequences, and the search grows the most promising ones.
+//! The sequences of grounds are as many as there are ways over the course, so they are not listed.
+//! The jumps of a course hang together through the footholds alone: a recursion from the last jump
+//! to the first gives, for each landing on each ground, a lower bound on what the jumps that follow
+//! cost (dynamic programming). A [`Prefix`], the first jumps of a sequence, then has a lower bound
+//! on all its sequences, and the search grows the most promising ones.
 
 use super::envelope::{CostToCome, Envelope};
 use super::lattice::Place;
@@ -52,19 +53,34 @@ impl<'a, J: Jumper> Choices<'a, J> {
     /// Finds what follows each landing, from the last jump to the first.
     pub(super) fn new(jumper: &'a J, course: &'a Course, terrain: &'a Terrain) -> Self {
         let last = jumper.window(course.jumps - 1).meet(terrain.goal);
-        let at_goal =
-            |g: &Ground| Some(Ahead { span: g.span.meet(last), cost: 0.0 }).filter(|a| !a.span.is_empty());
-        let mut choices = Choices { jumper, course, terrain, links: Vec::new() };
+        let at_goal = |g: &Ground| {
+            Some(Ahead {
+                span: g.span.meet(last),
+                cost: 0.0,
+            })
+            .filter(|a| !a.span.is_empty())
+        };
+        let mut choices = Choices {
+            jumper,
+            course,
+            terrain,
+            links: Vec::new(),
+        };
         let mut ahead: Vec<Option<Ahead>> = terrain.grounds.iter().map(at_goal).collect();
         for jump in (0..course.jumps).rev() {
-            let origins = if jump == 0 { std::slice::from_ref(&terrain.start) } else { &terrain.grounds };
+            let origins = if jump == 0 {
+                std::slice::from_ref(&terrain.start)
+            } else {
+                &terrain.grounds
+            };
             let links: Vec<Vec<Link>> = origins
                 .iter()
                 .enumerate()
                 .map(|(index, from)| choices.links_from(jump, index, from, &ahead))
                 .collect();
             if jump > 0 {
-                let before = |(from, links): (&Ground, &Vec<Link>)| choices.before(jump, from, links);
+                let before =
+                    |(from, links): (&Ground, &Vec<Link>)| choices.before(jump, from, links);
                 ahead = origins.iter().zip(&links).map(before).collect();
             }
             choices.links.insert(0, links);
@@ -73,8 +89,18 @@ impl<'a, J: Jumper> Choices<'a, J> {
     }
 
     /// The jumps number `jump` from a ground to those behind it from which the goal can be reached.
-    fn links_from(&self, jump: usize, index: usize, from: &Ground, ahead: &[Option<Ahead>]) -> Vec<Link> {
-        let landed = if jump == 0 { from.span } else { landable(self.jumper, self.course, jump - 1, from) };
+    fn links_from(
+        &self,
+        jump: usize,
+        index: usize,
+        from: &Ground,
+        ahead: &[Option<Ahead>],
+    ) -> Vec<Link> {
+        let landed = if jump == 0 {
+            from.span
+        } else {
+            landable(self.jumper, self.course, jump - 1, from)
+        };
         if landed.is_empty() {
             return Vec::new();
         }
@@ -83,18 +109,36 @@ impl<'a, J: Jumper> Choices<'a, J> {
             let ahead = ahead[to]?;
             let leap = self.terrain.leap(jump, from, ground);
             let envelope = self.jumper.envelope(&leap, feet, ahead.span, Span::ALL)?;
-            Some(Link { to, envelope, ahead })
+            Some(Link {
+                to,
+                envelope,
+                ahead,
+            })
         };
-        self.terrain.grounds.iter().enumerate().skip(index).filter_map(link).collect()
+        self.terrain
+            .grounds
+            .iter()
+            .enumerate()
+            .skip(index)
+            .filter_map(link)
+            .collect()
     }
 
     /// What follows a landing on `from` if the next jump, number `jump`, is one of `links`.
     fn before(&self, jump: usize, from: &Ground, links: &[Link]) -> Option<Ahead> {
         let shift = Span::point(roll(self.jumper, jump));
         let landed = landable(self.jumper, self.course, jump - 1, from);
-        let mut hull = Ahead { span: Span::NONE, cost: f64::INFINITY };
-        for Link { envelope, ahead, .. } in links {
-            hull.span = hull.span.hull((ahead.span - envelope.reach() - shift).meet(landed));
+        let mut hull = Ahead {
+            span: Span::NONE,
+            cost: f64::INFINITY,
+        };
+        for Link {
+            envelope, ahead, ..
+        } in links
+        {
+            hull.span = hull
+                .span
+                .hull((ahead.span - envelope.reach() - shift).meet(landed));
             hull.cost = hull.cost.min(envelope.least() + ahead.cost);
         }
         Some(hull).filter(|a| !a.span.is_empty())
@@ -104,11 +148,19 @@ impl<'a, J: Jumper> Choices<'a, J> {
     pub(super) fn start(&self) -> Option<Prefix> {
         let come = CostToCome::start(self.course.start);
         let least = |link: &Link| link.envelope.least() + link.ahead.cost;
-        let bound = self.links[0][0].iter().map(least).fold(f64::INFINITY, f64::min);
-        bound.is_finite().then_some(Prefix { grounds: Vec::new(), come, bound })
+        let bound = self.links[0][0]
+            .iter()
+            .map(least)
+            .fold(f64::INFINITY, f64::min);
+        bound.is_finite().then_some(Prefix {
+            grounds: Vec::new(),
+            come,
+            bound,
+        })
     }
 
-    /// For each jump the grounds that it can land on, and the parts of them that the jumps before it reach.
+    /// For each jump the grounds that it can land on, and the parts of them that the jumps before
+    /// it reach.
     pub(super) fn places(&self) -> Vec<Vec<Place>> {
         let mut reached = vec![(0, self.terrain.start.span)];
         let mut places = Vec::new();
@@ -116,14 +168,23 @@ impl<'a, J: Jumper> Choices<'a, J> {
             let shift = Span::point(roll(self.jumper, jump));
             let mut spans = vec![Span::NONE; self.terrain.grounds.len()];
             for (from, span) in &reached {
-                for Link { to, envelope, ahead } in &links[*from] {
+                for Link {
+                    to,
+                    envelope,
+                    ahead,
+                } in &links[*from]
+                {
                     let here = (*span + shift + envelope.reach()).meet(ahead.span);
                     if !here.is_empty() {
                         spans[*to] = spans[*to].hull(here);
                     }
                 }
             }
-            reached = spans.into_iter().enumerate().filter(|(_, span)| !span.is_empty()).collect();
+            reached = spans
+                .into_iter()
+                .enumerate()
+                .filter(|(_, span)| !span.is_empty())
+                .collect();
             places.push(reached.clone());
         }
         places
@@ -138,10 +199,18 @@ impl<'a, J: Jumper> Choices<'a, J> {
             let is_last = jump + 1 == self.course.jumps;
             leaps.push(self.terrain.leap(jump, from, to));
             let window = landable(self.jumper, self.course, jump, to);
-            windows.push(if is_last { window.meet(self.terrain.goal) } else { window });
+            windows.push(if is_last {
+                window.meet(self.terrain.goal)
+            } else {
+                window
+            });
             from = to;
         }
-        Choice { leaps, windows, grounds: grounds.to_vec() }
+        Choice {
+            leaps,
+            windows,
+            grounds: grounds.to_vec(),
+        }
     }
 
     /// All prefixes with one jump more, the one with the least bound last.
@@ -149,11 +218,19 @@ impl<'a, J: Jumper> Choices<'a, J> {
         let jump = prefix.grounds.len();
         let shift = roll(self.jumper, jump);
         let from = prefix.grounds.last().copied().unwrap_or(0);
-        let next = |Link { to, envelope, ahead }: &Link| {
+        let next = |Link {
+                        to,
+                        envelope,
+                        ahead,
+                    }: &Link| {
             let come = prefix.come.jump(shift, envelope, ahead.span)?;
             let bound = come.least()[1] + ahead.cost;
             let grounds = prefix.grounds.iter().copied().chain([*to]).collect();
-            Some(Prefix { grounds, come, bound })
+            Some(Prefix {
+                grounds,
+                come,
+                bound,
+            })
         };
         let mut grown: Vec<Prefix> = self.links[jump][from].iter().filter_map(next).collect();
         grown.sort_by(|a, b| b.bound.total_cmp(&a.bound));
@@ -166,12 +243,21 @@ impl<'a, J: Jumper> Choices<'a, J> {
     }
 }
 
-/// Where on a ground (m) jump number `jump` may land: within its window and, if another jump follows, where the roll to the
-/// next foothold stays on the ground.
-pub(super) fn landable<J: Jumper>(jumper: &J, course: &Course, jump: usize, ground: &Ground) -> Span {
+/// Where on a ground (m) jump number `jump` may land: within its window and, if another jump
+/// follows, where the roll to the next foothold stays on the ground.
+pub(super) fn landable<J: Jumper>(
+    jumper: &J,
+    course: &Course,
+    jump: usize,
+    ground: &Ground,
+) -> Span {
     let span = ground.span.meet(jumper.window(jump));
     let next = jump + 1;
-    if next < course.jumps { span.meet(ground.span - Span::point(roll(jumper, next))) } else { span }
+    if next < course.jumps {
+        span.meet(ground.span - Span::point(roll(jumper, next)))
+    } else {
+        span
+    }
 }
 
 /// Distance (m) rolled before a jump.

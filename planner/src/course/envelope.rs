@@ -1,9 +1,10 @@
-//! Convex piecewise linear functions: lower bounds on the cost of jumps, and their sum over a course.
+//! Convex piecewise linear functions: lower bounds on the cost of jumps, and their sum over a
+//! course.
 //!
-//! A jump's cost is bounded from below by a convex function of its distance, an [`Envelope`]. The least sum of such
-//! bounds over the footholds of a course is a linear program along a chain; it is solved exactly by adding one jump at a
-//! time: the infimal convolution of convex piecewise linear functions strings their pieces together in the order of
-//! their slopes.
+//! A jump's cost is bounded from below by a convex function of its distance, an [`Envelope`]. The
+//! least sum of such bounds over the footholds of a course is a linear program along a chain; it is
+//! solved exactly by adding one jump at a time: the infimal convolution of convex piecewise linear
+//! functions strings their pieces together in the order of their slopes.
 
 use super::Span;
 
@@ -18,8 +19,8 @@ pub struct Envelope {
 }
 
 impl Envelope {
-    /// Through 1 to 4 points (distance (m), cost) in the order of their distances. A middle point that would make the
-    /// function concave is left out.
+    /// Through 1 to 4 points (distance (m), cost) in the order of their distances. A middle point
+    /// that would make the function concave is left out.
     pub fn new(points: &[[f64; 2]]) -> Envelope {
         let slope = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]) / (b[0] - a[0]);
         let mut kept = [points[0]; POINTS];
@@ -48,7 +49,9 @@ impl Envelope {
 
     /// Least value.
     pub(super) fn least(&self) -> f64 {
-        self.points[..self.len].iter().fold(f64::INFINITY, |least, p| least.min(p[1]))
+        self.points[..self.len]
+            .iter()
+            .fold(f64::INFINITY, |least, p| least.min(p[1]))
     }
 
     /// Value at a distance (m) within [`reach`](Self::reach).
@@ -58,7 +61,11 @@ impl Envelope {
             end += 1;
         }
         let ([x0, y0], [x1, y1]) = (self.points[end - 1], self.points[end.min(self.len - 1)]);
-        if x1 > x0 { y0 + (y1 - y0) / (x1 - x0) * (distance - x0) } else { y0 }
+        if x1 > x0 {
+            y0 + (y1 - y0) / (x1 - x0) * (distance - x0)
+        } else {
+            y0
+        }
     }
 
     /// Length and slope of each piece.
@@ -81,12 +88,20 @@ pub(super) struct CostToCome {
 impl CostToCome {
     /// Nothing to pay at `x`, and no other place.
     pub(super) fn start(x: f64) -> CostToCome {
-        CostToCome { start: [x, 0.0], pieces: Vec::new() }
+        CostToCome {
+            start: [x, 0.0],
+            pieces: Vec::new(),
+        }
     }
 
-    /// After a roll (m) and a jump under `envelope` from one of these places to within `landings`; none if that is out of
-    /// reach.
-    pub(super) fn jump(&self, roll: f64, envelope: &Envelope, landings: Span) -> Option<CostToCome> {
+    /// After a roll (m) and a jump under `envelope` from one of these places to within `landings`;
+    /// none if that is out of reach.
+    pub(super) fn jump(
+        &self,
+        roll: f64,
+        envelope: &Envelope,
+        landings: Span,
+    ) -> Option<CostToCome> {
         let [x, y] = self.start;
         let [distance, cost] = envelope.points[0];
         let mut pieces = Vec::with_capacity(self.pieces.len() + POINTS - 1);
@@ -95,7 +110,11 @@ impl CostToCome {
             let at = pieces.partition_point(|p| p[1] <= piece[1]);
             pieces.insert(at, piece);
         }
-        CostToCome { start: [x + roll + distance, y + cost], pieces }.clip(landings)
+        CostToCome {
+            start: [x + roll + distance, y + cost],
+            pieces,
+        }
+        .clip(landings)
     }
 
     /// The part within `span`.
@@ -117,17 +136,22 @@ impl CostToCome {
         // A place missed by round-off is reached.
         let slack = 1e-12 * (1.0 + end.abs());
         let reached = x <= span.high + slack && end >= span.low - slack;
-        reached.then_some(CostToCome { start: [x, y], pieces })
+        reached.then_some(CostToCome {
+            start: [x, y],
+            pieces,
+        })
     }
 
     /// The cheapest place and its cost.
     pub(super) fn least(&self) -> [f64; 2] {
         let falling = self.pieces.iter().take_while(|p| p[1] < 0.0);
-        falling.fold(self.start, |[x, y], [length, slope]| [x + length, y + length * slope])
+        falling.fold(self.start, |[x, y], [length, slope]| {
+            [x + length, y + length * slope]
+        })
     }
 
-    /// The place that the cheapest way to `landing` comes from: what [`jump`](Self::jump) with the same roll and envelope
-    /// used of this function.
+    /// The place that the cheapest way to `landing` comes from: what [`jump`](Self::jump) with the
+    /// same roll and envelope used of this function.
     pub(super) fn origin(&self, roll: f64, envelope: &Envelope, landing: f64) -> f64 {
         let mut origin = self.start[0];
         let mut left = landing - origin - roll - envelope.points[0][0];
@@ -156,7 +180,9 @@ mod tests {
         let first = Envelope::new(&[[0.1, 0.4], [0.3, 0.3], [0.8, 0.6]]);
         let second = Envelope::new(&[[0.2, 0.5], [0.7, 0.55]]);
         let windows = [Span::new(0.25, 0.6), Span::new(0.9, 1.0)];
-        let chain = CostToCome::start(0.0).jump(0.0, &first, windows[0]).expect("in reach");
+        let chain = CostToCome::start(0.0)
+            .jump(0.0, &first, windows[0])
+            .expect("in reach");
         let end = chain.jump(0.05, &second, windows[1]).expect("in reach");
         let mut least = f64::INFINITY;
         for i in 0..=350 {
@@ -179,8 +205,14 @@ mod tests {
     #[test]
     fn a_place_out_of_reach_has_no_cost() {
         let envelope = Envelope::level(Span::new(0.2, 0.5), 0.0);
-        assert_eq!(CostToCome::start(0.0).jump(0.0, &envelope, Span::new(0.6, 0.7)), None);
-        assert_eq!(CostToCome::start(0.0).jump(0.0, &envelope, Span::new(0.0, 0.1)), None);
+        assert_eq!(
+            CostToCome::start(0.0).jump(0.0, &envelope, Span::new(0.6, 0.7)),
+            None
+        );
+        assert_eq!(
+            CostToCome::start(0.0).jump(0.0, &envelope, Span::new(0.0, 0.1)),
+            None
+        );
     }
 
     #[test]

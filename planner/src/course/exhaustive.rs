@@ -1,28 +1,36 @@
-//! What the search is compared with in tests: a program for every sequence of grounds, without any bound.
+//! What the search is compared with in tests: a program for every sequence of grounds, without any
+//! bound.
 
 use super::nearest::{choices, evenly};
 use super::problem::Problem;
 use super::terrain::Terrain;
 use super::{Course, Jumper, Settings, sqp};
 
-/// Least cost of all plans that the solver finds, one from each sequence of grounds; none without a plan.
-pub(crate) fn least_cost<J: Jumper>(jumper: &J, course: &Course, settings: &Settings) -> Option<f64> {
+/// Least cost of all plans that the solver finds, one from each sequence of grounds; none without a
+/// plan.
+pub(crate) fn least_cost<J: Jumper>(
+    jumper: &J,
+    course: &Course,
+    settings: &Settings,
+) -> Option<f64> {
     let terrain = Terrain::new(course, jumper);
     let last = course.jumps - 1;
-    let costs = choices(jumper, course, &terrain, usize::MAX).into_iter().filter_map(|mut choice| {
-        choice.windows[last] = choice.windows[last].meet(terrain.goal);
-        if choice.windows[last].is_empty() {
-            return None;
-        }
-        let mut problem = Problem::new(jumper, course.start, &choice, settings.sigmas);
-        let start = evenly(&problem, course);
-        let report = problem.settle(
-            &start,
-            &settings.solver,
-            |p, _| p.choice.clone(),
-            |p, x| sqp::solve(p, x, &settings.solver),
-        );
-        (report.violation <= settings.solver.feasibility).then_some(report.cost)
-    });
+    let costs = choices(jumper, course, &terrain, usize::MAX)
+        .into_iter()
+        .filter_map(|mut choice| {
+            choice.windows[last] = choice.windows[last].meet(terrain.goal);
+            if choice.windows[last].is_empty() {
+                return None;
+            }
+            let mut problem = Problem::new(jumper, course.start, &choice, settings.sigmas);
+            let start = evenly(&problem, course);
+            let report = problem.settle(
+                &start,
+                &settings.solver,
+                |p, _| p.choice.clone(),
+                |p, x| sqp::solve(p, x, &settings.solver),
+            );
+            (report.violation <= settings.solver.feasibility).then_some(report.cost)
+        });
     costs.min_by(f64::total_cmp)
 }

@@ -39,8 +39,8 @@ pub struct Leap {
     pub on: [Option<usize>; 2],
     /// Edges between foothold and landing, in the order of the travel.
     pub edges: Vec<Edge>,
-    /// Sides of obstacles beside the ground of the foothold that rise above it and are within the jumper's
-    /// [`girth`](Jumper::girth).
+    /// Sides of obstacles beside the ground of the foothold that rise above it and are within the
+    /// jumper's [`girth`](Jumper::girth).
     pub beside: Vec<Edge>,
 }
 
@@ -108,7 +108,8 @@ pub struct Sketch {
     pub deviation: f64,
 }
 
-/// A foothold and the two decisions of a jump, as directions of derivatives: foothold 0, decisions 1 and 2.
+/// A foothold and the two decisions of a jump, as directions of derivatives: foothold 0, decisions
+/// 1 and 2.
 pub type Slope = Dual<3>;
 
 /// A robot that jumps from a foothold with two decisions.
@@ -116,7 +117,8 @@ pub trait Jumper {
     /// The allowed values of the decisions of jump number `jump`; both spans have a width.
     fn decisions(&self, jump: usize) -> [Span; 2];
 
-    /// Flies a jump, and adds its margins to `margins`: as many and in the same order for a given leap.
+    /// Flies a jump, and adds its margins to `margins`: as many and in the same order for a given
+    /// leap.
     ///
     /// A jump that does not reach the surface gives a landing or a cost that is not finite.
     fn fly(
@@ -127,7 +129,8 @@ pub trait Jumper {
         margins: &mut Vec<Margin<Slope>>,
     ) -> Flight<Slope>;
 
-    /// Standard deviation (m) of the landing of a jump with these decisions, ≥ 0, wherever its foothold is.
+    /// Standard deviation (m) of the landing of a jump with these decisions, ≥ 0, wherever its
+    /// foothold is.
     fn deviation(&self, _leap: &Leap, _decisions: [f64; 2]) -> f64 {
         0.0
     }
@@ -137,29 +140,33 @@ pub trait Jumper {
         Span::ALL
     }
 
-    /// The best known decisions for a jump from `foot` to `landing` (m): where the solver starts, and already the
-    /// answer where the jumper can solve this in closed form.
+    /// The best known decisions for a jump from `foot` to `landing` (m): where the solver starts,
+    /// and already the answer where the jumper can solve this in closed form.
     fn aim(&self, leap: &Leap, foot: f64, landing: f64) -> [f64; 2];
 
-    /// The cheapest jump from `foot` to `landing` (m), roughly; none if there is none, or if the jumper makes no sketches.
+    /// The cheapest jump from `foot` to `landing` (m), roughly; none if there is none, or if the
+    /// jumper makes no sketches.
     fn sketch(&self, _leap: &Leap, _foot: f64, _landing: f64) -> Option<Sketch> {
         None
     }
 
-    /// A convex function of the distance from foothold to landing that no allowed jump from within `feet` to within
-    /// `landings` over a distance in `reach` undercuts in cost; none if there is no such jump.
+    /// A convex function of the distance from foothold to landing that no allowed jump from within
+    /// `feet` to within `landings` over a distance in `reach` undercuts in cost; none if there is
+    /// no such jump.
     fn envelope(&self, leap: &Leap, feet: Span, landings: Span, reach: Span) -> Option<Envelope>;
 
-    /// Least distance (m), ≥ 0, of a landing from an obstacle that rises by `rise` (m) above its surface; where `rise` is
-    /// 0, from the edge of the obstacle that is landed on.
+    /// Least distance (m), ≥ 0, of a landing from an obstacle that rises by `rise` (m) above its
+    /// surface; where `rise` is 0, from the edge of the obstacle that is landed on.
     fn edge_margin(&self, rise: f64) -> f64;
 
-    /// Least distance (m), ≥ 0, of a landing from a no-landing area and from the ends of a goal that is a zone.
+    /// Least distance (m), ≥ 0, of a landing from a no-landing area and from the ends of a goal
+    /// that is a zone.
     fn zone_margin(&self) -> f64 {
         0.0
     }
 
-    /// Where in the goal (m) the last jump should land; the solver starts from jumps of even distances to there.
+    /// Where in the goal (m) the last jump should land; the solver starts from jumps of even
+    /// distances to there.
     fn target(&self, goal: Span) -> f64 {
         f64::midpoint(goal.low, goal.high)
     }
@@ -169,7 +176,8 @@ pub trait Jumper {
         0.0
     }
 
-    /// Distance (m) from the landing before jump number `jump` to its foothold; not asked for jump 0.
+    /// Distance (m) from the landing before jump number `jump` to its foothold; not asked for
+    /// jump 0.
     fn roll(&self, _jump: usize) -> f64 {
         0.0
     }

@@ -1,8 +1,9 @@
 //! A first plan by dynamic programming over a lattice of footholds.
 //!
-//! The jumps of a course hang together through the footholds alone. So with the landings on a lattice, the cheapest way to
-//! each of them, jump after jump, is known from the cheapest ways to those before it. What a jump costs there is the
-//! jumper's [`sketch`](Jumper::sketch); the solver makes a plan of it.
+//! The jumps of a course hang together through the footholds alone. So with the landings on a
+//! lattice, the cheapest way to each of them, jump after jump, is known from the cheapest ways to
+//! those before it. What a jump costs there is the jumper's [`sketch`](Jumper::sketch); the solver
+//! makes a plan of it.
 
 use super::choices::{landable, roll};
 use super::terrain::{Ground, Terrain};
@@ -37,8 +38,9 @@ struct Point {
     decisions: [f64; 2],
 }
 
-/// The cheapest way over a lattice of the places of each jump, whose landings keep `sigmas` standard deviations from the
-/// ends of their ground; none if there is no way or the jumper has no sketches.
+/// The cheapest way over a lattice of the places of each jump, whose landings keep `sigmas`
+/// standard deviations from the ends of their ground; none if there is no way or the jumper has no
+/// sketches.
 pub(super) fn way<J: Jumper>(
     jumper: &J,
     course: &Course,
@@ -46,18 +48,36 @@ pub(super) fn way<J: Jumper>(
     places: &[Vec<Place>],
     sigmas: f64,
 ) -> Option<Way> {
-    let start = Point { ground: 0, x: course.start, cost: 0.0, from: 0, decisions: [0.0; 2] };
+    let start = Point {
+        ground: 0,
+        x: course.start,
+        cost: 0.0,
+        from: 0,
+        decisions: [0.0; 2],
+    };
     let mut layers = vec![vec![start]];
     for (jump, places) in places.iter().enumerate() {
         let total: f64 = places.iter().map(|(_, span)| span.width()).sum();
         let step = STEP.max(total / f64::from(MOST));
-        let stage = Stage { jumper, course, terrain, jump, is_last: jump + 1 == course.jumps, sigmas };
+        let stage = Stage {
+            jumper,
+            course,
+            terrain,
+            jump,
+            is_last: jump + 1 == course.jumps,
+            sigmas,
+        };
         let before = &layers[jump];
-        let reached: Vec<Point> =
-            places.iter().flat_map(|&(ground, span)| stage.reach(before, ground, span, step)).collect();
+        let reached: Vec<Point> = places
+            .iter()
+            .flat_map(|&(ground, span)| stage.reach(before, ground, span, step))
+            .collect();
         layers.push(reached);
     }
-    let end = layers.last()?.iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+    let end = layers
+        .last()?
+        .iter()
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))?;
     let cost = end.cost;
     let (mut grounds, mut decisions, mut point) = (Vec::new(), Vec::new(), end);
     for layer in layers[..course.jumps].iter().rev() {
@@ -65,7 +85,11 @@ pub(super) fn way<J: Jumper>(
         decisions.splice(0..0, point.decisions);
         point = &layer[point.from];
     }
-    Some(Way { grounds, decisions, cost })
+    Some(Way {
+        grounds,
+        decisions,
+        cost,
+    })
 }
 
 /// One jump of the lattice.
@@ -116,13 +140,21 @@ impl<J: Jumper> Stage<'_, J> {
             });
             ways.min_by(|a, b| a.cost.total_cmp(&b.cost))
         };
-        let target =
-            Some(self.jumper.target(self.terrain.goal)).filter(|x| self.is_last && span.clamp(*x) == *x);
-        (0..=pieces).map(place).chain(target).filter_map(point).collect()
+        let target = Some(self.jumper.target(self.terrain.goal))
+            .filter(|x| self.is_last && span.clamp(*x) == *x);
+        (0..=pieces)
+            .map(place)
+            .chain(target)
+            .filter_map(point)
+            .collect()
     }
 
     /// The ground that a jump starts from.
     fn origin(&self, point: &Point) -> &Ground {
-        if self.jump == 0 { &self.terrain.start } else { &self.terrain.grounds[point.ground] }
+        if self.jump == 0 {
+            &self.terrain.start
+        } else {
+            &self.terrain.grounds[point.ground]
+        }
     }
 }

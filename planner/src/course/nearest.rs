@@ -1,7 +1,8 @@
 //! The nearest course that has a plan.
 //!
-//! For a choice of grounds the course is made elastic: its obstacles may sink, its grounds may grow and its goal may move,
-//! at a price of 1 per metre, while the robot stays what it is. The choice with the least sum is the answer.
+//! For a choice of grounds the course is made elastic: its obstacles may sink, its grounds may grow
+//! and its goal may move, at a price of 1 per metre, while the robot stays what it is. The choice
+//! with the least sum is the answer.
 
 use super::choices::landable;
 use super::problem::{Choice, Problem};
@@ -14,8 +15,8 @@ use super::{Course, Jumper, Leap, Limit, Settings, Side, Span};
 pub struct Give {
     /// Index of the jump that it limits.
     pub jump: usize,
-    /// What it is about. A landing's ends are those of the ground chosen for it; of an obstacle it is the limit that its
-    /// height violates most.
+    /// What it is about. A landing's ends are those of the ground chosen for it; of an obstacle it
+    /// is the limit that its height violates most.
     pub limit: Limit,
     /// By how much (m). An obstacle is lower by it; the goal moves by it, positive forward.
     pub amount: f64,
@@ -24,8 +25,8 @@ pub struct Give {
 /// What a course without a plan would have to give.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Relief {
-    /// Limits in the way, the greatest first: the nearest course is the given one with these moved. Empty if no such
-    /// course was found either.
+    /// Limits in the way, the greatest first: the nearest course is the given one with these moved.
+    /// Empty if no such course was found either.
     pub gives: Vec<Give>,
     /// Sum of their magnitudes (m).
     pub total: f64,
@@ -33,7 +34,8 @@ pub struct Relief {
     pub decisions: Vec<[f64; 2]>,
 }
 
-/// Most choices of grounds to look at for a course of one jump; a course of more jumps takes as much longer a choice.
+/// Most choices of grounds to look at for a course of one jump; a course of more jumps takes as
+/// much longer a choice.
 const CHOICES: usize = 200;
 
 /// Gives (m) below this are round-off.
@@ -46,10 +48,23 @@ pub(super) fn nearest<J: Jumper>(
     settings: &Settings,
 ) -> (Relief, Option<Choice>) {
     // The goal may have to move forward by as much as the course is long.
-    let longer = Span::new(course.goal.low, course.goal.high + (course.goal.high - course.start).abs() + 1.0);
-    let terrain = Terrain::new(&Course { goal: longer, ..course.clone() }, jumper);
+    let longer = Span::new(
+        course.goal.low,
+        course.goal.high + (course.goal.high - course.start).abs() + 1.0,
+    );
+    let terrain = Terrain::new(
+        &Course {
+            goal: longer,
+            ..course.clone()
+        },
+        jumper,
+    );
     let goal = kept_goal(course.goal, jumper.zone_margin());
-    let mut best = Relief { gives: Vec::new(), total: f64::INFINITY, decisions: Vec::new() };
+    let mut best = Relief {
+        gives: Vec::new(),
+        total: f64::INFINITY,
+        decisions: Vec::new(),
+    };
     let mut chosen = None;
     for choice in choices(jumper, course, &terrain, CHOICES / course.jumps) {
         let mut problem = Problem::new(jumper, course.start, &choice, settings.sigmas);
@@ -63,7 +78,8 @@ pub(super) fn nearest<J: Jumper>(
         };
         let mut is_better = false;
         for place in ends(course, &choice, goal) {
-            let start = Elastic::new(&problem, course, goal).first(evenly_to(&problem, course, place));
+            let start =
+                Elastic::new(&problem, course, goal).first(evenly_to(&problem, course, place));
             let report = problem.settle(&start, &settings.solver, sunk, solve);
             let relief = Elastic::new(&problem, course, goal).relief(&report, settings);
             if relief.total < best.total - ROUND_OFF {
@@ -77,23 +93,40 @@ pub(super) fn nearest<J: Jumper>(
     (best, chosen)
 }
 
-/// Where the last jump lands in the solver's starts (m): at the target; of a single jump, at both ends of where it may too.
+/// Where the last jump lands in the solver's starts (m): at the target; of a single jump, at both
+/// ends of where it may too.
 fn ends(course: &Course, choice: &Choice, goal: Span) -> Vec<Option<f64>> {
     let mut places = vec![None];
     if let [window] = choice.windows[..]
         && course.goal.width() > 0.0
     {
-        let window = if window.meet(goal).is_empty() { window } else { window.meet(goal) };
+        let window = if window.meet(goal).is_empty() {
+            window
+        } else {
+            window.meet(goal)
+        };
         places.extend([window.low, window.high].map(Some));
     }
     places
 }
 
 /// At most `most` sequences of grounds, whatever the robot can do.
-pub(super) fn choices<J: Jumper>(jumper: &J, course: &Course, terrain: &Terrain, most: usize) -> Vec<Choice> {
+pub(super) fn choices<J: Jumper>(
+    jumper: &J,
+    course: &Course,
+    terrain: &Terrain,
+    most: usize,
+) -> Vec<Choice> {
     let mut found = Vec::new();
-    let mut open: Vec<(&Ground, usize, Choice)> =
-        vec![(&terrain.start, 0, Choice { leaps: vec![], windows: vec![], grounds: vec![] })];
+    let mut open: Vec<(&Ground, usize, Choice)> = vec![(
+        &terrain.start,
+        0,
+        Choice {
+            leaps: vec![],
+            windows: vec![],
+            grounds: vec![],
+        },
+    )];
     while let Some((from, first, choice)) = open.pop() {
         let jump = choice.leaps.len();
         if jump == course.jumps {
@@ -118,8 +151,8 @@ pub(super) fn choices<J: Jumper>(jumper: &J, course: &Course, terrain: &Terrain,
     found
 }
 
-/// A problem whose course gives: two rows more for the goal, and a variable more for each row that gives and for each
-/// obstacle.
+/// A problem whose course gives: two rows more for the goal, and a variable more for each row that
+/// gives and for each obstacle.
 struct Elastic<'a, J> {
     problem: &'a Problem<'a, J>,
     course: &'a Course,
@@ -143,10 +176,21 @@ impl<'a, J: Jumper> Elastic<'a, J> {
         let rows = problem.rows(&start);
         let last = course.jumps - 1;
         let gives = |row: &usize| matches!(rows[*row], (jump, Limit::Landing(_)) if jump < last);
-        let soft = (0..rows.len()).filter(gives).chain([rows.len(), rows.len() + 1]).collect();
+        let soft = (0..rows.len())
+            .filter(gives)
+            .chain([rows.len(), rows.len() + 1])
+            .collect();
         let in_the_way = |o: &usize| problem.choice.leaps.iter().any(|leap| concerns(leap, *o));
         let sinking = (0..course.obstacles.len()).filter(in_the_way).collect();
-        Elastic { problem, course, goal, rows, soft, sinking, decisions: start.len() }
+        Elastic {
+            problem,
+            course,
+            goal,
+            rows,
+            soft,
+            sinking,
+            decisions: start.len(),
+        }
     }
 
     /// Where the obstacles' depths begin among the variables.
@@ -157,7 +201,10 @@ impl<'a, J: Jumper> Elastic<'a, J> {
     /// The choice's leaps with the obstacles sunk by `depths` (m).
     fn sunk(&self, depths: &[f64]) -> Choice {
         let depth = |obstacle: usize| {
-            self.sinking.iter().position(|o| *o == obstacle).map_or(0.0, |position| depths[position])
+            self.sinking
+                .iter()
+                .position(|o| *o == obstacle)
+                .map_or(0.0, |position| depths[position])
         };
         let mut choice = self.problem.choice.clone();
         for leap in &mut choice.leaps {
@@ -170,12 +217,19 @@ impl<'a, J: Jumper> Elastic<'a, J> {
         choice
     }
 
-    /// Cost and rows, with derivatives by the decisions, where the obstacles are sunk by `depths` (m).
+    /// Cost and rows, with derivatives by the decisions, where the obstacles are sunk by `depths`
+    /// (m).
     fn rows_of(&self, decisions: &[f64], depths: &[f64]) -> Evaluation {
         let mut at = Evaluation::default();
-        self.problem.over(&self.sunk(depths)).evaluate(decisions, &mut at);
-        // The last two rows are the landing's distances from the ends of its ground; the goal's differ by constants.
-        let (window, m) = (self.problem.choice.windows[self.course.jumps - 1], at.values.len());
+        self.problem
+            .over(&self.sunk(depths))
+            .evaluate(decisions, &mut at);
+        // The last two rows are the landing's distances from the ends of its ground; the goal's
+        // differ by constants.
+        let (window, m) = (
+            self.problem.choice.windows[self.course.jumps - 1],
+            at.values.len(),
+        );
         at.values.extend([
             at.values[m - 2] + window.low - self.goal.low,
             at.values[m - 1] + self.goal.high - window.high,
@@ -193,29 +247,67 @@ impl<'a, J: Jumper> Elastic<'a, J> {
     fn relief(&self, report: &sqp::Report, settings: &Settings) -> Relief {
         let n = self.decisions;
         if report.violation > ROUND_OFF.max(settings.solver.feasibility) {
-            return Relief { gives: Vec::new(), total: f64::INFINITY, decisions: Vec::new() };
+            return Relief {
+                gives: Vec::new(),
+                total: f64::INFINITY,
+                decisions: Vec::new(),
+            };
         }
         let give = |(&row, &amount): (&usize, &f64)| {
             let forward = if row == self.rows.len() { -1.0 } else { 1.0 };
-            let goal = Give { jump: self.course.jumps - 1, limit: Limit::Goal, amount: forward * amount };
-            self.rows.get(row).map_or(goal, |&(jump, limit)| Give { jump, limit, amount })
+            let goal = Give {
+                jump: self.course.jumps - 1,
+                limit: Limit::Goal,
+                amount: forward * amount,
+            };
+            self.rows.get(row).map_or(goal, |&(jump, limit)| Give {
+                jump,
+                limit,
+                amount,
+            })
         };
-        let (depths, level) = (&report.x[self.depths_from()..], vec![0.0; self.sinking.len()]);
+        let (depths, level) = (
+            &report.x[self.depths_from()..],
+            vec![0.0; self.sinking.len()],
+        );
         let blocked = self.rows_of(&report.x[..n], &level).values;
         let sink = |(&obstacle, &amount): (&usize, &f64)| {
             let is_its_own = |row: &(&(usize, Limit), &f64)| row.0.1.obstacle() == Some(obstacle);
             let rows = self.rows.iter().zip(&blocked).filter(is_its_own);
             let worst = rows.min_by(|a, b| a.1.total_cmp(b.1)).map(|(row, _)| *row);
-            let (jump, limit) = worst.unwrap_or((0, Limit::Edge { obstacle, side: Side::Front }));
-            Give { jump, limit, amount }
+            let (jump, limit) = worst.unwrap_or((
+                0,
+                Limit::Edge {
+                    obstacle,
+                    side: Side::Front,
+                },
+            ));
+            Give {
+                jump,
+                limit,
+                amount,
+            }
         };
         let sinks = self.sinking.iter().zip(depths).map(sink);
-        let mut gives: Vec<Give> = self.soft.iter().zip(&report.x[n..]).map(give).chain(sinks).collect();
+        let mut gives: Vec<Give> = self
+            .soft
+            .iter()
+            .zip(&report.x[n..])
+            .map(give)
+            .chain(sinks)
+            .collect();
         gives.retain(|g| g.amount.abs() > ROUND_OFF.max(settings.solver.feasibility));
         gives.sort_by(|a, b| b.amount.abs().total_cmp(&a.amount.abs()));
         let total = gives.iter().map(|g| g.amount.abs()).sum();
-        let decisions = report.x[..n].chunks_exact(2).map(|d| [d[0], d[1]]).collect();
-        Relief { gives, total, decisions }
+        let decisions = report.x[..n]
+            .chunks_exact(2)
+            .map(|d| [d[0], d[1]])
+            .collect();
+        Relief {
+            gives,
+            total,
+            decisions,
+        }
     }
 }
 
@@ -245,7 +337,11 @@ impl<J: Jumper> Nlp for Elastic<'_, J> {
         let mut bounds = self.problem.bounds();
         let most = 10.0 + (self.course.goal.high - self.course.start).abs();
         bounds.resize(self.depths_from(), Span::new(0.0, most));
-        bounds.extend(self.sinking.iter().map(|o| Span::new(0.0, self.course.obstacles[*o].height)));
+        bounds.extend(
+            self.sinking
+                .iter()
+                .map(|o| Span::new(0.0, self.course.obstacles[*o].height)),
+        );
         bounds
     }
 
@@ -257,7 +353,11 @@ impl<J: Jumper> Nlp for Elastic<'_, J> {
         let (n, size, first) = (self.decisions, x.len(), self.depths_from());
         let depths = &x[first..];
         let hard = self.rows_of(&x[..n], depths);
-        at.cost = if hard.cost.is_finite() { x[n..].iter().sum() } else { f64::NAN };
+        at.cost = if hard.cost.is_finite() {
+            x[n..].iter().sum()
+        } else {
+            f64::NAN
+        };
         at.gradient = (0..size).map(|i| if i < n { 0.0 } else { 1.0 }).collect();
         at.jacobian.clear();
         for row in hard.jacobian.chunks_exact(n) {
@@ -282,5 +382,10 @@ impl<J: Jumper> Nlp for Elastic<'_, J> {
 
 /// Whether an obstacle is in the way of a jump, beside it or under it.
 fn concerns(leap: &Leap, obstacle: usize) -> bool {
-    leap.on.contains(&Some(obstacle)) || leap.edges.iter().chain(&leap.beside).any(|e| e.obstacle == obstacle)
+    leap.on.contains(&Some(obstacle))
+        || leap
+            .edges
+            .iter()
+            .chain(&leap.beside)
+            .any(|e| e.obstacle == obstacle)
 }

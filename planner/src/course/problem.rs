@@ -19,8 +19,8 @@ pub(super) struct Choice {
 
 /// The program of a choice: two variables a jump, the footholds follow.
 ///
-/// Rows: the goal if it is exact, then jump after jump the jumper's margins and the landing's distances from the ends of
-/// its window.
+/// Rows: the goal if it is exact, then jump after jump the jumper's margins and the landing's
+/// distances from the ends of its window.
 pub(super) struct Problem<'a, J> {
     pub(super) jumper: &'a J,
     /// First foothold (m).
@@ -55,8 +55,9 @@ impl Keep {
 /// Most times that a program is solved until its landings keep what their deviations ask for.
 const ROUNDS: usize = 12;
 
-/// After so many, what is kept no longer changes with the decisions, and only grows from one solution to the next: where
-/// the cost hardly says which of several jumps to take, it could go to and fro between theirs.
+/// After so many, what is kept no longer changes with the decisions, and only grows from one
+/// solution to the next: where the cost hardly says which of several jumps to take, it could go to
+/// and fro between theirs.
 const LINEAR_ROUNDS: usize = 4;
 
 /// Part of a decision's range over which the slope of what is kept is taken.
@@ -64,7 +65,10 @@ const DIFFERENCE: f64 = 1e-3;
 
 impl<'a, J: Jumper> Problem<'a, J> {
     pub(super) fn new(jumper: &'a J, start: f64, choice: &'a Choice, sigmas: f64) -> Self {
-        let ends_exactly = choice.windows.last().is_some_and(|window| window.width() == 0.0);
+        let ends_exactly = choice
+            .windows
+            .last()
+            .is_some_and(|window| window.width() == 0.0);
         Problem {
             jumper,
             start,
@@ -80,7 +84,11 @@ impl<'a, J: Jumper> Problem<'a, J> {
     where
         'a: 'b,
     {
-        Problem { choice, keeps: self.keeps.clone(), ..*self }
+        Problem {
+            choice,
+            keeps: self.keeps.clone(),
+            ..*self
+        }
     }
 
     /// Takes what the landing of a jump keeps from the deviation of the jump with these decisions.
@@ -89,7 +97,11 @@ impl<'a, J: Jumper> Problem<'a, J> {
     }
 
     fn constant_keep(&self, leap: &Leap, at: [f64; 2]) -> Keep {
-        Keep { at, value: self.kept(leap, at), slope: [0.0; 2] }
+        Keep {
+            at,
+            value: self.kept(leap, at),
+            slope: [0.0; 2],
+        }
     }
 
     /// What the landing of a jump with these decisions has to keep (m).
@@ -105,38 +117,59 @@ impl<'a, J: Jumper> Problem<'a, J> {
         let value = self.kept(leap, at);
         let bounds = self.jumper.decisions(leap.jump);
         let slope = std::array::from_fn(|i| {
-            let towards =
-                if at[i] > f64::midpoint(bounds[i].low, bounds[i].high) { -DIFFERENCE } else { DIFFERENCE };
+            let towards = if at[i] > f64::midpoint(bounds[i].low, bounds[i].high) {
+                -DIFFERENCE
+            } else {
+                DIFFERENCE
+            };
             let step = towards * bounds[i].width();
             let mut moved = at;
             moved[i] += step;
-            if self.sigmas > 0.0 && step != 0.0 { (self.kept(leap, moved) - value) / step } else { 0.0 }
+            if self.sigmas > 0.0 && step != 0.0 {
+                (self.kept(leap, moved) - value) / step
+            } else {
+                0.0
+            }
         });
         Keep { at, value, slope }
     }
 
-    /// Takes what landings keep from the jumps over `leaps` with the decisions `x`, with its slope in the first rounds; by how much (m)
-    /// it was greater or less than the program had it, at most, and by how much greater. In later rounds it is more than
-    /// that by as much, and by `spare` (m), so that the next solution keeps enough.
+    /// Takes what landings keep from the jumps over `leaps` with the decisions `x`, with its slope
+    /// in the first rounds; by how much (m) it was greater or less than the program had it, at
+    /// most, and by how much greater. In later rounds it is more than that by as much, and by
+    /// `spare` (m), so that the next solution keeps enough.
     fn keep(&mut self, leaps: &[Leap], x: &[f64], round: usize, spare: f64) -> [f64; 2] {
         let (mut change, mut growth) = (0.0_f64, 0.0_f64);
         for (jump, leap) in leaps.iter().enumerate() {
             let at = [x[2 * jump], x[2 * jump + 1]];
             let before = self.keeps[jump].of(at.map(Slope::of)).value;
             let is_linear = round < LINEAR_ROUNDS;
-            let kept = if is_linear { self.linear_keep(leap, at) } else { self.constant_keep(leap, at) };
+            let kept = if is_linear {
+                self.linear_keep(leap, at)
+            } else {
+                self.constant_keep(leap, at)
+            };
             let grown = kept.value - before;
             growth = growth.max(grown);
             change = change.max(if is_linear { grown.abs() } else { grown });
-            let value = if grown > 0.0 { kept.value + grown + spare } else { before };
-            self.keeps[jump] = if round <= LINEAR_ROUNDS { kept } else { Keep { value, ..kept } };
+            let value = if grown > 0.0 {
+                kept.value + grown + spare
+            } else {
+                before
+            };
+            self.keeps[jump] = if round <= LINEAR_ROUNDS {
+                kept
+            } else {
+                Keep { value, ..kept }
+            };
         }
         [change, growth]
     }
 
-    /// Solves the program from `x`, whose first variables are the decisions, again and again until its landings keep what
-    /// the answer's deviations ask for. A deviation costs far more than a jump, and so it is not asked for at every step of
-    /// the solver but once for each solution, with its slope. `choice` gives the jumps of a solution.
+    /// Solves the program from `x`, whose first variables are the decisions, again and again until
+    /// its landings keep what the answer's deviations ask for. A deviation costs far more than a
+    /// jump, and so it is not asked for at every step of the solver but once for each solution,
+    /// with its slope. `choice` gives the jumps of a solution.
     pub(super) fn settle(
         &mut self,
         x: &[f64],
@@ -171,23 +204,40 @@ impl<'a, J: Jumper> Problem<'a, J> {
         margins.clear();
         let decisions = [Slope::variable(x[0], 1), Slope::variable(x[1], 2)];
         let leap = &self.choice.leaps[jump];
-        let flight = self.jumper.fly(leap, Slope::variable(foot, 0), decisions, margins);
+        let flight = self
+            .jumper
+            .fly(leap, Slope::variable(foot, 0), decisions, margins);
         let Span { low, high } = self.choice.windows[jump];
         if self.is_exact(jump) {
-            margins.push(Margin { limit: Limit::Goal, value: flight.landing - Slope::of(low) });
+            margins.push(Margin {
+                limit: Limit::Goal,
+                value: flight.landing - Slope::of(low),
+            });
         } else {
             let keep = self.keeps[jump].of(decisions);
-            let (after, before) =
-                (flight.landing - Slope::of(low) - keep, Slope::of(high) - flight.landing - keep);
-            margins.push(Margin { limit: Limit::Landing(Side::Front), value: after });
-            margins.push(Margin { limit: Limit::Landing(Side::Back), value: before });
+            let (after, before) = (
+                flight.landing - Slope::of(low) - keep,
+                Slope::of(high) - flight.landing - keep,
+            );
+            margins.push(Margin {
+                limit: Limit::Landing(Side::Front),
+                value: after,
+            });
+            margins.push(Margin {
+                limit: Limit::Landing(Side::Back),
+                value: before,
+            });
         }
         flight
     }
 
     /// Foothold (m) of a jump after a landing.
     pub(super) fn foothold(&self, jump: usize, landing: f64) -> f64 {
-        if jump == 0 { self.start } else { landing + self.jumper.roll(jump) }
+        if jump == 0 {
+            self.start
+        } else {
+            landing + self.jumper.roll(jump)
+        }
     }
 
     /// Jump and limit of each row.
@@ -195,10 +245,17 @@ impl<'a, J: Jumper> Problem<'a, J> {
         let (mut rows, mut margins, mut landing) = (Vec::new(), Vec::new(), self.start);
         for (jump, decisions) in x.chunks_exact(2).enumerate() {
             let foot = self.foothold(jump, landing);
-            landing = self.fly(jump, foot, [decisions[0], decisions[1]], &mut margins).landing.value;
+            landing = self
+                .fly(jump, foot, [decisions[0], decisions[1]], &mut margins)
+                .landing
+                .value;
             rows.extend(margins.iter().map(|m| (jump, m.limit)));
         }
-        let goal = if self.equalities() == 1 { rows.pop() } else { None };
+        let goal = if self.equalities() == 1 {
+            rows.pop()
+        } else {
+            None
+        };
         goal.into_iter().chain(rows).collect()
     }
 
@@ -210,7 +267,9 @@ impl<'a, J: Jumper> Problem<'a, J> {
 
 impl<J: Jumper> Nlp for Problem<'_, J> {
     fn bounds(&self) -> Vec<Span> {
-        (0..self.choice.leaps.len()).flat_map(|jump| self.jumper.decisions(jump)).collect()
+        (0..self.choice.leaps.len())
+            .flat_map(|jump| self.jumper.decisions(jump))
+            .collect()
     }
 
     fn equalities(&self) -> usize {
@@ -234,7 +293,9 @@ impl<J: Jumper> Nlp for Problem<'_, J> {
             let foot = self.foothold(jump, landing);
             let flight = self.fly(jump, foot, [decisions[0], decisions[1]], &mut margins);
             let spread = |slope: &[f64; 3], row: &mut [f64]| {
-                row.iter_mut().zip(&foot_slope).for_each(|(r, f)| *r += slope[0] * f);
+                row.iter_mut()
+                    .zip(&foot_slope)
+                    .for_each(|(r, f)| *r += slope[0] * f);
                 row[2 * jump] += slope[1];
                 row[2 * jump + 1] += slope[2];
             };

@@ -33,7 +33,11 @@ impl Qp {
     /// Solves it.
     pub(super) fn solve(&self) -> Outcome {
         let (n, m) = (self.gradient.len(), self.bounds.len());
-        let hessian = sparse(n, n, |i, j| if i <= j { self.hessian[j * n + i] } else { 0.0 });
+        let hessian = sparse(
+            n,
+            n,
+            |i, j| if i <= j { self.hessian[j * n + i] } else { 0.0 },
+        );
         // clarabel's rows are A x + s = b with s ≥ 0.
         let rows = sparse(m, n, |i, j| -self.rows[i * n + j]);
         let bounds: Vec<f64> = self.bounds.iter().map(|b| -b).collect();
@@ -41,24 +45,33 @@ impl Qp {
             SupportedConeT::ZeroConeT(self.equalities),
             SupportedConeT::NonnegativeConeT(m - self.equalities),
         ];
-        let cones = if self.equalities == 0 { &cones[1..] } else { &cones[..] };
-        let Ok(mut solver) = DefaultSolver::new(&hessian, &self.gradient, &rows, &bounds, cones, settings())
+        let cones = if self.equalities == 0 {
+            &cones[1..]
+        } else {
+            &cones[..]
+        };
+        let Ok(mut solver) =
+            DefaultSolver::new(&hessian, &self.gradient, &rows, &bounds, cones, settings())
         else {
             return Outcome::Stopped;
         };
         solver.solve();
         let solution = solver.solution;
         match solution.status {
-            SolverStatus::Solved | SolverStatus::AlmostSolved => {
-                Outcome::Solved { x: solution.x, multipliers: solution.z }
+            SolverStatus::Solved | SolverStatus::AlmostSolved => Outcome::Solved {
+                x: solution.x,
+                multipliers: solution.z,
+            },
+            SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => {
+                Outcome::Infeasible
             }
-            SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => Outcome::Infeasible,
             _ => Outcome::Stopped,
         }
     }
 }
 
-/// Small dense problems in, exact solutions out: no presolve, no scaling, tolerances near round-off.
+/// Small dense problems in, exact solutions out: no presolve, no scaling, tolerances near
+/// round-off.
 fn settings() -> DefaultSettings<f64> {
     DefaultSettings {
         verbose: false,
@@ -74,7 +87,10 @@ fn settings() -> DefaultSettings<f64> {
 /// The nonzero entries of a dense matrix, by columns.
 fn sparse(rows: usize, columns: usize, entry: impl Fn(usize, usize) -> f64) -> CscMatrix<f64> {
     let mut starts = vec![0];
-    let (mut row_of, mut values) = (Vec::with_capacity(rows * columns), Vec::with_capacity(rows * columns));
+    let (mut row_of, mut values) = (
+        Vec::with_capacity(rows * columns),
+        Vec::with_capacity(rows * columns),
+    );
     for j in 0..columns {
         for i in 0..rows {
             let value = entry(i, j);

@@ -1,19 +1,21 @@
 //! Which jump lands where: best-first branch and bound.
 //!
-//! Sequences of grounds are grown jump by jump, always the one with the least bound (see [`choices`](super::choices)); one
-//! that is taken up is grown to its end along its best links, so that there is soon a plan to be better than. Once every
-//! jump has its ground, it is a node.
+//! Sequences of grounds are grown jump by jump, always the one with the least bound (see
+//! [`choices`](super::choices)); one that is taken up is grown to its end along its best links, so
+//! that there is soon a plan to be better than. Once every jump has its ground, it is a node.
 //!
-//! Of a jumper that makes sketches the first plan is the cheapest way over a lattice of footholds (see
-//! [`lattice`](super::lattice)), and so is the solver's start in each node. A node is given up where its lattice has no
-//! way, or one that is far dearer than the cheapest: as the jumper's bounds, the lattice sees what is sampled.
+//! Of a jumper that makes sketches the first plan is the cheapest way over a lattice of footholds
+//! (see [`lattice`](super::lattice)), and so is the solver's start in each node. A node is given up
+//! where its lattice has no way, or one that is far dearer than the cheapest: as the jumper's
+//! bounds, the lattice sees what is sampled.
 //!
-//! A node is a choice of grounds with, for each jump, a window for its landing and a span for its distance. Its bound is
-//! the least sum of the jumps' envelopes, which ignores what envelopes cannot see. Where the footholds of that bound,
-//! with the jumps that reach them best, already cost no more than the bound, the node is done; otherwise the jump that
-//! costs most above its envelope has its window or its distance split in two. The node with the least bound is always
-//! next, so what is left when the search ends cannot be better than its answer by more than the gap. A search that stops
-//! at a limit, or is told to, says what bound is left.
+//! A node is a choice of grounds with, for each jump, a window for its landing and a span for its
+//! distance. Its bound is the least sum of the jumps' envelopes, which ignores what envelopes
+//! cannot see. Where the footholds of that bound, with the jumps that reach them best, already cost
+//! no more than the bound, the node is done; otherwise the jump that costs most above its envelope
+//! has its window or its distance split in two. The node with the least bound is always next, so
+//! what is left when the search ends cannot be better than its answer by more than the gap. A
+//! search that stops at a limit, or is told to, says what bound is left.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -37,8 +39,9 @@ pub struct Settings {
     pub sigmas: f64,
     /// By how much the cost may exceed the least one.
     pub gap: f64,
-    /// Width (m) of windows and distances below which they are not split but left to the solver. Infinite: one solution
-    /// for each choice of grounds, right where the program of a choice has one local optimum.
+    /// Width (m) of windows and distances below which they are not split but left to the solver.
+    /// Infinite: one solution for each choice of grounds, right where the program of a choice has
+    /// one local optimum.
     pub resolution: f64,
     /// Most nodes to look at.
     pub nodes: usize,
@@ -83,14 +86,15 @@ pub struct Plan {
     pub jumps: Vec<Jump>,
     /// Sum of the jumps' costs.
     pub cost: f64,
-    /// No plan costs less than this, as far as the jumper's envelopes and sketches see; infinite resolution: no choice's
-    /// relaxation does.
+    /// No plan costs less than this, as far as the jumper's envelopes and sketches see; infinite
+    /// resolution: no choice's relaxation does.
     pub bound: f64,
     /// Nodes looked at.
     pub nodes: usize,
     /// Programs solved by SQP, beside the last.
     pub solves: usize,
-    /// Whether the search ran to its end, so that `bound` is within the gap of `cost`, and not into its limit of nodes.
+    /// Whether the search ran to its end, so that `bound` is within the gap of `cost`, and not into
+    /// its limit of nodes.
     pub complete: bool,
     /// The solver's last word on the choice.
     pub report: sqp::Report,
@@ -125,11 +129,16 @@ pub struct Standing {
 ///
 /// # Errors
 /// [`CourseError`] if the course holds a value that is not allowed.
-pub fn plan<J: Jumper>(jumper: &J, course: &Course, settings: &Settings) -> Result<Answer, CourseError> {
+pub fn plan<J: Jumper>(
+    jumper: &J,
+    course: &Course,
+    settings: &Settings,
+) -> Result<Answer, CourseError> {
     plan_watched(jumper, course, settings, &|_| ControlFlow::Continue(()))
 }
 
-/// As [`plan`], with `watch` told how far the search is; it may stop it, and gets the best answer so far.
+/// As [`plan`], with `watch` told how far the search is; it may stop it, and gets the best answer
+/// so far.
 ///
 /// # Errors
 /// As [`plan`].
@@ -163,26 +172,38 @@ pub fn plan_watched<J: Jumper>(
         let Some(mut choice) = choice.filter(|_| relief.total <= 0.0) else {
             return Ok(Answer::Infeasible(relief));
         };
-        // Nothing has to give: the solver did not find its way from where it started, but is there already.
+        // Nothing has to give: the solver did not find its way from where it started, but is there
+        // already.
         if let Some(last) = choice.windows.last_mut() {
             *last = last.meet(terrain.goal);
         }
         search.choices.push(choice);
         let (choice, decisions) = (search.choices.len() - 1, relief.decisions.as_flattened());
-        let as_it_is = sqp::Settings { iterations: 0, ..settings.solver };
-        let found =
-            search.solve(choice, decisions, &settings.solver) || search.solve(choice, decisions, &as_it_is);
+        let as_it_is = sqp::Settings {
+            iterations: 0,
+            ..settings.solver
+        };
+        let found = search.solve(choice, decisions, &settings.solver)
+            || search.solve(choice, decisions, &as_it_is);
         return Ok(match &search.best {
             Some(best) if found => {
-                let bound = choices.start().map_or(best.cost, |start| start.bound.min(best.cost));
+                let bound = choices
+                    .start()
+                    .map_or(best.cost, |start| start.bound.min(best.cost));
                 Answer::Plan(search.finish(best, bound, false))
             }
-            _ => Answer::Undecided { nodes: search.nodes, solves: search.solves },
+            _ => Answer::Undecided {
+                nodes: search.nodes,
+                solves: search.solves,
+            },
         });
     }
     Ok(match &search.best {
         Some(best) => Answer::Plan(search.finish(best, bound.min(best.cost), complete)),
-        None => Answer::Undecided { nodes: search.nodes, solves: search.solves },
+        None => Answer::Undecided {
+            nodes: search.nodes,
+            solves: search.solves,
+        },
     })
 }
 
@@ -192,19 +213,22 @@ const SOLVE_BASE: usize = 16;
 /// Quadratic programs that are spent on one such attempt.
 const SEARCH_ITERATIONS: usize = 8;
 
-/// First trust region of such an attempt: the relaxed footholds are near, and few rows matter within it.
+/// First trust region of such an attempt: the relaxed footholds are near, and few rows matter
+/// within it.
 const SEARCH_RADIUS: f64 = 0.03;
 
-/// Up to so many jumps each choice is solved from all starts, in case that it has several local optima; unless there is a
-/// way over the lattice, which is the best start.
+/// Up to so many jumps each choice is solved from all starts, in case that it has several local
+/// optima; unless there is a way over the lattice, which is the best start.
 const THOROUGH: usize = 4;
 
-/// Choices whose cheapest way over the lattice costs more than so many times the cheapest one of all are not solved; a
-/// lattice misses the cost of its best plan by about [`LATTICE_ERROR`] and by a small part of it.
+/// Choices whose cheapest way over the lattice costs more than so many times the cheapest one of
+/// all are not solved; a lattice misses the cost of its best plan by about [`LATTICE_ERROR`] and by
+/// a small part of it.
 const DEAR: f64 = 2.0;
 const LATTICE_ERROR: f64 = 1e-3;
 
-/// What a jump that cannot be made counts for above its envelope (in units of the cost), to weigh it against others.
+/// What a jump that cannot be made counts for above its envelope (in units of the cost), to weigh
+/// it against others.
 const INFEASIBLE_EXCESS: f64 = 0.1;
 
 /// Part of a choice.
@@ -258,9 +282,13 @@ impl PartialOrd for Open {
     }
 }
 impl Ord for Open {
-    /// The greatest is the next one to look at; of equal ones the first made, so that the order is fixed.
+    /// The greatest is the next one to look at; of equal ones the first made, so that the order is
+    /// fixed.
     fn cmp(&self, other: &Open) -> Ordering {
-        other.bound.total_cmp(&self.bound).then(other.serial.cmp(&self.serial))
+        other
+            .bound
+            .total_cmp(&self.bound)
+            .then(other.serial.cmp(&self.serial))
     }
 }
 
@@ -308,18 +336,28 @@ impl<J: Jumper> Search<'_, J> {
             if let Some(way) = self.way(&self.sequences.places()) {
                 self.cheapest_way = Some(way.cost);
                 self.choices.push(self.sequences.choice(&way.grounds));
-                self.solve(self.choices.len() - 1, &way.decisions, &self.settings.solver);
+                self.solve(
+                    self.choices.len() - 1,
+                    &way.decisions,
+                    &self.settings.solver,
+                );
             }
             self.push(start.bound, Part::Prefix(start));
         }
         while let Some(open) = self.open.pop() {
             let bound = open.bound;
             if bound >= self.worth() {
-                return End { bound, complete: true };
+                return End {
+                    bound,
+                    complete: true,
+                };
             }
             let standing = self.standing(bound);
             if standing.share >= 1.0 || (self.watch)(&standing).is_break() {
-                return End { bound, complete: false };
+                return End {
+                    bound,
+                    complete: false,
+                };
             }
             self.nodes += 1;
             match open.part {
@@ -327,7 +365,10 @@ impl<J: Jumper> Search<'_, J> {
                 Part::Node(node) => self.look_at(&node),
             }
         }
-        End { bound: f64::INFINITY, complete: true }
+        End {
+            bound: f64::INFINITY,
+            complete: true,
+        }
     }
 
     /// How far the search is, if what is open costs no less than `bound`.
@@ -335,21 +376,35 @@ impl<J: Jumper> Search<'_, J> {
         let work = self.solves * self.course.jumps;
         let share = |done: usize, most: usize| done as f64 / most as f64;
         let share = share(self.nodes, self.settings.nodes).max(share(work, self.settings.work));
-        Standing { share, gap: self.best.as_ref().map_or(f64::INFINITY, |b| b.cost - bound) }
+        Standing {
+            share,
+            gap: self.best.as_ref().map_or(f64::INFINITY, |b| b.cost - bound),
+        }
     }
 
     fn push(&mut self, bound: f64, part: Part) {
-        self.open.push(Open { bound, serial: self.serial, part });
+        self.open.push(Open {
+            bound,
+            serial: self.serial,
+            part,
+        });
         self.serial += 1;
     }
 
     /// The cheapest way over a lattice of footholds.
     fn way(&self, places: &[Vec<Place>]) -> Option<Way> {
-        lattice::way(self.jumper, self.course, self.sequences.terrain, places, self.settings.sigmas)
+        lattice::way(
+            self.jumper,
+            self.course,
+            self.sequences.terrain,
+            places,
+            self.settings.sigmas,
+        )
     }
 
-    /// Where the solver starts for a node that is not split, the most promising last: the cheapest way over the node's
-    /// lattice. A node without one, where other nodes have one, is given up once there is a plan.
+    /// Where the solver starts for a node that is not split, the most promising last: the cheapest
+    /// way over the node's lattice. A node without one, where other nodes have one, is given up
+    /// once there is a plan.
     fn starts(&self, node: &Node, trial: Trial) -> Vec<Vec<f64>> {
         let choice = &self.choices[node.choice];
         let places: Vec<Vec<Place>> = choice
@@ -360,14 +415,19 @@ impl<J: Jumper> Search<'_, J> {
             .collect();
         let way = self.way(&places);
         let is_dear = |way: &Way| {
-            self.cheapest_way.is_some_and(|cheapest| way.cost > DEAR * (cheapest + LATTICE_ERROR))
+            self.cheapest_way
+                .is_some_and(|cheapest| way.cost > DEAR * (cheapest + LATTICE_ERROR))
         };
         let is_given_up = way.as_ref().map_or(self.cheapest_way.is_some(), is_dear);
         if is_given_up && self.best.is_some() {
             return Vec::new();
         }
-        // Relaxed footholds are often extreme, as many cost the same; even distances are far from every limit.
-        let mut starts = vec![trial.decisions, evenly(&self.problem(node.choice), self.course)];
+        // Relaxed footholds are often extreme, as many cost the same; even distances are far from
+        // every limit.
+        let mut starts = vec![
+            trial.decisions,
+            evenly(&self.problem(node.choice), self.course),
+        ];
         starts.extend(way.map(|way| way.decisions));
         starts
     }
@@ -376,7 +436,10 @@ impl<J: Jumper> Search<'_, J> {
     fn dive(&mut self, mut prefix: Prefix) {
         loop {
             if let Some(choice) = self.sequences.finished(&prefix) {
-                let (windows, reach) = (choice.windows.clone(), vec![Span::ALL; choice.windows.len()]);
+                let (windows, reach) = (
+                    choice.windows.clone(),
+                    vec![Span::ALL; choice.windows.len()],
+                );
                 self.choices.push(choice);
                 match self.node(self.choices.len() - 1, windows, reach, &[]) {
                     // Without a plan, everything is worth looking at.
@@ -398,19 +461,32 @@ impl<J: Jumper> Search<'_, J> {
 
     /// A cost that is worth finding is below this.
     fn worth(&self) -> f64 {
-        self.best.as_ref().map_or(f64::INFINITY, |b| b.cost - self.settings.gap)
+        self.best
+            .as_ref()
+            .map_or(f64::INFINITY, |b| b.cost - self.settings.gap)
     }
 
     fn problem(&self, choice: usize) -> Problem<'_, J> {
-        Problem::new(self.jumper, self.course.start, &self.choices[choice], self.settings.sigmas)
+        Problem::new(
+            self.jumper,
+            self.course.start,
+            &self.choices[choice],
+            self.settings.sigmas,
+        )
     }
 
-    /// Tries the node's relaxed footholds, then splits it, or solves it where it is too small to be split.
+    /// Tries the node's relaxed footholds, then splits it, or solves it where it is too small to be
+    /// split.
     fn look_at(&mut self, node: &Node) {
         let trial = self.aim(node);
         if trial.cost.is_finite() {
             let decisions = trial.decisions.clone();
-            self.offer(Best { choice: node.choice, decisions, cost: trial.cost, report: None });
+            self.offer(Best {
+                choice: node.choice,
+                decisions,
+                cost: trial.cost,
+                report: None,
+            });
         }
         if node.bound >= self.worth() {
             return;
@@ -447,9 +523,15 @@ impl<J: Jumper> Search<'_, J> {
         );
         let is_plan = report.violation <= self.settings.solver.feasibility;
         if is_plan {
-            let is_final = report.status == sqp::Status::Converged && *solver == self.settings.solver;
+            let is_final =
+                report.status == sqp::Status::Converged && *solver == self.settings.solver;
             let (decisions, cost) = (report.x.clone(), report.cost);
-            self.offer(Best { choice, decisions, cost, report: is_final.then_some(report) });
+            self.offer(Best {
+                choice,
+                decisions,
+                cost,
+                report: is_final.then_some(report),
+            });
         }
         is_plan
     }
@@ -463,11 +545,17 @@ impl<J: Jumper> Search<'_, J> {
     /// The best jumps between the relaxed footholds.
     fn aim(&self, node: &Node) -> Trial {
         let mut problem = self.problem(node.choice);
-        let mut trial = Trial { decisions: Vec::new(), excess: Vec::new(), cost: 0.0 };
+        let mut trial = Trial {
+            decisions: Vec::new(),
+            excess: Vec::new(),
+            cost: 0.0,
+        };
         let (mut margins, mut landing) = (Vec::with_capacity(16), self.course.start);
         for (jump, [target, floor]) in node.relaxed.iter().enumerate() {
             let foot = problem.foothold(jump, landing);
-            let decisions = self.jumper.aim(&self.choices[node.choice].leaps[jump], foot, *target);
+            let decisions = self
+                .jumper
+                .aim(&self.choices[node.choice].leaps[jump], foot, *target);
             problem.keep_for(jump, decisions);
             let flight = problem.fly(jump, foot, decisions, &mut margins);
             let tolerance = self.settings.solver.feasibility;
@@ -475,7 +563,11 @@ impl<J: Jumper> Search<'_, J> {
             let allowed = (0..2).all(|i| bounds[i].clamp(decisions[i]) == decisions[i])
                 && (flight.landing.value - target).abs() <= tolerance
                 && margins.iter().all(|m| m.value.value >= -tolerance);
-            let cost = if allowed { flight.cost.value } else { f64::INFINITY };
+            let cost = if allowed {
+                flight.cost.value
+            } else {
+                f64::INFINITY
+            };
             trial.excess.push(cost - floor);
             trial.cost += cost;
             trial.decisions.extend(decisions);
@@ -484,8 +576,8 @@ impl<J: Jumper> Search<'_, J> {
         trial
     }
 
-    /// Halves a window or a distance, the one with the greatest width times excess of a jump that depends on it; false if
-    /// all of that is narrow.
+    /// Halves a window or a distance, the one with the greatest width times excess of a jump that
+    /// depends on it; false if all of that is narrow.
     fn split(&mut self, node: &Node, trial: &Trial) -> bool {
         let choice = &self.choices[node.choice];
         let mut widest = (0.0, None);
@@ -508,7 +600,9 @@ impl<J: Jumper> Search<'_, J> {
             }
             before = node.windows[jump];
         }
-        let Some((span, part)) = widest.1 else { return false };
+        let Some((span, part)) = widest.1 else {
+            return false;
+        };
         let at = f64::midpoint(span.low, span.high);
         for half in [Span::new(span.low, at), Span::new(at, span.high)] {
             let (mut windows, mut reach) = (node.windows.clone(), node.reach.clone());
@@ -523,8 +617,8 @@ impl<J: Jumper> Search<'_, J> {
         true
     }
 
-    /// The part of a choice within windows and distances, unless its bound says that it is not worth it. What is `known`
-    /// of the jumps' envelopes is used again where it holds.
+    /// The part of a choice within windows and distances, unless its bound says that it is not
+    /// worth it. What is `known` of the jumps' envelopes is used again where it holds.
     fn node(
         &self,
         choice: usize,
@@ -534,7 +628,14 @@ impl<J: Jumper> Search<'_, J> {
     ) -> Option<Node> {
         let bounded = self.bound(&self.choices[choice], &mut windows, &mut reach, known)?;
         let (bound, relaxed) = self.relax(&bounded)?;
-        (bound < self.worth()).then_some(Node { choice, windows, reach, bound, bounded, relaxed })
+        (bound < self.worth()).then_some(Node {
+            choice,
+            windows,
+            reach,
+            bound,
+            bounded,
+            relaxed,
+        })
     }
 
     /// Narrows windows and distances to what the jumps can do, and bounds each jump's cost.
@@ -558,12 +659,18 @@ impl<J: Jumper> Search<'_, J> {
             };
             let envelope = match known.get(jump).filter(holds) {
                 Some(known) => known.envelope,
-                None => self.jumper.envelope(leap, feet, windows[jump], reach[jump])?,
+                None => self
+                    .jumper
+                    .envelope(leap, feet, windows[jump], reach[jump])?,
             };
             reach[jump] = envelope.reach();
             windows[jump] = windows[jump].meet(feet + reach[jump]);
             landing = windows[jump];
-            bounded.push(Bounded { feet, window: landing, envelope });
+            bounded.push(Bounded {
+                feet,
+                window: landing,
+                envelope,
+            });
         }
         Some(bounded)
     }
@@ -592,7 +699,12 @@ impl<J: Jumper> Search<'_, J> {
         let mut problem = self.problem(best.choice);
         let solver = &self.settings.solver;
         let solve = || {
-            problem.settle(&best.decisions, solver, |p, _| p.choice.clone(), |p, x| sqp::solve(p, x, solver))
+            problem.settle(
+                &best.decisions,
+                solver,
+                |p, _| p.choice.clone(),
+                |p, x| sqp::solve(p, x, solver),
+            )
         };
         let mut report = best.report.clone().unwrap_or_else(solve);
         if report.violation > self.settings.solver.feasibility || report.cost > best.cost {

@@ -13,9 +13,15 @@ pub struct Span {
 
 impl Span {
     /// Every number.
-    pub const ALL: Span = Span { low: f64::NEG_INFINITY, high: f64::INFINITY };
+    pub const ALL: Span = Span {
+        low: f64::NEG_INFINITY,
+        high: f64::INFINITY,
+    };
     /// No number.
-    pub const NONE: Span = Span { low: f64::INFINITY, high: f64::NEG_INFINITY };
+    pub const NONE: Span = Span {
+        low: f64::INFINITY,
+        high: f64::NEG_INFINITY,
+    };
 
     /// From `low` to `high`.
     pub const fn new(low: f64, high: f64) -> Span {
@@ -40,19 +46,28 @@ impl Span {
     /// What both hold.
     #[must_use]
     pub fn meet(self, other: Span) -> Span {
-        Span { low: self.low.max(other.low), high: self.high.min(other.high) }
+        Span {
+            low: self.low.max(other.low),
+            high: self.high.min(other.high),
+        }
     }
 
     /// The least span that holds both.
     #[must_use]
     pub fn hull(self, other: Span) -> Span {
-        Span { low: self.low.min(other.low), high: self.high.max(other.high) }
+        Span {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+        }
     }
 
     /// The same with both ends moved outward by `by`; inward where that is negative.
     #[must_use]
     pub fn widened(self, by: f64) -> Span {
-        Span { low: self.low - by, high: self.high + by }
+        Span {
+            low: self.low - by,
+            high: self.high + by,
+        }
     }
 
     /// The number in it that is nearest to `x`; `low` where empty.
@@ -64,13 +79,19 @@ impl Span {
 impl Add for Span {
     type Output = Span;
     fn add(self, o: Span) -> Span {
-        Span { low: self.low + o.low, high: self.high + o.high }
+        Span {
+            low: self.low + o.low,
+            high: self.high + o.high,
+        }
     }
 }
 
 impl Sub for Span {
     type Output = Span;
     fn sub(self, o: Span) -> Span {
-        Span { low: self.low - o.high, high: self.high - o.low }
+        Span {
+            low: self.low - o.high,
+            high: self.high - o.low,
+        }
     }
 }

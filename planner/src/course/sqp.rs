@@ -1,26 +1,28 @@
 //! Sequential quadratic programming with exact first derivatives.
 //!
-//! At each iterate the constraints are linearised, the Lagrangian's Hessian is taken by differences of exact gradients
-//! and made positive semidefinite, and the quadratic program is solved within a trust region, a box in units of the
-//! variables' ranges. A step is taken if it lowers the exact penalty function
+//! At each iterate the constraints are linearised, the Lagrangian's Hessian is taken by differences
+//! of exact gradients and made positive semidefinite, and the quadratic program is solved within a
+//! trust region, a box in units of the variables' ranges. A step is taken if it lowers the exact
+//! penalty function
 //!
 //! ```text
 //! φ(x) = f(x) + ν · greatest violation
 //! ```
 //!
-//! An iterate that violates a constraint gets an elastic program: one more variable, how much every row gives way, at
-//! the price ν. So no subproblem is infeasible, and a program without a feasible point ends where the greatest violation
-//! is locally least.
+//! An iterate that violates a constraint gets an elastic program: one more variable, how much every
+//! row gives way, at the price ν. So no subproblem is infeasible, and a program without a feasible
+//! point ends where the greatest violation is locally least.
 //!
-//! Source: Nocedal & Wright, Numerical Optimization, 2nd ed., chapter 18 (18.5, Sℓ1QP), with the greatest violation in
-//! place of their sum.
+//! Source: Nocedal & Wright, Numerical Optimization, 2nd ed., chapter 18 (18.5, Sℓ1QP), with the
+//! greatest violation in place of their sum.
 
 use nalgebra::DMatrix;
 
 use super::Span;
 use super::qp::{Outcome, Qp};
 
-/// A smooth program: least cost with values = 0 in the first rows and ≥ 0 in the others, within bounds.
+/// A smooth program: least cost with values = 0 in the first rows and ≥ 0 in the others, within
+/// bounds.
 pub trait Nlp {
     /// Allowed values of each variable; finite and with a width, which is its unit in the solver.
     fn bounds(&self) -> Vec<Span>;
@@ -30,7 +32,8 @@ pub trait Nlp {
     fn evaluate(&self, x: &[f64], at: &mut Evaluation);
 }
 
-/// Cost and rows of a program, with derivatives. What is not finite counts as a point that cannot be used.
+/// Cost and rows of a program, with derivatives. What is not finite counts as a point that cannot
+/// be used.
 #[derive(Clone, Debug, Default)]
 pub struct Evaluation {
     /// Cost.
@@ -58,7 +61,12 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { iterations: 100, tolerance: 1e-10, feasibility: 1e-10, radius: 0.1 }
+        Settings {
+            iterations: 100,
+            tolerance: 1e-10,
+            feasibility: 1e-10,
+            radius: 0.1,
+        }
     }
 }
 
@@ -83,14 +91,15 @@ pub enum Status {
 pub struct Report {
     /// Why it stopped.
     pub status: Status,
-    /// The last iterate; if a row is violated there, the cheapest at which all held, where there was one.
+    /// The last iterate; if a row is violated there, the cheapest at which all held, where there
+    /// was one.
     pub x: Vec<f64>,
     /// Cost there.
     pub cost: f64,
     /// Greatest violation of a row there.
     pub violation: f64,
-    /// Greatest component of the Lagrangian's gradient there, in units of the variables' ranges; components that push
-    /// against a bound do not count.
+    /// Greatest component of the Lagrangian's gradient there, in units of the variables' ranges;
+    /// components that push against a bound do not count.
     pub kkt_residual: f64,
     /// Multipliers of the rows.
     pub multipliers: Vec<f64>,
@@ -101,7 +110,8 @@ pub struct Report {
 /// Greatest price of a violation.
 const PRICE_LIMIT: f64 = 1e8;
 
-/// The price is raised by this factor, up to this limit, where the rows then give way by no more than this part.
+/// The price is raised by this factor, up to this limit, where the rows then give way by no more
+/// than this part.
 const STEERING: f64 = 10.0;
 const STEERING_LIMIT: f64 = 1e6;
 const STEERED: f64 = 0.9;
@@ -109,8 +119,8 @@ const STEERED: f64 = 0.9;
 /// Least size of the trust region.
 const RADIUS_LIMIT: f64 = 1e-9;
 
-/// Steps (in units of the ranges) that do what they promise and changes of the multipliers (of their sum) below these
-/// leave the Hessian as it is.
+/// Steps (in units of the ranges) that do what they promise and changes of the multipliers (of
+/// their sum) below these leave the Hessian as it is.
 const SHORT: f64 = 0.01;
 const STEADY: f64 = 0.05;
 
@@ -183,7 +193,8 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         iterate
     }
 
-    /// One quadratic program, and the step if it is good. The status if there is nothing left to do.
+    /// One quadratic program, and the step if it is good. The status if there is nothing left to
+    /// do.
     fn advance(&mut self) -> Option<Status> {
         let (violation, row) = self.violation(&self.at);
         let Some(step) = self.propose(violation) else {
@@ -204,10 +215,11 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         None
     }
 
-    /// Takes the step, or the step and a second one from where it leads, if the penalty function falls by a fair part of
-    /// the promise, and fits the trust region to it.
+    /// Takes the step, or the step and a second one from where it leads, if the penalty function
+    /// falls by a fair part of the promise, and fits the trust region to it.
     ///
-    /// A step along a curved constraint, or along a curved valley of the cost, leaves it; the second one leads back.
+    /// A step along a curved constraint, or along a curved valley of the cost, leaves it; the
+    /// second one leads back.
     fn try_step(&mut self, step: &Step, violation: f64, promise: f64) {
         let mut x = self.moved(&step.d);
         let mut ratio = self.fall(&x, violation) / promise;
@@ -240,16 +252,27 @@ impl<'a, P: Nlp> Iterate<'a, P> {
 
     /// Whether the multipliers are no longer about those of the Hessian.
     fn multipliers_moved(&self) -> bool {
-        let moved: f64 = self.multipliers.iter().zip(&self.weights).map(|(a, b)| (a - b).abs()).sum();
+        let moved: f64 = self
+            .multipliers
+            .iter()
+            .zip(&self.weights)
+            .map(|(a, b)| (a - b).abs())
+            .sum();
         moved > STEADY * self.multipliers.iter().map(|m| m.abs()).sum::<f64>()
     }
 
     /// The iterate after a step.
     fn moved(&self, d: &[f64]) -> Vec<f64> {
-        self.x.iter().zip(d).zip(&self.bounds).map(|((x, d), b)| b.clamp(x + d * b.width())).collect()
+        self.x
+            .iter()
+            .zip(d)
+            .zip(&self.bounds)
+            .map(|((x, d), b)| b.clamp(x + d * b.width()))
+            .collect()
     }
 
-    /// By how much the penalty function falls from here, where the violation is `violation`, to `x`.
+    /// By how much the penalty function falls from here, where the violation is `violation`, to
+    /// `x`.
     fn fall(&mut self, x: &[f64], violation: f64) -> f64 {
         self.nlp.evaluate(x, &mut self.trial);
         let after = self.violation(&self.trial).0;
@@ -258,20 +281,27 @@ impl<'a, P: Nlp> Iterate<'a, P> {
 
     /// Keeps the iterate if every row holds and none of those was cheaper.
     fn remember(&mut self) {
-        let is_cheaper = self.best.as_ref().is_none_or(|(_, best)| self.at.cost < best.cost);
+        let is_cheaper = self
+            .best
+            .as_ref()
+            .is_none_or(|(_, best)| self.at.cost < best.cost);
         if is_cheaper && self.violation(&self.at).0 <= self.settings.feasibility {
             self.best = Some((self.x.clone(), self.at.clone()));
         }
     }
 
-    /// Where the step from `x` leads, whose evaluation is the trial, with the Hessian as it is (the watchdog technique,
-    /// Nocedal & Wright, 15.6).
+    /// Where the step from `x` leads, whose evaluation is the trial, with the Hessian as it is (the
+    /// watchdog technique, Nocedal & Wright, 15.6).
     fn onward(&mut self, x: &[f64]) -> Option<Vec<f64>> {
         let (multipliers, price) = (self.multipliers.clone(), self.price);
         let here = std::mem::replace(&mut self.x, x.to_vec());
         std::mem::swap(&mut self.at, &mut self.trial);
         let (violation, _) = self.violation(&self.at);
-        let step = if violation.is_finite() { self.propose(violation) } else { None };
+        let step = if violation.is_finite() {
+            self.propose(violation)
+        } else {
+            None
+        };
         let onward = step.map(|step| self.moved(&step.d));
         std::mem::swap(&mut self.at, &mut self.trial);
         self.x = here;
@@ -282,11 +312,29 @@ impl<'a, P: Nlp> Iterate<'a, P> {
     /// Greatest violation of a row, and which; infinite where a value is not finite.
     fn violation(&self, at: &Evaluation) -> (f64, usize) {
         let equalities = self.nlp.equalities();
-        let mut worst = (if at.cost.is_finite() { 0.0 } else { f64::INFINITY }, 0);
+        let mut worst = (
+            if at.cost.is_finite() {
+                0.0
+            } else {
+                f64::INFINITY
+            },
+            0,
+        );
         for (row, &value) in at.values.iter().enumerate() {
-            let violation = if row < equalities { value.abs() } else { -value };
+            let violation = if row < equalities {
+                value.abs()
+            } else {
+                -value
+            };
             if violation > worst.0 || violation.is_nan() {
-                worst = (if violation.is_nan() { f64::INFINITY } else { violation }, row);
+                worst = (
+                    if violation.is_nan() {
+                        f64::INFINITY
+                    } else {
+                        violation
+                    },
+                    row,
+                );
             }
         }
         worst
@@ -299,13 +347,26 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         let elastic = violation > self.settings.feasibility;
         let rows = self.relevant_rows();
         let mut qp = self.subproblem(&rows, elastic);
-        let Outcome::Solved { x: mut d, mut multipliers } = qp.solve() else { return None };
+        let Outcome::Solved {
+            x: mut d,
+            mut multipliers,
+        } = qp.solve()
+        else {
+            return None;
+        };
         if elastic {
-            // A price below what the cost gains from a violation leads away from what is allowed: it is raised as long as
-            // the rows then give way less (steering; Byrd, Nocedal & Waltz, Optim. Methods Softw. 23, 2008).
+            // A price below what the cost gains from a violation leads away from what is allowed:
+            // it is raised as long as the rows then give way less (steering; Byrd, Nocedal & Waltz,
+            // Optim. Methods Softw. 23, 2008).
             while d[n] > self.settings.feasibility && self.price < STEERING_LIMIT {
                 qp.gradient[n] = STEERING * self.price;
-                let Outcome::Solved { x, multipliers: raised } = qp.solve() else { break };
+                let Outcome::Solved {
+                    x,
+                    multipliers: raised,
+                } = qp.solve()
+                else {
+                    break;
+                };
                 if x[n] > STEERED * d[n] {
                     break;
                 }
@@ -340,20 +401,32 @@ impl<'a, P: Nlp> Iterate<'a, P> {
             let slopes = self.at.jacobian[row * n..][..n].iter().zip(&self.bounds);
             self.radius * slopes.map(|(s, b)| (s * b.width()).abs()).sum::<f64>()
         };
-        let relevant = |&row: &usize| row < self.nlp.equalities() || self.at.values[row] <= can_fall(row);
+        let relevant =
+            |&row: &usize| row < self.nlp.equalities() || self.at.values[row] <= can_fall(row);
         (0..self.at.values.len()).filter(relevant).collect()
     }
 
-    /// The quadratic program in the step, in units of the ranges, and, if elastic, in the give of the rows.
+    /// The quadratic program in the step, in units of the ranges, and, if elastic, in the give of
+    /// the rows.
     fn subproblem(&self, rows: &[usize], elastic: bool) -> Qp {
         let n = self.x.len();
         let size = n + usize::from(elastic);
         let equalities = if elastic { 0 } else { self.nlp.equalities() };
-        let mut qp = Qp { hessian: vec![0.0; size * size], equalities, ..Qp::default() };
+        let mut qp = Qp {
+            hessian: vec![0.0; size * size],
+            equalities,
+            ..Qp::default()
+        };
         for i in 0..n {
             qp.hessian[i * size..][..n].copy_from_slice(&self.hessian[i * n..][..n]);
         }
-        qp.gradient.extend(self.at.gradient.iter().zip(&self.bounds).map(|(g, b)| g * b.width()));
+        qp.gradient.extend(
+            self.at
+                .gradient
+                .iter()
+                .zip(&self.bounds)
+                .map(|(g, b)| g * b.width()),
+        );
         qp.gradient.extend(elastic.then_some(self.price));
         for &row in rows {
             let slopes = self.at.jacobian[row * n..][..n].iter().zip(&self.bounds);
@@ -366,8 +439,18 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         }
         for (i, b) in self.bounds.iter().enumerate() {
             let unit = |sign: f64| (0..n).map(move |j| if i == j { sign } else { 0.0 });
-            qp.push(unit(1.0), false, ((b.low - self.x[i]) / b.width()).max(-self.radius).min(0.0));
-            qp.push(unit(-1.0), false, ((self.x[i] - b.high) / b.width()).max(-self.radius).min(0.0));
+            qp.push(
+                unit(1.0),
+                false,
+                ((b.low - self.x[i]) / b.width()).max(-self.radius).min(0.0),
+            );
+            qp.push(
+                unit(-1.0),
+                false,
+                ((self.x[i] - b.high) / b.width())
+                    .max(-self.radius)
+                    .min(0.0),
+            );
         }
         if elastic {
             qp.push((0..n).map(|_| 0.0), true, 0.0);
@@ -379,16 +462,25 @@ impl<'a, P: Nlp> Iterate<'a, P> {
     fn lagrangian(&self, at: &Evaluation) -> Vec<f64> {
         let n = self.x.len();
         let mut slope = at.gradient.clone();
-        for (row, &multiplier) in self.multipliers.iter().enumerate().filter(|(_, m)| **m != 0.0) {
+        for (row, &multiplier) in self
+            .multipliers
+            .iter()
+            .enumerate()
+            .filter(|(_, m)| **m != 0.0)
+        {
             for (s, j) in slope.iter_mut().zip(&at.jacobian[row * n..][..n]) {
                 *s -= multiplier * j;
             }
         }
-        slope.iter().zip(&self.bounds).map(|(s, b)| s * b.width()).collect()
+        slope
+            .iter()
+            .zip(&self.bounds)
+            .map(|(s, b)| s * b.width())
+            .collect()
     }
 
-    /// The Lagrangian's Hessian by forward differences of its gradient, in units of the ranges, without its negative
-    /// eigenvalues.
+    /// The Lagrangian's Hessian by forward differences of its gradient, in units of the ranges,
+    /// without its negative eigenvalues.
     fn curvature(&mut self) -> Vec<f64> {
         // Balances truncation against round-off of gradients that are exact to 1e-16.
         const DIFFERENCE: f64 = 1e-7;
@@ -399,7 +491,11 @@ impl<'a, P: Nlp> Iterate<'a, P> {
         let mut x = self.x.clone();
         for i in 0..n {
             let b = self.bounds[i];
-            let h = if (x[i] - b.low) > 0.5 * b.width() { -DIFFERENCE } else { DIFFERENCE };
+            let h = if (x[i] - b.low) > 0.5 * b.width() {
+                -DIFFERENCE
+            } else {
+                DIFFERENCE
+            };
             x[i] += h * b.width();
             let mut trial = std::mem::take(&mut self.trial);
             self.nlp.evaluate(&x, &mut trial);
@@ -427,11 +523,23 @@ impl<'a, P: Nlp> Iterate<'a, P> {
                 slope.abs()
             }
         };
-        let slopes = self.lagrangian(&self.at).into_iter().zip(&self.x).zip(&self.bounds);
+        let slopes = self
+            .lagrangian(&self.at)
+            .into_iter()
+            .zip(&self.x)
+            .zip(&self.bounds);
         let kkt_residual = slopes.map(pushes).fold(0.0, f64::max);
         let violation = self.violation(&self.at).0;
         let (cost, iterations) = (self.at.cost, self.count);
-        Report { status, x: self.x, cost, violation, kkt_residual, multipliers: self.multipliers, iterations }
+        Report {
+            status,
+            x: self.x,
+            cost,
+            violation,
+            kkt_residual,
+            multipliers: self.multipliers,
+            iterations,
+        }
     }
 }
 
@@ -440,7 +548,8 @@ impl Qp {
     fn push(&mut self, slopes: impl Iterator<Item = f64>, elastic: bool, bound: f64) {
         let start = self.rows.len();
         self.rows.extend(slopes);
-        self.rows.resize(start + self.gradient.len(), f64::from(u8::from(elastic)));
+        self.rows
+            .resize(start + self.gradient.len(), f64::from(u8::from(elastic)));
         self.bounds.push(bound);
     }
 }

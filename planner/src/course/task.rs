@@ -25,7 +25,10 @@ pub struct Obstacle {
 impl Obstacle {
     /// From the front edge to the back edge (m).
     pub fn span(&self) -> Span {
-        Span::new(self.center - self.width / 2.0, self.center + self.width / 2.0)
+        Span::new(
+            self.center - self.width / 2.0,
+            self.center + self.width / 2.0,
+        )
     }
 }
 
@@ -94,7 +97,12 @@ impl Course {
             (0.0..=MAX_LENGTH).contains(&self.start_height),
             "0 to 10000 m",
         )?;
-        self.require("jumps", self.jumps as f64, (1..=MAX_JUMPS).contains(&self.jumps), "1 to 12")?;
+        self.require(
+            "jumps",
+            self.jumps as f64,
+            (1..=MAX_JUMPS).contains(&self.jumps),
+            "1 to 12",
+        )?;
         self.require("goal_x_m", self.goal.low, length(self.goal.low), a_length)?;
         self.require("goal_x_m", self.goal.high, length(self.goal.high), a_length)?;
         self.require(
@@ -111,9 +119,24 @@ impl Course {
         )?;
         for (i, o) in self.obstacles.iter().enumerate() {
             let i = i + 1;
-            self.require(&format!("obstacle {i}.center_x_m"), o.center, length(o.center), a_length)?;
-            self.require(&format!("obstacle {i}.width_m"), o.width, size(o.width), a_size)?;
-            self.require(&format!("obstacle {i}.height_m"), o.height, size(o.height), a_size)?;
+            self.require(
+                &format!("obstacle {i}.center_x_m"),
+                o.center,
+                length(o.center),
+                a_length,
+            )?;
+            self.require(
+                &format!("obstacle {i}.width_m"),
+                o.width,
+                size(o.width),
+                a_size,
+            )?;
+            self.require(
+                &format!("obstacle {i}.height_m"),
+                o.height,
+                size(o.height),
+                a_size,
+            )?;
         }
         self.require(
             "no_landing (number)",
@@ -124,27 +147,56 @@ impl Course {
         for (i, a) in self.no_landing.iter().enumerate() {
             let center = f64::midpoint(a.low, a.high);
             let i = i + 1;
-            self.require(&format!("no_landing {i}.center_x_m"), center, length(center), a_length)?;
-            self.require(&format!("no_landing {i}.width_m"), a.width(), size(a.width()), a_size)?;
+            self.require(
+                &format!("no_landing {i}.center_x_m"),
+                center,
+                length(center),
+                a_length,
+            )?;
+            self.require(
+                &format!("no_landing {i}.width_m"),
+                a.width(),
+                size(a.width()),
+                a_size,
+            )?;
         }
         self.check_overlap()
     }
 
-    fn require(&self, key: &str, value: f64, holds: bool, allowed: &'static str) -> Result<(), CourseError> {
+    fn require(
+        &self,
+        key: &str,
+        value: f64,
+        holds: bool,
+        allowed: &'static str,
+    ) -> Result<(), CourseError> {
         if holds {
             return Ok(());
         }
-        Err(CourseError::Value { course: self.id.clone(), key: key.into(), value, allowed })
+        Err(CourseError::Value {
+            course: self.id.clone(),
+            key: key.into(),
+            value,
+            allowed,
+        })
     }
 
     /// Touching boxes are two steps of a stair; a nanometre of overlap is round-off.
     fn check_overlap(&self) -> Result<(), CourseError> {
         let mut order: Vec<usize> = (0..self.obstacles.len()).collect();
-        order.sort_by(|&a, &b| self.obstacles[a].center.total_cmp(&self.obstacles[b].center));
+        order.sort_by(|&a, &b| {
+            self.obstacles[a]
+                .center
+                .total_cmp(&self.obstacles[b].center)
+        });
         for pair in order.windows(2) {
             let (first, second) = (pair[0], pair[1]);
             if self.obstacles[first].span().high > self.obstacles[second].span().low + 1e-9 {
-                return Err(CourseError::Overlap { course: self.id.clone(), first, second });
+                return Err(CourseError::Overlap {
+                    course: self.id.clone(),
+                    first,
+                    second,
+                });
             }
         }
         Ok(())

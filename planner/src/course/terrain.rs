@@ -26,30 +26,56 @@ pub(super) struct Terrain {
 }
 
 impl Terrain {
-    /// Grounds keep the jumper's margins from obstacles, no-landing areas and the ends of a goal zone.
+    /// Grounds keep the jumper's margins from obstacles, no-landing areas and the ends of a goal
+    /// zone.
     pub(super) fn new<J: Jumper>(course: &Course, jumper: &J) -> Terrain {
         let mut boxes: Vec<_> = course.obstacles.iter().enumerate().collect();
         boxes.sort_by(|a, b| a.1.center.total_cmp(&b.1.center));
         let mut edges = Vec::new();
-        let floor = Ground { span: Span::new(course.start, f64::INFINITY), height: 0.0, obstacle: None };
+        let floor = Ground {
+            span: Span::new(course.start, f64::INFINITY),
+            height: 0.0,
+            obstacle: None,
+        };
         let mut grounds = vec![floor];
         for (obstacle, o) in &boxes {
             let span = o.span();
-            edges.push(Edge { x: span.low, top: o.height, obstacle: *obstacle, side: Side::Front });
-            edges.push(Edge { x: span.high, top: o.height, obstacle: *obstacle, side: Side::Back });
+            edges.push(Edge {
+                x: span.low,
+                top: o.height,
+                obstacle: *obstacle,
+                side: Side::Front,
+            });
+            edges.push(Edge {
+                x: span.high,
+                top: o.height,
+                obstacle: *obstacle,
+                side: Side::Back,
+            });
             let span = span.widened(-jumper.edge_margin(0.0));
-            grounds.push(Ground { span, height: o.height, obstacle: Some(*obstacle) });
+            grounds.push(Ground {
+                span,
+                height: o.height,
+                obstacle: Some(*obstacle),
+            });
         }
         for (_, o) in &boxes {
             let beside = |g: Ground| {
                 let rise = o.height - g.height;
-                if rise > 0.0 { without(g, o.span().widened(jumper.edge_margin(rise))) } else { vec![g] }
+                if rise > 0.0 {
+                    without(g, o.span().widened(jumper.edge_margin(rise)))
+                } else {
+                    vec![g]
+                }
             };
             grounds = grounds.into_iter().flat_map(beside).collect();
         }
         let zone_margin = jumper.zone_margin();
         for area in &course.no_landing {
-            grounds = grounds.into_iter().flat_map(|g| without(g, area.widened(zone_margin))).collect();
+            grounds = grounds
+                .into_iter()
+                .flat_map(|g| without(g, area.widened(zone_margin)))
+                .collect();
         }
         let travel = Span::new(course.start, course.goal.high);
         for ground in &mut grounds {
@@ -66,7 +92,13 @@ impl Terrain {
             obstacle: boxes.iter().find(carries).map(|(obstacle, _)| *obstacle),
         };
         let goal = kept_goal(course.goal, zone_margin);
-        Terrain { start, grounds, edges, goal, girth: jumper.girth() }
+        Terrain {
+            start,
+            grounds,
+            edges,
+            goal,
+            girth: jumper.girth(),
+        }
     }
 
     /// Jump number `jump` from a foothold on `from` to a landing on `to`.
@@ -75,23 +107,40 @@ impl Terrain {
         let end = self.edges.partition_point(|e| e.x < to.span.high);
         let edges = self.edges[first..end.max(first)].to_vec();
         let near = |e: &&Edge| {
-            let behind = e.side == Side::Back && (0.0..=self.girth).contains(&(from.span.low - e.x));
-            let ahead = e.side == Side::Front && (0.0..=self.girth).contains(&(e.x - from.span.high));
+            let behind =
+                e.side == Side::Back && (0.0..=self.girth).contains(&(from.span.low - e.x));
+            let ahead =
+                e.side == Side::Front && (0.0..=self.girth).contains(&(e.x - from.span.high));
             e.top > from.height && (behind || ahead)
         };
         let beside = self.edges.iter().filter(near).copied().collect();
-        Leap { jump, from: from.height, to: to.height, on: [from.obstacle, to.obstacle], edges, beside }
+        Leap {
+            jump,
+            from: from.height,
+            to: to.height,
+            on: [from.obstacle, to.obstacle],
+            edges,
+            beside,
+        }
     }
 }
 
 /// The part of a goal that keeps `margin` (m) from its ends; an exact place is kept as it is.
 pub(super) fn kept_goal(goal: Span, margin: f64) -> Span {
-    if goal.width() > 0.0 { goal.widened(-margin) } else { goal }
+    if goal.width() > 0.0 {
+        goal.widened(-margin)
+    } else {
+        goal
+    }
 }
 
 /// What is left of a ground outside `area`.
 fn without(ground: Ground, area: Span) -> Vec<Ground> {
     let before = Span::new(ground.span.low, ground.span.high.min(area.low));
     let after = Span::new(ground.span.low.max(area.high), ground.span.high);
-    [before, after].into_iter().filter(|s| !s.is_empty()).map(|span| Ground { span, ..ground }).collect()
+    [before, after]
+        .into_iter()
+        .filter(|s| !s.is_empty())
+        .map(|span| Ground { span, ..ground })
+        .collect()
 }

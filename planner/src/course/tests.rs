@@ -32,22 +32,39 @@ fn relief(course: &Course) -> Relief {
 #[test]
 fn a_goal_too_far_moves_back_to_the_longest_jumps() {
     let relief = relief(&course(2, 2.0));
-    let [give] = relief.gives[..] else { panic!("{relief:?}") };
+    let [give] = relief.gives[..] else {
+        panic!("{relief:?}")
+    };
     assert_eq!((give.limit, give.jump), (Limit::Goal, 1));
     // 1e-6: what the gives are rounded to, with room.
-    let near = Course { goal: Span::point(2.0 + give.amount - 1e-6), ..course(2, 2.0) };
+    let near = Course {
+        goal: Span::point(2.0 + give.amount - 1e-6),
+        ..course(2, 2.0)
+    };
     assert!(matches!(answer(&near), Answer::Plan(_)), "{give:?}");
-    let short = Course { goal: Span::point(2.0 + give.amount + 1e-4), ..course(2, 2.0) };
+    let short = Course {
+        goal: Span::point(2.0 + give.amount + 1e-4),
+        ..course(2, 2.0)
+    };
     assert!(matches!(answer(&short), Answer::Infeasible(_)));
 }
 
 #[test]
 fn a_box_too_high_has_to_sink() {
-    let tall =
-        |height| Course { obstacles: vec![Obstacle { center: 0.4, width: 0.1, height }], ..course(1, 0.75) };
+    let tall = |height| Course {
+        obstacles: vec![Obstacle {
+            center: 0.4,
+            width: 0.1,
+            height,
+        }],
+        ..course(1, 0.75)
+    };
     let relief = relief(&tall(0.4));
     assert!(
-        relief.gives.iter().all(|g| matches!(g.limit, Limit::Edge { obstacle: 0, .. } | Limit::Goal)),
+        relief
+            .gives
+            .iter()
+            .all(|g| matches!(g.limit, Limit::Edge { obstacle: 0, .. } | Limit::Goal)),
         "{relief:?}"
     );
     assert!(relief.total > 0.01 && relief.total < 0.4, "{relief:?}");
@@ -56,17 +73,30 @@ fn a_box_too_high_has_to_sink() {
 
 #[test]
 fn a_goal_where_nothing_may_land_moves_out_of_there() {
-    let blocked = Course { no_landing: vec![Span::new(0.6, 0.75)], ..course(1, 0.7) };
+    let blocked = Course {
+        no_landing: vec![Span::new(0.6, 0.75)],
+        ..course(1, 0.7)
+    };
     let relief = relief(&blocked);
-    let [give] = relief.gives[..] else { panic!("{relief:?}") };
+    let [give] = relief.gives[..] else {
+        panic!("{relief:?}")
+    };
     // To the end of the area, to what the gives are rounded to.
-    assert!(give.limit == Limit::Goal && (give.amount - 0.05).abs() < 1e-6, "{give:?}");
+    assert!(
+        give.limit == Limit::Goal && (give.amount - 0.05).abs() < 1e-6,
+        "{give:?}"
+    );
 }
 
 #[test]
 fn a_zone_is_reached_where_it_costs_least() {
-    let zone = Course { goal: Span::new(0.5, 0.7), ..course(1, 0.0) };
-    let Answer::Plan(plan) = answer(&zone) else { panic!() };
+    let zone = Course {
+        goal: Span::new(0.5, 0.7),
+        ..course(1, 0.0)
+    };
+    let Answer::Plan(plan) = answer(&zone) else {
+        panic!()
+    };
     // A flat jump takes longer the further it goes; 1e-9 is the solver's.
     assert!((plan.jumps[0].landing - 0.5).abs() < 1e-9, "{plan:?}");
 }
@@ -74,31 +104,90 @@ fn a_zone_is_reached_where_it_costs_least() {
 #[test]
 fn bad_values_are_named() {
     let check = |course: Course, key: &str| {
-        let error = plan(&Hopper::default(), &course, &Settings::default()).expect_err(key).to_string();
-        assert!(error.contains("`test`") && error.contains(key) && error.contains("allowed"), "{error}");
+        let error = plan(&Hopper::default(), &course, &Settings::default())
+            .expect_err(key)
+            .to_string();
+        assert!(
+            error.contains("`test`") && error.contains(key) && error.contains("allowed"),
+            "{error}"
+        );
     };
-    let box_of = |width, height| Obstacle { center: 1.0, width, height };
+    let box_of = |width, height| Obstacle {
+        center: 1.0,
+        width,
+        height,
+    };
     check(course(0, 1.0), "jumps = 0");
     check(course(1_000_000, 1.0), "jumps = 1000000");
     check(course(2, f64::NAN), "goal_x_m = NaN");
-    check(Course { start: f64::INFINITY, ..course(2, 1.0) }, "start_x_m = inf");
-    check(Course { start_height: -0.1, ..course(2, 1.0) }, "start_height_m = -0.1");
-    check(Course { goal: Span::new(1.0, 0.5), ..course(2, 1.0) }, "goal_x_m");
-    check(Course { obstacles: vec![box_of(-0.2, 0.1)], ..course(2, 1.0) }, "obstacle 1.width_m = -0.2");
-    check(Course { obstacles: vec![box_of(0.2, f64::NAN)], ..course(2, 1.0) }, "obstacle 1.height_m = NaN");
-    check(Course { obstacles: vec![box_of(0.2, 0.1); 2], ..course(2, 1.0) }, "obstacle 1 and obstacle 2");
-    check(Course { no_landing: vec![Span::new(1.0, 1.0)], ..course(2, 1.0) }, "no_landing 1.width_m = 0");
+    check(
+        Course {
+            start: f64::INFINITY,
+            ..course(2, 1.0)
+        },
+        "start_x_m = inf",
+    );
+    check(
+        Course {
+            start_height: -0.1,
+            ..course(2, 1.0)
+        },
+        "start_height_m = -0.1",
+    );
+    check(
+        Course {
+            goal: Span::new(1.0, 0.5),
+            ..course(2, 1.0)
+        },
+        "goal_x_m",
+    );
+    check(
+        Course {
+            obstacles: vec![box_of(-0.2, 0.1)],
+            ..course(2, 1.0)
+        },
+        "obstacle 1.width_m = -0.2",
+    );
+    check(
+        Course {
+            obstacles: vec![box_of(0.2, f64::NAN)],
+            ..course(2, 1.0)
+        },
+        "obstacle 1.height_m = NaN",
+    );
+    check(
+        Course {
+            obstacles: vec![box_of(0.2, 0.1); 2],
+            ..course(2, 1.0)
+        },
+        "obstacle 1 and obstacle 2",
+    );
+    check(
+        Course {
+            no_landing: vec![Span::new(1.0, 1.0)],
+            ..course(2, 1.0)
+        },
+        "no_landing 1.width_m = 0",
+    );
 }
 
 #[test]
 fn the_same_course_gives_the_same_plan() {
-    let boxes = vec![Obstacle { center: 0.9, width: 0.2, height: 0.1 }];
-    let course = Course { obstacles: boxes, ..course(3, 1.9) };
+    let boxes = vec![Obstacle {
+        center: 0.9,
+        width: 0.2,
+        height: 0.1,
+    }];
+    let course = Course {
+        obstacles: boxes,
+        ..course(3, 1.9)
+    };
     assert_eq!(answer(&course), answer(&course));
 }
 
-/// A thrower from the ground: decides speed and angle, and cannot aim; wants a speed near 3 m/s and a landing near its
-/// target, and its landings spread with the speed. It rolls 0.1 m before each jump but the first.
+/// A thrower from the ground: decides speed and angle, and cannot aim; wants a speed near 3 m/s and
+/// a landing near its target, and its landings spread with the speed. It rolls 0.1 m before each
+/// jump but the first.
 struct Thrower {
     target: f64,
 }
@@ -107,7 +196,8 @@ impl Thrower {
     fn flight<S: Single>(leap: &Leap, speed: S, angle: S) -> [S; 3] {
         let (sin, cos) = angle.sin_cos();
         let (up, ahead) = (speed * sin, speed * cos);
-        let time = (up + (up * up - S::of(2.0 * 9.81 * (leap.to - leap.from))).sqrt()) * S::of(1.0 / 9.81);
+        let time =
+            (up + (up * up - S::of(2.0 * 9.81 * (leap.to - leap.from))).sqrt()) * S::of(1.0 / 9.81);
         [up, ahead, time]
     }
 }
@@ -127,11 +217,20 @@ impl Jumper for Thrower {
         for e in &leap.edges {
             let t = (Slope::of(e.x) - foot) / ahead;
             let over = Slope::of(leap.from - e.top - 0.05) + up * t - t * t * Slope::of(9.81 / 2.0);
-            margins.push(Margin { limit: Limit::Edge { obstacle: e.obstacle, side: e.side }, value: over });
+            margins.push(Margin {
+                limit: Limit::Edge {
+                    obstacle: e.obstacle,
+                    side: e.side,
+                },
+                value: over,
+            });
         }
         let landing = foot + ahead * time;
         let (effort, miss) = (speed - Slope::of(3.0), landing - Slope::of(self.target));
-        Flight { landing, cost: effort * effort + miss * miss }
+        Flight {
+            landing,
+            cost: effort * effort + miss * miss,
+        }
     }
     fn deviation(&self, _: &Leap, [speed, _]: [f64; 2]) -> f64 {
         0.02 * speed
@@ -153,23 +252,49 @@ impl Jumper for Thrower {
 
 #[test]
 fn a_jumper_that_cannot_aim_is_solved_choice_by_choice() {
-    let boxes = vec![Obstacle { center: 0.7, width: 0.21, height: 0.21 }];
-    let course = Course { goal: Span::new(0.9, 1.2), obstacles: boxes, ..course(1, 0.0) };
-    let settings = Settings { resolution: f64::INFINITY, sigmas: 2.0, ..Settings::default() };
+    let boxes = vec![Obstacle {
+        center: 0.7,
+        width: 0.21,
+        height: 0.21,
+    }];
+    let course = Course {
+        goal: Span::new(0.9, 1.2),
+        obstacles: boxes,
+        ..course(1, 0.0)
+    };
+    let settings = Settings {
+        resolution: f64::INFINITY,
+        sigmas: 2.0,
+        ..Settings::default()
+    };
     let thrower = Thrower { target: 1.3 };
-    let Ok(Answer::Plan(plan)) = plan(&thrower, &course, &settings) else { panic!() };
+    let Ok(Answer::Plan(plan)) = plan(&thrower, &course, &settings) else {
+        panic!()
+    };
     assert_eq!(plan.report.status, sqp::Status::Converged);
-    // The target is behind the zone: the landing keeps two deviations from the zone's end. 1e-9: the solver's.
+    // The target is behind the zone: the landing keeps two deviations from the zone's end. 1e-9:
+    // the solver's.
     let jump = &plan.jumps[0];
-    assert!((jump.landing + 2.0 * jump.deviation - 1.2).abs() < 1e-9, "{plan:?}");
+    assert!(
+        (jump.landing + 2.0 * jump.deviation - 1.2).abs() < 1e-9,
+        "{plan:?}"
+    );
     assert!(plan.report.iterations < 10 && plan.complete, "{plan:?}");
 }
 
 #[test]
 fn a_roll_moves_the_next_foothold() {
-    let course = Course { goal: Span::new(2.0, 3.0), ..course(2, 0.0) };
-    let settings = Settings { resolution: f64::INFINITY, ..Settings::default() };
-    let Ok(Answer::Plan(plan)) = plan(&Thrower { target: 2.0 }, &course, &settings) else { panic!() };
+    let course = Course {
+        goal: Span::new(2.0, 3.0),
+        ..course(2, 0.0)
+    };
+    let settings = Settings {
+        resolution: f64::INFINITY,
+        ..Settings::default()
+    };
+    let Ok(Answer::Plan(plan)) = plan(&Thrower { target: 2.0 }, &course, &settings) else {
+        panic!()
+    };
     assert!((plan.jumps[1].foot - plan.jumps[0].landing - 0.1).abs() < 1e-15);
 }
 
@@ -177,12 +302,31 @@ fn a_roll_moves_the_next_foothold() {
 fn the_program_of_a_choice_has_exact_derivatives() {
     use super::problem::{Choice, Problem};
     use super::sqp::{Evaluation, Nlp};
-    let edge = |x, side| Edge { x, top: 0.1, obstacle: 0, side };
-    let leap = |jump, edges| Leap { jump, from: 0.0, to: 0.0, on: [None; 2], edges, beside: vec![] };
-    let leaps =
-        vec![leap(0, vec![]), leap(1, vec![edge(1.3, Side::Front), edge(1.4, Side::Back)]), leap(2, vec![])];
+    let edge = |x, side| Edge {
+        x,
+        top: 0.1,
+        obstacle: 0,
+        side,
+    };
+    let leap = |jump, edges| Leap {
+        jump,
+        from: 0.0,
+        to: 0.0,
+        on: [None; 2],
+        edges,
+        beside: vec![],
+    };
+    let leaps = vec![
+        leap(0, vec![]),
+        leap(1, vec![edge(1.3, Side::Front), edge(1.4, Side::Back)]),
+        leap(2, vec![]),
+    ];
     let windows = vec![Span::new(0.2, 1.2), Span::new(1.5, 3.0), Span::point(3.0)];
-    let choice = Choice { leaps, windows, grounds: vec![] };
+    let choice = Choice {
+        leaps,
+        windows,
+        grounds: vec![],
+    };
     let thrower = Thrower { target: 3.0 };
     let problem = Problem::new(&thrower, 0.0, &choice, 1.0);
     let x = [2.9, 0.8, 3.1, 0.9, 3.2, 1.0];
@@ -204,7 +348,11 @@ fn the_program_of_a_choice_has_exact_derivatives() {
         assert!(agrees(exact.gradient[i], after.cost, before.cost));
         for row in 0..exact.values.len() {
             assert!(
-                agrees(exact.jacobian[row * 6 + i], after.values[row], before.values[row]),
+                agrees(
+                    exact.jacobian[row * 6 + i],
+                    after.values[row],
+                    before.values[row]
+                ),
                 "row {row}, variable {i}"
             );
         }

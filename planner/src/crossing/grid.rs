@@ -1,9 +1,10 @@
-//! Lower bounds on what a jump costs, from flights sampled over firing angles and valve opening times.
+//! Lower bounds on what a jump costs, from flights sampled over firing angles and valve opening
+//! times.
 //!
-//! A cell of the samples stands for all jumps between its four corners. It can be used by a jump if one of its corners
-//! rises high enough over every edge on the way, from some foothold that also lets it land where it should; it costs at
-//! least what its shortest valve time does. What the samples cannot see, a change within a cell that no corner shows, the
-//! bound cannot see either.
+//! A cell of the samples stands for all jumps between its four corners. It can be used by a jump if
+//! one of its corners rises high enough over every edge on the way, from some foothold that also
+//! lets it land where it should; it costs at least what its shortest valve time does. What the
+//! samples cannot see, a change within a cell that no corner shows, the bound cannot see either.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -18,7 +19,8 @@ use crate::jump::{Jump, Planner};
 /// Firing angles that are sampled.
 const ANGLES: usize = 24;
 
-/// Valve times that are sampled: for one jump the solver goes the rest of the way, for several the bounds have to be close.
+/// Valve times that are sampled: for one jump the solver goes the rest of the way, for several the
+/// bounds have to be close.
 const TIMES: usize = 33;
 const TIMES_OF_ONE: usize = 9;
 
@@ -35,7 +37,8 @@ pub(super) struct Grid {
     jumps: Vec<Vec<Option<Jump>>>,
     /// Standard deviation (m) of the landing at each firing angle, for the middle valve time.
     deviations: Vec<f64>,
-    /// For landing heights (m) that were asked for, the distances (m) of the jumps; NaN where they do not land.
+    /// For landing heights (m) that were asked for, the distances (m) of the jumps; NaN where they
+    /// do not land.
     distances: RefCell<Vec<(f64, Rc<Distances>)>>,
 }
 
@@ -47,7 +50,8 @@ pub(super) struct Within<'a> {
     pub(super) leap: &'a Leap,
     /// Height (m) of the wheel's centre above the foot at the landing.
     pub(super) height: f64,
-    /// Height (m) of the wheel's centre above the foot, less an edge's top, at which its rim clears the edge.
+    /// Height (m) of the wheel's centre above the foot, less an edge's top, at which its rim clears
+    /// the edge.
     pub(super) rim: f64,
     pub(super) feet: Span,
     pub(super) landings: Span,
@@ -58,43 +62,85 @@ pub(super) struct Within<'a> {
 
 impl Grid {
     pub(super) fn new(planner: &Planner, crossing: &Crossing, jump: usize) -> Grid {
-        let spread =
-            |span: Span, i: usize, count: usize| span.low + span.width() * i as f64 / (count - 1) as f64;
-        let count = if crossing.course.jumps == 1 { TIMES_OF_ONE } else { TIMES };
-        let times: Vec<f64> = (0..count).map(|i| spread(crossing.valve_open, i, count)).collect();
-        let row = |&time: &f64| {
-            let at = |i| launch(crossing, jump, spread(crossing.firing_angles, i, ANGLES), time);
-            let launches: Vec<Launch> = (0..ANGLES).map(at).collect();
-            planner.jumps(&launches).into_iter().map(Result::ok).collect()
+        let spread = |span: Span, i: usize, count: usize| {
+            span.low + span.width() * i as f64 / (count - 1) as f64
         };
-        let angles: Vec<f64> = (0..ANGLES).map(|i| spread(crossing.firing_angles, i, ANGLES)).collect();
+        let count = if crossing.course.jumps == 1 {
+            TIMES_OF_ONE
+        } else {
+            TIMES
+        };
+        let times: Vec<f64> = (0..count)
+            .map(|i| spread(crossing.valve_open, i, count))
+            .collect();
+        let row = |&time: &f64| {
+            let at = |i| {
+                launch(
+                    crossing,
+                    jump,
+                    spread(crossing.firing_angles, i, ANGLES),
+                    time,
+                )
+            };
+            let launches: Vec<Launch> = (0..ANGLES).map(at).collect();
+            planner
+                .jumps(&launches)
+                .into_iter()
+                .map(Result::ok)
+                .collect()
+        };
+        let angles: Vec<f64> = (0..ANGLES)
+            .map(|i| spread(crossing.firing_angles, i, ANGLES))
+            .collect();
         let jumps = times.iter().map(row).collect();
         let (stance, radius) = (planner.sensitive_stance(), planner.robot().body.radius);
         let deviation = |&angle: &f64| {
             let launch = launch(crossing, jump, angle, times[count / 2]);
-            if crossing.sigmas > 0.0 { planner.landing_deviation(&stance, &launch, radius) } else { 0.0 }
+            if crossing.sigmas > 0.0 {
+                planner.landing_deviation(&stance, &launch, radius)
+            } else {
+                0.0
+            }
         };
         let deviations = angles.iter().map(deviation).collect();
-        Grid { times, angles, jumps, deviations, distances: RefCell::default() }
+        Grid {
+            times,
+            angles,
+            jumps,
+            deviations,
+            distances: RefCell::default(),
+        }
     }
 
     /// Distances (m) to where the wheel's centre comes down to `height` (m).
     fn distances(&self, height: f64) -> Rc<Distances> {
-        let known =
-            self.distances.borrow().iter().find(|(of, _)| *of == height).map(|(_, known)| known.clone());
+        let known = self
+            .distances
+            .borrow()
+            .iter()
+            .find(|(of, _)| *of == height)
+            .map(|(_, known)| known.clone());
         known.unwrap_or_else(|| {
-            let distance =
-                |jump: &Option<Jump>| jump.and_then(|jump| jump.distance(height)).unwrap_or(f64::NAN);
-            let distances: Distances =
-                self.jumps.iter().map(|row| row.iter().map(distance).collect()).collect();
+            let distance = |jump: &Option<Jump>| {
+                jump.and_then(|jump| jump.distance(height))
+                    .unwrap_or(f64::NAN)
+            };
+            let distances: Distances = self
+                .jumps
+                .iter()
+                .map(|row| row.iter().map(distance).collect())
+                .collect();
             let distances = Rc::new(distances);
-            self.distances.borrow_mut().push((height, distances.clone()));
+            self.distances
+                .borrow_mut()
+                .push((height, distances.clone()));
             distances
         })
     }
 
-    /// The sampled jump of the shortest valve time that goes over `leap` from `foot` to `landing` (m), between two firing
-    /// angles; its valve time, with its deviation. `height` and `rim` (m) are those of [`Within`].
+    /// The sampled jump of the shortest valve time that goes over `leap` from `foot` to `landing`
+    /// (m), between two firing angles; its valve time, with its deviation. `height` and `rim` (m)
+    /// are those of [`Within`].
     pub(super) fn sketch(
         &self,
         leap: &Leap,
@@ -103,7 +149,11 @@ impl Grid {
         rim: f64,
     ) -> Option<([f64; 2], f64)> {
         let wanted = landing - foot;
-        for ((time, row), distances) in self.times.iter().zip(&self.jumps).zip(self.distances(height).iter())
+        for ((time, row), distances) in self
+            .times
+            .iter()
+            .zip(&self.jumps)
+            .zip(self.distances(height).iter())
         {
             for i in 1..ANGLES {
                 let (low, high) = (distances[i - 1] - wanted, distances[i] - wanted);
@@ -124,7 +174,10 @@ impl Grid {
                     };
                     if clears(&flight, leap, foot, height, rim) {
                         let angle = mix(self.angles[i - 1], self.angles[i]);
-                        return Some(([angle, *time], mix(self.deviations[i - 1], self.deviations[i])));
+                        return Some((
+                            [angle, *time],
+                            mix(self.deviations[i - 1], self.deviations[i]),
+                        ));
                     }
                 }
             }
@@ -132,17 +185,24 @@ impl Grid {
         None
     }
 
-    /// A convex function of the distance that no jump undercuts in cost; none if there is no such jump.
+    /// A convex function of the distance that no jump undercuts in cost; none if there is no such
+    /// jump.
     pub(super) fn envelope(&self, within: &Within<'_>) -> Option<Envelope> {
         let mut usable: Vec<(Span, f64)> = Vec::new();
         let known = self.distances(within.height);
         for (row, time) in self.times.iter().enumerate().take(self.times.len() - 1) {
             let cost = within.cost[0] + within.cost[1] * time * time;
             for column in 1..ANGLES {
-                let corners = [[row, column - 1], [row, column], [row + 1, column - 1], [row + 1, column]];
+                let corners = [
+                    [row, column - 1],
+                    [row, column],
+                    [row + 1, column - 1],
+                    [row + 1, column],
+                ];
                 let corner = |[row, column]: [usize; 2]| {
                     let flight = self.jumps[row][column].as_ref()?.flight?;
-                    Some((known[row][column], flight.vacuum)).filter(|(distance, _)| !distance.is_nan())
+                    Some((known[row][column], flight.vacuum))
+                        .filter(|(distance, _)| !distance.is_nan())
                 };
                 let reach = within.distances(corners.into_iter().filter_map(corner));
                 usable.extend(reach.map(|distances| (distances, cost)));
@@ -170,7 +230,12 @@ impl Within<'_> {
             if feet.is_empty() {
                 return None;
             }
-            feet = feet.meet(clear_feet(&flights, edge.x, edge.top + self.rim - SLACK, feet.high));
+            feet = feet.meet(clear_feet(
+                &flights,
+                edge.x,
+                edge.top + self.rim - SLACK,
+                feet.high,
+            ));
         }
         let distances = distances.meet(self.landings - feet);
         (!feet.is_empty() && !distances.is_empty()).then_some(distances)
@@ -183,26 +248,36 @@ fn clears(flight: &Flight<f64>, leap: &Leap, foot: f64, height: f64, rim: f64) -
     leap.edges.iter().all(|edge| {
         let corner = [edge.x - foot, edge.top - leap.from];
         let over = flight.position((corner[0] - flight.x) / flight.vx)[1];
-        let Ok(landing) = flight.time_to_height(height) else { return false };
+        let Ok(landing) = flight.time_to_height(height) else {
+            return false;
+        };
         // The cheap condition first: the centre is a rim above the edge where it is over it.
         let is_passed = corner[0] > flight.x;
-        (!is_passed || over >= corner[1] + reach) && flight.distance_to_point(corner, 0.0, landing) >= reach
+        (!is_passed || over >= corner[1] + reach)
+            && flight.distance_to_point(corner, 0.0, landing) >= reach
     })
 }
 
-/// The footholds (m), up to `last`, from which one of `flights` has its centre at `height` (m) or more over `x`, or starts
-/// behind it.
+/// The footholds (m), up to `last`, from which one of `flights` has its centre at `height` (m) or
+/// more over `x`, or starts behind it.
 fn clear_feet(flights: &[Flight<f64>], x: f64, height: f64, last: f64) -> Span {
     let mut feet = Span::NONE;
     for flight in flights {
-        let Flight { x: ahead, y, vx, vy, gravity } = *flight;
+        let Flight {
+            x: ahead,
+            y,
+            vx,
+            vy,
+            gravity,
+        } = *flight;
         let behind = x - ahead;
         if last > behind {
             feet = feet.hull(Span::new(behind, last));
         }
         let square = vy * vy + 2.0 * gravity * (y - height);
         if square >= 0.0 {
-            let [first, end] = [-1.0, 1.0].map(|sign| ((vy + sign * square.sqrt()) / gravity).max(0.0));
+            let [first, end] =
+                [-1.0, 1.0].map(|sign| ((vy + sign * square.sqrt()) / gravity).max(0.0));
             if y >= height || vy > 0.0 {
                 feet = feet.hull(Span::new(behind - vx * end, behind - vx * first));
             }
@@ -213,7 +288,10 @@ fn clear_feet(flights: &[Flight<f64>], x: f64, height: f64, last: f64) -> Span {
 
 /// A convex function of the distance below the costs of all `usable` distances.
 fn below(usable: &[(Span, f64)]) -> Option<Envelope> {
-    let least = usable.iter().map(|(_, cost)| *cost).fold(f64::INFINITY, f64::min);
+    let least = usable
+        .iter()
+        .map(|(_, cost)| *cost)
+        .fold(f64::INFINITY, f64::min);
     let (mut all, mut cheap) = (Span::NONE, Span::NONE);
     for (distances, cost) in usable {
         all = all.hull(*distances);
@@ -233,7 +311,13 @@ fn below(usable: &[(Span, f64)]) -> Option<Envelope> {
             rising = rising.min((cost - least) / (distances.high - cheap.high));
         }
     }
-    let end = |slope: f64, away: f64| if away > 0.0 { least + slope * away } else { least };
+    let end = |slope: f64, away: f64| {
+        if away > 0.0 {
+            least + slope * away
+        } else {
+            least
+        }
+    };
     Some(Envelope::new(&[
         [all.low, end(falling, cheap.low - all.low)],
         [cheap.low, least],
@@ -258,7 +342,10 @@ mod tests {
         assert_eq!(envelope.reach(), Span::new(0.1, 0.9));
         for (distances, cost) in usable {
             for distance in [distances.low, distances.high] {
-                assert!(envelope.at(distance) <= cost + 1e-12, "{distance}: {envelope:?}");
+                assert!(
+                    envelope.at(distance) <= cost + 1e-12,
+                    "{distance}: {envelope:?}"
+                );
             }
         }
         assert_eq!(below(&[]), None);
@@ -266,10 +353,19 @@ mod tests {
 
     #[test]
     fn a_flight_clears_an_edge_from_footholds_between_its_two_heights() {
-        let flight = Flight { x: 0.1, y: 0.3, vx: 1.0, vy: 2.0, gravity: 10.0 };
+        let flight = Flight {
+            x: 0.1,
+            y: 0.3,
+            vx: 1.0,
+            vy: 2.0,
+            gravity: 10.0,
+        };
         // 0.3 + 2 t − 5 t² = 0.45 at t = 0.1 and 0.3.
         let feet = clear_feet(&[flight], 1.0, 0.45, 0.85);
-        assert!((feet.low - 0.6).abs() < 1e-12 && (feet.high - 0.8).abs() < 1e-12, "{feet:?}");
+        assert!(
+            (feet.low - 0.6).abs() < 1e-12 && (feet.high - 0.8).abs() < 1e-12,
+            "{feet:?}"
+        );
         assert!(clear_feet(&[flight], 1.0, 0.6, 0.85).is_empty());
     }
 }

@@ -1,4 +1,5 @@
-//! How near the wheel comes to what stands beside its foothold, from the foot's touch to the lift-off.
+//! How near the wheel comes to what stands beside its foothold, from the foot's touch to the
+//! lift-off.
 
 use saltus_lagrangian::{Launch, Sample, Stance};
 use saltus_numeric::{Dual, Scalar};
@@ -18,17 +19,25 @@ struct Point {
     velocity: [Slope; 2],
 }
 
-/// Halvings, by the golden section, of an interval between two points in which the least distance is.
+/// Halvings, by the golden section, of an interval between two points in which the least distance
+/// is.
 const SECTIONS: usize = 40;
 
 impl Path {
     /// Of the stance after `launch`; none where there is no stance. `radius` (m) is the wheel's.
-    pub(super) fn new(stance: &Stance<Dual<2>>, launch: &Launch<Dual<2>>, radius: f64) -> Option<Path> {
+    pub(super) fn new(
+        stance: &Stance<Dual<2>>,
+        launch: &Launch<Dual<2>>,
+        radius: f64,
+    ) -> Option<Path> {
         let point = |s: &Sample<Dual<2>>| {
             let (sin, cos) = s.lean.sin_cos();
             let reach = Dual::of(radius) + s.extension;
             let across = reach * s.rate;
-            let velocity = [s.extension_rate * sin + across * cos, s.extension_rate * cos - across * sin];
+            let velocity = [
+                s.extension_rate * sin + across * cos,
+                s.extension_rate * cos - across * sin,
+            ];
             Point {
                 time: widen(s.time),
                 centre: [reach * sin, reach * cos].map(widen),
@@ -36,18 +45,27 @@ impl Path {
             }
         };
         let trace = stance.trace(launch).ok()?;
-        Some(Path { points: trace.samples.iter().map(point).collect() })
+        Some(Path {
+            points: trace.samples.iter().map(point).collect(),
+        })
     }
 
     /// Through places (m from the foot) alone.
     pub(super) fn through(centres: &[[Slope; 2]]) -> Path {
         let (zero, none) = (Slope::of(0.0), [Slope::of(0.0); 2]);
-        let point = |centre: &[Slope; 2]| Point { time: zero, centre: *centre, velocity: none };
-        Path { points: centres.iter().map(point).collect() }
+        let point = |centre: &[Slope; 2]| Point {
+            time: zero,
+            centre: *centre,
+            velocity: none,
+        };
+        Path {
+            points: centres.iter().map(point).collect(),
+        }
     }
 
-    /// Least distance (m) of the centre from the obstacle whose side `edge` is, of which nothing else is near; `foot` is the
-    /// foothold (m) and `from` the height of its surface (m). Negative: how deep the centre is inside.
+    /// Least distance (m) of the centre from the obstacle whose side `edge` is, of which nothing
+    /// else is near; `foot` is the foothold (m) and `from` the height of its surface (m). Negative:
+    /// how deep the centre is inside.
     pub(super) fn distance(&self, foot: Slope, from: f64, edge: &Edge) -> Slope {
         let distance = |[x, y]: [Slope; 2]| {
             let away = match edge.side {
@@ -62,7 +80,8 @@ impl Path {
             }
         };
         let here = |i: usize| distance(self.points[i].centre);
-        let Some(nearest) = (0..self.points.len()).min_by(|&a, &b| here(a).value.total_cmp(&here(b).value))
+        let Some(nearest) =
+            (0..self.points.len()).min_by(|&a, &b| here(a).value.total_cmp(&here(b).value))
         else {
             return Slope::of(f64::NAN);
         };
@@ -79,14 +98,16 @@ impl Path {
     }
 }
 
-/// The centre at a part (0 to 1) of the way from a point to the next, by the cubic with their velocities.
+/// The centre at a part (0 to 1) of the way from a point to the next, by the cubic with their
+/// velocities.
 fn between(from: &Point, to: &Point, part: f64) -> [Slope; 2] {
     let (s, t) = (part, 1.0 - part);
     let step = to.time - from.time;
     std::array::from_fn(|i| {
         from.centre[i] * Slope::of(t * t * (1.0 + 2.0 * s))
             + to.centre[i] * Slope::of(s * s * (1.0 + 2.0 * t))
-            + step * (from.velocity[i] * Slope::of(s * t * t) - to.velocity[i] * Slope::of(s * s * t))
+            + step
+                * (from.velocity[i] * Slope::of(s * t * t) - to.velocity[i] * Slope::of(s * s * t))
     })
 }
 

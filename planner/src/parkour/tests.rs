@@ -5,17 +5,50 @@ use proptest::prelude::*;
 use super::*;
 
 fn edge(x: f64, top: f64, side: Side) -> Edge {
-    Edge { x, top, obstacle: 0, side }
+    Edge {
+        x,
+        top,
+        obstacle: 0,
+        side,
+    }
 }
 
 /// Over a box, onto it, and down from it.
 fn leaps() -> [Leap; 4] {
     let (front, back) = (edge(0.35, 0.12, Side::Front), edge(0.45, 0.12, Side::Back));
     [
-        Leap { jump: 0, from: 0.0, to: 0.0, on: [None; 2], edges: vec![], beside: vec![] },
-        Leap { jump: 0, from: 0.0, to: 0.0, on: [None; 2], edges: vec![front, back], beside: vec![] },
-        Leap { jump: 0, from: 0.0, to: 0.12, on: [None; 2], edges: vec![front], beside: vec![] },
-        Leap { jump: 0, from: 0.12, to: 0.0, on: [None; 2], edges: vec![back], beside: vec![] },
+        Leap {
+            jump: 0,
+            from: 0.0,
+            to: 0.0,
+            on: [None; 2],
+            edges: vec![],
+            beside: vec![],
+        },
+        Leap {
+            jump: 0,
+            from: 0.0,
+            to: 0.0,
+            on: [None; 2],
+            edges: vec![front, back],
+            beside: vec![],
+        },
+        Leap {
+            jump: 0,
+            from: 0.0,
+            to: 0.12,
+            on: [None; 2],
+            edges: vec![front],
+            beside: vec![],
+        },
+        Leap {
+            jump: 0,
+            from: 0.12,
+            to: 0.0,
+            on: [None; 2],
+            edges: vec![back],
+            beside: vec![],
+        },
     ]
 }
 
@@ -24,12 +57,18 @@ fn outcome(hopper: &Hopper, leap: &Leap, at: [f64; 3]) -> Vec<Slope> {
     let mut margins = Vec::new();
     let [foot, distance, angle] = std::array::from_fn(|i| Slope::variable(at[i], i));
     let flight = hopper.fly(leap, foot, [distance, angle], &mut margins);
-    [flight.landing, flight.cost].into_iter().chain(margins.into_iter().map(|m| m.value)).collect()
+    [flight.landing, flight.cost]
+        .into_iter()
+        .chain(margins.into_iter().map(|m| m.value))
+        .collect()
 }
 
 fn allowed(hopper: &Hopper, leap: &Leap, at: [f64; 3]) -> Option<f64> {
     let outcome = outcome(hopper, leap, at);
-    outcome[2..].iter().all(|m| m.value >= 0.0).then(|| outcome[1].value)
+    outcome[2..]
+        .iter()
+        .all(|m| m.value >= 0.0)
+        .then(|| outcome[1].value)
 }
 
 #[test]
@@ -47,7 +86,10 @@ fn derivatives_agree_with_central_differences() {
             for ((e, a), b) in exact.iter().zip(&after).zip(&before) {
                 let difference = (a.value - b.value) / 2e-6;
                 // Truncation 1e-12 times third derivatives, round-off 1e-16/1e-6.
-                assert!((e.slope[i] - difference).abs() < 1e-8 * (1.0 + difference.abs()), "{leap:?} {i}");
+                assert!(
+                    (e.slope[i] - difference).abs() < 1e-8 * (1.0 + difference.abs()),
+                    "{leap:?} {i}"
+                );
             }
         }
     }
@@ -57,14 +99,26 @@ fn derivatives_agree_with_central_differences() {
 fn the_flight_is_the_parabola_of_its_launch() {
     let hopper = Hopper::default();
     for leap in leaps() {
-        let jump =
-            Jump { leap: leap.clone(), foot: 0.0, landing: 0.7, decisions: [0.7, 1.25], deviation: 0.0 };
-        let Launch { flight_time: t, speed: v, angle } = hopper.launch(&jump);
+        let jump = Jump {
+            leap: leap.clone(),
+            foot: 0.0,
+            landing: 0.7,
+            decisions: [0.7, 1.25],
+            deviation: 0.0,
+        };
+        let Launch {
+            flight_time: t,
+            speed: v,
+            angle,
+        } = hopper.launch(&jump);
         let x = hopper.leg * angle.cos() + hopper.foot[0] + v * angle.cos() * t;
         let z = leap.from + hopper.leg * angle.sin() + hopper.foot[1] + v * angle.sin() * t
             - hopper.gravity / 2.0 * t * t;
         // Round-off.
-        assert!((x - 0.7).abs() < 1e-14 && (z - leap.to).abs() < 1e-14, "{leap:?}: {x} {z}");
+        assert!(
+            (x - 0.7).abs() < 1e-14 && (z - leap.to).abs() < 1e-14,
+            "{leap:?}: {x} {z}"
+        );
     }
 }
 

@@ -10,8 +10,9 @@ const BOTTOM: f64 = 48.0;
 const WIDTH: f64 = 760.0;
 
 /// Colours of lines, in their order.
-pub(crate) const COLORS: [&str; 7] =
-    ["#1f63a8", "#c83228", "#3c9650", "#8a4fa3", "#c77c11", "#1a9c9c", "#555555"];
+pub(crate) const COLORS: [&str; 7] = [
+    "#1f63a8", "#c83228", "#3c9650", "#8a4fa3", "#c77c11", "#1a9c9c", "#555555",
+];
 
 /// An axis: its name with the unit, and what it spans.
 pub(crate) type Axis = (&'static str, f64, f64);
@@ -36,7 +37,13 @@ pub(crate) struct Chart {
 impl Chart {
     /// A chart whose axes are `height` px tall.
     pub(crate) fn new(x: Axis, y: Axis, height: f64) -> Chart {
-        Chart { x, y, height, marks: String::new(), keys: 0 }
+        Chart {
+            x,
+            y,
+            height,
+            marks: String::new(),
+            keys: 0,
+        }
     }
 
     /// A chart with the same scale on both axes.
@@ -48,7 +55,10 @@ impl Chart {
     fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
         let across = (x - self.x.1) / (self.x.2 - self.x.1);
         let up = (y - self.y.1) / (self.y.2 - self.y.1);
-        (LEFT + across * (WIDTH - LEFT - RIGHT), TOP + (1.0 - up) * self.height)
+        (
+            LEFT + across * (WIDTH - LEFT - RIGHT),
+            TOP + (1.0 - up) * self.height,
+        )
     }
 
     fn mark(&mut self, mark: std::fmt::Arguments<'_>) {
@@ -56,8 +66,11 @@ impl Chart {
     }
 
     pub(crate) fn line(&mut self, points: &[(f64, f64)], color: &str, stroke: Stroke) {
-        let points: Vec<String> =
-            points.iter().map(|p| self.place(*p)).map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+        let points: Vec<String> = points
+            .iter()
+            .map(|p| self.place(*p))
+            .map(|(x, y)| format!("{x:.1},{y:.1}"))
+            .collect();
         let dashes = match stroke {
             Stroke::Solid => "",
             Stroke::Faint => " opacity=\"0.25\"",
@@ -65,14 +78,17 @@ impl Chart {
         };
         let points = points.join(" ");
         self.mark(format_args!(
-            "<polyline points=\"{points}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"2\"{dashes}/>"
+            "<polyline points=\"{points}\" fill=\"none\" stroke=\"{color}\" \
+             stroke-width=\"2\"{dashes}/>"
         ));
     }
 
     pub(crate) fn dots(&mut self, points: &[(f64, f64)], color: &str) {
         for point in points {
             let (x, y) = self.place(*point);
-            self.mark(format_args!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.5\" fill=\"{color}\"/>"));
+            self.mark(format_args!(
+                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.5\" fill=\"{color}\"/>"
+            ));
         }
     }
 
@@ -80,7 +96,8 @@ impl Chart {
         let ((x0, y1), (x1, y0)) = (self.place(low), self.place(high));
         let (width, height) = (x1 - x0, y1 - y0);
         self.mark(format_args!(
-            "<rect x=\"{x0:.1}\" y=\"{y0:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"{color}\"/>"
+            "<rect x=\"{x0:.1}\" y=\"{y0:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" \
+             fill=\"{color}\"/>"
         ));
     }
 
@@ -88,7 +105,8 @@ impl Chart {
         let (x, y) = self.place(at);
         let text = text.replace('-', "−");
         self.mark(format_args!(
-            "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\" style=\"fill:{color}\">{text}</text>"
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\" \
+             style=\"fill:{color}\">{text}</text>"
         ));
     }
 
@@ -119,22 +137,40 @@ impl Chart {
         let (bottom, right) = (TOP + self.height, WIDTH - RIGHT);
         for tick in ticks(self.x.1, self.x.2) {
             let (x, _) = self.place((tick, self.y.1));
-            put(format!("<path d=\"M{x:.1} {TOP}V{bottom:.1}\" stroke=\"#e2e2e2\"/>"));
+            put(format!(
+                "<path d=\"M{x:.1} {TOP}V{bottom:.1}\" stroke=\"#e2e2e2\"/>"
+            ));
             let y = bottom + 17.0;
-            put(format!("<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{}</text>", number(tick)));
+            put(format!(
+                "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{}</text>",
+                number(tick)
+            ));
         }
         for tick in ticks(self.y.1, self.y.2) {
             let (_, y) = self.place((self.x.1, tick));
-            put(format!("<path d=\"M{LEFT} {y:.1}H{right}\" stroke=\"#e2e2e2\"/>"));
+            put(format!(
+                "<path d=\"M{LEFT} {y:.1}H{right}\" stroke=\"#e2e2e2\"/>"
+            ));
             let (x, y) = (LEFT - 7.0, y + 4.0);
-            put(format!("<text x=\"{x}\" y=\"{y:.1}\" text-anchor=\"end\">{}</text>", number(tick)));
+            put(format!(
+                "<text x=\"{x}\" y=\"{y:.1}\" text-anchor=\"end\">{}</text>",
+                number(tick)
+            ));
         }
-        put(format!("<path d=\"M{LEFT} {TOP}V{bottom:.1}H{right}\" fill=\"none\" stroke=\"#282828\"/>"));
+        put(format!(
+            "<path d=\"M{LEFT} {TOP}V{bottom:.1}H{right}\" fill=\"none\" stroke=\"#282828\"/>"
+        ));
         let (x, y) = (f64::midpoint(LEFT, right), height - 10.0);
-        put(format!("<text x=\"{x}\" y=\"{y:.1}\" text-anchor=\"middle\">{}</text>", self.x.0));
+        put(format!(
+            "<text x=\"{x}\" y=\"{y:.1}\" text-anchor=\"middle\">{}</text>",
+            self.x.0
+        ));
         let y = TOP + self.height / 2.0;
         let turned = format!("transform=\"translate(15 {y:.1}) rotate(-90)\"");
-        put(format!("<text {turned} text-anchor=\"middle\">{}</text>", self.y.0));
+        put(format!(
+            "<text {turned} text-anchor=\"middle\">{}</text>",
+            self.y.0
+        ));
         put(self.marks.trim_end().into());
         put("</svg>".into());
         out
@@ -144,14 +180,23 @@ impl Chart {
 /// Some six to twelve round numbers from `low` to `high`.
 fn ticks(low: f64, high: f64) -> impl Iterator<Item = f64> {
     let power = 10_f64.powf(((high - low) / 6.0).log10().floor());
-    let step =
-        [5.0, 2.0, 1.0].into_iter().map(|m| m * power).find(|s| (high - low) / s >= 5.0).unwrap_or(power);
+    let step = [5.0, 2.0, 1.0]
+        .into_iter()
+        .map(|m| m * power)
+        .find(|s| (high - low) / s >= 5.0)
+        .unwrap_or(power);
     let first = (low / step - 1e-9).ceil();
-    (0..40).map(move |i| (first + f64::from(i)) * step).take_while(move |x| *x <= high + 1e-9 * step)
+    (0..40)
+        .map(move |i| (first + f64::from(i)) * step)
+        .take_while(move |x| *x <= high + 1e-9 * step)
 }
 
 fn number(x: f64) -> String {
     let text = format!("{x:.3}");
     let short = text.trim_end_matches('0').trim_end_matches('.');
-    if short == "-0" { "0".into() } else { short.replace('-', "−") }
+    if short == "-0" {
+        "0".into()
+    } else {
+        short.replace('-', "−")
+    }
 }

@@ -19,7 +19,10 @@ pub(crate) fn section() -> Outcome<Section> {
     chart.block((0.0, 0.1), AXES, "#f1efe6");
     chart.line(&[(-0.1, 0.0), (1.25, 0.0)], COLORS[6], Stroke::Solid);
     chart.key("shaded: the axes of figure 5.9", COLORS[6]);
-    chart.key("stance solid, flight dotted; below each its firing angle (rad)", COLORS[6]);
+    chart.key(
+        "stance solid, flight dotted; below each its firing angle (rad)",
+        COLORS[6],
+    );
     let mut rows = String::new();
     let mut reached = Vec::new();
     for (i, angle) in ANGLES.into_iter().enumerate() {
@@ -46,24 +49,30 @@ pub(crate) fn section() -> Outcome<Section> {
         )?;
     }
     claim(
-        reached.windows(2).all(|w| w[1].0 < w[0].0 && w[1].1 > w[0].1 && w[1].2 > w[0].2),
+        reached
+            .windows(2)
+            .all(|w| w[1].0 < w[0].0 && w[1].1 > w[0].1 && w[1].2 > w[0].2),
         "figure 5.9: later is farther and less high",
     )?;
     let highest = reached[0].0;
     claim(highest > AXES.1, "figure 5.9: ours goes above its axis")?;
     let text = format!(
-        "## A family of trajectories (5.2.2, figure 5.9)\n\n\
-         Approach rate {RATE} rad/s, firing angles from {} to {} rad, stance from the firing on, valve open past the end of the stroke.\n\n\
-         ![Trajectories under different firing angles](thesis/family.svg)\n\n\
-         | α_f (rad) | outcome | apex (m) | distance to y = r_s (m) | to y = 0 (m) | friction needed |\n\
-         | --- | --- | --- | --- | --- | --- |\n{rows}\n\
-         The thesis' finding holds throughout: the later the leg fires, the farther and the less high the robot goes. The figure's \
-         trajectories stay within {} m; the earliest of ours rises to {highest:.3} m, {:.0} mm above that. What the difference is due to \
-         cannot be told, as the thesis gives neither the bore nor the lean at which these stances begin.\n",
+        "## A family of trajectories (5.2.2, figure 5.9)\n\nApproach rate {RATE} rad/s, firing \
+         angles from {} to {} rad, stance from the firing on, valve open past the end of the \
+         stroke.\n\n![Trajectories under different firing angles](thesis/family.svg)\n\n| α_f \
+         (rad) | outcome | apex (m) | distance to y = r_s (m) | to y = 0 (m) | friction needed |\n\
+         | --- | --- | --- | --- | --- | --- |\n{rows}\nThe thesis' finding holds throughout: the \
+         later the leg fires, the farther and the less high the robot goes. The figure's \
+         trajectories stay within {} m; the earliest of ours rises to {highest:.3} m, {:.0} mm \
+         above that. What the difference is due to cannot be told, as the thesis gives neither \
+         the bore nor the lean at which these stances begin.\n",
         signed(ANGLES[0], 2),
         ANGLES[6],
         AXES.1,
         1e3 * (highest - AXES.1),
     );
-    Ok(Section { text, drawings: vec![("family.svg", chart.svg())] })
+    Ok(Section {
+        text,
+        drawings: vec![("family.svg", chart.svg())],
+    })
 }

@@ -32,32 +32,35 @@ pub(crate) fn section() -> Outcome<Section> {
     // Here the retracted leg of an upright robot no longer presses on the ground.
     let fastest = (nominal.robot().environment.gravity / radius).sqrt();
     let text = format!(
-        "## The law for one metre (5.2.3)\n\n\
-         The thesis varies α_f at five approach rates until the jump covers {DISTANCE:.0} m, and finds α_f = A ω + B with A = {} s and \
-         B = {B} rad. It does not say which five rates, at what lean the stance starts, nor where a jump ends. Here the rates are {} rad/s, \
-         and the answer is given for each reading: the stance starts at the firing angle or at a touch-down lean, the jump ends where the \
-         wheel's centre comes down to y = 0 or to y = r_s. The residual is what the straight line misses of the exact angle, the miss \
-         what that costs at the landing.\n\n\
-         ![Firing angle over approach rate](thesis/law.svg)\n\n\
-         | stance starts at | lands at | A (s) | B (rad) | greatest residual (mrad) | RMS (mrad) | greatest miss (mm) |\n\
-         | --- | --- | --- | --- | --- | --- | --- |\n{readings}\n\
-         The finding stands: to y = 0 the relation is linear to {:.0} mrad under every reading, and the straight line costs less than {:.1} cm \
-         at the landing. One metre to y = r_s is beyond this robot at these rates; of the readings tried, only y = 0 can be meant, or the \
-         thesis' leg is stronger. The numbers differ: all slopes are steeper and all intercepts larger than the thesis'. With the plain \
-         reading (first row) the thesis' law \
-         fires up to {:.2} rad off our angles, and misses by up to {:.0} cm:\n\n{}\n\
-         Which rates are taken moves the slope as well, as the relation is slightly curved. (Past √(g/r_s) = {fastest:.1} rad/s an upright robot leaves the ground before its leg \
-         fires, so that not every rate has an angle.)\n\n{}\n\
-         And so does what the thesis leaves open about the robot (plain reading):\n\n{}\n\
-         Shorter jumps have flatter laws; here to y = r_s, the stance starting at the firing angle:\n\n{}\n\
-         No choice above gives A = {} and B = {B} together. What would flatten the slope is not decided by the thesis' text, and nothing \
-         here is tuned to hide it.\n\n\
-         ### Early and late\n\n\
-         Where {DISTANCE:.0} m is in reach there are as a rule two angles for it: the law's early one, and one past the angle that goes farthest, from \
-         which the robot flies low. The thesis mentions one only, and rightly: the late jumps never rise to y = r_s = {radius} m, so that the \
-         wheel would touch the ground. (That a wheel touches at y = r_s holds for every landing at y = 0 as well, which is a reading of the \
-         thesis' metre and not a place to land.) Where there is no late one, a robot so fast and so far over pulls itself off its foot \
-         before the pressure pushes.\n\n{}",
+        "## The law for one metre (5.2.3)\n\nThe thesis varies α_f at five approach rates until \
+         the jump covers {DISTANCE:.0} m, and finds α_f = A ω + B with A = {} s and B = {B} rad. \
+         It does not say which five rates, at what lean the stance starts, nor where a jump ends. \
+         Here the rates are {} rad/s, and the answer is given for each reading: the stance starts \
+         at the firing angle or at a touch-down lean, the jump ends where the wheel's centre \
+         comes down to y = 0 or to y = r_s. The residual is what the straight line misses of the \
+         exact angle, the miss what that costs at the landing.\n\n![Firing angle over approach \
+         rate](thesis/law.svg)\n\n| stance starts at | lands at | A (s) | B (rad) | greatest \
+         residual (mrad) | RMS (mrad) | greatest miss (mm) |\n| --- | --- | --- | --- | --- | --- \
+         | --- |\n{readings}\nThe finding stands: to y = 0 the relation is linear to {:.0} mrad \
+         under every reading, and the straight line costs less than {:.1} cm at the landing. One \
+         metre to y = r_s is beyond this robot at these rates; of the readings tried, only y = 0 \
+         can be meant, or the thesis' leg is stronger. The numbers differ: all slopes are steeper \
+         and all intercepts larger than the thesis'. With the plain reading (first row) the \
+         thesis' law fires up to {:.2} rad off our angles, and misses by up to {:.0} cm:\n\n{}\n\
+         Which rates are taken moves the slope as well, as the relation is slightly curved. (Past \
+         √(g/r_s) = {fastest:.1} rad/s an upright robot leaves the ground before its leg fires, \
+         so that not every rate has an angle.)\n\n{}\nAnd so does what the thesis leaves open \
+         about the robot (plain reading):\n\n{}\nShorter jumps have flatter laws; here to y = \
+         r_s, the stance starting at the firing angle:\n\n{}\nNo choice above gives A = {} and B \
+         = {B} together. What would flatten the slope is not decided by the thesis' text, and \
+         nothing here is tuned to hide it.\n\n### Early and late\n\nWhere {DISTANCE:.0} m is in \
+         reach there are as a rule two angles for it: the law's early one, and one past the angle \
+         that goes farthest, from which the robot flies low. The thesis mentions one only, and \
+         rightly: the late jumps never rise to y = r_s = {radius} m, so that the wheel would \
+         touch the ground. (That a wheel touches at y = r_s holds for every landing at y = 0 as \
+         well, which is a reading of the thesis' metre and not a place to land.) Where there is \
+         no late one, a robot so fast and so far over pulls itself off its foot before the \
+         pressure pushes.\n\n{}",
         signed(A, 1),
         list(&RATES),
         1e3 * LINEAR,
@@ -71,7 +74,10 @@ pub(crate) fn section() -> Outcome<Section> {
         signed(A, 1),
         roots(&nominal)?,
     );
-    Ok(Section { text, drawings: vec![("law.svg", chart.svg())] })
+    Ok(Section {
+        text,
+        drawings: vec![("law.svg", chart.svg())],
+    })
 }
 
 /// The law of the plain reading, held against the thesis'.
@@ -81,27 +87,50 @@ struct Plain {
 }
 
 impl Plain {
-    /// Greatest difference of the thesis' angle from the exact one (rad), and of its landing from the target (m).
+    /// Greatest difference of the thesis' angle from the exact one (rad), and of its landing from
+    /// the target (m).
     fn misfit(&self) -> (f64, f64) {
         let angle = |rate: f64| A * rate + B;
-        let off = self.law.points.iter().map(|p| (angle(p.rate) - p.exact).abs()).fold(0.0, f64::max);
-        (off, self.misses.iter().fold(0.0, |most, miss| miss.abs().max(most)))
+        let off = self
+            .law
+            .points
+            .iter()
+            .map(|p| (angle(p.rate) - p.exact).abs())
+            .fold(0.0, f64::max);
+        (
+            off,
+            self.misses
+                .iter()
+                .fold(0.0, |most, miss| miss.abs().max(most)),
+        )
     }
 }
 
 fn list(numbers: &[f64]) -> String {
-    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")
+    numbers
+        .iter()
+        .map(f64::to_string)
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// A, B and what they miss, as columns; without a law, how far the robot comes.
-fn columns(law: Option<&Law>, reading: Reading, planner: &Planner, rates: &[f64]) -> Outcome<String> {
+fn columns(
+    law: Option<&Law>,
+    reading: Reading,
+    planner: &Planner,
+    rates: &[f64],
+) -> Outcome<String> {
     let Some(law) = law else {
         let farthest = reading.farthest(planner, rates)?;
         return Ok(format!("out of reach: {farthest:.3} m at most | | | | |"));
     };
     let ((residual, rms), (miss, _)) = (law.residuals(), law.misses());
-    let few =
-        if law.points.len() < rates.len() { format!(" ({} rates)", law.points.len()) } else { String::new() };
+    let few = if law.points.len() < rates.len() {
+        format!(" ({} rates)", law.points.len())
+    } else {
+        String::new()
+    };
     Ok(format!(
         "{}{few} | {} | {:.1} | {:.1} | {:.0} |",
         signed(law.slope, 4),
@@ -115,54 +144,100 @@ fn columns(law: Option<&Law>, reading: Reading, planner: &Planner, rates: &[f64]
 fn readings(planner: &Planner) -> Outcome<(String, Chart, Plain)> {
     let radius = planner.robot().body.radius;
     let mut rows = String::new();
-    let mut chart =
-        Chart::new(("approach rate ω (rad/s)", 2.8, 6.2), ("firing angle α_f (rad)", -0.4, 0.45), 360.0);
+    let mut chart = Chart::new(
+        ("approach rate ω (rad/s)", 2.8, 6.2),
+        ("firing angle α_f (rad)", -0.4, 0.45),
+        360.0,
+    );
     let mut colors = COLORS.iter();
     let mut color = || colors.next().copied().unwrap_or("#000000");
     chart.key(&format!("thesis: {A} ω + {B}"), color());
-    chart.line(&[3.0, 6.0].map(|rate| (rate, A * rate + B)), COLORS[0], Stroke::Solid);
+    chart.line(
+        &[3.0, 6.0].map(|rate| (rate, A * rate + B)),
+        COLORS[0],
+        Stroke::Solid,
+    );
     for start_lean in STARTS {
         for landing_height in [0.0, radius] {
-            let reading = Reading { start_lean, landing_height };
+            let reading = Reading {
+                start_lean,
+                landing_height,
+            };
             let law = reading.law(planner, &RATES, DISTANCE)?;
-            let start =
-                start_lean.map_or("the firing angle".into(), |lean| format!("{} rad", signed(lean, 2)));
-            let end = if landing_height > 0.0 { "y = r_s" } else { "y = 0" };
-            writeln!(rows, "| {start} | {end} | {}", columns(law.as_ref(), reading, planner, &RATES)?)?;
+            let start = start_lean.map_or("the firing angle".into(), |lean| {
+                format!("{} rad", signed(lean, 2))
+            });
+            let end = if landing_height > 0.0 {
+                "y = r_s"
+            } else {
+                "y = 0"
+            };
+            writeln!(
+                rows,
+                "| {start} | {end} | {}",
+                columns(law.as_ref(), reading, planner, &RATES)?
+            )?;
             claim(
                 law.is_some() == (landing_height == 0.0),
                 "one metre is in reach to y = 0 and not to y = r_s",
             )?;
             let Some(law) = law else { continue };
-            claim(law.points.len() == RATES.len(), "every rate reaches one metre to y = 0")?;
-            claim(law.residuals().0 < LINEAR, "the relation is linear under every reading")?;
+            claim(
+                law.points.len() == RATES.len(),
+                "every rate reaches one metre to y = 0",
+            )?;
+            claim(
+                law.residuals().0 < LINEAR,
+                "the relation is linear under every reading",
+            )?;
             claim(law.misses().0 < COST, "what the law costs")?;
-            claim(law.slope < A && law.intercept > B, "slopes are steeper, intercepts larger")?;
+            claim(
+                law.slope < A && law.intercept > B,
+                "slopes are steeper, intercepts larger",
+            )?;
             let color = color();
-            chart.key(&format!("start {}, {end}", start.replace("the ", "")), color);
+            chart.key(
+                &format!("start {}, {end}", start.replace("the ", "")),
+                color,
+            );
             let ends = [RATES[0], RATES[4]].map(|rate| (rate, law.firing_angle(rate)));
             chart.line(&ends, color, Stroke::Dotted);
-            chart.dots(&law.points.iter().map(|p| (p.rate, p.exact)).collect::<Vec<_>>(), color);
+            chart.dots(
+                &law.points
+                    .iter()
+                    .map(|p| (p.rate, p.exact))
+                    .collect::<Vec<_>>(),
+                color,
+            );
         }
     }
-    let law = Reading::PLAIN.law(planner, &RATES, DISTANCE)?.ok_or("one metre is out of reach")?;
-    let misses =
-        RATES.iter().map(|rate| Ok(thesis_distance(planner, *rate)? - DISTANCE)).collect::<Outcome<_>>()?;
+    let law = Reading::PLAIN
+        .law(planner, &RATES, DISTANCE)?
+        .ok_or("one metre is out of reach")?;
+    let misses = RATES
+        .iter()
+        .map(|rate| Ok(thesis_distance(planner, *rate)? - DISTANCE))
+        .collect::<Outcome<_>>()?;
     Ok((rows, chart, Plain { law, misses }))
 }
 
 /// Where the thesis' law sends the robot (m), under the plain reading.
 fn thesis_distance(planner: &Planner, rate: f64) -> Outcome<f64> {
     let jump = planner.jump(&Reading::PLAIN.launch(rate, A * rate + B))?;
-    let distance = Measure::Distance { landing_height: 0.0 }.of(planner, &jump);
+    let distance = Measure::Distance {
+        landing_height: 0.0,
+    }
+    .of(planner, &jump);
     distance.ok_or_else(|| format!("the thesis' law does not jump at {rate} rad/s").into())
 }
 
 fn thesis_law(planner: &Planner) -> Outcome<String> {
-    let law = Reading::PLAIN.law(planner, &RATES, DISTANCE)?.ok_or("one metre is out of reach")?;
+    let law = Reading::PLAIN
+        .law(planner, &RATES, DISTANCE)?
+        .ok_or("one metre is out of reach")?;
     let mut rows = String::from(
-        "| ω (rad/s) | exact α_f (rad) | our law's α_f (rad) | goes (m) | the thesis' α_f (rad) | goes (m) |\n\
-         | --- | --- | --- | --- | --- | --- |\n",
+        "| ω (rad/s) | exact α_f (rad) | our law's α_f (rad) | goes (m) | the thesis' α_f (rad) | \
+         goes (m) |\n| --- | --- | --- | --- | --- | --- |\n",
     );
     for point in &law.points {
         let value = point.value.ok_or("our law does not jump")?;
@@ -181,47 +256,66 @@ fn thesis_law(planner: &Planner) -> Outcome<String> {
 
 /// Greatest difference (rad) between the exact angles of two laws, at the rates that both have.
 fn greatest_change(law: &Law, other: &Law) -> f64 {
-    let same =
-        |p: &LawPoint| other.points.iter().find(|q| q.rate == p.rate).map(|q| (p.exact - q.exact).abs());
+    let same = |p: &LawPoint| {
+        other
+            .points
+            .iter()
+            .find(|q| q.rate == p.rate)
+            .map(|q| (p.exact - q.exact).abs())
+    };
     law.points.iter().filter_map(same).fold(0.0, f64::max)
 }
 
 /// Laws for other distances to y = r_s.
 fn distances(planner: &Planner) -> Outcome<String> {
     let mut rows = String::from(
-        "| distance to y = r_s (m) | A (s) | B (rad) | greatest residual (mrad) | RMS (mrad) | greatest miss (mm) |\n\
-         | --- | --- | --- | --- | --- | --- |\n",
+        "| distance to y = r_s (m) | A (s) | B (rad) | greatest residual (mrad) | RMS (mrad) | \
+         greatest miss (mm) |\n| --- | --- | --- | --- | --- | --- |\n",
     );
-    let reading = Reading { start_lean: None, landing_height: planner.robot().body.radius };
+    let reading = Reading {
+        start_lean: None,
+        landing_height: planner.robot().body.radius,
+    };
     for distance in [0.5, 0.6, 0.7, 0.8] {
         let law = reading.law(planner, &RATES, distance)?;
-        writeln!(rows, "| {distance} | {}", columns(law.as_ref(), reading, planner, &RATES)?)?;
+        writeln!(
+            rows,
+            "| {distance} | {}",
+            columns(law.as_ref(), reading, planner, &RATES)?
+        )?;
     }
     Ok(rows)
 }
 
 fn rate_ranges(planner: &Planner) -> Outcome<String> {
     let mut rows = String::from(
-        "| five rates from | to (rad/s) | A (s) | B (rad) | greatest residual (mrad) | RMS (mrad) | greatest miss (mm) |\n\
-         | --- | --- | --- | --- | --- | --- | --- |\n",
+        "| five rates from | to (rad/s) | A (s) | B (rad) | greatest residual (mrad) | RMS (mrad) \
+         | greatest miss (mm) |\n| --- | --- | --- | --- | --- | --- | --- |\n",
     );
     for (low, high) in [(2.0, 4.0), (3.0, 6.0), (4.0, 6.0), (5.0, 7.0)] {
         let (reading, rates) = (Reading::PLAIN, range(low, high, 5));
         let law = reading.law(planner, &rates, DISTANCE)?;
-        writeln!(rows, "| {low} | {high} | {}", columns(law.as_ref(), reading, planner, &rates)?)?;
+        writeln!(
+            rows,
+            "| {low} | {high} | {}",
+            columns(law.as_ref(), reading, planner, &rates)?
+        )?;
     }
     Ok(rows)
 }
 
 fn robots() -> Outcome<String> {
     let mut rows = String::from(
-        "| robot | greatest change of α_f (mrad) | A (s) | B (rad) | greatest residual (mrad) | RMS (mrad) | greatest miss (mm) |\n\
-         | --- | --- | --- | --- | --- | --- | --- |\n",
+        "| robot | greatest change of α_f (mrad) | A (s) | B (rad) | greatest residual (mrad) | \
+         RMS (mrad) | greatest miss (mm) |\n| --- | --- | --- | --- | --- | --- | --- |\n",
     );
     let nominal = planner(&[])?;
     let body = nominal.robot().body;
     // ⅖ m r²: table 4.1's solid sphere in place of the thin disc.
-    let sphere = format!("body.inertia_kg_m2={}", 0.4 * body.mass * body.radius * body.radius);
+    let sphere = format!(
+        "body.inertia_kg_m2={}",
+        0.4 * body.mass * body.radius * body.radius
+    );
     let robots: [(&str, &[&str]); 6] = [
         ("nominal: thin disc, bore 19.05 mm, no boom", &[]),
         ("solid sphere", &[&sphere]),
@@ -230,13 +324,21 @@ fn robots() -> Outcome<String> {
         ("bore 22 mm", &["leg.bore_mm=22"]),
         ("bore 27 mm", &["leg.bore_mm=27"]),
     ];
-    let plain = Reading::PLAIN.law(&nominal, &RATES, DISTANCE)?.ok_or("one metre is out of reach")?;
+    let plain = Reading::PLAIN
+        .law(&nominal, &RATES, DISTANCE)?
+        .ok_or("one metre is out of reach")?;
     for (name, overrides) in robots {
         let planner = planner(overrides)?;
         let law = Reading::PLAIN.law(&planner, &RATES, DISTANCE)?;
-        let is_thesis = |law: &Law| (law.slope - A).abs() < 0.02 && (law.intercept - B).abs() < 0.05;
-        claim(!law.as_ref().is_some_and(is_thesis), "no robot has the thesis' law")?;
-        let change = law.as_ref().map_or(f64::NAN, |law| 1e3 * greatest_change(law, &plain));
+        let is_thesis =
+            |law: &Law| (law.slope - A).abs() < 0.02 && (law.intercept - B).abs() < 0.05;
+        claim(
+            !law.as_ref().is_some_and(is_thesis),
+            "no robot has the thesis' law",
+        )?;
+        let change = law
+            .as_ref()
+            .map_or(f64::NAN, |law| 1e3 * greatest_change(law, &plain));
         writeln!(
             rows,
             "| {name} | {change:.0} | {}",
@@ -248,8 +350,8 @@ fn robots() -> Outcome<String> {
 
 fn roots(planner: &Planner) -> Outcome<String> {
     let mut rows = String::from(
-        "| ω (rad/s) | early α_f (rad) | apex (m) | late α_f (rad) | apex (m) | farthest (m) | at α_f (rad) |\n\
-         | --- | --- | --- | --- | --- | --- | --- |\n",
+        "| ω (rad/s) | early α_f (rad) | apex (m) | late α_f (rad) | apex (m) | farthest (m) | at \
+         α_f (rad) |\n| --- | --- | --- | --- | --- | --- | --- |\n",
     );
     let radius = planner.robot().body.radius;
     let table = planner.table(&Reading::PLAIN.request(&RATES, DISTANCE, Roots::All))?;
@@ -262,11 +364,20 @@ fn roots(planner: &Planner) -> Outcome<String> {
             others => return Err(format!("{} angles for one distance", others.len()).into()),
         };
         let far = far.nearest.ok_or("no farthest jump")?;
-        claim(early.jump.launch.firing_angle < far.firing_angle, "the early angle is before the farthest")?;
-        claim(early.jump.apex() > Some(radius), "the early jump flies high")?;
+        claim(
+            early.jump.launch.firing_angle < far.firing_angle,
+            "the early angle is before the farthest",
+        )?;
+        claim(
+            early.jump.apex() > Some(radius),
+            "the early jump flies high",
+        )?;
         let write = |entry: &Entry| -> Outcome<String> {
             let apex = entry.jump.apex().ok_or("no apex")?;
-            Ok(format!(" {} | {apex:.4} |", signed(entry.jump.launch.firing_angle, 4)))
+            Ok(format!(
+                " {} | {apex:.4} |",
+                signed(entry.jump.launch.firing_angle, 4)
+            ))
         };
         let late = match late {
             Some(late) => {
@@ -280,7 +391,12 @@ fn roots(planner: &Planner) -> Outcome<String> {
             None => " none | |".to_owned(),
         };
         write!(rows, "| {} |{}{late}", cell.rate, write(early)?)?;
-        writeln!(rows, " {:.3} | {} |", far.value, signed(far.firing_angle, 3))?;
+        writeln!(
+            rows,
+            " {:.3} | {} |",
+            far.value,
+            signed(far.firing_angle, 3)
+        )?;
     }
     Ok(rows)
 }

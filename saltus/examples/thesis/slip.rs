@@ -23,66 +23,97 @@ pub(crate) fn section() -> Outcome<Section> {
     let planar = planner(&[])?;
     let (rows, chart, [least, most]) = slipping(&planar)?;
     let text = format!(
-        "## Slip and the boom (what 5.2.2 leaves open)\n\n\
-         \"The main drawback of this model is that it assumes there is no slipping of the foot … It is important as future work to measure \
-         the effect of the slipping to decide if it is relevant enough to be modeled.\" Here it is measured, in the multi-body simulation \
-         (`saltus verify`), which shares no equation of motion with the planner.\n\n\
-         ### A foot that slips\n\n\
-         The jumps of figure 5.9, ω = {RATE} rad/s, on ground of different friction; landing at y = 0 less that of a foot that holds, and how far the \
-         foot slips (forward positive) until lift-off:\n\n\
-         ![Landing error over friction](thesis/slip.svg)\n\n\
-         | friction | {} |\n| --- |{}\n{rows}\n\
-         Where the ground holds what the stance asks for ({least:.2} to {most:.2} for these jumps, the late ones the most), slip costs nothing: the \
-         simulated jump is the planned one to {} mm. Under that it costs the more the later the leg fires: millimetres where the ground falls a \
-         little short of what is asked, and over a decimetre where it gives less than half. The way that the foot slips is a tenth of that; what \
-         is lost is thrust along the travel, which the ground does not give. So on dry rubber (0.8) the thesis' assumption is free, and on a \
-         smooth floor it is relevant. The friction that a plan needs is the number to look at: every plan and map of Saltus has it, and it can \
-         be a limit.\n\n\
-         ### The boom\n\n{}\n\
-         ### The box\n\n{}",
-        ANGLES.map(|angle| format!("α_f = {} rad", signed(angle, 2))).join(" | "),
+        "## Slip and the boom (what 5.2.2 leaves open)\n\n\"The main drawback of this model is \
+         that it assumes there is no slipping of the foot … It is important as future work to \
+         measure the effect of the slipping to decide if it is relevant enough to be modeled.\" \
+         Here it is measured, in the multi-body simulation (`saltus verify`), which shares no \
+         equation of motion with the planner.\n\n### A foot that slips\n\nThe jumps of figure \
+         5.9, ω = {RATE} rad/s, on ground of different friction; landing at y = 0 less that of a \
+         foot that holds, and how far the foot slips (forward positive) until lift-off:\n\n\
+         ![Landing error over friction](thesis/slip.svg)\n\n| friction | {} |\n| --- |{}\n{rows}\n\
+         Where the ground holds what the stance asks for ({least:.2} to {most:.2} for these \
+         jumps, the late ones the most), slip costs nothing: the simulated jump is the planned \
+         one to {} mm. Under that it costs the more the later the leg fires: millimetres where \
+         the ground falls a little short of what is asked, and over a decimetre where it gives \
+         less than half. The way that the foot slips is a tenth of that; what is lost is thrust \
+         along the travel, which the ground does not give. So on dry rubber (0.8) the thesis' \
+         assumption is free, and on a smooth floor it is relevant. The friction that a plan needs \
+         is the number to look at: every plan and map of Saltus has it, and it can be a limit.\n\n\
+         ### The boom\n\n{}\n### The box\n\n{}",
+        ANGLES
+            .map(|angle| format!("α_f = {} rad", signed(angle, 2)))
+            .join(" | "),
         " --- |".repeat(ANGLES.len()),
         signed(1e3 * AGREES, 2),
         boom(&planar)?,
         obstacle(&planar)?,
     );
-    Ok(Section { text, drawings: vec![("slip.svg", chart.svg())] })
+    Ok(Section {
+        text,
+        drawings: vec![("slip.svg", chart.svg())],
+    })
 }
 
 /// How near (m) two derivations of the same jump have to be.
 const AGREES: f64 = 1e-5;
 
 fn task(launch: Launch) -> Task {
-    Task { launch, landing_height: 0.0, obstacles: Vec::new(), leg_out: 0.0 }
+    Task {
+        launch,
+        landing_height: 0.0,
+        obstacles: Vec::new(),
+        leg_out: 0.0,
+    }
 }
 
 fn landing(flown: &Flown) -> Outcome<f64> {
-    flown.landing.ok_or_else(|| "a jump without a landing".into())
+    flown
+        .landing
+        .ok_or_else(|| "a jump without a landing".into())
 }
 
-/// Rows of landing errors and slips over friction, their chart, and the least and greatest friction that the jumps need.
+/// Rows of landing errors and slips over friction, their chart, and the least and greatest friction
+/// that the jumps need.
 fn slipping(planar: &Planner) -> Outcome<(String, Chart, [f64; 2])> {
     let plant = Plant::new(planar.robot().clone(), TOLERANCE);
-    let mut chart =
-        Chart::new(("friction coefficient", 0.15, 0.85), ("landing error (mm)", -140.0, 20.0), 300.0);
+    let mut chart = Chart::new(
+        ("friction coefficient", 0.15, 0.85),
+        ("landing error (mm)", -140.0, 20.0),
+        300.0,
+    );
     let mut columns = Vec::new();
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
     for (i, angle) in ANGLES.into_iter().enumerate() {
         let task = task(Reading::PLAIN.launch(RATE, angle));
-        let planned = planar.jump(&task.launch)?.distance(0.0).ok_or("no landing")?;
+        let planned = planar
+            .jump(&task.launch)?
+            .distance(0.0)
+            .ok_or("no landing")?;
         let holds = landing(&plant.fly(&task)?)?;
-        claim((holds - planned).abs() < AGREES, "a foot that holds flies as planned")?;
+        claim(
+            (holds - planned).abs() < AGREES,
+            "a foot that holds flies as planned",
+        )?;
         let needed = planar.stance().trace(&task.launch)?.contact.friction_needed;
         (least, most) = (least.min(needed), most.max(needed));
         let mut column = Vec::new();
         for friction in FRICTIONS {
             let flown = plant.on_friction(friction).fly(&task)?;
-            claim(flown.report.slips_at.is_some() == (friction < needed), "slip where the ground gives way")?;
-            column.push((friction, landing(&flown).ok().map(|x| x - holds), flown.slip()));
+            claim(
+                flown.report.slips_at.is_some() == (friction < needed),
+                "slip where the ground gives way",
+            )?;
+            column.push((
+                friction,
+                landing(&flown).ok().map(|x| x - holds),
+                flown.slip(),
+            ));
         }
         chart.key(&format!("{angle:.2} rad"), COLORS[i]);
-        let points: Vec<(f64, f64)> =
-            column.iter().filter_map(|(mu, error, _)| Some((*mu, 1e3 * (*error)?))).collect();
+        let points: Vec<(f64, f64)> = column
+            .iter()
+            .filter_map(|(mu, error, _)| Some((*mu, 1e3 * (*error)?)))
+            .collect();
         chart.line(&points, COLORS[i], Stroke::Solid);
         chart.dots(&points, COLORS[i]);
         columns.push(column);
@@ -93,9 +124,16 @@ fn slipping(planar: &Planner) -> Outcome<(String, Chart, [f64; 2])> {
         for column in &columns {
             let (_, error, slip) = column[k];
             match error {
-                Some(error) if slip.abs() < 1e-6 => write!(rows, " {} mm, holds |", signed(1e3 * error, 0))?,
+                Some(error) if slip.abs() < 1e-6 => {
+                    write!(rows, " {} mm, holds |", signed(1e3 * error, 0))?
+                }
                 Some(error) => {
-                    write!(rows, " {} mm, slips {} mm |", signed(1e3 * error, 0), signed(1e3 * slip, 0))?;
+                    write!(
+                        rows,
+                        " {} mm, slips {} mm |",
+                        signed(1e3 * error, 0),
+                        signed(1e3 * slip, 0)
+                    )?;
                 }
                 None => write!(rows, " does not jump |")?,
             }
@@ -110,17 +148,20 @@ fn boom(planar: &Planner) -> Outcome<String> {
     let plant = Plant::new(resolve("rats-boom", &[])?, TOLERANCE);
     let with_term = Planner::new(plant.robot().clone());
     let mut text = String::from(
-        "The robot `rats-boom` has the thesis' boom and legs with mass. The jumps of one metre to y = 0, planned without the boom and with the \
-         boom as a term of the planar model (its inertia and weight at the axle), both flown by the whole robot:\n\n\
-         | ω (rad/s) | planned without: lands (m) | apex off (mm) | planned with: lands (m) | apex off (mm) |\n\
-         | --- | --- | --- | --- | --- |\n",
+        "The robot `rats-boom` has the thesis' boom and legs with mass. The jumps of one metre to \
+         y = 0, planned without the boom and with the boom as a term of the planar model (its \
+         inertia and weight at the axle), both flown by the whole robot:\n\n| ω (rad/s) | planned \
+         without: lands (m) | apex off (mm) | planned with: lands (m) | apex off (mm) |\n| --- | \
+         --- | --- | --- | --- |\n",
     );
     let (mut without, mut with) = (Vec::new(), Vec::new());
     for rate in RATES {
         write!(text, "| {rate} |")?;
         for (planner, misses) in [(planar, &mut without), (&with_term, &mut with)] {
             let law = Reading::PLAIN.law(planner, &[rate, rate + 1e-3], DISTANCE)?;
-            let angle = law.and_then(|law| law.points.first().map(|p| p.exact)).ok_or("out of reach")?;
+            let angle = law
+                .and_then(|law| law.points.first().map(|p| p.exact))
+                .ok_or("out of reach")?;
             let task = task(Reading::PLAIN.launch(rate, angle));
             let flown = plant.fly(&task)?;
             let planned = planner.jump(&task.launch)?.apex().ok_or("no apex")?;
@@ -135,19 +176,24 @@ fn boom(planar: &Planner) -> Outcome<String> {
     let mut arc = Vec::new();
     for rate in RATES {
         let law = Reading::PLAIN.law(&with_term, &[rate, rate + 1e-3], DISTANCE)?;
-        let angle = law.and_then(|law| law.points.first().map(|p| p.exact)).ok_or("out of reach")?;
+        let angle = law
+            .and_then(|law| law.points.first().map(|p| p.exact))
+            .ok_or("out of reach")?;
         arc.push(landing(&massless.fly(&task(Reading::PLAIN.launch(rate, angle)))?)? - DISTANCE);
     }
-    let rms = |misses: &[f64]| (misses.iter().map(|m| m * m).sum::<f64>() / misses.len() as f64).sqrt();
+    let rms =
+        |misses: &[f64]| (misses.iter().map(|m| m * m).sum::<f64>() / misses.len() as f64).sqrt();
     let (before, after) = (rms(&without), rms(&with));
     let arc = rms(&arc);
     claim(after < 0.5 * before, "the boom's term is worth having")?;
     claim(arc < 0.3 * after, "most of what remains is the legs' mass")?;
     write!(
         text,
-        "\nBoom and legs together cost {:.1} cm of landing (RMS); with the boom as a term {:.1} cm remain. Most of that is the jumping leg, \
-         which the planar model lets grow without mass: in truth it stands while the wheel rises, and is picked up at the end of its stroke. With \
-         massless legs {:.1} cm remain, which are the arc that the robot follows and the tilt of the wheel.\n",
+        "\nBoom and legs together cost {:.1} cm of landing (RMS); with the boom as a term {:.1} \
+         cm remain. Most of that is the jumping leg, which the planar model lets grow without \
+         mass: in truth it stands while the wheel rises, and is picked up at the end of its \
+         stroke. With massless legs {:.1} cm remain, which are the arc that the robot follows and \
+         the tilt of the wheel.\n",
         100.0 * before,
         100.0 * after,
         100.0 * arc
@@ -159,13 +205,19 @@ fn boom(planar: &Planner) -> Outcome<String> {
 fn obstacle(planar: &Planner) -> Outcome<String> {
     let radius = planar.robot().body.radius;
     let plants = [
-        ("as planned for", Plant::new(planar.robot().clone(), TOLERANCE)),
-        ("on its boom", Plant::new(resolve("rats-boom", &[])?, TOLERANCE)),
+        (
+            "as planned for",
+            Plant::new(planar.robot().clone(), TOLERANCE),
+        ),
+        (
+            "on its boom",
+            Plant::new(resolve("rats-boom", &[])?, TOLERANCE),
+        ),
     ];
     let mut text = String::from(
-        "The jumps over the box of 21 cm with the greatest margin, from the table above, planned without the boom:\n\n\
-         | ω (rad/s) | margin planned (mm) | simulated as planned for | on its boom | on its boom, friction 0.3 |\n\
-         | --- | --- | --- | --- | --- |\n",
+        "The jumps over the box of 21 cm with the greatest margin, from the table above, planned \
+         without the boom:\n\n| ω (rad/s) | margin planned (mm) | simulated as planned for | on \
+         its boom | on its boom, friction 0.3 |\n| --- | --- | --- | --- | --- |\n",
     );
     let mut lost = Vec::new();
     for rate in RATES {
@@ -188,14 +240,20 @@ fn obstacle(planar: &Planner) -> Outcome<String> {
         }
         text.push('\n');
     }
-    let (same, boom): (Vec<f64>, Vec<f64>) =
-        (lost.iter().step_by(3).copied().collect(), lost.iter().skip(1).step_by(3).copied().collect());
-    claim(same.iter().all(|l| l.abs() < 1e-4), "the simulated margin is the planned one without a boom")?;
+    let (same, boom): (Vec<f64>, Vec<f64>) = (
+        lost.iter().step_by(3).copied().collect(),
+        lost.iter().skip(1).step_by(3).copied().collect(),
+    );
+    claim(
+        same.iter().all(|l| l.abs() < 1e-4),
+        "the simulated margin is the planned one without a boom",
+    )?;
     let most = boom.iter().copied().fold(0.0, f64::max);
     write!(
         text,
-        "\nWithout the boom the simulation confirms every margin to a tenth of a millimetre. The boom takes up to {:.0} mm of it, more than the \
-         slower jumps have: a plan for the real robot has to know its boom (`--robot rats-boom`).\n",
+        "\nWithout the boom the simulation confirms every margin to a tenth of a millimetre. The \
+         boom takes up to {:.0} mm of it, more than the slower jumps have: a plan for the real \
+         robot has to know its boom (`--robot rats-boom`).\n",
         1e3 * most
     )?;
     Ok(text)

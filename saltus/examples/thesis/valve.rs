@@ -8,14 +8,16 @@ use crate::chart::{COLORS, Chart, Stroke};
 use crate::jumper::{BOOM, BOOM_LENGTH, planner, range};
 use crate::{Outcome, Section, claim};
 
-/// Figure 5.2: its horizontal axis (ms), its vertical one (rad), and the time (ms) past which its text sees no gain.
+/// Figure 5.2: its horizontal axis (ms), its vertical one (rad), and the time (ms) past which its
+/// text sees no gain.
 const TIMES: (f64, f64) = (20.0, 60.0);
 const ANGLES: (f64, f64) = (0.04, 0.16);
 const NO_GAIN: f64 = 55.0;
 /// Valve time (ms) of the running gait, 5.1.2.
 const RUNNING: f64 = 40.0;
 
-/// Pivot angle (rad) of the boom at the top of a hop on one upright leg, the valve open for `time` (ms).
+/// Pivot angle (rad) of the boom at the top of a hop on one upright leg, the valve open for `time`
+/// (ms).
 fn pivot(planner: &Planner, time: f64) -> Outcome<f64> {
     let jump = planner.jump(&Launch::at_firing(0.0, 0.0, 1e-3 * time))?;
     let apex = jump.apex().ok_or("no hop")?;
@@ -47,14 +49,22 @@ pub(crate) fn section() -> Outcome<Section> {
     let mut rows = String::new();
     for (i, (name, overrides)) in robots.iter().enumerate() {
         let planner = planner(overrides)?;
-        let curve = range(15.0, 80.0, 66).into_iter().filter_map(|t| Some((t, pivot(&planner, t).ok()?)));
+        let curve = range(15.0, 80.0, 66)
+            .into_iter()
+            .filter_map(|t| Some((t, pivot(&planner, t).ok()?)));
         chart.line(
             &curve.collect::<Vec<_>>(),
             COLORS[i],
-            if i == 0 { Stroke::Solid } else { Stroke::Dotted },
+            if i == 0 {
+                Stroke::Solid
+            } else {
+                Stroke::Dotted
+            },
         );
         chart.key(name, COLORS[i]);
-        let at = |time: f64| pivot(&planner, time).map_or("none".to_owned(), |angle| format!("{angle:.4}"));
+        let at = |time: f64| {
+            pivot(&planner, time).map_or("none".to_owned(), |angle| format!("{angle:.4}"))
+        };
         writeln!(
             rows,
             "| {name} | {} | {} | {} | {} | {:.1} |",
@@ -66,30 +76,39 @@ pub(crate) fn section() -> Outcome<Section> {
         )?;
     }
     let nominal = planner(&robots[0].1)?;
-    let [least, running, late, most] = [TIMES.0, RUNNING, NO_GAIN, TIMES.1].map(|t| pivot(&nominal, t));
+    let [least, running, late, most] =
+        [TIMES.0, RUNNING, NO_GAIN, TIMES.1].map(|t| pivot(&nominal, t));
     let (least, running, late, most) = (least?, running?, late?, most?);
     claim(late == most, "figure 5.2: no gain past its 55 ms")?;
-    claim(least > ANGLES.0 && most < ANGLES.1, "figure 5.2: inside its axis")?;
+    claim(
+        least > ANGLES.0 && most < ANGLES.1,
+        "figure 5.2: inside its axis",
+    )?;
     // sin(pivot) is the height won.
     let share = 100.0 * running.sin() / most.sin();
     let full = stroke_time(&nominal)?;
     let text = format!(
-        "## Valve times (5.1, figure 5.2)\n\n\
-         A hop on one upright leg, from rest. The boom swings about its far end, and the pivot angle is asin((apex − r_s)/{BOOM_LENGTH} m).\n\n\
-         ![Pivot angle over valve opening time](thesis/valve-times.svg)\n\n\
-         | | thesis | Saltus |\n| --- | --- | --- |\n\
-         | pivot angle at {low:.0} ms | the axis begins at {a0} rad | {least:.4} rad |\n\
-         | pivot angle at {high:.0} ms | the axis ends at {a1} rad | {most:.4} rad |\n\
-         | no gain past | {NO_GAIN:.0} ms | {full:.1} ms, where the stroke ends |\n\
-         | valve time of the running gait, 5.1.2 | {RUNNING:.0} ms, by trial and error | gives {share:.0} % of the height that an open valve gives |\n\n\
-         The agreement at the ends is not evidence: the thesis does not give the bore, and this figure is what it was chosen by. The shape \
-         and the time are. The thesis explains the end of the gain by exhaust ports that the piston passes; the model has the end of the \
-         stroke there, at which the robot is off the ground. Other bores, and the robot without its boom:\n\n\
-         | robot | {low:.0} ms | {RUNNING:.0} ms | {NO_GAIN:.0} ms | {high:.0} ms | stroke ends (ms) |\n| --- | --- | --- | --- | --- | --- |\n{rows}",
+        "## Valve times (5.1, figure 5.2)\n\nA hop on one upright leg, from rest. The boom swings \
+         about its far end, and the pivot angle is asin((apex − r_s)/{BOOM_LENGTH} m).\n\n![Pivot \
+         angle over valve opening time](thesis/valve-times.svg)\n\n| | thesis | Saltus |\n| --- | \
+         --- | --- |\n| pivot angle at {low:.0} ms | the axis begins at {a0} rad | {least:.4} rad \
+         |\n| pivot angle at {high:.0} ms | the axis ends at {a1} rad | {most:.4} rad |\n| no \
+         gain past | {NO_GAIN:.0} ms | {full:.1} ms, where the stroke ends |\n| valve time of the \
+         running gait, 5.1.2 | {RUNNING:.0} ms, by trial and error | gives {share:.0} % of the \
+         height that an open valve gives |\n\nThe agreement at the ends is not evidence: the \
+         thesis does not give the bore, and this figure is what it was chosen by. The shape and \
+         the time are. The thesis explains the end of the gain by exhaust ports that the piston \
+         passes; the model has the end of the stroke there, at which the robot is off the ground. \
+         Other bores, and the robot without its boom:\n\n| robot | {low:.0} ms | {RUNNING:.0} ms \
+         | {NO_GAIN:.0} ms | {high:.0} ms | stroke ends (ms) |\n| --- | --- | --- | --- | --- | \
+         --- |\n{rows}",
         low = TIMES.0,
         high = TIMES.1,
         a0 = ANGLES.0,
         a1 = ANGLES.1,
     );
-    Ok(Section { text, drawings: vec![("valve-times.svg", chart.svg())] })
+    Ok(Section {
+        text,
+        drawings: vec![("valve-times.svg", chart.svg())],
+    })
 }

@@ -145,7 +145,10 @@ pub(crate) fn page(scene: &Scene) -> String {
 fn rounded(value: Value) -> Value {
     match value {
         Value::Array(items) => items.into_iter().map(rounded).collect(),
-        Value::Object(fields) => fields.into_iter().map(|(key, item)| (key, rounded(item))).collect(),
+        Value::Object(fields) => fields
+            .into_iter()
+            .map(|(key, item)| (key, rounded(item)))
+            .collect(),
         Value::Number(number) if number.is_f64() => number.as_f64().map_or(Value::Null, round),
         other => other,
     }
@@ -157,7 +160,10 @@ fn round(x: f64) -> Value {
     }
     let nearest = format!("{x:.*e}", DIGITS - 1).parse().unwrap_or(x);
     // A whole number is shorter without its `.0`.
-    #[allow(clippy::cast_possible_truncation, reason = "exact for a whole number of this size")]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "exact for a whole number of this size"
+    )]
     if nearest.fract() == 0.0 && nearest.abs() < 1e15 {
         Value::from(nearest as i64)
     } else {
@@ -167,5 +173,7 @@ fn round(x: f64) -> Value {
 
 /// JSON that ends no script and starts no comment.
 fn inert(json: &str) -> String {
-    json.replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
+    json.replace('<', "\\u003c")
+        .replace('\u{2028}', "\\u2028")
+        .replace('\u{2029}', "\\u2029")
 }

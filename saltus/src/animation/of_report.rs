@@ -27,15 +27,23 @@ pub(crate) struct Asked {
     pub(crate) planned_apex_m: f64,
     /// Planned landing of the axle (m).
     pub(crate) planned_land_m: f64,
-    /// Height of the axle (m) at which it lands: the rig's radius, or the `landing_height` of the simulation's plan.
+    /// Height of the axle (m) at which it lands: the rig's radius, or the `landing_height` of the
+    /// simulation's plan.
     pub(crate) landing_height_m: f64,
 }
 
 impl Scene {
     /// A scene of `robot` among `obstacles`.
-    pub(crate) fn of(robot: &Robot, title: String, obstacles: Vec<Obstacle>, jumps: Vec<Jump>) -> Scene {
+    pub(crate) fn of(
+        robot: &Robot,
+        title: String,
+        obstacles: Vec<Obstacle>,
+        jumps: Vec<Jump>,
+    ) -> Scene {
         let radius = robot.body.radius;
-        let rod = Some(robot.leg.body.length).filter(|length| *length > 0.0).unwrap_or(ROD * radius);
+        let rod = Some(robot.leg.body.length)
+            .filter(|length| *length > 0.0)
+            .unwrap_or(ROD * radius);
         Scene {
             robot: robot.name.clone(),
             title,
@@ -54,16 +62,24 @@ impl Scene {
 }
 
 impl Jump {
-    /// The simulated jump `report` of `rig` beside what was `asked`. It ends where the axle comes down to the landing height.
+    /// The simulated jump `report` of `rig` beside what was `asked`. It ends where the axle comes
+    /// down to the landing height.
     pub(crate) fn of(rig: &Rig, report: &Report, asked: Asked) -> Jump {
         let mut frames = frames(rig, report);
         let at_standing = (asked.landing_height_m - rig.radius).abs() < 1e-12;
-        let land_m = if at_standing { report.landing } else { report.landing_at };
+        let land_m = if at_standing {
+            report.landing
+        } else {
+            report.landing_at
+        };
         let mut events = stance_events(report);
         let lift_off = report.lift_off.map_or(f64::INFINITY, |l| l.time);
         if report.apex.is_finite() {
             let flight = frames.iter().filter(|frame| frame.time_s >= lift_off);
-            if let Some(top) = flight.max_by(|a, b| a.axle_m[1].total_cmp(&b.axle_m[1])).map(|f| f.time_s) {
+            if let Some(top) = flight
+                .max_by(|a, b| a.axle_m[1].total_cmp(&b.axle_m[1]))
+                .map(|f| f.time_s)
+            {
                 events.push(event(top, "apex"));
                 if land_m.is_finite() {
                     end_at_landing(&mut frames, top, asked.landing_height_m);
@@ -113,7 +129,10 @@ impl Jump {
 }
 
 fn event(time_s: f64, what: &str) -> Event {
-    Event { time_s, what: what.into() }
+    Event {
+        time_s,
+        what: what.into(),
+    }
 }
 
 /// Firing, slip, stick and lift-off; slips after the first to the nearest sample.
@@ -123,14 +142,19 @@ fn stance_events(report: &Report) -> Vec<Event> {
     for pair in standing(report).windows(2) {
         match (slipping(&pair[0]), slipping(&pair[1])) {
             (false, true) => {
-                let exact = report.slips_at.filter(|t| (pair[0].time..=pair[1].time).contains(t));
+                let exact = report
+                    .slips_at
+                    .filter(|t| (pair[0].time..=pair[1].time).contains(t));
                 events.push(event(exact.unwrap_or(pair[1].time), "slip"));
             }
             (true, false) => events.push(event(pair[1].time, "stick")),
             _ => {}
         }
     }
-    if let Some(at) = report.slips_at.filter(|_| !events.iter().any(|event| event.what == "slip")) {
+    if let Some(at) = report
+        .slips_at
+        .filter(|_| !events.iter().any(|event| event.what == "slip"))
+    {
         events.push(event(at, "slip"));
     }
     if let Some(lift_off) = report.lift_off {
@@ -143,7 +167,9 @@ fn stance_events(report: &Report) -> Vec<Event> {
 /// The samples before lift-off.
 fn standing(report: &Report) -> &[Sample] {
     let lift_off = report.lift_off.map_or(f64::INFINITY, |l| l.time);
-    &report.samples[..report.samples.partition_point(|sample| sample.time < lift_off)]
+    &report.samples[..report
+        .samples
+        .partition_point(|sample| sample.time < lift_off)]
 }
 
 fn frames(rig: &Rig, report: &Report) -> Vec<Frame> {
@@ -152,7 +178,11 @@ fn frames(rig: &Rig, report: &Report) -> Vec<Frame> {
     let mut frames = Vec::with_capacity(report.samples.len());
     for (i, sample) in report.samples.iter().enumerate() {
         let touching = i < stance;
-        if let Some(before) = i.checked_sub(1).filter(|_| touching).map(|i| &report.samples[i]) {
+        if let Some(before) = i
+            .checked_sub(1)
+            .filter(|_| touching)
+            .map(|i| &report.samples[i])
+        {
             slip += 0.5 * (before.slip[0] + sample.slip[0]) * (sample.time - before.time);
         }
         frames.push(frame(rig, sample, touching, slip));
@@ -168,10 +198,15 @@ fn frame(rig: &Rig, sample: &Sample, touching: bool, slip_m: f64) -> Frame {
         time_s: sample.time,
         axle_m: sample.axle,
         lean_rad: sample.lean,
-        extensions_m: (0..rig.legs.len()).map(|k| q[rig.extension_coordinate(k)]).collect(),
+        extensions_m: (0..rig.legs.len())
+            .map(|k| q[rig.extension_coordinate(k)])
+            .collect(),
         pressure_pa: sample.pressure,
         foot_m: foot(rig, q),
-        force_n: [along * slope.cos() - normal * slope.sin(), along * slope.sin() + normal * slope.cos()],
+        force_n: [
+            along * slope.cos() - normal * slope.sin(),
+            along * slope.sin() + normal * slope.cos(),
+        ],
         slip_m,
         touching,
         boom: rig.boom.map(|_| [q[0], q[1]]),
@@ -199,8 +234,8 @@ fn slope(rig: &Rig) -> f64 {
     }
 }
 
-/// Cuts what is lower than `height` (m) after the time `top` (s), and goes on straight from the last two frames to just there: the
-/// simulation stops between samples.
+/// Cuts what is lower than `height` (m) after the time `top` (s), and goes on straight from the
+/// last two frames to just there: the simulation stops between samples.
 fn end_at_landing(frames: &mut Vec<Frame>, top: f64, height: f64) {
     frames.retain(|frame| frame.time_s <= top || frame.axle_m[1] >= height);
     if let [.., before, last] = frames.as_slice() {

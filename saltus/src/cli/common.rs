@@ -22,7 +22,8 @@ pub(crate) struct RobotFlags {
     #[arg(long, value_name = "NAME|FILE", default_value = "rats-planar")]
     robot: String,
 
-    /// Override a parameter of the robot by its dotted key, as in leg.stroke_m=0.05; may be repeated
+    /// Override a parameter of the robot by its dotted key, as in leg.stroke_m=0.05; may be
+    /// repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
 }
@@ -40,7 +41,8 @@ impl RobotFlags {
         if !ignored.is_empty() {
             let ignored = ignored.join(", ");
             message(&format!(
-                "note: robot {}: the planar model of this command leaves out {ignored}; `saltus verify` simulates it",
+                "note: robot {}: the planar model of this command leaves out {ignored}; `saltus \
+                 verify` simulates it",
                 robot.name
             ));
         }
@@ -51,15 +53,21 @@ impl RobotFlags {
 /// Most legs of a wheel: each is a body of the simulation.
 const MOST_LEGS: u32 = 1000;
 
-/// The robot `name`, built in or in a file, with `overrides`; what looks like a slip of unit is said.
+/// The robot `name`, built in or in a file, with `overrides`; what looks like a slip of unit is
+/// said.
 pub(crate) fn robot(name: &str, overrides: &[String]) -> Result<Robot, CliError> {
     let mut robot = saltus::robot::resolve_from(name, overrides, &input::note)?;
     // Titles are one line.
-    let words =
-        robot.name.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty());
+    let words = robot
+        .name
+        .split(|c: char| c.is_whitespace() || c.is_control())
+        .filter(|word| !word.is_empty());
     robot.name = words.collect::<Vec<_>>().join(" ");
     if robot.body.legs > MOST_LEGS {
-        let reason = format!("body.legs = {}: must be a whole number from 1 to {MOST_LEGS}", robot.body.legs);
+        let reason = format!(
+            "body.legs = {}: must be a whole number from 1 to {MOST_LEGS}",
+            robot.body.legs
+        );
         return Err(CliError::content(name, reason));
     }
     for odd in robot.implausible() {
@@ -77,7 +85,8 @@ pub(crate) fn read_folders(folders: &[PathBuf]) -> Result<Folder, CliError> {
     Ok(experiment::read_all(folders, &|n| progress.advance(n))?)
 }
 
-/// Says on standard error that `given`, a flag with a valve opening time, has no effect on `robot`, if its leg has no valve.
+/// Says on standard error that `given`, a flag with a valve opening time, has no effect on `robot`,
+/// if its leg has no valve.
 pub(crate) fn note_valve(robot: &Robot, given: Option<&str>) {
     if let (Some(given), false) = (given, robot.leg.drive.has_valve()) {
         // Where stderr is closed, nobody reads notes.
@@ -95,7 +104,11 @@ pub(crate) fn shown<'a>(
     robot: &Robot,
 ) -> Vec<(&'a str, &'a str, &'a str)> {
     let has_valve = robot.leg.drive.has_valve();
-    columns.iter().copied().filter(|(name, ..)| has_valve || *name != "valve_open_s").collect()
+    columns
+        .iter()
+        .copied()
+        .filter(|(name, ..)| has_valve || *name != "valve_open_s")
+        .collect()
 }
 
 /// Options of every command that reports.
@@ -173,7 +186,10 @@ impl Common {
 
     /// The robot with its overrides and `more`.
     pub(crate) fn robot_with(&self, more: &[String]) -> Result<Robot, CliError> {
-        robot(&self.robot.robot, &[self.robot.overrides.as_slice(), more].concat())
+        robot(
+            &self.robot.robot,
+            &[self.robot.overrides.as_slice(), more].concat(),
+        )
     }
 }
 
@@ -201,17 +217,28 @@ impl OutputFlags {
         self.out.as_deref()
     }
 
-    /// Refuses a file whose ending stands for a format that reports do not have, unless a flag names the format.
+    /// Refuses a file whose ending stands for a format that reports do not have, unless a flag
+    /// names the format.
     pub(crate) fn check(&self) -> Result<(), CliError> {
-        let ending = self.out().filter(|_| self.format.is_none()).and_then(Path::extension);
-        let Some(ending) = ending.map(|ending| ending.to_string_lossy().to_ascii_lowercase()) else {
+        let ending = self
+            .out()
+            .filter(|_| self.format.is_none())
+            .and_then(Path::extension);
+        let Some(ending) = ending.map(|ending| ending.to_string_lossy().to_ascii_lowercase())
+        else {
             return Ok(());
         };
         if Format::ENDINGS.iter().any(|(known, _)| *known == ending) {
             return Ok(());
         }
-        let known: Vec<String> = Format::ENDINGS.iter().map(|(known, _)| format!(".{known}")).collect();
-        let allowed = format!("a name that ends in {} or in nothing, or beside --format", known.join(", "));
+        let known: Vec<String> = Format::ENDINGS
+            .iter()
+            .map(|(known, _)| format!(".{known}"))
+            .collect();
+        let allowed = format!(
+            "a name that ends in {} or in nothing, or beside --format",
+            known.join(", ")
+        );
         let out = self.out.as_deref().unwrap_or(Path::new("-"));
         Err(CliError::flag("--out", out.display(), allowed))
     }
@@ -234,7 +261,8 @@ impl OutputFlags {
         self.write_with(report, option, drawing, None)
     }
 
-    /// As [`write_with_plot`](Self::write_with_plot), with more files: the flag, the name and the text of each.
+    /// As [`write_with_plot`](Self::write_with_plot), with more files: the flag, the name and the
+    /// text of each.
     pub(crate) fn write_with<'a>(
         &self,
         report: String,
@@ -258,12 +286,20 @@ impl OutputFlags {
 
 /// Parser of a flag.
 fn threads(text: &str) -> Result<NonZeroUsize, String> {
-    text.trim().parse().map_err(|_| "must be a whole number, 1 or more".into())
+    text.trim()
+        .parse()
+        .map_err(|_| "must be a whole number, 1 or more".into())
 }
 
 /// Parser of a flag.
 pub(crate) fn page_file(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
-    let is_page = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"));
-    if is_page { Ok(path) } else { Err("the name must end in .html".into()) }
+    let is_page = path
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("html"));
+    if is_page {
+        Ok(path)
+    } else {
+        Err("the name must end in .html".into())
+    }
 }

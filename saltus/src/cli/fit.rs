@@ -18,7 +18,8 @@ use crate::output::{self, Files, Format, digits};
 use crate::progress::Progress;
 use crate::slip::{Estimated, slip};
 
-/// Fit the parameters of a leg to benchtop firings, with standard errors and what the data do not tell
+/// Fit the parameters of a leg to benchtop firings, with standard errors and what the data do not
+/// tell
 #[derive(Args, Debug)]
 #[command(after_help = "`saltus fit --help` explains data and output.", after_long_help = LONG_HELP)]
 pub(crate) struct Fit {
@@ -26,7 +27,8 @@ pub(crate) struct Fit {
     #[arg(value_name = "FOLDER", required = true)]
     folders: Vec<PathBuf>,
 
-    /// Parameters that are fitted at the same time, as keys of a robot file [default: those of the thesis' table 4.2]
+    /// Parameters that are fitted at the same time, as keys of a robot file [default: those of the
+    /// thesis' table 4.2]
     #[arg(long, value_name = "KEY,KEY,…", value_delimiter = ',')]
     parameters: Vec<String>,
 
@@ -34,12 +36,17 @@ pub(crate) struct Fit {
     #[arg(long, value_name = "FILE.toml")]
     robot_out: Option<PathBuf>,
 
-    /// Robot that is believed to have been measured, in place of the folder's: a built-in one or a TOML file
+    /// Robot that is believed to have been measured, in place of the folder's: a built-in one or a
+    /// TOML file
     #[arg(long, value_name = "NAME|FILE", help_heading = "Robot and output")]
     robot: Option<String>,
 
     /// Override a parameter of the robot by its dotted key; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Robot and output")]
+    #[arg(
+        long = "set",
+        value_name = "KEY=VALUE",
+        help_heading = "Robot and output"
+    )]
     overrides: Vec<String>,
 
     #[command(flatten)]
@@ -90,7 +97,10 @@ impl Fit {
             (Some(name), _) => name.clone(),
             (None, Some(name)) => beside(&folder.path, name),
             (None, None) => {
-                return Err(CliError::Missing { flag: "--robot", allowed: "the robot that was measured" });
+                return Err(CliError::Missing {
+                    flag: "--robot",
+                    allowed: "the robot that was measured",
+                });
             }
         };
         let believed = robot(&name, &self.overrides)?;
@@ -106,10 +116,16 @@ impl Fit {
             fit::Error::Parameter { name, known } => {
                 CliError::flag("--parameters", name, format!("of {}", known.join(", ")))
             }
-            fit::Error::Twice { name } => CliError::flag("--parameters", name, "parameters, each once"),
+            fit::Error::Twice { name } => {
+                CliError::flag("--parameters", name, "parameters, each once")
+            }
             other => unusable(other.to_string()),
         })?;
-        let report = Report { folder: &folder, believed: &believed, fitted: &fitted };
+        let report = Report {
+            folder: &folder,
+            believed: &believed,
+            fitted: &fitted,
+        };
         let text = match self.output.format() {
             Format::Text => report.text(),
             Format::Json => output::json(&report.json()),
@@ -121,7 +137,11 @@ impl Fit {
         }
         files.report(self.output.out(), text);
         files.write()?;
-        Ok(if fitted.estimate.undetermined.is_empty() { Status::Done } else { Status::No })
+        Ok(if fitted.estimate.undetermined.is_empty() {
+            Status::Done
+        } else {
+            Status::No
+        })
     }
 }
 
@@ -149,25 +169,40 @@ impl Report<'_> {
             2.0 => format!("{}²", self.name(i)),
             _ => format!("{}^{}", self.name(i), digits(exponent, 3)),
         };
-        known.exponents.iter().map(power).collect::<Vec<_>>().join(" · ")
+        known
+            .exponents
+            .iter()
+            .map(power)
+            .collect::<Vec<_>>()
+            .join(" · ")
     }
 
     fn unknown(&self, direction: &Undetermined) -> String {
         if let Some(known) = &direction.known {
             let (value, error) = (digits(known.value, 6), digits(known.error, 2));
-            return format!("only {} is determined: {value} ± {error}", self.words(known));
+            return format!(
+                "only {} is determined: {value} ± {error}",
+                self.words(known)
+            );
         }
         let part = |&(i, part): &(usize, f64)| format!("{} by {}", self.name(i), digits(part, 2));
         let parts: Vec<String> = direction.parts.iter().map(part).collect();
         match parts.as_slice() {
             [_] => format!("{} is not determined", self.name(direction.parts[0].0)),
-            _ => format!("not determined is the direction of relative changes {}", parts.join(", ")),
+            _ => format!(
+                "not determined is the direction of relative changes {}",
+                parts.join(", ")
+            ),
         }
     }
 
     /// For people.
     fn text(&self) -> String {
-        let Report { folder, believed, fitted } = self;
+        let Report {
+            folder,
+            believed,
+            fitted,
+        } = self;
         let estimate = &fitted.estimate;
         // Writing into a string does not fail.
         let mut out = format!(
@@ -180,17 +215,38 @@ impl Report<'_> {
         for note in &folder.notes {
             let _ = writeln!(out, "note: {note}");
         }
-        let wide = estimate.parameters.iter().map(|p| p.name.len()).max().unwrap_or_default().max(9);
-        let _ = writeln!(out, "\n  {:<wide$}  {:>11}  {:>11}  {:>9}", "parameter", "believed", "fitted", "±");
+        let wide = estimate
+            .parameters
+            .iter()
+            .map(|p| p.name.len())
+            .max()
+            .unwrap_or_default()
+            .max(9);
+        let _ = writeln!(
+            out,
+            "\n  {:<wide$}  {:>11}  {:>11}  {:>9}",
+            "parameter", "believed", "fitted", "±"
+        );
         for p in &estimate.parameters {
             let error = p.error.map_or("–".into(), |error| digits(error, 2));
-            let bound = if p.is_at_bound { "  as far as physics allows" } else { "" };
+            let bound = if p.is_at_bound {
+                "  as far as physics allows"
+            } else {
+                ""
+            };
             let (name, was, is) = (&p.name, digits(p.believed, 5), digits(p.value, 5));
             let slip = slip_of(p).map_or(String::new(), |slip| format!("  {slip}"));
-            let _ = writeln!(out, "  {name:<wide$}  {was:>11}  {is:>11}  {error:>9}{bound}{slip}");
+            let _ = writeln!(
+                out,
+                "  {name:<wide$}  {was:>11}  {is:>11}  {error:>9}{bound}{slip}"
+            );
         }
         for direction in &estimate.undetermined {
-            let _ = writeln!(out, "\nThe data do not tell all of these: {}.", self.unknown(direction));
+            let _ = writeln!(
+                out,
+                "\nThe data do not tell all of these: {}.",
+                self.unknown(direction)
+            );
         }
         if estimate.parameters.len() > 1 {
             let _ = writeln!(out, "\nCorrelation of the errors, in this order:");
@@ -201,14 +257,20 @@ impl Report<'_> {
         }
         let _ = writeln!(out, "\nResiduals (root mean square):");
         for r in &estimate.residuals {
-            let (before, after, noise) = (digits(r.before, 3), digits(r.after, 3), digits(r.noise, 3));
-            let _ = writeln!(out, "  {}: {before} before, {after} after, noise {noise}", r.channel);
+            let (before, after, noise) =
+                (digits(r.before, 3), digits(r.after, 3), digits(r.noise, 3));
+            let _ = writeln!(
+                out,
+                "  {}: {before} before, {after} after, noise {noise}",
+                r.channel
+            );
         }
         if estimate.inflation > 1.5 {
             let factor = digits(estimate.inflation.sqrt(), 2);
             let _ = writeln!(
                 out,
-                "Residuals are larger or more alike than white noise as stated: standard errors are {factor} times as large for it."
+                "Residuals are larger or more alike than white noise as stated: standard errors \
+                 are {factor} times as large for it."
             );
         }
         out
@@ -216,7 +278,11 @@ impl Report<'_> {
 
     /// For programs.
     fn json(&self) -> Value {
-        let Report { folder, believed, fitted } = self;
+        let Report {
+            folder,
+            believed,
+            fitted,
+        } = self;
         let estimate = &fitted.estimate;
         let parameters = estimate.parameters.iter().map(|p| {
             json!({
@@ -229,7 +295,10 @@ impl Report<'_> {
             })
         });
         let named = |parts: &[(usize, f64)]| -> Map<String, Value> {
-            parts.iter().map(|&(i, part)| (self.name(i).to_owned(), json!(part))).collect()
+            parts
+                .iter()
+                .map(|&(i, part)| (self.name(i).to_owned(), json!(part)))
+                .collect()
         };
         let undetermined = estimate.undetermined.iter().map(|direction| {
             let known = direction.known.as_ref().map(|known| {
@@ -266,15 +335,30 @@ impl Report<'_> {
         let estimate = &self.fitted.estimate;
         let mut out = String::from("parameter,believed,value,standard_error,at_bound\n");
         for p in &estimate.parameters {
-            let error = p.error.map_or(String::new(), |error| format!("{error:.16e}"));
-            let _ =
-                writeln!(out, "{},{:.16e},{:.16e},{error},{}", p.name, p.believed, p.value, p.is_at_bound);
+            let error = p
+                .error
+                .map_or(String::new(), |error| format!("{error:.16e}"));
+            let _ = writeln!(
+                out,
+                "{},{:.16e},{:.16e},{error},{}",
+                p.name, p.believed, p.value, p.is_at_bound
+            );
         }
-        for known in estimate.undetermined.iter().filter_map(|direction| direction.known.as_ref()) {
-            let believed: f64 =
-                known.exponents.iter().map(|&(i, e)| estimate.parameters[i].believed.powf(e)).product();
+        for known in estimate
+            .undetermined
+            .iter()
+            .filter_map(|direction| direction.known.as_ref())
+        {
+            let believed: f64 = known
+                .exponents
+                .iter()
+                .map(|&(i, e)| estimate.parameters[i].believed.powf(e))
+                .product();
             let (name, value, error) = (self.words(known), known.value, known.error);
-            let _ = writeln!(out, "{name},{believed:.16e},{value:.16e},{error:.16e},false");
+            let _ = writeln!(
+                out,
+                "{name},{believed:.16e},{value:.16e},{error:.16e},false"
+            );
         }
         out
     }
@@ -288,8 +372,9 @@ impl Report<'_> {
             folder.hash
         );
         for p in &fitted.estimate.parameters {
-            let error =
-                p.error.map_or("not determined alone".into(), |error| format!("± {}", digits(error, 2)));
+            let error = p.error.map_or("not determined alone".into(), |error| {
+                format!("± {}", digits(error, 2))
+            });
             let _ = writeln!(
                 text,
                 "# {} = {} {error}, in place of {}",

@@ -127,11 +127,19 @@ impl Law {
         };
         let drawing = || self.drawing(&found, &terms, planner.robot());
         self.common.write_with_plot(report, &self.plot, drawing)?;
-        Ok(if found.iter().all(|one| one.law.is_some()) { Status::Done } else { Status::No })
+        Ok(if found.iter().all(|one| one.law.is_some()) {
+            Status::Done
+        } else {
+            Status::No
+        })
     }
 
     fn rows(&self, found: &[Found], terms: &Terms) -> Rows {
-        let mut rows = Rows::new(if self.target.kind() == Kind::Distance { DISTANCES } else { CLEARANCES });
+        let mut rows = Rows::new(if self.target.kind() == Kind::Distance {
+            DISTANCES
+        } else {
+            CLEARANCES
+        });
         for one in found {
             let mut row = self.row(one);
             // A law's stances start at angles of their own, or at one lean.
@@ -145,8 +153,9 @@ impl Law {
         let law = one.law.as_ref();
         let number = |key: &dyn Fn(&planner::Law) -> f64| Cell::from(law.map(key));
         let valid = law.and_then(|law| law.valid_range(self.tolerance));
-        let count =
-            |key: &dyn Fn(&planner::Law) -> usize| law.map_or(Cell::Empty, |law| Cell::Count(key(law)));
+        let count = |key: &dyn Fn(&planner::Law) -> usize| {
+            law.map_or(Cell::Empty, |law| Cell::Count(key(law)))
+        };
         let near = |key: fn(&Near) -> f64| Cell::from(one.nearest.as_ref().map(key));
         vec![
             one.target.into(),
@@ -174,7 +183,12 @@ impl Law {
     fn json(&self, rows: &Rows, found: &[Found], terms: &Terms) -> String {
         let mut laws = rows.json();
         for (object, one) in laws.iter_mut().zip(found) {
-            let points: Vec<Value> = one.law.iter().flat_map(|law| &law.points).map(point_json).collect();
+            let points: Vec<Value> = one
+                .law
+                .iter()
+                .flat_map(|law| &law.points)
+                .map(point_json)
+                .collect();
             object.insert("points".into(), points.into());
         }
         let mut document = terms.json("law");
@@ -185,10 +199,17 @@ impl Law {
     }
 
     fn text(&self, found: &[Found], terms: &Terms, robot: &Robot) -> String {
-        let head = format!("{}: firing angle α_f (rad) over approach rate ω (rad/s)", robot.name);
+        let head = format!(
+            "{}: firing angle α_f (rad) over approach rate ω (rad/s)",
+            robot.name
+        );
         let mut text = format!("{head}\n  {}\n", terms.line());
         for one in found {
-            let title = format!("{} {} m: ", self.target.kind().name(), digits(one.target, 5));
+            let title = format!(
+                "{} {} m: ",
+                self.target.kind().name(),
+                digits(one.target, 5)
+            );
             text.push_str(&title);
             text.push_str(&match &one.law {
                 Some(law) => self.law_text(law),
@@ -202,9 +223,21 @@ impl Law {
         let sign = if law.intercept < 0.0 { '-' } else { '+' };
         let ((residual, residual_rms), (miss, miss_rms)) = (law.residuals(), law.misses());
         let mut lines = vec![
-            format!("α_f = {} s · ω {sign} {} rad", digits(law.slope, 5), digits(law.intercept.abs(), 5)),
-            format!("  residual   {} rad at most, {} rad RMS", digits(residual, 3), digits(residual_rms, 3)),
-            format!("  miss       {} m at most, {} m RMS", digits(miss, 3), digits(miss_rms, 3)),
+            format!(
+                "α_f = {} s · ω {sign} {} rad",
+                digits(law.slope, 5),
+                digits(law.intercept.abs(), 5)
+            ),
+            format!(
+                "  residual   {} rad at most, {} rad RMS",
+                digits(residual, 3),
+                digits(residual_rms, 3)
+            ),
+            format!(
+                "  miss       {} m at most, {} m RMS",
+                digits(miss, 3),
+                digits(miss_rms, 3)
+            ),
         ];
         lines.push(match law.valid_range(self.tolerance) {
             Some((from, to)) => format!(
@@ -213,7 +246,10 @@ impl Law {
                 digits(to, 5),
                 digits(self.tolerance, 5)
             ),
-            None => format!("  valid      nowhere within {} m", digits(self.tolerance, 5)),
+            None => format!(
+                "  valid      nowhere within {} m",
+                digits(self.tolerance, 5)
+            ),
         });
         lines.push(format!(
             "  fitted to  {} rates, {} more are out of reach",
@@ -237,8 +273,15 @@ impl Law {
                 digits(law.slope, 4),
                 digits(law.intercept, 4)
             );
-            let points = law.points.iter().map(|p| (p.rate, p.exact, p.fitted)).collect();
-            Some(Line { label: label.replace('-', "−"), points })
+            let points = law
+                .points
+                .iter()
+                .map(|p| (p.rate, p.exact, p.fitted))
+                .collect();
+            Some(Line {
+                label: label.replace('-', "−"),
+                points,
+            })
         };
         Ok(Drawing::Law(LawPlot {
             title: format!(
@@ -257,9 +300,17 @@ fn find(planner: &Planner, request: &TableRequest) -> Result<Vec<Found>, CliErro
     let laws = planner.laws(request)?;
     let mut found = Vec::with_capacity(laws.len());
     for (law, &target) in laws.into_iter().zip(&request.targets) {
-        let (nearest, takes_off) =
-            if law.is_none() { nearest(planner, request, target)? } else { (None, true) };
-        found.push(Found { target, law, nearest, takes_off });
+        let (nearest, takes_off) = if law.is_none() {
+            nearest(planner, request, target)?
+        } else {
+            (None, true)
+        };
+        found.push(Found {
+            target,
+            law,
+            nearest,
+            takes_off,
+        });
     }
     Ok(found)
 }
@@ -276,13 +327,26 @@ impl Found {
 }
 
 /// The rate that gets nearest to `target`, and whether any jump takes off.
-fn nearest(planner: &Planner, request: &TableRequest, target: f64) -> Result<(Option<Near>, bool), CliError> {
-    let table = planner.table(&TableRequest { targets: vec![target], ..request.clone() })?;
+fn nearest(
+    planner: &Planner,
+    request: &TableRequest,
+    target: f64,
+) -> Result<(Option<Near>, bool), CliError> {
+    let table = planner.table(&TableRequest {
+        targets: vec![target],
+        ..request.clone()
+    })?;
     let reached = table.cells.iter().filter_map(|cell| {
         let exact = cell.entries.first();
-        let exact =
-            exact.map(|entry| Nearest { value: entry.value, firing_angle: entry.jump.launch.firing_angle });
-        Some(Near { rate: cell.rate, reaches: exact.is_some(), at: exact.or(cell.nearest)? })
+        let exact = exact.map(|entry| Nearest {
+            value: entry.value,
+            firing_angle: entry.jump.launch.firing_angle,
+        });
+        Some(Near {
+            rate: cell.rate,
+            reaches: exact.is_some(),
+            at: exact.or(cell.nearest)?,
+        })
     });
     let gap = |near: &Near| (near.at.value - target).abs();
     let takes_off = table.cells.iter().any(|cell| cell.takes_off);
@@ -292,16 +356,27 @@ fn nearest(planner: &Planner, request: &TableRequest, target: f64) -> Result<(Op
 fn nothing_text(one: &Found) -> String {
     let Some(Near { rate, reaches, at }) = &one.nearest else {
         return if one.takes_off {
-            "no-landing: the robot takes off, but at none of these rates does it come down to the landing height\n".into()
+            "no-landing: the robot takes off, but at none of these rates does it come down to the \
+             landing height\n"
+                .into()
         } else {
             "no-jump: the robot does not take off at any of these rates\n".into()
         };
     };
-    let place = format!("ω = {} rad/s, α_f = {} rad", digits(*rate, 5), digits(at.firing_angle, 5));
+    let place = format!(
+        "ω = {} rad/s, α_f = {} rad",
+        digits(*rate, 5),
+        digits(at.firing_angle, 5)
+    );
     if *reaches {
-        format!("infeasible: a line takes two rates that reach it, and there is one alone: {place}\n")
+        format!(
+            "infeasible: a line takes two rates that reach it, and there is one alone: {place}\n"
+        )
     } else {
-        format!("infeasible: no rate reaches it; the nearest is {} m at {place}\n", digits(at.value, 5))
+        format!(
+            "infeasible: no rate reaches it; the nearest is {} m at {place}\n",
+            digits(at.value, 5)
+        )
     }
 }
 

@@ -7,11 +7,23 @@ use crate::output::digits;
 
 /// What a limit is about; obstacles are counted from 1, in the order of the file.
 fn name(limit: &Limit) -> String {
-    let side = |side: &Side| if *side == Side::Front { "front" } else { "back" };
+    let side = |side: &Side| {
+        if *side == Side::Front {
+            "front"
+        } else {
+            "back"
+        }
+    };
     match limit {
-        Limit::Edge { obstacle, side: it } => format!("{} edge of obstacle {}", side(it), obstacle + 1),
+        Limit::Edge { obstacle, side: it } => {
+            format!("{} edge of obstacle {}", side(it), obstacle + 1)
+        }
         Limit::Stance { obstacle, side: it } => {
-            format!("{} side of obstacle {} beside the foothold", side(it), obstacle + 1)
+            format!(
+                "{} side of obstacle {} beside the foothold",
+                side(it),
+                obstacle + 1
+            )
         }
         Limit::Landing(Side::Front) => "beginning of the ground to land on".into(),
         Limit::Landing(Side::Back) => "end of the ground to land on".into(),
@@ -23,10 +35,19 @@ fn name(limit: &Limit) -> String {
 /// The obstacles that a goal beginning at `nearer` (m) would be in front of.
 fn in_front_of(course: &Course, nearer: f64) -> String {
     let is_left_out = |center: f64| nearer < center && center < course.goal.low;
-    let obstacles = course.obstacles.iter().enumerate().filter(|(_, o)| is_left_out(o.center));
-    let names: Vec<String> =
-        obstacles.map(|(i, o)| format!("obstacle {}, {} m high", i + 1, digits(o.height, 4))).collect();
-    if names.is_empty() { String::new() } else { format!(", in front of {}", names.join(" and ")) }
+    let obstacles = course
+        .obstacles
+        .iter()
+        .enumerate()
+        .filter(|(_, o)| is_left_out(o.center));
+    let names: Vec<String> = obstacles
+        .map(|(i, o)| format!("obstacle {}, {} m high", i + 1, digits(o.height, 4)))
+        .collect();
+    if names.is_empty() {
+        String::new()
+    } else {
+        format!(", in front of {}", names.join(" and "))
+    }
 }
 
 /// What would have to be otherwise.
@@ -58,16 +79,22 @@ fn otherwise(give: &Give, course: &Course) -> String {
             digits(course.obstacles[obstacle].height, 4)
         ),
         Limit::Stance { obstacle, .. } => format!(
-            "obstacle {} is under the wheel where jump {} starts: it would have to be {amount} m lower, or to stand \
-             farther from the foothold",
+            "obstacle {} is under the wheel where jump {} starts: it would have to be {amount} m \
+             lower, or to stand farther from the foothold",
             obstacle + 1,
             give.jump + 1
         ),
         Limit::Landing(Side::Front) => {
-            format!("the ground that jump {} lands on would have to begin {amount} m earlier", give.jump + 1)
+            format!(
+                "the ground that jump {} lands on would have to begin {amount} m earlier",
+                give.jump + 1
+            )
         }
         Limit::Landing(Side::Back) => {
-            format!("the ground that jump {} lands on would have to end {amount} m later", give.jump + 1)
+            format!(
+                "the ground that jump {} lands on would have to end {amount} m later",
+                give.jump + 1
+            )
         }
         Limit::Robot(name) => format!("jump {}: {name} by {amount}", give.jump + 1),
     }
@@ -75,17 +102,20 @@ fn otherwise(give: &Give, course: &Course) -> String {
 
 /// The limits that would have to give; jumps are counted from 1.
 pub(super) fn json(gives: &[Give]) -> Vec<Value> {
-    let give =
-        |give: &Give| json!({ "jump": give.jump + 1, "limit": name(&give.limit), "amount_m": give.amount });
+    let give = |give: &Give| json!({ "jump": give.jump + 1, "limit": name(&give.limit), "amount_m": give.amount });
     gives.iter().map(give).collect()
 }
 
 /// The same in words: what the nearest course with a plan has otherwise.
 pub(super) fn text(gives: &[Give], course: &Course) -> String {
     match gives {
-        [] => "none was found; where no jump of this robot lands on the ground that is left, `saltus map` shows what it \
-               reaches"
+        [] => "none was found; where no jump of this robot lands on the ground that is left, \
+            `saltus map` shows what it reaches"
             .into(),
-        _ => gives.iter().map(|give| otherwise(give, course)).collect::<Vec<_>>().join("; "),
+        _ => gives
+            .iter()
+            .map(|give| otherwise(give, course))
+            .collect::<Vec<_>>()
+            .join("; "),
     }
 }

@@ -70,8 +70,14 @@ where empty}]}; a friction that is infinite is the text \"inf\".
 
 The exit code is 1 if none of the launches lands.";
 
-const COLUMNS: &[&str] =
-    &["omega_rad_s", "alpha_f_rad", "outcome", "distance_m", "apex_m", "friction_needed"];
+const COLUMNS: &[&str] = &[
+    "omega_rad_s",
+    "alpha_f_rad",
+    "outcome",
+    "distance_m",
+    "apex_m",
+    "friction_needed",
+];
 
 /// Launches for each thread to compute before progress is shown.
 const BLOCK: usize = 4096;
@@ -105,8 +111,16 @@ impl Map {
         };
         let drawing = || Ok(Drawing::Map(self.drawing(&map, planner.robot())));
         self.common.write_with_plot(report, &self.plot, drawing)?;
-        let lands = |spot: &Spot| spot.result.as_ref().is_ok_and(|result| result.distance.is_some());
-        Ok(if map.spots.iter().any(lands) { Status::Done } else { Status::No })
+        let lands = |spot: &Spot| {
+            spot.result
+                .as_ref()
+                .is_ok_and(|result| result.distance.is_some())
+        };
+        Ok(if map.spots.iter().any(lands) {
+            Status::Done
+        } else {
+            Status::No
+        })
     }
 
     /// The map, some rates after the others, so that one sees how far it is.
@@ -124,7 +138,12 @@ impl Map {
     }
 
     fn request(&self, rates: &[f64], robot: &Robot) -> MapRequest {
-        let Terms { landing_height, valve_open, start_lean, .. } = self.terms.of(robot);
+        let Terms {
+            landing_height,
+            valve_open,
+            start_lean,
+            ..
+        } = self.terms.of(robot);
         MapRequest {
             rates: rates.to_vec(),
             firing_angles: self.alpha_f.to_vec(),
@@ -138,9 +157,15 @@ impl Map {
 
     fn text(&self, map: &planner::Map, rows: &Rows, robot: &Robot) -> String {
         let count = map.spots.len();
-        let mut lines =
-            vec![format!("{}: {count} launches", robot.name), format!("  {}", self.terms.of(robot).line())];
-        lines.extend(outcomes(map).into_iter().map(|(name, count)| format!("  {name:<16} {count}")));
+        let mut lines = vec![
+            format!("{}: {count} launches", robot.name),
+            format!("  {}", self.terms.of(robot).line()),
+        ];
+        lines.extend(
+            outcomes(map)
+                .into_iter()
+                .map(|(name, count)| format!("  {name:<16} {count}")),
+        );
         lines.extend([
             extremes(map, "distance", |spot| spot.distance),
             extremes(map, "apex", |spot| spot.apex),
@@ -163,14 +188,21 @@ impl Map {
     fn drawing(&self, map: &planner::Map, robot: &Robot) -> MapPlot {
         let panel = |title: String, key: fn(&SpotResult) -> Option<f64>| Panel {
             title,
-            values: map.spots.iter().map(|spot| spot.result.as_ref().ok().and_then(key)).collect(),
+            values: map
+                .spots
+                .iter()
+                .map(|spot| spot.result.as_ref().ok().and_then(key))
+                .collect(),
         };
         let landing = format!("distance (m), {}", self.terms.of(robot).landing_title());
         MapPlot {
             title: format!("{}: what is reachable", robot.name),
             rates: self.omega.to_vec(),
             angles: self.alpha_f.to_vec(),
-            panels: vec![panel(landing, |r| r.distance), panel("apex (m)".into(), |r| r.apex)],
+            panels: vec![
+                panel(landing, |r| r.distance),
+                panel("apex (m)".into(), |r| r.apex),
+            ],
             outcomes: map.spots.iter().map(outcome).collect(),
         }
     }
@@ -219,10 +251,16 @@ fn outcomes(map: &planner::Map) -> Vec<(&'static str, usize)> {
 
 /// Least and greatest value, and where they are.
 fn extremes(map: &planner::Map, name: &str, key: fn(&SpotResult) -> Option<f64>) -> String {
-    let values = || map.spots.iter().filter_map(|spot| Some((key(spot.result.as_ref().ok()?)?, spot.launch)));
+    let values = || {
+        map.spots
+            .iter()
+            .filter_map(|spot| Some((key(spot.result.as_ref().ok()?)?, spot.launch)))
+    };
     let least = values().min_by(|a, b| a.0.total_cmp(&b.0));
     let most = values().max_by(|a, b| a.0.total_cmp(&b.0));
-    let (Some(least), Some(most)) = (least, most) else { return format!("  {name:<16} none") };
+    let (Some(least), Some(most)) = (least, most) else {
+        return format!("  {name:<16} none");
+    };
     let at = |(value, launch): (f64, saltus::Launch)| {
         format!(
             "{} m at ω = {}, α_f = {}",

@@ -25,9 +25,10 @@ use crate::error::CliError;
 
 /// Plans the jumps of legged robots.
 ///
-/// A robot rolls onto one leg and pivots over it; at the firing angle the leg pushes off, and the robot flies. Angles are leans
-/// of the leg from the upright, forward positive, in rad; everything else is in SI units, and every column's name ends with its
-/// unit. The approach rate ω is how fast the robot tips over its foot, at the firing angle; a distance goes from the foot to where the
+/// A robot rolls onto one leg and pivots over it; at the firing angle the leg pushes off, and the
+/// robot flies. Angles are leans of the leg from the upright, forward positive, in rad; everything
+/// else is in SI units, and every column's name ends with its unit. The approach rate ω is how fast
+/// the robot tips over its foot, at the firing angle; a distance goes from the foot to where the
 /// wheel touches (--start-lean and --landing-height count them elsewhere).
 #[derive(Debug, Parser)]
 #[command(name = "saltus", version, propagate_version = true, after_help = AFTER_HELP)]

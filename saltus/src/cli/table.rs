@@ -125,12 +125,20 @@ impl Table {
         let drawing = || self.curves(&table, &request, &terms, planner.robot());
         self.common.write_with_plot(report, &self.plot, drawing)?;
         let all_feasible = table.cells.iter().all(|cell| !cell.entries.is_empty());
-        Ok(if all_feasible { Status::Done } else { Status::No })
+        Ok(if all_feasible {
+            Status::Done
+        } else {
+            Status::No
+        })
     }
 
     fn rows(&self, table: &planner::Table, terms: &Terms, robot: &Robot) -> Rows {
         let kind = self.target.kind();
-        let mut rows = Rows::new(if kind == Kind::Distance { DISTANCES } else { CLEARANCES });
+        let mut rows = Rows::new(if kind == Kind::Distance {
+            DISTANCES
+        } else {
+            CLEARANCES
+        });
         for cell in &table.cells {
             rows.push(row(cell, kind, terms, robot));
         }
@@ -172,7 +180,11 @@ impl Table {
             ],
         };
         let head = format!("{}: firing angles α_f for a {}", robot.name, kind.name());
-        format!("{head}\n  {}\n  {BRANCHES}\n{}", terms.line(), rows.text(columns))
+        format!(
+            "{head}\n  {}\n  {BRANCHES}\n{}",
+            terms.line(),
+            rows.text(columns)
+        )
     }
 
     fn curves(
@@ -226,11 +238,17 @@ fn compute(planner: &Planner, request: &TableRequest) -> Result<planner::Table, 
 }
 
 /// What the columns of the text mean.
-const BRANCHES: &str = "α_f early, α_f late: the angles that serve; the early one jumps higher. ±1σ: standard deviation, by the robot's [errors].";
+const BRANCHES: &str = "α_f early, α_f late: the angles that serve; the early one jumps higher. \
+    ±1σ: standard deviation, by the robot's [errors].";
 
 /// Rate and the firing angle `k` of a cell, none where there is none.
 fn point(cell: &planner::Cell, k: usize) -> (f64, Option<f64>) {
-    (cell.rate, cell.entries.get(k).map(|entry| entry.jump.launch.firing_angle))
+    (
+        cell.rate,
+        cell.entries
+            .get(k)
+            .map(|entry| entry.jump.launch.firing_angle),
+    )
 }
 
 /// How a cell ends.
@@ -245,7 +263,10 @@ fn status(cell: &planner::Cell) -> &'static str {
 
 /// Why a table has no angle at all, for a plot of it.
 fn nothing(table: &planner::Table, kind: &str) -> String {
-    let nearest = table.cells.iter().filter_map(|cell| cell.nearest.map(|n| (cell, n)));
+    let nearest = table
+        .cells
+        .iter()
+        .filter_map(|cell| cell.nearest.map(|n| (cell, n)));
     let gap = |cell: &planner::Cell, n: &Nearest| (n.value - cell.target).abs();
     match nearest.min_by(|a, b| gap(a.0, &a.1).total_cmp(&gap(b.0, &b.1))) {
         Some((cell, nearest)) => format!(
@@ -263,13 +284,27 @@ fn nothing(table: &planner::Table, kind: &str) -> String {
 fn row(cell: &planner::Cell, kind: Kind, terms: &Terms, robot: &Robot) -> Vec<Cell> {
     let first = cell.entries.first();
     let angle = |entry: &Entry| entry.jump.launch.firing_angle;
-    let mut row = vec![cell.rate.into(), cell.target.into(), first.map(angle).into()];
+    let mut row = vec![
+        cell.rate.into(),
+        cell.target.into(),
+        first.map(angle).into(),
+    ];
     row.push(first.and_then(|entry| entry.jump.apex()).into());
-    row.push(first.and_then(|entry| entry.jump.distance(terms.landing_height)).into());
+    row.push(
+        first
+            .and_then(|entry| entry.jump.distance(terms.landing_height))
+            .into(),
+    );
     row.push(first.map(|entry| entry.jump.stance.time).into());
-    row.extend([Cell::Word(status(cell)), cell.entries.get(1).map(angle).into()]);
+    row.extend([
+        Cell::Word(status(cell)),
+        cell.entries.get(1).map(angle).into(),
+    ]);
     if kind == Kind::Distance {
-        row.extend(sensitivities(first.and_then(|entry| entry.sensitivity), robot));
+        row.extend(sensitivities(
+            first.and_then(|entry| entry.sensitivity),
+            robot,
+        ));
     }
     let nearest = |key: fn(&Nearest) -> f64| Cell::from(cell.nearest.as_ref().map(key));
     row.extend([nearest(|n| n.value), nearest(|n| n.firing_angle)]);
@@ -279,13 +314,25 @@ fn row(cell: &planner::Cell, kind: Kind, terms: &Terms, robot: &Robot) -> Vec<Ce
 
 /// Standard deviations and sensitivities of distance and apex.
 fn sensitivities(both: Option<[Sensitivity; 2]>, robot: &Robot) -> Vec<Cell> {
-    let Some(both) = both else { return vec![Cell::Empty; 10] };
+    let Some(both) = both else {
+        return vec![Cell::Empty; 10];
+    };
     // A robot file that states no errors has no bands.
-    let deviations = both.iter().map(|one| Some(one.standard_deviation(&robot.errors)).filter(|d| *d > 0.0));
+    let deviations = both
+        .iter()
+        .map(|one| Some(one.standard_deviation(&robot.errors)).filter(|d| *d > 0.0));
     let has_valve = robot.leg.drive.has_valve();
     let slopes = both.iter().flat_map(|one| {
         let by_valve_open = has_valve.then_some(one.by_valve_open);
-        [Some(one.by_rate), Some(one.by_firing_angle), by_valve_open, Some(one.by_supply)]
+        [
+            Some(one.by_rate),
+            Some(one.by_firing_angle),
+            by_valve_open,
+            Some(one.by_supply),
+        ]
     });
-    deviations.map(Cell::from).chain(slopes.map(Cell::from)).collect()
+    deviations
+        .map(Cell::from)
+        .chain(slopes.map(Cell::from))
+        .collect()
 }

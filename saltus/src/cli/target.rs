@@ -72,7 +72,11 @@ impl Kind {
 
 impl TargetFlags {
     pub(crate) fn kind(&self) -> Kind {
-        if self.clearance.is_some() { Kind::Clearance } else { Kind::Distance }
+        if self.clearance.is_some() {
+            Kind::Clearance
+        } else {
+            Kind::Distance
+        }
     }
 
     /// Where the jumps start and end.
@@ -83,12 +87,20 @@ impl TargetFlags {
     /// The request, for every angle that serves or only for the least.
     pub(crate) fn request(&self, roots: Roots, robot: &Robot) -> Result<TableRequest, CliError> {
         self.terms.note_valve(robot);
-        let Terms { landing_height, valve_open, start_lean, .. } = self.terms(robot);
+        let Terms {
+            landing_height,
+            valve_open,
+            start_lean,
+            ..
+        } = self.terms(robot);
         let (targets, measure) = match (&self.distance, &self.clearance, self.obstacle) {
             (Some(distances), ..) => (distances, Measure::Distance { landing_height }),
-            (None, Some(clearances), Some(block)) => {
-                (clearances, Measure::Clearance { obstacle: block.obstacle(robot)? })
-            }
+            (None, Some(clearances), Some(block)) => (
+                clearances,
+                Measure::Clearance {
+                    obstacle: block.obstacle(robot)?,
+                },
+            ),
             _ => {
                 return Err(CliError::Missing {
                     flag: "--distance",
@@ -125,9 +137,14 @@ impl Block {
     }
 
     fn obstacle(self, robot: &Robot) -> Result<Obstacle, CliError> {
-        let Block { front, width, height } = self;
-        let refused =
-            |allowed: String| CliError::flag("--obstacle", format!("{front},{width},{height}"), allowed);
+        let Block {
+            front,
+            width,
+            height,
+        } = self;
+        let refused = |allowed: String| {
+            CliError::flag("--obstacle", format!("{front},{width},{height}"), allowed)
+        };
         if front < robot.body.radius {
             return Err(refused(format!(
                 "ahead of the wheel: FRONT at least its radius, {} m",
@@ -143,21 +160,39 @@ impl Block {
 pub(crate) fn block(text: &str) -> Result<Block, String> {
     let parts: Vec<&str> = text.split(',').collect();
     let [front, width, height] = parts[..] else {
-        return Err(format!("{:?} must be three lengths, as in 0.4,0.21,0.21", cut(text)));
+        return Err(format!(
+            "{:?} must be three lengths, as in 0.4,0.21,0.21",
+            cut(text)
+        ));
     };
-    let front = Quantity::DISTANCE.parse(front).map_err(|error| format!("FRONT {error}"))?;
+    let front = Quantity::DISTANCE
+        .parse(front)
+        .map_err(|error| format!("FRONT {error}"))?;
     let width = quantity::extent(width).map_err(|error| format!("WIDTH {error}"))?;
     let height = quantity::extent(height).map_err(|error| format!("HEIGHT {error}"))?;
-    Ok(Block { front, width, height })
+    Ok(Block {
+        front,
+        width,
+        height,
+    })
 }
 
 /// Parser of a flag.
 fn limits(text: &str) -> Result<(f64, f64), String> {
-    let refused = || format!("{:?} must be two angles, the lower first, as in -0.6:0.8", cut(text));
+    let refused = || {
+        format!(
+            "{:?} must be two angles, the lower first, as in -0.6:0.8",
+            cut(text)
+        )
+    };
     let (low, high) = text.split_once(':').ok_or_else(refused)?;
     let (low, high) = (
         quantity::angle(low).map_err(|error| error.to_string())?,
         quantity::angle(high).map_err(|error| error.to_string())?,
     );
-    if low < high { Ok((low, high)) } else { Err(refused()) }
+    if low < high {
+        Ok((low, high))
+    } else {
+        Err(refused())
+    }
 }

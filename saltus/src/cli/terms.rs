@@ -1,4 +1,5 @@
-//! What a distance and an approach rate mean: the flags that all commands on tables share, and the words of their reports.
+//! What a distance and an approach rate mean: the flags that all commands on tables share, and the
+//! words of their reports.
 
 use clap::Args;
 use saltus::Robot;
@@ -11,8 +12,8 @@ use crate::quantity;
 /// Flags that say where a jump starts and ends.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct TermFlags {
-    /// Where a distance ends: `wheel`, where the wheel touches level ground, or the height (m) above the foothold to which the wheel's
-    /// centre comes down; 0 is the thesis' reading
+    /// Where a distance ends: `wheel`, where the wheel touches level ground, or the height (m)
+    /// above the foothold to which the wheel's centre comes down; 0 is the thesis' reading
     #[arg(long, value_name = "wheel|HEIGHT", value_parser = landing_height, allow_hyphen_values = true, default_value = "wheel")]
     landing_height: LandingHeight,
 
@@ -20,7 +21,8 @@ pub(crate) struct TermFlags {
     #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
     valve_open: Option<f64>,
 
-    /// Where the stance starts and the approach rate counts: `firing`, at the firing angle, or at this lean φ₀ (rad)
+    /// Where the stance starts and the approach rate counts: `firing`, at the firing angle, or at
+    /// this lean φ₀ (rad)
     #[arg(long, value_name = "firing|ANGLE", value_parser = start_lean, allow_hyphen_values = true, default_value = "firing")]
     start_lean: StartLean,
 }
@@ -79,9 +81,16 @@ impl TermFlags {
 /// Valve opening time (s) that is taken where none is given.
 pub(crate) const VALVE_OPEN: f64 = 0.1;
 
-/// Columns that say in every row what a table was made for; columns survive every program that reads CSV.
-pub(crate) const COLUMNS: [&str; 6] =
-    ["valve_open_s", "start_lean_rad", "landing_height_m", "robot", "robot_sha256", "saltus_version"];
+/// Columns that say in every row what a table was made for; columns survive every program that
+/// reads CSV.
+pub(crate) const COLUMNS: [&str; 6] = [
+    "valve_open_s",
+    "start_lean_rad",
+    "landing_height_m",
+    "robot",
+    "robot_sha256",
+    "saltus_version",
+];
 
 /// Where the jumps of a report start and end.
 #[derive(Clone, Debug, PartialEq)]
@@ -146,7 +155,11 @@ impl Terms {
 
     /// The terms in one line: what a distance and an approach rate are.
     pub(crate) fn line(&self) -> String {
-        format!("distance: from the foot to {}; approach rate ω: at {}", self.landing(), self.start())
+        format!(
+            "distance: from the foot to {}; approach rate ω: at {}",
+            self.landing(),
+            self.start()
+        )
     }
 
     /// Where a distance ends.
@@ -159,14 +172,19 @@ impl Terms {
         let side = if below > 0.0 { "below" } else { "above" };
         let off = digits(below.abs(), 5);
         format!(
-            "where the wheel's centre is {height} m above the foothold ({off} m {side} where the wheel touches)"
+            "where the wheel's centre is {height} m above the foothold ({off} m {side} where the \
+             wheel touches)"
         )
     }
 
     /// Where a distance ends, for a title.
     pub(crate) fn landing_title(&self) -> String {
         let height = digits(self.landing_height, 4);
-        let touches = if self.landing_height == self.radius { " (the wheel touches)" } else { "" };
+        let touches = if self.landing_height == self.radius {
+            " (the wheel touches)"
+        } else {
+            ""
+        };
         format!("landing height {height} m{touches}")
     }
 
@@ -183,7 +201,9 @@ impl Terms {
 pub(crate) fn landing_height(text: &str) -> Result<LandingHeight, String> {
     match text {
         "wheel" => Ok(LandingHeight::Wheel),
-        _ => quantity::height(text).map(LandingHeight::At).map_err(|error| format!("{error}, or `wheel`")),
+        _ => quantity::height(text)
+            .map(LandingHeight::At)
+            .map_err(|error| format!("{error}, or `wheel`")),
     }
 }
 
@@ -191,6 +211,8 @@ pub(crate) fn landing_height(text: &str) -> Result<LandingHeight, String> {
 pub(crate) fn start_lean(text: &str) -> Result<StartLean, String> {
     match text {
         "firing" => Ok(StartLean::Firing),
-        _ => quantity::angle(text).map(StartLean::At).map_err(|error| format!("{error}, or `firing`")),
+        _ => quantity::angle(text)
+            .map(StartLean::At)
+            .map_err(|error| format!("{error}, or `firing`")),
     }
 }

@@ -14,7 +14,8 @@ const SOURCE: &str = include_str!("../../../controller/c/saltus_controller.c");
 const VECTORS: [usize; 4] = [20, 40, 10, 10];
 
 impl<R: Number> Tables<R> {
-    /// `saltus_controller.h` and `saltus_controller.c`, in C99 with no other dependency than `math.h`'s square root.
+    /// `saltus_controller.h` and `saltus_controller.c`, in C99 with no other dependency than
+    /// `math.h`'s square root.
     pub fn c(&self) -> [String; 2] {
         let comment = self.comment();
         let header = HEADER
@@ -22,11 +23,19 @@ impl<R: Number> Tables<R> {
             .replace("@REAL@", R::C_TYPE)
             .replace("@CRC@", &format!("0x{:08X}u", self.crc()));
         let float = R::IS_FLOAT;
-        let choose = |single: &'static str, double: &'static str| if float { single } else { double };
+        let choose =
+            |single: &'static str, double: &'static str| if float { single } else { double };
         let source = SOURCE
             .replace("@HEADER@", &comment)
             .replace("@DATA@", &self.c_data())
-            .replace("@RULE@", if matches!(self.nodes, Nodes::Curve(_)) { CURVE } else { TABLE })
+            .replace(
+                "@RULE@",
+                if matches!(self.nodes, Nodes::Curve(_)) {
+                    CURVE
+                } else {
+                    TABLE
+                },
+            )
             .replace("@SELF_TEST@", &self.c_self_test())
             .replace("@SUFFIX@", choose("x##f", "x"))
             .replace("@SQRT@", choose("sqrtf", "sqrt"))
@@ -39,7 +48,11 @@ impl<R: Number> Tables<R> {
     }
 
     fn comment(&self) -> String {
-        let lines: Vec<String> = self.about().iter().map(|line| format!(" * {line}")).collect();
+        let lines: Vec<String> = self
+            .about()
+            .iter()
+            .map(|line| format!(" * {line}"))
+            .collect();
         // A robot's name is the user's.
         format!("/*\n{}\n */", lines.join("\n").replace("*/", "* /"))
     }
@@ -49,46 +62,100 @@ impl<R: Number> Tables<R> {
         let robot = &self.robot;
         let (limits, rates) = (&self.limits, &self.counted);
         let numbers = [
-            ("radius", robot.radius, "foot to wheel centre, leg retracted (m)"),
+            (
+                "radius",
+                robot.radius,
+                "foot to wheel centre, leg retracted (m)",
+            ),
             ("gravity", robot.gravity, "at the axle (m/s^2)"),
             ("pendulum", robot.pendulum, "m g r/(I + m r^2) (1/s^2)"),
-            ("reference_lean", rates.reference_lean, "where the rates of the tables count (rad)"),
+            (
+                "reference_lean",
+                rates.reference_lean,
+                "where the rates of the tables count (rad)",
+            ),
             ("least_rate", rates.least, "least approach rate (rad/s)"),
-            ("greatest_rate", rates.greatest, "greatest approach rate (rad/s)"),
-            ("stride", robot.stride, "from one touch-down to the next (m)"),
+            (
+                "greatest_rate",
+                rates.greatest,
+                "greatest approach rate (rad/s)",
+            ),
+            (
+                "stride",
+                robot.stride,
+                "from one touch-down to the next (m)",
+            ),
             ("nominal_valve_open", robot.valve_open, "(s)"),
-            ("landing_height", robot.landing_height, "of the wheel's centre (m)"),
+            (
+                "landing_height",
+                robot.landing_height,
+                "of the wheel's centre (m)",
+            ),
             ("period", limits.period, "of control (s)"),
-            ("extra_delay", limits.extra_delay, "of the valve, beyond the robot file's (s)"),
+            (
+                "extra_delay",
+                limits.extra_delay,
+                "of the valve, beyond the robot file's (s)",
+            ),
             ("least_valve_open", limits.least_valve_open, "(s)"),
             ("greatest_valve_open", limits.greatest_valve_open, "(s)"),
-            ("effort", limits.effort, "cost of a squared second of open valve (m^2/s^2)"),
+            (
+                "effort",
+                limits.effort,
+                "cost of a squared second of open valve (m^2/s^2)",
+            ),
         ];
         for (name, value, what) in numbers {
-            put(&mut text, format_args!("static const saltus_real {name} = {}; /* {what} */\n", value.c()));
+            put(
+                &mut text,
+                format_args!(
+                    "static const saltus_real {name} = {}; /* {what} */\n",
+                    value.c()
+                ),
+            );
         }
         let at_firing = u8::from(rates.at_firing);
         put(
             &mut text,
             format_args!(
-                "/* 1: approach rates count at the firing angle; 0: at the reference lean */\n#define AT_FIRING {at_firing}\n"
+                "/* 1: approach rates count at the firing angle; 0: at the reference lean \
+                 */\n#define AT_FIRING {at_firing}\n"
             ),
         );
-        put(&mut text, format_args!("#define NEWTON_STEPS {}\n", limits.newton_steps.min(3)));
+        put(
+            &mut text,
+            format_args!("#define NEWTON_STEPS {}\n", limits.newton_steps.min(3)),
+        );
         let chooses = u8::from(limits.greatest_valve_open > limits.least_valve_open);
-        put(&mut text, format_args!("#define CHOOSES_VALVE {chooses}\n\n"));
-        axis(&mut text, "rule_rates", &self.rates, "rate at the reference lean (rad/s)");
+        put(
+            &mut text,
+            format_args!("#define CHOOSES_VALVE {chooses}\n\n"),
+        );
+        axis(
+            &mut text,
+            "rule_rates",
+            &self.rates,
+            "rate at the reference lean (rad/s)",
+        );
         match &self.nodes {
             Nodes::Table(table) => {
-                axis(&mut text, "table_distances", &self.distances, "distance (m)");
-                let what = "alpha_f (rad), by rate and by distance, mixed, each times the spacing; distances within rates";
+                axis(
+                    &mut text,
+                    "table_distances",
+                    &self.distances,
+                    "distance (m)",
+                );
+                let what = "alpha_f (rad), by rate and by distance, mixed, each times the \
+                    spacing; distances within rates";
                 nodes(&mut text, "rule_nodes", table, what);
             }
             Nodes::Curve(curve) => {
                 let distance = self.distances.first.c();
                 put(
                     &mut text,
-                    format_args!("static const saltus_real curve_distance = {distance}; /* (m) */\n"),
+                    format_args!(
+                        "static const saltus_real curve_distance = {distance}; /* (m) */\n"
+                    ),
                 );
                 nodes(
                     &mut text,
@@ -99,9 +166,15 @@ impl<R: Number> Tables<R> {
             }
         }
         cells(&mut text, "rule_open", &self.open);
-        axis(&mut text, "map_rates", &self.rates, "rate at the reference lean (rad/s)");
+        axis(
+            &mut text,
+            "map_rates",
+            &self.rates,
+            "rate at the reference lean (rad/s)",
+        );
         axis(&mut text, "map_angles", &self.angles, "firing angle (rad)");
-        let what = "x, y (m), vx, vy (m/s); these by rate; by angle; mixed, times the spacing; then by the valve opening time (1/s)";
+        let what = "x, y (m), vx, vy (m/s); these by rate; by angle; mixed, times the spacing; \
+            then by the valve opening time (1/s)";
         nodes(&mut text, "map_nodes", &self.map_nodes, what);
         cells(&mut text, "map_open", &self.map_open);
         text.truncate(text.trim_end().len());
@@ -112,48 +185,90 @@ impl<R: Number> Tables<R> {
         let mut text = CRC.to_owned();
         text.push_str(TEST_TYPES);
         let [angles, decisions, take_offs, programs] = VECTORS;
-        put(&mut text, format_args!("static const test_angle test_angles[{angles}] = {{\n"));
+        put(
+            &mut text,
+            format_args!("static const test_angle test_angles[{angles}] = {{\n"),
+        );
         for v in self.firing_angles(angles) {
             let (code, angle) = match v.answer {
                 Ok(angle) => ("SALTUS_OK", angle),
                 Err(reason) => (status(reason), R::ZERO),
             };
-            put(&mut text, format_args!("    {{{}, {code}, {}}},\n", list(&v.given), angle.c()));
+            put(
+                &mut text,
+                format_args!("    {{{}, {code}, {}}},\n", list(&v.given), angle.c()),
+            );
         }
-        put(&mut text, format_args!("}};\n\nstatic const test_decision test_decisions[{decisions}] = {{\n"));
+        put(
+            &mut text,
+            format_args!("}};\n\nstatic const test_decision test_decisions[{decisions}] = {{\n"),
+        );
         for v in self.decisions(decisions) {
             let (sensed, task) = (&v.sensed, &v.task);
-            let obstacle = task.obstacle.map(|o| list(&[o.front, o.back, o.height, o.clearance]));
-            let (over, obstacle) =
-                (u8::from(obstacle.is_some()), obstacle.unwrap_or_else(|| list(&[R::ZERO; 4])));
+            let obstacle = task
+                .obstacle
+                .map(|o| list(&[o.front, o.back, o.height, o.clearance]));
+            let (over, obstacle) = (
+                u8::from(obstacle.is_some()),
+                obstacle.unwrap_or_else(|| list(&[R::ZERO; 4])),
+            );
             let answer = match v.answer {
                 Ok(d) => {
                     let (timing, time) = timing(d.timing);
                     let numbers = list(&[d.approach_rate, d.firing_angle, d.valve_open, time]);
-                    format!("SALTUS_OK, {{{numbers}, {timing}, {}}}", u8::from(d.settled))
+                    format!(
+                        "SALTUS_OK, {{{numbers}, {timing}, {}}}",
+                        u8::from(d.settled)
+                    )
                 }
-                Err(reason) => format!("{}, {{{}, SALTUS_WAIT, 0}}", status(reason), list(&[R::ZERO; 4])),
+                Err(reason) => format!(
+                    "{}, {{{}, SALTUS_WAIT, 0}}",
+                    status(reason),
+                    list(&[R::ZERO; 4])
+                ),
             };
-            let (sensed, task) =
-                (list(&[sensed.lean, sensed.rate]), list(&[task.distance, task.landing_height]));
-            put(&mut text, format_args!("    {{{{{sensed}}}, {task}, {over}, {{{obstacle}}}, {answer}}},\n"));
+            let (sensed, task) = (
+                list(&[sensed.lean, sensed.rate]),
+                list(&[task.distance, task.landing_height]),
+            );
+            put(
+                &mut text,
+                format_args!("    {{{{{sensed}}}, {task}, {over}, {{{obstacle}}}, {answer}}},\n"),
+            );
         }
-        put(&mut text, format_args!("}};\n\nstatic const test_take_off test_take_offs[{take_offs}] = {{\n"));
+        put(
+            &mut text,
+            format_args!("}};\n\nstatic const test_take_off test_take_offs[{take_offs}] = {{\n"),
+        );
         for v in self.take_offs(take_offs) {
             let a = &v.approach;
             let given = list(&[a.distance, a.height, a.length, a.speed, a.clearance]);
             let answer = match v.answer {
                 Ok(t) => {
                     let numbers = list(&[t.approach_rate, t.firing_angle, t.distance, t.clearance]);
-                    format!("SALTUS_OK, SALTUS_NO_INPUT, {{{}, {numbers}}}", t.touch_down)
+                    format!(
+                        "SALTUS_OK, SALTUS_NO_INPUT, {{{}, {numbers}}}",
+                        t.touch_down
+                    )
                 }
-                Err(NoTakeOff { reason, input: which }) => {
-                    format!("{}, {}, {{0, {}}}", status(reason), input(which), list(&[R::ZERO; 4]))
+                Err(NoTakeOff {
+                    reason,
+                    input: which,
+                }) => {
+                    format!(
+                        "{}, {}, {{0, {}}}",
+                        status(reason),
+                        input(which),
+                        list(&[R::ZERO; 4])
+                    )
                 }
             };
             put(&mut text, format_args!("    {{{{{given}}}, {answer}}},\n"));
         }
-        put(&mut text, format_args!("}};\n\nstatic const test_program test_programs[{programs}] = {{\n"));
+        put(
+            &mut text,
+            format_args!("}};\n\nstatic const test_program test_programs[{programs}] = {{\n"),
+        );
         for v in Tables::<R>::programs(programs) {
             let rows: Vec<String> = v
                 .constraints
@@ -201,14 +316,21 @@ fn axis<R: Number>(text: &mut String, name: &str, a: &Axis<R>, what: &str) {
     put(
         text,
         format_args!(
-            "/* {what}: first, last, nodes per unit, how many */\nstatic const axis {name} = {{{numbers}, {}}};\n",
+            "/* {what}: first, last, nodes per unit, how many */\nstatic const axis {name} = \
+             {{{numbers}, {}}};\n",
             a.count
         ),
     );
 }
 
 fn nodes<R: Number, const N: usize>(text: &mut String, name: &str, nodes: &[[R; N]], what: &str) {
-    put(text, format_args!("/* {what} */\nstatic const saltus_real {name}[{}][{N}] = {{\n", nodes.len()));
+    put(
+        text,
+        format_args!(
+            "/* {what} */\nstatic const saltus_real {name}[{}][{N}] = {{\n",
+            nodes.len()
+        ),
+    );
     for node in nodes {
         put(text, format_args!("    {{{}}},\n", list(node)));
     }

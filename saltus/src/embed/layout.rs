@@ -1,9 +1,12 @@
-//! What tables are over: where their rates count, which range they take, and the firing angles at their nodes.
+//! What tables are over: where their rates count, which range they take, and the firing angles at
+//! their nodes.
 
 use saltus_controller::Rates;
 use saltus_lagrangian::Launch;
 use saltus_numeric::Dual;
-use saltus_planner::{Cell, FIRING_ANGLES, Measure, Planner, Roots, Sensitivity, Table, TableRequest};
+use saltus_planner::{
+    Cell, FIRING_ANGLES, Measure, Planner, Roots, Sensitivity, Table, TableRequest,
+};
 
 use super::numbers::Number;
 use super::tables::{EmbedError, Request, spread};
@@ -16,8 +19,9 @@ pub(super) type Firing = Option<[f64; 3]>;
 pub(super) struct Start {
     /// The lean (rad).
     reference: f64,
-    /// Whether stances start at the firing angle, and the program's rates count there: the reference then only names the energy of the pivoting
-    /// robot. Else stances start at the reference.
+    /// Whether stances start at the firing angle, and the program's rates count there: the
+    /// reference then only names the energy of the pivoting robot. Else stances start at the
+    /// reference.
     at_firing: bool,
 }
 
@@ -58,7 +62,10 @@ impl Layout {
     ///
     /// # Errors
     /// [`EmbedError`] where the planner has no table, or nothing is reached.
-    pub(super) fn new<R: Number>(planner: &Planner, request: &Request) -> Result<Layout, EmbedError> {
+    pub(super) fn new<R: Number>(
+        planner: &Planner,
+        request: &Request,
+    ) -> Result<Layout, EmbedError> {
         match request.start_lean {
             Some(lean) => Layout::from_lean(planner, request, lean),
             None => Layout::from_firing::<R>(planner, request),
@@ -67,35 +74,72 @@ impl Layout {
 
     /// Stances that start at one lean.
     fn from_lean(planner: &Planner, request: &Request, lean: f64) -> Result<Layout, EmbedError> {
-        let start = Start { reference: lean, at_firing: false };
-        // A robot fired before its stance starts is fired there: no angle below the start lean is one of its own.
-        let limits = request.firing_angles.unwrap_or((lean, FIRING_ANGLES.1.max(lean + 0.1)));
+        let start = Start {
+            reference: lean,
+            at_firing: false,
+        };
+        // A robot fired before its stance starts is fired there: no angle below the start lean is
+        // one of its own.
+        let limits = request
+            .firing_angles
+            .unwrap_or((lean, FIRING_ANGLES.1.max(lean + 0.1)));
         let table = planner.table(&table_request(planner, request, request.rates, limits))?;
-        let firing: Vec<Firing> = table.cells.iter().map(|cell| later(cell, planner, start)).collect();
-        let angles = angle_range(request, lean, firing.iter().flatten().map(|[angle, ..]| *angle))?;
-        Ok(Layout { start, rates: request.rates, angles, firing })
+        let firing: Vec<Firing> = table
+            .cells
+            .iter()
+            .map(|cell| later(cell, planner, start))
+            .collect();
+        let angles = angle_range(
+            request,
+            lean,
+            firing.iter().flatten().map(|[angle, ..]| *angle),
+        )?;
+        Ok(Layout {
+            start,
+            rates: request.rates,
+            angles,
+            firing,
+        })
     }
 
     /// Stances that start at their firing angles.
     ///
-    /// The reference lies as far back as the farthest angle forward or back, so that every robot that is fired has a rate there.
+    /// The reference lies as far back as the farthest angle forward or back, so that every robot
+    /// that is fired has a rate there.
     fn from_firing<R: Number>(planner: &Planner, request: &Request) -> Result<Layout, EmbedError> {
         let limits = request.firing_angles.unwrap_or(FIRING_ANGLES);
         let asked = planner.table(&table_request(planner, request, request.rates, limits))?;
         let fired: Vec<(f64, f64)> = fired(&asked).collect();
-        let angles = angle_range(request, limits.0 - BEYOND, fired.iter().map(|(_, angle)| *angle))?;
-        let start = Start { reference: -R::of(angles.0.abs().max(angles.1)).wide(), at_firing: true };
+        let angles = angle_range(
+            request,
+            limits.0 - BEYOND,
+            fired.iter().map(|(_, angle)| *angle),
+        )?;
+        let start = Start {
+            reference: -R::of(angles.0.abs().max(angles.1)).wide(),
+            at_firing: true,
+        };
         let rates = energies(planner, request.rates, start, &fired);
         let upright = start.reference.abs();
         let limits = (limits.0.max(-upright), limits.1.min(upright));
         let by_energy = table_request(planner, request, rates, limits);
         let table = planner.table_by_energy(&by_energy, start.reference)?;
-        let firing = table.cells.iter().map(|cell| later(cell, planner, start)).collect();
-        Ok(Layout { start, rates, angles, firing })
+        let firing = table
+            .cells
+            .iter()
+            .map(|cell| later(cell, planner, start))
+            .collect();
+        Ok(Layout {
+            start,
+            rates,
+            angles,
+            firing,
+        })
     }
 }
 
-/// Rates (rad/s) at the reference lean that hold all that are `fired`, at the spacing of `asked` or closer.
+/// Rates (rad/s) at the reference lean that hold all that are `fired`, at the spacing of `asked` or
+/// closer.
 fn energies(
     planner: &Planner,
     asked: (f64, f64, usize),
@@ -103,7 +147,11 @@ fn energies(
     fired: &[(f64, f64)],
 ) -> (f64, f64, usize) {
     let step = (asked.1 - asked.0) / (asked.2 - 1) as f64;
-    let rates = || fired.iter().map(|&(rate, angle)| planner.pivoted(rate, angle, start.reference));
+    let rates = || {
+        fired
+            .iter()
+            .map(|&(rate, angle)| planner.pivoted(rate, angle, start.reference))
+    };
     // A little more, for rounding.
     let margin = 1e-3 * step;
     let first = (rates().fold(f64::INFINITY, f64::min) - margin).max(0.0);
@@ -122,7 +170,9 @@ fn table_request(
 ) -> TableRequest {
     TableRequest {
         rates: spread(rates),
-        measure: Measure::Distance { landing_height: request.landing_height(planner) },
+        measure: Measure::Distance {
+            landing_height: request.landing_height(planner),
+        },
         targets: spread(request.distances),
         valve_open: request.valve_open,
         start_lean: request.start_lean,
@@ -133,16 +183,21 @@ fn table_request(
     }
 }
 
-/// Rate (rad/s) and angle (rad) of each firing: the least angle from which firing later goes farther.
+/// Rate (rad/s) and angle (rad) of each firing: the least angle from which firing later goes
+/// farther.
 fn fired(table: &Table) -> impl Iterator<Item = (f64, f64)> {
     table.cells.iter().filter_map(|cell| {
         let rises = |s: &[Sensitivity; 2]| s[0].by_firing_angle > 0.0;
-        let entry = cell.entries.iter().find(|entry| entry.sensitivity.as_ref().is_some_and(rises))?;
+        let entry = cell
+            .entries
+            .iter()
+            .find(|entry| entry.sensitivity.as_ref().is_some_and(rises))?;
         Some((cell.rate, entry.jump.launch.firing_angle))
     })
 }
 
-/// The least firing angle of a cell from which firing later goes farther, with its slopes by the cell's rate and by distance.
+/// The least firing angle of a cell from which firing later goes farther, with its slopes by the
+/// cell's rate and by distance.
 fn later(cell: &Cell, planner: &Planner, start: Start) -> Firing {
     cell.entries.iter().find_map(|entry| {
         let [distance, _] = entry.sensitivity?;
@@ -154,7 +209,8 @@ fn later(cell: &Cell, planner: &Planner, start: Start) -> Firing {
 }
 
 impl Start {
-    /// Slopes by the rate at the reference lean and by the firing angle, of those by the launch's rate and the firing angle.
+    /// Slopes by the rate at the reference lean and by the firing angle, of those by the launch's
+    /// rate and the firing angle.
     ///
     /// At the firing angle ω² = ω_r² + 2 c (cos φ_r − cos α), which both change.
     fn chained(
@@ -174,31 +230,57 @@ impl Start {
 }
 
 impl Flown<'_> {
-    /// The launch of a robot with `rate` (rad/s) at the reference lean that is fired at `angle` (rad).
+    /// The launch of a robot with `rate` (rad/s) at the reference lean that is fired at `angle`
+    /// (rad).
     pub(super) fn launch(&self, rate: f64, angle: f64) -> Launch {
-        let Start { reference, at_firing } = self.start;
+        let Start {
+            reference,
+            at_firing,
+        } = self.start;
         if at_firing {
-            Launch::at_firing(self.planner.pivoted(rate, reference, angle), angle, self.valve_open)
+            Launch::at_firing(
+                self.planner.pivoted(rate, reference, angle),
+                angle,
+                self.valve_open,
+            )
         } else {
-            Launch { rate, lean: reference, firing_angle: angle, valve_open: self.valve_open }
+            Launch {
+                rate,
+                lean: reference,
+                firing_angle: angle,
+                valve_open: self.valve_open,
+            }
         }
     }
 
-    /// A number of that launch, with its slopes by the rate at the reference lean, the firing angle and the valve opening time.
+    /// A number of that launch, with its slopes by the rate at the reference lean, the firing angle
+    /// and the valve opening time.
     pub(super) fn with_slopes(&self, rate: f64, launch: &Launch, x: Dual<4>) -> [f64; 4] {
         let [by_rate, by_angle, by_valve, _] = x.slope;
-        let [by_rate, by_angle] = self.start.chained(self.planner, rate, launch, [by_rate, by_angle]);
+        let [by_rate, by_angle] =
+            self.start
+                .chained(self.planner, rate, launch, [by_rate, by_angle]);
         [x.value, by_rate, by_angle, by_valve]
     }
 
     /// How far (m) from `distance` the jump lands; infinite where it does not.
-    pub(super) fn miss(&self, rate: f64, angle: f64, distance: f64, height: f64) -> Result<f64, EmbedError> {
-        let landing = self.planner.jump(&self.launch(rate, angle))?.distance(height);
+    pub(super) fn miss(
+        &self,
+        rate: f64,
+        angle: f64,
+        distance: f64,
+        height: f64,
+    ) -> Result<f64, EmbedError> {
+        let landing = self
+            .planner
+            .jump(&self.launch(rate, angle))?
+            .distance(height);
         Ok(landing.map_or(f64::INFINITY, |landing| (landing - distance).abs()))
     }
 }
 
-/// Firing angles (rad) of the lift-off map: those asked for, or the table's `angles` and a little more, from `least` on.
+/// Firing angles (rad) of the lift-off map: those asked for, or the table's `angles` and a little
+/// more, from `least` on.
 fn angle_range(
     request: &Request,
     least: f64,
@@ -207,11 +289,21 @@ fn angle_range(
     if let Some(range) = request.firing_angles {
         return Ok(range);
     }
-    let (low, high) =
-        (angles.clone().fold(f64::INFINITY, f64::min), angles.fold(f64::NEG_INFINITY, f64::max));
+    let (low, high) = (
+        angles.clone().fold(f64::INFINITY, f64::min),
+        angles.fold(f64::NEG_INFINITY, f64::max),
+    );
     if low > high {
-        let what = if request.distances.2 > 1 { "firing table" } else { "firing curve" };
-        return Err(EmbedError::Empty { what, tolerance: request.tolerance, least: None });
+        let what = if request.distances.2 > 1 {
+            "firing table"
+        } else {
+            "firing curve"
+        };
+        return Err(EmbedError::Empty {
+            what,
+            tolerance: request.tolerance,
+            least: None,
+        });
     }
     Ok(((low - BEYOND).max(least), high + BEYOND))
 }

@@ -1,4 +1,5 @@
-//! The planner's answers as tables for a controller: built, measured against the planner, and written as C or Rust.
+//! The planner's answers as tables for a controller: built, measured against the planner, and
+//! written as C or Rust.
 //!
 //! ```
 //! use saltus::controller::{Sensed, Task};

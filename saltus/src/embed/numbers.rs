@@ -25,7 +25,11 @@ pub trait Number: Real + std::fmt::Display {
 
     /// As a constant of C.
     fn c(self) -> String {
-        if Self::IS_FLOAT { format!("{}f", self.digits()) } else { self.digits() }
+        if Self::IS_FLOAT {
+            format!("{}f", self.digits())
+        } else {
+            self.digits()
+        }
     }
 }
 

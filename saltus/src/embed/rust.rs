@@ -12,7 +12,9 @@ impl<R: Number> Tables<R> {
     pub fn about(&self) -> Vec<String> {
         let [table, map] = self.bytes();
         let [(open, all), (map_open, map_all)] = self.cells();
-        let range = |a: &Axis<R>, unit: &str| format!("{} to {} {unit}, {} nodes", a.first, a.last, a.count);
+        let range = |a: &Axis<R>, unit: &str| {
+            format!("{} to {} {unit}, {} nodes", a.first, a.last, a.count)
+        };
         let mm = |x: f64| format!("{:.3} mm", 1e3 * x);
         let mut lines = vec![
             format!(
@@ -20,9 +22,16 @@ impl<R: Number> Tables<R> {
                 self.name.escape_default(),
                 self.hash
             ),
-            format!("Written by saltus {}; to change it, write it anew.", env!("CARGO_PKG_VERSION")),
+            format!(
+                "Written by saltus {}; to change it, write it anew.",
+                env!("CARGO_PKG_VERSION")
+            ),
             String::new(),
-            format!("Numbers: {}. CRC-32 of the tables: {:08X}.", R::C_TYPE, self.crc()),
+            format!(
+                "Numbers: {}. CRC-32 of the tables: {:08X}.",
+                R::C_TYPE,
+                self.crc()
+            ),
             self.rate_line(),
         ];
         let spread = if self.distances.count > 1 {
@@ -42,26 +51,42 @@ impl<R: Number> Tables<R> {
         lines.extend([
             format!("A distance goes from the foot to {}.", self.landing()),
             valve,
-            format!("Lift-off map: firing angle {}; {map_open} of {map_all} cells are open.", range(&self.angles, "rad")),
             format!(
-                "Against the planner, over all open cells ({} jumps): what is fired lands within {}, what the map predicts within {}.",
+                "Lift-off map: firing angle {}; {map_open} of {map_all} cells are open.",
+                range(&self.angles, "rad")
+            ),
+            format!(
+                "Against the planner, over all open cells ({} jumps): what is fired lands within \
+                 {}, what the map predicts within {}.",
                 self.misses.jumps,
                 mm(self.misses.table),
                 mm(self.misses.map)
             ),
-            format!("A cell that misses by more than {} is closed.", mm(self.tolerance)),
-            format!("Size: {} {table} bytes, lift-off map {map} bytes.", self.nodes.name()),
+            format!(
+                "A cell that misses by more than {} is closed.",
+                mm(self.tolerance)
+            ),
+            format!(
+                "Size: {} {table} bytes, lift-off map {map} bytes.",
+                self.nodes.name()
+            ),
         ]);
         lines
     }
 
     /// Where approach rates count.
     fn rate_line(&self) -> String {
-        let Rates { least, greatest, reference_lean, at_firing } = self.counted;
+        let Rates {
+            least,
+            greatest,
+            reference_lean,
+            at_firing,
+        } = self.counted;
         let range = format!("Approach rate: {least} to {greatest} rad/s");
         if at_firing {
             format!(
-                "{range}, counted at the firing angle. Inside, tables are over the rate at a lean of {reference_lean} rad."
+                "{range}, counted at the firing angle. Inside, tables are over the rate at a lean \
+                 of {reference_lean} rad."
             )
         } else {
             format!("{range}, counted at the start lean, {reference_lean} rad.")
@@ -70,23 +95,32 @@ impl<R: Number> Tables<R> {
 
     /// Where a distance ends.
     fn landing(&self) -> String {
-        let Robot { landing_height, radius, .. } = self.robot;
+        let Robot {
+            landing_height,
+            radius,
+            ..
+        } = self.robot;
         if landing_height == radius {
             return format!("where the wheel touches (landing height {landing_height} m)");
         }
         format!(
-            "where the wheel's centre is {landing_height} m above the foothold; the wheel touches where it is {radius} m"
+            "where the wheel's centre is {landing_height} m above the foothold; the wheel touches \
+             where it is {radius} m"
         )
     }
 
-    /// A Rust source with the constant `name`, a `saltus_controller::Controller<'static, f32>` or `f64`.
+    /// A Rust source with the constant `name`, a `saltus_controller::Controller<'static, f32>` or
+    /// `f64`.
     pub fn rust(&self, name: &str) -> String {
         let mut text = String::new();
         for line in self.about() {
             put(&mut text, format_args!("//! {line}").to_string().trim_end());
         }
         let real = R::RUST_TYPE;
-        put(&mut text, "\n#![allow(clippy::all, clippy::pedantic, unreachable_pub)]\n");
+        put(
+            &mut text,
+            "\n#![allow(clippy::all, clippy::pedantic, unreachable_pub)]\n",
+        );
         let rule_type = match self.nodes {
             Nodes::Table(_) => "FiringTable",
             Nodes::Curve(_) => "FiringCurve",
@@ -94,19 +128,31 @@ impl<R: Number> Tables<R> {
         put(
             &mut text,
             &format!(
-                "use saltus_controller::{{Axis, Controller, {rule_type}, LiftOffMap, Limits, Rates, Robot, Rule}};\n"
+                "use saltus_controller::{{Axis, Controller, {rule_type}, LiftOffMap, Limits, \
+                 Rates, Robot, Rule}};\n"
             ),
         );
-        put(&mut text, &format!("/// What the robot {} decides by.", self.name.escape_default()));
-        put(&mut text, &format!("pub const {name}: Controller<'static, {real}> = Controller {{"));
+        put(
+            &mut text,
+            &format!(
+                "/// What the robot {} decides by.",
+                self.name.escape_default()
+            ),
+        );
+        put(
+            &mut text,
+            &format!("pub const {name}: Controller<'static, {real}> = Controller {{"),
+        );
         let rates = axis(&self.rates);
         let rule = match self.nodes {
             Nodes::Table(_) => format!(
-                "Table(FiringTable {{ rates: {rates}, distances: {}, nodes: &RULE_NODES, open: &RULE_OPEN }})",
+                "Table(FiringTable {{ rates: {rates}, distances: {}, nodes: &RULE_NODES, open: \
+                 &RULE_OPEN }})",
                 axis(&self.distances)
             ),
             Nodes::Curve(_) => format!(
-                "Curve(FiringCurve {{ rates: {rates}, distance: {}, nodes: &RULE_NODES, open: &RULE_OPEN }})",
+                "Curve(FiringCurve {{ rates: {rates}, distance: {}, nodes: &RULE_NODES, open: \
+                 &RULE_OPEN }})",
                 self.distances.first.digits()
             ),
         };
@@ -114,7 +160,8 @@ impl<R: Number> Tables<R> {
         put(
             &mut text,
             &format!(
-                "    map: LiftOffMap {{ rates: {rates}, angles: {}, nodes: &MAP_NODES, open: &MAP_OPEN }},",
+                "    map: LiftOffMap {{ rates: {rates}, angles: {}, nodes: &MAP_NODES, open: \
+                 &MAP_OPEN }},",
                 axis(&self.angles)
             ),
         );
@@ -122,7 +169,8 @@ impl<R: Number> Tables<R> {
         put(
             &mut text,
             &format!(
-                "    rates: Rates {{ least: {}, greatest: {}, reference_lean: {}, at_firing: {} }},",
+                "    rates: Rates {{ least: {}, greatest: {}, reference_lean: {}, at_firing: {} \
+                 }},",
                 c.least.digits(),
                 c.greatest.digits(),
                 c.reference_lean.digits(),
@@ -133,7 +181,8 @@ impl<R: Number> Tables<R> {
         put(
             &mut text,
             &format!(
-                "    robot: Robot {{ radius: {}, gravity: {}, pendulum: {}, stride: {}, valve_open: {}, landing_height: {} }},",
+                "    robot: Robot {{ radius: {}, gravity: {}, pendulum: {}, stride: {}, \
+                 valve_open: {}, landing_height: {} }},",
                 r.radius.digits(),
                 r.gravity.digits(),
                 r.pendulum.digits(),
@@ -146,7 +195,8 @@ impl<R: Number> Tables<R> {
         put(
             &mut text,
             &format!(
-                "    limits: Limits {{ period: {}, extra_delay: {}, newton_steps: {}, least_valve_open: {}, greatest_valve_open: {}, effort: {} }},\n}};",
+                "    limits: Limits {{ period: {}, extra_delay: {}, newton_steps: {}, \
+                 least_valve_open: {}, greatest_valve_open: {}, effort: {} }},\n}};",
                 l.period.digits(),
                 l.extra_delay.digits(),
                 l.newton_steps,
@@ -173,12 +223,20 @@ fn put(text: &mut String, line: &str) {
 
 fn axis<R: Number>(a: &Axis<R>) -> String {
     let [first, last, per_unit] = [a.first, a.last, a.per_unit].map(Number::digits);
-    format!("Axis {{ first: {first}, last: {last}, per_unit: {per_unit}, count: {} }}", a.count)
+    format!(
+        "Axis {{ first: {first}, last: {last}, per_unit: {per_unit}, count: {} }}",
+        a.count
+    )
 }
 
 fn nodes<R: Number, const N: usize>(text: &mut String, name: &str, nodes: &[[R; N]]) {
     // Writing to a string does not fail.
-    let _ = write!(text, "\nstatic {name}: [[{}; {N}]; {}] = [\n", R::RUST_TYPE, nodes.len());
+    let _ = write!(
+        text,
+        "\nstatic {name}: [[{}; {N}]; {}] = [\n",
+        R::RUST_TYPE,
+        nodes.len()
+    );
     for node in nodes {
         let list: Vec<String> = node.iter().map(|x| x.digits()).collect();
         let _ = writeln!(text, "    [{}],", list.join(", "));
@@ -188,5 +246,10 @@ fn nodes<R: Number, const N: usize>(text: &mut String, name: &str, nodes: &[[R; 
 
 fn cells(text: &mut String, name: &str, open: &[u8]) {
     let list: Vec<String> = open.iter().map(u8::to_string).collect();
-    let _ = write!(text, "\nstatic {name}: [u8; {}] = [{}];\n", open.len(), list.join(", "));
+    let _ = write!(
+        text,
+        "\nstatic {name}: [u8; {}] = [{}];\n",
+        open.len(),
+        list.join(", ")
+    );
 }

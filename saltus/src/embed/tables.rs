@@ -13,15 +13,19 @@ use super::numbers::Number;
 /// What tables are to hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
-    /// Least and greatest approach rate ω (rad/s), and how many nodes, ≥ 2; they count where `start_lean` says.
+    /// Least and greatest approach rate ω (rad/s), and how many nodes, ≥ 2; they count where
+    /// `start_lean` says.
     pub rates: (f64, f64, usize),
-    /// Least and greatest distance (m), and how many nodes; one distance with one node gives a curve over the approach rate.
+    /// Least and greatest distance (m), and how many nodes; one distance with one node gives a
+    /// curve over the approach rate.
     pub distances: (f64, f64, usize),
-    /// Firing angles α_f (rad) of the lift-off map; none: those that the table holds, and a tenth of a radian more.
+    /// Firing angles α_f (rad) of the lift-off map; none: those that the table holds, and a tenth
+    /// of a radian more.
     pub firing_angles: Option<(f64, f64)>,
     /// Nodes of the lift-off map over them, ≥ 2.
     pub angles: usize,
-    /// Height (m) of the wheel's centre above the foothold at the landing; none: the wheel's radius, where it touches.
+    /// Height (m) of the wheel's centre above the foothold at the landing; none: the wheel's
+    /// radius, where it touches.
     pub landing_height: Option<f64>,
     /// Valve opening time t_v (s).
     pub valve_open: f64,
@@ -105,7 +109,8 @@ pub enum EmbedError {
 fn remedy(least: Option<f64>) -> String {
     least.map_or(String::new(), |least| {
         format!(
-            "; the best cell misses by {least:.1e} m: allow more than that, or ask for more rates or a Newton step",
+            "; the best cell misses by {least:.1e} m: allow more than that, or ask for more rates \
+             or a Newton step",
         )
     })
 }
@@ -113,7 +118,8 @@ fn remedy(least: Option<f64>) -> String {
 /// How far answers from tables are from the planner's own jumps, over all open cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Misses {
-    /// Greatest distance (m) between where a jump lands that the table fires, and the distance asked for.
+    /// Greatest distance (m) between where a jump lands that the table fires, and the distance
+    /// asked for.
     pub table: f64,
     /// Greatest error (m) of a landing that the lift-off map predicts.
     pub map: f64,
@@ -175,13 +181,20 @@ impl<R: Number> Nodes<R> {
 const LOOKS: usize = 5;
 
 impl<R: Number> Tables<R> {
-    /// The tables of `request` for the planner's robot, each cell held against the planner's own jumps.
+    /// The tables of `request` for the planner's robot, each cell held against the planner's own
+    /// jumps.
     ///
     /// # Errors
-    /// [`EmbedError`] for numbers outside their domain, a robot with drag, or tables without an open cell.
+    /// [`EmbedError`] for numbers outside their domain, a robot with drag, or tables without an
+    /// open cell.
     pub fn new(planner: &Planner, request: &Request) -> Result<Tables<R>, EmbedError> {
         check(planner, request)?;
-        let Layout { start, rates, angles, firing } = Layout::new::<R>(planner, request)?;
+        let Layout {
+            start,
+            rates,
+            angles,
+            firing,
+        } = Layout::new::<R>(planner, request)?;
         let robot = planner.robot();
         let (nodes, open) = nodes_and_cells(rates, request.distances, &firing);
         let mut tables = Tables {
@@ -202,7 +215,11 @@ impl<R: Number> Tables<R> {
             hash: fingerprint(robot),
             has_valve: robot.leg.drive.has_valve(),
         };
-        let flown = Flown { planner, start, valve_open: request.valve_open };
+        let flown = Flown {
+            planner,
+            start,
+            valve_open: request.valve_open,
+        };
         tables.fill_map(&flown)?;
         tables.measure_map(&flown)?;
         tables.measure_table(&flown)?;
@@ -212,10 +229,19 @@ impl<R: Number> Tables<R> {
 
     /// That there is something to decide by.
     fn check_open(&self) -> Result<(), EmbedError> {
-        let tables =
-            [(self.nodes.name(), &self.open, self.least_closed), ("lift-off map", &self.map_open, None)];
-        match tables.into_iter().find(|(_, open, _)| open.iter().all(|cell| *cell == 0)) {
-            Some((what, _, least)) => Err(EmbedError::Empty { what, tolerance: self.tolerance, least }),
+        let tables = [
+            (self.nodes.name(), &self.open, self.least_closed),
+            ("lift-off map", &self.map_open, None),
+        ];
+        match tables
+            .into_iter()
+            .find(|(_, open, _)| open.iter().all(|cell| *cell == 0))
+        {
+            Some((what, _, least)) => Err(EmbedError::Empty {
+                what,
+                tolerance: self.tolerance,
+                least,
+            }),
             None => Ok(()),
         }
     }
@@ -224,13 +250,32 @@ impl<R: Number> Tables<R> {
     pub fn controller(&self) -> Controller<'_, R> {
         let (rates, open) = (self.rates, &self.open);
         let rule = match &self.nodes {
-            Nodes::Table(nodes) => Rule::Table(FiringTable { rates, distances: self.distances, nodes, open }),
-            Nodes::Curve(nodes) => {
-                Rule::Curve(FiringCurve { rates, distance: self.distances.first, nodes, open })
-            }
+            Nodes::Table(nodes) => Rule::Table(FiringTable {
+                rates,
+                distances: self.distances,
+                nodes,
+                open,
+            }),
+            Nodes::Curve(nodes) => Rule::Curve(FiringCurve {
+                rates,
+                distance: self.distances.first,
+                nodes,
+                open,
+            }),
         };
-        let map = LiftOffMap { rates, angles: self.angles, nodes: &self.map_nodes, open: &self.map_open };
-        Controller { rule, map, rates: self.counted, robot: self.robot, limits: self.limits }
+        let map = LiftOffMap {
+            rates,
+            angles: self.angles,
+            nodes: &self.map_nodes,
+            open: &self.map_open,
+        };
+        Controller {
+            rule,
+            map,
+            rates: self.counted,
+            robot: self.robot,
+            limits: self.limits,
+        }
     }
 
     /// How far they are from the planner.
@@ -252,7 +297,8 @@ impl<R: Number> Tables<R> {
             .map(|open| (open.iter().map(|cell| usize::from(*cell)).sum(), open.len()))
     }
 
-    /// CRC-32 (IEEE 802.3) over the bytes of the tables, least byte first: nodes and cells of the table, then of the map.
+    /// CRC-32 (IEEE 802.3) over the bytes of the tables, least byte first: nodes and cells of the
+    /// table, then of the map.
     pub fn crc(&self) -> u32 {
         let mut hasher = crc32fast::Hasher::new();
         let mut number = |x: &R| hasher.update(x.bytes().as_ref());
@@ -272,7 +318,9 @@ impl<R: Number> Tables<R> {
             for &angle in &angles {
                 let launch = flown.launch(rate, angle);
                 let jump = flown.planner.sensitive_jump(&stance, &launch)?;
-                let state = jump.flight.map(|f| [f.vacuum.x, f.vacuum.y, f.vacuum.vx, f.vacuum.vy]);
+                let state = jump
+                    .flight
+                    .map(|f| [f.vacuum.x, f.vacuum.y, f.vacuum.vx, f.vacuum.vy]);
                 found.push(state.map(|state| state.map(|x| flown.with_slopes(rate, &launch, x))));
             }
         }
@@ -330,7 +378,8 @@ impl<R: Number> Tables<R> {
         Ok(())
     }
 
-    /// How far (m) from `distance` the jump lands that the controller fires, Newton steps and all; infinite where it fires none.
+    /// How far (m) from `distance` the jump lands that the controller fires, Newton steps and all;
+    /// infinite where it fires none.
     fn fired(&self, flown: &Flown<'_>, rate: f64, distance: f64) -> Result<f64, EmbedError> {
         let height = self.robot.landing_height;
         let mut controller = self.controller();
@@ -342,7 +391,8 @@ impl<R: Number> Tables<R> {
         }
     }
 
-    /// Holds the landings that the map predicts against the planner's, and closes the cells that miss.
+    /// Holds the landings that the map predicts against the planner's, and closes the cells that
+    /// miss.
     fn measure_map(&mut self, flown: &Flown<'_>) -> Result<(), EmbedError> {
         let columns = self.angles.count - 1;
         for cell in 0..self.map_open.len() {
@@ -384,10 +434,17 @@ impl Request {
     }
 }
 
-/// The first 64 bits of the SHA-256 of the robot as a file, in hexadecimal digits: two robots with one fingerprint are one.
+/// The first 64 bits of the SHA-256 of the robot as a file, in hexadecimal digits: two robots with
+/// one fingerprint are one.
 pub fn fingerprint(robot: &saltus_robot::Robot) -> String {
     let digest = Sha256::digest(robot.to_toml());
-    format!("{:016x}", digest.iter().take(8).fold(0_u64, |bits, byte| bits << 8 | u64::from(*byte)))
+    format!(
+        "{:016x}",
+        digest
+            .iter()
+            .take(8)
+            .fold(0_u64, |bits, byte| bits << 8 | u64::from(*byte))
+    )
 }
 
 fn check(planner: &Planner, request: &Request) -> Result<(), EmbedError> {
@@ -397,21 +454,68 @@ fn check(planner: &Planner, request: &Request) -> Result<(), EmbedError> {
     }
     let upright = |x: f64| x.abs() < std::f64::consts::FRAC_PI_2;
     let (r, d) = (request.rates, request.distances);
-    let (v, w) = request.valve_range.unwrap_or((request.valve_open, request.valve_open));
+    let (v, w) = request
+        .valve_range
+        .unwrap_or((request.valve_open, request.valve_open));
     let (a, b) = request.firing_angles.unwrap_or((0.0, 0.1));
     let lean = request.start_lean.unwrap_or(0.0);
     let nodes = |n: usize, least: usize| (least..=1000).contains(&n);
     let several = "from 2 to 1000";
     let cases = [
-        ("least approach rate (rad/s)", r.0, (0.0..=1e3).contains(&r.0), "from 0 to 1000 rad/s"),
-        ("greatest approach rate (rad/s)", r.1, r.1 > r.0 && r.1 <= 1e3, "above the least, to 1000 rad/s"),
-        ("nodes over approach rates", r.2 as f64, nodes(r.2, 2), several),
-        ("least distance (m)", d.0, d.0.abs() <= 1e3, "from -1000 to 1000 m"),
-        ("greatest distance (m)", d.1, d.1 <= 1e3 && (d.1 > d.0) == (d.2 > 1), "above the least, to 1000 m"),
-        ("nodes over distances", d.2 as f64, nodes(d.2, 1), "from 1 to 1000"),
-        ("least firing angle (rad)", a, upright(a), "between -pi/2 and pi/2 rad"),
-        ("greatest firing angle (rad)", b, upright(b) && b > a, "above the least, below pi/2 rad"),
-        ("nodes over firing angles", request.angles as f64, nodes(request.angles, 2), several),
+        (
+            "least approach rate (rad/s)",
+            r.0,
+            (0.0..=1e3).contains(&r.0),
+            "from 0 to 1000 rad/s",
+        ),
+        (
+            "greatest approach rate (rad/s)",
+            r.1,
+            r.1 > r.0 && r.1 <= 1e3,
+            "above the least, to 1000 rad/s",
+        ),
+        (
+            "nodes over approach rates",
+            r.2 as f64,
+            nodes(r.2, 2),
+            several,
+        ),
+        (
+            "least distance (m)",
+            d.0,
+            d.0.abs() <= 1e3,
+            "from -1000 to 1000 m",
+        ),
+        (
+            "greatest distance (m)",
+            d.1,
+            d.1 <= 1e3 && (d.1 > d.0) == (d.2 > 1),
+            "above the least, to 1000 m",
+        ),
+        (
+            "nodes over distances",
+            d.2 as f64,
+            nodes(d.2, 1),
+            "from 1 to 1000",
+        ),
+        (
+            "least firing angle (rad)",
+            a,
+            upright(a),
+            "between -pi/2 and pi/2 rad",
+        ),
+        (
+            "greatest firing angle (rad)",
+            b,
+            upright(b) && b > a,
+            "above the least, below pi/2 rad",
+        ),
+        (
+            "nodes over firing angles",
+            request.angles as f64,
+            nodes(request.angles, 2),
+            several,
+        ),
         (
             "landing height (m)",
             request.landing_height(planner),
@@ -436,15 +540,30 @@ fn check(planner: &Planner, request: &Request) -> Result<(), EmbedError> {
             w >= request.valve_open && w <= 1e3,
             "from the valve opening time to 1000 s",
         ),
-        ("start lean (rad)", lean, upright(lean), "between -pi/2 and pi/2 rad"),
+        (
+            "start lean (rad)",
+            lean,
+            upright(lean),
+            "between -pi/2 and pi/2 rad",
+        ),
         (
             "control period (s)",
             request.period,
             request.period > 0.0 && request.period <= 1.0,
             "above 0, to 1 s",
         ),
-        ("extra delay (s)", request.extra_delay, request.extra_delay.abs() <= 1.0, "from -1 to 1 s"),
-        ("Newton steps", f64::from(request.newton_steps), request.newton_steps <= 3, "from 0 to 3"),
+        (
+            "extra delay (s)",
+            request.extra_delay,
+            request.extra_delay.abs() <= 1.0,
+            "from -1 to 1 s",
+        ),
+        (
+            "Newton steps",
+            f64::from(request.newton_steps),
+            request.newton_steps <= 3,
+            "from 0 to 3",
+        ),
         (
             "effort (m^2/s^2)",
             request.effort,
@@ -457,10 +576,19 @@ fn check(planner: &Planner, request: &Request) -> Result<(), EmbedError> {
             request.tolerance > 0.0 && request.tolerance <= 1e3,
             "above 0, to 1000 m",
         ),
-        ("threads", request.threads as f64, request.threads > 0, "at least 1"),
+        (
+            "threads",
+            request.threads as f64,
+            request.threads > 0,
+            "at least 1",
+        ),
     ];
     match cases.into_iter().find(|(_, _, holds, _)| !holds) {
-        Some((name, value, _, allowed)) => Err(EmbedError::Input { name, value, allowed }),
+        Some((name, value, _, allowed)) => Err(EmbedError::Input {
+            name,
+            value,
+            allowed,
+        }),
         None => Ok(()),
     }
 }
@@ -472,7 +600,9 @@ fn axis<R: Number>((first, last, count): (f64, f64, usize)) -> Axis<R> {
 /// The nodes as the controller has them, after rounding.
 fn nodes_of<R: Number>(axis: &Axis<R>) -> Vec<f64> {
     let (first, last) = (axis.first.wide(), axis.last.wide());
-    (0..axis.count).map(|i| first + (last - first) * i as f64 / (axis.count - 1) as f64).collect()
+    (0..axis.count)
+        .map(|i| first + (last - first) * i as f64 / (axis.count - 1) as f64)
+        .collect()
 }
 
 /// A place `part` of the way through cell `cell`, rounded as the controller's numbers are.
@@ -493,14 +623,17 @@ fn part(k: usize) -> f64 {
 
 /// For each cell of `rows` × `columns` nodes: 1 if all its corners are known.
 fn cells(rows: usize, columns: usize, known: impl Fn(usize, usize) -> bool) -> Vec<u8> {
-    let cell = |i: usize, j: usize| known(i, j) && known(i + 1, j) && known(i, j + 1) && known(i + 1, j + 1);
+    let cell = |i: usize, j: usize| {
+        known(i, j) && known(i + 1, j) && known(i, j + 1) && known(i + 1, j + 1)
+    };
     (0..rows - 1)
         .flat_map(|i| (0..columns.saturating_sub(1)).map(move |j| (i, j)))
         .map(|(i, j)| u8::from(cell(i, j)))
         .collect()
 }
 
-/// Derivative at node `i` of `count` by nodes: central where both neighbours are known, else to the one that is.
+/// Derivative at node `i` of `count` by nodes: central where both neighbours are known, else to the
+/// one that is.
 fn difference(i: usize, count: usize, f: impl Fn(usize) -> Option<f64>) -> f64 {
     let before = i.checked_sub(1).and_then(&f);
     let after = (i + 1 < count).then(|| f(i + 1)).flatten();
@@ -513,7 +646,9 @@ fn difference(i: usize, count: usize, f: impl Fn(usize) -> Option<f64>) -> f64 {
 
 pub(super) fn spread((first, last, count): (f64, f64, usize)) -> Vec<f64> {
     let last_index = count.saturating_sub(1).max(1) as f64;
-    (0..count).map(|i| first + (last - first) * i as f64 / last_index).collect()
+    (0..count)
+        .map(|i| first + (last - first) * i as f64 / last_index)
+        .collect()
 }
 
 /// The nodes of the rule, and its open cells.
@@ -526,37 +661,64 @@ fn nodes_and_cells<R: Number>(
     let at = |i: usize, j: usize| firing[i * columns + j];
     let value = |i: usize, j: usize| at(i, j).map(|f| f[0]);
     // Slopes times spacing, limited along either axis.
-    let by_rate = |i: usize, j: usize| at(i, j).map(|f| limited(f[1] * dr, i, rows, |i| value(i, j)));
+    let by_rate =
+        |i: usize, j: usize| at(i, j).map(|f| limited(f[1] * dr, i, rows, |i| value(i, j)));
     if columns < 2 {
         let node = |i| [value(i, 0), by_rate(i, 0)].map(|x| R::of(x.unwrap_or(0.0)));
         let open = (0..rows - 1).map(|i| u8::from(at(i, 0).is_some() && at(i + 1, 0).is_some()));
         return (Nodes::Curve((0..rows).map(node).collect()), open.collect());
     }
     let dd = (d1 - d0) / (columns - 1) as f64;
-    let by_distance = |i: usize, j: usize| at(i, j).map(|f| limited(f[2] * dd, j, columns, |j| value(i, j)));
+    let by_distance =
+        |i: usize, j: usize| at(i, j).map(|f| limited(f[2] * dd, j, columns, |j| value(i, j)));
     let node = |i: usize, j: usize| {
-        let Some([angle, ..]) = at(i, j) else { return [R::ZERO; 4] };
+        let Some([angle, ..]) = at(i, j) else {
+            return [R::ZERO; 4];
+        };
         // The mixed derivative from both sides.
-        let mixed =
-            0.5 * (difference(i, rows, |i| by_distance(i, j)) + difference(j, columns, |j| by_rate(i, j)));
-        [angle, by_rate(i, j).unwrap_or(0.0), by_distance(i, j).unwrap_or(0.0), mixed].map(R::of)
+        let mixed = 0.5
+            * (difference(i, rows, |i| by_distance(i, j))
+                + difference(j, columns, |j| by_rate(i, j)));
+        [
+            angle,
+            by_rate(i, j).unwrap_or(0.0),
+            by_distance(i, j).unwrap_or(0.0),
+            mixed,
+        ]
+        .map(R::of)
     };
-    let nodes = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|(i, j)| node(i, j)).collect();
-    (Nodes::Table(nodes), cells(rows, columns, |i, j| at(i, j).is_some()))
+    let nodes = (0..rows)
+        .flat_map(|i| (0..columns).map(move |j| (i, j)))
+        .map(|(i, j)| node(i, j))
+        .collect();
+    (
+        Nodes::Table(nodes),
+        cells(rows, columns, |i, j| at(i, j).is_some()),
+    )
 }
 
-/// A slope at node `i` made so that the cubics on both its sides are monotone wherever the nodes are: of the nodes' sign and at most three times
-/// the lesser of the neighbouring secants; 0 where these differ in sign.
+/// A slope at node `i` made so that the cubics on both its sides are monotone wherever the nodes
+/// are: of the nodes' sign and at most three times the lesser of the neighbouring secants; 0 where
+/// these differ in sign.
 ///
 /// Source: Fritsch and Carlson 1980, the square [0, 3]² of their region of monotonicity.
 fn limited(slope: f64, i: usize, count: usize, value: impl Fn(usize) -> Option<f64>) -> f64 {
     let here = value(i);
     let secant = |from: Option<f64>, to: Option<f64>| Some(to? - from?);
     let before = i.checked_sub(1).and_then(|k| secant(value(k), here));
-    let after = (i + 1 < count).then(|| secant(here, value(i + 1))).flatten();
-    [before, after].into_iter().flatten().fold(slope, |slope, secant| {
-        if slope * secant <= 0.0 { 0.0 } else { slope.signum() * slope.abs().min(3.0 * secant.abs()) }
-    })
+    let after = (i + 1 < count)
+        .then(|| secant(here, value(i + 1)))
+        .flatten();
+    [before, after]
+        .into_iter()
+        .flatten()
+        .fold(slope, |slope, secant| {
+            if slope * secant <= 0.0 {
+                0.0
+            } else {
+                slope.signum() * slope.abs().min(3.0 * secant.abs())
+            }
+        })
 }
 
 fn constants<R: Number>(planner: &Planner, request: &Request) -> Robot<R> {
@@ -574,7 +736,9 @@ fn constants<R: Number>(planner: &Planner, request: &Request) -> Robot<R> {
 }
 
 fn limits<R: Number>(request: &Request) -> Limits<R> {
-    let (least, greatest) = request.valve_range.unwrap_or((request.valve_open, request.valve_open));
+    let (least, greatest) = request
+        .valve_range
+        .unwrap_or((request.valve_open, request.valve_open));
     Limits {
         period: R::of(request.period),
         extra_delay: R::of(request.extra_delay),

@@ -1,7 +1,9 @@
 //! Inputs and answers that written code tests itself with.
 
 use saltus_controller::qp::{self, HalfPlane};
-use saltus_controller::{Approach, Axis, Decision, NoTakeOff, Obstacle, Reason, Sensed, TakeOff, Task};
+use saltus_controller::{
+    Approach, Axis, Decision, NoTakeOff, Obstacle, Reason, Sensed, TakeOff, Task,
+};
 
 use super::numbers::Number;
 use super::tables::{Nodes, Tables};
@@ -35,7 +37,8 @@ pub(super) struct Solved<R> {
 
 /// Numbers from 0 to 1, the same each time.
 ///
-/// Source: L'Ecuyer, Tables of linear congruential generators, Math. Comp. 68 (1999); the modulus is 2³².
+/// Source: L'Ecuyer, Tables of linear congruential generators, Math. Comp. 68 (1999); the modulus
+/// is 2³².
 struct Draw(u32);
 
 impl Draw {
@@ -57,13 +60,20 @@ impl Draw {
 }
 
 impl<R: Number> Tables<R> {
-    /// `count` firing angles for the landing height of the tables: over the rates and distances and a little beyond.
+    /// `count` firing angles for the landing height of the tables: over the rates and distances and
+    /// a little beyond.
     pub(super) fn firing_angles(&self, count: usize) -> Vec<Looked<R>> {
         let mut draw = Draw(4);
-        let rates = Axis { first: self.counted.least, last: self.counted.greatest, ..self.rates };
+        let rates = Axis {
+            first: self.counted.least,
+            last: self.counted.greatest,
+            ..self.rates
+        };
         let look = |_| {
             let given = [R::of(draw.along(&rates)), R::of(self.distance(&mut draw))];
-            let answer = self.controller().firing_angle(given[0], given[1], self.robot.landing_height);
+            let answer =
+                self.controller()
+                    .firing_angle(given[0], given[1], self.robot.landing_height);
             Looked { given, answer }
         };
         (0..count).map(look).collect()
@@ -84,7 +94,10 @@ impl<R: Number> Tables<R> {
             let lean = draw.between(start, start + 0.3);
             let distance = self.distance(&mut draw);
             let radius = self.robot.radius.wide();
-            let (front, length) = (draw.between(1.0, 1.5) * radius, draw.between(0.1, 0.8) * radius);
+            let (front, length) = (
+                draw.between(1.0, 1.5) * radius,
+                draw.between(0.1, 0.8) * radius,
+            );
             let height = draw.between(0.0, 0.6) * radius;
             let obstacle = Obstacle {
                 front: R::of(front),
@@ -92,7 +105,10 @@ impl<R: Number> Tables<R> {
                 height: R::of(height),
                 clearance: R::of(0.01),
             };
-            let sensed = Sensed { lean: R::of(lean), rate: R::of(draw.along(&self.rates)) };
+            let sensed = Sensed {
+                lean: R::of(lean),
+                rate: R::of(draw.along(&self.rates)),
+            };
             let task = Task {
                 distance: R::of(distance),
                 landing_height: self.robot.landing_height,
@@ -100,7 +116,11 @@ impl<R: Number> Tables<R> {
                 guess: None,
             };
             let answer = self.controller().decide(&sensed, &task);
-            Decided { sensed, task, answer }
+            Decided {
+                sensed,
+                task,
+                answer,
+            }
         };
         (0..count).map(decide).collect()
     }
@@ -109,7 +129,11 @@ impl<R: Number> Tables<R> {
     pub(super) fn take_offs(&self, count: usize) -> Vec<Chosen<R>> {
         let mut draw = Draw(2);
         let radius = self.robot.radius.wide();
-        let rates = Axis { first: self.counted.least, last: self.counted.greatest, ..self.rates };
+        let rates = Axis {
+            first: self.counted.least,
+            last: self.counted.greatest,
+            ..self.rates
+        };
         let choose = |_| {
             let approach = Approach {
                 distance: R::of(draw.between(0.5, 5.0) * radius),
@@ -118,7 +142,10 @@ impl<R: Number> Tables<R> {
                 speed: R::of(draw.along(&rates) * radius),
                 clearance: R::of(0.01),
             };
-            Chosen { approach, answer: self.controller().take_off(&approach) }
+            Chosen {
+                approach,
+                answer: self.controller().take_off(&approach),
+            }
         };
         (0..count).map(choose).collect()
     }
@@ -135,7 +162,12 @@ impl<R: Number> Tables<R> {
                 normal: [signed(), signed()],
                 bound: signed() * R::of(0.3),
             });
-            Solved { h, g, constraints, answer: qp::two(h, g, &constraints) }
+            Solved {
+                h,
+                g,
+                constraints,
+                answer: qp::two(h, g, &constraints),
+            }
         };
         (0..count).map(solve).collect()
     }

@@ -21,7 +21,14 @@ pub(super) struct Tally {
 
 impl Tally {
     pub(super) fn new(channel: &'static Channel) -> Tally {
-        Tally { channel, values: 0, missing: 0, first: f64::NAN, changes: false, largest: 0.0 }
+        Tally {
+            channel,
+            values: 0,
+            missing: 0,
+            first: f64::NAN,
+            changes: false,
+            largest: 0.0,
+        }
     }
 
     /// Takes in a cell.
@@ -39,20 +46,35 @@ impl Tally {
     }
 
     /// What is odd about the column; messages call the file `file` and the run `name`.
-    pub(super) fn judge(&self, file: &str, name: &str, spec: &Spec) -> Result<Option<String>, Error> {
+    pub(super) fn judge(
+        &self,
+        file: &str,
+        name: &str,
+        spec: &Spec,
+    ) -> Result<Option<String>, Error> {
         let rows = self.values + self.missing;
         let column = self.channel.name;
-        let all =
-            if self.missing == 0 { format!("all {rows}") } else { format!("all {} filled", self.values) };
+        let all = if self.missing == 0 {
+            format!("all {rows}")
+        } else {
+            format!("all {} filled", self.values)
+        };
         if self.values == 0 && self.channel.optional {
             return Ok(None);
         }
         if self.values == 0 {
-            return Err(Error::signal(file, column, format!("is empty in all {rows} rows")));
+            return Err(Error::signal(
+                file,
+                column,
+                format!("is empty in all {rows} rows"),
+            ));
         }
         if !spec.may_lack(self.missing, rows) {
             let most = if spec.any_of { "nine tenths" } else { "half" };
-            let symptom = format!("is empty in {} of {rows} rows: at most {most} may be", self.missing);
+            let symptom = format!(
+                "is empty in {} of {rows} rows: at most {most} may be",
+                self.missing
+            );
             return Err(Error::signal(file, column, symptom));
         }
         match self.channel.still {
@@ -60,9 +82,10 @@ impl Tally {
                 let symptom = format!("is {} in {all} rows: the sensor seems dead", self.first);
                 Err(Error::signal(file, column, symptom))
             }
-            Still::Dead | Still::Odd if !self.changes => {
-                Ok(Some(format!("{name}: {column} is {} in {all} rows", self.first)))
-            }
+            Still::Dead | Still::Odd if !self.changes => Ok(Some(format!(
+                "{name}: {column} is {} in {all} rows",
+                self.first
+            ))),
             _ => Ok(None),
         }
     }

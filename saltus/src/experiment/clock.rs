@@ -42,9 +42,17 @@ impl Clock {
         self.span.map_or(Instant::of_row(0), |(first, _)| first)
     }
 
-    /// Refuses a run that is too long to be one, from its first row or from the `command` of its valve.
-    pub(super) fn judge(&self, file: &str, spec: &Spec, command: Option<Instant>) -> Result<(), Error> {
-        let span = self.span.map(|(from, to)| (command.map_or(from, |command| command.min(from)), to));
+    /// Refuses a run that is too long to be one, from its first row or from the `command` of its
+    /// valve.
+    pub(super) fn judge(
+        &self,
+        file: &str,
+        spec: &Spec,
+        command: Option<Instant>,
+    ) -> Result<(), Error> {
+        let span = self
+            .span
+            .map(|(from, to)| (command.map_or(from, |command| command.min(from)), to));
         match span {
             Some((from, to)) if to.since(from) > spec.longest => {
                 let symptom = format!(
@@ -61,14 +69,19 @@ impl Clock {
     pub(super) fn gap(&self, name: &str, kept: &Thinned) -> Option<String> {
         let (longest, line) = self.longest?;
         let longest = longest as f64 * 1e-12;
-        let mut steps: Vec<f64> = kept.time.windows(2).map(|pair| pair[1].since(pair[0])).collect();
+        let mut steps: Vec<f64> = kept
+            .time
+            .windows(2)
+            .map(|pair| pair[1].since(pair[0]))
+            .collect();
         steps.sort_by(f64::total_cmp);
         // What is kept of a long run has wider steps than the run.
         let usual = steps.get(steps.len() / 2)? * kept.time.len() as f64 / kept.seen as f64;
         let wide = longest > GAP * usual;
         wide.then(|| {
             format!(
-                "{name}:{line}: {longest:.2e} s after the row before, where the usual step is {usual:.2e} s"
+                "{name}:{line}: {longest:.2e} s after the row before, where the usual step is \
+                 {usual:.2e} s"
             )
         })
     }
@@ -97,7 +110,11 @@ pub(super) fn disorder(
         Some(Order::Restarted) => "; the clock starts again: a file must be one run",
         None => "",
     };
-    Error::signal(place, "time_s", format!("= {time} follows {last}: it must increase{cause}"))
+    Error::signal(
+        place,
+        "time_s",
+        format!("= {time} follows {last}: it must increase{cause}"),
+    )
 }
 
 /// What is wrong with the order of times.
@@ -111,14 +128,18 @@ enum Order {
     Restarted,
 }
 
-/// What is wrong with the order of the times in a `column` of the file at `path`, in units of 10^`power` s; none where it is not as simple.
+/// What is wrong with the order of the times in a `column` of the file at `path`, in units of
+/// 10^`power` s; none where it is not as simple.
 fn again(path: &Path, column: usize, power: i32) -> Option<Order> {
     let mut lines = Lines::open(path).ok()?;
     lines.next().ok()?;
     let mut times: Vec<Instant> = Vec::new();
     while let Some((_, line)) = lines.next().ok()? {
         let cell = line.split(|byte| *byte == b',').nth(column)?;
-        times.push(Instant::parse(bare(std::str::from_utf8(cell).ok()?), power)?);
+        times.push(Instant::parse(
+            bare(std::str::from_utf8(cell).ok()?),
+            power,
+        )?);
         if times.len() > MOST_AGAIN {
             return None;
         }
@@ -134,7 +155,10 @@ fn order<T: Ord + Copy>(mut times: Vec<T>) -> Option<Order> {
         return Some(Order::Shuffled);
     }
     times.swap(fall - 1, fall);
-    if [fall - 1, fall].iter().any(|&wrong| increase(&times[..wrong], &times[wrong + 1..])) {
+    if [fall - 1, fall]
+        .iter()
+        .any(|&wrong| increase(&times[..wrong], &times[wrong + 1..]))
+    {
         return Some(Order::Single);
     }
     times.sort_unstable();

@@ -60,7 +60,8 @@ pub enum Error {
     },
     /// Folders or runs that are not of one experiment.
     #[error(
-        "{place}: {what} = {value} differs from {other} of {of}: only what was done alike goes into one experiment"
+        "{place}: {what} = {value} differs from {other} of {of}: only what was done alike goes \
+         into one experiment"
     )]
     Differs {
         /// File or folder.
@@ -102,25 +103,52 @@ pub enum Error {
 
 impl Error {
     pub(super) fn content(place: impl Into<String>, reason: impl Into<String>) -> Error {
-        Error::Content { place: place.into(), reason: reason.into() }
+        Error::Content {
+            place: place.into(),
+            reason: reason.into(),
+        }
     }
 
-    pub(super) fn value(place: String, name: &str, value: &str, allowed: impl Into<String>) -> Error {
-        Error::Value { place, name: name.into(), value: cut(value), allowed: allowed.into() }
+    pub(super) fn value(
+        place: String,
+        name: &str,
+        value: &str,
+        allowed: impl Into<String>,
+    ) -> Error {
+        Error::Value {
+            place,
+            name: name.into(),
+            value: cut(value),
+            allowed: allowed.into(),
+        }
     }
 
     pub(super) fn missing(place: String, what: &'static str, name: impl Into<String>) -> Error {
-        Error::Missing { place, what, name: name.into() }
+        Error::Missing {
+            place,
+            what,
+            name: name.into(),
+        }
     }
 
-    pub(super) fn signal(place: impl Into<String>, name: &str, symptom: impl Into<String>) -> Error {
-        Error::Signal { place: place.into(), name: name.into(), symptom: symptom.into() }
+    pub(super) fn signal(
+        place: impl Into<String>,
+        name: &str,
+        symptom: impl Into<String>,
+    ) -> Error {
+        Error::Signal {
+            place: place.into(),
+            name: name.into(),
+            symptom: symptom.into(),
+        }
     }
 
     /// `name` among no `known`.
     pub(super) fn unknown(place: String, what: &'static str, name: &str, known: &[&str]) -> Error {
         let start: String = name.chars().take(64).collect();
-        let nearest = known.iter().min_by_key(|known| strsim::levenshtein(known, &start));
+        let nearest = known
+            .iter()
+            .min_by_key(|known| strsim::levenshtein(known, &start));
         Error::Unknown {
             place,
             what,
@@ -130,18 +158,28 @@ impl Error {
     }
 
     pub(super) fn read(path: &Path, source: std::io::Error) -> Error {
-        Error::Read { place: shown(path), source }
+        Error::Read {
+            place: shown(path),
+            source,
+        }
     }
 
     pub(super) fn write(path: &Path, source: std::io::Error) -> Error {
-        Error::Write { place: shown(path), source }
+        Error::Write {
+            place: shown(path),
+            source,
+        }
     }
 }
 
 /// `text` on one line, cut after 40 characters: a value as messages quote it.
 pub(super) fn cut(text: &str) -> String {
     let line = one_line(&text.chars().take(40).collect::<String>());
-    if text.chars().nth(40).is_some() { format!("{line}…") } else { line }
+    if text.chars().nth(40).is_some() {
+        format!("{line}…")
+    } else {
+        line
+    }
 }
 
 /// A path as messages name it.
@@ -151,5 +189,7 @@ pub(super) fn shown(path: &Path) -> String {
 
 /// `text` with a mark for each character that would break the line.
 pub(super) fn one_line(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { '␀' } else { c }).collect()
+    text.chars()
+        .map(|c| if c.is_control() { '␀' } else { c })
+        .collect()
 }

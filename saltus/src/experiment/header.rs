@@ -32,13 +32,23 @@ impl Header {
         };
         for (i, name) in names.iter().enumerate() {
             if name.is_empty() {
-                return Err(Error::content(place, format!("column {} has no name", i + 1)));
+                return Err(Error::content(
+                    place,
+                    format!("column {} has no name", i + 1),
+                ));
             }
             if header.take(i, name, spec) {
-                return Err(Error::content(place, format!("column {name} is there twice")));
+                return Err(Error::content(
+                    place,
+                    format!("column {name} is there twice"),
+                ));
             }
         }
-        let order = |own: &Channel| spec.channels.iter().position(|known| known.name == own.name);
+        let order = |own: &Channel| {
+            spec.channels
+                .iter()
+                .position(|known| known.name == own.name)
+        };
         header.channels.sort_by_key(|(_, own, _)| order(own));
         for name in &header.strange {
             header.is_skipped(name, line, place, spec)?;
@@ -52,7 +62,10 @@ impl Header {
             Some(Meaning::Time(power)) => self.time.replace((i, power)).is_some(),
             Some(Meaning::Valve) => self.valve.replace(i).is_some(),
             Some(Meaning::Channel(own, unit)) => {
-                let is_there = self.channels.iter().any(|(_, other, _)| other.name == own.name);
+                let is_there = self
+                    .channels
+                    .iter()
+                    .any(|(_, other, _)| other.name == own.name);
                 self.channels.push((i, own, unit));
                 is_there
             }
@@ -67,16 +80,25 @@ impl Header {
     fn is_skipped(&self, name: &str, line: &[u8], place: &str, spec: &Spec) -> Result<(), Error> {
         for (separator, words) in [(b';', "semicolons"), (b'\t', "tabs")] {
             if line.contains(&separator) && !line.contains(&b',') {
-                let reason = format!("cells are separated by {words}: must be commas, and points in numbers");
+                let reason = format!(
+                    "cells are separated by {words}: must be commas, and points in numbers"
+                );
                 return Err(Error::content(place, reason));
             }
         }
         if name.parse::<f64>().is_ok() {
             let wanted = spec.columns().join(",");
-            let reason = format!("{} stands where the first line must name columns of {wanted}", cut(name));
+            let reason = format!(
+                "{} stands where the first line must name columns of {wanted}",
+                cut(name)
+            );
             return Err(Error::content(place, reason));
         }
-        let absent: Vec<&str> = spec.columns().into_iter().filter(|known| !self.has(known)).collect();
+        let absent: Vec<&str> = spec
+            .columns()
+            .into_iter()
+            .filter(|known| !self.has(known))
+            .collect();
         if absent.iter().any(|known| resembles(name, known)) {
             return Err(Error::unknown(place.into(), "column", name, &absent));
         }
@@ -94,12 +116,18 @@ impl Header {
 
     fn complete(self, place: &str, spec: &Spec) -> Result<Header, Error> {
         let optional = |name: &str| spec.channel(name).is_some_and(|own| own.optional);
-        let mut absent = spec.columns().into_iter().filter(|name| !self.has(name) && !optional(name));
+        let mut absent = spec
+            .columns()
+            .into_iter()
+            .filter(|name| !self.has(name) && !optional(name));
         let missing = match absent.next() {
             Some(name) => name.to_owned(),
-            None if self.channels.is_empty() => {
-                spec.channels.iter().map(|own| own.name).collect::<Vec<_>>().join(" or ")
-            }
+            None if self.channels.is_empty() => spec
+                .channels
+                .iter()
+                .map(|own| own.name)
+                .collect::<Vec<_>>()
+                .join(" or "),
             None => return Ok(self),
         };
         let strange = match &self.strange[..] {
@@ -110,13 +138,18 @@ impl Header {
     }
 }
 
-/// Whether `name` is probably a slip for the column `known`: a letter or two, capitals, or a unit that is not known.
+/// Whether `name` is probably a slip for the column `known`: a letter or two, capitals, or a unit
+/// that is not known.
 fn resembles(name: &str, known: &str) -> bool {
-    let (name, stem) = (name.to_lowercase(), known.rsplit_once('_').map_or(known, |(stem, _)| stem));
+    let (name, stem) = (
+        name.to_lowercase(),
+        known.rsplit_once('_').map_or(known, |(stem, _)| stem),
+    );
     // Short names are near to anything.
     let is_long = stem.len() > 3;
-    let other_unit =
-        name.strip_prefix(stem).is_some_and(|rest| rest.is_empty() || rest.starts_with(['_', ' ', '(']));
+    let other_unit = name
+        .strip_prefix(stem)
+        .is_some_and(|rest| rest.is_empty() || rest.starts_with(['_', ' ', '(']));
     name == known || (is_long && (other_unit || strsim::levenshtein(&name, known) <= 2))
 }
 
@@ -135,5 +168,7 @@ fn names<'a>(line: &'a [u8], place: &str) -> Result<Vec<&'a str>, Error> {
 /// A cell without blanks and quotes around it.
 pub(super) fn bare(cell: &str) -> &str {
     let cell = cell.trim();
-    cell.strip_prefix('"').and_then(|cell| cell.strip_suffix('"')).map_or(cell, str::trim)
+    cell.strip_prefix('"')
+        .and_then(|cell| cell.strip_suffix('"'))
+        .map_or(cell, str::trim)
 }

@@ -8,8 +8,8 @@ use super::lines::Hash;
 use super::spec::Spec;
 use super::{Experiment, Folder, read};
 
-/// Reads several folders of one kind, with the same columns and the same robot, as one experiment; each run's name then begins with its
-/// folder's.
+/// Reads several folders of one kind, with the same columns and the same robot, as one experiment;
+/// each run's name then begins with its folder's.
 ///
 /// `progress` is called now and then with the number of rows read since.
 ///
@@ -41,10 +41,14 @@ pub fn read_all(folders: &[PathBuf], progress: &dyn Fn(usize)) -> Result<Folder,
 /// Refuses a folder that is given twice.
 fn once(folders: &[PathBuf]) -> Result<(), Error> {
     let mut seen = BTreeSet::new();
-    let again =
-        folders.iter().find(|path| !seen.insert(path.canonicalize().unwrap_or_else(|_| (*path).clone())));
+    let again = folders
+        .iter()
+        .find(|path| !seen.insert(path.canonicalize().unwrap_or_else(|_| (*path).clone())));
     again.map_or(Ok(()), |path| {
-        Err(Error::Duplicate { place: shown(path), reason: "the folder is given twice".into() })
+        Err(Error::Duplicate {
+            place: shown(path),
+            reason: "the folder is given twice".into(),
+        })
     })
 }
 
@@ -52,11 +56,17 @@ fn once(folders: &[PathBuf]) -> Result<(), Error> {
 fn names(folders: &[PathBuf]) -> Vec<String> {
     let last = |path: &Path| {
         let whole = path.canonicalize().unwrap_or_else(|_| path.into());
-        whole.file_name().map_or_else(|| shown(path), |name| shown(name.as_ref()))
+        whole
+            .file_name()
+            .map_or_else(|| shown(path), |name| shown(name.as_ref()))
     };
     let short: Vec<String> = folders.iter().map(|path| last(path)).collect();
     let distinct = short.iter().collect::<BTreeSet<_>>().len() == short.len();
-    if distinct { short } else { folders.iter().map(|path| shown(path)).collect() }
+    if distinct {
+        short
+    } else {
+        folders.iter().map(|path| shown(path)).collect()
+    }
 }
 
 fn prefix(folder: &mut Folder, name: &str) {
@@ -76,18 +86,20 @@ fn append(joined: &mut Folder, folder: Folder) -> Result<(), Error> {
     distinct(&mut joined.hashes, &folder)?;
     let columns = joined.experiment.columns.clone();
     let (to, from) = (&mut joined.experiment, folder.experiment);
-    for (what, to, from) in
-        [("noise", &mut to.noise, from.noise), ("resolution", &mut to.resolution, from.resolution)]
-    {
+    for (what, to, from) in [
+        ("noise", &mut to.noise, from.noise),
+        ("resolution", &mut to.resolution, from.resolution),
+    ] {
         for ((column, to), from) in columns.iter().zip(to).zip(from) {
             if *to != from {
-                // A fit that trusts a column too little loses less than one that trusts it too much.
+                // A fit that trusts a column too little loses less than one that trusts it too
+                // much.
                 *to = to.iter().copied().chain(from).reduce(f64::max);
                 let size = to.unwrap_or(f64::NAN);
                 let place = shown(&folder.path);
-                joined
-                    .notes
-                    .push(format!("{place}: its {what} of {column} is another: {size} is taken for all"));
+                joined.notes.push(format!(
+                    "{place}: its {what} of {column} is another: {size} is taken for all"
+                ));
             }
         }
     }
@@ -99,25 +111,51 @@ fn append(joined: &mut Folder, folder: Folder) -> Result<(), Error> {
 
 /// Refuses a folder of another experiment.
 fn alike(joined: &Folder, folder: &Folder) -> Result<(), Error> {
-    let id = |experiment: &Experiment| Spec::of(experiment.kind).map_or("", |spec| spec.id).to_owned();
+    let id = |experiment: &Experiment| {
+        Spec::of(experiment.kind)
+            .map_or("", |spec| spec.id)
+            .to_owned()
+    };
     let robot = |folder: &Folder| folder.robot.clone().unwrap_or_else(|| "none".into());
     let columns = |folder: &Folder| folder.experiment.columns.join(" ");
     let (a, b) = (joined, folder);
     let differing = [
-        ("kind", id(&b.experiment), id(&a.experiment), a.experiment.kind != b.experiment.kind),
+        (
+            "kind",
+            id(&b.experiment),
+            id(&a.experiment),
+            a.experiment.kind != b.experiment.kind,
+        ),
         ("robot", robot(b), robot(a), robot_file(a) != robot_file(b)),
-        ("columns", columns(b), columns(a), a.experiment.columns != b.experiment.columns),
+        (
+            "columns",
+            columns(b),
+            columns(a),
+            a.experiment.columns != b.experiment.columns,
+        ),
     ];
     let first = differing.into_iter().find(|(.., differs)| *differs);
     first.map_or(Ok(()), |(what, value, other, _)| {
-        Err(Error::Differs { place: shown(&b.path), what, value, other, of: shown(&a.path) })
+        Err(Error::Differs {
+            place: shown(&b.path),
+            what,
+            value,
+            other,
+            of: shown(&a.path),
+        })
     })
 }
 
 /// What a folder's robot means: a file seen from the folder, or a name.
 fn robot_file(folder: &Folder) -> Option<PathBuf> {
     let robot = folder.robot.as_ref()?;
-    Some(folder.path.join(robot).canonicalize().unwrap_or_else(|_| robot.into()))
+    Some(
+        folder
+            .path
+            .join(robot)
+            .canonicalize()
+            .unwrap_or_else(|_| robot.into()),
+    )
 }
 
 /// Refuses runs that are there already.
@@ -125,7 +163,10 @@ fn distinct(hashes: &mut BTreeMap<Hash, String>, folder: &Folder) -> Result<(), 
     for (hash, name) in &folder.hashes {
         if let Some(other) = hashes.insert(*hash, name.clone()) {
             let reason = format!("{name} has the same contents as {other}");
-            return Err(Error::Duplicate { place: shown(&folder.path), reason });
+            return Err(Error::Duplicate {
+                place: shown(&folder.path),
+                reason,
+            });
         }
     }
     Ok(())

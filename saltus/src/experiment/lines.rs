@@ -11,8 +11,8 @@ const LONGEST: usize = 1 << 16;
 
 /// Lines of a file.
 ///
-/// A row is a line here, which is less than CSV allows and all that numbers need: no open quote swallows the rest of a file, and
-/// lines are counted as an editor counts them.
+/// A row is a line here, which is less than CSV allows and all that numbers need: no open quote
+/// swallows the rest of a file, and lines are counted as an editor counts them.
 #[derive(Debug)]
 pub(super) struct Lines {
     source: BufReader<File>,
@@ -30,7 +30,12 @@ impl Lines {
             return Err(Error::content(shown(path), "is not a file"));
         }
         let source = BufReader::with_capacity(1 << 16, file);
-        Ok(Lines { source, file: shown(path), number: 0, buffer: Vec::new() })
+        Ok(Lines {
+            source,
+            file: shown(path),
+            number: 0,
+            buffer: Vec::new(),
+        })
     }
 
     /// The next line that is not blank, with its number from 1.
@@ -42,8 +47,12 @@ impl Lines {
                 .map_err(|source| Error::read(Path::new(&self.file), source))?;
             self.number += 1;
             if self.buffer.len() == LONGEST && self.buffer.last() != Some(&b'\n') {
-                let reason = format!("more than {LONGEST} bytes without a line break: not rows of numbers");
-                return Err(Error::content(format!("{}:{}", self.file, self.number), reason));
+                let reason =
+                    format!("more than {LONGEST} bytes without a line break: not rows of numbers");
+                return Err(Error::content(
+                    format!("{}:{}", self.file, self.number),
+                    reason,
+                ));
             }
             if self.buffer.is_empty() {
                 return Ok(None);
@@ -68,8 +77,9 @@ impl Default for Hash {
 impl Hash {
     /// Takes in more bytes.
     pub(super) fn add(&mut self, bytes: &[u8]) {
-        self.0 =
-            bytes.iter().fold(self.0, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3));
+        self.0 = bytes.iter().fold(self.0, |hash, &byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
+        });
     }
 
     /// Takes in a number; all that are NaN are alike.

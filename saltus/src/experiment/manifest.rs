@@ -38,7 +38,8 @@ pub(super) struct Manifest {
 pub(super) struct Listed {
     /// Its file, within the folder.
     pub(super) file: String,
-    /// The part of it that counts, from and to these instants; none: from its first row, to its last.
+    /// The part of it that counts, from and to these instants; none: from its first row, to its
+    /// last.
     pub(super) window: [Option<Instant>; 2],
     pub(super) settings: BTreeMap<String, f64>,
     /// When what happened, by its key.
@@ -68,7 +69,9 @@ pub(super) fn bytes(folder: &Path) -> Result<Vec<u8>, Error> {
         return Err(Error::content(shown(&path), "is not a file"));
     }
     let mut bytes = Vec::new();
-    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
+    file.take(MOST_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(failed)?;
     if bytes.len() as u64 > MOST_BYTES {
         let reason = format!("larger than {} MiB, the most it may have", MOST_BYTES >> 20);
         return Err(Error::content(shown(&path), reason));
@@ -80,13 +83,23 @@ pub(super) fn bytes(folder: &Path) -> Result<Vec<u8>, Error> {
 pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Manifest, Error> {
     let file = shown(&folder.join(NAME));
     let text = std::str::from_utf8(bytes).map_err(|error| {
-        let line = bytes[..error.valid_up_to()].split(|byte| *byte == b'\n').count();
+        let line = bytes[..error.valid_up_to()]
+            .split(|byte| *byte == b'\n')
+            .count();
         Error::content(format!("{file}:{line}"), "not UTF-8 text")
     })?;
     let source = Source { file: &file, text };
     let document = DeTable::parse(text).map_err(|error| source.not_toml(&error))?;
-    let mut table = Table { source, path: String::new(), start: 0, entries: document.into_inner() };
-    table.know("key", ["kind", "robot", "noise", "resolution", "run"].map(|key| (key, None)))?;
+    let mut table = Table {
+        source,
+        path: String::new(),
+        start: 0,
+        entries: document.into_inner(),
+    };
+    table.know(
+        "key",
+        ["kind", "robot", "noise", "resolution", "run"].map(|key| (key, None)),
+    )?;
     let spec = kind(&mut table)?;
     Ok(Manifest {
         spec,
@@ -104,13 +117,15 @@ fn kind(table: &mut Table<'_>) -> Result<&'static Spec, Error> {
     };
     match value.get_ref() {
         DeValue::String(id) if id == "toss" => {
-            let reason =
-                "kind = \"toss\": tosses are read by the multi-body simulation's example tosses, not here";
-            Err(Error::content(table.source.place(value.span().start), reason))
+            let reason = "kind = \"toss\": tosses are read by the multi-body simulation's example \
+                tosses, not here";
+            Err(Error::content(
+                table.source.place(value.span().start),
+                reason,
+            ))
         }
-        DeValue::String(id) => {
-            Spec::named(id).ok_or_else(|| table.refused("kind", value.span(), &format!("one of {names}")))
-        }
+        DeValue::String(id) => Spec::named(id)
+            .ok_or_else(|| table.refused("kind", value.span(), &format!("one of {names}"))),
         _ => Err(table.refused("kind", value.span(), &format!("one of {names}, in quotes"))),
     }
 }
@@ -128,11 +143,25 @@ fn robot(table: &mut Table<'_>, spec: &Spec) -> Result<Option<String>, Error> {
 }
 
 /// The table `[key]`: a size above 0 for some of the channels.
-fn sizes(table: &mut Table<'_>, key: &'static str, spec: &Spec) -> Result<BTreeMap<String, f64>, Error> {
-    const SIZE: Domain = Domain { legal: |x| x > 0.0, allowed: "a number above 0 in the column's unit" };
-    let Some(value) = table.take(key) else { return Ok(BTreeMap::new()) };
+fn sizes(
+    table: &mut Table<'_>,
+    key: &'static str,
+    spec: &Spec,
+) -> Result<BTreeMap<String, f64>, Error> {
+    const SIZE: Domain = Domain {
+        legal: |x| x > 0.0,
+        allowed: "a number above 0 in the column's unit",
+    };
+    let Some(value) = table.take(key) else {
+        return Ok(BTreeMap::new());
+    };
     let mut table = table.inner(key, value)?;
-    table.know("column", spec.channels.iter().map(|own| (own.name, Some(own.quantity))))?;
+    table.know(
+        "column",
+        spec.channels
+            .iter()
+            .map(|own| (own.name, Some(own.quantity))),
+    )?;
     let mut sizes = BTreeMap::new();
     for own in spec.channels {
         let size = table.number(own.name, (own.quantity, SIZE))?;
@@ -172,17 +201,36 @@ fn runs(table: &mut Table<'_>, spec: &Spec) -> Result<Vec<Listed>, Error> {
 
 /// One run, and where its file is named.
 fn listed(table: &mut Table<'_>, spec: &Spec) -> Result<(Listed, usize), Error> {
-    let window: &[&str] = if spec.timed() { &["valid_from_s", "valid_to_s"] } else { &[] };
-    let settings = spec.settings.iter().map(|setting| (setting.key, Some(setting.quantity)));
-    let times = window.iter().chain(spec.instants).map(|key| (*key, Some(TIME)));
-    table.know("key", [("file", None)].into_iter().chain(settings).chain(times))?;
-    let Some(value) = table.take("file") else { return Err(table.missing("file")) };
+    let window: &[&str] = if spec.timed() {
+        &["valid_from_s", "valid_to_s"]
+    } else {
+        &[]
+    };
+    let settings = spec
+        .settings
+        .iter()
+        .map(|setting| (setting.key, Some(setting.quantity)));
+    let times = window
+        .iter()
+        .chain(spec.instants)
+        .map(|key| (*key, Some(TIME)));
+    table.know(
+        "key",
+        [("file", None)].into_iter().chain(settings).chain(times),
+    )?;
+    let Some(value) = table.take("file") else {
+        return Err(table.missing("file"));
+    };
     let file = match value.get_ref() {
         DeValue::String(name) => within(name),
         _ => None,
     };
     let file = file.ok_or_else(|| {
-        table.refused("file", value.span(), "the name of a file in this folder, without .. and not absolute")
+        table.refused(
+            "file",
+            value.span(),
+            "the name of a file in this folder, without .. and not absolute",
+        )
     })?;
     let window = valid(table)?;
     let settings = set(table, spec.settings)?;
@@ -190,7 +238,15 @@ fn listed(table: &mut Table<'_>, spec: &Spec) -> Result<(Listed, usize), Error> 
     for &key in spec.instants {
         instants.extend(table.instant(key)?.map(|(_, instant)| (key, instant)));
     }
-    Ok((Listed { file, window, settings, instants }, value.span().start))
+    Ok((
+        Listed {
+            file,
+            window,
+            settings,
+            instants,
+        },
+        value.span().start,
+    ))
 }
 
 /// `name` as a path that stays where it starts.
@@ -203,7 +259,9 @@ pub(super) fn within(name: &str) -> Option<String> {
             _ => return None,
         }
     }
-    path.to_str().filter(|path| !path.is_empty()).map(str::to_owned)
+    path.to_str()
+        .filter(|path| !path.is_empty())
+        .map(str::to_owned)
 }
 
 /// The part of a run that the operator calls valid.
@@ -213,7 +271,11 @@ fn valid(table: &mut Table<'_>) -> Result<[Option<Instant>; 2], Error> {
     if let (Some((_, from)), Some((place, to))) = (&from, &to)
         && from >= to
     {
-        return Err(table.refused("valid_to_s", place.clone(), &format!("after valid_from_s = {from}")));
+        return Err(table.refused(
+            "valid_to_s",
+            place.clone(),
+            &format!("after valid_from_s = {from}"),
+        ));
     }
     Ok([from, to].map(|instant| instant.map(|(_, instant)| instant)))
 }
@@ -248,12 +310,19 @@ struct Source<'a> {
 
 impl Source<'_> {
     fn place(&self, offset: usize) -> String {
-        let line = self.text.get(..offset).map_or(1, |before| before.split('\n').count());
+        let line = self
+            .text
+            .get(..offset)
+            .map_or(1, |before| before.split('\n').count());
         format!("{}:{line}", self.file)
     }
 
     fn not_toml(&self, error: &toml::de::Error) -> Error {
-        let words = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
+        let words = error
+            .message()
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ");
         let start = error.span().map_or(0, |span| span.start);
         Error::content(self.place(start), format!("not TOML: {}", one_line(&words)))
     }
@@ -287,7 +356,8 @@ impl<'a> Table<'a> {
         self.entries.remove(key)
     }
 
-    /// Refuses every key but these. This comes before what is missing, which mostly is a key misspelt.
+    /// Refuses every key but these. This comes before what is missing, which mostly is a key
+    /// misspelt.
     fn know(
         &self,
         what: &'static str,
@@ -296,19 +366,31 @@ impl<'a> Table<'a> {
         let mut spelled: Vec<String> = Vec::new();
         for (key, quantity) in known {
             match quantity {
-                Some(quantity) => spelled.extend(spellings(key, quantity).map(|(spelling, _)| spelling)),
+                Some(quantity) => {
+                    spelled.extend(spellings(key, quantity).map(|(spelling, _)| spelling))
+                }
                 None => spelled.push(key.into()),
             }
         }
-        let strange =
-            self.entries.iter().filter(|(key, _)| !spelled.iter().any(|known| known == key.get_ref()));
-        strange.min_by_key(|(key, _)| key.span().start).map_or(Ok(()), |(key, _)| {
-            let known: Vec<&str> = spelled.iter().map(String::as_str).collect();
-            Err(Error::unknown(self.source.place(key.span().start), what, key.get_ref(), &known))
-        })
+        let strange = self
+            .entries
+            .iter()
+            .filter(|(key, _)| !spelled.iter().any(|known| known == key.get_ref()));
+        strange
+            .min_by_key(|(key, _)| key.span().start)
+            .map_or(Ok(()), |(key, _)| {
+                let known: Vec<&str> = spelled.iter().map(String::as_str).collect();
+                Err(Error::unknown(
+                    self.source.place(key.span().start),
+                    what,
+                    key.get_ref(),
+                    &known,
+                ))
+            })
     }
 
-    /// How `key`, which is named in SI, is spelled and what it says, in whichever of its units; it must be given once.
+    /// How `key`, which is named in SI, is spelled and what it says, in whichever of its units; it
+    /// must be given once.
     fn spelled(
         &mut self,
         key: &'static str,
@@ -316,7 +398,9 @@ impl<'a> Table<'a> {
     ) -> Result<Option<(String, Unit, Spanned<DeValue<'a>>)>, Error> {
         let mut given: Option<(String, Unit, Spanned<DeValue<'a>>)> = None;
         for (spelling, unit) in spellings(key, quantity) {
-            let Some(value) = self.take(&spelling) else { continue };
+            let Some(value) = self.take(&spelling) else {
+                continue;
+            };
             if let Some((other, ..)) = &given {
                 let allowed = format!("left out: {}{other} says the same", self.path);
                 return Err(self.refused(&spelling, value.span(), &allowed));
@@ -332,15 +416,21 @@ impl<'a> Table<'a> {
         key: &'static str,
         (quantity, domain): (Quantity, Domain),
     ) -> Result<Option<f64>, Error> {
-        let Some((spelling, unit, value)) = self.spelled(key, quantity)? else { return Ok(None) };
+        let Some((spelling, unit, value)) = self.spelled(key, quantity)? else {
+            return Ok(None);
+        };
         let number = literal(&value).map(|literal| unit.si(literal));
         let legal = number.filter(|number| number.is_finite() && (domain.legal)(*number));
-        legal.map(Some).ok_or_else(|| self.refused(&spelling, value.span(), domain.allowed))
+        legal
+            .map(Some)
+            .ok_or_else(|| self.refused(&spelling, value.span(), domain.allowed))
     }
 
     /// An instant on the clock of a run, and where it stands.
     fn instant(&mut self, key: &'static str) -> Result<Option<(Range<usize>, Instant)>, Error> {
-        let Some((spelling, unit, value)) = self.spelled(key, TIME)? else { return Ok(None) };
+        let Some((spelling, unit, value)) = self.spelled(key, TIME)? else {
+            return Ok(None);
+        };
         let instant = literal(&value).and_then(|literal| Instant::parse(literal, power(unit)));
         let found = instant.map(|instant| Some((value.span(), instant)));
         found.ok_or_else(|| self.refused(&spelling, value.span(), instant::ALLOWED))
@@ -353,6 +443,10 @@ impl<'a> Table<'a> {
     }
 
     fn missing(&self, what: &str) -> Error {
-        Error::missing(self.source.place(self.start), "key", format!("{}{what}", self.path))
+        Error::missing(
+            self.source.place(self.start),
+            "key",
+            format!("{}{what}", self.path),
+        )
     }
 }

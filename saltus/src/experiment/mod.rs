@@ -1,7 +1,8 @@
 //! Data folders: measured runs with an `experiment.toml` that says what was done.
 //!
-//! [`read`] checks what a person or a logger can have got wrong, and says where; what it lets through can be trusted to be numbers
-//! of the right size, in order. What is odd and usable becomes a note.
+//! [`read`] checks what a person or a logger can have got wrong, and says where; what it lets
+//! through can be trusted to be numbers of the right size, in order. What is odd and usable becomes
+//! a note.
 //!
 //! ```no_run
 //! use std::path::Path;
@@ -46,7 +47,8 @@ use run::Reading;
 
 /// Most rows that are kept of a run.
 const MOST_ROWS: usize = 4000;
-/// Most rows that are kept of all runs: 20 MB a column or so. Where there are more than 500 runs, each keeps fewer.
+/// Most rows that are kept of all runs: 20 MB a column or so. Where there are more than 500 runs,
+/// each keeps fewer.
 const MOST_ROWS_OF_ALL: usize = 2_000_000;
 
 /// Most notes that are kept of a folder: nobody reads more.
@@ -57,11 +59,13 @@ const MOST_NOTES: usize = 100;
 pub struct Folder {
     /// The runs.
     pub experiment: Experiment,
-    /// The robot as the file names it: a built-in one's name, or a path that is relative to the folder.
+    /// The robot as the file names it: a built-in one's name, or a path that is relative to the
+    /// folder.
     pub robot: Option<String>,
     /// The folder; of several, the first.
     pub path: PathBuf,
-    /// 64-bit hash of what `experiment.toml` and the rows say, in hexadecimal: which data these are, whatever the zero of their clock.
+    /// 64-bit hash of what `experiment.toml` and the rows say, in hexadecimal: which data these
+    /// are, whatever the zero of their clock.
     pub hash: String,
     /// What was thinned or left out, or looks odd; each names a run, and a line where there is one.
     pub notes: Vec<String>,
@@ -73,9 +77,11 @@ pub struct Folder {
 
 /// Reads a data folder.
 ///
-/// Of a run at most 4000 rows are kept, every k-th of a longer one; [`Run::valve`] comes from all of them. Times count from the first row, to the picosecond. Where a
-/// bench mostly rests before and after its firing, that rest is thinned and the firing is kept whole; rest after the landing of a hop or jump is left out. Rows outside the part that
-/// the operator calls valid are left out. Memory does not grow with the length of the files.
+/// Of a run at most 4000 rows are kept, every k-th of a longer one; [`Run::valve`] comes from all
+/// of them. Times count from the first row, to the picosecond. Where a bench mostly rests before
+/// and after its firing, that rest is thinned and the firing is kept whole; rest after the landing
+/// of a hop or jump is left out. Rows outside the part that the operator calls valid are left out.
+/// Memory does not grow with the length of the files.
 ///
 /// `progress` is called now and then with the number of rows read since.
 ///
@@ -93,7 +99,10 @@ pub fn read(folder: &Path, progress: &dyn Fn(usize)) -> Result<Folder, Error> {
         same_columns(folder, readings.first(), &reading)?;
         if let Some(other) = hashes.insert(reading.hash, listed.file.clone()) {
             let reason = format!("its contents are those of {}", one_line(&other));
-            return Err(Error::Duplicate { place: shown(&folder.join(&listed.file)), reason });
+            return Err(Error::Duplicate {
+                place: shown(&folder.join(&listed.file)),
+                reason,
+            });
         }
         readings.push(reading);
     }
@@ -105,7 +114,9 @@ pub fn read(folder: &Path, progress: &dyn Fn(usize)) -> Result<Folder, Error> {
 pub fn files(folder: &Path) -> Vec<PathBuf> {
     let listed = manifest::bytes(folder).and_then(|bytes| manifest::parse(&bytes, folder));
     let runs = listed.map(|manifest| manifest.runs).unwrap_or_default();
-    let names = [manifest::NAME.to_owned()].into_iter().chain(runs.into_iter().map(|run| run.file));
+    let names = [manifest::NAME.to_owned()]
+        .into_iter()
+        .chain(runs.into_iter().map(|run| run.file));
     names.map(|name| folder.join(name)).collect()
 }
 
@@ -124,7 +135,9 @@ fn present(folder: &Path, manifest: &Manifest) -> Result<(), Error> {
 }
 
 fn same_columns(folder: &Path, first: Option<&Reading>, reading: &Reading) -> Result<(), Error> {
-    let Some(first) = first.filter(|first| first.columns != reading.columns) else { return Ok(()) };
+    let Some(first) = first.filter(|first| first.columns != reading.columns) else {
+        return Ok(());
+    };
     Err(Error::Differs {
         place: format!("{}:1", shown(&folder.join(&reading.run.name))),
         what: "columns",
@@ -136,14 +149,26 @@ fn same_columns(folder: &Path, first: Option<&Reading>, reading: &Reading) -> Re
 
 /// Refuses a channel that in no run gets as far as it must in the right unit.
 fn scaled(folder: &Path, manifest: &Manifest, readings: &[Reading]) -> Result<(), Error> {
-    for (i, column) in readings.first().map(|first| &first.columns[..]).unwrap_or_default().iter().enumerate()
+    for (i, column) in readings
+        .first()
+        .map(|first| &first.columns[..])
+        .unwrap_or_default()
+        .iter()
+        .enumerate()
     {
-        let largest = readings.iter().map(|reading| reading.largest[i]).fold(0.0, f64::max);
-        let scale = manifest.spec.channel(column).map_or(0.0, |channel| channel.scale);
+        let largest = readings
+            .iter()
+            .map(|reading| reading.largest[i])
+            .fold(0.0, f64::max);
+        let scale = manifest
+            .spec
+            .channel(column)
+            .map_or(0.0, |channel| channel.scale);
         if largest < scale {
             // Only a pressure has a scale.
-            let symptom =
-                format!("never exceeds {largest} in any run: it must be in Pa, not kPa, bar or psi");
+            let symptom = format!(
+                "never exceeds {largest} in any run: it must be in Pa, not kPa, bar or psi"
+            );
             return Err(Error::signal(shown(folder), column, symptom));
         }
     }
@@ -168,29 +193,62 @@ fn gathered(
     let rows = readings.iter().map(|reading| reading.rows).sum();
     let parts: Vec<Hash> = readings.iter().map(|reading| reading.hash).collect();
     let runs = readings.into_iter().map(|reading| reading.run).collect();
-    let of_each =
-        |sizes: &BTreeMap<String, f64>| columns.iter().map(|name| sizes.get(name).copied()).collect();
+    let of_each = |sizes: &BTreeMap<String, f64>| {
+        columns
+            .iter()
+            .map(|name| sizes.get(name).copied())
+            .collect()
+    };
     let (noise, resolution) = (of_each(&manifest.noise), of_each(&manifest.resolution));
-    let experiment = Experiment { kind: manifest.spec.sort, noise, resolution, columns, runs };
+    let experiment = Experiment {
+        kind: manifest.spec.sort,
+        noise,
+        resolution,
+        columns,
+        runs,
+    };
     let mut hash = Hash::default();
     hash.add(write::manifest(&experiment, manifest.robot.as_deref(), manifest.spec).as_bytes());
     for part in parts {
         hash.join(part);
     }
-    Folder { experiment, robot: manifest.robot, path: path.into(), hash: hash.hex(), notes, rows, hashes }
+    Folder {
+        experiment,
+        robot: manifest.robot,
+        path: path.into(),
+        hash: hash.hex(),
+        notes,
+        rows,
+        hashes,
+    }
 }
 
 /// The columns of the runs without those that are empty in all of them, and notes of these.
 fn columns(readings: &mut [Reading]) -> (Vec<String>, Vec<String>) {
-    let names = readings.first().map(|first| first.columns.clone()).unwrap_or_default();
+    let names = readings
+        .first()
+        .map(|first| first.columns.clone())
+        .unwrap_or_default();
     let is_filled = |i: &usize| readings.iter().any(|reading| reading.filled[*i] > 0);
     let (filled, empty): (Vec<usize>, Vec<usize>) = (0..names.len()).partition(is_filled);
     for reading in readings {
         let mut column = 0..;
-        reading.run.values.retain(|_| column.next().is_some_and(|i| filled.contains(&i)));
+        reading
+            .run
+            .values
+            .retain(|_| column.next().is_some_and(|i| filled.contains(&i)));
     }
-    let note = |i: usize| format!("{}: {} is empty in all runs and is not used", manifest::NAME, names[i]);
-    (filled.into_iter().map(|i| names[i].to_owned()).collect(), empty.into_iter().map(note).collect())
+    let note = |i: usize| {
+        format!(
+            "{}: {} is empty in all runs and is not used",
+            manifest::NAME,
+            names[i]
+        )
+    };
+    (
+        filled.into_iter().map(|i| names[i].to_owned()).collect(),
+        empty.into_iter().map(note).collect(),
+    )
 }
 
 /// Notes that runs share: each once, of the first run that has it.
@@ -216,12 +274,19 @@ fn shared(readings: &[Reading]) -> Vec<String> {
 fn odd(manifest: &Manifest, columns: &[String]) -> Vec<String> {
     let (spec, file) = (manifest.spec, manifest::NAME);
     let robot = manifest.robot.as_ref().filter(|_| !spec.robot);
-    let mut notes: Vec<String> =
-        robot.map(|_| format!("{file}: robot is not used for the kind {}", spec.id)).into_iter().collect();
-    for (table, sizes) in [("noise", &manifest.noise), ("resolution", &manifest.resolution)] {
+    let mut notes: Vec<String> = robot
+        .map(|_| format!("{file}: robot is not used for the kind {}", spec.id))
+        .into_iter()
+        .collect();
+    for (table, sizes) in [
+        ("noise", &manifest.noise),
+        ("resolution", &manifest.resolution),
+    ] {
         let unused = sizes.keys().filter(|name| !columns.contains(name));
-        notes
-            .extend(unused.map(|name| format!("{file}: {table}.{name} is not used: no run has that column")));
+        notes.extend(
+            unused
+                .map(|name| format!("{file}: {table}.{name} is not used: no run has that column")),
+        );
     }
     notes
 }
@@ -232,7 +297,11 @@ fn unlisted(folder: &Path, manifest: &Manifest) -> Vec<String> {
         manifest.runs.iter().map(|run| run.file.as_str()).collect();
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
-    let is_csv = |name: &str| Path::new(name).extension().is_some_and(|end| end.eq_ignore_ascii_case("csv"));
+    let is_csv = |name: &str| {
+        Path::new(name)
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("csv"))
+    };
     let mut others: Vec<String> = names
         .filter(|name| is_csv(name) && !listed.contains(name.as_str()))
         .map(|name| one_line(&name))
@@ -246,7 +315,10 @@ fn unlisted(folder: &Path, manifest: &Manifest) -> Vec<String> {
         .map(|name| format!("{name}: not read, as {} does not list it", manifest::NAME))
         .collect();
     if more > 0 {
-        notes.push(format!("{}: {more} more CSV files are not listed", manifest::NAME));
+        notes.push(format!(
+            "{}: {more} more CSV files are not listed",
+            manifest::NAME
+        ));
     }
     notes
 }

@@ -1,7 +1,8 @@
 //! Numbers that can be read and cannot be meant: another unit, or the sign turned round.
 //!
-//! Every column and setting here has a size that follows from the robot and the run. A size far from it is refused, with the unit that explains
-//! it. What real effects do is well within what is allowed: they change sizes by parts, units by tens.
+//! Every column and setting here has a size that follows from the robot and the run. A size far
+//! from it is refused, with the unit that explains it. What real effects do is well within what is
+//! allowed: they change sizes by parts, units by tens.
 
 use saltus_diagnosis::{Run, Sort};
 use saltus_robot::{Cylinder, Drive, Robot};
@@ -9,15 +10,23 @@ use saltus_robot::{Cylinder, Drive, Robot};
 use super::Folder;
 use super::error::{Error, one_line};
 
-/// Refuses data whose sizes are far from what `robot`, believed to be the one that was measured, and the runs allow.
+/// Refuses data whose sizes are far from what `robot`, believed to be the one that was measured,
+/// and the runs allow.
 ///
 /// # Errors
 /// [`Error::Signal`], with the unit that would explain the size.
 pub fn plausible(folder: &Folder, robot: Option<&Robot>) -> Result<(), Error> {
     let experiment = &folder.experiment;
-    for check in CHECKS.iter().filter(|check| check.sorts.contains(&experiment.kind)) {
+    for check in CHECKS
+        .iter()
+        .filter(|check| check.sorts.contains(&experiment.kind))
+    {
         for run in &experiment.runs {
-            let view = View { columns: &experiment.columns, run, robot };
+            let view = View {
+                columns: &experiment.columns,
+                run,
+                robot,
+            };
             if let Some(symptom) = check.symptom(&view) {
                 return Err(Error::signal(one_line(&run.name), check.name, symptom));
             }
@@ -30,7 +39,8 @@ pub fn plausible(folder: &Folder, robot: Option<&Robot>) -> Result<(), Error> {
 struct Check {
     sorts: &'static [Sort],
     name: &'static str,
-    /// Its size and the size that is expected, in SI and with their signs; none where this run does not tell.
+    /// Its size and the size that is expected, in SI and with their signs; none where this run does
+    /// not tell.
     sizes: fn(&View<'_>) -> Option<(f64, f64)>,
     /// What the expected size is.
     what: &'static str,
@@ -45,7 +55,12 @@ struct Check {
 type Units = &'static [(&'static str, f64)];
 
 const LENGTHS: Units = &[("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254), ("ft", 0.3048)];
-const PRESSURES: Units = &[("mbar", 100.0), ("kPa", 1e3), ("psi", 6_894.757_293_168), ("bar", 1e5)];
+const PRESSURES: Units = &[
+    ("mbar", 100.0),
+    ("kPa", 1e3),
+    ("psi", 6_894.757_293_168),
+    ("bar", 1e5),
+];
 const RATES: Units = &[("deg/s", DEGREE), ("rpm", 6.0 * DEGREE)];
 const ANGLES: Units = &[("deg", DEGREE)];
 const FORCES: Units = &[("lbf", 4.448_221_615_260_5), ("kgf", 9.806_65), ("kN", 1e3)];
@@ -67,7 +82,12 @@ const CHECKS: &[Check] = &[
     Check {
         sorts: &[Sort::Bench],
         name: "pressure_pa",
-        sizes: |view| Some((quantile(view.column("pressure_pa")?, 0.95)?, view.supply()? + view.ambient()?)),
+        sizes: |view| {
+            Some((
+                quantile(view.column("pressure_pa")?, 0.95)?,
+                view.supply()? + view.ambient()?,
+            ))
+        },
         what: "the absolute supply pressure",
         allowed: (0.02, 5.0),
         strict: false,
@@ -99,7 +119,10 @@ const CHECKS: &[Check] = &[
         name: "pivot_angle_rad",
         sizes: |view| {
             let boom = view.robot?.boom?.length;
-            Some((quantile(view.column("pivot_angle_rad")?, 0.95)?, (view.rise()? / boom).min(1.0)))
+            Some((
+                quantile(view.column("pivot_angle_rad")?, 0.95)?,
+                (view.rise()? / boom).min(1.0),
+            ))
         },
         what: "the pivot angle that the work of the leg is good for",
         allowed: (TURNED, 3.0),
@@ -109,7 +132,12 @@ const CHECKS: &[Check] = &[
     Check {
         sorts: &[Sort::Hop, Sort::Jump],
         name: "y_m",
-        sizes: |view| Some((quantile(view.column("y_m")?, 0.95)?, view.rise()? + view.robot?.body.radius)),
+        sizes: |view| {
+            Some((
+                quantile(view.column("y_m")?, 0.95)?,
+                view.rise()? + view.robot?.body.radius,
+            ))
+        },
         what: "the height that the work of the leg is good for",
         allowed: (TURNED, 3.0),
         strict: false,
@@ -140,7 +168,12 @@ const CHECKS: &[Check] = &[
     Check {
         sorts: &[Sort::Outcomes],
         name: "apex_m",
-        sizes: |view| Some((quantile(view.column("apex_m")?, 0.5)?, view.rise()? + view.robot?.body.radius)),
+        sizes: |view| {
+            Some((
+                quantile(view.column("apex_m")?, 0.5)?,
+                view.rise()? + view.robot?.body.radius,
+            ))
+        },
         what: "the height that the work of the leg is good for",
         allowed: (TURNED, 3.0),
         strict: false,
@@ -152,8 +185,10 @@ const CHECKS: &[Check] = &[
         sizes: |view| {
             let rate = quantile(view.column("omega_rad_s")?, 0.5)?.abs().min(20.0);
             let (rise, robot) = (view.rise()?, view.robot?);
-            // A throw at 45° with the energy of the leg and of the rolling wheel; the wheel's way over its leg comes on top.
-            let speed_squared = (rate * robot.body.radius).powi(2) + 2.0 * robot.environment.gravity * rise;
+            // A throw at 45° with the energy of the leg and of the rolling wheel; the wheel's way
+            // over its leg comes on top.
+            let speed_squared =
+                (rate * robot.body.radius).powi(2) + 2.0 * robot.environment.gravity * rise;
             let throw = speed_squared / robot.environment.gravity + 2.0 * robot.body.radius;
             Some((quantile(view.column("distance_m")?, 0.5)?, throw))
         },
@@ -190,7 +225,9 @@ const CHECKS: &[Check] = &[
         sorts: &[Sort::Vessel],
         name: "pressure_pa",
         sizes: |view| {
-            let expected = view.setting("initial_pressure_pa")?.max(view.setting("ambient_pressure_pa")?);
+            let expected = view
+                .setting("initial_pressure_pa")?
+                .max(view.setting("ambient_pressure_pa")?);
             Some((quantile(view.column("pressure_pa")?, 0.95)?, expected))
         },
         what: "the higher of initial and ambient pressure",
@@ -202,7 +239,8 @@ const CHECKS: &[Check] = &[
 
 /// A size is explained by a unit in which it is the expected one within this factor.
 const NEAR: f64 = 3.0;
-/// A size so far below 0, in terms of the expected one, has the wrong sign; noise and offsets are nearer to 0.
+/// A size so far below 0, in terms of the expected one, has the wrong sign; noise and offsets are
+/// nearer to 0.
 const TURNED: f64 = -0.3;
 
 impl Check {
@@ -216,16 +254,23 @@ impl Check {
             return None;
         }
         if ratio < TURNED {
-            return Some(format!("is {size:.4}, where {what} is {expected:.4}: is its sign turned round?"));
+            return Some(format!(
+                "is {size:.4}, where {what} is {expected:.4}: is its sign turned round?"
+            ));
         }
         let far = |factor: f64| (ratio.abs() * factor).ln().abs();
-        let unit = self.units.iter().filter(|(_, factor)| far(*factor) < NEAR.ln());
+        let unit = self
+            .units
+            .iter()
+            .filter(|(_, factor)| far(*factor) < NEAR.ln());
         let unit = unit.min_by(|a, b| far(a.1).total_cmp(&far(b.1)));
         match unit {
-            Some((unit, _)) => {
-                Some(format!("is {size:.4} in SI, where {what} is {expected:.4}: is it in {unit}?"))
-            }
-            None if self.strict => Some(format!("is {size:.4}, {ratio:.1} times {what}, {expected:.4}")),
+            Some((unit, _)) => Some(format!(
+                "is {size:.4} in SI, where {what} is {expected:.4}: is it in {unit}?"
+            )),
+            None if self.strict => Some(format!(
+                "is {size:.4}, {ratio:.1} times {what}, {expected:.4}"
+            )),
             None => None,
         }
     }
@@ -257,7 +302,8 @@ impl View<'_> {
 
     /// Gauge pressure (Pa) of the supply, as the operator set it or as the robot has it.
     fn supply(&self) -> Option<f64> {
-        self.setting("supply_pressure_gauge_pa").or(Some(self.cylinder()?.supply.0))
+        self.setting("supply_pressure_gauge_pa")
+            .or(Some(self.cylinder()?.supply.0))
     }
 
     fn ambient(&self) -> Option<f64> {
@@ -275,19 +321,29 @@ impl View<'_> {
         Some(self.thrust()? * robot.leg.stroke / (robot.body.mass * robot.environment.gravity))
     }
 
-    /// Change of a column from before the command to what it is farthest away from that for a twentieth of the rows.
+    /// Change of a column from before the command to what it is farthest away from that for a
+    /// twentieth of the rows.
     fn travel(&self, name: &str) -> Option<f64> {
         let values = self.column(name)?;
         let open = self.run.valve?.0;
-        let before = self.run.time.partition_point(|time| *time <= open).clamp(1, values.len());
+        let before = self
+            .run
+            .time
+            .partition_point(|time| *time <= open)
+            .clamp(1, values.len());
         let rest = quantile(&values[..before], 0.5)?;
         let ends = [0.05, 0.95].map(|share| quantile(values, share).map(|value| value - rest));
-        ends.into_iter().flatten().max_by(|a, b| a.abs().total_cmp(&b.abs()))
+        ends.into_iter()
+            .flatten()
+            .max_by(|a, b| a.abs().total_cmp(&b.abs()))
     }
 
     /// The gyro's mean and the slope (rad/s) of the wheel's angle before the command.
     fn rates(&self) -> Option<(f64, f64)> {
-        let (angle, rate) = (self.column("wheel_angle_rad")?, self.column("wheel_rate_rad_s")?);
+        let (angle, rate) = (
+            self.column("wheel_angle_rad")?,
+            self.column("wheel_rate_rad_s")?,
+        );
         let open = self.run.valve?.0;
         let rows = self.run.time.partition_point(|time| *time <= open);
         let [slope, _] = slope_and_bend(&self.run.time[..rows], &angle[..rows])?;
@@ -306,8 +362,11 @@ impl View<'_> {
 
 /// Slope of the line, and half the second derivative of the parabola, that are nearest to a column.
 fn slope_and_bend(time: &[f64], values: &[f64]) -> Option<[f64; 2]> {
-    let (time, values): (Vec<f64>, Vec<f64>) =
-        time.iter().zip(values).filter(|(_, value)| value.is_finite()).unzip();
+    let (time, values): (Vec<f64>, Vec<f64>) = time
+        .iter()
+        .zip(values)
+        .filter(|(_, value)| value.is_finite())
+        .unzip();
     let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let count = time.len() as f64;
     let mean = time.iter().sum::<f64>() / count;
@@ -315,14 +374,24 @@ fn slope_and_bend(time: &[f64], values: &[f64]) -> Option<[f64; 2]> {
     let first: Vec<f64> = time.iter().map(|t| t - mean).collect();
     let square: Vec<f64> = first.iter().map(|p| p * p).collect();
     let (size, skew) = (sum(&first, &first), sum(&square, &first));
-    let second: Vec<f64> = first.iter().map(|p| p * p - size / count - skew / size * p).collect();
-    let found = [sum(&first, &values) / size, sum(&second, &values) / sum(&second, &second)];
+    let second: Vec<f64> = first
+        .iter()
+        .map(|p| p * p - size / count - skew / size * p)
+        .collect();
+    let found = [
+        sum(&first, &values) / size,
+        sum(&second, &values) / sum(&second, &second),
+    ];
     found.iter().all(|x| x.is_finite()).then_some(found)
 }
 
 /// The value that a share of those that are filled is below.
 fn quantile(values: &[f64], share: f64) -> Option<f64> {
-    let mut filled: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    let mut filled: Vec<f64> = values
+        .iter()
+        .copied()
+        .filter(|value| value.is_finite())
+        .collect();
     filled.sort_by(f64::total_cmp);
     // A row.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
@@ -342,7 +411,10 @@ mod tests {
         assert!((slope_and_bend(&time, &values).unwrap()[1] + 0.5).abs() < 1e-9);
         let line: Vec<f64> = time.iter().map(|t| 1.0 - 4.0 * t).collect();
         let [slope, bend] = slope_and_bend(&time, &line).unwrap();
-        assert!((slope + 4.0).abs() < 1e-9 && bend.abs() < 1e-9, "{slope} {bend}");
+        assert!(
+            (slope + 4.0).abs() < 1e-9 && bend.abs() < 1e-9,
+            "{slope} {bend}"
+        );
         assert_eq!(slope_and_bend(&[1.0, 2.0], &[1.0, f64::NAN]), None);
     }
 }

@@ -50,7 +50,17 @@ pub(super) fn read(
 ) -> Result<Reading, Error> {
     let path = folder.join(&listed.file);
     let file = shown(&path);
-    let log = rows(&Source { path: &path, file: &file, listed, spec: manifest.spec }, most, None, progress)?;
+    let log = rows(
+        &Source {
+            path: &path,
+            file: &file,
+            listed,
+            spec: manifest.spec,
+        },
+        most,
+        None,
+        progress,
+    )?;
     match log.motion(manifest) {
         Some(motion) => rows(&log.source, most, Some(motion), &|_| ())?.finish(),
         None => log.finish(),
@@ -65,7 +75,9 @@ fn rows<'a>(
     progress: &dyn Fn(usize),
 ) -> Result<Log<'a>, Error> {
     let mut lines = Lines::open(source.path)?;
-    let Some((line, text)) = lines.next()? else { return Err(Error::content(source.file, "is empty")) };
+    let Some((line, text)) = lines.next()? else {
+        return Err(Error::content(source.file, "is empty"));
+    };
     let header = Header::read(text, &format!("{}:{line}", source.file), source.spec)?;
     let mut log = Log::new(*source, header, most, motion);
     while let Some((line, text)) = lines.next()? {
@@ -104,7 +116,8 @@ struct Log<'a> {
     /// Where its motion is known: rows of rest around it.
     motion: Option<Motion>,
     idle: Thinned,
-    /// The last row of rest, and how many there were: a row that repeats it is left out, as it tells nothing new.
+    /// The last row of rest, and how many there were: a row that repeats it is left out, as it
+    /// tells nothing new.
     resting: (Vec<Option<f64>>, usize),
     /// Rows before and after a motion that starts and ends at once.
     cut: usize,
@@ -124,7 +137,11 @@ impl<'a> Log<'a> {
             last: None,
             clock: Clock::default(),
             valve: Valve::default(),
-            tallies: header.channels.iter().map(|(_, channel, _)| Tally::new(channel)).collect(),
+            tallies: header
+                .channels
+                .iter()
+                .map(|(_, channel, _)| Tally::new(channel))
+                .collect(),
             kept: Thinned::new(most, block, channels),
             idle: Thinned::new(motion.map_or(0, |motion| motion.most), block, channels),
             motion,
@@ -139,14 +156,19 @@ impl<'a> Log<'a> {
     fn row(&mut self, line: u64, text: &[u8]) -> Result<(), Error> {
         let cells: Vec<&[u8]> = text.split(|byte| *byte == b',').collect();
         if cells.len() != self.header.names.len() {
-            let reason = format!("{} cells where the header has {}", cells.len(), self.header.names.len());
+            let reason = format!(
+                "{} cells where the header has {}",
+                cells.len(),
+                self.header.names.len()
+            );
             return Err(Error::content(self.place(line), reason));
         }
         self.rows += 1;
         let time = self.time(line, &cells)?;
         if let Some(column) = self.header.valve {
             let command = self.command(line, cells[column])?;
-            self.valve.add((self.source.file, &self.name), line, time, command)?;
+            self.valve
+                .add((self.source.file, &self.name), line, time, command)?;
         }
         let [from, to] = self.source.listed.window;
         if from.is_some_and(|from| time < from) || to.is_some_and(|to| time > to) {
@@ -157,18 +179,33 @@ impl<'a> Log<'a> {
 
     /// When a row was measured; where there is no clock, its number.
     fn time(&mut self, line: u64, cells: &[&[u8]]) -> Result<Instant, Error> {
-        let Some((column, power)) = self.header.time else { return Ok(Instant::of_row(self.rows)) };
+        let Some((column, power)) = self.header.time else {
+            return Ok(Instant::of_row(self.rows));
+        };
         let text = self.text(line, "time_s", cells[column])?;
         if text.is_empty() {
-            return Err(Error::signal(self.place(line), "time_s", "is empty: every row must have its time"));
+            return Err(Error::signal(
+                self.place(line),
+                "time_s",
+                "is empty: every row must have its time",
+            ));
         }
         let Some(time) = Instant::parse(text, power) else {
-            return Err(Error::value(self.place(line), "time_s", text, instant::ALLOWED));
+            return Err(Error::value(
+                self.place(line),
+                "time_s",
+                text,
+                instant::ALLOWED,
+            ));
         };
         match self.last.replace(time) {
-            Some(last) if time <= last => {
-                Err(clock::disorder(self.source.path, self.source.file, line, (column, power), (last, time)))
-            }
+            Some(last) if time <= last => Err(clock::disorder(
+                self.source.path,
+                self.source.file,
+                line,
+                (column, power),
+                (last, time),
+            )),
             _ => Ok(time),
         }
     }
@@ -177,14 +214,21 @@ impl<'a> Log<'a> {
         let command = self.number(line, "valve", cell, Unit::SI)?;
         if command.is_some_and(|command| command != 0.0 && command != 1.0) {
             let text = String::from_utf8_lossy(cell);
-            return Err(Error::value(self.place(line), "valve", bare(&text), "0 or 1"));
+            return Err(Error::value(
+                self.place(line),
+                "valve",
+                bare(&text),
+                "0 or 1",
+            ));
         }
         Ok(command)
     }
 
     /// Takes in what a row has in the channels.
     fn measured(&mut self, line: u64, time: Instant, cells: &[&[u8]]) -> Result<(), Error> {
-        let rest = self.motion.map_or(Rest::Keep, |motion| motion.rest_at(time));
+        let rest = self
+            .motion
+            .map_or(Rest::Keep, |motion| motion.rest_at(time));
         if rest == Rest::Cut {
             self.cut += 1;
             return Ok(());
@@ -195,7 +239,12 @@ impl<'a> Log<'a> {
             let value = self.number(line, name, cells[column], unit)?;
             if value.is_some_and(|value| !(channel.domain.legal)(value)) {
                 let text = String::from_utf8_lossy(cells[column]);
-                return Err(Error::value(self.place(line), name, bare(&text), channel.domain.allowed));
+                return Err(Error::value(
+                    self.place(line),
+                    name,
+                    bare(&text),
+                    channel.domain.allowed,
+                ));
             }
             if value.is_none() && channel.needed {
                 self.left_out.get_or_insert((0, line, channel.name)).0 += 1;
@@ -204,7 +253,8 @@ impl<'a> Log<'a> {
             values.push(value);
         }
         self.clock.tick(line, time);
-        self.hash.add(&time.picoseconds_since(self.clock.origin()).to_le_bytes());
+        self.hash
+            .add(&time.picoseconds_since(self.clock.origin()).to_le_bytes());
         for (tally, value) in self.tallies.iter_mut().zip(&values) {
             tally.add(*value);
             self.hash.number(value.unwrap_or(f64::NAN));
@@ -234,7 +284,8 @@ impl<'a> Log<'a> {
 
     fn text<'c>(&self, line: u64, name: &str, cell: &'c [u8]) -> Result<&'c str, Error> {
         let text = std::str::from_utf8(cell);
-        text.map(bare).map_err(|_| Error::signal(self.place(line), name, "is not UTF-8 text"))
+        text.map(bare)
+            .map_err(|_| Error::signal(self.place(line), name, "is not UTF-8 text"))
     }
 
     fn place(&self, line: u64) -> String {
@@ -249,19 +300,29 @@ impl<'a> Log<'a> {
             .iter()
             .map(|(_, channel, _)| manifest.resolution.get(channel.name).copied())
             .collect();
-        Motion::within(&self.kept, &steps, self.valve.opened()?, self.source.spec.rest)
+        Motion::within(
+            &self.kept,
+            &steps,
+            self.valve.opened()?,
+            self.source.spec.rest,
+        )
     }
 
     fn finish(mut self) -> Result<Reading, Error> {
         self.enough()?;
-        let Source { file, listed, spec, .. } = self.source;
+        let Source {
+            file, listed, spec, ..
+        } = self.source;
         let origin = self.clock.origin();
         let (mut notes, shared) = (self.notes(), self.shared());
         for tally in &self.tallies {
             notes.extend(tally.judge(file, &self.name, spec)?);
         }
         if self.tallies.iter().all(|tally| tally.values == 0) {
-            return Err(Error::content(file, "all cells are empty: nothing was measured"));
+            return Err(Error::content(
+                file,
+                "all cells are empty: nothing was measured",
+            ));
         }
         let valve = if spec.valve {
             let (times, odd) = self.valve.times(file)?;
@@ -271,20 +332,49 @@ impl<'a> Log<'a> {
             None
         };
         self.clock.judge(file, spec, valve.map(|(open, _)| open))?;
-        let valve = valve.map(|(open, shut)| (open.since(origin), shut.map(|shut| shut.since(origin))));
+        let valve =
+            valve.map(|(open, shut)| (open.since(origin), shut.map(|shut| shut.since(origin))));
         if let Some((open, shut)) = valve {
             self.hash.number(open);
             self.hash.number(shut.unwrap_or(f64::INFINITY));
         }
         let mut settings = listed.settings.clone();
-        settings.extend(listed.instants.iter().map(|(key, at)| ((*key).to_owned(), at.since(origin))));
+        settings.extend(
+            listed
+                .instants
+                .iter()
+                .map(|(key, at)| ((*key).to_owned(), at.since(origin))),
+        );
         let (instants, values) = self.kept.merged(self.idle);
-        let time = instants.iter().map(|instant| instant.since(origin)).collect();
-        let run = Run { name: listed.file.clone(), settings, valve, time, values };
-        let columns = self.header.channels.iter().map(|(_, channel, _)| channel.name).collect();
+        let time = instants
+            .iter()
+            .map(|instant| instant.since(origin))
+            .collect();
+        let run = Run {
+            name: listed.file.clone(),
+            settings,
+            valve,
+            time,
+            values,
+        };
+        let columns = self
+            .header
+            .channels
+            .iter()
+            .map(|(_, channel, _)| channel.name)
+            .collect();
         let largest = self.tallies.iter().map(|tally| tally.largest).collect();
         let filled = self.tallies.iter().map(|tally| tally.values).collect();
-        Ok(Reading { run, columns, largest, filled, hash: self.hash, rows: self.rows, notes, shared })
+        Ok(Reading {
+            run,
+            columns,
+            largest,
+            filled,
+            hash: self.hash,
+            rows: self.rows,
+            notes,
+            shared,
+        })
     }
 
     /// Refuses a run from which nothing can be learned.
@@ -301,7 +391,11 @@ impl<'a> Log<'a> {
                 Some(_) => " complete",
                 None => "",
             };
-            let rows = if rows == 1 { "1 row".to_owned() } else { format!("{rows} rows") };
+            let rows = if rows == 1 {
+                "1 row".to_owned()
+            } else {
+                format!("{rows} rows")
+            };
             let reason = format!("{rows}{part}: a run of kind {id} needs {least} at least");
             return Err(Error::content(self.source.file, reason));
         }
@@ -315,7 +409,9 @@ impl<'a> Log<'a> {
         if let Some((rows, line, column)) = self.left_out {
             let word = if rows == 1 { "row" } else { "rows" };
             let first = format!("the first at line {line}");
-            notes.push(format!("{name}: {rows} {word} left out for an empty cell, {first} for its {column}"));
+            notes.push(format!(
+                "{name}: {rows} {word} left out for an empty cell, {first} for its {column}"
+            ));
         }
         if self.source.spec.timed() {
             notes.extend(self.clock.gap(name, &self.kept));
@@ -331,7 +427,11 @@ impl<'a> Log<'a> {
             let known = spec.columns().join(", ");
             shared.push((
                 "strange",
-                format!("not read: {}; the columns of a {} are {known}", cut(&names), spec.id),
+                format!(
+                    "not read: {}; the columns of a {} are {known}",
+                    cut(&names),
+                    spec.id
+                ),
             ));
         }
         let (seen, kept, stride) = (self.kept.seen, self.kept.time.len(), self.kept.stride);
@@ -341,16 +441,21 @@ impl<'a> Log<'a> {
             } else {
                 ""
             };
-            shared.push(("thinned", format!("thinned to one row in {stride}, {kept} of {seen}{advice}")));
+            shared.push((
+                "thinned",
+                format!("thinned to one row in {stride}, {kept} of {seen}{advice}"),
+            ));
         }
         let (seen, kept) = (self.resting.1, self.idle.time.len());
         if seen > kept {
-            let text = format!("{kept} of {seen} rows at rest before and after the motion are kept");
+            let text =
+                format!("{kept} of {seen} rows at rest before and after the motion are kept");
             shared.push(("rest", text));
         }
         if self.cut > 0 {
             let text = format!(
-                "{} rows before the start or after the landing, in which nothing moves, are left out",
+                "{} rows before the start or after the landing, in which nothing moves, are left \
+                 out",
                 self.cut
             );
             shared.push(("cut", text));

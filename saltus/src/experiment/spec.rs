@@ -24,8 +24,8 @@ pub(super) struct Spec {
     pub(super) rest: [Rest; 2],
     /// What is measured.
     pub(super) channels: &'static [Channel],
-    /// Whether some of the channels suffice. They may then come from instruments with clocks of their own, each with cells empty
-    /// where another measured.
+    /// Whether some of the channels suffice. They may then come from instruments with clocks of
+    /// their own, each with cells empty where another measured.
     pub(super) any_of: bool,
     /// What the operator sets.
     pub(super) settings: &'static [Setting],
@@ -85,71 +85,175 @@ pub(super) struct Domain {
 
 /// A channel that always changes.
 const fn lively(name: &'static str, (quantity, domain): (Quantity, Domain)) -> Channel {
-    Channel { name, quantity, domain, still: Still::Dead, optional: false, needed: false, scale: 0.0 }
+    Channel {
+        name,
+        quantity,
+        domain,
+        still: Still::Dead,
+        optional: false,
+        needed: false,
+        scale: 0.0,
+    }
 }
 
 /// A channel that may stay the same, if seldom.
 const fn calm(name: &'static str, (quantity, domain): (Quantity, Domain)) -> Channel {
-    Channel { name, quantity, domain, still: Still::Odd, optional: false, needed: false, scale: 0.0 }
+    Channel {
+        name,
+        quantity,
+        domain,
+        still: Still::Odd,
+        optional: false,
+        needed: false,
+        scale: 0.0,
+    }
 }
 
 /// The channel, which runs may do without.
 const fn without(channel: Channel) -> Channel {
-    Channel { optional: true, ..channel }
+    Channel {
+        optional: true,
+        ..channel
+    }
 }
 
 /// A channel that says what was asked for: often the same, never missing.
 const fn asked(name: &'static str, (quantity, domain): (Quantity, Domain)) -> Channel {
-    Channel { name, quantity, domain, still: Still::Usual, optional: false, needed: true, scale: 0.0 }
+    Channel {
+        name,
+        quantity,
+        domain,
+        still: Still::Usual,
+        optional: false,
+        needed: true,
+        scale: 0.0,
+    }
 }
 
 const fn required(key: &'static str, (quantity, domain): (Quantity, Domain)) -> Setting {
-    Setting { key, quantity, domain, required: true }
+    Setting {
+        key,
+        quantity,
+        domain,
+        required: true,
+    }
 }
 
 const fn optional(key: &'static str, (quantity, domain): (Quantity, Domain)) -> Setting {
-    Setting { key, quantity, domain, required: false }
+    Setting {
+        key,
+        quantity,
+        domain,
+        required: false,
+    }
 }
 
-const POSITION: (Quantity, Domain) =
-    (LENGTH, Domain { legal: |x| x.abs() <= 10.0, allowed: "a position from -10 to 10 m" });
-const PLACE: (Quantity, Domain) =
-    (LENGTH, Domain { legal: |x| x.abs() <= 1e4, allowed: "a place from -10000 to 10000 m" });
-const LEAP: (Quantity, Domain) =
-    (LENGTH, Domain { legal: |x| x.abs() <= 100.0, allowed: "a length from -100 to 100 m" });
+const POSITION: (Quantity, Domain) = (
+    LENGTH,
+    Domain {
+        legal: |x| x.abs() <= 10.0,
+        allowed: "a position from -10 to 10 m",
+    },
+);
+const PLACE: (Quantity, Domain) = (
+    LENGTH,
+    Domain {
+        legal: |x| x.abs() <= 1e4,
+        allowed: "a place from -10000 to 10000 m",
+    },
+);
+const LEAP: (Quantity, Domain) = (
+    LENGTH,
+    Domain {
+        legal: |x| x.abs() <= 100.0,
+        allowed: "a length from -100 to 100 m",
+    },
+);
 const TILT: (Quantity, Domain) = (
     ANGLE,
-    Domain { legal: |x| x.abs() <= FRAC_PI_2, allowed: "an angle from -pi/2 to pi/2 in rad, not degrees" },
+    Domain {
+        legal: |x| x.abs() <= FRAC_PI_2,
+        allowed: "an angle from -pi/2 to pi/2 in rad, not degrees",
+    },
 );
 // A wheel goes on turning in flight: 10 rad/s for a second is more than one turn.
 const TURN: (Quantity, Domain) = (
     ANGLE,
-    Domain { legal: |x| x.abs() <= 4.0 * PI, allowed: "an angle from -4 pi to 4 pi in rad, not degrees" },
+    Domain {
+        legal: |x| x.abs() <= 4.0 * PI,
+        allowed: "an angle from -4 pi to 4 pi in rad, not degrees",
+    },
 );
 const YAW: (Quantity, Domain) = (
     ANGLE,
-    Domain { legal: |x| x.abs() <= 2.0 * PI, allowed: "an angle from -2 pi to 2 pi in rad, not degrees" },
+    Domain {
+        legal: |x| x.abs() <= 2.0 * PI,
+        allowed: "an angle from -2 pi to 2 pi in rad, not degrees",
+    },
 );
 const RATE: (Quantity, Domain) = (
     ANGULAR_RATE,
-    Domain { legal: |x| x.abs() <= 100.0, allowed: "a rate from -100 to 100 rad/s, not degrees a second" },
+    Domain {
+        legal: |x| x.abs() <= 100.0,
+        allowed: "a rate from -100 to 100 rad/s, not degrees a second",
+    },
 );
-const OPENING: (Quantity, Domain) =
-    (TIME, Domain { legal: |x| x > 0.0 && x <= 10.0, allowed: "a time above 0 and up to 10 s" });
-const FORCE: (Quantity, Domain) =
-    (NEWTON, Domain { legal: |x| x.abs() <= 1e6, allowed: "a force from -1e6 to 1e6 N" });
-const LOAD: (Quantity, Domain) =
-    (MASS, Domain { legal: |x| x > 0.0 && x <= 1e3, allowed: "a mass above 0 and up to 1000 kg" });
-const DIAMETER: (Quantity, Domain) =
-    (LENGTH, Domain { legal: |x| x > 0.0 && x <= 10.0, allowed: "a diameter above 0 and up to 10 m" });
-const BORE: (Quantity, Domain) =
-    (LENGTH, Domain { legal: |x| x > 0.0 && x <= 1.0, allowed: "a diameter above 0 and up to 1 m" });
-const RADIUS: (Quantity, Domain) =
-    (LENGTH, Domain { legal: |x| x > 0.0 && x <= 100.0, allowed: "a length above 0 and up to 100 m" });
-const VOLUME: (Quantity, Domain) =
-    (CUBE, Domain { legal: |x| x > 0.0 && x <= 1e4, allowed: "a volume above 0 and up to 10000 m3" });
-const AREA: (Quantity, Domain) =
-    (SQUARE, Domain { legal: |x| x > 0.0 && x <= 1e4, allowed: "an area above 0 and up to 10000 m2" });
+const OPENING: (Quantity, Domain) = (
+    TIME,
+    Domain {
+        legal: |x| x > 0.0 && x <= 10.0,
+        allowed: "a time above 0 and up to 10 s",
+    },
+);
+const FORCE: (Quantity, Domain) = (
+    NEWTON,
+    Domain {
+        legal: |x| x.abs() <= 1e6,
+        allowed: "a force from -1e6 to 1e6 N",
+    },
+);
+const LOAD: (Quantity, Domain) = (
+    MASS,
+    Domain {
+        legal: |x| x > 0.0 && x <= 1e3,
+        allowed: "a mass above 0 and up to 1000 kg",
+    },
+);
+const DIAMETER: (Quantity, Domain) = (
+    LENGTH,
+    Domain {
+        legal: |x| x > 0.0 && x <= 10.0,
+        allowed: "a diameter above 0 and up to 10 m",
+    },
+);
+const BORE: (Quantity, Domain) = (
+    LENGTH,
+    Domain {
+        legal: |x| x > 0.0 && x <= 1.0,
+        allowed: "a diameter above 0 and up to 1 m",
+    },
+);
+const RADIUS: (Quantity, Domain) = (
+    LENGTH,
+    Domain {
+        legal: |x| x > 0.0 && x <= 100.0,
+        allowed: "a length above 0 and up to 100 m",
+    },
+);
+const VOLUME: (Quantity, Domain) = (
+    CUBE,
+    Domain {
+        legal: |x| x > 0.0 && x <= 1e4,
+        allowed: "a volume above 0 and up to 10000 m3",
+    },
+);
+const AREA: (Quantity, Domain) = (
+    SQUARE,
+    Domain {
+        legal: |x| x > 0.0 && x <= 1e4,
+        allowed: "an area above 0 and up to 10000 m2",
+    },
+);
 // Colder than any gas is handled at, so that room temperature in degrees Celsius is seen.
 const TEMPERATURE: (Quantity, Domain) = (
     KELVIN,
@@ -168,9 +272,13 @@ const SUPPLY: (Quantity, Domain) = (
 );
 const GAUGE: (Quantity, Domain) = (
     PRESSURE,
-    Domain { legal: |x| (-2e5..=1e8).contains(&x), allowed: "a gauge pressure from -2e5 to 1e8 Pa" },
+    Domain {
+        legal: |x| (-2e5..=1e8).contains(&x),
+        allowed: "a gauge pressure from -2e5 to 1e8 Pa",
+    },
 );
-// A leg's chamber is never below the surroundings, of which there are 33 kPa on the highest mountain.
+// A leg's chamber is never below the surroundings, of which there are 33 kPa on the highest
+// mountain.
 const CHAMBER: (Quantity, Domain) = (
     PRESSURE,
     Domain {
@@ -202,7 +310,12 @@ const LOGGED: Spec = Spec {
 };
 
 /// A logged test of one part, which may take a day.
-const PART: Spec = Spec { robot: false, valve: false, longest: f64::INFINITY, ..LOGGED };
+const PART: Spec = Spec {
+    robot: false,
+    valve: false,
+    longest: f64::INFINITY,
+    ..LOGGED
+};
 
 /// All kinds, in the order of messages.
 pub(super) const SPECS: [Spec; 8] = [
@@ -210,8 +323,14 @@ pub(super) const SPECS: [Spec; 8] = [
         sort: Sort::Bench,
         id: "bench",
         rest: [Rest::Thin; 2],
-        channels: &[lively("position_m", POSITION), without(lively("pressure_pa", CHAMBER))],
-        settings: &[required("load_mass_kg", LOAD), required("supply_pressure_gauge_pa", SUPPLY)],
+        channels: &[
+            lively("position_m", POSITION),
+            without(lively("pressure_pa", CHAMBER)),
+        ],
+        settings: &[
+            required("load_mass_kg", LOAD),
+            required("supply_pressure_gauge_pa", SUPPLY),
+        ],
         ..LOGGED
     },
     Spec {
@@ -219,7 +338,10 @@ pub(super) const SPECS: [Spec; 8] = [
         id: "hop",
         // It stands until it is fired; after the landing it does what nobody models.
         rest: [Rest::Thin, Rest::Cut],
-        channels: &[without(lively("pivot_angle_rad", TILT)), without(lively("y_m", LEAP))],
+        channels: &[
+            without(lively("pivot_angle_rad", TILT)),
+            without(lively("y_m", LEAP)),
+        ],
         settings: &[required("supply_pressure_gauge_pa", SUPPLY)],
         ..LOGGED
     },
@@ -273,7 +395,10 @@ pub(super) const SPECS: [Spec; 8] = [
         channels: &[
             lively("position_m", POSITION),
             // A regulator may hold it to one count.
-            Channel { scale: 1000.0, ..calm("pressure_gauge_pa", GAUGE) },
+            Channel {
+                scale: 1000.0,
+                ..calm("pressure_gauge_pa", GAUGE)
+            },
             lively("force_n", FORCE),
         ],
         settings: &[required("bore_m", BORE)],
@@ -291,7 +416,10 @@ pub(super) const SPECS: [Spec; 8] = [
         sort: Sort::Vessel,
         id: "vessel",
         // A slow discharge may be as warm as the room throughout.
-        channels: &[without(lively("pressure_pa", ABSOLUTE)), without(calm("temperature_k", TEMPERATURE))],
+        channels: &[
+            without(lively("pressure_pa", ABSOLUTE)),
+            without(calm("temperature_k", TEMPERATURE)),
+        ],
         any_of: true,
         settings: &[
             required("volume_m3", VOLUME),
@@ -319,9 +447,15 @@ pub(super) enum Meaning {
 }
 
 /// The name of a number, and its names in other units.
-pub(super) fn spellings(name: &'static str, quantity: Quantity) -> impl Iterator<Item = (String, Unit)> {
+pub(super) fn spellings(
+    name: &'static str,
+    quantity: Quantity,
+) -> impl Iterator<Item = (String, Unit)> {
     let stem = name.strip_suffix(quantity.units[0].0).unwrap_or(name);
-    quantity.units.iter().map(move |(suffix, unit)| (format!("{stem}{suffix}"), *unit))
+    quantity
+        .units
+        .iter()
+        .map(move |(suffix, unit)| (format!("{stem}{suffix}"), *unit))
 }
 
 /// The power of ten of a unit of time.
@@ -356,7 +490,9 @@ impl Spec {
     /// What a column of this name holds; none: nothing that the kind knows.
     pub(super) fn meaning(&self, name: &str) -> Option<Meaning> {
         let unit = |own: &'static str, quantity| {
-            spellings(own, quantity).find(|(spelling, _)| spelling == name).map(|(_, unit)| unit)
+            spellings(own, quantity)
+                .find(|(spelling, _)| spelling == name)
+                .map(|(_, unit)| unit)
         };
         if self.valve && name == "valve" {
             return Some(Meaning::Valve);
@@ -364,18 +500,27 @@ impl Spec {
         if let (true, Some(unit)) = (self.timed(), unit("time_s", TIME)) {
             return Some(Meaning::Time(power(unit)));
         }
-        self.channels.iter().find_map(|own| Some(Meaning::Channel(own, unit(own.name, own.quantity)?)))
+        self.channels
+            .iter()
+            .find_map(|own| Some(Meaning::Channel(own, unit(own.name, own.quantity)?)))
     }
 
     /// Names in SI of all columns that its files may have.
     pub(super) fn columns(&self) -> Vec<&'static str> {
         let time = self.timed().then_some("time_s");
         let valve = self.valve.then_some("valve");
-        time.into_iter().chain(valve).chain(self.channels.iter().map(|channel| channel.name)).collect()
+        time.into_iter()
+            .chain(valve)
+            .chain(self.channels.iter().map(|channel| channel.name))
+            .collect()
     }
 
     /// Whether a channel may be missing in so many of its rows.
     pub(super) fn may_lack(&self, missing: usize, rows: usize) -> bool {
-        if self.any_of { 10 * missing <= 9 * rows } else { 2 * missing <= rows }
+        if self.any_of {
+            10 * missing <= 9 * rows
+        } else {
+            2 * missing <= rows
+        }
     }
 }

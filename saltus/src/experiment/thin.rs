@@ -23,7 +23,14 @@ impl Thinned {
     /// At most so many rows of so many channels.
     pub(super) fn new(most: usize, block: usize, channels: usize) -> Thinned {
         let (time, values) = (Vec::new(), vec![Vec::new(); channels]);
-        Thinned { most, block: block.max(1), stride: 1, seen: 0, time, values }
+        Thinned {
+            most,
+            block: block.max(1),
+            stride: 1,
+            seen: 0,
+            time,
+            values,
+        }
     }
 
     /// Takes in a row; a missing cell is NaN.
@@ -48,10 +55,14 @@ impl Thinned {
         let time: Vec<Instant> = self.time.into_iter().chain(other.time).collect();
         let mut order: Vec<usize> = (0..time.len()).collect();
         order.sort_by_key(|&row| time[row]);
-        let values = self.values.into_iter().zip(other.values).map(|(mut values, others)| {
-            values.extend(others);
-            order.iter().map(|&row| values[row]).collect()
-        });
+        let values = self
+            .values
+            .into_iter()
+            .zip(other.values)
+            .map(|(mut values, others)| {
+                values.extend(others);
+                order.iter().map(|&row| values[row]).collect()
+            });
         let values = values.collect();
         (order.iter().map(|&row| time[row]).collect(), values)
     }
@@ -77,21 +88,37 @@ mod tests {
 
     #[test]
     fn every_kth_row_stays() {
-        for (rows, most, block, stride) in
-            [(7, 8, 1, 1), (8, 8, 1, 1), (9, 8, 1, 2), (100, 8, 1, 16), (100, 8, 2, 16), (1000, 9, 2, 128)]
-        {
+        for (rows, most, block, stride) in [
+            (7, 8, 1, 1),
+            (8, 8, 1, 1),
+            (9, 8, 1, 2),
+            (100, 8, 1, 16),
+            (100, 8, 2, 16),
+            (1000, 9, 2, 128),
+        ] {
             let mut kept = Thinned::new(most, block, 1);
             for row in 0..rows {
-                kept.add(Instant::of_row(row), &[(row % 2 == 0).then_some(row as f64)]);
+                kept.add(
+                    Instant::of_row(row),
+                    &[(row % 2 == 0).then_some(row as f64)],
+                );
             }
             assert_eq!(kept.stride, stride, "{rows} rows in {most}");
             assert!(kept.time.len() <= most);
-            let expected: Vec<Instant> =
-                (0..rows).filter(|row| (row / block).is_multiple_of(stride)).map(Instant::of_row).collect();
+            let expected: Vec<Instant> = (0..rows)
+                .filter(|row| (row / block).is_multiple_of(stride))
+                .map(Instant::of_row)
+                .collect();
             assert_eq!(kept.time, expected, "{rows} rows in {most}");
             // Of instruments that take turns, both stay.
-            let filled = kept.values[0].iter().filter(|value| !value.is_nan()).count();
-            assert!(block == 1 || filled.abs_diff(kept.time.len() / 2) <= 1, "{filled}");
+            let filled = kept.values[0]
+                .iter()
+                .filter(|value| !value.is_nan())
+                .count();
+            assert!(
+                block == 1 || filled.abs_diff(kept.time.len() / 2) <= 1,
+                "{filled}"
+            );
         }
     }
 }

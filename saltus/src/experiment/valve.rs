@@ -29,7 +29,8 @@ enum State {
 }
 
 impl Valve {
-    /// Takes in a row: its line, its instant, and the command; messages call the file `file` and the run `name`.
+    /// Takes in a row: its line, its instant, and the command; messages call the file `file` and
+    /// the run `name`.
     pub(super) fn add(
         &mut self,
         (file, name): (&str, &str),
@@ -84,7 +85,11 @@ impl Valve {
             State::Open(open) => Ok(((open, None), self.notes)),
             State::Closed(open, closed) => Ok(((open, Some(closed)), self.notes)),
             State::Unseen => Err(Error::signal(file, "valve", "is empty in all rows")),
-            State::Before => Err(Error::signal(file, "valve", "is 0 in all rows: it never opens")),
+            State::Before => Err(Error::signal(
+                file,
+                "valve",
+                "is 0 in all rows: it never opens",
+            )),
         }
     }
 }

@@ -11,16 +11,17 @@ use super::spec::Spec;
 use super::{Experiment, Run};
 use crate::temporary::{self, Temporary};
 
-/// Writes `experiment` into a folder that is new or empty, so that [`read`](super::read()) gives it back; the times of a run then count
-/// from its first row.
+/// Writes `experiment` into a folder that is new or empty, so that [`read`](super::read()) gives it
+/// back; the times of a run then count from its first row.
 ///
-/// All is written within the folder under a temporary name and then moved into its
-/// place, `experiment.toml` last: where writing fails, the folder is as it was. Where the valve switches between two rows, a row is put in
-/// that has the command alone.
+/// All is written within the folder under a temporary name and then moved into its place,
+/// `experiment.toml` last: where writing fails, the folder is as it was. Where the valve switches
+/// between two rows, a row is put in that has the command alone.
 ///
 /// # Errors
-/// [`Error`] where the folder is not empty or cannot be written, or where the experiment has what files cannot say: a run without a
-/// file name of its own, columns of unequal length, a number that is not finite.
+/// [`Error`] where the folder is not empty or cannot be written, or where the experiment has what
+/// files cannot say: a run without a file name of its own, columns of unequal length, a number that
+/// is not finite.
 pub fn write(folder: &Path, experiment: &Experiment, robot: Option<&str>) -> Result<(), Error> {
     write_with(folder, experiment, robot, &[])
 }
@@ -35,24 +36,37 @@ pub fn write_with(
     robot: Option<&str>,
     more: &[(&str, String)],
 ) -> Result<(), Error> {
-    let spec = Spec::of(experiment.kind)
-        .ok_or_else(|| Error::content(shown(folder), format!("no file for {:?}", experiment.kind)))?;
+    let spec = Spec::of(experiment.kind).ok_or_else(|| {
+        Error::content(shown(folder), format!("no file for {:?}", experiment.kind))
+    })?;
     for run in &experiment.runs {
-        writable(run, experiment, spec).map_err(|reason| Error::content(one_line(&run.name), reason))?;
+        writable(run, experiment, spec)
+            .map_err(|reason| Error::content(one_line(&run.name), reason))?;
     }
     let is_new = !folder.exists();
-    let written = fs::create_dir_all(folder).map_err(|error| Error::write(folder, error)).and_then(|()| {
-        temporary::sweep(folder);
-        let mut entries = fs::read_dir(folder).map_err(|error| Error::write(folder, error))?;
-        if entries.next().is_some() {
-            return Err(Error::content(shown(folder), "is not empty: data go into a new or an empty folder"));
-        }
-        let staged = Temporary::folder_in(folder).map_err(|error| Error::write(folder, error))?;
-        let runs = experiment.runs.iter().map(|run| run.name.as_str());
-        let names: Vec<&str> = more.iter().map(|(name, _)| *name).chain(runs).chain([NAME]).collect();
-        fill(staged.path(), experiment, robot, more, spec)
-            .and_then(|()| publish(staged.path(), folder, &names))
-    });
+    let written = fs::create_dir_all(folder)
+        .map_err(|error| Error::write(folder, error))
+        .and_then(|()| {
+            temporary::sweep(folder);
+            let mut entries = fs::read_dir(folder).map_err(|error| Error::write(folder, error))?;
+            if entries.next().is_some() {
+                return Err(Error::content(
+                    shown(folder),
+                    "is not empty: data go into a new or an empty folder",
+                ));
+            }
+            let staged =
+                Temporary::folder_in(folder).map_err(|error| Error::write(folder, error))?;
+            let runs = experiment.runs.iter().map(|run| run.name.as_str());
+            let names: Vec<&str> = more
+                .iter()
+                .map(|(name, _)| *name)
+                .chain(runs)
+                .chain([NAME])
+                .collect();
+            fill(staged.path(), experiment, robot, more, spec)
+                .and_then(|()| publish(staged.path(), folder, &names))
+        });
     if written.is_err() && is_new {
         // Only an empty folder goes.
         let _ = fs::remove_dir(folder);
@@ -72,9 +86,13 @@ fn fill(
         whole(&folder.join(name), |out| out.write_all(text.as_bytes()))?;
     }
     for run in &experiment.runs {
-        whole(&folder.join(&run.name), |out| rows(out, run, experiment, spec))?;
+        whole(&folder.join(&run.name), |out| {
+            rows(out, run, experiment, spec)
+        })?;
     }
-    whole(&folder.join(NAME), |out| out.write_all(manifest(experiment, robot, spec).as_bytes()))
+    whole(&folder.join(NAME), |out| {
+        out.write_all(manifest(experiment, robot, spec).as_bytes())
+    })
 }
 
 /// Moves files of these names from one folder to another.
@@ -95,11 +113,20 @@ fn writable(run: &Run, experiment: &Experiment, spec: &Spec) -> Result<(), &'sta
     if within(&run.name).is_none_or(|path| path != run.name || path == NAME) {
         return Err("must be the name of a file within the folder");
     }
-    if experiment.runs.iter().filter(|other| other.name == run.name).count() > 1 {
+    if experiment
+        .runs
+        .iter()
+        .filter(|other| other.name == run.name)
+        .count()
+        > 1
+    {
         return Err("is the name of two runs");
     }
     if run.values.len() != experiment.columns.len()
-        || run.values.iter().any(|column| column.len() != run.time.len())
+        || run
+            .values
+            .iter()
+            .any(|column| column.len() != run.time.len())
     {
         return Err("has columns of unequal length");
     }
@@ -118,11 +145,21 @@ pub(super) fn manifest(experiment: &Experiment, robot: Option<&str>, spec: &Spec
     let mut text = format!("kind = {}\n", quoted(spec.id));
     // Writing into a string does not fail.
     let _ = robot.map(|robot| writeln!(text, "robot = {}", quoted(robot)));
-    for (table, sizes) in [("noise", &experiment.noise), ("resolution", &experiment.resolution)] {
-        let known =
-            experiment.columns.iter().zip(sizes).filter_map(|(column, size)| Some((column, (*size)?)));
+    for (table, sizes) in [
+        ("noise", &experiment.noise),
+        ("resolution", &experiment.resolution),
+    ] {
+        let known = experiment
+            .columns
+            .iter()
+            .zip(sizes)
+            .filter_map(|(column, size)| Some((column, (*size)?)));
         for (i, (column, size)) in known.enumerate() {
-            let head = if i == 0 { format!("\n[{table}]\n") } else { String::new() };
+            let head = if i == 0 {
+                format!("\n[{table}]\n")
+            } else {
+                String::new()
+            };
             let _ = writeln!(text, "{head}{column} = {size:?}");
         }
     }
@@ -147,19 +184,33 @@ fn rows(out: &mut dyn Write, run: &Run, experiment: &Experiment, spec: &Spec) ->
     for (time, row) in instants(run, spec, [open, closed]) {
         let mut cells: Vec<String> = Vec::new();
         cells.extend(spec.timed().then(|| format!("{time:?}")));
-        cells.extend(spec.valve.then(|| u8::from(time >= open && time < closed).to_string()));
+        cells.extend(
+            spec.valve
+                .then(|| u8::from(time >= open && time < closed).to_string()),
+        );
         let value = |column: &Vec<f64>| row.map_or(f64::NAN, |row| column[row]);
-        let cell = |value: f64| if value.is_nan() { String::new() } else { format!("{value:?}") };
+        let cell = |value: f64| {
+            if value.is_nan() {
+                String::new()
+            } else {
+                format!("{value:?}")
+            }
+        };
         cells.extend(run.values.iter().map(value).map(cell));
         writeln!(out, "{}", cells.join(","))?;
     }
     Ok(())
 }
 
-/// Times (s) of all rows in order, each with its row; those at which the valve switches are among them.
+/// Times (s) of all rows in order, each with its row; those at which the valve switches are among
+/// them.
 fn instants(run: &Run, spec: &Spec, switches: [f64; 2]) -> Vec<(f64, Option<usize>)> {
-    let mut instants: Vec<(f64, Option<usize>)> = run.time.iter().copied().zip((0..).map(Some)).collect();
-    for switch in switches.into_iter().filter(|switch| spec.valve && switch.is_finite()) {
+    let mut instants: Vec<(f64, Option<usize>)> =
+        run.time.iter().copied().zip((0..).map(Some)).collect();
+    for switch in switches
+        .into_iter()
+        .filter(|switch| spec.valve && switch.is_finite())
+    {
         let place = instants.partition_point(|(time, _)| *time < switch);
         if instants.get(place).is_none_or(|(time, _)| *time != switch) {
             instants.insert(place, (switch, None));

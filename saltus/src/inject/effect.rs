@@ -7,15 +7,16 @@ use saltus_diagnosis::{Cause, Kind};
 
 use super::Error;
 
-/// An effect to hide: `CAUSE=VALUE`, or `CAUSE=NAME:VALUE` with the name of a column, or of a parameter where a cause has more than one
-/// form.
+/// An effect to hide: `CAUSE=VALUE`, or `CAUSE=NAME:VALUE` with the name of a column, or of a
+/// parameter where a cause has more than one form.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effect {
     /// The cause's id.
     pub id: String,
     /// The column that it is about, or the parameter that is meant.
     pub name: Option<String>,
-    /// Values of its parameters in their units, as a diagnosis reports them; those at the end may be left out.
+    /// Values of its parameters in their units, as a diagnosis reports them; those at the end may
+    /// be left out.
     pub values: Vec<f64>,
 }
 
@@ -23,7 +24,9 @@ impl FromStr for Effect {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Effect, Error> {
-        let words = || Error::Words { text: text.chars().take(80).collect() };
+        let words = || Error::Words {
+            text: text.chars().take(80).collect(),
+        };
         let (id, rest) = text.split_once('=').ok_or_else(words)?;
         let (name, values) = match rest.rsplit_once(':') {
             Some((name, values)) => (Some(name.trim().to_owned()), values),
@@ -31,21 +34,32 @@ impl FromStr for Effect {
         };
         let number = |value: &str| value.trim().parse().ok().filter(|x: &f64| x.is_finite());
         let values: Option<Vec<f64>> = values.split(',').map(number).collect();
-        Ok(Effect { id: id.trim().to_owned(), name, values: values.ok_or_else(words)? })
+        Ok(Effect {
+            id: id.trim().to_owned(),
+            name,
+            values: values.ok_or_else(words)?,
+        })
     }
 }
 
 impl fmt::Display for Effect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let values: Vec<String> = self.values.iter().map(f64::to_string).collect();
-        let name = self.name.as_ref().map_or(String::new(), |name| format!("{name}:"));
+        let name = self
+            .name
+            .as_ref()
+            .map_or(String::new(), |name| format!("{name}:"));
         write!(f, "{}={name}{}", self.id, values.join(","))
     }
 }
 
 /// Names of the parameters of a cause as they are reported, with what they are without the effect.
 fn parameters(kind: &dyn Kind, cause: usize) -> Vec<(String, f64)> {
-    let neutral: Vec<f64> = kind.causes()[cause].parameters.iter().map(|p| p.neutral).collect();
+    let neutral: Vec<f64> = kind.causes()[cause]
+        .parameters
+        .iter()
+        .map(|p| p.neutral)
+        .collect();
     kind.report(cause, &neutral)
 }
 
@@ -53,19 +67,31 @@ fn parameters(kind: &dyn Kind, cause: usize) -> Vec<(String, f64)> {
 fn ranges(kind: &dyn Kind, cause: usize) -> Vec<(f64, f64)> {
     let spec = &kind.causes()[cause];
     if spec.id == "imbalance" {
-        let most = spec.parameters.iter().map(|p| p.bounds.1).fold(f64::INFINITY, f64::min);
+        let most = spec
+            .parameters
+            .iter()
+            .map(|p| p.bounds.1)
+            .fold(f64::INFINITY, f64::min);
         return vec![(0.0, most), (-std::f64::consts::PI, std::f64::consts::PI)];
     }
     let at = |end: fn((f64, f64)) -> f64| {
         let ends: Vec<f64> = spec.parameters.iter().map(|p| end(p.bounds)).collect();
         kind.report(cause, &ends)
     };
-    at(|b| b.0).iter().zip(at(|b| b.1)).map(|(a, b)| (a.1.min(b.1), a.1.max(b.1))).collect()
+    at(|b| b.0)
+        .iter()
+        .zip(at(|b| b.1))
+        .map(|(a, b)| (a.1.min(b.1), a.1.max(b.1)))
+        .collect()
 }
 
 /// What the model takes where a diagnosis reports `values`.
 fn taken(cause: &Cause, values: &[f64]) -> Vec<f64> {
-    match (cause.id, cause.parameters.first().map(|p| p.name.as_str()), values) {
+    match (
+        cause.id,
+        cause.parameters.first().map(|p| p.name.as_str()),
+        values,
+    ) {
         ("boom-flex", Some("boom_compliance_rad_per_n_m"), [stiffness]) => vec![1.0 / stiffness],
         ("foot-slip", Some("one_over_friction"), [friction, ratio]) => vec![1.0 / friction, *ratio],
         ("ground-compliance", Some("ground_compliance_m_per_n"), [stiffness, damping]) => {
@@ -81,7 +107,9 @@ fn taken(cause: &Cause, values: &[f64]) -> Vec<f64> {
 /// How the cause is asked for, without its values; whether it is the first of its id and column.
 fn asked_by(kind: &dyn Kind, cause: usize) -> String {
     let spec = &kind.causes()[cause];
-    let is_first = !kind.causes()[..cause].iter().any(|c| c.id == spec.id && c.column == spec.column);
+    let is_first = !kind.causes()[..cause]
+        .iter()
+        .any(|c| c.id == spec.id && c.column == spec.column);
     match &spec.column {
         Some(column) => format!("{}={column}:", spec.id),
         None if is_first => format!("{}=", spec.id),
@@ -107,14 +135,29 @@ pub(super) fn known(kind: &dyn Kind) -> String {
         let of_each = parameters.iter().zip(ranges(kind, cause));
         let about: Vec<String> = of_each
             .map(|((_, none), (low, high))| {
-                format!("{} without it, {} to {}", short(*none), short(low), short(high))
+                format!(
+                    "{} without it, {} to {}",
+                    short(*none),
+                    short(low),
+                    short(high)
+                )
             })
             .collect();
-        format!("  {}{}  ({})", asked_by(kind, cause), names.join(","), about.join("; "))
+        format!(
+            "  {}{}  ({})",
+            asked_by(kind, cause),
+            names.join(","),
+            about.join("; ")
+        )
     };
     // A cause with two terms is asked for in one way.
-    let is_first = |cause: &usize| !(0..*cause).any(|other| asked_by(kind, other) == asked_by(kind, *cause));
-    (0..kind.causes().len()).filter(is_first).map(line).collect::<Vec<_>>().join("\n")
+    let is_first =
+        |cause: &usize| !(0..*cause).any(|other| asked_by(kind, other) == asked_by(kind, *cause));
+    (0..kind.causes().len())
+        .filter(is_first)
+        .map(line)
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 /// The cause that is asked for, and the values that the model takes.
@@ -135,13 +178,26 @@ pub(super) fn resolve(
         spec.id == asked.id && is_named
     };
     let Some(cause) = (0..kind.causes().len()).find(is_meant) else {
-        return Err(Error::Cause { effect: asked.to_string(), kind: of, known: known() });
+        return Err(Error::Cause {
+            effect: asked.to_string(),
+            kind: of,
+            known: known(),
+        });
     };
     let (parameters, ranges) = (parameters(kind, cause), ranges(kind, cause));
-    let refused = |allowed: String| Err(Error::Value { effect: asked.to_string(), allowed });
+    let refused = |allowed: String| {
+        Err(Error::Value {
+            effect: asked.to_string(),
+            allowed,
+        })
+    };
     if asked.values.len() > parameters.len() {
         let names: Vec<&str> = parameters.iter().map(|p| p.0.as_str()).collect();
-        return refused(format!("at most {} with commas: {}", parameters.len(), names.join(",")));
+        return refused(format!(
+            "at most {} with commas: {}",
+            parameters.len(),
+            names.join(",")
+        ));
     }
     let mut values = asked.values.clone();
     for ((name, none), (k, (low, high))) in parameters.iter().zip(ranges.iter().enumerate()) {
@@ -158,10 +214,13 @@ pub(super) fn resolve(
             values.push(value);
         }
     }
-    let is_without = |((_, none), value): (&(String, f64), &f64)| (value - none).abs() <= 1e-9 * none.abs();
+    let is_without =
+        |((_, none), value): (&(String, f64), &f64)| (value - none).abs() <= 1e-9 * none.abs();
     if parameters.iter().zip(&values).all(is_without) {
-        let none: Vec<String> =
-            parameters.iter().map(|(name, none)| format!("{name} = {}", short(*none))).collect();
+        let none: Vec<String> = parameters
+            .iter()
+            .map(|(name, none)| format!("{name} = {}", short(*none)))
+            .collect();
         return refused(format!(
             "other than it is without the effect ({}), or nothing is hidden",
             none.join(", ")
@@ -181,10 +240,22 @@ mod tests {
 
     #[test]
     fn effects_read_back() {
-        for text in ["air-drag=0.1", "sensor-offset=x_m:-0.01", "exhaust-port=0.04,0.00002"] {
+        for text in [
+            "air-drag=0.1",
+            "sensor-offset=x_m:-0.01",
+            "exhaust-port=0.04,0.00002",
+        ] {
             assert_eq!(text.parse::<Effect>().unwrap().to_string(), text);
         }
-        for text in ["", "none", "air-drag", "air-drag=", "air-drag=much", "air-drag=1;2", "air-drag=nan"] {
+        for text in [
+            "",
+            "none",
+            "air-drag",
+            "air-drag=",
+            "air-drag=much",
+            "air-drag=1;2",
+            "air-drag=nan",
+        ] {
             assert!(text.parse::<Effect>().is_err(), "{text}");
         }
     }
@@ -192,7 +263,14 @@ mod tests {
     /// What is taken is what is reported, for every cause of every kind.
     #[test]
     fn taken_and_reported_are_inverse() {
-        for sort in [Sort::Bench, Sort::Hop, Sort::Jump, Sort::Outcomes, Sort::Flight, Sort::Vessel] {
+        for sort in [
+            Sort::Bench,
+            Sort::Hop,
+            Sort::Jump,
+            Sort::Outcomes,
+            Sort::Flight,
+            Sort::Vessel,
+        ] {
             let layout = Layout::new(sort, true, Some(1), &mut Draw::new(0));
             let robot = saltus_robot::resolve("rats-boom", &[]).unwrap();
             let kind = kinds::build(&layout.experiment, Some(&robot)).unwrap();

@@ -1,7 +1,7 @@
 //! Hops, jumps and outcomes by the multi-body simulation.
 //!
-//! A leg is commanded at the tick at which the robot that the operator believes in would be: what is hidden shows in the motion, and not
-//! in the command.
+//! A leg is commanded at the tick at which the robot that the operator believes in would be: what
+//! is hidden shows in the motion, and not in the command.
 
 use saltus_diagnosis::kinds::{self, Problem};
 use saltus_diagnosis::{Experiment, Sort, Terms};
@@ -16,7 +16,8 @@ const LEAST: usize = 3;
 /// Motions that are tried for each that is wanted: not every one that is drawn jumps.
 const TRIES: usize = 40;
 
-/// One firing: a start (rad, rad/s), a supply (Pa, gauge), a command (s) and how long the valve is open (s).
+/// One firing: a start (rad, rad/s), a supply (Pa, gauge), a command (s) and how long the valve is
+/// open (s).
 #[derive(Clone, Copy, Debug)]
 struct Firing {
     lean: f64,
@@ -30,10 +31,18 @@ struct Firing {
 type Asked = [f64; 3];
 
 /// Fills a layout with motions of `robot` with the effects of `terms`.
-pub(super) fn fill(layout: &mut Layout, robot: &Robot, terms: &Terms, draw: &mut Draw) -> Result<(), Error> {
+pub(super) fn fill(
+    layout: &mut Layout,
+    robot: &Robot,
+    terms: &Terms,
+    draw: &mut Draw,
+) -> Result<(), Error> {
     let kind = layout.experiment.kind;
     if robot.boom.is_none() && kind != Sort::Outcomes {
-        return Err(Error::NoBoom { robot: robot.name.clone(), kind: name(kind) });
+        return Err(Error::NoBoom {
+            robot: robot.name.clone(),
+            kind: name(kind),
+        });
     }
     let sensors = Sensors::new(&layout.experiment, robot, terms)?;
     if kind == Sort::Outcomes {
@@ -44,16 +53,25 @@ pub(super) fn fill(layout: &mut Layout, robot: &Robot, terms: &Terms, draw: &mut
         .columns
         .iter()
         .map(|name| {
-            ["wheel_angle_rad", "pivot_angle_rad", "radius_angle_rad", "wheel_rate_rad_s"]
-                .iter()
-                .position(|n| n == name)
+            [
+                "wheel_angle_rad",
+                "pivot_angle_rad",
+                "radius_angle_rad",
+                "wheel_rate_rad_s",
+            ]
+            .iter()
+            .position(|n| n == name)
         })
         .map(Option::unwrap_or_default)
         .collect();
     let wanted = layout.experiment.runs.len();
     let mut made = 0;
     for _ in 0..TRIES * wanted {
-        let firing = if kind == Sort::Hop { Some(hop(draw)) } else { jump(robot, draw) };
+        let firing = if kind == Sort::Hop {
+            Some(hop(draw))
+        } else {
+            jump(robot, draw)
+        };
         let Some(firing) = firing else { continue };
         let hidden = hidden(&layout.experiment, &supplied(robot, firing.supply), terms)?;
         let Some((_, rows)) = Stand::new(&hidden).and_then(|stand| stand.flown(&firing)) else {
@@ -63,7 +81,12 @@ pub(super) fn fill(layout: &mut Layout, robot: &Robot, terms: &Terms, draw: &mut
             let exact: Vec<f64> = rows.iter().map(|row| row[*k]).collect();
             sensors.read(c, &exact)
         });
-        layout.put(made, firing.supply, (firing.on, round(firing.on + firing.opening)), values.collect());
+        layout.put(
+            made,
+            firing.supply,
+            (firing.on, round(firing.on + firing.opening)),
+            values.collect(),
+        );
         made += 1;
         if made == wanted {
             break;
@@ -71,7 +94,11 @@ pub(super) fn fill(layout: &mut Layout, robot: &Robot, terms: &Terms, draw: &mut
     }
     layout.experiment.runs.truncate(made);
     if made < LEAST.min(wanted) {
-        Err(Error::NoMotion { made, wanted, least: LEAST.min(wanted) })
+        Err(Error::NoMotion {
+            made,
+            wanted,
+            least: LEAST.min(wanted),
+        })
     } else {
         Ok(())
     }
@@ -87,13 +114,22 @@ fn outcomes(
 ) -> Result<(), Error> {
     let hidden = hidden(&layout.experiment, robot, terms)?;
     let wanted = layout.experiment.runs[0].time.len();
-    let no_motion = |made| Error::NoMotion { made, wanted, least: LEAST.min(wanted) };
-    let (believed, stand) = Stand::new(robot).zip(Stand::new(&hidden)).ok_or_else(|| no_motion(0))?;
+    let no_motion = |made| Error::NoMotion {
+        made,
+        wanted,
+        least: LEAST.min(wanted),
+    };
+    let (believed, stand) = Stand::new(robot)
+        .zip(Stand::new(&hidden))
+        .ok_or_else(|| no_motion(0))?;
     let mut rows: Vec<[f64; 5]> = Vec::new();
     for _ in 0..TRIES * wanted {
-        let asked =
-            [draw.stepped(3.0, 6.0, 0.01), draw.stepped(-0.25, 0.3, 1e-3), draw.stepped(0.03, 0.1, TICK)]
-                .map(round);
+        let asked = [
+            draw.stepped(3.0, 6.0, 0.01),
+            draw.stepped(-0.25, 0.3, 1e-3),
+            draw.stepped(0.03, 0.1, TICK),
+        ]
+        .map(round);
         if believed.landed(&asked).is_none() {
             continue;
         }
@@ -125,9 +161,12 @@ fn supplied(robot: &Robot, supply: f64) -> Robot {
 
 /// The robot with the effects of `terms`.
 fn hidden(experiment: &Experiment, robot: &Robot, terms: &Terms) -> Result<Robot, Problem> {
-    let mut robot = kinds::build(experiment, Some(robot))?.robot(terms).ok_or(Problem::NoRobot)?;
+    let mut robot = kinds::build(experiment, Some(robot))?
+        .robot(terms)
+        .ok_or(Problem::NoRobot)?;
     if robot.ground.stiffness.is_some() && robot.ground.static_friction.is_infinite() {
-        // A foot that could not slip at all would take an impulse along soft ground as its leg meets its stop.
+        // A foot that could not slip at all would take an impulse along soft ground as its leg
+        // meets its stop.
         (robot.ground.static_friction, robot.ground.kinetic_friction) = (3.0, 3.0);
     }
     Ok(robot)
@@ -141,10 +180,19 @@ impl Sensors {
         let model = kinds::build(experiment, Some(robot))?;
         let of = |column: &String| {
             let one = |id: &str, none: f64| {
-                let is_it = |c: &saltus_diagnosis::Cause| c.id == id && c.column.as_ref() == Some(column);
-                model.causes().iter().position(is_it).map_or(none, |cause| terms.get(cause, 0))
+                let is_it =
+                    |c: &saltus_diagnosis::Cause| c.id == id && c.column.as_ref() == Some(column);
+                model
+                    .causes()
+                    .iter()
+                    .position(is_it)
+                    .map_or(none, |cause| terms.get(cause, 0))
             };
-            [one("encoder-scale", 1.0), one("sensor-offset", 0.0), one("sensor-delay", 0.0)]
+            [
+                one("encoder-scale", 1.0),
+                one("sensor-offset", 0.0),
+                one("sensor-delay", 0.0),
+            ]
         };
         Ok(Sensors(experiment.columns.iter().map(of).collect()))
     }
@@ -161,26 +209,43 @@ impl Sensors {
             let next = exact[(k + 1).min(exact.len() - 1)];
             exact[k] + (place - k as f64) * (next - exact[k])
         };
-        (0..exact.len()).map(|row| gain * if delay > 0.0 { late(row) } else { exact[row] } + offset).collect()
+        (0..exact.len())
+            .map(|row| gain * if delay > 0.0 { late(row) } else { exact[row] } + offset)
+            .collect()
     }
 }
 
 fn hop(draw: &mut Draw) -> Firing {
     let supply = supply(80.0, 120.0, draw);
-    Firing { lean: 0.0, rate: 0.0, supply, on: 5.0 * TICK, opening: round(draw.stepped(0.02, 0.08, TICK)) }
+    Firing {
+        lean: 0.0,
+        rate: 0.0,
+        supply,
+        on: 5.0 * TICK,
+        opening: round(draw.stepped(0.02, 0.08, TICK)),
+    }
 }
 
 /// A jump of the robot without effects, if what is drawn is one.
 fn jump(robot: &Robot, draw: &mut Draw) -> Option<Firing> {
     let (lean, rate) = (draw.between(-0.45, -0.15), draw.between(3.0, 6.0));
-    let (angle, opening) = (draw.between(-0.1, 0.25), round(draw.stepped(0.04, 0.1, TICK)));
+    let (angle, opening) = (
+        draw.between(-0.1, 0.25),
+        round(draw.stepped(0.04, 0.1, TICK)),
+    );
     let supply = supply(100.0, 120.0, draw);
     let stand = Stand::new(&supplied(robot, supply))?;
     let mut shot = Shot::new(&stand, [lean, rate])?;
     let reached = |_: f64, q: &[f64], _: &[f64]| angle - q[stand.rig.lean_coordinate()];
     shot.sim.run(0.6, &[&reached]).ok()?;
     let on = round((shot.sim.time() / TICK).ceil() * TICK);
-    let firing = Firing { lean, rate, supply, on, opening };
+    let firing = Firing {
+        lean,
+        rate,
+        supply,
+        on,
+        opening,
+    };
     let (lift_off, rows) = stand.flown(&firing)?;
     // With some flight to see.
     (on < 0.55 && rows.len() as f64 * TICK > lift_off + 0.15).then_some(firing)
@@ -204,18 +269,28 @@ impl Stand {
             }
             _ => None,
         };
-        Some(Stand { weight: weight(&rig), rig, leaks_to })
+        Some(Stand {
+            weight: weight(&rig),
+            rig,
+            leaks_to,
+        })
     }
 
     /// Lean, pivot angle and radius angle (rad), and what the gyro says (rad/s).
     fn readings(&self, sim: &Sim<'_>) -> [f64; 4] {
         let (q, v) = (sim.coordinates(), sim.velocities());
         let (turn, pivot, lean) = (q[0], q[1], q[self.rig.lean_coordinate()]);
-        [lean, pivot, turn, v[self.rig.lean_velocity()] + v[0] * pivot.sin()]
+        [
+            lean,
+            pivot,
+            turn,
+            v[self.rig.lean_velocity()] + v[0] * pivot.sin(),
+        ]
     }
 
-    /// A firing from standing through its flight, a row a tick, until the axle is back at its height or a foot touches: how long (s) it
-    /// stood, and rows. None where the robot does not jump.
+    /// A firing from standing through its flight, a row a tick, until the axle is back at its
+    /// height or a foot touches: how long (s) it stood, and rows. None where the robot does not
+    /// jump.
     fn flown(&self, firing: &Firing) -> Option<(f64, Vec<[f64; 4]>)> {
         let rig = &self.rig;
         let mut shot = Shot::new(self, [firing.lean, firing.rate])?;
@@ -271,9 +346,10 @@ impl Stand {
                 (Pause::Time, _) => {}
             }
             let leaves = stood && shot.lift_off.is_some();
-            let falls = leaves && (rising(0.0, q, v) <= 0.0 || q[rig.extension_coordinate(0)] <= 0.0);
-            let stays =
-                shot.lift_off.is_none() && (shot.time() > 1.0 || q[rig.lean_coordinate()].abs() > 1.5);
+            let falls =
+                leaves && (rising(0.0, q, v) <= 0.0 || q[rig.extension_coordinate(0)] <= 0.0);
+            let stays = shot.lift_off.is_none()
+                && (shot.time() > 1.0 || q[rig.lean_coordinate()].abs() > 1.5);
             if falls || stays {
                 return None;
             }
@@ -291,13 +367,22 @@ fn weight(rig: &Rig) -> f64 {
         "boom's outer half" => center + 0.5 * length,
         _ => length,
     };
-    let moment: f64 = rig.mechanism.tree.bodies().iter().map(|b| b.mass * arm(&b.name, b.center.y)).sum();
+    let moment: f64 = rig
+        .mechanism
+        .tree
+        .bodies()
+        .iter()
+        .map(|b| b.mass * arm(&b.name, b.center.y))
+        .sum();
     -rig.mechanism.gravity.z * moment / length
 }
 
 /// A jump that takes more steps is not worth the wait.
 fn settings() -> Settings {
-    Settings { most_steps: 4_000, ..Settings::default() }
+    Settings {
+        most_steps: 4_000,
+        ..Settings::default()
+    }
 }
 
 /// A motion from standing on a foot, in the air without touching.
@@ -322,7 +407,12 @@ impl<'a> Shot<'a> {
             q[1] -= sink / rig.boom.unwrap_or(1.0);
         }
         let sim = Sim::new(&rig.mechanism, &q, &v, settings).ok()?;
-        Some(Shot { stand, sim, began: 0.0, lift_off: None })
+        Some(Shot {
+            stand,
+            sim,
+            began: 0.0,
+            lift_off: None,
+        })
     }
 
     fn time(&self) -> f64 {
@@ -334,7 +424,10 @@ impl<'a> Shot<'a> {
         loop {
             match self.sim.run_eventwise(until - self.began, watches).ok()? {
                 Some(Pause::Time) => {
-                    if self.lift_off.is_some_and(|at| self.time() > at + 10.0 * TICK) {
+                    if self
+                        .lift_off
+                        .is_some_and(|at| self.time() > at + 10.0 * TICK)
+                    {
                         self.sim.stop_touching();
                     }
                     self.forget_chamber();
@@ -343,7 +436,11 @@ impl<'a> Shot<'a> {
                 Some(pause) => return Some(pause),
                 None => {}
             }
-            let left = |sim: &Sim<'_>| sim.events().iter().any(|e| e.what == Happening::LiftOff(0, 0));
+            let left = |sim: &Sim<'_>| {
+                sim.events()
+                    .iter()
+                    .any(|e| e.what == Happening::LiftOff(0, 0))
+            };
             if self.lift_off.is_none() && left(&self.sim) {
                 self.lift_off = Some(self.time());
                 // Soft ground lets go of a foot that is still in it.
@@ -354,14 +451,16 @@ impl<'a> Shot<'a> {
         }
     }
 
-    /// Once the leg is exhausted in the air, and held, its chamber is as it was before: one with a leak that has come to the pressure
-    /// around it costs thousands of events.
+    /// Once the leg is exhausted in the air, and held, its chamber is as it was before: one with a
+    /// leak that has come to the pressure around it costs thousands of events.
     fn forget_chamber(&mut self) {
         let rig = &self.stand.rig;
         let leg = rig.mechanism.tree.velocity_of(rig.legs[0]);
         let (q, v) = (self.sim.coordinates(), self.sim.velocities());
         let is_exhausted = |ambient: f64| (self.sim.pressure(0) - ambient).abs() < 500.0;
-        let flies = self.lift_off.is_some_and(|at| self.time() > at + 5.0 * TICK);
+        let flies = self
+            .lift_off
+            .is_some_and(|at| self.time() > at + 5.0 * TICK);
         if self.began == 0.0
             && flies
             && v[leg] == 0.0

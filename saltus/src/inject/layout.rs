@@ -52,7 +52,8 @@ pub(super) struct Layout {
 type Instrument = (&'static str, f64, f64);
 
 impl Layout {
-    /// So many runs of a kind, or as many as is usual; flights at the end of a boom where `on_boom`.
+    /// So many runs of a kind, or as many as is usual; flights at the end of a boom where
+    /// `on_boom`.
     pub(super) fn new(kind: Sort, on_boom: bool, runs: Option<usize>, draw: &mut Draw) -> Layout {
         let (instruments, usual): (&[Instrument], usize) = match kind {
             Sort::Bench => (&[("position_m", 1e-4, 0.0), ("pressure_pa", 2e3, 0.0)], 12),
@@ -77,9 +78,14 @@ impl Layout {
                 50,
             ),
             Sort::Flight => (&[("x_m", 5e-3, 0.0), ("y_m", 5e-3, 0.0)], 6),
-            Sort::Stroke => {
-                (&[("position_m", 1e-5, 0.0), ("pressure_gauge_pa", 50.0, 0.0), ("force_n", 0.06, 0.0)], 5)
-            }
+            Sort::Stroke => (
+                &[
+                    ("position_m", 1e-5, 0.0),
+                    ("pressure_gauge_pa", 50.0, 0.0),
+                    ("force_n", 0.06, 0.0),
+                ],
+                5,
+            ),
             Sort::Slide => (&[("force_n", 1e-3, 0.0), ("position_m", 2e-4, 0.0)], 6),
             Sort::Vessel => (&[("pressure_pa", 3e3, 0.0), ("temperature_k", 1.0, 0.0)], 5),
         };
@@ -91,7 +97,10 @@ impl Layout {
             resolution: instruments.iter().map(|i| known(i.2)).collect(),
             runs: Vec::new(),
         };
-        let mut layout = Layout { experiment, unknowns: Vec::new() };
+        let mut layout = Layout {
+            experiment,
+            unknowns: Vec::new(),
+        };
         let count = runs.unwrap_or(usual).max(1);
         match kind {
             Sort::Bench => (0..count).for_each(|_| layout.firing(draw)),
@@ -109,7 +118,11 @@ impl Layout {
 
     /// Index of the column `name`, which is there.
     pub(super) fn column(&self, name: &str) -> usize {
-        self.experiment.columns.iter().position(|column| column == name).unwrap_or_default()
+        self.experiment
+            .columns
+            .iter()
+            .position(|column| column == name)
+            .unwrap_or_default()
     }
 
     /// Adds a run with rows `step` apart, of which nothing is measured yet.
@@ -132,7 +145,12 @@ impl Layout {
     fn firing(&mut self, draw: &mut Draw) {
         let load = draw.stepped(1.2, 4.0, 1e-3);
         let supply = round(draw.stepped(60.0, 120.0, 10.0) * PSI);
-        self.add(&[("load_mass_kg", load), ("supply_pressure_gauge_pa", supply)], 151, TICK, Vec::new());
+        self.add(
+            &[("load_mass_kg", load), ("supply_pressure_gauge_pa", supply)],
+            151,
+            TICK,
+            Vec::new(),
+        );
         if let Some(run) = self.experiment.runs.last_mut() {
             run.valve = Some((0.01, None));
         }
@@ -141,12 +159,29 @@ impl Layout {
     /// Adds a throw.
     fn throw(&mut self, on_boom: bool, draw: &mut Draw) {
         let (height, forward, up) = if on_boom {
-            (draw.between(0.0, 0.1), draw.between(0.5, 1.5), draw.between(1.0, 2.5))
+            (
+                draw.between(0.0, 0.1),
+                draw.between(0.5, 1.5),
+                draw.between(1.0, 2.5),
+            )
         } else {
-            (draw.between(1.0, 2.0), draw.between(2.0, 8.0), draw.between(3.0, 8.0))
+            (
+                draw.between(1.0, 2.0),
+                draw.between(2.0, 8.0),
+                draw.between(3.0, 8.0),
+            )
         };
-        let boom: &[(&str, f64)] = if on_boom { &[("boom_radius_m", 2.12)] } else { &[] };
-        self.add(boom, count(0.22 * up, 0.01), 0.01, vec![0.0, forward, height, up]);
+        let boom: &[(&str, f64)] = if on_boom {
+            &[("boom_radius_m", 2.12)]
+        } else {
+            &[]
+        };
+        self.add(
+            boom,
+            count(0.22 * up, 0.01),
+            0.01,
+            vec![0.0, forward, height, up],
+        );
     }
 
     /// Adds slow strokes at several pressures, each twice back and forth with round turns.
@@ -157,14 +192,24 @@ impl Layout {
             let (middle, half) = (draw.between(0.03, 0.05), draw.between(0.02, 0.025));
             let period = draw.between(8.0, 20.0);
             let rate = 0.02;
-            self.add(&[("bore_m", 0.01905)], count(2.0 * period, rate), rate, vec![seal, way]);
-            let (position, pressure) = (self.column("position_m"), self.column("pressure_gauge_pa"));
-            let Some(run) = self.experiment.runs.last_mut() else { return };
+            self.add(
+                &[("bore_m", 0.01905)],
+                count(2.0 * period, rate),
+                rate,
+                vec![seal, way],
+            );
+            let (position, pressure) =
+                (self.column("position_m"), self.column("pressure_gauge_pa"));
+            let Some(run) = self.experiment.runs.last_mut() else {
+                return;
+            };
             for (row, t) in run.time.iter().enumerate() {
                 // Nearly a triangle: an arcsine of a sine that stays short of 1.
                 let phase = TAU * t / period;
-                run.values[position][row] = middle - half * (0.99 * phase.cos()).asin() / (PI / 2.0);
-                run.values[pressure][row] = set + 1500.0 * (0.7 * phase.sin() + 0.3 * (TAU * t / 7.0).sin());
+                run.values[position][row] =
+                    middle - half * (0.99 * phase.cos()).asin() / (PI / 2.0);
+                run.values[pressure][row] =
+                    set + 1500.0 * (0.7 * phase.sin() + 0.3 * (TAU * t / 7.0).sin());
             }
         }
     }
@@ -176,16 +221,25 @@ impl Layout {
             let sines = [(); 3].map(|()| {
                 // Fast enough that a mass without friction stays on the guide.
                 let rate = TAU * draw.between(1.0, 4.0);
-                (mass * draw.between(1.0, 4.0) * rate / 10.0, rate, draw.between(0.0, TAU))
+                (
+                    mass * draw.between(1.0, 4.0) * rate / 10.0,
+                    rate,
+                    draw.between(0.0, TAU),
+                )
             });
             let rows = count(draw.between(0.7, 1.2), 2e-3);
             self.add(&[("mass_kg", mass)], rows, 2e-3, vec![0.0, 0.0]);
             let force = self.column("force_n");
-            let Some(run) = self.experiment.runs.last_mut() else { return };
+            let Some(run) = self.experiment.runs.last_mut() else {
+                return;
+            };
             for (row, t) in run.time.iter().enumerate() {
                 let window = (t / 0.2).clamp(0.0, 1.0).powi(2);
-                run.values[force][row] =
-                    window * sines.iter().map(|(a, w, p)| a * (w * t + p).sin()).sum::<f64>();
+                run.values[force][row] = window
+                    * sines
+                        .iter()
+                        .map(|(a, w, p)| a * (w * t + p).sin())
+                        .sum::<f64>();
             }
         }
     }
@@ -213,18 +267,32 @@ impl Layout {
         }
     }
 
-    /// Puts a motion of the robot in the place of run `run`: its settings, when the valve was open, and measured columns.
-    pub(super) fn put(&mut self, run: usize, supply: f64, valve: (f64, f64), values: Vec<Vec<f64>>) {
+    /// Puts a motion of the robot in the place of run `run`: its settings, when the valve was open,
+    /// and measured columns.
+    pub(super) fn put(
+        &mut self,
+        run: usize,
+        supply: f64,
+        valve: (f64, f64),
+        values: Vec<Vec<f64>>,
+    ) {
         let place = &mut self.experiment.runs[run];
         place.settings = [("supply_pressure_gauge_pa".to_owned(), supply)].into();
         place.valve = Some((valve.0, Some(valve.1)));
-        place.time = (0..values.first().map_or(0, Vec::len)).map(|row| round(row as f64 * TICK)).collect();
+        place.time = (0..values.first().map_or(0, Vec::len))
+            .map(|row| round(row as f64 * TICK))
+            .collect();
         place.values = values;
     }
 
     /// Reads every column as its instrument does: with noise, then rounded to its steps.
     pub(super) fn read(&mut self, draw: &mut Draw) {
-        let Experiment { runs, noise, resolution, .. } = &mut self.experiment;
+        let Experiment {
+            runs,
+            noise,
+            resolution,
+            ..
+        } = &mut self.experiment;
         for run in runs {
             for ((column, noise), step) in run.values.iter_mut().zip(&*noise).zip(&*resolution) {
                 for value in column {

@@ -1,7 +1,9 @@
-//! Synthetic data with hidden effects: what `saltus diagnose` can be tried on before there are measurements.
+//! Synthetic data with hidden effects: what `saltus diagnose` can be tried on before there are
+//! measurements.
 //!
-//! Hops, jumps and outcomes are motions of the multi-body simulation; the other kinds are what the model of their kind says of rows
-//! that are laid out here. Noise and counts are those of real instruments, and the experiment says them.
+//! Hops, jumps and outcomes are motions of the multi-body simulation; the other kinds are what the
+//! model of their kind says of rows that are laid out here. Noise and counts are those of real
+//! instruments, and the experiment says them.
 //!
 //! ```
 //! use saltus::Robot;
@@ -68,7 +70,9 @@ pub struct Truth {
 #[non_exhaustive]
 pub enum Error {
     /// Words that are no effect.
-    #[error("{text:?} is no effect: must be CAUSE=VALUE or CAUSE=NAME:VALUE; several values with commas")]
+    #[error(
+        "{text:?} is no effect: must be CAUSE=VALUE or CAUSE=NAME:VALUE; several values with commas"
+    )]
     Words {
         /// The words.
         text: String,
@@ -107,7 +111,8 @@ pub enum Error {
     },
     /// A robot that does not do what is measured.
     #[error(
-        "with these effects the robot makes {made} of {wanted} motions: at least {least} must be there to measure"
+        "with these effects the robot makes {made} of {wanted} motions: at least {least} must be \
+         there to measure"
     )]
     NoMotion {
         /// Motions that there are.
@@ -136,21 +141,31 @@ fn name(kind: Sort) -> &'static str {
     }
 }
 
-/// Every effect that data of `kind` can have, one a line: how it is asked for, its values without it, and their range.
+/// Every effect that data of `kind` can have, one a line: how it is asked for, its values without
+/// it, and their range.
 ///
 /// # Errors
 /// [`Error`] where kind and robot do not go together.
 pub fn known(kind: Sort, robot: Option<&Robot>) -> Result<String, Error> {
     let layout = Layout::new(kind, true, Some(1), &mut Draw::new(0));
-    Ok(effect::known(kinds::build(&layout.experiment, robot)?.as_ref()))
+    Ok(effect::known(
+        kinds::build(&layout.experiment, robot)?.as_ref(),
+    ))
 }
 
 /// Data with hidden effects; the same for the same request.
 ///
 /// # Errors
-/// [`Error`] for an effect that the kind does not have, or under which there is no motion to measure.
+/// [`Error`] for an effect that the kind does not have, or under which there is no motion to
+/// measure.
 pub fn make(request: &Request<'_>) -> Result<Made, Error> {
-    let &Request { kind, robot, effects, seed, runs } = request;
+    let &Request {
+        kind,
+        robot,
+        effects,
+        seed,
+        runs,
+    } = request;
     let mut draw = Draw::new(seed);
     let on_boom = effects.iter().any(|effect| effect.id == "counterweight");
     let mut layout = Layout::new(kind, on_boom, runs, &mut draw);
@@ -164,10 +179,18 @@ pub fn make(request: &Request<'_>) -> Result<Made, Error> {
             terms.set(cause, p, *value);
         }
         let spec = &model.causes()[cause];
-        let found =
-            Truth { id: spec.id, column: spec.column.clone(), parameters: model.report(cause, &values) };
-        if truth.iter().any(|other| (other.id, &other.column) == (found.id, &found.column)) {
-            return Err(Error::Twice { effect: asked.to_string() });
+        let found = Truth {
+            id: spec.id,
+            column: spec.column.clone(),
+            parameters: model.report(cause, &values),
+        };
+        if truth
+            .iter()
+            .any(|other| (other.id, &other.column) == (found.id, &found.column))
+        {
+            return Err(Error::Twice {
+                effect: asked.to_string(),
+            });
         }
         truth.push(found);
     }
@@ -179,7 +202,10 @@ pub fn make(request: &Request<'_>) -> Result<Made, Error> {
         _ => predicted(&mut layout, model.as_ref(), &terms)?,
     }
     layout.read(&mut draw);
-    Ok(Made { experiment: layout.experiment, truth })
+    Ok(Made {
+        experiment: layout.experiment,
+        truth,
+    })
 }
 
 /// Fills the measured columns of every run with what the model says.
@@ -187,7 +213,11 @@ fn predicted(layout: &mut Layout, model: &dyn Kind, terms: &Terms) -> Result<(),
     let wanted = layout.experiment.runs.len();
     for run in 0..wanted {
         let values = model.predict(run, terms, &layout.unknowns[run]);
-        let values = values.ok_or(Error::NoMotion { made: run, wanted, least: wanted })?;
+        let values = values.ok_or(Error::NoMotion {
+            made: run,
+            wanted,
+            least: wanted,
+        })?;
         let mut rows = vec![0; model.channels().len()];
         for (reading, value) in model.logs()[run].readings.iter().zip(values) {
             let column = layout.column(&model.channels()[reading.channel].name);

@@ -30,7 +30,11 @@ pub(crate) struct Files {
 impl Files {
     /// Adds a file, which `flag` names.
     pub(crate) fn add(&mut self, flag: &'static str, path: &Path, bytes: Vec<u8>) {
-        self.files.push(Output { flag, path: path.into(), bytes });
+        self.files.push(Output {
+            flag,
+            path: path.into(),
+            bytes,
+        });
     }
 
     /// Adds the report: a file, or the screen without one.
@@ -43,11 +47,15 @@ impl Files {
 
     /// Writes all files under temporary names beside their places, then renames them, then prints.
     ///
-    /// Whatever fails, no file is there in part; no file that the command has read is overwritten, and none is written twice.
+    /// Whatever fails, no file is there in part; no file that the command has read is overwritten,
+    /// and none is written twice.
     pub(crate) fn write(self) -> Result<(), CliError> {
         self.check()?;
-        let staged =
-            self.files.iter().map(|out| Staged::new(&out.path, &out.bytes)).collect::<Result<Vec<_>, _>>()?;
+        let staged = self
+            .files
+            .iter()
+            .map(|out| Staged::new(&out.path, &out.bytes))
+            .collect::<Result<Vec<_>, _>>()?;
         for file in staged {
             file.publish()?;
         }
@@ -61,9 +69,15 @@ impl Files {
     pub(crate) fn check(&self) -> Result<(), CliError> {
         let mut before: Vec<(&Output, Identity)> = Vec::new();
         for out in &self.files {
-            let Some(place) = Identity::of(&out.path) else { continue };
+            let Some(place) = Identity::of(&out.path) else {
+                continue;
+            };
             let refused = |out: &Output, other: &str| {
-                CliError::flag(out.flag, out.path.display(), format!("another file than {other}"))
+                CliError::flag(
+                    out.flag,
+                    out.path.display(),
+                    format!("another file than {other}"),
+                )
             };
             if input::is_read(&place) {
                 return Err(refused(out, "those that this command reads"));
@@ -91,7 +105,11 @@ pub(crate) fn print(text: &str) -> Result<(), CliError> {
 /// Says something beside the answer, on standard error: once, however often it is said.
 pub(crate) fn message(text: &str) {
     static SAID: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
-    if SAID.lock().unwrap_or_else(PoisonError::into_inner).insert(text.to_owned()) {
+    if SAID
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .insert(text.to_owned())
+    {
         // Where standard error is closed, nobody wants to know.
         let _ = writeln!(io::stderr(), "{text}");
     }
@@ -101,7 +119,10 @@ pub(crate) fn message(text: &str) {
 #[derive(Debug)]
 enum Staged {
     /// Under a temporary name.
-    Beside { temporary: Temporary, place: PathBuf },
+    Beside {
+        temporary: Temporary,
+        place: PathBuf,
+    },
     /// A device or a pipe, which takes the bytes as they are.
     Device { place: PathBuf, bytes: Vec<u8> },
 }
@@ -116,7 +137,10 @@ impl Staged {
             return Err(failed(io::Error::from(io::ErrorKind::IsADirectory)));
         }
         if there.as_ref().is_some_and(|it| !it.is_file()) {
-            return Ok(Staged::Device { place, bytes: bytes.into() });
+            return Ok(Staged::Device {
+                place,
+                bytes: bytes.into(),
+            });
         }
         let temporary = Temporary::beside(&place).map_err(failed)?;
         fs::write(temporary.path(), bytes).map_err(failed)?;

@@ -1,4 +1,5 @@
-//! What a command hands back: a report in one of three formats, and files that appear whole or not at all.
+//! What a command hands back: a report in one of three formats, and files that appear whole or not
+//! at all.
 
 mod files;
 mod number;
@@ -25,13 +26,20 @@ pub(crate) enum Format {
 
 impl Format {
     /// Endings of files of each format, without the dot.
-    pub(crate) const ENDINGS: [(&str, Format); 4] =
-        [("json", Format::Json), ("csv", Format::Csv), ("txt", Format::Text), ("md", Format::Text)];
+    pub(crate) const ENDINGS: [(&str, Format); 4] = [
+        ("json", Format::Json),
+        ("csv", Format::Csv),
+        ("txt", Format::Text),
+        ("md", Format::Text),
+    ];
 
     /// The format that a file's name asks for, if it does.
     pub(crate) fn of_file(path: &Path) -> Option<Format> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-        Format::ENDINGS.iter().find(|(known, _)| *known == ending).map(|(_, format)| *format)
+        Format::ENDINGS
+            .iter()
+            .find(|(known, _)| *known == ending)
+            .map(|(_, format)| *format)
     }
 }
 

@@ -7,7 +7,9 @@ pub(crate) fn full(x: f64) -> String {
         return x.to_string();
     }
     let scientific = format!("{x:.16e}");
-    let Some((mantissa, exponent)) = scientific.split_once('e') else { return scientific };
+    let Some((mantissa, exponent)) = scientific.split_once('e') else {
+        return scientific;
+    };
     let exponent: i32 = exponent.parse().unwrap_or_default();
     if !(-4..DIGITS).contains(&exponent) {
         let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
@@ -23,7 +25,9 @@ pub(crate) fn full(x: f64) -> String {
         Ok(whole @ 1..) => format!("{sign}{}.{}", &digits[..whole], &digits[whole..]),
         _ => format!(
             "{sign}0.{}{digits}",
-            "000".get(..(-1 - exponent).unsigned_abs() as usize).unwrap_or_default()
+            "000"
+                .get(..(-1 - exponent).unsigned_abs() as usize)
+                .unwrap_or_default()
         ),
     }
 }
@@ -33,8 +37,14 @@ pub(crate) fn digits(x: f64, count: usize) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{}", x + 0.0);
     }
-    let rounded: f64 = format!("{x:.*e}", count.saturating_sub(1)).parse().unwrap_or(x);
-    if (1e-4..1e7).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
+    let rounded: f64 = format!("{x:.*e}", count.saturating_sub(1))
+        .parse()
+        .unwrap_or(x);
+    if (1e-4..1e7).contains(&rounded.abs()) {
+        rounded.to_string()
+    } else {
+        format!("{rounded:e}")
+    }
 }
 
 #[cfg(test)]

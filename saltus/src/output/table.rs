@@ -9,7 +9,8 @@ use super::number::{digits, full};
 /// One value of a row.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Cell {
-    /// A number in the unit that its column's name ends with; one that is not finite is [`Cell::Empty`].
+    /// A number in the unit that its column's name ends with; one that is not finite is
+    /// [`Cell::Empty`].
     Number(f64),
     /// A word.
     Word(&'static str),
@@ -25,7 +26,11 @@ pub(crate) enum Cell {
 
 impl From<f64> for Cell {
     fn from(x: f64) -> Cell {
-        if x.is_finite() { Cell::Number(x) } else { Cell::Empty }
+        if x.is_finite() {
+            Cell::Number(x)
+        } else {
+            Cell::Empty
+        }
     }
 }
 
@@ -88,7 +93,10 @@ pub(crate) struct Table {
 impl Table {
     /// A table without rows; the names of the columns end with their units.
     pub(crate) fn new(columns: &'static [&'static str]) -> Table {
-        Table { columns, rows: Vec::new() }
+        Table {
+            columns,
+            rows: Vec::new(),
+        }
     }
 
     /// Adds a row with one cell for each column.
@@ -116,27 +124,49 @@ impl Table {
     /// The rows as objects with the columns as keys; an empty cell is null.
     pub(crate) fn json(&self) -> Vec<Map<String, Value>> {
         let object = |row: &Vec<Cell>| {
-            self.columns.iter().zip(row).map(|(name, cell)| ((*name).to_owned(), cell.json())).collect()
+            self.columns
+                .iter()
+                .zip(row)
+                .map(|(name, cell)| ((*name).to_owned(), cell.json()))
+                .collect()
         };
         self.rows.iter().map(object).collect()
     }
 
     /// The named columns, aligned and rounded, each unit on a line under the name.
     pub(crate) fn text(&self, columns: &[(&str, &str, &str)]) -> String {
-        let chosen: Vec<usize> =
-            columns.iter().filter_map(|(key, ..)| self.columns.iter().position(|name| name == key)).collect();
+        let chosen: Vec<usize> = columns
+            .iter()
+            .filter_map(|(key, ..)| self.columns.iter().position(|name| name == key))
+            .collect();
         let mut lines: Vec<Vec<String>> = vec![
-            columns.iter().map(|(_, title, _)| (*title).to_owned()).collect(),
-            columns.iter().map(|(.., unit)| (*unit).to_owned()).collect(),
+            columns
+                .iter()
+                .map(|(_, title, _)| (*title).to_owned())
+                .collect(),
+            columns
+                .iter()
+                .map(|(.., unit)| (*unit).to_owned())
+                .collect(),
         ];
-        lines.extend(self.rows.iter().map(|row| chosen.iter().map(|&i| row[i].text()).collect()));
+        lines.extend(
+            self.rows
+                .iter()
+                .map(|row| chosen.iter().map(|&i| row[i].text()).collect()),
+        );
         aligned(&lines)
     }
 }
 
 /// Lines with their cells right-aligned under each other.
 fn aligned(lines: &[Vec<String>]) -> String {
-    let width = |i: usize| lines.iter().map(|line| line[i].chars().count()).max().unwrap_or_default();
+    let width = |i: usize| {
+        lines
+            .iter()
+            .map(|line| line[i].chars().count())
+            .max()
+            .unwrap_or_default()
+    };
     let widths: Vec<usize> = (0..lines.first().map_or(0, Vec::len)).map(width).collect();
     let mut text = String::new();
     for line in lines {
@@ -163,7 +193,10 @@ mod tests {
 
     #[test]
     fn one_table_in_three_formats() {
-        assert_eq!(table().csv(), "rate_rad_s,outcome,apex_m\n0.10000000000000001,stroke,0.5\n5,stall,\n");
+        assert_eq!(
+            table().csv(),
+            "rate_rad_s,outcome,apex_m\n0.10000000000000001,stroke,0.5\n5,stall,\n"
+        );
         assert_eq!(
             Value::from(table().json()),
             json!([

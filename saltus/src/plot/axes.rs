@@ -70,7 +70,11 @@ impl Pen {
         vertical: VPos,
     ) -> TextStyle<'static> {
         let font = (FAMILY, f64::from(size * self.scale)).into_font();
-        TextStyle { font, color: color.to_backend_color(), pos: Pos::new(horizontal, vertical) }
+        TextStyle {
+            font,
+            color: color.to_backend_color(),
+            pos: Pos::new(horizontal, vertical),
+        }
     }
 }
 
@@ -114,8 +118,8 @@ impl Axes {
         Ok(chart)
     }
 
-    /// Height of an area of `width` with a title on which both axes have one scale; what they span grows where the area
-    /// would be too flat or too tall.
+    /// Height of an area of `width` with a title on which both axes have one scale; what they span
+    /// grows where the area would be too flat or too tall.
     pub(crate) fn equal_scale(&mut self, width: u32) -> u32 {
         const FLATTEST: f64 = 0.3;
         const TALLEST: f64 = 0.9;
@@ -142,7 +146,10 @@ pub(crate) fn titled<DB: DrawingBackend>(
     title: &str,
 ) -> Result<DrawingArea<DB, Shift>, plotters::drawing::DrawingAreaErrorKind<DB::ErrorType>> {
     let (line, rest) = area.split_vertically(pen.length(TITLE));
-    let place = (pen.offset((LEFT + EDGE).cast_signed()), pen.offset(TITLE.cast_signed() * 3 / 5));
+    let place = (
+        pen.offset((LEFT + EDGE).cast_signed()),
+        pen.offset(TITLE.cast_signed() * 3 / 5),
+    );
     line.draw_text(title, &pen.text(16, INK, HPos::Left, VPos::Center), place)?;
     Ok(rest)
 }
@@ -169,7 +176,8 @@ pub(crate) fn label<DB: DrawingBackend>(
 ) -> Drawn<DB> {
     let area = chart.plotting_area();
     let ((x, y), (left, top)) = (area.map_coordinate(&at), area.get_base_pixel());
-    area.strip_coord_spec().draw_text(text, style, (x - left + by.0, y - top + by.1))
+    area.strip_coord_spec()
+        .draw_text(text, style, (x - left + by.0, y - top + by.1))
 }
 
 /// Writes a key of names in their colours, one under the other, in the upper right corner.
@@ -192,5 +200,9 @@ pub(crate) fn notice<DB: DrawingBackend>(chart: &Chart<'_, DB>, pen: Pen, text: 
     let plain = chart.plotting_area().strip_coord_spec();
     let (width, height) = plain.dim_in_pixel();
     let middle = (width.cast_signed() / 2, height.cast_signed() / 2);
-    plain.draw_text(text.trim_end(), &pen.text(14, INK, HPos::Center, VPos::Center), middle)
+    plain.draw_text(
+        text.trim_end(),
+        &pen.text(14, INK, HPos::Center, VPos::Center),
+        middle,
+    )
 }

@@ -33,13 +33,24 @@ pub(crate) struct Curve {
 impl Curves {
     pub(crate) const SIZE: (u32, u32) = (900, 620);
 
-    pub(crate) fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, pen: Pen) -> Drawn<DB> {
-        let all = || self.lines.iter().flat_map(|curve| curve.points.iter().chain(&curve.late));
+    pub(crate) fn draw<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        pen: Pen,
+    ) -> Drawn<DB> {
+        let all = || {
+            self.lines
+                .iter()
+                .flat_map(|curve| curve.points.iter().chain(&curve.late))
+        };
         let x = span(all().map(|(x, _)| *x));
         let y = span(all().filter_map(|(_, y)| *y));
         // Room for the labels on the right.
         let x = padded(x.0, x.1 + 0.1 * (x.1 - x.0), 0.03);
-        let axes = Axes { x: (self.x, x), y: (self.y, padded(y.0, y.1, 0.06)) };
+        let axes = Axes {
+            x: (self.x, x),
+            y: (self.y, padded(y.0, y.1, 0.06)),
+        };
         let mut chart = axes.build(&titled(area, pen, &self.title)?, pen)?;
         let last = self.lines.len().saturating_sub(1).max(1) as f64;
         let mut taken: Vec<i32> = Vec::new();
@@ -51,13 +62,23 @@ impl Curves {
             for run in runs(&curve.points) {
                 chart.draw_series([PathElement::new(run.clone(), pen.line(color, 3))])?;
                 if curve.points.len() <= 30 {
-                    let dots = run.into_iter().map(|at| Circle::new(at, pen.length(3), color.filled()));
+                    let dots = run
+                        .into_iter()
+                        .map(|at| Circle::new(at, pen.length(3), color.filled()));
                     chart.draw_series(dots)?;
                 }
             }
-            let Some(end) = runs(&curve.points).last().and_then(|run| run.last().copied()) else { continue };
+            let Some(end) = runs(&curve.points)
+                .last()
+                .and_then(|run| run.last().copied())
+            else {
+                continue;
+            };
             let row = chart.plotting_area().map_coordinate(&end).1;
-            if taken.iter().all(|other| (row - other).abs() >= pen.offset(14)) {
+            if taken
+                .iter()
+                .all(|other| (row - other).abs() >= pen.offset(14))
+            {
                 let style = pen.text(12, color, HPos::Left, VPos::Center);
                 label(&chart, &curve.label, &style, end, (pen.offset(7), 0))?;
                 taken.push(row);
@@ -65,7 +86,11 @@ impl Curves {
         }
         if all().all(|(_, y)| y.is_none()) {
             notice(&chart, pen, &self.empty)?;
-        } else if self.lines.iter().any(|curve| curve.late.iter().any(|(_, y)| y.is_some())) {
+        } else if self
+            .lines
+            .iter()
+            .any(|curve| curve.late.iter().any(|(_, y)| y.is_some()))
+        {
             key(&chart, pen, [(self.late, INK)].into_iter())?;
         }
         Ok(())
@@ -88,7 +113,9 @@ fn runs(points: &[(f64, Option<f64>)]) -> Vec<Vec<(f64, f64)>> {
 
 /// Least and greatest of some numbers; 0 and 1 without any.
 pub(super) fn span(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+        (a.min(x), b.max(x))
+    });
     if low <= high { (low, high) } else { (0.0, 1.0) }
 }
 
@@ -98,8 +125,17 @@ mod tests {
 
     #[test]
     fn gaps_interrupt_a_curve() {
-        let points =
-            vec![(0.0, None), (1.0, Some(1.0)), (2.0, Some(2.0)), (3.0, None), (4.0, None), (5.0, Some(5.0))];
-        assert_eq!(runs(&points), [vec![(1.0, 1.0), (2.0, 2.0)], vec![(5.0, 5.0)]]);
+        let points = vec![
+            (0.0, None),
+            (1.0, Some(1.0)),
+            (2.0, Some(2.0)),
+            (3.0, None),
+            (4.0, None),
+            (5.0, Some(5.0)),
+        ];
+        assert_eq!(
+            runs(&points),
+            [vec![(1.0, 1.0), (2.0, 2.0)], vec![(5.0, 5.0)]]
+        );
     }
 }

@@ -48,8 +48,13 @@ impl Ground {
     /// Places that must be seen: the target and the ends of all that stands and lies there.
     pub(super) fn places(&self) -> impl Iterator<Item = f64> {
         let boxes = self.obstacles.iter().map(|(span, _)| *span);
-        let spans = boxes.chain(self.avoid.iter().copied()).chain(self.land.iter().copied()).chain(self.goal);
-        let ends = spans.flat_map(|(from, to)| [from, to]).filter(|x| x.is_finite());
+        let spans = boxes
+            .chain(self.avoid.iter().copied())
+            .chain(self.land.iter().copied())
+            .chain(self.goal);
+        let ends = spans
+            .flat_map(|(from, to)| [from, to])
+            .filter(|x| x.is_finite());
         self.target.into_iter().chain(ends)
     }
 
@@ -67,7 +72,11 @@ impl Ground {
     ) -> Drawn<DB> {
         let edge = |part: Part| {
             let is_missed = self.missed.contains(&part);
-            if is_missed { pen.line(RED, 3) } else { pen.line(INK, 1) }
+            if is_missed {
+                pen.line(RED, 3)
+            } else {
+                pen.line(INK, 1)
+            }
         };
         for (i, &((from, to), top)) in self.obstacles.iter().enumerate() {
             let corners = [(from, 0.0), (to, top)];
@@ -79,19 +88,41 @@ impl Ground {
             chart.draw_series([Rectangle::new(corners, DARK.filled())])?;
             chart.draw_series([Rectangle::new(corners, edge(Part::Avoid(i)))])?;
         }
-        chart.draw_series([PathElement::new(vec![(ends.0, 0.0), (ends.1, 0.0)], pen.line(INK, 2))])?;
-        let zones = self.land.iter().enumerate().map(|(i, span)| (Part::Land(i), *span));
+        chart.draw_series([PathElement::new(
+            vec![(ends.0, 0.0), (ends.1, 0.0)],
+            pen.line(INK, 2),
+        )])?;
+        let zones = self
+            .land
+            .iter()
+            .enumerate()
+            .map(|(i, span)| (Part::Land(i), *span));
         for (part, (from, to)) in zones.chain(self.goal.map(|goal| (Part::Goal, goal))) {
             let row = if part == Part::Goal { 1.0 } else { 0.0 };
-            let corners = [(from.max(ends.0), -STRIP * (row + 1.0)), (to.min(ends.1), -STRIP * row)];
-            let color = if self.missed.contains(&part) { RED } else { GREEN };
+            let corners = [
+                (from.max(ends.0), -STRIP * (row + 1.0)),
+                (to.min(ends.1), -STRIP * row),
+            ];
+            let color = if self.missed.contains(&part) {
+                RED
+            } else {
+                GREEN
+            };
             chart.draw_series([Rectangle::new(corners, color.mix(0.4 + 0.3 * row).filled())])?;
         }
-        let Some(target) = self.target else { return Ok(()) };
+        let Some(target) = self.target else {
+            return Ok(());
+        };
         let mark = vec![(target, 0.0), (target, -2.0 * STRIP)];
         chart.draw_series([PathElement::new(mark, pen.line(BLUE, 2))])?;
         let style = pen.text(12, BLUE, HPos::Center, VPos::Top);
-        label(chart, self.target_name, &style, (target, -2.0 * STRIP), (0, pen.offset(2)))
+        label(
+            chart,
+            self.target_name,
+            &style,
+            (target, -2.0 * STRIP),
+            (0, pen.offset(2)),
+        )
     }
 
     /// Writes the key in the upper right corner: `words`, and what the zones' colours say.
@@ -116,6 +147,10 @@ impl Ground {
         }
         let plain = chart.plotting_area().strip_coord_spec();
         let right = plain.dim_in_pixel().0.cast_signed() - pen.offset(10);
-        plain.draw_text(&words, &pen.text(13, INK, HPos::Right, VPos::Top), (right, pen.offset(8)))
+        plain.draw_text(
+            &words,
+            &pen.text(13, INK, HPos::Right, VPos::Top),
+            (right, pen.offset(8)),
+        )
     }
 }

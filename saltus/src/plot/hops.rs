@@ -49,7 +49,11 @@ impl Hops {
         (WIDTH, self.panels.iter().map(Panel::height).sum())
     }
 
-    pub(crate) fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, pen: Pen) -> Drawn<DB> {
+    pub(crate) fn draw<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        pen: Pen,
+    ) -> Drawn<DB> {
         let mut rest = area.clone();
         for panel in &self.panels {
             let (here, below) = rest.split_vertically(pen.length(panel.height()));
@@ -62,12 +66,23 @@ impl Hops {
 
 impl Panel {
     fn axes(&self) -> Axes {
-        let points = || self.hops.iter().flat_map(|hop| hop.arc.iter().chain(&hop.knee)).copied();
+        let points = || {
+            self.hops
+                .iter()
+                .flat_map(|hop| hop.arc.iter().chain(&hop.knee))
+                .copied()
+        };
         let places = || points().map(|(x, _)| x).chain(self.ground.places());
         let least = places().fold(self.start.0, f64::min);
         let most = places().fold(self.start.0, f64::max);
-        let top = points().map(|(_, y)| y).chain(self.ground.tops()).fold(0.2, f64::max);
-        Axes { x: ("x (m)", padded(least, most, 0.05)), y: ("y (m)", -CELLAR..(1.0 + HEADROOM) * top) }
+        let top = points()
+            .map(|(_, y)| y)
+            .chain(self.ground.tops())
+            .fold(0.2, f64::max);
+        Axes {
+            x: ("x (m)", padded(least, most, 0.05)),
+            y: ("y (m)", -CELLAR..(1.0 + HEADROOM) * top),
+        }
     }
 
     fn height(&self) -> u32 {
@@ -78,27 +93,46 @@ impl Panel {
         let mut axes = self.axes();
         axes.equal_scale(WIDTH);
         let mut chart = axes.build(&titled(area, pen, &self.title)?, pen)?;
-        self.ground.draw(&mut chart, pen, (axes.x.1.start, axes.x.1.end))?;
+        self.ground
+            .draw(&mut chart, pen, (axes.x.1.start, axes.x.1.end))?;
         for hop in &self.hops {
             hop.draw(&mut chart, pen)?;
         }
         chart.draw_series([Circle::new(self.start, pen.length(4), INK.filled())])?;
         let style = pen.text(12, INK, HPos::Center, VPos::Top);
-        label(&chart, "start", &style, (self.start.0, 0.0), (0, pen.offset(9)))?;
-        self.ground.draw_key(&chart, pen, "leg at take-off black, foot in flight dotted, knee grey")
+        label(
+            &chart,
+            "start",
+            &style,
+            (self.start.0, 0.0),
+            (0, pen.offset(9)),
+        )?;
+        self.ground.draw_key(
+            &chart,
+            pen,
+            "leg at take-off black, foot in flight dotted, knee grey",
+        )
     }
 }
 
 impl Hop {
     fn draw<DB: DrawingBackend>(&self, chart: &mut Chart<'_, DB>, pen: Pen) -> Drawn<DB> {
         chart.draw_series([PathElement::new(self.knee.clone(), pen.line(GREY, 1))])?;
-        chart.draw_series([PathElement::new(vec![self.foot, self.hip], pen.line(INK, 3))])?;
+        chart.draw_series([PathElement::new(
+            vec![self.foot, self.hip],
+            pen.line(INK, 3),
+        )])?;
         let dots = dots(chart, &self.arc, pen);
-        chart.draw_series(dots.into_iter().map(|at| Circle::new(at, pen.length(1), BLUE.filled())))?;
+        chart.draw_series(
+            dots.into_iter()
+                .map(|at| Circle::new(at, pen.length(1), BLUE.filled())),
+        )?;
         let ends = [Some(&self.foot), self.arc.last()].into_iter().flatten();
         chart.draw_series(ends.map(|at| Circle::new(*at, pen.length(3), BLUE.filled())))?;
         let highest = |path: &[(f64, f64)]| path.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
-        let (Some(foot), Some(knee)) = (highest(&self.arc), highest(&self.knee)) else { return Ok(()) };
+        let (Some(foot), Some(knee)) = (highest(&self.arc), highest(&self.knee)) else {
+            return Ok(());
+        };
         let above = (f64::midpoint(foot.0, knee.0), foot.1.max(knee.1));
         let style = pen.text(12, INK, HPos::Center, VPos::Bottom);
         for (line, rise) in self.label.iter().rev().zip([-5, -20]) {

@@ -1,4 +1,5 @@
-//! Linear laws: exact and fitted firing angles over the approach rate, and what is left between them.
+//! Linear laws: exact and fitted firing angles over the approach rate, and what is left between
+//! them.
 
 use plotters::coord::Shift;
 use plotters::element::{Circle, PathElement};
@@ -31,16 +32,26 @@ pub(crate) struct Line {
 impl LawPlot {
     pub(crate) const SIZE: (u32, u32) = (WIDTH, ANGLES + RESIDUALS);
 
-    pub(crate) fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, pen: Pen) -> Drawn<DB> {
+    pub(crate) fn draw<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        pen: Pen,
+    ) -> Drawn<DB> {
         let (upper, lower) = area.split_vertically(pen.length(ANGLES));
         let all = || self.lines.iter().flat_map(|line| &line.points);
         let (low, high) = span(all().map(|p| p.0));
         let rates = padded(low, high, 0.04);
         let (low, high) = span(all().flat_map(|p| [p.1, p.2]));
         // Room for a label of each line on top.
-        let angles = padded(low, high + 0.07 * self.lines.len() as f64 * (high - low).max(1e-3), 0.08);
-        let axes =
-            Axes { x: ("approach rate ω (rad/s)", rates.clone()), y: ("firing angle α_f (rad)", angles) };
+        let angles = padded(
+            low,
+            high + 0.07 * self.lines.len() as f64 * (high - low).max(1e-3),
+            0.08,
+        );
+        let axes = Axes {
+            x: ("approach rate ω (rad/s)", rates.clone()),
+            y: ("firing angle α_f (rad)", angles),
+        };
         let mut chart = axes.build(&titled(&upper, pen, &self.title)?, pen)?;
         self.draw_angles(&mut chart, pen)?;
         if self.lines.is_empty() {
@@ -54,8 +65,10 @@ impl LawPlot {
             y: ("residual (mrad)", padded(-most, most, 0.15)),
         };
         let mut chart = axes.build(&lower, pen)?;
-        chart
-            .draw_series([PathElement::new(vec![(rates.start, 0.0), (rates.end, 0.0)], pen.line(GREY, 1))])?;
+        chart.draw_series([PathElement::new(
+            vec![(rates.start, 0.0), (rates.end, 0.0)],
+            pen.line(GREY, 1),
+        )])?;
         self.draw_residuals(&mut chart, pen)
     }
 
@@ -72,7 +85,9 @@ impl LawPlot {
             let fitted = line.points.iter().map(|p| (p.0, p.2)).collect::<Vec<_>>();
             chart.draw_series([PathElement::new(fitted, pen.line(color, 2))])?;
             chart.draw_series(
-                line.points.iter().map(|p| Circle::new((p.0, p.1), pen.length(4), color.filled())),
+                line.points
+                    .iter()
+                    .map(|p| Circle::new((p.0, p.1), pen.length(4), color.filled())),
             )?;
         }
         Ok(())
@@ -82,10 +97,13 @@ impl LawPlot {
         for (i, line) in self.lines.iter().enumerate() {
             let color = self.color(i);
             let residual = |p: &(f64, f64, f64)| (p.0, 1e3 * (p.2 - p.1));
-            let stem = |p| PathElement::new(vec![(residual(p).0, 0.0), residual(p)], pen.line(color, 1));
+            let stem =
+                |p| PathElement::new(vec![(residual(p).0, 0.0), residual(p)], pen.line(color, 1));
             chart.draw_series(line.points.iter().map(stem))?;
             chart.draw_series(
-                line.points.iter().map(|p| Circle::new(residual(p), pen.length(3), color.filled())),
+                line.points
+                    .iter()
+                    .map(|p| Circle::new(residual(p), pen.length(3), color.filled())),
             )?;
         }
         Ok(())

@@ -1,4 +1,5 @@
-//! Maps: one coloured cell for each approach rate and firing angle, contours over them, other outcomes than a jump in grey.
+//! Maps: one coloured cell for each approach rate and firing angle, contours over them, other
+//! outcomes than a jump in grey.
 
 use plotters::coord::Shift;
 use plotters::element::{PathElement, Rectangle};
@@ -39,10 +40,17 @@ pub(crate) struct Panel {
 
 impl MapPlot {
     pub(crate) fn size(&self) -> (u32, u32) {
-        (WIDTH, TITLE + HEIGHT * u32::try_from(self.panels.len()).unwrap_or(1))
+        (
+            WIDTH,
+            TITLE + HEIGHT * u32::try_from(self.panels.len()).unwrap_or(1),
+        )
     }
 
-    pub(crate) fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, pen: Pen) -> Drawn<DB> {
+    pub(crate) fn draw<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        pen: Pen,
+    ) -> Drawn<DB> {
         let mut rest = titled(area, pen, &self.title)?;
         for panel in &self.panels {
             let (here, below) = rest.split_vertically(pen.length(HEIGHT));
@@ -63,7 +71,13 @@ impl MapPlot {
         let (left, right) = body.split_horizontally(pen.length(WIDTH - SCALE));
         let (x, y) = (edges(&self.rates), edges(&self.angles));
         let (low, high) = span(panel.values.iter().flatten().copied());
-        let share = |value: f64| if high > low { (value - low) / (high - low) } else { 0.5 };
+        let share = |value: f64| {
+            if high > low {
+                (value - low) / (high - low)
+            } else {
+                0.5
+            }
+        };
         let axes = Axes {
             x: ("approach rate ω (rad/s)", span_of(&x)),
             y: ("firing angle α_f (rad)", span_of(&y)),
@@ -73,7 +87,10 @@ impl MapPlot {
         chart.draw_series(panel.values.iter().enumerate().map(|(i, value)| {
             let (column, row) = (i / height, i % height);
             let color = value.map_or_else(|| grey(self.outcomes[i]), |value| viridis(share(value)));
-            Rectangle::new([(x[column], y[row]), (x[column + 1], y[row + 1])], color.filled())
+            Rectangle::new(
+                [(x[column], y[row]), (x[column + 1], y[row + 1])],
+                color.filled(),
+            )
         }))?;
         if panel.values.iter().all(Option::is_none) {
             return notice(
@@ -101,13 +118,22 @@ impl MapPlot {
                 None => counts.push((outcome, 1)),
             }
         }
-        counts.iter().map(|(name, count)| format!("{count} {name}")).collect::<Vec<_>>().join(", ")
+        counts
+            .iter()
+            .map(|(name, count)| format!("{count} {name}"))
+            .collect::<Vec<_>>()
+            .join(", ")
     }
 
     /// The regions with values, most cells first.
     fn regions(&self, panel: &Panel) -> Vec<(&'static str, Vec<usize>)> {
         let mut regions: Vec<(&'static str, Vec<usize>)> = Vec::new();
-        for (i, outcome) in self.outcomes.iter().enumerate().filter(|(i, _)| panel.values[*i].is_some()) {
+        for (i, outcome) in self
+            .outcomes
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| panel.values[*i].is_some())
+        {
             match regions.iter_mut().find(|(known, _)| known == outcome) {
                 Some((_, cells)) => cells.push(i),
                 None => regions.push((outcome, vec![i])),
@@ -126,7 +152,9 @@ impl MapPlot {
     ) -> Drawn<DB> {
         let height = self.angles.len();
         let differ = |a: usize, b: usize| {
-            self.outcomes[a] != self.outcomes[b] && panel.values[a].is_some() && panel.values[b].is_some()
+            self.outcomes[a] != self.outcomes[b]
+                && panel.values[a].is_some()
+                && panel.values[b].is_some()
         };
         let mut lines = Vec::new();
         for i in 0..self.outcomes.len() {
@@ -138,26 +166,41 @@ impl MapPlot {
                 lines.push(vec![(x[column + 1], y[row]), (x[column + 1], y[row + 1])]);
             }
         }
-        chart.draw_series(lines.into_iter().map(|line| PathElement::new(line, pen.line(INK, 2))))?;
+        chart.draw_series(
+            lines
+                .into_iter()
+                .map(|line| PathElement::new(line, pen.line(INK, 2))),
+        )?;
         Ok(())
     }
 
-    /// The name of each region with values, and a cell of it by its middle, where there are several.
+    /// The name of each region with values, and a cell of it by its middle, where there are
+    /// several.
     fn named_regions(&self, panel: &Panel) -> Vec<(&'static str, (f64, f64))> {
         let height = self.angles.len();
         let place = |i: &usize| (self.rates[i / height], self.angles[i % height]);
         let (wide, high) = (extent(&self.rates), extent(&self.angles));
         let middle = |(name, cells): &(&'static str, Vec<usize>)| {
             let count = cells.len() as f64;
-            let sum = cells.iter().map(place).fold((0.0, 0.0), |sum, at| (sum.0 + at.0, sum.1 + at.1));
+            let sum = cells
+                .iter()
+                .map(place)
+                .fold((0.0, 0.0), |sum, at| (sum.0 + at.0, sum.1 + at.1));
             let off = |at: (f64, f64)| {
                 ((at.0 - sum.0 / count) / wide).powi(2) + ((at.1 - sum.1 / count) / high).powi(2)
             };
-            let nearest = cells.iter().map(place).min_by(|a, b| off(*a).total_cmp(&off(*b)))?;
+            let nearest = cells
+                .iter()
+                .map(place)
+                .min_by(|a, b| off(*a).total_cmp(&off(*b)))?;
             Some((*name, nearest))
         };
         let regions = self.regions(panel);
-        if regions.len() > 1 { regions.iter().filter_map(middle).collect() } else { Vec::new() }
+        if regions.len() > 1 {
+            regions.iter().filter_map(middle).collect()
+        } else {
+            Vec::new()
+        }
     }
 
     fn draw_contours<DB: DrawingBackend>(
@@ -168,22 +211,33 @@ impl MapPlot {
         levels: &[f64],
         names: &[(&'static str, (f64, f64))],
     ) -> Drawn<DB> {
-        let field = Field { x: &self.rates, y: &self.angles, values: &panel.values, kinds: &self.outcomes };
+        let field = Field {
+            x: &self.rates,
+            y: &self.angles,
+            values: &panel.values,
+            kinds: &self.outcomes,
+        };
         let style = pen.line(RGBColor(255, 255, 255), 1);
-        let mut taken: Vec<(i32, i32)> =
-            names.iter().map(|(_, place)| chart.plotting_area().map_coordinate(place)).collect();
+        let mut taken: Vec<(i32, i32)> = names
+            .iter()
+            .map(|(_, place)| chart.plotting_area().map_coordinate(place))
+            .collect();
         for &level in levels {
             let lines = field.segments(level);
-            chart.draw_series(lines.iter().map(|line| PathElement::new(line.to_vec(), style)))?;
+            chart.draw_series(
+                lines
+                    .iter()
+                    .map(|line| PathElement::new(line.to_vec(), style)),
+            )?;
             // Its number stands where there is room, as near the middle of the line as may be.
             let middle = lines.len() / 2;
             let mut order: Vec<usize> = (0..lines.len()).collect();
             order.sort_by_key(|&i| i.abs_diff(middle));
             let place = |i: &usize| chart.plotting_area().map_coordinate(&lines[*i][0]);
             let is_free = |at: &(i32, i32)| {
-                taken
-                    .iter()
-                    .all(|t| (t.0 - at.0).abs() > pen.offset(56) || (t.1 - at.1).abs() > pen.offset(18))
+                taken.iter().all(|t| {
+                    (t.0 - at.0).abs() > pen.offset(56) || (t.1 - at.1).abs() > pen.offset(18)
+                })
             };
             if let Some(i) = order.into_iter().find(|i| is_free(&place(i))) {
                 taken.push(place(&i));
@@ -214,7 +268,10 @@ impl MapPlot {
         let regions = self.regions(panel);
         if regions.len() > 1 {
             let half = pen.offset(9);
-            area.draw(&PathElement::new(vec![(left, middle), (left + 2 * half, middle)], pen.line(INK, 2)))?;
+            area.draw(&PathElement::new(
+                vec![(left, middle), (left + 2 * half, middle)],
+                pen.line(INK, 2),
+            ))?;
             left += 2 * half + pen.offset(6);
             let kinds: Vec<&str> = regions.iter().map(|(name, _)| *name).collect();
             let words = format!("border of {}", kinds.join(" and "));
@@ -235,14 +292,22 @@ impl MapPlot {
 }
 
 /// A small label on the map, on a light ground.
-fn tag<DB: DrawingBackend>(chart: &Chart<'_, DB>, pen: Pen, text: &str, at: (f64, f64)) -> Drawn<DB> {
+fn tag<DB: DrawingBackend>(
+    chart: &Chart<'_, DB>,
+    pen: Pen,
+    text: &str,
+    at: (f64, f64),
+) -> Drawn<DB> {
     let area = chart.plotting_area();
     let ((x, y), (left, top)) = (area.map_coordinate(&at), area.get_base_pixel());
     let (x, y) = (x - left, y - top);
     let count = i32::try_from(text.chars().count()).unwrap_or(0);
     let (half, high) = (pen.offset(4 * count + 3), pen.offset(7));
     let plain = area.strip_coord_spec();
-    plain.draw(&Rectangle::new([(x - half, y - high), (x + half, y + high)], WHITE.mix(0.75).filled()))?;
+    plain.draw(&Rectangle::new(
+        [(x - half, y - high), (x + half, y + high)],
+        WHITE.mix(0.75).filled(),
+    ))?;
     plain.draw_text(text, &pen.text(11, INK, HPos::Center, VPos::Center), (x, y))
 }
 
@@ -267,18 +332,27 @@ fn draw_scale<DB: DrawingBackend>(
     levels: &[f64],
 ) -> Drawn<DB> {
     const STEPS: i32 = 100;
-    let (top, bottom) = (pen.offset(14), pen.offset((HEIGHT - HEAD).cast_signed() - 61));
+    let (top, bottom) = (
+        pen.offset(14),
+        pen.offset((HEIGHT - HEAD).cast_signed() - 61),
+    );
     let (left, right) = (pen.offset(2), pen.offset(18));
     let place = |share: f64| f64::from(bottom) - share * f64::from(bottom - top);
     for i in 0..STEPS {
         let share = |i: i32| f64::from(i) / f64::from(STEPS);
         let (from, to) = (rounded(place(share(i))), rounded(place(share(i + 1))));
-        area.draw(&Rectangle::new([(left, to), (right, from)], viridis(share(i)).filled()))?;
+        area.draw(&Rectangle::new(
+            [(left, to), (right, from)],
+            viridis(share(i)).filled(),
+        ))?;
     }
     let style = pen.text(12, INK, HPos::Left, VPos::Center);
     for &level in levels {
         let row = rounded(place((level - low) / (high - low)));
-        area.draw(&PathElement::new(vec![(left, row), (right, row)], pen.line(RGBColor(255, 255, 255), 1)))?;
+        area.draw(&PathElement::new(
+            vec![(left, row), (right, row)],
+            pen.line(RGBColor(255, 255, 255), 1),
+        ))?;
         area.draw_text(&tick(level), &style, (right + pen.offset(6), row))?;
     }
     Ok(())
@@ -305,13 +379,20 @@ fn grey(outcome: &str) -> RGBColor {
 
 /// Where the cells around `centres` end: half-way between neighbours.
 fn edges(centres: &[f64]) -> Vec<f64> {
-    let (Some(first), Some(last)) = (centres.first(), centres.last()) else { return vec![0.0, 1.0] };
+    let (Some(first), Some(last)) = (centres.first(), centres.last()) else {
+        return vec![0.0, 1.0];
+    };
     let [begin, end] = match centres {
         [.., a, b] => [(centres[1] - centres[0]) / 2.0, (b - a) / 2.0],
         _ => [0.5, 0.5],
     };
-    let between = centres.windows(2).map(|pair| f64::midpoint(pair[0], pair[1]));
-    std::iter::once(first - begin).chain(between).chain(std::iter::once(last + end)).collect()
+    let between = centres
+        .windows(2)
+        .map(|pair| f64::midpoint(pair[0], pair[1]));
+    std::iter::once(first - begin)
+        .chain(between)
+        .chain(std::iter::once(last + end))
+        .collect()
 }
 
 fn span_of(edges: &[f64]) -> std::ops::Range<f64> {

@@ -16,7 +16,9 @@ pub(crate) mod trajectories;
 use std::path::{Path, PathBuf};
 
 use plotters::coord::Shift;
-use plotters::prelude::{BitMapBackend, DrawingArea, DrawingBackend, IntoDrawingArea, SVGBackend, WHITE};
+use plotters::prelude::{
+    BitMapBackend, DrawingArea, DrawingBackend, IntoDrawingArea, SVGBackend, WHITE,
+};
 
 use crate::error::CliError;
 use axes::Pen;
@@ -64,10 +66,18 @@ impl PlotFile {
     /// Parser of the flag: the ending says what kind of file it is.
     pub(crate) fn parse(text: &str) -> Result<PlotFile, String> {
         let path = PathBuf::from(text);
-        let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+        let ending = path
+            .extension()
+            .map(|ending| ending.to_string_lossy().to_ascii_lowercase());
         match ending.as_deref() {
-            Some("svg") => Ok(PlotFile { path, kind: Kind::Svg }),
-            Some("png") => Ok(PlotFile { path, kind: Kind::Png }),
+            Some("svg") => Ok(PlotFile {
+                path,
+                kind: Kind::Svg,
+            }),
+            Some("png") => Ok(PlotFile {
+                path,
+                kind: Kind::Png,
+            }),
             _ => Err("the name must end in .svg or .png".into()),
         }
     }
@@ -78,7 +88,10 @@ impl PlotFile {
 
     /// The bytes of the file.
     pub(crate) fn draw(&self, drawing: &Drawing) -> Result<Vec<u8>, CliError> {
-        let failed = |reason: String| CliError::Plot { file: self.path.clone(), reason };
+        let failed = |reason: String| CliError::Plot {
+            file: self.path.clone(),
+            reason,
+        };
         axes::register_font().map_err(failed)?;
         match self.kind {
             Kind::Svg => svg(drawing).map_err(failed),
@@ -90,7 +103,9 @@ impl PlotFile {
 fn svg(drawing: &Drawing) -> Result<Vec<u8>, String> {
     let mut text = String::new();
     let area = SVGBackend::with_string(&mut text, drawing.size()).into_drawing_area();
-    drawing.draw(&area, Pen::new(1)).map_err(|error| error.to_string())?;
+    drawing
+        .draw(&area, Pen::new(1))
+        .map_err(|error| error.to_string())?;
     drop(area);
     Ok(text.into_bytes())
 }
@@ -100,7 +115,9 @@ fn png(drawing: &Drawing) -> Result<Vec<u8>, String> {
     let size = (width * PNG_SCALE, height * PNG_SCALE);
     let mut pixels = vec![0; 3 * size.0 as usize * size.1 as usize];
     let area = BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area();
-    drawing.draw(&area, Pen::new(PNG_SCALE)).map_err(|error| error.to_string())?;
+    drawing
+        .draw(&area, Pen::new(PNG_SCALE))
+        .map_err(|error| error.to_string())?;
     drop(area);
     encode(&pixels, size).map_err(|error| error.to_string())
 }

@@ -52,10 +52,17 @@ pub(crate) enum Mark {
 impl Sheet {
     pub(crate) fn size(&self) -> (u32, u32) {
         let rows = u32::try_from(self.panels.len().div_ceil(2)).unwrap_or(1);
-        (WIDTH, rows * PANEL + TITLE + self.course.as_ref().map_or(0, Flown::height))
+        (
+            WIDTH,
+            rows * PANEL + TITLE + self.course.as_ref().map_or(0, Flown::height),
+        )
     }
 
-    pub(crate) fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, pen: Pen) -> Drawn<DB> {
+    pub(crate) fn draw<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        pen: Pen,
+    ) -> Drawn<DB> {
         let mut rest = titled(area, pen, &self.title)?;
         if let Some(course) = &self.course {
             let (top, below) = rest.split_vertically(pen.length(course.height()));
@@ -79,9 +86,16 @@ impl Panel {
         let points = || self.lines.iter().flat_map(|line| &line.points);
         let (x, y) = (span(points().map(|p| p.0)), span(points().map(|p| p.1)));
         // The key has room above.
-        let rows = self.lines.iter().filter(|line| line.label.is_some()).count();
+        let rows = self
+            .lines
+            .iter()
+            .filter(|line| line.label.is_some())
+            .count();
         let top = y.1 + (y.1 - y.0) * 0.08 * rows.min(5) as f64;
-        let axes = Axes { x: (self.x, padded(x.0, x.1, 0.03)), y: (self.y, padded(y.0, top, 0.06)) };
+        let axes = Axes {
+            x: (self.x, padded(x.0, x.1, 0.03)),
+            y: (self.y, padded(y.0, top, 0.06)),
+        };
         let mut chart = axes.build(&rest, pen)?;
         for line in &self.lines {
             line.draw(&mut chart, pen)?;
@@ -96,7 +110,11 @@ impl Line {
         self.label.as_deref().map(|label| (label, self.color))
     }
 
-    pub(super) fn draw<DB: DrawingBackend>(&self, chart: &mut Chart<'_, DB>, pen: Pen) -> Drawn<DB> {
+    pub(super) fn draw<DB: DrawingBackend>(
+        &self,
+        chart: &mut Chart<'_, DB>,
+        pen: Pen,
+    ) -> Drawn<DB> {
         let stroke = pen.line(self.color, 2);
         let points = self.points.iter().copied();
         match self.mark {
@@ -108,7 +126,8 @@ impl Line {
                 chart.draw_series([DashedPathElement::new(points, dash, gap, stroke)])?;
             }
             Mark::Dots => {
-                let dots = points.map(|at| Circle::new(at, pen.length(3), self.color.mix(0.6).filled()));
+                let dots =
+                    points.map(|at| Circle::new(at, pen.length(3), self.color.mix(0.6).filled()));
                 chart.draw_series(dots)?;
             }
         }

@@ -4,10 +4,12 @@ use saltus_planner::course::Span;
 
 use super::Flown;
 
-/// A length demand (m) that is missed by less than this is met: the simulation and the planner differ by as much.
+/// A length demand (m) that is missed by less than this is met: the simulation and the planner
+/// differ by as much.
 pub const ROUND_OFF: f64 = 1e-5;
 
-/// The same of a friction coefficient: the simulation takes the stance's greatest from samples 1 ms apart.
+/// The same of a friction coefficient: the simulation takes the stance's greatest from samples 1 ms
+/// apart.
 const FRICTION_ROUND_OFF: f64 = 1e-3;
 
 /// Something that is demanded of a jump.
@@ -15,7 +17,8 @@ const FRICTION_ROUND_OFF: f64 = 1e-3;
 pub enum Demand {
     /// The axle comes down to its landing height.
     Touchdown,
-    /// Landing and next foothold are on a surface of the planned height: on a box's top, or on the ground and in no box.
+    /// Landing and next foothold are on a surface of the planned height: on a box's top, or on the
+    /// ground and in no box.
     Ground,
     /// The landing keeps the course's distance from every edge of a box.
     Edge,
@@ -27,7 +30,8 @@ pub enum Demand {
     Goal,
     /// The landing is where it is wanted, to the tolerance.
     Tolerance,
-    /// In flight the wheel, and the fired leg while it is out, keeps the course's clearance from every box.
+    /// In flight the wheel, and the fired leg while it is out, keeps the course's clearance from
+    /// every box.
     Clearance,
     /// In the stance the wheel touches no box.
     Stance,
@@ -73,7 +77,11 @@ impl Demand {
     }
 
     fn round_off(self) -> f64 {
-        if self == Demand::Friction { FRICTION_ROUND_OFF } else { ROUND_OFF }
+        if self == Demand::Friction {
+            FRICTION_ROUND_OFF
+        } else {
+            ROUND_OFF
+        }
     }
 }
 
@@ -82,11 +90,11 @@ impl Demand {
 pub struct Judgement {
     /// The demand.
     pub demand: Demand,
-    /// How far inside the demand's limit (m; of friction 1) the jump stays; negative: outside. Infinite for
-    /// [`Demand::Touchdown`].
+    /// How far inside the demand's limit (m; of friction 1) the jump stays; negative: outside.
+    /// Infinite for [`Demand::Touchdown`].
     pub margin: f64,
-    /// What was measured: a place's distance (m) beyond the limit's far end, negative short of its near end; a landing error
-    /// (m), a distance to a box (m), a friction coefficient.
+    /// What was measured: a place's distance (m) beyond the limit's far end, negative short of its
+    /// near end; a landing error (m), a distance to a box (m), a friction coefficient.
     pub value: f64,
     /// The box or area that it is about, from 0.
     pub item: Option<usize>,
@@ -102,21 +110,31 @@ impl Judgement {
     pub fn miss(&self) -> String {
         let number = self.item.map_or(0, |item| item + 1);
         let (off, value) = (length(self.margin), length(self.value));
-        let side = if self.value < 0.0 { "short of" } else { "beyond" };
+        let side = if self.value < 0.0 {
+            "short of"
+        } else {
+            "beyond"
+        };
         match self.demand {
             Demand::Touchdown => "does not land".into(),
-            Demand::Ground if self.item.is_some() => format!("comes down {off} inside obstacle {number}"),
+            Demand::Ground if self.item.is_some() => {
+                format!("comes down {off} inside obstacle {number}")
+            }
             Demand::Ground => format!("misses the top that it should land on by {off}"),
             Demand::Edge => format!("lands {off} too near to an edge of obstacle {number}"),
             Demand::Avoid => format!("lands {off} inside avoid area {number}"),
             Demand::Zone => format!("lands {off} {side} its landing zone"),
             Demand::Goal => format!("lands {off} {side} the goal"),
-            Demand::Tolerance if !self.value.is_finite() => "lands where the planner has no landing".into(),
+            Demand::Tolerance if !self.value.is_finite() => {
+                "lands where the planner has no landing".into()
+            }
             Demand::Tolerance => {
                 let allowed = length(self.value.abs() + self.margin);
                 format!("{}, {allowed} are allowed", self.place())
             }
-            Demand::Clearance if self.value < 0.0 => format!("touches obstacle {number} by {value}"),
+            Demand::Clearance if self.value < 0.0 => {
+                format!("touches obstacle {number} by {value}")
+            }
             Demand::Clearance => {
                 let wanted = length(self.value - self.margin);
                 format!("keeps {value} from obstacle {number}, {wanted} are demanded")
@@ -134,7 +152,11 @@ impl Judgement {
 impl Judgement {
     /// Where a landing judged by [`Demand::Tolerance`] is, in words.
     pub fn place(&self) -> String {
-        let side = if self.value < 0.0 { "short of" } else { "beyond" };
+        let side = if self.value < 0.0 {
+            "short of"
+        } else {
+            "beyond"
+        };
         format!("lands {} {side} the wanted place", length(self.value))
     }
 }
@@ -149,7 +171,11 @@ pub(super) fn length(x: f64) -> String {
         _ => 3,
     };
     let text = format!("{mm:.decimals$}");
-    let text = if decimals > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    let text = if decimals > 0 {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        &text
+    };
     format!("{text} mm")
 }
 
@@ -209,7 +235,8 @@ impl Demands {
         }
     }
 
-    /// Whether a wheel at `x` (m along the course) stands on box number `item` if its foot is at `height` (m).
+    /// Whether a wheel at `x` (m along the course) stands on box number `item` if its foot is at
+    /// `height` (m).
     pub(super) fn carries(&self, item: usize, x: f64, height: f64) -> bool {
         let [front, back, top] = self.obstacles[item];
         top == height && x >= front - ROUND_OFF && x <= back + ROUND_OFF
@@ -217,49 +244,93 @@ impl Demands {
 
     /// All that is demanded of a landing's place.
     pub(super) fn of_landing(&self, landing: &Landing) -> Vec<Judgement> {
-        let Landing { jump, is_last, place, wanted, surface } = *landing;
+        let Landing {
+            jump,
+            is_last,
+            place,
+            wanted,
+            surface,
+        } = *landing;
         let mut found = Vec::new();
         if let Some(height) = surface {
             let foothold = (!is_last).then_some(place + self.roll);
-            let ground = [Some(place), foothold].into_iter().flatten().map(|x| self.ground(x, height));
+            let ground = [Some(place), foothold]
+                .into_iter()
+                .flatten()
+                .map(|x| self.ground(x, height));
             found.extend(ground.min_by(by_margin));
             found.extend(self.edge(place, height).filter(|_| self.edge_margin > 0.0));
         }
         let outside = self.avoid.iter().enumerate().map(|(item, area)| {
             let margin = (area.low - place).max(place - area.high);
-            Judgement { demand: Demand::Avoid, margin, value: margin, item: Some(item) }
+            Judgement {
+                demand: Demand::Avoid,
+                margin,
+                value: margin,
+                item: Some(item),
+            }
         });
         found.extend(outside.min_by(by_margin));
         let zone = self.zones.get(jump).copied().flatten();
         found.extend(zone.map(|zone| inside(Demand::Zone, zone, place)));
-        found.extend(self.goal.filter(|_| is_last).map(|goal| inside(Demand::Goal, goal, place)));
+        found.extend(
+            self.goal
+                .filter(|_| is_last)
+                .map(|goal| inside(Demand::Goal, goal, place)),
+        );
         let error = place - wanted;
         let margin = self.tolerance - error.abs();
-        found.push(Judgement { demand: Demand::Tolerance, margin, value: error, item: None });
+        found.push(Judgement {
+            demand: Demand::Tolerance,
+            margin,
+            value: error,
+            item: None,
+        });
         found
     }
 
-    /// Whether there is a surface of this height (m) at `x` (m): its margin counts from the surface's ends.
+    /// Whether there is a surface of this height (m) at `x` (m): its margin counts from the
+    /// surface's ends.
     fn ground(&self, x: f64, height: f64) -> Judgement {
-        let judged = |margin, item| Judgement { demand: Demand::Ground, margin, value: margin, item };
+        let judged = |margin, item| Judgement {
+            demand: Demand::Ground,
+            margin,
+            value: margin,
+            item,
+        };
         let tops = self.obstacles.iter().filter(|solid| solid[2] == height);
-        let top = tops.map(|[front, back, _]| (x - front).min(back - x)).reduce(f64::max);
+        let top = tops
+            .map(|[front, back, _]| (x - front).min(back - x))
+            .reduce(f64::max);
         if height != 0.0 {
             return judged(top.unwrap_or(f64::NEG_INFINITY), None);
         }
         let outside = self.obstacles.iter().enumerate();
-        let outside = outside.map(|(item, [front, back, _])| judged((front - x).max(x - back), Some(item)));
-        outside.min_by(by_margin).unwrap_or(judged(f64::INFINITY, None))
+        let outside =
+            outside.map(|(item, [front, back, _])| judged((front - x).max(x - back), Some(item)));
+        outside
+            .min_by(by_margin)
+            .unwrap_or(judged(f64::INFINITY, None))
     }
 
-    /// How far from the edge margin of the nearest box a landing at `x` on a surface of this height (m) is.
+    /// How far from the edge margin of the nearest box a landing at `x` on a surface of this height
+    /// (m) is.
     fn edge(&self, x: f64, height: f64) -> Option<Judgement> {
         let boxes = self.obstacles.iter().enumerate();
         let kept = boxes.map(|(item, [front, back, _])| {
             let inside = (x - front).min(back - x);
-            let distance = if self.carries(item, x, height) { inside } else { -inside };
+            let distance = if self.carries(item, x, height) {
+                inside
+            } else {
+                -inside
+            };
             let margin = distance - self.edge_margin;
-            Judgement { demand: Demand::Edge, margin, value: distance, item: Some(item) }
+            Judgement {
+                demand: Demand::Edge,
+                margin,
+                value: distance,
+                item: Some(item),
+            }
         });
         kept.min_by(by_margin)
     }
@@ -273,8 +344,9 @@ impl Demands {
         landing.is_some_and(|(x, height)| self.carries(item, x, height))
     }
 
-    /// Least distance (m) between the wheel and the boxes, negative where they overlap; none without one. Neither the box
-    /// that the robot stands on counts nor, unless it is touched before, the one that it lands on.
+    /// Least distance (m) between the wheel and the boxes, negative where they overlap; none
+    /// without one. Neither the box that the robot stands on counts nor, unless it is touched
+    /// before, the one that it lands on.
     pub(super) fn clearance(
         &self,
         flown: &Flown,
@@ -288,24 +360,41 @@ impl Demands {
         self.in_the_way(foot).filter_map(gap).reduce(f64::min)
     }
 
-    /// All that is demanded of the way to the landing: a jump from `foot` (m along the course, and up) to `landing` (m along the
-    /// course, and the height of the surface), where there is one. What the robot stands on is not in its way; what it
-    /// lands on is not touched before.
+    /// All that is demanded of the way to the landing: a jump from `foot` (m along the course, and
+    /// up) to `landing` (m along the course, and the height of the surface), where there is one.
+    /// What the robot stands on is not in its way; what it lands on is not touched before.
     pub(super) fn of_way(
         &self,
         flown: &Flown,
         foot: [f64; 2],
         landing: Option<(f64, f64)>,
     ) -> Vec<Judgement> {
-        let gaps = || self.in_the_way(foot).map(|item| (item, flown.clearances[item]));
+        let gaps = || {
+            self.in_the_way(foot)
+                .map(|item| (item, flown.clearances[item]))
+        };
         let flight = gaps().filter_map(|(item, gap)| {
             let value = gap.flight?;
-            let margin = if self.is_landed_on(item, landing) { value } else { value - self.clearance };
-            Some(Judgement { demand: Demand::Clearance, margin, value, item: Some(item) })
+            let margin = if self.is_landed_on(item, landing) {
+                value
+            } else {
+                value - self.clearance
+            };
+            Some(Judgement {
+                demand: Demand::Clearance,
+                margin,
+                value,
+                item: Some(item),
+            })
         });
         let stance = gaps().map(|(item, gap)| {
             let value = gap.stance;
-            Judgement { demand: Demand::Stance, margin: value, value, item: Some(item) }
+            Judgement {
+                demand: Demand::Stance,
+                margin: value,
+                value,
+                item: Some(item),
+            }
         });
         let needed = flown.report.friction_needed;
         let friction = self.friction.map(|friction| Judgement {
@@ -314,15 +403,27 @@ impl Demands {
             value: needed,
             item: None,
         });
-        [flight.min_by(by_margin), stance.min_by(by_margin), friction].into_iter().flatten().collect()
+        [flight.min_by(by_margin), stance.min_by(by_margin), friction]
+            .into_iter()
+            .flatten()
+            .collect()
     }
 }
 
 /// A place that has to be in a span.
 fn inside(demand: Demand, span: Span, place: f64) -> Judgement {
     let (after, before) = (place - span.low, span.high - place);
-    let value = if after < before { after.min(0.0) } else { (-before).max(0.0) };
-    Judgement { demand, margin: after.min(before), value, item: None }
+    let value = if after < before {
+        after.min(0.0)
+    } else {
+        (-before).max(0.0)
+    };
+    Judgement {
+        demand,
+        margin: after.min(before),
+        value,
+        item: None,
+    }
 }
 
 fn by_margin(a: &Judgement, b: &Judgement) -> std::cmp::Ordering {

@@ -1,4 +1,5 @@
-//! Verification: planned jumps in the multi-body simulation, with foot slip, a boom, and everything else that the plan leaves out.
+//! Verification: planned jumps in the multi-body simulation, with foot slip, a boom, and everything
+//! else that the plan leaves out.
 //!
 //! ```
 //! use saltus::verify::{Plant, Task};
@@ -14,8 +15,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A plan of several jumps is a [`Route`]: [`Plant::run`] flies it, each jump from where the one before landed, and judges every jump by
-//! every [`Demand`] of its course.
+//! A plan of several jumps is a [`Route`]: [`Plant::run`] flies it, each jump from where the one
+//! before landed, and judges every jump by every [`Demand`] of its course.
 
 use saltus_lagrangian::Launch;
 use saltus_robot::{Drive, Errors, Robot};
@@ -52,7 +53,8 @@ pub struct Task {
     pub leg_out: f64,
 }
 
-/// By how much the robot differs from the one that was planned for, and its start from what was measured.
+/// By how much the robot differs from the one that was planned for, and its start from what was
+/// measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Disturbance {
     /// Added to the approach rate (rad/s).
@@ -61,7 +63,8 @@ pub struct Disturbance {
     pub firing_angle: f64,
     /// Added to the valve opening time (s); the sum is 0 at least.
     pub valve_open: f64,
-    /// Added to the supply pressure (Pa) of a pneumatic leg; the sum is that of the surroundings at least.
+    /// Added to the supply pressure (Pa) of a pneumatic leg; the sum is that of the surroundings at
+    /// least.
     pub supply: f64,
 }
 
@@ -89,7 +92,8 @@ impl Flown {
         }
     }
 
-    /// Net way (m) that the foot slipped along the travel until lift-off, forward positive; 0 if it never slipped.
+    /// Net way (m) that the foot slipped along the travel until lift-off, forward positive; 0 if it
+    /// never slipped.
     pub fn slip(&self) -> f64 {
         self.report.slips_at.map_or(0.0, |_| self.report.slipped[0])
     }
@@ -110,7 +114,11 @@ impl Disturbance {
 impl Plant {
     /// `robot` as bodies in space, integrated with an error `tolerance` for each step.
     pub fn new(robot: Robot, tolerance: f64) -> Plant {
-        Plant { robot, tolerance, stepping: Stepping::Adaptive }
+        Plant {
+            robot,
+            tolerance,
+            stepping: Stepping::Adaptive,
+        }
     }
 
     /// The robot.
@@ -128,7 +136,10 @@ impl Plant {
 
     /// Stepped otherwise.
     pub fn stepped(&self, stepping: Stepping) -> Plant {
-        Plant { stepping, ..self.clone() }
+        Plant {
+            stepping,
+            ..self.clone()
+        }
     }
 
     /// On ground of this coefficient of friction along the travel, standing and slipping.
@@ -159,18 +170,51 @@ impl Plant {
     /// Simulates a jump.
     ///
     /// # Errors
-    /// [`SimError`] for a robot, a start or a command that cannot be, or a motion that cannot go on.
+    /// [`SimError`] for a robot, a start or a command that cannot be, or a motion that cannot go
+    /// on.
     pub fn fly(&self, task: &Task) -> Result<Flown, SimError> {
         use saltus_sim_check::{Plan, Settings};
-        let Launch { rate, lean, firing_angle, valve_open } = task.launch;
-        let launch = saltus_sim_check::Launch { rate, lean, firing_angle, valve_open };
-        let settings = Settings { tolerance: self.tolerance, stepping: self.stepping, ..Settings::default() };
-        let plan = Plan { settings, landing_height: task.landing_height, ..Plan::default() };
+        let Launch {
+            rate,
+            lean,
+            firing_angle,
+            valve_open,
+        } = task.launch;
+        let launch = saltus_sim_check::Launch {
+            rate,
+            lean,
+            firing_angle,
+            valve_open,
+        };
+        let settings = Settings {
+            tolerance: self.tolerance,
+            stepping: self.stepping,
+            ..Settings::default()
+        };
+        let plan = Plan {
+            settings,
+            landing_height: task.landing_height,
+            ..Plan::default()
+        };
         let report = self.rig()?.jump(&launch, &plan)?;
         let number = |x: f64| x.is_finite().then_some(x);
         let landing = number(report.landing_at);
-        let path = Path::new(&report, self.robot.body.radius, (landing, task.landing_height), task.leg_out);
-        let clearances: Vec<Clearance> = task.obstacles.iter().map(|solid| path.clearance(solid)).collect();
-        Ok(Flown { apex: number(report.apex), landing, clearances, report })
+        let path = Path::new(
+            &report,
+            self.robot.body.radius,
+            (landing, task.landing_height),
+            task.leg_out,
+        );
+        let clearances: Vec<Clearance> = task
+            .obstacles
+            .iter()
+            .map(|solid| path.clearance(solid))
+            .collect();
+        Ok(Flown {
+            apex: number(report.apex),
+            landing,
+            clearances,
+            report,
+        })
     }
 }

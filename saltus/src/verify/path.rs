@@ -7,14 +7,16 @@ use saltus_sim_check::{Report, Sample};
 pub struct Clearance {
     /// Least distance until lift-off.
     pub stance: f64,
-    /// Least distance from lift-off to the landing, of the fired leg too while that is out; none without a flight.
+    /// Least distance from lift-off to the landing, of the fired leg too while that is out; none
+    /// without a flight.
     pub flight: Option<f64>,
 }
 
 impl Clearance {
     /// The lesser of the two.
     pub fn least(&self) -> f64 {
-        self.flight.map_or(self.stance, |flight| flight.min(self.stance))
+        self.flight
+            .map_or(self.stance, |flight| flight.min(self.stance))
     }
 }
 
@@ -27,7 +29,10 @@ struct Point {
 
 impl From<&Sample> for Point {
     fn from(sample: &Sample) -> Point {
-        Point { time: sample.time, axle: sample.axle }
+        Point {
+            time: sample.time,
+            axle: sample.axle,
+        }
     }
 }
 
@@ -42,8 +47,8 @@ pub(super) struct Path {
 }
 
 impl Path {
-    /// Of a jump that lands at `landing` (m from the foothold), where the axle is at `height` (m); the fired leg is out for
-    /// `leg_out` (s) after lift-off.
+    /// Of a jump that lands at `landing` (m from the foothold), where the axle is at `height` (m);
+    /// the fired leg is out for `leg_out` (s) after lift-off.
     pub(super) fn new(
         report: &Report,
         radius: f64,
@@ -52,41 +57,79 @@ impl Path {
     ) -> Path {
         let Some(lift_off) = report.lift_off else {
             let stance = report.samples.iter().map(Point::from).collect();
-            return Path { radius, stance, flight: [Vec::new(), Vec::new()], reach: radius };
+            return Path {
+                radius,
+                stance,
+                flight: [Vec::new(), Vec::new()],
+                reach: radius,
+            };
         };
-        let start = report.samples.partition_point(|sample| sample.time < lift_off.time);
-        let stance = report.samples[..=start.min(report.samples.len() - 1)].iter().map(Point::from).collect();
+        let start = report
+            .samples
+            .partition_point(|sample| sample.time < lift_off.time);
+        let stance = report.samples[..=start.min(report.samples.len() - 1)]
+            .iter()
+            .map(Point::from)
+            .collect();
         let flight = report.samples[start..].iter().map(Point::from).collect();
         let flight = match landing {
             Some(x) => until_landing(flight, [x, height]),
             None => flight,
         };
-        let flight =
-            if leg_out > 0.0 { split(&flight, lift_off.time + leg_out) } else { [Vec::new(), flight] };
-        Path { radius, stance, flight, reach: radius + lift_off.extension }
+        let flight = if leg_out > 0.0 {
+            split(&flight, lift_off.time + leg_out)
+        } else {
+            [Vec::new(), flight]
+        };
+        Path {
+            radius,
+            stance,
+            flight,
+            reach: radius + lift_off.extension,
+        }
     }
 
-    /// Distances to the box from `front` to `back`, which ends at `top` and has no lower end (m from the foothold).
+    /// Distances to the box from `front` to `back`, which ends at `top` and has no lower end (m
+    /// from the foothold).
     pub(super) fn clearance(&self, solid: &[f64; 3]) -> Clearance {
         let wheel = |points| nearest(points, solid).map(|distance| distance - self.radius);
         let leg = nearest(&self.flight[0], solid).map(|distance| distance - self.reach);
-        let flight = [leg, wheel(&self.flight[1])].into_iter().flatten().reduce(f64::min);
-        Clearance { stance: wheel(&self.stance).unwrap_or(f64::INFINITY), flight }
+        let flight = [leg, wheel(&self.flight[1])]
+            .into_iter()
+            .flatten()
+            .reduce(f64::min);
+        Clearance {
+            stance: wheel(&self.stance).unwrap_or(f64::INFINITY),
+            flight,
+        }
     }
 }
 
 /// The flight down to `landing`, which is its last point.
 fn until_landing(mut flight: Vec<Point>, landing: [f64; 2]) -> Vec<Point> {
     let height = |point: &Point| point.axle[1];
-    let top =
-        (0..flight.len()).max_by(|&a, &b| height(&flight[a]).total_cmp(&height(&flight[b]))).unwrap_or(0);
-    let down = flight.iter().skip(top).take_while(|point| height(point) > landing[1]).count();
+    let top = (0..flight.len())
+        .max_by(|&a, &b| height(&flight[a]).total_cmp(&height(&flight[b])))
+        .unwrap_or(0);
+    let down = flight
+        .iter()
+        .skip(top)
+        .take_while(|point| height(point) > landing[1])
+        .count();
     flight.truncate(top + down);
     if let [.., before, last] = flight[..] {
         let speed = (last.axle[1] - before.axle[1]) / (last.time - before.time);
         let wait = (landing[1] - last.axle[1]) / speed;
-        let time = last.time + if wait.is_finite() && wait > 0.0 { wait } else { 0.0 };
-        flight.push(Point { time, axle: landing });
+        let time = last.time
+            + if wait.is_finite() && wait > 0.0 {
+                wait
+            } else {
+                0.0
+            };
+        flight.push(Point {
+            time,
+            axle: landing,
+        });
     }
     flight
 }
@@ -96,27 +139,47 @@ fn split(points: &[Point], time: f64) -> [Vec<Point>; 2] {
     let after = points.partition_point(|point| point.time <= time);
     let (mut first, mut second) = (points[..after].to_vec(), points[after..].to_vec());
     if after > 0 && after < points.len() {
-        let here = Point { time, axle: parabola(around(points, after), time) };
+        let here = Point {
+            time,
+            axle: parabola(around(points, after), time),
+        };
         first.push(here);
         second.insert(0, here);
     }
     [first, second]
 }
 
-/// Least distance (m) from the axle to a box; none without points. Between its samples the path is a parabola but for a nanometre.
+/// Least distance (m) from the axle to a box; none without points. Between its samples the path is
+/// a parabola but for a nanometre.
 fn nearest(points: &[Point], solid: &[f64; 3]) -> Option<f64> {
     let here = |i: usize| distance(points[i].axle, solid);
     let is_least = |i: &usize| {
-        let beside = [i.checked_sub(1), Some(i + 1).filter(|next| *next < points.len())];
-        beside.into_iter().flatten().all(|other| here(other) >= here(*i))
+        let beside = [
+            i.checked_sub(1),
+            Some(i + 1).filter(|next| *next < points.len()),
+        ];
+        beside
+            .into_iter()
+            .flatten()
+            .all(|other| here(other) >= here(*i))
     };
     let refined = |i: usize| {
         let three = around(points, i);
         let along = |time: f64| distance(parabola(three, time), solid);
-        let (start, end) = (points[i.saturating_sub(1)].time, points[(i + 1).min(points.len() - 1)].time);
-        if start < end { least(start, end, along).min(here(i)) } else { here(i) }
+        let (start, end) = (
+            points[i.saturating_sub(1)].time,
+            points[(i + 1).min(points.len() - 1)].time,
+        );
+        if start < end {
+            least(start, end, along).min(here(i))
+        } else {
+            here(i)
+        }
     };
-    (0..points.len()).filter(is_least).map(refined).reduce(f64::min)
+    (0..points.len())
+        .filter(is_least)
+        .map(refined)
+        .reduce(f64::min)
 }
 
 /// The point number `i` with its neighbours; at an end with the nearest two.

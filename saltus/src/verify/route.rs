@@ -68,15 +68,17 @@ pub struct Attempt {
     pub launch: Launch,
     /// What became of it.
     pub flight: Flight,
-    /// Least distance (m) between the wheel and an obstacle, negative where they overlap; none without obstacles. What the
-    /// robot stands or lands on does not count, unless the wheel touches it before it lands there.
+    /// Least distance (m) between the wheel and an obstacle, negative where they overlap; none
+    /// without obstacles. What the robot stands or lands on does not count, unless the wheel
+    /// touches it before it lands there.
     pub clearance: Option<f64>,
     /// How it fares with each demand that applies to it.
     pub judgements: Vec<Judgement>,
 }
 
 impl Route {
-    /// The plan `plan` for `crossing`, flown by a robot whose wheel has this `radius` (m), with landings within `tolerance` (m) of the plan.
+    /// The plan `plan` for `crossing`, flown by a robot whose wheel has this `radius` (m), with
+    /// landings within `tolerance` (m) of the plan.
     ///
     /// A goal without width is a place: how near the landing has to be says the tolerance.
     pub fn of(crossing: &Crossing, plan: &CrossingPlan, radius: f64, tolerance: f64) -> Route {
@@ -90,7 +92,10 @@ impl Route {
             wanted: planned.landing[0],
         };
         let course = &crossing.course;
-        let obstacles = course.obstacles.iter().map(|o| [o.span().low, o.span().high, o.height]);
+        let obstacles = course
+            .obstacles
+            .iter()
+            .map(|o| [o.span().low, o.span().high, o.height]);
         let goal = open(course.goal).filter(|goal| goal.width() > 0.0);
         let demands = Demands {
             obstacles: obstacles.collect(),
@@ -104,7 +109,10 @@ impl Route {
             friction: crossing.friction,
             ..Demands::within(tolerance)
         };
-        Route { stages: plan.jumps.iter().map(stage).collect(), demands }
+        Route {
+            stages: plan.jumps.iter().map(stage).collect(),
+            demands,
+        }
     }
 
     /// All judgements of a jump from `foot`, and its clearance (m).
@@ -114,7 +122,13 @@ impl Route {
         let mut judgements = vec![touchdown(place.is_some())];
         if let Some(place) = place {
             let is_last = jump + 1 == self.stages.len();
-            let landing = Landing { jump, is_last, place, wanted: stage.wanted, surface: stage.surface };
+            let landing = Landing {
+                jump,
+                is_last,
+                place,
+                wanted: stage.wanted,
+                surface: stage.surface,
+            };
             judgements.extend(self.demands.of_landing(&landing));
         }
         let landing = place.zip(stage.surface);
@@ -125,28 +139,48 @@ impl Route {
 
 /// A span without the limits that are none; none if both are.
 fn open(span: Span) -> Option<Span> {
-    let low = if span.low <= -OPEN { f64::NEG_INFINITY } else { span.low };
-    let high = if span.high >= OPEN { f64::INFINITY } else { span.high };
+    let low = if span.low <= -OPEN {
+        f64::NEG_INFINITY
+    } else {
+        span.low
+    };
+    let high = if span.high >= OPEN {
+        f64::INFINITY
+    } else {
+        span.high
+    };
     (low.is_finite() || high.is_finite()).then_some(Span::new(low, high))
 }
 
 fn touchdown(lands: bool) -> Judgement {
-    let margin = if lands { f64::INFINITY } else { f64::NEG_INFINITY };
-    Judgement { demand: Demand::Touchdown, margin, value: margin, item: None }
+    let margin = if lands {
+        f64::INFINITY
+    } else {
+        f64::NEG_INFINITY
+    };
+    Judgement {
+        demand: Demand::Touchdown,
+        margin,
+        value: margin,
+        item: None,
+    }
 }
 
 impl Plant {
-    /// Flies the jumps of `route`, jump number i with `errors[i]`, or without errors where there is none.
+    /// Flies the jumps of `route`, jump number i with `errors[i]`, or without errors where there is
+    /// none.
     ///
-    /// The run ends where there is nothing to stand on: at a jump that does not land, that lands off its surface or in an area to be
-    /// avoided. The jumps after it are not started. With [`Starts::Planned`] every jump is made.
+    /// The run ends where there is nothing to stand on: at a jump that does not land, that lands
+    /// off its surface or in an area to be avoided. The jumps after it are not started. With
+    /// [`Starts::Planned`] every jump is made.
     pub fn run(&self, route: &Route, errors: &[Disturbance], starts: Starts) -> Vec<Attempt> {
         let mut attempts: Vec<Attempt> = Vec::with_capacity(route.stages.len());
         for (jump, stage) in route.stages.iter().enumerate() {
             let foot = match (starts, attempts.last()) {
-                (Starts::Chained, Some(before)) => {
-                    before.landing().filter(|_| before.leaves_a_foothold()).map(|x| x + route.demands.roll)
-                }
+                (Starts::Chained, Some(before)) => before
+                    .landing()
+                    .filter(|_| before.leaves_a_foothold())
+                    .map(|x| x + route.demands.roll),
                 _ => Some(stage.foot[0]),
             };
             let errors = errors.get(jump).copied().unwrap_or_default();
@@ -160,7 +194,8 @@ impl Plant {
 
     fn attempt(&self, route: &Route, jump: usize, foot: [f64; 2], errors: &Disturbance) -> Attempt {
         let stage = &route.stages[jump];
-        let from_foot = |[front, back, top]: &[f64; 3]| [front - foot[0], back - foot[0], top - foot[1]];
+        let from_foot =
+            |[front, back, top]: &[f64; 3]| [front - foot[0], back - foot[0], top - foot[1]];
         let task = Task {
             launch: stage.launch,
             landing_height: stage.landing_height,
@@ -175,7 +210,13 @@ impl Plant {
             }
             Err(error) => (Flight::Failed(error), (vec![touchdown(false)], None)),
         };
-        Attempt { foot, launch: task.launch, flight, clearance, judgements }
+        Attempt {
+            foot,
+            launch: task.launch,
+            flight,
+            clearance,
+            judgements,
+        }
     }
 }
 
@@ -229,12 +270,16 @@ impl Attempt {
 
     /// How it fares with `demand`; none where that does not apply.
     pub fn judgement(&self, demand: Demand) -> Option<&Judgement> {
-        self.judgements.iter().find(|judgement| judgement.demand == demand)
+        self.judgements
+            .iter()
+            .find(|judgement| judgement.demand == demand)
     }
 
     /// The demands that are missed.
     pub fn misses(&self) -> impl Iterator<Item = &Judgement> {
-        self.judgements.iter().filter(|judgement| !judgement.holds())
+        self.judgements
+            .iter()
+            .filter(|judgement| !judgement.holds())
     }
 
     /// Why it fails, in words: a reason for each demand that is missed; of one that holds none.
@@ -262,6 +307,8 @@ impl Attempt {
     /// Whether a jump can start where this one landed.
     fn leaves_a_foothold(&self) -> bool {
         let stands = |demand| self.judgement(demand).is_none_or(Judgement::holds);
-        [Demand::Touchdown, Demand::Ground, Demand::Avoid].into_iter().all(stands)
+        [Demand::Touchdown, Demand::Ground, Demand::Avoid]
+            .into_iter()
+            .all(stands)
     }
 }

@@ -59,7 +59,8 @@ impl Folder {
         }
     }
 
-    /// Runs `saltus` with the words of `line`, which must end with this exit code, and gives back what it printed.
+    /// Runs `saltus` with the words of `line`, which must end with this exit code, and gives back
+    /// what it printed.
     #[track_caller]
     pub(crate) fn done(&self, line: &str, code: i32) -> String {
         let run = self.run(&line.split_whitespace().collect::<Vec<_>>());
@@ -85,11 +86,15 @@ pub(crate) struct Run {
 
 /// A reference file.
 pub(crate) fn reference(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/reference")
+        .join(name)
 }
 
 /// Header and rows of a CSV text.
 pub(crate) fn rows(text: &str) -> (Vec<String>, Vec<Vec<String>>) {
-    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let mut lines = text
+        .lines()
+        .map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
     (lines.next().unwrap(), lines.collect())
 }

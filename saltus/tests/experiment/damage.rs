@@ -23,7 +23,10 @@ fn no_damage_makes_it_panic() {
             Ok(_) => read_well += 1,
             Err(error) => {
                 let text = error.to_string();
-                assert!(text.starts_with(data.path("").to_str().unwrap()), "{case}: {text}");
+                assert!(
+                    text.starts_with(data.path("").to_str().unwrap()),
+                    "{case}: {text}"
+                );
                 assert!(!text.contains('\n') && text.len() < 500, "{case}: {text}");
             }
         }
@@ -49,7 +52,10 @@ fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
     ];
     let place = random.below(bytes.len() + 1);
     let line = |from: usize| {
-        bytes[from..].iter().position(|byte| *byte == b'\n').map_or(bytes.len(), |end| from + end)
+        bytes[from..]
+            .iter()
+            .position(|byte| *byte == b'\n')
+            .map_or(bytes.len(), |end| from + end)
     };
     let (to, word) = (line(place), WORDS[random.below(12)]);
     match random.below(6) {
@@ -70,7 +76,10 @@ struct Random(u64);
 
 impl Random {
     fn below(&mut self, end: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
         (self.0 >> 33) as usize % end
     }
 }

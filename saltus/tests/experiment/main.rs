@@ -15,7 +15,9 @@ use std::path::{Path, PathBuf};
 use common::Folder;
 use saltus::experiment::{Sort, read, read_all};
 
-const KINDS: [&str; 8] = ["bench", "hop", "jump", "flight", "outcomes", "stroke", "slide", "vessel"];
+const KINDS: [&str; 8] = [
+    "bench", "hop", "jump", "flight", "outcomes", "stroke", "slide", "vessel",
+];
 
 /// A small good folder of each kind: `experiment.toml`, and the runs `a.csv` and `b.csv`.
 fn good(kind: &str) -> [(&'static str, String); 3] {
@@ -31,12 +33,20 @@ fn good(kind: &str) -> [(&'static str, String); 3] {
         }
         _ => "",
     };
-    let robot =
-        if ["bench", "hop", "jump", "outcomes"].contains(&kind) { "robot = \"rats-boom\"\n" } else { "" };
+    let robot = if ["bench", "hop", "jump", "outcomes"].contains(&kind) {
+        "robot = \"rats-boom\"\n"
+    } else {
+        ""
+    };
     let toml = format!(
-        "kind = \"{kind}\"\n{robot}[[run]]\nfile = \"a.csv\"\n{settings}[[run]]\nfile = \"b.csv\"\n{settings}"
+        "kind = \"{kind}\"\n{robot}[[run]]\nfile = \"a.csv\"\n{settings}[[run]]\nfile = \
+         \"b.csv\"\n{settings}"
     );
-    [("experiment.toml", toml), ("a.csv", rows(kind, 0)), ("b.csv", rows(kind, 1))]
+    [
+        ("experiment.toml", toml),
+        ("a.csv", rows(kind, 0)),
+        ("b.csv", rows(kind, 1)),
+    ]
 }
 
 /// Twelve rows, which differ from run to run; the valve is 1 in the fourth to the eighth.
@@ -81,7 +91,9 @@ fn laid(folder: &Folder, files: &[(&'static str, String)]) {
 fn said(folder: &Folder) -> String {
     match read(&folder.path(""), &|_| ()) {
         Ok(folder) => format!("read, notes {:?}", folder.notes),
-        Err(error) => error.to_string().replace(folder.path("").to_str().unwrap(), "DATA/"),
+        Err(error) => error
+            .to_string()
+            .replace(folder.path("").to_str().unwrap(), "DATA/"),
     }
 }
 
@@ -113,12 +125,15 @@ fn what_is_read_is_what_is_there() {
     let data = Folder::new("contents");
     data.write(
         "experiment.toml",
-        "kind = 'flight'\n[noise]\ny_m = 1e-3\nx_m = 2e-3\n[resolution]\ny_m = 5e-4\n[[run]]\nfile = './a.csv'\nmass_kg = 2\n",
+        "kind = 'flight'\n[noise]\ny_m = 1e-3\nx_m = 2e-3\n[resolution]\ny_m = \
+         5e-4\n[[run]]\nfile = './a.csv'\nmass_kg = 2\n",
     );
-    // Windows' line ends, a byte order mark, quotes, blanks, blank lines, and columns in another order.
+    // Windows' line ends, a byte order mark, quotes, blanks, blank lines, and columns in another
+    // order.
     data.write(
         "a.csv",
-        "\u{feff}\"time_s\",y_m , x_m\r\n0,1.5,0\r\n\r\n\"0.1\", 1.4 ,0.1\r\n.2,1.2,\r\n3e-1,+0.9,0.3\r\n0.4,0.5,0.4",
+        "\u{feff}\"time_s\",y_m , x_m\r\n0,1.5,0\r\n\r\n\"0.1\", 1.4 \
+         ,0.1\r\n.2,1.2,\r\n3e-1,+0.9,0.3\r\n0.4,0.5,0.4",
     );
     let folder = read(&data.path(""), &|_| ()).unwrap();
     let experiment = folder.experiment;
@@ -126,7 +141,10 @@ fn what_is_read_is_what_is_there() {
     assert_eq!(experiment.noise, [Some(2e-3), Some(1e-3)]);
     assert_eq!(experiment.resolution, [None, Some(5e-4)]);
     let run = &experiment.runs[0];
-    assert_eq!((run.name.as_str(), run.settings["mass_kg"], run.valve), ("a.csv", 2.0, None));
+    assert_eq!(
+        (run.name.as_str(), run.settings["mass_kg"], run.valve),
+        ("a.csv", 2.0, None)
+    );
     assert_eq!(run.time, [0.0, 0.1, 0.2, 0.3, 0.4]);
     assert_eq!(run.values[1], [1.5, 1.4, 1.2, 0.9, 0.5]);
     assert_eq!(run.values[0][3], 0.3);
@@ -148,11 +166,15 @@ fn only_the_valid_part_is_kept() {
     let run = &folder.experiment.runs[0];
     // Times count from the first row.
     assert_eq!(run.time, [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]);
-    assert_eq!((run.values[0][0], folder.rows, run.settings.len()), (0.02, 12, 1));
+    assert_eq!(
+        (run.values[0][0], folder.rows, run.settings.len()),
+        (0.02, 12, 1)
+    );
 
     let data = Folder::new("valid-valve");
     let [(toml, text), (name, run), _] = good("hop");
-    let text = text.split("[[run]]\nfile = \"b").next().unwrap().to_owned() + "valid_from_s = 0.4\n";
+    let text =
+        text.split("[[run]]\nfile = \"b").next().unwrap().to_owned() + "valid_from_s = 0.4\n";
     data.write(toml, text);
     data.write(name, run + "1.2,0,0.12\n1.3,0,0.13\n");
     let folder = read(&data.path(""), &|_| ()).unwrap();
@@ -169,15 +191,32 @@ fn folders_are_joined() {
         std::fs::create_dir(data.path(name)).unwrap();
         let kind = if *name == "other" { "hop" } else { "bench" };
         let [(_, toml), ..] = good(kind);
-        let toml = if *name == "three" { toml.replace("rats-boom", "robot.toml") } else { toml };
-        let noise = if *name == "two" { "[noise]\nposition_m = 1e-3\n" } else { "" };
-        let run = if *name == "copy" { 0 } else { u32::try_from(2 * i).unwrap() };
+        let toml = if *name == "three" {
+            toml.replace("rats-boom", "robot.toml")
+        } else {
+            toml
+        };
+        let noise = if *name == "two" {
+            "[noise]\nposition_m = 1e-3\n"
+        } else {
+            ""
+        };
+        let run = if *name == "copy" {
+            0
+        } else {
+            u32::try_from(2 * i).unwrap()
+        };
         data.write(&format!("{name}/experiment.toml"), toml + noise);
         data.write(&format!("{name}/a.csv"), rows(kind, run));
         data.write(&format!("{name}/b.csv"), rows(kind, run + 1));
     }
     let joined = both(["one", "two"], &data).unwrap();
-    let names: Vec<&str> = joined.experiment.runs.iter().map(|run| run.name.as_str()).collect();
+    let names: Vec<&str> = joined
+        .experiment
+        .runs
+        .iter()
+        .map(|run| run.name.as_str())
+        .collect();
     assert_eq!(names, ["one/a.csv", "one/b.csv", "two/a.csv", "two/b.csv"]);
     assert_eq!((joined.rows, joined.experiment.noise[0]), (48, Some(1e-3)));
     assert_eq!(joined.notes.len(), 1);
@@ -187,16 +226,28 @@ fn folders_are_joined() {
 
     let check = |names, message: &str| {
         let error = both(names, &data).unwrap_err().to_string();
-        assert_eq!(error.replace(data.path("").to_str().unwrap(), "DATA/"), message);
+        assert_eq!(
+            error.replace(data.path("").to_str().unwrap(), "DATA/"),
+            message
+        );
     };
     let alike = "only what was done alike goes into one experiment";
-    check(["one", "other"], &format!("DATA/other: kind = hop differs from bench of DATA/one: {alike}"));
+    check(
+        ["one", "other"],
+        &format!("DATA/other: kind = hop differs from bench of DATA/one: {alike}"),
+    );
     check(
         ["one", "three"],
         &format!("DATA/three: robot = robot.toml differs from rats-boom of DATA/one: {alike}"),
     );
-    check(["one", "one"], "DATA/one: duplicate run: the folder is given twice");
-    check(["one", "copy"], "DATA/copy: duplicate run: copy/a.csv has the same contents as one/a.csv");
+    check(
+        ["one", "one"],
+        "DATA/one: duplicate run: the folder is given twice",
+    );
+    check(
+        ["one", "copy"],
+        "DATA/copy: duplicate run: copy/a.csv has the same contents as one/a.csv",
+    );
 }
 
 /// A million rows in a second or two, unoptimised.
@@ -209,17 +260,31 @@ fn long_runs_are_thinned() {
     let mut run = String::from("time_s,valve,position_m,pressure_pa\n");
     for i in 0..ROWS {
         let valve = u8::from((123_457..200_001).contains(&i));
-        let _ = writeln!(run, "{},{valve},{},{}", i as f64 / 1e4, i as f64 / 1e6, 101_325 + i);
+        let _ = writeln!(
+            run,
+            "{},{valve},{},{}",
+            i as f64 / 1e4,
+            i as f64 / 1e6,
+            101_325 + i
+        );
     }
     data.write("a.csv", run);
     let folder = read(&data.path(""), &|_| ()).unwrap();
     let run = &folder.experiment.runs[0];
     // The valve's times are none of those that are kept.
     assert_eq!(run.valve, Some((12.3457, Some(20.0001))));
-    assert_eq!((folder.rows, run.time.len(), run.time[1]), (ROWS, 3907, 0.0256));
-    assert!(run.time.iter().zip(&run.values[0]).all(|(time, value)| (time - 100.0 * value).abs() < 1e-9));
-    let note =
-        "a.csv: thinned to one row in 256, 3907 of 1000000; valid_from_s and valid_to_s keep a part in full";
+    assert_eq!(
+        (folder.rows, run.time.len(), run.time[1]),
+        (ROWS, 3907, 0.0256)
+    );
+    assert!(
+        run.time
+            .iter()
+            .zip(&run.values[0])
+            .all(|(time, value)| (time - 100.0 * value).abs() < 1e-9)
+    );
+    let note = "a.csv: thinned to one row in 256, 3907 of 1000000; valid_from_s and valid_to_s \
+        keep a part in full";
     assert_eq!(folder.notes, [note]);
 }
 
@@ -241,5 +306,8 @@ fn measured_drops_are_read() {
     assert_eq!((folder.experiment.kind, folder.robot), (Sort::Flight, None));
     assert_eq!(folder.experiment.noise, [Some(0.04)]);
     // What identifies the data is the same everywhere.
-    assert_eq!(read(&drops.join("tennis-ball"), &|_| ()).unwrap().hash, "3b63fb012537ada3");
+    assert_eq!(
+        read(&drops.join("tennis-ball"), &|_| ()).unwrap().hash,
+        "3b63fb012537ada3"
+    );
 }

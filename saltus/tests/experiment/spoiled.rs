@@ -8,80 +8,142 @@ use crate::{good, laid, rows, said};
 /// A kind, a file of its good folder, what is replaced in it by what (once), and what is said then.
 #[rustfmt::skip] // One case a line.
 const SPOILED: &[(&str, &str, &str, &str, &str)] = &[
-    ("bench", "experiment.toml", "kind = \"bench\"\n", "", "DATA/experiment.toml:1: missing key kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel"),
-    ("bench", "experiment.toml", "\"bench\"", "\"banch\"", "DATA/experiment.toml:1: kind = \"banch\": must be one of bench, hop, jump, flight, outcomes, stroke, slide, vessel"),
-    ("bench", "experiment.toml", "\"bench\"", "7", "DATA/experiment.toml:1: kind = 7: must be one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, in quotes"),
-    ("bench", "experiment.toml", "\"bench\"", "\"toss\"", "DATA/experiment.toml:1: kind = \"toss\": tosses are read by the multi-body simulation's example tosses, not here"),
-    ("bench", "experiment.toml", "kind", "knid", "DATA/experiment.toml:1: unknown key knid; the nearest known key is kind"),
-    ("bench", "experiment.toml", "kind = ", "kind = = ", "DATA/experiment.toml:1: not TOML: extra `=`, expected nothing"),
-    ("bench", "experiment.toml", "robot = \"rats-boom\"\n", "", "DATA/experiment.toml:1: missing key robot: a robot's name or the path of its file, in quotes"),
-    ("hop", "experiment.toml", "\"rats-boom\"", "\"\"", "DATA/experiment.toml:2: robot = \"\": must be a robot's name or the path of its file, in quotes"),
-    ("jump", "experiment.toml", "robot = \"rats-boom\"\n", "", "DATA/experiment.toml:1: missing key robot: a robot's name or the path of its file, in quotes"),
-    ("outcomes", "experiment.toml", "robot = \"rats-boom\"\n", "", "DATA/experiment.toml:1: missing key robot: a robot's name or the path of its file, in quotes"),
-    ("bench", "experiment.toml", "load_mass_kg = 2.5\n", "", "DATA/experiment.toml:3: missing key run[0].load_mass_kg"),
+    ("bench", "experiment.toml", "kind = \"bench\"\n", "", "DATA/experiment.toml:1: missing key \
+        kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel"),
+    ("bench", "experiment.toml", "\"bench\"", "\"banch\"", "DATA/experiment.toml:1: kind = \
+        \"banch\": must be one of bench, hop, jump, flight, outcomes, stroke, slide, vessel"),
+    ("bench", "experiment.toml", "\"bench\"", "7", "DATA/experiment.toml:1: kind = 7: must be one \
+        of bench, hop, jump, flight, outcomes, stroke, slide, vessel, in quotes"),
+    ("bench", "experiment.toml", "\"bench\"", "\"toss\"", "DATA/experiment.toml:1: kind = \
+        \"toss\": tosses are read by the multi-body simulation's example tosses, not here"),
+    ("bench", "experiment.toml", "kind", "knid", "DATA/experiment.toml:1: unknown key knid; the \
+        nearest known key is kind"),
+    ("bench", "experiment.toml", "kind = ", "kind = = ", "DATA/experiment.toml:1: not TOML: extra \
+        `=`, expected nothing"),
+    ("bench", "experiment.toml", "robot = \"rats-boom\"\n", "", "DATA/experiment.toml:1: missing \
+        key robot: a robot's name or the path of its file, in quotes"),
+    ("hop", "experiment.toml", "\"rats-boom\"", "\"\"", "DATA/experiment.toml:2: robot = \"\": \
+        must be a robot's name or the path of its file, in quotes"),
+    ("jump", "experiment.toml", "robot = \"rats-boom\"\n", "", "DATA/experiment.toml:1: missing \
+        key robot: a robot's name or the path of its file, in quotes"),
+    ("outcomes", "experiment.toml", "robot = \"rats-boom\"\n", "", "DATA/experiment.toml:1: \
+        missing key robot: a robot's name or the path of its file, in quotes"),
+    ("bench", "experiment.toml", "load_mass_kg = 2.5\n", "", "DATA/experiment.toml:3: missing key \
+        run[0].load_mass_kg"),
     ("bench", "experiment.toml", "load_mass_kg = 2.5", "load_mas_kg = 2.5", "DATA/experiment.toml:5: unknown key load_mas_kg; the nearest known key is load_mass_kg"),
     ("bench", "experiment.toml", "load_mass_kg = 2.5", "load_mass_kg = 0", "DATA/experiment.toml:5: run[0].load_mass_kg = 0: must be a mass above 0 and up to 1000 kg"),
     ("bench", "experiment.toml", "load_mass_kg = 2.5", "load_mass_kg = 2500", "DATA/experiment.toml:5: run[0].load_mass_kg = 2500: must be a mass above 0 and up to 1000 kg"),
     ("bench", "experiment.toml", "load_mass_kg = 2.5", "load_mass_kg = \"2.5\"", "DATA/experiment.toml:5: run[0].load_mass_kg = \"2.5\": must be a mass above 0 and up to 1000 kg"),
     ("bench", "experiment.toml", "load_mass_kg = 2.5", "load_mass_kg = nan", "DATA/experiment.toml:5: run[0].load_mass_kg = nan: must be a mass above 0 and up to 1000 kg"),
-    ("bench", "experiment.toml", "827000", "-1", "DATA/experiment.toml:6: run[0].supply_pressure_gauge_pa = -1: must be a gauge pressure from 1000 to 1e8 in Pa, not kPa, bar or psi"),
-    ("bench", "experiment.toml", "827000", "8.27", "DATA/experiment.toml:6: run[0].supply_pressure_gauge_pa = 8.27: must be a gauge pressure from 1000 to 1e8 in Pa, not kPa, bar or psi"),
-    ("hop", "experiment.toml", "827000.0", "120", "DATA/experiment.toml:5: run[0].supply_pressure_gauge_pa = 120: must be a gauge pressure from 1000 to 1e8 in Pa, not kPa, bar or psi"),
-    ("hop", "experiment.toml", "827000.0", "8.3e8", "DATA/experiment.toml:5: run[0].supply_pressure_gauge_pa = 8.3e8: must be a gauge pressure from 1000 to 1e8 in Pa, not kPa, bar or psi"),
-    ("flight", "experiment.toml", "mass_kg = 0.05", "mass_kg = -0.05", "DATA/experiment.toml:4: run[0].mass_kg = -0.05: must be a mass above 0 and up to 1000 kg"),
-    ("stroke", "experiment.toml", "bore_m = 0.025", "bore_m = 25", "DATA/experiment.toml:4: run[0].bore_m = 25: must be a diameter above 0 and up to 1 m"),
+    ("bench", "experiment.toml", "827000", "-1", "DATA/experiment.toml:6: \
+        run[0].supply_pressure_gauge_pa = -1: must be a gauge pressure from 1000 to 1e8 in Pa, \
+        not kPa, bar or psi"),
+    ("bench", "experiment.toml", "827000", "8.27", "DATA/experiment.toml:6: \
+        run[0].supply_pressure_gauge_pa = 8.27: must be a gauge pressure from 1000 to 1e8 in Pa, \
+        not kPa, bar or psi"),
+    ("hop", "experiment.toml", "827000.0", "120", "DATA/experiment.toml:5: \
+        run[0].supply_pressure_gauge_pa = 120: must be a gauge pressure from 1000 to 1e8 in Pa, \
+        not kPa, bar or psi"),
+    ("hop", "experiment.toml", "827000.0", "8.3e8", "DATA/experiment.toml:5: \
+        run[0].supply_pressure_gauge_pa = 8.3e8: must be a gauge pressure from 1000 to 1e8 in Pa, \
+        not kPa, bar or psi"),
+    ("flight", "experiment.toml", "mass_kg = 0.05", "mass_kg = -0.05", "DATA/experiment.toml:4: \
+        run[0].mass_kg = -0.05: must be a mass above 0 and up to 1000 kg"),
+    ("stroke", "experiment.toml", "bore_m = 0.025", "bore_m = 25", "DATA/experiment.toml:4: \
+        run[0].bore_m = 25: must be a diameter above 0 and up to 1 m"),
     ("vessel", "experiment.toml", "initial_temperature_k = 298", "initial_temperature_k = 25", "DATA/experiment.toml:7: run[0].initial_temperature_k = 25: must be a temperature from 100 to 3000 in K, not degC"),
     ("vessel", "experiment.toml", "ambient_pressure_pa = 1e5", "ambient_pressure_pa = 1", "DATA/experiment.toml:8: run[0].ambient_pressure_pa = 1: must be an absolute pressure from 1000 to 1e8 in Pa, not gauge, kPa, bar or psi"),
-    ("vessel", "experiment.toml", "volume_m3 = 0.016\n", "", "DATA/experiment.toml:2: missing key run[0].volume_m3"),
+    ("vessel", "experiment.toml", "volume_m3 = 0.016\n", "", "DATA/experiment.toml:2: missing key \
+        run[0].volume_m3"),
     ("flight", "experiment.toml", "[[run]]", "[noise]\ny_m = 0\n[[run]]", "DATA/experiment.toml:3: noise.y_m = 0: must be a number above 0 in the column's unit"),
     ("flight", "experiment.toml", "[[run]]", "[noise]\ny_m = inf\n[[run]]", "DATA/experiment.toml:3: noise.y_m = inf: must be a number above 0 in the column's unit"),
     ("flight", "experiment.toml", "[[run]]", "[noise]\nz_m = 0.1\n[[run]]", "DATA/experiment.toml:3: unknown column z_m; the nearest known column is x_m"),
     ("flight", "experiment.toml", "[[run]]", "[resolution]\ny_m = -1\n[[run]]", "DATA/experiment.toml:3: resolution.y_m = -1: must be a number above 0 in the column's unit"),
-    ("flight", "experiment.toml", "[[run]]", "noise = 3\n[[run]]", "DATA/experiment.toml:2: noise = 3: must be a table"),
-    ("flight", "experiment.toml", "b.csv", "a.csv", "DATA/experiment.toml:6: duplicate run: a.csv is listed twice"),
-    ("flight", "experiment.toml", "b.csv", "./a.csv", "DATA/experiment.toml:6: duplicate run: a.csv is listed twice"),
-    ("flight", "experiment.toml", "b.csv", "c.csv", "DATA/c.csv: is listed in experiment.toml and is not there"),
-    ("flight", "experiment.toml", "b.csv", "../b.csv", "DATA/experiment.toml:6: run[1].file = \"../b.csv\": must be the name of a file in this folder, without .. and not absolute"),
-    ("flight", "experiment.toml", "b.csv", "/b.csv", "DATA/experiment.toml:6: run[1].file = \"/b.csv\": must be the name of a file in this folder, without .. and not absolute"),
-    ("flight", "experiment.toml", "file = \"a.csv\"\n", "", "DATA/experiment.toml:2: missing key run[0].file"),
-    ("flight", "experiment.toml", "mass_kg = 0.05", "valid_from_s = 0.9", "DATA/a.csv: 3 rows from valid_from_s to valid_to_s: a run of kind flight needs 5 at least"),
+    ("flight", "experiment.toml", "[[run]]", "noise = 3\n[[run]]", "DATA/experiment.toml:2: noise \
+        = 3: must be a table"),
+    ("flight", "experiment.toml", "b.csv", "a.csv", "DATA/experiment.toml:6: duplicate run: a.csv \
+        is listed twice"),
+    ("flight", "experiment.toml", "b.csv", "./a.csv", "DATA/experiment.toml:6: duplicate run: \
+        a.csv is listed twice"),
+    ("flight", "experiment.toml", "b.csv", "c.csv", "DATA/c.csv: is listed in experiment.toml and \
+        is not there"),
+    ("flight", "experiment.toml", "b.csv", "../b.csv", "DATA/experiment.toml:6: run[1].file = \
+        \"../b.csv\": must be the name of a file in this folder, without .. and not absolute"),
+    ("flight", "experiment.toml", "b.csv", "/b.csv", "DATA/experiment.toml:6: run[1].file = \
+        \"/b.csv\": must be the name of a file in this folder, without .. and not absolute"),
+    ("flight", "experiment.toml", "file = \"a.csv\"\n", "", "DATA/experiment.toml:2: missing key \
+        run[0].file"),
+    ("flight", "experiment.toml", "mass_kg = 0.05", "valid_from_s = 0.9", "DATA/a.csv: 3 rows \
+        from valid_from_s to valid_to_s: a run of kind flight needs 5 at least"),
     ("flight", "experiment.toml", "mass_kg = 0.05", "valid_from_s = 0.9\nvalid_to_s = 0.2", "DATA/experiment.toml:5: run[0].valid_to_s = 0.2: must be after valid_from_s = 0.9"),
     ("outcomes", "experiment.toml", "file = \"a.csv\"\n", "file = \"a.csv\"\nvalid_from_s = 1\n", "DATA/experiment.toml:5: unknown key valid_from_s; the nearest known key is file"),
-    ("bench", "a.csv", "time_s", "time_min", "DATA/a.csv:1: unknown column time_min; the nearest known column is time_s"),
-    ("bench", "a.csv", "pressure_pa", "presure_pa", "DATA/a.csv:1: unknown column presure_pa; the nearest known column is pressure_pa"),
+    ("bench", "a.csv", "time_s", "time_min", "DATA/a.csv:1: unknown column time_min; the nearest \
+        known column is time_s"),
+    ("bench", "a.csv", "pressure_pa", "presure_pa", "DATA/a.csv:1: unknown column presure_pa; the \
+        nearest known column is pressure_pa"),
     ("bench", "a.csv", "valve,", ",", "DATA/a.csv:1: column 2 has no name"),
-    ("bench", "a.csv", "time_s,valve,position_m,pressure_pa\n", "", "DATA/a.csv:1: 0 stands where the first line must name columns of time_s,valve,position_m,pressure_pa"),
-    ("bench", "a.csv", "position_m,pressure_pa", "position_m,position_m", "DATA/a.csv:1: column position_m is there twice"),
-    ("flight", "a.csv", "time_s,x_m,y_m", "time_s;x_m;y_m", "DATA/a.csv:1: cells are separated by semicolons: must be commas, and points in numbers"),
-    ("flight", "a.csv", "time_s,x_m,y_m", "time_s\tx_m\ty_m", "DATA/a.csv:1: cells are separated by tabs: must be commas, and points in numbers"),
-    ("outcomes", "a.csv", "apex_m", "time_s", "DATA/a.csv:1: missing column apex_m; not known are time_s"),
-    ("bench", "a.csv", "0.2,0,0.02,298000\n", "0.2,0,0.02\n", "DATA/a.csv:4: 3 cells where the header has 4"),
-    ("bench", "a.csv", "0.02,", "NaN,", "DATA/a.csv:4: position_m = NaN: must be a finite number, or empty where none was measured"),
-    ("bench", "a.csv", "0.02,", "-inf,", "DATA/a.csv:4: position_m = -inf: must be a finite number, or empty where none was measured"),
-    ("bench", "a.csv", "0.02,", "1e999,", "DATA/a.csv:4: position_m = 1e999: must be a finite number, or empty where none was measured"),
-    ("bench", "a.csv", "0.02,", "0.02 m,", "DATA/a.csv:4: position_m = 0.02 m: must be a finite number, or empty where none was measured"),
+    ("bench", "a.csv", "time_s,valve,position_m,pressure_pa\n", "", "DATA/a.csv:1: 0 stands where \
+        the first line must name columns of time_s,valve,position_m,pressure_pa"),
+    ("bench", "a.csv", "position_m,pressure_pa", "position_m,position_m", "DATA/a.csv:1: column \
+        position_m is there twice"),
+    ("flight", "a.csv", "time_s,x_m,y_m", "time_s;x_m;y_m", "DATA/a.csv:1: cells are separated by \
+        semicolons: must be commas, and points in numbers"),
+    ("flight", "a.csv", "time_s,x_m,y_m", "time_s\tx_m\ty_m", "DATA/a.csv:1: cells are separated \
+        by tabs: must be commas, and points in numbers"),
+    ("outcomes", "a.csv", "apex_m", "time_s", "DATA/a.csv:1: missing column apex_m; not known are \
+        time_s"),
+    ("bench", "a.csv", "0.2,0,0.02,298000\n", "0.2,0,0.02\n", "DATA/a.csv:4: 3 cells where the \
+        header has 4"),
+    ("bench", "a.csv", "0.02,", "NaN,", "DATA/a.csv:4: position_m = NaN: must be a finite number, \
+        or empty where none was measured"),
+    ("bench", "a.csv", "0.02,", "-inf,", "DATA/a.csv:4: position_m = -inf: must be a finite \
+        number, or empty where none was measured"),
+    ("bench", "a.csv", "0.02,", "1e999,", "DATA/a.csv:4: position_m = 1e999: must be a finite \
+        number, or empty where none was measured"),
+    ("bench", "a.csv", "0.02,", "0.02 m,", "DATA/a.csv:4: position_m = 0.02 m: must be a finite \
+        number, or empty where none was measured"),
     ("bench", "a.csv", "0.2,0,", "0.2,2,", "DATA/a.csv:4: valve = 2: must be 0 or 1"),
-    ("bench", "a.csv", "0.9,0,", "0.9,1,", "DATA/a.csv:11: valve opens a second time: a run has one opening"),
-    ("bench", "a.csv", "0.2,0,", "0.1,0,", "DATA/a.csv:4: time_s = 0.1 is also that of the row before: it must increase"),
-    ("bench", "a.csv", "0.2,0,", ",0,", "DATA/a.csv:4: time_s is empty: every row must have its time"),
+    ("bench", "a.csv", "0.9,0,", "0.9,1,", "DATA/a.csv:11: valve opens a second time: a run has \
+        one opening"),
+    ("bench", "a.csv", "0.2,0,", "0.1,0,", "DATA/a.csv:4: time_s = 0.1 is also that of the row \
+        before: it must increase"),
+    ("bench", "a.csv", "0.2,0,", ",0,", "DATA/a.csv:4: time_s is empty: every row must have its \
+        time"),
     ("bench", "a.csv", "0.1,0,0.01,299000\n0.2,0,0.02,298000\n", "0.2,0,0.02,298000\n0.1,0,0.01,299000\n", "DATA/a.csv:4: time_s = 0.1 follows 0.2: it must increase; the rows only are shuffled: sort them by time"),
-    ("bench", "a.csv", "0.6,", "0.1,", "DATA/a.csv:8: time_s = 0.1 follows 0.5: it must increase; without this row or the one before it all would be in order"),
-    ("bench", "a.csv", "1.1,", "1200,", "DATA/a.csv: time_s goes from 0 to 1200, and no bench takes more than 100 s: is it in ms?"),
-    ("hop", "a.csv", "1.1,", "1200,", "DATA/a.csv: time_s goes from 0 to 1200, and no hop takes more than 100 s: is it in ms?"),
-    ("jump", "a.csv", "1.1,", "1200,", "DATA/a.csv: time_s goes from 0 to 1200, and no jump takes more than 100 s: is it in ms?"),
-    ("bench", "a.csv", "298000", "2.98", "DATA/a.csv:4: pressure_pa = 2.98: must be an absolute pressure from 20000 to 1e8 in Pa, not gauge, kPa, bar or psi"),
-    ("bench", "a.csv", "298000", "0", "DATA/a.csv:4: pressure_pa = 0: must be an absolute pressure from 20000 to 1e8 in Pa, not gauge, kPa, bar or psi"),
-    ("bench", "a.csv", "298000", "298", "DATA/a.csv:4: pressure_pa = 298: must be an absolute pressure from 20000 to 1e8 in Pa, not gauge, kPa, bar or psi"),
-    ("bench", "a.csv", "298000", "2e8", "DATA/a.csv:4: pressure_pa = 2e8: must be an absolute pressure from 20000 to 1e8 in Pa, not gauge, kPa, bar or psi"),
-    ("bench", "a.csv", "0.02,", "20,", "DATA/a.csv:4: position_m = 20: must be a position from -10 to 10 m"),
-    ("hop", "a.csv", "0.02", "1.6", "DATA/a.csv:4: pivot_angle_rad = 1.6: must be an angle from -pi/2 to pi/2 in rad, not degrees"),
-    ("jump", "a.csv", "0.02,", "20,", "DATA/a.csv:4: wheel_angle_rad = 20: must be an angle from -4 pi to 4 pi in rad, not degrees"),
-    ("jump", "a.csv", "0.02,0.02,0.02,0.02", "0.02,0.02,0.02,115", "DATA/a.csv:4: wheel_rate_rad_s = 115: must be a rate from -100 to 100 rad/s, not degrees a second"),
-    ("outcomes", "a.csv", "-0.1,", "-5.7,", "DATA/a.csv:2: alpha_f_rad = -5.7: must be an angle from -pi/2 to pi/2 in rad, not degrees"),
-    ("outcomes", "a.csv", ",0.1,", ",100,", "DATA/a.csv:2: valve_open_s = 100: must be a time above 0 and up to 10 s"),
-    ("vessel", "a.csv", "297.99", "24.99", "DATA/a.csv:3: temperature_k = 24.99: must be a temperature from 100 to 3000 in K, not degC"),
-    ("vessel", "a.csv", "298000", "-298000", "DATA/a.csv:4: pressure_pa = -298000: must be an absolute pressure from 1000 to 1e8 in Pa, not gauge, kPa, bar or psi"),
-    ("vessel", "a.csv", "298000", "2.98", "DATA/a.csv:4: pressure_pa = 2.98: must be an absolute pressure from 1000 to 1e8 in Pa, not gauge, kPa, bar or psi"),
+    ("bench", "a.csv", "0.6,", "0.1,", "DATA/a.csv:8: time_s = 0.1 follows 0.5: it must increase; \
+        without this row or the one before it all would be in order"),
+    ("bench", "a.csv", "1.1,", "1200,", "DATA/a.csv: time_s goes from 0 to 1200, and no bench \
+        takes more than 100 s: is it in ms?"),
+    ("hop", "a.csv", "1.1,", "1200,", "DATA/a.csv: time_s goes from 0 to 1200, and no hop takes \
+        more than 100 s: is it in ms?"),
+    ("jump", "a.csv", "1.1,", "1200,", "DATA/a.csv: time_s goes from 0 to 1200, and no jump takes \
+        more than 100 s: is it in ms?"),
+    ("bench", "a.csv", "298000", "2.98", "DATA/a.csv:4: pressure_pa = 2.98: must be an absolute \
+        pressure from 20000 to 1e8 in Pa, not gauge, kPa, bar or psi"),
+    ("bench", "a.csv", "298000", "0", "DATA/a.csv:4: pressure_pa = 0: must be an absolute \
+        pressure from 20000 to 1e8 in Pa, not gauge, kPa, bar or psi"),
+    ("bench", "a.csv", "298000", "298", "DATA/a.csv:4: pressure_pa = 298: must be an absolute \
+        pressure from 20000 to 1e8 in Pa, not gauge, kPa, bar or psi"),
+    ("bench", "a.csv", "298000", "2e8", "DATA/a.csv:4: pressure_pa = 2e8: must be an absolute \
+        pressure from 20000 to 1e8 in Pa, not gauge, kPa, bar or psi"),
+    ("bench", "a.csv", "0.02,", "20,", "DATA/a.csv:4: position_m = 20: must be a position from \
+        -10 to 10 m"),
+    ("hop", "a.csv", "0.02", "1.6", "DATA/a.csv:4: pivot_angle_rad = 1.6: must be an angle from \
+        -pi/2 to pi/2 in rad, not degrees"),
+    ("jump", "a.csv", "0.02,", "20,", "DATA/a.csv:4: wheel_angle_rad = 20: must be an angle from \
+        -4 pi to 4 pi in rad, not degrees"),
+    ("jump", "a.csv", "0.02,0.02,0.02,0.02", "0.02,0.02,0.02,115", "DATA/a.csv:4: \
+        wheel_rate_rad_s = 115: must be a rate from -100 to 100 rad/s, not degrees a second"),
+    ("outcomes", "a.csv", "-0.1,", "-5.7,", "DATA/a.csv:2: alpha_f_rad = -5.7: must be an angle \
+        from -pi/2 to pi/2 in rad, not degrees"),
+    ("outcomes", "a.csv", ",0.1,", ",100,", "DATA/a.csv:2: valve_open_s = 100: must be a time \
+        above 0 and up to 10 s"),
+    ("vessel", "a.csv", "297.99", "24.99", "DATA/a.csv:3: temperature_k = 24.99: must be a \
+        temperature from 100 to 3000 in K, not degC"),
+    ("vessel", "a.csv", "298000", "-298000", "DATA/a.csv:4: pressure_pa = -298000: must be an \
+        absolute pressure from 1000 to 1e8 in Pa, not gauge, kPa, bar or psi"),
+    ("vessel", "a.csv", "298000", "2.98", "DATA/a.csv:4: pressure_pa = 2.98: must be an absolute \
+        pressure from 1000 to 1e8 in Pa, not gauge, kPa, bar or psi"),
 ];
 
 #[test]
@@ -90,13 +152,25 @@ fn spoiled_folders_are_refused() {
     for (i, &(kind, file, from, to, message)) in SPOILED.iter().enumerate() {
         let data = Folder::new(&format!("spoiled-{i}"));
         let files = good(kind).map(|(name, text)| {
-            assert!(name != file || text.contains(from), "{kind} {file}: no {from:?}");
-            (name, if name == file { text.replacen(from, to, 1) } else { text })
+            assert!(
+                name != file || text.contains(from),
+                "{kind} {file}: no {from:?}"
+            );
+            (
+                name,
+                if name == file {
+                    text.replacen(from, to, 1)
+                } else {
+                    text
+                },
+            )
         });
         laid(&data, &files);
         let said = said(&data);
         if said != message {
-            wrong.push(format!("    ({kind:?}, {file:?}, {from:?}, {to:?}, {said:?}),"));
+            wrong.push(format!(
+                "    ({kind:?}, {file:?}, {from:?}, {to:?}, {said:?}),"
+            ));
         }
     }
     assert_eq!(wrong, Vec::<String>::new(), "\n{}", wrong.join("\n"));
@@ -126,30 +200,113 @@ fn with_column(kind: &str, column: usize, cell: impl Fn(usize) -> String) -> imp
 #[test]
 fn spoiled_columns_are_refused() {
     let same = |cell: &'static str| move |_: usize| cell.to_owned();
-    let some = |count: usize| move |row: usize| if row < count { row.to_string() } else { String::new() };
+    let some = |count: usize| {
+        move |row: usize| {
+            if row < count {
+                row.to_string()
+            } else {
+                String::new()
+            }
+        }
+    };
     let dead = "the sensor seems dead";
     let check = |kind, column, cell: &dyn Fn(usize) -> String, message: &str| {
-        check(&format!("{kind}-{column}"), with_column(kind, column, cell), message);
+        check(
+            &format!("{kind}-{column}"),
+            with_column(kind, column, cell),
+            message,
+        );
     };
-    check("bench", 2, &same("0.03"), &format!("DATA/a.csv: position_m is 0.03 in all 12 rows: {dead}"));
-    check("bench", 3, &same("101325"), &format!("DATA/a.csv: pressure_pa is 101325 in all 12 rows: {dead}"));
-    check("hop", 2, &same(""), "DATA/a.csv: all cells are empty: nothing was measured");
-    check("hop", 2, &same("0"), &format!("DATA/a.csv: pivot_angle_rad is 0 in all 12 rows: {dead}"));
-    check("jump", 5, &same("5"), &format!("DATA/a.csv: wheel_rate_rad_s is 5 in all 12 rows: {dead}"));
-    check("flight", 2, &same("1.5"), &format!("DATA/a.csv: y_m is 1.5 in all 12 rows: {dead}"));
-    check("outcomes", 3, &same("0.9"), &format!("DATA/a.csv: distance_m is 0.9 in all 12 rows: {dead}"));
-    check("stroke", 3, &same("1"), &format!("DATA/a.csv: force_n is 1 in all 12 rows: {dead}"));
-    check("slide", 2, &same("0"), &format!("DATA/a.csv: position_m is 0 in all 12 rows: {dead}"));
-    check("bench", 2, &same(""), "DATA/a.csv: position_m is empty in all 12 rows");
+    check(
+        "bench",
+        2,
+        &same("0.03"),
+        &format!("DATA/a.csv: position_m is 0.03 in all 12 rows: {dead}"),
+    );
+    check(
+        "bench",
+        3,
+        &same("101325"),
+        &format!("DATA/a.csv: pressure_pa is 101325 in all 12 rows: {dead}"),
+    );
+    check(
+        "hop",
+        2,
+        &same(""),
+        "DATA/a.csv: all cells are empty: nothing was measured",
+    );
+    check(
+        "hop",
+        2,
+        &same("0"),
+        &format!("DATA/a.csv: pivot_angle_rad is 0 in all 12 rows: {dead}"),
+    );
+    check(
+        "jump",
+        5,
+        &same("5"),
+        &format!("DATA/a.csv: wheel_rate_rad_s is 5 in all 12 rows: {dead}"),
+    );
+    check(
+        "flight",
+        2,
+        &same("1.5"),
+        &format!("DATA/a.csv: y_m is 1.5 in all 12 rows: {dead}"),
+    );
+    check(
+        "outcomes",
+        3,
+        &same("0.9"),
+        &format!("DATA/a.csv: distance_m is 0.9 in all 12 rows: {dead}"),
+    );
+    check(
+        "stroke",
+        3,
+        &same("1"),
+        &format!("DATA/a.csv: force_n is 1 in all 12 rows: {dead}"),
+    );
+    check(
+        "slide",
+        2,
+        &same("0"),
+        &format!("DATA/a.csv: position_m is 0 in all 12 rows: {dead}"),
+    );
+    check(
+        "bench",
+        2,
+        &same(""),
+        "DATA/a.csv: position_m is empty in all 12 rows",
+    );
     check(
         "jump",
         3,
-        &|row| if row < 5 { format!("0.{row}") } else { String::new() },
+        &|row| {
+            if row < 5 {
+                format!("0.{row}")
+            } else {
+                String::new()
+            }
+        },
         "DATA/a.csv: pivot_angle_rad is empty in 7 of 12 rows: at most half may be",
     );
-    check("flight", 1, &some(1), "DATA/a.csv: x_m is empty in 11 of 12 rows: at most nine tenths may be");
-    check("hop", 1, &same("0"), "DATA/a.csv: valve is 0 in all rows: it never opens");
-    check("hop", 1, &same(""), "DATA/a.csv: valve is empty in all rows");
+    check(
+        "flight",
+        1,
+        &some(1),
+        "DATA/a.csv: x_m is empty in 11 of 12 rows: at most nine tenths may be",
+    );
+    check(
+        "hop",
+        1,
+        &same("0"),
+        "DATA/a.csv: valve is 0 in all rows: it never opens",
+    );
+    check(
+        "hop",
+        1,
+        &same(""),
+        "DATA/a.csv: valve is empty in all rows",
+    );
     // What is odd, or nothing.
     check(
         "hop",
@@ -163,12 +320,24 @@ fn spoiled_columns_are_refused() {
         &|row| ["0", "", "", "1", "1"].get(row).unwrap_or(&"0").to_string(),
         "read, notes [\"a.csv:5: valve switched at some time since line 3, where it is empty\"]",
     );
-    check("flight", 1, &same("0"), "read, notes [\"a.csv: x_m is 0 in all 12 rows\"]");
+    check(
+        "flight",
+        1,
+        &same("0"),
+        "read, notes [\"a.csv: x_m is 0 in all 12 rows\"]",
+    );
     check(
         "flight",
         0,
-        &|row| if row < 6 { row.to_string() } else { (row + 20).to_string() },
-        "read, notes [\"a.csv:8: 2.10e1 s after the row before, where the usual step is 1.00e0 s\"]",
+        &|row| {
+            if row < 6 {
+                row.to_string()
+            } else {
+                (row + 20).to_string()
+            }
+        },
+        "read, notes [\"a.csv:8: 2.10e1 s after the row before, where the usual step is 1.00e0 \
+         s\"]",
     );
     // Of few values, a coarse sensor may give the same.
     check(
@@ -177,13 +346,19 @@ fn spoiled_columns_are_refused() {
         &|row| if row < 7 { "0.5".into() } else { String::new() },
         "read, notes [\"a.csv: apex_m is 0.5 in all 7 filled rows\"]",
     );
-    check("slide", 1, &same("2"), "read, notes [\"a.csv: force_n is 2 in all 12 rows\"]");
+    check(
+        "slide",
+        1,
+        &same("2"),
+        "read, notes [\"a.csv: force_n is 2 in all 12 rows\"]",
+    );
     check("outcomes", 0, &same("5.5"), "read, notes []");
     check(
         "outcomes",
         1,
         &|row| if row == 2 { String::new() } else { "0".into() },
-        "read, notes [\"a.csv: 1 row left out for an empty cell, the first at line 4 for its alpha_f_rad\"]",
+        "read, notes [\"a.csv: 1 row left out for an empty cell, the first at line 4 for its \
+         alpha_f_rad\"]",
     );
     check(
         "outcomes",
@@ -208,13 +383,16 @@ fn check_files(cases: Vec<(&str, &str, Vec<u8>, &str)>) {
 #[rustfmt::skip] // One case a line.
 fn spoiled_manifests_are_refused() {
     check_files(vec![
-        ("empty-manifest", "experiment.toml", Vec::new(), "DATA/experiment.toml:1: missing key kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel"),
-        ("no-runs", "experiment.toml", b"kind = 'flight'".to_vec(), "DATA/experiment.toml:1: missing key run: a table [[run]] for each file"),
+        ("empty-manifest", "experiment.toml", Vec::new(), "DATA/experiment.toml:1: missing key \
+            kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel"),
+        ("no-runs", "experiment.toml", b"kind = 'flight'".to_vec(), "DATA/experiment.toml:1: \
+            missing key run: a table [[run]] for each file"),
         ("empty-runs", "experiment.toml", b"kind = 'flight'\nrun = []".to_vec(), "DATA/experiment.toml:2: 0 runs: must be from 1 to 10000"),
         ("run-table", "experiment.toml", b"kind = 'flight'\n[run]\nfile = 'a.csv'".to_vec(), "DATA/experiment.toml:2: run = [run]: must be tables, as in [[run]]"),
         ("many-runs", "experiment.toml", format!("kind = 'flight'\n{}", "[[run]]\nfile = 'a.csv'\n".repeat(10_001)).into_bytes(), "DATA/experiment.toml:2: 10001 runs: must be from 1 to 10000"),
         ("latin-1", "experiment.toml", b"kind = 'flight'\n# \xb5".to_vec(), "DATA/experiment.toml:2: not UTF-8 text"),
-        ("huge-manifest", "experiment.toml", vec![b'#'; (8 << 20) + 1], "DATA/experiment.toml: larger than 8 MiB, the most it may have"),
+        ("huge-manifest", "experiment.toml", vec![b'#'; (8 << 20) + 1], "DATA/experiment.toml: \
+            larger than 8 MiB, the most it may have"),
     ]);
 }
 
@@ -228,13 +406,18 @@ fn spoiled_runs_are_refused() {
         ("blank-run", "a.csv", b"\n \r\n".to_vec(), "DATA/a.csv: is empty"),
         ("header-only", "a.csv", header.into(), "DATA/a.csv: has a header and no rows"),
         ("one-row", "a.csv", first(1), "DATA/a.csv: 1 row: a run of kind bench needs 10 at least"),
-        ("nine-rows", "a.csv", first(9), "DATA/a.csv: 9 rows: a run of kind bench needs 10 at least"),
-        ("binary", "a.csv", vec![0; 1000], "DATA/a.csv:1: not UTF-8 text: a run is a CSV file whose first line names the columns"),
+        ("nine-rows", "a.csv", first(9), "DATA/a.csv: 9 rows: a run of kind bench needs 10 at \
+            least"),
+        ("binary", "a.csv", vec![0; 1000], "DATA/a.csv:1: not UTF-8 text: a run is a CSV file \
+            whose first line names the columns"),
         ("utf-16", "a.csv", header.encode_utf16().flat_map(u16::to_le_bytes).collect(), "DATA/a.csv:1: not UTF-8 text: a run is a CSV file whose first line names the columns"),
-        ("one-line", "a.csv", vec![b'1'; 1 << 20], "DATA/a.csv:1: more than 65536 bytes without a line break: not rows of numbers"),
-        ("bad-cell", "a.csv", [header.as_bytes(), b"0,0,\xff,1\n"].concat(), "DATA/a.csv:2: position_m is not UTF-8 text"),
+        ("one-line", "a.csv", vec![b'1'; 1 << 20], "DATA/a.csv:1: more than 65536 bytes without a \
+            line break: not rows of numbers"),
+        ("bad-cell", "a.csv", [header.as_bytes(), b"0,0,\xff,1\n"].concat(), "DATA/a.csv:2: \
+            position_m is not UTF-8 text"),
         ("long-cell", "a.csv", format!("{header}0,0,{}\t,1\n", "9".repeat(50) + "x").into_bytes(), "DATA/a.csv:2: position_m = 9999999999999999999999999999999999999999…: must be a finite number, or empty where none was measured"),
-        ("same-contents", "b.csv", rows("bench", 0).into_bytes(), "DATA/b.csv: duplicate run: its contents are those of a.csv"),
+        ("same-contents", "b.csv", rows("bench", 0).into_bytes(), "DATA/b.csv: duplicate run: its \
+            contents are those of a.csv"),
         ("two-clocks", "a.csv", (rows("bench", 0) + &rows("bench", 1)[header.len()..]).into_bytes(), "DATA/a.csv:14: time_s = 0 follows 1.1: it must increase; the clock starts again: a file must be one run"),
         ("no-column", "a.csv", b"time_s,valve,pressure_pa\n0,0,0\n".to_vec(), "DATA/a.csv:1: missing column position_m"),
     ]);
@@ -253,7 +436,8 @@ fn spoiled_sets_of_files_are_refused() {
         "other-columns",
         "flight",
         &|data| data.write("b.csv", "time_s,y_m\n0,1\n1,2\n2,3\n3,4\n4,5\n"),
-        "DATA/b.csv:1: columns = y_m differs from x_m y_m of a.csv: only what was done alike goes into one experiment",
+        "DATA/b.csv:1: columns = y_m differs from x_m y_m of a.csv: only what was done alike goes \
+         into one experiment",
     );
     check(
         "no-columns",
@@ -269,7 +453,8 @@ fn spoiled_sets_of_files_are_refused() {
                 data.write(name, data.read(name).replace("000,", ","));
             }
         },
-        "DATA/: pressure_gauge_pa never exceeds 300 in any run: it must be in Pa, not kPa, bar or psi",
+        "DATA/: pressure_gauge_pa never exceeds 300 in any run: it must be in Pa, not kPa, bar or \
+         psi",
     );
     check(
         "a-folder",
@@ -281,12 +466,19 @@ fn spoiled_sets_of_files_are_refused() {
         "DATA/a.csv: is not a file",
     );
     let nothing = Folder::new("spoiled-nothing");
-    assert_eq!(said(&nothing), "DATA/: has no experiment.toml, which says what was measured");
+    assert_eq!(
+        said(&nothing),
+        "DATA/: has no experiment.toml, which says what was measured"
+    );
 }
 
 /// The header and the first so many rows.
 fn rows_of(kind: &str, count: usize) -> String {
-    rows(kind, 0).lines().take(count + 1).flat_map(|line| [line, "\n"]).collect()
+    rows(kind, 0)
+        .lines()
+        .take(count + 1)
+        .flat_map(|line| [line, "\n"])
+        .collect()
 }
 
 #[test]
@@ -295,11 +487,23 @@ fn what_is_no_folder_is_refused() {
     data.write("file", "");
     let check = |name: &str, message: &str| {
         let error = read(&data.path(name), &|_| ()).unwrap_err().to_string();
-        assert_eq!(error.replace(data.path("").to_str().unwrap(), "DATA/"), message);
+        assert_eq!(
+            error.replace(data.path("").to_str().unwrap(), "DATA/"),
+            message
+        );
     };
-    check("file", "DATA/file: is not a folder; data are a folder with experiment.toml and its runs");
-    check("none", "DATA/none: cannot be read: No such file or directory (os error 2)");
-    assert_eq!(read_all(&[], &|_| ()).unwrap_err().to_string(), "data: no folder is given");
+    check(
+        "file",
+        "DATA/file: is not a folder; data are a folder with experiment.toml and its runs",
+    );
+    check(
+        "none",
+        "DATA/none: cannot be read: No such file or directory (os error 2)",
+    );
+    assert_eq!(
+        read_all(&[], &|_| ()).unwrap_err().to_string(),
+        "data: no folder is given"
+    );
 }
 
 #[test]
@@ -313,8 +517,9 @@ fn what_is_odd_is_noted() {
                 data.write(name, "");
             }
         },
-        "read, notes [\"c.csv: not read, as experiment.toml does not list it\", \"d.CSV: not read, as experiment.toml does not list it\", \
-        \"e.csv: not read, as experiment.toml does not list it\", \"experiment.toml: 2 more CSV files are not listed\"]",
+        "read, notes [\"c.csv: not read, as experiment.toml does not list it\", \"d.CSV: not \
+         read, as experiment.toml does not list it\", \"e.csv: not read, as experiment.toml does \
+         not list it\", \"experiment.toml: 2 more CSV files are not listed\"]",
     );
     check(
         "unused",
@@ -322,7 +527,8 @@ fn what_is_odd_is_noted() {
             laid(data, &good("vessel"));
             data.write(
                 "experiment.toml",
-                format!("robot = 'x'\n{}", data.read("experiment.toml")) + "[noise]\ntemperature_k = 1\n",
+                format!("robot = 'x'\n{}", data.read("experiment.toml"))
+                    + "[noise]\ntemperature_k = 1\n",
             );
             for name in ["a.csv", "b.csv"] {
                 let warm: Vec<String> = data
@@ -334,6 +540,7 @@ fn what_is_odd_is_noted() {
                 data.write(name, warm.join("\n"));
             }
         },
-        "read, notes [\"experiment.toml: robot is not used for the kind vessel\", \"experiment.toml: noise.temperature_k is not used: no run has that column\"]",
+        "read, notes [\"experiment.toml: robot is not used for the kind vessel\", \
+         \"experiment.toml: noise.temperature_k is not used: no run has that column\"]",
     );
 }

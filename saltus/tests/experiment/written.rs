@@ -8,7 +8,13 @@ use crate::common::Folder;
 fn written(kind: Sort, columns: &[&str], settings: &[(&str, f64)]) -> Experiment {
     let valve = matches!(kind, Sort::Bench | Sort::Hop | Sort::Jump);
     let run = |run: u32| {
-        let time = |i: u32| if kind == Sort::Outcomes { f64::from(i) } else { f64::from(i) / 100.0 };
+        let time = |i: u32| {
+            if kind == Sort::Outcomes {
+                f64::from(i)
+            } else {
+                f64::from(i) / 100.0
+            }
+        };
         let value = |column: usize, i: u32| {
             let x = f64::from(i + 13 * run) / 300.0;
             match columns[column] {
@@ -19,10 +25,15 @@ fn written(kind: Sort, columns: &[&str], settings: &[(&str, f64)]) -> Experiment
         };
         Run {
             name: format!("part/run \"{run}\".csv"),
-            settings: settings.iter().map(|(key, value)| ((*key).into(), *value)).collect(),
+            settings: settings
+                .iter()
+                .map(|(key, value)| ((*key).into(), *value))
+                .collect(),
             valve: valve.then(|| (time(3), (run == 0).then(|| time(7)))),
             time: (0..20).map(time).collect(),
-            values: (0..columns.len()).map(|column| (0..20).map(|i| value(column, i)).collect()).collect(),
+            values: (0..columns.len())
+                .map(|column| (0..20).map(|i| value(column, i)).collect())
+                .collect(),
         }
     };
     let mut noise = vec![None; columns.len()];
@@ -49,16 +60,39 @@ fn what_is_written_is_read_back() {
         ("wall_area_m2", 0.4),
     ];
     let experiments = [
-        written(Sort::Bench, &["position_m", "pressure_pa"], &[supply, ("load_mass_kg", 2.5)]),
+        written(
+            Sort::Bench,
+            &["position_m", "pressure_pa"],
+            &[supply, ("load_mass_kg", 2.5)],
+        ),
         written(Sort::Hop, &["pivot_angle_rad"], &[supply]),
         written(
             Sort::Jump,
-            &["wheel_angle_rad", "pivot_angle_rad", "radius_angle_rad", "wheel_rate_rad_s"],
+            &[
+                "wheel_angle_rad",
+                "pivot_angle_rad",
+                "radius_angle_rad",
+                "wheel_rate_rad_s",
+            ],
             &[supply],
         ),
         written(Sort::Flight, &["y_m"], &[("boom_radius_m", 1.1)]),
-        written(Sort::Outcomes, &["omega_rad_s", "alpha_f_rad", "valve_open_s", "distance_m", "apex_m"], &[]),
-        written(Sort::Stroke, &["position_m", "pressure_gauge_pa", "force_n"], &[("bore_m", 0.025)]),
+        written(
+            Sort::Outcomes,
+            &[
+                "omega_rad_s",
+                "alpha_f_rad",
+                "valve_open_s",
+                "distance_m",
+                "apex_m",
+            ],
+            &[],
+        ),
+        written(
+            Sort::Stroke,
+            &["position_m", "pressure_gauge_pa", "force_n"],
+            &[("bore_m", 0.025)],
+        ),
         written(Sort::Slide, &["force_n", "position_m"], &[]),
         written(Sort::Vessel, &["pressure_pa", "temperature_k"], &vessel),
     ];
@@ -85,14 +119,21 @@ fn what_is_written_is_read_back() {
 #[test]
 fn a_switch_between_rows_is_written() {
     let data = Folder::new("written-switch");
-    let mut experiment = written(Sort::Hop, &["pivot_angle_rad"], &[("supply_pressure_gauge_pa", 8e5)]);
+    let mut experiment = written(
+        Sort::Hop,
+        &["pivot_angle_rad"],
+        &[("supply_pressure_gauge_pa", 8e5)],
+    );
     experiment.runs[0].valve = Some((-0.1, Some(0.012)));
     experiment.runs[0].values[0][4] = f64::NAN;
     write(&data.path(""), &experiment, Some("rats-boom")).unwrap();
     let run = &read(&data.path(""), &|_| ()).unwrap().experiment.runs[0];
     // Times count from the first row, which has the command alone.
     assert_eq!(run.valve, Some((0.0, Some(0.112))));
-    assert_eq!((run.time.len(), run.time[0], run.time[2], run.time[3]), (22, 0.0, 0.11, 0.112));
+    assert_eq!(
+        (run.time.len(), run.time[0], run.time[2], run.time[3]),
+        (22, 0.0, 0.11, 0.112)
+    );
     assert!([0, 3, 6].iter().all(|row| run.values[0][*row].is_nan()) && run.values[0][5] > 0.0);
 }
 
@@ -102,17 +143,39 @@ fn what_files_cannot_say_is_not_written() {
         let data = Folder::new("unwritable");
         let mut experiment = written(Sort::Hop, &["pivot_angle_rad"], &[]);
         spoil(&mut experiment);
-        assert_eq!(write(&data.path(""), &experiment, None).unwrap_err().to_string(), message);
+        assert_eq!(
+            write(&data.path(""), &experiment, None)
+                .unwrap_err()
+                .to_string(),
+            message
+        );
         assert_eq!(data.names(), [""; 0]);
     };
-    let name = |name: &'static str| move |experiment: &mut Experiment| experiment.runs[0].name = name.into();
-    check(&name("../a.csv"), "../a.csv: must be the name of a file within the folder");
-    check(&name("experiment.toml"), "experiment.toml: must be the name of a file within the folder");
-    check(&name("part/run \"1\".csv"), "part/run \"1\".csv: is the name of two runs");
-    check(&|it| it.runs[1].time.push(9.0), "part/run \"1\".csv: has columns of unequal length");
+    let name = |name: &'static str| {
+        move |experiment: &mut Experiment| experiment.runs[0].name = name.into()
+    };
+    check(
+        &name("../a.csv"),
+        "../a.csv: must be the name of a file within the folder",
+    );
+    check(
+        &name("experiment.toml"),
+        "experiment.toml: must be the name of a file within the folder",
+    );
+    check(
+        &name("part/run \"1\".csv"),
+        "part/run \"1\".csv: is the name of two runs",
+    );
+    check(
+        &|it| it.runs[1].time.push(9.0),
+        "part/run \"1\".csv: has columns of unequal length",
+    );
     check(
         &|it| it.runs[1].values[0][3] = f64::INFINITY,
         "part/run \"1\".csv: has a number that is not finite",
     );
-    check(&|it| it.runs[1].valve = None, "part/run \"1\".csv: has no opening of the valve");
+    check(
+        &|it| it.runs[1].valve = None,
+        "part/run \"1\".csv: has no opening of the valve",
+    );
 }

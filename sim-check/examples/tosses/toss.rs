@@ -1,10 +1,12 @@
-//! Measured tosses of a cube: reading them, rolling them out in the simulation, and how far the two are apart.
+//! Measured tosses of a cube: reading them, rolling them out in the simulation, and how far the two
+//! are apart.
 
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use saltus_sim_check::{
-    Body, ContactPoint, Friction, Joint, Mechanism, Placement, Settings, Sim, SimError, Surface, Tree, Vec3,
+    Body, ContactPoint, Friction, Joint, Mechanism, Placement, Settings, Sim, SimError, Surface,
+    Tree, Vec3,
 };
 
 /// Width of the cube (m).
@@ -24,13 +26,22 @@ const COLUMNS: &str =
 pub(crate) enum TossError {
     /// A file or folder that cannot be read.
     #[error("{path}: {source}")]
-    Read { path: PathBuf, source: std::io::Error },
+    Read {
+        path: PathBuf,
+        source: std::io::Error,
+    },
     /// A file that is no toss.
     #[error("{path}: {what}")]
     Shape { path: PathBuf, what: String },
     /// A cell that is no number.
     #[error("{path}: row {row}, column {column}: '{value}': must be {allowed}")]
-    Cell { path: PathBuf, row: usize, column: String, value: String, allowed: &'static str },
+    Cell {
+        path: PathBuf,
+        row: usize,
+        column: String,
+        value: String,
+        allowed: &'static str,
+    },
 }
 
 /// The cube at an instant.
@@ -60,7 +71,10 @@ pub(crate) struct Toss {
 /// # Errors
 /// [`TossError`], which names the file, the row and the column.
 pub(crate) fn read_folder(folder: &Path) -> Result<Vec<Toss>, TossError> {
-    let unread = |source| TossError::Read { path: folder.into(), source };
+    let unread = |source| TossError::Read {
+        path: folder.into(),
+        source,
+    };
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(unread)? {
         let path = entry.map_err(unread)?.path();
@@ -68,18 +82,28 @@ pub(crate) fn read_folder(folder: &Path) -> Result<Vec<Toss>, TossError> {
             paths.push(path);
         }
     }
-    let stem =
-        |path: &PathBuf| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+    let stem = |path: &PathBuf| {
+        path.file_stem()
+            .map_or_else(String::new, |s| s.to_string_lossy().into_owned())
+    };
     paths.sort_by_key(|path| (stem(path).parse::<u64>().unwrap_or(u64::MAX), stem(path)));
     if paths.is_empty() {
-        return Err(TossError::Shape { path: folder.into(), what: "has no .csv file".into() });
+        return Err(TossError::Shape {
+            path: folder.into(),
+            what: "has no .csv file".into(),
+        });
     }
-    paths.iter().map(|path| Ok(Toss { rows: read(path)? })).collect()
+    paths
+        .iter()
+        .map(|path| Ok(Toss { rows: read(path)? }))
+        .collect()
 }
 
 fn read(path: &Path) -> Result<Vec<Row>, TossError> {
-    let text =
-        std::fs::read_to_string(path).map_err(|source| TossError::Read { path: path.into(), source })?;
+    let text = std::fs::read_to_string(path).map_err(|source| TossError::Read {
+        path: path.into(),
+        source,
+    })?;
     parse(path, &text)
 }
 
@@ -88,7 +112,10 @@ fn read(path: &Path) -> Result<Vec<Row>, TossError> {
 /// # Errors
 /// [`TossError`], which names the file, the row and the column.
 pub(crate) fn parse(path: &Path, text: &str) -> Result<Vec<Row>, TossError> {
-    let shape = |what: String| TossError::Shape { path: path.into(), what };
+    let shape = |what: String| TossError::Shape {
+        path: path.into(),
+        what,
+    };
     let mut lines = text.lines();
     if lines.next().map(str::trim_end) != Some(COLUMNS) {
         return Err(shape(format!("row 1: the columns must be {COLUMNS}")));
@@ -106,7 +133,11 @@ pub(crate) fn parse(path: &Path, text: &str) -> Result<Vec<Row>, TossError> {
         let cells: Vec<&str> = line.trim_end().split(',').collect();
         let mut n = [0.0; 14];
         if cells.len() != n.len() {
-            return Err(shape(format!("row {row}: {} cells, {} wanted", cells.len(), n.len())));
+            return Err(shape(format!(
+                "row {row}: {} cells, {} wanted",
+                cells.len(),
+                n.len()
+            )));
         }
         for ((x, cell), column) in n.iter_mut().zip(&cells).zip(COLUMNS.split(',')) {
             *x = cell
@@ -120,7 +151,11 @@ pub(crate) fn parse(path: &Path, text: &str) -> Result<Vec<Row>, TossError> {
         }
         let turn = Quaternion::new(n[4], n[5], n[6], n[7]);
         if (turn.norm() - 1.0).abs() > 1e-3 {
-            return Err(wrong("qw", cells[4], "of a quaternion of length 1 to within 1e-3"));
+            return Err(wrong(
+                "qw",
+                cells[4],
+                "of a quaternion of length 1 to within 1e-3",
+            ));
         }
         rows.push(Row {
             time: n[0],
@@ -150,7 +185,11 @@ pub(crate) struct Law {
 impl Law {
     /// What the data's authors measured, over a board at height `board` (m).
     pub(crate) fn published(board: f64) -> Law {
-        Law { friction: 0.18, restitution: 0.125, board }
+        Law {
+            friction: 0.18,
+            restitution: 0.125,
+            board,
+        }
     }
 }
 
@@ -175,10 +214,21 @@ fn cube(law: &Law) -> Result<Mechanism, SimError> {
     let mut mechanism = Mechanism::new(tree, Vec3::z() * -GRAVITY);
     for k in 0..8 {
         let center = corner(k);
-        mechanism.points.push(ContactPoint { name: format!("corner {k}"), body: 0, center, radius: 0.0 });
+        mechanism.points.push(ContactPoint {
+            name: format!("corner {k}"),
+            body: 0,
+            center,
+            radius: 0.0,
+        });
     }
-    mechanism.surfaces.push(Surface::Plane { point: Vec3::z() * law.board, normal: Vec3::z() });
-    mechanism.material.friction = Friction::Cone { standing: law.friction, slipping: law.friction };
+    mechanism.surfaces.push(Surface::Plane {
+        point: Vec3::z() * law.board,
+        normal: Vec3::z(),
+    });
+    mechanism.material.friction = Friction::Cone {
+        standing: law.friction,
+        slipping: law.friction,
+    };
     mechanism.material.restitution = law.restitution;
     Ok(mechanism)
 }
@@ -189,10 +239,14 @@ pub(crate) fn lowest_corner(row: &Row) -> f64 {
     row.place.z - WIDTH / 2.0 * up.abs().sum()
 }
 
-/// Height (m) of the board: the median over `tosses` of the lowest corner at the end, where the cube rests.
+/// Height (m) of the board: the median over `tosses` of the lowest corner at the end, where the
+/// cube rests.
 pub(crate) fn board_height<'t>(tosses: impl IntoIterator<Item = &'t Toss>) -> f64 {
-    let mut heights: Vec<f64> =
-        tosses.into_iter().filter_map(|toss| toss.rows.last()).map(lowest_corner).collect();
+    let mut heights: Vec<f64> = tosses
+        .into_iter()
+        .filter_map(|toss| toss.rows.last())
+        .map(lowest_corner)
+        .collect();
     heights.sort_by(f64::total_cmp);
     heights.get(heights.len() / 2).copied().unwrap_or(0.0)
 }
@@ -201,7 +255,8 @@ pub(crate) fn board_height<'t>(tosses: impl IntoIterator<Item = &'t Toss>) -> f6
 const FIRST: usize = 8;
 const CLEAR: f64 = 0.005;
 
-/// The first state: free flight through the first samples, at most [`FIRST`] (54 ms) and [`CLEAR`] of the board.
+/// The first state: free flight through the first samples, at most [`FIRST`] (54 ms) and [`CLEAR`]
+/// of the board.
 ///
 /// The velocities given are differences to the sample before, half a sample late, and noisy.
 fn first_state(toss: &Toss, board: f64) -> Row {
@@ -213,7 +268,10 @@ fn first_state(toss: &Toss, board: f64) -> Row {
     }
     let times: Vec<f64> = rows.iter().map(|row| row.time - first.time).collect();
     let of = |value: &dyn Fn(&Row, f64) -> Vec3| -> Vec<Vec3> {
-        rows.iter().zip(&times).map(|(row, &t)| value(row, t)).collect()
+        rows.iter()
+            .zip(&times)
+            .map(|(row, &t)| value(row, t))
+            .collect()
     };
     let straight = of(&|row, t| row.place + Vec3::z() * (0.5 * GRAVITY * t * t));
     // A cube turns about any axis at a constant rate.
@@ -228,9 +286,17 @@ fn first_state(toss: &Toss, board: f64) -> Row {
 /// Value at 0 and slope of the line of least squares.
 fn line(times: &[f64], values: &[Vec3]) -> (Vec3, Vec3) {
     let n = times.len() as f64;
-    let (time, value) = (times.iter().sum::<f64>() / n, values.iter().sum::<Vec3>() / n);
+    let (time, value) = (
+        times.iter().sum::<f64>() / n,
+        values.iter().sum::<Vec3>() / n,
+    );
     let spread: f64 = times.iter().map(|t| (t - time).powi(2)).sum();
-    let slope = times.iter().zip(values).map(|(t, x)| (x - value) * (t - time)).sum::<Vec3>() / spread;
+    let slope = times
+        .iter()
+        .zip(values)
+        .map(|(t, x)| (x - value) * (t - time))
+        .sum::<Vec3>()
+        / spread;
     (value - slope * time, slope)
 }
 
@@ -238,12 +304,26 @@ fn line(times: &[f64], values: &[Vec3]) -> (Vec3, Vec3) {
 ///
 /// # Errors
 /// [`SimError`] where the motion cannot go on.
-pub(crate) fn roll_out(toss: &Toss, law: &Law) -> Result<Vec<(Vec3, UnitQuaternion<f64>)>, SimError> {
+pub(crate) fn roll_out(
+    toss: &Toss,
+    law: &Law,
+) -> Result<Vec<(Vec3, UnitQuaternion<f64>)>, SimError> {
     let mechanism = cube(law)?;
     let first = first_state(toss, law.board);
-    let (p, t, u, w) = (first.place, first.turn, first.velocity, first.turn * first.spin);
-    let (q, v) = ([p.x, p.y, p.z, t.w, t.i, t.j, t.k], [u.x, u.y, u.z, w.x, w.y, w.z]);
-    let settings = Settings { tolerance: 1e-7, ..Settings::default() };
+    let (p, t, u, w) = (
+        first.place,
+        first.turn,
+        first.velocity,
+        first.turn * first.spin,
+    );
+    let (q, v) = (
+        [p.x, p.y, p.z, t.w, t.i, t.j, t.k],
+        [u.x, u.y, u.z, w.x, w.y, w.z],
+    );
+    let settings = Settings {
+        tolerance: 1e-7,
+        ..Settings::default()
+    };
     let mut sim = Sim::new(&mechanism, &q, &v, settings)?;
     let mut places = Vec::new();
     for row in &toss.rows {
@@ -279,5 +359,8 @@ pub(crate) fn compare(toss: &Toss, law: &Law) -> Result<Apart, SimError> {
         }
     }
     let samples = toss.rows.len() as f64 * WIDTH;
-    Ok(Apart { center: center / samples, corners: corners / samples })
+    Ok(Apart {
+        center: center / samples,
+        corners: corners / samples,
+    })
 }

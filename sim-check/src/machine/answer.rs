@@ -1,4 +1,5 @@
-//! What the solved rows do: accelerations, impulses, and corrections of what integration has put where nothing moves.
+//! What the solved rows do: accelerations, impulses, and corrections of what integration has put
+//! where nothing moves.
 
 use super::{CONTACT_LOSS, Machine, Owner};
 use crate::complementarity::Grip;
@@ -23,7 +24,9 @@ impl Machine<'_> {
     /// Work lost where contacts slip.
     pub(super) fn account(&mut self, mode: &Mode) {
         for touch in &self.touches {
-            let normal = touch.spring.map_or_else(|| self.normal_force(touch.contact), |f| f.max(0.0));
+            let normal = touch
+                .spring
+                .map_or_else(|| self.normal_force(touch.contact), |f| f.max(0.0));
             for (axis, (standing, slipping, width)) in self.friction().into_iter().enumerate() {
                 let grip = mode.contacts[touch.contact].grips[axis];
                 if standing > 0.0 && grip != Grip::Held {
@@ -40,7 +43,10 @@ impl Machine<'_> {
 
     /// The force (N) along the normal of contact `c`, 0 where it has none.
     pub(crate) fn normal_force(&self, c: usize) -> f64 {
-        self.force_of(Owner::Normal(c)).first().copied().unwrap_or(0.0)
+        self.force_of(Owner::Normal(c))
+            .first()
+            .copied()
+            .unwrap_or(0.0)
     }
 
     /// The forces of the rows of `owner`.
@@ -73,8 +79,8 @@ impl Machine<'_> {
         }
     }
 
-    /// Takes out of `y` what integration has put into the directions that do not move: speeds along the held rows, and
-    /// penetration of the rigid contacts.
+    /// Takes out of `y` what integration has put into the directions that do not move: speeds along
+    /// the held rows, and penetration of the rigid contacts.
     pub(crate) fn project(&mut self, y: &mut [f64], mode: &Mode) {
         if self.problem.rows == 0 {
             return;
@@ -100,7 +106,9 @@ impl Machine<'_> {
         self.problem.a.clear();
         for r in 0..m {
             for c in 0..m {
-                let dot = (0..n).map(|k| self.reduced[r * n + k] * self.reduced[c * n + k]).sum();
+                let dot = (0..n)
+                    .map(|k| self.reduced[r * n + k] * self.reduced[c * n + k])
+                    .sum();
                 self.problem.a.push(dot);
             }
         }
@@ -110,13 +118,19 @@ impl Machine<'_> {
     pub(super) fn close_gaps(&mut self, y: &mut [f64]) {
         for (r, owner) in self.owners.iter().enumerate() {
             self.problem.b[r] = match owner {
-                Owner::Normal(c) => self.touches.iter().find(|t| t.contact == *c).map_or(0.0, |t| t.gap),
+                Owner::Normal(c) => self
+                    .touches
+                    .iter()
+                    .find(|t| t.contact == *c)
+                    .map_or(0.0, |t| t.gap),
                 _ => 0.0,
             };
         }
         self.problem.solve();
         self.change_by_impulses();
-        self.welded.tree.coordinate_rates(&self.q, &self.change, &mut self.rates);
+        self.welded
+            .tree
+            .coordinate_rates(&self.q, &self.change, &mut self.rates);
         for (i, &full) in self.welded.coordinates.iter().enumerate() {
             y[full] += self.rates[i];
         }

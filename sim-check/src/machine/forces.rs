@@ -44,7 +44,8 @@ impl Machine<'_> {
         let u = y[self.layout.gas() + i];
         let is_latched = mode.joints[part.body] == JointMode::Latched;
         (self.gas_rates[i], self.pressures[i]) = match (leg.chamber(), &state.piece) {
-            // Before it is fired nothing flows; once a leg without mass has been picked up, nothing depends on its gas.
+            // Before it is fired nothing flows; once a leg without mass has been picked up, nothing
+            // depends on its gas.
             (Some(chamber), Some(piece)) if is_latched => (0.0, chamber.pressure(piece.flow, u)),
             (Some(chamber), Some(piece)) => {
                 let (gas, rate) = piece.gas(chamber, u, d, speed);
@@ -56,7 +57,10 @@ impl Machine<'_> {
             self.pushes[i] = f64::NAN;
             return;
         };
-        let switches = Switches { energized: state.energized, cushioned: state.cushioned };
+        let switches = Switches {
+            energized: state.energized,
+            cushioned: state.cushioned,
+        };
         let slack = leg.slack_pull(switches, d);
         let drive = leg.drive_force(switches, d, speed, self.pressures[i]).value - slack;
         let dry = leg.dry_friction(self.pressures[i]);
@@ -76,8 +80,12 @@ impl Machine<'_> {
     }
 
     pub(super) fn apply_drag(&mut self) {
-        let Some(drag) = self.mechanism.drag else { return };
-        let (Some(body), placement) = self.welded.home[drag.body] else { return };
+        let Some(drag) = self.mechanism.drag else {
+            return;
+        };
+        let (Some(body), placement) = self.welded.home[drag.body] else {
+            return;
+        };
         let at = self.pose.frames[body].then(&placement).position;
         let velocity = self.pose.velocities[body].at(&at);
         let force = velocity * (-drag.coefficient * velocity.norm());

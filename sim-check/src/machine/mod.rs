@@ -1,4 +1,5 @@
-//! The equations of motion of a mechanism in a given mode: accelerations, contact forces, and what guards need to know.
+//! The equations of motion of a mechanism in a given mode: accelerations, contact forces, and what
+//! guards need to know.
 
 mod answer;
 mod forces;
@@ -20,7 +21,8 @@ pub(crate) struct Layout {
     pub legs: usize,
 }
 
-/// Works (J) that are integrated along: of the drives, lost in joints and legs, lost in contacts, of drag.
+/// Works (J) that are integrated along: of the drives, lost in joints and legs, lost in contacts,
+/// of drag.
 pub(crate) const WORKS: usize = 4;
 pub(crate) const DRIVE: usize = 0;
 pub(crate) const JOINT_LOSS: usize = 1;
@@ -45,7 +47,8 @@ impl Layout {
     }
 }
 
-/// Velocity (m/s or rad/s) below which something counts as standing: round-off of what an event or an impact leaves.
+/// Velocity (m/s or rad/s) below which something counts as standing: round-off of what an event or
+/// an impact leaves.
 pub(crate) const STANDING: f64 = 1e-9;
 
 /// Part of the weight that is no force: an exhausted chamber keeps some of it by round-off.
@@ -126,7 +129,8 @@ pub(crate) struct Machine<'a> {
     pub pushes: Vec<f64>,
     /// Force (N) that counts as none: [`NOTHING`] of the weight.
     pub nothing: f64,
-    /// Least force (N) among those that hold feet on rigid ground, over the derivatives since it was set.
+    /// Least force (N) among those that hold feet on rigid ground, over the derivatives since it
+    /// was set.
     pub least_hold: f64,
     powers: [f64; WORKS],
     /// How much each joint's force falls with its position (N/m) and its speed (N s/m), welded.
@@ -152,7 +156,9 @@ impl<'a> Machine<'a> {
             velocities: mechanism.tree.velocities(),
             legs: mechanism.legs.len(),
         };
-        let welded = mechanism.tree.weld(&vec![false; mechanism.tree.bodies().len()], &[]);
+        let welded = mechanism
+            .tree
+            .weld(&vec![false; mechanism.tree.bodies().len()], &[]);
         let bodies = 0..mechanism.tree.bodies().len();
         let mut machine = Machine {
             mechanism,
@@ -203,8 +209,12 @@ impl<'a> Machine<'a> {
 
     fn resize(&mut self) {
         let home = |body: usize| &self.welded.home[body];
-        self.points =
-            self.mechanism.points.iter().map(|p| (home(p.body).0, home(p.body).1.point(&p.center))).collect();
+        self.points = self
+            .mechanism
+            .points
+            .iter()
+            .map(|p| (home(p.body).0, home(p.body).1.point(&p.center)))
+            .collect();
         self.dof = (0..self.mechanism.tree.bodies().len())
             .map(|body| {
                 let k = self.mechanism.tree.velocity_of(body);
@@ -234,7 +244,9 @@ impl<'a> Machine<'a> {
             return;
         }
         let layout = self.layout;
-        self.welded.tree.coordinate_rates(&self.q, &self.v, &mut self.rates);
+        self.welded
+            .tree
+            .coordinate_rates(&self.q, &self.v, &mut self.rates);
         for (i, &full) in self.welded.coordinates.iter().enumerate() {
             dy[full] = self.rates[i];
         }
@@ -245,15 +257,17 @@ impl<'a> Machine<'a> {
         dy[layout.works()..].copy_from_slice(&self.powers);
     }
 
-    /// Least force (N) among those that hold feet on rigid ground: of the ground, and of the legs without mass. Where forces are one
-    /// choice of many, they say nothing.
+    /// Least force (N) among those that hold feet on rigid ground: of the ground, and of the legs
+    /// without mass. Where forces are one choice of many, they say nothing.
     fn hold(&self, mode: &Mode) -> f64 {
         if self.redundant {
             return f64::INFINITY;
         }
         let rigid = self.touches.iter().filter(|touch| touch.spring.is_none());
         let normals = rigid.map(|touch| self.normal_force(touch.contact));
-        let props = (0..self.pushes.len()).filter(|&leg| self.is_prop(leg, mode)).map(|leg| self.pushes[leg]);
+        let props = (0..self.pushes.len())
+            .filter(|&leg| self.is_prop(leg, mode))
+            .map(|leg| self.pushes[leg]);
         normals.chain(props).fold(f64::INFINITY, f64::min)
     }
 
@@ -269,7 +283,12 @@ impl<'a> Machine<'a> {
     pub(crate) fn assemble(&mut self, y: &[f64], mode: &Mode, rows: Rows) {
         self.place(y);
         let n = self.n();
-        self.pose.equations(&self.welded.tree, &self.mechanism.gravity, &mut self.mass, &mut self.free);
+        self.pose.equations(
+            &self.welded.tree,
+            &self.mechanism.gravity,
+            &mut self.mass,
+            &mut self.free,
+        );
         self.free.iter_mut().for_each(|x| *x = -*x);
         self.powers = [0.0; WORKS];
         self.apply_joints(y, mode);
@@ -304,10 +323,14 @@ impl<'a> Machine<'a> {
 
     /// Whether leg `leg` is one without mass that moves with its foot on rigid ground.
     ///
-    /// All that it can do is push: where it has nothing to push with, its foot leaves. No ground pulls it out, however rough it is.
+    /// All that it can do is push: where it has nothing to push with, its foot leaves. No ground
+    /// pulls it out, however rough it is.
     pub(crate) fn is_prop(&self, leg: usize, mode: &Mode) -> bool {
         let part = &self.mechanism.legs[leg];
-        let moves = matches!(mode.joints[part.body], JointMode::Free | JointMode::Sliding(_));
+        let moves = matches!(
+            mode.joints[part.body],
+            JointMode::Free | JointMode::Sliding(_)
+        );
         let stands = |(c, &(point, _)): (usize, &(usize, usize))| {
             mode.contacts[c].closed && self.mechanism.points[point].body == part.body
         };

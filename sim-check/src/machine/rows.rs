@@ -28,19 +28,25 @@ impl Machine<'_> {
             along,
             across,
             gap: near.distance - radius,
-            speeds: Vec3::new(speed.dot(&near.normal), speed.dot(&along), speed.dot(&across)),
+            speeds: Vec3::new(
+                speed.dot(&near.normal),
+                speed.dot(&along),
+                speed.dot(&across),
+            ),
             spring: None,
         }
     }
 
-    /// Distance (m) between the point and the surface of contact `c` at the present place, and how it would be `ahead` (s) later.
+    /// Distance (m) between the point and the surface of contact `c` at the present place, and how
+    /// it would be `ahead` (s) later.
     pub(crate) fn gap(&self, c: usize, ahead: f64) -> f64 {
         let (point, surface) = self.pairs[c];
         let (body, center) = &self.points[point];
         let Some(b) = *body else { return f64::INFINITY };
         let center = self.pose.frames[b].point(center);
         let moved = center + self.pose.velocities[b].at(&center) * ahead;
-        self.mechanism.surfaces[surface].proximity(&moved).distance - self.mechanism.points[point].radius
+        self.mechanism.surfaces[surface].proximity(&moved).distance
+            - self.mechanism.points[point].radius
     }
 
     /// Geometry and springs of the closed contacts.
@@ -115,9 +121,15 @@ impl Machine<'_> {
             // The place of contact moves along the sphere: only its centre is fixed in the body.
             acceleration += bias.angular.cross(&(touch.place - center));
             let moving = velocity.at(&center);
-            let turning = self.mechanism.surfaces[surface].proximity(&center).normal_rate(&moving);
+            let turning = self.mechanism.surfaces[surface]
+                .proximity(&center)
+                .normal_rate(&moving);
             let normal = acceleration.dot(&touch.normal) + moving.dot(&turning);
-            return Vec3::new(normal, acceleration.dot(&touch.along), acceleration.dot(&touch.across));
+            return Vec3::new(
+                normal,
+                acceleration.dot(&touch.along),
+                acceleration.dot(&touch.across),
+            );
         }
         Vec3::new(
             acceleration.dot(&touch.normal),
@@ -126,7 +138,8 @@ impl Machine<'_> {
         )
     }
 
-    /// Friction coefficients, standing and slipping, of a contact's axes, and how many rows each axis has.
+    /// Friction coefficients, standing and slipping, of a contact's axes, and how many rows each
+    /// axis has.
     pub(crate) fn friction(&self) -> [(f64, f64, usize); 2] {
         match self.mechanism.material.friction {
             Friction::Cone { standing, slipping } => [(standing, slipping, 2), (0.0, 0.0, 0)],
@@ -140,7 +153,14 @@ impl Machine<'_> {
         let (body, center) = self.points[point];
         let bias = self.contact_bias(touch, body, &center);
         let normal = self.problem.rows;
-        self.push_row(Owner::Normal(c), body, &touch.place, &touch.normal, bias.x, touch.speeds.x);
+        self.push_row(
+            Owner::Normal(c),
+            body,
+            &touch.place,
+            &touch.normal,
+            bias.x,
+            touch.speeds.x,
+        );
         self.problem.elements.push(Element {
             row: normal,
             bounds: Bounds::Between(0.0, f64::INFINITY),
@@ -151,8 +171,11 @@ impl Machine<'_> {
             if standing == 0.0 {
                 continue;
             }
-            let speed =
-                if width == 2 { touch.speeds.y.hypot(touch.speeds.z) } else { touch.speeds[1 + axis].abs() };
+            let speed = if width == 2 {
+                touch.speeds.y.hypot(touch.speeds.z)
+            } else {
+                touch.speeds[1 + axis].abs()
+            };
             let stands = match rows {
                 Rows::Holding => grips[axis] == Grip::Held,
                 Rows::Candidates => speed <= STANDING,
@@ -163,7 +186,11 @@ impl Machine<'_> {
                 self.tangent_rows(touch, axis, width, body, &bias);
                 self.problem.elements.push(Element {
                     row,
-                    bounds: Bounds::Friction { normal: Some(normal), limit: standing, rows: width },
+                    bounds: Bounds::Friction {
+                        normal: Some(normal),
+                        limit: standing,
+                        rows: width,
+                    },
                     grip: Grip::Held,
                 });
             } else {
@@ -171,7 +198,8 @@ impl Machine<'_> {
                 let n = self.n();
                 if let Some(b) = body {
                     for k in self.welded.tree.path(b) {
-                        self.directions[normal * n + k] += self.pose.axes[k].at(&touch.place).dot(&slide);
+                        self.directions[normal * n + k] +=
+                            self.pose.axes[k].at(&touch.place).dot(&slide);
                     }
                 }
             }
@@ -189,7 +217,14 @@ impl Machine<'_> {
         let owner = Owner::Tangent(touch.contact, axis);
         for k in axis..axis + width {
             let direction = if k == 0 { touch.along } else { touch.across };
-            self.push_row(owner, body, &touch.place, &direction, bias[1 + k], touch.speeds[1 + k]);
+            self.push_row(
+                owner,
+                body,
+                &touch.place,
+                &direction,
+                bias[1 + k],
+                touch.speeds[1 + k],
+            );
         }
     }
 
@@ -197,7 +232,9 @@ impl Machine<'_> {
         let c = touch.contact;
         let (point, _) = self.pairs[c];
         let (body, center) = self.points[point];
-        let (Some(b), Some(spring)) = (body, touch.spring) else { return };
+        let (Some(b), Some(spring)) = (body, touch.spring) else {
+            return;
+        };
         let normal = spring.max(0.0);
         let mut force = touch.normal * normal;
         if let Some((_, damping)) = self.mechanism.material.compliance {
@@ -210,8 +247,11 @@ impl Machine<'_> {
             if standing == 0.0 || (rows == Rows::Impact && standing.is_finite()) {
                 continue;
             }
-            let speed =
-                if width == 2 { touch.speeds.y.hypot(touch.speeds.z) } else { touch.speeds[1 + axis].abs() };
+            let speed = if width == 2 {
+                touch.speeds.y.hypot(touch.speeds.z)
+            } else {
+                touch.speeds[1 + axis].abs()
+            };
             let stands = match rows {
                 Rows::Holding => grips[axis] == Grip::Held,
                 Rows::Candidates => speed <= STANDING,
@@ -220,10 +260,18 @@ impl Machine<'_> {
             if stands {
                 let row = self.problem.rows;
                 self.tangent_rows(touch, axis, width, body, &bias);
-                let limit = if standing.is_finite() { standing * normal } else { f64::INFINITY };
+                let limit = if standing.is_finite() {
+                    standing * normal
+                } else {
+                    f64::INFINITY
+                };
                 self.problem.elements.push(Element {
                     row,
-                    bounds: Bounds::Friction { normal: None, limit, rows: width },
+                    bounds: Bounds::Friction {
+                        normal: None,
+                        limit,
+                        rows: width,
+                    },
                     grip: Grip::Held,
                 });
             } else {
@@ -241,18 +289,27 @@ impl Machine<'_> {
 
     pub(super) fn joint_rows(&mut self, mode: &Mode, rows: Rows) {
         for body in 0..self.dof.len() {
-            let (Some(k), joint) = (self.dof[body], mode.joints[body]) else { continue };
+            let (Some(k), joint) = (self.dof[body], mode.joints[body]) else {
+                continue;
+            };
             let dry = self.dry_friction(body);
             let bounds = match (rows, joint) {
-                (_, JointMode::Latched) | (Rows::Holding, JointMode::Free | JointMode::Sliding(_)) => {
+                (_, JointMode::Latched)
+                | (Rows::Holding, JointMode::Free | JointMode::Sliding(_)) => {
                     continue;
                 }
-                (Rows::Holding, JointMode::Held(_)) => Bounds::Between(f64::NEG_INFINITY, f64::INFINITY),
+                (Rows::Holding, JointMode::Held(_)) => {
+                    Bounds::Between(f64::NEG_INFINITY, f64::INFINITY)
+                }
                 (Rows::Impact, JointMode::Held(Stop::Low)) => Bounds::Between(0.0, f64::INFINITY),
-                (Rows::Impact, JointMode::Held(Stop::High)) => Bounds::Between(f64::NEG_INFINITY, 0.0),
+                (Rows::Impact, JointMode::Held(Stop::High)) => {
+                    Bounds::Between(f64::NEG_INFINITY, 0.0)
+                }
                 (Rows::Impact, _) => continue,
                 (Rows::Candidates, _) if self.v[k].abs() > STANDING => continue,
-                (Rows::Candidates, JointMode::Free | JointMode::Sliding(_)) if dry == 0.0 => continue,
+                (Rows::Candidates, JointMode::Free | JointMode::Sliding(_)) if dry == 0.0 => {
+                    continue;
+                }
                 (Rows::Candidates, JointMode::Held(stop)) => match stop {
                     Stop::Low => Bounds::Between(-dry, f64::INFINITY),
                     Stop::High => Bounds::Between(f64::NEG_INFINITY, dry),
@@ -281,7 +338,11 @@ impl Machine<'_> {
         self.problem.rows += 1;
         self.owners.push(Owner::Joint(body));
         self.speeds.push(self.v[k]);
-        self.problem.elements.push(Element { row, bounds, grip: Grip::Held });
+        self.problem.elements.push(Element {
+            row,
+            bounds,
+            grip: Grip::Held,
+        });
     }
 
     /// A = J M⁻¹ Gᵀ and b of the problem.
@@ -294,14 +355,20 @@ impl Machine<'_> {
         self.reduced_directions.extend_from_slice(&self.directions);
         for r in 0..m {
             forward(&self.mass, n, &mut self.reduced[r * n..(r + 1) * n]);
-            forward(&self.mass, n, &mut self.reduced_directions[r * n..(r + 1) * n]);
+            forward(
+                &self.mass,
+                n,
+                &mut self.reduced_directions[r * n..(r + 1) * n],
+            );
         }
         self.problem.a.clear();
         for r in 0..m {
             let row = &self.reduced[r * n..(r + 1) * n];
             for c in 0..m {
                 let other = &self.reduced_directions[c * n..(c + 1) * n];
-                self.problem.a.push(row.iter().zip(other).map(|(a, b)| a * b).sum());
+                self.problem
+                    .a
+                    .push(row.iter().zip(other).map(|(a, b)| a * b).sum());
             }
             let free: f64 = row.iter().zip(&self.free).map(|(a, b)| a * b).sum();
             match rows {
@@ -327,7 +394,8 @@ pub(super) fn slide(touch: &Touch, axis: usize, width: usize, grip: Grip) -> Vec
         // From rest, the direction is that in which it begins.
         Grip::Along(d) if speed <= 1e-3 * STANDING => touch.along * d[0] + touch.across * d[1],
         grip => {
-            // Past the instant of rest friction goes on as it was, so that the instant can be located.
+            // Past the instant of rest friction goes on as it was, so that the instant can be
+            // located.
             let ahead = match grip {
                 Grip::Along(d) => touch.speeds.y * d[0] + touch.speeds.z * d[1],
                 _ => speed,

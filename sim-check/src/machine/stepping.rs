@@ -1,10 +1,12 @@
-//! A step of fixed length: the laws of contact and dry friction for the velocities at its end and the impulses during it.
+//! A step of fixed length: the laws of contact and dry friction for the velocities at its end and
+//! the impulses during it.
 //!
-//! Moreau–Jean time stepping, with everything evaluated in the middle of the step: w = J v⁺ + ½ h J̇ v is the speed along a row at the
-//! end, as J is that of the middle. Dampers and springs act on the mean of both ends, so that they may be as stiff as they like.
+//! Moreau–Jean time stepping, with everything evaluated in the middle of the step: w = J v⁺ + ½ h
+//! J̇ v is the speed along a row at the end, as J is that of the middle. Dampers and springs act on
+//! the mean of both ends, so that they may be as stiff as they like.
 //!
-//! Source: Jean & Moreau, Unilaterality and dry friction in the dynamics of rigid body collections (1992); Acary & Brogliato,
-//! Numerical Methods for Nonsmooth Dynamical Systems (2008), chapter 10.
+//! Source: Jean & Moreau, Unilaterality and dry friction in the dynamics of rigid body collections
+//! (1992); Acary & Brogliato, Numerical Methods for Nonsmooth Dynamical Systems (2008), chapter 10.
 
 use super::{CONTACT_LOSS, JOINT_LOSS, Machine, Owner, Touch, WORKS};
 use crate::complementarity::{Bounds, Element, Grip};
@@ -15,8 +17,8 @@ use crate::mode::{JointMode, Mode, Stop};
 const RESOLVED: f64 = 0.1;
 
 impl Machine<'_> {
-    /// The problem of a step of `h` (s) that starts at the velocities of `start`; `middle` is the state half way, and
-    /// `acceleration` the one that led there (all velocities).
+    /// The problem of a step of `h` (s) that starts at the velocities of `start`; `middle` is the
+    /// state half way, and `acceleration` the one that led there (all velocities).
     pub(crate) fn assemble_step(
         &mut self,
         start: &[f64],
@@ -29,8 +31,14 @@ impl Machine<'_> {
         let n = self.n();
         self.start.clear();
         let v = self.layout.v(start);
-        self.start.extend(self.welded.velocities.iter().map(|&full| v[full]));
-        self.pose.equations(&self.welded.tree, &self.mechanism.gravity, &mut self.mass, &mut self.free);
+        self.start
+            .extend(self.welded.velocities.iter().map(|&full| v[full]));
+        self.pose.equations(
+            &self.welded.tree,
+            &self.mechanism.gravity,
+            &mut self.mass,
+            &mut self.free,
+        );
         self.free.iter_mut().for_each(|x| *x = -*x);
         self.powers = [0.0; WORKS];
         self.apply_joints(middle, mode);
@@ -47,7 +55,8 @@ impl Machine<'_> {
         self.couple_step(h);
     }
 
-    /// Makes springs and dampers act on the mean of both ends of the step: forces k (h²/8 v̇ − h/4 Δv) and c (h/2 v̇ − Δv/2).
+    /// Makes springs and dampers act on the mean of both ends of the step: forces k (h²/8 v̇ − h/4
+    /// Δv) and c (h/2 v̇ − Δv/2).
     fn soften(&mut self, acceleration: &[f64], h: f64) {
         let n = self.n();
         for (k, &full) in self.welded.velocities.iter().enumerate() {
@@ -62,25 +71,46 @@ impl Machine<'_> {
         let (body, center) = self.points[self.pairs[c].0];
         let bias = self.contact_bias(touch, body, &center);
         let normal = self.problem.rows;
-        self.push_row(Owner::Normal(c), body, &touch.place, &touch.normal, bias.x, touch.speeds.x);
+        self.push_row(
+            Owner::Normal(c),
+            body,
+            &touch.place,
+            &touch.normal,
+            bias.x,
+            touch.speeds.x,
+        );
         let bounds = Bounds::Between(0.0, f64::INFINITY);
-        self.problem.elements.push(Element { row: normal, bounds, grip: Grip::Held });
+        self.problem.elements.push(Element {
+            row: normal,
+            bounds,
+            grip: Grip::Held,
+        });
         for (axis, (standing, slipping, width)) in self.friction().into_iter().enumerate() {
             if standing == 0.0 {
                 continue;
             }
             let grip = mode.contacts[c].grips[axis];
-            let limit = if grip == Grip::Held { standing } else { slipping };
+            let limit = if grip == Grip::Held {
+                standing
+            } else {
+                slipping
+            };
             let row = self.problem.rows;
             self.tangent_rows(touch, axis, width, body, &bias);
-            let bounds = Bounds::Friction { normal: Some(normal), limit, rows: width };
+            let bounds = Bounds::Friction {
+                normal: Some(normal),
+                limit,
+                rows: width,
+            };
             self.problem.elements.push(Element { row, bounds, grip });
         }
     }
 
     fn joint_step_rows(&mut self, mode: &Mode, h: f64) {
         for body in 0..self.dof.len() {
-            let (Some(k), JointMode::Held(stop)) = (self.dof[body], mode.joints[body]) else { continue };
+            let (Some(k), JointMode::Held(stop)) = (self.dof[body], mode.joints[body]) else {
+                continue;
+            };
             let dry = self.dry_friction(body) * h;
             let bounds = match stop {
                 Stop::Low => Bounds::Between(-dry, f64::INFINITY),
@@ -91,7 +121,8 @@ impl Machine<'_> {
         }
     }
 
-    /// A = J M⁻¹ Jᵀ, and b: the speeds at the end without impulses. A compliant contact gives way by its force.
+    /// A = J M⁻¹ Jᵀ, and b: the speeds at the end without impulses. A compliant contact gives way
+    /// by its force.
     fn couple_step(&mut self, h: f64) {
         let (n, m) = (self.n(), self.problem.rows);
         forward(&self.mass, n, &mut self.free);
@@ -116,14 +147,17 @@ impl Machine<'_> {
             self.problem.b[r] = before + h * free + 0.5 * h * self.problem.b[r];
             self.speeds[r] = before;
         }
-        let Some((stiffness, damping)) = self.mechanism.material.compliance else { return };
+        let Some((stiffness, damping)) = self.mechanism.material.compliance else {
+            return;
+        };
         for r in 0..m {
             if let Owner::Normal(c) = self.owners[r]
                 && let Some(touch) = self.touches.iter().find(|t| t.contact == c)
             {
                 let gap = touch.gap - 0.5 * h * touch.speeds.x;
                 let before = self.speeds[r];
-                // Where the step resolves the bounce, the mean of both ends; else the end, which does not ring.
+                // Where the step resolves the bounce, the mean of both ends; else the end, which
+                // does not ring.
                 let is_resolved = h * h * stiffness * self.problem.a[r * m + r] < RESOLVED;
                 let (give, speed) = if is_resolved {
                     (0.25 * h * h * stiffness + 0.5 * h * damping, before)
@@ -136,7 +170,8 @@ impl Machine<'_> {
         }
     }
 
-    /// Changes of velocity (all velocities) over the step of `h` under the problem's impulses, as an acceleration.
+    /// Changes of velocity (all velocities) over the step of `h` under the problem's impulses, as
+    /// an acceleration.
     pub(crate) fn step_acceleration(&mut self, h: f64, acceleration: &mut [f64]) {
         let n = self.n();
         self.change.clear();
@@ -169,14 +204,16 @@ impl Machine<'_> {
             match (self.owners[r], self.mechanism.material.compliance) {
                 (Owner::Joint(_), _) => works[JOINT_LOSS] += lost,
                 // The spring keeps its part.
-                (Owner::Normal(_), Some((_, damping))) => works[CONTACT_LOSS] += h * damping * speed * speed,
+                (Owner::Normal(_), Some((_, damping))) => {
+                    works[CONTACT_LOSS] += h * damping * speed * speed
+                }
                 _ => works[CONTACT_LOSS] += lost,
             }
         }
     }
 
-    /// Corrects the positions of `y`, at the end of the step, by what the rigid contacts that hold were off by in its middle, where
-    /// that is more than `slack` (m). The problem is used up.
+    /// Corrects the positions of `y`, at the end of the step, by what the rigid contacts that hold
+    /// were off by in its middle, where that is more than `slack` (m). The problem is used up.
     pub(crate) fn correct_step(&mut self, y: &mut [f64], slack: f64) {
         let lets_go = self
             .problem

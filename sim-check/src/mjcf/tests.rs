@@ -11,15 +11,24 @@ fn robot(name: &str, overrides: &[&str]) -> Robot {
     saltus_robot::resolve(name, &overrides).unwrap()
 }
 
-/// The elements of `xml` in their order, closing ones with a slash before their name; panics where it is not well-formed.
+/// The elements of `xml` in their order, closing ones with a slash before their name; panics where
+/// it is not well-formed.
 fn elements(xml: &str) -> Vec<(String, Vec<(String, String)>)> {
     let (mut rest, mut open, mut found) = (xml, Vec::new(), Vec::new());
     while let Some(at) = rest.find('<') {
-        assert!(!rest[..at].contains('>') && rest[..at].trim().is_empty(), "{}", &rest[..at]);
+        assert!(
+            !rest[..at].contains('>') && rest[..at].trim().is_empty(),
+            "{}",
+            &rest[..at]
+        );
         rest = &rest[at..];
         if let Some(comment) = rest.strip_prefix("<!--") {
             let end = comment.find("--").unwrap();
-            assert!(comment[end..].starts_with("-->"), "{}", &comment[end..end + 10]);
+            assert!(
+                comment[end..].starts_with("-->"),
+                "{}",
+                &comment[end..end + 10]
+            );
             rest = &comment[end + 3..];
             continue;
         }
@@ -35,8 +44,17 @@ fn elements(xml: &str) -> Vec<(String, Vec<(String, String)>)> {
         let parts: Vec<&str> = tag.trim_end_matches('/').split('"').collect();
         assert_eq!(parts.len() % 2, 1, "{tag}");
         let name = parts[0].split(' ').next().unwrap().to_owned();
-        let key = |text: &str| text.rsplit(' ').next().unwrap().trim_end_matches('=').to_owned();
-        let attributes = parts.chunks_exact(2).map(|two| (key(two[0]), two[1].to_owned())).collect();
+        let key = |text: &str| {
+            text.rsplit(' ')
+                .next()
+                .unwrap()
+                .trim_end_matches('=')
+                .to_owned()
+        };
+        let attributes = parts
+            .chunks_exact(2)
+            .map(|two| (key(two[0]), two[1].to_owned()))
+            .collect();
         if !alone {
             open.push(name.clone());
         }
@@ -47,7 +65,10 @@ fn elements(xml: &str) -> Vec<(String, Vec<(String, String)>)> {
 }
 
 fn attribute<'a>(attributes: &'a [(String, String)], key: &str) -> Option<&'a str> {
-    attributes.iter().find(|(k, _)| k == key).map(|(_, value)| value.as_str())
+    attributes
+        .iter()
+        .find(|(k, _)| k == key)
+        .map(|(_, value)| value.as_str())
 }
 
 fn parsed(text: &str) -> Vec<f64> {
@@ -72,26 +93,49 @@ fn check_bodies(robot: &Robot) {
                     Some(moments) => (moments, i.diagonal().as_slice().to_vec()),
                     None => (
                         get("fullinertia").unwrap(),
-                        vec![i[(0, 0)], i[(1, 1)], i[(2, 2)], i[(0, 1)], i[(0, 2)], i[(1, 2)]],
+                        vec![
+                            i[(0, 0)],
+                            i[(1, 1)],
+                            i[(2, 2)],
+                            i[(0, 1)],
+                            i[(0, 2)],
+                            i[(1, 2)],
+                        ],
                     ),
                 };
                 for (a, b) in found.iter().zip(&expected) {
                     // What is added to moments that are 0, and its round-off.
-                    assert!((a - b).abs() <= 1.001 * LEAST_INERTIA, "{name}: {found:?} {expected:?}");
+                    assert!(
+                        (a - b).abs() <= 1.001 * LEAST_INERTIA,
+                        "{name}: {found:?} {expected:?}"
+                    );
                 }
                 total += body.mass;
             }
             "joint" => joints.extend(
-                attribute(&attributes, "axis").and(attribute(&attributes, "name")).map(str::to_owned),
+                attribute(&attributes, "axis")
+                    .and(attribute(&attributes, "name"))
+                    .map(str::to_owned),
             ),
             _ => {}
         }
     }
-    let boom = robot.boom.map_or(0.0, |b| b.mass + b.counterweight.map_or(0.0, |c| c.mass));
+    let boom = robot
+        .boom
+        .map_or(0.0, |b| b.mass + b.counterweight.map_or(0.0, |c| c.mass));
     // Round-off of a sum of seven.
     assert!((total - robot.body.mass - boom).abs() < 1e-14 * total);
-    let expected: Vec<String> = rig.mechanism.tree.bodies().iter().map(|b| plain(&b.name)).collect();
-    assert_eq!(joints, expected, "the coordinates are in the order of the rig's");
+    let expected: Vec<String> = rig
+        .mechanism
+        .tree
+        .bodies()
+        .iter()
+        .map(|b| plain(&b.name))
+        .collect();
+    assert_eq!(
+        joints, expected,
+        "the coordinates are in the order of the rig's"
+    );
 }
 
 #[test]
@@ -101,17 +145,25 @@ fn bodies_are_those_of_the_rig() {
     }
     let boom = |overrides: &[&str]| check_bodies(&robot("rats-boom", overrides));
     boom(&["boom.bending_stiffness_n_m_per_rad=2000"]);
-    boom(&["boom.counterweight.mass_kg=0.2", "boom.counterweight.distance_m=0.4"]);
+    boom(&[
+        "boom.counterweight.mass_kg=0.2",
+        "boom.counterweight.distance_m=0.4",
+    ]);
     boom(&["boom.mass_kg=0", "boom.radius_m=0"]);
-    boom(&["leg.rod_radius_m=0", "body.imbalance_mm=2", "body.imbalance_angle_deg=30"]);
+    boom(&[
+        "leg.rod_radius_m=0",
+        "body.imbalance_mm=2",
+        "body.imbalance_angle_deg=30",
+    ]);
 }
 
 #[test]
 fn joints_of_a_boom_without_mass_turn_about_its_base() {
     let xml = mjcf(&robot("rats-boom", &["boom.mass_kg=0"])).unwrap();
-    for joint in
-        ["name=\"boom_turn\" type=\"hinge\" axis=\"0 0 -1\"", "name=\"boom\" type=\"hinge\" axis=\"1 0 0\""]
-    {
+    for joint in [
+        "name=\"boom_turn\" type=\"hinge\" axis=\"0 0 -1\"",
+        "name=\"boom\" type=\"hinge\" axis=\"1 0 0\"",
+    ] {
         assert!(xml.contains(&format!("{joint} pos=\"0 -2.12 0\"")), "{xml}");
     }
 }
@@ -120,10 +172,13 @@ fn joints_of_a_boom_without_mass_turn_about_its_base() {
 fn a_leg_has_its_friction_and_springs() {
     let xml = mjcf(&robot(
         "rats-boom",
-        &["leg.return_spring.stiffness_n_per_m=50", "leg.return_spring.preload_n=2"],
+        &[
+            "leg.return_spring.stiffness_n_per_m=50",
+            "leg.return_spring.preload_n=2",
+        ],
     ));
-    let leg =
-        "range=\"0 0.06\" damping=\"5.2843\" frictionloss=\"9.7003\" stiffness=\"50\" springref=\"-0.04\"";
+    let leg = "range=\"0 0.06\" damping=\"5.2843\" frictionloss=\"9.7003\" stiffness=\"50\" \
+        springref=\"-0.04\"";
     assert_eq!(xml.unwrap().matches(leg).count(), 5);
 }
 
@@ -146,5 +201,9 @@ fn what_is_not_expressed_is_said() {
     );
     assert!(said(&["ground.restitution=0.2"]).contains("restitution of 0.2"));
     assert!(said(&["environment.drag_per_m=0.01"]).contains("drag of 0.01"));
-    assert!(missing(&robot("rats-planar", &[])).join("\n").contains("legs without mass"));
+    assert!(
+        missing(&robot("rats-planar", &[]))
+            .join("\n")
+            .contains("legs without mass")
+    );
 }

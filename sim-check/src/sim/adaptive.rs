@@ -12,9 +12,16 @@ const HALVINGS: u32 = 6;
 
 impl Sim<'_> {
     /// One step, or the part of one that ends at an event, which then happens.
-    pub(super) fn advance(&mut self, until: f64, watches: &[Watch<'_>]) -> Result<Option<usize>, SimError> {
+    pub(super) fn advance(
+        &mut self,
+        until: f64,
+        watches: &[Watch<'_>],
+    ) -> Result<Option<usize>, SimError> {
         if self.steps >= self.settings.most_steps {
-            return Err(SimError::TooManySteps { time: self.time, limit: self.settings.most_steps });
+            return Err(SimError::TooManySteps {
+                time: self.time,
+                limit: self.settings.most_steps,
+            });
         }
         let stop = self.commands.last().map_or(until, |c| c.0.min(until));
         let room = stop - self.time;
@@ -38,7 +45,10 @@ impl Sim<'_> {
             if error.is_nan() || error > 1.0 {
                 self.step = h * step_factor(error);
                 if self.step < 1e-15 * (1.0 + self.time.abs()) {
-                    return Err(SimError::Stuck { time: self.time, step: self.step });
+                    return Err(SimError::Stuck {
+                        time: self.time,
+                        step: self.step,
+                    });
                 }
                 h = self.step;
                 continue;
@@ -59,7 +69,10 @@ impl Sim<'_> {
             break after;
         };
         self.steps += 1;
-        let first = after.iter().find(|(_, value)| *value < 0.0 || value.is_nan()).copied();
+        let first = after
+            .iter()
+            .find(|(_, value)| *value < 0.0 || value.is_nan())
+            .copied();
         let Some((guard, _)) = first else {
             self.accept(self.time + h, h == room, stop);
             return Ok(None);
@@ -74,7 +87,8 @@ impl Sim<'_> {
     /// The derivative at the start of a step.
     pub(super) fn start_step(&mut self) {
         self.evaluations += 1;
-        self.machine.derivative(&self.y, &self.mode, self.stages.start());
+        self.machine
+            .derivative(&self.y, &self.mode, self.stages.start());
     }
 
     /// Steps by `h` into `next`; the error.
@@ -83,12 +97,21 @@ impl Sim<'_> {
         let checked = self.layout.works();
         self.evaluations += 11;
         let f = |y: &[f64], dy: &mut [f64]| machine.derivative(y, mode, dy);
-        self.stages.step(f, &self.y, h, (checked, self.settings.tolerance), &mut self.next)
+        self.stages.step(
+            f,
+            &self.y,
+            h,
+            (checked, self.settings.tolerance),
+            &mut self.next,
+        )
     }
 
     pub(super) fn accept(&mut self, time: f64, is_stop: bool, stop: f64) {
         std::mem::swap(&mut self.y, &mut self.next);
-        self.machine.mechanism.tree.normalize(&mut self.y[..self.layout.coordinates]);
+        self.machine
+            .mechanism
+            .tree
+            .normalize(&mut self.y[..self.layout.coordinates]);
         self.time = if is_stop { stop } else { time };
         // Twice what is needed where the machine is already there; it is one evaluation of twelve.
         self.machine.look(&self.y, &self.mode);
@@ -107,7 +130,9 @@ impl Sim<'_> {
             h = self.root(guard, h, before, watches);
             // Another may have come first.
             let values = self.guard_values(self.time + h, watches, true);
-            let other = values.iter().find(|(g, value)| *value < 0.0 && *g != guard && !trails(*g, before));
+            let other = values
+                .iter()
+                .find(|(g, value)| *value < 0.0 && *g != guard && !trails(*g, before));
             match other {
                 Some(&(other, _)) if h > 0.0 => {
                     let earlier = self.root(other, h, before, watches);
@@ -137,12 +162,19 @@ impl Sim<'_> {
         let value = |sim: &mut Self, s: f64| {
             sim.try_step(s);
             let values = sim.guard_values(sim.time + s, watches, true);
-            values.iter().find(|(g, _)| *g == guard).map_or(f64::NAN, |v| v.1)
+            values
+                .iter()
+                .find(|(g, _)| *g == guard)
+                .map_or(f64::NAN, |v| v.1)
         };
-        let start = before.iter().find(|(g, _)| *g == guard).map_or(f64::NAN, |v| v.1);
+        let start = before
+            .iter()
+            .find(|(g, _)| *g == guard)
+            .map_or(f64::NAN, |v| v.1);
         let (mut a, mut fa) = (0.0, start);
         let (mut b, mut fb) = (h, value(self, h));
-        // A guard that starts at 0 and comes back has its root inside: look for where it is well above 0.
+        // A guard that starts at 0 and comes back has its root inside: look for where it is well
+        // above 0.
         if fa <= 0.0 || fa.is_nan() {
             let mut s = h;
             for _ in 0..24 {
@@ -159,7 +191,8 @@ impl Sim<'_> {
                 return b;
             }
         }
-        // To round-off, or where that would not be seen: but a foot that comes to stand must have come to.
+        // To round-off, or where that would not be seen: but a foot that comes to stand must have
+        // come to.
         let finest = 2.0 * f64::EPSILON * (self.time.abs() + h);
         let resolution = match guard {
             Guard::SlipEnd(..) => finest,

@@ -45,7 +45,11 @@ impl Sim<'_> {
                 let sign = match self.mode.joints[body] {
                     JointMode::Held(Stop::Low) => 1.0,
                     JointMode::Held(Stop::High) => -1.0,
-                    _ => -self.machine.force_of(Owner::Joint(body)).first().map_or(0.0, |pull| pull.signum()),
+                    _ => -self
+                        .machine
+                        .force_of(Owner::Joint(body))
+                        .first()
+                        .map_or(0.0, |pull| pull.signum()),
                 };
                 self.mode.joints[body] = self.moving(body, sign);
                 self.settle(Some(guard))?;
@@ -93,7 +97,10 @@ impl Sim<'_> {
     }
 
     pub(super) fn log(&mut self, what: Happening) {
-        self.events.push(Event { time: self.time, what });
+        self.events.push(Event {
+            time: self.time,
+            what,
+        });
     }
 
     /// Opens contact `c`. A leg without mass has nowhere to go without it: it stays as it is.
@@ -109,7 +116,11 @@ impl Sim<'_> {
             self.impacts += 0.5 * stiffness * depth * depth;
         }
         let body = mechanism.points[point].body;
-        if mechanism.legs.iter().any(|leg| leg.body == body && leg.massless) {
+        if mechanism
+            .legs
+            .iter()
+            .any(|leg| leg.body == body && leg.massless)
+        {
             self.set_joint_speed(body, 0.0);
             self.mode.joints[body] = JointMode::Latched;
             self.machine.weld(&self.mode, &self.y);
@@ -121,18 +132,24 @@ impl Sim<'_> {
         let mechanism = self.machine.mechanism;
         let body = mechanism.legs[leg].body;
         for c in 0..self.mode.contacts.len() {
-            if self.mode.contacts[c].closed && mechanism.points[self.machine.pairs[c].0].body == body {
+            if self.mode.contacts[c].closed
+                && mechanism.points[self.machine.pairs[c].0].body == body
+            {
                 self.open(c);
             }
         }
     }
 
-    /// Picks up the legs without mass that have nothing to push with, as the machine last saw them; whether there were any.
+    /// Picks up the legs without mass that have nothing to push with, as the machine last saw them;
+    /// whether there were any.
     pub(super) fn pick_up_slack_legs(&mut self) -> bool {
         let is_slack = |leg: usize| {
-            self.machine.is_prop(leg, &self.mode) && self.machine.pushes[leg] <= self.machine.nothing
+            self.machine.is_prop(leg, &self.mode)
+                && self.machine.pushes[leg] <= self.machine.nothing
         };
-        let props: Vec<usize> = (0..self.mode.legs.len()).filter(|&leg| is_slack(leg)).collect();
+        let props: Vec<usize> = (0..self.mode.legs.len())
+            .filter(|&leg| is_slack(leg))
+            .collect();
         for &leg in &props {
             self.pick_up_leg(leg);
         }
@@ -160,7 +177,11 @@ impl Sim<'_> {
             Some(leg) => mechanism.legs[leg].leg.has_dry_friction(),
             None => mechanism.joints[body].friction > 0.0,
         };
-        if dry { JointMode::Sliding(sign) } else { JointMode::Free }
+        if dry {
+            JointMode::Sliding(sign)
+        } else {
+            JointMode::Free
+        }
     }
 
     pub(super) fn set_joint_speed(&mut self, body: usize, speed: f64) {
@@ -170,7 +191,8 @@ impl Sim<'_> {
 
     pub(super) fn reach_stop(&mut self, body: usize, stop: Stop) -> Result<(), SimError> {
         let (low, high) = self.machine.mechanism.stops(body);
-        self.y[self.machine.mechanism.tree.coordinate_of(body)] = if stop == Stop::Low { low } else { high };
+        self.y[self.machine.mechanism.tree.coordinate_of(body)] =
+            if stop == Stop::Low { low } else { high };
         self.mode.joints[body] = JointMode::Held(stop);
         if stop == Stop::High {
             self.pick_up(body);
@@ -179,11 +201,16 @@ impl Sim<'_> {
         self.settle(None)
     }
 
-    /// The foot of a leg that is stopped in its stroke leaves soft ground that it cannot slip on: the spring is slack within a fraction of
-    /// a millisecond, but friction without a limit would meanwhile hold on to the foot and turn the robot about it.
+    /// The foot of a leg that is stopped in its stroke leaves soft ground that it cannot slip on:
+    /// the spring is slack within a fraction of a millisecond, but friction without a limit would
+    /// meanwhile hold on to the foot and turn the robot about it.
     fn pick_up(&mut self, body: usize) {
         let mechanism = self.machine.mechanism;
-        let sticks = self.machine.friction().iter().any(|(standing, ..)| standing.is_infinite());
+        let sticks = self
+            .machine
+            .friction()
+            .iter()
+            .any(|(standing, ..)| standing.is_infinite());
         if mechanism.material.compliance.is_none() || !sticks {
             return;
         }
@@ -222,12 +249,17 @@ impl Sim<'_> {
         self.settle(None)
     }
 
-    /// Puts the chamber of `leg` on the piece of its law that holds now, or just above or below where `side` is ±1.
+    /// Puts the chamber of `leg` on the piece of its law that holds now, or just above or below
+    /// where `side` is ±1.
     pub(super) fn renew_piece(&mut self, leg: usize, side: f64) {
-        let Some(chamber) = self.machine.mechanism.legs[leg].leg.chamber() else { return };
+        let Some(chamber) = self.machine.mechanism.legs[leg].leg.chamber() else {
+            return;
+        };
         let mode = &mut self.mode.legs[leg];
         let at = self.layout.gas() + leg;
-        let pressure = mode.piece.map_or(chamber.ambient, |piece| chamber.pressure(piece.flow, self.y[at]));
+        let pressure = mode.piece.map_or(chamber.ambient, |piece| {
+            chamber.pressure(piece.flow, self.y[at])
+        });
         let piece = Piece::new(chamber, mode.energized, pressure, side, mode.port_open);
         // Round-off leaves it on either side of the edge that it has crossed.
         let (from, to) = (piece.low.min(piece.high), piece.low.max(piece.high));
@@ -241,15 +273,20 @@ impl Sim<'_> {
         self.renew_piece(leg, side);
     }
 
-    /// Impacts slower than this (m/s) do not rebound: in fixed steps not those either whose flight would be within a step.
+    /// Impacts slower than this (m/s) do not rebound: in fixed steps not those either whose flight
+    /// would be within a step.
     fn rest_speed(&self) -> f64 {
         match self.settings.stepping {
             Stepping::Adaptive => self.settings.rest_speed,
-            Stepping::Fixed(h) => self.settings.rest_speed.max(h * self.machine.mechanism.gravity.norm()),
+            Stepping::Fixed(h) => self
+                .settings
+                .rest_speed
+                .max(h * self.machine.mechanism.gravity.norm()),
         }
     }
 
-    /// Takes out, by impulses, what velocity there is into contacts and stops; the new contact, if any, rebounds.
+    /// Takes out, by impulses, what velocity there is into contacts and stops; the new contact, if
+    /// any, rebounds.
     pub(super) fn impact(&mut self, hit: Option<usize>, restitution: f64) -> Result<(), SimError> {
         let before = self.pose().kinetic_energy(&self.machine.mechanism.tree);
         self.machine.assemble(&self.y, &self.mode, Rows::Impact);
@@ -261,7 +298,11 @@ impl Sim<'_> {
             match e.bounds {
                 Bounds::Between(0.0, _) => w < -STANDING,
                 Bounds::Between(..) => w > STANDING,
-                Bounds::Friction { normal: None, limit, .. } => limit == f64::INFINITY && w.abs() > STANDING,
+                Bounds::Friction {
+                    normal: None,
+                    limit,
+                    ..
+                } => limit == f64::INFINITY && w.abs() > STANDING,
                 Bounds::Friction { .. } => false,
             }
         });
@@ -288,7 +329,8 @@ impl Sim<'_> {
         Ok(())
     }
 
-    /// Where contact `c` closes more slowly than the rest speed: closes those that are as slow and as good as closed.
+    /// Where contact `c` closes more slowly than the rest speed: closes those that are as slow and
+    /// as good as closed.
     fn join(&mut self, c: usize) {
         let slow = self.settings.rest_speed;
         if self.machine.mechanism.material.compliance.is_some() || !self.touching {
@@ -311,12 +353,14 @@ impl Sim<'_> {
 
     /// Keeps what touches together in a slow impact.
     ///
-    /// A body that rocks flat hits with one corner and lifts another ever more slowly, infinitely often in a finite time. So where the
-    /// corner that hits is slower than the rest speed, those that it would lift more slowly than that stay on their surfaces.
+    /// A body that rocks flat hits with one corner and lifts another ever more slowly, infinitely
+    /// often in a finite time. So where the corner that hits is slower than the rest speed, those
+    /// that it would lift more slowly than that stay on their surfaces.
     fn capture(&mut self, hit: Option<usize>) {
         let (machine, slow) = (&mut self.machine, self.settings.rest_speed);
         let of_hit = hit.map(Owner::Normal);
-        let hits_slowly = |r: usize| Some(machine.owners[r]) == of_hit && machine.problem.b[r] >= -slow;
+        let hits_slowly =
+            |r: usize| Some(machine.owners[r]) == of_hit && machine.problem.b[r] >= -slow;
         if !(0..machine.problem.rows).any(hits_slowly) {
             return;
         }
@@ -324,7 +368,10 @@ impl Sim<'_> {
         for e in &mut machine.problem.elements {
             let lifts = (0.0..slow).contains(&plain.motion[e.row]);
             if lifts && matches!(machine.owners[e.row], Owner::Normal(_)) {
-                (e.bounds, e.grip) = (Bounds::Between(f64::NEG_INFINITY, f64::INFINITY), Grip::Held);
+                (e.bounds, e.grip) = (
+                    Bounds::Between(f64::NEG_INFINITY, f64::INFINITY),
+                    Grip::Held,
+                );
             }
         }
         if !machine.problem.resolve() {

@@ -77,10 +77,16 @@ impl Sim<'_> {
         let end = if is_stop { stop } else { fixed.end };
         let h = end - self.time;
         self.steps += 1;
-        fixed.pieces.iter_mut().zip(&self.mode.legs).for_each(|(kept, leg)| *kept = leg.piece);
+        fixed
+            .pieces
+            .iter_mut()
+            .zip(&self.mode.legs)
+            .for_each(|(kept, leg)| *kept = leg.piece);
         fixed.watched.clear();
         let (q, v) = (self.layout.q(&self.y), self.layout.v(&self.y));
-        fixed.watched.extend(watches.iter().map(|watch| watch(self.time, q, v)));
+        fixed
+            .watched
+            .extend(watches.iter().map(|watch| watch(self.time, q, v)));
         self.try_fixed(fixed, h)?;
         let found = self.first_crossed(fixed, h, watches)?;
         let Some((guard, at)) = found else {
@@ -103,7 +109,11 @@ impl Sim<'_> {
 
     /// Puts the chambers back on the pieces of the start.
     fn restore(&mut self, fixed: &Fixed) {
-        fixed.pieces.iter().zip(&mut self.mode.legs).for_each(|(kept, leg)| leg.piece = *kept);
+        fixed
+            .pieces
+            .iter()
+            .zip(&mut self.mode.legs)
+            .for_each(|(kept, leg)| leg.piece = *kept);
     }
 
     /// Steps by `h` into `next`, and leaves the machine half way.
@@ -119,7 +129,10 @@ impl Sim<'_> {
             let (machine, mode) = (&mut self.machine, &self.mode);
             machine.assemble_step(&self.y, &fixed.middle, &fixed.acceleration, mode, h);
             if !machine.sound {
-                return Err(SimError::Diverged { time: self.time, step: h });
+                return Err(SimError::Diverged {
+                    time: self.time,
+                    step: h,
+                });
             }
             if self.pick_up_slack_legs() {
                 fixed.acceleration.fill(0.0);
@@ -182,11 +195,18 @@ impl Sim<'_> {
     fn fill(&mut self, leg: usize, u: f64, path: &Path, h: f64) -> f64 {
         let part = &self.machine.mechanism.legs[leg];
         let state = &mut self.mode.legs[leg];
-        let (Some(chamber), Some(piece)) = (part.leg.chamber(), state.piece) else { return u };
+        let (Some(chamber), Some(piece)) = (part.leg.chamber(), state.piece) else {
+            return u;
+        };
         if self.mode.joints[part.body] == JointMode::Latched {
             return u;
         }
-        let mut gas = Gas { piece, u, energized: state.energized, port_open: state.port_open };
+        let mut gas = Gas {
+            piece,
+            u,
+            energized: state.energized,
+            port_open: state.port_open,
+        };
         gas.advance(chamber, path, h);
         state.piece = Some(gas.piece);
         gas.u
@@ -225,7 +245,10 @@ impl Sim<'_> {
     fn is_massless(&self, c: usize) -> bool {
         let mechanism = self.machine.mechanism;
         let body = mechanism.points[self.machine.pairs[c].0].body;
-        mechanism.legs.iter().any(|leg| leg.body == body && leg.massless)
+        mechanism
+            .legs
+            .iter()
+            .any(|leg| leg.body == body && leg.massless)
     }
 
     /// `next` at the end of the step.
@@ -250,7 +273,14 @@ impl Sim<'_> {
         self.next[works..].copy_from_slice(&self.y[works..]);
         self.machine.step_works(h, &mut self.next[works..]);
         let is_sound = self.next.iter().all(|x| x.abs() < BOUND);
-        if is_sound { Ok(()) } else { Err(SimError::Diverged { time: self.time, step: h }) }
+        if is_sound {
+            Ok(())
+        } else {
+            Err(SimError::Diverged {
+                time: self.time,
+                step: h,
+            })
+        }
     }
 
     /// The guard that is crossed first within the step of `h`, and when; `next` is left there.
@@ -267,7 +297,11 @@ impl Sim<'_> {
         let mut tried = h;
         for &(guard, after) in &guards {
             let is_cut = fixed.cuts < CUTS || matches!(guard, Guard::Watch(_));
-            let at = if is_cut { self.when(fixed, guard, (h, after), watches)? } else { h };
+            let at = if is_cut {
+                self.when(fixed, guard, (h, after), watches)?
+            } else {
+                h
+            };
             tried = at;
             if first.is_none_or(|(_, earliest)| at < earliest) {
                 first = Some((guard, at));
@@ -284,7 +318,13 @@ impl Sim<'_> {
     }
 
     /// The guards that are below 0 at the end of the step of `h`, with their values there.
-    fn crossed(&mut self, fixed: &Fixed, h: f64, watches: &[Watch<'_>], guards: &mut Vec<(Guard, f64)>) {
+    fn crossed(
+        &mut self,
+        fixed: &Fixed,
+        h: f64,
+        watches: &[Watch<'_>],
+        guards: &mut Vec<(Guard, f64)>,
+    ) {
         let mut is_touching = false;
         if self.touching {
             for c in 0..self.mode.contacts.len() {
@@ -344,8 +384,15 @@ impl Sim<'_> {
         let stop = |x: f64, stop| (x.is_finite() && !held(stop)).then_some(Guard::Stop(body, stop));
         let leg = self.machine.leg_of(body);
         let part = leg.map(|i| &self.machine.mechanism.legs[i].leg);
-        let cushion = part.and_then(Leg::cushion_start).and(leg).map(Guard::Cushion);
-        let port = part.and_then(Leg::chamber).and_then(Chamber::port).and(leg).map(Guard::Port);
+        let cushion = part
+            .and_then(Leg::cushion_start)
+            .and(leg)
+            .map(Guard::Cushion);
+        let port = part
+            .and_then(Leg::chamber)
+            .and_then(Chamber::port)
+            .and(leg)
+            .map(Guard::Port);
         [stop(low, Stop::Low), stop(high, Stop::High), cushion, port]
     }
 
@@ -363,16 +410,22 @@ impl Sim<'_> {
                 side(self.mode.legs[i].cushioned, x(leg(i).body) - start)
             }
             Guard::Port(i) => {
-                let port = leg(i).leg.chamber().and_then(Chamber::port).unwrap_or(f64::NAN);
+                let port = leg(i)
+                    .leg
+                    .chamber()
+                    .and_then(Chamber::port)
+                    .unwrap_or(f64::NAN);
                 side(self.mode.legs[i].port_open, x(leg(i).body) - port)
             }
             Guard::Touch(c) => {
                 self.machine.place(&self.next);
                 self.machine.gap(c, 0.0)
             }
-            Guard::Watch(i) if h > 0.0 => {
-                watches[i](self.time + h, self.layout.q(&self.next), self.layout.v(&self.next))
-            }
+            Guard::Watch(i) if h > 0.0 => watches[i](
+                self.time + h,
+                self.layout.q(&self.next),
+                self.layout.v(&self.next),
+            ),
             Guard::Watch(i) => fixed.watched[i],
             _ => f64::NAN,
         }
@@ -421,7 +474,10 @@ impl Sim<'_> {
         self.adopt_step(h);
         let slack = 0.01 * h * h;
         self.machine.correct_step(&mut self.y, slack);
-        self.machine.mechanism.tree.normalize(&mut self.y[..self.layout.coordinates]);
+        self.machine
+            .mechanism
+            .tree
+            .normalize(&mut self.y[..self.layout.coordinates]);
         std::mem::swap(&mut fixed.acceleration, &mut fixed.next_acceleration);
     }
 
@@ -461,7 +517,8 @@ impl Sim<'_> {
                 if stood {
                     self.log(Happening::BreakAway(body));
                 }
-                self.mode.joints[body] = self.moving(body, if grip == Grip::High { -1.0 } else { 1.0 });
+                self.mode.joints[body] =
+                    self.moving(body, if grip == Grip::High { -1.0 } else { 1.0 });
             }
         }
     }

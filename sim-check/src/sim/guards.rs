@@ -26,16 +26,26 @@ impl Sim<'_> {
         joint_guards(&self.machine, &self.mode, y, &mut guards);
         leg_guards(&self.machine, &self.mode, y, &mut guards);
         for (i, watch) in watches.iter().enumerate() {
-            guards.push((Guard::Watch(i), watch(time, self.layout.q(y), self.layout.v(y))));
+            guards.push((
+                Guard::Watch(i),
+                watch(time, self.layout.q(y), self.layout.v(y)),
+            ));
         }
         if self.machine.redundant {
             // The forces are one choice of many: what counts is whether any choice obeys the laws.
             let is_force = |g: &Guard| {
-                matches!(g, Guard::Lift(_) | Guard::SlipStart(..) | Guard::Release(_) | Guard::Redundant)
+                matches!(
+                    g,
+                    Guard::Lift(_) | Guard::SlipStart(..) | Guard::Release(_) | Guard::Redundant
+                )
             };
             let broken = guards.iter().any(|(g, value)| is_force(g) && *value < 0.0);
             guards.retain(|(g, _)| !is_force(g));
-            let y = if at_next { self.next.clone() } else { self.y.clone() };
+            let y = if at_next {
+                self.next.clone()
+            } else {
+                self.y.clone()
+            };
             let holds = !broken || self.would_hold(&y);
             guards.push((Guard::Redundant, if holds { 1.0 } else { -1.0 }));
         }
@@ -68,7 +78,8 @@ impl Sim<'_> {
 pub(super) enum Guard {
     Touch(usize),
     Lift(usize),
-    /// The moving leg of this number, without mass and with its foot on rigid ground, has nothing to push with.
+    /// The moving leg of this number, without mass and with its foot on rigid ground, has nothing
+    /// to push with.
     Slack(usize),
     SlipStart(usize, usize),
     SlipEnd(usize, usize),
@@ -116,7 +127,12 @@ pub(super) fn contact_guards(
                 Grip::Low => guards.push((Guard::SlipEnd(c, axis), touch.speeds[1 + axis])),
                 Grip::High => guards.push((Guard::SlipEnd(c, axis), -touch.speeds[1 + axis])),
                 Grip::Along(d) => {
-                    let ahead = touch.speeds.y * d[0] + if width == 2 { touch.speeds.z * d[1] } else { 0.0 };
+                    let ahead = touch.speeds.y * d[0]
+                        + if width == 2 {
+                            touch.speeds.z * d[1]
+                        } else {
+                            0.0
+                        };
                     guards.push((Guard::SlipEnd(c, axis), ahead));
                 }
             }
@@ -124,12 +140,21 @@ pub(super) fn contact_guards(
     }
 }
 
-pub(super) fn joint_guards(machine: &Machine<'_>, mode: &Mode, y: &[f64], guards: &mut Vec<(Guard, f64)>) {
+pub(super) fn joint_guards(
+    machine: &Machine<'_>,
+    mode: &Mode,
+    y: &[f64],
+    guards: &mut Vec<(Guard, f64)>,
+) {
     for (body, joint) in mode.joints.iter().enumerate() {
         match *joint {
             JointMode::Latched => continue,
             JointMode::Held(stop) => {
-                let hold = machine.force_of(Owner::Joint(body)).first().copied().unwrap_or(0.0);
+                let hold = machine
+                    .force_of(Owner::Joint(body))
+                    .first()
+                    .copied()
+                    .unwrap_or(0.0);
                 let dry = machine.dry_friction(body);
                 let room = match stop {
                     Stop::Low => hold + dry,
@@ -155,7 +180,12 @@ pub(super) fn joint_guards(machine: &Machine<'_>, mode: &Mode, y: &[f64], guards
     }
 }
 
-pub(super) fn leg_guards(machine: &Machine<'_>, mode: &Mode, y: &[f64], guards: &mut Vec<(Guard, f64)>) {
+pub(super) fn leg_guards(
+    machine: &Machine<'_>,
+    mode: &Mode,
+    y: &[f64],
+    guards: &mut Vec<(Guard, f64)>,
+) {
     for (i, leg) in mode.legs.iter().enumerate() {
         let part = &machine.mechanism.legs[i];
         if let Some(piece) = &leg.piece {
@@ -174,7 +204,11 @@ pub(super) fn leg_guards(machine: &Machine<'_>, mode: &Mode, y: &[f64], guards: 
         if let Some(start) = part.leg.cushion_start() {
             guards.push((Guard::Cushion(i), side(leg.cushioned, start)));
         }
-        if let Some(port) = part.leg.chamber().and_then(saltus_pneumatics::Chamber::port) {
+        if let Some(port) = part
+            .leg
+            .chamber()
+            .and_then(saltus_pneumatics::Chamber::port)
+        {
             guards.push((Guard::Port(i), side(leg.port_open, port)));
         }
     }

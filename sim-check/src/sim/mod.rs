@@ -23,16 +23,18 @@ use crate::step::Stages;
 /// How a motion is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Error allowed in each step, relative to 1 + |y| for every coordinate, velocity and pressure variable; > 0.
+    /// Error allowed in each step, relative to 1 + |y| for every coordinate, velocity and pressure
+    /// variable; > 0.
     pub tolerance: f64,
     /// Longest step (s), > 0: an event that comes and goes within one step is not seen.
     pub longest_step: f64,
-    /// Impacts slower than this (m/s) do not rebound, ≥ 0, and do not lift what lies beside them: else a ball that comes to rest bounces for
-    /// ever, and a box rocks.
+    /// Impacts slower than this (m/s) do not rebound, ≥ 0, and do not lift what lies beside them:
+    /// else a ball that comes to rest bounces for ever, and a box rocks.
     pub rest_speed: f64,
     /// How deep a start may be inside a surface (m), ≥ 0; it then counts as touching.
     pub penetration: f64,
-    /// Steps that an adaptive motion may take: one that is too stiff for the integrator ends in an error.
+    /// Steps that an adaptive motion may take: one that is too stiff for the integrator ends in an
+    /// error.
     pub most_steps: usize,
     /// How long steps are.
     pub stepping: Stepping,
@@ -45,8 +47,9 @@ pub enum Stepping {
     Adaptive,
     /// This long (s), above 0 and at most [`Stepping::LONGEST`]: for controllers and learning.
     ///
-    /// Contacts, end stops and dry friction are laws of impulses and end velocities (Moreau–Jean). Smooth motion is of second order;
-    /// touch-down, end stops and commands cut a step in parts, while slip, break-away and lift-off happen within one.
+    /// Contacts, end stops and dry friction are laws of impulses and end velocities (Moreau–Jean).
+    /// Smooth motion is of second order; touch-down, end stops and commands cut a step in parts,
+    /// while slip, break-away and lift-off happen within one.
     Fixed(f64),
 }
 
@@ -111,7 +114,8 @@ pub enum Happening {
     Switch(usize),
 }
 
-/// A function that pauses a motion where it comes to 0 from above, of time (s), coordinates and velocities.
+/// A function that pauses a motion where it comes to 0 from above, of time (s), coordinates and
+/// velocities.
 pub type Watch<'w> = &'w dyn Fn(f64, &[f64], &[f64]) -> f64;
 
 /// A mechanism in motion.
@@ -135,7 +139,8 @@ pub struct Sim<'a> {
     guards: Vec<(Guard, f64)>,
     /// Room for fixed steps, where they are fixed.
     fixed: Option<Fixed>,
-    /// Each contact's gap (m) at the start of a step where it is below [`JUST_LEFT`], else 0: a point in the air touches from there.
+    /// Each contact's gap (m) at the start of a step where it is below [`JUST_LEFT`], else 0: a
+    /// point in the air touches from there.
     floors: Vec<f64>,
     /// Events since time moved on.
     burst: (f64, usize),
@@ -149,10 +154,11 @@ const BURST_SPAN: f64 = 1e-3;
 const JUST_LEFT: f64 = 1e-12;
 
 impl<'a> Sim<'a> {
-    /// `mechanism` at coordinates `q` and velocities `v`, its legs' valves at rest and unfired legs latched where they are.
+    /// `mechanism` at coordinates `q` and velocities `v`, its legs' valves at rest and unfired legs
+    /// latched where they are.
     ///
-    /// Points within `settings.penetration` of a surface touch it. Velocities into what touches are taken as they are: an impact
-    /// takes them out at once.
+    /// Points within `settings.penetration` of a surface touch it. Velocities into what touches are
+    /// taken as they are: an impact takes them out at once.
     ///
     /// # Errors
     /// [`SimError`] for a mechanism or a start that cannot be.
@@ -225,11 +231,12 @@ impl<'a> Sim<'a> {
         (self.steps, self.evaluations)
     }
 
-    /// Commands leg `leg` now, for `opening` seconds from when its drive answers, after its delay; a leg without a valve
-    /// ([`Leg::has_valve`](saltus_pneumatics::Leg::has_valve)) for good.
+    /// Commands leg `leg` now, for `opening` seconds from when its drive answers, after its delay;
+    /// a leg without a valve ([`Leg::has_valve`](saltus_pneumatics::Leg::has_valve)) for good.
     ///
     /// # Errors
-    /// [`SimError::Input`] for a leg that is not there, or an opening time that is not a finite number ≥ 0.
+    /// [`SimError::Input`] for a leg that is not there, or an opening time that is not a finite
+    /// number ≥ 0.
     pub fn fire(&mut self, leg: usize, opening: f64) -> Result<(), SimError> {
         let legs = self.layout.legs;
         if leg >= legs {
@@ -241,13 +248,19 @@ impl<'a> Sim<'a> {
         }
         if !(opening >= 0.0 && opening.is_finite()) {
             let name = "valve opening time (s)".into();
-            return Err(SimError::Input { name, value: opening, allowed: "a finite number ≥ 0" });
+            return Err(SimError::Input {
+                name,
+                value: opening,
+                allowed: "a finite number ≥ 0",
+            });
         }
         let drive = &self.machine.mechanism.legs[leg].leg;
         let answers = self.time + drive.delay;
         let closes = drive.has_valve().then_some((answers + opening, leg, false));
-        self.commands.extend([(answers, leg, true)].into_iter().chain(closes));
-        self.commands.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.cmp(&b.2)));
+        self.commands
+            .extend([(answers, leg, true)].into_iter().chain(closes));
+        self.commands
+            .sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.cmp(&b.2)));
         Ok(())
     }
 
@@ -267,7 +280,11 @@ impl<'a> Sim<'a> {
     ///
     /// # Errors
     /// As [`run`](Self::run).
-    pub fn run_eventwise(&mut self, until: f64, watches: &[Watch<'_>]) -> Result<Option<Pause>, SimError> {
+    pub fn run_eventwise(
+        &mut self,
+        until: f64,
+        watches: &[Watch<'_>],
+    ) -> Result<Option<Pause>, SimError> {
         if until.is_nan() {
             return Err(SimError::Input {
                 name: "time to run until (s)".into(),
@@ -307,10 +324,14 @@ impl<'a> Sim<'a> {
     /// That no contact forces agree with the laws now.
     fn inconsistent(&self) -> SimError {
         let limits = self.machine.friction().map(|(standing, ..)| standing);
-        SimError::Inconsistent { time: self.time, friction: limits[0].max(limits[1]) }
+        SimError::Inconsistent {
+            time: self.time,
+            friction: limits[0].max(limits[1]),
+        }
     }
 
-    /// From now on nothing that is in the air touches anything: a flight goes on as if there were no ground.
+    /// From now on nothing that is in the air touches anything: a flight goes on as if there were
+    /// no ground.
     pub fn stop_touching(&mut self) {
         self.touching = false;
     }

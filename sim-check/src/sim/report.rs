@@ -10,7 +10,11 @@ impl Sim<'_> {
     /// Where every body is.
     pub fn pose(&self) -> Pose {
         let mut pose = Pose::default();
-        pose.set(&self.machine.mechanism.tree, self.coordinates(), self.velocities());
+        pose.set(
+            &self.machine.mechanism.tree,
+            self.coordinates(),
+            self.velocities(),
+        );
         pose
     }
 
@@ -19,7 +23,9 @@ impl Sim<'_> {
         let mode = &self.mode.legs[leg];
         let part = &self.machine.mechanism.legs[leg];
         match (part.leg.chamber(), &mode.piece) {
-            (Some(chamber), Some(piece)) => chamber.pressure(piece.flow, self.y[self.layout.gas() + leg]),
+            (Some(chamber), Some(piece)) => {
+                chamber.pressure(piece.flow, self.y[self.layout.gas() + leg])
+            }
             _ => 0.0,
         }
     }
@@ -27,12 +33,18 @@ impl Sim<'_> {
     /// The contacts that are closed, with their forces.
     pub fn contacts(&mut self) -> Vec<Contact> {
         self.machine.look(&self.y, &self.mode);
-        self.machine.touches.iter().map(|touch| self.contact(touch)).collect()
+        self.machine
+            .touches
+            .iter()
+            .map(|touch| self.contact(touch))
+            .collect()
     }
 
     pub(super) fn contact(&self, touch: &Touch) -> Contact {
         let c = touch.contact;
-        let normal = touch.spring.map_or_else(|| self.machine.normal_force(c), |f| f.max(0.0));
+        let normal = touch
+            .spring
+            .map_or_else(|| self.machine.normal_force(c), |f| f.max(0.0));
         let mut parts = Vec3::new(normal, 0.0, 0.0);
         for (axis, (standing, slipping, width)) in self.machine.friction().into_iter().enumerate() {
             if standing == 0.0 {
@@ -40,7 +52,12 @@ impl Sim<'_> {
             }
             match self.mode.contacts[c].grips[axis] {
                 Grip::Held => {
-                    for (k, force) in self.machine.force_of(Owner::Tangent(c, axis)).iter().enumerate() {
+                    for (k, force) in self
+                        .machine
+                        .force_of(Owner::Tangent(c, axis))
+                        .iter()
+                        .enumerate()
+                    {
                         parts[1 + axis + k] = *force;
                     }
                 }
@@ -48,8 +65,11 @@ impl Sim<'_> {
                 Grip::High => parts[1 + axis] = slipping * normal,
                 Grip::Along(d) => {
                     let speed = touch.speeds.y.hypot(touch.speeds.z);
-                    let way =
-                        if speed > STANDING { [touch.speeds.y / speed, touch.speeds.z / speed] } else { d };
+                    let way = if speed > STANDING {
+                        [touch.speeds.y / speed, touch.speeds.z / speed]
+                    } else {
+                        d
+                    };
                     for k in 0..width {
                         parts[1 + k] = -slipping * normal * way[k];
                     }
@@ -70,7 +90,11 @@ impl Sim<'_> {
     /// The force (N or N m) that holds the joint of `body`, 0 where it moves.
     pub fn joint_reaction(&mut self, body: usize) -> f64 {
         self.machine.look(&self.y, &self.mode);
-        self.machine.force_of(Owner::Joint(body)).first().copied().unwrap_or(0.0)
+        self.machine
+            .force_of(Owner::Joint(body))
+            .first()
+            .copied()
+            .unwrap_or(0.0)
     }
 
     /// Work and energy.
@@ -86,7 +110,12 @@ impl Sim<'_> {
             }
         }
         if let Some((stiffness, _)) = mechanism.material.compliance {
-            let closed = self.mode.contacts.iter().enumerate().filter(|(_, c)| c.closed);
+            let closed = self
+                .mode
+                .contacts
+                .iter()
+                .enumerate()
+                .filter(|(_, c)| c.closed);
             springs += closed
                 .map(|(c, _)| {
                     let (p, s) = self.machine.pairs[c];

@@ -1,7 +1,8 @@
 //! Where a function comes to 0.
 
-/// From the bracket `a`, `b` of (place, value), the value above 0 at `a` and not at `b`: the place just past the root, as near as
-/// `resolution`. The Illinois method, with bisection where it is slow.
+/// From the bracket `a`, `b` of (place, value), the value above 0 at `a` and not at `b`: the place
+/// just past the root, as near as `resolution`. The Illinois method, with bisection where it is
+/// slow.
 pub(super) fn past_root(
     (mut a, mut fa): (f64, f64),
     (mut b, mut fb): (f64, f64),

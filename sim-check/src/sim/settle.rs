@@ -8,7 +8,8 @@ use crate::machine::{Owner, Rows, STANDING};
 use crate::mode::JointMode;
 
 impl Sim<'_> {
-    /// Decides who holds and who moves, from the laws at the present state. What `forced` has just let go stays so.
+    /// Decides who holds and who moves, from the laws at the present state. What `forced` has just
+    /// let go stays so.
     pub(super) fn settle(&mut self, forced: Option<Guard>) -> Result<(), SimError> {
         self.machine.assemble(&self.y, &self.mode, Rows::Holding);
         self.pick_up_slack_legs();
@@ -34,18 +35,31 @@ impl Sim<'_> {
         self.adopt();
         self.machine.look(&self.y, &self.mode);
         if !self.machine.sound {
-            return Err(SimError::Stuck { time: self.time, step: 0.0 });
+            return Err(SimError::Stuck {
+                time: self.time,
+                step: 0.0,
+            });
         }
         // One that has just been freed too.
-        if self.pick_up_slack_legs() { self.settle(None) } else { Ok(()) }
+        if self.pick_up_slack_legs() {
+            self.settle(None)
+        } else {
+            Ok(())
+        }
     }
 
-    /// Opens the contacts that do not slip, whatever it takes, and where the ground would have to pull for that; whether there were any.
+    /// Opens the contacts that do not slip, whatever it takes, and where the ground would have to
+    /// pull for that; whether there were any.
     ///
-    /// With friction that has no limit nothing lies between holding a foot and letting it go: a foot that can only be held by pulling leaves.
+    /// With friction that has no limit nothing lies between holding a foot and letting it go: a
+    /// foot that can only be held by pulling leaves.
     fn stop_pulling(&mut self) -> bool {
         let machine = &mut self.machine;
-        if !machine.friction().iter().any(|(standing, ..)| standing.is_infinite()) {
+        if !machine
+            .friction()
+            .iter()
+            .any(|(standing, ..)| standing.is_infinite())
+        {
             return false;
         }
         machine.assemble(&self.y, &self.mode, Rows::Candidates);
@@ -102,7 +116,10 @@ impl Sim<'_> {
                 if standing == 0.0 || forced == Some(Guard::SlipStart(c, axis)) {
                     continue;
                 }
-                let v = [touch.speeds[1 + axis], if width == 2 { touch.speeds.z } else { 0.0 }];
+                let v = [
+                    touch.speeds[1 + axis],
+                    if width == 2 { touch.speeds.z } else { 0.0 },
+                ];
                 let speed = v[0].hypot(v[1]);
                 if speed > STANDING {
                     self.mode.contacts[c].grips[axis] = match width {
@@ -115,7 +132,8 @@ impl Sim<'_> {
         }
     }
 
-    /// Sets the constraint that has just been let go to going, so that round-off does not catch it again.
+    /// Sets the constraint that has just been let go to going, so that round-off does not catch it
+    /// again.
     pub(super) fn keep_forced(&mut self, guard: Guard) {
         let owner = match guard {
             Guard::SlipStart(c, axis) => Owner::Tangent(c, axis),

@@ -38,7 +38,13 @@ pub(super) fn first_mode(mechanism: &Mechanism, y: &mut [f64], layout: Layout) -
     let mut joints: Vec<JointMode> = mechanism
         .joints
         .iter()
-        .map(|parts| if parts.friction > 0.0 { JointMode::Sliding(1.0) } else { JointMode::Free })
+        .map(|parts| {
+            if parts.friction > 0.0 {
+                JointMode::Sliding(1.0)
+            } else {
+                JointMode::Free
+            }
+        })
         .collect();
     let mut legs = Vec::new();
     for (i, part) in mechanism.legs.iter().enumerate() {
@@ -48,10 +54,19 @@ pub(super) fn first_mode(mechanism: &Mechanism, y: &mut [f64], layout: Layout) -
             y[layout.gas() + i] = chamber.variable(piece.flow, chamber.ambient);
             piece
         });
-        legs.push(LegMode { energized: false, cushioned: false, port_open: false, piece });
+        legs.push(LegMode {
+            energized: false,
+            cushioned: false,
+            port_open: false,
+            piece,
+        });
     }
     let pairs = mechanism.points.len() * mechanism.surfaces.len();
-    Mode { joints, contacts: vec![ContactMode::OPEN; pairs], legs }
+    Mode {
+        joints,
+        contacts: vec![ContactMode::OPEN; pairs],
+        legs,
+    }
 }
 
 pub(super) fn check_start(
@@ -61,21 +76,38 @@ pub(super) fn check_start(
     settings: &Settings,
 ) -> Result<(), SimError> {
     let tree = &mechanism.tree;
-    for (name, given, wanted) in
-        [("coordinates", q.len(), tree.coordinates()), ("velocities", v.len(), tree.velocities())]
-    {
+    for (name, given, wanted) in [
+        ("coordinates", q.len(), tree.coordinates()),
+        ("velocities", v.len(), tree.velocities()),
+    ] {
         if given != wanted {
-            return Err(SimError::Length { name, given, wanted });
+            return Err(SimError::Length {
+                name,
+                given,
+                wanted,
+            });
         }
     }
-    let wrong = |name: &str, value, allowed| Err(SimError::Input { name: name.into(), value, allowed });
+    let wrong = |name: &str, value, allowed| {
+        Err(SimError::Input {
+            name: name.into(),
+            value,
+            allowed,
+        })
+    };
     for (name, list) in [("coordinate", q), ("velocity", v)] {
         if let Some(x) = list.iter().find(|x| x.is_nan() || x.abs() >= 1e9) {
             return wrong(name, *x, "a finite number below 1e9");
         }
     }
-    let positive = [("tolerance", settings.tolerance), ("longest step (s)", settings.longest_step)];
-    if let Some((name, value)) = positive.into_iter().find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
+    let positive = [
+        ("tolerance", settings.tolerance),
+        ("longest step (s)", settings.longest_step),
+    ];
+    if let Some((name, value)) = positive
+        .into_iter()
+        .find(|(_, x)| !(*x > 0.0 && x.is_finite()))
+    {
         return wrong(name, value, "a finite number > 0");
     }
     if let Stepping::Fixed(h) = settings.stepping
@@ -83,8 +115,14 @@ pub(super) fn check_start(
     {
         return wrong("fixed step (s)", h, "above 0, at most 0.1");
     }
-    let not_negative = [("rest speed (m/s)", settings.rest_speed), ("penetration (m)", settings.penetration)];
-    if let Some((name, value)) = not_negative.into_iter().find(|(_, x)| !(*x >= 0.0 && x.is_finite())) {
+    let not_negative = [
+        ("rest speed (m/s)", settings.rest_speed),
+        ("penetration (m)", settings.penetration),
+    ];
+    if let Some((name, value)) = not_negative
+        .into_iter()
+        .find(|(_, x)| !(*x >= 0.0 && x.is_finite()))
+    {
         return wrong(name, value, "a finite number ≥ 0");
     }
     let is_free = |i: usize| tree.bodies()[i].joint == crate::tree::Joint::Free;
@@ -96,10 +134,20 @@ pub(super) fn check_start(
         }
     }
     mechanism.check(q)?;
-    for (i, body) in tree.bodies().iter().enumerate().filter(|(i, _)| !is_free(*i)) {
+    for (i, body) in tree
+        .bodies()
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| !is_free(*i))
+    {
         let (x, (low, high)) = (q[tree.coordinate_of(i)], mechanism.stops(i));
         if x < low || x > high {
-            return Err(SimError::BeyondStop { body: body.name.clone(), value: x, low, high });
+            return Err(SimError::BeyondStop {
+                body: body.name.clone(),
+                value: x,
+                low,
+                high,
+            });
         }
     }
     Ok(())

@@ -22,7 +22,15 @@ pub fn body(
     center: Vec3,
     inertia: Matrix3<f64>,
 ) -> Body {
-    Body { name: name.into(), parent, joint, placement: Placement::at(at), mass, center, inertia }
+    Body {
+        name: name.into(),
+        parent,
+        joint,
+        placement: Placement::at(at),
+        mass,
+        center,
+        inertia,
+    }
 }
 
 /// Moments of inertia about three axes.
@@ -46,7 +54,11 @@ pub fn free_body(legs: usize) -> Result<Mechanism, SimError> {
         // Directions spread over a sphere by the golden angle.
         let z = 1.0 - 2.0 * (k as f64 + 0.5) / legs as f64;
         let turn = 2.399_963_229_728_653 * k as f64;
-        let way = Vec3::new((1.0 - z * z).sqrt() * turn.cos(), (1.0 - z * z).sqrt() * turn.sin(), z);
+        let way = Vec3::new(
+            (1.0 - z * z).sqrt() * turn.cos(),
+            (1.0 - z * z).sqrt() * turn.sin(),
+            z,
+        );
         tree.add(body(
             &format!("leg {k}"),
             Some(hub),
@@ -59,7 +71,10 @@ pub fn free_body(legs: usize) -> Result<Mechanism, SimError> {
     }
     let mut mechanism = Mechanism::new(tree, down());
     for parts in &mut mechanism.joints[1..] {
-        *parts = JointParts { spring: (80.0, 0.0), ..JointParts::default() };
+        *parts = JointParts {
+            spring: (80.0, 0.0),
+            ..JointParts::default()
+        };
     }
     Ok(mechanism)
 }

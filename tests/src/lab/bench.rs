@@ -1,7 +1,8 @@
 //! One cylinder upright, fired once from rest under a dead load.
 //!
-//! State: extension d (m), its rate (m/s), pressure P (Pa). The rod is held by dry friction, moves, or is at its end stop, where it
-//! stays. Steps are short and of one length; break-away, reversals and the stop are found by halving the step that meets them.
+//! State: extension d (m), its rate (m/s), pressure P (Pa). The rod is held by dry friction, moves,
+//! or is at its end stop, where it stays. Steps are short and of one length; break-away, reversals
+//! and the stop are found by halving the step that meets them.
 
 use std::f64::consts::PI;
 
@@ -74,7 +75,9 @@ impl Bench {
         }
         let runs = draw.one(&[10, 12, 14]);
         let settings = (0..runs).map(|_| {
-            let off = draw.chance(0.3).then(|| (draw.between(0.125, 0.135) * 1e3).round() * 1e-3);
+            let off = draw
+                .chance(0.3)
+                .then(|| (draw.between(0.125, 0.135) * 1e3).round() * 1e-3);
             Setting {
                 load: (draw.between(1.2, 4.0) * 1e3).round() * 1e-3,
                 supply: draw.one(&[60.0, 70.0, 80.0, 90.0, 100.0, 110.0, 120.0]) * PSI,
@@ -102,12 +105,17 @@ impl World for Bench {
     }
 
     fn logs(&self, runs: &[usize], hidden: &Hidden) -> Vec<Option<Exact>> {
-        runs.iter().map(|run| Some(self.fire(&self.settings[*run], hidden))).collect()
+        runs.iter()
+            .map(|run| Some(self.fire(&self.settings[*run], hidden)))
+            .collect()
     }
 
     fn dials(&self, id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
         match id {
-            "mass" => Some(vec![Dial::up_to("load_mass_kg added", draw.one(&[-0.6, 1.0]))]),
+            "mass" => Some(vec![Dial::up_to(
+                "load_mass_kg added",
+                draw.one(&[-0.6, 1.0]),
+            )]),
             "quadratic-friction" => Some(vec![Dial::up_to("quadratic_friction_n_s2_per_m2", 40.0)]),
             "position-friction" => Some(vec![
                 Dial::up_to("tight_spot_n", 60.0),
@@ -128,24 +136,50 @@ impl World for Bench {
 pub(super) fn leg(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
     Some(match id {
         // An offset of every set value.
-        "supply-pressure" => vec![Dial::up_to("supply_pressure_pa added", draw.one(&[-2e5, 2e5]))],
+        "supply-pressure" => vec![Dial::up_to(
+            "supply_pressure_pa added",
+            draw.one(&[-2e5, 2e5]),
+        )],
         "supply-droop" => vec![Dial::up_to("leg.supply_droop_pa_s_per_kg", 1.2e8)],
-        "valve-delay" => vec![Dial::linear("leg.valve_delay_s", 0.01, draw.one(&[0.001, 0.025]))],
-        "valve-discharge" => vec![Dial::linear("leg.discharge_coefficient", 0.5378, draw.one(&[0.25, 0.95]))],
+        "valve-delay" => vec![Dial::linear(
+            "leg.valve_delay_s",
+            0.01,
+            draw.one(&[0.001, 0.025]),
+        )],
+        "valve-discharge" => vec![Dial::linear(
+            "leg.discharge_coefficient",
+            0.5378,
+            draw.one(&[0.25, 0.95]),
+        )],
         "chamber-leak" => vec![Dial::up_to("leg.leak_area_m2", 5e-7)],
-        "dead-volume" => vec![Dial::linear("leg.dead_volume_m3", 5.4e-6, draw.one(&[1.5e-6, 2e-5]))],
+        "dead-volume" => vec![Dial::linear(
+            "leg.dead_volume_m3",
+            5.4e-6,
+            draw.one(&[1.5e-6, 2e-5]),
+        )],
         "viscous-friction" => {
-            vec![Dial::linear("leg.viscous_friction_n_s_per_m", 5.2843, draw.one(&[0.0, 60.0, 60.0]))]
+            vec![Dial::linear(
+                "leg.viscous_friction_n_s_per_m",
+                5.2843,
+                draw.one(&[0.0, 60.0, 60.0]),
+            )]
         }
         "coulomb-friction" => {
-            vec![Dial::linear("leg.coulomb_friction_n", 9.7003, draw.one(&[0.0, 50.0, 50.0]))]
+            vec![Dial::linear(
+                "leg.coulomb_friction_n",
+                9.7003,
+                draw.one(&[0.0, 50.0, 50.0]),
+            )]
         }
         "seal-friction" => vec![Dial::up_to("leg.seal_friction_n_per_pa", 1.4e-4)],
         "return-spring" => {
             // Up to what friction holds in the air at the end of the stroke.
             let preload = draw.between(1.0, 8.0);
             vec![
-                Dial::up_to("leg.return_spring.stiffness_n_per_m", (9.2 - preload) / STROKE),
+                Dial::up_to(
+                    "leg.return_spring.stiffness_n_per_m",
+                    (9.2 - preload) / STROKE,
+                ),
                 Dial::up_to("leg.return_spring.preload_n", preload),
             ]
         }
@@ -197,13 +231,19 @@ const AREA: f64 = PI / 4.0 * BORE * BORE;
 
 impl Plant {
     fn new(setting: &Setting, h: &Hidden) -> Plant {
-        let gas = (h.get("leg.gas.heat_ratio", AIR.0), h.get("leg.gas.constant_j_per_kg_k", AIR.1));
+        let gas = (
+            h.get("leg.gas.heat_ratio", AIR.0),
+            h.get("leg.gas.constant_j_per_kg_k", AIR.1),
+        );
         let delay = h.get("leg.valve_delay_s", 0.01);
         let port = h.or_zero("leg.exhaust_port.area_m2");
         Plant {
             load: setting.load + h.or_zero("load_mass_kg added"),
             supply: setting.supply + AMBIENT + h.or_zero("supply_pressure_pa added"),
-            open: (setting.on + delay, setting.off.map_or(f64::INFINITY, |off| off + delay)),
+            open: (
+                setting.on + delay,
+                setting.off.map_or(f64::INFINITY, |off| off + delay),
+            ),
             ramp: h.or_zero("valve_ramp_s"),
             valve: h.get("leg.discharge_coefficient", 0.5378) * ORIFICE,
             dead_volume: h.get("leg.dead_volume_m3", 5.4e-6),
@@ -231,8 +271,10 @@ impl Plant {
         let tight = self.tight.0 * (-((d - self.tight.1) / 0.004).powi(2)).exp();
         let dry = self.coulomb + self.seal * gauge.abs() + tight;
         let spring = self.spring.0 * d + self.spring.1;
-        let free =
-            gauge * AREA - spring - (self.viscous + self.quadratic * v.abs()) * v - self.load * GRAVITY;
+        let free = gauge * AREA
+            - spring
+            - (self.viscous + self.quadratic * v.abs()) * v
+            - self.load * GRAVITY;
         (free, dry)
     }
 
@@ -244,14 +286,22 @@ impl Plant {
             }
             _ => (0.0, 0.0),
         };
-        [speed, acceleration, self.pressure_rate(energized, t, y[0], speed, y[2])]
+        [
+            speed,
+            acceleration,
+            self.pressure_rate(energized, t, y[0], speed, y[2]),
+        ]
     }
 
     fn pressure_rate(&self, energized: bool, t: f64, d: f64, speed: f64, p: f64) -> f64 {
         let volume = self.dead_volume + AREA * d;
         let flow = |area: f64, up: f64, down: f64| nozzle(area, self.gas, TEMPERATURE, up, down);
         let mut inflow = if energized {
-            let part = if self.ramp > 0.0 { ((t - self.open.0) / self.ramp).clamp(0.0, 1.0) } else { 1.0 };
+            let part = if self.ramp > 0.0 {
+                ((t - self.open.0) / self.ramp).clamp(0.0, 1.0)
+            } else {
+                1.0
+            };
             self.supplied(|supply| flow(part * self.valve, supply, p))
         } else {
             flow(self.valve, AMBIENT, p)
@@ -274,7 +324,11 @@ impl Plant {
         let (mut low, mut high) = (0.0, most);
         for _ in 0..40 {
             let middle = 0.5 * (low + high);
-            if flow(self.supply - self.droop * middle) > middle { low = middle } else { high = middle }
+            if flow(self.supply - self.droop * middle) > middle {
+                low = middle
+            } else {
+                high = middle
+            }
         }
         0.5 * (low + high)
     }
@@ -321,7 +375,14 @@ impl Plant {
             if *rod == Rod::AtStop {
                 y[0] = STROKE;
             }
-            (y[0], y[1]) = (y[0].max(0.0), if matches!(*rod, Rod::Moving(_)) { y[1] } else { 0.0 });
+            (y[0], y[1]) = (
+                y[0].max(0.0),
+                if matches!(*rod, Rod::Moving(_)) {
+                    y[1]
+                } else {
+                    0.0
+                },
+            );
             t += part;
             h -= part;
         }
@@ -333,13 +394,19 @@ impl Bench {
     fn fire(&self, setting: &Setting, hidden: &Hidden) -> Exact {
         let plant = Plant::new(setting, hidden);
         let (mut rod, mut y, mut now) = (Rod::Held, [0.0, 0.0, AMBIENT], 0.0);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few hundred")]
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a few hundred"
+        )]
         let rows = (self.length * self.rate).round() as usize + 1;
         let time: Vec<f64> = (0..rows).map(|i| i as f64 / self.rate).collect();
         let mut values = vec![Vec::new(); 2];
         for &at in &time {
             while now < at {
-                let switches = [plant.open.0, plant.open.1].into_iter().filter(|t| *t > now);
+                let switches = [plant.open.0, plant.open.1]
+                    .into_iter()
+                    .filter(|t| *t > now);
                 let next = switches.fold(at.min(now + STEP), f64::min);
                 plant.go(&mut rod, now, &mut y, next - now);
                 now = next;
@@ -347,9 +414,17 @@ impl Bench {
             values[0].push(y[0]);
             values[1].push(y[2]);
         }
-        let settings = [("load_mass_kg", setting.load), ("supply_pressure_gauge_pa", setting.supply)];
+        let settings = [
+            ("load_mass_kg", setting.load),
+            ("supply_pressure_gauge_pa", setting.supply),
+        ];
         let settings = settings.map(|(key, value)| (key.to_owned(), value)).into();
-        Exact { settings, valve: Some((setting.on, setting.off)), time, values }
+        Exact {
+            settings,
+            valve: Some((setting.on, setting.off)),
+            time,
+            values,
+        }
     }
 }
 
@@ -359,15 +434,27 @@ mod tests {
 
     fn bench() -> (Bench, Setting) {
         let bench = Bench::new(&mut Draw::new(3, 0));
-        (bench, Setting { load: 2.0, supply: 100.0 * PSI, on: 0.01, off: None })
+        (
+            bench,
+            Setting {
+                load: 2.0,
+                supply: 100.0 * PSI,
+                on: 0.01,
+                off: None,
+            },
+        )
     }
 
     fn hidden(values: &[(&'static str, f64)]) -> Hidden {
-        let dials: Vec<Dial> = values.iter().map(|(key, value)| Dial::fixed(key, *value)).collect();
+        let dials: Vec<Dial> = values
+            .iter()
+            .map(|(key, value)| Dial::fixed(key, *value))
+            .collect();
         Hidden::of(&dials, 1.0)
     }
 
-    /// Without friction, through a hole that holds the supply's pressure, the rod is uniformly accelerated.
+    /// Without friction, through a hole that holds the supply's pressure, the rod is uniformly
+    /// accelerated.
     #[test]
     fn a_wide_valve_pushes_with_the_supply() {
         let (bench, setting) = bench();
@@ -390,13 +477,27 @@ mod tests {
     #[test]
     fn a_held_chamber_fills_at_a_constant_rate() {
         let (bench, setting) = bench();
-        let run = bench.fire(&Setting { load: 100.0, ..setting }, &Hidden::default());
+        let run = bench.fire(
+            &Setting {
+                load: 100.0,
+                ..setting
+            },
+            &Hidden::default(),
+        );
         let supply = setting.supply + AMBIENT;
-        let flow =
-            0.5378 * ORIFICE * supply * (1.4_f64 / (287.05 * TEMPERATURE)).sqrt() * (1.0_f64 / 1.2).powi(3);
+        let flow = 0.5378
+            * ORIFICE
+            * supply
+            * (1.4_f64 / (287.05 * TEMPERATURE)).sqrt()
+            * (1.0_f64 / 1.2).powi(3);
         let rate = 1.4 * 287.05 * TEMPERATURE * flow / 5.4e-6;
         // 10 ms of delay, and less than half of the supply's pressure 4 ms on.
-        for (t, p) in run.time.iter().zip(&run.values[1]).filter(|(t, _)| **t < 0.024) {
+        for (t, p) in run
+            .time
+            .iter()
+            .zip(&run.values[1])
+            .filter(|(t, _)| **t < 0.024)
+        {
             let filled = AMBIENT + rate * (t - 0.02).max(0.0);
             if filled < 0.5 * supply {
                 assert!((p / filled - 1.0).abs() < 1e-9, "{t}: {p} {filled}");
@@ -405,10 +506,14 @@ mod tests {
         assert!(run.values[0].iter().all(|d| *d == 0.0));
     }
 
-    /// The energy that no friction takes is in the gas: a closed chamber under a moving rod stays on its adiabat, P V^κ.
+    /// The energy that no friction takes is in the gas: a closed chamber under a moving rod stays
+    /// on its adiabat, P V^κ.
     #[test]
     fn a_closed_chamber_stays_on_its_adiabat() {
-        let plant = Plant { valve: 0.0, ..Plant::new(&bench().1, &Hidden::default()) };
+        let plant = Plant {
+            valve: 0.0,
+            ..Plant::new(&bench().1, &Hidden::default())
+        };
         let (mut rod, mut y) = (Rod::Held, [0.01, 0.0, 5e5]);
         let constant = |y: &[f64; 3]| y[2] * (plant.dead_volume + AREA * y[0]).powf(1.4);
         let before = constant(&y);
@@ -419,7 +524,8 @@ mod tests {
         assert!((constant(&y) / before - 1.0).abs() < 1e-8);
     }
 
-    /// An upright stance of the reference model is this bench: end of the stroke and pressure there, every optional term on.
+    /// An upright stance of the reference model is this bench: end of the stroke and pressure
+    /// there, every optional term on.
     #[test]
     fn an_upright_stance_is_a_firing() {
         let overrides = [
@@ -434,8 +540,13 @@ mod tests {
             "leg.exhaust_port.position_m=0.04",
             "leg.exhaust_port.area_m2=1e-6",
         ];
-        let robot = saltus_robot::resolve("rats-planar", &overrides.map(str::to_owned)).expect("a robot");
-        let end = crate::oracle::solve(&robot, &saltus_lagrangian::Launch::at_firing(0.0, 0.0, 1.0), 1e-5);
+        let robot =
+            saltus_robot::resolve("rats-planar", &overrides.map(str::to_owned)).expect("a robot");
+        let end = crate::oracle::solve(
+            &robot,
+            &saltus_lagrangian::Launch::at_firing(0.0, 0.0, 1.0),
+            1e-5,
+        );
         let effects = hidden(&[
             ("leg.supply_droop_pa_s_per_kg", 2e7),
             ("leg.leak_area_m2", 2e-7),
@@ -446,7 +557,13 @@ mod tests {
             ("leg.exhaust_port.position_m", 0.04),
             ("leg.exhaust_port.area_m2", 1e-6),
         ]);
-        let plant = Plant::new(&Setting { on: 0.0, ..bench().1 }, &effects);
+        let plant = Plant::new(
+            &Setting {
+                on: 0.0,
+                ..bench().1
+            },
+            &effects,
+        );
         let (mut rod, mut y, mut steps) = (Rod::Held, [0.0, 0.0, AMBIENT], 0_u32);
         while rod != Rod::AtStop && steps < 20_000 {
             plant.go(&mut rod, 1e-5 * f64::from(steps), &mut y, 1e-5);
@@ -454,7 +571,16 @@ mod tests {
         }
         // To a step in time, in which the pressure changes by a few hundred pascals.
         assert_eq!(end.outcome, "stroke");
-        assert!((1e-5 * f64::from(steps) - end.time).abs() < 2e-5, "{steps} {}", end.time);
-        assert!((y[2] / end.pressure - 1.0).abs() < 1e-3, "{} {}", y[2], end.pressure);
+        assert!(
+            (1e-5 * f64::from(steps) - end.time).abs() < 2e-5,
+            "{steps} {}",
+            end.time
+        );
+        assert!(
+            (y[2] / end.pressure - 1.0).abs() < 1e-3,
+            "{} {}",
+            y[2],
+            end.pressure
+        );
     }
 }

@@ -30,7 +30,10 @@ pub(super) struct Dial {
 impl Dial {
     /// From `neutral` to `most`.
     pub(super) fn linear(key: &'static str, neutral: f64, most: f64) -> Dial {
-        Dial { key, way: Way::Linear { neutral, most } }
+        Dial {
+            key,
+            way: Way::Linear { neutral, most },
+        }
     }
 
     /// Off at 0.
@@ -40,17 +43,26 @@ impl Dial {
 
     /// Infinite where off.
     pub(super) fn inverse(key: &'static str, most: f64) -> Dial {
-        Dial { key, way: Way::Inverse(most) }
+        Dial {
+            key,
+            way: Way::Inverse(most),
+        }
     }
 
     /// The damper of an inverse stiffness.
     pub(super) fn root(key: &'static str, most: f64) -> Dial {
-        Dial { key, way: Way::Root(most) }
+        Dial {
+            key,
+            way: Way::Root(most),
+        }
     }
 
     /// Always `value`.
     pub(super) fn fixed(key: &'static str, value: f64) -> Dial {
-        Dial { key, way: Way::Fixed(value) }
+        Dial {
+            key,
+            way: Way::Fixed(value),
+        }
     }
 
     /// Its value at strength `s`.
@@ -81,7 +93,10 @@ impl Hidden {
 
     /// The value of `key`, `off` where it is not hidden.
     pub(super) fn get(&self, key: &str, off: f64) -> f64 {
-        self.0.iter().find(|(known, _)| *known == key).map_or(off, |(_, value)| *value)
+        self.0
+            .iter()
+            .find(|(known, _)| *known == key)
+            .map_or(off, |(_, value)| *value)
     }
 
     /// The value of `key`, 0 where it is not hidden.

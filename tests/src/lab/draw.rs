@@ -10,7 +10,10 @@ pub(super) struct Draw(Pcg64);
 impl Draw {
     /// The stream `stream` of `seed`: what is drawn from one does not move another.
     pub(super) fn new(seed: u64, stream: u64) -> Draw {
-        Draw(Pcg64::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(stream)))
+        Draw(Pcg64::seed_from_u64(
+            seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)
+                .wrapping_add(stream),
+        ))
     }
 
     /// Between `low` and `high`.
@@ -31,7 +34,11 @@ impl Draw {
     /// One of `all`, which are not none.
     pub(super) fn one<T: Copy>(&mut self, all: &[T]) -> T {
         // The index is below the length: the upper end is excluded.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small index")]
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a small index"
+        )]
         let index = self.between(0.0, all.len() as f64) as usize;
         all[index.min(all.len() - 1)]
     }

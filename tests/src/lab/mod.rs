@@ -1,10 +1,12 @@
 //! A laboratory: synthetic measurements with an effect hidden in them, for tests of a diagnosis.
 //!
-//! Its small simulators have equations of their own and share nothing with the models of the crate `diagnosis` but the type
-//! of the data; robots are simulated by `sim-check`, with the effect in their robot file. The operator knows nothing of it.
+//! Its small simulators have equations of their own and share nothing with the models of the crate
+//! `diagnosis` but the type of the data; robots are simulated by `sim-check`, with the effect in
+//! their robot file. The operator knows nothing of it.
 //!
-//! How strong an effect is, is counted in σ: the greatest difference that it alone makes to any reading, from the same
-//! start and with the same commands, over one standard deviation (noise and steps) of that column.
+//! How strong an effect is, is counted in σ: the greatest difference that it alone makes to any
+//! reading, from the same start and with the same commands, over one standard deviation (noise and
+//! steps) of that column.
 
 mod bench;
 mod dial;
@@ -41,7 +43,8 @@ pub struct Case {
 pub struct Effect {
     /// Id of the cause, or of an effect of [`outside`].
     pub id: &'static str,
-    /// Its true numbers: keys of the robot file with the values of the true robot, or a column with its gain, offset, …
+    /// Its true numbers: keys of the robot file with the values of the true robot, or a column with
+    /// its gain, offset, …
     pub parameters: Vec<(&'static str, f64)>,
     /// How many σ it alone makes in the most affected reading.
     pub sigmas: f64,
@@ -88,7 +91,10 @@ pub fn causes_of(kind: Sort) -> &'static [&'static str] {
 
 /// Kinds of experiment in which the cause `id` shows.
 pub fn kinds_of(id: &str) -> Vec<Sort> {
-    SORTS.into_iter().filter(|kind| causes_of(*kind).contains(&id)).collect()
+    SORTS
+        .into_iter()
+        .filter(|kind| causes_of(*kind).contains(&id))
+        .collect()
 }
 
 /// Effects that no listed cause explains, by kind.
@@ -105,13 +111,17 @@ pub const OUTSIDE: [(Sort, &[&str]); 8] = [
 
 /// Ids of the effects on an experiment of `kind` that no listed cause explains.
 pub fn outside(kind: Sort) -> &'static [&'static str] {
-    OUTSIDE.iter().find(|(of, _)| *of == kind).map_or(&[], |(_, ids)| ids)
+    OUTSIDE
+        .iter()
+        .find(|(of, _)| *of == kind)
+        .map_or(&[], |(_, ids)| ids)
 }
 
 /// An experiment of `kind` with these effects `hidden` in it; all of it follows from `seed`.
 ///
-/// An effect of one sensor is on a column of the seed's choice; where an effect may go either way, the seed says which. A
-/// run that an effect keeps from being one, as a jump that does not lift off, is left out.
+/// An effect of one sensor is on a column of the seed's choice; where an effect may go either way,
+/// the seed says which. A run that an effect keeps from being one, as a jump that does not lift
+/// off, is left out.
 ///
 /// # Panics
 /// For an id that is neither in [`causes_of`] nor in [`outside`] of this kind.
@@ -122,11 +132,17 @@ pub fn make(kind: Sort, hidden: &[(&str, Size)], seed: u64) -> Case {
     let mut all = Hidden::default();
     let mut truth = Vec::new();
     for &(id, size) in hidden {
-        let known = causes_of(kind).iter().chain(outside(kind)).find(|known| **known == id);
+        let known = causes_of(kind)
+            .iter()
+            .chain(outside(kind))
+            .find(|known| **known == id);
         let id = *known.unwrap_or_else(|| panic!("{id} is no effect on {kind:?}"));
         // The same effect, whatever is hidden beside it.
-        let mut draw =
-            Draw::new(seed, id.bytes().fold(1, |hash: u64, b| hash.wrapping_mul(31) + u64::from(b)));
+        let mut draw = Draw::new(
+            seed,
+            id.bytes()
+                .fold(1, |hash: u64, b| hash.wrapping_mul(31) + u64::from(b)),
+        );
         let dials = dials(&*world, &neutral, id, &mut draw);
         let wanted = match size {
             Size::Clear => draw.scale(6.0, 12.0),
@@ -135,12 +151,24 @@ pub fn make(kind: Sort, hidden: &[(&str, Size)], seed: u64) -> Case {
         };
         let (strength, sigmas) = neutral.strength(&*world, &dials, wanted);
         let effect = Hidden::of(&dials, strength);
-        truth.push(Effect { id, parameters: effect.all().to_vec(), sigmas });
+        truth.push(Effect {
+            id,
+            parameters: effect.all().to_vec(),
+            sigmas,
+        });
         all.add(&effect);
     }
-    let logs = if hidden.is_empty() { neutral.logs } else { observe(&*world, &neutral.runs, &all) };
+    let logs = if hidden.is_empty() {
+        neutral.logs
+    } else {
+        observe(&*world, &neutral.runs, &all)
+    };
     let experiment = measured(kind, &*world, logs, &mut Draw::new(seed, 1));
-    Case { experiment, robot: world.robot().map(str::to_owned), truth }
+    Case {
+        experiment,
+        robot: world.robot().map(str::to_owned),
+        truth,
+    }
 }
 
 /// Something that is measured: what its runs are without noise.
@@ -215,15 +243,33 @@ fn dials(world: &dyn World, neutral: &Neutral, id: &str, draw: &mut Draw) -> Vec
     let of = world.sensed(id);
     assert!(!of.is_empty(), "{id} is on no column of this experiment");
     let name = draw.one(&of);
-    let index = world.columns().iter().position(|column| column.name == name).unwrap_or(0);
+    let index = world
+        .columns()
+        .iter()
+        .position(|column| column.name == name)
+        .unwrap_or(0);
     let column = &world.columns()[index];
     let logs = || neutral.logs.iter().flatten();
-    let values = || logs().flat_map(|log| &log.values[index]).copied().filter(|x| x.is_finite());
-    let range = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
-    let ends = |row: fn(&[f64]) -> Option<&f64>| logs().filter_map(move |log| row(&log.time)).copied();
+    let values = || {
+        logs()
+            .flat_map(|log| &log.values[index])
+            .copied()
+            .filter(|x| x.is_finite())
+    };
+    let range = (
+        values().fold(f64::INFINITY, f64::min),
+        values().fold(f64::NEG_INFINITY, f64::max),
+    );
+    let ends =
+        |row: fn(&[f64]) -> Option<&f64>| logs().filter_map(move |log| row(&log.time)).copied();
     let last = ends(<[f64]>::last).fold(f64::NEG_INFINITY, f64::max);
     let length = (last - ends(<[f64]>::first).fold(f64::INFINITY, f64::min)).max(1e-3);
-    let seen = Seen { column, range, length, delay: 0.1 * length };
+    let seen = Seen {
+        column,
+        range,
+        length,
+        delay: 0.1 * length,
+    };
     sensing::dials(id, &seen, draw).unwrap_or_else(|| panic!("{id} has no simulator"))
 }
 
@@ -236,10 +282,14 @@ struct Neutral {
 impl Neutral {
     fn of(world: &dyn World) -> Neutral {
         let runs: Vec<usize> = (0..world.runs()).collect();
-        Neutral { logs: observe(world, &runs, &Hidden::default()), runs }
+        Neutral {
+            logs: observe(world, &runs, &Hidden::default()),
+            runs,
+        }
     }
 
-    /// The strength at which `dials` make about `wanted` σ, and how many they make; the greatest strength where that is not enough.
+    /// The strength at which `dials` make about `wanted` σ, and how many they make; the greatest
+    /// strength where that is not enough.
     ///
     /// Some of the runs tell the strength, all of them the σ.
     fn strength(&self, world: &dyn World, dials: &[Dial], wanted: f64) -> (f64, f64) {
@@ -247,7 +297,10 @@ impl Neutral {
         let some: Vec<usize> = self.runs.iter().copied().step_by(every).collect();
         let sigmas = |runs: &[usize], s: f64| {
             let logs = observe(world, runs, &Hidden::of(dials, s));
-            let pairs = runs.iter().zip(&logs).map(|(run, log)| (self.logs[*run].as_ref(), log.as_ref()));
+            let pairs = runs
+                .iter()
+                .zip(&logs)
+                .map(|(run, log)| (self.logs[*run].as_ref(), log.as_ref()));
             greatest(world.columns(), pairs)
         };
         if dials.iter().all(|dial| dial.at(0.5) == dial.at(1.0)) {
@@ -259,12 +312,19 @@ impl Neutral {
         if full < 1.1 * wanted || (wanted > 5.0 && full < 2.0 * wanted) {
             return (s, full);
         }
-        let less = solved(wanted, |x| if x == 1.0 { full } else { sigmas(&self.runs, x * s) }) * s;
+        let less = solved(wanted, |x| {
+            if x == 1.0 {
+                full
+            } else {
+                sigmas(&self.runs, x * s)
+            }
+        }) * s;
         (less, sigmas(&self.runs, less))
     }
 }
 
-/// Where in (0, 1] `of` comes to `wanted`, to a twentieth; 1 where it stays below. It is small at small numbers.
+/// Where in (0, 1] `of` comes to `wanted`, to a twentieth; 1 where it stays below. It is small at
+/// small numbers.
 fn solved(wanted: f64, of: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = ((0.0, 0.0), (1.0, of(1.0)));
     if high.1 <= wanted {
@@ -286,12 +346,17 @@ fn solved(wanted: f64, of: impl Fn(f64) -> f64) -> f64 {
         if (found / wanted - 1.0).abs() < 0.05 {
             return middle;
         }
-        if found > wanted { high = (middle, found) } else { low = (middle, found) }
+        if found > wanted {
+            high = (middle, found)
+        } else {
+            low = (middle, found)
+        }
     }
     high.0
 }
 
-/// The greatest difference in σ between logs of the same runs, over the rows that both have; infinite where there are none.
+/// The greatest difference in σ between logs of the same runs, over the rows that both have;
+/// infinite where there are none.
 fn greatest<'a>(
     columns: &[Column],
     pairs: impl Iterator<Item = (Option<&'a Exact>, Option<&'a Exact>)>,
@@ -300,7 +365,10 @@ fn greatest<'a>(
     for (a, b) in pairs {
         let (Some(a), Some(b)) = (a, b) else { continue };
         for (k, column) in columns.iter().enumerate() {
-            let differences = a.values[k].iter().zip(&b.values[k]).map(|(a, b)| (a - b).abs());
+            let differences = a.values[k]
+                .iter()
+                .zip(&b.values[k])
+                .map(|(a, b)| (a - b).abs());
             let difference = differences.filter(|d| d.is_finite()).fold(0.0, f64::max);
             most = most.max(difference / column.sigma());
         }
@@ -309,13 +377,21 @@ fn greatest<'a>(
 }
 
 /// The experiment as its operator has it.
-fn measured(kind: Sort, world: &dyn World, logs: Vec<Option<Exact>>, draw: &mut Draw) -> Experiment {
+fn measured(
+    kind: Sort,
+    world: &dyn World,
+    logs: Vec<Option<Exact>>,
+    draw: &mut Draw,
+) -> Experiment {
     let columns = world.columns();
     let some = |x: f64| (x > 0.0).then_some(x);
     let mut runs: Vec<Run> = Vec::new();
     for log in logs.into_iter().flatten() {
         let read = |(column, values): (&Column, &Vec<f64>)| {
-            values.iter().map(|value| column.read(*value, draw)).collect()
+            values
+                .iter()
+                .map(|value| column.read(*value, draw))
+                .collect()
         };
         let values: Vec<Vec<f64>> = columns.iter().zip(&log.values).map(read).collect();
         match runs.first_mut() {
@@ -328,15 +404,27 @@ fn measured(kind: Sort, world: &dyn World, logs: Vec<Option<Exact>>, draw: &mut 
             }
             _ => {
                 let name = format!("run-{:02}.csv", runs.len() + 1);
-                runs.push(Run { name, settings: log.settings, valve: log.valve, time: log.time, values });
+                runs.push(Run {
+                    name,
+                    settings: log.settings,
+                    valve: log.valve,
+                    time: log.time,
+                    values,
+                });
             }
         }
     }
     Experiment {
         kind,
-        columns: columns.iter().map(|column| column.name.to_owned()).collect(),
+        columns: columns
+            .iter()
+            .map(|column| column.name.to_owned())
+            .collect(),
         noise: columns.iter().map(|column| some(column.noise)).collect(),
-        resolution: columns.iter().map(|column| some(column.resolution)).collect(),
+        resolution: columns
+            .iter()
+            .map(|column| some(column.resolution))
+            .collect(),
         runs,
     }
 }

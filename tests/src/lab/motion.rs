@@ -31,7 +31,11 @@ pub(super) fn first(whole: f64, crossed: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (0.0, whole);
     for _ in 0..48 {
         let middle = 0.5 * (low + high);
-        if crossed(middle) { high = middle } else { low = middle }
+        if crossed(middle) {
+            high = middle
+        } else {
+            low = middle
+        }
     }
     high
 }
@@ -39,7 +43,8 @@ pub(super) fn first(whole: f64, crossed: impl Fn(f64) -> bool) -> f64 {
 /// Ratio of pressures from which a flow is laminar: proportional to their difference.
 const LAMINAR: f64 = 0.9995;
 
-/// Mass flow (kg/s) of an ideal gas at `t` kelvin through an effective `area` (m²) from `up` to `down` (Pa), negative backwards.
+/// Mass flow (kg/s) of an ideal gas at `t` kelvin through an effective `area` (m²) from `up` to
+/// `down` (Pa), negative backwards.
 ///
 /// St Venant and Wantzel, in the isentropic exit speed and density: ρ_e w_e A.
 pub(super) fn nozzle(area: f64, (kappa, gas): (f64, f64), t: f64, up: f64, down: f64) -> f64 {

@@ -1,7 +1,8 @@
 //! The robot on its boom, by the multi-body simulation: hops, jumps, and where jumps went.
 //!
-//! Effects are changes of the robot file `rats-boom`, in which the operator goes on to believe. A leg is commanded at the tick
-//! at which the robot without effects would be commanded: what is hidden shows in the motion, not in the command.
+//! Effects are changes of the robot file `rats-boom`, in which the operator goes on to believe. A
+//! leg is commanded at the tick at which the robot without effects would be commanded: what is
+//! hidden shows in the motion, not in the command.
 
 use std::collections::BTreeMap;
 
@@ -41,7 +42,8 @@ pub(super) const HOP_CAUSES: &[&str] = &[
     "sensor-delay",
 ];
 
-/// A slope is not among them: a point that does not slip does not know how the ground lies about it.
+/// A slope is not among them: a point that does not slip does not know how the ground lies about
+/// it.
 pub(super) const JUMP_CAUSES: &[&str] = &[
     "supply-pressure",
     "supply-droop",
@@ -103,12 +105,30 @@ pub(super) const OUTCOMES_CAUSES: &[&str] = &[
     "sensor-offset",
 ];
 
-pub(super) const HOP_OUTSIDE: &[&str] =
-    &["pivot-damping", "boom-tether", "ripple", "gear-ripple", "saturation"];
-pub(super) const JUMP_OUTSIDE: &[&str] =
-    &["axle-damping", "pivot-damping", "turn-damping", "boom-tether", "ripple", "gear-ripple", "saturation"];
-pub(super) const OUTCOMES_OUTSIDE: &[&str] =
-    &["axle-damping", "pivot-damping", "turn-damping", "ripple", "gear-ripple", "saturation"];
+pub(super) const HOP_OUTSIDE: &[&str] = &[
+    "pivot-damping",
+    "boom-tether",
+    "ripple",
+    "gear-ripple",
+    "saturation",
+];
+pub(super) const JUMP_OUTSIDE: &[&str] = &[
+    "axle-damping",
+    "pivot-damping",
+    "turn-damping",
+    "boom-tether",
+    "ripple",
+    "gear-ripple",
+    "saturation",
+];
+pub(super) const OUTCOMES_OUTSIDE: &[&str] = &[
+    "axle-damping",
+    "pivot-damping",
+    "turn-damping",
+    "ripple",
+    "gear-ripple",
+    "saturation",
+];
 
 /// Time (s) between rows, and between the ticks of the controller.
 const TICK: f64 = 1e-3;
@@ -139,7 +159,11 @@ fn robot(hidden: &Hidden) -> Robot {
         if !sections.iter().any(|section| key.starts_with(section)) || key.starts_with("leg.gas.") {
             continue;
         }
-        let value = if *key == "leg.polytropic_exponent" { value.min(kappa) } else { *value };
+        let value = if *key == "leg.polytropic_exponent" {
+            value.min(kappa)
+        } else {
+            *value
+        };
         overrides.push(format!("{key}={value:?}"));
     }
     resolve("rats-boom", &overrides).unwrap_or_else(|error| panic!("{overrides:?}: {error}"))
@@ -149,10 +173,14 @@ fn robot(hidden: &Hidden) -> Robot {
 fn rig(robot: &Robot, supply: f64, hidden: &Hidden) -> Option<Rig> {
     let mut robot = robot.clone();
     if let Drive::Pneumatic(cylinder) = &mut robot.leg.drive {
-        cylinder.supply = GaugePressure((supply + hidden.or_zero("supply_pressure_pa added")).max(0.0));
+        cylinder.supply =
+            GaugePressure((supply + hidden.or_zero("supply_pressure_pa added")).max(0.0));
     }
     let mut rig = Rig::new(&robot, &[]).ok()?;
-    let damping = |key: &str| JointParts { damping: hidden.or_zero(key), ..JointParts::default() };
+    let damping = |key: &str| JointParts {
+        damping: hidden.or_zero(key),
+        ..JointParts::default()
+    };
     // The boom turns about its base, then pivots.
     let (turn, pivot, wheel) = (0, 1, rig.wheel);
     let joints = &mut rig.mechanism.joints;
@@ -165,7 +193,9 @@ fn rig(robot: &Robot, supply: f64, hidden: &Hidden) -> Option<Rig> {
 
 /// Whether the chamber has an opening beside its valve.
 fn leaks(hidden: &Hidden) -> bool {
-    ["leg.leak_area_m2", "leg.exhaust_port.area_m2"].iter().any(|key| hidden.or_zero(key) > 0.0)
+    ["leg.leak_area_m2", "leg.exhaust_port.area_m2"]
+        .iter()
+        .any(|key| hidden.or_zero(key) > 0.0)
 }
 
 /// The numbers of robot and rig that the effect `id` changes.
@@ -174,7 +204,11 @@ fn dials(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
     Some(match id {
         "mass" => vec![Dial::linear("body.mass_kg", 2.75, draw.one(&[1.9, 3.75]))],
         "inertia" => {
-            vec![Dial::linear("body.inertia_kg_m2", 0.0812363958333333, draw.one(&[0.03, 0.16]))]
+            vec![Dial::linear(
+                "body.inertia_kg_m2",
+                0.0812363958333333,
+                draw.one(&[0.03, 0.16]),
+            )]
         }
         "imbalance" => vec![
             Dial::up_to("body.imbalance_m", 0.04),
@@ -194,17 +228,25 @@ fn dials(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
         }
         "ground-compliance" => {
             let (stiffness, ratio) = (1.2e4, draw.between(0.05, 0.25));
-            // A foot that could not slip at all would take an impulse along soft ground as its leg meets its stop.
+            // A foot that could not slip at all would take an impulse along soft ground as its leg
+            // meets its stop.
             vec![
                 Dial::fixed("ground.static_friction", 3.0),
                 Dial::fixed("ground.kinetic_friction", 3.0),
                 Dial::inverse("ground.stiffness_n_per_m", stiffness),
-                Dial::root("ground.damping_n_s_per_m", 2.0 * ratio * (stiffness * 2.9_f64).sqrt()),
+                Dial::root(
+                    "ground.damping_n_s_per_m",
+                    2.0 * ratio * (stiffness * 2.9_f64).sqrt(),
+                ),
             ]
         }
         "foot-rolling" => vec![Dial::up_to("foot.radius_m", 0.05)],
         "air-drag" => vec![Dial::up_to("environment.drag_per_m", 0.3)],
-        "gravity" => vec![Dial::linear("environment.gravity_m_s2", 9.80665, draw.one(&[8.3, 11.3]))],
+        "gravity" => vec![Dial::linear(
+            "environment.gravity_m_s2",
+            9.80665,
+            draw.one(&[8.3, 11.3]),
+        )],
         "counterweight" => vec![
             Dial::up_to("boom.counterweight.mass_kg", 3.0),
             Dial::fixed("boom.counterweight.distance_m", draw.between(0.3, 0.8)),
@@ -220,9 +262,21 @@ fn dials(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
 /// Encoders as they are on the rig: their steps, some noise in their place, or both.
 fn encoder(name: &'static str, count: f64, way: usize) -> Column {
     match way {
-        0 => Column { name, noise: 0.0, resolution: count },
-        1 => Column { name, noise: count / 3.0, resolution: 0.0 },
-        _ => Column { name, noise: count / 3.0, resolution: count },
+        0 => Column {
+            name,
+            noise: 0.0,
+            resolution: count,
+        },
+        1 => Column {
+            name,
+            noise: count / 3.0,
+            resolution: 0.0,
+        },
+        _ => Column {
+            name,
+            noise: count / 3.0,
+            resolution: count,
+        },
     }
 }
 
@@ -231,14 +285,22 @@ const BOOM_COUNT: f64 = 3.927e-3;
 
 /// The usual ones; a jump that takes so many steps is not worth the wait.
 fn settings() -> Settings {
-    Settings { most_steps: 4_000, ..Settings::default() }
+    Settings {
+        most_steps: 4_000,
+        ..Settings::default()
+    }
 }
 
 /// What the encoders and the gyro would read.
 fn readings(rig: &Rig, sim: &Sim) -> [f64; 4] {
     let (q, v) = (sim.coordinates(), sim.velocities());
     let (turn, pivot, lean) = (q[0], q[1], q[rig.lean_coordinate()]);
-    [lean, pivot, turn, v[rig.lean_velocity()] + v[0] * pivot.sin()]
+    [
+        lean,
+        pivot,
+        turn,
+        v[rig.lean_velocity()] + v[0] * pivot.sin(),
+    ]
 }
 
 /// A motion of a rig from standing on a foot, in the air without touching.
@@ -256,7 +318,8 @@ impl<'a> Shot<'a> {
     fn new(rig: &'a Rig, [lean, rate]: [f64; 2], leaks: bool) -> Option<Shot<'a>> {
         let (mut q, v) = rig.stand(lean, rate).ok()?;
         let mut settings = settings();
-        if let (Some((stiffness, _)), Some(length)) = (rig.mechanism.material.compliance, rig.boom) {
+        if let (Some((stiffness, _)), Some(length)) = (rig.mechanism.material.compliance, rig.boom)
+        {
             // Soft ground carries the robot from the start.
             let lighter = 1.0 - rate * rate * rig.radius * lean.cos() / -rig.mechanism.gravity.z;
             let sink = resting_force(rig) * lighter.max(0.1) / stiffness;
@@ -264,7 +327,13 @@ impl<'a> Shot<'a> {
             q[1] -= sink / length;
         }
         let sim = Sim::new(&rig.mechanism, &q, &v, settings).ok()?;
-        Some(Shot { rig, sim, began: 0.0, lift_off: None, leaks })
+        Some(Shot {
+            rig,
+            sim,
+            began: 0.0,
+            lift_off: None,
+            leaks,
+        })
     }
 
     fn time(&self) -> f64 {
@@ -276,7 +345,10 @@ impl<'a> Shot<'a> {
         loop {
             match self.sim.run_eventwise(until - self.began, watches).ok()? {
                 Some(Pause::Time) => {
-                    if self.lift_off.is_some_and(|at| self.time() > at + 10.0 * TICK) {
+                    if self
+                        .lift_off
+                        .is_some_and(|at| self.time() > at + 10.0 * TICK)
+                    {
                         self.sim.stop_touching();
                     }
                     self.forget_chamber();
@@ -285,7 +357,11 @@ impl<'a> Shot<'a> {
                 Some(pause) => return Some(pause),
                 None => {}
             }
-            let left = |sim: &Sim| sim.events().iter().any(|e| e.what == Happening::LiftOff(0, 0));
+            let left = |sim: &Sim| {
+                sim.events()
+                    .iter()
+                    .any(|e| e.what == Happening::LiftOff(0, 0))
+            };
             if self.lift_off.is_none() && left(&self.sim) {
                 self.lift_off = Some(self.time());
                 // Soft ground lets go of a foot that is still in it.
@@ -296,14 +372,16 @@ impl<'a> Shot<'a> {
         }
     }
 
-    /// Once the leg is exhausted in the air, and held, its chamber is as it was before: a chamber with a leak that has come to the
-    /// ambient pressure costs thousands of events.
+    /// Once the leg is exhausted in the air, and held, its chamber is as it was before: a chamber
+    /// with a leak that has come to the ambient pressure costs thousands of events.
     fn forget_chamber(&mut self) {
         let leg = self.rig.mechanism.tree.velocity_of(self.rig.legs[0]);
         let (q, v) = (self.sim.coordinates(), self.sim.velocities());
         let exhausted = (self.sim.pressure(0) - AMBIENT).abs() < 500.0;
         // Not while it still touches.
-        let flies = self.lift_off.is_some_and(|at| self.time() > at + 5.0 * TICK);
+        let flies = self
+            .lift_off
+            .is_some_and(|at| self.time() > at + 5.0 * TICK);
         if self.leaks
             && self.began == 0.0
             && exhausted
@@ -318,8 +396,9 @@ impl<'a> Shot<'a> {
     }
 }
 
-/// A firing from standing through its flight, a row a tick, until the axle is back at r_s or a foot touches; how long (s) it
-/// stood, and rows of lean, pivot angle, radius angle, gyro. None where the robot does not jump.
+/// A firing from standing through its flight, a row a tick, until the axle is back at r_s or a foot
+/// touches; how long (s) it stood, and rows of lean, pivot angle, radius angle, gyro. None where
+/// the robot does not jump.
 fn flown(rig: &Rig, firing: &Firing, leaks: bool) -> Option<(f64, Vec<[f64; 4]>)> {
     let mut shot = Shot::new(rig, [firing.lean, firing.rate], leaks)?;
     let mut rows = vec![readings(rig, &shot.sim)];
@@ -335,7 +414,8 @@ fn flown(rig: &Rig, firing: &Firing, leaks: bool) -> Option<(f64, Vec<[f64; 4]>)
         let (lean, extension) = (q[rig.lean_coordinate()], q[rig.extension_coordinate(0)]);
         if let Some(at) = shot.lift_off {
             let height = rig.axle(q)[1];
-            // The foot left the ground as the axle rose; it comes back where the axle falls to its height over it.
+            // The foot left the ground as the axle rose; it comes back where the axle falls to its
+            // height over it.
             let foot = height - (rig.radius + extension) * lean.cos();
             if !fired {
                 return None;
@@ -362,7 +442,11 @@ fn resting_force(rig: &Rig) -> f64 {
             // Along the boom, from its base; what is on the axle is a boom away.
             let on_boom = matches!(body.name.as_str(), "boom" | "boom turn");
             let length = rig.boom.unwrap_or(1.0);
-            let outer = if body.name == "boom's outer half" { 0.5 * length } else { length };
+            let outer = if body.name == "boom's outer half" {
+                0.5 * length
+            } else {
+                length
+            };
             body.mass
                 * if on_boom || body.name == "boom's outer half" {
                     body.center.y + if on_boom { 0.0 } else { outer }
@@ -385,12 +469,20 @@ fn exact(firing: &Firing, rows: &[[f64; 4]], columns: &[usize]) -> Exact {
         settings,
         valve: Some((firing.on, Some(firing.on + firing.opening))),
         time: (0..rows.len()).map(|i| i as f64 * TICK).collect(),
-        values: columns.iter().map(|k| rows.iter().map(|row| row[*k]).collect()).collect(),
+        values: columns
+            .iter()
+            .map(|k| rows.iter().map(|row| row[*k]).collect())
+            .collect(),
     }
 }
 
 /// The logs of these firings, with the columns of [`readings`] that are measured.
-fn fire(firings: &[Firing], runs: &[usize], columns: &[usize], hidden: &Hidden) -> Vec<Option<Exact>> {
+fn fire(
+    firings: &[Firing],
+    runs: &[usize],
+    columns: &[usize],
+    hidden: &Hidden,
+) -> Vec<Option<Exact>> {
     let robot = robot(hidden);
     runs.iter()
         .map(|run| {
@@ -419,7 +511,10 @@ impl Hops {
                 opening: ticks(draw.between(0.02, 0.08)),
             })
             .collect();
-        Hops { columns: [encoder("pivot_angle_rad", BOOM_COUNT, way)], firings }
+        Hops {
+            columns: [encoder("pivot_angle_rad", BOOM_COUNT, way)],
+            firings,
+        }
     }
 }
 
@@ -484,7 +579,13 @@ fn jump(robot: &Robot, draw: &mut Draw) -> Option<Firing> {
     let reached = |_: f64, q: &[f64], _: &[f64]| angle - q[rig.lean_coordinate()];
     sim.run(0.6, &[&reached]).ok()?;
     let on = (sim.time() / TICK).ceil() * TICK;
-    let firing = Firing { lean, rate, supply, on, opening };
+    let firing = Firing {
+        lean,
+        rate,
+        supply,
+        on,
+        opening,
+    };
     let (lift_off, rows) = flown(&rig, &firing, false)?;
     // With some flight to see.
     (on < 0.55 && rows.len() as f64 * TICK > lift_off + 0.15).then_some(firing)
@@ -510,7 +611,9 @@ impl World for Jumps {
     /// Waves of a gear are those of the wheel's encoder.
     fn sensed(&self, id: &str) -> Vec<&'static str> {
         let names = self.columns.iter().map(|column| column.name);
-        names.filter(|name| id != "gear-ripple" || *name == "wheel_angle_rad").collect()
+        names
+            .filter(|name| id != "gear-ripple" || *name == "wheel_angle_rad")
+            .collect()
     }
 
     fn robot(&self) -> Option<&'static str> {
@@ -530,7 +633,11 @@ pub(super) struct Outcomes {
 
 impl Outcomes {
     pub(super) fn new(draw: &mut Draw) -> Outcomes {
-        let asked = |name| Column { name, noise: 0.0, resolution: 0.0 };
+        let asked = |name| Column {
+            name,
+            noise: 0.0,
+            resolution: 0.0,
+        };
         let columns = [
             asked("omega_rad_s"),
             asked("alpha_f_rad"),
@@ -550,7 +657,10 @@ impl Outcomes {
                 firing_angle: angle,
                 valve_open: ticks(draw.between(0.03, 0.1)),
             };
-            if rig.as_ref().is_some_and(|rig| landed(rig, &launch, false).is_some()) {
+            if rig
+                .as_ref()
+                .is_some_and(|rig| landed(rig, &launch, false).is_some())
+            {
                 launches.push(launch);
             }
         }
@@ -574,7 +684,14 @@ fn landed(rig: &Rig, launch: &Launch, leaks: bool) -> Option<[f64; 2]> {
                 (Some(_), Some(_)) => &[&above],
             };
             let standing = shot.lift_off.is_none();
-            let found = shot.go(if standing { until.min(shot.time() + TICK) } else { until }, watches)?;
+            let found = shot.go(
+                if standing {
+                    until.min(shot.time() + TICK)
+                } else {
+                    until
+                },
+                watches,
+            )?;
             let q = shot.sim.coordinates();
             match (found, apex) {
                 (Pause::Watch(_), None) => apex = Some(rig.axle(q)[1]),
@@ -586,7 +703,8 @@ fn landed(rig: &Rig, launch: &Launch, leaks: bool) -> Option<[f64; 2]> {
                 rising(0.0, q, v) > 0.0 && q[rig.extension_coordinate(0)] > 0.0
             };
             if !flies
-                || (shot.lift_off.is_none() && (shot.time() > 1.0 || q[rig.lean_coordinate()].abs() > 1.5))
+                || (shot.lift_off.is_none()
+                    && (shot.time() > 1.0 || q[rig.lean_coordinate()].abs() > 1.5))
             {
                 return None;
             }
@@ -605,12 +723,20 @@ impl World for Outcomes {
     }
 
     fn logs(&self, runs: &[usize], hidden: &Hidden) -> Vec<Option<Exact>> {
-        let Some(rig) = rig(&robot(hidden), 120.0 * PSI, hidden) else { return vec![None; runs.len()] };
+        let Some(rig) = rig(&robot(hidden), 120.0 * PSI, hidden) else {
+            return vec![None; runs.len()];
+        };
         runs.iter()
             .map(|run| {
                 let launch = &self.launches[*run];
                 let [distance, apex] = landed(&rig, launch, leaks(hidden))?;
-                let row = [launch.rate, launch.firing_angle, launch.valve_open, distance, apex];
+                let row = [
+                    launch.rate,
+                    launch.firing_angle,
+                    launch.valve_open,
+                    distance,
+                    apex,
+                ];
                 Some(Exact {
                     time: vec![*run as f64],
                     values: row.iter().map(|x| vec![*x]).collect(),

@@ -17,7 +17,11 @@ pub(super) struct Column {
 impl Column {
     /// Without steps.
     pub(super) fn noisy(name: &'static str, noise: f64) -> Column {
-        Column { name, noise, resolution: 0.0 }
+        Column {
+            name,
+            noise,
+            resolution: 0.0,
+        }
     }
 
     /// One standard deviation of all that blurs it.
@@ -28,7 +32,11 @@ impl Column {
     /// As read: with noise, then rounded to its steps.
     pub(super) fn read(&self, value: f64, draw: &mut Draw) -> f64 {
         let value = value + draw.normal(self.noise);
-        if self.resolution > 0.0 { (value / self.resolution).round() * self.resolution } else { value }
+        if self.resolution > 0.0 {
+            (value / self.resolution).round() * self.resolution
+        } else {
+            value
+        }
     }
 }
 
@@ -105,12 +113,18 @@ pub(super) fn dials(id: &str, seen: &Seen, draw: &mut Draw) -> Option<Vec<Dial>>
         // From some to some tens of periods in a run.
         "ripple" => {
             let rate = std::f64::consts::TAU * draw.scale(5.0, 15.0) / seen.length;
-            vec![Dial::up_to(keys.ripple, 20.0 * sigma), Dial::fixed(keys.ripple_rate, rate)]
+            vec![
+                Dial::up_to(keys.ripple, 20.0 * sigma),
+                Dial::fixed(keys.ripple_rate, rate),
+            ]
         }
         // Waves over the column's own value, as of a gear or an eccentric disc.
         "gear-ripple" => {
             let length = most / draw.between(1.5, 4.0);
-            vec![Dial::up_to(keys.gear, 20.0 * sigma), Dial::fixed(keys.gear_length, length)]
+            vec![
+                Dial::up_to(keys.gear, 20.0 * sigma),
+                Dial::fixed(keys.gear_length, length),
+            ]
         }
         "saturation" => vec![Dial::linear(keys.ceiling, high, low)],
         _ => return None,
@@ -122,15 +136,22 @@ pub(super) fn sense(column: &str, time: &[f64], values: &mut [f64], hidden: &Hid
     let Some(keys) = keys_of(column) else { return };
     let delay = hidden.or_zero(keys.delay);
     if delay > 0.0 {
-        let late: Vec<f64> = time.iter().map(|t| interpolated(time, values, t - delay)).collect();
+        let late: Vec<f64> = time
+            .iter()
+            .map(|t| interpolated(time, values, t - delay))
+            .collect();
         values.copy_from_slice(&late);
     }
     let (gain, offset) = (hidden.get(keys.gain, 1.0), hidden.or_zero(keys.offset));
-    let (ripple, rate) = (hidden.or_zero(keys.ripple), hidden.or_zero(keys.ripple_rate));
+    let (ripple, rate) = (
+        hidden.or_zero(keys.ripple),
+        hidden.or_zero(keys.ripple_rate),
+    );
     let (gear, length) = (hidden.or_zero(keys.gear), hidden.get(keys.gear_length, 1.0));
     let ceiling = hidden.get(keys.ceiling, f64::INFINITY);
     for (t, value) in time.iter().zip(values) {
-        let wave = ripple * (rate * t).sin() + gear * (std::f64::consts::TAU * *value / length).sin();
+        let wave =
+            ripple * (rate * t).sin() + gear * (std::f64::consts::TAU * *value / length).sin();
         *value = (gain * *value + offset + wave).min(ceiling);
     }
 }
@@ -142,11 +163,18 @@ fn interpolated(time: &[f64], values: &[f64], t: f64) -> f64 {
         return values[0];
     }
     let k = time.partition_point(|x| *x <= t);
-    let rows = if k == 0 { 0..2 } else { k.clamp(2, n - 2) - 2..k.clamp(2, n - 2) + 2 };
+    let rows = if k == 0 {
+        0..2
+    } else {
+        k.clamp(2, n - 2) - 2..k.clamp(2, n - 2) + 2
+    };
     rows.clone()
         .map(|i| {
             let others = rows.clone().filter(|j| *j != i);
-            values[i] * others.map(|j| (t - time[j]) / (time[i] - time[j])).product::<f64>()
+            values[i]
+                * others
+                    .map(|j| (t - time[j]) / (time[i] - time[j]))
+                    .product::<f64>()
         })
         .sum()
 }
@@ -159,7 +187,12 @@ mod tests {
     fn a_delayed_sensor_shows_what_was() {
         let time: Vec<f64> = (0..50).map(|i| 0.02 * f64::from(i)).collect();
         let mut values: Vec<f64> = time.iter().map(|t| 1.0 + t * (2.0 - 4.9 * t)).collect();
-        sense("y_m", &time, &mut values, &Hidden::of(&[Dial::fixed("y_m delay_s", 0.013)], 1.0));
+        sense(
+            "y_m",
+            &time,
+            &mut values,
+            &Hidden::of(&[Dial::fixed("y_m delay_s", 0.013)], 1.0),
+        );
         for (t, y) in time.iter().zip(&values).skip(3) {
             let then = t - 0.013;
             assert!((y - (1.0 + then * (2.0 - 4.9 * then))).abs() < 1e-12, "{t}");
@@ -168,10 +201,18 @@ mod tests {
 
     #[test]
     fn gain_offset_and_ceiling_come_in_this_order() {
-        let dials =
-            [Dial::fixed("x_m gain", 2.0), Dial::fixed("x_m offset", 1.0), Dial::fixed("x_m ceiling", 6.0)];
+        let dials = [
+            Dial::fixed("x_m gain", 2.0),
+            Dial::fixed("x_m offset", 1.0),
+            Dial::fixed("x_m ceiling", 6.0),
+        ];
         let mut values = [1.0, 2.0, 3.0];
-        sense("x_m", &[0.0, 1.0, 2.0], &mut values, &Hidden::of(&dials, 1.0));
+        sense(
+            "x_m",
+            &[0.0, 1.0, 2.0],
+            &mut values,
+            &Hidden::of(&dials, 1.0),
+        );
         assert_eq!(values, [3.0, 5.0, 6.0]);
     }
 }

@@ -19,10 +19,16 @@ pub(super) const CAUSES: &[&str] = &[
     "sensor-delay",
 ];
 
-pub(super) const OUTSIDE: &[&str] =
-    &["position-friction", "cubic-spring", "ripple", "gear-ripple", "saturation"];
+pub(super) const OUTSIDE: &[&str] = &[
+    "position-friction",
+    "cubic-spring",
+    "ripple",
+    "gear-ripple",
+    "saturation",
+];
 
-/// How the mass is driven: amplitudes (N), rates (rad/s) and phases of sines, all in a window that opens and closes smoothly.
+/// How the mass is driven: amplitudes (N), rates (rad/s) and phases of sines, all in a window that
+/// opens and closes smoothly.
 #[derive(Clone, Copy, Debug)]
 struct Drive {
     sines: [(f64, f64, f64); 3],
@@ -32,7 +38,12 @@ struct Drive {
 impl Drive {
     fn force(&self, t: f64) -> f64 {
         let window = (t / 0.2).clamp(0.0, 1.0).powi(2);
-        window * self.sines.iter().map(|(a, w, p)| a * (w * t + p).sin()).sum::<f64>()
+        window
+            * self
+                .sines
+                .iter()
+                .map(|(a, w, p)| a * (w * t + p).sin())
+                .sum::<f64>()
     }
 }
 
@@ -49,29 +60,49 @@ impl Slides {
     pub(super) fn new(draw: &mut Draw) -> Slides {
         let mut position = Column::noisy("position_m", 2e-4);
         if draw.chance(0.4) {
-            (position.noise, position.resolution) = (draw.one(&[0.0, 1e-4]), draw.one(&[2e-4, 5e-4]));
+            (position.noise, position.resolution) =
+                (draw.one(&[0.0, 1e-4]), draw.one(&[2e-4, 5e-4]));
         }
         let mass = (draw.scale(0.5, 4.0) * 1e3).round() * 1e-3;
         let drives = (0..draw.one(&[5, 6, 8])).map(|_| {
             // Fast enough that a mass without friction stays on the guide.
             let sines = [(); 3].map(|()| {
                 let rate = TAU * draw.scale(1.0, 4.0);
-                (mass * draw.between(1.0, 4.0) * rate / 10.0, rate, draw.between(0.0, TAU))
+                (
+                    mass * draw.between(1.0, 4.0) * rate / 10.0,
+                    rate,
+                    draw.between(0.0, TAU),
+                )
             });
-            Drive { sines, length: draw.between(0.7, 1.2) }
+            Drive {
+                sines,
+                length: draw.between(0.7, 1.2),
+            }
         });
         let drives = drives.collect();
         let rate = draw.one(&[500.0, 1000.0]);
         let force = Column::noisy("force_n", mass * draw.scale(1e-3, 1e-2));
-        Slides { columns: [force, position], mass, drives, rate }
+        Slides {
+            columns: [force, position],
+            mass,
+            drives,
+            rate,
+        }
     }
 
     fn run(&self, drive: &Drive, h: &Hidden) -> Exact {
         let guide = Guide::new(self.mass, h);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand")]
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a few thousand"
+        )]
         let rows = (drive.length * self.rate) as usize;
         let (mut state, step) = ([0.0, 0.0], 1.0 / self.rate);
-        let mut exact = Exact { values: vec![Vec::new(); 2], ..Exact::default() };
+        let mut exact = Exact {
+            values: vec![Vec::new(); 2],
+            ..Exact::default()
+        };
         exact.settings.insert("mass_kg".into(), self.mass);
         for row in 0..rows {
             let t = row as f64 * step;
@@ -122,7 +153,10 @@ impl Guide {
     /// Force (N) of all but dry friction.
     fn free(&self, drive: f64, [x, v]: [f64; 2]) -> f64 {
         let (k, preload, cubic) = self.spring;
-        drive - (k + cubic * x * x) * x - preload - (self.viscous + self.drag * self.mass * v.abs()) * v
+        drive
+            - (k + cubic * x * x) * x
+            - preload
+            - (self.viscous + self.drag * self.mass * v.abs()) * v
     }
 
     /// Goes on by `h` seconds: slides one way, turns, or sticks.
@@ -130,9 +164,17 @@ impl Guide {
         for _ in 0..8 {
             let pull = |t: f64, x: f64| {
                 let free = self.free(drive(t), [x, 0.0]);
-                if free.abs() > self.dry(x) { free.signum() } else { 0.0 }
+                if free.abs() > self.dry(x) {
+                    free.signum()
+                } else {
+                    0.0
+                }
             };
-            let way = if y[1] == 0.0 { pull(t, y[0]) } else { y[1].signum() };
+            let way = if y[1] == 0.0 {
+                pull(t, y[0])
+            } else {
+                y[1].signum()
+            };
             if way == 0.0 {
                 // Held until the drive is stronger.
                 if pull(t + h, y[0]) == 0.0 {
@@ -142,8 +184,12 @@ impl Guide {
                 (t, h) = (t + part, h - part);
                 continue;
             }
-            let rate =
-                |t: f64, y: &[f64; 2]| [y[1], (self.free(drive(t), *y) - way * self.dry(y[0])) / self.mass];
+            let rate = |t: f64, y: &[f64; 2]| {
+                [
+                    y[1],
+                    (self.free(drive(t), *y) - way * self.dry(y[0])) / self.mass,
+                ]
+            };
             let after = |h: f64| rk4(rate, t, y, h);
             let next = after(h);
             if next[1] * way >= 0.0 || self.dry(y[0]) == 0.0 {
@@ -167,19 +213,33 @@ impl World for Slides {
     }
 
     fn logs(&self, runs: &[usize], hidden: &Hidden) -> Vec<Option<Exact>> {
-        runs.iter().map(|run| Some(self.run(&self.drives[*run], hidden))).collect()
+        runs.iter()
+            .map(|run| Some(self.run(&self.drives[*run], hidden)))
+            .collect()
     }
 
     fn dials(&self, id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
         Some(match id {
             "coulomb-friction" => vec![Dial::up_to("leg.coulomb_friction_n", 1.5 * self.mass)],
-            "viscous-friction" => vec![Dial::up_to("leg.viscous_friction_n_s_per_m", 10.0 * self.mass)],
+            "viscous-friction" => vec![Dial::up_to(
+                "leg.viscous_friction_n_s_per_m",
+                10.0 * self.mass,
+            )],
             "return-spring" => vec![
-                Dial::up_to("leg.return_spring.stiffness_n_per_m", self.mass * draw.between(2.0, 20.0)),
-                Dial::up_to("leg.return_spring.preload_n", self.mass * draw.between(0.05, 0.5)),
+                Dial::up_to(
+                    "leg.return_spring.stiffness_n_per_m",
+                    self.mass * draw.between(2.0, 20.0),
+                ),
+                Dial::up_to(
+                    "leg.return_spring.preload_n",
+                    self.mass * draw.between(0.05, 0.5),
+                ),
             ],
             "air-drag" => vec![Dial::up_to("environment.drag_per_m", 2.0)],
-            "mass" => vec![Dial::up_to("mass_kg added", self.mass * draw.one(&[-0.3, 0.5]))],
+            "mass" => vec![Dial::up_to(
+                "mass_kg added",
+                self.mass * draw.one(&[-0.3, 0.5]),
+            )],
             "position-friction" => vec![
                 Dial::up_to("rough_n", self.mass),
                 Dial::fixed("rough_length_m", draw.between(0.02, 0.08)),
@@ -204,7 +264,10 @@ mod tests {
     use super::*;
 
     fn guide(values: &[(&'static str, f64)]) -> Guide {
-        let dials: Vec<Dial> = values.iter().map(|(key, value)| Dial::fixed(key, *value)).collect();
+        let dials: Vec<Dial> = values
+            .iter()
+            .map(|(key, value)| Dial::fixed(key, *value))
+            .collect();
         Guide::new(2.0, &Hidden::of(&dials, 1.0))
     }
 
@@ -231,14 +294,24 @@ mod tests {
     #[test]
     fn drag_in_closed_form() {
         // x = ln(1 + c v₀ t)/c.
-        let [x, _] = pushed(&guide(&[("environment.drag_per_m", 0.4)]), 0.0, [0.0, 2.0], 1.5);
-        assert!((x - (1.0_f64 + 0.4 * 2.0 * 1.5).ln() / 0.4).abs() < 1e-9, "{x}");
+        let [x, _] = pushed(
+            &guide(&[("environment.drag_per_m", 0.4)]),
+            0.0,
+            [0.0, 2.0],
+            1.5,
+        );
+        assert!(
+            (x - (1.0_f64 + 0.4 * 2.0 * 1.5).ln() / 0.4).abs() < 1e-9,
+            "{x}"
+        );
     }
 
     #[test]
     fn a_spring_in_closed_form() {
-        let spring =
-            guide(&[("leg.return_spring.stiffness_n_per_m", 18.0), ("leg.return_spring.preload_n", 1.8)]);
+        let spring = guide(&[
+            ("leg.return_spring.stiffness_n_per_m", 18.0),
+            ("leg.return_spring.preload_n", 1.8),
+        ]);
         let [x, _] = pushed(&spring, 0.0, [0.1, 0.0], 1.0);
         assert!((x - (-0.1 + 0.2 * 3.0_f64.cos())).abs() < 1e-9, "{x}");
     }

@@ -16,7 +16,13 @@ pub(super) const CAUSES: &[&str] = &[
     "sensor-offset",
 ];
 
-pub(super) const OUTSIDE: &[&str] = &["position-friction", "stribeck", "ripple", "gear-ripple", "saturation"];
+pub(super) const OUTSIDE: &[&str] = &[
+    "position-friction",
+    "stribeck",
+    "ripple",
+    "gear-ripple",
+    "saturation",
+];
 
 /// One test: a set pressure, and how the piston is moved.
 #[derive(Clone, Copy, Debug)]
@@ -70,14 +76,21 @@ impl Strokes {
     fn run(&self, test: &Test, h: &Hidden) -> Exact {
         let area = PI / 4.0 * self.bore * self.bore;
         let coulomb = h.or_zero("leg.coulomb_friction_n");
-        let (seal, viscous) =
-            (h.or_zero("leg.seal_friction_n_per_pa"), h.or_zero("leg.viscous_friction_n_s_per_m"));
-        let spring =
-            (h.or_zero("leg.return_spring.stiffness_n_per_m"), h.or_zero("leg.return_spring.preload_n"));
+        let (seal, viscous) = (
+            h.or_zero("leg.seal_friction_n_per_pa"),
+            h.or_zero("leg.viscous_friction_n_s_per_m"),
+        );
+        let spring = (
+            h.or_zero("leg.return_spring.stiffness_n_per_m"),
+            h.or_zero("leg.return_spring.preload_n"),
+        );
         let (rough, waves) = (h.or_zero("rough_n"), h.get("rough_length_m", 1.0));
         let (stribeck, slow) = (h.or_zero("stribeck_n"), h.get("stribeck_m_s", 1.0));
         let there = (test.high - test.low) / test.speed;
-        let mut exact = Exact { values: vec![Vec::new(); 3], ..Exact::default() };
+        let mut exact = Exact {
+            values: vec![Vec::new(); 3],
+            ..Exact::default()
+        };
         exact.settings.insert("bore_m".into(), self.bore);
         let length = test.length();
         let (mut t, mut state, mut before) = (0.0, self.seal, test.low);
@@ -85,18 +98,21 @@ impl Strokes {
         while t < length {
             let (position, speed) = test.moved(t, there);
             let moved: f64 = position - before;
-            // After Dahl: friction comes to its full value over the presliding way, exactly for a way one way.
-            state = moved.signum() + (state - moved.signum()) * (-moved.abs() / self.presliding).exp();
+            // After Dahl: friction comes to its full value over the presliding way, exactly for a
+            // way one way.
+            state =
+                moved.signum() + (state - moved.signum()) * (-moved.abs() / self.presliding).exp();
             before = position;
             // The regulator gives way a little: it lets out air while the piston retracts.
-            let pressure =
-                test.pressure + test.regulator * (0.7 * speed / test.speed + 0.3 * (TAU * t / 7.0).sin());
+            let pressure = test.pressure
+                + test.regulator * (0.7 * speed / test.speed + 0.3 * (TAU * t / 7.0).sin());
             let dry = coulomb
                 + seal * pressure
                 + rough * (1.0 + (TAU * position / waves).sin())
                 + stribeck * (-(speed / slow).powi(2)).exp();
             let extension = retracted - position;
-            let force = pressure * area + state * dry + viscous * speed - spring.0 * extension - spring.1;
+            let force =
+                pressure * area + state * dry + viscous * speed - spring.0 * extension - spring.1;
             exact.time.push(t);
             for (values, value) in exact.values.iter_mut().zip([position, pressure, force]) {
                 values.push(value);
@@ -117,14 +133,19 @@ impl Test {
     /// The greatest position (m) it comes to: from the farthest of all the spring is counted.
     fn farthest(&self) -> f64 {
         let there = (self.high - self.low) / self.speed;
-        self.moved(self.length().min(there + self.reversal), there).0
+        self.moved(self.length().min(there + self.reversal), there)
+            .0
     }
 
     /// Position (m, retracting) and speed (m/s) at time `t`: to and fro, with rounded reversals.
     fn moved(&self, t: f64, there: f64) -> (f64, f64) {
         let half = there + self.reversal;
         let phase = t.rem_euclid(2.0 * half);
-        let (t, way) = if phase < half { (phase, 1.0) } else { (phase - half, -1.0) };
+        let (t, way) = if phase < half {
+            (phase, 1.0)
+        } else {
+            (phase - half, -1.0)
+        };
         // Speed rises over half of a reversal, holds, and falls over the other half.
         let (up, v) = (0.5 * self.reversal, self.speed);
         let reach = v * (half - up);
@@ -136,7 +157,11 @@ impl Test {
             let left = half - t;
             (reach - 0.5 * v * left * left / up, v * left / up)
         };
-        let start = if way > 0.0 { self.low } else { self.low + reach };
+        let start = if way > 0.0 {
+            self.low
+        } else {
+            self.low + reach
+        };
         (start + way * gone, way * speed)
     }
 }
@@ -151,7 +176,9 @@ impl World for Strokes {
     }
 
     fn logs(&self, runs: &[usize], hidden: &Hidden) -> Vec<Option<Exact>> {
-        runs.iter().map(|run| Some(self.run(&self.tests[*run], hidden))).collect()
+        runs.iter()
+            .map(|run| Some(self.run(&self.tests[*run], hidden)))
+            .collect()
     }
 
     fn dials(&self, id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
@@ -160,14 +187,23 @@ impl World for Strokes {
             "seal-friction" => vec![Dial::up_to("leg.seal_friction_n_per_pa", 1e-4)],
             "viscous-friction" => vec![Dial::up_to("leg.viscous_friction_n_s_per_m", 2000.0)],
             "return-spring" => vec![
-                Dial::up_to("leg.return_spring.stiffness_n_per_m", draw.between(100.0, 500.0)),
+                Dial::up_to(
+                    "leg.return_spring.stiffness_n_per_m",
+                    draw.between(100.0, 500.0),
+                ),
                 Dial::up_to("leg.return_spring.preload_n", draw.between(2.0, 20.0)),
             ],
             "position-friction" => {
-                vec![Dial::up_to("rough_n", 20.0), Dial::fixed("rough_length_m", draw.between(0.008, 0.025))]
+                vec![
+                    Dial::up_to("rough_n", 20.0),
+                    Dial::fixed("rough_length_m", draw.between(0.008, 0.025)),
+                ]
             }
             "stribeck" => {
-                vec![Dial::up_to("stribeck_n", 20.0), Dial::fixed("stribeck_m_s", draw.scale(1e-3, 1e-2))]
+                vec![
+                    Dial::up_to("stribeck_n", 20.0),
+                    Dial::fixed("stribeck_m_s", draw.scale(1e-3, 1e-2)),
+                ]
             }
             _ => return None,
         })
@@ -207,8 +243,14 @@ mod tests {
         let h = Hidden::of(&[Dial::fixed("leg.coulomb_friction_n", 3.0)], 1.0);
         let run = world.run(&test, &h);
         let area = PI / 4.0 * world.bore * world.bore;
-        let rest = run.values[2].iter().zip(&run.values[1]).map(|(f, p)| f - p * area);
+        let rest = run.values[2]
+            .iter()
+            .zip(&run.values[1])
+            .map(|(f, p)| f - p * area);
         let (low, high) = rest.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
-        assert!((low + 3.0).abs() < 1e-3 && (high - 3.0).abs() < 1e-3, "{low} {high}");
+        assert!(
+            (low + 3.0).abs() < 1e-3 && (high - 3.0).abs() < 1e-3,
+            "{low} {high}"
+        );
     }
 }

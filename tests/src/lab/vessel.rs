@@ -8,9 +8,20 @@ use super::motion::{AIR, CARBON_DIOXIDE, GRAVITY, nozzle, rk4};
 use super::sensing::Column;
 use super::{Exact, World};
 
-pub(super) const CAUSES: &[&str] = &["heat-transfer", "gas-type", "encoder-scale", "sensor-offset"];
+pub(super) const CAUSES: &[&str] = &[
+    "heat-transfer",
+    "gas-type",
+    "encoder-scale",
+    "sensor-offset",
+];
 
-pub(super) const OUTSIDE: &[&str] = &["valve-ramp", "clogging", "ripple", "gear-ripple", "saturation"];
+pub(super) const OUTSIDE: &[&str] = &[
+    "valve-ramp",
+    "clogging",
+    "ripple",
+    "gear-ripple",
+    "saturation",
+];
 
 /// What was set of a run.
 #[derive(Clone, Copy, Debug)]
@@ -48,14 +59,28 @@ impl Vessels {
             let length = scale * draw.between(1.5, 3.0);
             let high = draw.between(4e5, 12e5);
             if k % 3 == 2 {
-                Setting { pressure: 1e5, temperature, outside: high, length }
+                Setting {
+                    pressure: 1e5,
+                    temperature,
+                    outside: high,
+                    length,
+                }
             } else {
-                Setting { pressure: high, temperature, outside: 1e5, length }
+                Setting {
+                    pressure: high,
+                    temperature,
+                    outside: 1e5,
+                    length,
+                }
             }
         });
         let settings = settings.collect();
         let mut columns = vec![Column::noisy("pressure_pa", 3000.0)];
-        if ids.iter().any(|id| ["heat-transfer", "gas-type"].contains(id)) || draw.chance(0.7) {
+        if ids
+            .iter()
+            .any(|id| ["heat-transfer", "gas-type"].contains(id))
+            || draw.chance(0.7)
+        {
             columns.push(Column::noisy("temperature_k", 1.0));
         }
         Vessels {
@@ -71,20 +96,32 @@ impl Vessels {
     }
 
     fn run(&self, setting: &Setting, hidden: &Hidden) -> Exact {
-        let gas = (hidden.get("gas.heat_ratio", AIR.0), hidden.get("gas.constant_j_per_kg_k", AIR.1));
+        let gas = (
+            hidden.get("gas.heat_ratio", AIR.0),
+            hidden.get("gas.constant_j_per_kg_k", AIR.1),
+        );
         let area = self.discharge * PI / 4.0 * self.orifice * self.orifice;
         let convection = hidden.or_zero("convection_coefficient");
-        let (ramp, clog) = (hidden.or_zero("valve_ramp_s"), hidden.or_zero("clogging_per_s"));
+        let (ramp, clog) = (
+            hidden.or_zero("valve_ramp_s"),
+            hidden.or_zero("clogging_per_s"),
+        );
         let rates = |t: f64, &[mass, energy]: &[f64; 2]| {
             let (pressure, temperature) = state(gas, self.volume, [mass, energy]);
             let part = if ramp > 0.0 { (t / ramp).min(1.0) } else { 1.0 } * (-clog * t).exp();
             // Enthalpy of the side that the gas comes from.
             let inwards = setting.outside > pressure;
-            let source = if inwards { setting.temperature } else { temperature };
+            let source = if inwards {
+                setting.temperature
+            } else {
+                temperature
+            };
             let flow = nozzle(part * area, gas, source, setting.outside, pressure);
             let enthalpy = gas.0 / (gas.0 - 1.0) * gas.1 * source;
             let heat = if convection > 0.0 {
-                convection * self.wall * per_area(gas, mass / self.volume, setting.temperature, temperature)
+                convection
+                    * self.wall
+                    * per_area(gas, mass / self.volume, setting.temperature, temperature)
             } else {
                 0.0
             };
@@ -92,7 +129,10 @@ impl Vessels {
         };
         let mass = setting.pressure * self.volume / (gas.1 * setting.temperature);
         let mut y = [mass, setting.pressure * self.volume / (gas.0 - 1.0)];
-        let mut exact = Exact { values: vec![Vec::new(); self.columns.len()], ..Exact::default() };
+        let mut exact = Exact {
+            values: vec![Vec::new(); self.columns.len()],
+            ..Exact::default()
+        };
         let keys = [
             ("volume_m3", self.volume),
             ("orifice_diameter_m", self.orifice),
@@ -121,12 +161,17 @@ impl Vessels {
     }
 }
 
-/// Pressure (Pa) and temperature (K) of a perfect gas of this mass (kg) and inner energy (J) in a volume (m³).
+/// Pressure (Pa) and temperature (K) of a perfect gas of this mass (kg) and inner energy (J) in a
+/// volume (m³).
 fn state((kappa, gas): (f64, f64), volume: f64, [mass, energy]: [f64; 2]) -> (f64, f64) {
-    ((kappa - 1.0) * energy / volume, (kappa - 1.0) * energy / (mass * gas))
+    (
+        (kappa - 1.0) * energy / volume,
+        (kappa - 1.0) * energy / (mass * gas),
+    )
 }
 
-/// Heat flux (W/m²) from a wall at `wall` kelvin to a gas at `inside`, by natural convection with Nu = Ra^⅓: the length drops out.
+/// Heat flux (W/m²) from a wall at `wall` kelvin to a gas at `inside`, by natural convection with
+/// Nu = Ra^⅓: the length drops out.
 fn per_area((kappa, gas): (f64, f64), density: f64, wall: f64, inside: f64) -> f64 {
     let film = 0.5 * (wall + inside);
     // Sutherland's viscosity of air, and its conductivity by a Prandtl number of 0.71.
@@ -149,18 +194,27 @@ impl World for Vessels {
     }
 
     fn logs(&self, runs: &[usize], hidden: &Hidden) -> Vec<Option<Exact>> {
-        runs.iter().map(|run| Some(self.run(&self.settings[*run], hidden))).collect()
+        runs.iter()
+            .map(|run| Some(self.run(&self.settings[*run], hidden)))
+            .collect()
     }
 
     fn dials(&self, id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
-        let longest = self.settings.iter().map(|setting| setting.length).fold(0.0, f64::max);
+        let longest = self
+            .settings
+            .iter()
+            .map(|setting| setting.length)
+            .fold(0.0, f64::max);
         Some(match id {
             "heat-transfer" => vec![Dial::up_to("convection_coefficient", 0.2)],
             "gas-type" => vec![
                 Dial::fixed("gas.heat_ratio", CARBON_DIOXIDE.0),
                 Dial::fixed("gas.constant_j_per_kg_k", CARBON_DIOXIDE.1),
             ],
-            "valve-ramp" => vec![Dial::up_to("valve_ramp_s", longest * draw.between(0.2, 0.5))],
+            "valve-ramp" => vec![Dial::up_to(
+                "valve_ramp_s",
+                longest * draw.between(0.2, 0.5),
+            )],
             "clogging" => vec![Dial::up_to("clogging_per_s", 3.0 / longest)],
             _ => return None,
         })
@@ -171,11 +225,17 @@ impl World for Vessels {
 mod tests {
     use super::*;
 
-    /// Choked and adiabatic: T falls as 1/(1 + t/τ)² with τ = 2 V/((κ − 1) C_d A √(κ R T₀) (2/(κ+1))^((κ+1)/(2(κ−1)))), on the isentrope.
+    /// Choked and adiabatic: T falls as 1/(1 + t/τ)² with τ = 2 V/((κ − 1) C_d A √(κ R T₀)
+    /// (2/(κ+1))^((κ+1)/(2(κ−1)))), on the isentrope.
     #[test]
     fn a_choked_discharge_in_closed_form() {
         let vessels = Vessels::new(&["gas-type"], &mut Draw::new(5, 0));
-        let setting = Setting { pressure: 9e5, temperature: 295.0, outside: 1e5, length: 10.0 };
+        let setting = Setting {
+            pressure: 9e5,
+            temperature: 295.0,
+            outside: 1e5,
+            length: 10.0,
+        };
         let run = vessels.run(&setting, &Hidden::default());
         let area = vessels.discharge * PI / 4.0 * vessels.orifice * vessels.orifice;
         let speed = (1.4 * 287.05 * 295.0_f64).sqrt();
@@ -186,16 +246,25 @@ mod tests {
             // Choked to 1.89 times the pressure outside.
             if isentropic > 1.9e5 {
                 assert!((p / isentropic - 1.0).abs() < 1e-7, "{t}");
-                assert!((run.values[1][k] / (295.0 * cooled) - 1.0).abs() < 1e-7, "{t}");
+                assert!(
+                    (run.values[1][k] / (295.0 * cooled) - 1.0).abs() < 1e-7,
+                    "{t}"
+                );
             }
         }
     }
 
-    /// Gas that fills a vessel without losses brings its enthalpy, κ times its inner energy: m = m₀ + (p − p₀) V/(κ R T).
+    /// Gas that fills a vessel without losses brings its enthalpy, κ times its inner energy: m =
+    /// m₀ + (p − p₀) V/(κ R T).
     #[test]
     fn a_filled_vessel_is_warm() {
         let vessels = Vessels::new(&["gas-type"], &mut Draw::new(6, 0));
-        let setting = Setting { pressure: 1e5, temperature: 300.0, outside: 5e5, length: 200.0 };
+        let setting = Setting {
+            pressure: 1e5,
+            temperature: 300.0,
+            outside: 5e5,
+            length: 200.0,
+        };
         let run = vessels.run(&setting, &Hidden::default());
         for (p, t) in run.values[0].iter().zip(&run.values[1]) {
             let mixed = p / (1e5 / 300.0 + (p - 1e5) / (1.4 * 300.0));
@@ -209,10 +278,18 @@ mod tests {
     #[test]
     fn a_good_wall_keeps_the_temperature() {
         let vessels = Vessels::new(&["heat-transfer"], &mut Draw::new(7, 0));
-        let setting = Setting { pressure: 9e5, temperature: 295.0, outside: 1e5, length: 20.0 };
+        let setting = Setting {
+            pressure: 9e5,
+            temperature: 295.0,
+            outside: 1e5,
+            length: 20.0,
+        };
         let coldest = |c: f64| {
             let hidden = Hidden::of(&[Dial::fixed("convection_coefficient", c)], 1.0);
-            vessels.run(&setting, &hidden).values[1].iter().copied().fold(f64::INFINITY, f64::min)
+            vessels.run(&setting, &hidden).values[1]
+                .iter()
+                .copied()
+                .fold(f64::INFINITY, f64::min)
         };
         assert!(coldest(0.0) < coldest(0.13) && coldest(0.13) < coldest(1.0));
         assert!(coldest(3.0) > 280.0, "{}", coldest(3.0));

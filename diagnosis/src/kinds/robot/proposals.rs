@@ -8,17 +8,29 @@ use super::Firings;
 use crate::experiment::{Experiment, Run, Sort};
 use crate::next::Proposal;
 
-/// A run of `length` (s), sampled every 2 ms, whose columns read 0 but for the first rows of what starts it.
-fn run(columns: usize, length: f64, settings: &[(&str, f64)], valve: (f64, f64), first: &[f64]) -> Run {
+/// A run of `length` (s), sampled every 2 ms, whose columns read 0 but for the first rows of what
+/// starts it.
+fn run(
+    columns: usize,
+    length: f64,
+    settings: &[(&str, f64)],
+    valve: (f64, f64),
+    first: &[f64],
+) -> Run {
     // The number of rows.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let rows = (length / 2e-3) as usize;
     Run {
         name: "proposal".into(),
-        settings: settings.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect::<BTreeMap<_, _>>(),
+        settings: settings
+            .iter()
+            .map(|(k, v)| ((*k).to_owned(), *v))
+            .collect::<BTreeMap<_, _>>(),
         valve: Some((valve.0, Some(valve.0 + valve.1))),
         time: (0..rows).map(|i| i as f64 * 2e-3).collect(),
-        values: (0..columns).map(|c| vec![first.get(c).copied().unwrap_or(0.0); rows]).collect(),
+        values: (0..columns)
+            .map(|c| vec![first.get(c).copied().unwrap_or(0.0); rows])
+            .collect(),
     }
 }
 
@@ -32,14 +44,20 @@ fn experiment(kind: Sort, columns: &[(&str, f64)], run: Run) -> Experiment {
     }
 }
 
-/// Benchtop firings, hops and jumps of `robot` over its range of pressures, loads, opening times and approach rates.
+/// Benchtop firings, hops and jumps of `robot` over its range of pressures, loads, opening times
+/// and approach rates.
 pub(super) fn of(robot: &Robot) -> Vec<Proposal> {
-    let Drive::Pneumatic(cylinder) = &robot.leg.drive else { return Vec::new() };
+    let Drive::Pneumatic(cylinder) = &robot.leg.drive else {
+        return Vec::new();
+    };
     let full = cylinder.supply.0;
     let mut all = Vec::new();
     let mut add = |what: String, experiment: Experiment| {
         if let Ok(firings) = Firings::new(&experiment, robot) {
-            all.push(Proposal { what, kind: Box::new(firings) });
+            all.push(Proposal {
+                what,
+                kind: Box::new(firings),
+            });
         }
     };
     for share in [0.5, 1.0] {
@@ -47,8 +65,18 @@ pub(super) fn of(robot: &Robot) -> Vec<Proposal> {
         for load in [0.5, 2.25, 4.5] {
             let settings = [("load_mass_kg", load), ("supply_pressure_gauge_pa", supply)];
             let columns = [("position_m", 1e-4), ("pressure_pa", 2e3)];
-            let what = format!("fire the leg on the bench under {load} kg at {:.0} kPa gauge", supply / 1e3);
-            add(what, experiment(Sort::Bench, &columns, run(2, 0.2, &settings, (5e-3, 1.0), &[])));
+            let what = format!(
+                "fire the leg on the bench under {load} kg at {:.0} kPa gauge",
+                supply / 1e3
+            );
+            add(
+                what,
+                experiment(
+                    Sort::Bench,
+                    &columns,
+                    run(2, 0.2, &settings, (5e-3, 1.0), &[]),
+                ),
+            );
         }
         for open in [0.02, 0.04, 0.08] {
             let settings = [("supply_pressure_gauge_pa", supply)];
@@ -58,7 +86,14 @@ pub(super) fn of(robot: &Robot) -> Vec<Proposal> {
                 supply / 1e3
             );
             let columns = [("pivot_angle_rad", 1.13e-3)];
-            add(what, experiment(Sort::Hop, &columns, run(1, 0.5, &settings, (5e-3, open), &[])));
+            add(
+                what,
+                experiment(
+                    Sort::Hop,
+                    &columns,
+                    run(1, 0.5, &settings, (5e-3, open), &[]),
+                ),
+            );
         }
     }
     for rate in [3.0, 4.5, 6.0] {
@@ -70,9 +105,19 @@ pub(super) fn of(robot: &Robot) -> Vec<Proposal> {
                 ("radius_angle_rad", 1.13e-3),
                 ("wheel_rate_rad_s", 0.03),
             ];
-            let what = format!("jump from a lean of {lean} rad at {rate} rad/s, {:.0} ms later", 1e3 * fire);
+            let what = format!(
+                "jump from a lean of {lean} rad at {rate} rad/s, {:.0} ms later",
+                1e3 * fire
+            );
             let first = [lean, 0.0, 0.0, rate];
-            add(what, experiment(Sort::Jump, &columns, run(4, 0.6, &settings, (fire, 0.08), &first)));
+            add(
+                what,
+                experiment(
+                    Sort::Jump,
+                    &columns,
+                    run(4, 0.6, &settings, (fire, 0.08), &first),
+                ),
+            );
         }
     }
     all

@@ -19,16 +19,26 @@ pub(super) struct Chart {
 
 impl Chart {
     /// An empty one; `x` and `y` are the names of the axes with what they span.
-    pub(super) fn new(title: &str, size: (f64, f64), x: (&str, (f64, f64)), y: (&str, (f64, f64))) -> Chart {
-        let mut chart = Chart { size, x: padded(x.1, 0.02), y: padded(y.1, 0.06), body: String::new() };
+    pub(super) fn new(
+        title: &str,
+        size: (f64, f64),
+        x: (&str, (f64, f64)),
+        y: (&str, (f64, f64)),
+    ) -> Chart {
+        let mut chart = Chart {
+            size,
+            x: padded(x.1, 0.02),
+            y: padded(y.1, 0.06),
+            body: String::new(),
+        };
         let (right, bottom) = (size.0 - RIGHT, size.1 - BOTTOM);
         let out = &mut chart.body;
         // Writing to a string does not fail.
         let _ = write!(
             out,
-            "<text class=\"title\" x=\"{LEFT}\" y=\"16\">{}</text>\
-             <text class=\"name\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\
-             <text class=\"name\" transform=\"translate(13 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+            "<text class=\"title\" x=\"{LEFT}\" y=\"16\">{}</text><text class=\"name\" \
+             x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text><text class=\"name\" \
+             transform=\"translate(13 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
             escaped(title),
             LEFT.midpoint(right),
             size.1 - 8.0,
@@ -76,11 +86,13 @@ impl Chart {
         let height = bottom - top;
         let _ = write!(
             self.body,
-            "<rect class=\"band\" x=\"{LEFT}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/>"
+            "<rect class=\"band\" x=\"{LEFT}\" y=\"{top:.1}\" width=\"{width:.1}\" \
+             height=\"{height:.1}\"/>"
         );
     }
 
-    /// A line across at a place, with what begins there; the `row` of its name keeps it clear of the one before.
+    /// A line across at a place, with what begins there; the `row` of its name keeps it clear of
+    /// the one before.
     pub(super) fn begin(&mut self, x: f64, name: &str, row: usize) {
         let (px, bottom) = (self.px(x.max(self.x.0)), self.size.1 - BOTTOM);
         let _ = write!(
@@ -95,15 +107,23 @@ impl Chart {
 
     /// A line through points.
     pub(super) fn line(&mut self, class: &str, points: &[(f64, f64)]) {
-        let places: Vec<String> =
-            points.iter().map(|&(x, y)| format!("{:.1},{:.1}", self.px(x), self.py(y))).collect();
-        let _ = write!(self.body, "<polyline class=\"{class}\" points=\"{}\"/>", places.join(" "));
+        let places: Vec<String> = points
+            .iter()
+            .map(|&(x, y)| format!("{:.1},{:.1}", self.px(x), self.py(y)))
+            .collect();
+        let _ = write!(
+            self.body,
+            "<polyline class=\"{class}\" points=\"{}\"/>",
+            places.join(" ")
+        );
     }
 
     /// Dots at points: strokes of no length, with round ends.
     pub(super) fn dots(&mut self, class: &str, points: &[(f64, f64)]) {
-        let places: Vec<String> =
-            points.iter().map(|&(x, y)| format!("M{:.1} {:.1}h0", self.px(x), self.py(y))).collect();
+        let places: Vec<String> = points
+            .iter()
+            .map(|&(x, y)| format!("M{:.1} {:.1}h0", self.px(x), self.py(y)))
+            .collect();
         let places = places.concat();
         let _ = write!(self.body, "<path class=\"dots {class}\" d=\"{places}\"/>");
     }
@@ -113,8 +133,8 @@ impl Chart {
         let (width, height) = self.size;
         let (right, bottom) = (width - RIGHT, height - BOTTOM);
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" role=\"img\">{}\
-             <path class=\"axis\" d=\"M{LEFT} {TOP}V{bottom}H{right}\"/></svg>",
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
+             role=\"img\">{}<path class=\"axis\" d=\"M{LEFT} {TOP}V{bottom}H{right}\"/></svg>",
             self.body
         )
     }
@@ -130,7 +150,8 @@ pub(super) struct Bars {
 }
 
 impl Bars {
-    /// The drawing; the longest bar of each row is as long as the row where `each` is set, else that of all rows.
+    /// The drawing; the longest bar of each row is as long as the row where `each` is set, else
+    /// that of all rows.
     pub(super) fn svg(&self, each: bool) -> String {
         const WIDTH: f64 = 760.0;
         const NAME: f64 = 230.0;
@@ -138,7 +159,11 @@ impl Bars {
         const BAR: f64 = 15.0;
         const GAP: f64 = 9.0;
         let longest = |bars: &[Bar]| bars.iter().map(|b| b.1).fold(f64::MIN_POSITIVE, f64::max);
-        let of_all = self.rows.iter().map(|(_, bars)| longest(bars)).fold(f64::MIN_POSITIVE, f64::max);
+        let of_all = self
+            .rows
+            .iter()
+            .map(|(_, bars)| longest(bars))
+            .fold(f64::MIN_POSITIVE, f64::max);
         let (mut body, mut y) = (String::new(), 4.0);
         for (name, bars) in &self.rows {
             let most = if each { longest(bars) } else { of_all };
@@ -150,11 +175,15 @@ impl Bars {
                 "<text class=\"name\" x=\"{x}\" y=\"{middle:.1}\" text-anchor=\"end\">{name}</text>"
             );
             for (class, length, said) in bars {
-                let long = if length.is_finite() { (length / most * LENGTH).max(1.0) } else { 1.0 };
+                let long = if length.is_finite() {
+                    (length / most * LENGTH).max(1.0)
+                } else {
+                    1.0
+                };
                 let _ = write!(
                     body,
-                    "<rect class=\"bar {class}\" x=\"{NAME}\" y=\"{:.1}\" width=\"{long:.1}\" height=\"{:.1}\"/>\
-                     <text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+                    "<rect class=\"bar {class}\" x=\"{NAME}\" y=\"{:.1}\" width=\"{long:.1}\" \
+                     height=\"{:.1}\"/><text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
                     y + 1.0,
                     BAR - 2.0,
                     NAME + long + 7.0,
@@ -166,18 +195,24 @@ impl Bars {
             y += GAP;
         }
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {y}\" role=\"img\">{body}</svg>"
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {y}\" \
+             role=\"img\">{body}</svg>"
         )
     }
 }
 
 /// Text as it stands in a page.
 pub(super) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
 }
 
 fn padded((low, high): (f64, f64), share: f64) -> (f64, f64) {
-    let width = (high - low).max(1e-9 * high.abs().max(low.abs())).max(1e-12);
+    let width = (high - low)
+        .max(1e-9 * high.abs().max(low.abs()))
+        .max(1e-12);
     (low - share * width, high + share * width)
 }
 
@@ -185,9 +220,16 @@ fn padded((low, high): (f64, f64), share: f64) -> (f64, f64) {
 fn ticks((low, high): (f64, f64), count: usize) -> Vec<f64> {
     let rough = (high - low) / count as f64;
     let power = 10_f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].into_iter().find(|m| m * power >= rough).unwrap_or(10.0) * power;
+    let step = [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .find(|m| m * power >= rough)
+        .unwrap_or(10.0)
+        * power;
     let first = (low / step).ceil();
-    (0..=2 * count).map(|i| (first + i as f64) * step).take_while(|x| *x <= high).collect()
+    (0..=2 * count)
+        .map(|i| (first + i as f64) * step)
+        .take_while(|x| *x <= high)
+        .collect()
 }
 
 #[cfg(test)]

@@ -21,7 +21,8 @@ const OWN: &str = "robot.toml";
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Synthetic data")]
 pub(super) struct InjectFlags {
-    /// Make data with this hidden effect and write them to the folder --out; none: without an effect; may be repeated
+    /// Make data with this hidden effect and write them to the folder --out; none: without an
+    /// effect; may be repeated
     #[arg(long, value_name = "CAUSE=VALUE")]
     pub(super) inject: Vec<String>,
 
@@ -90,7 +91,10 @@ impl InjectFlags {
         if asked.len() < self.inject.len() && self.inject.len() > 1 {
             return Err(CliError::flag("--inject", "none", "the only one"));
         }
-        Ok(asked.into_iter().map(|text| text.parse()).collect::<Result<_, _>>()?)
+        Ok(asked
+            .into_iter()
+            .map(|text| text.parse())
+            .collect::<Result<_, _>>()?)
     }
 
     /// Makes the data, and says what is hidden in them.
@@ -102,7 +106,9 @@ impl InjectFlags {
             });
         };
         let name = command.robot.as_deref().or(self.kind.usual_robot());
-        let robot = name.map(|name| robot(name, &command.overrides)).transpose()?;
+        let robot = name
+            .map(|name| robot(name, &command.overrides))
+            .transpose()?;
         let effects = self.effects()?;
         let made = inject::make(&Request {
             kind: self.kind.sort(),
@@ -113,10 +119,15 @@ impl InjectFlags {
         })?;
         let is_builtin = |name: &str| saltus::Robot::builtin_names().any(|known| known == name);
         // A robot of its own goes with the data.
-        let own = robot.as_ref().filter(|_| !command.overrides.is_empty() || !name.is_some_and(is_builtin));
+        let own = robot
+            .as_ref()
+            .filter(|_| !command.overrides.is_empty() || !name.is_some_and(is_builtin));
         let listed = if own.is_some() { Some(OWN) } else { name };
         let listed = listed.filter(|_| self.kind.usual_robot().is_some());
-        let more: Vec<(&str, String)> = own.map(|robot| (OWN, robot.to_toml())).into_iter().collect();
+        let more: Vec<(&str, String)> = own
+            .map(|robot| (OWN, robot.to_toml()))
+            .into_iter()
+            .collect();
         experiment::write_with(folder, &made.experiment, listed, &more)?;
         let mut files = Files::default();
         files.report(
@@ -133,12 +144,19 @@ impl InjectFlags {
 
     fn text(&self, made: &Made, folder: &std::path::Path) -> String {
         let (runs, rows) = size(made);
-        let mut text = format!("{}: {runs} runs, {rows} rows of kind {}\n", folder.display(), self.id());
+        let mut text = format!(
+            "{}: {runs} runs, {rows} rows of kind {}\n",
+            folder.display(),
+            self.id()
+        );
         if made.truth.is_empty() {
             text.push_str("Nothing is hidden in them.\n");
         }
         for truth in &made.truth {
-            let column = truth.column.as_ref().map_or(String::new(), |column| format!(" of {column}"));
+            let column = truth
+                .column
+                .as_ref()
+                .map_or(String::new(), |column| format!(" of {column}"));
             let _ = write!(text, "Hidden: {}{column}", truth.id);
             for (name, value) in &truth.parameters {
                 let _ = write!(text, ", {name} = {}", digits(*value, 9));
@@ -150,8 +168,11 @@ impl InjectFlags {
 
     fn json(&self, made: &Made, seed: u64) -> Value {
         let entry = |truth: &Truth| {
-            let parameters: Map<String, Value> =
-                truth.parameters.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
+            let parameters: Map<String, Value> = truth
+                .parameters
+                .iter()
+                .map(|(name, value)| (name.clone(), json!(value)))
+                .collect();
             json!({ "id": truth.id, "column": truth.column, "parameters": parameters })
         };
         let (runs, rows) = size(made);
@@ -166,7 +187,9 @@ impl InjectFlags {
     }
 
     fn id(&self) -> String {
-        self.kind.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+        self.kind
+            .to_possible_value()
+            .map_or_else(String::new, |value| value.get_name().to_owned())
     }
 }
 

@@ -24,20 +24,30 @@ use crate::error::CliError;
 use crate::output::Format;
 use crate::progress::Progress;
 
-/// Compare measured data with the simulation: name the wrong cause, its size, and what its correction gains
+/// Compare measured data with the simulation: name the wrong cause, its size, and what its
+/// correction gains
 #[derive(Args, Debug)]
 #[command(after_help = "`saltus diagnose --help` explains data and output.", after_long_help = LONG_HELP)]
 pub(crate) struct Diagnose {
     /// Data folders of one kind: an experiment.toml and a CSV file for each run
-    #[arg(value_name = "FOLDER", required_unless_present = "inject", conflicts_with = "inject")]
+    #[arg(
+        value_name = "FOLDER",
+        required_unless_present = "inject",
+        conflicts_with = "inject"
+    )]
     folders: Vec<PathBuf>,
 
-    /// Robot that the operator believes was measured, in place of the folder's: a built-in one or a TOML file
+    /// Robot that the operator believes was measured, in place of the folder's: a built-in one or a
+    /// TOML file
     #[arg(long, value_name = "NAME|FILE", help_heading = "Robot and output")]
     robot: Option<String>,
 
     /// Override a parameter of the robot by its dotted key; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Robot and output")]
+    #[arg(
+        long = "set",
+        value_name = "KEY=VALUE",
+        help_heading = "Robot and output"
+    )]
     overrides: Vec<String>,
 
     /// How often data without an effect may be said to have one
@@ -50,7 +60,12 @@ pub(crate) struct Diagnose {
     most: u8,
 
     /// Seed of what is drawn by chance
-    #[arg(long, value_name = "NUMBER", default_value_t = 1, help_heading = "What is claimed")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = 1,
+        help_heading = "What is claimed"
+    )]
     seed: u64,
 
     /// Write the robot with what was found switched on, on which every other command works
@@ -155,59 +170,91 @@ impl Diagnose {
             ..Settings::default()
         };
         let progress = Progress::new("fits", 0);
-        let study = diagnose::study(&folder.experiment, robot.as_ref(), &settings, &|_| progress.advance(1));
+        let study = diagnose::study(&folder.experiment, robot.as_ref(), &settings, &|_| {
+            progress.advance(1)
+        });
         drop(progress);
-        let Study { kind, diagnosis, misstated } =
-            study.map_err(|error| unusable(&folder, error.to_string()))?;
+        let Study {
+            kind,
+            diagnosis,
+            misstated,
+        } = study.map_err(|error| unusable(&folder, error.to_string()))?;
         let Some(diagnosis) = diagnosis else {
             let reason = diagnose::no_motion(kind.as_ref(), &folder.experiment);
             return Err(unusable(&folder, reason));
         };
         let extended = diagnose::extended(kind.as_ref(), &diagnosis);
-        let worth = robot.as_ref().zip(extended.as_ref()).and_then(|(b, e)| diagnose::worth(b, e));
-        let corrected = self.corrected(kind.as_ref(), &diagnosis, extended.as_ref(), &folder.hash)?;
+        let worth = robot
+            .as_ref()
+            .zip(extended.as_ref())
+            .and_then(|(b, e)| diagnose::worth(b, e));
+        let corrected =
+            self.corrected(kind.as_ref(), &diagnosis, extended.as_ref(), &folder.hash)?;
         let asked = steps::Asked {
             folders: self.folders.clone(),
             robot: self.robot.clone(),
             overrides: self.overrides.clone(),
             extend: self.extend.clone(),
         };
-        let found = Found { folder, robot, kind, diagnosis, settings, misstated, extended, worth, asked };
+        let found = Found {
+            folder,
+            robot,
+            kind,
+            diagnosis,
+            settings,
+            misstated,
+            extended,
+            worth,
+            asked,
+        };
         let report = Report::of(&found);
         let text = match self.output.format() {
             Format::Text => report.text(),
             Format::Json => crate::output::json(&report.json()),
             Format::Csv => report.csv(),
         };
-        let page = self.report.as_deref().map(|file| ("--report", file, page::html(&report, &self.folders)));
+        let page = self
+            .report
+            .as_deref()
+            .map(|file| ("--report", file, page::html(&report, &self.folders)));
         self.output.write_with(
             text,
             &self.plot,
             || Ok(sheet::sheet(&report)),
             corrected.into_iter().chain(page),
         )?;
-        Ok(if found.diagnosis.findings.is_empty() && found.diagnosis.unknown.is_none() {
-            Status::Done
-        } else {
-            Status::No
-        })
+        Ok(
+            if found.diagnosis.findings.is_empty() && found.diagnosis.unknown.is_none() {
+                Status::Done
+            } else {
+                Status::No
+            },
+        )
     }
 
-    /// The robot that was measured, as the flags or else the folder say; none where the kind is about none.
+    /// The robot that was measured, as the flags or else the folder say; none where the kind is
+    /// about none.
     fn robot_of(&self, folder: &Folder) -> Result<Option<Robot>, CliError> {
-        let needs = matches!(folder.experiment.kind, Sort::Bench | Sort::Hop | Sort::Jump | Sort::Outcomes);
+        let needs = matches!(
+            folder.experiment.kind,
+            Sort::Bench | Sort::Hop | Sort::Jump | Sort::Outcomes
+        );
         let name = match (&self.robot, &folder.robot) {
             (Some(name), _) => name.clone(),
             (None, Some(name)) => beside(&folder.path, name),
             (None, None) if needs => {
-                return Err(CliError::Missing { flag: "--robot", allowed: "the robot that was measured" });
+                return Err(CliError::Missing {
+                    flag: "--robot",
+                    allowed: "the robot that was measured",
+                });
             }
             (None, None) => return Ok(None),
         };
         robot(&name, &self.overrides).map(Some)
     }
 
-    /// The file of the extended robot, where it is asked for; if there is none, the flag is refused.
+    /// The file of the extended robot, where it is asked for; if there is none, the flag is
+    /// refused.
     fn corrected(
         &self,
         kind: &dyn Kind,
@@ -215,17 +262,26 @@ impl Diagnose {
         extended: Option<&Robot>,
         hash: &str,
     ) -> Result<Option<(&'static str, &Path, String)>, CliError> {
-        let Some(path) = &self.extend else { return Ok(None) };
+        let Some(path) = &self.extend else {
+            return Ok(None);
+        };
         let Some(robot) = extended else {
             let allowed = "left out: nothing was found that is a property of a robot";
             return Err(CliError::flag("--extend", path.display(), allowed));
         };
-        Ok(Some(("--extend", path, diagnose::robot_file(kind, diagnosis, robot, hash))))
+        Ok(Some((
+            "--extend",
+            path,
+            diagnose::robot_file(kind, diagnosis, robot, hash),
+        )))
     }
 }
 
 fn unusable(folder: &Folder, reason: String) -> CliError {
-    CliError::Content { file: folder.path.display().to_string(), reason }
+    CliError::Content {
+        file: folder.path.display().to_string(),
+        reason,
+    }
 }
 
 /// A built-in robot's name, or the path of a file beside the data.

@@ -1,4 +1,5 @@
-//! What was found, as a page to hand on: one file, without scripts and without anything from elsewhere.
+//! What was found, as a page to hand on: one file, without scripts and without anything from
+//! elsewhere.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -14,7 +15,8 @@ use crate::output::digits;
 const STYLE: &str = include_str!("page.css");
 /// Size of a chart, of which two stand in a row.
 const CHART: (f64, f64) = (460.0, 290.0);
-/// Charts of measured and predicted, about; of each channel the runs that the model as it is predicts worst.
+/// Charts of measured and predicted, about; of each channel the runs that the model as it is
+/// predicts worst.
 const RUNS: usize = 8;
 /// Most points that are drawn of one line, and of one chart of residuals.
 const LINE: usize = 500;
@@ -25,26 +27,36 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> String {
     let curves = Curves::of(report);
     let headline = escaped(&report.headline());
     let mut out = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{headline}</title>\n\
-         <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n\
-         <p class=\"kicker\">Diagnosis of a simulation by measured data · {}</p>\n<h1>{headline}</h1>\n",
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta \
+         name=\"viewport\" content=\"width=device-width, \
+         initial-scale=1\">\n<title>{headline}</title>\n\
+         <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<p class=\"kicker\">Diagnosis of a \
+         simulation by measured data · {}</p>\n<h1>{headline}</h1>\n",
         escaped(&report.size())
     );
     for text in report.misstated() {
-        let _ = writeln!(out, "<div class=\"card off\"><p>{}</p></div>", escaped(&text));
+        let _ = writeln!(
+            out,
+            "<div class=\"card off\"><p>{}</p></div>",
+            escaped(&text)
+        );
     }
     for finding in &report.found.diagnosis.findings {
         cause(&mut out, report, finding);
     }
     if let Some(unknown) = report.unknown() {
-        let _ = writeln!(out, "<div class=\"card off\"><h3>unknown</h3><p>{}</p></div>", escaped(&unknown));
+        let _ = writeln!(
+            out,
+            "<div class=\"card off\"><h3>unknown</h3><p>{}</p></div>",
+            escaped(&unknown)
+        );
     }
     if report.is_well() {
         let claims = escaped(&report.claims());
         let _ = writeln!(
             out,
-            "<div class=\"card well\"><p>No cause on the list lowers the misfit by more than chance does. {claims}</p></div>"
+            "<div class=\"card well\"><p>No cause on the list lowers the misfit by more than \
+             chance does. {claims}</p></div>"
         );
     }
     gains(&mut out, report);
@@ -92,13 +104,24 @@ fn table(out: &mut String, lines: &[Vec<String>], left: usize) {
 
 fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
     let kind = report.found.kind.as_ref();
-    let (name, what) = (escaped(&title(kind, finding.best.cause)), meaning(report.id(finding.best.cause)));
-    let _ = writeln!(out, "<div class=\"card\"><h3>{name}</h3>\n<p>In the machine {what}.</p>");
+    let (name, what) = (
+        escaped(&title(kind, finding.best.cause)),
+        meaning(report.id(finding.best.cause)),
+    );
+    let _ = writeln!(
+        out,
+        "<div class=\"card\"><h3>{name}</h3>\n<p>In the machine {what}.</p>"
+    );
     let mut lines = vec![vec![
         "parameter".to_owned(),
         "value ± standard error; interval by profile likelihood".to_owned(),
     ]];
-    lines.extend(report.parameters_of(finding, &finding.best).into_iter().map(|(n, x)| vec![n, x]));
+    lines.extend(
+        report
+            .parameters_of(finding, &finding.best)
+            .into_iter()
+            .map(|(n, x)| vec![n, x]),
+    );
     table(out, &lines, 2);
     if !finding.is_identifiable {
         let _ = writeln!(out, "<p>{}</p>", escaped(Report::OPEN));
@@ -121,7 +144,10 @@ fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
         }
         sentence(out, Report::RIVALS);
     }
-    for text in [report.less_likely(finding), next_of(finding)].into_iter().flatten() {
+    for text in [report.less_likely(finding), next_of(finding)]
+        .into_iter()
+        .flatten()
+    {
         sentence(out, &text);
     }
     out.push_str("</div>\n");
@@ -131,7 +157,9 @@ fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
 fn next(out: &mut String, report: &Report<'_>) {
     out.push_str("<h2>What to do next</h2>\n<ol>\n");
     for step in steps(report.found) {
-        let command = step.command.map_or(String::new(), |c| format!("<br><code>{}</code>", escaped(&c)));
+        let command = step.command.map_or(String::new(), |c| {
+            format!("<br><code>{}</code>", escaped(&c))
+        });
         let _ = writeln!(out, "<li>{}{command}</li>", escaped(&step.what));
     }
     out.push_str("</ol>\n");
@@ -139,28 +167,57 @@ fn next(out: &mut String, report: &Report<'_>) {
 
 fn gains(out: &mut String, report: &Report<'_>) {
     out.push_str("<h2>Prediction of data that were left out of the fit</h2>\n");
-    sentence(out, "Root mean square of measured less predicted. No model does better than the noise.");
+    sentence(
+        out,
+        "Root mean square of measured less predicted. No model does better than the noise.",
+    );
     let changes = !report.found.diagnosis.findings.is_empty();
     let rows = report.found.diagnosis.gains.iter().map(|gain| {
         let (name, unit) = split(&gain.channel);
         let bar = |class, x: f64, what: &str| (class, x, format!("{} {unit} {what}", digits(x, 3)));
-        let mut bars = vec![bar("before", gain.rms.0, if changes { "before" } else { "as simulated" })];
+        let mut bars = vec![bar(
+            "before",
+            gain.rms.0,
+            if changes { "before" } else { "as simulated" },
+        )];
         if changes {
-            bars.push(bar("after", gain.rms.1, &format!("after ({} of before, 95 %)", ratio(gain))));
+            bars.push(bar(
+                "after",
+                gain.rms.1,
+                &format!("after ({} of before, 95 %)", ratio(gain)),
+            ));
         }
         bars.push(bar("noise", gain.noise, "noise"));
         (name.to_owned(), bars)
     });
-    out.push_str(&Bars { rows: rows.collect() }.svg(true));
+    out.push_str(
+        &Bars {
+            rows: rows.collect(),
+        }
+        .svg(true),
+    );
 }
 
 fn candidates(out: &mut String, report: &Report<'_>) {
     out.push_str("<h2>Every cause alone</h2>\n");
     sentence(out, Report::MISFIT);
-    let found: Vec<usize> = report.found.diagnosis.findings.iter().map(|f| f.best.cause).collect();
+    let found: Vec<usize> = report
+        .found
+        .diagnosis
+        .findings
+        .iter()
+        .map(|f| f.best.cause)
+        .collect();
     let rows = report.tried().into_iter().map(|c| {
-        let class = if found.contains(&c.cause) { "after" } else { "noise" };
-        (title(report.found.kind.as_ref(), c.cause), vec![(class, c.gain.max(0.0), digits(c.gain, 4))])
+        let class = if found.contains(&c.cause) {
+            "after"
+        } else {
+            "noise"
+        };
+        (
+            title(report.found.kind.as_ref(), c.cause),
+            vec![(class, c.gain.max(0.0), digits(c.gain, 4))],
+        )
     });
     let rows: Vec<_> = rows.collect();
     if !rows.is_empty() {
@@ -175,15 +232,26 @@ fn candidates(out: &mut String, report: &Report<'_>) {
 fn provenance(out: &mut String, report: &Report<'_>, folders: &[PathBuf]) {
     out.push_str("<h2>Where this comes from</h2>\n");
     let names: Vec<String> = folders.iter().map(|f| f.display().to_string()).collect();
-    let mut lines =
-        vec![vec!["what".to_owned(), "which".to_owned()], vec!["data".to_owned(), names.join(", ")]];
-    lines.push(vec!["hash of the data".to_owned(), report.found.folder.hash.clone()]);
+    let mut lines = vec![
+        vec!["what".to_owned(), "which".to_owned()],
+        vec!["data".to_owned(), names.join(", ")],
+    ];
+    lines.push(vec![
+        "hash of the data".to_owned(),
+        report.found.folder.hash.clone(),
+    ]);
     lines.push(vec!["size".to_owned(), report.size()]);
     if let Some(robot) = &report.found.robot {
         lines.push(vec!["robot".to_owned(), robot.name.clone()]);
     }
-    lines.push(vec!["saltus".to_owned(), env!("CARGO_PKG_VERSION").to_owned()]);
-    lines.push(vec!["seed".to_owned(), report.found.settings.seed.to_string()]);
+    lines.push(vec![
+        "saltus".to_owned(),
+        env!("CARGO_PKG_VERSION").to_owned(),
+    ]);
+    lines.push(vec![
+        "seed".to_owned(),
+        report.found.settings.seed.to_string(),
+    ]);
     table(out, &lines, 2);
     sentence(out, &report.claims());
     if let Some(text) = report.widened() {
@@ -236,13 +304,22 @@ impl Curves {
     fn measured(&self, out: &mut String, report: &Report<'_>) {
         let changes = !report.found.diagnosis.findings.is_empty();
         out.push_str("<h2>Measured and predicted</h2>\n");
-        sentence(out, "The runs that the simulation as it is predicts worst, of each channel.");
-        out.push_str("<p class=\"key\"><span><i style=\"border-top-style:dotted;border-color:#3c444e\"></i>measured</span>");
+        sentence(
+            out,
+            "The runs that the simulation as it is predicts worst, of each channel.",
+        );
         out.push_str(
-            "<span><i style=\"border-top-style:dashed;border-color:#c83228\"></i>simulation as it is</span>",
+            "<p class=\"key\"><span><i \
+            style=\"border-top-style:dotted;border-color:#3c444e\"></i>measured</span>",
+        );
+        out.push_str(
+            "<span><i style=\"border-top-style:dashed;border-color:#c83228\"></i>simulation as it \
+             is</span>",
         );
         if changes {
-            out.push_str("<span><i style=\"border-color:#1f63a8\"></i>with the causes found</span>");
+            out.push_str(
+                "<span><i style=\"border-color:#1f63a8\"></i>with the causes found</span>",
+            );
         }
         out.push_str("</p>\n<div class=\"charts\">\n");
         for (channel, about) in report.found.kind.channels().iter().enumerate() {
@@ -257,7 +334,10 @@ impl Curves {
                     thinned(&all, LINE)
                 };
                 let measured = of(&self.before, |p| p.measured);
-                let (before, after) = (of(&self.before, |p| p.predicted), of(&self.after, |p| p.predicted));
+                let (before, after) = (
+                    of(&self.before, |p| p.predicted),
+                    of(&self.after, |p| p.predicted),
+                );
                 let all = || measured.iter().chain(&before).chain(&after);
                 let (x, y) = (span(all().map(|p| p.0)), span(all().map(|p| p.1)));
                 let name = &report.found.kind.logs()[run].name;
@@ -290,8 +370,8 @@ impl Curves {
         out.push_str("<h2>What the simulation leaves</h2>\n");
         sentence(
             out,
-            "Measured less predicted of all runs, in standard deviations of the noise (σ). Of noise 95 % lie in the band from −2 to 2, \
-             without a pattern.",
+            "Measured less predicted of all runs, in standard deviations of the noise (σ). Of \
+             noise 95 % lie in the band from −2 to 2, without a pattern.",
         );
         out.push_str("<div class=\"charts\">\n");
         let mut both = vec![("before", "as simulated", &self.before)];
@@ -300,12 +380,19 @@ impl Curves {
         }
         for (channel, about) in report.found.kind.channels().iter().enumerate() {
             for (class, what, points) in &both {
-                let all: Vec<(f64, f64)> =
-                    points.iter().filter(|p| p.channel == channel).map(|p| (p.time, p.residual)).collect();
+                let all: Vec<(f64, f64)> = points
+                    .iter()
+                    .filter(|p| p.channel == channel)
+                    .map(|p| (p.time, p.residual))
+                    .collect();
                 let (x, y) = (span(all.iter().map(|p| p.0)), span(all.iter().map(|p| p.1)));
                 let name = format!("{} {what}", split(&about.name).0);
-                let mut chart =
-                    Chart::new(&name, CHART, (self.x(), x), ("residual (σ)", (y.0.min(-3.0), y.1.max(3.0))));
+                let mut chart = Chart::new(
+                    &name,
+                    CHART,
+                    (self.x(), x),
+                    ("residual (σ)", (y.0.min(-3.0), y.1.max(3.0))),
+                );
                 chart.band(-2.0, 2.0);
                 if let Some(run) = self.worst(channel).first() {
                     self.phases(&mut chart, *run);
@@ -320,7 +407,11 @@ impl Curves {
     /// Marks where the phases of a run begin, if it has several.
     fn phases(&self, chart: &mut Chart, run: usize) {
         let mut begins: Vec<(f64, &'static str)> = Vec::new();
-        let points = if self.after.is_empty() { &self.before } else { &self.after };
+        let points = if self.after.is_empty() {
+            &self.before
+        } else {
+            &self.after
+        };
         let mut all: Vec<&Point> = points.iter().filter(|p| p.run == run).collect();
         all.sort_by(|a, b| a.time.total_cmp(&b.time));
         for point in all {
@@ -338,11 +429,17 @@ impl Curves {
 
 /// Every k-th, so that at most `most` are left.
 fn thinned(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
-    points.iter().step_by(points.len().div_ceil(most).max(1)).copied().collect()
+    points
+        .iter()
+        .step_by(points.len().div_ceil(most).max(1))
+        .copied()
+        .collect()
 }
 
 fn span(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+        (a.min(x), b.max(x))
+    });
     if low <= high { (low, high) } else { (0.0, 1.0) }
 }
 

@@ -29,11 +29,17 @@ const CORRECTED: &str = "corrected.toml";
 
 impl Step {
     fn new(what: impl Into<String>) -> Step {
-        Step { what: what.into(), command: None }
+        Step {
+            what: what.into(),
+            command: None,
+        }
     }
 
     fn by(what: impl Into<String>, command: String) -> Step {
-        Step { what: what.into(), command: Some(command) }
+        Step {
+            what: what.into(),
+            command: Some(command),
+        }
     }
 
     pub(super) fn json(&self) -> Value {
@@ -44,9 +50,18 @@ impl Step {
 impl Asked {
     /// `saltus diagnose` of the same data and the same robot, with `more` flags.
     fn again(&self, more: &str) -> String {
-        let folders = self.folders.iter().map(|folder| quoted(&folder.display().to_string()));
-        let robot = self.robot.iter().map(|name| format!("--robot {}", quoted(name)));
-        let overrides = self.overrides.iter().map(|text| format!("--set {}", quoted(text)));
+        let folders = self
+            .folders
+            .iter()
+            .map(|folder| quoted(&folder.display().to_string()));
+        let robot = self
+            .robot
+            .iter()
+            .map(|name| format!("--robot {}", quoted(name)));
+        let overrides = self
+            .overrides
+            .iter()
+            .map(|text| format!("--set {}", quoted(text)));
         let words: Vec<String> = folders.chain(robot).chain(overrides).collect();
         format!("saltus diagnose {} {more}", words.join(" "))
     }
@@ -54,7 +69,10 @@ impl Asked {
 
 /// Keys of the corrected robot that the planar model of the planner leaves out.
 pub(super) fn left_out(found: &Found) -> Vec<&'static str> {
-    found.extended.as_ref().map_or(Vec::new(), Robot::beyond_the_plane)
+    found
+        .extended
+        .as_ref()
+        .map_or(Vec::new(), Robot::beyond_the_plane)
 }
 
 /// What to do, in order.
@@ -73,7 +91,8 @@ pub(super) fn steps(found: &Found) -> Vec<Step> {
         all.extend(correct_sensor(found, finding));
     }
     if found.diagnosis.unknown.is_some() {
-        let what = "Look at the charts of the runs: where and when the simulation is off tells what is missing in it.";
+        let what = "Look at the charts of the runs: where and when the simulation is off tells \
+            what is missing in it.";
         all.push(Step::by(what, found.asked.again("--report page.html")));
     }
     all.extend(correct_robot(found));
@@ -91,7 +110,12 @@ fn tell_apart(found: &Found, finding: &Finding) -> Option<Step> {
     let kind = found.kind.as_ref();
     let all = std::iter::once(&finding.best).chain(&finding.rivals);
     let mut names: Vec<String> = all.map(|c| title(kind, c.cause)).collect();
-    names.extend(finding.unlisted.as_ref().map(|_| "something that is not on the list".to_owned()));
+    names.extend(
+        finding
+            .unlisted
+            .as_ref()
+            .map(|_| "something that is not on the list".to_owned()),
+    );
     let names = names.join(" or ");
     if !finding.is_identifiable {
         return Some(Step::new(format!(
@@ -102,7 +126,9 @@ fn tell_apart(found: &Found, finding: &Finding) -> Option<Step> {
     let alone = finding.rivals.is_empty() && finding.unlisted.is_none();
     (!alone).then(|| match &finding.next {
         Some(next) => Step::new(format!("To see whether it is {names}, {}.", next.what)),
-        None => Step::new(format!("To see whether it is {names}, measure under other conditions.")),
+        None => Step::new(format!(
+            "To see whether it is {names}, measure under other conditions."
+        )),
     })
 }
 
@@ -110,7 +136,9 @@ fn tell_apart(found: &Found, finding: &Finding) -> Option<Step> {
 fn correct_sensor(found: &Found, finding: &Finding) -> Option<Step> {
     let cause = &found.kind.causes()[finding.best.cause];
     let column = cause.column.as_ref()?;
-    let Reported { name, value, error, .. } = finding.best.reported.first()?;
+    let Reported {
+        name, value, error, ..
+    } = finding.best.reported.first()?;
     let said = estimate(*value, *error, unit(name));
     let wrong = match cause.id {
         "encoder-scale" => format!("its readings are {said} times the truth"),
@@ -118,7 +146,9 @@ fn correct_sensor(found: &Found, finding: &Finding) -> Option<Step> {
         "sensor-delay" => format!("its readings are {said} late"),
         _ => return None,
     };
-    Some(Step::new(format!("Correct the sensor of {column}, or its column in the logs: {wrong}.")))
+    Some(Step::new(format!(
+        "Correct the sensor of {column}, or its column in the logs: {wrong}."
+    )))
 }
 
 /// What to do with the corrected robot.
@@ -126,33 +156,58 @@ fn correct_robot(found: &Found) -> Vec<Step> {
     if found.extended.is_none() {
         return Vec::new();
     }
-    let file = found.asked.extend.as_deref().unwrap_or(Path::new(CORRECTED));
+    let file = found
+        .asked
+        .extend
+        .as_deref()
+        .unwrap_or(Path::new(CORRECTED));
     let file = quoted(&file.display().to_string());
     let mut all = Vec::new();
     if found.asked.extend.is_none() {
         let what = "Write the robot with what was found; every command takes it.";
-        all.push(Step::by(what, found.asked.again(&format!("--extend {file}"))));
+        all.push(Step::by(
+            what,
+            found.asked.again(&format!("--extend {file}")),
+        ));
     }
     let left_out = left_out(found).join(", ");
     if left_out.is_empty() {
         let distance = found.worth.as_ref().map_or(0.6, |worth| worth.distance);
         let table = format!("saltus table --omega 3:6:7 --distance {distance} --robot {file}");
-        all.push(Step::by("Make tables and plans with the corrected robot.", table));
+        all.push(Step::by(
+            "Make tables and plans with the corrected robot.",
+            table,
+        ));
     } else {
         let what = format!(
-            "The planner has no term for {left_out}; `saltus verify` has. Fly a plan with the corrected robot to see what it changes."
+            "The planner has no term for {left_out}; `saltus verify` has. Fly a plan with the \
+             corrected robot to see what it changes."
         );
-        all.push(Step::by(what, format!("saltus verify COURSE.toml --plant {file}")));
+        all.push(Step::by(
+            what,
+            format!("saltus verify COURSE.toml --plant {file}"),
+        ));
     }
-    let data = "Measure new runs and diagnose them with the corrected robot: nothing should be wrong then.";
-    all.push(Step::by(data, format!("saltus diagnose NEW_RUNS --robot {file}")));
+    let data = "Measure new runs and diagnose them with the corrected robot: nothing should be \
+        wrong then.";
+    all.push(Step::by(
+        data,
+        format!("saltus diagnose NEW_RUNS --robot {file}"),
+    ));
     all
 }
 
 /// A word of a command line.
 fn quoted(word: &str) -> String {
-    let is_plain = !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "-_./:=,+@%".contains(c));
-    if is_plain { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+    let is_plain = !word.is_empty()
+        && word
+            .chars()
+            .all(|c| c.is_alphanumeric() || "-_./:=,+@%".contains(c));
+    if is_plain {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
 }
 
 #[cfg(test)]

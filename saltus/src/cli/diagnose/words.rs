@@ -40,12 +40,18 @@ const UNITS: [(&str, &str); 25] = [
 
 /// Unit that a name ends with; empty where it has none.
 pub(in crate::cli) fn unit(name: &str) -> &'static str {
-    UNITS.iter().find(|(end, _)| name.ends_with(end)).map_or("", |(_, unit)| unit)
+    UNITS
+        .iter()
+        .find(|(end, _)| name.ends_with(end))
+        .map_or("", |(_, unit)| unit)
 }
 
 /// A name without its unit, and the unit.
 pub(super) fn split(name: &str) -> (&str, &'static str) {
-    UNITS.iter().find_map(|(end, unit)| Some((name.strip_suffix(end)?, *unit))).unwrap_or((name, ""))
+    UNITS
+        .iter()
+        .find_map(|(end, unit)| Some((name.strip_suffix(end)?, *unit)))
+        .unwrap_or((name, ""))
 }
 
 /// A number with so many digits and its unit.
@@ -65,18 +71,25 @@ pub(in crate::cli) fn misstated(wrong: &Misstated) -> String {
         };
         (digits(wrong.stated / wrong.seen, 2), question)
     } else {
-        (format!("1/{}", digits(wrong.seen / wrong.stated, 2)), "is it in the unit of the column?")
+        (
+            format!("1/{}", digits(wrong.seen / wrong.stated, 2)),
+            "is it in the unit of the column?",
+        )
     };
     format!(
-        "The stated noise of {}, {stated}, is {ratio} times what the data scatter ({seen}): {question} The answer goes by what the \
-         data scatter.",
+        "The stated noise of {}, {stated}, is {ratio} times what the data scatter ({seen}): \
+         {question} The answer goes by what the data scatter.",
         wrong.column
     )
 }
 
 /// A value and its standard error, each with the digits that the error allows, and the unit.
 pub(super) fn estimate(value: f64, error: f64, unit: &str) -> String {
-    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let unit = if unit.is_empty() {
+        String::new()
+    } else {
+        format!(" {unit}")
+    };
     if !error.is_finite() || error <= 0.0 || value == 0.0 {
         return format!("{}{unit} (error not known)", digits(value, 4));
     }
@@ -89,9 +102,17 @@ pub(super) fn estimate(value: f64, error: f64, unit: &str) -> String {
 
 /// An interval with as many digits as the standard error asks for.
 pub(super) fn interval(interval: Interval, error: f64, unit: &str) -> String {
-    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let unit = if unit.is_empty() {
+        String::new()
+    } else {
+        format!(" {unit}")
+    };
     let round = |x: f64| {
-        estimate(x, error, "").split(" ±").next().unwrap_or_default().replace(" (error not known)", "")
+        estimate(x, error, "")
+            .split(" ±")
+            .next()
+            .unwrap_or_default()
+            .replace(" (error not known)", "")
     };
     match (interval.low.map(round), interval.high.map(round)) {
         (Some(low), Some(high)) => format!("{low} to {high}{unit}"),
@@ -104,14 +125,23 @@ pub(super) fn interval(interval: Interval, error: f64, unit: &str) -> String {
 /// A cause with the column that it is about.
 pub(super) fn title(kind: &dyn Kind, cause: usize) -> String {
     let cause = &kind.causes()[cause];
-    cause.column.as_ref().map_or(cause.id.to_owned(), |column| format!("{} of {column}", cause.id))
+    cause.column.as_ref().map_or(cause.id.to_owned(), |column| {
+        format!("{} of {column}", cause.id)
+    })
 }
 
-/// Lines with their cells under each other: the first `left` columns and the last begin in line, the others end in line.
+/// Lines with their cells under each other: the first `left` columns and the last begin in line,
+/// the others end in line.
 pub(super) fn grid(lines: &[Vec<String>], left: usize) -> String {
     let columns = lines.iter().map(Vec::len).max().unwrap_or(0);
-    let width =
-        |i: usize| lines.iter().filter_map(|l| l.get(i)).map(|c| c.chars().count()).max().unwrap_or(0);
+    let width = |i: usize| {
+        lines
+            .iter()
+            .filter_map(|l| l.get(i))
+            .map(|c| c.chars().count())
+            .max()
+            .unwrap_or(0)
+    };
     let widths: Vec<usize> = (0..columns).map(width).collect();
     let mut text = String::new();
     for line in lines {
@@ -139,14 +169,20 @@ mod tests {
         assert_eq!(split("leg.valve_delay_s"), ("leg.valve_delay", "s"));
         assert_eq!(split("stiffness_n_per_m"), ("stiffness", "N/m"));
         assert_eq!(split("environment.drag_per_m"), ("environment.drag", "1/m"));
-        assert_eq!(split("body.axle_friction_n_m"), ("body.axle_friction", "N m"));
+        assert_eq!(
+            split("body.axle_friction_n_m"),
+            ("body.axle_friction", "N m")
+        );
         assert_eq!(split("gain"), ("gain", ""));
         assert_eq!(unit("wheel_rate_rad_s"), "rad/s");
     }
 
     #[test]
     fn an_estimate_has_the_digits_that_its_error_allows() {
-        assert_eq!(estimate(0.012_345_6, 0.000_43, "1/m"), "0.01235 ± 0.00043 1/m");
+        assert_eq!(
+            estimate(0.012_345_6, 0.000_43, "1/m"),
+            "0.01235 ± 0.00043 1/m"
+        );
         assert_eq!(estimate(1234.567, 0.0123, ""), "1234.567 ± 0.012");
         assert_eq!(estimate(2.0, f64::NAN, "s"), "2 s (error not known)");
     }

@@ -12,7 +12,8 @@ use super::common::RobotFlags;
 use crate::error::CliError;
 use crate::output::Files;
 
-/// Write the robot for another program: firing tables for a controller in C or Rust, or a MuJoCo model
+/// Write the robot for another program: firing tables for a controller in C or Rust, or a MuJoCo
+/// model
 #[derive(Args, Debug)]
 pub(crate) struct Export {
     #[command(subcommand)]

@@ -21,7 +21,8 @@ pub(super) struct C {
     #[command(flatten)]
     flags: TableFlags,
 
-    /// Write saltus_controller.h and saltus_controller.c into this folder, which is made if it is not there
+    /// Write saltus_controller.h and saltus_controller.c into this folder, which is made if it is
+    /// not there
     #[arg(long, short, value_name = "DIR", help_heading = "Robot and output")]
     out: PathBuf,
 }
@@ -92,7 +93,8 @@ struct TableFlags {
     #[arg(long, value_name = "RATES", value_parser = rates, allow_hyphen_values = true, default_value = "3:6:13")]
     omega: Values,
 
-    /// Firing angles α_f (rad) of the lift-off map, evenly spaced [default: 11 about those of the table]
+    /// Firing angles α_f (rad) of the lift-off map, evenly spaced [default: 11 about those of the
+    /// table]
     #[arg(long, value_name = "ANGLES", value_parser = angles, allow_hyphen_values = true)]
     alpha_f: Option<Values>,
 
@@ -103,11 +105,13 @@ struct TableFlags {
     #[arg(long, value_name = "LOW:HIGH", value_parser = ends, allow_hyphen_values = true)]
     valve_range: Option<(f64, f64)>,
 
-    /// Cost of a squared second of open valve over an obstacle, a squared metre off the distance costing 1 (m²/s²)
+    /// Cost of a squared second of open valve over an obstacle, a squared metre off the distance
+    /// costing 1 (m²/s²)
     #[arg(long, value_name = "COST", value_parser = quantity::factor, allow_hyphen_values = true, default_value = "0.01")]
     effort: f64,
 
-    /// Newton steps on the lift-off map that refine a firing angle, 0 to 3; other landing heights need at least 1
+    /// Newton steps on the lift-off map that refine a firing angle, 0 to 3; other landing heights
+    /// need at least 1
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(0..=3), default_value = "0")]
     newton: u8,
 
@@ -143,12 +147,22 @@ impl C {
     }
 
     fn write<R: Number>(&self) -> Result<Status, CliError> {
-        let Some(tables) = self.flags.tables::<R>()? else { return Ok(Status::No) };
+        let Some(tables) = self.flags.tables::<R>()? else {
+            return Ok(Status::No);
+        };
         std::fs::create_dir_all(&self.out).map_err(|error| CliError::write(&self.out, error))?;
         let [header, source] = tables.c();
         let mut files = Files::default();
-        files.add("--out", &self.out.join("saltus_controller.h"), header.into_bytes());
-        files.add("--out", &self.out.join("saltus_controller.c"), source.into_bytes());
+        files.add(
+            "--out",
+            &self.out.join("saltus_controller.h"),
+            header.into_bytes(),
+        );
+        files.add(
+            "--out",
+            &self.out.join("saltus_controller.c"),
+            source.into_bytes(),
+        );
         files.report(None, tables.about().join("\n") + "\n");
         files.write()?;
         Ok(Status::Done)
@@ -164,7 +178,9 @@ impl Rust {
     }
 
     fn write<R: Number>(&self) -> Result<Status, CliError> {
-        let Some(tables) = self.flags.tables::<R>()? else { return Ok(Status::No) };
+        let Some(tables) = self.flags.tables::<R>()? else {
+            return Ok(Status::No);
+        };
         let mut files = Files::default();
         files.report(self.out.as_deref(), tables.rust(&self.name));
         files.write()?;
@@ -187,17 +203,34 @@ impl TableFlags {
     }
 
     fn request(&self, robot: &Robot) -> Result<Request, CliError> {
-        let Terms { landing_height, valve_open, start_lean, .. } = self.terms.of(robot);
+        let Terms {
+            landing_height,
+            valve_open,
+            start_lean,
+            ..
+        } = self.terms.of(robot);
         if valve_open <= 0.0 {
-            return Err(CliError::flag("--valve-open", valve_open, Quantity::OPEN.allowed));
+            return Err(CliError::flag(
+                "--valve-open",
+                valve_open,
+                Quantity::OPEN.allowed,
+            ));
         }
-        let angles = self.alpha_f.as_ref().map(|a| spaced("--alpha-f", a, 2)).transpose()?;
+        let angles = self
+            .alpha_f
+            .as_ref()
+            .map(|a| spaced("--alpha-f", a, 2))
+            .transpose()?;
         let default = Request::default();
         if let Some((low, high)) = self.valve_range
             && !(low <= valve_open && valve_open <= high)
         {
             let allowed = format!("a range that holds --valve-open {valve_open}");
-            return Err(CliError::flag("--valve-range", format!("{low}:{high}"), allowed));
+            return Err(CliError::flag(
+                "--valve-range",
+                format!("{low}:{high}"),
+                allowed,
+            ));
         }
         if self.effort <= 0.0 {
             return Err(CliError::flag("--effort", self.effort, "a number above 0"));
@@ -225,17 +258,37 @@ impl TableFlags {
 const MOST: usize = 1000;
 
 /// First, last and number of `values`, which rise in even steps.
-fn spaced(flag: &'static str, values: &Values, least: usize) -> Result<(f64, f64, usize), CliError> {
+fn spaced(
+    flag: &'static str,
+    values: &Values,
+    least: usize,
+) -> Result<(f64, f64, usize), CliError> {
     let (first, last, count) = (values[0], values[values.len() - 1], values.len());
-    let shown =
-        || if count > 3 { format!("{first},{},…", values[1]) } else { format!("{:?}", &values[..]) };
+    let shown = || {
+        if count > 3 {
+            format!("{first},{},…", values[1])
+        } else {
+            format!("{:?}", &values[..])
+        }
+    };
     if !(least..=MOST).contains(&count) {
-        return Err(CliError::flag(flag, shown(), format!("{least} to {MOST} values, as in 3:6:13")));
+        return Err(CliError::flag(
+            flag,
+            shown(),
+            format!("{least} to {MOST} values, as in 3:6:13"),
+        ));
     }
     let step = (last - first) / (count.max(2) - 1) as f64;
-    let even = values.iter().enumerate().all(|(i, x)| (x - (first + step * i as f64)).abs() <= 1e-9 * step);
+    let even = values
+        .iter()
+        .enumerate()
+        .all(|(i, x)| (x - (first + step * i as f64)).abs() <= 1e-9 * step);
     if count > 1 && !(step > 0.0 && even) {
-        return Err(CliError::flag(flag, shown(), "rising in even steps, as in 3:6:13"));
+        return Err(CliError::flag(
+            flag,
+            shown(),
+            "rising in even steps, as in 3:6:13",
+        ));
     }
     Ok((first, last, count))
 }
@@ -247,11 +300,20 @@ fn open(text: &str) -> Result<f64, quantity::QuantityError> {
 
 /// Parser of a flag.
 fn ends(text: &str) -> Result<(f64, f64), String> {
-    let refused = || format!("{:?} must be two times, the lower first, as in 30ms:60ms", cut(text));
+    let refused = || {
+        format!(
+            "{:?} must be two times, the lower first, as in 30ms:60ms",
+            cut(text)
+        )
+    };
     let (low, high) = text.split_once(':').ok_or_else(refused)?;
     let time = |text: &str| open(text).map_err(|error| error.to_string());
     let (low, high) = (time(low)?, time(high)?);
-    if low < high { Ok((low, high)) } else { Err(refused()) }
+    if low < high {
+        Ok((low, high))
+    } else {
+        Err(refused())
+    }
 }
 
 /// Parser of a flag.
@@ -262,6 +324,9 @@ fn identifier(text: &str) -> Result<String, String> {
     if starts && goes_on {
         Ok(text.into())
     } else {
-        Err(format!("{:?} must be a name of capitals, digits and underscores, as in RATS_60", cut(text)))
+        Err(format!(
+            "{:?} must be a name of capitals, digits and underscores, as in RATS_60",
+            cut(text)
+        ))
     }
 }

@@ -15,7 +15,8 @@ struct Parameter {
     legal: fn(f64) -> bool,
 }
 
-const POSITIVE: (&str, fn(f64) -> bool) = ("a number above 0 and up to 1000", |x| x > 0.0 && x <= 1e3);
+const POSITIVE: (&str, fn(f64) -> bool) =
+    ("a number above 0 and up to 1000", |x| x > 0.0 && x <= 1e3);
 const LENGTH: (&str, fn(f64) -> bool) = ("a length from 0 to 10 m", |x| (0.0..=10.0).contains(&x));
 const ANGLE: (&str, fn(f64) -> bool) = ("an angle above pi/4 and below pi/2 rad", |x| {
     x > std::f64::consts::FRAC_PI_4 && x < std::f64::consts::FRAC_PI_2
@@ -38,19 +39,32 @@ const fn parameter(
     place: fn(&mut Hopper) -> &mut f64,
     (allowed, legal): (&'static str, fn(f64) -> bool),
 ) -> Parameter {
-    Parameter { key, place, allowed, legal }
+    Parameter {
+        key,
+        place,
+        allowed,
+        legal,
+    }
 }
 
 /// The hopper with its overrides.
 pub(super) fn resolve(name: &str, overrides: &[String]) -> Result<Hopper, CliError> {
     if name != NAME {
-        return Err(CliError::flag("--robot", cut(name), format!("{NAME}: these courses are the hopper's")));
+        return Err(CliError::flag(
+            "--robot",
+            cut(name),
+            format!("{NAME}: these courses are the hopper's"),
+        ));
     }
     let mut hopper = Hopper::default();
     for text in overrides {
         set(&mut hopper, text)?;
     }
-    let spans = [("speed", hopper.speed), ("angle", hopper.angle), ("time", hopper.time)];
+    let spans = [
+        ("speed", hopper.speed),
+        ("angle", hopper.angle),
+        ("time", hopper.time),
+    ];
     match spans.into_iter().find(|(_, span)| span.low >= span.high) {
         Some((what, span)) => Err(CliError::flag(
             "--set",
@@ -63,9 +77,17 @@ pub(super) fn resolve(name: &str, overrides: &[String]) -> Result<Hopper, CliErr
 
 fn set(hopper: &mut Hopper, text: &str) -> Result<(), CliError> {
     let refused = |allowed: String| CliError::flag("--set", cut(text), allowed);
-    let (key, value) = text.split_once('=').ok_or_else(|| refused("KEY=VALUE".into()))?;
-    let Some(parameter) = PARAMETERS.iter().find(|parameter| parameter.key == key.trim()) else {
-        return Err(refused(format!("one of {}", PARAMETERS.map(|parameter| parameter.key).join(", "))));
+    let (key, value) = text
+        .split_once('=')
+        .ok_or_else(|| refused("KEY=VALUE".into()))?;
+    let Some(parameter) = PARAMETERS
+        .iter()
+        .find(|parameter| parameter.key == key.trim())
+    else {
+        return Err(refused(format!(
+            "one of {}",
+            PARAMETERS.map(|parameter| parameter.key).join(", ")
+        )));
     };
     match value.trim().parse() {
         Ok(number) if (parameter.legal)(number) => *(parameter.place)(hopper) = number,

@@ -21,17 +21,33 @@ pub(super) fn load(path: &Path) -> Result<Vec<Course>, CliError> {
 
 /// The courses that `text` holds; messages call it `file`.
 fn parse(text: &str, file: &str) -> Result<Vec<Course>, CliError> {
-    let document: Value =
-        serde_json::from_str(text).map_err(|error| CliError::content(file, format!("not JSON: {error}")))?;
-    let root = Node { file, path: String::new(), value: &document };
-    let courses =
-        root.list("instances")?.into_iter().map(|node| course(&node)).collect::<Result<Vec<_>, _>>()?;
+    let document: Value = serde_json::from_str(text)
+        .map_err(|error| CliError::content(file, format!("not JSON: {error}")))?;
+    let root = Node {
+        file,
+        path: String::new(),
+        value: &document,
+    };
+    let courses = root
+        .list("instances")?
+        .into_iter()
+        .map(|node| course(&node))
+        .collect::<Result<Vec<_>, _>>()?;
     if courses.is_empty() {
-        return Err(CliError::content(file, "instances is empty: at least one course is needed"));
+        return Err(CliError::content(
+            file,
+            "instances is empty: at least one course is needed",
+        ));
     }
     let mut known = HashSet::new();
-    match courses.iter().find(|course| !known.insert(course.id.as_str())) {
-        Some(twice) => Err(CliError::content(file, format!("id {:?} is there twice", cut(&twice.id)))),
+    match courses
+        .iter()
+        .find(|course| !known.insert(course.id.as_str()))
+    {
+        Some(twice) => Err(CliError::content(
+            file,
+            format!("id {:?} is there twice", cut(&twice.id)),
+        )),
         None => Ok(courses),
     }
 }
@@ -43,8 +59,9 @@ fn course(node: &Node) -> Result<Course, CliError> {
     Ok(Course {
         id: node.word("id")?,
         start: node.length("start_x_m")?,
-        start_height: node
-            .number("start_height_m", "a height from 0 to 10000 m", |x| (0.0..=LENGTH).contains(&x))?,
+        start_height: node.number("start_height_m", "a height from 0 to 10000 m", |x| {
+            (0.0..=LENGTH).contains(&x)
+        })?,
         jumps: node.count("jumps")?,
         goal: Span::point(goal),
         obstacles: obstacles.iter().map(obstacle).collect::<Result<_, _>>()?,
@@ -75,18 +92,30 @@ struct Node<'a> {
 impl<'a> Node<'a> {
     fn refused(&self, allowed: &str) -> CliError {
         let value = cut(&self.value.to_string());
-        CliError::content(self.file, format!("{} = {value}: must be {allowed}", self.path))
+        CliError::content(
+            self.file,
+            format!("{} = {value}: must be {allowed}", self.path),
+        )
     }
 
     fn member(&self, key: &str) -> Result<Node<'a>, CliError> {
-        let path = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
+        let path = if self.path.is_empty() {
+            key.to_owned()
+        } else {
+            format!("{}.{key}", self.path)
+        };
         match self.value.as_object() {
-            None if self.path.is_empty() => {
-                Err(CliError::content(self.file, "must be an object with instances"))
-            }
+            None if self.path.is_empty() => Err(CliError::content(
+                self.file,
+                "must be an object with instances",
+            )),
             None => Err(self.refused("an object")),
             Some(object) => match object.get(key) {
-                Some(value) => Ok(Node { file: self.file, path, value }),
+                Some(value) => Ok(Node {
+                    file: self.file,
+                    path,
+                    value,
+                }),
                 None => Err(CliError::content(self.file, format!("missing key {path}"))),
             },
         }
@@ -94,27 +123,44 @@ impl<'a> Node<'a> {
 
     fn list(&self, key: &str) -> Result<Vec<Node<'a>>, CliError> {
         let list = self.member(key)?;
-        let items = list.value.as_array().ok_or_else(|| list.refused("a list"))?;
-        let item = |(i, value)| Node { file: list.file, path: format!("{} {}", list.path, i + 1), value };
+        let items = list
+            .value
+            .as_array()
+            .ok_or_else(|| list.refused("a list"))?;
+        let item = |(i, value)| Node {
+            file: list.file,
+            path: format!("{} {}", list.path, i + 1),
+            value,
+        };
         Ok(items.iter().enumerate().map(item).collect())
     }
 
     fn number(&self, key: &str, allowed: &str, legal: fn(f64) -> bool) -> Result<f64, CliError> {
         let node = self.member(key)?;
-        node.value.as_f64().filter(|x| legal(*x)).ok_or_else(|| node.refused(allowed))
+        node.value
+            .as_f64()
+            .filter(|x| legal(*x))
+            .ok_or_else(|| node.refused(allowed))
     }
 
     fn length(&self, key: &str) -> Result<f64, CliError> {
-        self.number(key, "a length from -10000 to 10000 m", |x| x.abs() <= LENGTH)
+        self.number(key, "a length from -10000 to 10000 m", |x| {
+            x.abs() <= LENGTH
+        })
     }
 
     fn size(&self, key: &str) -> Result<f64, CliError> {
-        self.number(key, "a length above 0 and up to 10000 m", |x| x > 0.0 && x <= LENGTH)
+        self.number(key, "a length above 0 and up to 10000 m", |x| {
+            x > 0.0 && x <= LENGTH
+        })
     }
 
     fn count(&self, key: &str) -> Result<usize, CliError> {
         let node = self.member(key)?;
-        let count = node.value.as_u64().and_then(|count| usize::try_from(count).ok());
+        let count = node
+            .value
+            .as_u64()
+            .and_then(|count| usize::try_from(count).ok());
         count
             .filter(|count| (1..=MAX_JUMPS).contains(count))
             .ok_or_else(|| node.refused(&format!("a whole number from 1 to {MAX_JUMPS}")))
@@ -122,8 +168,12 @@ impl<'a> Node<'a> {
 
     fn word(&self, key: &str) -> Result<String, CliError> {
         let node = self.member(key)?;
-        let word = node.value.as_str().filter(|word| !word.is_empty() && !word.chars().any(char::is_control));
-        word.map(str::to_owned).ok_or_else(|| node.refused("a name"))
+        let word = node
+            .value
+            .as_str()
+            .filter(|word| !word.is_empty() && !word.chars().any(char::is_control));
+        word.map(str::to_owned)
+            .ok_or_else(|| node.refused("a name"))
     }
 }
 
@@ -140,7 +190,14 @@ mod tests {
     #[test]
     fn a_course_is_read() {
         let courses = parse(GOOD, "a.json").unwrap();
-        assert_eq!(courses[0].obstacles, [Obstacle { center: 0.6, width: 0.1, height: 0.1 }]);
+        assert_eq!(
+            courses[0].obstacles,
+            [Obstacle {
+                center: 0.6,
+                width: 0.1,
+                height: 0.1
+            }]
+        );
         assert_eq!((courses[0].jumps, courses[0].goal), (2, Span::point(1.2)));
     }
 
@@ -157,10 +214,22 @@ mod tests {
             "\"jumps\": 2.5",
             "a.json: instances 1.jumps = 2.5: must be a whole number from 1 to",
         );
-        check("\"jumps\": 2", "\"jumps\": 99", "instances 1.jumps = 99: must be a whole number");
+        check(
+            "\"jumps\": 2",
+            "\"jumps\": 99",
+            "instances 1.jumps = 99: must be a whole number",
+        );
         check("\"jumps\": 2,", "", "a.json: missing key instances 1.jumps");
-        check("\"id\": \"a\"", "\"id\": 3", "instances 1.id = 3: must be a name");
-        check("0.6,", "\"x\",", "instances 1.obstacles 1.center_x_m = \"x\": must be a length");
+        check(
+            "\"id\": \"a\"",
+            "\"id\": 3",
+            "instances 1.id = 3: must be a name",
+        );
+        check(
+            "0.6,",
+            "\"x\",",
+            "instances 1.obstacles 1.center_x_m = \"x\": must be a length",
+        );
         check(
             "\"height_m\": 0.1",
             "\"height_m\": -1",

@@ -36,7 +36,11 @@ pub(crate) struct Parkour {
     robot: String,
 
     /// Override a parameter of the hopper, as in gravity_m_s2=8.0665; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Robot and output")]
+    #[arg(
+        long = "set",
+        value_name = "KEY=VALUE",
+        help_heading = "Robot and output"
+    )]
     overrides: Vec<String>,
 
     #[command(flatten)]
@@ -73,8 +77,15 @@ greatest_angle_rad, least_time_s, greatest_time_s, clearance_m, edge_margin_m.
 
 The exit code is 1 if a course has no plan.";
 
-const COLUMNS: &[&str] =
-    &["course", "jump", "flight_time_s", "launch_speed_m_s", "launch_angle_rad", "foot_x_m", "landing_x_m"];
+const COLUMNS: &[&str] = &[
+    "course",
+    "jump",
+    "flight_time_s",
+    "launch_speed_m_s",
+    "launch_angle_rad",
+    "foot_x_m",
+    "landing_x_m",
+];
 
 impl Parkour {
     pub(crate) fn run(self) -> Result<Status, CliError> {
@@ -96,7 +107,9 @@ impl Parkour {
         };
         let drawing = || Ok(Drawing::Hops(scene::hops(&answers, &hopper)));
         self.output.write_with_plot(report, &self.plot, drawing)?;
-        let all = answers.iter().all(|(_, answer)| matches!(answer, Answer::Plan(_)));
+        let all = answers
+            .iter()
+            .all(|(_, answer)| matches!(answer, Answer::Plan(_)));
         Ok(if all { Status::Done } else { Status::No })
     }
 }
@@ -105,9 +118,17 @@ impl Parkour {
     /// The courses to plan.
     fn courses(&self) -> Result<Vec<Course>, CliError> {
         let mut courses = instances::load(&self.file)?;
-        if let Some(id) = self.chosen.iter().find(|id| courses.iter().all(|course| course.id != **id)) {
+        if let Some(id) = self
+            .chosen
+            .iter()
+            .find(|id| courses.iter().all(|course| course.id != **id))
+        {
             let file = self.file.display();
-            return Err(CliError::flag("--course", cut(id), format!("the id of a course in {file}")));
+            return Err(CliError::flag(
+                "--course",
+                cut(id),
+                format!("the id of a course in {file}"),
+            ));
         }
         courses.retain(|course| self.chosen.is_empty() || self.chosen.contains(&course.id));
         if self.plot.is_set() && courses.len() > Hops::MOST {
@@ -136,15 +157,21 @@ fn total_time(launches: &[Launch]) -> f64 {
 }
 
 fn json(answers: &[(&Course, Answer)], hopper: &Hopper) -> String {
-    let plans: Vec<Value> =
-        answers.iter().filter_map(|(course, answer)| plan_json(course, answer, hopper)).collect();
-    let without: Vec<Value> =
-        answers.iter().filter_map(|(course, answer)| nearest_json(course, answer)).collect();
+    let plans: Vec<Value> = answers
+        .iter()
+        .filter_map(|(course, answer)| plan_json(course, answer, hopper))
+        .collect();
+    let without: Vec<Value> = answers
+        .iter()
+        .filter_map(|(course, answer)| nearest_json(course, answer))
+        .collect();
     output::json(&json!({ "plans": plans, "without_plan": without }))
 }
 
 fn plan_json(course: &Course, answer: &Answer, hopper: &Hopper) -> Option<Value> {
-    let Answer::Plan(plan) = answer else { return None };
+    let Answer::Plan(plan) = answer else {
+        return None;
+    };
     let launches = launches(plan, hopper);
     let column = |key: fn(&Launch) -> f64| launches.iter().map(key).collect::<Vec<f64>>();
     Some(json!({
@@ -174,7 +201,13 @@ fn table(answers: &[(&Course, Answer)], hopper: &Hopper) -> Table {
         let Answer::Plan(plan) = answer else { continue };
         for (k, (jump, launch)) in plan.jumps.iter().zip(launches(plan, hopper)).enumerate() {
             let mut row = vec![Cell::Count(i + 1), Cell::Count(k + 1)];
-            let numbers = [launch.flight_time, launch.speed, launch.angle, jump.foot, jump.landing];
+            let numbers = [
+                launch.flight_time,
+                launch.speed,
+                launch.angle,
+                jump.foot,
+                jump.landing,
+            ];
             row.extend(numbers.map(Cell::from));
             table.push(row);
         }
@@ -184,18 +217,31 @@ fn table(answers: &[(&Course, Answer)], hopper: &Hopper) -> Table {
 
 fn text(answers: &[(&Course, Answer)], hopper: &Hopper) -> String {
     let count = answers.len();
-    let mut lines =
-        vec![format!("{}: {count} {}", hopper::NAME, if count == 1 { "course" } else { "courses" })];
+    let mut lines = vec![format!(
+        "{}: {count} {}",
+        hopper::NAME,
+        if count == 1 { "course" } else { "courses" }
+    )];
     for (course, answer) in answers {
         lines.push(match answer {
             Answer::Plan(plan) => {
                 let total = total_time(&launches(plan, hopper));
-                format!("  {:<16} {}, {total:.4} s in flight", course.id, jumps(plan.jumps.len()))
+                format!(
+                    "  {:<16} {}, {total:.4} s in flight",
+                    course.id,
+                    jumps(plan.jumps.len())
+                )
             }
             Answer::Infeasible(relief) => {
-                format!("  {:<16} infeasible; {}", course.id, limits::text(&relief.gives, course))
+                format!(
+                    "  {:<16} infeasible; {}",
+                    course.id,
+                    limits::text(&relief.gives, course)
+                )
             }
-            Answer::Undecided { nodes, .. } => format!("  {:<16} undecided after {nodes} nodes", course.id),
+            Answer::Undecided { nodes, .. } => {
+                format!("  {:<16} undecided after {nodes} nodes", course.id)
+            }
         });
     }
     lines.join("\n") + "\n"

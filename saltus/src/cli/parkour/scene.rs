@@ -10,7 +10,12 @@ use crate::plot::hops::{Hop, Hops, Panel};
 
 /// Each course with its plan, if there is one.
 pub(super) fn hops(answers: &[(&Course, Answer)], hopper: &Hopper) -> Hops {
-    Hops { panels: answers.iter().map(|(course, answer)| panel(course, answer, hopper)).collect() }
+    Hops {
+        panels: answers
+            .iter()
+            .map(|(course, answer)| panel(course, answer, hopper))
+            .collect(),
+    }
 }
 
 fn panel(course: &Course, answer: &Answer, hopper: &Hopper) -> Panel {
@@ -19,7 +24,10 @@ fn panel(course: &Course, answer: &Answer, hopper: &Hopper) -> Panel {
         Answer::Plan(plan) => {
             let total = total_time(&launches(plan, hopper));
             let said = format!("{}, {total:.4} s in flight", jumps(plan.jumps.len()));
-            (said, plan.jumps.iter().map(|jump| hop(jump, hopper)).collect())
+            (
+                said,
+                plan.jumps.iter().map(|jump| hop(jump, hopper)).collect(),
+            )
         }
         Answer::Infeasible(_) => ("no plan".into(), Vec::new()),
         Answer::Undecided { .. } => ("undecided".into(), Vec::new()),
@@ -28,7 +36,11 @@ fn panel(course: &Course, answer: &Answer, hopper: &Hopper) -> Panel {
         title: format!("{}: {}: {said}", hopper::NAME, course.id),
         start: (course.start, course.start_height),
         ground: Ground {
-            obstacles: course.obstacles.iter().map(|it| (ends(&it.span()), it.height)).collect(),
+            obstacles: course
+                .obstacles
+                .iter()
+                .map(|it| (ends(&it.span()), it.height))
+                .collect(),
             avoid: course.no_landing.iter().map(ends).collect(),
             land: Vec::new(),
             goal: None,
@@ -56,11 +68,18 @@ fn hop(jump: &Jump, hopper: &Hopper) -> Hop {
     Hop {
         foot,
         hip,
-        knee: arc.iter().map(|(x, y)| (x + hopper.knee[0], y + hopper.knee[1])).collect(),
+        knee: arc
+            .iter()
+            .map(|(x, y)| (x + hopper.knee[0], y + hopper.knee[1]))
+            .collect(),
         arc,
         label: [
             format!("{} s", digits(launch.flight_time, 4)),
-            format!("{} m/s at {} rad", digits(launch.speed, 4), digits(launch.angle, 4)),
+            format!(
+                "{} m/s at {} rad",
+                digits(launch.speed, 4),
+                digits(launch.angle, 4)
+            ),
         ],
     }
 }

@@ -38,20 +38,33 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Crossing, CliError> {
     let jumps = root.count_to("jumps", MAX_JUMPS).unwrap_or(1);
     let start = root.optional("start_x", LENGTH, PLACE).unwrap_or(0.0);
     let start_height = root.optional("start_height", LENGTH, SIZE).unwrap_or(0.0);
-    let (from, to) = (root.optional("goal_from_x", LENGTH, PLACE), root.optional("goal_to_x", LENGTH, PLACE));
+    let (from, to) = (
+        root.optional("goal_from_x", LENGTH, PLACE),
+        root.optional("goal_to_x", LENGTH, PLACE),
+    );
     let goal = Span::new(from.unwrap_or(ANYWHERE.low), to.unwrap_or(ANYWHERE.high));
     let target = root.optional("target_x", LENGTH, PLACE);
-    let course =
-        Course { id: file.into(), start, start_height, jumps, goal, obstacles: vec![], no_landing: vec![] };
+    let course = Course {
+        id: file.into(),
+        start,
+        start_height,
+        jumps,
+        goal,
+        obstacles: vec![],
+        no_landing: vec![],
+    };
     let mut crossing = Crossing::new(course, 0.0);
     numbers(&mut root, &mut crossing);
     let place = root.place().clone();
-    let [obstacle, land, avoid] =
-        [("obstacle", MOST), ("land", jumps), ("avoid", MOST)].map(|(key, most)| root.tables(key, most));
+    let [obstacle, land, avoid] = [("obstacle", MOST), ("land", jumps), ("avoid", MOST)]
+        .map(|(key, most)| root.tables(key, most));
     root.finish(())?;
 
     if goal.is_empty() {
-        return Err(CliError::content(place, "goal_to_x_m must not be before goal_from_x_m"));
+        return Err(CliError::content(
+            place,
+            "goal_to_x_m must not be before goal_from_x_m",
+        ));
     }
     crossing.target = match (target, from, to) {
         (Some(target), ..) => target,
@@ -67,14 +80,19 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Crossing, CliError> {
     Ok(crossing)
 }
 
-/// Reads how the course is to be crossed into `crossing`, whose numbers stand for keys that are not given.
+/// Reads how the course is to be crossed into `crossing`, whose numbers stand for keys that are not
+/// given.
 fn numbers(root: &mut Section, crossing: &mut Crossing) {
     let span = |(low, high): (f64, f64)| Span::new(low, high);
     let rate = Domain::NON_NEGATIVE.up_to(1e3);
     crossing.rates = root.numbers("approach_rate", ANGULAR_RATE, rate, crossing.course.jumps);
     crossing.start_lean = root.optional("start_lean", ANGLE, LEAN);
-    crossing.firing_angles = root.span("firing_angle", ANGLE, LEAN).map_or(crossing.firing_angles, span);
-    crossing.valve_open = root.span("valve_open", TIME, OPENING).map_or(crossing.valve_open, span);
+    crossing.firing_angles = root
+        .span("firing_angle", ANGLE, LEAN)
+        .map_or(crossing.firing_angles, span);
+    crossing.valve_open = root
+        .span("valve_open", TIME, OPENING)
+        .map_or(crossing.valve_open, span);
     crossing.friction = root.optional("friction_coefficient", NUMBER, FACTOR);
     let numbers = [
         ("roll", LENGTH, SIZE, &mut crossing.roll),
@@ -82,7 +100,12 @@ fn numbers(root: &mut Section, crossing: &mut Crossing) {
         ("edge_margin", LENGTH, SIZE, &mut crossing.edge_margin),
         ("leg_out", TIME, SIZE, &mut crossing.leg_out),
         ("margin_sigmas", NUMBER, FACTOR, &mut crossing.sigmas),
-        ("deviation_weight", NUMBER, FACTOR, &mut crossing.deviation_weight),
+        (
+            "deviation_weight",
+            NUMBER,
+            FACTOR,
+            &mut crossing.deviation_weight,
+        ),
         ("effort_weight", NUMBER, FACTOR, &mut crossing.effort_weight),
     ];
     for (stem, quantity, domain, number) in numbers {
@@ -98,7 +121,11 @@ fn obstacles(sections: Vec<Section>) -> Result<Vec<Obstacle>, CliError> {
         let height = section.number("height", LENGTH, EXTENT);
         let place = section.place().clone();
         section.finish(())?;
-        let obstacle = Obstacle { center: front + width / 2.0, width, height };
+        let obstacle = Obstacle {
+            center: front + width / 2.0,
+            width,
+            height,
+        };
         let meets = |other: &Obstacle| {
             let both = other.span().meet(obstacle.span());
             // Boxes that touch are two steps of a stair.
@@ -106,8 +133,9 @@ fn obstacles(sections: Vec<Section>) -> Result<Vec<Obstacle>, CliError> {
         };
         if let Some(other) = obstacles.iter().position(meets) {
             let (this, other) = (obstacles.len() + 1, other + 1);
-            let reason =
-                format!("obstacles must not overlap: obstacle {this} is in the place of obstacle {other}");
+            let reason = format!(
+                "obstacles must not overlap: obstacle {this} is in the place of obstacle {other}"
+            );
             return Err(CliError::content(place, reason));
         }
         obstacles.push(obstacle);
@@ -123,14 +151,20 @@ fn zones(sections: Vec<Section>, jumps: usize) -> Result<Vec<Option<Span>>, CliE
         let place = section.place().clone();
         let span = zone(section)?;
         if zones[jump - 1].replace(span).is_some() {
-            return Err(CliError::content(place, format!("land {}: jump {jump} has a zone already", i + 1)));
+            return Err(CliError::content(
+                place,
+                format!("land {}: jump {jump} has a zone already", i + 1),
+            ));
         }
     }
     Ok(zones)
 }
 
 fn zone(mut section: Section) -> Result<Span, CliError> {
-    let (from, to) = (section.number("from_x", LENGTH, PLACE), section.number("to_x", LENGTH, PLACE));
+    let (from, to) = (
+        section.number("from_x", LENGTH, PLACE),
+        section.number("to_x", LENGTH, PLACE),
+    );
     let place = section.place().clone();
     section.finish(())?;
     if from < to {
@@ -182,50 +216,105 @@ to_x_m = 1
             let error = parse(&text, "a.toml").unwrap_err().to_string();
             assert!(error.contains(message), "{error}");
         };
-        check("jumps = 2", "jumps = 2.5", "a.toml:1: jumps = 2.5: must be a whole number from 1 to 12");
-        check("jumps = 2", "jumps = 0", "a.toml:1: jumps = 0: must be a whole number");
-        check("jumps", "jump", "a.toml:1: unknown key jump; the nearest known key is jumps");
+        check(
+            "jumps = 2",
+            "jumps = 2.5",
+            "a.toml:1: jumps = 2.5: must be a whole number from 1 to 12",
+        );
+        check(
+            "jumps = 2",
+            "jumps = 0",
+            "a.toml:1: jumps = 0: must be a whole number",
+        );
+        check(
+            "jumps",
+            "jump",
+            "a.toml:1: unknown key jump; the nearest known key is jumps",
+        );
         check(
             "[5, 4.5]",
             "[5, nan]",
-            "a.toml:2: approach_rate_rad_s item 2 = nan: must be a finite number ≥ 0 and ≤ 1000 rad/s",
+            "a.toml:2: approach_rate_rad_s item 2 = nan: must be a finite number ≥ 0 and ≤ 1000 \
+             rad/s",
         );
         check(
             "[5, 4.5]",
             "[]",
-            "a.toml:2: approach_rate_rad_s = []: must be one number, or a list of 2; this list has 0",
+            "a.toml:2: approach_rate_rad_s = []: must be one number, or a list of 2; this list \
+             has 0",
         );
-        check("[5, 4.5]", "[3, 6, 4, 5]", "must be one number, or a list of 2; this list has 4");
-        check("jumps = 2", "jumps = 3", "must be one number, or a list of 3; this list has 2");
-        check("approach_rate_rad_s = [5, 4.5]\n", "", "a.toml: missing key approach_rate_rad_s or");
+        check(
+            "[5, 4.5]",
+            "[3, 6, 4, 5]",
+            "must be one number, or a list of 2; this list has 4",
+        );
+        check(
+            "jumps = 2",
+            "jumps = 3",
+            "must be one number, or a list of 3; this list has 2",
+        );
+        check(
+            "approach_rate_rad_s = [5, 4.5]\n",
+            "",
+            "a.toml: missing key approach_rate_rad_s or",
+        );
         check(
             "[0.02, 0.1]",
             "[0.1, 0.02]",
             "valve_open_s = [0.1, 0.02]: must be a list of two numbers, the lower first",
         );
-        check("[0.02, 0.1]", "[20, 100]", "valve_open_s item 1 = 20: must be a finite number > 0 and ≤ 10 s");
-        check("[0.02, 0.1]", "[0.1]", "must be a list of two numbers, the lower first; this list has 1");
-        check("[0.02, 0.1]", "\"long\"", "valve_open_s = \"long\": must be a list of two numbers");
-        check("goal_to_x_m = 1.4", "goal_to_x_m = 0.4", "goal_to_x_m must not be before goal_from_x_m");
+        check(
+            "[0.02, 0.1]",
+            "[20, 100]",
+            "valve_open_s item 1 = 20: must be a finite number > 0 and ≤ 10 s",
+        );
+        check(
+            "[0.02, 0.1]",
+            "[0.1]",
+            "must be a list of two numbers, the lower first; this list has 1",
+        );
+        check(
+            "[0.02, 0.1]",
+            "\"long\"",
+            "valve_open_s = \"long\": must be a list of two numbers",
+        );
+        check(
+            "goal_to_x_m = 1.4",
+            "goal_to_x_m = 0.4",
+            "goal_to_x_m must not be before goal_from_x_m",
+        );
         check("goal_to_x_m = 1.4\n", "", "missing key target_x_m, or both");
         check(
             "width_m = 0.05",
             "width_m = -1",
             "a.toml:8: obstacle 1.width_m = -1: must be a finite number > 0 and ≤ 1000 m",
         );
-        check("width_m = 0.05\n", "", "a.toml:6: missing key obstacle 1.width_m or width_mm");
+        check(
+            "width_m = 0.05\n",
+            "",
+            "a.toml:6: missing key obstacle 1.width_m or width_mm",
+        );
         check(
             "height_m = 0.1",
             "hight_m = 0.1",
-            "a.toml:9: unknown key obstacle 1.hight_m; the nearest known key is obstacle 1.height_m",
+            "a.toml:9: unknown key obstacle 1.hight_m; the nearest known key is obstacle \
+             1.height_m",
         );
-        check("[[land]]", "[[land]]\njump = 3", "land 1.jump = 3: must be a whole number from 1 to 2");
+        check(
+            "[[land]]",
+            "[[land]]\njump = 3",
+            "land 1.jump = 3: must be a whole number from 1 to 2",
+        );
         check(
             "[[land]]",
             "[[land]]\nfrom_x_m = 0\nto_x_m = 1\n[[land]]\nfrom_x_m = 0\nto_x_m = 1\n[[land]]",
             "[[land]] = 3 tables: must be at most 2 tables",
         );
-        check("to_x_m = 0.8", "to_x_m = 0.2", "a.toml:10: to_x_m must be beyond from_x_m");
+        check(
+            "to_x_m = 0.8",
+            "to_x_m = 0.2",
+            "a.toml:10: to_x_m must be beyond from_x_m",
+        );
         check("[[obstacle]]", "[obstacle]", "obstacle = ");
         check(
             "[[avoid]]",
@@ -245,12 +334,30 @@ to_x_m = 1
                 "approach_rate_deg_s = [286.47889756541161, 257.83100780887045]",
             )
             .replace("valve_open_s = [0.02, 0.1]", "valve_open_ms = [20, 100]");
-        let (crossing, plain) = (parse(&text, "a.toml").unwrap(), parse(GOOD, "a.toml").unwrap());
-        assert!(crossing.rates.iter().zip(&plain.rates).all(|(a, b)| (a - b).abs() < 1e-12));
-        assert_eq!(Crossing { rates: plain.rates.clone(), ..crossing }, plain);
+        let (crossing, plain) = (
+            parse(&text, "a.toml").unwrap(),
+            parse(GOOD, "a.toml").unwrap(),
+        );
+        assert!(
+            crossing
+                .rates
+                .iter()
+                .zip(&plain.rates)
+                .all(|(a, b)| (a - b).abs() < 1e-12)
+        );
+        assert_eq!(
+            Crossing {
+                rates: plain.rates.clone(),
+                ..crossing
+            },
+            plain
+        );
         let twice = GOOD.replace("width_m = 0.05", "width_m = 0.05\nwidth_mm = 50");
         let error = parse(&twice, "a.toml").unwrap_err().to_string();
-        assert!(error.contains("obstacle 1.width_mm is already given as obstacle 1.width_m"), "{error}");
+        assert!(
+            error.contains("obstacle 1.width_mm is already given as obstacle 1.width_m"),
+            "{error}"
+        );
     }
 
     proptest! {

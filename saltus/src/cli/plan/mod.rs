@@ -94,12 +94,22 @@ impl Plan {
             let progress = Progress::new("plan", 0);
             let watch = |standing: &Standing| {
                 progress.note(&note(standing));
-                if interrupt.came() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                if interrupt.came() {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
             };
-            planner.cross_watched(&crossing, &watch).map_err(|error| CliError::content(&file, error))?
+            planner
+                .cross_watched(&crossing, &watch)
+                .map_err(|error| CliError::content(&file, error))?
         };
         let robot = planner.robot();
-        let report = Report { answer: &answer, crossing: &crossing, interrupted: interrupt.came() };
+        let report = Report {
+            answer: &answer,
+            crossing: &crossing,
+            interrupted: interrupt.came(),
+        };
         if !matches!(answer, CrossingAnswer::Plan(_)) && self.common.format() == Format::Csv {
             // A table without rows says nothing of why.
             output::message(report.text(robot, &file).trim_end());
@@ -109,7 +119,11 @@ impl Plan {
             Format::Json => report.json(robot, &file),
             Format::Text => report.text(robot, &file),
         };
-        let drawing = || Ok(Drawing::Scene(scene::scene(&answer, &crossing, &planner, &file)));
+        let drawing = || {
+            Ok(Drawing::Scene(scene::scene(
+                &answer, &crossing, &planner, &file,
+            )))
+        };
         self.common.write_with_plot(report, &self.plot, drawing)?;
         match answer {
             CrossingAnswer::Plan(plan) if plan.holds() && !interrupt.came() => Ok(Status::Done),
@@ -122,7 +136,10 @@ impl Plan {
 fn note(standing: &Standing) -> String {
     let share = format!("{:.0} % of the search's limit", 100.0 * standing.share);
     if standing.gap.is_finite() {
-        format!("{share}, best plan at most {} above the least cost", digits(standing.gap, 2))
+        format!(
+            "{share}, best plan at most {} above the least cost",
+            digits(standing.gap, 2)
+        )
     } else {
         format!("{share}, no plan yet")
     }

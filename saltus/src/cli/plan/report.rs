@@ -72,12 +72,14 @@ impl Report<'_> {
 
     fn status(&self) -> (&'static str, &'static str) {
         match self.answer {
-            CrossingAnswer::Plan(plan) if plan.holds() => {
-                ("holds-in-the-planar-model", "holds in the planar model (`saltus verify` flies it)")
-            }
-            CrossingAnswer::Plan(_) => {
-                ("fails-in-the-planar-model", "fails in the planar model: see the limits below")
-            }
+            CrossingAnswer::Plan(plan) if plan.holds() => (
+                "holds-in-the-planar-model",
+                "holds in the planar model (`saltus verify` flies it)",
+            ),
+            CrossingAnswer::Plan(_) => (
+                "fails-in-the-planar-model",
+                "fails in the planar model: see the limits below",
+            ),
             CrossingAnswer::Infeasible { .. } => ("infeasible", "infeasible"),
             CrossingAnswer::Undecided { .. } => ("undecided", "undecided"),
         }
@@ -98,7 +100,11 @@ impl Report<'_> {
             CrossingAnswer::Infeasible { .. } => !self.interrupted,
             CrossingAnswer::Undecided { .. } => false,
         };
-        let checks: Vec<Value> = plan.iter().flat_map(|plan| &plan.checks).map(check_json).collect();
+        let checks: Vec<Value> = plan
+            .iter()
+            .flat_map(|plan| &plan.checks)
+            .map(check_json)
+            .collect();
         output::json(&json!({
             "command": "plan",
             "robot": robot.name,
@@ -127,9 +133,13 @@ impl Report<'_> {
             }
             CrossingAnswer::Infeasible { relief, jumps } => self.infeasible_text(relief, *jumps),
             CrossingAnswer::Undecided { nodes, solves } => format!(
-                "  no plan was found in {nodes} steps of the search, with {solves} programs solved, before {}; that there is \
-                 none is not proven\n",
-                if self.interrupted { "Ctrl-C stopped it" } else { "it came to its limit" }
+                "  no plan was found in {nodes} steps of the search, with {solves} programs \
+                 solved, before {}; that there is none is not proven\n",
+                if self.interrupted {
+                    "Ctrl-C stopped it"
+                } else {
+                    "it came to its limit"
+                }
             ),
         };
         title + &body
@@ -137,18 +147,27 @@ impl Report<'_> {
 
     /// How far the last landing is from the target.
     fn target_text(&self, plan: &CrossingPlan) -> String {
-        let Some(last) = plan.jumps.last() else { return String::new() };
-        let (landing, target, goal) = (last.landing[0], self.crossing.target, self.crossing.course.goal);
+        let Some(last) = plan.jumps.last() else {
+            return String::new();
+        };
+        let (landing, target, goal) = (
+            last.landing[0],
+            self.crossing.target,
+            self.crossing.course.goal,
+        );
         let zone = match allowed(goal).as_str() {
             NO_LIMIT => "no goal zone is given".into(),
             limits => format!("goal: {limits} m"),
         };
-        let line =
-            format!("  last landing {} m, {}; {zone}\n", digits(landing, 4), off_target(landing, target));
+        let line = format!(
+            "  last landing {} m, {}; {zone}\n",
+            digits(landing, 4),
+            off_target(landing, target)
+        );
         let is_far = (target - landing).abs() > (landing - self.crossing.course.start).abs();
         line + if is_far {
-            "  → The target is farther away than all jumps go together. Is target_x_m in another unit (target_x_cm, \
-             target_x_mm)?\n"
+            "  → The target is farther away than all jumps go together. Is target_x_m in another \
+             unit (target_x_cm, target_x_mm)?\n"
         } else {
             ""
         }
@@ -161,8 +180,15 @@ impl Report<'_> {
         if plan.search.complete {
             return cost_text + "; the search found no plan that is cheaper by more than 0.00005\n";
         }
-        let why = if self.interrupted { "Ctrl-C stopped the search" } else { "the search came to its limit" };
-        format!("{cost_text}; {why}: a plan may be cheaper by up to {}\n", digits(cost - bound, 2))
+        let why = if self.interrupted {
+            "Ctrl-C stopped the search"
+        } else {
+            "the search came to its limit"
+        };
+        format!(
+            "{cost_text}; {why}: a plan may be cheaper by up to {}\n",
+            digits(cost - bound, 2)
+        )
     }
 
     fn infeasible_text(&self, relief: &Relief, jumps: Option<usize>) -> String {
@@ -193,8 +219,8 @@ impl Report<'_> {
             return String::new();
         }
         format!(
-            "  each landing keeps {} standard deviations and {} mm from the ends of its ground; margin_sigmas and \
-             edge_margin_m in the course can ask for less\n",
+            "  each landing keeps {} standard deviations and {} mm from the ends of its ground; \
+             margin_sigmas and edge_margin_m in the course can ask for less\n",
             digits(sigmas, 3),
             digits(1e3 * margin, 3)
         )
@@ -208,22 +234,51 @@ pub(super) fn off_target(landing: f64, target: f64) -> String {
         return format!("on the target at {} m", digits(target, 4));
     }
     let side = if off < 0.0 { "short of" } else { "beyond" };
-    format!("{:.1} mm {side} the target at {} m", 1e3 * off.abs(), digits(target, 4))
+    format!(
+        "{:.1} mm {side} the target at {} m",
+        1e3 * off.abs(),
+        digits(target, 4)
+    )
 }
 
-fn row(i: usize, planned: &PlannedJump, target: Option<f64>, checks: &[Check], robot: &Robot) -> Vec<Cell> {
+fn row(
+    i: usize,
+    planned: &PlannedJump,
+    target: Option<f64>,
+    checks: &[Check],
+    robot: &Robot,
+) -> Vec<Cell> {
     let launch = &planned.jump.launch;
-    let holds = checks.iter().filter(|check| check.jump == i).all(Check::holds);
+    let holds = checks
+        .iter()
+        .filter(|check| check.jump == i)
+        .all(Check::holds);
     let mut row = vec![Cell::Count(i + 1)];
     row.extend([launch.rate, launch.lean, launch.firing_angle].map(Cell::from));
-    row.push(robot.leg.drive.has_valve().then_some(launch.valve_open).into());
+    row.push(
+        robot
+            .leg
+            .drive
+            .has_valve()
+            .then_some(launch.valve_open)
+            .into(),
+    );
     row.extend(planned.foot.map(Cell::from));
-    row.push(planned.jump.apex().map(|apex| planned.foot[1] + apex).into());
+    row.push(
+        planned
+            .jump
+            .apex()
+            .map(|apex| planned.foot[1] + apex)
+            .into(),
+    );
     row.extend(planned.landing.map(Cell::from));
     row.push(Some(planned.deviation).filter(|d| *d > 0.0).into());
     row.push(target.into());
     let off = target.map(|target| planned.landing[0] - target);
-    row.push(off.map(|off| if off.abs() < ROUND_OFF { 0.0 } else { off }).into());
+    row.push(
+        off.map(|off| if off.abs() < ROUND_OFF { 0.0 } else { off })
+            .into(),
+    );
     row.push(planned.friction_needed.into());
     row.push(Cell::Flag(holds));
     row
@@ -245,15 +300,22 @@ fn checks_text(plan: &CrossingPlan) -> String {
     let line = |check: &Check| {
         let sign = if check.holds() { "holds" } else { "FAILS" };
         let (value, allowed) = (digits(check.value, 4), allowed(check.allowed));
-        format!("  {sign}  jump {}: {} {value}, {allowed}\n", check.jump + 1, check.what)
+        format!(
+            "  {sign}  jump {}: {} {value}, {allowed}\n",
+            check.jump + 1,
+            check.what
+        )
     };
-    let (hold, fail): (Vec<&Check>, Vec<&Check>) = plan.checks.iter().partition(|check| check.holds());
+    let (hold, fail): (Vec<&Check>, Vec<&Check>) =
+        plan.checks.iter().partition(|check| check.holds());
     let mut text: String = fail.iter().copied().map(line).collect();
     if !fail.is_empty() {
-        text += "  → Flown ten times finer than in the search, the plan misses this. More clearance_m, edge_margin_m or \
-                 margin_sigmas leaves more room.\n";
+        text += "  → Flown ten times finer than in the search, the plan misses this. More \
+            clearance_m, edge_margin_m or margin_sigmas leaves more room.\n";
     }
-    let hold = hold.into_iter().filter(|check| allowed(check.allowed) != NO_LIMIT);
+    let hold = hold
+        .into_iter()
+        .filter(|check| allowed(check.allowed) != NO_LIMIT);
     text + &hold.map(line).collect::<String>()
 }
 
@@ -261,7 +323,11 @@ fn allowed(span: Span) -> String {
     // What the course leaves open spans all that the planner takes, less what landings keep.
     let limits = |x: f64| x.abs() < 0.99 * ANYWHERE.high;
     match (limits(span.low), limits(span.high)) {
-        (true, true) => format!("allowed from {} to {}", digits(span.low, 4), digits(span.high, 4)),
+        (true, true) => format!(
+            "allowed from {} to {}",
+            digits(span.low, 4),
+            digits(span.high, 4)
+        ),
         (true, false) => format!("allowed from {}", digits(span.low, 4)),
         (false, true) => format!("allowed up to {}", digits(span.high, 4)),
         (false, false) => NO_LIMIT.into(),

@@ -12,20 +12,30 @@ use crate::plot::ground::Ground;
 use crate::plot::scene::{Leap, Scene};
 
 /// The course with the plan, if there is one.
-pub(super) fn scene(answer: &CrossingAnswer, crossing: &Crossing, planner: &Planner, file: &str) -> Scene {
+pub(super) fn scene(
+    answer: &CrossingAnswer,
+    crossing: &Crossing,
+    planner: &Planner,
+    file: &str,
+) -> Scene {
     let (jumps, checks) = match answer {
         CrossingAnswer::Plan(plan) => (plan.jumps.as_slice(), plan.checks.as_slice()),
         _ => (&[][..], &[][..]),
     };
     let missed: Vec<&Check> = checks.iter().filter(|check| !check.holds()).collect();
-    let goal = (crossing.course.goal.low > ANYWHERE.low || crossing.course.goal.high < ANYWHERE.high)
+    let goal = (crossing.course.goal.low > ANYWHERE.low
+        || crossing.course.goal.high < ANYWHERE.high)
         .then(|| ends(&crossing.course.goal));
     let radius = planner.robot().body.radius;
     let leaps = jumps.iter().enumerate().map(|(i, jump)| Leap {
         fails: missed.iter().any(|check| check.jump == i),
         ..leap(jump, planner.stance(), radius)
     });
-    let boxes = crossing.course.obstacles.iter().map(|obstacle| (ends(&obstacle.span()), obstacle.height));
+    let boxes = crossing
+        .course
+        .obstacles
+        .iter()
+        .map(|obstacle| (ends(&obstacle.span()), obstacle.height));
     Scene {
         title: match jumps {
             [] => format!("{}: no plan for {file}", planner.robot().name),
@@ -37,7 +47,14 @@ pub(super) fn scene(answer: &CrossingAnswer, crossing: &Crossing, planner: &Plan
         },
         missed: missed
             .iter()
-            .map(|check| format!("FAILS: jump {}: {} {}", check.jump + 1, check.what, digits(check.value, 4)))
+            .map(|check| {
+                format!(
+                    "FAILS: jump {}: {} {}",
+                    check.jump + 1,
+                    check.what,
+                    digits(check.value, 4)
+                )
+            })
             .collect(),
         radius,
         start: (crossing.course.start, crossing.course.start_height),
@@ -68,11 +85,20 @@ fn leap(planned: &PlannedJump, stance: &Stance<f64>, radius: f64) -> Leap {
         (x + reach * sin, y + reach * cos)
     };
     // The plan was flown already, so there is a trace.
-    let samples = stance.trace(launch).map(|trace| trace.samples).unwrap_or_default();
+    let samples = stance
+        .trace(launch)
+        .map(|trace| trace.samples)
+        .unwrap_or_default();
     let end = radius + planned.landing[1] - y;
-    let flight = planned.jump.flight.and_then(|flight| Some((flight, flight.time_to_height(end).ok()?)));
+    let flight = planned
+        .jump
+        .flight
+        .and_then(|flight| Some((flight, flight.time_to_height(end).ok()?)));
     let flight = flight.map_or(Vec::new(), |(flight, time)| {
-        flight.samples(0.0, time, POINTS).map(|(_, dx, dy)| (x + dx, y + dy)).collect()
+        flight
+            .samples(0.0, time, POINTS)
+            .map(|(_, dx, dy)| (x + dx, y + dy))
+            .collect()
     });
     Leap {
         foot: (x, y),
@@ -80,7 +106,10 @@ fn leap(planned: &PlannedJump, stance: &Stance<f64>, radius: f64) -> Leap {
         flight,
         fails: false,
         label: if stance.leg.has_valve() {
-            format!("α_f = {angle} rad, valve {} ms", digits(1e3 * launch.valve_open, 3))
+            format!(
+                "α_f = {angle} rad, valve {} ms",
+                digits(1e3 * launch.valve_open, 3)
+            )
         } else {
             format!("α_f = {angle} rad")
         },
@@ -106,16 +135,29 @@ mod tests {
             obstacles: vec![],
             no_landing: vec![],
         };
-        let (planner, crossing) = (Planner::new(Robot::rats_planar()), Crossing::new(course, 5.0));
-        let CrossingAnswer::Plan(mut plan) = planner.cross(&crossing).unwrap() else { panic!("no plan") };
+        let (planner, crossing) = (
+            Planner::new(Robot::rats_planar()),
+            Crossing::new(course, 5.0),
+        );
+        let CrossingAnswer::Plan(mut plan) = planner.cross(&crossing).unwrap() else {
+            panic!("no plan")
+        };
         let drawn = |plan| scene(&CrossingAnswer::Plan(plan), &crossing, &planner, "two.toml");
         let good = drawn(plan.clone());
         assert!(good.missed.is_empty() && good.leaps.iter().all(|leap| !leap.fails));
         assert_eq!(good.ground.goal, Some((1.6, 1.9)));
         let allowed = Span::new(0.01, f64::INFINITY);
-        plan.checks.push(Check { jump: 1, what: "clearance (m)".into(), value: 0.004, allowed });
+        plan.checks.push(Check {
+            jump: 1,
+            what: "clearance (m)".into(),
+            value: 0.004,
+            allowed,
+        });
         let bad = drawn(plan);
         assert_eq!(bad.missed, ["FAILS: jump 2: clearance (m) 0.004"]);
-        assert_eq!(bad.leaps.iter().map(|leap| leap.fails).collect::<Vec<_>>(), [false, true]);
+        assert_eq!(
+            bad.leaps.iter().map(|leap| leap.fails).collect::<Vec<_>>(),
+            [false, true]
+        );
     }
 }

@@ -15,10 +15,30 @@ const LIMIT_MIB: u64 = 256;
 
 /// The columns that are read, and what they hold.
 const COLUMNS: [Column; 4] = [
-    Column { name: "omega0_rad_s", others: &["omega_rad_s"], quantity: Quantity::RATE, need: Need::Value },
-    Column { name: "phi0_rad", others: &["start_lean_rad"], quantity: Quantity::ANGLE, need: Need::Column },
-    Column { name: "alpha_f_rad", others: &[], quantity: Quantity::ANGLE, need: Need::Column },
-    Column { name: "valve_open_s", others: &[], quantity: Quantity::TIME, need: Need::Column },
+    Column {
+        name: "omega0_rad_s",
+        others: &["omega_rad_s"],
+        quantity: Quantity::RATE,
+        need: Need::Value,
+    },
+    Column {
+        name: "phi0_rad",
+        others: &["start_lean_rad"],
+        quantity: Quantity::ANGLE,
+        need: Need::Column,
+    },
+    Column {
+        name: "alpha_f_rad",
+        others: &[],
+        quantity: Quantity::ANGLE,
+        need: Need::Column,
+    },
+    Column {
+        name: "valve_open_s",
+        others: &[],
+        quantity: Quantity::TIME,
+        need: Need::Column,
+    },
 ];
 
 /// The launches in the file at `path`, each with its line.
@@ -30,10 +50,15 @@ pub(super) fn load(path: &Path) -> Result<Vec<(u64, Launch)>, CliError> {
 fn read(source: &[u8], file: &str) -> Result<Vec<(u64, Launch)>, CliError> {
     let rows = columns::read(source, file, &COLUMNS)?;
     if rows.is_empty() {
-        return Err(CliError::content(file, "no rows: at least one jump is needed below the header"));
+        return Err(CliError::content(
+            file,
+            "no rows: at least one jump is needed below the header",
+        ));
     }
-    let launches: Vec<_> =
-        rows.iter().map(|(line, row)| launch(file, *line, row)).collect::<Result<_, _>>()?;
+    let launches: Vec<_> = rows
+        .iter()
+        .map(|(line, row)| launch(file, *line, row))
+        .collect::<Result<_, _>>()?;
     let launches: Vec<(u64, Launch)> = launches.into_iter().flatten().collect();
     if launches.is_empty() {
         return Err(CliError::content(file, "no row with a firing angle"));
@@ -41,8 +66,13 @@ fn read(source: &[u8], file: &str) -> Result<Vec<(u64, Launch)>, CliError> {
     Ok(launches)
 }
 
-/// The launch of a row; none for a row of a table that is out of reach, which has neither a firing angle nor a start lean.
-fn launch(file: &str, line: u64, row: &[Option<f64>; 4]) -> Result<Option<(u64, Launch)>, CliError> {
+/// The launch of a row; none for a row of a table that is out of reach, which has neither a firing
+/// angle nor a start lean.
+fn launch(
+    file: &str,
+    line: u64,
+    row: &[Option<f64>; 4],
+) -> Result<Option<(u64, Launch)>, CliError> {
     let empty = |column: &Column| CliError::Value {
         file: file.into(),
         line,
@@ -50,7 +80,9 @@ fn launch(file: &str, line: u64, row: &[Option<f64>; 4]) -> Result<Option<(u64, 
         value: String::new(),
         allowed: column.quantity.allowed.into(),
     };
-    let [Some(rate), lean, angle, valve_open] = *row else { return Err(empty(&COLUMNS[0])) };
+    let [Some(rate), lean, angle, valve_open] = *row else {
+        return Err(empty(&COLUMNS[0]));
+    };
     if lean.is_none() && angle.is_none() {
         return Ok(None);
     }
@@ -58,7 +90,15 @@ fn launch(file: &str, line: u64, row: &[Option<f64>; 4]) -> Result<Option<(u64, 
     let firing_angle = angle.ok_or_else(|| empty(&COLUMNS[2]))?;
     // A table of a leg without a valve leaves its time out.
     let valve_open = valve_open.unwrap_or(VALVE_OPEN);
-    Ok(Some((line, Launch { rate, lean, firing_angle, valve_open })))
+    Ok(Some((
+        line,
+        Launch {
+            rate,
+            lean,
+            firing_angle,
+            valve_open,
+        },
+    )))
 }
 
 #[cfg(test)]
@@ -76,13 +116,23 @@ mod tests {
     #[test]
     fn other_columns_are_ignored() {
         let launches =
-            parse("note,valve_open_s,alpha_f_rad,phi0_rad,omega0_rad_s\r\nx, 0.1 ,-0.1,-0.2,5\r\n").unwrap();
-        let launch = Launch { rate: 5.0, lean: -0.2, firing_angle: -0.1, valve_open: 0.1 };
+            parse("note,valve_open_s,alpha_f_rad,phi0_rad,omega0_rad_s\r\nx, 0.1 ,-0.1,-0.2,5\r\n")
+                .unwrap();
+        let launch = Launch {
+            rate: 5.0,
+            lean: -0.2,
+            firing_angle: -0.1,
+            valve_open: 0.1,
+        };
         assert_eq!(launches, [(2, launch)]);
-        assert_eq!(parse(&format!("\u{feff}{HEADER}\n5,0,0,0.1")).unwrap().len(), 1);
+        assert_eq!(
+            parse(&format!("\u{feff}{HEADER}\n5,0,0,0.1"))
+                .unwrap()
+                .len(),
+            1
+        );
         // As `saltus table` writes them: one out of reach, one of a leg without a valve.
-        let table =
-            "omega_rad_s,distance_m,alpha_f_rad,valve_open_s,start_lean_rad\n5,9,,0.1,\n5,1,-0.1,,-0.2\n";
+        let table = "omega_rad_s,distance_m,alpha_f_rad,valve_open_s,start_lean_rad\n5,9,,0.1,\n5,1,-0.1,,-0.2\n";
         assert_eq!(parse(table).unwrap(), [(3, launch)]);
     }
 
@@ -94,14 +144,30 @@ mod tests {
         };
         check(
             "",
-            "a.csv:1: no column omega0_rad_s: the header must name omega0_rad_s, phi0_rad, alpha_f_rad, valve_open_s",
+            "a.csv:1: no column omega0_rad_s: the header must name omega0_rad_s, phi0_rad, \
+             alpha_f_rad, valve_open_s",
         );
-        check("omega0_rad_s,phi0_rad,alpha_f_rad\n", "no column valve_open_s");
-        check(&format!("{HEADER},phi0_rad\n"), "a.csv:1: column phi0_rad is there twice");
+        check(
+            "omega0_rad_s,phi0_rad,alpha_f_rad\n",
+            "no column valve_open_s",
+        );
+        check(
+            &format!("{HEADER},phi0_rad\n"),
+            "a.csv:1: column phi0_rad is there twice",
+        );
         check(HEADER, "a.csv: no rows");
-        check(&format!("{HEADER}\n5,0,,0.1\n"), "a.csv:2: alpha_f_rad = : must be an angle");
-        check(&format!("{HEADER}\n5,,,0.1\n"), "a.csv: no row with a firing angle");
-        check(&format!("{HEADER}\n5,0,0,0.1\n5,0\n"), "a.csv:3: 2 fields where the header has 4");
+        check(
+            &format!("{HEADER}\n5,0,,0.1\n"),
+            "a.csv:2: alpha_f_rad = : must be an angle",
+        );
+        check(
+            &format!("{HEADER}\n5,,,0.1\n"),
+            "a.csv: no row with a firing angle",
+        );
+        check(
+            &format!("{HEADER}\n5,0,0,0.1\n5,0\n"),
+            "a.csv:3: 2 fields where the header has 4",
+        );
         check(
             &format!("{HEADER}\n5,0,0,nan\n"),
             "a.csv:2: valve_open_s = nan: must be a time from 0 to 1000 s",
@@ -110,7 +176,10 @@ mod tests {
             &format!("{HEADER}\n,0,0,0.1\n"),
             "a.csv:2: omega0_rad_s = : must be a number from 0 to 1000 rad/s",
         );
-        check(&format!("{HEADER}\n5,2,0,0.1\n"), "a.csv:2: phi0_rad = 2: must be an angle strictly between");
+        check(
+            &format!("{HEADER}\n5,2,0,0.1\n"),
+            "a.csv:2: phi0_rad = 2: must be an angle strictly between",
+        );
         check(
             &format!("{HEADER}\n5,0,{},0.1\n", "9".repeat(100)),
             &format!("alpha_f_rad = {}…", "9".repeat(40)),

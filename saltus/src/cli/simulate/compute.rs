@@ -7,7 +7,8 @@ use saltus::{DragFlight, Flight, Jump, Launch, LiftOff, Robot, StanceError};
 
 use crate::progress::Progress;
 
-/// Jumps that are computed side by side. It does not depend on the number of threads, so neither does the result.
+/// Jumps that are computed side by side. It does not depend on the number of threads, so neither
+/// does the result.
 const SIDE_BY_SIDE: usize = 256;
 
 /// What is wanted beside the end of each stance.
@@ -56,19 +57,28 @@ pub(super) fn simulate(
         progress: Progress::new("jumps", launches.len()),
     };
     let chunks: Vec<(usize, &[Launch])> = launches.chunks(SIDE_BY_SIDE).enumerate().collect();
-    let shares: Vec<_> = chunks.chunks(chunks.len().div_ceil(threads.get()).max(1)).collect();
+    let shares: Vec<_> = chunks
+        .chunks(chunks.len().div_ceil(threads.get()).max(1))
+        .collect();
     let share = |chunks: &[(usize, &[Launch])]| -> Result<Vec<Answer>, Failed> {
-        let answers: Result<Vec<_>, _> =
-            chunks.iter().map(|(i, chunk)| work.chunk(i * SIDE_BY_SIDE, chunk)).collect();
+        let answers: Result<Vec<_>, _> = chunks
+            .iter()
+            .map(|(i, chunk)| work.chunk(i * SIDE_BY_SIDE, chunk))
+            .collect();
         Ok(answers?.into_iter().flatten().collect())
     };
     if let [only] = shares[..] {
         return share(only);
     }
     let parts = std::thread::scope(|scope| {
-        let workers: Vec<_> = shares.iter().map(|chunks| scope.spawn(|| share(chunks))).collect();
+        let workers: Vec<_> = shares
+            .iter()
+            .map(|chunks| scope.spawn(|| share(chunks)))
+            .collect();
         let join = |worker: std::thread::ScopedJoinHandle<'_, _>| {
-            worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+            worker
+                .join()
+                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         };
         workers.into_iter().map(join).collect::<Result<Vec<_>, _>>()
     })?;
@@ -86,33 +96,71 @@ impl Work<'_> {
     /// The answers to `launches`, of which the first has the place `start`.
     fn chunk(&self, start: usize, launches: &[Launch]) -> Result<Vec<Answer>, Failed> {
         let ends = self.batch.jumps(launches);
-        let answers = ends.into_iter().zip(launches).enumerate().map(|(i, (end, launch))| {
-            let answer = end.and_then(|end| self.answer(launch, end));
-            answer.map_err(|source| Failed { index: start + i, source })
-        });
+        let answers = ends
+            .into_iter()
+            .zip(launches)
+            .enumerate()
+            .map(|(i, (end, launch))| {
+                let answer = end.and_then(|end| self.answer(launch, end));
+                answer.map_err(|source| Failed {
+                    index: start + i,
+                    source,
+                })
+            });
         let answers = answers.collect();
         self.progress.advance(launches.len());
         answers
     }
 
     fn answer(&self, launch: &Launch, end: LiftOff) -> Result<Answer, StanceError> {
-        let jump = Jump { launch: *launch, stance: end, flight: self.flight(&end) };
+        let jump = Jump {
+            launch: *launch,
+            stance: end,
+            flight: self.flight(&end),
+        };
         if !self.detail.stance && !self.detail.path {
-            return Ok(Answer { jump, bearing: None, path: Vec::new() });
+            return Ok(Answer {
+                jump,
+                bearing: None,
+                path: Vec::new(),
+            });
         }
         let trace = self.batch.stance().trace(launch)?;
         let centre = |sample: &Sample| {
-            let (reach, (sin, cos)) = (self.robot.body.radius + sample.extension, sample.lean.sin_cos());
+            let (reach, (sin, cos)) = (
+                self.robot.body.radius + sample.extension,
+                sample.lean.sin_cos(),
+            );
             (reach * sin, reach * cos)
         };
-        let path = if self.detail.path { trace.samples.iter().map(centre).collect() } else { Vec::new() };
-        let bearing = self.detail.stance.then_some(Bearing { contact: trace.contact, energy: trace.energy });
-        Ok(Answer { jump, bearing, path })
+        let path = if self.detail.path {
+            trace.samples.iter().map(centre).collect()
+        } else {
+            Vec::new()
+        };
+        let bearing = self.detail.stance.then_some(Bearing {
+            contact: trace.contact,
+            energy: trace.energy,
+        });
+        Ok(Answer {
+            jump,
+            bearing,
+            path,
+        })
     }
 
     fn flight(&self, end: &LiftOff) -> Option<DragFlight<f64>> {
         let ((x, y), (vx, vy)) = (end.position(), end.velocity());
-        let vacuum = Flight { x, y, vx, vy, gravity: self.robot.axle_gravity() };
-        end.outcome.is_jump().then_some(DragFlight { vacuum, drag: self.robot.environment.drag })
+        let vacuum = Flight {
+            x,
+            y,
+            vx,
+            vy,
+            gravity: self.robot.axle_gravity(),
+        };
+        end.outcome.is_jump().then_some(DragFlight {
+            vacuum,
+            drag: self.robot.environment.drag,
+        })
     }
 }

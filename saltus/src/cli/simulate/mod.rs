@@ -32,20 +32,23 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "RATE", value_parser = rates, allow_hyphen_values = true)]
     omega: Option<Values>,
 
-    /// Firing angle(s) α_f (rad): the lean at which the leg is fired; forward of the upright is positive
+    /// Firing angle(s) α_f (rad): the lean at which the leg is fired; forward of the upright is
+    /// positive
     #[arg(long, value_name = "ANGLE", value_parser = angles, allow_hyphen_values = true)]
     alpha_f: Option<Values>,
 
-    /// Valve opening time(s) t_v (s): how long the drive is commanded; of no effect for a spring, which has no valve [default: 0.1]
+    /// Valve opening time(s) t_v (s): how long the drive is commanded; of no effect for a spring,
+    /// which has no valve [default: 0.1]
     #[arg(long, value_name = "TIME", value_parser = times, allow_hyphen_values = true)]
     valve_open: Option<Values>,
 
-    /// Where the stance starts and the approach rate counts: `firing`, at the firing angle, or at this lean φ₀ (rad) [default: firing]
+    /// Where the stance starts and the approach rate counts: `firing`, at the firing angle, or at
+    /// this lean φ₀ (rad) [default: firing]
     #[arg(long, value_name = "firing|ANGLE", value_parser = start_lean, allow_hyphen_values = true)]
     start_lean: Option<StartLean>,
 
-    /// Read the launches from this CSV file: columns omega0_rad_s (or omega_rad_s), phi0_rad (or start_lean_rad), alpha_f_rad, valve_open_s;
-    /// a table that `saltus table` wrote has them
+    /// Read the launches from this CSV file: columns omega0_rad_s (or omega_rad_s), phi0_rad (or
+    /// start_lean_rad), alpha_f_rad, valve_open_s; a table that `saltus table` wrote has them
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["omega", "alpha_f", "valve_open", "start_lean"])]
     batch: Option<PathBuf>,
 
@@ -97,12 +100,25 @@ impl Simulate {
         let (launches, lines) = self.launches(&robot)?;
         let drawn = self.plot.is_set();
         if drawn && launches.len() > MOST_DRAWN {
-            let allowed = format!("used with {MOST_DRAWN} jumps at most, not {}", launches.len());
+            let allowed = format!(
+                "used with {MOST_DRAWN} jumps at most, not {}",
+                launches.len()
+            );
             return Err(CliError::flag("--plot", "", allowed));
         }
-        let detail = compute::Detail { stance: self.batch.is_none(), path: drawn };
-        let answers = compute::simulate(&robot, &launches, detail, self.threads.count())
-            .map_err(|failed| self.failed(&launches[failed.index], lines.get(failed.index), failed.source))?;
+        let detail = compute::Detail {
+            stance: self.batch.is_none(),
+            path: drawn,
+        };
+        let answers = compute::simulate(&robot, &launches, detail, self.threads.count()).map_err(
+            |failed| {
+                self.failed(
+                    &launches[failed.index],
+                    lines.get(failed.index),
+                    failed.source,
+                )
+            },
+        )?;
         let report = match self.common.format() {
             Format::Csv => report::table(&answers, &robot).csv(),
             Format::Json => report::json(&answers, &robot),
@@ -116,27 +132,46 @@ impl Simulate {
     /// The launches, and the lines of the batch on which they stand.
     fn launches(&self, robot: &Robot) -> Result<(Vec<Launch>, Vec<u64>), CliError> {
         match &self.batch {
-            Some(path) => Ok(batch::load(path)?.into_iter().map(|(line, launch)| (launch, line)).unzip()),
+            Some(path) => Ok(batch::load(path)?
+                .into_iter()
+                .map(|(line, launch)| (launch, line))
+                .unzip()),
             None => Ok((self.combinations(robot)?, Vec::new())),
         }
     }
 
     /// Every combination of the flags' values.
     fn combinations(&self, robot: &Robot) -> Result<Vec<Launch>, CliError> {
-        let missing = |flag| CliError::Missing { flag, allowed: "a jump needs it, or give a --batch" };
+        let missing = |flag| CliError::Missing {
+            flag,
+            allowed: "a jump needs it, or give a --batch",
+        };
         let rates = self.omega.as_ref().ok_or_else(|| missing("--omega"))?;
         let angles = self.alpha_f.as_ref().ok_or_else(|| missing("--alpha-f"))?;
-        let times = self.valve_open.clone().filter(|_| robot.leg.drive.has_valve());
+        let times = self
+            .valve_open
+            .clone()
+            .filter(|_| robot.leg.drive.has_valve());
         let times = times.unwrap_or_else(|| Values::from(VALVE_OPEN));
-        let count = rates.len().saturating_mul(angles.len()).saturating_mul(times.len());
+        let count = rates
+            .len()
+            .saturating_mul(angles.len())
+            .saturating_mul(times.len());
         if count > MOST_JUMPS {
             let allowed = format!("{MOST_JUMPS} combinations at most, not {count}");
-            return Err(CliError::flag("--omega, --alpha-f, --valve-open", "", allowed));
+            return Err(CliError::flag(
+                "--omega, --alpha-f, --valve-open",
+                "",
+                allowed,
+            ));
         }
         let mut launches = Vec::with_capacity(count);
         for &rate in rates.iter() {
             for &firing_angle in angles.iter() {
-                let lean = self.start_lean.and_then(StartLean::fixed).unwrap_or(firing_angle);
+                let lean = self
+                    .start_lean
+                    .and_then(StartLean::fixed)
+                    .unwrap_or(firing_angle);
                 launches.extend(times.iter().map(|&valve_open| Launch {
                     rate,
                     lean,

@@ -39,13 +39,36 @@ pub(super) fn table(answers: &[Answer], robot: &Robot) -> Table {
 }
 
 fn row(answer: &Answer, robot: &Robot) -> Vec<Cell> {
-    let (launch, end, flies) = (&answer.jump.launch, &answer.jump.stance, answer.jump.flight.is_some());
+    let (launch, end, flies) = (
+        &answer.jump.launch,
+        &answer.jump.stance,
+        answer.jump.flight.is_some(),
+    );
     let ((x, y), (vx, vy)) = (end.position(), end.velocity());
-    let mut row: Vec<Cell> = [launch.rate, launch.lean, launch.firing_angle].map(Cell::from).into();
-    row.push(robot.leg.drive.has_valve().then_some(launch.valve_open).into());
+    let mut row: Vec<Cell> = [launch.rate, launch.lean, launch.firing_angle]
+        .map(Cell::from)
+        .into();
+    row.push(
+        robot
+            .leg
+            .drive
+            .has_valve()
+            .then_some(launch.valve_open)
+            .into(),
+    );
     row.extend([Cell::Word(end.outcome.name()), Cell::from(end.time_fire)]);
-    let motion =
-        [end.time, end.lean, end.rate, end.extension, end.extension_rate, end.pressure, x, y, vx, vy];
+    let motion = [
+        end.time,
+        end.lean,
+        end.rate,
+        end.extension,
+        end.extension_rate,
+        end.pressure,
+        x,
+        y,
+        vx,
+        vy,
+    ];
     row.extend(motion.map(|number| Cell::from(flies.then_some(number))));
     row.push(Cell::from(answer.jump.apex()));
     row.extend([robot.body.radius, 0.0].map(|height| Cell::from(answer.jump.distance(height))));
@@ -55,13 +78,18 @@ fn row(answer: &Answer, robot: &Robot) -> Vec<Cell> {
 /// The document.
 pub(super) fn json(answers: &[Answer], robot: &Robot) -> String {
     let mut jumps = table(answers, robot).json();
-    jumps.iter_mut().zip(answers).for_each(|(jump, answer)| add_stance(jump, answer));
+    jumps
+        .iter_mut()
+        .zip(answers)
+        .for_each(|(jump, answer)| add_stance(jump, answer));
     output::json(&json!({ "command": "simulate", "robot": robot.name, "jumps": jumps }))
 }
 
 /// Adds what the ground bears and where the energy goes.
 fn add_stance(jump: &mut Map<String, Value>, answer: &Answer) {
-    let Some(Bearing { contact, energy }) = &answer.bearing else { return };
+    let Some(Bearing { contact, energy }) = &answer.bearing else {
+        return;
+    };
     let contact = json!({
         "least_normal_n": contact.least_normal,
         "least_normal_time_s": contact.least_normal_time,
@@ -74,5 +102,8 @@ fn add_stance(jump: &mut Map<String, Value>, answer: &Answer) {
         "kinetic_j": energy.kinetic,
         "potential_j": energy.potential,
     });
-    jump.extend([("contact".to_owned(), contact), ("energy".to_owned(), energy)]);
+    jump.extend([
+        ("contact".to_owned(), contact),
+        ("energy".to_owned(), energy),
+    ]);
 }

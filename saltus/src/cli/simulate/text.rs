@@ -26,12 +26,21 @@ pub(super) fn text(answers: &[Answer], robot: &Robot) -> String {
         return one(answer, robot);
     }
     let shown = shown(SHOWN, robot);
-    format!("{}: {} jumps\n{}", robot.name, answers.len(), table(answers, robot).text(&shown))
+    format!(
+        "{}: {} jumps\n{}",
+        robot.name,
+        answers.len(),
+        table(answers, robot).text(&shown)
+    )
 }
 
 /// One jump in words.
 fn one(answer: &Answer, robot: &Robot) -> String {
-    let Jump { launch, stance: lift_off, flight } = &answer.jump;
+    let Jump {
+        launch,
+        stance: lift_off,
+        flight,
+    } = &answer.jump;
     let mut lines = vec![
         format!("{}: one jump", robot.name),
         line("approach rate", launch.rate, "rad/s"),
@@ -41,13 +50,28 @@ fn one(answer: &Answer, robot: &Robot) -> String {
     if robot.leg.drive.has_valve() {
         lines.push(line("valve open", launch.valve_open, "s"));
     }
-    lines.push(format!("  {:<16} {}: {}", "outcome", lift_off.outcome.name(), meaning(lift_off.outcome)));
+    lines.push(format!(
+        "  {:<16} {}: {}",
+        "outcome",
+        lift_off.outcome.name(),
+        meaning(lift_off.outcome)
+    ));
     if let Some(flight) = flight {
         let Flight { x, y, vx, vy, .. } = flight.vacuum;
         lines.extend([
             line("lift-off", lift_off.time, "s after the start"),
-            format!("  {:<16} {} m forward, {} m up", "  centre at", short(x), short(y)),
-            format!("  {:<16} {} m/s forward, {} m/s up", "  speed", short(vx), short(vy)),
+            format!(
+                "  {:<16} {} m forward, {} m up",
+                "  centre at",
+                short(x),
+                short(y)
+            ),
+            format!(
+                "  {:<16} {} m/s forward, {} m/s up",
+                "  speed",
+                short(vx),
+                short(vy)
+            ),
             format!(
                 "  {:<16} {} rad, {} rad/s",
                 "  lean and rate",
@@ -58,7 +82,11 @@ fn one(answer: &Answer, robot: &Robot) -> String {
         ]);
         for (height, name) in [(robot.body.radius, "landing at r_s"), (0.0, "landing at 0")] {
             lines.push(match flight.range_to_height(height) {
-                Ok(x) => line(name, x, &format!("m ahead of the foot, centre at {height} m")),
+                Ok(x) => line(
+                    name,
+                    x,
+                    &format!("m ahead of the foot, centre at {height} m"),
+                ),
                 Err(FlightError::AboveApex { .. }) => {
                     format!("  {name:<16} never: the apex is below {height} m")
                 }
@@ -72,11 +100,22 @@ fn one(answer: &Answer, robot: &Robot) -> String {
 
 fn bearing(Bearing { contact, energy }: &Bearing) -> [String; 3] {
     let friction = match contact.friction_needed {
-        needed if needed.is_finite() => line("friction needed", needed, "at least, for the foot not to slip"),
+        needed if needed.is_finite() => line(
+            "friction needed",
+            needed,
+            "at least, for the foot not to slip",
+        ),
         needed if needed.is_nan() => format!("  {:<16} –: the foot never stood", "friction needed"),
-        _ => format!("  {:<16} any: the ground would have to pull", "friction needed"),
+        _ => format!(
+            "  {:<16} any: the ground would have to pull",
+            "friction needed"
+        ),
     };
-    let work = format!("{} J by the drive, {} J lost", short(energy.drive), short(energy.losses));
+    let work = format!(
+        "{} J by the drive, {} J lost",
+        short(energy.drive),
+        short(energy.losses)
+    );
     let normal = match contact.least_normal {
         normal if normal.is_finite() => line("least normal", normal, "N"),
         _ => format!("  {:<16} –: the foot never stood", "least normal"),

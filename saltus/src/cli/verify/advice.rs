@@ -13,7 +13,11 @@ const SIGMAS: f64 = 2.0;
 const OFF: f64 = 1e-3;
 
 /// What to do, in sentences, the likeliest first; nothing where nothing is missed.
-pub(super) fn advice(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) -> Vec<String> {
+pub(super) fn advice(
+    outcomes: &[Outcome],
+    verdict: &Verdict,
+    context: &Context<'_>,
+) -> Vec<String> {
     if verdict.failures.is_empty() {
         return Vec::new();
     }
@@ -36,10 +40,15 @@ fn other_robot(context: &Context<'_>) -> Option<String> {
     if planned == plant {
         return None;
     }
-    let what = if context.subject.is_plan() { "plan" } else { "law or table" };
+    let what = if context.subject.is_plan() {
+        "plan"
+    } else {
+        "law or table"
+    };
     if planned.name == plant.name {
         return Some(format!(
-            "The {what} was made for {} without the changes of --plant-set. Make it with the same changes: --set.",
+            "The {what} was made for {} without the changes of --plant-set. Make it with the same \
+             changes: --set.",
             planned.name
         ));
     }
@@ -48,36 +57,47 @@ fn other_robot(context: &Context<'_>) -> Option<String> {
         _ => String::new(),
     };
     Some(format!(
-        "The {what} was made for {}, and {} jumps{boom}. Plan for the robot that jumps: --robot {}.",
+        "The {what} was made for {}, and {} jumps{boom}. Plan for the robot that jumps: --robot \
+         {}.",
         planned.name, plant.name, plant.name
     ))
 }
 
 /// Feet slip in the runs that fail.
 fn slipping(outcomes: &[Outcome], context: &Context<'_>) -> Option<String> {
-    let failed = outcomes.iter().filter(|o| !o.passes()).flat_map(|o| &o.attempts);
-    let slips = failed.filter(|attempt| attempt.flown().is_some_and(|f| f.report.slips_at.is_some())).count();
+    let failed = outcomes
+        .iter()
+        .filter(|o| !o.passes())
+        .flat_map(|o| &o.attempts);
+    let slips = failed
+        .filter(|attempt| attempt.flown().is_some_and(|f| f.report.slips_at.is_some()))
+        .count();
     let remedy = match &context.subject.kind {
         Kind::Plan { .. } => " Set friction_coefficient in the course to the ground's.",
         Kind::Rule(_) => "",
     };
     (slips > 0).then(|| {
         format!(
-            "The foot slips in {slips} jumps of the runs that fail: they need more friction than the ground has.{remedy}"
+            "The foot slips in {slips} jumps of the runs that fail: they need more friction than \
+             the ground has.{remedy}"
         )
     })
 }
 
 /// Later jumps fail because they start off their footholds.
 fn adding_up(outcomes: &[Outcome], verdict: &Verdict) -> Option<String> {
-    let jump = verdict.failures.iter().find(|failure| failure.jump > 0)?.jump;
+    let jump = verdict
+        .failures
+        .iter()
+        .find(|failure| failure.jump > 0)?
+        .jump;
     let starts = outcomes.iter().filter(|o| o.attempts[jump].was_started());
     let off = starts.map(|o| (o.attempts[jump].foot[0] - o.trial.route.stages[jump].foot[0]).abs());
     let most = off.fold(0.0, f64::max);
     (most > OFF).then(|| {
         format!(
-            "Errors add up from jump to jump: jump {} starts up to {:.0} mm off its planned foothold. --restart flies each jump from its \
-             planned foothold.",
+            "Errors add up from jump to jump: jump {} starts up to {:.0} mm off its planned \
+             foothold. --restart flies each jump from its planned foothold.",
             jump + 1,
             1e3 * most
         )
@@ -86,24 +106,32 @@ fn adding_up(outcomes: &[Outcome], verdict: &Verdict) -> Option<String> {
 
 /// Only the drawn errors make landings fail: the plan leaves no room for them.
 fn no_room(verdict: &Verdict, context: &Context<'_>) -> Option<String> {
-    let Kind::Plan { crossing, .. } = &context.subject.kind else { return None };
+    let Kind::Plan { crossing, .. } = &context.subject.kind else {
+        return None;
+    };
     let is_of_place = |demand: Demand| demand.is_of_landing() && demand != Demand::Tolerance;
     if !is_of_errors(verdict, is_of_place) {
         return None;
     }
     let remedy = if crossing.sigmas < SIGMAS {
-        format!("Set margin_sigmas in the course to {SIGMAS} (it is {}).", crossing.sigmas)
+        format!(
+            "Set margin_sigmas in the course to {SIGMAS} (it is {}).",
+            crossing.sigmas
+        )
     } else {
         "Make the errors less, or the places to land longer.".into()
     };
-    Some(format!("The plan leaves too little room for the robot's [errors] where it lands. {remedy}"))
+    Some(format!(
+        "The plan leaves too little room for the robot's [errors] where it lands. {remedy}"
+    ))
 }
 
-/// Only the drawn errors bring it too near to boxes: the planner keeps the clearance of a jump without errors.
+/// Only the drawn errors bring it too near to boxes: the planner keeps the clearance of a jump
+/// without errors.
 fn too_near(verdict: &Verdict) -> Option<String> {
     is_of_errors(verdict, |demand| demand == Demand::Clearance).then(|| {
-        "The plan keeps clearance_m in a jump without errors; the robot's [errors] use it up. Plan with more clearance_m than you need, and \
-         demand what you need: --clearance."
+        "The plan keeps clearance_m in a jump without errors; the robot's [errors] use it up. \
+         Plan with more clearance_m than you need, and demand what you need: --clearance."
             .into()
     })
 }
@@ -111,7 +139,10 @@ fn too_near(verdict: &Verdict) -> Option<String> {
 /// Whether such demands are missed in runs with errors, and in none without.
 fn is_of_errors(verdict: &Verdict, concerns: impl Fn(Demand) -> bool) -> bool {
     let missed = |errors| {
-        let mut these = verdict.failures.iter().filter(|failure| failure.errors == errors);
+        let mut these = verdict
+            .failures
+            .iter()
+            .filter(|failure| failure.errors == errors);
         these.any(|failure| concerns(failure.demand))
     };
     missed(true) && !missed(false)

@@ -13,44 +13,77 @@ use crate::plot::ground::Part;
 /// Most jumps of a page, each of some hundred kilobytes.
 const MOST: usize = 12;
 
-/// The page: runs without errors, evenly chosen where they are many, and of the others the worst. What could not be simulated is not
-/// shown.
+/// The page: runs without errors, evenly chosen where they are many, and of the others the worst.
+/// What could not be simulated is not shown.
 pub(super) fn html(outcomes: &[Outcome], context: &Context<'_>) -> Result<String, SimError> {
     let nominal: Vec<&Outcome> = outcomes.iter().filter(|o| !o.trial.has_errors()).collect();
     let most = (MOST / context.subject.jumps().max(1)).max(2);
     let step = nominal.len().div_ceil(most - 1).max(1);
     let drawn = outcomes.iter().filter(|o| o.trial.has_errors());
-    let worst = drawn.max_by(|a, b| (!a.passes()).cmp(&!b.passes()).then(miss(a).total_cmp(&miss(b))));
+    let worst = drawn.max_by(|a, b| {
+        (!a.passes())
+            .cmp(&!b.passes())
+            .then(miss(a).total_cmp(&miss(b)))
+    });
     let mut jumps = Vec::new();
     for outcome in nominal.into_iter().step_by(step).chain(worst) {
         run(outcome, context, &mut jumps)?;
     }
     let demands = &outcomes[0].trial.route.demands;
-    let obstacle = |[from_x_m, to_x_m, top_m]: [f64; 3]| Obstacle { from_x_m, to_x_m, top_m };
+    let obstacle = |[from_x_m, to_x_m, top_m]: [f64; 3]| Obstacle {
+        from_x_m,
+        to_x_m,
+        top_m,
+    };
     let obstacles = demands.obstacles.iter().copied().map(obstacle).collect();
-    let title = format!("{} of {}", context.subject.title, context.planner.robot().name);
+    let title = format!(
+        "{} of {}",
+        context.subject.title,
+        context.planner.robot().name
+    );
     let mut scene = Scene::of(context.plant.robot(), title, obstacles, jumps);
-    scene.avoid = demands.avoid.iter().map(|area| [area.low, area.high]).collect();
-    let zone =
-        |name: String, span: &saltus::planner::course::Span| Zone { name, span_m: [span.low, span.high] };
+    scene.avoid = demands
+        .avoid
+        .iter()
+        .map(|area| [area.low, area.high])
+        .collect();
+    let zone = |name: String, span: &saltus::planner::course::Span| Zone {
+        name,
+        span_m: [span.low, span.high],
+    };
     let zones = demands.zones.iter().enumerate();
-    scene.zones =
-        zones.filter_map(|(i, span)| Some(zone(format!("land {}", i + 1), span.as_ref()?))).collect();
-    scene.zones.extend(demands.goal.iter().map(|goal| zone("goal".into(), goal)));
+    scene.zones = zones
+        .filter_map(|(i, span)| Some(zone(format!("land {}", i + 1), span.as_ref()?)))
+        .collect();
+    scene
+        .zones
+        .extend(demands.goal.iter().map(|goal| zone("goal".into(), goal)));
     Ok(page(&scene))
 }
 
 /// The greatest landing error (m) of a run.
 fn miss(outcome: &Outcome) -> f64 {
-    outcome.jumps().map(|jump| jump.miss().map_or(f64::INFINITY, f64::abs)).fold(0.0, f64::max)
+    outcome
+        .jumps()
+        .map(|jump| jump.miss().map_or(f64::INFINITY, f64::abs))
+        .fold(0.0, f64::max)
 }
 
 /// Adds the jumps of a run that were simulated, each among the paths of the others.
-fn run(outcome: &Outcome, context: &Context<'_>, jumps: &mut Vec<animation::Jump>) -> Result<(), SimError> {
-    let flown: Vec<(Jump<'_>, &Flown)> =
-        outcome.jumps().filter_map(|jump| Some((jump, jump.attempt.flown()?))).collect();
+fn run(
+    outcome: &Outcome,
+    context: &Context<'_>,
+    jumps: &mut Vec<animation::Jump>,
+) -> Result<(), SimError> {
+    let flown: Vec<(Jump<'_>, &Flown)> = outcome
+        .jumps()
+        .filter_map(|jump| Some((jump, jump.attempt.flown()?)))
+        .collect();
     let path = |(jump, flown): &(Jump<'_>, &Flown)| -> Vec<[f64; 2]> {
-        path(jump.attempt, flown, jump.stage().landing_height).step_by(4).map(|(x, y)| [x, y]).collect()
+        path(jump.attempt, flown, jump.stage().landing_height)
+            .step_by(4)
+            .map(|(x, y)| [x, y])
+            .collect()
     };
     let paths: Vec<Vec<[f64; 2]>> = flown.iter().map(path).collect();
     for (i, (one, flown_one)) in flown.iter().enumerate() {
@@ -64,9 +97,16 @@ fn run(outcome: &Outcome, context: &Context<'_>, jumps: &mut Vec<animation::Jump
 }
 
 fn jump(one: &Jump<'_>, flown: &Flown, context: &Context<'_>) -> Result<animation::Jump, SimError> {
-    let Jump { trial, number, attempt } = one;
+    let Jump {
+        trial,
+        number,
+        attempt,
+    } = one;
     let stage = one.stage();
-    let (rate, angle) = (digits(attempt.launch.rate, 3), digits(stage.launch.firing_angle, 3));
+    let (rate, angle) = (
+        digits(attempt.launch.rate, 3),
+        digits(stage.launch.firing_angle, 3),
+    );
     let mut name = format!("{rate} rad/s, fired at {angle} rad");
     if context.subject.jumps() > 1 {
         name = format!("jump {}: {name}", number + 1);
@@ -91,7 +131,10 @@ fn jump(one: &Jump<'_>, flown: &Flown, context: &Context<'_>) -> Result<animatio
         landing_height_m: stage.landing_height,
     };
     let mut shown = animation::Jump::of(&context.plant.rig()?, &flown.report, asked);
-    shown.stand_at(attempt.foot, context.plant.robot().boom.map(|boom| boom.length));
+    shown.stand_at(
+        attempt.foot,
+        context.plant.robot().boom.map(|boom| boom.length),
+    );
     let zones = trial.route.demands.zones.iter().flatten().count();
     let part = |part: Part| match part {
         Part::Obstacle(item) => ("obstacle", item),
@@ -107,12 +150,19 @@ fn jump(one: &Jump<'_>, flown: &Flown, context: &Context<'_>) -> Result<animatio
 fn verdict(one: &Jump<'_>, flown: &Flown) -> String {
     let mut words = one.attempt.reasons();
     if words.is_empty() {
-        words.extend(one.attempt.judgement(Demand::Tolerance).map(Judgement::place));
+        words.extend(
+            one.attempt
+                .judgement(Demand::Tolerance)
+                .map(Judgement::place),
+        );
         let gap = one.attempt.clearance.filter(|gap| *gap > 0.0);
         words.extend(gap.map(|gap| format!("keeps {} mm from boxes", digits(1e3 * gap, 3))));
     }
     if flown.report.slips_at.is_some() {
-        words.push(format!("the foot slips {} mm", digits(1e3 * flown.slip(), 2)));
+        words.push(format!(
+            "the foot slips {} mm",
+            digits(1e3 * flown.slip(), 2)
+        ));
     }
     words.join("; ").replace(" -", " −")
 }

@@ -1,4 +1,5 @@
-//! A verification as a drawing: the course with paths and landings, forces and slip, landing errors.
+//! A verification as a drawing: the course with paths and landings, forces and slip, landing
+//! errors.
 
 use saltus::Launch;
 use saltus::lagrangian::Sample as Planned;
@@ -24,7 +25,10 @@ const LINES: usize = 4;
 pub(super) fn sheet(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) -> Drawing {
     let nominal: Vec<&Outcome> = outcomes.iter().filter(|o| !o.trial.has_errors()).collect();
     let miss = |jump: &Jump<'_>| jump.miss().map_or(f64::INFINITY, f64::abs);
-    let flown = nominal.iter().flat_map(|o| o.jumps()).filter_map(|jump| Some((jump, jump.attempt.flown()?)));
+    let flown = nominal
+        .iter()
+        .flat_map(|o| o.jumps())
+        .filter_map(|jump| Some((jump, jump.attempt.flown()?)));
     let worst = flown.max_by(|a, b| miss(&a.0).total_cmp(&miss(&b.0)));
     let mut panels = Vec::new();
     panels.extend(worst.into_iter().flat_map(|(jump, flown)| {
@@ -32,13 +36,28 @@ pub(super) fn sheet(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'
         std::iter::once(forces(&name, flown)).chain(slip(&name, flown))
     }));
     panels.push(errors(outcomes, context));
-    let title =
-        format!("{}, in the multi-body simulation of {}", context.subject.title, context.plant.robot().name);
-    Drawing::Sheet(Sheet { title, course: Some(course(&nominal, outcomes, verdict, context)), panels })
+    let title = format!(
+        "{}, in the multi-body simulation of {}",
+        context.subject.title,
+        context.plant.robot().name
+    );
+    Drawing::Sheet(Sheet {
+        title,
+        course: Some(course(&nominal, outcomes, verdict, context)),
+        panels,
+    })
 }
 
-fn course(nominal: &[&Outcome], outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) -> Flown {
-    let shown: Vec<&&Outcome> = nominal.iter().step_by(nominal.len().div_ceil(PATHS).max(1)).collect();
+fn course(
+    nominal: &[&Outcome],
+    outcomes: &[Outcome],
+    verdict: &Verdict,
+    context: &Context<'_>,
+) -> Flown {
+    let shown: Vec<&&Outcome> = nominal
+        .iter()
+        .step_by(nominal.len().div_ceil(PATHS).max(1))
+        .collect();
     let mut paths = Vec::new();
     let mut dashed = Some("planned".to_owned());
     for (i, outcome) in shown.iter().enumerate() {
@@ -46,17 +65,36 @@ fn course(nominal: &[&Outcome], outcomes: &[Outcome], verdict: &Verdict, context
         let mut label = Some(label(outcome, context));
         for jump in outcome.jumps() {
             let plan = planned(&jump, context);
-            paths.push(Line { label: dashed.take(), points: plan, color: GREY, mark: Mark::Dashed });
+            paths.push(Line {
+                label: dashed.take(),
+                points: plan,
+                color: GREY,
+                mark: Mark::Dashed,
+            });
             let color = if jump.attempt.passes() { color } else { RED };
             let points = simulated(&jump);
-            paths.push(Line { label: label.take(), points, color, mark: Mark::Solid });
+            paths.push(Line {
+                label: label.take(),
+                points,
+                color,
+                mark: Mark::Solid,
+            });
         }
     }
     let stages = shown.iter().flat_map(|outcome| &outcome.trial.route.stages);
     let surface = |jump: &Jump<'_>| jump.stage().surface.unwrap_or(0.0);
-    let landing = |jump: Jump<'_>| Some(((jump.attempt.landing()?, surface(&jump)), jump.attempt.passes()));
+    let landing = |jump: Jump<'_>| {
+        Some((
+            (jump.attempt.landing()?, surface(&jump)),
+            jump.attempt.passes(),
+        ))
+    };
     let tolerance = context.tolerance;
-    let failures = verdict.failures.iter().take(LINES - 1).map(|f| failure_text(f, context));
+    let failures = verdict
+        .failures
+        .iter()
+        .take(LINES - 1)
+        .map(|f| failure_text(f, context));
     let word = if verdict.passes { "PASS" } else { "FAIL" };
     Flown {
         ground: ground(outcomes, context),
@@ -66,7 +104,11 @@ fn course(nominal: &[&Outcome], outcomes: &[Outcome], verdict: &Verdict, context
             .filter(|stage| stage.wanted.is_finite())
             .map(|stage| ((stage.wanted, stage.surface.unwrap_or(0.0)), tolerance))
             .collect(),
-        landings: outcomes.iter().flat_map(Outcome::jumps).filter_map(landing).collect(),
+        landings: outcomes
+            .iter()
+            .flat_map(Outcome::jumps)
+            .filter_map(landing)
+            .collect(),
         passes: verdict.passes,
         verdict: std::iter::once(word.to_owned()).chain(failures).collect(),
     }
@@ -77,7 +119,11 @@ fn ground(outcomes: &[Outcome], context: &Context<'_>) -> Ground {
     let demands = &outcomes[0].trial.route.demands;
     let ends = |span: &saltus::planner::course::Span| (span.low, span.high);
     Ground {
-        obstacles: demands.obstacles.iter().map(|[front, back, top]| ((*front, *back), *top)).collect(),
+        obstacles: demands
+            .obstacles
+            .iter()
+            .map(|[front, back, top]| ((*front, *back), *top))
+            .collect(),
         avoid: demands.avoid.iter().map(ends).collect(),
         land: demands.zones.iter().flatten().map(ends).collect(),
         goal: demands.goal.as_ref().map(ends),
@@ -86,14 +132,24 @@ fn ground(outcomes: &[Outcome], context: &Context<'_>) -> Ground {
             Kind::Rule(rule) => rule.distance,
         },
         target_name: "target",
-        missed: outcomes.iter().flat_map(Outcome::jumps).flat_map(|jump| missed(&jump)).collect(),
+        missed: outcomes
+            .iter()
+            .flat_map(Outcome::jumps)
+            .flat_map(|jump| missed(&jump))
+            .collect(),
     }
 }
 
 /// The parts of the course that a jump misses or touches.
 pub(super) fn missed(jump: &Jump<'_>) -> Vec<Part> {
     let zones = &jump.trial.route.demands.zones;
-    let zone = || zones[..=jump.number.min(zones.len().saturating_sub(1))].iter().flatten().count() - 1;
+    let zone = || {
+        zones[..=jump.number.min(zones.len().saturating_sub(1))]
+            .iter()
+            .flatten()
+            .count()
+            - 1
+    };
     let part = |(demand, item): (Demand, Option<usize>)| match (demand, item) {
         (Demand::Avoid, Some(item)) => Some(Part::Avoid(item)),
         (Demand::Zone, _) => Some(Part::Land(zone())),
@@ -101,13 +157,22 @@ pub(super) fn missed(jump: &Jump<'_>) -> Vec<Part> {
         (_, Some(item)) => Some(Part::Obstacle(item)),
         _ => None,
     };
-    jump.attempt.misses().filter_map(|miss| part((miss.demand, miss.item))).collect()
+    jump.attempt
+        .misses()
+        .filter_map(|miss| part((miss.demand, miss.item)))
+        .collect()
 }
 
 /// What the key calls a run without errors: no two alike.
 fn label(outcome: &Outcome, context: &Context<'_>) -> String {
-    let on = outcome.trial.friction.map(|mu| format!("friction {}", digits(mu, 3)));
-    let rate = format!("{} rad/s", digits(outcome.trial.route.stages[0].launch.rate, 3));
+    let on = outcome
+        .trial
+        .friction
+        .map(|mu| format!("friction {}", digits(mu, 3)));
+    let rate = format!(
+        "{} rad/s",
+        digits(outcome.trial.route.stages[0].launch.rate, 3)
+    );
     let run = (!context.subject.is_plan()).then_some(rate);
     let parts: Vec<String> = run.into_iter().chain(on).collect();
     if parts.is_empty() {
@@ -121,17 +186,28 @@ fn label(outcome: &Outcome, context: &Context<'_>) -> String {
 fn name(jump: &Jump<'_>, context: &Context<'_>) -> String {
     let number = (context.subject.jumps() > 1).then(|| format!("jump {}", jump.number + 1));
     let rate = format!("{} rad/s", digits(jump.stage().launch.rate, 3));
-    let on = jump.trial.friction.map(|mu| format!("friction {}", digits(mu, 3)));
-    number.into_iter().chain([rate]).chain(on).collect::<Vec<_>>().join(", ")
+    let on = jump
+        .trial
+        .friction
+        .map(|mu| format!("friction {}", digits(mu, 3)));
+    number
+        .into_iter()
+        .chain([rate])
+        .chain(on)
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// The simulated path of the axle (m along the course, and up), to the landing.
 fn simulated(jump: &Jump<'_>) -> Vec<(f64, f64)> {
-    let Some(flown) = jump.attempt.flown() else { return Vec::new() };
+    let Some(flown) = jump.attempt.flown() else {
+        return Vec::new();
+    };
     path(jump.attempt, flown, jump.stage().landing_height).collect()
 }
 
-/// The path of the axle (m along the course, and up) of a simulated jump that lands at a height (m above its foothold).
+/// The path of the axle (m along the course, and up) of a simulated jump that lands at a height (m
+/// above its foothold).
 pub(super) fn path<'a>(
     attempt: &'a Attempt,
     flown: &'a Simulated,
@@ -140,13 +216,21 @@ pub(super) fn path<'a>(
     let samples = &flown.report.samples;
     let lift_off = flown.report.lift_off.map_or(f64::INFINITY, |l| l.time);
     let is_higher = |a: &usize, b: &usize| samples[*a].axle[1].total_cmp(&samples[*b].axle[1]);
-    let top = (0..samples.len()).filter(|i| samples[*i].time >= lift_off).max_by(is_higher);
+    let top = (0..samples.len())
+        .filter(|i| samples[*i].time >= lift_off)
+        .max_by(is_higher);
     let down = top.map_or(samples.len(), |top| {
-        top + samples[top..].iter().take_while(|sample| sample.axle[1] >= height).count()
+        top + samples[top..]
+            .iter()
+            .take_while(|sample| sample.axle[1] >= height)
+            .count()
     });
     let [x, y] = attempt.foot;
     let landing = flown.landing.map(|landing| (x + landing, y + height));
-    samples[..down].iter().map(move |s| (x + s.axle[0], y + s.axle[1])).chain(landing)
+    samples[..down]
+        .iter()
+        .map(move |s| (x + s.axle[0], y + s.axle[1]))
+        .chain(landing)
 }
 
 /// The planner's path of the axle (m along the course, and up).
@@ -161,7 +245,9 @@ pub(super) fn planned(jump: &Jump<'_>, context: &Context<'_>) -> Vec<(f64, f64)>
 fn planned_path(launch: &Launch, landing_height: f64, context: &Context<'_>) -> Vec<(f64, f64)> {
     const POINTS: usize = 120;
     let radius = context.planner.robot().body.radius;
-    let Ok(trace) = context.planner.stance().trace(launch) else { return Vec::new() };
+    let Ok(trace) = context.planner.stance().trace(launch) else {
+        return Vec::new();
+    };
     let axle = |s: &Planned| {
         let (sin, cos) = s.lean.sin_cos();
         ((radius + s.extension) * sin, (radius + s.extension) * cos)
@@ -169,7 +255,9 @@ fn planned_path(launch: &Launch, landing_height: f64, context: &Context<'_>) -> 
     let mut points: Vec<(f64, f64)> = trace.samples.iter().map(axle).collect();
     let jump = context.planner.jump(launch).ok();
     let flight = jump.and_then(|jump| jump.flight);
-    if let Some((flight, time)) = flight.and_then(|f| Some((f, f.time_to_height(landing_height).ok()?))) {
+    if let Some((flight, time)) =
+        flight.and_then(|f| Some((f, f.time_to_height(landing_height).ok()?)))
+    {
         points.extend(flight.samples(0.0, time, POINTS).map(|(_, x, y)| (x, y)));
     }
     points
@@ -178,13 +266,19 @@ fn planned_path(launch: &Launch, landing_height: f64, context: &Context<'_>) -> 
 /// Samples while the foot is on the ground.
 fn standing(flown: &Simulated) -> impl Iterator<Item = &saltus::sim_check::Sample> {
     let lift_off = flown.report.lift_off.map_or(f64::INFINITY, |l| l.time);
-    flown.report.samples.iter().filter(move |s| s.time <= lift_off)
+    flown
+        .report
+        .samples
+        .iter()
+        .filter(move |s| s.time <= lift_off)
 }
 
 fn forces(name: &str, flown: &Simulated) -> Panel {
     let curve = |label: &str, k: usize, color| Line {
         label: Some(label.into()),
-        points: standing(flown).map(|s| (1e3 * s.time, s.force[k])).collect(),
+        points: standing(flown)
+            .map(|s| (1e3 * s.time, s.force[k]))
+            .collect(),
         color,
         mark: Mark::Solid,
     };
@@ -192,7 +286,11 @@ fn forces(name: &str, flown: &Simulated) -> Panel {
         title: format!("force on the foot, the jump off its plan most: {name}"),
         x: "time (ms)",
         y: "force (N)",
-        lines: vec![curve("normal", 0, BLUE), curve("along the travel", 1, RED), curve("across", 2, GREY)],
+        lines: vec![
+            curve("normal", 0, BLUE),
+            curve("along the travel", 1, RED),
+            curve("across", 2, GREY),
+        ],
     }
 }
 
@@ -207,18 +305,33 @@ fn slip(name: &str, flown: &Simulated) -> Option<Panel> {
             before = Some((s.time, s.slip[k]));
             (1e3 * s.time, 1e3 * way)
         });
-        Line { label: Some(label.into()), points: points.collect(), color, mark: Mark::Solid }
+        Line {
+            label: Some(label.into()),
+            points: points.collect(),
+            color,
+            mark: Mark::Solid,
+        }
     };
     let lines = vec![curve("along the travel", 0, RED), curve("across", 1, GREY)];
-    let slips = lines.iter().flat_map(|line| &line.points).any(|(_, way)| way.abs() > 1e3 * NOTHING);
+    let slips = lines
+        .iter()
+        .flat_map(|line| &line.points)
+        .any(|(_, way)| way.abs() > 1e3 * NOTHING);
     let title = format!("way that this foot slips: {name}");
-    slips.then_some(Panel { title, x: "time (ms)", y: "slip (mm)", lines })
+    slips.then_some(Panel {
+        title,
+        x: "time (ms)",
+        y: "slip (mm)",
+        lines,
+    })
 }
 
-/// Landing errors and the tolerance, over friction where there are several coefficients, else over the wanted landings of a course, else over
-/// the approach rate.
+/// Landing errors and the tolerance, over friction where there are several coefficients, else over
+/// the wanted landings of a course, else over the approach rate.
 fn errors(outcomes: &[Outcome], context: &Context<'_>) -> Panel {
-    let several = outcomes.windows(2).any(|pair| pair[0].trial.friction != pair[1].trial.friction);
+    let several = outcomes
+        .windows(2)
+        .any(|pair| pair[0].trial.friction != pair[1].trial.friction);
     let jumps = context.subject.jumps() > 1;
     let place = |jump: &Jump<'_>| match (several, jumps) {
         (true, _) => jump.trial.friction,
@@ -226,23 +339,38 @@ fn errors(outcomes: &[Outcome], context: &Context<'_>) -> Panel {
         (false, false) => Some(jump.attempt.launch.rate),
     };
     let dots = |errors: bool, passes: bool| -> Vec<(f64, f64)> {
-        let these = outcomes.iter().filter(|o| o.trial.has_errors() == errors).flat_map(Outcome::jumps);
+        let these = outcomes
+            .iter()
+            .filter(|o| o.trial.has_errors() == errors)
+            .flat_map(Outcome::jumps);
         let these = these.filter(|jump| jump.attempt.passes() == passes);
-        these.filter_map(|jump| Some((place(&jump)?, 1e3 * jump.miss()?))).collect()
+        these
+            .filter_map(|jump| Some((place(&jump)?, 1e3 * jump.miss()?)))
+            .collect()
     };
     let failed = [dots(true, false), dots(false, false)].concat();
     let (with, without) = (dots(true, true), dots(false, true));
     let all = || with.iter().chain(&without).chain(&failed).map(|(x, _)| *x);
-    let ends = [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)];
+    let ends = [
+        all().fold(f64::INFINITY, f64::min),
+        all().fold(f64::NEG_INFINITY, f64::max),
+    ];
     let bound = |label: Option<String>, side: f64| Line {
         label,
         points: ends.map(|x| (x, side * 1e3 * context.tolerance)).to_vec(),
         color: BLUE,
         mark: Mark::Dashed,
     };
-    let line =
-        |label: &str, points, color| Line { label: Some(label.into()), points, color, mark: Mark::Dots };
-    let mut lines = vec![line("with errors", with, GREY), line("without errors", without, BLUE)];
+    let line = |label: &str, points, color| Line {
+        label: Some(label.into()),
+        points,
+        color,
+        mark: Mark::Dots,
+    };
+    let mut lines = vec![
+        line("with errors", with, GREY),
+        line("without errors", without, BLUE),
+    ];
     lines.push(line("fails", failed, RED));
     lines.retain(|line| !line.points.is_empty());
     if ends[0] <= ends[1] {

@@ -39,19 +39,24 @@ pub(crate) struct Verify {
     plant: Option<String>,
 
     /// Override a parameter of the robot that jumps; may be repeated
-    #[arg(long = "plant-set", value_name = "KEY=VALUE", help_heading = "The robot that jumps")]
+    #[arg(
+        long = "plant-set",
+        value_name = "KEY=VALUE",
+        help_heading = "The robot that jumps"
+    )]
     plant_overrides: Vec<String>,
 
     /// Friction coefficients of the ground along the travel [default: the robot's own]
     #[arg(long, value_name = "COEFFICIENTS", value_parser = frictions, help_heading = "The robot that jumps")]
     friction: Option<Values>,
 
-    /// Start each jump of a course at its planned foothold, in place of where the jump before it landed
+    /// Start each jump of a course at its planned foothold, in place of where the jump before it
+    /// landed
     #[arg(long, help_heading = "What is verified")]
     restart: bool,
 
-    /// Runs with errors drawn from the robot's [errors], beside those without: a run is all jumps of a course, or one jump of a
-    /// law or a table
+    /// Runs with errors drawn from the robot's [errors], beside those without: a run is all jumps
+    /// of a course, or one jump of a law or a table
     #[arg(long, value_name = "COUNT", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     #[arg(help_heading = "Errors")]
     samples: u32,
@@ -61,14 +66,20 @@ pub(crate) struct Verify {
     scatter: f64,
 
     /// Seed of the drawn errors
-    #[arg(long, value_name = "NUMBER", default_value_t = 1, help_heading = "Errors")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = 1,
+        help_heading = "Errors"
+    )]
     seed: u64,
 
     /// How far (m) a landing may be from where it is wanted
     #[arg(long, value_name = "LENGTH", value_parser = quantity::extent, default_value = "0.05", help_heading = "What passes")]
     tolerance: f64,
 
-    /// Least distance (m) in flight between wheel and boxes [default: clearance_m of the course; a law or a table touches no box]
+    /// Least distance (m) in flight between wheel and boxes [default: clearance_m of the course; a
+    /// law or a table touches no box]
     #[arg(long, value_name = "LENGTH", value_parser = quantity::height, help_heading = "What passes")]
     clearance: Option<f64>,
 
@@ -87,7 +98,8 @@ pub(crate) struct Verify {
     #[command(flatten)]
     threads: Threads,
 
-    /// Write a page that plays the jumps in a browser: those without errors, and the worst of the others
+    /// Write a page that plays the jumps in a browser: those without errors, and the worst of the
+    /// others
     #[arg(long, value_name = "FILE.html", value_parser = page_file, help_heading = "Robot and output")]
     animate: Option<PathBuf>,
 
@@ -168,7 +180,9 @@ impl Verify {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         let planner = Planner::new(self.common.robot()?);
         let plant = Plant::new(self.plant()?, self.accuracy);
-        plant.rig().map_err(|error| CliError::content(&plant.robot().name, error))?;
+        plant
+            .rig()
+            .map_err(|error| CliError::content(&plant.robot().name, error))?;
         let Some(subject) = Subject::load(&self.subject, &planner)? else {
             let report = match self.common.format() {
                 Format::Csv => report::rows(&[], planner.robot()).csv(),
@@ -179,15 +193,28 @@ impl Verify {
             return Ok(Status::No);
         };
         if self.restart && !subject.is_plan() {
-            return Err(CliError::flag("--restart", "", "left out where there is no course"));
+            return Err(CliError::flag(
+                "--restart",
+                "",
+                "left out where there is no course",
+            ));
         }
         let radius = plant.robot().body.radius;
-        let trials =
-            trial::draw(&subject, &planner, radius, &self.ground(), &self.limits(), &self.scatter())?;
+        let trials = trial::draw(
+            &subject,
+            &planner,
+            radius,
+            &self.ground(),
+            &self.limits(),
+            &self.scatter(),
+        )?;
         let exact = self.fly(&plant, &trials);
         // What fixed steps cost is seen beside the jumps without them.
         let (outcomes, exact) = match self.fixed_step {
-            Some(h) => (self.fly(&plant.stepped(Stepping::Fixed(h)), &trials), Some(exact)),
+            Some(h) => (
+                self.fly(&plant.stepped(Stepping::Fixed(h)), &trials),
+                Some(exact),
+            ),
             None => (exact, None),
         };
         let cost = exact.map(|exact| report::StepCost::of(self.fixed_step, &outcomes, &exact));
@@ -213,8 +240,13 @@ impl Verify {
                 .map_err(|error| CliError::content(file.display(), error))
         });
         let drawing = || Ok(drawing::sheet(&outcomes, &verdict, &scene));
-        self.common.write_with(report, &self.plot, drawing, page.transpose()?)?;
-        Ok(if verdict.passes { Status::Done } else { Status::No })
+        self.common
+            .write_with(report, &self.plot, drawing, page.transpose()?)?;
+        Ok(if verdict.passes {
+            Status::Done
+        } else {
+            Status::No
+        })
     }
 
     /// The robot that jumps.
@@ -227,19 +259,32 @@ impl Verify {
     }
 
     fn ground(&self) -> Vec<Option<f64>> {
-        self.friction.as_ref().map_or(vec![None], |values| values.iter().copied().map(Some).collect())
+        self.friction.as_ref().map_or(vec![None], |values| {
+            values.iter().copied().map(Some).collect()
+        })
     }
 
     fn scatter(&self) -> trial::Scatter {
-        trial::Scatter { samples: self.samples as usize, factor: self.scatter, seed: self.seed }
+        trial::Scatter {
+            samples: self.samples as usize,
+            factor: self.scatter,
+            seed: self.seed,
+        }
     }
 
     fn limits(&self) -> trial::Limits {
-        trial::Limits { tolerance: self.tolerance, clearance: self.clearance }
+        trial::Limits {
+            tolerance: self.tolerance,
+            clearance: self.clearance,
+        }
     }
 
     fn starts(&self) -> Starts {
-        if self.restart { Starts::Planned } else { Starts::Chained }
+        if self.restart {
+            Starts::Planned
+        } else {
+            Starts::Chained
+        }
     }
 
     fn fly(&self, plant: &Plant, trials: &[Trial]) -> Vec<Outcome> {
@@ -261,8 +306,14 @@ impl Verify {
 
 /// Parser of a flag.
 fn share(text: &str) -> Result<f64, String> {
-    let share = Quantity::FACTOR.parse(text).map_err(|error| error.to_string())?;
-    if share <= 1.0 { Ok(share) } else { Err(format!("{share} must be a share from 0 to 1")) }
+    let share = Quantity::FACTOR
+        .parse(text)
+        .map_err(|error| error.to_string())?;
+    if share <= 1.0 {
+        Ok(share)
+    } else {
+        Err(format!("{share} must be a share from 0 to 1"))
+    }
 }
 
 /// Parser of a flag.
@@ -271,13 +322,18 @@ fn fixed_step(text: &str) -> Result<f64, String> {
     if (1e-6..=Stepping::LONGEST).contains(&step) {
         Ok(step)
     } else {
-        Err(format!("{step} must be a time from 1e-6 to {} s", Stepping::LONGEST))
+        Err(format!(
+            "{step} must be a time from 1e-6 to {} s",
+            Stepping::LONGEST
+        ))
     }
 }
 
 /// Parser of a flag.
 fn accuracy(text: &str) -> Result<f64, String> {
-    let number = Quantity::FACTOR.parse(text).map_err(|error| error.to_string())?;
+    let number = Quantity::FACTOR
+        .parse(text)
+        .map_err(|error| error.to_string())?;
     if (1e-13..=1e-2).contains(&number) {
         Ok(number)
     } else {

@@ -36,7 +36,12 @@ pub(super) struct StepCost {
 impl StepCost {
     /// Of jumps with steps of `step` (s), and the same with error control.
     pub(super) fn of(step: Option<f64>, fixed: &[Outcome], exact: &[Outcome]) -> StepCost {
-        let pairs = || fixed.iter().flat_map(|o| &o.attempts).zip(exact.iter().flat_map(|o| &o.attempts));
+        let pairs = || {
+            fixed
+                .iter()
+                .flat_map(|o| &o.attempts)
+                .zip(exact.iter().flat_map(|o| &o.attempts))
+        };
         let most = |of: fn(&Flown) -> Option<f64>| {
             let gaps = pairs().filter_map(|(a, b)| Some((of(a.flown()?)? - of(b.flown()?)?).abs()));
             gaps.fold(0.0, f64::max)
@@ -115,18 +120,31 @@ pub(super) fn rows(outcomes: &[Outcome], robot: &Robot) -> Table {
 pub(super) const NOTHING: f64 = 1e-9;
 
 fn row(run: usize, jump: &Jump<'_>, robot: &Robot) -> Vec<Cell> {
-    let Jump { trial, number, attempt } = jump;
+    let Jump {
+        trial,
+        number,
+        attempt,
+    } = jump;
     let (stage, flown) = (jump.stage(), attempt.flown());
     let report = flown.map(|flown| &flown.report);
     let slip = |x: f64| if x.abs() < NOTHING { 0.0 } else { x };
     let mut row = vec![
         Cell::Count(run + 1),
         Cell::Flag(trial.has_errors()),
-        if stage.surface.is_some() { Cell::Count(number + 1) } else { Cell::Empty },
+        if stage.surface.is_some() {
+            Cell::Count(number + 1)
+        } else {
+            Cell::Empty
+        },
         stage.launch.rate.into(),
         attempt.launch.rate.into(),
         stage.launch.firing_angle.into(),
-        robot.leg.drive.has_valve().then_some(stage.launch.valve_open).into(),
+        robot
+            .leg
+            .drive
+            .has_valve()
+            .then_some(stage.launch.valve_open)
+            .into(),
         trial.friction.into(),
         Cell::Word(attempt.outcome()),
         attempt.was_started().then_some(attempt.foot[0]).into(),
@@ -155,13 +173,16 @@ fn row(run: usize, jump: &Jump<'_>, robot: &Robot) -> Vec<Cell> {
             row.push(judgement.map(|judgement| judgement.margin).into());
         }
     }
-    row.extend([Cell::Flag(attempt.passes()), Cell::Text(attempt.reasons().join("; "))]);
+    row.extend([
+        Cell::Flag(attempt.passes()),
+        Cell::Text(attempt.reasons().join("; ")),
+    ]);
     row
 }
 
 /// What there is to say of a course without a plan.
-pub(super) const NO_PLAN: &str =
-    "no plan crosses this course: `saltus plan` says what blocks it, and the nearest that has one\n";
+pub(super) const NO_PLAN: &str = "no plan crosses this course: `saltus plan` says what blocks it, \
+    and the nearest that has one\n";
 
 /// The same as a document.
 pub(super) fn no_plan_json(planner: &Planner, plant: &Plant) -> String {
@@ -222,7 +243,11 @@ pub(super) fn text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
     );
     if let Some(starts) = starts(context).filter(|_| context.subject.jumps() > 1) {
         // Writing to a string does not fail.
-        let _ = writeln!(text, "a run is {} jumps; each starts {starts}", context.subject.jumps());
+        let _ = writeln!(
+            text,
+            "a run is {} jumps; each starts {starts}",
+            context.subject.jumps()
+        );
     }
     for errors in [false, true] {
         if let Some(group) = verdict.all(errors) {
@@ -234,7 +259,8 @@ pub(super) fn text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
     if let Some(cost) = context.step_cost {
         let _ = writeln!(
             text,
-            "\nsteps of {} s: landings off by {} m at most, apexes by {} m, {} jumps end otherwise than with error control",
+            "\nsteps of {} s: landings off by {} m at most, apexes by {} m, {} jumps end \
+             otherwise than with error control",
             digits(cost.step, 4),
             digits(cost.landing, 2),
             digits(cost.apex, 2),
@@ -246,14 +272,23 @@ pub(super) fn text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
 
 /// The jumps without errors one by one, where they are few.
 fn jumps_text(outcomes: &[Outcome], context: &Context<'_>) -> String {
-    let nominal = || outcomes.iter().filter(|o| !o.trial.has_errors()).flat_map(Outcome::jumps);
+    let nominal = || {
+        outcomes
+            .iter()
+            .filter(|o| !o.trial.has_errors())
+            .flat_map(Outcome::jumps)
+    };
     if nominal().count() > FEW {
         return String::new();
     }
     let mut table = Table::new(COLUMNS);
     nominal().for_each(|jump| table.push(row(0, &jump, context.planner.robot())));
     let (jump, foot) = (("jump", "jump", ""), ("foot_x_m", "foot", "m"));
-    let mut columns = if context.subject.is_plan() { vec![jump, foot] } else { Vec::new() };
+    let mut columns = if context.subject.is_plan() {
+        vec![jump, foot]
+    } else {
+        Vec::new()
+    };
     columns.extend([
         ("omega_rad_s", "ω", "rad/s"),
         ("alpha_f_rad", "α_f", "rad"),
@@ -282,7 +317,10 @@ fn verdict_text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) 
         } else {
             " (all have to)".into()
         };
-        Some(format!("{} of {} {run}s {with} errors pass{needed}", group.runs_passed, group.runs))
+        Some(format!(
+            "{} of {} {run}s {with} errors pass{needed}",
+            group.runs_passed, group.runs
+        ))
     });
     let word = if verdict.passes { "PASS" } else { "FAIL" };
     let mut text = format!("\n{word}: {}\n", counts.collect::<Vec<_>>().join(", "));
@@ -300,7 +338,11 @@ fn verdict_text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) 
 
 /// What is missed, by whom, how often and by how much at worst.
 pub(super) fn failure_text(failure: &Failure, context: &Context<'_>) -> String {
-    let with = if failure.errors { "with errors" } else { "without errors" };
+    let with = if failure.errors {
+        "with errors"
+    } else {
+        "without errors"
+    };
     let jump = match context.subject.jumps() {
         1 => String::new(),
         _ => format!("jump {}, ", failure.jump + 1),
@@ -317,19 +359,41 @@ pub(super) fn failure_text(failure: &Failure, context: &Context<'_>) -> String {
 
 /// What the jumps have to meet.
 fn demands_text(outcomes: &[Outcome]) -> String {
-    let Some(Outcome { trial, .. }) = outcomes.first() else { return String::new() };
+    let Some(Outcome { trial, .. }) = outcomes.first() else {
+        return String::new();
+    };
     let demands = &trial.route.demands;
     let metres = |x: f64| format!("{} m", digits(x, 4));
-    let span = |span: &saltus::planner::course::Span| match (span.low.is_finite(), span.high.is_finite()) {
+    let span = |span: &saltus::planner::course::Span| match (
+        span.low.is_finite(),
+        span.high.is_finite(),
+    ) {
         (true, true) => format!("from {} to {}", metres(span.low), metres(span.high)),
         (true, false) => format!("from {}", metres(span.low)),
         _ => format!("up to {}", metres(span.high)),
     };
-    let mut all = vec![format!("landings within {} of where they are wanted", metres(demands.tolerance))];
-    all.extend(demands.goal.iter().map(|goal| format!("the goal {}", span(goal))));
-    let zones = demands.zones.iter().enumerate().filter_map(|(i, zone)| Some((i, zone.as_ref()?)));
+    let mut all = vec![format!(
+        "landings within {} of where they are wanted",
+        metres(demands.tolerance)
+    )];
+    all.extend(
+        demands
+            .goal
+            .iter()
+            .map(|goal| format!("the goal {}", span(goal))),
+    );
+    let zones = demands
+        .zones
+        .iter()
+        .enumerate()
+        .filter_map(|(i, zone)| Some((i, zone.as_ref()?)));
     all.extend(zones.map(|(i, zone)| format!("jump {} landing {}", i + 1, span(zone))));
-    all.extend(demands.avoid.iter().map(|area| format!("no landing {}", span(area))));
+    all.extend(
+        demands
+            .avoid
+            .iter()
+            .map(|area| format!("no landing {}", span(area))),
+    );
     if !demands.obstacles.is_empty() {
         let least = demands.clearance;
         all.push(if least > 0.0 {
@@ -339,9 +403,16 @@ fn demands_text(outcomes: &[Outcome]) -> String {
         });
     }
     if demands.edge_margin > 0.0 {
-        all.push(format!("landings {} from edges", metres(demands.edge_margin)));
+        all.push(format!(
+            "landings {} from edges",
+            metres(demands.edge_margin)
+        ));
     }
-    all.extend(demands.friction.map(|mu| format!("friction up to {}", digits(mu, 4))));
+    all.extend(
+        demands
+            .friction
+            .map(|mu| format!("friction up to {}", digits(mu, 4))),
+    );
     all.join("; ")
 }
 
@@ -360,20 +431,38 @@ fn group_text(group: &Group, context: &Context<'_>) -> String {
         "\n{title}: {runs}{} of {} jumps pass, {} land",
         group.passed, group.jumps, group.landed
     )];
-    let counted = [(group.simulation_failed, "cannot be simulated"), (group.not_started, "are not started")];
-    counts.extend(counted.into_iter().filter(|(count, _)| *count > 0).map(|(n, what)| format!("{n} {what}")));
+    let counted = [
+        (group.simulation_failed, "cannot be simulated"),
+        (group.not_started, "are not started"),
+    ];
+    counts.extend(
+        counted
+            .into_iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(n, what)| format!("{n} {what}")),
+    );
     let mut lines = vec![counts.join(", ")];
     let spread = |name: &str, all: [(Option<f64>, &str); 3]| {
-        let known = all.into_iter().filter_map(|(x, what)| Some(format!("{} m {what}", digits(x?, 3))));
+        let known = all
+            .into_iter()
+            .filter_map(|(x, what)| Some(format!("{} m {what}", digits(x?, 3))));
         let known: Vec<String> = known.collect();
-        let all = if known.is_empty() { "–".to_owned() } else { known.join(", ") };
+        let all = if known.is_empty() {
+            "–".to_owned()
+        } else {
+            known.join(", ")
+        };
         format!("  {name:<32} {all}")
     };
     let (land, miss, apex) = (&group.land_error, &group.miss, &group.apex_error);
     let (mean, most) = ("in the mean", "at most");
     lines.push(spread(
         "landing, simulated less planned",
-        [(land.mean, mean), (land.greatest, most), (land.deviation, "standard deviation")],
+        [
+            (land.mean, mean),
+            (land.greatest, most),
+            (land.deviation, "standard deviation"),
+        ],
     ));
     lines.push(spread(
         "landing, simulated less wanted",
@@ -381,29 +470,45 @@ fn group_text(group: &Group, context: &Context<'_>) -> String {
     ));
     lines.push(spread(
         "apex, simulated less planned",
-        [(apex.mean, mean), (apex.greatest, most), (apex.deviation, "standard deviation")],
+        [
+            (apex.mean, mean),
+            (apex.greatest, most),
+            (apex.deviation, "standard deviation"),
+        ],
     ));
     if let Some(gap) = group.clearance {
-        lines.push(format!("  clearance                        {} m at least", digits(gap, 3)));
+        lines.push(format!(
+            "  clearance                        {} m at least",
+            digits(gap, 3)
+        ));
     }
     lines.push(match group.slipped {
         0 => "  slip                             none".to_owned(),
-        n => format!("  slip                             {n} feet slip, {} m at most", digits(group.slip, 3)),
+        n => format!(
+            "  slip                             {n} feet slip, {} m at most",
+            digits(group.slip, 3)
+        ),
     });
     lines.push(format!(
-        "  ground                           friction/normal force {} at most, normal force {} N at least",
+        "  ground                           friction/normal force {} at most, normal force {} N \
+         at least",
         number(group.friction_needed),
         number(group.least_normal)
     ));
-    let residual = group.residual.map_or("–".to_owned(), |x| digits(x.abs(), 2));
-    lines.push(format!("  energy ledger                    closes within {residual} J"));
+    let residual = group
+        .residual
+        .map_or("–".to_owned(), |x| digits(x.abs(), 2));
+    lines.push(format!(
+        "  energy ledger                    closes within {residual} J"
+    ));
     lines.join("\n") + "\n"
 }
 
 /// One line for each of several grounds.
 fn grounds_text(verdict: &Verdict, errors: bool) -> String {
-    const NAMES: &[&str] =
-        &["mu", "jumps", "passed", "slipped", "mean", "sd", "rms", "greatest", "apex", "slip"];
+    const NAMES: &[&str] = &[
+        "mu", "jumps", "passed", "slipped", "mean", "sd", "rms", "greatest", "apex", "slip",
+    ];
     let mut table = Table::new(NAMES);
     let mut groups = verdict.grounds(errors).peekable();
     if groups.peek().is_none() {

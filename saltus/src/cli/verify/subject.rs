@@ -22,7 +22,11 @@ use crate::range::{Values, rates};
 #[command(next_help_heading = "What is verified")]
 pub(crate) struct SubjectFlags {
     /// Course (.toml), whose plan is made first, or table (.csv)
-    #[arg(value_name = "COURSE.toml|TABLE.csv", required_unless_present = "law", conflicts_with = "law")]
+    #[arg(
+        value_name = "COURSE.toml|TABLE.csv",
+        required_unless_present = "law",
+        conflicts_with = "law"
+    )]
     file: Option<PathBuf>,
 
     /// Law α_f = A ω + B: A (s) and B (rad)
@@ -37,21 +41,24 @@ pub(crate) struct SubjectFlags {
     #[arg(long, value_name = "LENGTH", value_parser = quantity::distance, allow_hyphen_values = true)]
     pub(super) distance: Option<f64>,
 
-    /// Box in the way of a law or a table (m): its front edge's distance from the foot, its width, its height
+    /// Box in the way of a law or a table (m): its front edge's distance from the foot, its width,
+    /// its height
     #[arg(long, value_name = "FRONT,WIDTH,HEIGHT", value_parser = block, allow_hyphen_values = true)]
     obstacle: Option<Block>,
 
-    /// Where the distance of a law or a table ends: `wheel`, where the wheel touches level ground, or the height (m) above the foothold
-    /// to which the wheel's centre comes down [default: a table's own; of a law: wheel]
+    /// Where the distance of a law or a table ends: `wheel`, where the wheel touches level ground,
+    /// or the height (m) above the foothold to which the wheel's centre comes down [default: a
+    /// table's own; of a law: wheel]
     #[arg(long, value_name = "wheel|HEIGHT", value_parser = landing_height, allow_hyphen_values = true)]
     pub(super) landing_height: Option<LandingHeight>,
 
-    /// Valve opening time t_v (s) of a law or a table; of no effect for a spring, which has no valve [default: a table's own; of a law: 0.1]
+    /// Valve opening time t_v (s) of a law or a table; of no effect for a spring, which has no
+    /// valve [default: a table's own; of a law: 0.1]
     #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
     pub(super) valve_open: Option<f64>,
 
-    /// Where the stance of a law or a table starts and its approach rate counts: `firing`, at the firing angle, or at this lean φ₀ (rad)
-    /// [default: a table's own; of a law: firing]
+    /// Where the stance of a law or a table starts and its approach rate counts: `firing`, at the
+    /// firing angle, or at this lean φ₀ (rad) [default: a table's own; of a law: firing]
     #[arg(long, value_name = "firing|ANGLE", value_parser = start_lean, allow_hyphen_values = true)]
     pub(super) start_lean: Option<StartLean>,
 }
@@ -65,7 +72,10 @@ pub(super) struct Subject {
 
 pub(super) enum Kind {
     /// A course and its plan.
-    Plan { crossing: Box<Crossing>, plan: Box<CrossingPlan> },
+    Plan {
+        crossing: Box<Crossing>,
+        plan: Box<CrossingPlan>,
+    },
     /// A rule for the firing angle.
     Rule(Rule),
 }
@@ -73,7 +83,8 @@ pub(super) enum Kind {
 /// A firing angle for every approach rate.
 pub(super) struct Rule {
     steering: Steering,
-    /// Rates (rad/s) of the jumps without errors; the others are between the least and the greatest.
+    /// Rates (rad/s) of the jumps without errors; the others are between the least and the
+    /// greatest.
     pub(super) rates: Vec<f64>,
     /// Where it should land (m); none: where planned.
     pub(super) distance: Option<f64>,
@@ -98,7 +109,12 @@ impl Rule {
         let firing_angle = self.steering.angle(rate);
         let lean = self.start_lean.unwrap_or(firing_angle);
         Task {
-            launch: Launch { rate, lean, firing_angle, valve_open: self.valve_open },
+            launch: Launch {
+                rate,
+                lean,
+                firing_angle,
+                valve_open: self.valve_open,
+            },
             landing_height: self.landing_height,
             obstacles: self.obstacles.clone(),
             leg_out: 0.0,
@@ -112,7 +128,9 @@ impl Steering {
         match self {
             Steering::Law { slope, intercept } => slope * rate + intercept,
             Steering::Table(points) => {
-                let after = points.partition_point(|(r, _)| *r < rate).clamp(1, points.len().max(2) - 1);
+                let after = points
+                    .partition_point(|(r, _)| *r < rate)
+                    .clamp(1, points.len().max(2) - 1);
                 match (points.get(after - 1), points.get(after)) {
                     (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (rate - a.0) / (b.0 - a.0),
                     _ => points[0].1,
@@ -151,11 +169,17 @@ impl Subject {
         distance: Option<f64>,
     ) -> Subject {
         let title = format!("the table {file}, {}", terms.landing_title());
-        Subject { title, kind: Kind::Rule(rule(flags, terms, Steering::Table(points), rates, distance)) }
+        Subject {
+            title,
+            kind: Kind::Rule(rule(flags, terms, Steering::Table(points), rates, distance)),
+        }
     }
 
     /// What the flags name; none for a course that no plan crosses.
-    pub(super) fn load(flags: &SubjectFlags, planner: &Planner) -> Result<Option<Subject>, CliError> {
+    pub(super) fn load(
+        flags: &SubjectFlags,
+        planner: &Planner,
+    ) -> Result<Option<Subject>, CliError> {
         note_valve(planner.robot(), flags.valve_open.map(|_| "--valve-open"));
         match (&flags.file, flags.law) {
             (Some(file), None) => match ending(file).as_deref() {
@@ -163,11 +187,15 @@ impl Subject {
                 None | Some("toml") => plan(flags, file, planner),
                 Some(_) => Err(CliError::content(
                     file.display(),
-                    "verify reads a course (.toml) or a table that `saltus table` wrote as CSV (.csv)",
+                    "verify reads a course (.toml) or a table that `saltus table` wrote as CSV \
+                     (.csv)",
                 )),
             },
             (_, Some((slope, intercept))) => law(flags, slope, intercept, planner).map(Some),
-            _ => Err(CliError::Missing { flag: "COURSE.toml", allowed: "or TABLE.csv, or --law" }),
+            _ => Err(CliError::Missing {
+                flag: "COURSE.toml",
+                allowed: "or TABLE.csv, or --law",
+            }),
         }
     }
 }
@@ -177,10 +205,23 @@ fn ending(file: &Path) -> Option<String> {
     Some(file.extension()?.to_str()?.to_ascii_lowercase())
 }
 
-fn law(flags: &SubjectFlags, slope: f64, intercept: f64, planner: &Planner) -> Result<Subject, CliError> {
-    let rates = flags.omega.as_ref().map(|rates| rates.to_vec()).unwrap_or_default();
+fn law(
+    flags: &SubjectFlags,
+    slope: f64,
+    intercept: f64,
+    planner: &Planner,
+) -> Result<Subject, CliError> {
+    let rates = flags
+        .omega
+        .as_ref()
+        .map(|rates| rates.to_vec())
+        .unwrap_or_default();
     let sign = if intercept < 0.0 { '−' } else { '+' };
-    let formula = format!("{} s · ω {sign} {} rad", digits(slope, 5), digits(intercept.abs(), 5));
+    let formula = format!(
+        "{} s · ω {sign} {} rad",
+        digits(slope, 5),
+        digits(intercept.abs(), 5)
+    );
     let steering = Steering::Law { slope, intercept };
     for &rate in &rates {
         let angle = steering.angle(rate);
@@ -189,7 +230,11 @@ fn law(flags: &SubjectFlags, slope: f64, intercept: f64, planner: &Planner) -> R
                 "one whose angles are between -pi/2 and pi/2 rad; at {rate} rad/s it is {}",
                 digits(angle, 4)
             );
-            return Err(CliError::flag("--law", format!("{slope},{intercept}"), allowed));
+            return Err(CliError::flag(
+                "--law",
+                format!("{slope},{intercept}"),
+                allowed,
+            ));
         }
     }
     let terms = Terms::new(
@@ -199,7 +244,10 @@ fn law(flags: &SubjectFlags, slope: f64, intercept: f64, planner: &Planner) -> R
         flags.start_lean.unwrap_or(StartLean::Firing),
     );
     let title = format!("the law α_f = {formula}, {}", terms.landing_title());
-    Ok(Subject { title, kind: Kind::Rule(rule(flags, &terms, steering, rates, flags.distance)) })
+    Ok(Subject {
+        title,
+        kind: Kind::Rule(rule(flags, &terms, steering, rates, flags.distance)),
+    })
 }
 
 fn rule(
@@ -231,22 +279,46 @@ fn plan(flags: &SubjectFlags, path: &Path, planner: &Planner) -> Result<Option<S
         ("--start-lean", flags.start_lean.is_some()),
     ];
     if let Some((flag, _)) = alone.into_iter().find(|(_, is_given)| *is_given) {
-        return Err(CliError::flag(flag, "", "left out where a course says what is to be done"));
+        return Err(CliError::flag(
+            flag,
+            "",
+            "left out where a course says what is to be done",
+        ));
     }
     let crossing = course::load(path)?;
     let file = path.display().to_string();
-    let answer = planner.cross(&crossing).map_err(|error| CliError::content(&file, error))?;
-    let CrossingAnswer::Plan(plan) = answer else { return Ok(None) };
-    let kind = Kind::Plan { crossing: Box::new(crossing), plan: Box::new(plan) };
-    Ok(Some(Subject { title: format!("the plan for {file}"), kind }))
+    let answer = planner
+        .cross(&crossing)
+        .map_err(|error| CliError::content(&file, error))?;
+    let CrossingAnswer::Plan(plan) = answer else {
+        return Ok(None);
+    };
+    let kind = Kind::Plan {
+        crossing: Box::new(crossing),
+        plan: Box::new(plan),
+    };
+    Ok(Some(Subject {
+        title: format!("the plan for {file}"),
+        kind,
+    }))
 }
 
 /// Parser of a flag.
 fn line(text: &str) -> Result<(f64, f64), String> {
-    let refused =
-        || format!("{:?} must be a slope (s) and an intercept (rad), as in -0.146,0.704", cut(text));
+    let refused = || {
+        format!(
+            "{:?} must be a slope (s) and an intercept (rad), as in -0.146,0.704",
+            cut(text)
+        )
+    };
     let (slope, intercept) = text.split_once(',').ok_or_else(refused)?;
-    let number = |part: &str| part.trim().parse::<f64>().ok().filter(|x| x.abs() <= 1e3).ok_or_else(refused);
+    let number = |part: &str| {
+        part.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|x| x.abs() <= 1e3)
+            .ok_or_else(refused)
+    };
     Ok((number(slope)?, number(intercept)?))
 }
 
@@ -257,9 +329,15 @@ mod tests {
     #[test]
     fn tables_are_linear_between_and_beyond_their_rates() {
         let table = Steering::Table(vec![(3.0, 0.0), (4.0, -0.1), (6.0, -0.5)]);
-        for (rate, angle) in
-            [(3.0, 0.0), (3.5, -0.05), (4.0, -0.1), (5.0, -0.3), (6.0, -0.5), (2.0, 0.1), (7.0, -0.7)]
-        {
+        for (rate, angle) in [
+            (3.0, 0.0),
+            (3.5, -0.05),
+            (4.0, -0.1),
+            (5.0, -0.3),
+            (6.0, -0.5),
+            (2.0, 0.1),
+            (7.0, -0.7),
+        ] {
             assert!((table.angle(rate) - angle).abs() < 1e-12, "{rate}");
         }
         assert_eq!(Steering::Table(vec![(3.0, 0.2)]).angle(5.0), 0.2);

@@ -56,9 +56,14 @@ pub(super) struct Jump<'a> {
 impl Trial {
     /// Simulates it.
     pub(super) fn fly(&self, plant: &Plant, starts: Starts) -> Outcome {
-        let plant = self.friction.map_or_else(|| plant.clone(), |mu| plant.on_friction(mu));
+        let plant = self
+            .friction
+            .map_or_else(|| plant.clone(), |mu| plant.on_friction(mu));
         let errors = self.errors.as_deref().unwrap_or_default();
-        Outcome { trial: self.clone(), attempts: plant.run(&self.route, errors, starts) }
+        Outcome {
+            trial: self.clone(),
+            attempts: plant.run(&self.route, errors, starts),
+        }
     }
 
     pub(super) fn has_errors(&self) -> bool {
@@ -73,7 +78,11 @@ impl Outcome {
     }
 
     pub(super) fn jumps(&self) -> impl Iterator<Item = Jump<'_>> {
-        let jump = |(number, attempt)| Jump { trial: &self.trial, number, attempt };
+        let jump = |(number, attempt)| Jump {
+            trial: &self.trial,
+            number,
+            attempt,
+        };
         self.attempts.iter().enumerate().map(jump)
     }
 }
@@ -122,7 +131,11 @@ pub(super) fn draw(
         }
     };
     let without = |&friction: &Option<f64>| {
-        nominal.iter().map(move |route| Trial { route: route.clone(), errors: None, friction })
+        nominal.iter().map(move |route| Trial {
+            route: route.clone(),
+            errors: None,
+            friction,
+        })
     };
     let mut trials: Vec<Trial> = frictions.iter().flat_map(without).collect();
     for i in 0..scatter.samples {
@@ -134,12 +147,17 @@ pub(super) fn draw(
             }
         };
         let errors = errors(planner, route.stages.len(), scatter.factor, &mut random);
-        trials.push(Trial { route, errors: Some(errors), friction: frictions[i % frictions.len()] });
+        trials.push(Trial {
+            route,
+            errors: Some(errors),
+            friction: frictions[i % frictions.len()],
+        });
     }
     Ok(trials)
 }
 
-/// Errors of the jumps of one run. Rate, angle and valve time err anew in every jump, the supply pressure is off by the same all along.
+/// Errors of the jumps of one run. Rate, angle and valve time err anew in every jump, the supply
+/// pressure is off by the same all along.
 fn errors(planner: &Planner, jumps: usize, factor: f64, random: &mut Pcg64) -> Vec<Disturbance> {
     let mut drawn = || {
         let normal = std::array::from_fn(|_| {
@@ -149,7 +167,10 @@ fn errors(planner: &Planner, jumps: usize, factor: f64, random: &mut Pcg64) -> V
         Disturbance::drawn(&planner.robot().errors, normal)
     };
     let first = drawn();
-    let rest = (1..jumps).map(|_| Disturbance { supply: first.supply, ..drawn() });
+    let rest = (1..jumps).map(|_| Disturbance {
+        supply: first.supply,
+        ..drawn()
+    });
     std::iter::once(first).chain(rest).collect()
 }
 
@@ -160,13 +181,22 @@ fn drawn_rate(rates: &[f64], random: &mut Pcg64) -> f64 {
     Uniform::new_inclusive(low, high).map_or(low, |range| range.sample(random))
 }
 
-/// The one jump of a law or a table at an approach rate (rad/s), with what the planner expects of it.
+/// The one jump of a law or a table at an approach rate (rad/s), with what the planner expects of
+/// it.
 fn single(planner: &Planner, rule: &Rule, rate: f64, limits: &Limits) -> Result<Route, CliError> {
-    let Task { launch, landing_height, obstacles, leg_out } = rule.task(rate);
+    let Task {
+        launch,
+        landing_height,
+        obstacles,
+        leg_out,
+    } = rule.task(rate);
     let planned = match planner.jump(&launch) {
         Ok(jump) => Some(jump),
         Err(source @ StanceError::Input { .. }) => {
-            let jump = format!("jump at {} rad/s, fired at {} rad", launch.rate, launch.firing_angle);
+            let jump = format!(
+                "jump at {} rad/s, fired at {} rad",
+                launch.rate, launch.firing_angle
+            );
             return Err(CliError::Jump { jump, source });
         }
         Err(_) => None,
@@ -183,6 +213,14 @@ fn single(planner: &Planner, rule: &Rule, rate: f64, limits: &Limits) -> Result<
         wanted: rule.distance.unwrap_or(landing),
     };
     let clearance = limits.clearance.unwrap_or(0.0);
-    let demands = Demands { obstacles, leg_out, clearance, ..Demands::within(limits.tolerance) };
-    Ok(Route { stages: vec![stage], demands })
+    let demands = Demands {
+        obstacles,
+        leg_out,
+        clearance,
+        ..Demands::within(limits.tolerance)
+    };
+    Ok(Route {
+        stages: vec![stage],
+        demands,
+    })
 }

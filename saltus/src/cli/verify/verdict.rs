@@ -53,7 +53,8 @@ pub(super) struct Failure {
     pub(super) worst: String,
 }
 
-/// Mean, standard deviation, root mean square and the greatest size of some numbers; none without any.
+/// Mean, standard deviation, root mean square and the greatest size of some numbers; none without
+/// any.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Spread {
     pub(super) mean: Option<f64>,
@@ -85,7 +86,8 @@ impl Group {
         let jumps = || outcomes.iter().flat_map(|outcome| outcome.jumps());
         let flown = || jumps().filter_map(|jump| jump.attempt.flown());
         let count = |holds: &dyn Fn(&Jump<'_>) -> bool| jumps().filter(|jump| holds(jump)).count();
-        let greatest = |of: &dyn Fn(&Flown) -> f64| flown().map(of).filter(|x| x.is_finite()).reduce(greater);
+        let greatest =
+            |of: &dyn Fn(&Flown) -> f64| flown().map(of).filter(|x| x.is_finite()).reduce(greater);
         Group {
             errors: outcomes.iter().any(|o| o.trial.has_errors()),
             friction,
@@ -103,7 +105,10 @@ impl Group {
             clearance: jumps().filter_map(|j| j.attempt.clearance).reduce(f64::min),
             slip: flown().map(Flown::slip).fold(0.0, greater),
             friction_needed: greatest(&|f| f.report.friction_needed),
-            least_normal: flown().map(|f| f.report.least_normal).filter(|x| x.is_finite()).reduce(f64::min),
+            least_normal: flown()
+                .map(|f| f.report.least_normal)
+                .filter(|x| x.is_finite())
+                .reduce(f64::min),
             residual: greatest(&|f| f.report.residual),
         }
     }
@@ -157,13 +162,23 @@ impl Failure {
             }
         }
         let started = |failure: &Failure| {
-            let jumps = outcomes.iter().filter(|o| o.trial.has_errors() == failure.errors);
-            jumps.filter(|o| o.attempts[failure.jump].was_started()).count()
+            let jumps = outcomes
+                .iter()
+                .filter(|o| o.trial.has_errors() == failure.errors);
+            jumps
+                .filter(|o| o.attempts[failure.jump].was_started())
+                .count()
         };
         for failure in &mut failures {
             failure.of = started(failure);
         }
-        failures.sort_by_key(|failure| (failure.errors, std::cmp::Reverse(failure.count), failure.jump));
+        failures.sort_by_key(|failure| {
+            (
+                failure.errors,
+                std::cmp::Reverse(failure.count),
+                failure.jump,
+            )
+        });
         failures
     }
 
@@ -185,7 +200,11 @@ fn note(failures: &mut Vec<Failure>, jump: &Jump<'_>) {
     let attempt = jump.attempt;
     for miss in attempt.misses().filter(|_| attempt.was_started()) {
         // Jumps that do not land are told apart by how they end.
-        let outcome = if miss.demand == Demand::Touchdown { attempt.outcome() } else { "" };
+        let outcome = if miss.demand == Demand::Touchdown {
+            attempt.outcome()
+        } else {
+            ""
+        };
         let errors = jump.trial.has_errors();
         let same = |f: &&mut Failure| {
             (f.errors, f.jump, f.demand, f.outcome) == (errors, jump.number, miss.demand, outcome)
@@ -223,7 +242,10 @@ impl Verdict {
         let mut groups = Vec::new();
         let mut passes = true;
         for errors in [false, true] {
-            let these: Vec<&Outcome> = outcomes.iter().filter(|o| o.trial.has_errors() == errors).collect();
+            let these: Vec<&Outcome> = outcomes
+                .iter()
+                .filter(|o| o.trial.has_errors() == errors)
+                .collect();
             if these.is_empty() {
                 continue;
             }
@@ -232,14 +254,21 @@ impl Verdict {
             passes &= all.runs_passed as f64 >= needed * all.runs as f64;
             groups.push(all);
             for ground in grounds.iter().filter(|_| grounds.len() > 1) {
-                let on: Vec<&Outcome> =
-                    these.iter().copied().filter(|o| o.trial.friction == *ground).collect();
+                let on: Vec<&Outcome> = these
+                    .iter()
+                    .copied()
+                    .filter(|o| o.trial.friction == *ground)
+                    .collect();
                 if !on.is_empty() {
                     groups.push(Group::of(&on, *ground));
                 }
             }
         }
-        Verdict { passes, groups, failures: Failure::all(outcomes) }
+        Verdict {
+            passes,
+            groups,
+            failures: Failure::all(outcomes),
+        }
     }
 
     /// The group of all runs with or without errors.
@@ -249,6 +278,9 @@ impl Verdict {
 
     /// The groups on each of several grounds.
     pub(super) fn grounds(&self, errors: bool) -> impl Iterator<Item = &Group> {
-        self.groups.iter().filter(move |group| group.errors == errors).skip(1)
+        self.groups
+            .iter()
+            .filter(move |group| group.errors == errors)
+            .skip(1)
     }
 }
