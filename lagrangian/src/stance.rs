@@ -2,7 +2,7 @@
 
 use saltus_numeric::{Scalar, Single};
 use saltus_pneumatics::{Chamber, GasState, Leg, Valve};
-use saltus_robot::{Parameter, Robot};
+use saltus_robot::{Robot, Term};
 
 use crate::StanceError;
 use crate::advance::State;
@@ -79,10 +79,10 @@ pub struct Reaction<S> {
 }
 
 impl<S: Single> Stance<S> {
-    /// The model of `robot`; `lift` turns each parameter's value into a number of the wanted kind:
+    /// The model of `robot`; `lift` turns each term's value into a number of the wanted kind:
     /// `|_, x| x` for plain numbers, a [`Dual`](saltus_numeric::Dual) variable for those to
     /// differentiate by.
-    pub fn new(robot: &Robot, lift: impl Fn(Parameter, f64) -> S + Copy) -> Stance<S> {
+    pub fn new(robot: &Robot, lift: impl Fn(Term, f64) -> S + Copy) -> Stance<S> {
         let mut stance = Stance::assemble(robot, lift);
         stance.plain = stance.leg.is_plain();
         stance
@@ -91,12 +91,10 @@ impl<S: Single> Stance<S> {
 
 impl<S: Scalar> Stance<S> {
     /// The model with nothing decided yet that takes a look at a number.
-    pub(crate) fn assemble(robot: &Robot, lift: impl Fn(Parameter, f64) -> S + Copy) -> Stance<S> {
-        let mass = lift(Parameter::Mass, robot.body.mass);
-        let inertia = lift(Parameter::Inertia, robot.body.inertia);
-        let radius = lift(Parameter::Radius, robot.body.radius);
-        let gravity = lift(Parameter::Gravity, robot.environment.gravity);
-        let (mass, gravity) = at_axle(robot, mass, gravity);
+    pub(crate) fn assemble(robot: &Robot, lift: impl Fn(Term, f64) -> S + Copy) -> Stance<S> {
+        let inertia = lift(Term::Inertia, robot.body.inertia);
+        let radius = lift(Term::Radius, robot.body.radius);
+        let (mass, gravity) = robot.at_axle(lift);
         Stance {
             mass,
             inertia,
@@ -104,7 +102,7 @@ impl<S: Scalar> Stance<S> {
             gravity,
             leg: Leg::new(robot, lift),
             tolerance: FINE,
-            ambient: S::of(robot.environment.ambient.0),
+            ambient: lift(Term::Ambient, robot.environment.ambient.0),
             inverse_mass: S::of(1.0) / mass,
             pendulum: Pendulum::new(mass, inertia, radius, gravity),
             plain: true,
@@ -197,16 +195,6 @@ impl<S: Scalar> Stance<S> {
             self.mass * self.gravity * reach * cos,
         )
     }
-}
-
-/// Mass and gravity at the axle of `robot` with its own `mass` and `gravity`: [`Robot::axle_mass`]
-/// and [`Robot::axle_gravity`] to the bit, with derivatives.
-fn at_axle<S: Scalar>(robot: &Robot, mass: S, gravity: S) -> (S, S) {
-    let Some((boom, weight)) = robot.boom.zip(robot.boom_weight()) else {
-        return (mass, gravity);
-    };
-    let inertial = mass + S::of(boom.inertial_mass());
-    (inertial, gravity * ((mass + S::of(weight)) / inertial))
 }
 
 /// What a jump is given: how the robot comes, and what is commanded.

@@ -12,7 +12,7 @@ use std::rc::Rc;
 use saltus_ballistic::{Disc, DragFlight, ExtendedLeg, Flight, Obstacle as Solid};
 use saltus_lagrangian::{Launch, Stance, StanceError};
 use saltus_numeric::{Dual, Scalar, Single};
-use saltus_robot::Parameter;
+use saltus_robot::Term;
 
 use crate::course::{
     self, Answer, Course, CourseError, Envelope, Jumper, Leap, Limit, MAX_JUMPS, Margin, Relief,
@@ -744,7 +744,7 @@ struct Flown {
 
 impl<'a> Roller<'a> {
     fn new(planner: &'a Planner, crossing: &'a Crossing) -> Roller<'a> {
-        let stance = Stance::new(planner.robot(), |_: Parameter, x: f64| Dual::of(x))
+        let stance = Stance::new(planner.robot(), |_: Term, x: f64| Dual::of(x))
             .with_tolerance(SEARCH_TOLERANCE);
         let angles = crossing.firing_angles;
         let sample = |jump: usize| {

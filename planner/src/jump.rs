@@ -3,7 +3,7 @@
 use saltus_ballistic::{DragFlight, Flight, FlightError};
 use saltus_lagrangian::{Batch, Launch, LiftOff, Stance, StanceError};
 use saltus_numeric::{Dual, Single};
-use saltus_robot::{Parameter, Robot};
+use saltus_robot::{Robot, Term};
 
 /// Error tolerance of the planner's stances: apex and landing are then right to nine digits
 /// (`bench/README.md` says how it is measured).
@@ -183,7 +183,7 @@ impl Planner {
     /// The stance with the supply pressure as the direction `3` of its derivatives.
     pub fn sensitive_stance(&self) -> Stance<Dual<4>> {
         let lift = |parameter, value| match parameter {
-            Parameter::Supply => Dual::variable(value, 3),
+            Term::Supply => Dual::variable(value, 3),
             _ => saltus_numeric::Scalar::of(value),
         };
         Stance::new(&self.robot, lift).with_tolerance(self.stance().tolerance)

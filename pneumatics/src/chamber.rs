@@ -1,7 +1,9 @@
 //! The chamber of a pneumatic leg: how its pressure changes.
 
+use std::f64::consts::PI;
+
 use saltus_numeric::{Scalar, Single};
-use saltus_robot::{Cylinder, Parameter, Robot};
+use saltus_robot::{Cylinder, Robot, Term};
 
 use crate::orifice::OrificeLaw;
 
@@ -108,32 +110,43 @@ impl Flow {
 }
 
 impl<S: Scalar> Chamber<S> {
-    /// The chamber of `cylinder` in `robot`; `lift` turns a parameter into a number of the wanted
-    /// kind.
+    /// The chamber of `cylinder` in `robot`; `lift` turns the value of a term into a number of the
+    /// wanted kind. Derivatives by the ratio of specific heats are not carried.
     pub(crate) fn new(
         robot: &Robot,
         cylinder: &Cylinder,
-        lift: impl Fn(Parameter, f64) -> S,
+        lift: impl Fn(Term, f64) -> S,
     ) -> Chamber<S> {
         let gas = cylinder.gas;
+        let ambient = lift(Term::Ambient, robot.environment.ambient.0);
+        let temperature = lift(Term::Temperature, cylinder.temperature);
+        let bore = lift(Term::Bore, cylinder.bore);
+        let orifice = lift(Term::OrificeRadius, cylinder.orifice_radius);
+        let discharge = lift(Term::DischargeCoefficient, cylinder.discharge_coefficient);
         let exponent = cylinder.polytropic_exponent.unwrap_or(gas.heat_ratio);
-        let of_area = |area: f64| area / cylinder.temperature.sqrt();
-        let ambient = robot.environment.ambient;
+        let exponent = lift(Term::PolytropicExponent, exponent);
+        let of_area = |term: Term, area: f64| lift(term, area) / temperature.sqrt();
         Chamber {
-            area: S::of(std::f64::consts::PI * cylinder.bore * cylinder.bore / 4.0),
-            dead_volume: lift(Parameter::DeadVolume, cylinder.dead_volume),
-            supply: lift(Parameter::Supply, cylinder.supply.absolute(ambient).0),
-            ambient: S::of(ambient.0),
+            area: S::of(PI) * bore * bore / S::of(4.0),
+            dead_volume: lift(Term::DeadVolume, cylinder.dead_volume),
+            supply: lift(Term::Supply, cylinder.supply.0) + ambient,
+            ambient,
             law: OrificeLaw::new(gas),
-            conductance: lift(Parameter::ValveArea, cylinder.valve_area())
-                * S::of(1.0 / cylinder.temperature.sqrt()),
-            leak: S::of(of_area(cylinder.leak_area)),
-            port: cylinder
-                .exhaust_port
-                .map(|p| (S::of(p.position), S::of(of_area(p.area)))),
-            droop: S::of(cylinder.supply_droop),
-            heating: S::of(exponent * gas.constant * cylinder.temperature),
-            exponent: S::of(exponent),
+            conductance: discharge
+                * S::of(PI)
+                * orifice
+                * orifice
+                * (S::of(1.0) / temperature.sqrt()),
+            leak: of_area(Term::LeakArea, cylinder.leak_area),
+            port: cylinder.exhaust_port.map(|port| {
+                (
+                    lift(Term::PortPosition, port.position),
+                    of_area(Term::PortArea, port.area),
+                )
+            }),
+            droop: lift(Term::SupplyDroop, cylinder.supply_droop),
+            heating: exponent * S::of(gas.constant) * temperature,
+            exponent,
             critical_temperature_ratio: S::of(2.0 / (gas.heat_ratio + 1.0)),
         }
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use saltus_numeric::{Scalar, Single};
-use saltus_robot::{Parameter, Robot};
+use saltus_robot::{Robot, Term};
 
 use crate::chamber::Chamber;
 use crate::table::ForceSurface;
@@ -73,38 +73,42 @@ pub struct Switches {
 }
 
 impl<S: Scalar> Leg<S> {
-    /// The leg of `robot`; `lift` turns a parameter into a number of the wanted kind.
-    pub fn new(robot: &Robot, lift: impl Fn(Parameter, f64) -> S + Copy) -> Leg<S> {
+    /// The leg of `robot`; `lift` turns the value of a term into a number of the wanted kind.
+    pub fn new(robot: &Robot, lift: impl Fn(Term, f64) -> S + Copy) -> Leg<S> {
+        use saltus_robot::Drive as Kind;
         let leg = &robot.leg;
-        let (drive, seal) = match &leg.drive {
-            saltus_robot::Drive::Pneumatic(c) => (
-                Drive::Pneumatic(Chamber::new(robot, c, lift)),
-                c.seal_friction,
-            ),
-            saltus_robot::Drive::Spring {
-                stiffness,
-                compression,
-            } => (Drive::Spring(S::of(*stiffness), S::of(*compression)), 0.0),
-            saltus_robot::Drive::Constant { force } => (Drive::Constant(S::of(*force)), 0.0),
-            saltus_robot::Drive::Table(table) => {
-                (Drive::Table(Arc::new(ForceSurface::new(table))), 0.0)
-            }
-        };
-        let stroke = lift(Parameter::Stroke, leg.stroke);
+        let stroke = lift(Term::Stroke, leg.stroke);
         Leg {
             stroke,
-            delay: lift(Parameter::Delay, leg.delay),
-            drive,
-            viscous: lift(Parameter::ViscousFriction, leg.viscous_friction),
-            coulomb: lift(Parameter::CoulombFriction, leg.coulomb_friction),
-            seal: S::of(seal),
-            spring: leg
-                .return_spring
-                .map(|s| (S::of(s.stiffness), S::of(s.preload))),
+            delay: lift(Term::Delay, leg.delay),
+            drive: match &leg.drive {
+                Kind::Pneumatic(c) => Drive::Pneumatic(Chamber::new(robot, c, lift)),
+                Kind::Spring {
+                    stiffness,
+                    compression,
+                } => Drive::Spring(
+                    lift(Term::SpringStiffness, *stiffness),
+                    lift(Term::Compression, *compression),
+                ),
+                Kind::Constant { force } => Drive::Constant(lift(Term::Force, *force)),
+                Kind::Table(table) => Drive::Table(Arc::new(ForceSurface::new(table))),
+            },
+            viscous: lift(Term::ViscousFriction, leg.viscous_friction),
+            coulomb: lift(Term::CoulombFriction, leg.coulomb_friction),
+            seal: lift(
+                Term::SealFriction,
+                leg.cylinder().map_or(0.0, |c| c.seal_friction),
+            ),
+            spring: leg.return_spring.map(|spring| {
+                (
+                    lift(Term::ReturnStiffness, spring.stiffness),
+                    lift(Term::ReturnPreload, spring.preload),
+                )
+            }),
             cushion: leg.cushion.map(|c| Cushion {
-                start: stroke - S::of(c.length),
-                stiffness: S::of(c.stiffness),
-                damping: S::of(c.damping),
+                start: stroke - lift(Term::CushionLength, c.length),
+                stiffness: lift(Term::CushionStiffness, c.stiffness),
+                damping: lift(Term::CushionDamping, c.damping),
             }),
         }
     }

@@ -75,6 +75,21 @@ impl Domain {
             || (self.endless && x == f64::INFINITY)
     }
 
+    /// Its least and greatest finite numbers, or those next to them where they are excluded.
+    pub fn bounds(self) -> (f64, f64) {
+        let low = match self.low {
+            Bound::Unbounded => f64::MIN,
+            Bound::Excluded(low) => low.next_up(),
+            Bound::Included(low) => low,
+        };
+        let high = match self.high {
+            Bound::Unbounded => f64::MAX,
+            Bound::Excluded(high) => high.next_down(),
+            Bound::Included(high) => high,
+        };
+        (low, high)
+    }
+
     /// What is allowed, for messages, with bounds in `unit`.
     pub fn describe(self, unit: &str) -> String {
         let low = match self.low {

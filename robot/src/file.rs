@@ -1,4 +1,4 @@
-//! The robot file: its keys, and the robot that they describe.
+//! Reading a robot file: its tables, and in each of them the terms of the table of terms.
 //!
 //! The document itself serves as the file's struct. With serde, each quantity would be one optional
 //! field for each of its units, and a value's line would be lost to the checks that come after.
@@ -6,195 +6,155 @@
 use crate::document::Node;
 use crate::domain::Domain;
 use crate::files::Files;
-use crate::rig::{boom, foot, ground, leg_body};
 use crate::section::Section;
 use crate::table::force_table;
-use crate::units::{
-    ACCELERATION, ANGLE, ANGULAR_RATE, AREA, DAMPING, FORCE, FORCE_PER_PRESSURE, GAS_CONSTANT,
-    INERTIA, LENGTH, MASS, NUMBER, PER_LENGTH, PRESSURE, PRESSURE_PER_FLOW, STIFFNESS, TEMPERATURE,
-    TIME, TORQUE, VOLUME,
-};
+use crate::terms::SUPPLY;
 use crate::{
-    AbsolutePressure, Body, Cushion, Cylinder, Drive, Environment, Errors, ExhaustPort, Gas,
-    GaugePressure, Leg, ReturnSpring, Robot, RobotError,
+    Body, Boom, Cylinder, Drive, Environment, Errors, Foot, ForceTable, Gas, Ground, Leg, LegBody,
+    Robot, RobotError, Term,
 };
-
-const POSITIVE: Domain = Domain::POSITIVE;
-const NON_NEGATIVE: Domain = Domain::NON_NEGATIVE;
 
 /// The robot that `document` describes; files that it names are found in `files`.
 pub(crate) fn robot(document: Node, files: Files) -> Result<Robot, RobotError> {
     let mut s = Section::new(String::new(), document)?;
-    let name = s.text("name");
-    let (body_table, leg_table, environment_table) =
-        (s.table("body"), s.table("leg"), s.table("environment"));
-    let errors = s.optional_table("errors", errors);
-    let (foot, ground) = (
-        s.optional_table("foot", foot),
-        s.optional_table("ground", ground),
-    );
+    let mut robot = blank(s.text("name"));
+    let (body, mut leg, environment) = (s.table("body"), s.table("leg"), s.table("environment"));
+    for part in ["errors", "foot", "ground"] {
+        s.optional_table(part, |s| table(s, part, &mut robot));
+    }
     // What may stand there depends on the body.
-    let boom_table = s.optional_table("boom", Ok);
+    let boom = s.optional_table("boom", Ok);
     s.finish(())?;
 
-    let environment = environment(environment_table)?;
-    let body = body(body_table)?;
-    Ok(Robot {
+    table(environment, "environment", &mut robot)?;
+    table(body, "body", &mut robot)?;
+    robot.leg.drive = drive(&mut leg)?;
+    read_leg(leg, &mut robot, files)?;
+    if let Some(mut s) = boom {
+        robot.boom = Some(Boom::default());
+        terms(&mut s, "boom", &mut robot);
+        s.optional_table("counterweight", |s| {
+            table(s, "boom.counterweight", &mut robot)
+        });
+        s.finish(())?;
+    }
+    Ok(robot)
+}
+
+/// A robot of which nothing is known but its name.
+fn blank(name: String) -> Robot {
+    Robot {
         name,
-        body,
-        leg: leg(leg_table, &body, environment.ambient, files)?,
-        boom: boom_table.map(|s| boom(s, body.mass)).transpose()?,
-        foot: foot.unwrap_or_default(),
-        ground: ground.unwrap_or_default(),
-        environment,
-        errors: errors.unwrap_or_default(),
+        body: Body::default(),
+        leg: Leg {
+            stroke: f64::NAN,
+            delay: 0.0,
+            viscous_friction: 0.0,
+            coulomb_friction: 0.0,
+            return_spring: None,
+            cushion: None,
+            drive: Drive::Constant { force: 0.0 },
+            body: LegBody::default(),
+        },
+        boom: None,
+        foot: Foot::default(),
+        ground: Ground::default(),
+        environment: Environment::default(),
+        errors: Errors::default(),
+    }
+}
+
+/// Reads the table `path` of `robot`, which has nothing but terms.
+fn table(mut s: Section, path: &str, robot: &mut Robot) -> Result<(), RobotError> {
+    if path == "body" {
+        robot.body.legs = s.count("legs");
+    }
+    terms(&mut s, path, robot);
+    s.finish(())
+}
+
+/// Reads the terms of the table `path` that `robot` has.
+fn terms(s: &mut Section, path: &str, robot: &mut Robot) {
+    for &term in Term::ALL {
+        if term.spec().section() == path && term.applies(robot) {
+            read(s, term, robot);
+        }
+    }
+}
+
+/// Reads one term.
+fn read(s: &mut Section, term: Term, robot: &mut Robot) {
+    let (spec, stem, domain) = (term.spec(), term.stem(robot), term.domain(robot));
+    if spec.key == SUPPLY {
+        let ambient = robot.environment.ambient.0;
+        let ways = [
+            (stem, domain),
+            ("supply_pressure_absolute", Domain::at_least(ambient)),
+        ];
+        let (way, pressure) = s.one_of(&ways, spec.quantity);
+        term.set(
+            robot,
+            if way == 0 {
+                pressure
+            } else {
+                pressure - ambient
+            },
+        );
+        return;
+    }
+    let value = match term.off(robot) {
+        None => Some(s.number(stem, spec.quantity, domain)),
+        Some(off) => s
+            .optional(stem, spec.quantity, domain)
+            .or(term.of(robot).map(|_| off)),
+    };
+    value.into_iter().for_each(|value| term.set(robot, value));
+}
+
+/// What pushes the leg `s`, with its numbers still unknown.
+fn drive(s: &mut Section) -> Result<Drive, RobotError> {
+    let kinds = [
+        ("pneumatic", 0),
+        ("spring", 1),
+        ("constant", 2),
+        ("table", 3),
+    ];
+    let kind = s.choice("kind", &kinds, "pneumatic, spring, constant or table");
+    // Without its kind, nobody knows the leg's keys.
+    s.stop_at_problem()?;
+    Ok(match kind {
+        0 => Drive::Pneumatic(Cylinder::default()),
+        1 => Drive::Spring {
+            stiffness: 0.0,
+            compression: 0.0,
+        },
+        2 => Drive::Constant { force: 0.0 },
+        _ => Drive::Table(ForceTable::default()),
     })
 }
 
-fn body(mut s: Section) -> Result<Body, RobotError> {
-    let body = Body {
-        mass: s.number("mass", MASS, POSITIVE),
-        inertia: s.number("inertia", INERTIA, NON_NEGATIVE),
-        radius: s.number("wheel_radius", LENGTH, POSITIVE),
-        legs: s.count("legs"),
-        imbalance: s.optional("imbalance", LENGTH, NON_NEGATIVE).unwrap_or(0.0),
-        imbalance_angle: s
-            .optional("imbalance_angle", ANGLE, Domain::FINITE)
-            .unwrap_or(0.0),
-        axle_friction: s
-            .optional("axle_friction", TORQUE, NON_NEGATIVE)
-            .unwrap_or(0.0),
-    };
-    s.finish(body)
-}
-
-fn environment(mut s: Section) -> Result<Environment, RobotError> {
-    let environment = Environment {
-        gravity: s.number("gravity", ACCELERATION, NON_NEGATIVE),
-        ambient: AbsolutePressure(s.number("ambient_pressure", PRESSURE, POSITIVE)),
-        drag: s.optional("drag", PER_LENGTH, NON_NEGATIVE).unwrap_or(0.0),
-    };
-    s.finish(environment)
-}
-
-fn errors(mut s: Section) -> Result<Errors, RobotError> {
-    let errors = Errors {
-        rate: s
-            .optional("rate", ANGULAR_RATE, NON_NEGATIVE)
-            .unwrap_or(0.0),
-        firing_angle: s
-            .optional("firing_angle", ANGLE, NON_NEGATIVE)
-            .unwrap_or(0.0),
-        valve_open: s.optional("valve_open", TIME, NON_NEGATIVE).unwrap_or(0.0),
-        supply: s
-            .optional("supply_pressure", PRESSURE, NON_NEGATIVE)
-            .unwrap_or(0.0),
-    };
-    s.finish(errors)
-}
-
-/// What a leg's `kind` names.
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
-    Pneumatic,
-    Spring,
-    Constant,
-    Table,
-}
-
-const KINDS: [(&str, Kind); 4] = [
-    ("pneumatic", Kind::Pneumatic),
-    ("spring", Kind::Spring),
-    ("constant", Kind::Constant),
-    ("table", Kind::Table),
-];
-
-fn leg(
-    mut s: Section,
-    body: &Body,
-    ambient: AbsolutePressure,
-    files: Files,
-) -> Result<Leg, RobotError> {
-    let kind = s.choice("kind", &KINDS, "pneumatic, spring, constant or table");
-    // Without its kind, nobody knows the leg's keys.
-    s.stop_at_problem()?;
-    let delay = if kind == Kind::Pneumatic {
-        "valve_delay"
-    } else {
-        "release_delay"
-    };
-    let stroke = s.number("stroke", LENGTH, POSITIVE);
-    let leg = Leg {
-        stroke,
-        delay: s.number(delay, TIME, NON_NEGATIVE),
-        viscous_friction: s.number("viscous_friction", DAMPING, NON_NEGATIVE),
-        coulomb_friction: s.number("coulomb_friction", FORCE, NON_NEGATIVE),
-        return_spring: s.optional_table("return_spring", return_spring),
-        cushion: s.optional_table("cushion", |s| cushion(s, stroke)),
-        drive: match kind {
-            Kind::Pneumatic => Drive::Pneumatic(cylinder(&mut s, stroke, ambient)),
-            Kind::Spring => Drive::Spring {
-                stiffness: s.number("stiffness", STIFFNESS, POSITIVE),
-                compression: s.number("compression", LENGTH, POSITIVE),
-            },
-            Kind::Constant => Drive::Constant {
-                force: s.number("force", FORCE, POSITIVE),
-            },
-            Kind::Table => Drive::Table(force_table(&mut s, stroke, files)),
-        },
-        body: leg_body(&mut s, body),
-    };
-    s.finish(leg)
-}
-
-fn return_spring(mut s: Section) -> Result<ReturnSpring, RobotError> {
-    let spring = ReturnSpring {
-        stiffness: s.number("stiffness", STIFFNESS, NON_NEGATIVE),
-        preload: s.number("preload", FORCE, NON_NEGATIVE),
-    };
-    s.finish(spring)
-}
-
-fn cushion(mut s: Section, stroke: f64) -> Result<Cushion, RobotError> {
-    let cushion = Cushion {
-        length: s.number("length", LENGTH, POSITIVE.below(stroke)),
-        stiffness: s.number("stiffness", STIFFNESS, NON_NEGATIVE),
-        damping: s.number("damping", DAMPING, NON_NEGATIVE),
-    };
-    s.finish(cushion)
-}
-
-fn cylinder(s: &mut Section, stroke: f64, ambient: AbsolutePressure) -> Cylinder {
-    let gas = gas(s);
-    let polytropic = Domain::at_least(1.0).up_to(gas.heat_ratio);
-    Cylinder {
-        bore: s.number("bore", LENGTH, POSITIVE),
-        dead_volume: s.number("dead_volume", VOLUME, POSITIVE),
-        supply: supply(s, ambient),
-        discharge_coefficient: s.number("discharge_coefficient", NUMBER, POSITIVE.up_to(1.0)),
-        orifice_radius: s.number("orifice_radius", LENGTH, POSITIVE),
-        gas,
-        temperature: s.number("gas_temperature", TEMPERATURE, POSITIVE),
-        supply_droop: s
-            .optional("supply_droop", PRESSURE_PER_FLOW, NON_NEGATIVE)
-            .unwrap_or(0.0),
-        leak_area: s.optional("leak_area", AREA, NON_NEGATIVE).unwrap_or(0.0),
-        exhaust_port: s.optional_table("exhaust_port", |s| exhaust_port(s, stroke)),
-        polytropic_exponent: s.optional("polytropic_exponent", NUMBER, polytropic),
-        seal_friction: s
-            .optional("seal_friction", FORCE_PER_PRESSURE, NON_NEGATIVE)
-            .unwrap_or(0.0),
+fn read_leg(mut s: Section, robot: &mut Robot, files: Files) -> Result<(), RobotError> {
+    // The exponent of a chamber is at most that of its gas.
+    if robot.leg.cylinder().is_some() {
+        gas(&mut s, robot);
     }
-}
-
-/// The supply pressure above ambient, however it is given.
-fn supply(s: &mut Section, ambient: AbsolutePressure) -> GaugePressure {
-    let gauge = ("supply_pressure_gauge", NON_NEGATIVE);
-    let absolute = ("supply_pressure_absolute", Domain::at_least(ambient.0));
-    match s.one_of(&[gauge, absolute], PRESSURE) {
-        (0, pressure) => GaugePressure(pressure),
-        (_, pressure) => AbsolutePressure(pressure).gauge(ambient),
+    let length = Term::LegCenter.spec().quantity;
+    let has_center = s.gives("center", length);
+    terms(&mut s, "leg", robot);
+    if robot.leg.body.mass > 0.0 && !has_center {
+        s.number("center", length, Domain::FINITE);
     }
+    for part in ["return_spring", "cushion"] {
+        s.optional_table(part, |s| table(s, &format!("leg.{part}"), robot));
+    }
+    match &mut robot.leg.drive {
+        Drive::Pneumatic(_) => {
+            s.optional_table("exhaust_port", |s| table(s, "leg.exhaust_port", robot));
+        }
+        Drive::Table(table) => *table = force_table(&mut s, robot.leg.stroke, files),
+        _ => {}
+    }
+    s.finish(())
 }
 
 const GASES: [(&str, Gas); 3] = [
@@ -203,30 +163,17 @@ const GASES: [(&str, Gas); 3] = [
     ("nitrogen", Gas::NITROGEN),
 ];
 
-/// A gas by name, or a table of its constants.
-fn gas(s: &mut Section) -> Gas {
+/// Reads a gas by name, or a table of its constants.
+fn gas(s: &mut Section, robot: &mut Robot) {
     if s.is_table("gas") {
-        return s.optional_table("gas", gas_constants).unwrap_or(Gas::AIR);
+        s.optional_table("gas", |s| table(s, "leg.gas", robot));
+        return;
     }
-    s.choice(
-        "gas",
-        &GASES,
-        "air, co2, nitrogen or a table of heat_ratio and constant_j_per_kg_k",
-    )
-}
-
-fn gas_constants(mut s: Section) -> Result<Gas, RobotError> {
-    let gas = Gas {
-        heat_ratio: s.number("heat_ratio", NUMBER, Domain::above(1.0)),
-        constant: s.number("constant", GAS_CONSTANT, POSITIVE),
-    };
-    s.finish(gas)
-}
-
-fn exhaust_port(mut s: Section, stroke: f64) -> Result<ExhaustPort, RobotError> {
-    let port = ExhaustPort {
-        position: s.number("position", LENGTH, POSITIVE.below(stroke)),
-        area: s.number("area", AREA, POSITIVE),
-    };
-    s.finish(port)
+    let allowed = "air, co2, nitrogen or a table of heat_ratio and constant_j_per_kg_k";
+    let gas = s.choice("gas", &GASES, allowed);
+    robot
+        .leg
+        .cylinder_mut()
+        .into_iter()
+        .for_each(|cylinder| cylinder.gas = gas);
 }

@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 use std::fmt;
 
-use crate::{Drive, Robot};
+use crate::terms::Plane;
+use crate::{Drive, Robot, Term};
 
 /// A number of a robot that is legal and hardly meant.
 #[derive(Clone, Debug, PartialEq)]
@@ -200,26 +201,14 @@ impl Robot {
     /// Keys of the robot file that are set and that the planar model of a planner leaves out; the
     /// multi-body simulation has them.
     ///
-    /// Not named are the mass of the legs and friction across the travel, which a jump in the plane
-    /// hardly feels.
-    pub fn beyond_the_plane(&self) -> Vec<&'static str> {
-        let ground = &self.ground;
-        let all = [
-            (self.body.imbalance != 0.0, "body.imbalance_m"),
-            (self.body.axle_friction != 0.0, "body.axle_friction_n_m"),
-            (
-                self.boom.is_some_and(|boom| boom.flex.is_some()),
-                "boom.bending_stiffness_n_m_per_rad",
-            ),
-            (self.foot.radius != 0.0, "foot.radius_m"),
-            (ground.static_friction.is_finite(), "ground.static_friction"),
-            (ground.stiffness.is_some(), "ground.stiffness_n_per_m"),
-            (ground.slope != 0.0, "ground.slope_rad"),
-        ];
-        all.into_iter()
-            .filter(|(is_set, _)| *is_set)
-            .map(|(_, key)| key)
-            .collect()
+    /// Not named are those that a jump in the plane hardly feels, such as the mass of the legs.
+    pub fn beyond_the_plane(&self) -> Vec<String> {
+        let is_on = |term: &&Term| {
+            let value = term.of(self);
+            term.spec().plane == Plane::Out && value.is_some() && value != term.off(self)
+        };
+        let terms = Term::ALL.iter().filter(is_on);
+        terms.map(|term| term.key(self)).collect()
     }
 }
 

@@ -25,10 +25,9 @@ mod file;
 mod files;
 mod implausible;
 mod model;
-mod parameter;
-mod rig;
 pub mod section;
 mod table;
+pub mod terms;
 pub mod units;
 mod write;
 
@@ -39,7 +38,7 @@ pub use error::{Place, RobotError};
 use files::{Files, ROBOTS, read_text};
 pub use implausible::Implausible;
 pub use model::*;
-pub use parameter::Parameter;
+pub use terms::Term;
 
 /// The robot `name_or_path`, built in or in a file, with each of `overrides` applied in turn.
 ///

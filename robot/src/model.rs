@@ -1,12 +1,16 @@
 //! A robot as the models see it: plain numbers in SI units.
 
+use saltus_numeric::Scalar;
+
+use crate::Term;
+
 /// Absolute pressure (Pa), > 0. Gauge pressures are [`GaugePressure`]; the two never mix without an
 /// ambient pressure.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct AbsolutePressure(pub f64);
 
 /// Pressure above the ambient one (Pa).
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct GaugePressure(pub f64);
 
 impl GaugePressure {
@@ -45,32 +49,42 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Mass (kg) that the axle accelerates: m, and with a boom m + m_b/3 + m_c (l/L)².
+    /// Mass (kg) that the axle accelerates, and gravity (m/s²) that pulls at it, ≥ 0: m and g, and
+    /// with a boom M = m + m_b/3 + m_c (l/L)² and g (m + m_b/2 − m_c l/L)/M.
     ///
-    /// The boom is taken as level: docs/model.md says what that leaves out.
-    pub fn axle_mass(&self) -> f64 {
-        self.body.mass + self.boom.map_or(0.0, |boom| boom.inertial_mass())
-    }
-
-    /// Gravity (m/s²) that pulls at the axle, ≥ 0: g, and with a boom g (m + m_b/2 − m_c l/L)/(m +
-    /// m_b/3 + m_c (l/L)²).
-    ///
-    /// The axle falls at it, and [`axle_mass`](Self::axle_mass) times it is what stands on a foot
-    /// at rest.
-    pub fn axle_gravity(&self) -> f64 {
-        let gravity = self.environment.gravity;
-        self.boom_weight().map_or(gravity, |added| {
-            gravity * ((self.body.mass + added) / self.axle_mass())
-        })
-    }
-
-    /// Mass (kg) whose weight the boom adds at the axle, m_b/2 − m_c l/L, never below −m; none
-    /// without a boom.
-    pub fn boom_weight(&self) -> Option<f64> {
+    /// The boom is taken as level: docs/model.md says what that leaves out. The axle falls at that
+    /// gravity, and their product is what stands on a foot at rest. `lift` turns the value of a term
+    /// into a number of the wanted kind.
+    pub fn at_axle<S: Scalar>(&self, lift: impl Fn(Term, f64) -> S) -> (S, S) {
+        let mass = lift(Term::Mass, self.body.mass);
+        let gravity = lift(Term::Gravity, self.environment.gravity);
+        let Some(boom) = &self.boom else {
+            return (mass, gravity);
+        };
+        let beam = lift(Term::BoomMass, boom.mass);
+        let (mut inertial, mut weighing) = (beam / S::of(3.0), beam / S::of(2.0));
+        if let Some(weight) = &boom.counterweight {
+            let lever = lift(Term::CounterweightDistance, weight.distance)
+                / lift(Term::BoomLength, boom.length);
+            let weight = lift(Term::CounterweightMass, weight.mass);
+            inertial = inertial + weight * (lever * lever);
+            weighing = weighing - weight * lever;
+        }
+        let inertial = mass + inertial;
         // A counterweight that balances the robot may be off by round-off, and nothing falls
         // upwards.
-        self.boom
-            .map(|boom| boom.weighing_mass().max(-self.body.mass))
+        let weight = mass + weighing.max(-mass);
+        (inertial, gravity * (weight / inertial))
+    }
+
+    /// Mass (kg) that the axle accelerates: see [`at_axle`](Self::at_axle).
+    pub fn axle_mass(&self) -> f64 {
+        self.at_axle(|_, x| x).0
+    }
+
+    /// Gravity (m/s²) that pulls at the axle, ≥ 0: see [`at_axle`](Self::at_axle).
+    pub fn axle_gravity(&self) -> f64 {
+        self.at_axle(|_, x| x).1
     }
 
     /// Mass (kg) of the wheel without its legs, > 0.
@@ -85,7 +99,7 @@ impl Robot {
 }
 
 /// The wheel with all its legs, retracted, which turn with it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Body {
     /// Mass m (kg), > 0; of it, the legs' part is [`Leg::body`].
     pub mass: f64,
@@ -150,8 +164,26 @@ impl LegBody {
     }
 }
 
+impl Leg {
+    /// Its cylinder, if it is pneumatic.
+    pub fn cylinder(&self) -> Option<&Cylinder> {
+        match &self.drive {
+            Drive::Pneumatic(cylinder) => Some(cylinder),
+            _ => None,
+        }
+    }
+
+    /// As [`cylinder`](Self::cylinder), to change it.
+    pub fn cylinder_mut(&mut self) -> Option<&mut Cylinder> {
+        match &mut self.drive {
+            Drive::Pneumatic(cylinder) => Some(cylinder),
+            _ => None,
+        }
+    }
+}
+
 /// Return spring: the force −(k d + preload) on the leg's force.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReturnSpring {
     /// Stiffness k (N/m), ≥ 0.
     pub stiffness: f64,
@@ -160,7 +192,7 @@ pub struct ReturnSpring {
 }
 
 /// End-stop cushion: −(k (d − d_c) + c ḋ) over the last `length` = stroke − d_c.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cushion {
     /// Length (m), in (0, stroke).
     pub length: f64,
@@ -201,7 +233,7 @@ impl Drive {
 }
 
 /// A pneumatic cylinder: chamber, valve, supply, and the effects that a plain one leaves out.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cylinder {
     /// Bore diameter (m), > 0.
     pub bore: f64,
@@ -242,7 +274,7 @@ impl Cylinder {
 }
 
 /// An opening to the atmosphere short of the end of the stroke.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ExhaustPort {
     /// Extension from which it is open (m), in (0, stroke).
     pub position: f64,
@@ -251,7 +283,7 @@ pub struct ExhaustPort {
 }
 
 /// A calorically perfect gas.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gas {
     /// Ratio of specific heats κ, > 1.
     pub heat_ratio: f64,
@@ -278,7 +310,7 @@ impl Gas {
 }
 
 /// Measured force over extension and speed, on a full grid.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ForceTable {
     /// Extensions (m), strictly increasing, from 0 to at least the stroke; at least 2.
     pub extensions: Vec<f64>,
@@ -289,7 +321,7 @@ pub struct ForceTable {
 }
 
 /// A boom that holds the axle at its end: a solid cylinder, on a universal joint at its base.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Boom {
     /// Mass m_b (kg), ≥ 0.
     pub mass: f64,
@@ -303,26 +335,8 @@ pub struct Boom {
     pub flex: Option<f64>,
 }
 
-impl Boom {
-    /// Mass (kg) at the axle that has the boom's inertia about its base: m_b/3 + m_c (l/L)².
-    pub fn inertial_mass(&self) -> f64 {
-        self.mass / 3.0
-            + self
-                .counterweight
-                .map_or(0.0, |c| c.mass * (c.distance / self.length).powi(2))
-    }
-
-    /// Mass (kg) at the axle that has the boom's moment of weight about its base: m_b/2 − m_c l/L.
-    fn weighing_mass(&self) -> f64 {
-        self.mass / 2.0
-            - self
-                .counterweight
-                .map_or(0.0, |c| c.mass * (c.distance / self.length))
-    }
-}
-
 /// A point mass on the boom's line, behind its base.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counterweight {
     /// Mass m_c (kg), ≥ 0; at most what the robot and its boom weigh there.
     pub mass: f64,
@@ -372,7 +386,7 @@ impl Default for Ground {
 }
 
 /// What surrounds the robot.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Environment {
     /// Gravity g (m/s²), ≥ 0.
     pub gravity: f64,

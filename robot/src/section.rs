@@ -415,6 +415,12 @@ impl Section {
         });
     }
 
+    /// Whether the number `stem` is given, in any of its units.
+    pub(crate) fn gives(&self, stem: &str, quantity: Quantity) -> bool {
+        let (keys, _) = spellings(&[(stem, Domain::FINITE)], quantity);
+        keys.iter().any(|key| self.entries.contains_key(key))
+    }
+
     fn take(&mut self, key: &str) -> Option<Node> {
         self.known.push(key.into());
         self.entries.remove(key)

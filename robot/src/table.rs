@@ -29,11 +29,7 @@ pub(crate) fn force_table(s: &mut Section, stroke: f64, files: Files) -> ForceTa
         }
         Some(_) => s.optional_table("table", |s| listed_table(s, stroke)),
     };
-    table.unwrap_or(ForceTable {
-        extensions: Vec::new(),
-        speeds: Vec::new(),
-        forces: Vec::new(),
-    })
+    table.unwrap_or_default()
 }
 
 /// The force table of the lists in `s`.

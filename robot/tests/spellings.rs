@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use saltus_robot::{
-    Cushion, Cylinder, Drive, ExhaustPort, Gas, GaugePressure, Ground, ReturnSpring, Robot, resolve,
+    Cushion, Cylinder, Drive, ExhaustPort, Gas, GaugePressure, Ground, ReturnSpring, Robot, Term,
+    resolve,
 };
 
 /// `rats-planar` with `overrides`.
@@ -246,7 +247,7 @@ fn a_force_table_is_a_set_of_rows() {
     assert_eq!(tidy, untidy);
 }
 
-/// Each example of robots/README.md is a sound robot file.
+/// The first example of robots/README.md is the page of keys, and each is a sound robot file.
 #[test]
 fn the_examples_of_the_readme_are_sound() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
@@ -257,29 +258,21 @@ fn the_examples_of_the_readme_are_sound() {
         .filter_map(|rest| rest.split("```").next())
         .collect();
     assert_eq!(examples.len(), 5);
-    let everything = Robot::parse(examples[0], "README.md", &folder)
-        .expect("sound")
-        .to_toml();
-    // An effect left out would be written as 0, or not at all.
-    assert!(!everything.contains("= 0.0\n"), "{everything}");
-    let optional = [
-        "polytropic_exponent",
-        "exhaust_port",
-        "return_spring",
-        "cushion",
-        "imbalance",
-        "axle_friction",
-        "rod_length",
-        "boom",
-        "counterweight",
-        "bending_stiffness",
-        "foot",
-        "ground",
-    ];
-    for key in optional {
-        assert!(everything.contains(key), "{key}");
-    }
+    let write_anew = "cargo run -p saltus-robot --example keys";
+    assert_eq!(examples[0], saltus_robot::terms::page(), "{write_anew}");
     for example in examples {
         Robot::parse(example, "README.md", &folder).unwrap_or_else(|error| panic!("{error}"));
+    }
+}
+
+/// The page of keys has every key of a pneumatic robot, each with an effect.
+#[test]
+fn the_page_of_keys_is_whole() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
+    let page = saltus_robot::terms::page();
+    let robot = Robot::parse(&page, "page", &folder).expect("sound");
+    for term in Term::ALL.iter().filter(|term| term.applies(&robot)) {
+        let value = term.of(&robot);
+        assert!(value.is_some() && value != term.off(&robot), "{term:?}");
     }
 }

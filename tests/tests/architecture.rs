@@ -10,7 +10,7 @@ use toml::{Table, Value};
 /// Which of our crates each crate may use. A crate that is not here may not exist.
 const MAY_USE: [(&str, &[&str]); 12] = [
     ("numeric", &[]),
-    ("robot", &[]),
+    ("robot", &["numeric"]),
     ("pneumatics", &["numeric", "robot"]),
     ("lagrangian", &["numeric", "robot", "pneumatics"]),
     ("ballistic", &["numeric", "robot"]),

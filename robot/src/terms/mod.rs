@@ -1,0 +1,529 @@
+//! The table of terms: every number of a robot file, once.
+//!
+//! Reading and writing robot files, overrides, the page of keys in `robots/README.md`, the causes
+//! that a diagnosis can name, the effects that the tests hide and the robots that they draw all
+//! follow from [`TABLE`]. A new term is an entry there, a field in [`Robot`], and its equation.
+
+mod page;
+mod spec;
+
+pub(crate) use page::SECTIONS;
+pub use page::page;
+pub use spec::{Cause, Fit, Form, Plane, Spec};
+
+use std::f64::consts::FRAC_PI_4;
+
+use spec::{Lens, direct, inverse};
+
+use crate::domain::Domain;
+use crate::units::{
+    ACCELERATION, ANGLE, ANGULAR_RATE, ANGULAR_STIFFNESS, AREA, DAMPING, FORCE, FORCE_PER_PRESSURE,
+    GAS_CONSTANT, INERTIA, LENGTH, MASS, NUMBER, PER_LENGTH, PRESSURE, PRESSURE_PER_FLOW,
+    STIFFNESS, TEMPERATURE, TIME, TORQUE, VOLUME,
+};
+use crate::{Drive, LegBody, Robot};
+
+/// The part of a robot that a term belongs to, if the robot has it.
+macro_rules! part {
+    ($r:ident: robot) => {
+        Some($r)
+    };
+    ($r:ident: boom) => {
+        $r.boom.as_ref()
+    };
+    ($r:ident: cylinder) => {
+        $r.leg.cylinder()
+    };
+    ($r:ident: mut robot) => {
+        Some($r)
+    };
+    ($r:ident: mut boom) => {
+        $r.boom.as_mut()
+    };
+    ($r:ident: mut cylinder) => {
+        $r.leg.cylinder_mut()
+    };
+}
+
+/// How a term is found in a robot: whether the robot has the part that it belongs to, its value,
+/// and how it is set. Setting a term switches on what is optional on the way to it.
+macro_rules! at {
+    // A number of a part.
+    ($part:ident, $($field:tt).+) => {
+        Lens {
+            has: |r| part!(r: $part).is_some(),
+            get: |r| part!(r: $part).map(|part| part.$($field).+),
+            set: |r, x| if let Some(part) = part!(r: mut $part) { part.$($field).+ = x },
+        }
+    };
+    // A number of an optional part of it.
+    ($part:ident, $($field:tt).+ => $inner:ident) => {
+        Lens {
+            has: |r| part!(r: $part).is_some(),
+            get: |r| part!(r: $part)?.$($field).+.map(|inner| inner.$inner),
+            set: |r, x| if let Some(part) = part!(r: mut $part) {
+                part.$($field).+.get_or_insert_default().$inner = x;
+            },
+        }
+    };
+    // An optional number.
+    (optional $part:ident, $($field:tt).+) => {
+        Lens {
+            has: |r| part!(r: $part).is_some(),
+            get: |r| part!(r: $part)?.$($field).+,
+            set: |r, x| if let Some(part) = part!(r: mut $part) { part.$($field).+ = Some(x) },
+        }
+    };
+    // A number of one kind of drive.
+    (drive, $pattern:pat => $number:ident) => {
+        Lens {
+            has: |r| if let $pattern = &r.leg.drive { let _ = $number; true } else { false },
+            get: |r| if let $pattern = &r.leg.drive { Some(*$number) } else { None },
+            set: |r, x| if let $pattern = &mut r.leg.drive { *$number = x },
+        }
+    };
+}
+
+macro_rules! terms {
+    ($($(#[$doc:meta])+ $name:ident = $spec:expr;)+) => {
+        /// A number of a robot file.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[non_exhaustive]
+        pub enum Term { $($(#[$doc])+ $name),+ }
+
+        /// What there is to know of each term, in the order in which files are read and written.
+        static TABLE: &[Spec] = &[$($spec),+];
+
+        impl Term {
+            /// Every term.
+            pub const ALL: &[Term] = &[$(Term::$name),+];
+        }
+    };
+}
+
+terms! {
+    /// Mass m (kg), with all legs.
+    Mass = Spec::needed("body.mass", MASS, at!(robot, body.mass))
+        .within(|_| Domain::POSITIVE)
+        .shown("mass_kg = 2.75", "with all legs")
+        .cause("mass", "the mass differs", |r, now| {
+            let legs = f64::from(r.body.legs) * r.leg.body.mass;
+            direct(now, (0.2 * now + legs, 10.0 * now), 0.01, &[0.85 * now, 1.2 * now])
+        })
+        .hidden(&[1.9, 3.75]);
+    /// Moment of inertia I about the wheel's centre (kg m²), with all legs retracted.
+    Inertia = Spec::needed("body.inertia", INERTIA, at!(robot, body.inertia))
+        .shown("inertia_kg_m2 = 0.0792", "about the wheel's centre")
+        .cause("inertia", "the moment of inertia differs", |r, now| {
+            let least = f64::from(r.body.legs) * r.leg.body.inertia_about_axle();
+            direct(now, (least + 0.02 * now, 20.0 * now), 5e-4, &[0.7 * now, 1.4 * now])
+        })
+        .hidden(&[0.03, 0.16]);
+    /// Foot to wheel centre with the leg retracted, r_s (m).
+    Radius = Spec::needed("body.wheel_radius", LENGTH, at!(robot, body.radius))
+        .within(|_| Domain::POSITIVE)
+        .shown("wheel_radius_m = 0.24", "foot to wheel centre with the leg retracted");
+    /// Distance of the wheel's centre of mass from the axle (m).
+    Imbalance = Spec::optional("body.imbalance", LENGTH, at!(robot, body.imbalance))
+        .shown("imbalance_mm = 1", "centre of mass of the wheel, off the axle")
+        .out_of_plane()
+        .hidden(&[0.04]);
+    /// Direction of that distance (rad), forwards from the leg that jumps.
+    ImbalanceAngle = Spec::optional("body.imbalance_angle", ANGLE, at!(robot, body.imbalance_angle))
+        .within(|_| Domain::FINITE)
+        .shown("imbalance_angle_deg = 30", "where it is, forwards from the leg that jumps")
+        .beside_plane();
+    /// Dry friction torque of the axle against the wheel's spin (N m).
+    AxleFriction = Spec::optional("body.axle_friction", TORQUE, at!(robot, body.axle_friction))
+        .shown("axle_friction_n_m = 0.01", "dry torque against the wheel's spin")
+        .out_of_plane()
+        .cause("axle-friction", "dry friction in the axle brakes the spin", |_, now| {
+            direct(now, (0.0, 10.0), 5e-3, &[0.1])
+        })
+        .hidden(&[1.5]);
+
+    /// Greatest extension of the leg (m).
+    Stroke = Spec::needed("leg.stroke", LENGTH, at!(robot, leg.stroke))
+        .within(|_| Domain::POSITIVE)
+        .shown("stroke_m = 0.06", "");
+    /// From the command to the first flow or force, t_d (s).
+    Delay = Spec::needed("leg.valve_delay", TIME, at!(robot, leg.delay))
+        .shown("valve_delay_ms = 10", "on opening and closing")
+        .cause("valve-delay", "the valve opens and closes later than commanded", |_, now| {
+            direct(now, (0.0, 0.2), 3e-4, &[0.5 * now, now + 4e-3, now + 0.012])
+        })
+        .hidden(&[0.001, 0.025]);
+    /// Viscous friction β (N s/m).
+    ViscousFriction = Spec::needed("leg.viscous_friction", DAMPING, at!(robot, leg.viscous_friction))
+        .shown("viscous_friction_n_s_per_m = 5.28", "")
+        .cause("viscous-friction", "friction that grows with speed differs", |_, now| {
+            direct(now, (0.0, 2e3), 0.5, &[3.0 * now + 10.0])
+        })
+        .hidden(&[0.0, 60.0, 60.0])
+        .drawn_to(0.3);
+    /// Coulomb friction F_f (N).
+    CoulombFriction = Spec::needed("leg.coulomb_friction", FORCE, at!(robot, leg.coulomb_friction))
+        .shown("coulomb_friction_n = 9.7", "")
+        .cause("coulomb-friction", "dry friction differs", |_, now| {
+            direct(now, (0.0, 1e3), 0.5, &[2.0 * now + 10.0])
+        })
+        .hidden(&[0.0, 50.0, 50.0])
+        .drawn_to(0.2);
+    /// Ratio of specific heats κ.
+    HeatRatio = Spec::needed("leg.gas.heat_ratio", NUMBER, at!(cylinder, gas.heat_ratio))
+        .within(|_| Domain::above(1.0));
+    /// Specific gas constant R_g (J/(kg K)).
+    GasConstant = Spec::needed("leg.gas.constant", GAS_CONSTANT, at!(cylinder, gas.constant))
+        .within(|_| Domain::POSITIVE);
+    /// Bore diameter (m).
+    Bore = Spec::needed("leg.bore", LENGTH, at!(cylinder, bore))
+        .within(|_| Domain::POSITIVE)
+        .shown("bore_mm = 19.05", "");
+    /// Chamber volume at d = 0, V_0 (m³).
+    DeadVolume = Spec::needed("leg.dead_volume", VOLUME, at!(cylinder, dead_volume))
+        .within(|_| Domain::POSITIVE)
+        .shown("dead_volume_cm3 = 5.4", "of the chamber, leg retracted")
+        .cause("dead-volume", "the volume of the chamber at rest differs", |_, now| {
+            direct(now, (1e-8, 1e-3), 1e-7, &[0.5 * now, 2.0 * now])
+        })
+        .hidden(&[1.5e-6, 2e-5]);
+    /// Supply pressure above ambient (Pa).
+    Supply = Spec::needed(SUPPLY, PRESSURE, at!(cylinder, supply.0))
+        .shown(
+            "supply_pressure_gauge_psi = 120",
+            "above ambient; or supply_pressure_absolute_pa",
+        );
+    /// Discharge coefficient of the valve's orifice C_f.
+    DischargeCoefficient =
+        Spec::needed("leg.discharge_coefficient", NUMBER, at!(cylinder, discharge_coefficient))
+            .within(|_| Domain::POSITIVE.up_to(1.0))
+            .shown("discharge_coefficient = 0.54", "of the valve, in (0, 1]")
+            .cause("valve-discharge", "the valve lets more or less gas through", |_, now| {
+                let starts = [0.75 * now, (1.3 * now).min(1.0)];
+                direct(now, (0.02, 1.0), 5e-3, &starts)
+            })
+            .hidden(&[0.25, 0.95]);
+    /// Radius of the valve's orifice (m).
+    OrificeRadius = Spec::needed("leg.orifice_radius", LENGTH, at!(cylinder, orifice_radius))
+        .within(|_| Domain::POSITIVE)
+        .shown("orifice_radius_mm = 1.02", "of the valve");
+    /// Gas temperature T (K).
+    Temperature = Spec::needed("leg.gas_temperature", TEMPERATURE, at!(cylinder, temperature))
+        .within(|_| Domain::POSITIVE)
+        .shown("gas_temperature_k = 293.15", "");
+    /// Fall of the supply pressure with the mass flow drawn (Pa s/kg).
+    SupplyDroop = Spec::optional("leg.supply_droop", PRESSURE_PER_FLOW, at!(cylinder, supply_droop))
+        .shown("supply_droop_pa_s_per_kg = 1e6", "fall of the supply pressure with the mass flow drawn")
+        .cause("supply-droop", "the supply pressure falls with the flow that is drawn", |_, now| {
+            direct(now, (0.0, 1e9), 1e6, &[5e6, 5e7])
+        })
+        .hidden(&[1.2e8])
+        .drawn_to(0.3);
+    /// Effective area of an orifice from the chamber to the atmosphere, always open (m²).
+    LeakArea = Spec::optional("leg.leak_area", AREA, at!(cylinder, leak_area))
+        .shown("leak_area_mm2 = 0.1", "effective area, chamber to atmosphere, always open")
+        .cause("chamber-leak", "the chamber leaks to the atmosphere", |_, now| {
+            direct(now, (0.0, 1e-4), 2e-8, &[2e-7, 1e-6])
+        })
+        .hidden(&[5e-7])
+        .drawn_to(0.3);
+    /// Exponent n in the chamber's equation in place of κ.
+    PolytropicExponent =
+        Spec::optional("leg.polytropic_exponent", NUMBER, at!(optional cylinder, polytropic_exponent))
+            .within(|r| Domain::at_least(1.0).up_to(heat_ratio(r)))
+            .without(|r| Some(heat_ratio(r)))
+            .shown("polytropic_exponent = 1.3", "in [1, heat_ratio]; left out: adiabatic")
+            .cause("heat-transfer", "gas and wall exchange heat", |r, now| {
+                direct(now, (1.0, heat_ratio(r)), 5e-3, &[1.2])
+            })
+            .hidden(&[1.0]);
+    /// Coulomb friction of the seal for each pascal of the chamber's gauge pressure (N/Pa).
+    SealFriction = Spec::optional("leg.seal_friction", FORCE_PER_PRESSURE, at!(cylinder, seal_friction))
+        .shown(
+            "seal_friction_n_per_pa = 1e-5",
+            "or in _mm2: Coulomb friction for each pascal of gauge pressure",
+        )
+        .cause(
+            "seal-friction",
+            "friction of the seal grows with the pressure in the chamber",
+            |_, now| direct(now, (0.0, 1e-2), 1e-6, &[1e-5]),
+        )
+        .hidden(&[1.4e-4])
+        .drawn_to(0.2);
+    /// Stiffness of a spring leg (N/m).
+    SpringStiffness = Spec::needed(
+        "leg.stiffness",
+        STIFFNESS,
+        at!(drive, Drive::Spring { stiffness, .. } => stiffness),
+    )
+    .within(|_| Domain::POSITIVE);
+    /// Compression of a spring leg at d = 0 (m).
+    Compression = Spec::needed(
+        "leg.compression",
+        LENGTH,
+        at!(drive, Drive::Spring { compression, .. } => compression),
+    )
+    .within(|_| Domain::POSITIVE);
+    /// Force of a leg of constant force (N).
+    Force = Spec::needed("leg.force", FORCE, at!(drive, Drive::Constant { force } => force))
+        .within(|_| Domain::POSITIVE);
+    /// Length of a leg's moving part (m), a cylinder along the leg.
+    RodLength = Spec::optional("leg.rod_length", LENGTH, at!(robot, leg.body.length))
+        .shown("rod_length_m = 0.1", "of its moving part, a cylinder along the leg")
+        .beside_plane();
+    /// Radius of a leg's moving part (m).
+    RodRadius = Spec::optional("leg.rod_radius", LENGTH, at!(robot, leg.body.radius))
+        .shown("rod_radius_mm = 7", "")
+        .beside_plane();
+    /// From the axle to the centre of mass of a leg's moving part (m), leg retracted.
+    LegCenter = Spec::optional("leg.center", LENGTH, at!(robot, leg.body.center))
+        .without(|r| (r.leg.body.mass == 0.0).then_some(0.0))
+        .shown(
+            "center_m = 0.19",
+            "from the axle to that part's centre of mass, leg retracted; needed with a mass",
+        )
+        .beside_plane();
+    /// Mass of a leg's moving part (kg).
+    LegMass = Spec::optional("leg.mass", MASS, at!(robot, leg.body.mass))
+        .within(leg_mass)
+        .shown("mass_kg = 0.05", "mass of that part, counted in body.mass")
+        .beside_plane();
+
+    /// Stiffness of the spring that pulls the leg back in (N/m).
+    ReturnStiffness = Spec::needed(
+        "leg.return_spring.stiffness",
+        STIFFNESS,
+        at!(robot, leg.return_spring => stiffness),
+    )
+    .shown("stiffness_n_per_m = 50", "")
+    .cause("return-spring", "a spring pulls the rod back", |_, now| {
+        direct(now, (0.0, 1e5), 10.0, &[200.0, 20.0])
+    })
+    .drawn_to(0.3);
+    /// Force of that spring at d = 0 (N).
+    ReturnPreload =
+        Spec::needed("leg.return_spring.preload", FORCE, at!(robot, leg.return_spring => preload))
+            .shown("preload_n = 2", "")
+            .cause("return-spring", "", |_, now| direct(now, (0.0, 500.0), 0.5, &[1.0, 10.0]))
+            .drawn_to(0.2);
+
+    /// Extension from which the exhaust port is open (m).
+    PortPosition = Spec::needed(
+        "leg.exhaust_port.position",
+        LENGTH,
+        at!(cylinder, exhaust_port => position),
+    )
+    .within(|r| Domain::POSITIVE.below(r.leg.stroke))
+    .shown("position_mm = 55", "")
+    .cause(
+        "exhaust-port",
+        "the chamber opens to the atmosphere before the end of the stroke",
+        |r, _| {
+            let stroke = r.leg.stroke;
+            let starts = [0.9, 0.8, 0.65, 0.45].map(|part| part * stroke);
+            direct(stroke, (0.05 * stroke, 0.999 * stroke), 5e-4, &starts)
+        },
+    );
+    /// Effective area of the exhaust port (m²).
+    PortArea = Spec::needed("leg.exhaust_port.area", AREA, at!(cylinder, exhaust_port => area))
+        .within(|_| Domain::POSITIVE)
+        .shown("area_mm2 = 20", "effective")
+        .cause("exhaust-port", "", |_, _| direct(0.0, (1e-8, 1e-3), 5e-6, &[2e-5]));
+
+    /// Length of the end-stop cushion (m).
+    CushionLength =
+        Spec::needed("leg.cushion.length", LENGTH, at!(robot, leg.cushion => length))
+            .within(|r| Domain::POSITIVE.below(r.leg.stroke))
+            .shown("length_mm = 4", "");
+    /// Stiffness of the cushion (N/m).
+    CushionStiffness =
+        Spec::needed("leg.cushion.stiffness", STIFFNESS, at!(robot, leg.cushion => stiffness))
+            .shown("stiffness_n_per_m = 1e4", "")
+            .drawn_to(2.0);
+    /// Damping of the cushion (N s/m).
+    CushionDamping =
+        Spec::needed("leg.cushion.damping", DAMPING, at!(robot, leg.cushion => damping))
+            .shown("damping_n_s_per_m = 30", "")
+            .drawn_to(0.5);
+
+    /// Mass of the boom m_b (kg).
+    BoomMass = Spec::needed("boom.mass", MASS, at!(boom, mass))
+        .shown("mass_kg = 0.5", "")
+        .cause("boom-inertia", "the boom has mass and weight", |_, now| {
+            direct(now, (0.0, 20.0), 0.01, &[0.5 * now, 2.0 * now])
+        })
+        .hidden(&[0.05, 1.8]);
+    /// Length of the boom from its base to the axle, L (m).
+    BoomLength = Spec::needed("boom.length", LENGTH, at!(boom, length))
+        .within(|_| Domain::POSITIVE)
+        .shown("length_m = 2.12", "base to axle");
+    /// Radius of the boom's cylinder (m).
+    BoomRadius = Spec::optional("boom.radius", LENGTH, at!(boom, radius))
+        .shown("radius_mm = 15", "")
+        .beside_plane();
+    /// Bending stiffness of the boom, as that of a hinge halfway (N m/rad).
+    BoomFlex = Spec::optional("boom.bending_stiffness", ANGULAR_STIFFNESS, at!(optional boom, flex))
+        .within(|_| Domain::POSITIVE)
+        .without(|_| Some(f64::INFINITY))
+        .shown("bending_stiffness_n_m_per_rad = 2000", "of a hinge halfway; left out: rigid")
+        .out_of_plane()
+        .cause("boom-flex", "the boom bends", |_, _| {
+            // The boom swings with a phase of its own at each stiffness, so that the loss has many
+            // minima.
+            let starts: Vec<f64> = (0..20).map(|k| 1e-4 * 1.28_f64.powi(k)).collect();
+            inverse("boom_compliance_rad_per_n_m", (5e-5, 0.05), 2e-5, &starts)
+        });
+    /// Distance of the counterweight behind the boom's base, l (m).
+    CounterweightDistance = Spec::needed(
+        "boom.counterweight.distance",
+        LENGTH,
+        at!(boom, counterweight => distance),
+    )
+    .within(|_| Domain::POSITIVE)
+    .shown("distance_m = 0.4", "")
+    .cause("counterweight", "a counterweight carries a part of the weight", |_, _| {
+        direct(0.5, (0.05, 3.0), 0.05, &[0.5])
+    });
+    /// Mass of the counterweight, m_c (kg).
+    CounterweightMass =
+        Spec::needed("boom.counterweight.mass", MASS, at!(boom, counterweight => mass))
+            .within(counterweight_mass)
+            .shown("mass_kg = 0.2", "at most what balances robot and boom")
+            .cause("counterweight", "", |_, _| direct(0.0, (0.0, 20.0), 0.02, &[0.3, 1.5]));
+
+    /// Radius of the sphere at a foot that touches the ground (m).
+    FootRadius = Spec::optional("foot.radius", LENGTH, at!(robot, foot.radius))
+        .shown("radius_mm = 7", "of the sphere that touches the ground; 0: a point")
+        .out_of_plane()
+        .cause(
+            "foot-rolling",
+            "the foot rolls on the ground instead of turning about a point",
+            |_, _| direct(0.0, (0.0, 0.1), 5e-4, &[0.01]),
+        )
+        .hidden(&[0.05]);
+
+    /// Friction coefficient along the travel until a foot slips.
+    StaticFriction =
+        Spec::optional("ground.static_friction", NUMBER, at!(robot, ground.static_friction))
+            .within(|_| Domain::NON_NEGATIVE.or_infinite())
+            .without(|_| Some(f64::INFINITY))
+            .shown("static_friction = 0.9", "coefficient along the travel; inf or left out: no slip")
+            .out_of_plane();
+    /// Friction coefficient along the travel while a foot slips.
+    KineticFriction =
+        Spec::optional("ground.kinetic_friction", NUMBER, at!(robot, ground.kinetic_friction))
+            .within(|_| Domain::NON_NEGATIVE.or_infinite())
+            .without(|r| Some(r.ground.static_friction))
+            .shown("kinetic_friction = 0.7", "once it slips; left out: as static")
+            .beside_plane();
+    /// Friction coefficient across the travel, slipping or not.
+    AcrossFriction =
+        Spec::optional("ground.across_friction", NUMBER, at!(robot, ground.across_friction))
+            .shown("across_friction = 0.1", "coefficient across the travel, slipping or not")
+            .beside_plane();
+    /// Coefficient of restitution of a foot's impact.
+    Restitution = Spec::optional("ground.restitution", NUMBER, at!(robot, ground.restitution))
+        .within(|_| Domain::NON_NEGATIVE.below(1.0))
+        .shown("restitution = 0.2", "of a foot's impact, in [0, 1)")
+        .beside_plane();
+    /// Stiffness of the ground (N/m).
+    GroundStiffness =
+        Spec::optional("ground.stiffness", STIFFNESS, at!(optional robot, ground.stiffness))
+            .within(|_| Domain::POSITIVE)
+            .without(|_| Some(f64::INFINITY))
+            .shown("stiffness_n_per_m = 1e5", "left out: rigid")
+            .out_of_plane()
+            .cause("ground-compliance", "the ground gives way under the foot", |_, _| {
+                // A robot of 3 kg sinks in by 1 cm at most.
+                let starts = [1e-4, 1e-4, 3e-5, 3e-5, 1e-5, 1e-5, 3e-6, 3e-6, 1e-6, 1e-6];
+                inverse("ground_compliance_m_per_n", (5e-7, 3e-4), 2e-6, &starts)
+            });
+    /// Damping of the ground where it is not rigid (N s/m).
+    GroundDamping = Spec::optional("ground.damping", DAMPING, at!(robot, ground.damping))
+        .shown("damping_n_s_per_m = 100", "where it is not rigid")
+        .beside_plane()
+        .cause("ground-compliance", "", |_, _| {
+            direct(0.0, (0.0, 600.0), 20.0, &[30.0, 300.0].repeat(5))
+        });
+    /// Slope along the travel (rad), uphill positive.
+    Slope = Spec::optional("ground.slope", ANGLE, at!(robot, ground.slope))
+        .within(|_| Domain::above(-FRAC_PI_4).below(FRAC_PI_4))
+        .shown("slope_deg = 2", "uphill positive, less than 45°")
+        .out_of_plane()
+        .cause("ground-slope", "the ground slopes", |_, _| {
+            direct(0.0, (-0.6, 0.6), 2e-3, &[-0.05, 0.05])
+        });
+
+    /// Gravity g (m/s²).
+    Gravity = Spec::needed("environment.gravity", ACCELERATION, at!(robot, environment.gravity))
+        .shown("gravity_m_s2 = 9.80665", "")
+        .cause("gravity", "the acceleration of free fall differs", |_, now| {
+            direct(now, (0.2, 40.0), 0.02, &[0.9 * now, 1.1 * now])
+        })
+        .hidden(&[8.3, 11.3]);
+    /// Ambient pressure P_a (Pa).
+    Ambient = Spec::needed("environment.ambient_pressure", PRESSURE, at!(robot, environment.ambient.0))
+        .within(|_| Domain::POSITIVE)
+        .shown("ambient_pressure_pa = 101325", "absolute");
+    /// Drag per mass in flight, c in −c |v| v (1/m).
+    Drag = Spec::optional("environment.drag", PER_LENGTH, at!(robot, environment.drag))
+        .shown("drag_per_m = 0.01", "c in −c |v| v")
+        .cause("air-drag", "the air brakes the body", |_, now| {
+            direct(now, (0.0, 10.0), 5e-3, &[0.1])
+        })
+        .hidden(&[0.3]);
+
+    /// Standard deviation of the approach rate (rad/s).
+    RateError = Spec::optional("errors.rate", ANGULAR_RATE, at!(robot, errors.rate))
+        .shown("rate_rad_s = 0.06", "");
+    /// Standard deviation of the firing angle (rad).
+    FiringAngleError = Spec::optional("errors.firing_angle", ANGLE, at!(robot, errors.firing_angle))
+        .shown("firing_angle_deg = 0.15", "");
+    /// Standard deviation of the valve opening time (s).
+    ValveOpenError = Spec::optional("errors.valve_open", TIME, at!(robot, errors.valve_open))
+        .shown("valve_open_ms = 0.3", "");
+    /// Standard deviation of the supply pressure (Pa).
+    SupplyError = Spec::optional("errors.supply_pressure", PRESSURE, at!(robot, errors.supply))
+        .shown("supply_pressure_psi = 2", "");
+}
+
+/// The key of the supply pressure above ambient; files may give the absolute one in its place.
+pub(crate) const SUPPLY: &str = "leg.supply_pressure_gauge";
+
+fn heat_ratio(robot: &Robot) -> f64 {
+    robot.leg.cylinder().map_or(1.0, |c| c.gas.heat_ratio)
+}
+
+/// The masses (kg) that the legs of a robot may have: they leave some mass and inertia to the wheel.
+fn leg_mass(robot: &Robot) -> Domain {
+    let legs = f64::from(robot.body.legs);
+    let unit = LegBody {
+        mass: 1.0,
+        ..robot.leg.body
+    };
+    let by_mass = robot.body.mass / legs;
+    let by_inertia = robot.body.inertia / (legs * unit.inertia_about_axle());
+    // Legs without inertia (0/0) bound nothing.
+    let (most, reason) = if by_inertia <= by_mass {
+        (by_inertia, ", for all legs to have less than body.inertia")
+    } else {
+        (by_mass, ", for all legs to have less than body.mass")
+    };
+    let domain = if most > 0.0 {
+        Domain::NON_NEGATIVE.below(most)
+    } else {
+        Domain::NON_NEGATIVE.up_to(0.0)
+    };
+    domain.because(reason)
+}
+
+/// The masses (kg) of a counterweight that do not lift the robot.
+fn counterweight_mass(robot: &Robot) -> Domain {
+    let balance = robot.boom.map_or(0.0, |boom| {
+        let distance = boom.counterweight.unwrap_or_default().distance;
+        (robot.body.mass + 0.5 * boom.mass) * boom.length / distance
+    });
+    Domain::NON_NEGATIVE
+        .up_to(balance)
+        .because(", which balances robot and boom")
+}

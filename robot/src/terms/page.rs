@@ -1,0 +1,122 @@
+//! The page of keys: a robot file with every key, and what each means.
+
+use std::fmt::Write;
+
+use super::{Plane, Term};
+use crate::Robot;
+
+/// A table of a robot file.
+pub(crate) struct Section {
+    /// Its dotted name.
+    pub(crate) name: &'static str,
+    /// What the page says of it.
+    note: &'static str,
+    /// Lines of the page before those of its terms, each with what is said of it.
+    first: &'static [(&'static str, &'static str)],
+}
+
+const fn section(name: &'static str, note: &'static str) -> Section {
+    Section {
+        name,
+        note,
+        first: &[],
+    }
+}
+
+/// The tables of a robot file, in the order in which files are written.
+pub(crate) const SECTIONS: &[Section] = &[
+    Section {
+        first: &[("legs = 5", "evenly spaced; commands take 1000 at most")],
+        ..section("body", "")
+    },
+    Section {
+        first: &[
+            ("kind = \"pneumatic\"", "or spring, constant, table: below"),
+            (
+                "gas = { heat_ratio = 1.4, constant_j_per_kg_k = 287.05 }",
+                "or \"air\", \"co2\", \"nitrogen\"",
+            ),
+        ],
+        ..section("leg", "")
+    },
+    section("leg.gas", ""),
+    section("leg.return_spring", "optional: −(stiffness d + preload)"),
+    section(
+        "leg.exhaust_port",
+        "optional: opens to the atmosphere at position",
+    ),
+    section(
+        "leg.cushion",
+        "optional: over the last length of the stroke",
+    ),
+    section(
+        "boom",
+        "optional: holds the axle; a cylinder on a universal joint at its base",
+    ),
+    section("boom.counterweight", "optional: a point behind the base"),
+    section("foot", "optional"),
+    section("ground", "optional, as is each key"),
+    section("environment", ""),
+    section("errors", "optional, as is each key: one standard deviation"),
+];
+
+/// Column in which the notes begin.
+const NOTES: usize = 38;
+
+/// A robot file in which every key of a pneumatic robot stands, with what it means: the page of
+/// `robots/README.md`. Keys that the planar model leaves out are marked †.
+pub fn page() -> String {
+    let plain = Robot::rats_planar();
+    let mut page = String::from("name = \"everything\"\n");
+    for section in SECTIONS {
+        let terms: Vec<Term> = Term::ALL
+            .iter()
+            .copied()
+            .filter(|term| term.spec().section() == section.name && !term.spec().example.is_empty())
+            .collect();
+        if terms.is_empty() {
+            continue;
+        }
+        page.push('\n');
+        line(&mut page, &format!("[{}]", section.name), section.note);
+        for (text, note) in section.first {
+            line(&mut page, text, note);
+        }
+        let all_optional = section.note.contains("as is each key");
+        for term in terms {
+            let spec = term.spec();
+            let optional = term.off(&plain).is_some() && !all_optional;
+            let mark = match (optional, spec.plane != Plane::In) {
+                (true, true) => "optional †",
+                (true, false) => "optional",
+                (false, true) => "†",
+                (false, false) => "",
+            };
+            let between = if mark.is_empty() || spec.note.is_empty() {
+                ""
+            } else {
+                ": "
+            };
+            line(
+                &mut page,
+                spec.example,
+                &format!("{mark}{between}{}", spec.note),
+            );
+        }
+    }
+    page
+}
+
+/// A line of the page, with its note in its column.
+fn line(page: &mut String, text: &str, note: &str) {
+    let result = if note.is_empty() {
+        writeln!(page, "{text}")
+    } else {
+        writeln!(
+            page,
+            "{text:width$}# {note}",
+            width = NOTES.max(text.chars().count() + 1)
+        )
+    };
+    result.expect("writing to a string never fails");
+}
