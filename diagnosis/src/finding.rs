@@ -135,13 +135,13 @@ pub(crate) fn report(
         |k| k.covariance.view((offset, offset), (n, n)).into_owned() * inflation,
     );
     let values = fit.terms.of(cause).to_vec();
-    let reported = kind.report(cause, &values);
+    let reported = kind.causes()[cause].report(&values);
     let slopes: Vec<Vec<f64>> = (0..n)
         .map(|p| {
             let mut moved = values.clone();
             let step = 1e-4 * parameters[p].scale;
             moved[p] += step;
-            let there = kind.report(cause, &moved);
+            let there = kind.causes()[cause].report(&moved);
             reported
                 .iter()
                 .zip(&there)
@@ -192,7 +192,9 @@ pub(crate) fn report(
                     variance += slopes[i][k] * slopes[j][k] * covariance[(i, j)];
                 }
             }
-            let at = |end: &Option<Terms>| Some(kind.report(cause, end.as_ref()?.of(cause))[k].1);
+            let at = |end: &Option<Terms>| {
+                Some(kind.causes()[cause].report(end.as_ref()?.of(cause))[k].1)
+            };
             let interval = match (&ends[2 * k], &ends[2 * k + 1]) {
                 // What is reported may grow as the parameter of the fit falls.
                 (Some(a), Some(b)) if slopes.iter().any(|by| by[k] < 0.0) => Some(Interval {

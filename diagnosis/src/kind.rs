@@ -1,6 +1,8 @@
 //! What a kind of experiment has to say for itself: what was measured, what is not known, what
 //! could be wrong.
 
+use std::f64::consts::PI;
+
 use saltus_robot::Robot;
 
 use crate::next::Proposal;
@@ -69,9 +71,87 @@ pub struct Cause {
     /// How much such an effect may be before it is a surprise, in terms of the first parameter;
     /// none: anything is.
     pub usual: Option<f64>,
+    /// How its parameters are reported.
+    pub form: Form,
+}
+
+/// How the parameters of a cause are reported, in the terms of a robot file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// As they are.
+    Direct,
+    /// The first one's inverse in its place, of this name.
+    Inverse(String),
+    /// Two components, forwards and along the leg, as a distance and an angle of these names.
+    Polar([String; 2]),
 }
 
 impl Cause {
+    /// A cause with one parameter.
+    pub fn one(id: &'static str, parameter: Parameter) -> Cause {
+        Cause::several(id, vec![parameter])
+    }
+
+    /// A cause with several parameters, reported as they are.
+    pub fn several(id: &'static str, parameters: Vec<Parameter>) -> Cause {
+        Cause {
+            id,
+            column: None,
+            parameters,
+            usual: None,
+            form: Form::Direct,
+        }
+    }
+
+    /// What is reported where its parameters are `values`: names and values, in the units of a
+    /// robot file.
+    pub fn report(&self, values: &[f64]) -> Vec<(String, f64)> {
+        let names = self.parameters.iter().map(|p| p.name.clone());
+        let mut all: Vec<(String, f64)> = names.zip(values.iter().copied()).collect();
+        match &self.form {
+            Form::Direct => {}
+            Form::Inverse(name) => all[0] = (name.clone(), 1.0 / values[0]),
+            Form::Polar([distance, angle]) => {
+                all = vec![
+                    (distance.clone(), values[0].hypot(values[1])),
+                    (angle.clone(), values[0].atan2(values[1])),
+                ];
+            }
+        }
+        all
+    }
+
+    /// The values of its parameters where `reported` is reported.
+    pub fn taken(&self, reported: &[f64]) -> Vec<f64> {
+        let mut values = reported.to_vec();
+        match self.form {
+            Form::Direct => {}
+            Form::Inverse(_) => values[0] = 1.0 / reported[0],
+            Form::Polar(_) => {
+                let (sin, cos) = reported[1].sin_cos();
+                values = vec![reported[0] * sin, reported[0] * cos];
+            }
+        }
+        values
+    }
+
+    /// Least and greatest of what is reported.
+    pub fn ranges(&self) -> Vec<(f64, f64)> {
+        if let Form::Polar(_) = self.form {
+            let highest = self.parameters.iter().map(|p| p.bounds.1);
+            let most = highest.fold(f64::INFINITY, f64::min);
+            return vec![(0.0, most), (-PI, PI)];
+        }
+        let at = |end: fn((f64, f64)) -> f64| {
+            let ends: Vec<f64> = self.parameters.iter().map(|p| end(p.bounds)).collect();
+            self.report(&ends).into_iter().map(|reported| reported.1)
+        };
+        at(|bounds| bounds.0)
+            .zip(at(|bounds| bounds.1))
+            .map(|(a, b)| (a.min(b), a.max(b)))
+            .collect()
+    }
+
     /// Whether the effect cannot be reached in small steps from none.
     pub(crate) fn is_apart(&self) -> bool {
         self.parameters
@@ -182,17 +262,6 @@ pub trait Kind: Sync {
     /// Phases of a run: their names, and when (s) each begins.
     fn phases(&self, _run: usize, _terms: &Terms, _unknowns: &[f64]) -> Vec<(&'static str, f64)> {
         Vec::new()
-    }
-
-    /// What is reported of a cause whose parameters are `values`: names and values, in the units of
-    /// a robot file.
-    fn report(&self, cause: usize, values: &[f64]) -> Vec<(String, f64)> {
-        self.causes()[cause]
-            .parameters
-            .iter()
-            .zip(values)
-            .map(|(p, v)| (p.name.clone(), *v))
-            .collect()
     }
 
     /// The robot with the terms on, where the experiment is of a robot.

@@ -162,12 +162,7 @@ mod tests {
                     name: "run".into(),
                     readings: values.iter().enumerate().map(reading).collect(),
                 }],
-                causes: [Cause {
-                    id: "toy",
-                    column: None,
-                    parameters: bounds.iter().map(of).collect(),
-                    usual: None,
-                }],
+                causes: [Cause::several("toy", bounds.iter().map(of).collect())],
                 law,
             }
         }

@@ -142,10 +142,6 @@ impl Kind for View<'_> {
         self.kind.phases(run, terms, unknowns)
     }
 
-    fn report(&self, cause: usize, values: &[f64]) -> Vec<(String, f64)> {
-        self.kind.report(cause, values)
-    }
-
     fn robot(&self, terms: &Terms) -> Option<Robot> {
         self.kind.robot(terms)
     }

@@ -115,12 +115,7 @@ impl Bench {
             if places.contains(place) {
                 return Err(Error::Twice { name: name.clone() });
             }
-            causes.push(Cause {
-                id,
-                column: None,
-                parameters: vec![parameter.clone()],
-                usual: None,
-            });
+            causes.push(Cause::one(id, parameter.clone()));
             places.push(*place);
         }
         if causes.is_empty() {

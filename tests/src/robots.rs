@@ -8,9 +8,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use saltus_lagrangian::Launch;
+use saltus_robot::terms::Plane;
 use saltus_robot::{
     AbsolutePressure, Body, Boom, Counterweight, Cushion, Cylinder, Drive, Environment, Errors,
     ExhaustPort, Foot, ForceTable, Gas, GaugePressure, Ground, Leg, LegBody, ReturnSpring, Robot,
+    Term,
 };
 
 /// What pushes, and which of the optional terms may be on.
@@ -163,6 +165,36 @@ pub fn stroke_time(robot: &Robot) -> f64 {
     (2.0 * robot.leg.stroke * robot.axle_mass() / force).sqrt()
 }
 
+/// Numbers of a robot that fit together, by which its other numbers are measured.
+struct Scales {
+    stroke: f64,
+    /// Force of the drive (N), and the time (s) that it needs for a stroke.
+    force: f64,
+    time: f64,
+    /// Gauge pressure (Pa) of the supply, area (m²) of a piston that gives the force, effective
+    /// area (m²) of the valve, and the flow (kg/s) through it.
+    supply: f64,
+    piston: f64,
+    valve: f64,
+    flow: f64,
+}
+
+impl Scales {
+    /// What is natural for a quantity, by its SI unit.
+    fn natural(&self, unit: &str) -> f64 {
+        match unit {
+            "s" => self.time,
+            "N" => self.force,
+            "N/m" => self.force / self.stroke,
+            "N s/m" => self.force * self.time / self.stroke,
+            "m²" => self.valve,
+            "N/Pa" => self.piston,
+            "Pa s/kg" => self.supply / self.flow,
+            _ => panic!("no natural size in {unit}"),
+        }
+    }
+}
+
 fn robot(kind: Kind, draw: &mut Draw) -> Robot {
     let (mass, radius) = (draw.scale(0.05, 200.0), draw.scale(0.05, 1.0));
     let gravity = draw.scale(1.6, 25.0);
@@ -172,52 +204,54 @@ fn robot(kind: Kind, draw: &mut Draw) -> Robot {
     // stroke.
     let force = mass * gravity * draw.scale(3.0, 150.0);
     let time = (2.0 * stroke * mass / force).sqrt();
-    let optional = kind != Kind::Plain;
-    let return_spring = draw.option(|d| ReturnSpring {
-        stiffness: d.perhaps(0.3) * force / stroke,
-        preload: d.perhaps(0.2) * force,
-    });
+    let is_plain = kind == Kind::Plain;
+    let return_spring = draw.option(|_| ReturnSpring::default());
     let cushion = draw.option(|d| Cushion {
         length: d.between(0.05, 0.5) * stroke,
-        stiffness: d.perhaps(2.0) * force / stroke,
-        damping: d.perhaps(0.5) * force * time / stroke,
+        ..Cushion::default()
     });
     let ambient = AbsolutePressure(draw.scale(1e4, 3e5));
-    let leg = Leg {
+    let mut scales = Scales {
         stroke,
-        delay: draw.perhaps(1.0) * time,
-        viscous_friction: draw.perhaps(0.3) * force * time / stroke,
-        coulomb_friction: draw.perhaps(0.2) * force,
-        return_spring: return_spring.filter(|_| optional),
-        cushion: cushion.filter(|_| optional),
-        drive: match kind {
-            Kind::Plain | Kind::Pneumatic => {
-                Drive::Pneumatic(cylinder(optional, draw, stroke, force, time, ambient))
-            }
-            Kind::Spring => {
-                let compression = stroke * draw.between(0.5, 3.0);
-                Drive::Spring {
-                    stiffness: force / compression,
-                    compression,
-                }
-            }
-            Kind::Constant => Drive::Constant { force },
-            Kind::Table => Drive::Table(force_table(draw, stroke, force, time)),
-        },
-        body: LegBody::default(),
+        force,
+        time,
+        supply: draw.scale(3e4, 3e6),
+        piston: f64::NAN,
+        valve: f64::NAN,
+        flow: f64::NAN,
     };
-    Robot {
+    let mut robot = Robot {
         name: "random".into(),
         body: Body {
             mass,
             inertia,
             radius,
             legs: 1,
-            imbalance: 0.0,
-            imbalance_angle: 0.0,
-            axle_friction: 0.0,
+            ..Body::default()
         },
-        leg,
+        leg: Leg {
+            stroke,
+            delay: 0.0,
+            viscous_friction: 0.0,
+            coulomb_friction: 0.0,
+            return_spring: return_spring.filter(|_| !is_plain),
+            cushion: cushion.filter(|_| !is_plain),
+            drive: match kind {
+                Kind::Plain | Kind::Pneumatic => {
+                    Drive::Pneumatic(cylinder(is_plain, draw, &mut scales, ambient))
+                }
+                Kind::Spring => {
+                    let compression = stroke * draw.between(0.5, 3.0);
+                    Drive::Spring {
+                        stiffness: force / compression,
+                        compression,
+                    }
+                }
+                Kind::Constant => Drive::Constant { force },
+                Kind::Table => Drive::Table(force_table(draw, stroke, force, time)),
+            },
+            body: LegBody::default(),
+        },
         boom: None,
         foot: Foot::default(),
         ground: Ground::default(),
@@ -227,20 +261,27 @@ fn robot(kind: Kind, draw: &mut Draw) -> Robot {
             drag: 0.0,
         },
         errors: Errors::default(),
+    };
+    for term in Term::ALL.iter().filter(|t| t.spec().drawn_to > 0.0) {
+        let is_optional = term.off(&robot).is_some();
+        if term.of(&robot).is_some() && !(is_plain && is_optional) {
+            let most = term.spec().drawn_to * scales.natural(term.spec().quantity.si);
+            term.set(&mut robot, draw.perhaps(most));
+        }
     }
+    robot
 }
 
+/// A cylinder of about the force in `scales`, which learn of it.
 fn cylinder(
-    optional: bool,
+    is_plain: bool,
     draw: &mut Draw,
-    stroke: f64,
-    force: f64,
-    time: f64,
+    scales: &mut Scales,
     ambient: AbsolutePressure,
 ) -> Cylinder {
-    let supply = draw.scale(3e4, 3e6);
-    let area = force / supply;
-    let dead_volume = area * stroke * draw.scale(0.02, 2.0);
+    let supply = scales.supply;
+    let area = scales.force / supply;
+    let dead_volume = area * scales.stroke * draw.scale(0.02, 2.0);
     let gas = match draw.unit() {
         x if x < 0.3 => Gas::AIR,
         x if x < 0.5 => Gas::CO2,
@@ -252,21 +293,19 @@ fn cylinder(
     };
     let temperature = draw.between(150.0, 600.0);
     // The valve fills the extended leg in about the time of a stroke.
-    let volume = dead_volume + area * stroke;
+    let volume = dead_volume + area * scales.stroke;
     let heat = gas.constant * temperature;
     let effective =
-        draw.scale(0.2, 5.0) * supply * volume / (time * heat.sqrt() * (supply + ambient.0));
+        draw.scale(0.2, 5.0) * supply * volume / (scales.time * heat.sqrt() * (supply + ambient.0));
     let discharge_coefficient = draw.between(0.2, 1.0);
-    let flow = effective * (supply + ambient.0) / heat.sqrt();
-    let supply_droop = draw.perhaps(0.3) * supply / flow;
-    let leak_area = draw.perhaps(0.3) * effective;
+    scales.piston = area;
+    scales.valve = effective;
+    scales.flow = effective * (supply + ambient.0) / heat.sqrt();
     let exhaust_port = draw.option(|d| ExhaustPort {
-        position: d.between(0.2, 0.95) * stroke,
+        position: d.between(0.2, 0.95) * scales.stroke,
         area: d.scale(0.3, 5.0) * effective,
     });
     let polytropic_exponent = draw.option(|d| d.between(1.0, gas.heat_ratio));
-    let seal_friction = draw.perhaps(0.2) * area;
-    let on = |x: f64| if optional { x } else { 0.0 };
     Cylinder {
         bore: (4.0 * area / PI).sqrt(),
         dead_volume,
@@ -275,11 +314,9 @@ fn cylinder(
         orifice_radius: (effective / discharge_coefficient / PI).sqrt(),
         gas,
         temperature,
-        supply_droop: on(supply_droop),
-        leak_area: on(leak_area),
-        exhaust_port: exhaust_port.filter(|_| optional),
-        polytropic_exponent: polytropic_exponent.filter(|_| optional),
-        seal_friction: on(seal_friction),
+        exhaust_port: exhaust_port.filter(|_| !is_plain),
+        polytropic_exponent: polytropic_exponent.filter(|_| !is_plain),
+        ..Cylinder::default()
     }
 }
 
@@ -326,123 +363,53 @@ fn positive() -> impl Strategy<Value = f64> {
 /// Any robot that a robot file admits: an ordinary one, in which from one number to all are
 /// replaced by any legal ones.
 pub fn legal() -> impl Strategy<Value = Robot> {
-    const NUMBERS: usize = 40;
     let chance = prop_oneof![Just(0.05), Just(0.3), Just(1.0)];
+    // Some more than there are terms, for a force table.
     let wild = prop::collection::vec(
         (0.0..1.0_f64, prop_oneof![1 => Just(0.0), 6 => positive()]),
-        NUMBERS,
+        Term::ALL.len() + 16,
     );
     (any_ordinary(), chance, wild).prop_map(|(mut robot, chance, wild)| {
-        let mut wild = wild.into_iter();
-        let mut replace = |number: &mut f64, low: f64| {
-            if let Some((luck, x)) = wild.next()
-                && luck < chance
-                && x > low
-            {
-                *number = x;
+        let (terms, table) = wild.split_at(Term::ALL.len());
+        let lucky = |(luck, x): &(f64, f64)| (*luck < chance).then_some(*x);
+        for (term, wild) in Term::ALL.iter().zip(terms) {
+            let (spec, now) = (term.spec(), term.of(&robot));
+            // A part that is not there stays away, and errors have no place in a jump.
+            if spec.plane != Plane::In || spec.section() == "errors" || now.is_none() {
+                continue;
             }
-        };
-        // Where 0 is legal, any number above −1 is.
-        let (zero, above_zero) = (-1.0, 0.0);
-        let (body, leg, environment) = (&mut robot.body, &mut robot.leg, &mut robot.environment);
-        replace(&mut body.mass, above_zero);
-        replace(&mut body.inertia, zero);
-        replace(&mut body.radius, above_zero);
-        replace(&mut environment.gravity, zero);
-        replace(&mut environment.ambient.0, above_zero);
-        let stroke = leg.stroke;
-        replace(&mut leg.stroke, above_zero);
-        let stretch = leg.stroke / stroke;
-        for number in [
-            &mut leg.delay,
-            &mut leg.viscous_friction,
-            &mut leg.coulomb_friction,
-        ] {
-            replace(number, zero);
+            let domain = term.domain(&robot);
+            let legal = lucky(wild).filter(|x| domain.contains(*x));
+            // What depends on other numbers is moved with them.
+            let moved = now.filter(|now| !domain.contains(*now)).map(|_| {
+                let (low, high) = domain.bounds();
+                low.midpoint(high)
+            });
+            legal
+                .or(moved)
+                .into_iter()
+                .for_each(|x| term.set(&mut robot, x));
         }
-        if let Some(spring) = &mut leg.return_spring {
-            replace(&mut spring.stiffness, zero);
-            replace(&mut spring.preload, zero);
-        }
-        if let Some(cushion) = &mut leg.cushion {
-            cushion.length *= stretch;
-            replace(&mut cushion.stiffness, zero);
-            replace(&mut cushion.damping, zero);
-        }
-        leg.cushion = leg
-            .cushion
-            .filter(|cushion| cushion.length > 0.0 && cushion.length < leg.stroke);
-        match &mut leg.drive {
-            Drive::Pneumatic(c) => replace_cylinder(c, leg.stroke, stretch, &mut replace),
-            Drive::Spring {
-                stiffness,
-                compression,
-            } => {
-                replace(stiffness, above_zero);
-                replace(compression, above_zero);
-            }
-            Drive::Constant { force } => replace(force, above_zero),
-            Drive::Table(table) => {
-                table.extensions = vec![0.0, leg.stroke];
-                table.forces.truncate(2 * table.speeds.len());
-                let count = table.forces.len();
-                for i in 0..count {
-                    replace(&mut table.forces[i], zero);
-                    if i % 3 == 1 {
-                        table.forces[i] = -table.forces[i];
-                    }
-                }
+        let stroke = robot.leg.stroke;
+        if let Drive::Table(forces) = &mut robot.leg.drive {
+            forces.extensions = vec![0.0, stroke];
+            forces.forces.truncate(2 * forces.speeds.len());
+            for (i, (force, wild)) in forces.forces.iter_mut().zip(table).enumerate() {
+                let sign = if i % 3 == 1 { -1.0 } else { 1.0 };
+                *force = sign * lucky(wild).unwrap_or(*force);
             }
         }
-        let mut boom = Boom {
-            mass: 0.0,
-            length: 1.0,
-            radius: 0.0,
-            counterweight: None,
-            flex: None,
-        };
-        replace(&mut boom.mass, zero);
-        replace(&mut boom.length, above_zero);
-        robot.boom = (boom.mass > 0.0).then_some(boom);
+        if let (Some(mass), Some(length)) = (lucky(&table[14]), lucky(&table[15]))
+            && length > 0.0
+        {
+            robot.boom = Some(Boom {
+                mass,
+                length,
+                ..Boom::default()
+            });
+        }
         robot
     })
-}
-
-fn replace_cylinder(
-    c: &mut Cylinder,
-    stroke: f64,
-    stretch: f64,
-    replace: &mut impl FnMut(&mut f64, f64),
-) {
-    let (zero, above_zero) = (-1.0, 0.0);
-    for number in [
-        &mut c.bore,
-        &mut c.dead_volume,
-        &mut c.orifice_radius,
-        &mut c.temperature,
-        &mut c.gas.constant,
-    ] {
-        replace(number, above_zero);
-    }
-    for number in [
-        &mut c.supply.0,
-        &mut c.supply_droop,
-        &mut c.leak_area,
-        &mut c.seal_friction,
-    ] {
-        replace(number, zero);
-    }
-    replace(&mut c.discharge_coefficient, above_zero);
-    c.discharge_coefficient = c.discharge_coefficient.min(1.0);
-    replace(&mut c.gas.heat_ratio, 1.0);
-    if let Some(port) = &mut c.exhaust_port {
-        port.position *= stretch;
-        replace(&mut port.area, above_zero);
-    }
-    c.exhaust_port = c
-        .exhaust_port
-        .filter(|port| port.position > 0.0 && port.position < stroke);
-    c.polytropic_exponent = c.polytropic_exponent.map(|n| n.min(c.gas.heat_ratio));
 }
 
 /// Any launch at all: also such as no robot can be given.

@@ -182,7 +182,7 @@ fn arrows_between_our_crates_are_those_of_the_table() {
 fn the_check_sees_a_wrong_arrow() {
     let arrows = [
         ("planner", "saltus"),
-        ("robot", "numeric"),
+        ("robot", "pneumatics"),
         ("ballistic", "lagrangian"),
         ("saltus", "robot"),
     ];
@@ -190,7 +190,7 @@ fn the_check_sees_a_wrong_arrow() {
         forbidden(&arrows),
         [
             "planner -> saltus",
-            "robot -> numeric",
+            "robot -> pneumatics",
             "ballistic -> lagrangian"
         ]
     );

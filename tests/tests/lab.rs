@@ -1,6 +1,6 @@
 //! The laboratory: what it hides can be seen, and follows from the seed.
 
-use saltus_diagnosis::{NAMED, Sort, kinds, meaning};
+use saltus_diagnosis::{Sort, kinds, meaning, named};
 use saltus_robot::Robot;
 use saltus_tests::lab::{Case, SORTS, Size, causes_of, kinds_of, make, outside};
 
@@ -110,7 +110,7 @@ fn all_follows_from_the_seed() {
 
 #[test]
 fn every_named_cause_but_a_slope_shows_somewhere() {
-    for (id, _) in NAMED {
+    for (id, _) in named() {
         assert_eq!(kinds_of(id).is_empty(), id == "ground-slope", "{id}");
     }
     for kind in SORTS {

@@ -72,18 +72,16 @@ fn simple(
     scale: f64,
     starts: &[f64],
 ) -> Cause {
-    Cause {
+    Cause::one(
         id,
-        column: None,
-        parameters: vec![Parameter {
+        Parameter {
             name: name.into(),
             neutral,
             bounds,
             scale,
             starts: starts.to_vec(),
-        }],
-        usual: None,
-    }
+        },
+    )
 }
 
 /// The error of a column.

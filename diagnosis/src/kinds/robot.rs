@@ -4,7 +4,7 @@ mod proposals;
 mod terms;
 
 use saltus_robot::{Drive, GaugePressure, Robot};
-use terms::{Sensor, Term};
+use terms::{Effect, Sensor};
 
 use super::{Problem, unknown};
 use crate::experiment::{Experiment, Run, Sort};
@@ -25,7 +25,7 @@ pub struct Firings {
     causes: Vec<Cause>,
     /// How many of them have an id.
     listed: usize,
-    terms: Vec<Term>,
+    effects: Vec<Effect>,
     /// Whether the radius angle, or the travel, is 0 where the axle starts, and not where the foot
     /// stands.
     from_axle: bool,
@@ -126,7 +126,7 @@ impl Firings {
             .map(|run| noise::log(experiment, run, &indices))
             .collect();
         let runs = runs.iter().map(|run| setting(run, &requests)).collect();
-        let (causes, terms, listed) = terms::causes(experiment.kind, robot, &columns, &channels);
+        let (causes, effects, listed) = terms::causes(experiment.kind, robot, &columns, &channels);
         let mut firings = Firings {
             sort: experiment.kind,
             robot: robot.clone(),
@@ -136,7 +136,7 @@ impl Firings {
             runs,
             causes,
             listed,
-            terms,
+            effects,
             from_axle: false,
         };
         firings.from_axle = firings.starts_at_axle();
@@ -194,7 +194,7 @@ impl Firings {
     }
 
     fn switch_on(&self, robot: &mut Robot, load: &mut f64, terms: &Terms) {
-        for (k, (term, cause)) in self.terms.iter().zip(&self.causes).enumerate() {
+        for (k, (effect, cause)) in self.effects.iter().zip(&self.causes).enumerate() {
             let values = terms.of(k);
             if values
                 .iter()
@@ -203,11 +203,12 @@ impl Firings {
             {
                 continue;
             }
-            match term {
-                Term::Robot(apply) => apply(robot, values),
-                Term::LoadFactor => *load *= values[0],
-                Term::LoadAdded => *load = (*load + values[0]).max(1e-3),
-                Term::Extra(_) | Term::Sensor(..) => {}
+            match effect {
+                Effect::Terms(all) => terms::set(robot, all, values),
+                Effect::Robot(apply) => apply(robot, values),
+                Effect::LoadFactor => *load *= values[0],
+                Effect::LoadAdded => *load = (*load + values[0]).max(1e-3),
+                Effect::Extra(_) | Effect::Sensor(..) => {}
             }
         }
     }
@@ -215,8 +216,8 @@ impl Firings {
     /// The terms that no listed cause has.
     fn extra(&self, terms: &Terms) -> Extra {
         let mut extra = Extra::default();
-        for (k, term) in self.terms.iter().enumerate().skip(self.listed) {
-            if let Term::Extra(set) = term {
+        for (k, effect) in self.effects.iter().enumerate().skip(self.listed) {
+            if let Effect::Extra(set) = effect {
                 set(&mut extra, terms.get(k, 0));
             }
         }
@@ -271,8 +272,8 @@ impl Firings {
     /// Gain, offset, delay and delay from a held first value of each channel.
     fn sensors(&self, terms: &Terms) -> Vec<[f64; 4]> {
         let mut all = vec![[1.0, 0.0, 0.0, 0.0]; self.channels.len()];
-        for (k, term) in self.terms.iter().enumerate() {
-            if let Term::Sensor(channel, what) = term {
+        for (k, effect) in self.effects.iter().enumerate() {
+            if let Effect::Sensor(channel, what) = effect {
                 let value = terms.get(k, 0);
                 match what {
                     Sensor::Gain => all[*channel][0] = value,
@@ -495,10 +496,6 @@ impl Kind for Firings {
         all.extend(course.breaks_away.map(|t| ("extension", t)));
         all.extend(course.leaves.map(|t| ("flight", t)));
         all
-    }
-
-    fn report(&self, cause: usize, values: &[f64]) -> Vec<(String, f64)> {
-        terms::report(&self.causes[cause], values)
     }
 
     fn stronger(&self) -> String {

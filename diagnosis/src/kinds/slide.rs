@@ -75,15 +75,13 @@ impl Slides {
                 &[1.0, 10.0],
             ),
             simple("air-drag", "drag_n_s2_per_m2", 0.0, (0.0, 1e5), 0.1, &[1.0]),
-            Cause {
-                id: "return-spring",
-                column: None,
-                parameters: vec![
+            Cause::several(
+                "return-spring",
+                vec![
                     unknown("stiffness_n_per_m", 0.0, (0.0, 1e7), 5.0),
                     unknown("preload_n", 0.0, (-1e5, 1e5), 0.5),
                 ],
-                usual: None,
-            },
+            ),
             sensor("sensor-offset", "force_n", "offset_n", 0.0, FREE, 0.1, &[]),
             sensor(
                 "sensor-delay",

@@ -74,15 +74,13 @@ impl Strokes {
             .collect();
         let places = drives.iter().flat_map(|drive| &drive.motion).map(|m| m.0);
         let retracted = places.fold(f64::NEG_INFINITY, f64::max);
-        let spring = Cause {
-            id: "return-spring",
-            column: None,
-            parameters: vec![
+        let spring = Cause::several(
+            "return-spring",
+            vec![
                 unknown("stiffness_n_per_m", 0.0, (0.0, 1e6), 10.0),
                 unknown("preload_n", 0.0, (0.0, 1e4), 1.0),
             ],
-            usual: None,
-        };
+        );
         let causes = vec![
             simple(
                 "coulomb-friction",

@@ -152,7 +152,8 @@ terms! {
         .cause("valve-delay", "the valve opens and closes later than commanded", |_, now| {
             direct(now, (0.0, 0.2), 3e-4, &[0.5 * now, now + 4e-3, now + 0.012])
         })
-        .hidden(&[0.001, 0.025]);
+        .hidden(&[0.001, 0.025])
+        .drawn_to(1.0);
     /// Viscous friction β (N s/m).
     ViscousFriction = Spec::needed("leg.viscous_friction", DAMPING, at!(robot, leg.viscous_friction))
         .shown("viscous_friction_n_s_per_m = 5.28", "")
@@ -315,7 +316,7 @@ terms! {
     )
     .within(|r| Domain::POSITIVE.below(r.leg.stroke))
     .shown("position_mm = 55", "")
-    .cause(
+    .new_cause(
         "exhaust-port",
         "the chamber opens to the atmosphere before the end of the stroke",
         |r, _| {
@@ -328,7 +329,7 @@ terms! {
     PortArea = Spec::needed("leg.exhaust_port.area", AREA, at!(cylinder, exhaust_port => area))
         .within(|_| Domain::POSITIVE)
         .shown("area_mm2 = 20", "effective")
-        .cause("exhaust-port", "", |_, _| direct(0.0, (1e-8, 1e-3), 5e-6, &[2e-5]));
+        .new_cause("exhaust-port", "", |_, _| direct(0.0, (1e-8, 1e-3), 5e-6, &[2e-5]));
 
     /// Length of the end-stop cushion (m).
     CushionLength =
@@ -367,7 +368,7 @@ terms! {
         .without(|_| Some(f64::INFINITY))
         .shown("bending_stiffness_n_m_per_rad = 2000", "of a hinge halfway; left out: rigid")
         .out_of_plane()
-        .cause("boom-flex", "the boom bends", |_, _| {
+        .new_cause("boom-flex", "the boom bends", |_, _| {
             // The boom swings with a phase of its own at each stiffness, so that the loss has many
             // minima.
             let starts: Vec<f64> = (0..20).map(|k| 1e-4 * 1.28_f64.powi(k)).collect();
@@ -381,7 +382,7 @@ terms! {
     )
     .within(|_| Domain::POSITIVE)
     .shown("distance_m = 0.4", "")
-    .cause("counterweight", "a counterweight carries a part of the weight", |_, _| {
+    .new_cause("counterweight", "a counterweight carries a part of the weight", |_, _| {
         direct(0.5, (0.05, 3.0), 0.05, &[0.5])
     });
     /// Mass of the counterweight, m_c (kg).
@@ -389,7 +390,7 @@ terms! {
         Spec::needed("boom.counterweight.mass", MASS, at!(boom, counterweight => mass))
             .within(counterweight_mass)
             .shown("mass_kg = 0.2", "at most what balances robot and boom")
-            .cause("counterweight", "", |_, _| direct(0.0, (0.0, 20.0), 0.02, &[0.3, 1.5]));
+            .new_cause("counterweight", "", |_, _| direct(0.0, (0.0, 20.0), 0.02, &[0.3, 1.5]));
 
     /// Radius of the sphere at a foot that touches the ground (m).
     FootRadius = Spec::optional("foot.radius", LENGTH, at!(robot, foot.radius))
@@ -398,7 +399,7 @@ terms! {
         .cause(
             "foot-rolling",
             "the foot rolls on the ground instead of turning about a point",
-            |_, _| direct(0.0, (0.0, 0.1), 5e-4, &[0.01]),
+            |_, now| direct(now, (0.0, 0.1), 5e-4, &[0.01]),
         )
         .hidden(&[0.05]);
 
@@ -442,16 +443,16 @@ terms! {
     GroundDamping = Spec::optional("ground.damping", DAMPING, at!(robot, ground.damping))
         .shown("damping_n_s_per_m = 100", "where it is not rigid")
         .beside_plane()
-        .cause("ground-compliance", "", |_, _| {
-            direct(0.0, (0.0, 600.0), 20.0, &[30.0, 300.0].repeat(5))
+        .cause("ground-compliance", "", |_, now| {
+            direct(now, (0.0, 600.0), 20.0, &[30.0, 300.0].repeat(5))
         });
     /// Slope along the travel (rad), uphill positive.
     Slope = Spec::optional("ground.slope", ANGLE, at!(robot, ground.slope))
         .within(|_| Domain::above(-FRAC_PI_4).below(FRAC_PI_4))
         .shown("slope_deg = 2", "uphill positive, less than 45°")
         .out_of_plane()
-        .cause("ground-slope", "the ground slopes", |_, _| {
-            direct(0.0, (-0.6, 0.6), 2e-3, &[-0.05, 0.05])
+        .cause("ground-slope", "the ground slopes", |_, now| {
+            direct(now, (-0.6, 0.6), 2e-3, &[now - 0.05, now + 0.05])
         });
 
     /// Gravity g (m/s²).

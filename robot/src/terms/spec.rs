@@ -35,6 +35,8 @@ pub struct Cause {
     /// What is so in the machine and not in the simulation; empty for the later terms of a cause
     /// with several.
     pub sentence: &'static str,
+    /// Whether it is looked for only in a robot that is without it.
+    pub only_new: bool,
     /// How the term is fitted in a robot in which it has a value.
     fit: fn(&Robot, f64) -> Fit,
 }
@@ -165,7 +167,30 @@ impl Spec {
         fit: fn(&Robot, f64) -> Fit,
     ) -> Spec {
         Spec {
-            cause: Some(Cause { id, sentence, fit }),
+            cause: Some(Cause {
+                id,
+                sentence,
+                only_new: false,
+                fit,
+            }),
+            ..self
+        }
+    }
+
+    /// As [`cause`](Self::cause), but only looked for in robots that are without it.
+    pub(super) const fn new_cause(
+        self,
+        id: &'static str,
+        sentence: &'static str,
+        fit: fn(&Robot, f64) -> Fit,
+    ) -> Spec {
+        Spec {
+            cause: Some(Cause {
+                id,
+                sentence,
+                only_new: true,
+                fit,
+            }),
             ..self
         }
     }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use saltus_diagnosis::{Cause, Kind};
+use saltus_diagnosis::Kind;
 
 use super::Error;
 
@@ -60,48 +60,7 @@ fn parameters(kind: &dyn Kind, cause: usize) -> Vec<(String, f64)> {
         .iter()
         .map(|p| p.neutral)
         .collect();
-    kind.report(cause, &neutral)
-}
-
-/// Least and greatest of each parameter as it is reported.
-fn ranges(kind: &dyn Kind, cause: usize) -> Vec<(f64, f64)> {
-    let spec = &kind.causes()[cause];
-    if spec.id == "imbalance" {
-        let most = spec
-            .parameters
-            .iter()
-            .map(|p| p.bounds.1)
-            .fold(f64::INFINITY, f64::min);
-        return vec![(0.0, most), (-std::f64::consts::PI, std::f64::consts::PI)];
-    }
-    let at = |end: fn((f64, f64)) -> f64| {
-        let ends: Vec<f64> = spec.parameters.iter().map(|p| end(p.bounds)).collect();
-        kind.report(cause, &ends)
-    };
-    at(|b| b.0)
-        .iter()
-        .zip(at(|b| b.1))
-        .map(|(a, b)| (a.1.min(b.1), a.1.max(b.1)))
-        .collect()
-}
-
-/// What the model takes where a diagnosis reports `values`.
-fn taken(cause: &Cause, values: &[f64]) -> Vec<f64> {
-    match (
-        cause.id,
-        cause.parameters.first().map(|p| p.name.as_str()),
-        values,
-    ) {
-        ("boom-flex", Some("boom_compliance_rad_per_n_m"), [stiffness]) => vec![1.0 / stiffness],
-        ("foot-slip", Some("one_over_friction"), [friction, ratio]) => vec![1.0 / friction, *ratio],
-        ("ground-compliance", Some("ground_compliance_m_per_n"), [stiffness, damping]) => {
-            vec![1.0 / stiffness, *damping]
-        }
-        ("imbalance", Some("imbalance_forward_m"), [size, angle]) => {
-            vec![size * angle.sin(), size * angle.cos()]
-        }
-        _ => values.to_vec(),
-    }
+    kind.causes()[cause].report(&neutral)
 }
 
 /// How the cause is asked for, without its values; whether it is the first of its id and column.
@@ -132,7 +91,7 @@ pub(super) fn known(kind: &dyn Kind) -> String {
     let line = |cause: usize| {
         let parameters = parameters(kind, cause);
         let names: Vec<&str> = parameters.iter().map(|p| p.0.as_str()).collect();
-        let of_each = parameters.iter().zip(ranges(kind, cause));
+        let of_each = parameters.iter().zip(kind.causes()[cause].ranges());
         let about: Vec<String> = of_each
             .map(|((_, none), (low, high))| {
                 format!(
@@ -184,7 +143,7 @@ pub(super) fn resolve(
             known: known(),
         });
     };
-    let (parameters, ranges) = (parameters(kind, cause), ranges(kind, cause));
+    let (parameters, ranges) = (parameters(kind, cause), kind.causes()[cause].ranges());
     let refused = |allowed: String| {
         Err(Error::Value {
             effect: asked.to_string(),
@@ -226,7 +185,7 @@ pub(super) fn resolve(
             none.join(", ")
         ));
     }
-    Ok((cause, taken(&kind.causes()[cause], &values)))
+    Ok((cause, kind.causes()[cause].taken(&values)))
 }
 
 #[cfg(test)]
@@ -274,14 +233,14 @@ mod tests {
             let layout = Layout::new(sort, true, Some(1), &mut Draw::new(0));
             let robot = saltus_robot::resolve("rats-boom", &[]).unwrap();
             let kind = kinds::build(&layout.experiment, Some(&robot)).unwrap();
-            for (c, cause) in kind.causes().iter().enumerate() {
+            for cause in kind.causes() {
                 let inside = |(low, high): (f64, f64)| {
                     let (low, high) = (low.max(-1e3), high.min(1e3));
                     low + 0.3 * (high - low)
                 };
                 let values: Vec<f64> = cause.parameters.iter().map(|p| inside(p.bounds)).collect();
-                let reported: Vec<f64> = kind.report(c, &values).iter().map(|r| r.1).collect();
-                for (a, b) in taken(cause, &reported).iter().zip(&values) {
+                let reported: Vec<f64> = cause.report(&values).iter().map(|r| r.1).collect();
+                for (a, b) in cause.taken(&reported).iter().zip(&values) {
                     assert!((a - b).abs() <= 1e-12 * b.abs(), "{}: {a} {b}", cause.id);
                 }
             }

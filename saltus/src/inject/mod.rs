@@ -182,7 +182,7 @@ pub fn make(request: &Request<'_>) -> Result<Made, Error> {
         let found = Truth {
             id: spec.id,
             column: spec.column.clone(),
-            parameters: model.report(cause, &values),
+            parameters: model.causes()[cause].report(&values),
         };
         if truth
             .iter()

@@ -6,6 +6,8 @@
 
 use std::f64::consts::PI;
 
+use saltus_robot::{Robot, Term};
+
 use super::dial::{Dial, Hidden};
 use super::draw::Draw;
 use super::motion::{AIR, AMBIENT, CARBON_DIOXIDE, GRAVITY, PSI, first, nozzle, rk4};
@@ -132,6 +134,23 @@ impl World for Bench {
     }
 }
 
+/// The number of the robot that the effect `id` changes, from the table of terms: from what it is
+/// on `rats-boom` to one of the values that the table has for it.
+pub(super) fn of_table(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
+    let is_meant = |term: &&Term| {
+        let spec = term.spec();
+        !spec.hidden.is_empty() && spec.cause.is_some_and(|cause| cause.id == id)
+    };
+    let term = Term::ALL.iter().find(is_meant)?;
+    let robot = Robot::builtin("rats-boom").expect("built in");
+    let now = term.of(&robot).or(term.off(&robot)).unwrap_or(0.0);
+    let most = match term.spec().hidden {
+        [most] => *most,
+        several => draw.one(several),
+    };
+    Some(vec![Dial::linear(term.key(&robot), now, most)])
+}
+
 /// The numbers of the leg that the effect `id` changes: keys of the robot file.
 pub(super) fn leg(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
     Some(match id {
@@ -140,38 +159,6 @@ pub(super) fn leg(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
             "supply_pressure_pa added",
             draw.one(&[-2e5, 2e5]),
         )],
-        "supply-droop" => vec![Dial::up_to("leg.supply_droop_pa_s_per_kg", 1.2e8)],
-        "valve-delay" => vec![Dial::linear(
-            "leg.valve_delay_s",
-            0.01,
-            draw.one(&[0.001, 0.025]),
-        )],
-        "valve-discharge" => vec![Dial::linear(
-            "leg.discharge_coefficient",
-            0.5378,
-            draw.one(&[0.25, 0.95]),
-        )],
-        "chamber-leak" => vec![Dial::up_to("leg.leak_area_m2", 5e-7)],
-        "dead-volume" => vec![Dial::linear(
-            "leg.dead_volume_m3",
-            5.4e-6,
-            draw.one(&[1.5e-6, 2e-5]),
-        )],
-        "viscous-friction" => {
-            vec![Dial::linear(
-                "leg.viscous_friction_n_s_per_m",
-                5.2843,
-                draw.one(&[0.0, 60.0, 60.0]),
-            )]
-        }
-        "coulomb-friction" => {
-            vec![Dial::linear(
-                "leg.coulomb_friction_n",
-                9.7003,
-                draw.one(&[0.0, 50.0, 50.0]),
-            )]
-        }
-        "seal-friction" => vec![Dial::up_to("leg.seal_friction_n_per_pa", 1.4e-4)],
         "return-spring" => {
             // Up to what friction holds in the air at the end of the stroke.
             let preload = draw.between(1.0, 8.0);
@@ -191,8 +178,7 @@ pub(super) fn leg(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
             Dial::fixed("leg.exhaust_port.position_m", draw.between(0.025, 0.042)),
             Dial::up_to("leg.exhaust_port.area_m2", 6e-6),
         ],
-        "heat-transfer" => vec![Dial::linear("leg.polytropic_exponent", 1.4, 1.0)],
-        _ => return None,
+        _ => return of_table(id, draw),
     })
 }
 
@@ -448,7 +434,7 @@ mod tests {
     fn hidden(values: &[(&'static str, f64)]) -> Hidden {
         let dials: Vec<Dial> = values
             .iter()
-            .map(|(key, value)| Dial::fixed(key, *value))
+            .map(|(key, value)| Dial::fixed(*key, *value))
             .collect();
         Hidden::of(&dials, 1.0)
     }

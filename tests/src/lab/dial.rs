@@ -1,5 +1,7 @@
 //! How strong a hidden effect is: dials from off to as far as physics goes.
 
+use std::borrow::Cow;
+
 /// How a number depends on the strength s of an effect, from 0, off, to 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Way {
@@ -19,48 +21,48 @@ pub(super) enum Way {
 }
 
 /// A number that an effect changes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Dial {
     /// What it is called: a key of the robot file, or a column and what is done to it.
-    pub key: &'static str,
+    pub key: Cow<'static, str>,
     /// How it depends on the strength.
     pub way: Way,
 }
 
 impl Dial {
     /// From `neutral` to `most`.
-    pub(super) fn linear(key: &'static str, neutral: f64, most: f64) -> Dial {
+    pub(super) fn linear(key: impl Into<Cow<'static, str>>, neutral: f64, most: f64) -> Dial {
         Dial {
-            key,
+            key: key.into(),
             way: Way::Linear { neutral, most },
         }
     }
 
     /// Off at 0.
-    pub(super) fn up_to(key: &'static str, most: f64) -> Dial {
+    pub(super) fn up_to(key: impl Into<Cow<'static, str>>, most: f64) -> Dial {
         Dial::linear(key, 0.0, most)
     }
 
     /// Infinite where off.
-    pub(super) fn inverse(key: &'static str, most: f64) -> Dial {
+    pub(super) fn inverse(key: impl Into<Cow<'static, str>>, most: f64) -> Dial {
         Dial {
-            key,
+            key: key.into(),
             way: Way::Inverse(most),
         }
     }
 
     /// The damper of an inverse stiffness.
-    pub(super) fn root(key: &'static str, most: f64) -> Dial {
+    pub(super) fn root(key: impl Into<Cow<'static, str>>, most: f64) -> Dial {
         Dial {
-            key,
+            key: key.into(),
             way: Way::Root(most),
         }
     }
 
     /// Always `value`.
-    pub(super) fn fixed(key: &'static str, value: f64) -> Dial {
+    pub(super) fn fixed(key: impl Into<Cow<'static, str>>, value: f64) -> Dial {
         Dial {
-            key,
+            key: key.into(),
             way: Way::Fixed(value),
         }
     }
@@ -78,12 +80,17 @@ impl Dial {
 
 /// Values of dials by their key; what is not there is off.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Hidden(Vec<(&'static str, f64)>);
+pub(super) struct Hidden(Vec<(Cow<'static, str>, f64)>);
 
 impl Hidden {
     /// Each of `dials` at strength `s`.
     pub(super) fn of(dials: &[Dial], s: f64) -> Hidden {
-        Hidden(dials.iter().map(|dial| (dial.key, dial.at(s))).collect())
+        Hidden(
+            dials
+                .iter()
+                .map(|dial| (dial.key.clone(), dial.at(s)))
+                .collect(),
+        )
     }
 
     /// Adds what `other` has.
@@ -105,7 +112,7 @@ impl Hidden {
     }
 
     /// All of them.
-    pub(super) fn all(&self) -> &[(&'static str, f64)] {
+    pub(super) fn all(&self) -> &[(Cow<'static, str>, f64)] {
         &self.0
     }
 }

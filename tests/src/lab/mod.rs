@@ -19,6 +19,7 @@ mod slide;
 mod stroke;
 mod vessel;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use saltus_diagnosis::{Experiment, Run, Sort};
@@ -45,7 +46,7 @@ pub struct Effect {
     pub id: &'static str,
     /// Its true numbers: keys of the robot file with the values of the true robot, or a column with
     /// its gain, offset, …
-    pub parameters: Vec<(&'static str, f64)>,
+    pub parameters: Vec<(Cow<'static, str>, f64)>,
     /// How many σ it alone makes in the most affected reading.
     pub sigmas: f64,
 }

@@ -202,21 +202,11 @@ fn leaks(hidden: &Hidden) -> bool {
 fn dials(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
     let turn = std::f64::consts::TAU;
     Some(match id {
-        "mass" => vec![Dial::linear("body.mass_kg", 2.75, draw.one(&[1.9, 3.75]))],
-        "inertia" => {
-            vec![Dial::linear(
-                "body.inertia_kg_m2",
-                0.0812363958333333,
-                draw.one(&[0.03, 0.16]),
-            )]
-        }
         "imbalance" => vec![
             Dial::up_to("body.imbalance_m", 0.04),
             Dial::fixed("body.imbalance_angle_rad", draw.between(0.0, turn)),
         ],
-        "boom-inertia" => vec![Dial::linear("boom.mass_kg", 0.5, draw.one(&[0.05, 1.8]))],
         "boom-flex" => vec![Dial::inverse("boom.bending_stiffness_n_m_per_rad", 400.0)],
-        "axle-friction" => vec![Dial::up_to("body.axle_friction_n_m", 1.5)],
         "foot-slip" => {
             // Dry friction is at most a little less once a foot slips.
             let coefficient = draw.between(0.03, 0.1);
@@ -240,13 +230,6 @@ fn dials(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
                 ),
             ]
         }
-        "foot-rolling" => vec![Dial::up_to("foot.radius_m", 0.05)],
-        "air-drag" => vec![Dial::up_to("environment.drag_per_m", 0.3)],
-        "gravity" => vec![Dial::linear(
-            "environment.gravity_m_s2",
-            9.80665,
-            draw.one(&[8.3, 11.3]),
-        )],
         "counterweight" => vec![
             Dial::up_to("boom.counterweight.mass_kg", 3.0),
             Dial::fixed("boom.counterweight.distance_m", draw.between(0.3, 0.8)),

@@ -266,7 +266,7 @@ mod tests {
     fn guide(values: &[(&'static str, f64)]) -> Guide {
         let dials: Vec<Dial> = values
             .iter()
-            .map(|(key, value)| Dial::fixed(key, *value))
+            .map(|(key, value)| Dial::fixed(*key, *value))
             .collect();
         Guide::new(2.0, &Hidden::of(&dials, 1.0))
     }

@@ -204,7 +204,7 @@ impl<'a> Report<'a> {
     pub(super) fn parameters(&self, candidate: &Candidate) -> Vec<(String, String)> {
         if candidate.reported.is_empty() {
             let values = candidate.fit.terms.of(candidate.cause);
-            let reported = self.found.kind.report(candidate.cause, values);
+            let reported = self.found.kind.causes()[candidate.cause].report(values);
             return reported
                 .into_iter()
                 .map(|(n, x)| (n.clone(), with_unit(x, 4, unit(&n))))
@@ -252,7 +252,7 @@ impl<'a> Report<'a> {
         let kind = self.found.kind.as_ref();
         let cause = &kind.causes()[candidate.cause];
         let neutral: Vec<f64> = cause.parameters.iter().map(|p| p.neutral).collect();
-        let believed = kind.report(candidate.cause, &neutral).get(k)?.1;
+        let believed = kind.causes()[candidate.cause].report(&neutral).get(k)?.1;
         let Reported {
             name, value, error, ..
         } = &candidate.reported[k];
@@ -666,7 +666,7 @@ impl<'a> Report<'a> {
         let mut entry = self.entry(candidate);
         entry.remove("standard_errors");
         let values = candidate.fit.terms.of(candidate.cause);
-        let reported = self.found.kind.report(candidate.cause, values);
+        let reported = self.found.kind.causes()[candidate.cause].report(values);
         let values: Map<String, Value> = reported.into_iter().map(|(n, x)| (n, json!(x))).collect();
         entry.insert("parameters".into(), Value::Object(values));
         entry

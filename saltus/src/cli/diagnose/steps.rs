@@ -68,7 +68,7 @@ impl Asked {
 }
 
 /// Keys of the corrected robot that the planar model of the planner leaves out.
-pub(super) fn left_out(found: &Found) -> Vec<&'static str> {
+pub(super) fn left_out(found: &Found) -> Vec<String> {
     found
         .extended
         .as_ref()
