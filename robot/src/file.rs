@@ -9,15 +9,15 @@ use crate::files::Files;
 use crate::section::Section;
 use crate::table::force_table;
 use crate::terms::SUPPLY;
-use crate::{
-    Body, Boom, Cylinder, Drive, Environment, Errors, Foot, ForceTable, Gas, Ground, Leg, LegBody,
-    Robot, RobotError, Term,
-};
+use crate::{Boom, Cylinder, Drive, ForceTable, Gas, Robot, RobotError, Term};
 
 /// The robot that `document` describes; files that it names are found in `files`.
 pub(crate) fn robot(document: Node, files: Files) -> Result<Robot, RobotError> {
     let mut s = Section::new(String::new(), document)?;
-    let mut robot = blank(s.text("name"));
+    let mut robot = Robot {
+        name: s.text("name"),
+        ..Robot::default()
+    };
     let (body, mut leg, environment) = (s.table("body"), s.table("leg"), s.table("environment"));
     for part in ["errors", "foot", "ground"] {
         s.optional_table(part, |s| table(s, part, &mut robot));
@@ -39,29 +39,6 @@ pub(crate) fn robot(document: Node, files: Files) -> Result<Robot, RobotError> {
         s.finish(())?;
     }
     Ok(robot)
-}
-
-/// A robot of which nothing is known but its name.
-fn blank(name: String) -> Robot {
-    Robot {
-        name,
-        body: Body::default(),
-        leg: Leg {
-            stroke: f64::NAN,
-            delay: 0.0,
-            viscous_friction: 0.0,
-            coulomb_friction: 0.0,
-            return_spring: None,
-            cushion: None,
-            drive: Drive::Constant { force: 0.0 },
-            body: LegBody::default(),
-        },
-        boom: None,
-        foot: Foot::default(),
-        ground: Ground::default(),
-        environment: Environment::default(),
-        errors: Errors::default(),
-    }
 }
 
 /// Reads the table `path` of `robot`, which has nothing but terms.

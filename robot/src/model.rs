@@ -28,7 +28,7 @@ impl AbsolutePressure {
 }
 
 /// A robot that rolls onto a leg and fires it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Robot {
     /// What it is called.
     pub name: String,
@@ -118,7 +118,7 @@ pub struct Body {
 }
 
 /// A telescoping leg: what drives it and what resists.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Leg {
     /// Greatest extension d (m), > 0.
     pub stroke: f64,
@@ -221,6 +221,13 @@ pub enum Drive {
     },
     /// A measured force over extension and speed while commanded, none afterwards.
     Table(ForceTable),
+}
+
+/// No force.
+impl Default for Drive {
+    fn default() -> Drive {
+        Drive::Constant { force: 0.0 }
+    }
 }
 
 impl Drive {

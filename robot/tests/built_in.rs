@@ -17,9 +17,7 @@ fn rats_planar_is_the_nominal_robot() {
         inertia: 0.0792,
         radius: 0.24,
         legs: 5,
-        imbalance: 0.0,
-        imbalance_angle: 0.0,
-        axle_friction: 0.0,
+        ..Body::default()
     };
     assert_eq!(robot.body, body);
     assert_eq!(
@@ -33,8 +31,6 @@ fn rats_planar_is_the_nominal_robot() {
             delay: 0.010,
             viscous_friction: 5.2843,
             coulomb_friction: 9.7003,
-            return_spring: None,
-            cushion: None,
             drive: Drive::Pneumatic(Cylinder {
                 bore: 0.01905,
                 dead_volume: 5.4e-6,
@@ -43,13 +39,9 @@ fn rats_planar_is_the_nominal_robot() {
                 orifice_radius: 1.0215e-3,
                 gas: Gas::AIR,
                 temperature: 293.15,
-                supply_droop: 0.0,
-                leak_area: 0.0,
-                exhaust_port: None,
-                polytropic_exponent: None,
-                seal_friction: 0.0,
+                ..Cylinder::default()
             }),
-            body: LegBody::default(),
+            ..Leg::default()
         }
     );
     assert_eq!(

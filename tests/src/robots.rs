@@ -10,9 +10,8 @@ use proptest::test_runner::RngSeed;
 use saltus_lagrangian::Launch;
 use saltus_robot::terms::Plane;
 use saltus_robot::{
-    AbsolutePressure, Body, Boom, Counterweight, Cushion, Cylinder, Drive, Environment, Errors,
-    ExhaustPort, Foot, ForceTable, Gas, GaugePressure, Ground, Leg, LegBody, ReturnSpring, Robot,
-    Term,
+    AbsolutePressure, Body, Boom, Counterweight, Cushion, Cylinder, Drive, Environment,
+    ExhaustPort, ForceTable, Gas, GaugePressure, Leg, ReturnSpring, Robot, Term,
 };
 
 /// What pushes, and which of the optional terms may be on.
@@ -231,9 +230,6 @@ fn robot(kind: Kind, draw: &mut Draw) -> Robot {
         },
         leg: Leg {
             stroke,
-            delay: 0.0,
-            viscous_friction: 0.0,
-            coulomb_friction: 0.0,
             return_spring: return_spring.filter(|_| !is_plain),
             cushion: cushion.filter(|_| !is_plain),
             drive: match kind {
@@ -250,17 +246,14 @@ fn robot(kind: Kind, draw: &mut Draw) -> Robot {
                 Kind::Constant => Drive::Constant { force },
                 Kind::Table => Drive::Table(force_table(draw, stroke, force, time)),
             },
-            body: LegBody::default(),
+            ..Leg::default()
         },
-        boom: None,
-        foot: Foot::default(),
-        ground: Ground::default(),
         environment: Environment {
             gravity,
             ambient,
             drag: 0.0,
         },
-        errors: Errors::default(),
+        ..Robot::default()
     };
     for term in Term::ALL.iter().filter(|t| t.spec().drawn_to > 0.0) {
         let is_optional = term.off(&robot).is_some();
