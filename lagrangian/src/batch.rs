@@ -135,12 +135,12 @@ impl Batch {
                     if !pushes {
                         continue;
                     }
-                    let close = time_fire + self.one.leg.delay + launch.valve_open;
+                    let (_, close) = self.one.leg.answers(time_fire, launch.valve_open);
                     ready.push(Ready {
                         job: block * LANES + i,
                         state,
                         time_fire,
-                        close,
+                        close: close.unwrap_or(f64::INFINITY),
                     });
                 }
             }
@@ -163,7 +163,7 @@ impl Stance<Lanes> {
         rate: Lanes,
         lean: Lanes,
         angle: Lanes,
-        open: Lanes,
+        opening: Lanes,
         chamber: &Chamber<Lanes>,
     ) -> ClosedStart {
         let of = Lanes::of;
@@ -190,14 +190,15 @@ impl Stance<Lanes> {
         let mut fired = [of(0.0); WIDTH];
         (fired[LEAN], fired[RATE]) = (fire_lean, fire_rate);
         let freed = self.series_break_away(chamber, &fired);
-        let wait = freed.time - self.leg.delay;
+        let time = time_fire + freed.time;
+        let (open, close) = self.leg.answers(time_fire, opening);
         let on_ground =
             pendulum.keeps_ground(invariant, lean.min(freed.lean), lean.max(freed.lean));
         for holds in [
             freed.residual.abs().lt(of(1e-6)),
             freed.tail.lt(of(1e-16)),
-            wait.ge(of(0.0)),
-            wait.le(open),
+            time.ge(open),
+            time.le(close.unwrap_or(time)),
             freed.pressure.le(chamber.fill_edge()),
             on_ground,
         ] {

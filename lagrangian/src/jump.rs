@@ -187,11 +187,8 @@ impl<S: Single> Stance<S> {
             Next::End(outcome, y) => return end(outcome, S::of(f64::NAN), &y),
         };
         let time_fire = fired[TIME];
-        let close = self
-            .leg
-            .has_valve()
-            .then(|| time_fire + self.leg.delay + launch.valve_open);
-        let freed = match self.fill(launch, fired, close, early, &mut pace, observer)? {
+        let (open, close) = self.leg.answers(time_fire, launch.valve_open);
+        let freed = match self.fill(fired, open, close, early, &mut pace, observer)? {
             Next::On(y) => y,
             Next::End(outcome, y) => return end(outcome, time_fire, &y),
         };
@@ -254,19 +251,18 @@ impl<S: Single> Stance<S> {
     /// Phases 2 and 3: the valve's delay, then filling until the leg breaks away.
     fn fill<O: Observer<S>>(
         &self,
-        launch: &Launch<S>,
         mut y: State<S>,
+        open: S,
         close: Option<S>,
         early: Option<f64>,
         pace: &mut Pace,
         observer: &mut O,
     ) -> Result<Next<S>, StanceError> {
         if !O::STEPWISE
-            && let Some(freed) = self.break_away_by_series(&y, launch.valve_open, early)
+            && let Some(freed) = self.break_away_by_series(&y, close, early)
         {
             return Ok(Next::On(freed));
         }
-        let open = y[TIME] + self.leg.delay;
         let waiting = Held {
             stance: self,
             piece: None,
@@ -292,7 +288,7 @@ impl<S: Single> Stance<S> {
                 target: None,
                 early,
             };
-            let opens = close.is_none() || launch.valve_open.value() > 0.0;
+            let opens = close.is_none_or(|close| close.value() > open.value());
             if opens && filling.excess(&y).value() > 0.0 {
                 self.leave(&mut y, piece.as_ref());
                 return Ok(Next::On(y));
@@ -316,22 +312,23 @@ impl<S: Single> Stance<S> {
     fn break_away_by_series(
         &self,
         fired: &State<S>,
-        valve_open: S,
+        close: Option<S>,
         early: Option<f64>,
     ) -> Option<State<S>> {
         let chamber = self.leg.chamber().filter(|_| self.plain)?;
         let freed = self.series_break_away(chamber, fired);
-        let wait = freed.time - self.leg.delay;
+        let time = fired[TIME] + freed.time;
         let is_valid = freed.residual.value().abs() < 1e-6
             && freed.tail.value() < 1e-16
-            && (0.0..=valve_open.value()).contains(&wait.value())
+            && freed.time.value() >= self.leg.delay.value()
+            && close.is_none_or(|close| time.value() <= close.value())
             && freed.pressure.value() <= chamber.fill_edge().value()
             && early.is_none_or(|early| freed.lean.value().abs() < early);
         if !is_valid {
             return None;
         }
         let mut y = *fired;
-        (y[LEAN], y[RATE], y[TIME]) = (freed.lean, freed.rate, fired[TIME] + freed.time);
+        (y[LEAN], y[RATE], y[TIME]) = (freed.lean, freed.rate, time);
         y[GAS] = freed.pressure * S::of(1.0 / MEGA);
         Some(y)
     }

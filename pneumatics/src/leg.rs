@@ -121,6 +121,14 @@ impl<S: Scalar> Leg<S> {
         !matches!(self.drive, Drive::Spring(..))
     }
 
+    /// When (s) the drive begins and ends to push for a command at the time `at` (s) of the valve
+    /// opening time `opening` (s); none: it does not end.
+    #[inline(always)]
+    pub fn answers(&self, at: S, opening: S) -> (S, Option<S>) {
+        let begins = at + self.delay;
+        (begins, self.has_valve().then(|| begins + opening))
+    }
+
     /// The chamber, if the leg is pneumatic.
     #[inline(always)]
     pub fn chamber(&self) -> Option<&Chamber<S>> {

@@ -217,7 +217,8 @@ impl Rig {
             rests,
             ..Run::new(self, start)?
         };
-        let (fire, release) = (open + self.leg.delay, shut + self.leg.delay);
+        let (fire, release) = self.leg.answers(open, shut - open);
+        let release = release.unwrap_or(f64::INFINITY);
         let end = until.unwrap_or(PATIENCE);
         let mut marks = [(open, 0), (fire, 1), (release, 2)];
         marks.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -228,9 +229,8 @@ impl Rig {
             }
             match what {
                 0 => run.unlatch(),
-                1 => run.switch(release > fire || !self.leg.has_valve()),
-                _ if self.leg.has_valve() => run.switch(false),
-                _ => {}
+                1 => run.switch(release > fire),
+                _ => run.switch(false),
             }
         }
         run.go(end, until.is_none())?;

@@ -255,10 +255,10 @@ impl<'a> Sim<'a> {
             });
         }
         let drive = &self.machine.mechanism.legs[leg].leg;
-        let answers = self.time + drive.delay;
-        let closes = drive.has_valve().then_some((answers + opening, leg, false));
+        let (begins, ends) = drive.answers(self.time, opening);
+        let ends = ends.map(|ends| (ends, leg, false));
         self.commands
-            .extend([(answers, leg, true)].into_iter().chain(closes));
+            .extend([(begins, leg, true)].into_iter().chain(ends));
         self.commands
             .sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.cmp(&b.2)));
         Ok(())
