@@ -59,6 +59,8 @@ fn shifted(literal: &str, power: i64) -> f64 {
 pub struct Quantity {
     /// SI unit as messages write it.
     pub si: &'static str,
+    /// Powers of mass, length and time in it.
+    pub dimension: [i32; 3],
     /// Key suffix and unit.
     pub units: &'static [(&'static str, Unit)],
 }
@@ -73,36 +75,40 @@ const PSI: Unit = Unit::Times(6_894.757_293_168);
 const DEGREE: Unit = Unit::Times(PI / 180.0);
 
 macro_rules! quantities {
-    ($($name:ident, $si:literal: $($suffix:literal $unit:expr),+;)+) => {
+    ($($name:ident, $si:literal, $dimension:tt: $($suffix:literal $unit:expr),+;)+) => {
         $(
             #[doc = concat!("SI unit: ", $si, "; suffixes of its keys:", $(" `", $suffix, "`",)+ ".")]
-            pub const $name: Quantity = Quantity { si: $si, units: &[$(($suffix, $unit)),+] };
+            pub const $name: Quantity = Quantity {
+                si: $si,
+                dimension: $dimension,
+                units: &[$(($suffix, $unit)),+],
+            };
         )+
     };
 }
 
 quantities! {
-    NUMBER, "": "" Unit::SI;
-    MASS, "kg": "_kg" Unit::SI, "_g" MILLI, "_lb" POUND;
-    INERTIA, "kg m²": "_kg_m2" Unit::SI;
-    LENGTH, "m": "_m" Unit::SI, "_mm" MILLI, "_cm" Unit::Decimal(-2), "_in" INCH;
-    AREA, "m²": "_m2" Unit::SI, "_mm2" Unit::Decimal(-6);
-    VOLUME, "m³": "_m3" Unit::SI, "_cm3" Unit::Decimal(-6);
-    TIME, "s": "_s" Unit::SI, "_ms" MILLI, "_us" Unit::Decimal(-6), "_ns" Unit::Decimal(-9);
-    ACCELERATION, "m/s²": "_m_s2" Unit::SI;
-    ANGLE, "rad": "_rad" Unit::SI, "_deg" DEGREE;
-    ANGULAR_RATE, "rad/s": "_rad_s" Unit::SI, "_deg_s" DEGREE, "_rpm" Unit::Times(PI / 30.0);
-    FORCE, "N": "_n" Unit::SI;
-    STIFFNESS, "N/m": "_n_per_m" Unit::SI, "_n_per_mm" Unit::Decimal(3);
-    TORQUE, "N m": "_n_m" Unit::SI;
-    ANGULAR_STIFFNESS, "N m/rad": "_n_m_per_rad" Unit::SI;
-    DAMPING, "N s/m": "_n_s_per_m" Unit::SI;
-    PRESSURE, "Pa": "_pa" Unit::SI, "_kpa" Unit::Decimal(3), "_bar" Unit::Decimal(5), "_psi" PSI;
-    PRESSURE_PER_FLOW, "Pa s/kg": "_pa_s_per_kg" Unit::SI;
-    FORCE_PER_PRESSURE, "N/Pa": "_n_per_pa" Unit::SI, "_mm2" Unit::Decimal(-6);
-    TEMPERATURE, "K": "_k" Unit::SI;
-    GAS_CONSTANT, "J/(kg K)": "_j_per_kg_k" Unit::SI;
-    PER_LENGTH, "1/m": "_per_m" Unit::SI;
+    NUMBER, "", [0, 0, 0]: "" Unit::SI;
+    MASS, "kg", [1, 0, 0]: "_kg" Unit::SI, "_g" MILLI, "_lb" POUND;
+    INERTIA, "kg m²", [1, 2, 0]: "_kg_m2" Unit::SI;
+    LENGTH, "m", [0, 1, 0]: "_m" Unit::SI, "_mm" MILLI, "_cm" Unit::Decimal(-2), "_in" INCH;
+    AREA, "m²", [0, 2, 0]: "_m2" Unit::SI, "_mm2" Unit::Decimal(-6);
+    VOLUME, "m³", [0, 3, 0]: "_m3" Unit::SI, "_cm3" Unit::Decimal(-6);
+    TIME, "s", [0, 0, 1]: "_s" Unit::SI, "_ms" MILLI, "_us" Unit::Decimal(-6), "_ns" Unit::Decimal(-9);
+    ACCELERATION, "m/s²", [0, 1, -2]: "_m_s2" Unit::SI;
+    ANGLE, "rad", [0, 0, 0]: "_rad" Unit::SI, "_deg" DEGREE;
+    ANGULAR_RATE, "rad/s", [0, 0, -1]: "_rad_s" Unit::SI, "_deg_s" DEGREE, "_rpm" Unit::Times(PI / 30.0);
+    FORCE, "N", [1, 1, -2]: "_n" Unit::SI;
+    STIFFNESS, "N/m", [1, 0, -2]: "_n_per_m" Unit::SI, "_n_per_mm" Unit::Decimal(3);
+    TORQUE, "N m", [1, 2, -2]: "_n_m" Unit::SI;
+    ANGULAR_STIFFNESS, "N m/rad", [1, 2, -2]: "_n_m_per_rad" Unit::SI;
+    DAMPING, "N s/m", [1, 0, -1]: "_n_s_per_m" Unit::SI;
+    PRESSURE, "Pa", [1, -1, -2]: "_pa" Unit::SI, "_kpa" Unit::Decimal(3), "_bar" Unit::Decimal(5), "_psi" PSI;
+    PRESSURE_PER_FLOW, "Pa s/kg", [0, -1, -1]: "_pa_s_per_kg" Unit::SI;
+    FORCE_PER_PRESSURE, "N/Pa", [0, 2, 0]: "_n_per_pa" Unit::SI, "_mm2" Unit::Decimal(-6);
+    TEMPERATURE, "K", [0, 0, 0]: "_k" Unit::SI;
+    GAS_CONSTANT, "J/(kg K)", [0, 2, -2]: "_j_per_kg_k" Unit::SI;
+    PER_LENGTH, "1/m", [0, -1, 0]: "_per_m" Unit::SI;
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use proptest::prelude::*;
 use saltus_lagrangian::{FINE, Launch, LiftOff, Outcome, Sample, Stance, TouchDown};
-use saltus_robot::{Drive, GaugePressure, Robot};
+use saltus_robot::{Drive, GaugePressure, Robot, Term};
 use saltus_tests::oracle::held_normal;
 use saltus_tests::robots::{Kind, any_ordinary, cases, jump, launch, ordinary, stroke_time};
 
@@ -21,56 +21,21 @@ fn apex(robot: &Robot, end: &LiftOff) -> f64 {
 
 /// The same robot in other units of length, mass and time: every number times its dimension.
 fn in_units(robot: &Robot, length: f64, mass: f64, time: f64) -> Robot {
-    let force = mass * length / (time * time);
-    let pressure = force / (length * length);
     let mut scaled = robot.clone();
-    scaled.body.mass *= mass;
-    scaled.body.inertia *= mass * length * length;
-    scaled.body.radius *= length;
-    scaled.environment.gravity *= length / (time * time);
-    scaled.environment.ambient.0 *= pressure;
-    let leg = &mut scaled.leg;
-    leg.stroke *= length;
-    leg.delay *= time;
-    leg.viscous_friction *= mass / time;
-    leg.coulomb_friction *= force;
-    if let Some(spring) = &mut leg.return_spring {
-        spring.stiffness *= force / length;
-        spring.preload *= force;
+    for term in Term::ALL {
+        let [m, l, t] = term.spec().quantity.dimension;
+        if let Some(x) = term.of(robot) {
+            term.set(
+                &mut scaled,
+                x * mass.powi(m) * length.powi(l) * time.powi(t),
+            );
+        }
     }
-    if let Some(cushion) = &mut leg.cushion {
-        cushion.length *= length;
-        cushion.stiffness *= force / length;
-        cushion.damping *= mass / time;
-    }
-    match &mut leg.drive {
-        Drive::Pneumatic(c) => {
-            c.bore *= length;
-            c.dead_volume *= length.powi(3);
-            c.supply.0 *= pressure;
-            c.orifice_radius *= length;
-            c.gas.constant *= (length / time).powi(2);
-            c.supply_droop *= pressure * time / mass;
-            c.leak_area *= length * length;
-            c.seal_friction *= length * length;
-            if let Some(port) = &mut c.exhaust_port {
-                port.position *= length;
-                port.area *= length * length;
-            }
-        }
-        Drive::Spring {
-            stiffness,
-            compression,
-        } => {
-            *stiffness *= force / length;
-            *compression *= length;
-        }
-        Drive::Constant { force: constant } => *constant *= force,
-        Drive::Table(table) => {
-            table.extensions.iter_mut().for_each(|d| *d *= length);
-            table.speeds.iter_mut().for_each(|v| *v *= length / time);
-            table.forces.iter_mut().for_each(|f| *f *= force);
-        }
+    if let Drive::Table(table) = &mut scaled.leg.drive {
+        let force = mass * length / (time * time);
+        table.extensions.iter_mut().for_each(|d| *d *= length);
+        table.speeds.iter_mut().for_each(|v| *v *= length / time);
+        table.forces.iter_mut().for_each(|f| *f *= force);
     }
     scaled
 }

@@ -242,13 +242,15 @@ impl Term {
 
     /// Its value in `robot` (SI); none where the part that it belongs to is not there, or off.
     pub fn of(self, robot: &Robot) -> Option<f64> {
-        (self.spec().lens.get)(robot)
+        (self.spec().lens.get)(robot).filter(|_| self.applies(robot))
     }
 
     /// Sets it in `robot` (SI), with the optional part that it belongs to; nothing where it does
     /// not apply. The value is not checked.
     pub fn set(self, robot: &mut Robot, value: f64) {
-        (self.spec().lens.set)(robot, value);
+        if self.applies(robot) {
+            (self.spec().lens.set)(robot, value);
+        }
     }
 
     /// The values that it may have in `robot`.
