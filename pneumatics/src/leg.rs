@@ -15,6 +15,8 @@ pub struct Leg<S> {
     pub stroke: S,
     /// From the command to the first flow or force (s).
     pub delay: S,
+    /// Shortest command that the valve follows (s).
+    least_pulse: S,
     /// What pushes.
     pub drive: Drive<S>,
     /// β (N s/m).
@@ -81,6 +83,7 @@ impl<S: Scalar> Leg<S> {
         Leg {
             stroke,
             delay: lift(Term::Delay, leg.delay),
+            least_pulse: lift(Term::LeastPulse, leg.least_pulse),
             drive: match &leg.drive {
                 Kind::Pneumatic(c) => Drive::Pneumatic(Chamber::new(robot, c, lift)),
                 Kind::Spring {
@@ -122,11 +125,16 @@ impl<S: Scalar> Leg<S> {
     }
 
     /// When (s) the drive begins and ends to push for a command at the time `at` (s) of the valve
-    /// opening time `opening` (s); none: it does not end.
+    /// opening time `opening` (s); none: it does not end. A command shorter than the valve's least
+    /// pulse is one of no time.
+    ///
+    /// Source: thesis 6.3.2, in which pulses of 1 ms did not move the valves.
     #[inline(always)]
     pub fn answers(&self, at: S, opening: S) -> (S, Option<S>) {
         let begins = at + self.delay;
-        (begins, self.has_valve().then(|| begins + opening))
+        let is_ignored = opening.less(self.least_pulse);
+        let ends = || begins + S::select(is_ignored, || S::of(0.0), || opening);
+        (begins, self.has_valve().then(ends))
     }
 
     /// The chamber, if the leg is pneumatic.

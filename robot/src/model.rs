@@ -124,6 +124,8 @@ pub struct Leg {
     pub stroke: f64,
     /// From the command to the first flow or force, t_d (s), ≥ 0; the same on closing.
     pub delay: f64,
+    /// Shortest command that the valve follows (s), ≥ 0: a shorter one does nothing.
+    pub least_pulse: f64,
     /// Viscous friction β (N s/m), ≥ 0.
     pub viscous_friction: f64,
     /// Coulomb friction F_f (N), ≥ 0.

@@ -147,6 +147,7 @@ impl Oracle<'_> {
         let open = fire + robot.leg.delay;
         // A released spring is not caught again.
         let closes = !matches!(robot.leg.drive, Drive::Spring { .. });
+        let is_heard = launch.valve_open >= robot.leg.least_pulse;
         let close = if closes {
             open + launch.valve_open
         } else {
@@ -170,7 +171,7 @@ impl Oracle<'_> {
             force(robot, filling, y).1 + m * y[ALPHA_DOT] * y[ALPHA_DOT] * r
                 - weight * y[ALPHA].sin()
         };
-        if closes && launch.valve_open <= 0.0 {
+        if closes && (launch.valve_open <= 0.0 || !is_heard) {
             return self.end("no-break-away", fire);
         }
         if excess(&self.y) <= 0.0 {

@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use saltus_ballistic::{DragFlight, Flight};
-use saltus_lagrangian::{Launch, LiftOff, Stance};
+use saltus_lagrangian::{Batch, Launch, LiftOff, Outcome, Stance};
 use saltus_robot::{Cushion, Cylinder, Drive, ExhaustPort, Gas, ReturnSpring, Robot};
 use saltus_tests::oracle::solve_twice;
 use saltus_tests::robots::{Kind, any_ordinary, cases, jump, on_boom, ordinary, stroke_time};
@@ -258,6 +258,26 @@ fn each_term_acts_as_it_is_named() {
         (later.time - now.time - 0.01).abs() < 1e-12
             && (later.extension_rate - now.extension_rate).abs() < 1e-9
     );
+}
+
+/// A valve follows a command of its least pulse, and none that is shorter (thesis 6.3.2).
+#[test]
+fn a_command_shorter_than_the_least_pulse_does_nothing() {
+    let slow = rats(|r| r.leg.least_pulse = 0.03);
+    let launch = |valve_open| Launch {
+        lean: -0.3,
+        ..Launch::at_firing(4.5, -0.1, valve_open)
+    };
+    let jump = |robot: &Robot, t_v: f64| stance(robot).jump(&launch(t_v)).expect("a stance");
+    assert_eq!(jump(&slow, 0.03), jump(&Robot::rats_planar(), 0.03));
+    assert_eq!(jump(&slow, 0.0299).outcome, Outcome::NoBreakAway);
+    assert!(jump(&Robot::rats_planar(), 0.0299).outcome.is_jump());
+    let lanes = Batch::new(&slow, 1e-12).jumps(&[launch(0.03), launch(0.0299)]);
+    let outcomes: Vec<bool> = lanes
+        .into_iter()
+        .map(|end| end.expect("a stance").outcome.is_jump())
+        .collect();
+    assert_eq!(outcomes, [true, false]);
 }
 
 #[test]

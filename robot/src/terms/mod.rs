@@ -154,6 +154,14 @@ terms! {
         })
         .hidden(&[0.001, 0.025])
         .drawn_to(1.0);
+    /// Shortest command that the valve follows (s).
+    LeastPulse = Spec::optional(
+        "leg.least_pulse",
+        TIME,
+        Lens { has: |r| r.leg.drive.has_valve(), ..at!(robot, leg.least_pulse) },
+    )
+    .shown("least_pulse_ms = 5", "shortest command that the valve follows; a shorter one does nothing")
+    .drawn_to(0.5);
     /// Viscous friction β (N s/m).
     ViscousFriction = Spec::needed("leg.viscous_friction", DAMPING, at!(robot, leg.viscous_friction))
         .shown("viscous_friction_n_s_per_m = 5.28", "")
