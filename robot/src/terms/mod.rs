@@ -324,7 +324,7 @@ terms! {
     )
     .within(|r| Domain::POSITIVE.below(r.leg.stroke))
     .shown("position_mm = 55", "")
-    .new_cause(
+    .cause(
         "exhaust-port",
         "the chamber opens to the atmosphere before the end of the stroke",
         |r, _| {
@@ -332,12 +332,14 @@ terms! {
             let starts = [0.9, 0.8, 0.65, 0.45].map(|part| part * stroke);
             direct(stroke, (0.05 * stroke, 0.999 * stroke), 5e-4, &starts)
         },
-    );
+    )
+    .seen_in(|r| r.leg.cylinder().is_some_and(|c| c.exhaust_port.is_none()));
     /// Effective area of the exhaust port (m²).
     PortArea = Spec::needed("leg.exhaust_port.area", AREA, at!(cylinder, exhaust_port => area))
         .within(|_| Domain::POSITIVE)
         .shown("area_mm2 = 20", "effective")
-        .new_cause("exhaust-port", "", |_, _| direct(0.0, (1e-8, 1e-3), 5e-6, &[2e-5]));
+        .cause("exhaust-port", "", |_, _| direct(0.0, (1e-8, 1e-3), 5e-6, &[2e-5]))
+    .seen_in(|r| r.leg.cylinder().is_some_and(|c| c.exhaust_port.is_none()));
 
     /// Length of the end-stop cushion (m).
     CushionLength =
@@ -376,12 +378,13 @@ terms! {
         .without(|_| Some(f64::INFINITY))
         .shown("bending_stiffness_n_m_per_rad = 2000", "of a hinge halfway; left out: rigid")
         .out_of_plane()
-        .new_cause("boom-flex", "the boom bends", |_, _| {
+        .cause("boom-flex", "the boom bends", |_, _| {
             // The boom swings with a phase of its own at each stiffness, so that the loss has many
             // minima.
             let starts: Vec<f64> = (0..20).map(|k| 1e-4 * 1.28_f64.powi(k)).collect();
             inverse("boom_compliance_rad_per_n_m", (5e-5, 0.05), 2e-5, &starts)
-        });
+        })
+    .seen_in(|r| r.boom.is_some_and(|boom| boom.flex.is_none()));
     /// Distance of the counterweight behind the boom's base, l (m).
     CounterweightDistance = Spec::needed(
         "boom.counterweight.distance",
@@ -390,15 +393,17 @@ terms! {
     )
     .within(|_| Domain::POSITIVE)
     .shown("distance_m = 0.4", "")
-    .new_cause("counterweight", "a counterweight carries a part of the weight", |_, _| {
+    .cause("counterweight", "a counterweight carries a part of the weight", |_, _| {
         direct(0.5, (0.05, 3.0), 0.05, &[0.5])
-    });
+    })
+    .seen_in(|r| r.boom.is_some_and(|boom| boom.counterweight.is_none()));
     /// Mass of the counterweight, m_c (kg).
     CounterweightMass =
         Spec::needed("boom.counterweight.mass", MASS, at!(boom, counterweight => mass))
             .within(counterweight_mass)
             .shown("mass_kg = 0.2", "at most what balances robot and boom")
-            .new_cause("counterweight", "", |_, _| direct(0.0, (0.0, 20.0), 0.02, &[0.3, 1.5]));
+            .cause("counterweight", "", |_, _| direct(0.0, (0.0, 20.0), 0.02, &[0.3, 1.5]))
+    .seen_in(|r| r.boom.is_some_and(|boom| boom.counterweight.is_none()));
 
     /// Radius of the sphere at a foot that touches the ground (m).
     FootRadius = Spec::optional("foot.radius", LENGTH, at!(robot, foot.radius))

@@ -35,8 +35,8 @@ pub struct Cause {
     /// What is so in the machine and not in the simulation; empty for the later terms of a cause
     /// with several.
     pub sentence: &'static str,
-    /// Whether it is looked for only in a robot that is without it.
-    pub only_new: bool,
+    /// The robots in which it is looked for.
+    pub seen_in: fn(&Robot) -> bool,
     /// How the term is fitted in a robot in which it has a value.
     fit: fn(&Robot, f64) -> Fit,
 }
@@ -170,29 +170,20 @@ impl Spec {
             cause: Some(Cause {
                 id,
                 sentence,
-                only_new: false,
+                seen_in: |_| true,
                 fit,
             }),
             ..self
         }
     }
 
-    /// As [`cause`](Self::cause), but only looked for in robots that are without it.
-    pub(super) const fn new_cause(
-        self,
-        id: &'static str,
-        sentence: &'static str,
-        fit: fn(&Robot, f64) -> Fit,
-    ) -> Spec {
-        Spec {
-            cause: Some(Cause {
-                id,
-                sentence,
-                only_new: true,
-                fit,
-            }),
-            ..self
-        }
+    /// Only robots for which `seen_in` holds show the cause.
+    pub(super) const fn seen_in(self, seen_in: fn(&Robot) -> bool) -> Spec {
+        let cause = match self.cause {
+            Some(cause) => Some(Cause { seen_in, ..cause }),
+            None => None,
+        };
+        Spec { cause, ..self }
     }
 
     pub(super) const fn hidden(self, hidden: &'static [f64]) -> Spec {

@@ -117,8 +117,7 @@ fn of_terms(list: &mut List, sort: Sort, robot: &Robot) {
         let (Some(cause), Some(fit)) = (term.spec().cause, term.fit(robot)) else {
             continue;
         };
-        let is_on = term.of(robot).is_some();
-        if !term.applies(robot) || !shows(term, sort) || (cause.only_new && is_on) {
+        if !term.applies(robot) || !shows(term, sort) || !(cause.seen_in)(robot) {
             continue;
         }
         // A swinging boom shows little in where a jump ends: a few starts will do.
