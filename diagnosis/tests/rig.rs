@@ -49,6 +49,7 @@ const TERMS: &[(&[&str], f64)] = &[
         ],
         1e-5,
     ),
+    (&["ground.across_friction=0.3"], 2e-5),
     (&["foot.radius_m=0.02"], 1e-5),
     (&["ground.slope_deg=3"], 1e-6),
     (&["environment.drag_per_m=0.1"], 1e-6),

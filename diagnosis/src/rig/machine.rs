@@ -73,6 +73,8 @@ pub(super) struct Floor {
     pub(super) soft: Option<(f64, f64)>,
     /// Coefficients of friction along the travel, standing and slipping.
     pub(super) friction: (f64, f64),
+    /// Coefficient of friction across the travel.
+    across: f64,
 }
 
 /// A robot, as far as its motion goes; the force of its leg is given.
@@ -147,6 +149,8 @@ const MASSLESS: f64 = 1e-6;
 const SOFT_LEAST: f64 = 0.02;
 /// Rate (rad/s) over which dry friction of the axle turns over.
 const DRY_RATE: f64 = 5e-3;
+/// Speed (m/s) over which friction across the travel turns over.
+const ACROSS_SPEED: f64 = 1e-3;
 
 impl Machine {
     pub(super) fn new(robot: &Robot) -> Machine {
@@ -155,6 +159,7 @@ impl Machine {
             slope: robot.ground.slope,
             soft: robot.ground.stiffness.map(|k| (k, robot.ground.damping)),
             friction: (robot.ground.static_friction, robot.ground.kinetic_friction),
+            across: robot.ground.across_friction,
         };
         let n = body.legs;
         let way = |k: u32| {
@@ -645,6 +650,15 @@ impl Machine {
             (row, whole)
         };
         let ((jn, wn), (jt, wt)) = (row(&normal), row(&along));
+        // The normal force brings the friction across the travel with it.
+        let (mut pn, mut hn) = (jn, wn);
+        if self.floor.across > 0.0 && self.boom.is_some() {
+            let across = normal.cross(&along);
+            let speed = (0..N).map(|k| columns[k].dot(&across) * v[k]).sum::<f64>();
+            let share = -self.floor.across * (speed / ACROSS_SPEED).clamp(-1.0, 1.0);
+            let (ja, wa) = row(&across);
+            (pn, hn) = (jn + ja * share, wn + wa * share);
+        }
         let (w, r) = (&f.spin[2], &f.spin_rate[2]);
         let arm = center - f.axle;
         let at_center =
@@ -660,7 +674,7 @@ impl Machine {
             let at_place = (0..N).fold(V3::zeros(), |sum, k| sum + columns[k] * v[k]);
             bt -= rate * at_place.dot(&level.normalize());
         }
-        let (mn, mt) = (factor.solve(&jn), factor.solve(&jt));
+        let (mn, mt) = (factor.solve(&pn), factor.solve(&jt));
         let (an, at) = (jn.dot(&free) + bn, jt.dot(&free) + bt);
         let ground = match (self.floor.soft, foot) {
             (Some((k, c)), _) => {
@@ -677,16 +691,16 @@ impl Machine {
                 [n, t * n]
             }
             (None, _) => {
-                let (nn, nt, tt) = (jn.dot(&mn), jn.dot(&mt), jt.dot(&mt));
-                let determinant = nn * tt - nt * nt;
+                let (nn, nt, tn, tt) = (jn.dot(&mn), jn.dot(&mt), jt.dot(&mn), jt.dot(&mt));
+                let determinant = nn * tt - nt * tn;
                 [
                     (-an * tt + at * nt) / determinant,
-                    (-at * nn + an * nt) / determinant,
+                    (-at * nn + an * tn) / determinant,
                 ]
             }
         };
         let acceleration = free + mn * ground[0] + mt * ground[1];
-        let hold = leg_force + wn * ground[0] + wt * ground[1] - (leg_row * acceleration)[0];
+        let hold = leg_force + hn * ground[0] + wt * ground[1] - (leg_row * acceleration)[0];
         Some(Answer {
             acceleration,
             ground,
