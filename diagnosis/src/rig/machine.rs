@@ -150,7 +150,7 @@ const SOFT_LEAST: f64 = 0.02;
 /// Rate (rad/s) over which dry friction of the axle turns over.
 const DRY_RATE: f64 = 5e-3;
 /// Speed (m/s) over which friction across the travel turns over.
-const ACROSS_SPEED: f64 = 1e-3;
+const ACROSS_SPEED: f64 = 1e-4;
 
 impl Machine {
     pub(super) fn new(robot: &Robot) -> Machine {
