@@ -54,6 +54,7 @@ fn a_clear_effect_in_hops_and_jumps() {
     finds(Sort::Hop, &[("viscous-friction", Size::Clear)], 43);
     finds(Sort::Hop, &[("boom-flex", Size::Clear)], 43);
     finds(Sort::Jump, &[("axle-friction", Size::Clear)], 43);
+    finds(Sort::Jump, &[("across-friction", Size::Clear)], 43);
 }
 
 /// Two numbers a jump.

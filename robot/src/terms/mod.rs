@@ -434,7 +434,14 @@ terms! {
     AcrossFriction =
         Spec::optional("ground.across_friction", NUMBER, at!(robot, ground.across_friction))
             .shown("across_friction = 0.1", "coefficient across the travel, slipping or not")
-            .beside_plane();
+            .beside_plane()
+            .cause(
+                "across-friction",
+                "the ground rubs on the foot across the travel",
+                |_, now| direct(now, (0.0, 5.0), 0.02, &[0.1, 0.5]),
+            )
+            .seen_in(|r| r.boom.is_some())
+            .hidden(&[2.0]);
     /// Coefficient of restitution of a foot's impact.
     Restitution = Spec::optional("ground.restitution", NUMBER, at!(robot, ground.restitution))
         .within(|_| Domain::NON_NEGATIVE.below(1.0))

@@ -65,6 +65,7 @@ pub(super) const JUMP_CAUSES: &[&str] = &[
     "boom-flex",
     "axle-friction",
     "foot-slip",
+    "across-friction",
     "ground-compliance",
     "foot-rolling",
     "air-drag",
