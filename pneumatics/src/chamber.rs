@@ -373,7 +373,12 @@ impl<S: Single> Chamber<S> {
 
     /// Whether anything but the valve's plain law acts on the pressure.
     pub fn has_extras(&self) -> bool {
-        self.leak.value() > 0.0 || self.port.is_some() || self.droop.value() > 0.0
+        self.has_openings() || self.droop.value() > 0.0
+    }
+
+    /// Whether it opens to the atmosphere otherwise than through its valve.
+    pub fn has_openings(&self) -> bool {
+        self.leak.value() > 0.0 || self.port.is_some()
     }
 
     /// Mass flow (kg/s) from a supply that falls by `droop` × the flow: ṁ = q(P_s − k ṁ, P), below

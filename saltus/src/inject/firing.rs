@@ -6,29 +6,15 @@
 use saltus_diagnosis::kinds::{self, Problem};
 use saltus_diagnosis::{Experiment, Sort, Terms};
 use saltus_robot::{Drive, GaugePressure, Robot};
-use saltus_sim_check::{Happening, Pause, Rig, Settings, Sim, Watch};
+use saltus_sim_check::{Firing, Launch, Rig, Settings, Shot, TICK};
 
-use super::layout::{Draw, Layout, TICK, round, supply};
+use super::layout::{Draw, Layout, round, supply};
 use super::{Error, name};
 
 /// Least runs, or rows of outcomes, with a motion.
 const LEAST: usize = 3;
 /// Motions that are tried for each that is wanted: not every one that is drawn jumps.
 const TRIES: usize = 40;
-
-/// One firing: a start (rad, rad/s), a supply (Pa, gauge), a command (s) and how long the valve is
-/// open (s).
-#[derive(Clone, Copy, Debug)]
-struct Firing {
-    lean: f64,
-    rate: f64,
-    supply: f64,
-    on: f64,
-    opening: f64,
-}
-
-/// What the operator asked of a jump: approach rate (rad/s), firing angle (rad), valve opening (s).
-type Asked = [f64; 3];
 
 /// Fills a layout with motions of `robot` with the effects of `terms`.
 pub(super) fn fill(
@@ -72,18 +58,21 @@ pub(super) fn fill(
         } else {
             jump(robot, draw)
         };
-        let Some(firing) = firing else { continue };
-        let hidden = hidden(&layout.experiment, &supplied(robot, firing.supply), terms)?;
-        let Some((_, rows)) = Stand::new(&hidden).and_then(|stand| stand.flown(&firing)) else {
+        let Some((supply, firing)) = firing else {
+            continue;
+        };
+        let hidden = hidden(&layout.experiment, &supplied(robot, supply), terms)?;
+        let rig = Rig::new(&hidden, &[]).ok();
+        let Some(flown) = rig.and_then(|rig| rig.flown(&firing, settings())) else {
             continue;
         };
         let values = columns.iter().enumerate().map(|(c, k)| {
-            let exact: Vec<f64> = rows.iter().map(|row| row[*k]).collect();
+            let exact: Vec<f64> = flown.rows.iter().map(|row| row[*k]).collect();
             sensors.read(c, &exact)
         });
         layout.put(
             made,
-            firing.supply,
+            supply,
             (firing.on, round(firing.on + firing.opening)),
             values.collect(),
         );
@@ -119,9 +108,8 @@ fn outcomes(
         wanted,
         least: LEAST.min(wanted),
     };
-    let (believed, stand) = Stand::new(robot)
-        .zip(Stand::new(&hidden))
-        .ok_or_else(|| no_motion(0))?;
+    let rig = |robot: &Robot| Rig::new(robot, &[]).map_err(|_| no_motion(0));
+    let (believed, rig) = (rig(robot)?, rig(&hidden)?);
     let mut rows: Vec<[f64; 5]> = Vec::new();
     for _ in 0..TRIES * wanted {
         let asked = [
@@ -130,10 +118,16 @@ fn outcomes(
             draw.stepped(0.03, 0.1, TICK),
         ]
         .map(round);
-        if believed.landed(&asked).is_none() {
+        let launch = Launch {
+            rate: asked[0],
+            lean: asked[1],
+            firing_angle: asked[1],
+            valve_open: asked[2],
+        };
+        if believed.landed(&launch, settings()).is_none() {
             continue;
         }
-        if let Some([distance, apex]) = stand.landed(&asked) {
+        if let Some([distance, apex]) = rig.landed(&launch, settings()) {
             rows.push([asked[0], asked[1], asked[2], distance, apex]);
         }
         if rows.len() == wanted {
@@ -215,166 +209,41 @@ impl Sensors {
     }
 }
 
-fn hop(draw: &mut Draw) -> Firing {
+/// A supply (Pa, gauge), and a hop at it.
+fn hop(draw: &mut Draw) -> (f64, Firing) {
     let supply = supply(80.0, 120.0, draw);
-    Firing {
+    let firing = Firing {
         lean: 0.0,
         rate: 0.0,
-        supply,
         on: 5.0 * TICK,
         opening: round(draw.stepped(0.02, 0.08, TICK)),
-    }
+    };
+    (supply, firing)
 }
 
-/// A jump of the robot without effects, if what is drawn is one.
-fn jump(robot: &Robot, draw: &mut Draw) -> Option<Firing> {
+/// A supply (Pa, gauge), and a jump at it of the robot without effects, if what is drawn is one.
+fn jump(robot: &Robot, draw: &mut Draw) -> Option<(f64, Firing)> {
     let (lean, rate) = (draw.between(-0.45, -0.15), draw.between(3.0, 6.0));
     let (angle, opening) = (
         draw.between(-0.1, 0.25),
         round(draw.stepped(0.04, 0.1, TICK)),
     );
     let supply = supply(100.0, 120.0, draw);
-    let stand = Stand::new(&supplied(robot, supply))?;
-    let mut shot = Shot::new(&stand, [lean, rate])?;
-    let reached = |_: f64, q: &[f64], _: &[f64]| angle - q[stand.rig.lean_coordinate()];
-    shot.sim.run(0.6, &[&reached]).ok()?;
-    let on = round((shot.sim.time() / TICK).ceil() * TICK);
+    let rig = Rig::new(&supplied(robot, supply), &[]).ok()?;
+    let mut shot = Shot::new(&rig, [lean, rate], settings()).ok()?;
+    let reached = |_: f64, q: &[f64], _: &[f64]| angle - q[rig.lean_coordinate()];
+    shot.go(0.6, &[&reached]).ok()?;
+    let on = round((shot.time() / TICK).ceil() * TICK);
     let firing = Firing {
         lean,
         rate,
-        supply,
         on,
         opening,
     };
-    let (lift_off, rows) = stand.flown(&firing)?;
+    let flown = rig.flown(&firing, settings())?;
     // With some flight to see.
-    (on < 0.55 && rows.len() as f64 * TICK > lift_off + 0.15).then_some(firing)
-}
-
-/// A robot that stands on a foot.
-struct Stand {
-    rig: Rig,
-    /// What stands on the foot at rest (N).
-    weight: f64,
-    /// Pressure (Pa) around it, where its chamber has an opening beside its valve.
-    leaks_to: Option<f64>,
-}
-
-impl Stand {
-    fn new(robot: &Robot) -> Option<Stand> {
-        let rig = Rig::new(robot, &[]).ok()?;
-        let leaks_to = match &robot.leg.drive {
-            Drive::Pneumatic(c) if c.leak_area > 0.0 || c.exhaust_port.is_some() => {
-                Some(robot.environment.ambient.0)
-            }
-            _ => None,
-        };
-        Some(Stand {
-            weight: weight(&rig),
-            rig,
-            leaks_to,
-        })
-    }
-
-    /// Lean, pivot angle and radius angle (rad), and what the gyro says (rad/s).
-    fn readings(&self, sim: &Sim<'_>) -> [f64; 4] {
-        let (q, v) = (sim.coordinates(), sim.velocities());
-        let (turn, pivot, lean) = (q[0], q[1], q[self.rig.lean_coordinate()]);
-        [
-            lean,
-            pivot,
-            turn,
-            v[self.rig.lean_velocity()] + v[0] * pivot.sin(),
-        ]
-    }
-
-    /// A firing from standing through its flight, a row a tick, until the axle is back at its
-    /// height or a foot touches: how long (s) it stood, and rows. None where the robot does not
-    /// jump.
-    fn flown(&self, firing: &Firing) -> Option<(f64, Vec<[f64; 4]>)> {
-        let rig = &self.rig;
-        let mut shot = Shot::new(self, [firing.lean, firing.rate])?;
-        let mut rows = vec![self.readings(&shot.sim)];
-        let mut is_fired = false;
-        for row in 1..4000_u32 {
-            let until = f64::from(row) * TICK;
-            if !is_fired && until > firing.on + 0.5 * TICK {
-                shot.sim.fire(0, firing.opening).ok()?;
-                is_fired = true;
-            }
-            shot.go(until, &[])?;
-            let q = shot.sim.coordinates();
-            let (lean, extension) = (q[rig.lean_coordinate()], q[rig.extension_coordinate(0)]);
-            if let Some(at) = shot.lift_off {
-                let height = rig.axle(q)[1];
-                let foot = height - (rig.radius + extension) * lean.cos();
-                if !is_fired {
-                    return None;
-                }
-                if height < rig.radius || (foot < 0.0 && until > at + 0.03) {
-                    // Not every foot that leaves the ground has jumped.
-                    return (until > at + 0.08 && extension > 0.02).then_some((at, rows));
-                }
-            } else if until > firing.on + 0.6 || lean.abs() > 1.5 {
-                return None;
-            }
-            rows.push(self.readings(&shot.sim));
-        }
-        None
-    }
-
-    /// Distance and apex (m) of a jump that is commanded at its start, where it is one.
-    fn landed(&self, &[rate, lean, opening]: &Asked) -> Option<[f64; 2]> {
-        let rig = &self.rig;
-        let mut shot = Shot::new(self, [lean, rate])?;
-        shot.sim.fire(0, opening).ok()?;
-        let rising = |_: f64, q: &[f64], v: &[f64]| rig.axle_rates(q, v)[1];
-        let above = |_: f64, q: &[f64], _: &[f64]| rig.axle(q)[1] - rig.radius;
-        let mut apex = None;
-        while shot.time() < 3.0 {
-            let stood = shot.lift_off.is_none();
-            let watches: &[Watch<'_>] = match apex {
-                _ if stood => &[],
-                None => &[&rising],
-                Some(_) => &[&above],
-            };
-            let pause = shot.go(shot.time() + if stood { TICK } else { 4.0 * TICK }, watches)?;
-            let (q, v) = (shot.sim.coordinates(), shot.sim.velocities());
-            match (pause, apex) {
-                (Pause::Watch(_), None) => apex = Some(rig.axle(q)[1]),
-                (Pause::Watch(_), Some(apex)) => return Some([rig.axle(q)[0], apex]),
-                (Pause::Time, _) => {}
-            }
-            let leaves = stood && shot.lift_off.is_some();
-            let falls =
-                leaves && (rising(0.0, q, v) <= 0.0 || q[rig.extension_coordinate(0)] <= 0.0);
-            let stays = shot.lift_off.is_none()
-                && (shot.time() > 1.0 || q[rig.lean_coordinate()].abs() > 1.5);
-            if falls || stays {
-                return None;
-            }
-        }
-        None
-    }
-}
-
-/// What stands on the foot (N) of a robot at rest.
-fn weight(rig: &Rig) -> f64 {
-    let length = rig.boom.unwrap_or(1.0);
-    // Along the boom, from its base; what is on the axle is a boom away.
-    let arm = |name: &str, center: f64| match name {
-        "boom" | "boom turn" => center,
-        "boom's outer half" => center + 0.5 * length,
-        _ => length,
-    };
-    let moment: f64 = rig
-        .mechanism
-        .tree
-        .bodies()
-        .iter()
-        .map(|b| b.mass * arm(&b.name, b.center.y))
-        .sum();
-    -rig.mechanism.gravity.z * moment / length
+    let has_flight = flown.rows.len() as f64 * TICK > flown.lift_off + 0.15;
+    (on < 0.55 && has_flight).then_some((supply, firing))
 }
 
 /// A jump that takes more steps is not worth the wait.
@@ -382,94 +251,5 @@ fn settings() -> Settings {
     Settings {
         most_steps: 4_000,
         ..Settings::default()
-    }
-}
-
-/// A motion from standing on a foot, in the air without touching.
-struct Shot<'a> {
-    stand: &'a Stand,
-    sim: Sim<'a>,
-    /// When (s) `sim` began.
-    began: f64,
-    lift_off: Option<f64>,
-}
-
-impl<'a> Shot<'a> {
-    fn new(stand: &'a Stand, [lean, rate]: [f64; 2]) -> Option<Shot<'a>> {
-        let rig = &stand.rig;
-        let (mut q, v) = rig.stand(lean, rate).ok()?;
-        let mut settings = settings();
-        if let Some((stiffness, _)) = rig.mechanism.material.compliance {
-            // Soft ground carries the robot from the start.
-            let lighter = 1.0 - rate * rate * rig.radius * lean.cos() / -rig.mechanism.gravity.z;
-            let sink = stand.weight * lighter.max(0.1) / stiffness;
-            settings.penetration = 1.01 * sink + 1e-9;
-            q[1] -= sink / rig.boom.unwrap_or(1.0);
-        }
-        let sim = Sim::new(&rig.mechanism, &q, &v, settings).ok()?;
-        Some(Shot {
-            stand,
-            sim,
-            began: 0.0,
-            lift_off: None,
-        })
-    }
-
-    fn time(&self) -> f64 {
-        self.began + self.sim.time()
-    }
-
-    /// Goes on until `until` (s), or until a watch. None where that does not work.
-    fn go(&mut self, until: f64, watches: &[Watch<'_>]) -> Option<Pause> {
-        loop {
-            match self.sim.run_eventwise(until - self.began, watches).ok()? {
-                Some(Pause::Time) => {
-                    if self
-                        .lift_off
-                        .is_some_and(|at| self.time() > at + 10.0 * TICK)
-                    {
-                        self.sim.stop_touching();
-                    }
-                    self.forget_chamber();
-                    return Some(Pause::Time);
-                }
-                Some(pause) => return Some(pause),
-                None => {}
-            }
-            let left = |sim: &Sim<'_>| {
-                sim.events()
-                    .iter()
-                    .any(|e| e.what == Happening::LiftOff(0, 0))
-            };
-            if self.lift_off.is_none() && left(&self.sim) {
-                self.lift_off = Some(self.time());
-                // Soft ground lets go of a foot that is still in it.
-                if self.stand.rig.mechanism.material.compliance.is_none() {
-                    self.sim.stop_touching();
-                }
-            }
-        }
-    }
-
-    /// Once the leg is exhausted in the air, and held, its chamber is as it was before: one with a
-    /// leak that has come to the pressure around it costs thousands of events.
-    fn forget_chamber(&mut self) {
-        let rig = &self.stand.rig;
-        let leg = rig.mechanism.tree.velocity_of(rig.legs[0]);
-        let (q, v) = (self.sim.coordinates(), self.sim.velocities());
-        let is_exhausted = |ambient: f64| (self.sim.pressure(0) - ambient).abs() < 500.0;
-        let flies = self
-            .lift_off
-            .is_some_and(|at| self.time() > at + 5.0 * TICK);
-        if self.began == 0.0
-            && flies
-            && v[leg] == 0.0
-            && self.stand.leaks_to.is_some_and(is_exhausted)
-            && let Ok(mut sim) = Sim::new(&rig.mechanism, q, v, settings())
-        {
-            sim.stop_touching();
-            self.began = self.time();
-            self.sim = sim;
-        }
     }
 }

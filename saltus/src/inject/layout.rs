@@ -6,11 +6,10 @@ use std::f64::consts::{PI, TAU};
 use rand_distr::{Distribution, StandardNormal, Uniform};
 use rand_pcg::Pcg64;
 use saltus_diagnosis::{Experiment, Run, Sort};
+use saltus_sim_check::TICK;
 
 /// A pound per square inch (Pa).
 const PSI: f64 = 6_894.757_293_168_361;
-/// Time (s) between rows of the robot's logs, and between the ticks of its controller.
-pub(super) const TICK: f64 = 1e-3;
 /// Step (rad) of the encoder on the wheel, and of those on the boom.
 const WHEEL_COUNT: f64 = 7.854e-3;
 const BOOM_COUNT: f64 = 3.927e-3;

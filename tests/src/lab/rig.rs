@@ -7,12 +7,12 @@
 use std::collections::BTreeMap;
 
 use saltus_robot::{Drive, GaugePressure, Robot, resolve};
-use saltus_sim_check::{Happening, JointParts, Launch, Pause, Rig, Settings, Sim, Watch};
+use saltus_sim_check::{Firing, JointParts, Launch, Rig, Settings, Shot, TICK};
 
 use super::bench::leg;
 use super::dial::{Dial, Hidden};
 use super::draw::Draw;
-use super::motion::{AMBIENT, PSI};
+use super::motion::PSI;
 use super::sensing::Column;
 use super::{Exact, World};
 
@@ -131,21 +131,8 @@ pub(super) const OUTCOMES_OUTSIDE: &[&str] = &[
     "saturation",
 ];
 
-/// Time (s) between rows, and between the ticks of the controller.
-const TICK: f64 = 1e-3;
-
-/// One firing.
-#[derive(Clone, Copy, Debug)]
-struct Firing {
-    lean: f64,
-    rate: f64,
-    /// Gauge pressure (Pa) that the operator set.
-    supply: f64,
-    /// Time of the command (s).
-    on: f64,
-    /// Opening time (s).
-    opening: f64,
-}
+/// A firing at a gauge pressure (Pa) that the operator set.
+type Supplied = (f64, Firing);
 
 /// The robot with what is hidden in it.
 fn robot(hidden: &Hidden) -> Robot {
@@ -190,13 +177,6 @@ fn rig(robot: &Robot, supply: f64, hidden: &Hidden) -> Option<Rig> {
     joints[pivot].spring = (hidden.or_zero("boom pivot spring_n_m_per_rad"), 0.0);
     joints[turn] = damping("boom turn damping_n_m_s");
     Some(rig)
-}
-
-/// Whether the chamber has an opening beside its valve.
-fn leaks(hidden: &Hidden) -> bool {
-    ["leg.leak_area_m2", "leg.exhaust_port.area_m2"]
-        .iter()
-        .any(|key| hidden.or_zero(key) > 0.0)
 }
 
 /// The numbers of robot and rig that the effect `id` changes.
@@ -275,180 +255,13 @@ fn settings() -> Settings {
     }
 }
 
-/// What the encoders and the gyro would read.
-fn readings(rig: &Rig, sim: &Sim) -> [f64; 4] {
-    let (q, v) = (sim.coordinates(), sim.velocities());
-    let (turn, pivot, lean) = (q[0], q[1], q[rig.lean_coordinate()]);
-    [
-        lean,
-        pivot,
-        turn,
-        v[rig.lean_velocity()] + v[0] * pivot.sin(),
-    ]
-}
-
-/// A motion of a rig from standing on a foot, in the air without touching.
-struct Shot<'a> {
-    rig: &'a Rig,
-    sim: Sim<'a>,
-    /// When (s) `sim` began.
-    began: f64,
-    lift_off: Option<f64>,
-    /// Whether the chamber has an opening beside its valve.
-    leaks: bool,
-}
-
-impl<'a> Shot<'a> {
-    fn new(rig: &'a Rig, [lean, rate]: [f64; 2], leaks: bool) -> Option<Shot<'a>> {
-        let (mut q, v) = rig.stand(lean, rate).ok()?;
-        let mut settings = settings();
-        if let (Some((stiffness, _)), Some(length)) = (rig.mechanism.material.compliance, rig.boom)
-        {
-            // Soft ground carries the robot from the start.
-            let lighter = 1.0 - rate * rate * rig.radius * lean.cos() / -rig.mechanism.gravity.z;
-            let sink = resting_force(rig) * lighter.max(0.1) / stiffness;
-            settings.penetration = 1.01 * sink + 1e-9;
-            q[1] -= sink / length;
-        }
-        let sim = Sim::new(&rig.mechanism, &q, &v, settings).ok()?;
-        Some(Shot {
-            rig,
-            sim,
-            began: 0.0,
-            lift_off: None,
-            leaks,
-        })
-    }
-
-    fn time(&self) -> f64 {
-        self.began + self.sim.time()
-    }
-
-    /// Goes on until `until` (s), or until a watch. None where that does not work.
-    fn go(&mut self, until: f64, watches: &[Watch<'_>]) -> Option<Pause> {
-        loop {
-            match self.sim.run_eventwise(until - self.began, watches).ok()? {
-                Some(Pause::Time) => {
-                    if self
-                        .lift_off
-                        .is_some_and(|at| self.time() > at + 10.0 * TICK)
-                    {
-                        self.sim.stop_touching();
-                    }
-                    self.forget_chamber();
-                    return Some(Pause::Time);
-                }
-                Some(pause) => return Some(pause),
-                None => {}
-            }
-            let left = |sim: &Sim| {
-                sim.events()
-                    .iter()
-                    .any(|e| e.what == Happening::LiftOff(0, 0))
-            };
-            if self.lift_off.is_none() && left(&self.sim) {
-                self.lift_off = Some(self.time());
-                // Soft ground lets go of a foot that is still in it.
-                if self.rig.mechanism.material.compliance.is_none() {
-                    self.sim.stop_touching();
-                }
-            }
-        }
-    }
-
-    /// Once the leg is exhausted in the air, and held, its chamber is as it was before: a chamber
-    /// with a leak that has come to the ambient pressure costs thousands of events.
-    fn forget_chamber(&mut self) {
-        let leg = self.rig.mechanism.tree.velocity_of(self.rig.legs[0]);
-        let (q, v) = (self.sim.coordinates(), self.sim.velocities());
-        let exhausted = (self.sim.pressure(0) - AMBIENT).abs() < 500.0;
-        // Not while it still touches.
-        let flies = self
-            .lift_off
-            .is_some_and(|at| self.time() > at + 5.0 * TICK);
-        if self.leaks
-            && self.began == 0.0
-            && exhausted
-            && v[leg] == 0.0
-            && flies
-            && let Ok(mut sim) = Sim::new(&self.rig.mechanism, q, v, settings())
-        {
-            sim.stop_touching();
-            self.began = self.time();
-            self.sim = sim;
-        }
-    }
-}
-
-/// A firing from standing through its flight, a row a tick, until the axle is back at r_s or a foot
-/// touches; how long (s) it stood, and rows of lean, pivot angle, radius angle, gyro. None where
-/// the robot does not jump.
-fn flown(rig: &Rig, firing: &Firing, leaks: bool) -> Option<(f64, Vec<[f64; 4]>)> {
-    let mut shot = Shot::new(rig, [firing.lean, firing.rate], leaks)?;
-    let mut rows = vec![readings(rig, &shot.sim)];
-    let mut fired = false;
-    for row in 1..4000_u32 {
-        let until = f64::from(row) * TICK;
-        if !fired && until > firing.on + 0.5 * TICK {
-            shot.sim.fire(0, firing.opening).ok()?;
-            fired = true;
-        }
-        shot.go(until, &[])?;
-        let q = shot.sim.coordinates();
-        let (lean, extension) = (q[rig.lean_coordinate()], q[rig.extension_coordinate(0)]);
-        if let Some(at) = shot.lift_off {
-            let height = rig.axle(q)[1];
-            // The foot left the ground as the axle rose; it comes back where the axle falls to its
-            // height over it.
-            let foot = height - (rig.radius + extension) * lean.cos();
-            if !fired {
-                return None;
-            }
-            if height < rig.radius || (foot < 0.0 && until > at + 0.03) {
-                // Not every foot that leaves the ground has jumped.
-                return (until > at + 0.08 && extension > 0.02).then_some((at, rows));
-            }
-        } else if until > firing.on + 0.6 || lean.abs() > 1.5 {
-            return None;
-        }
-        rows.push(readings(rig, &shot.sim));
-    }
-    None
-}
-
-/// What stands on the foot (N) of a robot at rest.
-fn resting_force(rig: &Rig) -> f64 {
-    let tree = &rig.mechanism.tree;
-    let moment: f64 = tree
-        .bodies()
-        .iter()
-        .map(|body| {
-            // Along the boom, from its base; what is on the axle is a boom away.
-            let on_boom = matches!(body.name.as_str(), "boom" | "boom turn");
-            let length = rig.boom.unwrap_or(1.0);
-            let outer = if body.name == "boom's outer half" {
-                0.5 * length
-            } else {
-                length
-            };
-            body.mass
-                * if on_boom || body.name == "boom's outer half" {
-                    body.center.y + if on_boom { 0.0 } else { outer }
-                } else {
-                    length
-                }
-        })
-        .sum();
-    -rig.mechanism.gravity.z * moment / rig.boom.unwrap_or(1.0)
-}
-
 /// Opening (s), to a tick.
 fn ticks(time: f64) -> f64 {
     (time / TICK).round() * TICK
 }
 
-fn exact(firing: &Firing, rows: &[[f64; 4]], columns: &[usize]) -> Exact {
-    let settings = BTreeMap::from([("supply_pressure_gauge_pa".to_owned(), firing.supply)]);
+fn exact((supply, firing): &Supplied, rows: &[[f64; 4]], columns: &[usize]) -> Exact {
+    let settings = BTreeMap::from([("supply_pressure_gauge_pa".to_owned(), *supply)]);
     Exact {
         settings,
         valve: Some((firing.on, Some(firing.on + firing.opening))),
@@ -460,9 +273,9 @@ fn exact(firing: &Firing, rows: &[[f64; 4]], columns: &[usize]) -> Exact {
     }
 }
 
-/// The logs of these firings, with the columns of [`readings`] that are measured.
+/// The logs of these firings: of lean, pivot angle, radius angle and gyro, those `columns`.
 fn fire(
-    firings: &[Firing],
+    firings: &[Supplied],
     runs: &[usize],
     columns: &[usize],
     hidden: &Hidden,
@@ -470,9 +283,9 @@ fn fire(
     let robot = robot(hidden);
     runs.iter()
         .map(|run| {
-            let firing = &firings[*run];
-            let (_, rows) = flown(&rig(&robot, firing.supply, hidden)?, firing, leaks(hidden))?;
-            Some(exact(firing, &rows, columns))
+            let supplied = &firings[*run];
+            let flown = rig(&robot, supplied.0, hidden)?.flown(&supplied.1, settings())?;
+            Some(exact(supplied, &flown.rows, columns))
         })
         .collect()
 }
@@ -480,19 +293,22 @@ fn fire(
 /// Hops from rest on one upright leg.
 pub(super) struct Hops {
     columns: [Column; 1],
-    firings: Vec<Firing>,
+    firings: Vec<Supplied>,
 }
 
 impl Hops {
     pub(super) fn new(draw: &mut Draw) -> Hops {
         let way = draw.one(&[0, 1, 2]);
         let firings = (0..draw.one(&[10, 11, 12]))
-            .map(|_| Firing {
-                lean: 0.0,
-                rate: 0.0,
-                supply: draw.one(&[80.0, 90.0, 100.0, 110.0, 120.0]) * PSI,
-                on: 0.005,
-                opening: ticks(draw.between(0.02, 0.08)),
+            .map(|_| {
+                let supply = draw.one(&[80.0, 90.0, 100.0, 110.0, 120.0]) * PSI;
+                let firing = Firing {
+                    lean: 0.0,
+                    rate: 0.0,
+                    on: 0.005,
+                    opening: ticks(draw.between(0.02, 0.08)),
+                };
+                (supply, firing)
             })
             .collect();
         Hops {
@@ -531,7 +347,7 @@ impl World for Hops {
 /// Jumps from just after touch-down.
 pub(super) struct Jumps {
     columns: [Column; 4],
-    firings: Vec<Firing>,
+    firings: Vec<Supplied>,
 }
 
 impl Jumps {
@@ -553,26 +369,25 @@ impl Jumps {
 }
 
 /// A jump of the robot without effects, if what is drawn is one.
-fn jump(robot: &Robot, draw: &mut Draw) -> Option<Firing> {
+fn jump(robot: &Robot, draw: &mut Draw) -> Option<Supplied> {
     let (lean, rate) = (draw.between(-0.45, -0.15), draw.between(3.0, 6.0));
     let (angle, opening) = (draw.between(-0.1, 0.25), ticks(draw.between(0.04, 0.1)));
     let supply = draw.one(&[100.0, 110.0, 120.0]) * PSI;
     let rig = rig(robot, supply, &Hidden::default())?;
-    let (q, v) = rig.stand(lean, rate).ok()?;
-    let mut sim = Sim::new(&rig.mechanism, &q, &v, settings()).ok()?;
+    let mut shot = Shot::new(&rig, [lean, rate], settings()).ok()?;
     let reached = |_: f64, q: &[f64], _: &[f64]| angle - q[rig.lean_coordinate()];
-    sim.run(0.6, &[&reached]).ok()?;
-    let on = (sim.time() / TICK).ceil() * TICK;
+    shot.go(0.6, &[&reached]).ok()?;
+    let on = (shot.time() / TICK).ceil() * TICK;
     let firing = Firing {
         lean,
         rate,
-        supply,
         on,
         opening,
     };
-    let (lift_off, rows) = flown(&rig, &firing, false)?;
+    let flown = rig.flown(&firing, settings())?;
     // With some flight to see.
-    (on < 0.55 && rows.len() as f64 * TICK > lift_off + 0.15).then_some(firing)
+    let has_flight = flown.rows.len() as f64 * TICK > flown.lift_off + 0.15;
+    (on < 0.55 && has_flight).then_some((supply, firing))
 }
 
 impl World for Jumps {
@@ -643,58 +458,13 @@ impl Outcomes {
             };
             if rig
                 .as_ref()
-                .is_some_and(|rig| landed(rig, &launch, false).is_some())
+                .is_some_and(|rig| rig.landed(&launch, settings()).is_some())
             {
                 launches.push(launch);
             }
         }
         Outcomes { columns, launches }
     }
-}
-
-/// Distance and apex (m) of a jump that is commanded at its start, where it is one.
-fn landed(rig: &Rig, launch: &Launch, leaks: bool) -> Option<[f64; 2]> {
-    let mut shot = Shot::new(rig, [launch.lean, launch.rate], leaks)?;
-    shot.sim.fire(0, launch.valve_open).ok()?;
-    let rising = |_: f64, q: &[f64], v: &[f64]| rig.axle_rates(q, v)[1];
-    let above = |_: f64, q: &[f64], _: &[f64]| rig.axle(q)[1] - rig.radius;
-    let mut apex = None;
-    for row in 1..600_u32 {
-        let until = f64::from(row) * 4.0 * TICK;
-        while shot.time() < until - 1e-9 {
-            let watches: &[Watch] = match (shot.lift_off, apex) {
-                (None, _) => &[],
-                (Some(_), None) => &[&rising],
-                (Some(_), Some(_)) => &[&above],
-            };
-            let standing = shot.lift_off.is_none();
-            let found = shot.go(
-                if standing {
-                    until.min(shot.time() + TICK)
-                } else {
-                    until
-                },
-                watches,
-            )?;
-            let q = shot.sim.coordinates();
-            match (found, apex) {
-                (Pause::Watch(_), None) => apex = Some(rig.axle(q)[1]),
-                (Pause::Watch(_), Some(apex)) => return Some([rig.axle(q)[0], apex]),
-                (Pause::Time, _) => {}
-            }
-            let flies = !standing || shot.lift_off.is_none() || {
-                let v = shot.sim.velocities();
-                rising(0.0, q, v) > 0.0 && q[rig.extension_coordinate(0)] > 0.0
-            };
-            if !flies
-                || (shot.lift_off.is_none()
-                    && (shot.time() > 1.0 || q[rig.lean_coordinate()].abs() > 1.5))
-            {
-                return None;
-            }
-        }
-    }
-    None
 }
 
 impl World for Outcomes {
@@ -713,7 +483,7 @@ impl World for Outcomes {
         runs.iter()
             .map(|run| {
                 let launch = &self.launches[*run];
-                let [distance, apex] = landed(&rig, launch, leaks(hidden))?;
+                let [distance, apex] = rig.landed(launch, settings())?;
                 let row = [
                     launch.rate,
                     launch.firing_angle,
