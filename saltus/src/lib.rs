@@ -15,11 +15,11 @@
 //!
 //! The `saltus` command does the same from a shell: `saltus simulate --omega 5 --alpha-f -0.1`.
 
-pub mod diagnose;
-pub mod embed;
 pub mod experiment;
+pub mod export;
 pub mod fit;
 pub mod inject;
+pub mod study;
 pub mod temporary;
 pub mod verify;
 

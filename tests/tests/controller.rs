@@ -8,7 +8,7 @@ use saltus::ballistic::{Disc, Obstacle};
 use saltus::controller::{
     Approach, Guess, NoTakeOff, Observer, Reason, Rule, Sensed, Task, Timing,
 };
-use saltus::embed::{EmbedError, Request, Tables};
+use saltus::export::{ExportError, Request, Tables};
 use saltus::planner::{FIRING_ANGLES, Measure, Roots, TableRequest};
 use saltus::{Launch, Planner, Robot};
 use saltus_tests::controlled::{Command, Encoder, jump, spread};
@@ -200,7 +200,7 @@ fn tables_that_cannot_be_made_say_why() {
     let windy =
         saltus::resolve("rats-planar", &["environment.drag_per_m=0.1".into()]).expect("a robot");
     let error = Tables::<f32>::new(&Planner::new(windy), &Request::default()).expect_err("drag");
-    assert!(matches!(error, EmbedError::Drag { .. }), "{error}");
+    assert!(matches!(error, ExportError::Drag { .. }), "{error}");
 }
 
 /// What a jump keeps clear of a box from `front`, by the planner's own jump: over the box, and

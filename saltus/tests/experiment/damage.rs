@@ -2,7 +2,7 @@
 
 use saltus::experiment::read;
 
-use crate::common::Folder;
+use crate::folder::Folder;
 use crate::{KINDS, good};
 
 /// Nothing that is done to a folder makes the reader panic, or say more than a line.

@@ -2,9 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-#[path = "../common/mod.rs"]
-mod common;
 mod damage;
+mod folder;
 mod spoiled;
 mod written;
 
@@ -12,7 +11,7 @@ use std::cell::Cell;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use common::Folder;
+use folder::Folder;
 use saltus::experiment::{Sort, read, read_all};
 
 const KINDS: [&str; 8] = [

@@ -2,7 +2,7 @@
 
 use saltus::experiment::{read, read_all};
 
-use crate::common::Folder;
+use crate::folder::Folder;
 use crate::{good, laid, rows, said};
 
 /// A kind, a file of its good folder, what is replaced in it by what (once), and what is said then.

@@ -2,7 +2,7 @@
 
 use saltus::experiment::{Experiment, Run, Sort, read, write};
 
-use crate::common::Folder;
+use crate::folder::Folder;
 
 /// An experiment with all that a file can say.
 fn written(kind: Sort, columns: &[&str], settings: &[(&str, f64)]) -> Experiment {

@@ -1,0 +1,293 @@
+//! `saltus diagnose`: what measured data say is wrong with the simulation.
+
+mod chart;
+mod inject;
+mod page;
+mod report;
+mod sheet;
+mod steps;
+pub(super) mod words;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use saltus::Robot;
+use saltus::study::{self, Study, Worth};
+use saltus::diagnosis::{Diagnosis, Kind, Misstated, Settings, Sort};
+use saltus::experiment::{self, Folder};
+
+use self::inject::InjectFlags;
+use self::report::Report;
+use super::Status;
+use super::common::{OutputFlags, PlotOption, page_file, read_folders, robot};
+use crate::error::CliError;
+use crate::output::Format;
+use crate::progress::Progress;
+
+/// Compare measured data with the simulation: name the wrong cause, its size, and what its
+/// correction gains
+#[derive(Args, Debug)]
+#[command(after_help = "`saltus diagnose --help` explains data and output.", after_long_help = LONG_HELP)]
+pub(crate) struct Diagnose {
+    /// Data folders of one kind: an experiment.toml and a CSV file for each run
+    #[arg(
+        value_name = "FOLDER",
+        required_unless_present = "inject",
+        conflicts_with = "inject"
+    )]
+    folders: Vec<PathBuf>,
+
+    /// Robot that the operator believes was measured, in place of the folder's: a built-in one or a
+    /// TOML file
+    #[arg(long, value_name = "NAME|FILE", help_heading = "Robot and output")]
+    robot: Option<String>,
+
+    /// Override a parameter of the robot by its dotted key; may be repeated
+    #[arg(
+        long = "set",
+        value_name = "KEY=VALUE",
+        help_heading = "Robot and output"
+    )]
+    overrides: Vec<String>,
+
+    /// How often data without an effect may be said to have one
+    #[arg(long, value_name = "SHARE", value_parser = level, default_value = "0.05", help_heading = "What is claimed")]
+    false_alarms: f64,
+
+    /// Most effects that are looked for at the same time
+    #[arg(long, value_name = "COUNT", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=6))]
+    #[arg(help_heading = "What is claimed")]
+    most: u8,
+
+    /// Seed of what is drawn by chance
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = 1,
+        help_heading = "What is claimed"
+    )]
+    seed: u64,
+
+    /// Write the robot with what was found switched on, on which every other command works
+    #[arg(long, value_name = "FILE.toml", help_heading = "Robot and output")]
+    extend: Option<PathBuf>,
+
+    /// Write a page with charts to hand on, in one file
+    #[arg(long, value_name = "FILE.html", value_parser = page_file, help_heading = "Robot and output")]
+    report: Option<PathBuf>,
+
+    #[command(flatten)]
+    plot: PlotOption,
+
+    #[command(flatten)]
+    inject: InjectFlags,
+
+    #[command(flatten)]
+    output: OutputFlags,
+}
+
+const LONG_HELP: &str = "\
+Examples:
+  saltus diagnose logs/monday --report monday.html
+  saltus diagnose hopper/static hopper/dynamic-1 --format json
+  saltus diagnose --inject coulomb-friction=25 --out synthetic
+  saltus diagnose --inject encoder-scale=wheel_angle_rad:1.02 --inject axle-friction=0.3 --kind jump --out both
+
+Every cause on the list is an effect that the simulation leaves out, or a number that it may have wrong. \
+They are added one at a time while data that were left out of the fit are predicted better by it than \
+chance explains. Rivals are causes that the data cannot tell from the one named. The cause \"unknown\": \
+something is left that is not noise and that no cause on the list explains. \"Not identifiable\": the data tell that something holds or \
+drives the machine, but neither which of its rivals nor how strong it is; it then says what to measure.
+
+The text says what was found, how well data left out of the fit are predicted before and after, what is \
+left in each channel and phase of the runs and whether that is noise, what every cause alone would \
+explain, and what to do next. --report writes the same as a page with charts, --plot the residuals before and after.
+
+JSON: {\"causes\": [{\"id\", \"column\" (of a sensor), \"parameters\": {name: value}, \"standard_errors\": {name: value}, \
+\"intervals_95\": {name: [low, high]: by profile likelihood, null where an end is beyond what physics allows, as is the standard error of a parameter that rests at such a bound; not of a parameter \
+that depends on several of the fit}, \"rivals\": [ids, two at most], \"less_likely\": [ids that are not excluded either], \"candidates\": [the rivals with their parameters], \"unlisted\" (null, or a term without an id \
+that does as well; then a rival is \"unknown\"), \"undetermined\" (null, or a direction of \
+the parameters that the data do not tell), \"identifiable\" (false: the data do not limit how strong it is), \"slips\": {name: what slip of unit it equals}, \"loss_falls_by\", \"held_out_loss_falls_by\"}], \"gain\": {channel: \
+{\"rms_before\", \"rms_after\", \"noise\" (all in the channel's unit), \"ratio_low\", \"ratio_high\" (95 % interval of after/before)}}, \
+\"residuals\": {\"before\": [{\"channel\", \"phase\", \"readings\", \"mean\", \"rms\" (in the channel's unit), \
+\"mean_sigma\", \"rms_sigma\" (in standard deviations of the noise), \"lag_1_correlation\" (of each with the \
+next), \"correlation_with\": {condition: of the runs' means}, \"p_level\", \"p_whiteness\", \"p_runs\" (how \
+likely noise is so large, so smooth, so different between runs), \"is_noise\"}], \"after\": […]}, \"tried\": \
+[{\"id\", \"parameters\", \"loss_falls_by\"}: every cause alone], \"data\": {\"hash\", \"rows\", \"runs\", \"notes\"}, \
+\"false_alarm_level\", \"next_experiment\": null or {\"what\", \"channel\", \"sigmas\", \"tells_apart\": [[id, id]]}, \
+\"worth\": null or {\"distance_m\", \"land_error_rms_m\": [before, after], \"laws\", \"rows\"}, \"planner_leaves_out\": [keys of \
+the corrected robot that only `saltus verify` has], \"misstated_noise\": [{\"column\", \"stated\", \"seen\"}], \"next_steps\": [{\"what\", \"command\" (or null)}]}. The entry with the id \
+\"unknown\" has \"channel\", \"phase\", \"rms\" and \"term\" (null, or the term that describes it). The loss is the sum of squared residuals in standard deviations, \
+outliers counted less; noise makes it fall by about 1 for each parameter.
+
+CSV columns, one row for each channel: channel, rms_before, rms_after, noise.
+
+With --inject there is nothing to diagnose: data are made with effects hidden in them, in the folder --out, and the report says \
+what they are; the folder does not. CAUSE is an id, VALUE its parameter in the unit of its name, several with commas; of a sensor \
+COLUMN:VALUE. A CAUSE that the kind does not have is answered with a list of those that it has.
+
+docs/logs.md has the format of the data: columns, units, zeros and signs, keys, and an example of each kind.
+
+The exit code is 0 if nothing is wrong, 1 if something is.";
+
+fn level(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x <= 0.5 => Ok(x),
+        _ => Err("a share above 0, at most 0.5".into()),
+    }
+}
+
+/// Data with their model, and what was found.
+struct Found {
+    folder: Folder,
+    robot: Option<Robot>,
+    kind: Box<dyn Kind>,
+    diagnosis: Diagnosis,
+    settings: Settings,
+    /// Columns whose noise is stated far from what the data scatter.
+    misstated: Vec<Misstated>,
+    /// The robot with what was found.
+    extended: Option<Robot>,
+    /// What knowing it is worth to the planner.
+    worth: Option<Worth>,
+    /// The words with which the command was told its data and where the robot goes.
+    asked: steps::Asked,
+}
+
+impl Diagnose {
+    pub(crate) fn run(self) -> Result<Status, CliError> {
+        if self.inject.is_set() {
+            return self.inject.run(&self);
+        }
+        self.output.check()?;
+        let folder = read_folders(&self.folders)?;
+        let robot = self.robot_of(&folder)?;
+        experiment::plausible(&folder, robot.as_ref())?;
+        let settings = Settings {
+            false_alarms: self.false_alarms,
+            most: usize::from(self.most),
+            seed: self.seed,
+            ..Settings::default()
+        };
+        let progress = Progress::new("fits", 0);
+        let study = study::study(&folder.experiment, robot.as_ref(), &settings, &|_| {
+            progress.advance(1)
+        });
+        drop(progress);
+        let Study {
+            kind,
+            diagnosis,
+            misstated,
+        } = study.map_err(|error| unusable(&folder, error.to_string()))?;
+        let Some(diagnosis) = diagnosis else {
+            let reason = study::no_motion(kind.as_ref(), &folder.experiment);
+            return Err(unusable(&folder, reason));
+        };
+        let extended = study::extended(kind.as_ref(), &diagnosis);
+        let worth = robot
+            .as_ref()
+            .zip(extended.as_ref())
+            .and_then(|(b, e)| study::worth(b, e));
+        let corrected =
+            self.corrected(kind.as_ref(), &diagnosis, extended.as_ref(), &folder.hash)?;
+        let asked = steps::Asked {
+            folders: self.folders.clone(),
+            robot: self.robot.clone(),
+            overrides: self.overrides.clone(),
+            extend: self.extend.clone(),
+        };
+        let found = Found {
+            folder,
+            robot,
+            kind,
+            diagnosis,
+            settings,
+            misstated,
+            extended,
+            worth,
+            asked,
+        };
+        let report = Report::of(&found);
+        let text = match self.output.format() {
+            Format::Text => report.text(),
+            Format::Json => crate::output::json(&report.json()),
+            Format::Csv => report.csv(),
+        };
+        let page = self
+            .report
+            .as_deref()
+            .map(|file| ("--report", file, page::html(&report, &self.folders)));
+        self.output.write_with(
+            text,
+            &self.plot,
+            || Ok(sheet::sheet(&report)),
+            corrected.into_iter().chain(page),
+        )?;
+        Ok(
+            if found.diagnosis.findings.is_empty() && found.diagnosis.unknown.is_none() {
+                Status::Done
+            } else {
+                Status::No
+            },
+        )
+    }
+
+    /// The robot that was measured, as the flags or else the folder say; none where the kind is
+    /// about none.
+    fn robot_of(&self, folder: &Folder) -> Result<Option<Robot>, CliError> {
+        let needs = matches!(
+            folder.experiment.kind,
+            Sort::Bench | Sort::Hop | Sort::Jump | Sort::Outcomes
+        );
+        let name = match (&self.robot, &folder.robot) {
+            (Some(name), _) => name.clone(),
+            (None, Some(name)) => beside(&folder.path, name),
+            (None, None) if needs => {
+                return Err(CliError::Missing {
+                    flag: "--robot",
+                    allowed: "the robot that was measured",
+                });
+            }
+            (None, None) => return Ok(None),
+        };
+        robot(&name, &self.overrides).map(Some)
+    }
+
+    /// The file of the extended robot, where it is asked for; if there is none, the flag is
+    /// refused.
+    fn corrected(
+        &self,
+        kind: &dyn Kind,
+        diagnosis: &Diagnosis,
+        extended: Option<&Robot>,
+        hash: &str,
+    ) -> Result<Option<(&'static str, &Path, String)>, CliError> {
+        let Some(path) = &self.extend else {
+            return Ok(None);
+        };
+        let Some(robot) = extended else {
+            let allowed = "left out: nothing was found that is a property of a robot";
+            return Err(CliError::flag("--extend", path.display(), allowed));
+        };
+        Ok(Some((
+            "--extend",
+            path,
+            study::robot_file(kind, diagnosis, robot, hash),
+        )))
+    }
+}
+
+fn unusable(folder: &Folder, reason: String) -> CliError {
+    CliError::Content {
+        file: folder.path.display().to_string(),
+        reason,
+    }
+}
+
+/// A built-in robot's name, or the path of a file beside the data.
+pub(super) fn beside(folder: &Path, name: &str) -> String {
+    if saltus::Robot::builtin_names().any(|known| known == name) {
+        return name.to_owned();
+    }
+    folder.join(name).display().to_string()
+}

@@ -1,0 +1,926 @@
+//! What was found, in words and in numbers.
+
+use std::fmt::Write;
+
+use saltus::study::Worth;
+use saltus::diagnosis::{
+    Candidate, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported, Sort,
+    residuals_under,
+};
+use serde_json::{Map, Value, json};
+
+use super::Found;
+use super::steps::{Step, left_out, steps};
+use super::words::{estimate, grid, interval, meaning, misstated, split, title, unit, with_unit};
+use crate::output::digits;
+use crate::slip::{Estimated, slip};
+
+/// What is reported of a diagnosis.
+pub(super) struct Report<'a> {
+    pub(super) found: &'a Found,
+    /// What is left by channel and phase, by the model as it is.
+    pub(super) before: Vec<PhaseResidual>,
+    /// The same by the model with all causes.
+    pub(super) after: Vec<PhaseResidual>,
+}
+
+impl<'a> Report<'a> {
+    pub(super) fn of(found: &'a Found) -> Report<'a> {
+        let kind = found.kind.as_ref();
+        let settings = |name: &String| {
+            let run = found
+                .folder
+                .experiment
+                .runs
+                .iter()
+                .find(|run| run.name == *name);
+            run.map(|run| {
+                run.settings
+                    .iter()
+                    .map(|(key, x)| (key.clone(), *x))
+                    .collect()
+            })
+            .unwrap_or_default()
+        };
+        let conditions: Vec<Vec<(String, f64)>> =
+            kind.logs().iter().map(|log| settings(&log.name)).collect();
+        let of = |model| residuals_under(kind, model, &conditions);
+        Report {
+            found,
+            before: of(&found.diagnosis.before),
+            after: of(&found.diagnosis.after),
+        }
+    }
+
+    pub(super) fn is_well(&self) -> bool {
+        self.found.diagnosis.findings.is_empty() && self.found.diagnosis.unknown.is_none()
+    }
+
+    /// The outcome in a sentence.
+    pub(super) fn headline(&self) -> String {
+        let diagnosis = &self.found.diagnosis;
+        if self.is_well() {
+            let within = if self.found.misstated.is_empty() {
+                "the noise"
+            } else {
+                "what they scatter"
+            };
+            return format!("Nothing is wrong: the simulation explains the data within {within}.");
+        }
+        let said = |f: &Finding| {
+            let (name, what) = (
+                title(self.found.kind.as_ref(), f.best.cause),
+                meaning(self.id(f.best.cause)),
+            );
+            let mut rivals: Vec<String> = f
+                .rivals
+                .iter()
+                .map(|r| title(self.found.kind.as_ref(), r.cause))
+                .collect();
+            rivals.extend(
+                f.unlisted
+                    .as_ref()
+                    .map(|_| "something that is not on the list".to_owned()),
+            );
+            let rivals = if rivals.is_empty() {
+                rivals.join("")
+            } else {
+                format!(", or else {}", rivals.join(" or "))
+            };
+            format!("{name} ({what}){rivals}")
+        };
+        let of = |lead: &str, is_identifiable: bool| {
+            let findings = diagnosis
+                .findings
+                .iter()
+                .filter(|f| f.is_identifiable == is_identifiable);
+            let causes: Vec<String> = findings.map(said).collect();
+            (!causes.is_empty()).then(|| format!("{lead}: {}", causes.join("; ")))
+        };
+        let causes: Vec<String> = [of("Found", true), of("Not identifiable", false)]
+            .into_iter()
+            .flatten()
+            .collect();
+        match (causes.is_empty(), &diagnosis.unknown) {
+            (false, None) => format!("{}.", causes.join(". ")),
+            (false, Some(_)) => format!("{}; and something unknown.", causes.join(". ")),
+            (true, _) => "Unknown: something is wrong that no listed cause explains.".into(),
+        }
+    }
+
+    /// Columns whose stated noise is far from what the data scatter, each in a sentence.
+    pub(super) fn misstated(&self) -> Vec<String> {
+        self.found.misstated.iter().map(misstated).collect()
+    }
+
+    /// What the finding means where the data do not tell how strong it is.
+    pub(super) const OPEN: &'static str = "Not identifiable: a stronger effect predicts the same \
+        readings, so the data tell neither its size nor which of the causes it is.";
+
+    /// What an unknown effect means, if there is one.
+    pub(super) fn unknown(&self) -> Option<String> {
+        let unknown = self.found.diagnosis.unknown.as_ref()?;
+        let (channel, unit) = split(&unknown.channel);
+        let lead = if unknown.phase.ends_with("third") {
+            "the"
+        } else {
+            "the phase"
+        };
+        Some(format!(
+            "What is left in {channel} is not noise, most of all in {lead} {}: {} {unit} root \
+             mean square. No cause on the list explains it, alone or with others: the machine or \
+             an instrument does something that is not on the list. Parameters found beside it may \
+             be bent to it.{}",
+            unknown.phase,
+            digits(unknown.rms, 3),
+            self.term().unwrap_or_default(),
+        ))
+    }
+
+    /// The term that describes what is unknown.
+    fn term(&self) -> Option<String> {
+        let term = self.found.diagnosis.term.as_ref()?;
+        Some(format!(
+            " It behaves like this term: {}; data left out of the fit are predicted better with \
+             it.",
+            self.acts_like(term)
+        ))
+    }
+
+    /// A term without an id with its number.
+    fn acts_like(&self, term: &Candidate) -> String {
+        let Some(c) = term.reported.first() else {
+            return String::new();
+        };
+        let unit = c
+            .name
+            .strip_prefix("c_")
+            .map_or(String::new(), |unit| format!(" ({unit})"));
+        format!(
+            "{}, c = {}{unit}",
+            self.id(term.cause),
+            estimate(c.value, c.error, "")
+        )
+    }
+
+    pub(super) fn id(&self, cause: usize) -> &'static str {
+        self.found.kind.causes()[cause].id
+    }
+
+    pub(super) fn phase(&self, residual: &PhaseResidual) -> &'static str {
+        phase_in(self.found.folder.experiment.kind, residual.phase)
+    }
+
+    /// Chance with which noise is called something else, for each line of the table of residuals.
+    fn level(&self) -> f64 {
+        self.found.settings.false_alarms / self.before.len().max(1) as f64
+    }
+
+    /// Words for what tells that a residual is not noise; empty where it may be.
+    pub(super) fn faults(&self, residual: &PhaseResidual) -> String {
+        residual.faults(self.level()).join(", ")
+    }
+
+    /// What the model with all causes leaves of the same channel and phase.
+    pub(super) fn after(&self, before: &PhaseResidual) -> Option<&PhaseResidual> {
+        self.after
+            .iter()
+            .find(|r| r.channel == before.channel && r.phase == before.phase)
+    }
+
+    /// The readings in use, as a sentence.
+    pub(super) fn size(&self) -> String {
+        let logs = self.found.kind.logs();
+        let readings: usize = logs.iter().map(|log| log.readings.len()).sum();
+        let runs = if logs.len() == 1 { "run" } else { "runs" };
+        format!(
+            "{} {runs}, {} rows, {readings} readings used",
+            logs.len(),
+            self.found.folder.rows
+        )
+    }
+
+    /// Parameters as they are reported, where errors are known with them.
+    pub(super) fn parameters(&self, candidate: &Candidate) -> Vec<(String, String)> {
+        if candidate.reported.is_empty() {
+            let values = candidate.fit.terms.of(candidate.cause);
+            let reported = self.found.kind.causes()[candidate.cause].report(values);
+            return reported
+                .into_iter()
+                .map(|(n, x)| (n.clone(), with_unit(x, 4, unit(&n))))
+                .collect();
+        }
+        let said = |(k, r): (usize, &Reported)| {
+            let unit = unit(&r.name);
+            let interval = r.interval.map_or(String::new(), |i| {
+                format!("; 95 %: {}", interval(i, r.error, unit))
+            });
+            let slip = self
+                .slip(candidate, k)
+                .map_or(String::new(), |slip| format!("; {slip}"));
+            (
+                r.name.clone(),
+                estimate(r.value, r.error, unit) + &interval + &slip,
+            )
+        };
+        candidate.reported.iter().enumerate().map(said).collect()
+    }
+
+    /// Parameters of a cause of `finding`: of one that is not identifiable, their limits alone.
+    pub(super) fn parameters_of(
+        &self,
+        finding: &Finding,
+        candidate: &Candidate,
+    ) -> Vec<(String, String)> {
+        if finding.is_identifiable {
+            return self.parameters(candidate);
+        }
+        let said = |r: &Reported| {
+            let limits = r
+                .interval
+                .map(|limits| interval(limits, r.error, unit(&r.name)));
+            (
+                r.name.clone(),
+                limits.unwrap_or_else(|| "not bounded by these data".into()),
+            )
+        };
+        candidate.reported.iter().map(said).collect()
+    }
+
+    /// What slip of unit the `k`-th reported parameter equals.
+    fn slip(&self, candidate: &Candidate, k: usize) -> Option<String> {
+        let kind = self.found.kind.as_ref();
+        let cause = &kind.causes()[candidate.cause];
+        let neutral: Vec<f64> = cause.parameters.iter().map(|p| p.neutral).collect();
+        let believed = kind.causes()[candidate.cause].report(&neutral).get(k)?.1;
+        let Reported {
+            name, value, error, ..
+        } = &candidate.reported[k];
+        let is_gain = cause.id == "encoder-scale";
+        let unit = match name.as_str() {
+            "load_factor" | "mass_share" => "kg",
+            "supply_pressure_factor" => "Pa",
+            "gain" => unit(cause.column.as_deref().unwrap_or_default()),
+            name => unit(name),
+        };
+        slip(&Estimated {
+            unit,
+            believed,
+            value: *value,
+            error: *error,
+            is_gain,
+        })
+    }
+
+    /// Parameters of a finding that the data do not fix, as a sentence.
+    pub(super) fn undetermined(&self, finding: &Finding) -> Option<String> {
+        let direction = finding.undetermined.as_ref()?;
+        let names = &self.found.kind.causes()[finding.best.cause].parameters;
+        let moved: Vec<&str> = names
+            .iter()
+            .zip(direction)
+            .filter(|(_, part)| part.abs() > 0.1)
+            .map(|(p, _)| p.name.as_str())
+            .collect();
+        Some(match moved.as_slice() {
+            [] => return None,
+            [one] => format!("Not determined: {one}; the data are the same whatever it is."),
+            several => format!(
+                "Not determined: {} one by one; they can change together without being seen in \
+                 the data.",
+                several.join(", ")
+            ),
+        })
+    }
+
+    /// Why rivals are rivals.
+    pub(super) const RIVALS: &'static str = "Put in its place, each predicts these data about as \
+        well, so that they alone cannot tell which it is; runs under other conditions could.";
+
+    /// What misfit means.
+    pub(super) const MISFIT: &'static str = "The misfit is the sum of squared residuals in \
+        standard deviations of the noise, outliers counted less; a needless parameter lowers it \
+        by about 1.";
+
+    /// What the marks of the residuals mean.
+    pub(super) const MARKS: &'static str = "Noise has mean 0 σ, rms 1 σ and lag-1 correlation 0 \
+        (of each residual with the next one). After: with the causes found. Not noise: large (rms \
+        beyond the stated noise), smooth (residuals follow each other), differs by run (means of \
+        the runs differ). Small parts of it can be the instruments'.";
+
+    /// How often something is claimed of nothing, as a sentence.
+    pub(super) fn claims(&self) -> String {
+        format!(
+            "Data without an effect are said to have one in {} % of cases (false alarm level).",
+            digits(100.0 * self.found.settings.false_alarms, 3)
+        )
+    }
+
+    /// Why standard errors are wider than the stated noise makes them, if they are.
+    pub(super) fn widened(&self) -> Option<String> {
+        let factor = self.found.diagnosis.inflation.sqrt();
+        (factor > 1.2 && !self.found.diagnosis.findings.is_empty()).then(|| {
+            format!(
+                "What is left scatters more than the stated noise, or follows itself; standard \
+                 errors allow for it, with a factor of {}.",
+                digits(factor, 2)
+            )
+        })
+    }
+
+    /// Every cause alone, the one with the greatest gain first.
+    pub(super) fn tried(&self) -> Vec<&Candidate> {
+        let mut all: Vec<&Candidate> = self.found.diagnosis.tried.iter().collect();
+        all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        all
+    }
+
+    /// What there is to say of causes that are not among those tried, if there are some.
+    pub(super) fn silent(&self) -> Option<String> {
+        let silent = self
+            .found
+            .kind
+            .causes()
+            .len()
+            .saturating_sub(self.found.diagnosis.tried.len());
+        (silent > 0).then(|| {
+            format!(
+                "Left out, as next to nothing or far less would be gained: {silent} of the causes."
+            )
+        })
+    }
+
+    /// For people.
+    pub(super) fn text(&self) -> String {
+        let diagnosis = &self.found.diagnosis;
+        let mut out = wrapped(&self.headline(), "");
+        for sentence in self.misstated() {
+            out += &wrapped(&sentence, "");
+        }
+        for finding in &diagnosis.findings {
+            self.finding(&mut out, finding);
+        }
+        if let Some(unknown) = self.unknown() {
+            out += "\nunknown\n";
+            out += &wrapped(&unknown, "  ");
+        }
+        if let Some(worth) = self.worth() {
+            out += &wrapped(&format!("\n{worth}"), "");
+        }
+        out += "\nError of prediction on data that were left out of the fit (root mean square)\n\n";
+        out += &grid(&self.gains(), 1);
+        out += "\nWhat the simulation leaves: measured less predicted, in standard deviations of \
+            the noise (σ)\n\n";
+        out += &grid(&self.residual_lines(), 2);
+        out += &self.conditions();
+        out += &wrapped(Self::MARKS, "  ");
+        out += "\nEvery cause alone: by how much it lowers the misfit\n\n";
+        if !diagnosis.tried.is_empty() {
+            out += &grid(&self.tried_lines(), 1);
+        }
+        if let Some(sentence) = self.silent() {
+            out += &wrapped(&sentence, "  ");
+        }
+        out += &wrapped(Self::MISFIT, "  ");
+        // Writing to a string does not fail.
+        let _ = writeln!(
+            out,
+            "\n{}; hash of the data {}",
+            self.size(),
+            self.found.folder.hash
+        );
+        if let Some(sentence) = self.widened() {
+            out += &wrapped(&sentence, "");
+        }
+        out += &wrapped(&self.claims(), "");
+        for note in &self.found.folder.notes {
+            out += &wrapped(&format!("note: {note}"), "");
+        }
+        out += "\nWhat to do next\n\n";
+        for (k, step) in steps(self.found).iter().enumerate() {
+            out += &wrapped(&format!("{}. {}", k + 1, step.what), "  ");
+            // A command is one line, to be copied.
+            out.extend(
+                step.command
+                    .iter()
+                    .map(|command| format!("     {command}\n")),
+            );
+        }
+        out
+    }
+
+    /// What the extended robot is worth to the planner.
+    pub(super) fn worth(&self) -> Option<String> {
+        let worth = self.found.worth.as_ref()?;
+        let [before, after] = worth.rms()?;
+        let law = |law: Option<(f64, f64)>| {
+            law.map_or("no law".into(), |(a, b)| {
+                format!("{} s ω + {} rad", digits(a, 4), digits(b, 4))
+            })
+        };
+        let left_out = left_out(self.found).join(", ");
+        let (distance, rates) = (worth.distance, worth.rows.len());
+        let [before, after] = [
+            (before, digits(1e3 * before, 3)),
+            (after, digits(1e3 * after, 3)),
+        ];
+        if !left_out.is_empty() && (before.0 - after.0).abs() < 1e-2 * before.0 {
+            return Some(format!(
+                "Firing tables for {distance} m stay as they were: the planner has no term for \
+                 {left_out}. Jumps of the corrected robot land {} mm off the target (root mean \
+                 square over {rates} approach rates); `saltus verify` simulates them.",
+                after.1
+            ));
+        }
+        let rest = if left_out.is_empty() {
+            String::new()
+        } else {
+            format!(" What is left is due to {left_out}, for which the planner has no term.")
+        };
+        Some(format!(
+            "Firing table for {distance} m (to where the wheel touches) at {rates} approach \
+             rates: jumps of the corrected robot land {} mm off the target (root mean square) \
+             with the table of the robot as believed, and {} mm with a table of its own.{rest} \
+             Linear law before: {}; after: {}.",
+            before.1,
+            after.1,
+            law(worth.laws[0]),
+            law(worth.laws[1]),
+        ))
+    }
+
+    fn finding(&self, out: &mut String, finding: &Finding) {
+        let kind = self.found.kind.as_ref();
+        let _ = writeln!(out, "\n{}", title(kind, finding.best.cause));
+        let lines: Vec<Vec<String>> = self
+            .parameters_of(finding, &finding.best)
+            .into_iter()
+            .map(|(n, x)| vec![n, x])
+            .collect();
+        *out += &grid(&lines, 2);
+        if !finding.is_identifiable {
+            *out += &wrapped(Self::OPEN, "  ");
+        }
+        if let Some(sentence) = self.undetermined(finding) {
+            *out += &wrapped(&sentence, "  ");
+        }
+        *out += &self
+            .held_out(finding)
+            .map_or_else(String::new, |text| wrapped(&text, "  "));
+        if !finding.rivals.is_empty() || finding.unlisted.is_some() {
+            *out += "  It could as well be\n";
+            let line = |rival: &Candidate| {
+                vec![
+                    format!("  {}", title(kind, rival.cause)),
+                    self.rival(finding, rival),
+                ]
+            };
+            *out += &grid(&finding.rivals.iter().map(line).collect::<Vec<_>>(), 2);
+            if let Some(term) = &finding.unlisted {
+                *out += &wrapped(&format!("{}.", self.unlisted(term)), "    ");
+            }
+            *out += &wrapped(Self::RIVALS, "  ");
+            *out += &self
+                .less_likely(finding)
+                .map_or_else(String::new, |text| wrapped(&text, "  "));
+        }
+        if let Some(next) = next_of(finding) {
+            *out += &wrapped(&next, "  ");
+        }
+    }
+
+    /// By how much data left out of the fit are predicted better, as a sentence; none where that is
+    /// not known.
+    pub(super) fn held_out(&self, finding: &Finding) -> Option<String> {
+        let parameters = self.found.kind.causes()[finding.best.cause]
+            .parameters
+            .len();
+        finding.held_out.is_finite().then(|| {
+            let falls = digits(finding.held_out, 4);
+            format!(
+                "On data left out of the fit the misfit falls by {falls} with it; chance \
+                makes it fall by about {parameters}."
+            )
+        })
+    }
+
+    /// The parameters of a rival, in words.
+    pub(super) fn rival(&self, finding: &Finding, rival: &Candidate) -> String {
+        let is = if finding.is_identifiable { " =" } else { "" };
+        let said = self.parameters_of(finding, rival);
+        said.iter()
+            .map(|(name, value)| format!("{name}{is} {value}"))
+            .collect::<Vec<_>>()
+            .join(", ")
+    }
+
+    /// A term without an id that is a rival, in words.
+    pub(super) fn unlisted(&self, term: &Candidate) -> String {
+        format!(
+            "something that is not on the list and acts like this term: {}",
+            self.acts_like(term)
+        )
+    }
+
+    /// What is behind the rivals, as a sentence.
+    pub(super) fn less_likely(&self, finding: &Finding) -> Option<String> {
+        let kind = self.found.kind.as_ref();
+        let names: Vec<String> = finding
+            .less_likely
+            .iter()
+            .map(|c| title(kind, c.cause))
+            .collect();
+        (!names.is_empty()).then(|| format!("Less likely, but not excluded: {}.", names.join(", ")))
+    }
+
+    /// Gain by channel: a header, then lines.
+    pub(super) fn gains(&self) -> Vec<Vec<String>> {
+        let mut lines = vec![words(&[
+            "channel",
+            "before",
+            "after",
+            "noise",
+            "after/before (95 % interval)",
+        ])];
+        for gain in &self.found.diagnosis.gains {
+            let (name, unit) = split(&gain.channel);
+            lines.push(vec![
+                name.to_owned(),
+                with_unit(gain.rms.0, 3, unit),
+                with_unit(gain.rms.1, 3, unit),
+                with_unit(gain.noise, 3, unit),
+                ratio(gain),
+            ]);
+        }
+        lines
+    }
+
+    /// Residuals by channel and phase: a header, then lines.
+    pub(super) fn residual_lines(&self) -> Vec<Vec<String>> {
+        let changes = !self.found.diagnosis.findings.is_empty();
+        let before = if changes {
+            "before: mean (σ)"
+        } else {
+            "mean (σ)"
+        };
+        let mut header = words(&["channel", "phase", "readings", before, "rms (σ)", "lag-1"]);
+        if changes {
+            header.extend(words(&["after: mean (σ)", "rms (σ)", "lag-1"]));
+        }
+        header.extend(words(&["rms", "not noise because"]));
+        let mut lines = vec![header];
+        for before in &self.before {
+            // With the causes found a run need not have that phase.
+            let last = self.after(before);
+            let (name, unit) = split(&self.found.kind.channels()[before.channel].name);
+            let mut line = vec![
+                name.to_owned(),
+                self.phase(before).to_owned(),
+                before.count.to_string(),
+            ];
+            line.extend(numbers(before));
+            if changes {
+                line.extend(last.map_or_else(|| words(&["–"; 3]), numbers));
+            }
+            line.push(last.map_or("–".into(), |last| with_unit(last.rms_in_unit(), 3, unit)));
+            let faults = last.map_or_else(String::new, |last| self.faults(last));
+            line.push(if faults.is_empty() {
+                "–".to_owned()
+            } else {
+                format!("* {faults}")
+            });
+            lines.push(line);
+        }
+        lines
+    }
+
+    /// Conditions that go with what differs between runs, in sentences.
+    fn conditions(&self) -> String {
+        const STRONG: f64 = 0.7;
+        let mut text = String::new();
+        for residual in self.after.iter().filter(|r| self.faults(r).contains("run")) {
+            let (name, _) = split(&self.found.kind.channels()[residual.channel].name);
+            for (condition, c) in residual.conditions.iter().filter(|(_, c)| c.abs() > STRONG) {
+                let phase = self.phase(residual);
+                let c = digits(*c, 2);
+                let go = format!("the runs' means go with {condition}");
+                let _ = writeln!(text, "  {name} in {phase}: {go} (correlation {c}).");
+            }
+        }
+        text
+    }
+
+    /// Every cause alone: a header, then lines.
+    pub(super) fn tried_lines(&self) -> Vec<Vec<String>> {
+        let mut lines = vec![words(&["cause", "misfit less", "with"])];
+        for c in self.tried() {
+            let said: Vec<String> = self
+                .parameters(c)
+                .iter()
+                .map(|(n, x)| format!("{n} = {x}"))
+                .collect();
+            let name = title(self.found.kind.as_ref(), c.cause);
+            lines.push(vec![name, digits(c.gain, 4), said.join(", ")]);
+        }
+        lines
+    }
+
+    fn entry(&self, candidate: &Candidate) -> Map<String, Value> {
+        let mut entry = Map::new();
+        let cause = &self.found.kind.causes()[candidate.cause];
+        entry.insert("id".into(), json!(cause.id));
+        if let Some(column) = &cause.column {
+            entry.insert("column".into(), json!(column));
+        }
+        let (mut values, mut errors, mut intervals) = (Map::new(), Map::new(), Map::new());
+        for Reported {
+            name,
+            value,
+            error,
+            interval,
+        } in &candidate.reported
+        {
+            values.insert(name.clone(), json!(value));
+            errors.insert(name.clone(), json!(error));
+            intervals.extend(interval.map(|i| (name.clone(), json!([i.low, i.high]))));
+        }
+        entry.insert("parameters".into(), Value::Object(values));
+        entry.insert("standard_errors".into(), Value::Object(errors));
+        let slip =
+            |(k, r): (usize, &Reported)| Some((r.name.clone(), json!(self.slip(candidate, k)?)));
+        let slips: Map<String, Value> = candidate
+            .reported
+            .iter()
+            .enumerate()
+            .filter_map(slip)
+            .collect();
+        entry.insert("slips".into(), Value::Object(slips));
+        if !intervals.is_empty() {
+            entry.insert("intervals_95".into(), Value::Object(intervals));
+        }
+        entry.insert("loss_falls_by".into(), json!(candidate.gain));
+        entry
+    }
+
+    fn tried_entry(&self, candidate: &Candidate) -> Map<String, Value> {
+        let mut entry = self.entry(candidate);
+        entry.remove("standard_errors");
+        let values = candidate.fit.terms.of(candidate.cause);
+        let reported = self.found.kind.causes()[candidate.cause].report(values);
+        let values: Map<String, Value> = reported.into_iter().map(|(n, x)| (n, json!(x))).collect();
+        entry.insert("parameters".into(), Value::Object(values));
+        entry
+    }
+
+    fn finding_entry(&self, finding: &Finding) -> Value {
+        let mut entry = self.entry(&finding.best);
+        let mut rivals: Vec<&str> = finding.rivals.iter().map(|r| self.id(r.cause)).collect();
+        rivals.extend(finding.unlisted.as_ref().map(|_| "unknown"));
+        entry.insert("rivals".into(), json!(rivals));
+        let others: Vec<&str> = finding
+            .less_likely
+            .iter()
+            .map(|r| self.id(r.cause))
+            .collect();
+        entry.insert("less_likely".into(), json!(others));
+        let term = finding
+            .unlisted
+            .as_ref()
+            .map(|t| term_json(self.found.kind.as_ref(), t));
+        entry.insert("unlisted".into(), json!(term));
+        entry.insert("held_out_loss_falls_by".into(), json!(finding.held_out));
+        entry.insert("undetermined".into(), json!(finding.undetermined));
+        entry.insert("identifiable".into(), json!(finding.is_identifiable));
+        let candidates: Vec<Value> = finding
+            .rivals
+            .iter()
+            .map(|r| Value::Object(self.entry(r)))
+            .collect();
+        entry.insert("candidates".into(), json!(candidates));
+        Value::Object(entry)
+    }
+
+    fn residual_entry(&self, residual: &PhaseResidual) -> Value {
+        let conditions: Map<String, Value> = residual
+            .conditions
+            .iter()
+            .map(|(name, c)| (name.clone(), json!(c)))
+            .collect();
+        json!({
+            "channel": self.found.kind.channels()[residual.channel].name,
+            "phase": self.phase(residual),
+            "readings": residual.count,
+            "mean": residual.mean_in_unit(),
+            "rms": residual.rms_in_unit(),
+            "mean_sigma": residual.mean,
+            "rms_sigma": residual.rms,
+            "lag_1_correlation": residual.lag,
+            "correlation_with": conditions,
+            "p_level": residual.level,
+            "p_whiteness": residual.whiteness,
+            "p_runs": residual.runs,
+            "is_noise": residual.is_noise(self.level()),
+        })
+    }
+
+    /// For programs.
+    pub(super) fn json(&self) -> Value {
+        let Found {
+            folder,
+            kind,
+            diagnosis,
+            settings,
+            ..
+        } = self.found;
+        let mut causes: Vec<Value> = diagnosis
+            .findings
+            .iter()
+            .map(|f| self.finding_entry(f))
+            .collect();
+        if let Some(unknown) = &diagnosis.unknown {
+            causes.push(json!({
+                "id": "unknown",
+                "rivals": [],
+                "parameters": {},
+                "standard_errors": {},
+                "channel": unknown.channel,
+                "phase": unknown.phase,
+                "rms": unknown.rms,
+                "term": diagnosis.term.as_ref().map(|t| term_json(self.found.kind.as_ref(), t)),
+            }));
+        }
+        let gain = |g: &Gain| {
+            let entry = json!({
+                "rms_before": g.rms.0,
+                "rms_after": g.rms.1,
+                "noise": g.noise,
+                "ratio_low": g.ratio.0,
+                "ratio_high": g.ratio.1,
+            });
+            (g.channel.clone(), entry)
+        };
+        let residuals = |all: &[PhaseResidual]| {
+            all.iter()
+                .map(|r| self.residual_entry(r))
+                .collect::<Vec<_>>()
+        };
+        let tried: Vec<Map<String, Value>> = diagnosis
+            .tried
+            .iter()
+            .map(|c| self.tried_entry(c))
+            .collect();
+        json!({
+            "command": "diagnose",
+            "data": { "hash": folder.hash, "rows": folder.rows, "runs": kind.logs().len(), "notes": folder.notes },
+            "causes": causes,
+            "gain": diagnosis.gains.iter().map(gain).collect::<Map<String, Value>>(),
+            "residuals": { "before": residuals(&self.before), "after": residuals(&self.after) },
+            "tried": tried,
+            "false_alarm_level": settings.false_alarms,
+            "next_experiment": next_json(diagnosis),
+            "worth": self.found.worth.as_ref().map(worth_json),
+            "planner_leaves_out": left_out(self.found),
+            "misstated_noise": self.found.misstated.iter().map(misstated_json).collect::<Vec<_>>(),
+            "next_steps": steps(self.found).iter().map(Step::json).collect::<Vec<_>>(),
+        })
+    }
+
+    /// Before and after, channel by channel.
+    pub(super) fn csv(&self) -> String {
+        let mut out = String::from("channel,rms_before,rms_after,noise\n");
+        for g in &self.found.diagnosis.gains {
+            let _ = writeln!(
+                out,
+                "{},{:e},{:e},{:e}",
+                g.channel, g.rms.0, g.rms.1, g.noise
+            );
+        }
+        out
+    }
+}
+
+/// What a phase is called in data of a kind.
+pub(super) fn phase_in(kind: Sort, phase: &'static str) -> &'static str {
+    match (kind, phase) {
+        (Sort::Flight, _) => "flight",
+        // Nothing pivots before the command.
+        (Sort::Bench | Sort::Hop, "pivot") => "at rest",
+        _ => phase,
+    }
+}
+
+fn words(of: &[&str]) -> Vec<String> {
+    of.iter().map(|word| (*word).to_owned()).collect()
+}
+
+/// Mean, root mean square and correlation with the next.
+fn numbers(residual: &PhaseResidual) -> Vec<String> {
+    let number = |x: f64| match format!("{x:.2}") {
+        _ if !x.is_finite() => "–".to_owned(),
+        _ if x.abs() >= 1e4 => digits(x, 3),
+        // No negative zero.
+        text if text == "-0.00" => "0.00".to_owned(),
+        text => text,
+    };
+    vec![
+        number(residual.mean),
+        number(residual.rms),
+        number(residual.lag),
+    ]
+}
+
+/// Lines of at most 100 characters, each after `lead`.
+fn wrapped(text: &str, lead: &str) -> String {
+    const WIDTH: usize = 100;
+    let mut out = String::new();
+    let mut line = String::new();
+    for word in text.split_whitespace() {
+        if !line.is_empty() && lead.len() + line.chars().count() + 1 + word.chars().count() > WIDTH
+        {
+            let _ = writeln!(out, "{lead}{line}");
+            line.clear();
+        }
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        line += word;
+    }
+    out + &format!("{lead}{line}\n")
+}
+
+/// Which experiment would tell the rivals of a finding apart.
+pub(super) fn next_of(finding: &Finding) -> Option<String> {
+    let next = finding.next.as_ref()?;
+    let pairs: Vec<String> = next
+        .apart
+        .iter()
+        .map(|(a, b)| format!("{a} from {b}"))
+        .collect();
+    let count = 1
+        + finding.rivals.len()
+        + finding.less_likely.len()
+        + usize::from(finding.unlisted.is_some());
+    let tells = if pairs.is_empty() {
+        "may help to tell them apart".into()
+    } else if pairs.len() > 3 {
+        format!(
+            "tells {} of the {} pairs of them apart",
+            pairs.len(),
+            count * (count - 1) / 2
+        )
+    } else {
+        format!("tells {}", pairs.join(", "))
+    };
+    let (channel, _) = split(&next.channel);
+    let sigmas = digits(next.sigmas, 3);
+    Some(format!(
+        "Next experiment: {}. In {channel} they differ by up to {sigmas} σ, which {tells}.",
+        next.what
+    ))
+}
+
+fn next_json(diagnosis: &Diagnosis) -> Value {
+    let all: Vec<Value> = diagnosis
+        .findings
+        .iter()
+        .filter_map(|finding| {
+            let next = finding.next.as_ref()?;
+            let apart: Vec<[&str; 2]> = next.apart.iter().map(|(a, b)| [*a, *b]).collect();
+            Some(json!({"what": next.what, "channel": next.channel, "sigmas": next.sigmas, "tells_apart": apart}))
+        })
+        .collect();
+    all.into_iter().next().unwrap_or(Value::Null)
+}
+
+fn term_json(kind: &dyn Kind, term: &Candidate) -> Value {
+    let numbers: Map<String, Value> = term
+        .reported
+        .iter()
+        .map(|r| (r.name.clone(), json!([r.value, r.error])))
+        .collect();
+    json!({"term": kind.causes()[term.cause].id, "value_and_standard_error": numbers})
+}
+
+fn misstated_json(wrong: &Misstated) -> Value {
+    json!({"column": wrong.column, "stated": wrong.stated, "seen": wrong.seen})
+}
+
+/// 95 % interval of the error after over that before.
+pub(super) fn ratio(gain: &Gain) -> String {
+    let (low, high) = gain.ratio;
+    if low.is_finite() && high.is_finite() {
+        format!("{} to {}", digits(low, 3), digits(high, 3))
+    } else {
+        "–".to_owned()
+    }
+}
+
+fn worth_json(worth: &Worth) -> Value {
+    let row = |r: &saltus::study::Row| json!({"omega_rad_s": r.rate, "alpha_f_rad": r.angles, "land_error_m": r.errors});
+    json!({
+        "distance_m": worth.distance,
+        "land_error_rms_m": worth.rms(),
+        "laws": worth.laws.map(|law| law.map(|(a, b)| json!({"slope_s": a, "intercept_rad": b}))),
+        "rows": worth.rows.iter().map(row).collect::<Vec<_>>(),
+    })
+}

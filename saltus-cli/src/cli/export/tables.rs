@@ -1,0 +1,332 @@
+//! `saltus export c` and `saltus export rust`: firing tables for a controller.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use saltus::export::{ExportError, Number, Request, Tables};
+use saltus::{Planner, Robot};
+
+use crate::cli::Status;
+use crate::cli::common::{RobotFlags, Threads, note_valve};
+use crate::cli::terms::{TermFlags, Terms};
+use crate::error::{CliError, cut};
+use crate::output::{Files, print};
+use crate::quantity::{self, Quantity};
+use crate::range::{Values, angles, distances, rates};
+
+/// Write firing tables and decisions as C99, a header and a source
+#[derive(Args, Debug)]
+#[command(after_help = "`saltus export c --help` explains the files.", after_long_help = C_HELP)]
+pub(super) struct C {
+    #[command(flatten)]
+    flags: TableFlags,
+
+    /// Write saltus_controller.h and saltus_controller.c into this folder, which is made if it is
+    /// not there
+    #[arg(long, short, value_name = "DIR", help_heading = "Robot and output")]
+    out: PathBuf,
+}
+
+/// Write firing tables as a constant for the Rust crate saltus-controller
+#[derive(Args, Debug)]
+#[command(after_help = "`saltus export rust --help` explains the file.", after_long_help = RUST_HELP)]
+pub(super) struct Rust {
+    #[command(flatten)]
+    flags: TableFlags,
+
+    /// Name of the constant
+    #[arg(long, value_name = "NAME", value_parser = identifier, default_value = "CONTROLLER")]
+    name: String,
+
+    /// Write to this file instead of standard output
+    #[arg(long, short, value_name = "FILE", help_heading = "Robot and output")]
+    out: Option<PathBuf>,
+}
+
+const C_HELP: &str = "\
+Examples:
+  saltus export c --distance 0.3:0.8:11 --out firmware/src
+  saltus export c --distance 0.6 --newton 2 --out firmware/src
+  saltus export c --distance 0.4:0.7:7 --valve-open 60ms --valve-range 30ms:60ms --real double --out firmware/src
+
+One distance gives a curve over the approach rate, several, evenly spaced, a table. Beside it stands a map from approach rate and firing \
+angle to the lift-off, for Newton steps, obstacles and take-offs. Every cell is held against the planner's own jumps; \
+one that misses by more than --tolerance is closed, as is one that cannot be reached. Answers there are reasons, never clamped values.
+
+A distance and an approach rate are those of `saltus table`: for the same options, saltus_firing_angle gives the angle that it prints. \
+saltus_decide takes a lean and its rate at any instant of the stance; it needs no approach rate.
+
+The header declares saltus_decide (whether, when and how long to open the valve), saltus_choose_take_off (from which touch-down to \
+jump over an obstacle ahead, or to ask later), saltus_firing_angle, saltus_rate_at, saltus_observe, two small QPs, and saltus_self_test, which returns 0 if \
+tables and answers are, to the bit, those of the Rust code. C99, IEEE 754, no allocation; compile with -ffp-contract=off (or -std=c99), \
+link with -lm. -DSALTUS_NO_SELF_TEST leaves the test and its vectors out. What is printed also heads both files.
+
+The exit code is 1 if no cell can be used.";
+
+const RUST_HELP: &str = "\
+Examples:
+  saltus export rust --distance 0.3:0.8:11 --out src/rats.rs
+  saltus export rust --distance 0.6 --name SIXTY_CENTIMETRES --out src/sixty.rs
+
+The file has one public constant, a saltus_controller::Controller<'static, f32> (or f64), whose decide and take_off are those of \
+`saltus export c`, to the bit; `saltus export c --help` says what the tables hold.
+
+The exit code is 1 if no cell can be used.";
+
+/// Which numbers a controller computes with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum RealType {
+    /// 32 bits: float, f32.
+    Float,
+    /// 64 bits: double, f64.
+    Double,
+}
+
+/// What tables hold.
+#[derive(Args, Debug)]
+struct TableFlags {
+    /// Distances (m), evenly spaced, from the foot to the landing
+    #[arg(long, value_name = "LENGTHS", value_parser = distances, allow_hyphen_values = true)]
+    distance: Values,
+
+    /// Approach rates ω (rad/s), evenly spaced; --start-lean says where they count
+    #[arg(long, value_name = "RATES", value_parser = rates, allow_hyphen_values = true, default_value = "3:6:13")]
+    omega: Values,
+
+    /// Firing angles α_f (rad) of the lift-off map, evenly spaced [default: 11 about those of the
+    /// table]
+    #[arg(long, value_name = "ANGLES", value_parser = angles, allow_hyphen_values = true)]
+    alpha_f: Option<Values>,
+
+    #[command(flatten)]
+    terms: TermFlags,
+
+    /// Valve opening times (s) to choose from over an obstacle [default: that of --valve-open]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = ends, allow_hyphen_values = true)]
+    valve_range: Option<(f64, f64)>,
+
+    /// Cost of a squared second of open valve over an obstacle, a squared metre off the distance
+    /// costing 1 (m²/s²)
+    #[arg(long, value_name = "COST", value_parser = quantity::factor, allow_hyphen_values = true, default_value = "0.01")]
+    effort: f64,
+
+    /// Newton steps on the lift-off map that refine a firing angle, 0 to 3; other landing heights
+    /// need at least 1
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(0..=3), default_value = "0")]
+    newton: u8,
+
+    /// Control period (s)
+    #[arg(long, value_name = "TIME", value_parser = open, allow_hyphen_values = true, default_value = "1ms")]
+    period: f64,
+
+    /// By how much the valve answers later than the robot file's delay (s)
+    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true, default_value = "0")]
+    extra_delay: f64,
+
+    /// Greatest error of a landing (m); a cell that misses by more is closed
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::extent, allow_hyphen_values = true, default_value = "2mm")]
+    tolerance: f64,
+
+    /// Numbers to compute with
+    #[arg(long, value_enum, default_value_t = RealType::Float)]
+    real: RealType,
+
+    #[command(flatten)]
+    threads: Threads,
+
+    #[command(flatten)]
+    robot: RobotFlags,
+}
+
+impl C {
+    pub(super) fn run(self) -> Result<Status, CliError> {
+        match self.flags.real {
+            RealType::Float => self.write::<f32>(),
+            RealType::Double => self.write::<f64>(),
+        }
+    }
+
+    fn write<R: Number>(&self) -> Result<Status, CliError> {
+        let Some(tables) = self.flags.tables::<R>()? else {
+            return Ok(Status::No);
+        };
+        std::fs::create_dir_all(&self.out).map_err(|error| CliError::write(&self.out, error))?;
+        let [header, source] = tables.c();
+        let mut files = Files::default();
+        files.add(
+            "--out",
+            &self.out.join("saltus_controller.h"),
+            header.into_bytes(),
+        );
+        files.add(
+            "--out",
+            &self.out.join("saltus_controller.c"),
+            source.into_bytes(),
+        );
+        files.report(None, tables.about().join("\n") + "\n");
+        files.write()?;
+        Ok(Status::Done)
+    }
+}
+
+impl Rust {
+    pub(super) fn run(self) -> Result<Status, CliError> {
+        match self.flags.real {
+            RealType::Float => self.write::<f32>(),
+            RealType::Double => self.write::<f64>(),
+        }
+    }
+
+    fn write<R: Number>(&self) -> Result<Status, CliError> {
+        let Some(tables) = self.flags.tables::<R>()? else {
+            return Ok(Status::No);
+        };
+        let mut files = Files::default();
+        files.report(self.out.as_deref(), tables.rust(&self.name));
+        files.write()?;
+        Ok(Status::Done)
+    }
+}
+
+impl TableFlags {
+    /// The tables; none, with the reason on standard output, where no cell can be used.
+    fn tables<R: Number>(&self) -> Result<Option<Tables<R>>, CliError> {
+        let robot = self.robot.planned_robot()?;
+        self.terms.note_valve(&robot);
+        note_valve(&robot, self.valve_range.map(|_| "--valve-range"));
+        let request = self.request(&robot)?;
+        match Tables::new(&Planner::new(robot), &request) {
+            Ok(tables) => Ok(Some(tables)),
+            Err(no @ ExportError::Empty { .. }) => print(&format!("{no}\n")).map(|()| None),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    fn request(&self, robot: &Robot) -> Result<Request, CliError> {
+        let Terms {
+            landing_height,
+            valve_open,
+            start_lean,
+            ..
+        } = self.terms.of(robot);
+        if valve_open <= 0.0 {
+            return Err(CliError::flag(
+                "--valve-open",
+                valve_open,
+                Quantity::OPEN.allowed,
+            ));
+        }
+        let angles = self
+            .alpha_f
+            .as_ref()
+            .map(|a| spaced("--alpha-f", a, 2))
+            .transpose()?;
+        let default = Request::default();
+        if let Some((low, high)) = self.valve_range
+            && !(low <= valve_open && valve_open <= high)
+        {
+            let allowed = format!("a range that holds --valve-open {valve_open}");
+            return Err(CliError::flag(
+                "--valve-range",
+                format!("{low}:{high}"),
+                allowed,
+            ));
+        }
+        if self.effort <= 0.0 {
+            return Err(CliError::flag("--effort", self.effort, "a number above 0"));
+        }
+        Ok(Request {
+            rates: spaced("--omega", &self.omega, 2)?,
+            distances: spaced("--distance", &self.distance, 1)?,
+            firing_angles: angles.map(|(low, high, _)| (low, high)),
+            angles: angles.map_or(default.angles, |(.., count)| count),
+            landing_height: Some(landing_height),
+            valve_open,
+            valve_range: self.valve_range.filter(|_| robot.leg.drive.has_valve()),
+            start_lean,
+            period: self.period,
+            extra_delay: self.extra_delay,
+            newton_steps: self.newton,
+            effort: self.effort,
+            tolerance: self.tolerance,
+            threads: self.threads.count().get(),
+        })
+    }
+}
+
+/// Most nodes along an axis of a table.
+const MOST: usize = 1000;
+
+/// First, last and number of `values`, which rise in even steps.
+fn spaced(
+    flag: &'static str,
+    values: &Values,
+    least: usize,
+) -> Result<(f64, f64, usize), CliError> {
+    let (first, last, count) = (values[0], values[values.len() - 1], values.len());
+    let shown = || {
+        if count > 3 {
+            format!("{first},{},…", values[1])
+        } else {
+            format!("{:?}", &values[..])
+        }
+    };
+    if !(least..=MOST).contains(&count) {
+        return Err(CliError::flag(
+            flag,
+            shown(),
+            format!("{least} to {MOST} values, as in 3:6:13"),
+        ));
+    }
+    let step = (last - first) / (count.max(2) - 1) as f64;
+    let even = values
+        .iter()
+        .enumerate()
+        .all(|(i, x)| (x - (first + step * i as f64)).abs() <= 1e-9 * step);
+    if count > 1 && !(step > 0.0 && even) {
+        return Err(CliError::flag(
+            flag,
+            shown(),
+            "rising in even steps, as in 3:6:13",
+        ));
+    }
+    Ok((first, last, count))
+}
+
+/// Parser of a flag.
+fn open(text: &str) -> Result<f64, quantity::QuantityError> {
+    Quantity::OPEN.parse(text)
+}
+
+/// Parser of a flag.
+fn ends(text: &str) -> Result<(f64, f64), String> {
+    let refused = || {
+        format!(
+            "{:?} must be two times, the lower first, as in 30ms:60ms",
+            cut(text)
+        )
+    };
+    let (low, high) = text.split_once(':').ok_or_else(refused)?;
+    let time = |text: &str| open(text).map_err(|error| error.to_string());
+    let (low, high) = (time(low)?, time(high)?);
+    if low < high {
+        Ok((low, high))
+    } else {
+        Err(refused())
+    }
+}
+
+/// Parser of a flag.
+fn identifier(text: &str) -> Result<String, String> {
+    let mut letters = text.chars();
+    let starts = letters.next().is_some_and(|c| c.is_ascii_uppercase());
+    let goes_on = letters.all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_');
+    if starts && goes_on {
+        Ok(text.into())
+    } else {
+        Err(format!(
+            "{:?} must be a name of capitals, digits and underscores, as in RATS_60",
+            cut(text)
+        ))
+    }
+}

@@ -1,0 +1,401 @@
+//! A firing table in a CSV file, as `saltus table` writes it: what it says, what it was made for,
+//! and whether its jumps land where it says.
+
+use std::path::Path;
+
+use saltus::{Launch, Planner};
+
+use super::subject::{Subject, SubjectFlags};
+use crate::cli::terms::{self, LandingHeight, StartLean, Terms};
+use crate::columns::{self, Column, Need};
+use crate::error::CliError;
+use crate::input;
+use crate::output::digits;
+use crate::quantity::Quantity;
+use crate::range::Values;
+
+/// Greatest size of a table (MiB).
+const LIMIT_MIB: u64 = 64;
+
+/// How far (m) the planner's jump may land from where a row says: what angles with four decimals
+/// cost.
+const REPLAY: f64 = 1e-3;
+
+/// The columns that are read.
+const COLUMNS: [Column; 7] = [
+    Column {
+        name: "omega_rad_s",
+        others: &[],
+        quantity: Quantity::RATE,
+        need: Need::Value,
+    },
+    Column {
+        name: "alpha_f_rad",
+        others: &[],
+        quantity: Quantity::ANGLE,
+        need: Need::Column,
+    },
+    Column {
+        name: "distance_m",
+        others: &[],
+        quantity: Quantity::DISTANCE,
+        need: Need::Nothing,
+    },
+    Column {
+        name: "land_m",
+        others: &[],
+        quantity: Quantity::LANDING,
+        need: Need::Nothing,
+    },
+    Column {
+        name: "landing_height_m",
+        others: &[],
+        quantity: Quantity::HEIGHT,
+        need: Need::Nothing,
+    },
+    Column {
+        name: "start_lean_rad",
+        others: &[],
+        quantity: Quantity::ANGLE,
+        need: Need::Nothing,
+    },
+    Column {
+        name: "valve_open_s",
+        others: &[],
+        quantity: Quantity::TIME,
+        need: Need::Nothing,
+    },
+];
+
+/// A table that was read.
+struct TableFile {
+    file: String,
+    /// Rows with a firing angle.
+    rows: Vec<Row>,
+    /// Distances (m) of all rows, ascending.
+    distances: Vec<f64>,
+}
+
+/// A row with a firing angle.
+struct Row {
+    line: u64,
+    rate: f64,
+    angle: f64,
+    distance: Option<f64>,
+    land: Option<f64>,
+    landing_height: Option<f64>,
+    start_lean: Option<f64>,
+    valve_open: Option<f64>,
+}
+
+/// The table at `path`, held against the flags and the planner.
+pub(super) fn load(
+    flags: &SubjectFlags,
+    path: &Path,
+    planner: &Planner,
+) -> Result<Subject, CliError> {
+    let table = TableFile::read(path, planner)?;
+    let distance = table.distance(flags.distance)?;
+    let points = table.points(distance)?;
+    let rates = match &flags.omega {
+        Some(rates) => within(rates, &points)?,
+        None => points.iter().map(|(rate, _)| *rate).collect(),
+    };
+    let terms = table.terms(flags, planner)?;
+    table.replay(&terms, planner)?;
+    Ok(Subject::of_table(
+        flags,
+        &table.file,
+        &terms,
+        points,
+        rates,
+        distance,
+    ))
+}
+
+impl TableFile {
+    fn read(path: &Path, planner: &Planner) -> Result<TableFile, CliError> {
+        let file = path.display().to_string();
+        let source = input::bytes(path, LIMIT_MIB)?;
+        let cells = columns::read(&source, &file, &COLUMNS)?;
+        check_robot(&source, &file, planner)?;
+        let row = |(line, cells): &(u64, [Option<f64>; 7])| {
+            let [
+                Some(rate),
+                Some(angle),
+                distance,
+                land,
+                landing_height,
+                start_lean,
+                valve_open,
+            ] = *cells
+            else {
+                return None;
+            };
+            Some(Row {
+                line: *line,
+                rate,
+                angle,
+                distance,
+                land,
+                landing_height,
+                start_lean,
+                valve_open,
+            })
+        };
+        let rows: Vec<Row> = cells.iter().filter_map(row).collect();
+        if rows.is_empty() {
+            return Err(CliError::content(file, "no row with a firing angle"));
+        }
+        let mut distances: Vec<f64> = cells.iter().filter_map(|(_, row)| row[2]).collect();
+        distances.sort_by(f64::total_cmp);
+        distances.dedup();
+        Ok(TableFile {
+            file,
+            rows,
+            distances,
+        })
+    }
+
+    /// What the table was made for, which flags may say where the file does not.
+    fn terms(&self, flags: &SubjectFlags, planner: &Planner) -> Result<Terms, CliError> {
+        let robot = planner.robot();
+        let height = self.value("landing_height_m", |row| row.landing_height)?;
+        let given = flags.landing_height.map(|height| height.of(robot));
+        let height = self.one("--landing-height", "landing_height_m", height, given)?;
+        let lean = self.start_lean()?;
+        let given = flags
+            .start_lean
+            .map(|lean| lean.fixed().unwrap_or(f64::NAN));
+        // Not a number stands for the firing angle, which is no one lean.
+        let same = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan());
+        let lean = match (lean, given) {
+            (Some(made), Some(given)) if !same(made, given) => {
+                return Err(self.contradicts("--start-lean", lean_word(given), &lean_word(made)));
+            }
+            (made, given) => made
+                .or(given)
+                .ok_or_else(|| self.missing("--start-lean", "start_lean_rad"))?,
+        };
+        let valve = self.value("valve_open_s", |row| row.valve_open)?;
+        let valve = if robot.leg.drive.has_valve() || valve.is_some() {
+            self.one("--valve-open", "valve_open_s", valve, flags.valve_open)?
+        } else {
+            flags.valve_open.unwrap_or(terms::VALVE_OPEN)
+        };
+        let start = if lean.is_nan() {
+            StartLean::Firing
+        } else {
+            StartLean::At(lean)
+        };
+        Ok(Terms::new(robot, LandingHeight::At(height), valve, start))
+    }
+
+    /// The value of the file or of the flag, which have to agree.
+    fn one(
+        &self,
+        flag: &'static str,
+        column: &'static str,
+        made: Option<f64>,
+        given: Option<f64>,
+    ) -> Result<f64, CliError> {
+        match (made, given) {
+            (Some(made), Some(given)) if (made - given).abs() > 1e-12 * made.abs() => {
+                Err(self.contradicts(flag, given.to_string(), &made.to_string()))
+            }
+            (Some(value), _) | (None, Some(value)) => Ok(value),
+            (None, None) => Err(self.missing(flag, column)),
+        }
+    }
+
+    fn contradicts(&self, flag: &'static str, given: String, made: &str) -> CliError {
+        CliError::flag(
+            flag,
+            given,
+            format!("left out, or {made}: {} was made for it", self.file),
+        )
+    }
+
+    fn missing(&self, flag: &'static str, column: &'static str) -> CliError {
+        let reason = format!(
+            "no column {column}, so the file does not say what it was made for (tables of older \
+             versions do not): say it with {flag}"
+        );
+        CliError::content(format!("{}:1", self.file), reason)
+    }
+
+    /// The one value that all rows have in a column; none where they have none.
+    fn value(
+        &self,
+        key: &'static str,
+        of: fn(&Row) -> Option<f64>,
+    ) -> Result<Option<f64>, CliError> {
+        let first = of(&self.rows[0]);
+        match self.rows.iter().find(|row| of(row) != first) {
+            Some(other) => Err(self.wrong(
+                other,
+                key,
+                of(other).map_or(String::new(), |x| x.to_string()),
+                format!(
+                    "{}, as in line {}",
+                    first.unwrap_or(f64::NAN),
+                    self.rows[0].line
+                ),
+            )),
+            None => Ok(first),
+        }
+    }
+
+    /// The lean (rad) at which all stances start, not a number for the firing angle; none where the
+    /// file does not say.
+    fn start_lean(&self) -> Result<Option<f64>, CliError> {
+        if self
+            .rows
+            .iter()
+            .all(|row| row.start_lean == Some(row.angle))
+        {
+            return Ok(Some(f64::NAN));
+        }
+        self.value("start_lean_rad", |row| row.start_lean)
+    }
+
+    /// Flies each row with the planner: it has to land where the row says.
+    fn replay(&self, terms: &Terms, planner: &Planner) -> Result<(), CliError> {
+        for row in &self.rows {
+            let lean = terms.start_lean.unwrap_or(row.angle);
+            let launch = Launch {
+                rate: row.rate,
+                lean,
+                firing_angle: row.angle,
+                valve_open: terms.valve_open,
+            };
+            let landing = planner
+                .jump(&launch)
+                .ok()
+                .and_then(|jump| jump.distance(terms.landing_height));
+            let said = [("land_m", row.land), ("distance_m", row.distance)];
+            let wrong = said.into_iter().find_map(|(key, said)| {
+                let said = said?;
+                let lands_there = landing.is_some_and(|landing| (landing - said).abs() <= REPLAY);
+                (!lands_there).then_some((key, said))
+            });
+            if let Some((key, said)) = wrong {
+                let lands = landing.map_or("nowhere".into(), |x| format!("at {} m", digits(x, 6)));
+                let allowed = format!(
+                    "where the planner's jump of this row lands, which is {lands} ({}; {}; valve \
+                     open {} s)",
+                    planner.robot().name,
+                    terms.line(),
+                    terms.valve_open
+                );
+                return Err(self.wrong(row, key, said.to_string(), allowed));
+            }
+        }
+        Ok(())
+    }
+
+    fn wrong(&self, row: &Row, key: &str, value: String, allowed: String) -> CliError {
+        CliError::Value {
+            file: self.file.clone(),
+            line: row.line,
+            key: key.into(),
+            value,
+            allowed,
+        }
+    }
+
+    /// The distance (m) that is verified.
+    fn distance(&self, wanted: Option<f64>) -> Result<Option<f64>, CliError> {
+        let listed = || {
+            self.distances
+                .iter()
+                .take(12)
+                .map(|x| digits(*x, 9))
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        match (wanted, self.distances.as_slice()) {
+            (wanted, []) => Ok(wanted),
+            (None, [only]) => Ok(Some(*only)),
+            (None, _) => {
+                let (count, listed) = (self.distances.len(), listed());
+                let reason = format!(
+                    "holds {count} distances (m): {listed}; --distance says which one to verify"
+                );
+                Err(CliError::content(&self.file, reason))
+            }
+            (Some(wanted), all) => {
+                let found = all.iter().copied().find(|d| (d - wanted).abs() <= 1e-9);
+                let allowed = || format!("one of those in {} (m): {}", self.file, listed());
+                found
+                    .map(Some)
+                    .ok_or_else(|| CliError::flag("--distance", wanted, allowed()))
+            }
+        }
+    }
+
+    /// Rates and angles for `distance`, rates ascending.
+    fn points(&self, distance: Option<f64>) -> Result<Vec<(f64, f64)>, CliError> {
+        let mut points: Vec<(f64, f64)> = Vec::new();
+        let here =
+            |row: &&Row| distance.is_none() || row.distance.is_none() || row.distance == distance;
+        for row in self.rows.iter().filter(here) {
+            if points.last().is_some_and(|(before, _)| *before >= row.rate) {
+                let allowed = "above the one before: rates ascend, with one row for each".into();
+                return Err(self.wrong(row, "omega_rad_s", row.rate.to_string(), allowed));
+            }
+            points.push((row.rate, row.angle));
+        }
+        if points.is_empty() {
+            return Err(CliError::content(
+                &self.file,
+                "no row of this distance has a firing angle",
+            ));
+        }
+        Ok(points)
+    }
+}
+
+/// That the table was made for the planner's robot, where it says for which.
+fn check_robot(source: &[u8], file: &str, planner: &Planner) -> Result<(), CliError> {
+    let Some((line, [name, hash])) = columns::words(source, file, ["robot", "robot_sha256"])?
+    else {
+        return Ok(());
+    };
+    let robot = planner.robot();
+    let here = saltus::export::fingerprint(robot);
+    if hash == here {
+        return Ok(());
+    }
+    let remedy = if name == robot.name {
+        "with other parameters: give the --robot and --set that it was made with".to_owned()
+    } else {
+        format!(
+            "but the robot here is {}: give --robot {name}, or its file",
+            robot.name
+        )
+    };
+    let reason = format!("made for the robot {name} (SHA-256 {hash}), {remedy} (here {here})");
+    Err(CliError::content(format!("{file}:{line}"), reason))
+}
+
+/// The rates, none of which a table leaves out.
+fn within(rates: &Values, points: &[(f64, f64)]) -> Result<Vec<f64>, CliError> {
+    let (low, high) = (points[0].0, points[points.len() - 1].0);
+    match rates.iter().find(|rate| !(low..=high).contains(*rate)) {
+        Some(rate) => Err(CliError::flag(
+            "--omega",
+            rate,
+            format!("within the table: from {low} to {high} rad/s"),
+        )),
+        None => Ok(rates.to_vec()),
+    }
+}
+
+fn lean_word(lean: f64) -> String {
+    if lean.is_nan() {
+        "firing".into()
+    } else {
+        lean.to_string()
+    }
+}

@@ -1,0 +1,206 @@
+//! What a diagnosis says of real data, in each of its forms.
+
+use std::path::Path;
+
+use crate::common::Folder;
+use serde_json::Value;
+
+/// A ball that was dropped.
+fn ball(name: &str) -> String {
+    let drops = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/reference/ball-drops");
+    drops.join(name).display().to_string()
+}
+
+#[test]
+fn light_balls_are_braked_by_the_air_and_heavy_ones_are_not_said_to_be() {
+    let folder = Folder::new("balls");
+    for name in [
+        "tennis-ball",
+        "orange-whiffle-ball",
+        "whiffle-ball-1",
+        "green-basketball",
+    ] {
+        let text = folder.done(&format!("diagnose {}", ball(name)), 1);
+        assert!(text.starts_with("Found: air-drag"), "{name}: {text}");
+    }
+    for name in ["bowling-ball", "baseball"] {
+        let text = folder.done(&format!("diagnose {}", ball(name)), 0);
+        assert!(text.starts_with("Nothing is wrong"), "{name}: {text}");
+    }
+}
+
+#[test]
+fn a_ball_is_braked_by_the_air() {
+    let folder = Folder::new("diagnose-text");
+    let text = folder.done(&format!("diagnose {}", ball("tennis-ball")), 1);
+    assert!(
+        text.starts_with("Found: air-drag (the air brakes the body)"),
+        "{text}"
+    );
+    assert!(
+        text.contains("drag_coefficient") && text.contains("flight") && text.contains("± "),
+        "{text}"
+    );
+    assert!(
+        text.contains("in 5 % of cases (false alarm level)."),
+        "{text}"
+    );
+    assert!(text.contains("\nWhat to do next\n"), "{text}");
+}
+
+#[test]
+fn a_document_has_the_documented_keys() {
+    let folder = Folder::new("diagnose-json");
+    let text = folder.done(
+        &format!("diagnose {} --format json", ball("tennis-ball")),
+        1,
+    );
+    let document: Value = serde_json::from_str(&text).unwrap();
+    let cause = &document["causes"][0];
+    assert_eq!(cause["id"], "air-drag");
+    assert!(cause["rivals"].is_array() && cause["candidates"].is_array());
+    assert!(cause["parameters"]["drag_coefficient"].as_f64().unwrap() > 0.0);
+    assert!(
+        cause["standard_errors"]["drag_coefficient"]
+            .as_f64()
+            .unwrap()
+            > 0.0
+    );
+    let [low, high] = [0, 1].map(|k| {
+        cause["intervals_95"]["drag_coefficient"][k]
+            .as_f64()
+            .unwrap()
+    });
+    let value = cause["parameters"]["drag_coefficient"].as_f64().unwrap();
+    assert!(low < value && value < high, "{low} {value} {high}");
+    let gain = &document["gain"]["y_m"];
+    for key in [
+        "rms_before",
+        "rms_after",
+        "noise",
+        "ratio_low",
+        "ratio_high",
+    ] {
+        assert!(gain[key].as_f64().unwrap() > 0.0, "{key}");
+    }
+    for when in ["before", "after"] {
+        let residual = &document["residuals"][when][0];
+        assert_eq!(
+            (residual["channel"].as_str(), residual["phase"].as_str()),
+            (Some("y_m"), Some("flight"))
+        );
+        let sigma = residual["rms"].as_f64().unwrap() / residual["rms_sigma"].as_f64().unwrap();
+        // The noise of experiment.toml.
+        assert!((sigma - 0.04).abs() < 1e-12, "{sigma}");
+        for key in [
+            "readings",
+            "mean",
+            "mean_sigma",
+            "lag_1_correlation",
+            "p_level",
+            "p_whiteness",
+            "p_runs",
+        ] {
+            assert!(residual[key].is_number(), "{key}");
+        }
+        assert!(residual["is_noise"].is_boolean() && residual["correlation_with"].is_object());
+    }
+    let tried = document["tried"].as_array().unwrap();
+    assert!(
+        tried
+            .iter()
+            .any(|c| c["id"] == "air-drag" && c["loss_falls_by"].as_f64().unwrap() > 100.0)
+    );
+    assert_eq!(document["false_alarm_level"], 0.05);
+    assert!(
+        document
+            .as_object()
+            .unwrap()
+            .contains_key("next_experiment")
+    );
+    assert_eq!(document["data"]["runs"], 2);
+}
+
+#[test]
+fn a_page_needs_nothing_else() {
+    let folder = Folder::new("diagnose-page");
+    folder.write("page.html", "an older one");
+    let printed = folder.done(
+        &format!(
+            "diagnose {} --report page.html --plot left.svg --out told.txt",
+            ball("tennis-ball")
+        ),
+        1,
+    );
+    assert_eq!(printed, "");
+    // Nothing temporary is left.
+    assert_eq!(folder.names(), ["left.svg", "page.html", "told.txt"]);
+    let page = folder.read("page.html");
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+    let bare = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+    for outside in [
+        "http", "src=", "href=", "url(", "@import", "<script", "<link",
+    ] {
+        assert!(!bare.contains(outside), "{outside}");
+    }
+    assert!(!bare.contains("NaN"), "a number that is none");
+    assert_eq!(page.matches("<svg").count(), page.matches("</svg>").count());
+    for said in [
+        "air-drag",
+        "drag_coefficient",
+        "drop-1.csv",
+        "with the causes found",
+        env!("CARGO_PKG_VERSION"),
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
+    assert!(folder.read("left.svg").contains("air-drag"));
+}
+
+#[test]
+fn a_file_that_cannot_be_written_leaves_no_other() {
+    let folder = Folder::new("diagnose-atomic");
+    let ball = ball("tennis-ball");
+    let run = folder.run(&[
+        "diagnose",
+        &ball,
+        "--report",
+        "page.html",
+        "--out",
+        "no/such/folder.txt",
+    ]);
+    assert_eq!(run.code, Some(2), "{}", run.err);
+    assert!(folder.names().is_empty());
+}
+
+#[test]
+fn bad_flags_are_refused() {
+    let folder = Folder::new("diagnose-flags");
+    let ball = ball("tennis-ball");
+    for words in [
+        vec!["diagnose"],
+        vec!["diagnose", "no-such-folder"],
+        vec!["diagnose", &ball, "--report", "page.pdf"],
+        vec!["diagnose", &ball, "--plot", "left.html"],
+        vec!["diagnose", &ball, "--false-alarms", "0"],
+        vec!["diagnose", &ball, "--false-alarms", "0.6"],
+        vec!["diagnose", &ball, "--most", "7"],
+        vec![
+            "diagnose",
+            &ball,
+            "--report",
+            "same.html",
+            "--out",
+            "same.html",
+        ],
+    ] {
+        let run = folder.run(&words);
+        assert_eq!(run.code, Some(2), "{words:?}");
+        assert!(
+            run.err.starts_with("error: ") && run.out.is_empty(),
+            "{words:?}: {}",
+            run.err
+        );
+    }
+    assert!(folder.names().is_empty());
+}

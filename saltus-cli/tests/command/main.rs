@@ -1,0 +1,23 @@
+//! The command `saltus`, run as a user runs it.
+
+#![allow(clippy::unwrap_used)]
+
+mod answers;
+mod bad_input;
+mod clock;
+mod commands;
+mod common;
+mod courses;
+mod diagnose;
+#[path = "../../../saltus/tests/experiment/folder.rs"]
+mod folder;
+mod inject;
+mod logs;
+mod meaning;
+mod misleading;
+mod overwrites;
+mod plots;
+mod slips;
+mod tables;
+mod valves;
+mod verify;

@@ -1,0 +1,262 @@
+//! One word, one quantity: distances and approach rates mean the same in every command and in the
+//! exported C.
+
+use std::process::Command;
+
+use crate::common::{Folder, rows};
+use serde_json::Value;
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+/// The exported files in `folder/out` with `main` in C, run with `words`; none where there is no
+/// compiler.
+fn run_c(folder: &Folder, out: &str, main: &str, words: &[&str]) -> Option<String> {
+    let there = Command::new("cc")
+        .arg("--version")
+        .output()
+        .is_ok_and(|said| said.status.success());
+    if !there {
+        eprintln!("skipped: there is no C compiler here");
+        return None;
+    }
+    folder.write("main.c", main);
+    let program = folder.path("main");
+    let made = Command::new("cc")
+        .args(["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror"])
+        .arg(format!("-I{}", folder.path(out).display()))
+        .args([
+            folder.path("main.c"),
+            folder.path(&format!("{out}/saltus_controller.c")),
+        ])
+        .args(["-lm".as_ref(), "-o".as_ref(), program.as_os_str()])
+        .output()
+        .unwrap();
+    assert!(
+        made.status.success(),
+        "{}",
+        String::from_utf8_lossy(&made.stderr)
+    );
+    let run = Command::new(&program).args(words).output().unwrap();
+    assert!(run.status.success(), "{:?}", run.status);
+    Some(String::from_utf8(run.stdout).unwrap())
+}
+
+/// Prints the firing angle for the rate, distance and landing height that it is given.
+const ANGLE: &str = r#"
+#include <stdio.h>
+#include <stdlib.h>
+#include "saltus_controller.h"
+int main(int count, char **words) {
+    saltus_real angle;
+    if (count != 4 || saltus_self_test() != 0) return 1;
+    int status = saltus_firing_angle(strtof(words[1], NULL), strtof(words[2], NULL), strtof(words[3], NULL), &angle);
+    if (status != SALTUS_OK) return 2;
+    printf("%.9g\n", (double)angle);
+    return 0;
+}
+"#;
+
+#[test]
+fn a_distance_ends_where_the_wheel_touches_in_every_command() {
+    let folder = Folder::new("one-distance");
+    folder.write(
+        "course.toml",
+        "approach_rate_rad_s = 5\ntarget_x_m = 0.8\n[limits]\nvalve_open_s = [0.1, 0.1]\n",
+    );
+    let table = json(&folder.done("table --omega 5 --distance 0.8 --format json", 0));
+    let angle = table["rows"][0]["alpha_f_rad"].as_f64().unwrap();
+    assert_eq!(table["landing_height_m"], 0.24);
+    let jump = json(&folder.done(
+        &format!("simulate --omega 5 --alpha-f {angle} --format json"),
+        0,
+    ));
+    assert!(
+        (jump["jumps"][0]["land_rs_m"].as_f64().unwrap() - 0.8).abs() < 1e-8,
+        "{jump}"
+    );
+    let map = json(&folder.done(&format!("map --omega 5 --alpha-f {angle} --format json"), 0));
+    assert!(
+        (map["spots"][0]["distance_m"].as_f64().unwrap() - 0.8).abs() < 1e-8,
+        "{map}"
+    );
+    let law = json(&folder.done("law --omega 4.999,5.001 --distance 0.8 --format json", 0));
+    let at = |key: &str| law["laws"][0][key].as_f64().unwrap();
+    assert!(
+        (at("slope_s") * 5.0 + at("intercept_rad") - angle).abs() < 1e-6,
+        "{law}"
+    );
+    // A law for one rate lands there in the multi-body simulation.
+    let line =
+        format!("verify --law=0,{angle} --omega 5 --distance 0.8 --samples 0 --tolerance 1mm");
+    assert!(folder.done(&line, 0).contains("PASS"));
+    // The thesis' reading is another jump, and stays an option.
+    let thesis = json(&folder.done(
+        "table --omega 5 --distance 0.8 --landing-height 0 --format json",
+        0,
+    ));
+    assert!(
+        (thesis["rows"][0]["alpha_f_rad"].as_f64().unwrap() + 0.1696).abs() < 1e-4,
+        "{thesis}"
+    );
+}
+
+#[test]
+fn every_output_names_the_landing_height_and_the_start() {
+    let folder = Folder::new("named");
+    for line in [
+        "table --omega 5 --distance 0.6",
+        "law --omega 4:6:3 --distance 0.6",
+        "map --omega 5 --alpha-f 0",
+        "export c --distance 0.6 --out c",
+        "export rust --distance 0.6",
+    ] {
+        let wheel = folder.done(line, 0);
+        assert!(
+            wheel.contains("where the wheel touches") && wheel.contains("at the firing angle"),
+            "{wheel}"
+        );
+        let other = folder.done(
+            &format!("{line} --landing-height 10cm --start-lean -0.3"),
+            0,
+        );
+        assert!(
+            other.contains("centre is 0.1 m above the foothold"),
+            "{other}"
+        );
+        assert!(
+            other.contains("start lean") && other.contains("-0.3 rad"),
+            "{other}"
+        );
+    }
+    for line in [
+        "table --omega 4:6:3 --distance 0.6",
+        "law --omega 4:6:3 --distance 0.6",
+        "map --omega 4:6:3 --alpha-f -0.1:0.1:3",
+    ] {
+        folder.done(&format!("{line} --plot a.svg"), 0);
+        assert!(
+            folder.read("a.svg").contains("landing height 0.24 m"),
+            "{line}"
+        );
+    }
+    let wrong = folder.run(&[
+        "table",
+        "--omega",
+        "5",
+        "--distance",
+        "1",
+        "--landing-height",
+        "ground",
+    ]);
+    assert!(
+        wrong.code == Some(2) && wrong.err.contains("or `wheel`"),
+        "{wrong:?}"
+    );
+}
+
+#[test]
+fn the_exported_c_answers_as_the_table_does() {
+    let folder = Folder::new("c-and-table");
+    for options in [
+        "",
+        " --landing-height 0",
+        " --start-lean -0.5",
+        " --robot rats-boom",
+    ] {
+        folder.done(
+            &format!("export c --distance 0.4:0.8:9 --tolerance 1mm --out c{options}"),
+            0,
+        );
+        for (rate, distance) in [("5", "0.8"), ("4.1", "0.6"), ("3.3", "0.47")] {
+            let (header, table) = rows(&folder.done(
+                &format!("table --omega {rate} --distance {distance} --format csv{options}"),
+                0,
+            ));
+            let column = |name: &str| {
+                table[0][header.iter().position(|h| h == name).unwrap()]
+                    .parse::<f64>()
+                    .unwrap()
+            };
+            let height = if options.contains("height") {
+                "0"
+            } else {
+                "0.24"
+            };
+            let Some(said) = run_c(&folder, "c", ANGLE, &[rate, distance, height]) else {
+                return;
+            };
+            let angle: f64 = said.trim().parse().unwrap();
+            // A millimetre of landing at the table's own slope.
+            let off = (angle - column("alpha_f_rad")) * column("distance_by_alpha_f_m_per_rad");
+            assert!(
+                off.abs() < 1e-3,
+                "{options} {rate} {distance}: {angle} {off}"
+            );
+        }
+    }
+}
+
+#[test]
+fn one_distance_keeps_the_tolerance_or_is_closed() {
+    let folder = Folder::new("one-distance-tolerance");
+    let said = folder.done(
+        "export rust --distance 0.8 --landing-height 0 --tolerance 1mm",
+        0,
+    );
+    let lands = said
+        .split_once("what is fired lands within ")
+        .unwrap()
+        .1
+        .split_once(" mm")
+        .unwrap()
+        .0;
+    assert!(lands.parse::<f64>().unwrap() <= 1.0, "{said}");
+    let none = folder.done("export rust --distance 0.8 --tolerance 1e-9", 1);
+    assert!(
+        none.contains("no cell of the firing curve is open")
+            && none.contains("the best cell misses by"),
+        "{none}"
+    );
+}
+
+#[test]
+fn the_program_in_the_documentation_runs() {
+    let folder = Folder::new("documented-c");
+    let page = std::fs::read_to_string(
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/controller.md"),
+    )
+    .unwrap();
+    let export = page
+        .lines()
+        .find_map(|line| {
+            line.trim()
+                .strip_prefix("saltus export c")
+                .filter(|rest| rest.ends_with("--out firmware"))
+        })
+        .unwrap();
+    folder.done(&format!("export c{export}"), 0);
+    let program = page
+        .split_once("```c\n")
+        .unwrap()
+        .1
+        .split_once("```")
+        .unwrap()
+        .0;
+    let Some(said) = run_c(&folder, "firmware", program, &[]) else {
+        return;
+    };
+    let angle =
+        json(&folder.done("table --omega 5 --distance 0.6 --format json", 0))["rows"][0]["alpha_f_rad"]
+            .as_f64()
+            .unwrap();
+    assert!(
+        said.starts_with(&format!("angle {angle:.3} rad\nfire at ")),
+        "{said}"
+    );
+    assert!(
+        said.ends_with("roll on, ask again at the next touch-down\n"),
+        "{said}"
+    );
+}

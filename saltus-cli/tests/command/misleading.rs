@@ -1,0 +1,213 @@
+//! Data that can be read but are not what they claim to be: no cause is named with confidence.
+
+use std::process::Command;
+
+use crate::common::Folder;
+use serde_json::Value;
+
+/// A run: names of the columns, and rows.
+type Table = (Vec<String>, Vec<Vec<f64>>);
+
+fn table(text: &str) -> Table {
+    let mut lines = text.lines();
+    let names = lines
+        .next()
+        .unwrap()
+        .split(',')
+        .map(str::to_owned)
+        .collect();
+    (
+        names,
+        lines
+            .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
+            .collect(),
+    )
+}
+
+fn text((names, rows): &Table) -> String {
+    let rows = rows
+        .iter()
+        .map(|row| row.iter().map(f64::to_string).collect::<Vec<_>>().join(","));
+    std::iter::once(names.join(","))
+        .chain(rows)
+        .collect::<Vec<_>>()
+        .join("\n")
+        + "\n"
+}
+
+/// Makes data of `kind` without an effect, spoils each run, and diagnoses them: only `unknown` may
+/// be said.
+#[track_caller]
+fn check(name: &str, kind: &str, spoil: impl Fn(&mut Table)) {
+    names_nothing(&spoiled(name, kind, spoil), name);
+}
+
+/// The same, where it shows before anything is fitted that the data cannot be meant so.
+#[track_caller]
+fn refused(name: &str, kind: &str, spoil: impl Fn(&mut Table)) {
+    let run = spoiled(name, kind, spoil).run(&["diagnose", "data"]);
+    assert!(
+        run.code == Some(2) && run.err.ends_with("?\n"),
+        "{name}: {}{}",
+        run.out,
+        run.err
+    );
+}
+
+fn spoiled(name: &str, kind: &str, spoil: impl Fn(&mut Table)) -> Folder {
+    let folder = Folder::new(&format!("misleading-{name}"));
+    folder.done(
+        &format!("diagnose --inject none --kind {kind} --out data"),
+        0,
+    );
+    for file in folder
+        .names_in("data")
+        .iter()
+        .filter(|file| file.starts_with("run"))
+    {
+        let mut run = table(&folder.read(&format!("data/{file}")));
+        spoil(&mut run);
+        folder.write(&format!("data/{file}"), text(&run));
+    }
+    folder
+}
+
+#[track_caller]
+fn names_nothing(folder: &Folder, name: &str) {
+    let run = folder.run(&["diagnose", "data", "--format", "json"]);
+    assert!(
+        run.code == Some(0) || run.code == Some(1),
+        "{name}: {}",
+        run.err
+    );
+    let said: Value = serde_json::from_str(&run.out).unwrap();
+    let causes = said["causes"].as_array().unwrap();
+    assert!(
+        causes.iter().all(|cause| cause["id"] == "unknown"),
+        "{name}: {causes:?}"
+    );
+}
+
+fn column(run: &Table, name: &str) -> usize {
+    run.0.iter().position(|column| column == name).unwrap()
+}
+
+fn change(name: &'static str, to: impl Fn(f64) -> f64) -> impl Fn(&mut Table) {
+    move |run| {
+        let k = column(run, name);
+        run.1.iter_mut().for_each(|row| row[k] = to(row[k]));
+    }
+}
+
+fn swap(a: &'static str, b: &'static str) -> impl Fn(&mut Table) {
+    move |run| {
+        let (a, b) = (column(run, a), column(run, b));
+        run.1.iter_mut().for_each(|row| row.swap(a, b));
+    }
+}
+
+/// The rows in another order, at the old times.
+fn reorder(order: impl Fn(usize, usize) -> usize) -> impl Fn(&mut Table) {
+    move |run| {
+        let rows = run.1.clone();
+        for (k, row) in run.1.iter_mut().enumerate() {
+            row[1..].copy_from_slice(&rows[order(k, rows.len())][1..]);
+        }
+    }
+}
+
+/// Steps of 7 through a run whose length 7 does not divide reach every row.
+fn shuffled(k: usize, n: usize) -> usize {
+    let step = if n.is_multiple_of(7) { 11 } else { 7 };
+    k * step % n
+}
+
+#[test]
+fn firings_that_are_none_name_no_cause() {
+    let bench = "bench --runs 4";
+    check("inverted", bench, change("valve", |open| 1.0 - open));
+    refused("backwards", bench, reorder(|k, n| n - 1 - k));
+    refused("flipped", bench, change("position_m", |x| -x));
+}
+
+#[test]
+fn flights_that_are_none_name_no_cause() {
+    refused("millimetres", "flight", change("y_m", |y| 1000.0 * y));
+    refused("upside-down", "flight", change("y_m", |y| -y));
+    check("sideways", "flight", swap("x_m", "y_m"));
+    check("shuffled", "flight", reorder(shuffled));
+}
+
+#[test]
+fn parts_that_are_none_name_no_cause() {
+    refused("kilonewtons", "stroke", change("force_n", |f| 1e-3 * f));
+    refused("pulled", "stroke", change("force_n", |f| -f));
+    check("against", "slide", change("force_n", |f| -f));
+    check("mixed", "slide", reorder(shuffled));
+    check("filling", "vessel", reorder(|k, n| n - 1 - k));
+    check("scattered", "vessel", reorder(shuffled));
+}
+
+/// The runs of other settings under each run's name.
+#[test]
+fn runs_that_are_mixed_up_name_no_cause() {
+    let folder = Folder::new("misleading-mixed-up");
+    folder.done("diagnose --inject none --kind bench --runs 4 --out data", 0);
+    let files: Vec<String> = folder
+        .names_in("data")
+        .into_iter()
+        .filter(|name| name.starts_with("run"))
+        .collect();
+    let runs: Vec<String> = files
+        .iter()
+        .map(|file| folder.read(&format!("data/{file}")))
+        .collect();
+    for (k, file) in files.iter().enumerate() {
+        folder.write(&format!("data/{file}"), &runs[(k + 1) % runs.len()]);
+    }
+    names_nothing(&folder, "mixed up");
+}
+
+#[test]
+fn another_robot_is_refused_or_unknown() {
+    let folder = Folder::new("misleading-robot");
+    folder.done("diagnose --inject none --kind hop --runs 2 --out data", 0);
+    let manifest = folder.read("data/experiment.toml");
+    folder.write(
+        "data/experiment.toml",
+        manifest.replace("\"rats-boom\"", "\"rats-planar\""),
+    );
+    let run = folder.run(&["diagnose", "data"]);
+    assert_eq!(run.code, Some(2), "{}", run.out);
+    assert!(
+        run.err
+            .contains("rats-planar has no boom, whose pivot_angle_rad the data have"),
+        "{}",
+        run.err
+    );
+}
+
+/// One processor says what all say.
+#[test]
+#[cfg(target_os = "linux")]
+fn the_answer_does_not_depend_on_the_number_of_threads() {
+    let folder = Folder::new("misleading-threads");
+    folder.done(
+        "diagnose --inject coulomb-friction=25 --runs 3 --out data",
+        0,
+    );
+    let words = ["diagnose", "data", "--format", "json", "--most", "1"];
+    let alone = Command::new("taskset")
+        .args(["-c", "0", env!("CARGO_BIN_EXE_saltus")])
+        .args(words)
+        .current_dir(folder.path("."))
+        .output();
+    // Where there is no taskset, or processor 0 is not ours, nothing can be compared.
+    let Some(alone) = alone.ok().filter(|run| run.status.code() == Some(1)) else {
+        return;
+    };
+    assert_eq!(
+        String::from_utf8(alone.stdout).unwrap(),
+        folder.run(&words).out
+    );
+}

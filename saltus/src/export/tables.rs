@@ -1,0 +1,750 @@
+//! Tables from the planner, and how far they are from it.
+
+use saltus_controller::{
+    Axis, Controller, FiringCurve, FiringTable, LiftOffMap, Limits, MAP_NODE, Rates, Robot, Rule,
+};
+use saltus_lagrangian::StanceError;
+use saltus_planner::{Planner, TableError};
+use sha2::{Digest, Sha256};
+
+use super::layout::{Firing, Flown, Layout};
+use super::numbers::Number;
+
+/// What tables are to hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// Least and greatest approach rate ω (rad/s), and how many nodes, ≥ 2; they count where
+    /// `start_lean` says.
+    pub rates: (f64, f64, usize),
+    /// Least and greatest distance (m), and how many nodes; one distance with one node gives a
+    /// curve over the approach rate.
+    pub distances: (f64, f64, usize),
+    /// Firing angles α_f (rad) of the lift-off map; none: those that the table holds, and a tenth
+    /// of a radian more.
+    pub firing_angles: Option<(f64, f64)>,
+    /// Nodes of the lift-off map over them, ≥ 2.
+    pub angles: usize,
+    /// Height (m) of the wheel's centre above the foothold at the landing; none: the wheel's
+    /// radius, where it touches.
+    pub landing_height: Option<f64>,
+    /// Valve opening time t_v (s).
+    pub valve_open: f64,
+    /// Valve opening times (s) to choose from over an obstacle; none: that one.
+    pub valve_range: Option<(f64, f64)>,
+    /// Lean (rad) at which a stance starts and approach rates count; none: the firing angle.
+    pub start_lean: Option<f64>,
+    /// Control period (s).
+    pub period: f64,
+    /// By how much the valve answers later than the robot file's delay (s).
+    pub extra_delay: f64,
+    /// Newton steps that refine a firing angle, 0 to 3.
+    pub newton_steps: u8,
+    /// Cost of a squared second of open valve (m²/s²), > 0.
+    pub effort: f64,
+    /// Greatest error of a landing (m): a cell that misses by more is closed.
+    pub tolerance: f64,
+    /// Threads to work with, ≥ 1.
+    pub threads: usize,
+}
+
+impl Default for Request {
+    fn default() -> Request {
+        Request {
+            rates: (3.0, 6.0, 13),
+            distances: (0.3, 0.8, 11),
+            firing_angles: None,
+            angles: 11,
+            landing_height: None,
+            valve_open: 0.1,
+            valve_range: None,
+            start_lean: None,
+            period: 1e-3,
+            extra_delay: 0.0,
+            newton_steps: 0,
+            effort: 0.01,
+            tolerance: 0.002,
+            threads: 1,
+        }
+    }
+}
+
+/// Tables that cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExportError {
+    /// A number is outside its domain.
+    #[error("{name} = {value}: must be {allowed}")]
+    Input {
+        /// What was given, with its unit.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// The robot flies through air that slows it.
+    #[error("environment.drag_per_m = {drag}: must be 0: a controller's flight is a parabola")]
+    Drag {
+        /// Its drag (1/m).
+        drag: f64,
+    },
+    /// No cell of the table can be reached, or none is as exact as asked.
+    #[error("no cell of the {what} is open: nothing there is reached within {tolerance} m{}", remedy(*least))]
+    Empty {
+        /// Which table.
+        what: &'static str,
+        /// The error that is allowed (m).
+        tolerance: f64,
+        /// The least error (m) with which a cell would be open; none where none is reached at all.
+        least: Option<f64>,
+    },
+    /// What the planner does not take.
+    #[error(transparent)]
+    Planner(#[from] TableError),
+    /// A stance cannot be computed.
+    #[error(transparent)]
+    Stance(#[from] StanceError),
+}
+
+fn remedy(least: Option<f64>) -> String {
+    least.map_or(String::new(), |least| {
+        format!(
+            "; the best cell misses by {least:.1e} m: allow more than that, or ask for more rates \
+             or a Newton step",
+        )
+    })
+}
+
+/// How far answers from tables are from the planner's own jumps, over all open cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Misses {
+    /// Greatest distance (m) between where a jump lands that the table fires, and the distance
+    /// asked for.
+    pub table: f64,
+    /// Greatest error (m) of a landing that the lift-off map predicts.
+    pub map: f64,
+    /// Jumps that were looked at.
+    pub jumps: usize,
+}
+
+/// Tables in the numbers of the controller.
+#[derive(Clone, Debug)]
+pub struct Tables<R> {
+    pub(super) rates: Axis<R>,
+    /// One node for a curve.
+    pub(super) distances: Axis<R>,
+    pub(super) nodes: Nodes<R>,
+    pub(super) open: Vec<u8>,
+    pub(super) angles: Axis<R>,
+    pub(super) map_nodes: Vec<[R; MAP_NODE]>,
+    pub(super) map_open: Vec<u8>,
+    pub(super) counted: Rates<R>,
+    pub(super) robot: Robot<R>,
+    pub(super) limits: Limits<R>,
+    pub(super) tolerance: f64,
+    /// The least error (m) for which a cell of the firing table was closed.
+    least_closed: Option<f64>,
+    pub(super) misses: Misses,
+    pub(super) name: String,
+    pub(super) hash: String,
+    /// Whether the leg has a valve, so that opening times matter.
+    pub(super) has_valve: bool,
+}
+
+/// Firing angles at the nodes.
+#[derive(Clone, Debug)]
+pub(super) enum Nodes<R> {
+    /// Over rates and distances.
+    Table(Vec<[R; 4]>),
+    /// Over rates, for one distance.
+    Curve(Vec<[R; 2]>),
+}
+
+impl<R: Number> Nodes<R> {
+    /// Every number in its place.
+    pub(super) fn numbers(&self) -> &[R] {
+        match self {
+            Nodes::Table(nodes) => nodes.as_flattened(),
+            Nodes::Curve(nodes) => nodes.as_flattened(),
+        }
+    }
+
+    pub(super) fn name(&self) -> &'static str {
+        match self {
+            Nodes::Table(_) => "firing table",
+            Nodes::Curve(_) => "firing curve",
+        }
+    }
+}
+
+/// Jumps looked at along each side of a cell.
+const LOOKS: usize = 5;
+
+impl<R: Number> Tables<R> {
+    /// The tables of `request` for the planner's robot, each cell held against the planner's own
+    /// jumps.
+    ///
+    /// # Errors
+    /// [`ExportError`] for numbers outside their domain, a robot with drag, or tables without an
+    /// open cell.
+    pub fn new(planner: &Planner, request: &Request) -> Result<Tables<R>, ExportError> {
+        check(planner, request)?;
+        let Layout {
+            start,
+            rates,
+            angles,
+            firing,
+        } = Layout::new::<R>(planner, request)?;
+        let robot = planner.robot();
+        let (nodes, open) = nodes_and_cells(rates, request.distances, &firing);
+        let mut tables = Tables {
+            rates: axis(rates),
+            distances: axis(request.distances),
+            nodes,
+            open,
+            angles: axis((angles.0, angles.1, request.angles)),
+            map_nodes: Vec::new(),
+            map_open: Vec::new(),
+            counted: start.rates(request),
+            robot: constants(planner, request),
+            limits: limits(request),
+            tolerance: request.tolerance,
+            least_closed: None,
+            misses: Misses::default(),
+            name: robot.name.clone(),
+            hash: fingerprint(robot),
+            has_valve: robot.leg.drive.has_valve(),
+        };
+        let flown = Flown {
+            planner,
+            start,
+            valve_open: request.valve_open,
+        };
+        tables.fill_map(&flown)?;
+        tables.measure_map(&flown)?;
+        tables.measure_table(&flown)?;
+        tables.check_open()?;
+        Ok(tables)
+    }
+
+    /// That there is something to decide by.
+    fn check_open(&self) -> Result<(), ExportError> {
+        let tables = [
+            (self.nodes.name(), &self.open, self.least_closed),
+            ("lift-off map", &self.map_open, None),
+        ];
+        match tables
+            .into_iter()
+            .find(|(_, open, _)| open.iter().all(|cell| *cell == 0))
+        {
+            Some((what, _, least)) => Err(ExportError::Empty {
+                what,
+                tolerance: self.tolerance,
+                least,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// A controller that decides by them.
+    pub fn controller(&self) -> Controller<'_, R> {
+        let (rates, open) = (self.rates, &self.open);
+        let rule = match &self.nodes {
+            Nodes::Table(nodes) => Rule::Table(FiringTable {
+                rates,
+                distances: self.distances,
+                nodes,
+                open,
+            }),
+            Nodes::Curve(nodes) => Rule::Curve(FiringCurve {
+                rates,
+                distance: self.distances.first,
+                nodes,
+                open,
+            }),
+        };
+        let map = LiftOffMap {
+            rates,
+            angles: self.angles,
+            nodes: &self.map_nodes,
+            open: &self.map_open,
+        };
+        Controller {
+            rule,
+            map,
+            rates: self.counted,
+            robot: self.robot,
+            limits: self.limits,
+        }
+    }
+
+    /// How far they are from the planner.
+    pub fn misses(&self) -> Misses {
+        self.misses
+    }
+
+    /// Bytes that firing table and lift-off map take.
+    pub fn bytes(&self) -> [usize; 2] {
+        [
+            size_of_val(self.nodes.numbers()) + self.open.len(),
+            size_of_val(self.map_nodes.as_slice()) + self.map_open.len(),
+        ]
+    }
+
+    /// Open cells and all cells of the firing table and of the lift-off map.
+    pub fn cells(&self) -> [(usize, usize); 2] {
+        [&self.open, &self.map_open]
+            .map(|open| (open.iter().map(|cell| usize::from(*cell)).sum(), open.len()))
+    }
+
+    /// CRC-32 (IEEE 802.3) over the bytes of the tables, least byte first: nodes and cells of the
+    /// table, then of the map.
+    pub fn crc(&self) -> u32 {
+        let mut hasher = crc32fast::Hasher::new();
+        let mut number = |x: &R| hasher.update(x.bytes().as_ref());
+        self.nodes.numbers().iter().for_each(&mut number);
+        self.map_nodes.iter().flatten().for_each(&mut number);
+        hasher.update(&self.open);
+        hasher.update(&self.map_open);
+        hasher.finalize()
+    }
+
+    /// Lift-offs at the nodes, with exact derivatives; the mixed one by differences of these.
+    fn fill_map(&mut self, flown: &Flown<'_>) -> Result<(), ExportError> {
+        let stance = flown.planner.sensitive_stance();
+        let (rates, angles) = (nodes_of(&self.rates), nodes_of(&self.angles));
+        let mut found: Vec<Option<[[f64; 4]; 4]>> = Vec::with_capacity(rates.len() * angles.len());
+        for &rate in &rates {
+            for &angle in &angles {
+                let launch = flown.launch(rate, angle);
+                let jump = flown.planner.sensitive_jump(&stance, &launch)?;
+                let state = jump
+                    .flight
+                    .map(|f| [f.vacuum.x, f.vacuum.y, f.vacuum.vx, f.vacuum.vy]);
+                found.push(state.map(|state| state.map(|x| flown.with_slopes(rate, &launch, x))));
+            }
+        }
+        let (dr, da) = (rates[1] - rates[0], angles[1] - angles[0]);
+        let at = |i: usize, j: usize| found[i * angles.len() + j];
+        for i in 0..rates.len() {
+            for j in 0..angles.len() {
+                let mut node = [R::ZERO; MAP_NODE];
+                if let Some(four) = at(i, j) {
+                    for (k, value) in four.iter().enumerate() {
+                        let slope_by_angle = |i: usize| at(i, j).map(|four| four[k][2] * da);
+                        let mixed = difference(i, rates.len(), slope_by_angle);
+                        let [value, by_rate, by_angle, by_valve] = *value;
+                        let row = [value, by_rate * dr, by_angle * da, mixed, by_valve];
+                        for (kind, x) in row.into_iter().enumerate() {
+                            node[4 * kind + k] = R::of(x);
+                        }
+                    }
+                }
+                self.map_nodes.push(node);
+            }
+        }
+        self.map_open = cells(rates.len(), angles.len(), |i, j| at(i, j).is_some());
+        Ok(())
+    }
+
+    /// Flies what the rule fires, and closes the cells that miss.
+    fn measure_table(&mut self, flown: &Flown<'_>) -> Result<(), ExportError> {
+        // One distance is looked at once.
+        let columns = self.distances.count.max(2) - 1;
+        let along_distances = if self.distances.count > 1 { LOOKS } else { 1 };
+        for cell in 0..self.open.len() {
+            if self.open[cell] == 0 {
+                continue;
+            }
+            let mut worst = 0.0_f64;
+            for k in 0..LOOKS * along_distances {
+                let rate = between(&self.rates, cell / columns, part(k / along_distances));
+                let distance = if along_distances > 1 {
+                    between(&self.distances, cell % columns, part(k % along_distances))
+                } else {
+                    self.distances.first.wide()
+                };
+                worst = worst.max(self.fired(flown, rate, distance)?);
+                self.misses.jumps += 1;
+            }
+            if worst > self.tolerance {
+                self.open[cell] = 0;
+                self.least_closed = Some(self.least_closed.map_or(worst, |least| least.min(worst)));
+            } else {
+                self.misses.table = self.misses.table.max(worst);
+            }
+        }
+        self.least_closed = self.least_closed.filter(|least| least.is_finite());
+        Ok(())
+    }
+
+    /// How far (m) from `distance` the jump lands that the controller fires, Newton steps and all;
+    /// infinite where it fires none.
+    fn fired(&self, flown: &Flown<'_>, rate: f64, distance: f64) -> Result<f64, ExportError> {
+        let height = self.robot.landing_height;
+        let mut controller = self.controller();
+        // Cells are over the rate at the reference lean.
+        controller.rates.at_firing = false;
+        match controller.firing_angle(R::of(rate), R::of(distance), height) {
+            Ok(angle) => flown.miss(rate, angle.wide(), distance, height.wide()),
+            Err(_) => Ok(f64::INFINITY),
+        }
+    }
+
+    /// Holds the landings that the map predicts against the planner's, and closes the cells that
+    /// miss.
+    fn measure_map(&mut self, flown: &Flown<'_>) -> Result<(), ExportError> {
+        let columns = self.angles.count - 1;
+        for cell in 0..self.map_open.len() {
+            if self.map_open[cell] == 0 {
+                continue;
+            }
+            let mut worst = 0.0_f64;
+            for (s, t) in looks() {
+                let rate = between(&self.rates, cell / columns, s);
+                let angle = between(&self.angles, cell % columns, t);
+                let map = self.controller().map;
+                let predicted = map
+                    .at(R::of(rate), R::of(angle))
+                    .and_then(|l| l.landing(self.robot.gravity, self.robot.landing_height));
+                let off = match predicted {
+                    Ok(landing) => {
+                        let height = self.robot.landing_height.wide();
+                        flown.miss(rate, angle, landing.value.wide(), height)?
+                    }
+                    Err(_) => f64::INFINITY,
+                };
+                worst = worst.max(off);
+                self.misses.jumps += 1;
+            }
+            if worst > self.tolerance {
+                self.map_open[cell] = 0;
+            } else {
+                self.misses.map = self.misses.map.max(worst);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Request {
+    /// Height (m) of the wheel's centre at the landing.
+    pub(super) fn landing_height(&self, planner: &Planner) -> f64 {
+        self.landing_height.unwrap_or(planner.robot().body.radius)
+    }
+}
+
+/// The first 64 bits of the SHA-256 of the robot as a file, in hexadecimal digits: two robots with
+/// one fingerprint are one.
+pub fn fingerprint(robot: &saltus_robot::Robot) -> String {
+    let digest = Sha256::digest(robot.to_toml());
+    format!(
+        "{:016x}",
+        digest
+            .iter()
+            .take(8)
+            .fold(0_u64, |bits, byte| bits << 8 | u64::from(*byte))
+    )
+}
+
+fn check(planner: &Planner, request: &Request) -> Result<(), ExportError> {
+    let drag = planner.robot().environment.drag;
+    if drag > 0.0 {
+        return Err(ExportError::Drag { drag });
+    }
+    let upright = |x: f64| x.abs() < std::f64::consts::FRAC_PI_2;
+    let (r, d) = (request.rates, request.distances);
+    let (v, w) = request
+        .valve_range
+        .unwrap_or((request.valve_open, request.valve_open));
+    let (a, b) = request.firing_angles.unwrap_or((0.0, 0.1));
+    let lean = request.start_lean.unwrap_or(0.0);
+    let nodes = |n: usize, least: usize| (least..=1000).contains(&n);
+    let several = "from 2 to 1000";
+    let cases = [
+        (
+            "least approach rate (rad/s)",
+            r.0,
+            (0.0..=1e3).contains(&r.0),
+            "from 0 to 1000 rad/s",
+        ),
+        (
+            "greatest approach rate (rad/s)",
+            r.1,
+            r.1 > r.0 && r.1 <= 1e3,
+            "above the least, to 1000 rad/s",
+        ),
+        (
+            "nodes over approach rates",
+            r.2 as f64,
+            nodes(r.2, 2),
+            several,
+        ),
+        (
+            "least distance (m)",
+            d.0,
+            d.0.abs() <= 1e3,
+            "from -1000 to 1000 m",
+        ),
+        (
+            "greatest distance (m)",
+            d.1,
+            d.1 <= 1e3 && (d.1 > d.0) == (d.2 > 1),
+            "above the least, to 1000 m",
+        ),
+        (
+            "nodes over distances",
+            d.2 as f64,
+            nodes(d.2, 1),
+            "from 1 to 1000",
+        ),
+        (
+            "least firing angle (rad)",
+            a,
+            upright(a),
+            "between -pi/2 and pi/2 rad",
+        ),
+        (
+            "greatest firing angle (rad)",
+            b,
+            upright(b) && b > a,
+            "above the least, below pi/2 rad",
+        ),
+        (
+            "nodes over firing angles",
+            request.angles as f64,
+            nodes(request.angles, 2),
+            several,
+        ),
+        (
+            "landing height (m)",
+            request.landing_height(planner),
+            request.landing_height(planner).abs() <= 1e3,
+            "from -1000 to 1000 m",
+        ),
+        (
+            "valve opening time (s)",
+            request.valve_open,
+            request.valve_open > 0.0 && request.valve_open <= 1e3,
+            "above 0, to 1000 s",
+        ),
+        (
+            "least valve opening time (s)",
+            v,
+            v > 0.0 && v <= request.valve_open,
+            "above 0, to the valve opening time",
+        ),
+        (
+            "greatest valve opening time (s)",
+            w,
+            w >= request.valve_open && w <= 1e3,
+            "from the valve opening time to 1000 s",
+        ),
+        (
+            "start lean (rad)",
+            lean,
+            upright(lean),
+            "between -pi/2 and pi/2 rad",
+        ),
+        (
+            "control period (s)",
+            request.period,
+            request.period > 0.0 && request.period <= 1.0,
+            "above 0, to 1 s",
+        ),
+        (
+            "extra delay (s)",
+            request.extra_delay,
+            request.extra_delay.abs() <= 1.0,
+            "from -1 to 1 s",
+        ),
+        (
+            "Newton steps",
+            f64::from(request.newton_steps),
+            request.newton_steps <= 3,
+            "from 0 to 3",
+        ),
+        (
+            "effort (m^2/s^2)",
+            request.effort,
+            request.effort > 0.0 && request.effort <= 1e6,
+            "above 0, to 1000000",
+        ),
+        (
+            "tolerance (m)",
+            request.tolerance,
+            request.tolerance > 0.0 && request.tolerance <= 1e3,
+            "above 0, to 1000 m",
+        ),
+        (
+            "threads",
+            request.threads as f64,
+            request.threads > 0,
+            "at least 1",
+        ),
+    ];
+    match cases.into_iter().find(|(_, _, holds, _)| !holds) {
+        Some((name, value, _, allowed)) => Err(ExportError::Input {
+            name,
+            value,
+            allowed,
+        }),
+        None => Ok(()),
+    }
+}
+
+fn axis<R: Number>((first, last, count): (f64, f64, usize)) -> Axis<R> {
+    Axis::new(R::of(first), R::of(last), count)
+}
+
+/// The nodes as the controller has them, after rounding.
+fn nodes_of<R: Number>(axis: &Axis<R>) -> Vec<f64> {
+    let (first, last) = (axis.first.wide(), axis.last.wide());
+    (0..axis.count)
+        .map(|i| first + (last - first) * i as f64 / (axis.count - 1) as f64)
+        .collect()
+}
+
+/// A place `part` of the way through cell `cell`, rounded as the controller's numbers are.
+fn between<R: Number>(axis: &Axis<R>, cell: usize, part: f64) -> f64 {
+    let (first, last) = (axis.first.wide(), axis.last.wide());
+    let x = first + (last - first) * (cell as f64 + part) / (axis.count - 1) as f64;
+    R::of(x).wide().clamp(first, last)
+}
+
+/// Parts of a cell to look at.
+fn looks() -> impl Iterator<Item = (f64, f64)> {
+    (0..LOOKS * LOOKS).map(|k| (part(k / LOOKS), part(k % LOOKS)))
+}
+
+fn part(k: usize) -> f64 {
+    (k as f64 + 0.5) / LOOKS as f64
+}
+
+/// For each cell of `rows` × `columns` nodes: 1 if all its corners are known.
+fn cells(rows: usize, columns: usize, known: impl Fn(usize, usize) -> bool) -> Vec<u8> {
+    let cell = |i: usize, j: usize| {
+        known(i, j) && known(i + 1, j) && known(i, j + 1) && known(i + 1, j + 1)
+    };
+    (0..rows - 1)
+        .flat_map(|i| (0..columns.saturating_sub(1)).map(move |j| (i, j)))
+        .map(|(i, j)| u8::from(cell(i, j)))
+        .collect()
+}
+
+/// Derivative at node `i` of `count` by nodes: central where both neighbours are known, else to the
+/// one that is.
+fn difference(i: usize, count: usize, f: impl Fn(usize) -> Option<f64>) -> f64 {
+    let before = i.checked_sub(1).and_then(&f);
+    let after = (i + 1 < count).then(|| f(i + 1)).flatten();
+    match (before, f(i), after) {
+        (Some(a), _, Some(b)) => 0.5 * (b - a),
+        (Some(a), Some(b), None) | (None, Some(a), Some(b)) => b - a,
+        _ => 0.0,
+    }
+}
+
+pub(super) fn spread((first, last, count): (f64, f64, usize)) -> Vec<f64> {
+    let last_index = count.saturating_sub(1).max(1) as f64;
+    (0..count)
+        .map(|i| first + (last - first) * i as f64 / last_index)
+        .collect()
+}
+
+/// The nodes of the rule, and its open cells.
+fn nodes_and_cells<R: Number>(
+    (r0, r1, rows): (f64, f64, usize),
+    (d0, d1, columns): (f64, f64, usize),
+    firing: &[Firing],
+) -> (Nodes<R>, Vec<u8>) {
+    let dr = (r1 - r0) / (rows - 1) as f64;
+    let at = |i: usize, j: usize| firing[i * columns + j];
+    let value = |i: usize, j: usize| at(i, j).map(|f| f[0]);
+    // Slopes times spacing, limited along either axis.
+    let by_rate =
+        |i: usize, j: usize| at(i, j).map(|f| limited(f[1] * dr, i, rows, |i| value(i, j)));
+    if columns < 2 {
+        let node = |i| [value(i, 0), by_rate(i, 0)].map(|x| R::of(x.unwrap_or(0.0)));
+        let open = (0..rows - 1).map(|i| u8::from(at(i, 0).is_some() && at(i + 1, 0).is_some()));
+        return (Nodes::Curve((0..rows).map(node).collect()), open.collect());
+    }
+    let dd = (d1 - d0) / (columns - 1) as f64;
+    let by_distance =
+        |i: usize, j: usize| at(i, j).map(|f| limited(f[2] * dd, j, columns, |j| value(i, j)));
+    let node = |i: usize, j: usize| {
+        let Some([angle, ..]) = at(i, j) else {
+            return [R::ZERO; 4];
+        };
+        // The mixed derivative from both sides.
+        let mixed = 0.5
+            * (difference(i, rows, |i| by_distance(i, j))
+                + difference(j, columns, |j| by_rate(i, j)));
+        [
+            angle,
+            by_rate(i, j).unwrap_or(0.0),
+            by_distance(i, j).unwrap_or(0.0),
+            mixed,
+        ]
+        .map(R::of)
+    };
+    let nodes = (0..rows)
+        .flat_map(|i| (0..columns).map(move |j| (i, j)))
+        .map(|(i, j)| node(i, j))
+        .collect();
+    (
+        Nodes::Table(nodes),
+        cells(rows, columns, |i, j| at(i, j).is_some()),
+    )
+}
+
+/// A slope at node `i` made so that the cubics on both its sides are monotone wherever the nodes
+/// are: of the nodes' sign and at most three times the lesser of the neighbouring secants; 0 where
+/// these differ in sign.
+///
+/// Source: Fritsch and Carlson 1980, the square [0, 3]² of their region of monotonicity.
+fn limited(slope: f64, i: usize, count: usize, value: impl Fn(usize) -> Option<f64>) -> f64 {
+    let here = value(i);
+    let secant = |from: Option<f64>, to: Option<f64>| Some(to? - from?);
+    let before = i.checked_sub(1).and_then(|k| secant(value(k), here));
+    let after = (i + 1 < count)
+        .then(|| secant(here, value(i + 1)))
+        .flatten();
+    [before, after]
+        .into_iter()
+        .flatten()
+        .fold(slope, |slope, secant| {
+            if slope * secant <= 0.0 {
+                0.0
+            } else {
+                slope.signum() * slope.abs().min(3.0 * secant.abs())
+            }
+        })
+}
+
+fn constants<R: Number>(planner: &Planner, request: &Request) -> Robot<R> {
+    let robot = planner.robot();
+    let (radius, gravity, pendulum) = (robot.body.radius, robot.axle_gravity(), planner.pendulum());
+    let stride = 2.0 * radius * (std::f64::consts::PI / f64::from(robot.body.legs)).sin();
+    Robot {
+        radius: R::of(radius),
+        gravity: R::of(gravity),
+        pendulum: R::of(pendulum),
+        stride: R::of(stride),
+        valve_open: R::of(request.valve_open),
+        landing_height: R::of(request.landing_height(planner)),
+    }
+}
+
+fn limits<R: Number>(request: &Request) -> Limits<R> {
+    let (least, greatest) = request
+        .valve_range
+        .unwrap_or((request.valve_open, request.valve_open));
+    Limits {
+        period: R::of(request.period),
+        extra_delay: R::of(request.extra_delay),
+        newton_steps: request.newton_steps,
+        least_valve_open: R::of(least),
+        greatest_valve_open: R::of(greatest),
+        effort: R::of(request.effort),
+    }
+}
