@@ -2,7 +2,7 @@
 """What a jump of rats-boom costs in MuJoCo, as CSV on standard output.
 
     python3 -m venv target/mujoco && target/mujoco/bin/pip install -r tests/mujoco/requirements.txt
-    cargo build -p saltus --bins
+    cargo build -p saltus-cli
     target/mujoco/bin/python bench/mujoco_speed.py > mujoco.csv
 
 Only MuJoCo's own work is timed: the force of the leg over time is computed first, in one fine run with the chamber of

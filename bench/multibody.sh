@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 launches=${1:-3}
 target=${CARGO_TARGET_DIR:-target}
 cargo build --quiet --release -p saltus-sim-check --example work_precision
-cargo build --quiet --release -p saltus --bins
+cargo build --quiet --release -p saltus-cli
 for _ in 1 2; do
     "$target/release/examples/work_precision"
     target/mujoco/bin/python bench/mujoco_speed.py --binaries "$target/release" --launches "$launches"

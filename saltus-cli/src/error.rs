@@ -3,6 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
+pub(crate) use saltus::input::cut;
+use saltus::input::InputError;
 use saltus::planner::TableError;
 use saltus::sim_check::SimError;
 use saltus::{RobotError, StanceError};
@@ -46,14 +48,9 @@ pub(crate) enum CliError {
         /// What is allowed.
         allowed: String,
     },
-    /// A file that is not what it should be.
-    #[error("{file}: {reason}")]
-    Content {
-        /// The file, with the line where there is one.
-        file: String,
-        /// What is wrong, and what is expected.
-        reason: String,
-    },
+    /// A file that is not what it should be, or cannot be read.
+    #[error(transparent)]
+    Input(#[from] InputError),
     /// A jump that cannot be computed.
     #[error("{jump}: {source}")]
     Jump {
@@ -77,14 +74,6 @@ pub(crate) enum CliError {
     /// A robot that cannot be a rig of bodies.
     #[error(transparent)]
     Rig(#[from] SimError),
-    /// A file that the system does not let us read.
-    #[error("{}: cannot be read: {source}", file.display())]
-    Read {
-        /// The file.
-        file: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
     /// A file or stream that the system does not let us write.
     #[error("{}: cannot be written: {source}", file.display())]
     Write {
@@ -120,12 +109,8 @@ impl CliError {
         }
     }
 
-    #[allow(clippy::needless_pass_by_value)]
     pub(crate) fn content(file: impl ToString, reason: impl ToString) -> CliError {
-        CliError::Content {
-            file: file.to_string(),
-            reason: reason.to_string(),
-        }
+        InputError::content(file, reason).into()
     }
 
     pub(crate) fn write(file: &Path, source: std::io::Error) -> CliError {
@@ -133,19 +118,5 @@ impl CliError {
             file: file.into(),
             source,
         }
-    }
-}
-
-/// `text` on one line, cut after 40 characters: a value as messages quote it.
-pub(crate) fn cut(text: &str) -> String {
-    let line: String = text
-        .chars()
-        .take(40)
-        .map(|c| if c.is_control() { '␀' } else { c })
-        .collect();
-    if text.chars().count() > 40 {
-        format!("{line}…")
-    } else {
-        line
     }
 }

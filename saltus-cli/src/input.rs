@@ -1,9 +1,9 @@
 //! What a command reads, and which files these are: none of them may be overwritten.
 
-use std::fs::File;
-use std::io::{Read, stdin};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+
+use saltus::planner::Crossing;
 
 use crate::error::CliError;
 
@@ -77,29 +77,11 @@ pub(crate) fn is_read(file: &Identity) -> bool {
 /// The bytes of the file at `path`, which may have `limit_mib` MiB at most; `-` is standard input.
 pub(crate) fn bytes(path: &Path, limit_mib: u64) -> Result<Vec<u8>, CliError> {
     note(path);
-    let limit = limit_mib << 20;
-    let mut bytes = Vec::new();
-    // One byte more than the limit tells a file at the limit from a larger or an endless one.
-    let read = if path == Path::new("-") {
-        stdin().lock().take(limit + 1).read_to_end(&mut bytes)
-    } else {
-        File::open(path).and_then(|file| file.take(limit + 1).read_to_end(&mut bytes))
-    };
-    read.map_err(|source| CliError::Read {
-        file: path.into(),
-        source,
-    })?;
-    if bytes.len() as u64 > limit {
-        let reason = format!("larger than {limit_mib} MiB, the most it may have");
-        return Err(CliError::content(path.display(), reason));
-    }
-    Ok(bytes)
+    Ok(saltus::input::bytes(path, limit_mib)?)
 }
 
-/// The text of the file at `path`, which may have `limit_mib` MiB at most; `-` is standard input.
-pub(crate) fn text(path: &Path, limit_mib: u64) -> Result<String, CliError> {
-    String::from_utf8(bytes(path, limit_mib)?).map_err(|error| {
-        let offset = error.utf8_error().valid_up_to();
-        CliError::content(path.display(), format!("byte {offset} is not UTF-8 text"))
-    })
+/// The course in the file at `path`.
+pub(crate) fn course(path: &Path) -> Result<Crossing, CliError> {
+    note(path);
+    Ok(saltus::course::load(path)?)
 }

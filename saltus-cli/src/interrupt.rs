@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use saltus::input::InputError;
 use signal_hook::consts::SIGINT;
 use signal_hook::flag;
 
@@ -22,7 +23,7 @@ impl Interrupt {
         // up.
         flag::register_conditional_shutdown(SIGINT, EXIT, Arc::clone(&came))
             .and_then(|_| flag::register(SIGINT, Arc::clone(&came)))
-            .map_err(|source| CliError::Read {
+            .map_err(|source| InputError::Read {
                 file: "SIGINT".into(),
                 source,
             })?;

@@ -15,10 +15,15 @@
 //!
 //! The `saltus` command does the same from a shell: `saltus simulate --omega 5 --alpha-f -0.1`.
 
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+pub mod course;
 pub mod experiment;
 pub mod export;
 pub mod fit;
 pub mod inject;
+pub mod input;
+pub mod parkour;
 pub mod study;
 pub mod temporary;
 pub mod verify;

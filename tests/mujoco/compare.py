@@ -2,7 +2,7 @@
 """The same jumps in Saltus' multi-body simulation and in MuJoCo, and what is between them.
 
     python3 -m venv target/mujoco && target/mujoco/bin/pip install -r tests/mujoco/requirements.txt
-    cargo build -p saltus -p saltus-sim-check --bins --examples
+    cargo build -p saltus-cli -p saltus-sim-check --bins --examples
     target/mujoco/bin/python tests/mujoco/compare.py            # or --fast, as .ci/run does
 
 Both sides take the robot from its file: MuJoCo the bodies that `saltus export mjcf` writes and a chamber integrated in

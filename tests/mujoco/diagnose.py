@@ -2,7 +2,7 @@
 """Jumps of MuJoCo as measured data: one effect hidden in each set, and what `saltus diagnose` says of it.
 
     python3 -m venv target/mujoco && target/mujoco/bin/pip install -r tests/mujoco/requirements.txt
-    cargo build --release -p saltus
+    cargo build --release -p saltus-cli
     target/mujoco/bin/python tests/mujoco/diagnose.py            # or the names of some sets
 
 The robot is rats-boom with its file changed; MuJoCo has the bodies that `saltus export mjcf` writes and the chamber of jump.py, in

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// Which of our crates each crate may use. A crate that is not here may not exist.
-const MAY_USE: [(&str, &[&str]); 12] = [
+const MAY_USE: [(&str, &[&str]); 13] = [
     ("numeric", &[]),
     ("robot", &["numeric"]),
     ("pneumatics", &["numeric", "robot"]),
@@ -26,10 +26,12 @@ const MAY_USE: [(&str, &[&str]); 12] = [
     // What C programs link.
     ("controller-ffi", &["controller"]),
     ("saltus", ALL),
+    // The command knows the library alone.
+    ("saltus-cli", &["saltus"]),
     ("tests", ALL),
 ];
 
-/// What the shells and the tests may use.
+/// What the library and the tests may use.
 const ALL: &[&str] = &[
     "numeric",
     "robot",
@@ -44,19 +46,21 @@ const ALL: &[&str] = &[
 ];
 
 /// Crates of others that only some of ours may know; the tests may know any.
-const KNOWN_TO: [(&str, &[&str]); 8] = [
+const KNOWN_TO: [(&str, &[&str]); 10] = [
     ("clarabel", &["planner"]),
-    ("clap", &["saltus"]),
-    ("clap_complete", &["saltus"]),
-    ("plotters", &["saltus"]),
-    ("serde", &["robot", "saltus"]),
-    ("serde_json", &["robot", "saltus"]),
-    ("csv", &["robot", "saltus"]),
+    ("clap", &["saltus-cli"]),
+    ("clap_complete", &["saltus-cli"]),
+    ("csv", &["saltus-cli"]),
+    ("plotters", &["saltus-cli"]),
+    ("png", &["saltus-cli"]),
+    ("serde", &["saltus-cli"]),
+    ("serde_json", &["saltus", "saltus-cli"]),
+    ("signal-hook", &["saltus-cli"]),
     ("toml", &["robot", "saltus"]),
 ];
 
 /// Crates that read and write files and talk to a person; the others compute.
-const SHELLS: [&str; 3] = ["robot", "saltus", "tests"];
+const SHELLS: [&str; 4] = ["robot", "saltus", "saltus-cli", "tests"];
 
 /// What the source of a crate that computes does not say.
 const INPUT_OUTPUT: [&str; 8] = [

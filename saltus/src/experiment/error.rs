@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+pub(super) use crate::input::{cut, one_line};
+
 /// Bad data, or a place that could not be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -172,24 +174,7 @@ impl Error {
     }
 }
 
-/// `text` on one line, cut after 40 characters: a value as messages quote it.
-pub(super) fn cut(text: &str) -> String {
-    let line = one_line(&text.chars().take(40).collect::<String>());
-    if text.chars().nth(40).is_some() {
-        format!("{line}…")
-    } else {
-        line
-    }
-}
-
 /// A path as messages name it.
 pub(super) fn shown(path: &Path) -> String {
     one_line(&path.display().to_string())
-}
-
-/// `text` with a mark for each character that would break the line.
-pub(super) fn one_line(text: &str) -> String {
-    text.chars()
-        .map(|c| if c.is_control() { '␀' } else { c })
-        .collect()
 }

@@ -278,10 +278,7 @@ impl Diagnose {
 }
 
 fn unusable(folder: &Folder, reason: String) -> CliError {
-    CliError::Content {
-        file: folder.path.display().to_string(),
-        reason,
-    }
+    CliError::content(folder.path.display(), reason)
 }
 
 /// A built-in robot's name, or the path of a file beside the data.

@@ -1,7 +1,6 @@
 //! `saltus parkour`: plans for courses of the one-leg hopper on a boom.
 
 mod hopper;
-mod instances;
 mod scene;
 
 use std::path::PathBuf;
@@ -14,6 +13,7 @@ use serde_json::{Value, json};
 use super::common::{OutputFlags, PlotOption};
 use super::{Status, limits};
 use crate::error::{CliError, cut};
+use crate::input;
 use crate::output::{self, Cell, Format, Table};
 use crate::plot::Drawing;
 use crate::plot::hops::Hops;
@@ -117,7 +117,8 @@ impl Parkour {
 impl Parkour {
     /// The courses to plan.
     fn courses(&self) -> Result<Vec<Course>, CliError> {
-        let mut courses = instances::load(&self.file)?;
+        input::note(&self.file);
+        let mut courses = saltus::parkour::load(&self.file)?;
         if let Some(id) = self
             .chosen
             .iter()

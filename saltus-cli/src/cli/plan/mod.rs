@@ -1,6 +1,5 @@
 //! `saltus plan`: the rolling robot over a course of obstacles.
 
-pub(super) mod course;
 mod report;
 mod scene;
 
@@ -15,6 +14,7 @@ use saltus::planner::course::Standing;
 use super::Status;
 use super::common::{Common, PlotOption};
 use crate::error::CliError;
+use crate::input;
 use crate::interrupt::Interrupt;
 use crate::output::{self, Format, digits};
 use crate::plot::Drawing;
@@ -87,7 +87,7 @@ The exit code is 1 unless there is a plan that holds in the planar model and the
 impl Plan {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         let planner = Planner::new(self.common.planned_robot()?);
-        let crossing = course::load(&self.course)?;
+        let crossing = input::course(&self.course)?;
         let file = self.course.display().to_string();
         let interrupt = Interrupt::listen()?;
         let answer = {

@@ -1,11 +1,11 @@
 //! Plans as rows, as JSON and in words.
 
 use saltus::Robot;
+use saltus::course::ANYWHERE;
 use saltus::planner::course::{Relief, Span};
 use saltus::planner::{Check, Crossing, CrossingAnswer, CrossingPlan, PlannedJump};
 use serde_json::{Value, json};
 
-use super::course::ANYWHERE;
 use crate::cli::common::shown;
 use crate::cli::limits;
 use crate::output::{self, Cell, Table, digits};

@@ -1,11 +1,11 @@
 //! Plans as a drawing.
 
 use saltus::lagrangian::Sample;
+use saltus::course::ANYWHERE;
 use saltus::planner::course::Span;
 use saltus::planner::{Check, Crossing, CrossingAnswer, PlannedJump};
 use saltus::{Planner, Stance};
 
-use super::course::ANYWHERE;
 use super::report::off_target;
 use crate::output::digits;
 use crate::plot::ground::Ground;

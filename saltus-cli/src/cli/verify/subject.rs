@@ -9,10 +9,10 @@ use saltus::{Launch, Planner};
 
 use super::table_file;
 use crate::cli::common::note_valve;
-use crate::cli::plan::course;
 use crate::cli::target::{Block, block};
 use crate::cli::terms::{self, LandingHeight, StartLean, Terms, landing_height, start_lean};
 use crate::error::{CliError, cut};
+use crate::input;
 use crate::output::digits;
 use crate::quantity;
 use crate::range::{Values, rates};
@@ -285,7 +285,7 @@ fn plan(flags: &SubjectFlags, path: &Path, planner: &Planner) -> Result<Option<S
             "left out where a course says what is to be done",
         ));
     }
-    let crossing = course::load(path)?;
+    let crossing = input::course(path)?;
     let file = path.display().to_string();
     let answer = planner
         .cross(&crossing)

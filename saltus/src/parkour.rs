@@ -1,28 +1,35 @@
-//! Courses from a JSON file.
+//! Courses of the one-leg hopper from JSON files.
 
 use std::collections::HashSet;
 use std::path::Path;
 
-use saltus::planner::course::{Course, MAX_JUMPS, Obstacle, Span};
+use saltus_planner::course::{Course, MAX_JUMPS, Obstacle, Span};
 use serde_json::Value;
 
-use crate::error::{CliError, cut};
-use crate::input;
+use crate::input::{self, InputError, cut};
 
 /// Greatest size of a file (MiB).
 const LIMIT_MIB: u64 = 16;
 /// Greatest magnitude of a length (m).
 const LENGTH: f64 = 1e4;
 
-/// The courses in the file at `path`.
-pub(super) fn load(path: &Path) -> Result<Vec<Course>, CliError> {
+/// The courses in the file at `path`; `-` is standard input.
+///
+/// # Errors
+/// [`InputError`] where the file cannot be read or holds no courses; it names the key, the value
+/// and what is allowed.
+pub fn load(path: impl AsRef<Path>) -> Result<Vec<Course>, InputError> {
+    let path = path.as_ref();
     parse(&input::text(path, LIMIT_MIB)?, &path.display().to_string())
 }
 
 /// The courses that `text` holds; messages call it `file`.
-fn parse(text: &str, file: &str) -> Result<Vec<Course>, CliError> {
+///
+/// # Errors
+/// [`InputError`] where it holds none.
+pub fn parse(text: &str, file: &str) -> Result<Vec<Course>, InputError> {
     let document: Value = serde_json::from_str(text)
-        .map_err(|error| CliError::content(file, format!("not JSON: {error}")))?;
+        .map_err(|error| InputError::content(file, format!("not JSON: {error}")))?;
     let root = Node {
         file,
         path: String::new(),
@@ -34,7 +41,7 @@ fn parse(text: &str, file: &str) -> Result<Vec<Course>, CliError> {
         .map(|node| course(&node))
         .collect::<Result<Vec<_>, _>>()?;
     if courses.is_empty() {
-        return Err(CliError::content(
+        return Err(InputError::content(
             file,
             "instances is empty: at least one course is needed",
         ));
@@ -44,7 +51,7 @@ fn parse(text: &str, file: &str) -> Result<Vec<Course>, CliError> {
         .iter()
         .find(|course| !known.insert(course.id.as_str()))
     {
-        Some(twice) => Err(CliError::content(
+        Some(twice) => Err(InputError::content(
             file,
             format!("id {:?} is there twice", cut(&twice.id)),
         )),
@@ -52,7 +59,7 @@ fn parse(text: &str, file: &str) -> Result<Vec<Course>, CliError> {
     }
 }
 
-fn course(node: &Node) -> Result<Course, CliError> {
+fn course(node: &Node) -> Result<Course, InputError> {
     let goal = node.length("goal_x_m")?;
     let obstacles = node.list("obstacles")?;
     let no_landing = node.list("no_landing")?;
@@ -69,7 +76,7 @@ fn course(node: &Node) -> Result<Course, CliError> {
     })
 }
 
-fn obstacle(node: &Node) -> Result<Obstacle, CliError> {
+fn obstacle(node: &Node) -> Result<Obstacle, InputError> {
     Ok(Obstacle {
         center: node.length("center_x_m")?,
         width: node.size("width_m")?,
@@ -77,7 +84,7 @@ fn obstacle(node: &Node) -> Result<Obstacle, CliError> {
     })
 }
 
-fn area(node: &Node) -> Result<Span, CliError> {
+fn area(node: &Node) -> Result<Span, InputError> {
     let (center, half) = (node.length("center_x_m")?, node.size("width_m")? / 2.0);
     Ok(Span::new(center - half, center + half))
 }
@@ -90,22 +97,22 @@ struct Node<'a> {
 }
 
 impl<'a> Node<'a> {
-    fn refused(&self, allowed: &str) -> CliError {
+    fn refused(&self, allowed: &str) -> InputError {
         let value = cut(&self.value.to_string());
-        CliError::content(
+        InputError::content(
             self.file,
             format!("{} = {value}: must be {allowed}", self.path),
         )
     }
 
-    fn member(&self, key: &str) -> Result<Node<'a>, CliError> {
+    fn member(&self, key: &str) -> Result<Node<'a>, InputError> {
         let path = if self.path.is_empty() {
             key.to_owned()
         } else {
             format!("{}.{key}", self.path)
         };
         match self.value.as_object() {
-            None if self.path.is_empty() => Err(CliError::content(
+            None if self.path.is_empty() => Err(InputError::content(
                 self.file,
                 "must be an object with instances",
             )),
@@ -116,12 +123,12 @@ impl<'a> Node<'a> {
                     path,
                     value,
                 }),
-                None => Err(CliError::content(self.file, format!("missing key {path}"))),
+                None => Err(InputError::content(self.file, format!("missing key {path}"))),
             },
         }
     }
 
-    fn list(&self, key: &str) -> Result<Vec<Node<'a>>, CliError> {
+    fn list(&self, key: &str) -> Result<Vec<Node<'a>>, InputError> {
         let list = self.member(key)?;
         let items = list
             .value
@@ -135,7 +142,7 @@ impl<'a> Node<'a> {
         Ok(items.iter().enumerate().map(item).collect())
     }
 
-    fn number(&self, key: &str, allowed: &str, legal: fn(f64) -> bool) -> Result<f64, CliError> {
+    fn number(&self, key: &str, allowed: &str, legal: fn(f64) -> bool) -> Result<f64, InputError> {
         let node = self.member(key)?;
         node.value
             .as_f64()
@@ -143,19 +150,19 @@ impl<'a> Node<'a> {
             .ok_or_else(|| node.refused(allowed))
     }
 
-    fn length(&self, key: &str) -> Result<f64, CliError> {
+    fn length(&self, key: &str) -> Result<f64, InputError> {
         self.number(key, "a length from -10000 to 10000 m", |x| {
             x.abs() <= LENGTH
         })
     }
 
-    fn size(&self, key: &str) -> Result<f64, CliError> {
+    fn size(&self, key: &str) -> Result<f64, InputError> {
         self.number(key, "a length above 0 and up to 10000 m", |x| {
             x > 0.0 && x <= LENGTH
         })
     }
 
-    fn count(&self, key: &str) -> Result<usize, CliError> {
+    fn count(&self, key: &str) -> Result<usize, InputError> {
         let node = self.member(key)?;
         let count = node
             .value
@@ -166,7 +173,7 @@ impl<'a> Node<'a> {
             .ok_or_else(|| node.refused(&format!("a whole number from 1 to {MAX_JUMPS}")))
     }
 
-    fn word(&self, key: &str) -> Result<String, CliError> {
+    fn word(&self, key: &str) -> Result<String, InputError> {
         let node = self.member(key)?;
         let word = node
             .value

@@ -3,21 +3,20 @@
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
-use saltus::planner::Crossing;
-use saltus::planner::course::{Course, MAX_JUMPS, Obstacle, Span};
-use saltus::robot::domain::Domain;
-use saltus::robot::section::Section;
-use saltus::robot::units::{ANGLE, ANGULAR_RATE, LENGTH, NUMBER, TIME};
+use saltus_planner::Crossing;
+use saltus_planner::course::{Course, MAX_JUMPS, Obstacle, Span};
+use saltus_robot::domain::Domain;
+use saltus_robot::section::Section;
+use saltus_robot::units::{ANGLE, ANGULAR_RATE, LENGTH, NUMBER, TIME};
 
-use crate::error::CliError;
-use crate::input;
+use crate::input::{self, InputError};
 
 /// Greatest size of a file (MiB).
 const LIMIT_MIB: u64 = 4;
 /// Most obstacles, and most no-landing areas.
 const MOST: usize = 64;
 /// Places (m) that the planner takes.
-pub(super) const ANYWHERE: Span = Span::new(-1e4, 1e4);
+pub const ANYWHERE: Span = Span::new(-1e4, 1e4);
 
 const PLACE: Domain = Domain::at_least(ANYWHERE.low).up_to(ANYWHERE.high);
 const SIZE: Domain = Domain::NON_NEGATIVE.up_to(1e3);
@@ -27,13 +26,21 @@ const LEAN: Domain = Domain::above(-FRAC_PI_2).below(FRAC_PI_2);
 const OPENING: Domain = Domain::POSITIVE.up_to(10.0);
 const FACTOR: Domain = Domain::NON_NEGATIVE.up_to(1e4);
 
-/// The course in the file at `path`.
-pub(in crate::cli) fn load(path: &Path) -> Result<Crossing, CliError> {
+/// The course in the file at `path`; `-` is standard input.
+///
+/// # Errors
+/// [`InputError`] where the file cannot be read or is no course; it names the line, the key, the
+/// value and what is allowed.
+pub fn load(path: impl AsRef<Path>) -> Result<Crossing, InputError> {
+    let path = path.as_ref();
     parse(&input::text(path, LIMIT_MIB)?, &path.display().to_string())
 }
 
 /// The course that `text` describes; messages call it `file`.
-pub(super) fn parse(text: &str, file: &str) -> Result<Crossing, CliError> {
+///
+/// # Errors
+/// [`InputError`] where it is no course.
+pub fn parse(text: &str, file: &str) -> Result<Crossing, InputError> {
     let mut root = Section::file(text, file)?;
     let jumps = root.count_to("jumps", MAX_JUMPS).unwrap_or(1);
     let start = root.optional("start_x", LENGTH, PLACE).unwrap_or(0.0);
@@ -61,7 +68,7 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Crossing, CliError> {
     root.finish(())?;
 
     if goal.is_empty() {
-        return Err(CliError::content(
+        return Err(InputError::content(
             place,
             "goal_to_x_m must not be before goal_from_x_m",
         ));
@@ -71,7 +78,7 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Crossing, CliError> {
         (None, Some(from), Some(to)) => f64::midpoint(from, to),
         _ => {
             let reason = "missing key target_x_m, or both goal_from_x_m and goal_to_x_m";
-            return Err(CliError::content(place, reason));
+            return Err(InputError::content(place, reason));
         }
     };
     crossing.course.obstacles = obstacles(obstacle)?;
@@ -113,7 +120,7 @@ fn numbers(root: &mut Section, crossing: &mut Crossing) {
     }
 }
 
-fn obstacles(sections: Vec<Section>) -> Result<Vec<Obstacle>, CliError> {
+fn obstacles(sections: Vec<Section>) -> Result<Vec<Obstacle>, InputError> {
     let mut obstacles: Vec<Obstacle> = Vec::with_capacity(sections.len());
     for mut section in sections {
         let front = section.number("front_x", LENGTH, PLACE);
@@ -136,7 +143,7 @@ fn obstacles(sections: Vec<Section>) -> Result<Vec<Obstacle>, CliError> {
             let reason = format!(
                 "obstacles must not overlap: obstacle {this} is in the place of obstacle {other}"
             );
-            return Err(CliError::content(place, reason));
+            return Err(InputError::content(place, reason));
         }
         obstacles.push(obstacle);
     }
@@ -144,14 +151,14 @@ fn obstacles(sections: Vec<Section>) -> Result<Vec<Obstacle>, CliError> {
 }
 
 /// Where each jump has to land.
-fn zones(sections: Vec<Section>, jumps: usize) -> Result<Vec<Option<Span>>, CliError> {
+fn zones(sections: Vec<Section>, jumps: usize) -> Result<Vec<Option<Span>>, InputError> {
     let mut zones = vec![None; jumps];
     for (i, mut section) in sections.into_iter().enumerate() {
         let jump = section.count_to("jump", jumps).unwrap_or(i + 1);
         let place = section.place().clone();
         let span = zone(section)?;
         if zones[jump - 1].replace(span).is_some() {
-            return Err(CliError::content(
+            return Err(InputError::content(
                 place,
                 format!("land {}: jump {jump} has a zone already", i + 1),
             ));
@@ -160,7 +167,7 @@ fn zones(sections: Vec<Section>, jumps: usize) -> Result<Vec<Option<Span>>, CliE
     Ok(zones)
 }
 
-fn zone(mut section: Section) -> Result<Span, CliError> {
+fn zone(mut section: Section) -> Result<Span, InputError> {
     let (from, to) = (
         section.number("from_x", LENGTH, PLACE),
         section.number("to_x", LENGTH, PLACE),
@@ -170,7 +177,7 @@ fn zone(mut section: Section) -> Result<Span, CliError> {
     if from < to {
         Ok(Span::new(from, to))
     } else {
-        Err(CliError::content(place, "to_x_m must be beyond from_x_m"))
+        Err(InputError::content(place, "to_x_m must be beyond from_x_m"))
     }
 }
 
