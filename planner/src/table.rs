@@ -31,6 +31,43 @@ pub struct TableRequest {
     pub threads: usize,
 }
 
+impl TableRequest {
+    /// The least angle that reaches this distance (m), at the rates given to
+    /// [`rates`](TableRequest::rates): landing with the wheel's centre at the height of the foot, a
+    /// valve that opens for 0.1 s, [`FIRING_ANGLES`], with sensitivities, on all processors.
+    pub fn distance(target: f64) -> TableRequest {
+        TableRequest {
+            rates: Vec::new(),
+            measure: Measure::Distance {
+                landing_height: 0.0,
+            },
+            targets: vec![target],
+            valve_open: 0.1,
+            start_lean: None,
+            firing_angles: FIRING_ANGLES,
+            roots: Roots::Least,
+            sensitivities: true,
+            threads: std::thread::available_parallelism().map_or(1, usize::from),
+        }
+    }
+
+    /// At these approach rates (rad/s).
+    pub fn rates(self, rates: impl Into<Vec<f64>>) -> TableRequest {
+        TableRequest {
+            rates: rates.into(),
+            ..self
+        }
+    }
+
+    /// Landing with the wheel's centre at this height (m) above the foot.
+    pub fn landing_height(self, landing_height: f64) -> TableRequest {
+        TableRequest {
+            measure: Measure::Distance { landing_height },
+            ..self
+        }
+    }
+}
+
 /// What a jump is measured by.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measure {

@@ -3,8 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
-pub(crate) use saltus::input::cut;
 use saltus::input::InputError;
+pub(crate) use saltus::input::cut;
 use saltus::planner::TableError;
 use saltus::sim_check::SimError;
 use saltus::{RobotError, StanceError};
@@ -59,6 +59,9 @@ pub(crate) enum CliError {
         /// Why not.
         source: StanceError,
     },
+    /// A jump that cannot be verified.
+    #[error(transparent)]
+    Trial(#[from] saltus::verify::TrialError),
     /// Tables for a controller.
     #[error("export: {0}")]
     Export(#[from] saltus::export::ExportError),

@@ -6,7 +6,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use saltus::planner::{FIRING_ANGLES, Measure, Roots, TableRequest};
+use saltus::planner::TableRequest;
 use saltus::{Planner, Robot};
 
 /// A file would do as well: `Robot::load("my-robot.toml")`. `robots/README.md` lists every key.
@@ -36,19 +36,11 @@ firing_angle_deg = 0.1
 
 fn main() -> Result<(), Box<dyn Error>> {
     let planner = Planner::new(Robot::parse(ROBOT, "spring wheel", Path::new("."))?);
-    let table = planner.table(&TableRequest {
-        rates: vec![3.0, 4.0, 5.0, 6.0],
-        measure: Measure::Distance {
-            landing_height: planner.robot().body.radius,
-        },
+    let request = TableRequest {
         targets: vec![0.4, 0.6, 5.0],
-        valve_open: 0.1,
-        start_lean: None,
-        firing_angles: FIRING_ANGLES,
-        roots: Roots::Least,
-        sensitivities: true,
-        threads: 2,
-    })?;
+        ..TableRequest::distance(0.4).landing_height(planner.robot().body.radius)
+    };
+    let table = planner.table(&request.rates([3.0, 4.0, 5.0, 6.0]))?;
 
     println!("ω (rad/s)  distance (m)  α_f (rad)  apex (m)  deviation (m)");
     for cell in &table.cells {

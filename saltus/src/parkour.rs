@@ -123,7 +123,10 @@ impl<'a> Node<'a> {
                     path,
                     value,
                 }),
-                None => Err(InputError::content(self.file, format!("missing key {path}"))),
+                None => Err(InputError::content(
+                    self.file,
+                    format!("missing key {path}"),
+                )),
             },
         }
     }

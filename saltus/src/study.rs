@@ -9,7 +9,7 @@ use saltus_diagnosis::{
     Diagnosis, Experiment, Interval, Kind, Misstated, Reported, Settings, Sort, Terms, disbelieve,
     misstated,
 };
-use saltus_planner::{FIRING_ANGLES, Measure, Planner, Roots, TableRequest};
+use saltus_planner::{Planner, TableRequest};
 use saltus_robot::Robot;
 
 /// A diagnosis with the model that it is of.
@@ -248,17 +248,11 @@ pub fn worth(believed: &Robot, extended: &Robot) -> Option<Worth> {
 
 fn angles(robot: &Robot, rates: &[f64], distance: f64) -> Option<Vec<Option<f64>>> {
     let request = TableRequest {
-        rates: rates.to_vec(),
-        measure: Measure::Distance {
-            landing_height: robot.body.radius,
-        },
-        targets: vec![distance],
         valve_open: OPEN,
-        start_lean: None,
-        firing_angles: FIRING_ANGLES,
-        roots: Roots::Least,
         sensitivities: false,
-        threads: 1,
+        ..TableRequest::distance(distance)
+            .rates(rates)
+            .landing_height(robot.body.radius)
     };
     let table = Planner::new(robot.clone()).table(&request).ok()?;
     Some(

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use saltus::{Launch, Planner, Robot};
 use saltus::sim_check::{Plan, Rig};
+use saltus::{Launch, Planner, Robot};
 
 use super::{Asked, Jump, Obstacle, Scene, page};
 

@@ -25,12 +25,18 @@ use saltus_sim_check::{End, Report, Rig, SimError, Stepping};
 mod demand;
 mod path;
 mod route;
+mod subject;
+mod trial;
+mod verdict;
 
 use path::Path;
 
 pub use demand::{Demand, Demands, Judgement, ROUND_OFF};
 pub use path::Clearance;
 pub use route::{Attempt, Flight, Route, Stage, Starts};
+pub use subject::{Rule, Steering, Subject};
+pub use trial::{Outcome, RunJump, Trial, TrialError, Verification};
+pub use verdict::{Failure, Group, Spread, Verdict};
 
 /// A robot to verify on.
 #[derive(Clone, Debug)]

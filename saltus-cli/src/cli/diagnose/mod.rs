@@ -12,9 +12,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use saltus::Robot;
-use saltus::study::{self, Study, Worth};
 use saltus::diagnosis::{Diagnosis, Kind, Misstated, Settings, Sort};
 use saltus::experiment::{self, Folder};
+use saltus::study::{self, Study, Worth};
 
 use self::inject::InjectFlags;
 use self::report::Report;

@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
-use saltus::study::Worth;
 use saltus::diagnosis::{
     Candidate, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported, Sort,
     residuals_under,
 };
+use saltus::study::Worth;
 use serde_json::{Map, Value, json};
 
 use super::Found;

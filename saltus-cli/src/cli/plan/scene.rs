@@ -1,7 +1,7 @@
 //! Plans as a drawing.
 
-use saltus::lagrangian::Sample;
 use saltus::course::ANYWHERE;
+use saltus::lagrangian::Sample;
 use saltus::planner::course::Span;
 use saltus::planner::{Check, Crossing, CrossingAnswer, PlannedJump};
 use saltus::{Planner, Stance};

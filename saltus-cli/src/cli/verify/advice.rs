@@ -1,11 +1,8 @@
 //! What to do about a verification that fails.
 
-use saltus::verify::Demand;
+use saltus::verify::{Demand, Outcome, Subject, Verdict};
 
 use super::report::Context;
-use super::subject::Kind;
-use super::trial::Outcome;
-use super::verdict::Verdict;
 
 /// Standard deviations that the landings of a plan should keep from the ends of their ground.
 const SIGMAS: f64 = 2.0;
@@ -72,9 +69,9 @@ fn slipping(outcomes: &[Outcome], context: &Context<'_>) -> Option<String> {
     let slips = failed
         .filter(|attempt| attempt.flown().is_some_and(|f| f.report.slips_at.is_some()))
         .count();
-    let remedy = match &context.subject.kind {
-        Kind::Plan { .. } => " Set friction_coefficient in the course to the ground's.",
-        Kind::Rule(_) => "",
+    let remedy = match context.subject {
+        Subject::Plan { .. } => " Set friction_coefficient in the course to the ground's.",
+        Subject::Rule(_) => "",
     };
     (slips > 0).then(|| {
         format!(
@@ -106,7 +103,7 @@ fn adding_up(outcomes: &[Outcome], verdict: &Verdict) -> Option<String> {
 
 /// Only the drawn errors make landings fail: the plan leaves no room for them.
 fn no_room(verdict: &Verdict, context: &Context<'_>) -> Option<String> {
-    let Kind::Plan { crossing, .. } = &context.subject.kind else {
+    let Subject::Plan { crossing, .. } = context.subject else {
         return None;
     };
     let is_of_place = |demand: Demand| demand.is_of_landing() && demand != Demand::Tolerance;

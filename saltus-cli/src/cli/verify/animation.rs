@@ -1,11 +1,10 @@
 //! A verification as a page to watch.
 
 use saltus::sim_check::SimError;
-use saltus::verify::{Demand, Flown, Judgement};
+use saltus::verify::{Demand, Flown, Judgement, Outcome, RunJump};
 
 use super::drawing::{missed, path, planned};
 use super::report::Context;
-use super::trial::{Jump, Outcome};
 use crate::animation::{self, Asked, Obstacle, Scene, Zone, page};
 use crate::output::digits;
 use crate::plot::ground::Part;
@@ -36,11 +35,7 @@ pub(super) fn html(outcomes: &[Outcome], context: &Context<'_>) -> Result<String
         top_m,
     };
     let obstacles = demands.obstacles.iter().copied().map(obstacle).collect();
-    let title = format!(
-        "{} of {}",
-        context.subject.title,
-        context.planner.robot().name
-    );
+    let title = format!("{} of {}", context.title, context.planner.robot().name);
     let mut scene = Scene::of(context.plant.robot(), title, obstacles, jumps);
     scene.avoid = demands
         .avoid
@@ -75,11 +70,11 @@ fn run(
     context: &Context<'_>,
     jumps: &mut Vec<animation::Jump>,
 ) -> Result<(), SimError> {
-    let flown: Vec<(Jump<'_>, &Flown)> = outcome
+    let flown: Vec<(RunJump<'_>, &Flown)> = outcome
         .jumps()
         .filter_map(|jump| Some((jump, jump.attempt.flown()?)))
         .collect();
-    let path = |(jump, flown): &(Jump<'_>, &Flown)| -> Vec<[f64; 2]> {
+    let path = |(jump, flown): &(RunJump<'_>, &Flown)| -> Vec<[f64; 2]> {
         path(jump.attempt, flown, jump.stage().landing_height)
             .step_by(4)
             .map(|(x, y)| [x, y])
@@ -96,8 +91,12 @@ fn run(
     Ok(())
 }
 
-fn jump(one: &Jump<'_>, flown: &Flown, context: &Context<'_>) -> Result<animation::Jump, SimError> {
-    let Jump {
+fn jump(
+    one: &RunJump<'_>,
+    flown: &Flown,
+    context: &Context<'_>,
+) -> Result<animation::Jump, SimError> {
+    let RunJump {
         trial,
         number,
         attempt,
@@ -147,7 +146,7 @@ fn jump(one: &Jump<'_>, flown: &Flown, context: &Context<'_>) -> Result<animatio
 }
 
 /// What a jump misses, or where it lands if it misses nothing, and how far its foot slips.
-fn verdict(one: &Jump<'_>, flown: &Flown) -> String {
+fn verdict(one: &RunJump<'_>, flown: &Flown) -> String {
     let mut words = one.attempt.reasons();
     if words.is_empty() {
         words.extend(

@@ -3,12 +3,9 @@
 
 use saltus::Launch;
 use saltus::lagrangian::Sample as Planned;
-use saltus::verify::{Attempt, Demand, Flown as Simulated};
+use saltus::verify::{Attempt, Demand, Flown as Simulated, Outcome, RunJump, Subject, Verdict};
 
 use super::report::{Context, NOTHING, failure_text};
-use super::subject::Kind;
-use super::trial::{Jump, Outcome};
-use super::verdict::Verdict;
 use crate::output::digits;
 use crate::plot::Drawing;
 use crate::plot::flown::Flown;
@@ -24,7 +21,7 @@ const LINES: usize = 4;
 /// The course, forces and slip of the jump without errors that misses most, and all landing errors.
 pub(super) fn sheet(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) -> Drawing {
     let nominal: Vec<&Outcome> = outcomes.iter().filter(|o| !o.trial.has_errors()).collect();
-    let miss = |jump: &Jump<'_>| jump.miss().map_or(f64::INFINITY, f64::abs);
+    let miss = |jump: &RunJump<'_>| jump.miss().map_or(f64::INFINITY, f64::abs);
     let flown = nominal
         .iter()
         .flat_map(|o| o.jumps())
@@ -38,7 +35,7 @@ pub(super) fn sheet(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'
     panels.push(errors(outcomes, context));
     let title = format!(
         "{}, in the multi-body simulation of {}",
-        context.subject.title,
+        context.title,
         context.plant.robot().name
     );
     Drawing::Sheet(Sheet {
@@ -82,14 +79,14 @@ fn course(
         }
     }
     let stages = shown.iter().flat_map(|outcome| &outcome.trial.route.stages);
-    let surface = |jump: &Jump<'_>| jump.stage().surface.unwrap_or(0.0);
-    let landing = |jump: Jump<'_>| {
+    let surface = |jump: &RunJump<'_>| jump.stage().surface.unwrap_or(0.0);
+    let landing = |jump: RunJump<'_>| {
         Some((
             (jump.attempt.landing()?, surface(&jump)),
             jump.attempt.passes(),
         ))
     };
-    let tolerance = context.tolerance;
+    let tolerance = context.how.tolerance;
     let failures = verdict
         .failures
         .iter()
@@ -127,9 +124,9 @@ fn ground(outcomes: &[Outcome], context: &Context<'_>) -> Ground {
         avoid: demands.avoid.iter().map(ends).collect(),
         land: demands.zones.iter().flatten().map(ends).collect(),
         goal: demands.goal.as_ref().map(ends),
-        target: match &context.subject.kind {
-            Kind::Plan { crossing, .. } => Some(crossing.target),
-            Kind::Rule(rule) => rule.distance,
+        target: match context.subject {
+            Subject::Plan { crossing, .. } => Some(crossing.target),
+            Subject::Rule(rule) => rule.distance,
         },
         target_name: "target",
         missed: outcomes
@@ -141,7 +138,7 @@ fn ground(outcomes: &[Outcome], context: &Context<'_>) -> Ground {
 }
 
 /// The parts of the course that a jump misses or touches.
-pub(super) fn missed(jump: &Jump<'_>) -> Vec<Part> {
+pub(super) fn missed(jump: &RunJump<'_>) -> Vec<Part> {
     let zones = &jump.trial.route.demands.zones;
     let zone = || {
         zones[..=jump.number.min(zones.len().saturating_sub(1))]
@@ -183,7 +180,7 @@ fn label(outcome: &Outcome, context: &Context<'_>) -> String {
 }
 
 /// Which jump it is.
-fn name(jump: &Jump<'_>, context: &Context<'_>) -> String {
+fn name(jump: &RunJump<'_>, context: &Context<'_>) -> String {
     let number = (context.subject.jumps() > 1).then(|| format!("jump {}", jump.number + 1));
     let rate = format!("{} rad/s", digits(jump.stage().launch.rate, 3));
     let on = jump
@@ -199,7 +196,7 @@ fn name(jump: &Jump<'_>, context: &Context<'_>) -> String {
 }
 
 /// The simulated path of the axle (m along the course, and up), to the landing.
-fn simulated(jump: &Jump<'_>) -> Vec<(f64, f64)> {
+fn simulated(jump: &RunJump<'_>) -> Vec<(f64, f64)> {
     let Some(flown) = jump.attempt.flown() else {
         return Vec::new();
     };
@@ -234,7 +231,7 @@ pub(super) fn path<'a>(
 }
 
 /// The planner's path of the axle (m along the course, and up).
-pub(super) fn planned(jump: &Jump<'_>, context: &Context<'_>) -> Vec<(f64, f64)> {
+pub(super) fn planned(jump: &RunJump<'_>, context: &Context<'_>) -> Vec<(f64, f64)> {
     let stage = jump.stage();
     let [x, y] = stage.foot;
     let path = planned_path(&stage.launch, stage.landing_height, context);
@@ -333,7 +330,7 @@ fn errors(outcomes: &[Outcome], context: &Context<'_>) -> Panel {
         .windows(2)
         .any(|pair| pair[0].trial.friction != pair[1].trial.friction);
     let jumps = context.subject.jumps() > 1;
-    let place = |jump: &Jump<'_>| match (several, jumps) {
+    let place = |jump: &RunJump<'_>| match (several, jumps) {
         (true, _) => jump.trial.friction,
         (false, true) => Some(jump.stage().wanted),
         (false, false) => Some(jump.attempt.launch.rate),
@@ -357,7 +354,9 @@ fn errors(outcomes: &[Outcome], context: &Context<'_>) -> Panel {
     ];
     let bound = |label: Option<String>, side: f64| Line {
         label,
-        points: ends.map(|x| (x, side * 1e3 * context.tolerance)).to_vec(),
+        points: ends
+            .map(|x| (x, side * 1e3 * context.how.tolerance))
+            .to_vec(),
         color: BLUE,
         mark: Mark::Dashed,
     };

@@ -6,19 +6,15 @@ mod drawing;
 mod report;
 mod subject;
 mod table_file;
-mod trial;
-mod verdict;
 
 use std::path::PathBuf;
 
 use clap::Args;
 use saltus::Planner;
 use saltus::sim_check::Stepping;
-use saltus::verify::{Plant, Starts};
+use saltus::verify::{Outcome, Plant, Starts, Trial, Verdict, Verification};
 
-use self::subject::{Subject, SubjectFlags};
-use self::trial::{Outcome, Trial};
-use self::verdict::Verdict;
+use self::subject::SubjectFlags;
 use super::Status;
 use super::common::{self, Common, PlotOption, Threads, page_file};
 use crate::error::CliError;
@@ -183,7 +179,7 @@ impl Verify {
         plant
             .rig()
             .map_err(|error| CliError::content(&plant.robot().name, error))?;
-        let Some(subject) = Subject::load(&self.subject, &planner)? else {
+        let Some((title, subject)) = subject::load(&self.subject, &planner)? else {
             let report = match self.common.format() {
                 Format::Csv => report::rows(&[], planner.robot()).csv(),
                 Format::Json => report::no_plan_json(&planner, &plant),
@@ -199,34 +195,25 @@ impl Verify {
                 "left out where there is no course",
             ));
         }
-        let radius = plant.robot().body.radius;
-        let trials = trial::draw(
-            &subject,
-            &planner,
-            radius,
-            &self.ground(),
-            &self.limits(),
-            &self.scatter(),
-        )?;
-        let exact = self.fly(&plant, &trials);
+        let how = self.verification();
+        let trials = how.trials(&subject, &planner, plant.robot().body.radius)?;
+        let exact = fly(&how, &plant, &trials);
         // What fixed steps cost is seen beside the jumps without them.
         let (outcomes, exact) = match self.fixed_step {
             Some(h) => (
-                self.fly(&plant.stepped(Stepping::Fixed(h)), &trials),
+                fly(&how, &plant.stepped(Stepping::Fixed(h)), &trials),
                 Some(exact),
             ),
             None => (exact, None),
         };
         let cost = exact.map(|exact| report::StepCost::of(self.fixed_step, &outcomes, &exact));
-        let verdict = Verdict::of(&outcomes, self.share);
+        let verdict = Verdict::of(&outcomes, how.share);
         let scene = report::Context {
             planner: &planner,
             plant: &plant,
+            title: &title,
             subject: &subject,
-            starts: self.starts(),
-            tolerance: self.tolerance,
-            share: self.share,
-            seed: self.seed,
+            how: &how,
             step_cost: cost.as_ref(),
         };
         let report = match self.common.format() {
@@ -258,50 +245,31 @@ impl Verify {
         }
     }
 
-    fn ground(&self) -> Vec<Option<f64>> {
-        self.friction.as_ref().map_or(vec![None], |values| {
-            values.iter().copied().map(Some).collect()
-        })
-    }
-
-    fn scatter(&self) -> trial::Scatter {
-        trial::Scatter {
+    /// How it is verified.
+    fn verification(&self) -> Verification {
+        let ground = self.friction.as_ref();
+        Verification {
             samples: self.samples as usize,
-            factor: self.scatter,
+            scatter: self.scatter,
             seed: self.seed,
-        }
-    }
-
-    fn limits(&self) -> trial::Limits {
-        trial::Limits {
+            frictions: ground.map_or(vec![None], |them| them.iter().copied().map(Some).collect()),
+            starts: if self.restart {
+                Starts::Planned
+            } else {
+                Starts::Chained
+            },
             tolerance: self.tolerance,
             clearance: self.clearance,
+            share: self.share,
+            threads: self.threads.count().get(),
         }
     }
+}
 
-    fn starts(&self) -> Starts {
-        if self.restart {
-            Starts::Planned
-        } else {
-            Starts::Chained
-        }
-    }
-
-    fn fly(&self, plant: &Plant, trials: &[Trial]) -> Vec<Outcome> {
-        let progress = Progress::new("runs", trials.len());
-        let fly = |part: &[Trial]| -> Vec<Outcome> {
-            let fly = |trial: &Trial| {
-                let outcome = trial.fly(plant, self.starts());
-                progress.advance(1);
-                outcome
-            };
-            part.iter().map(fly).collect()
-        };
-        saltus::planner::parallel::in_chunks(trials, 1, self.threads.count().get(), fly)
-            .into_iter()
-            .flatten()
-            .collect()
-    }
+/// Simulates `trials` on `plant`, and shows how far it is.
+fn fly(how: &Verification, plant: &Plant, trials: &[Trial]) -> Vec<Outcome> {
+    let progress = Progress::new("runs", trials.len());
+    how.fly(plant, trials, &|| progress.advance(1))
 }
 
 /// Parser of a flag.

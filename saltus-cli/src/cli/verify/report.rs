@@ -2,25 +2,23 @@
 
 use std::fmt::Write;
 
-use saltus::verify::{Demand, Flown, Plant, Starts};
+use saltus::verify::{
+    Demand, Failure, Flown, Group, Outcome, Plant, RunJump, Starts, Subject, Verdict, Verification,
+};
 use saltus::{Planner, Robot};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::advice::advice;
-use super::subject::Subject;
-use super::trial::{Jump, Outcome};
-use super::verdict::{Failure, Group, Verdict};
 use crate::output::{self, Cell, Table, digits};
 
 /// What was verified, and how.
 pub(super) struct Context<'a> {
     pub(super) planner: &'a Planner,
     pub(super) plant: &'a Plant,
+    /// What the subject is called.
+    pub(super) title: &'a str,
     pub(super) subject: &'a Subject,
-    pub(super) starts: Starts,
-    pub(super) tolerance: f64,
-    pub(super) share: f64,
-    pub(super) seed: u64,
+    pub(super) how: &'a Verification,
     pub(super) step_cost: Option<&'a StepCost>,
 }
 
@@ -119,8 +117,8 @@ pub(super) fn rows(outcomes: &[Outcome], robot: &Robot) -> Table {
 /// A length (m) below which the simulation knows none.
 pub(super) const NOTHING: f64 = 1e-9;
 
-fn row(run: usize, jump: &Jump<'_>, robot: &Robot) -> Vec<Cell> {
-    let Jump {
+fn row(run: usize, jump: &RunJump<'_>, robot: &Robot) -> Vec<Cell> {
+    let RunJump {
         trial,
         number,
         attempt,
@@ -203,13 +201,13 @@ pub(super) fn json(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
         "command": "verify",
         "robot": context.planner.robot().name,
         "plant": context.plant.robot().name,
-        "subject": context.subject.title,
-        "seed": context.seed,
+        "subject": context.title,
+        "seed": context.how.seed,
         "starts": starts(context),
-        "tolerance_m": context.tolerance,
-        "share": context.share,
+        "tolerance_m": context.how.tolerance,
+        "share": context.how.share,
         "passes": verdict.passes,
-        "failures": verdict.failures.iter().map(Failure::json).collect::<Vec<_>>(),
+        "failures": verdict.failures.iter().map(failure_json).collect::<Vec<_>>(),
         "advice": advice(outcomes, verdict, context),
         "step_cost": context.step_cost.map(|cost| json!({
             "step_s": cost.step,
@@ -217,17 +215,61 @@ pub(super) fn json(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
             "apex_greatest_m": cost.apex,
             "other_ends": cost.other_ends,
         })),
-        "groups": verdict.groups.iter().map(Group::json).collect::<Vec<_>>(),
+        "groups": verdict.groups.iter().map(group_json).collect::<Vec<_>>(),
         "rows": rows(outcomes, context.planner.robot()).json(),
     }))
 }
 
+fn group_json(group: &Group) -> Value {
+    json!({
+        "errors": group.errors,
+        "friction_coefficient": group.friction,
+        "runs": group.runs,
+        "runs_passed": group.runs_passed,
+        "jumps": group.jumps,
+        "passed": group.passed,
+        "landed": group.landed,
+        "slipped": group.slipped,
+        "simulation_failed": group.simulation_failed,
+        "not_started": group.not_started,
+        "land_error_mean_m": group.land_error.mean,
+        "land_error_sd_m": group.land_error.deviation,
+        "land_error_greatest_m": group.land_error.greatest,
+        "miss_mean_m": group.miss.mean,
+        "miss_sd_m": group.miss.deviation,
+        "miss_rms_m": group.miss.rms,
+        "miss_greatest_m": group.miss.greatest,
+        "apex_error_mean_m": group.apex_error.mean,
+        "apex_error_greatest_m": group.apex_error.greatest,
+        "clearance_least_m": group.clearance,
+        "slip_greatest_m": group.slip,
+        "friction_needed_greatest": group.friction_needed,
+        "normal_least_n": group.least_normal,
+        "energy_residual_greatest_j": group.residual,
+    })
+}
+
+fn failure_json(failure: &Failure) -> Value {
+    json!({
+        "errors": failure.errors,
+        "jump": failure.jump + 1,
+        "demand": failure.demand.name(),
+        "jumps": failure.count,
+        "of": failure.of,
+        "margin_least": Some(failure.margin).filter(|margin| margin.is_finite()),
+        "worst": failure.worst,
+    })
+}
+
 /// How the jumps of a course start; none for what has no course.
 fn starts(context: &Context<'_>) -> Option<&'static str> {
-    context.subject.is_plan().then_some(match context.starts {
-        Starts::Chained => "where the jump before lands",
-        Starts::Planned => "at the planned footholds",
-    })
+    context
+        .subject
+        .is_plan()
+        .then_some(match context.how.starts {
+            Starts::Chained => "where the jump before lands",
+            Starts::Planned => "at the planned footholds",
+        })
 }
 
 /// The jumps of a plan and of a short table are few enough to be told one by one.
@@ -237,7 +279,7 @@ const FEW: usize = 12;
 pub(super) fn text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) -> String {
     let mut text = format!(
         "{} of {}, in the multi-body simulation of {}\n",
-        context.subject.title,
+        context.title,
         context.planner.robot().name,
         context.plant.robot().name
     );
@@ -308,12 +350,16 @@ fn jumps_text(outcomes: &[Outcome], context: &Context<'_>) -> String {
 
 /// Pass or fail, what is missed, and what to do.
 fn verdict_text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) -> String {
-    let run = context.subject.run();
+    let run = if context.subject.jumps() > 1 {
+        "run"
+    } else {
+        "jump"
+    };
     let counts = [false, true].into_iter().filter_map(|errors| {
         let group = verdict.all(errors)?;
         let with = if errors { "with" } else { "without" };
         let needed = if errors {
-            format!(" ({} % have to)", digits(100.0 * context.share, 4))
+            format!(" ({} % have to)", digits(100.0 * context.how.share, 4))
         } else {
             " (all have to)".into()
         };
@@ -419,7 +465,7 @@ fn demands_text(outcomes: &[Outcome]) -> String {
 fn group_text(group: &Group, context: &Context<'_>) -> String {
     let number = |x: Option<f64>| x.map_or("–".to_owned(), |x| digits(x, 3));
     let title = if group.errors {
-        format!("with errors drawn, seed {}", context.seed)
+        format!("with errors drawn, seed {}", context.how.seed)
     } else {
         "without errors".to_owned()
     };

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use saltus::planner::{Crossing, CrossingAnswer, CrossingPlan};
-use saltus::verify::Task;
-use saltus::{Launch, Planner};
+use saltus::Planner;
+use saltus::planner::CrossingAnswer;
+use saltus::verify::{Rule, Steering, Subject};
 
 use super::table_file;
 use crate::cli::common::note_valve;
@@ -63,140 +63,27 @@ pub(crate) struct SubjectFlags {
     pub(super) start_lean: Option<StartLean>,
 }
 
-/// What is verified.
-pub(super) struct Subject {
-    /// As the report calls it.
-    pub(super) title: String,
-    pub(super) kind: Kind,
-}
+/// A subject, and what it is called.
+pub(super) type Titled = (String, Subject);
 
-pub(super) enum Kind {
-    /// A course and its plan.
-    Plan {
-        crossing: Box<Crossing>,
-        plan: Box<CrossingPlan>,
-    },
-    /// A rule for the firing angle.
-    Rule(Rule),
-}
-
-/// A firing angle for every approach rate.
-pub(super) struct Rule {
-    steering: Steering,
-    /// Rates (rad/s) of the jumps without errors; the others are between the least and the
-    /// greatest.
-    pub(super) rates: Vec<f64>,
-    /// Where it should land (m); none: where planned.
-    pub(super) distance: Option<f64>,
-    landing_height: f64,
-    valve_open: f64,
-    start_lean: Option<f64>,
-    obstacles: Vec<[f64; 3]>,
-}
-
-enum Steering {
-    Law {
-        slope: f64,
-        intercept: f64,
-    },
-    /// Rates and angles, rates ascending.
-    Table(Vec<(f64, f64)>),
-}
-
-impl Rule {
-    /// The jump at an approach rate (rad/s).
-    pub(super) fn task(&self, rate: f64) -> Task {
-        let firing_angle = self.steering.angle(rate);
-        let lean = self.start_lean.unwrap_or(firing_angle);
-        Task {
-            launch: Launch {
-                rate,
-                lean,
-                firing_angle,
-                valve_open: self.valve_open,
-            },
-            landing_height: self.landing_height,
-            obstacles: self.obstacles.clone(),
-            leg_out: 0.0,
-        }
-    }
-}
-
-impl Steering {
-    /// The firing angle (rad) at a rate (rad/s); a table ends with its last segments.
-    fn angle(&self, rate: f64) -> f64 {
-        match self {
-            Steering::Law { slope, intercept } => slope * rate + intercept,
-            Steering::Table(points) => {
-                let after = points
-                    .partition_point(|(r, _)| *r < rate)
-                    .clamp(1, points.len().max(2) - 1);
-                match (points.get(after - 1), points.get(after)) {
-                    (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (rate - a.0) / (b.0 - a.0),
-                    _ => points[0].1,
-                }
-            }
-        }
-    }
-}
-
-impl Subject {
-    /// What one of its runs is called: several jumps, or one.
-    pub(super) fn run(&self) -> &'static str {
-        if self.jumps() > 1 { "run" } else { "jump" }
-    }
-
-    /// Jumps of a run.
-    pub(super) fn jumps(&self) -> usize {
-        match &self.kind {
-            Kind::Plan { plan, .. } => plan.jumps.len(),
-            Kind::Rule(_) => 1,
-        }
-    }
-
-    /// Whether it is the plan of a course.
-    pub(super) fn is_plan(&self) -> bool {
-        matches!(self.kind, Kind::Plan { .. })
-    }
-
-    /// The table in `file`: rates and angles, and the rates at which it is verified.
-    pub(super) fn of_table(
-        flags: &SubjectFlags,
-        file: &str,
-        terms: &Terms,
-        points: Vec<(f64, f64)>,
-        rates: Vec<f64>,
-        distance: Option<f64>,
-    ) -> Subject {
-        let title = format!("the table {file}, {}", terms.landing_title());
-        Subject {
-            title,
-            kind: Kind::Rule(rule(flags, terms, Steering::Table(points), rates, distance)),
-        }
-    }
-
-    /// What the flags name; none for a course that no plan crosses.
-    pub(super) fn load(
-        flags: &SubjectFlags,
-        planner: &Planner,
-    ) -> Result<Option<Subject>, CliError> {
-        note_valve(planner.robot(), flags.valve_open.map(|_| "--valve-open"));
-        match (&flags.file, flags.law) {
-            (Some(file), None) => match ending(file).as_deref() {
-                Some("csv") => table_file::load(flags, file, planner).map(Some),
-                None | Some("toml") => plan(flags, file, planner),
-                Some(_) => Err(CliError::content(
-                    file.display(),
-                    "verify reads a course (.toml) or a table that `saltus table` wrote as CSV \
+/// What the flags name; none for a course that no plan crosses.
+pub(super) fn load(flags: &SubjectFlags, planner: &Planner) -> Result<Option<Titled>, CliError> {
+    note_valve(planner.robot(), flags.valve_open.map(|_| "--valve-open"));
+    match (&flags.file, flags.law) {
+        (Some(file), None) => match ending(file).as_deref() {
+            Some("csv") => table_file::load(flags, file, planner).map(Some),
+            None | Some("toml") => plan(flags, file, planner),
+            Some(_) => Err(CliError::content(
+                file.display(),
+                "verify reads a course (.toml) or a table that `saltus table` wrote as CSV \
                      (.csv)",
-                )),
-            },
-            (_, Some((slope, intercept))) => law(flags, slope, intercept, planner).map(Some),
-            _ => Err(CliError::Missing {
-                flag: "COURSE.toml",
-                allowed: "or TABLE.csv, or --law",
-            }),
-        }
+            )),
+        },
+        (_, Some((slope, intercept))) => law(flags, slope, intercept, planner).map(Some),
+        _ => Err(CliError::Missing {
+            flag: "COURSE.toml",
+            allowed: "or TABLE.csv, or --law",
+        }),
     }
 }
 
@@ -210,7 +97,7 @@ fn law(
     slope: f64,
     intercept: f64,
     planner: &Planner,
-) -> Result<Subject, CliError> {
+) -> Result<Titled, CliError> {
     let rates = flags
         .omega
         .as_ref()
@@ -244,13 +131,11 @@ fn law(
         flags.start_lean.unwrap_or(StartLean::Firing),
     );
     let title = format!("the law α_f = {formula}, {}", terms.landing_title());
-    Ok(Subject {
-        title,
-        kind: Kind::Rule(rule(flags, &terms, steering, rates, flags.distance)),
-    })
+    let rule = rule(flags, &terms, steering, rates, flags.distance);
+    Ok((title, Subject::Rule(rule)))
 }
 
-fn rule(
+pub(super) fn rule(
     flags: &SubjectFlags,
     terms: &Terms,
     steering: Steering,
@@ -269,7 +154,7 @@ fn rule(
 }
 
 /// The plan of a course.
-fn plan(flags: &SubjectFlags, path: &Path, planner: &Planner) -> Result<Option<Subject>, CliError> {
+fn plan(flags: &SubjectFlags, path: &Path, planner: &Planner) -> Result<Option<Titled>, CliError> {
     let alone = [
         ("--omega", flags.omega.is_some()),
         ("--distance", flags.distance.is_some()),
@@ -293,14 +178,8 @@ fn plan(flags: &SubjectFlags, path: &Path, planner: &Planner) -> Result<Option<S
     let CrossingAnswer::Plan(plan) = answer else {
         return Ok(None);
     };
-    let kind = Kind::Plan {
-        crossing: Box::new(crossing),
-        plan: Box::new(plan),
-    };
-    Ok(Some(Subject {
-        title: format!("the plan for {file}"),
-        kind,
-    }))
+    let title = format!("the plan for {file}");
+    Ok(Some((title, Subject::plan(crossing, plan))))
 }
 
 /// Parser of a flag.
@@ -325,23 +204,6 @@ fn line(text: &str) -> Result<(f64, f64), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn tables_are_linear_between_and_beyond_their_rates() {
-        let table = Steering::Table(vec![(3.0, 0.0), (4.0, -0.1), (6.0, -0.5)]);
-        for (rate, angle) in [
-            (3.0, 0.0),
-            (3.5, -0.05),
-            (4.0, -0.1),
-            (5.0, -0.3),
-            (6.0, -0.5),
-            (2.0, 0.1),
-            (7.0, -0.7),
-        ] {
-            assert!((table.angle(rate) - angle).abs() < 1e-12, "{rate}");
-        }
-        assert_eq!(Steering::Table(vec![(3.0, 0.2)]).angle(5.0), 0.2);
-    }
 
     #[test]
     fn laws_are_two_numbers() {

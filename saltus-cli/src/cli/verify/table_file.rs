@@ -3,9 +3,10 @@
 
 use std::path::Path;
 
+use saltus::verify::{Steering, Subject};
 use saltus::{Launch, Planner};
 
-use super::subject::{Subject, SubjectFlags};
+use super::subject::{self, SubjectFlags, Titled};
 use crate::cli::terms::{self, LandingHeight, StartLean, Terms};
 use crate::columns::{self, Column, Need};
 use crate::error::CliError;
@@ -93,7 +94,7 @@ pub(super) fn load(
     flags: &SubjectFlags,
     path: &Path,
     planner: &Planner,
-) -> Result<Subject, CliError> {
+) -> Result<Titled, CliError> {
     let table = TableFile::read(path, planner)?;
     let distance = table.distance(flags.distance)?;
     let points = table.points(distance)?;
@@ -103,14 +104,9 @@ pub(super) fn load(
     };
     let terms = table.terms(flags, planner)?;
     table.replay(&terms, planner)?;
-    Ok(Subject::of_table(
-        flags,
-        &table.file,
-        &terms,
-        points,
-        rates,
-        distance,
-    ))
+    let title = format!("the table {}, {}", table.file, terms.landing_title());
+    let rule = subject::rule(flags, &terms, Steering::Table(points), rates, distance);
+    Ok((title, Subject::Rule(rule)))
 }
 
 impl TableFile {

@@ -1,66 +1,92 @@
 //! Whether a verification holds: the runs counted, and what they miss.
 
-use saltus::verify::{Demand, Flight, Flown};
-use serde_json::{Map, Value, json};
-
-use super::trial::{Jump, Outcome};
+use super::{Demand, Flight, Flown, Outcome, RunJump};
 
 /// Whether all is well.
-pub(super) struct Verdict {
-    pub(super) passes: bool,
+#[derive(Clone, Debug)]
+pub struct Verdict {
+    /// Whether every run without errors passes, and of the others the share that has to.
+    pub passes: bool,
     /// Runs with and without errors, on each ground and on all.
-    pub(super) groups: Vec<Group>,
+    pub groups: Vec<Group>,
     /// What is missed, the most frequent first.
-    pub(super) failures: Vec<Failure>,
+    pub failures: Vec<Failure>,
 }
 
 /// Some of the runs, together.
-pub(super) struct Group {
-    pub(super) errors: bool,
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// Whether errors were drawn for them.
+    pub errors: bool,
     /// None: the robot's own, or all of several.
-    pub(super) friction: Option<f64>,
-    pub(super) runs: usize,
-    pub(super) runs_passed: usize,
-    pub(super) jumps: usize,
-    pub(super) passed: usize,
-    pub(super) landed: usize,
-    pub(super) slipped: usize,
-    pub(super) simulation_failed: usize,
-    pub(super) not_started: usize,
-    pub(super) land_error: Spread,
-    pub(super) miss: Spread,
-    pub(super) apex_error: Spread,
-    pub(super) clearance: Option<f64>,
-    pub(super) slip: f64,
-    pub(super) friction_needed: Option<f64>,
-    pub(super) least_normal: Option<f64>,
-    pub(super) residual: Option<f64>,
+    pub friction: Option<f64>,
+    /// Runs.
+    pub runs: usize,
+    /// Runs of which every jump passes.
+    pub runs_passed: usize,
+    /// Jumps of these runs.
+    pub jumps: usize,
+    /// Jumps that meet every demand.
+    pub passed: usize,
+    /// Jumps that land.
+    pub landed: usize,
+    /// Jumps whose foot slips.
+    pub slipped: usize,
+    /// Jumps at which the simulation cannot go on.
+    pub simulation_failed: usize,
+    /// Jumps that were not started.
+    pub not_started: usize,
+    /// Simulated less planned landings (m).
+    pub land_error: Spread,
+    /// Simulated less wanted landings (m).
+    pub miss: Spread,
+    /// Simulated less planned apexes (m).
+    pub apex_error: Spread,
+    /// Least distance (m) between wheel and boxes.
+    pub clearance: Option<f64>,
+    /// Greatest way (m) that a foot slips.
+    pub slip: f64,
+    /// Greatest force along the travel over normal force.
+    pub friction_needed: Option<f64>,
+    /// Least normal force (N).
+    pub least_normal: Option<f64>,
+    /// Energy (J) that the ledger leaves unexplained, at most.
+    pub residual: Option<f64>,
 }
 
 /// A demand that one jump of the course misses, in some of the runs with or without errors.
-pub(super) struct Failure {
-    pub(super) errors: bool,
+#[derive(Clone, Debug)]
+pub struct Failure {
+    /// Whether errors were drawn for these runs.
+    pub errors: bool,
     /// Number of the jump in its run, from 0.
-    pub(super) jump: usize,
-    pub(super) demand: Demand,
+    pub jump: usize,
+    /// What is missed.
+    pub demand: Demand,
     /// How these jumps ended.
     outcome: &'static str,
-    pub(super) count: usize,
+    /// Jumps that miss it.
+    pub count: usize,
     /// Jumps that were started, of which `count` miss it.
-    pub(super) of: usize,
-    /// The least margin (m; of friction 1), and what happens there in words.
-    pub(super) margin: f64,
-    pub(super) worst: String,
+    pub of: usize,
+    /// The least margin (m; of friction 1).
+    pub margin: f64,
+    /// What happens there, in words.
+    pub worst: String,
 }
 
 /// Mean, standard deviation, root mean square and the greatest size of some numbers; none without
 /// any.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Spread {
-    pub(super) mean: Option<f64>,
-    pub(super) deviation: Option<f64>,
-    pub(super) rms: Option<f64>,
-    pub(super) greatest: Option<f64>,
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spread {
+    /// Mean.
+    pub mean: Option<f64>,
+    /// Standard deviation; none of one number.
+    pub deviation: Option<f64>,
+    /// Root mean square.
+    pub rms: Option<f64>,
+    /// Greatest size.
+    pub greatest: Option<f64>,
 }
 
 impl Spread {
@@ -85,7 +111,8 @@ impl Group {
     fn of(outcomes: &[&Outcome], friction: Option<f64>) -> Group {
         let jumps = || outcomes.iter().flat_map(|outcome| outcome.jumps());
         let flown = || jumps().filter_map(|jump| jump.attempt.flown());
-        let count = |holds: &dyn Fn(&Jump<'_>) -> bool| jumps().filter(|jump| holds(jump)).count();
+        let count =
+            |holds: &dyn Fn(&RunJump<'_>) -> bool| jumps().filter(|jump| holds(jump)).count();
         let greatest =
             |of: &dyn Fn(&Flown) -> f64| flown().map(of).filter(|x| x.is_finite()).reduce(greater);
         Group {
@@ -110,39 +137,6 @@ impl Group {
                 .filter(|x| x.is_finite())
                 .reduce(f64::min),
             residual: greatest(&|f| f.report.residual),
-        }
-    }
-
-    pub(super) fn json(&self) -> Map<String, Value> {
-        let value = json!({
-            "errors": self.errors,
-            "friction_coefficient": self.friction,
-            "runs": self.runs,
-            "runs_passed": self.runs_passed,
-            "jumps": self.jumps,
-            "passed": self.passed,
-            "landed": self.landed,
-            "slipped": self.slipped,
-            "simulation_failed": self.simulation_failed,
-            "not_started": self.not_started,
-            "land_error_mean_m": self.land_error.mean,
-            "land_error_sd_m": self.land_error.deviation,
-            "land_error_greatest_m": self.land_error.greatest,
-            "miss_mean_m": self.miss.mean,
-            "miss_sd_m": self.miss.deviation,
-            "miss_rms_m": self.miss.rms,
-            "miss_greatest_m": self.miss.greatest,
-            "apex_error_mean_m": self.apex_error.mean,
-            "apex_error_greatest_m": self.apex_error.greatest,
-            "clearance_least_m": self.clearance,
-            "slip_greatest_m": self.slip,
-            "friction_needed_greatest": self.friction_needed,
-            "normal_least_n": self.least_normal,
-            "energy_residual_greatest_j": self.residual,
-        });
-        match value {
-            Value::Object(object) => object,
-            _ => Map::new(),
         }
     }
 }
@@ -181,22 +175,10 @@ impl Failure {
         });
         failures
     }
-
-    pub(super) fn json(&self) -> Value {
-        json!({
-            "errors": self.errors,
-            "jump": self.jump + 1,
-            "demand": self.demand.name(),
-            "jumps": self.count,
-            "of": self.of,
-            "margin_least": Some(self.margin).filter(|margin| margin.is_finite()),
-            "worst": self.worst,
-        })
-    }
 }
 
 /// Adds what a jump misses. One that was not started misses nothing of its own.
-fn note(failures: &mut Vec<Failure>, jump: &Jump<'_>) {
+fn note(failures: &mut Vec<Failure>, jump: &RunJump<'_>) {
     let attempt = jump.attempt;
     for miss in attempt.misses().filter(|_| attempt.was_started()) {
         // Jumps that do not land are told apart by how they end.
@@ -232,7 +214,7 @@ fn note(failures: &mut Vec<Failure>, jump: &Jump<'_>) {
 
 impl Verdict {
     /// Of these runs, where `share` of those with errors have to pass.
-    pub(super) fn of(outcomes: &[Outcome], share: f64) -> Verdict {
+    pub fn of(outcomes: &[Outcome], share: f64) -> Verdict {
         let mut grounds: Vec<Option<f64>> = Vec::new();
         for outcome in outcomes {
             if !grounds.contains(&outcome.trial.friction) {
@@ -272,12 +254,12 @@ impl Verdict {
     }
 
     /// The group of all runs with or without errors.
-    pub(super) fn all(&self, errors: bool) -> Option<&Group> {
+    pub fn all(&self, errors: bool) -> Option<&Group> {
         self.groups.iter().find(|group| group.errors == errors)
     }
 
     /// The groups on each of several grounds.
-    pub(super) fn grounds(&self, errors: bool) -> impl Iterator<Item = &Group> {
+    pub fn grounds(&self, errors: bool) -> impl Iterator<Item = &Group> {
         self.groups
             .iter()
             .filter(move |group| group.errors == errors)
