@@ -1,7 +1,7 @@
 //! A diagnosis of data as they were read, and what it is worth: the extended robot, and firing
 //! tables before and after.
 
-use std::fmt::Write;
+use std::fmt::{self, Write};
 
 use saltus_diagnosis::kinds::{self, Problem};
 use saltus_diagnosis::rig::Rig;
@@ -10,30 +10,63 @@ use saltus_diagnosis::{
     misstated,
 };
 use saltus_planner::{Planner, TableRequest};
-use saltus_robot::Robot;
+use saltus_robot::{Robot, RobotError};
+
+use crate::experiment::{Folder, plausible};
 
 /// A diagnosis with the model that it is of.
 pub struct Study {
     /// The experiment, with the noise that its readings are judged by.
     pub kind: Box<dyn Kind>,
-    /// What was found; none where the model has no motion at its first guesses.
-    pub diagnosis: Option<Diagnosis>,
+    /// What was found.
+    pub diagnosis: Diagnosis,
     /// Columns whose stated noise is far from what the data scatter. Where it is stated far too
     /// large, the seen scatter took its place.
     pub misstated: Vec<Misstated>,
+}
+
+/// Why data have no diagnosis.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// Data and robot do not go together.
+    #[error(transparent)]
+    Problem(#[from] Problem),
+    /// The model has no motion like that of a run, at its first guesses.
+    #[error("{0}")]
+    NoMotion(NoMotion),
+    /// Data whose sizes cannot be those of the robot.
+    #[error(transparent)]
+    Data(#[from] crate::experiment::Error),
+    /// The robot that the folder names.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+}
+
+impl Folder {
+    /// Says what is wrong with the model of the robot that the folder names, or of what else was
+    /// measured.
+    ///
+    /// # Errors
+    /// [`StudyError`] where the robot cannot be read, or data and robot do not go together.
+    pub fn diagnose(&self, settings: &Settings) -> Result<Study, StudyError> {
+        let robot = self.robot()?;
+        plausible(self, robot.as_ref())?;
+        study(&self.experiment, robot.as_ref(), settings, &|_| ())
+    }
 }
 
 /// Says what is wrong with the model of an experiment, of `robot` where it is one with a robot;
 /// `progress` is told what is being done.
 ///
 /// # Errors
-/// [`Problem`] where data and robot do not go together.
+/// [`StudyError`] where data and robot do not go together, or the model has no such motion.
 pub fn study(
     experiment: &Experiment,
     robot: Option<&Robot>,
     settings: &Settings,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Study, Problem> {
+) -> Result<Study, StudyError> {
     /// Looks at the noise: what a cause explains that is found with less of it may show that there
     /// is less still.
     const MOST: usize = 4;
@@ -43,9 +76,10 @@ pub fn study(
     loop {
         let kind = kinds::build(&experiment, robot)?;
         let diagnosis = saltus_diagnosis::diagnose(kind.as_ref(), settings, progress);
-        let found = diagnosis.as_ref().map_or(Vec::new(), |d| {
-            misstated(&experiment, kind.as_ref(), &d.after)
-        });
+        let Some(diagnosis) = diagnosis else {
+            return Err(StudyError::NoMotion(NoMotion::of(kind.as_ref(), &experiment)));
+        };
+        let found = misstated(&experiment, kind.as_ref(), &diagnosis.after);
         let mut is_overstated = false;
         for now in found {
             if now.stated > now.seen {
@@ -118,34 +152,60 @@ impl Worth {
 /// Valve opening time (s) of the tables.
 const OPEN: f64 = 0.1;
 
-/// Why there is no diagnosis: the first run for which the model has no motion, and what to do.
-pub fn no_motion(kind: &dyn Kind, experiment: &Experiment) -> String {
-    let terms = Terms::off(kind.causes());
-    let stands = |run: &usize| {
-        let guess: Vec<f64> = kind
-            .unknowns(*run)
-            .iter()
-            .map(|unknown| unknown.neutral)
-            .collect();
-        kind.predict(*run, &terms, &guess).is_none()
-    };
-    let Some(run) = (0..kind.logs().len()).find(stands) else {
-        return "the model has no such motion: is it the robot that was measured?".into();
-    };
-    let name = &kind.logs()[run].name;
-    match experiment.runs.get(run).and_then(|run| run.valve) {
-        Some((open, _)) if experiment.kind == Sort::Jump => format!(
-            "{name}: the model has no such motion from the first valid row, which is {open:.3} s \
-             before the command. The log of a jump starts just after the jumping leg touched \
-             down: set valid_from_s to that time. Or is it another robot that was measured?"
-        ),
-        _ => format!("{name}: the model has no such motion: is it the robot that was measured?"),
+/// The first run for which the model has no motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoMotion {
+    /// The run, if it is one of them.
+    pub run: Option<String>,
+    /// Of a jump, the time (s) from its first valid row to the command.
+    pub before_command: Option<f64>,
+}
+
+impl NoMotion {
+    fn of(kind: &dyn Kind, experiment: &Experiment) -> NoMotion {
+        let terms = Terms::off(kind.causes());
+        let stands = |run: &usize| {
+            let guess: Vec<f64> = kind
+                .unknowns(*run)
+                .iter()
+                .map(|unknown| unknown.neutral)
+                .collect();
+            kind.predict(*run, &terms, &guess).is_none()
+        };
+        let run = (0..kind.logs().len()).find(stands);
+        let valve = run
+            .filter(|_| experiment.kind == Sort::Jump)
+            .and_then(|run| experiment.runs.get(run)?.valve);
+        NoMotion {
+            run: run.map(|run| kind.logs()[run].name.clone()),
+            before_command: valve.map(|(open, _)| open),
+        }
     }
 }
 
+impl fmt::Display for NoMotion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(run) = &self.run {
+            write!(f, "{run}: ")?;
+        }
+        f.write_str("the model has no such motion")?;
+        match self.before_command {
+            Some(open) => write!(
+                f,
+                " from the first valid row, which is {open:.3} s before the command. The log of a \
+                 jump starts just after the jumping leg touched down: set valid_from_s to that \
+                 time. Or is it another robot that was measured?"
+            ),
+            None => f.write_str(": is it the robot that was measured?"),
+        }
+    }
+}
+
+impl Study {
 /// The robot with the terms that were found and that the data tell the size of; none where nothing
 /// of a robot was found.
-pub fn extended(kind: &dyn Kind, diagnosis: &Diagnosis) -> Option<Robot> {
+pub fn extended(&self) -> Option<Robot> {
+    let (kind, diagnosis) = (self.kind.as_ref(), &self.diagnosis);
     let off = Terms::off(kind.causes());
     let mut terms = diagnosis.after.terms.clone();
     for finding in diagnosis
@@ -167,7 +227,8 @@ pub fn extended(kind: &dyn Kind, diagnosis: &Diagnosis) -> Option<Robot> {
 
 /// The robot file of the extended robot: values, standard errors and the data's hash are in
 /// comments at its head.
-pub fn robot_file(kind: &dyn Kind, diagnosis: &Diagnosis, robot: &Robot, hash: &str) -> String {
+pub fn robot_file(&self, robot: &Robot, hash: &str) -> String {
+    let (kind, diagnosis) = (self.kind.as_ref(), &self.diagnosis);
     let mut text = String::from("# Written by saltus diagnose from measured data, ");
     let _ = writeln!(text, "hash {hash}.");
     for finding in &diagnosis.findings {
@@ -206,6 +267,7 @@ pub fn robot_file(kind: &dyn Kind, diagnosis: &Diagnosis, robot: &Robot, hash: &
     text.push('\n');
     text.push_str(&robot.to_toml());
     text
+}
 }
 
 /// Firing tables for a distance that both robots reach, made with the robot as believed and as

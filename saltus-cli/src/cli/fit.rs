@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 
 use super::Status;
 use super::common::{OutputFlags, read_folders, robot};
-use super::diagnose::{beside, words};
+use super::diagnose::words;
 use crate::error::CliError;
 use crate::output::{self, Files, Format, digits};
 use crate::progress::Progress;
@@ -93,16 +93,11 @@ impl Fit {
         let misstated = disbelieve(&mut folder.experiment);
         folder.notes.extend(misstated.iter().map(words::misstated));
         let unusable = |reason: String| CliError::content(folder.path.display(), reason);
-        let name = match (&self.robot, &folder.robot) {
-            (Some(name), _) => name.clone(),
-            (None, Some(name)) => beside(&folder.path, name),
-            (None, None) => {
-                return Err(CliError::Missing {
-                    flag: "--robot",
-                    allowed: "the robot that was measured",
-                });
-            }
-        };
+        let name = self.robot.clone().or_else(|| folder.robot_name());
+        let name = name.ok_or(CliError::Missing {
+            flag: "--robot",
+            allowed: "the robot that was measured",
+        })?;
         let believed = robot(&name, &self.overrides)?;
         experiment::plausible(&folder, Some(&believed))?;
         let names: Vec<String> = match self.parameters.as_slice() {

@@ -5,9 +5,7 @@
 //! a note.
 //!
 //! ```no_run
-//! use std::path::Path;
-//!
-//! let folder = saltus::experiment::read(Path::new("drops/tennis-ball"), &|_| ())?;
+//! let folder = saltus::experiment::Folder::open("drops/tennis-ball")?;
 //! for note in &folder.notes {
 //!     eprintln!("{note}");
 //! }
@@ -38,6 +36,7 @@ pub use error::Error;
 pub use join::read_all;
 pub use plausible::plausible;
 pub use saltus_diagnosis::{Experiment, Run, Sort};
+use saltus_robot::{Robot, RobotError};
 pub use write::{write, write_with};
 
 use error::{one_line, shown};
@@ -73,6 +72,35 @@ pub struct Folder {
     pub rows: usize,
     /// Each run by its contents.
     hashes: BTreeMap<Hash, String>,
+}
+
+impl Folder {
+    /// Reads a data folder: [`read`] without progress.
+    ///
+    /// # Errors
+    /// As [`read`].
+    pub fn open(path: impl AsRef<Path>) -> Result<Folder, Error> {
+        read(path.as_ref(), &|_| ())
+    }
+
+    /// The robot that was measured as [`saltus_robot::resolve`] takes it: a built-in one's name, or
+    /// the path of a file beside the data.
+    pub fn robot_name(&self) -> Option<String> {
+        let name = self.robot.as_ref()?;
+        if Robot::builtin_names().any(|known| known == name) {
+            return Some(name.clone());
+        }
+        Some(self.path.join(name).display().to_string())
+    }
+
+    /// The robot that was measured; none where the kind is about none.
+    ///
+    /// # Errors
+    /// [`RobotError`] where it cannot be read.
+    pub fn robot(&self) -> Result<Option<Robot>, RobotError> {
+        let name = self.robot_name();
+        name.map(|name| saltus_robot::resolve(&name, &[])).transpose()
+    }
 }
 
 /// Reads a data folder.

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use saltus::Robot;
-use saltus::diagnosis::{Diagnosis, Kind, Misstated, Settings, Sort};
+use saltus::diagnosis::{Diagnosis, Kind, Misstated, Settings};
 use saltus::experiment::{self, Folder};
 use saltus::study::{self, Study, Worth};
 
@@ -174,22 +174,18 @@ impl Diagnose {
             progress.advance(1)
         });
         drop(progress);
-        let Study {
-            kind,
-            diagnosis,
-            misstated,
-        } = study.map_err(|error| unusable(&folder, error.to_string()))?;
-        let Some(diagnosis) = diagnosis else {
-            let reason = study::no_motion(kind.as_ref(), &folder.experiment);
-            return Err(unusable(&folder, reason));
-        };
-        let extended = study::extended(kind.as_ref(), &diagnosis);
+        let study = study.map_err(|error| CliError::content(folder.path.display(), error))?;
+        let extended = study.extended();
         let worth = robot
             .as_ref()
             .zip(extended.as_ref())
             .and_then(|(b, e)| study::worth(b, e));
-        let corrected =
-            self.corrected(kind.as_ref(), &diagnosis, extended.as_ref(), &folder.hash)?;
+        let corrected = self.corrected(&study, extended.as_ref(), &folder.hash)?;
+        let Study {
+            kind,
+            diagnosis,
+            misstated,
+        } = study;
         let asked = steps::Asked {
             folders: self.folders.clone(),
             robot: self.robot.clone(),
@@ -235,30 +231,15 @@ impl Diagnose {
     /// The robot that was measured, as the flags or else the folder say; none where the kind is
     /// about none.
     fn robot_of(&self, folder: &Folder) -> Result<Option<Robot>, CliError> {
-        let needs = matches!(
-            folder.experiment.kind,
-            Sort::Bench | Sort::Hop | Sort::Jump | Sort::Outcomes
-        );
-        let name = match (&self.robot, &folder.robot) {
-            (Some(name), _) => name.clone(),
-            (None, Some(name)) => beside(&folder.path, name),
-            (None, None) if needs => {
-                return Err(CliError::Missing {
-                    flag: "--robot",
-                    allowed: "the robot that was measured",
-                });
-            }
-            (None, None) => return Ok(None),
-        };
-        robot(&name, &self.overrides).map(Some)
+        let name = self.robot.clone().or_else(|| folder.robot_name());
+        name.map(|name| robot(&name, &self.overrides)).transpose()
     }
 
     /// The file of the extended robot, where it is asked for; if there is none, the flag is
     /// refused.
     fn corrected(
         &self,
-        kind: &dyn Kind,
-        diagnosis: &Diagnosis,
+        study: &Study,
         extended: Option<&Robot>,
         hash: &str,
     ) -> Result<Option<(&'static str, &Path, String)>, CliError> {
@@ -269,22 +250,6 @@ impl Diagnose {
             let allowed = "left out: nothing was found that is a property of a robot";
             return Err(CliError::flag("--extend", path.display(), allowed));
         };
-        Ok(Some((
-            "--extend",
-            path,
-            study::robot_file(kind, diagnosis, robot, hash),
-        )))
+        Ok(Some(("--extend", path, study.robot_file(robot, hash))))
     }
-}
-
-fn unusable(folder: &Folder, reason: String) -> CliError {
-    CliError::content(folder.path.display(), reason)
-}
-
-/// A built-in robot's name, or the path of a file beside the data.
-pub(super) fn beside(folder: &Path, name: &str) -> String {
-    if saltus::Robot::builtin_names().any(|known| known == name) {
-        return name.to_owned();
-    }
-    folder.join(name).display().to_string()
 }
