@@ -77,7 +77,10 @@ pub fn study(
         let kind = kinds::build(&experiment, robot)?;
         let diagnosis = saltus_diagnosis::diagnose(kind.as_ref(), settings, progress);
         let Some(diagnosis) = diagnosis else {
-            return Err(StudyError::NoMotion(NoMotion::of(kind.as_ref(), &experiment)));
+            return Err(StudyError::NoMotion(NoMotion::of(
+                kind.as_ref(),
+                &experiment,
+            )));
         };
         let found = misstated(&experiment, kind.as_ref(), &diagnosis.after);
         let mut is_overstated = false;
@@ -202,72 +205,72 @@ impl fmt::Display for NoMotion {
 }
 
 impl Study {
-/// The robot with the terms that were found and that the data tell the size of; none where nothing
-/// of a robot was found.
-pub fn extended(&self) -> Option<Robot> {
-    let (kind, diagnosis) = (self.kind.as_ref(), &self.diagnosis);
-    let off = Terms::off(kind.causes());
-    let mut terms = diagnosis.after.terms.clone();
-    for finding in diagnosis
-        .findings
-        .iter()
-        .filter(|finding| !finding.is_identifiable)
-    {
-        for (p, neutral) in off.of(finding.best.cause).iter().enumerate() {
-            terms.set(finding.best.cause, p, *neutral);
-        }
-    }
-    let (believed, mut robot) = (kind.robot(&off)?, kind.robot(&terms)?);
-    if robot == believed {
-        return None;
-    }
-    robot.name = format!("{} as measured", robot.name);
-    Some(robot)
-}
-
-/// The robot file of the extended robot: values, standard errors and the data's hash are in
-/// comments at its head.
-pub fn robot_file(&self, robot: &Robot, hash: &str) -> String {
-    let (kind, diagnosis) = (self.kind.as_ref(), &self.diagnosis);
-    let mut text = String::from("# Written by saltus diagnose from measured data, ");
-    let _ = writeln!(text, "hash {hash}.");
-    for finding in &diagnosis.findings {
-        let id = |cause: usize| kind.causes()[cause].id;
-        let _ = write!(text, "# {}", id(finding.best.cause));
-        if let Some(column) = &kind.causes()[finding.best.cause].column {
-            let _ = write!(text, " of {column}, not a property of the robot");
-        }
-        let _ = writeln!(text, ":");
-        for Reported {
-            name,
-            value,
-            error,
-            interval,
-        } in &finding.best.reported
+    /// The robot with the terms that were found and that the data tell the size of; none where nothing
+    /// of a robot was found.
+    pub fn extended(&self) -> Option<Robot> {
+        let (kind, diagnosis) = (self.kind.as_ref(), &self.diagnosis);
+        let off = Terms::off(kind.causes());
+        let mut terms = diagnosis.after.terms.clone();
+        for finding in diagnosis
+            .findings
+            .iter()
+            .filter(|finding| !finding.is_identifiable)
         {
-            let _ = write!(text, "#   {name} = {value:?}");
-            if error.is_finite() {
-                let _ = write!(text, ", standard error {error:.2e}");
+            for (p, neutral) in off.of(finding.best.cause).iter().enumerate() {
+                terms.set(finding.best.cause, p, *neutral);
             }
-            if let Some(Interval { low, high }) = interval {
-                let end = |end: &Option<f64>| end.map_or("open".into(), |x| format!("{x:.4e}"));
-                let _ = write!(text, ", 95 % interval {} to {}", end(low), end(high));
-            }
-            text.push('\n');
         }
-        if !finding.rivals.is_empty() {
-            let rivals: Vec<&str> = finding.rivals.iter().map(|r| id(r.cause)).collect();
-            let _ = writeln!(
-                text,
-                "#   the data cannot tell it from: {}",
-                rivals.join(", ")
-            );
+        let (believed, mut robot) = (kind.robot(&off)?, kind.robot(&terms)?);
+        if robot == believed {
+            return None;
         }
+        robot.name = format!("{} as measured", robot.name);
+        Some(robot)
     }
-    text.push('\n');
-    text.push_str(&robot.to_toml());
-    text
-}
+
+    /// The robot file of the extended robot: values, standard errors and the data's hash are in
+    /// comments at its head.
+    pub fn robot_file(&self, robot: &Robot, hash: &str) -> String {
+        let (kind, diagnosis) = (self.kind.as_ref(), &self.diagnosis);
+        let mut text = String::from("# Written by saltus diagnose from measured data, ");
+        let _ = writeln!(text, "hash {hash}.");
+        for finding in &diagnosis.findings {
+            let id = |cause: usize| kind.causes()[cause].id;
+            let _ = write!(text, "# {}", id(finding.best.cause));
+            if let Some(column) = &kind.causes()[finding.best.cause].column {
+                let _ = write!(text, " of {column}, not a property of the robot");
+            }
+            let _ = writeln!(text, ":");
+            for Reported {
+                name,
+                value,
+                error,
+                interval,
+            } in &finding.best.reported
+            {
+                let _ = write!(text, "#   {name} = {value:?}");
+                if error.is_finite() {
+                    let _ = write!(text, ", standard error {error:.2e}");
+                }
+                if let Some(Interval { low, high }) = interval {
+                    let end = |end: &Option<f64>| end.map_or("open".into(), |x| format!("{x:.4e}"));
+                    let _ = write!(text, ", 95 % interval {} to {}", end(low), end(high));
+                }
+                text.push('\n');
+            }
+            if !finding.rivals.is_empty() {
+                let rivals: Vec<&str> = finding.rivals.iter().map(|r| id(r.cause)).collect();
+                let _ = writeln!(
+                    text,
+                    "#   the data cannot tell it from: {}",
+                    rivals.join(", ")
+                );
+            }
+        }
+        text.push('\n');
+        text.push_str(&robot.to_toml());
+        text
+    }
 }
 
 /// Firing tables for a distance that both robots reach, made with the robot as believed and as

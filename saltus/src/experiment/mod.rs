@@ -99,7 +99,8 @@ impl Folder {
     /// [`RobotError`] where it cannot be read.
     pub fn robot(&self) -> Result<Option<Robot>, RobotError> {
         let name = self.robot_name();
-        name.map(|name| saltus_robot::resolve(&name, &[])).transpose()
+        name.map(|name| saltus_robot::resolve(&name, &[]))
+            .transpose()
     }
 }
 
