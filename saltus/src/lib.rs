@@ -14,9 +14,26 @@
 //! ```
 //!
 //! The `saltus` command does the same from a shell: `saltus simulate --omega 5 --alpha-f -0.1`.
-
+//!
+//! # More programs
+//!
+//! A firing table:
+#![doc = concat!("```\n", include_str!("../examples/table.rs"), "```")]
+//!
+//! The plan of a course, verified:
+#![doc = concat!("```\n", include_str!("../examples/verify_a_course.rs"), "```")]
+//!
+//! Measured data, diagnosed:
+#![doc = concat!("```\n", include_str!("../examples/diagnose_a_folder.rs"), "```")]
+//!
+//! A controller of one's own, in the loop:
+#![doc = concat!("```\n", include_str!("../examples/own_controller.rs"), "```")]
+//!
+//! Tables for a controller, as C:
+#![doc = concat!("```\n", include_str!("../examples/export_tables.rs"), "```")]
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod closed_loop;
 pub mod course;
 pub mod experiment;
 pub mod export;

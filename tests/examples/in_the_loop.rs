@@ -15,11 +15,12 @@ use std::process::{Command as Program, Stdio};
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
+use saltus::closed_loop::{Command, Start, jump};
 use saltus_controller::{Controller, Observer, Sensed, Task, Timing};
 use saltus_lagrangian::Launch;
 use saltus_planner::Planner;
 use saltus_robot::Robot;
-use saltus_tests::controlled::{Command, Encoder, jump, spread};
+use saltus_tests::controlled::{Encoder, spread};
 
 #[rustfmt::skip]
 #[path = "../../controller/examples/rats_planar/tables.rs"]
@@ -232,8 +233,9 @@ fn main() {
                 memory,
                 *by,
             );
-            let landing = jump(&robot, [lean, rate], height, encoder, |lean| {
-                control.tick(lean)
+            let start = Start { lean, rate };
+            let landing = jump(&robot, start, height, |lean| {
+                control.tick(encoder.read(lean))
             })
             .expect("a jump");
             match landing {
@@ -243,8 +245,9 @@ fn main() {
         }
         if let Some(outside) = &mut outside {
             outside.start(encoder.approach_rate(lean, rate), encoder.read(lean));
-            let landing = jump(&robot, [lean, rate], height, encoder, |lean| {
-                outside.tick(lean)
+            let start = Start { lean, rate };
+            let landing = jump(&robot, start, height, |lean| {
+                outside.tick(encoder.read(lean))
             })
             .expect("a jump");
             match landing {

@@ -5,13 +5,14 @@ use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 use saltus::ballistic::{Disc, Obstacle};
+use saltus::closed_loop::{Command, Start, jump};
 use saltus::controller::{
     Approach, Guess, NoTakeOff, Observer, Reason, Rule, Sensed, Task, Timing,
 };
 use saltus::export::{ExportError, Request, Tables};
 use saltus::planner::{FIRING_ANGLES, Measure, Roots, TableRequest};
 use saltus::{Launch, Planner, Robot};
-use saltus_tests::controlled::{Command, Encoder, jump, spread};
+use saltus_tests::controlled::{Encoder, spread};
 
 #[rustfmt::skip]
 #[path = "../../controller/examples/rats_planar/tables.rs"]
@@ -438,7 +439,7 @@ fn in_the_loop_the_controller_is_three_times_better_than_a_constant_angle() {
                 memory: 0.9,
             };
             let control = |lean: f64| {
-                observer.update(single(lean));
+                observer.update(single(encoder.read(lean)));
                 let task = Task {
                     distance: single(distance),
                     landing_height: 0.0,
@@ -461,7 +462,8 @@ fn in_the_loop_the_controller_is_three_times_better_than_a_constant_angle() {
                     _ => Command::Wait,
                 }
             };
-            let landing = jump(&robot, [-0.5, rate], 0.0, encoder, control).expect("a motion");
+            let start = Start { lean: -0.5, rate };
+            let landing = jump(&robot, start, 0.0, control).expect("a motion");
             errors.push(landing.expect("a jump") - distance);
         }
     }

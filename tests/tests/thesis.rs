@@ -1,7 +1,7 @@
 //! The figures of the thesis, and its linear law.
 
 use saltus_lagrangian::{Launch, Outcome};
-use saltus_planner::{FIRING_ANGLES, Measure, Planner, Roots, TableRequest};
+use saltus_planner::{Planner, TableRequest};
 use saltus_robot::Robot;
 use saltus_tests::reference::firings;
 
@@ -18,17 +18,9 @@ fn jump(planner: &Planner, rate: f64, firing_angle: f64) -> (f64, f64) {
 
 fn request(rates: Vec<f64>, targets: Vec<f64>) -> TableRequest {
     TableRequest {
-        rates,
-        measure: Measure::Distance {
-            landing_height: 0.0,
-        },
         targets,
-        valve_open: 0.1,
-        start_lean: None,
-        firing_angles: FIRING_ANGLES,
-        roots: Roots::Least,
         sensitivities: false,
-        threads: 1,
+        ..TableRequest::distance(0.0).rates(rates)
     }
 }
 
