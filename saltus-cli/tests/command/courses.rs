@@ -149,7 +149,7 @@ fn a_ten_metre_wall_is_not_landed_in() {
         "infeasible" => {}
         // Short of the wall, with the wheel clear of it.
         "holds-in-the-planar-model" => {
-            assert!(plan["jumps"][0]["land_x_m"].as_f64().unwrap() < 0.16)
+            assert!(plan["jumps"][0]["land_x_m"].as_f64().unwrap() < 0.16);
         }
         status => panic!("{status}"),
     }

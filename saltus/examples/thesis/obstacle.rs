@@ -169,9 +169,9 @@ fn least_rate(planner: &Planner) -> Outcome<f64> {
     while high - low > 1e-3 {
         let middle = f64::midpoint(low, high);
         if best_at(planner, middle)?.margin < 0.0 {
-            low = middle
+            low = middle;
         } else {
-            high = middle
+            high = middle;
         }
     }
     Ok(high)

@@ -125,7 +125,7 @@ fn slipping(planar: &Planner) -> Outcome<(String, Chart, [f64; 2])> {
             let (_, error, slip) = column[k];
             match error {
                 Some(error) if slip.abs() < 1e-6 => {
-                    write!(rows, " {} mm, holds |", signed(1e3 * error, 0))?
+                    write!(rows, " {} mm, holds |", signed(1e3 * error, 0))?;
                 }
                 Some(error) => {
                     write!(

@@ -367,7 +367,7 @@ impl<'a> Table<'a> {
         for (key, quantity) in known {
             match quantity {
                 Some(quantity) => {
-                    spelled.extend(spellings(key, quantity).map(|(spelling, _)| spelling))
+                    spelled.extend(spellings(key, quantity).map(|(spelling, _)| spelling));
                 }
                 None => spelled.push(key.into()),
             }

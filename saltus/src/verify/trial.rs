@@ -271,8 +271,8 @@ impl Verification {
         let clearance = self.clearance.unwrap_or(0.0);
         let demands = Demands {
             obstacles,
-            leg_out,
             clearance,
+            leg_out,
             ..Demands::within(self.tolerance)
         };
         Ok(Route {

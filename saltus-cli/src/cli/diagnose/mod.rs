@@ -171,7 +171,7 @@ impl Diagnose {
         };
         let progress = Progress::new("fits", 0);
         let study = study::study(&folder.experiment, robot.as_ref(), &settings, &|_| {
-            progress.advance(1)
+            progress.advance(1);
         });
         drop(progress);
         let study = study.map_err(|error| CliError::content(folder.path.display(), error))?;
