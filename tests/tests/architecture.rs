@@ -50,7 +50,7 @@ const KNOWN_TO: [(&str, &[&str]); 10] = [
     ("clarabel", &["planner"]),
     ("clap", &["saltus-cli"]),
     ("clap_complete", &["saltus-cli"]),
-    ("csv", &["saltus-cli"]),
+    ("csv", &["robot", "saltus-cli"]),
     ("plotters", &["saltus-cli"]),
     ("png", &["saltus-cli"]),
     ("serde", &["saltus-cli"]),
