@@ -205,8 +205,8 @@ impl fmt::Display for NoMotion {
 }
 
 impl Study {
-    /// The robot with the terms that were found and that the data tell the size of; none where nothing
-    /// of a robot was found.
+    /// The robot with the terms that were found and that the data tell the size of; none where
+    /// nothing of a robot was found.
     pub fn extended(&self) -> Option<Robot> {
         let (kind, diagnosis) = (self.kind.as_ref(), &self.diagnosis);
         let off = Terms::off(kind.causes());

@@ -21,7 +21,7 @@ pub struct Verification {
     pub scatter: f64,
     /// Seed of the drawn errors.
     pub seed: u64,
-    /// Friction coefficients of the ground, which take turns; none: the robot's own.
+    /// Friction coefficients of the ground, at least one, which take turns; none: the robot's own.
     pub frictions: Vec<Option<f64>>,
     /// Where the jumps after the first start.
     pub starts: Starts,
@@ -159,6 +159,9 @@ impl Verification {
     ///
     /// # Errors
     /// [`TrialError`] for a jump that the planner does not take.
+    ///
+    /// # Panics
+    /// As [`trials`](Verification::trials).
     pub fn verdict(
         &self,
         subject: &Subject,
@@ -193,6 +196,9 @@ impl Verification {
     ///
     /// # Errors
     /// [`TrialError`] for a jump that the planner does not take.
+    ///
+    /// # Panics
+    /// If there are no `frictions`, or a rule is a table without rows.
     pub fn trials(
         &self,
         subject: &Subject,
@@ -237,8 +243,8 @@ impl Verification {
         Ok(trials)
     }
 
-    /// The one jump of a law or a table at an approach rate (rad/s), with what the planner expects of
-    /// it.
+    /// The one jump of a law or a table at an approach rate (rad/s), with what the planner expects
+    /// of it.
     fn single(&self, planner: &Planner, rule: &Rule, rate: f64) -> Result<Route, TrialError> {
         let Task {
             launch,
