@@ -1,7 +1,9 @@
 //! The drill of `firmware/drill.c` in Rust: the same inputs, and a hash of every bit of the
 //! answers.
 //!
-//!     cargo run --release -p saltus-controller --example drill -- [DECISIONS]
+//!     cargo run --release -p saltus-controller --example drill -- [DECISIONS [AT_FIRING]]
+//!
+//! With 1 for `AT_FIRING`, approach rates count at the firing angle.
 
 use saltus_controller::qp::{self, HalfPlane};
 use saltus_controller::{Approach, Decision, Obstacle, Reason, Sensed, TakeOff, Task, Timing};
@@ -137,15 +139,18 @@ fn drill<A>(
 }
 
 fn main() {
-    let decisions: u32 = std::env::args()
-        .nth(1)
+    let mut arguments = std::env::args().skip(1);
+    let decisions: u32 = arguments
+        .next()
         .map_or(10_000, |text| text.parse().expect("a number of decisions"));
+    let mut controller = RATS_PLANAR;
+    controller.rates.at_firing = arguments.next().is_some_and(|text| text == "1");
     let decide = |draw: &mut Draw, with_obstacle: bool| {
         let (sensed, mut task) = draw.decision();
         if !with_obstacle {
             task.obstacle = None;
         }
-        RATS_PLANAR.decide(&sensed, &task)
+        controller.decide(&sensed, &task)
     };
     drill(
         "decisions without an obstacle",
@@ -162,7 +167,7 @@ fn main() {
         Hash::decision,
     );
     let take_off = |draw: &mut Draw| {
-        RATS_PLANAR
+        controller
             .take_off(&draw.approach())
             .map_err(|no| no.reason)
     };

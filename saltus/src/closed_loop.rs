@@ -1,7 +1,7 @@
 //! A controller of one's own in the loop of the multi-body simulation.
 
 use saltus_robot::Robot;
-use saltus_sim_check::{Happening, Pause, Rig, Settings, Sim, SimError, Stepping};
+use saltus_sim_check::{Pause, Rig, Settings, Shot, SimError};
 
 /// What a controller commands after a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +21,7 @@ pub enum Command {
 ///
 /// Source: the thesis, 3.3.
 pub const PERIOD: f64 = 1e-3;
+
 /// How a robot comes down onto its leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
@@ -44,59 +45,39 @@ pub fn jump(
     mut control: impl FnMut(f64) -> Command,
 ) -> Result<Option<f64>, SimError> {
     let rig = Rig::new(robot, &[])?;
-    let (q, v) = rig.stand(start.lean, start.rate)?;
-    let settings = Settings {
-        tolerance: 1e-8,
-        stepping: Stepping::Adaptive,
-        ..Settings::default()
-    };
-    let mut sim = Sim::new(&rig.mechanism, &q, &v, settings)?;
-    let mut fired = false;
+    let mut shot = Shot::new(&rig, [start.lean, start.rate], Settings::default())?;
+    let mut is_fired = false;
     // The start is known; readings begin a period later.
     for tick in 1..1500_u32 {
-        let next = f64::from(tick) * PERIOD;
-        while sim.time() < next {
-            let pause = sim.run_eventwise(next, &[])?;
-            if sim
-                .events()
-                .iter()
-                .any(|e| e.what == Happening::LiftOff(0, 0))
-            {
-                return fly(&rig, sim, landing_height);
-            }
-            if pause == Some(Pause::Time) {
-                break;
-            }
+        shot.go(f64::from(tick) * PERIOD, &[])?;
+        if shot.lift_off().is_some() {
+            return fly(&rig, shot, landing_height);
         }
-        if fired {
+        if is_fired {
             continue;
         }
-        if let Command::Fire { after, valve_open } =
-            control(sim.coordinates()[rig.lean_coordinate()])
-        {
-            let at = sim.time() + after;
-            sim.run(at, &[])?;
-            sim.fire(0, valve_open)?;
-            fired = true;
+        if let Command::Fire { after, valve_open } = control(shot.lean()) {
+            shot.go(shot.time() + after, &[])?;
+            shot.fire(valve_open)?;
+            is_fired = true;
         }
     }
     Ok(None)
 }
 
 /// The rest of a jump, from lift-off.
-fn fly(rig: &Rig, mut sim: Sim<'_>, height: f64) -> Result<Option<f64>, SimError> {
-    sim.stop_touching();
+fn fly(rig: &Rig, mut shot: Shot<'_>, height: f64) -> Result<Option<f64>, SimError> {
     let rising = |_: f64, q: &[f64], v: &[f64]| rig.axle_rates(q, v)[1];
-    let until = sim.time() + 2.0;
-    if rig.axle_rates(sim.coordinates(), sim.velocities())[1] > 0.0 {
-        sim.run(until, &[&rising])?;
-    }
     let above = |_: f64, q: &[f64], _: &[f64]| rig.axle(q)[1] - height;
-    if rig.axle(sim.coordinates())[1] <= height {
+    let until = shot.time() + 2.0;
+    if rising(0.0, shot.sim().coordinates(), shot.sim().velocities()) > 0.0 {
+        shot.go(until, &[&rising])?;
+    }
+    if rig.axle(shot.sim().coordinates())[1] <= height {
         return Ok(None);
     }
-    Ok(match sim.run(until, &[&above])? {
-        Pause::Watch(_) => Some(rig.axle(sim.coordinates())[0]),
+    Ok(match shot.go(until, &[&above])? {
+        Pause::Watch(_) => Some(rig.axle(shot.sim().coordinates())[0]),
         Pause::Time => None,
     })
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// Which of our crates each crate may use. A crate that is not here may not exist.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 12] = [
     ("numeric", &[]),
     ("robot", &["numeric"]),
     ("pneumatics", &["numeric", "robot"]),
@@ -23,8 +23,6 @@ const MAY_USE: [(&str, &[&str]); 13] = [
         &["numeric", "robot", "pneumatics", "sim-check"],
     ),
     ("controller", &[]),
-    // What C programs link.
-    ("controller-ffi", &["controller"]),
     ("saltus", ALL),
     // The command knows the library alone.
     ("saltus-cli", &["saltus"]),

@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# The exported C on this machine gives the answers of the Rust code to the bit: over the drill of the firmware, with approach rates that
+# count at the reference lean and at the firing angle.
+#
+#     bash controller/c/check.sh [DECISIONS]
+#
+# Ends with 3 where there is no C compiler.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+command -v cc >/dev/null || exit 3
+decisions=${1:-100000}
+tables=controller/examples/rats_planar
+build=${CARGO_TARGET_DIR:-target}/c-drill
+mkdir -p "$build"
+for at_firing in 0 1; do
+    sed "s/^#define AT_FIRING .*/#define AT_FIRING $at_firing/" "$tables/saltus_controller.c" >"$build/saltus_controller.c"
+    cc -std=c99 -O2 -fno-math-errno -Wall -Wextra -Werror -DDECISIONS="$decisions" -I"$tables" -Icontroller/firmware \
+        controller/firmware/{main,drill}.c "$build/saltus_controller.c" -lm -o "$build/drill"
+    # The numbers of the self-test are those of the tables as exported.
+    "$build/drill" | grep -v '^self-test' >"$build/c.txt" || true
+    cargo run --quiet --release --locked -p saltus-controller --example drill -- "$decisions" "$at_firing" >"$build/rust.txt"
+    diff "$build/c.txt" "$build/rust.txt" || { printf 'the exported C and Rust disagree\n' >&2; exit 1; }
+done
+cat "$build/rust.txt"
+printf 'the same to the bit in C and in Rust\n'
