@@ -30,7 +30,7 @@ fn jumps(c: &mut Criterion) {
         valve_open: Dual::variable(0.1, 2),
     };
     c.bench_function("jump with four derivatives", |b| {
-        b.iter(|| dual.jump(black_box(&sensitive)))
+        b.iter(|| dual.jump(black_box(&sensitive)));
     });
 
     let batch = Batch::new(&robot, TOLERANCE);
@@ -43,7 +43,7 @@ fn jumps(c: &mut Criterion) {
     let mut group = c.benchmark_group("batch");
     group.throughput(Throughput::Elements(1000));
     group.bench_function("1000 jumps in SIMD lanes", |b| {
-        b.iter(|| batch.jumps(black_box(&many)))
+        b.iter(|| batch.jumps(black_box(&many)));
     });
     group.finish();
 }

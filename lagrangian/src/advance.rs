@@ -88,6 +88,20 @@ pub(crate) struct Pace {
     pub steps: u32,
 }
 
+impl Pace {
+    /// One step or event more, at the time `now` (s).
+    fn count(&mut self, now: f64) -> Result<(), StanceError> {
+        self.steps += 1;
+        if self.steps > MOST_STEPS {
+            return Err(StanceError::TooManySteps {
+                time: now,
+                steps: MOST_STEPS,
+            });
+        }
+        Ok(())
+    }
+}
+
 /// Carries `y` through `phase` to its first event, whose number is returned, or to the time `end`
 /// (none).
 ///
@@ -113,6 +127,8 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
         (0.0..=-PASSED).contains(&guard) && rate > STANDING
     };
     if let Some(i) = (0..M).find(due) {
+        // Phases may hand an event of no time to each other.
+        pace.count(begin)?;
         return Ok(Some(i));
     }
     loop {
@@ -125,13 +141,7 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
         if now - begin > LONGEST {
             return Err(StanceError::TooLong { time: now });
         }
-        pace.steps += 1;
-        if pace.steps > MOST_STEPS {
-            return Err(StanceError::TooManySteps {
-                time: now,
-                steps: MOST_STEPS,
-            });
-        }
+        pace.count(now)?;
         let trial = pace.step.min(longest);
         let foreseen = foresee(&here, &armed, 0.9 * trial);
         let mut length = trial;

@@ -239,7 +239,7 @@ impl<S: Single> Stance<S> {
             early,
         };
         let event = advance(&held, &mut y, None, pace, &mut |a, b| {
-            observer.held(&held, a, b)
+            observer.held(&held, a, b);
         })?;
         Ok(match event {
             Some(Held::<S>::TARGET) => Next::On(y),
@@ -271,7 +271,7 @@ impl<S: Single> Stance<S> {
             early,
         };
         let event = advance(&waiting, &mut y, Some(open), pace, &mut |a, b| {
-            observer.held(&waiting, a, b)
+            observer.held(&waiting, a, b);
         })?;
         match event {
             Some(Held::<S>::EARLY) => return Ok(Next::End(Outcome::EarlyLiftOff, y)),
@@ -294,7 +294,7 @@ impl<S: Single> Stance<S> {
                 return Ok(Next::On(y));
             }
             let event = advance(&filling, &mut y, close, pace, &mut |a, b| {
-                observer.held(&filling, a, b)
+                observer.held(&filling, a, b);
             })?;
             self.leave(&mut y, piece.as_ref());
             match event {
@@ -396,7 +396,7 @@ impl<S: Single> Stance<S> {
             }
             let end = close.filter(|_| switches.energized);
             let event = advance(&phase, &mut y, end, pace, &mut |a, b| {
-                observer.extension(&phase, a, b)
+                observer.extension(&phase, a, b);
             })?;
             self.leave(&mut y, piece.as_ref());
             side = 0.0;
@@ -406,7 +406,7 @@ impl<S: Single> Stance<S> {
                     pace.step = pace.step.min(FIRST_STEP);
                 }
                 Some(Extension::<S>::REACHED) if next.value() < self.leg.stroke.value() => {
-                    passed = next
+                    passed = next;
                 }
                 Some(Extension::<S>::REACHED) => {
                     return Ok((Outcome::Stroke.unless_fallen(y[LEAN].value()), y));
