@@ -181,7 +181,7 @@ fn least<S: Single>(
         for_each_level(outline, &arc, |time| best = best.or(at(time, Cause::Level)));
         if best.gap < NEAR {
             for_each_tie(outline, &arc, |time, a, b| {
-                best = best.or(at(time, Cause::Tie(a, b)))
+                best = best.or(at(time, Cause::Tie(a, b)));
             });
         }
     }

@@ -57,7 +57,7 @@ fn parkour(c: &mut Criterion) {
             continue;
         };
         c.bench_function(&format!("parkour/{id}"), |b| {
-            b.iter(|| plan(&hopper, course, &settings))
+            b.iter(|| plan(&hopper, course, &settings));
         });
     }
 }

@@ -23,11 +23,11 @@ fn tables(c: &mut Criterion) {
     c.bench_function("table 61 x 36", |b| b.iter(|| planner.table(&request)));
     request.threads = 2;
     c.bench_function("table 61 x 36, two threads", |b| {
-        b.iter(|| planner.table(&request))
+        b.iter(|| planner.table(&request));
     });
     request.roots = Roots::All;
     c.bench_function("table 61 x 36, both roots, two threads", |b| {
-        b.iter(|| planner.table(&request))
+        b.iter(|| planner.table(&request));
     });
 }
 

@@ -80,7 +80,7 @@ impl Law {
         for point in &self.points {
             match runs.last_mut() {
                 Some(run) if open && holds(point) && !broken(run.1, point.rate) => {
-                    run.1 = point.rate
+                    run.1 = point.rate;
                 }
                 _ if holds(point) => runs.push((point.rate, point.rate)),
                 _ => {}

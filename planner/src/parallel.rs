@@ -67,7 +67,7 @@ mod tests {
     #[should_panic(expected = "chunk 3")]
     fn a_panic_comes_through() {
         in_chunks(&[0, 1, 2, 3, 4], 1, 2, |chunk| {
-            assert!(chunk[0] != 3, "chunk {}", chunk[0])
+            assert!(chunk[0] != 3, "chunk {}", chunk[0]);
         });
     }
 }

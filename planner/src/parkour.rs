@@ -288,7 +288,7 @@ impl Jumper for Hopper {
             margins.push(Margin {
                 limit: Limit::Robot(name),
                 value,
-            })
+            });
         };
         robot("least launch speed", arc.speed - Slope::of(self.speed.low));
         robot(

@@ -126,9 +126,9 @@ impl Piece {
         for _ in 0..60 {
             let middle = 0.5 * (a + b);
             if self.at(middle).1 * slope > 0.0 {
-                a = middle
+                a = middle;
             } else {
-                b = middle
+                b = middle;
             }
         }
         0.5 * (a + b)

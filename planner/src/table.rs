@@ -464,9 +464,9 @@ impl<'a> Rows<'a> {
             let middle = 0.5 * (a + b);
             let jump = self.planner.jump(&self.launch(row, middle));
             if jump.ok().map(|jump| self.label(&jump)) == label {
-                a = middle
+                a = middle;
             } else {
-                b = middle
+                b = middle;
             }
         }
         0.5 * (a + b)
@@ -609,9 +609,9 @@ impl<'a> Rows<'a> {
                 });
             }
             if (value > target) == rising {
-                b = middle
+                b = middle;
             } else {
-                a = middle
+                a = middle;
             }
         }
         candidate.found = best.filter(|entry| (entry.value - target).abs() <= 1e3 * RESIDUAL);

@@ -85,7 +85,9 @@ fn read(s: &mut Section, term: Term, robot: &mut Robot) {
             .optional(stem, spec.quantity, domain)
             .or(term.of(robot).map(|_| off)),
     };
-    value.into_iter().for_each(|value| term.set(robot, value));
+    if let Some(value) = value {
+        term.set(robot, value);
+    }
 }
 
 /// What pushes the leg `s`, with its numbers still unknown.
@@ -148,9 +150,7 @@ fn gas(s: &mut Section, robot: &mut Robot) {
     }
     let allowed = "air, co2, nitrogen or a table of heat_ratio and constant_j_per_kg_k";
     let gas = s.choice("gas", &GASES, allowed);
-    robot
-        .leg
-        .cylinder_mut()
-        .into_iter()
-        .for_each(|cylinder| cylinder.gas = gas);
+    if let Some(cylinder) = robot.leg.cylinder_mut() {
+        cylinder.gas = gas;
+    }
 }

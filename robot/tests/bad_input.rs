@@ -169,7 +169,7 @@ fn keys_of_a_rig() {
     );
 
     let leg = |line: &str, expected: &str| {
-        check("[leg.cushion]", &format!("{line}\n[leg.cushion]"), expected)
+        check("[leg.cushion]", &format!("{line}\n[leg.cushion]"), expected);
     };
     leg(
         "center_m = -0.1",
@@ -747,7 +747,7 @@ fn force_tables_in_csv_files() {
 #[test]
 fn force_tables_in_the_robot_file() {
     let check = |table: &str, expected: &str| {
-        assert_eq!(complaint(&format!("{TABLE_LEG}{table}")), expected)
+        assert_eq!(complaint(&format!("{TABLE_LEG}{table}")), expected);
     };
     let sound = "extensions_m = [0, 0.05]\nspeeds_m_s = [0, 1]\nforces_n = [[1, 2], [3, 4]]\n";
     Robot::parse(

@@ -101,7 +101,7 @@ fn rats_planar_errors_follow_from_its_sensors() {
     let (encoder, loop_time) = (uniform(std::f64::consts::TAU / 800.0), 1e-3);
     // The file states three digits.
     let check = |stated: f64, derived: f64| {
-        assert!((stated / derived - 1.0).abs() < 5e-3, "{stated} {derived}")
+        assert!((stated / derived - 1.0).abs() < 5e-3, "{stated} {derived}");
     };
     check(errors.rate, 2.0_f64.sqrt() * encoder / 0.05);
     check(errors.firing_angle, encoder.hypot(uniform(5.0 * loop_time)));

@@ -88,16 +88,16 @@ fn an_override_changes_what_it_names() {
     };
     check(&[], &|_| ());
     check(&["leg.supply_pressure_gauge_psi=100"], &|c| {
-        c.supply = GaugePressure(100.0 * psi)
+        c.supply = GaugePressure(100.0 * psi);
     });
     check(&[" leg . supply_pressure_gauge_psi = 100 "], &|c| {
-        c.supply = GaugePressure(100.0 * psi)
+        c.supply = GaugePressure(100.0 * psi);
     });
     check(&["leg.supply_pressure_gauge_bar=7"], &|c| {
-        c.supply = GaugePressure(7e5)
+        c.supply = GaugePressure(7e5);
     });
     check(&["leg.supply_pressure_absolute_pa=701325"], &|c| {
-        c.supply = GaugePressure(6e5)
+        c.supply = GaugePressure(6e5);
     });
     // The later one wins, in whichever unit.
     check(&["leg.bore_m=0.02", "leg.bore_mm=25"], &|c| c.bore = 0.025);
@@ -116,10 +116,10 @@ fn an_override_changes_what_it_names() {
         },
     );
     check(&["leg.polytropic_exponent=1.2"], &|c| {
-        c.polytropic_exponent = Some(1.2)
+        c.polytropic_exponent = Some(1.2);
     });
     check(&["leg.supply_droop_pa_s_per_kg=2e6"], &|c| {
-        c.supply_droop = 2e6
+        c.supply_droop = 2e6;
     });
     check(&["leg.exhaust_port={position_mm=50, area_mm2=3}"], &|c| {
         c.exhaust_port = Some(ExhaustPort {
@@ -129,7 +129,7 @@ fn an_override_changes_what_it_names() {
     });
     // −0 is off with the same bits as 0.
     check(&["leg.leak_area_m2=-0.0"], &|c| {
-        assert_eq!(c.leak_area.to_bits(), 0)
+        assert_eq!(c.leak_area.to_bits(), 0);
     });
 }
 

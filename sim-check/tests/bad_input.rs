@@ -204,7 +204,7 @@ fn what_cannot_be_is_named() {
                     m.surfaces.push(Surface::Plane {
                         point: Vec3::new(0.0, 0.0, 0.15),
                         normal: -Vec3::z(),
-                    })
+                    });
                 },
                 &at(2, 0.1),
                 &still,
@@ -305,7 +305,7 @@ fn what_cannot_be_is_named() {
                     m.drag = Some(Drag {
                         body: 7,
                         coefficient: 0.1,
-                    })
+                    });
                 },
                 &ABOVE,
                 &still,
@@ -318,7 +318,7 @@ fn what_cannot_be_is_named() {
                     m.drag = Some(Drag {
                         body: 0,
                         coefficient: -0.1,
-                    })
+                    });
                 },
                 &ABOVE,
                 &still,

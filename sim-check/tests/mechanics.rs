@@ -209,9 +209,9 @@ fn a_top_spins_as_its_three_integrals_say() -> Result<(), SimError> {
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
         if f(middle) < 0.0 {
-            low = middle
+            low = middle;
         } else {
-            high = middle
+            high = middle;
         }
     }
     // Sampling every 5 ms misses the turning point by a little.

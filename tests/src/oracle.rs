@@ -267,9 +267,9 @@ impl Oracle<'_> {
             for _ in 0..50 {
                 let middle = 0.5 * (low + high);
                 if event(&self.stepped(mode, middle * h)) > 0.0 {
-                    high = middle
+                    high = middle;
                 } else {
-                    low = middle
+                    low = middle;
                 }
             }
             if first.is_none_or(|(_, fraction)| high < fraction) {

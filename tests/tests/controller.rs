@@ -345,7 +345,7 @@ fn decisions_over_an_obstacle_settle_and_keep_clear() {
                     task.guess = Some(Guess {
                         firing_angle: d.firing_angle,
                         valve_open: d.valve_open,
-                    })
+                    });
                 }
                 Err(_) => {
                     refused += 1;

@@ -37,9 +37,9 @@ fn least_friction(launch: &Launch) -> Result<f64, SimError> {
     while high - low > 1e-5 {
         let middle = 0.5 * (low + high);
         if slips(middle, launch)? {
-            low = middle
+            low = middle;
         } else {
-            high = middle
+            high = middle;
         }
     }
     Ok(high)

@@ -183,7 +183,7 @@ fn each_term_acts_as_it_is_named() {
                 r.leg.return_spring = Some(ReturnSpring {
                     stiffness: 50.0,
                     preload: 0.0,
-                })
+                });
             }),
         ),
         (
@@ -192,7 +192,7 @@ fn each_term_acts_as_it_is_named() {
                 r.leg.return_spring = Some(ReturnSpring {
                     stiffness: 0.0,
                     preload: 2.0,
-                })
+                });
             }),
         ),
         (
@@ -201,7 +201,7 @@ fn each_term_acts_as_it_is_named() {
                 cylinder(r).exhaust_port = Some(ExhaustPort {
                     position: 0.05,
                     area: 2e-5,
-                })
+                });
             }),
         ),
         (
@@ -211,7 +211,7 @@ fn each_term_acts_as_it_is_named() {
                     length: 4e-3,
                     stiffness: 1e4,
                     damping: 0.0,
-                })
+                });
             }),
         ),
         (
@@ -221,7 +221,7 @@ fn each_term_acts_as_it_is_named() {
                     length: 4e-3,
                     stiffness: 0.0,
                     damping: 30.0,
-                })
+                });
             }),
         ),
         ("viscous friction", rats(|r| r.leg.viscous_friction += 1.0)),

@@ -108,9 +108,9 @@ fn least_angle(planner: &Planner, rate: f64, distance: f64) -> f64 {
     for _ in 0..50 {
         let middle = 0.5 * (low + high);
         if jump(planner, rate, middle).1 < distance {
-            low = middle
+            low = middle;
         } else {
-            high = middle
+            high = middle;
         }
     }
     high

@@ -298,9 +298,9 @@ fn landing(flight: &[&Sample], height: f64) -> Option<(f64, f64)> {
     for _ in 0..80 {
         let middle = f64::midpoint(from, to);
         if through(near, middle)[1] > height {
-            from = middle
+            from = middle;
         } else {
-            to = middle
+            to = middle;
         }
     }
     Some((from, through(near, from)[0]))

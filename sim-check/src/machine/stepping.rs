@@ -205,7 +205,7 @@ impl Machine<'_> {
                 (Owner::Joint(_), _) => works[JOINT_LOSS] += lost,
                 // The spring keeps its part.
                 (Owner::Normal(_), Some((_, damping))) => {
-                    works[CONTACT_LOSS] += h * damping * speed * speed
+                    works[CONTACT_LOSS] += h * damping * speed * speed;
                 }
                 _ => works[CONTACT_LOSS] += lost,
             }

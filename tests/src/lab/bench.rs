@@ -311,9 +311,9 @@ impl Plant {
         for _ in 0..40 {
             let middle = 0.5 * (low + high);
             if flow(self.supply - self.droop * middle) > middle {
-                low = middle
+                low = middle;
             } else {
-                high = middle
+                high = middle;
             }
         }
         0.5 * (low + high)

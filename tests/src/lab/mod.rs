@@ -348,9 +348,9 @@ fn solved(wanted: f64, of: impl Fn(f64) -> f64) -> f64 {
             return middle;
         }
         if found > wanted {
-            high = (middle, found)
+            high = (middle, found);
         } else {
-            low = (middle, found)
+            low = (middle, found);
         }
     }
     high.0

@@ -32,9 +32,9 @@ pub(super) fn first(whole: f64, crossed: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..48 {
         let middle = 0.5 * (low + high);
         if crossed(middle) {
-            high = middle
+            high = middle;
         } else {
-            low = middle
+            low = middle;
         }
     }
     high

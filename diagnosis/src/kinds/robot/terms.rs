@@ -291,7 +291,7 @@ fn unlisted(list: &mut List, sort: Sort, robot: &Robot) {
         |e, c| e.quadratic = c,
     );
     add("dry friction of the leg, c d", "c_n_per_m", 10.0, |e, c| {
-        e.tightening = c
+        e.tightening = c;
     });
     if matches!(robot.leg.drive, Drive::Pneumatic(_)) {
         add(
