@@ -9,6 +9,7 @@ mod commands;
 mod common;
 mod courses;
 mod diagnose;
+mod documents;
 #[path = "../../../saltus/tests/experiment/folder.rs"]
 mod folder;
 mod inject;
