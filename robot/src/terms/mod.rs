@@ -2,7 +2,7 @@
 //!
 //! Reading and writing robot files, overrides, the page of keys in `robots/README.md`, the causes
 //! that a diagnosis can name, the effects that the tests hide and the robots that they draw all
-//! follow from [`TABLE`]. A new term is an entry there, a field in [`Robot`], and its equation.
+//! follow from it. A new term is an entry there, a field in [`Robot`], and its equation.
 
 mod page;
 mod spec;
