@@ -5,7 +5,9 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::fit::{self, Fit};
 use crate::fitness;
+use crate::identifiability::Identifiability;
 use crate::kind::{Kind, Parameter};
+use crate::policy::POLICY;
 use crate::tangent::Tangent;
 
 /// Parameters fitted at the same time.
@@ -79,13 +81,6 @@ pub struct Residual {
 
 /// Most steps of a fit.
 const STEPS: usize = 60;
-/// Loss for each reading above which other starts are tried.
-const POOR: f64 = 1.5;
-/// Least part of a direction's information, when each parameter alone has information 1, that is
-/// more than the error of difference quotients.
-const NOTHING: f64 = 1e-6;
-/// A parameter of which the square of a unit direction is less has no part in it.
-const NO_PART: f64 = 0.01;
 /// Exponents this near to a whole number are whole.
 const WHOLE: f64 = 0.03;
 
@@ -105,7 +100,7 @@ pub fn estimate(kind: &dyn Kind, causes: &[usize]) -> Option<Estimate> {
     let values: Vec<f64> = places.iter().map(|&(c, p)| after.terms.get(c, p)).collect();
     let inflation = fitness::inflation(kind, &after);
     let tangent = Tangent::new(kind, &after, false)?;
-    let known = Known::new(&tangent.information(), &specs, &values, inflation);
+    let known = Uncertainty::new(&tangent.information(), &specs, &values, inflation);
     let parameters = specs
         .iter()
         .zip(&values)
@@ -150,7 +145,7 @@ fn fitted(kind: &dyn Kind, before: &Fit, causes: &[usize], runs: &[usize]) -> Op
             for &start in &spec.starts {
                 if best
                     .as_ref()
-                    .is_some_and(|fit| fit.loss < POOR * readings as f64)
+                    .is_some_and(|fit| fit.loss < POLICY.poor_fit * readings as f64)
                 {
                     return best;
                 }
@@ -212,83 +207,78 @@ fn residuals(kind: &dyn Kind, before: &Fit, after: &Fit) -> Option<Vec<Residual>
     Some(of_each.map(residual).collect())
 }
 
-/// What an information matrix says, in terms of relative changes.
-struct Known {
+/// How surely parameters are known, in terms of relative changes.
+struct Uncertainty {
     /// One unit of each parameter: its value, or its scale where that is 0.
     units: Vec<f64>,
     /// Square root of each parameter's own information.
     sizes: Vec<f64>,
-    /// Unit directions, in terms of `sizes`, that are not told.
-    dark: Vec<DVector<f64>>,
-    /// Covariance in units, of what is told.
+    /// Unit directions, in terms of `sizes`, that are not identifiable.
+    unidentified: Vec<DVector<f64>>,
+    /// Covariance in units, of what is identifiable.
     covariance: DMatrix<f64>,
 }
 
-impl Known {
+impl Uncertainty {
     fn new(
         information: &DMatrix<f64>,
         specs: &[&Parameter],
         values: &[f64],
         inflation: f64,
-    ) -> Known {
+    ) -> Uncertainty {
         let n = values.len();
-        let is_relative: Vec<bool> = specs
-            .iter()
-            .zip(values)
-            .map(|(s, v)| v.abs() > s.scale)
-            .collect();
-        let units: Vec<f64> = specs
-            .iter()
-            .zip(values.iter().zip(&is_relative))
-            .map(|(s, (v, is_relative))| if *is_relative { v.abs() } else { s.scale })
-            .collect();
-        let in_units = |i: usize, j: usize| {
-            information[(i, j)] * units[i] / specs[i].scale * units[j] / specs[j].scale / inflation
+        let is_relative = |i: usize| values[i].abs() > specs[i].scale;
+        let unit = |i: usize| {
+            if is_relative(i) {
+                values[i].abs()
+            } else {
+                specs[i].scale
+            }
         };
-        let sizes: Vec<f64> = (0..n)
-            .map(|i| in_units(i, i).max(0.0).sqrt().max(1e-150))
-            .collect();
-        let eigen =
-            DMatrix::from_fn(n, n, |i, j| in_units(i, j) / (sizes[i] * sizes[j])).symmetric_eigen();
-        let mut dark = Vec::new();
-        let mut inverse = DMatrix::zeros(n, n);
-        for (k, part) in eigen.eigenvalues.iter().enumerate() {
-            let v = eigen.eigenvectors.column(k).into_owned();
+        let units: Vec<f64> = (0..n).map(unit).collect();
+        let in_units = DMatrix::from_fn(n, n, |i, j| {
+            information[(i, j)] * units[i] / specs[i].scale * units[j] / specs[j].scale / inflation
+        });
+        let found = Identifiability::new(&in_units);
+        let is_known = |k: usize| {
+            let (part, v) = (found.information[k], found.direction(k));
             // A change by all of a parameter that is within one standard error.
             let is_vague =
-                |i: usize| is_relative[i] && v[i].abs() > sizes[i] * part.max(1e-300).sqrt();
-            if *part < NOTHING || (0..n).any(|i| v[i] * v[i] > NO_PART && is_vague(i)) {
-                dark.push(v);
-            } else {
-                inverse += &v * v.transpose() / *part;
-            }
-        }
-        let covariance = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (sizes[i] * sizes[j]));
-        Known {
+                |i: usize| is_relative(i) && v[i].abs() > found.sizes[i] * part.max(1e-300).sqrt();
+            found.is_identifiable(k) && !(0..n).any(|i| v[i] * v[i] > POLICY.no_part && is_vague(i))
+        };
+        Uncertainty {
             units,
-            sizes,
-            dark,
-            covariance,
+            unidentified: (0..n)
+                .filter(|k| !is_known(*k))
+                .map(|k| found.direction(k))
+                .collect(),
+            covariance: found.covariance(is_known),
+            sizes: found.sizes,
         }
     }
 
-    fn is_told(&self, i: usize) -> bool {
-        self.dark.iter().all(|v| v[i] * v[i] < NO_PART)
+    fn is_identifiable(&self, i: usize) -> bool {
+        self.unidentified
+            .iter()
+            .all(|v| v[i] * v[i] < POLICY.no_part)
     }
 
     fn error(&self, i: usize) -> Option<f64> {
-        self.is_told(i)
+        self.is_identifiable(i)
             .then(|| self.units[i] * self.covariance[(i, i)].max(0.0).sqrt())
     }
 
     fn correlation(&self) -> Vec<Vec<f64>> {
         let n = self.units.len();
         let c = &self.covariance;
-        let one = |i: usize, j: usize| match (i == j, self.is_told(i) && self.is_told(j)) {
-            (true, _) => 1.0,
-            (false, true) => c[(i, j)] / (c[(i, i)] * c[(j, j)]).sqrt().max(1e-300),
-            (false, false) => 0.0,
-        };
+        let one =
+            |i: usize, j: usize| match (i == j, self.is_identifiable(i) && self.is_identifiable(j))
+            {
+                (true, _) => 1.0,
+                (false, true) => c[(i, j)] / (c[(i, i)] * c[(j, j)]).sqrt().max(1e-300),
+                (false, false) => 0.0,
+            };
         (0..n)
             .map(|i| (0..n).map(|j| one(i, j)).collect())
             .collect()
@@ -296,7 +286,9 @@ impl Known {
 
     fn undetermined(&self, values: &[f64]) -> Vec<Undetermined> {
         let direction = |v: &DVector<f64>| {
-            let involved: Vec<usize> = (0..v.len()).filter(|&i| v[i] * v[i] > NO_PART).collect();
+            let involved: Vec<usize> = (0..v.len())
+                .filter(|&i| v[i] * v[i] > POLICY.no_part)
+                .collect();
             let changes: Vec<f64> = involved.iter().map(|&i| v[i] / self.sizes[i]).collect();
             let most = changes.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
             let sign = changes.first().map_or(1.0, |x| x.signum());
@@ -310,7 +302,7 @@ impl Known {
                 known: self.combination(&involved, &changes, values),
             }
         };
-        self.dark.iter().map(direction).collect()
+        self.unidentified.iter().map(direction).collect()
     }
 
     /// The product of two parameters' powers that stays as it is where they change by `changes`.
@@ -323,7 +315,13 @@ impl Known {
         let (&[a, b], &[x, y]) = (involved, changes) else {
             return None;
         };
-        let alone = |i: usize| self.dark.iter().filter(|v| v[i] * v[i] > NO_PART).count() == 1;
+        let alone = |i: usize| {
+            self.unidentified
+                .iter()
+                .filter(|v| v[i] * v[i] > POLICY.no_part)
+                .count()
+                == 1
+        };
         let is_product = [a, b]
             .iter()
             .all(|&i| values[i] > 0.0 && self.units[i] == values[i] && alone(i));
@@ -377,7 +375,7 @@ mod tests {
             let sum: f64 = rows.iter().zip(weights).map(|(r, w)| r[i] * r[j] * w).sum();
             sum * 1e-4
         });
-        let known = Known::new(&information, &specs, &values, 1.0);
+        let known = Uncertainty::new(&information, &specs, &values, 1.0);
         assert_eq!((known.error(0), known.error(1)), (None, None));
         assert!(known.error(2).is_some_and(|e| (e - 0.5).abs() < 1e-9));
         let all = known.undetermined(&values);

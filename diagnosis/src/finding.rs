@@ -1,15 +1,10 @@
 //! What a diagnosis says: causes with their parameters, what else could be, and what is unknown.
 
-use nalgebra::DMatrix;
-
 use crate::fit::Fit;
-use crate::fitness::{self, Fitness};
+use crate::fitness::{Fitness, Unknown};
 use crate::gain::Gain;
-use crate::kind::{Kind, Parameter, Terms};
 use crate::next::NextExperiment;
-use crate::parallel;
-use crate::profile::{Interval, Profile};
-use crate::tangent::Tangent;
+use crate::profile::Interval;
 
 /// A cause as a candidate, fitted with those before it.
 #[derive(Clone, Debug)]
@@ -23,6 +18,18 @@ pub struct Candidate {
     pub fit: Fit,
     /// Its parameters as they are reported.
     pub reported: Vec<Reported>,
+}
+
+impl Candidate {
+    /// `fit`, which is `base` with `cause`.
+    pub(crate) fn new(cause: usize, base: &Fit, fit: Fit) -> Candidate {
+        Candidate {
+            cause,
+            gain: base.loss - fit.loss,
+            fit,
+            reported: Vec::new(),
+        }
+    }
 }
 
 /// A parameter of a cause as it is reported.
@@ -67,7 +74,7 @@ pub struct Diagnosis {
     /// The causes, the most telling first.
     pub findings: Vec<Finding>,
     /// Something that is wrong beyond them.
-    pub unknown: Option<fitness::Unknown>,
+    pub unknown: Option<Unknown>,
     /// The term of the state that describes it best, if one does on data left out too; it has no id
     /// of a cause.
     pub term: Option<Candidate>,
@@ -84,147 +91,4 @@ pub struct Diagnosis {
     pub inflation: f64,
     /// Held-out gain of each channel.
     pub gains: Vec<Gain>,
-}
-
-/// Whether nothing limits a parameter, found to be `value`, on the side away from neutral: there
-/// its interval with these ends has no end, and physics allows far more than the least that
-/// explains the data.
-fn is_unlimited(parameter: &Parameter, value: f64, [low, high]: [Option<f64>; 2]) -> bool {
-    /// How far, in terms of that least.
-    const FAR: f64 = 2.0;
-    let Parameter {
-        neutral, bounds, ..
-    } = parameter;
-    let (inner, outer, bound) = if value > *neutral {
-        (low, high, bounds.1)
-    } else {
-        (high, low, bounds.0)
-    };
-    let least = inner.map_or(0.0, |x| (x - neutral).abs());
-    outer.is_none() && (bound - neutral).abs() > FAR * least
-}
-
-/// What the data do not tell of a cause.
-pub(crate) struct Told {
-    /// A direction of its parameters that the data do not tell, if there is one.
-    pub(crate) undetermined: Option<Vec<f64>>,
-    /// Whether nothing limits how strong it is; false without intervals.
-    pub(crate) is_open: bool,
-}
-
-/// Fills in what is reported of a candidate's cause, with standard errors by first differences of
-/// what is reported.
-pub(crate) fn report(
-    kind: &dyn Kind,
-    candidate: &mut Candidate,
-    inflation: f64,
-    with_intervals: bool,
-) -> Told {
-    let (fit, cause) = (&candidate.fit, candidate.cause);
-    let parameters = &kind.causes()[cause].parameters;
-    let known = Tangent::new(kind, fit, false).map(|t| t.known(kind));
-    let offset: usize = fit
-        .causes
-        .iter()
-        .take_while(|c| **c != cause)
-        .map(|c| kind.causes()[*c].parameters.len())
-        .sum();
-    let n = parameters.len();
-    let covariance = known.as_ref().map_or_else(
-        || DMatrix::from_element(n, n, f64::NAN),
-        |k| k.covariance.view((offset, offset), (n, n)).into_owned() * inflation,
-    );
-    let values = fit.terms.of(cause).to_vec();
-    let reported = kind.causes()[cause].report(&values);
-    let slopes: Vec<Vec<f64>> = (0..n)
-        .map(|p| {
-            let mut moved = values.clone();
-            let step = 1e-4 * parameters[p].scale;
-            moved[p] += step;
-            let there = kind.causes()[cause].report(&moved);
-            reported
-                .iter()
-                .zip(&there)
-                .map(|(a, b)| (b.1 - a.1) / step * parameters[p].scale)
-                .collect()
-        })
-        .collect();
-    // The parameter of the fit that a reported one depends on, where it is one.
-    let only = |k: usize| {
-        let mut by = (0..n).filter(|&p| slopes[p][k] != 0.0);
-        by.next().filter(|_| by.next().is_none())
-    };
-    let ends = match &known {
-        Some(known) if with_intervals => {
-            let profile = Profile {
-                kind,
-                fit,
-                known,
-                inflation,
-            };
-            parallel::map(2 * reported.len(), |k| {
-                let parameter = only(k / 2)?;
-                Some(profile.end(cause, parameter, k % 2 == 1))
-            })
-        }
-        _ => vec![None; 2 * reported.len()],
-    };
-    let opens: Vec<bool> = (0..reported.len())
-        .filter_map(|k| {
-            let p = only(k).filter(|p| values[*p] != parameters[*p].neutral)?;
-            let at = |end: &Option<Terms>| end.as_ref().map(|terms| terms.get(cause, p));
-            Some(match (&ends[2 * k], &ends[2 * k + 1]) {
-                (Some(low), Some(high)) => {
-                    is_unlimited(&parameters[p], values[p], [at(low), at(high)])
-                }
-                _ => false,
-            })
-        })
-        .collect();
-    let is_open = !opens.is_empty() && opens.iter().all(|open| *open);
-    candidate.reported = reported
-        .into_iter()
-        .enumerate()
-        .map(|(k, (name, value))| {
-            let mut variance = 0.0;
-            for i in 0..n {
-                for j in 0..n {
-                    variance += slopes[i][k] * slopes[j][k] * covariance[(i, j)];
-                }
-            }
-            let at = |end: &Option<Terms>| {
-                Some(kind.causes()[cause].report(end.as_ref()?.of(cause))[k].1)
-            };
-            let interval = match (&ends[2 * k], &ends[2 * k + 1]) {
-                // What is reported may grow as the parameter of the fit falls.
-                (Some(a), Some(b)) if slopes.iter().any(|by| by[k] < 0.0) => Some(Interval {
-                    low: at(b),
-                    high: at(a),
-                }),
-                (Some(a), Some(b)) => Some(Interval {
-                    low: at(a),
-                    high: at(b),
-                }),
-                _ => None,
-            };
-            // One that rests where it does nothing has none.
-            let error = if variance > 0.0 && variance.is_finite() {
-                variance.sqrt()
-            } else {
-                f64::NAN
-            };
-            Reported {
-                name,
-                value,
-                error,
-                interval,
-            }
-        })
-        .collect();
-    let undetermined = known
-        .and_then(|k| (k.least < 1e-6 && n > 1).then(|| k.direction[offset..offset + n].to_vec()));
-    Told {
-        undetermined,
-        is_open,
-    }
 }

@@ -3,10 +3,12 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::kind::{Kind, Parameter, Reading, Terms};
+use crate::policy::POLICY;
+use crate::statistics::dot;
 
 /// Residuals beyond so many standard deviations count in proportion to their size only (Huber's
 /// loss).
-const HUBER: f64 = 3.0;
+const HUBER: f64 = POLICY.huber;
 /// Most steps of a fit.
 const STEPS: usize = 40;
 /// Fall of the loss below which a fit is done.
@@ -449,10 +451,6 @@ impl<'a> Problem<'a> {
         }
         (0.0, 0.0)
     }
-}
-
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Every parameter of `causes`, in turn.

@@ -1,39 +1,17 @@
-//! Whether what a model leaves of the data is noise: its level, its smoothness, and what returns in
-//! every run.
+//! Whether what a model leaves of the data is noise: its level, its smoothness, patterns in it, and
+//! what repeats in every run.
 
 use rand_distr::{Bernoulli, Distribution};
 use rand_pcg::Pcg64;
 
-use crate::choose::percentile;
 use crate::fit::{self, Fit};
 use crate::kind::Kind;
-use crate::noise::median;
 use crate::parallel;
 use crate::patterns::{self, Patterns};
+use crate::policy::POLICY;
+use crate::series::{self, SHAPES, Series, lag_correlation, runs_of, series};
+use crate::statistics::{dot, median, percentile};
 use crate::tangent::Tangent;
-
-/// Smooth shapes over a run that residuals are compared with.
-const SHAPES: usize = 8;
-/// Mean square of residuals beyond 1, or of their smooth part, below which nothing is said to be
-/// wrong; or as far as the model is true.
-const LEAST: f64 = 0.03;
-/// The same of the level where the noise is estimated.
-const LEAST_ESTIMATED: f64 = 0.5;
-/// Mean of residuals over a part of a run, in standard deviations, below which nothing is said to
-/// be wrong.
-const LEAST_MEAN: f64 = 0.75;
-/// By how much more residuals must stand out where the noise is estimated.
-const DOUBT: f64 = 3.0;
-/// Scatter in terms of the stated noise above which something is wrong however the instruments may
-/// wander.
-const GROSS: f64 = 5.0;
-/// Correlation of residuals with the next from which on they follow each other.
-const SMOOTH: f64 = 0.5;
-/// Runs that it takes to tell what returns in each of them.
-const RUNS: usize = 6;
-
-/// Statistics of each channel.
-type Measured = Vec<Vec<f64>>;
 
 /// How well a model fits.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,12 +25,11 @@ pub struct Fitness {
     pub smooth: Vec<f64>,
     /// Sum of squares of the residuals beyond their number.
     pub squares: f64,
-    /// How far the most telling of these is beyond chance: above 1 is less likely than the stated
-    /// level.
+    /// The most telling statistic in terms of its threshold: noise exceeds 1 as rarely as stated.
     pub alarm: f64,
-    /// Whether something is left that is not noise.
-    pub is_off: bool,
-    /// Whether so much is left that it is not the instruments, however they may wander.
+    /// Whether what is left of each channel is noise.
+    pub is_noise: Vec<bool>,
+    /// Whether so much is left, and so smooth, that it is not the instruments, however they drift.
     pub is_gross: bool,
     /// Whether the noise was given, or most runs leave what was estimated, so that this can be told
     /// for sure.
@@ -71,148 +48,202 @@ pub struct Unknown {
 }
 
 impl Fitness {
+    /// Of a model that has no answer.
+    fn none(channels: usize) -> Fitness {
+        Fitness {
+            level: vec![f64::NAN; channels],
+            whiteness: vec![f64::NAN; channels],
+            smooth: vec![f64::NAN; channels],
+            squares: f64::INFINITY,
+            alarm: f64::INFINITY,
+            is_noise: vec![false; channels],
+            is_gross: true,
+            is_sure: false,
+        }
+    }
+
     /// What is wrong, if something is.
     pub(crate) fn unknown(&self, kind: &dyn Kind, model: &Fit) -> Option<Unknown> {
-        if self.is_off {
-            self.worst(kind, model)
-        } else {
+        if self.is_noise.iter().all(|is_noise| *is_noise) {
             None
+        } else {
+            self.worst(kind, model)
         }
     }
 
     /// Where `model` is most off.
     pub(crate) fn worst(&self, kind: &dyn Kind, model: &Fit) -> Option<Unknown> {
-        let worst = (0..self.level.len()).max_by(|a, b| {
-            (self.level[*a] + self.smooth[*a]).total_cmp(&(self.level[*b] + self.smooth[*b]))
-        })?;
-        let mut parts: Vec<(String, f64, f64)> = Vec::new();
-        for (run, log) in kind.logs().iter().enumerate() {
-            let residuals = fit::residuals(kind, run, &model.terms, &model.unknowns[run])?;
-            let phases = kind.phases(run, &model.terms, &model.unknowns[run]);
-            let (first, last) = (log.readings.first()?.time, log.readings.last()?.time);
-            for (reading, r) in log
-                .readings
-                .iter()
-                .zip(residuals)
-                .filter(|(x, _)| x.channel == worst)
-            {
-                let r = r / reading.weight.sqrt();
-                let name = phases
-                    .iter()
-                    .rev()
-                    .find(|(_, from)| *from <= reading.time)
-                    .map_or_else(
-                        || {
-                            let third = 3.0 * (reading.time - first)
-                                / (last - first).max(f64::MIN_POSITIVE);
-                            let name = ["first third", "second third", "last third"];
-                            name[usize::from(third >= 1.0) + usize::from(third >= 2.0)].to_owned()
-                        },
-                        |(name, _)| (*name).to_owned(),
-                    );
-                match parts.iter_mut().find(|p| p.0 == name) {
-                    Some(part) => {
-                        part.1 += r * r;
-                        part.2 += 1.0;
-                    }
-                    None => parts.push((name, r * r, 1.0)),
-                }
-            }
+        let misfit = |c: &usize| self.level[*c] + self.smooth[*c];
+        let worst = (0..self.level.len()).max_by(|a, b| misfit(a).total_cmp(&misfit(b)))?;
+        let mut parts: Vec<Part> = Vec::new();
+        for run in 0..kind.logs().len() {
+            add_parts(&mut parts, kind, model, run, worst)?;
         }
-        let (phase, sum, n) = parts
+        let mean = |part: &Part| part.squares / part.count;
+        let part = parts
             .into_iter()
-            .max_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2)))?;
+            .max_by(|a, b| mean(a).total_cmp(&mean(b)))?;
         let channel = &kind.channels()[worst];
         Some(Unknown {
             channel: channel.name.clone(),
-            phase,
-            rms: (sum / n).sqrt() * channel.noise,
+            rms: mean(&part).sqrt() * channel.noise,
+            phase: part.name,
         })
     }
 }
 
-/// Legendre's polynomials 0 to `SHAPES` − 1 at x in [−1, 1].
-fn legendre(x: f64) -> [f64; SHAPES] {
-    let mut p = [1.0; SHAPES];
-    p[1] = x;
-    for k in 2..SHAPES {
-        let n = k as f64;
-        p[k] = ((2.0 * n - 1.0) * x * p[k - 1] - (n - 1.0) * p[k - 2]) / n;
-    }
-    p
+/// Residuals of a channel in a phase of all runs.
+struct Part {
+    name: String,
+    /// Sum of their squares (σ²).
+    squares: f64,
+    count: f64,
 }
 
-/// Residuals of each run and channel as a series, with the place of each among all readings.
-struct Series {
-    channel: usize,
+/// Adds the residuals of a channel in a run to the parts of their phases.
+fn add_parts(
+    parts: &mut Vec<Part>,
+    kind: &dyn Kind,
+    model: &Fit,
     run: usize,
-    places: Vec<usize>,
-    shapes: Vec<Vec<f64>>,
-}
-
-fn series(kind: &dyn Kind) -> Vec<Series> {
-    let mut all = Vec::new();
-    let mut start = 0;
-    for (run, log) in kind.logs().iter().enumerate() {
-        for channel in 0..kind.channels().len() {
-            let places: Vec<usize> = (0..log.readings.len())
-                .filter(|i| log.readings[*i].channel == channel)
-                .map(|i| start + i)
-                .collect();
-            let n = places.len();
-            if n == 0 {
-                continue;
-            }
-            let mut shapes = vec![vec![0.0; n]; SHAPES.min(n / 2)];
-            for i in 0..n {
-                let at = legendre(2.0 * (i as f64 + 0.5) / n as f64 - 1.0);
-                for (shape, value) in shapes.iter_mut().zip(at) {
-                    shape[i] = value;
-                }
-            }
-            for shape in &mut shapes {
-                let size = fit::dot(shape, shape).sqrt();
-                for x in shape {
-                    *x /= size;
-                }
-            }
-            all.push(Series {
-                channel,
-                run,
-                places,
-                shapes,
-            });
+    channel: usize,
+) -> Option<()> {
+    let (unknowns, readings) = (&model.unknowns[run], &kind.logs()[run].readings);
+    let residuals = fit::residuals(kind, run, &model.terms, unknowns)?;
+    let phases = kind.phases(run, &model.terms, unknowns);
+    let (first, last) = (readings.first()?.time, readings.last()?.time);
+    let third = |time: f64| {
+        let third = 3.0 * (time - first) / (last - first).max(f64::MIN_POSITIVE);
+        ["first third", "second third", "last third"]
+            [usize::from(third >= 1.0) + usize::from(third >= 2.0)]
+    };
+    for (reading, r) in readings.iter().zip(residuals) {
+        if reading.channel != channel {
+            continue;
         }
-        start += log.readings.len();
-    }
-    all
-}
-
-/// What is compared with chance: level, smooth part, and the part that returns in every run, of
-/// each channel in turn.
-fn statistics(series: &[Series], channels: usize, residuals: &[f64]) -> [Vec<f64>; 3] {
-    let (mut level, mut smooth) = (vec![0.0; channels], vec![0.0; channels]);
-    let mut returning = vec![[0.0; SHAPES]; channels];
-    for s in series {
-        let values: Vec<f64> = s.places.iter().map(|&i| residuals[i]).collect();
-        level[s.channel] += fit::dot(&values, &values);
-        for (k, shape) in s.shapes.iter().enumerate() {
-            let part = fit::dot(shape, &values);
-            smooth[s.channel] += part * part;
-            returning[s.channel][k] += part;
+        let mut begun = phases.iter().rev().filter(|(_, at)| *at <= reading.time);
+        let name = begun.next().map_or_else(|| third(reading.time), |p| p.0);
+        let square = (r / reading.weight.sqrt()).powi(2);
+        match parts.iter_mut().find(|p| p.name == name) {
+            Some(part) => (part.squares, part.count) = (part.squares + square, part.count + 1.0),
+            None => parts.push(Part {
+                name: name.to_owned(),
+                squares: square,
+                count: 1.0,
+            }),
         }
     }
-    [
-        level,
-        smooth,
-        returning
-            .iter()
-            .map(|parts| parts.iter().map(|p| p * p).sum())
-            .collect(),
-    ]
+    Some(())
 }
 
-/// How well `model` fits, with a stated `level` of saying that it does not when it does.
+/// Statistics of residuals, of each channel: level, smooth part, the part that repeats in every
+/// run, and patterns.
+type Measured = Vec<Vec<f64>>;
+
+/// Level and smooth part among the statistics; the patterns come after `REPEATS`.
+const LEVEL: usize = 0;
+const SMOOTH: usize = 1;
+const REPEATS: usize = 2;
+/// Statistics of a channel.
+const STATISTICS: usize = REPEATS + 1 + patterns::COUNT;
+
+/// What is measured of residuals.
+struct Measure {
+    series: Vec<Series>,
+    patterns: Patterns,
+    /// Readings of each channel, as they count.
+    counts: Vec<f64>,
+}
+
+impl Measure {
+    fn new(kind: &dyn Kind, predicted: &[f64]) -> Measure {
+        let mut counts = vec![0.0; kind.channels().len()];
+        for reading in kind.logs().iter().flat_map(|log| &log.readings) {
+            counts[reading.channel] += reading.weight;
+        }
+        Measure {
+            series: series(kind),
+            patterns: Patterns::new(kind, predicted),
+            counts,
+        }
+    }
+
+    fn channels(&self) -> usize {
+        self.counts.len()
+    }
+
+    fn of(&self, residuals: &[f64]) -> Measured {
+        let mut all = vec![vec![0.0; REPEATS + 1]; self.channels()];
+        let mut repeats = vec![[0.0; SHAPES]; self.channels()];
+        for s in &self.series {
+            let values = s.of(residuals);
+            all[s.channel][LEVEL] += dot(&values, &values);
+            let parts = s.smooth_parts(residuals);
+            for (part, sum) in parts.iter().zip(&mut repeats[s.channel]) {
+                all[s.channel][SMOOTH] += part * part;
+                *sum += part;
+            }
+        }
+        let patterns = self.patterns.find(residuals);
+        for ((all, repeats), patterns) in all.iter_mut().zip(&repeats).zip(patterns) {
+            all[REPEATS] = repeats.iter().map(|p| p * p).sum();
+            all.extend(patterns.iter().map(|p| p.statistic));
+        }
+        all
+    }
+
+    /// A sum over a channel for one of its readings.
+    fn for_each(&self, channel: usize, sum: f64) -> f64 {
+        sum / self.counts[channel].max(1.0)
+    }
+}
+
+/// What chance does to the statistics.
+struct Chance {
+    /// Mean and standard deviation of each statistic of each channel.
+    moments: Vec<Vec<(f64, f64)>>,
+    /// What the most telling of all reaches in noise as rarely as stated.
+    threshold: f64,
+}
+
+impl Chance {
+    /// From what was measured of residuals drawn by chance.
+    fn new(drawn: &[Measured], channels: usize, level: f64) -> Chance {
+        let moments = |c: usize, k: usize| {
+            let n = drawn.len() as f64;
+            let values: Vec<f64> = drawn.iter().map(|x| x[c][k]).collect();
+            let mean = values.iter().sum::<f64>() / n;
+            let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n;
+            (mean, square.sqrt().max(1e-9 * mean.abs()).max(1e-12))
+        };
+        let mut chance = Chance {
+            moments: (0..channels)
+                .map(|c| (0..STATISTICS).map(|k| moments(c, k)).collect())
+                .collect(),
+            threshold: f64::NAN,
+        };
+        let mut most: Vec<f64> = drawn.iter().map(|x| chance.most(x)).collect();
+        most.sort_by(f64::total_cmp);
+        // The level is finer than the draws.
+        chance.threshold = (percentile(&most, 1.0 - level) * POLICY.beyond_draws).max(1e-9);
+        chance
+    }
+
+    /// A statistic in standard deviations of its own.
+    fn beyond(&self, x: &Measured, c: usize, k: usize) -> f64 {
+        let (mean, deviation) = self.moments[c][k];
+        (x[c][k] - mean) / deviation
+    }
+
+    /// The most telling of all.
+    fn most(&self, x: &Measured) -> f64 {
+        let all = (0..x.len()).flat_map(|c| (0..STATISTICS).map(move |k| (c, k)));
+        all.map(|(c, k)| self.beyond(x, c, k))
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+/// How well `model` fits; `level` is the part of cases in which noise is said not to be noise.
 pub(crate) fn fitness(
     kind: &dyn Kind,
     model: &Fit,
@@ -220,117 +251,112 @@ pub(crate) fn fitness(
     level: f64,
     random: &mut Pcg64,
 ) -> Fitness {
-    let channels = kind.channels().len();
-    let series = series(kind);
     let residuals = Tangent::residuals(kind, model).unwrap_or_default();
-    let tangent = Tangent::new(kind, model, false);
-    let mut counts = vec![0.0; channels];
-    for reading in kind.logs().iter().flat_map(|log| &log.readings) {
-        counts[reading.channel] += reading.weight;
-    }
-    let Some(tangent) = tangent.filter(|t| *t.bounds().last().unwrap_or(&0) == residuals.len())
+    let channels = kind.channels().len();
+    let Some(tangent) = Tangent::new(kind, model, false)
+        .filter(|t| *t.bounds().last().unwrap_or(&0) == residuals.len())
     else {
-        return Fitness {
-            level: vec![f64::NAN; channels],
-            whiteness: vec![f64::NAN; channels],
-            smooth: vec![f64::NAN; channels],
-            squares: f64::INFINITY,
-            alarm: f64::INFINITY,
-            is_off: true,
-            is_gross: true,
-            is_sure: false,
-        };
+        return Fitness::none(channels);
     };
-    let patterns = Patterns::new(kind, &tangent.predicted);
-    let measure = |residuals: &[f64]| -> Measured {
-        let [level, smooth, returning] = statistics(&series, channels, residuals);
-        let found = patterns.find(residuals);
-        let of = |c: usize| {
-            let known = [level[c], smooth[c], returning[c]];
-            known
-                .into_iter()
-                .chain(found[c].iter().map(|p| p.statistic))
-                .collect::<Vec<_>>()
-        };
-        (0..channels).map(of).collect()
-    };
-    let found = measure(&residuals);
-    let drawn: Vec<Vec<f64>> = (0..draws.max(100))
+    let measure = Measure::new(kind, &tangent.predicted);
+    let drawn: Vec<Vec<f64>> = (0..draws.max(POLICY.least_draws))
         .map(|_| tangent.chance(kind, random))
         .collect();
-    let chance = parallel::map(drawn.len(), |k| measure(&drawn[k]));
-    let is_given = kind.channels().iter().all(|c| c.is_given);
-    let is_sure = (0..channels)
-        .all(|c| kind.channels()[c].is_given || is_as_estimated(&series, c, &residuals));
-    // Each statistic in terms of its own scatter by chance; the most telling of them.
-    let scatter = |c: usize, k: usize| {
-        let values: Vec<f64> = chance.iter().map(|x| x[c][k]).collect();
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
-        (mean, square.sqrt().max(1e-9 * mean.abs()).max(1e-12))
-    };
-    let kinds = 3 + patterns::COUNT;
-    let scatters: Vec<Vec<(f64, f64)>> = (0..channels)
-        .map(|c| (0..kinds).map(|k| scatter(c, k)).collect())
-        .collect();
-    let beyond = |x: &Measured, c: usize, k: usize| (x[c][k] - scatters[c][k].0) / scatters[c][k].1;
-    let all = || (0..channels).flat_map(|c| (0..kinds).map(move |k| (c, k)));
-    let most = |x: &Measured| {
-        all()
-            .map(|(c, k)| beyond(x, c, k))
-            .fold(f64::NEG_INFINITY, f64::max)
-    };
-    let mut by_chance: Vec<f64> = chance.iter().map(most).collect();
-    by_chance.sort_by(f64::total_cmp);
-    // Beyond the greatest of what was drawn by a little: the level is finer than the draws tell.
-    let threshold = (percentile(&by_chance, 1.0 - level) * 1.25).max(1e-9);
-    let alarm = most(&found) / threshold;
-    let mean_square: Vec<f64> = (0..channels)
-        .map(|c| found[c][0] / counts[c].max(1.0))
-        .collect();
+    let drawn = parallel::map(drawn.len(), |k| measure.of(&drawn[k]));
+    let chance = Chance::new(&drawn, channels, level);
+    let found = measure.of(&residuals);
     let smooth: Vec<f64> = (0..channels)
-        .map(|c| (found[c][1] - scatters[c][1].0).max(0.0) / counts[c].max(1.0))
+        .map(|c| {
+            let beyond = (found[c][SMOOTH] - chance.moments[c][SMOOTH].0).max(0.0);
+            measure.for_each(c, beyond)
+        })
         .collect();
-    let sizes = patterns.find(&residuals);
-    let least = LEAST.max(kind.trust().powi(2));
-    let matters = |c: usize, k: usize| match k {
-        0 => {
-            let least = if kind.channels()[c].is_given {
-                least
-            } else {
-                LEAST_ESTIMATED
-            };
-            (found[c][0] - scatters[c][0].0) / counts[c].max(1.0) > least
-        }
-        1 | 2 => smooth[c] > least,
-        3 => sizes[c][0].size > LEAST_MEAN.max(4.0 * kind.trust()),
-        _ => sizes[c][k - 3].size > least,
-    };
-    // What is estimated is not as sure: the noise of inputs adds up to something smooth.
-    let doubt = if is_given { 1.0 } else { DOUBT };
-    let is_wrong = all().any(|(c, k)| beyond(&found, c, k) > doubt * threshold && matters(c, k));
-    let is_off = if is_sure && runs_of(&series) != 2 {
-        is_wrong
+    let is_sure = (0..channels)
+        .all(|c| kind.channels()[c].is_given || is_as_estimated(&measure.series, c, &residuals));
+    let is_noise = if is_sure && runs_of(&measure.series) != 2 {
+        let sizes = measure.patterns.find(&residuals);
+        let test = NoiseTest {
+            kind,
+            measure: &measure,
+            chance: &chance,
+            found: &found,
+            smooth: &smooth,
+            sizes: &sizes,
+        };
+        (0..channels).map(|c| test.is_noise(c)).collect()
     } else {
-        returns(&series, channels, &residuals, level, random)
+        vec![!repeats(&measure.series, channels, &residuals, level, random); channels]
     };
-    let whiteness = whiteness(&series, channels, &residuals);
-    // One by one they may scatter as they like: jumps of a robot do.
-    let is_gross = crate::fitness::scatter(kind, model)
+    let whiteness = lag_correlation(&measure.series, channels, &residuals);
+    // Independent residuals may scatter as they like: jumps of a robot do.
+    let is_gross = scatter(kind, model)
         .iter()
         .zip(&whiteness)
-        .any(|(s, w)| *s > GROSS && *w > SMOOTH);
+        .any(|(s, w)| *s > POLICY.gross && *w > POLICY.smooth);
     let raw = raw_residuals(kind, model);
-    let squares = (fit::dot(&raw, &raw) - raw.len() as f64).max(0.0);
     Fitness {
-        level: mean_square,
+        level: (0..channels)
+            .map(|c| measure.for_each(c, found[c][LEVEL]))
+            .collect(),
         whiteness,
         smooth,
-        squares,
-        alarm,
-        is_off,
+        squares: (dot(&raw, &raw) - raw.len() as f64).max(0.0),
+        alarm: chance.most(&found) / chance.threshold,
+        is_noise,
         is_gross,
         is_sure,
+    }
+}
+
+/// The test whether residuals are noise.
+struct NoiseTest<'a> {
+    kind: &'a dyn Kind,
+    measure: &'a Measure,
+    chance: &'a Chance,
+    found: &'a Measured,
+    smooth: &'a [f64],
+    sizes: &'a [[patterns::Pattern; patterns::COUNT]],
+}
+
+impl NoiseTest<'_> {
+    /// Whether no statistic of channel `c` is beyond chance and large enough to matter.
+    fn is_noise(&self, c: usize) -> bool {
+        // Estimated noise is not as sure: that of inputs adds up to something smooth.
+        let is_given = self.kind.channels().iter().all(|c| c.is_given);
+        let factor = if is_given {
+            1.0
+        } else {
+            POLICY.estimated_noise_factor
+        };
+        let threshold = factor * self.chance.threshold;
+        !(0..STATISTICS)
+            .any(|k| self.chance.beyond(self.found, c, k) > threshold && self.matters(c, k))
+    }
+
+    /// Whether statistic `k` of channel `c` is large enough to matter, and not the error of the
+    /// model.
+    fn matters(&self, c: usize, k: usize) -> bool {
+        let trust = self.kind.trust();
+        let least = POLICY.least_misfit.max(trust.powi(2));
+        let pattern = |k: usize| self.sizes[c][k - REPEATS - 1].size;
+        const PART: usize = REPEATS + 1;
+        match k {
+            LEVEL => {
+                let beyond = self.found[c][LEVEL] - self.chance.moments[c][LEVEL].0;
+                let least = if self.kind.channels()[c].is_given {
+                    least
+                } else {
+                    POLICY.least_misfit_estimated
+                };
+                self.measure.for_each(c, beyond) > least
+            }
+            SMOOTH | REPEATS => self.smooth[c] > least,
+            PART => {
+                let of_model = POLICY.least_mean_of_model_error * trust;
+                pattern(k) > POLICY.least_mean.max(of_model)
+            }
+            _ => pattern(k) > least,
+        }
     }
 }
 
@@ -346,35 +372,15 @@ fn is_as_estimated(series: &[Series], channel: usize, residuals: &[f64]) -> bool
         .filter(|s| s.channel == channel)
         .map(square)
         .collect();
-    squares.len() >= 3 && median(&mut squares) < 1.0 + LEAST_ESTIMATED
+    squares.len() >= 3 && median(&mut squares) < 1.0 + POLICY.least_misfit_estimated
 }
 
-/// Correlation of each residual with the next, of each channel.
-fn whiteness(series: &[Series], channels: usize, residuals: &[f64]) -> Vec<f64> {
-    (0..channels)
-        .map(|c| {
-            let (mut above, mut below) = (0.0, 1e-300);
-            for s in series.iter().filter(|s| s.channel == c) {
-                for pair in s.places.windows(2) {
-                    above += residuals[pair[0]] * residuals[pair[1]];
-                }
-                below += s
-                    .places
-                    .iter()
-                    .map(|&i| residuals[i] * residuals[i])
-                    .sum::<f64>();
-            }
-            above / below
-        })
-        .collect()
-}
-
-/// Whether the residuals of every channel scatter one by one, and do not follow each other.
+/// Whether the residuals of every channel are independent of each other.
 pub(crate) fn is_white(kind: &dyn Kind, model: &Fit) -> bool {
     let residuals = Tangent::residuals(kind, model).unwrap_or_default();
-    whiteness(&series(kind), kind.channels().len(), &residuals)
+    lag_correlation(&series(kind), kind.channels().len(), &residuals)
         .iter()
-        .all(|w| w.abs() < SMOOTH)
+        .all(|correlation| correlation.abs() < POLICY.smooth)
 }
 
 /// Loss of a model beyond the number of readings, which is what noise would leave.
@@ -405,7 +411,7 @@ pub(crate) fn levels(kind: &dyn Kind, model: &Fit) -> Option<Vec<Level>> {
     if residuals.len() != readings.len() {
         return None;
     }
-    let white = whiteness(&series(kind), kind.channels().len(), &residuals);
+    let white = lag_correlation(&series(kind), kind.channels().len(), &residuals);
     let level = |(c, white): (usize, f64)| {
         let here = || {
             readings
@@ -418,7 +424,7 @@ pub(crate) fn levels(kind: &dyn Kind, model: &Fit) -> Option<Vec<Level>> {
         Level {
             count,
             square: sum / count.max(1.0),
-            is_white: white < SMOOTH,
+            is_white: white < POLICY.smooth,
         }
     };
     Some(white.into_iter().enumerate().map(level).collect())
@@ -456,72 +462,55 @@ fn raw_residuals(kind: &dyn Kind, model: &Fit) -> Vec<f64> {
     (0..kind.logs().len()).flat_map(of).collect()
 }
 
-fn runs_of(series: &[Series]) -> usize {
-    series.iter().map(|s| s.run + 1).max().unwrap_or(0)
-}
-
-/// Smooth parts of the residuals: for each run, channel and shape.
-fn smooth_parts(series: &[Series], channels: usize, residuals: &[f64]) -> Vec<Vec<[f64; SHAPES]>> {
-    let mut parts = vec![vec![[0.0; SHAPES]; channels]; runs_of(series)];
-    for s in series {
-        let values: Vec<f64> = s.places.iter().map(|&i| residuals[i]).collect();
-        for (k, shape) in s.shapes.iter().enumerate() {
-            parts[s.run][s.channel][k] = fit::dot(shape, &values);
-        }
-    }
-    parts
-}
-
-/// Square of what returns in every run, with the sign of each run's as given.
-fn returning(parts: &[Vec<[f64; SHAPES]>], signs: &[f64]) -> f64 {
-    let channels = parts.first().map_or(0, Vec::len);
-    (0..channels)
-        .flat_map(|c| (0..SHAPES).map(move |k| (c, k)))
-        .map(|(c, k)| {
-            parts
-                .iter()
-                .zip(signs)
-                .map(|(p, sign)| sign * p[c][k])
-                .sum::<f64>()
-                .powi(2)
-        })
-        .sum()
-}
-
-/// Whether the same smooth shape returns in the residuals of every run more than if the sign of
-/// each run's were drawn: what can be told where the noise is not known.
-fn returns(
+/// Whether the same smooth shape repeats in the residuals of every run more than if the sign of each
+/// run's were drawn: what can be told where the noise is not known.
+fn repeats(
     series: &[Series],
     channels: usize,
     residuals: &[f64],
     level: f64,
     random: &mut Pcg64,
 ) -> bool {
+    /// Draws of signs.
+    const DRAWS: usize = 1000;
     let runs = runs_of(series);
-    if runs < RUNS {
+    if runs < POLICY.repeating_runs {
         return false;
     }
-    let parts = smooth_parts(series, channels, residuals);
-    let whole = fit::dot(residuals, residuals);
-    let found = returning(&parts, &vec![1.0; runs]);
+    let mut parts = vec![vec![[0.0; SHAPES]; channels]; runs];
+    for s in series {
+        parts[s.run][s.channel] = s.smooth_parts(residuals);
+    }
+    let found = repeating(&parts, &vec![1.0; runs]);
     let Ok(coin) = Bernoulli::new(0.5) else {
         return false;
     };
-    let mut by_chance: Vec<f64> = (0..1000)
+    let mut by_chance: Vec<f64> = (0..DRAWS)
         .map(|_| {
             let signs: Vec<f64> = (0..runs)
                 .map(|_| if coin.sample(random) { 1.0 } else { -1.0 })
                 .collect();
-            returning(&parts, &signs)
+            repeating(&parts, &signs)
         })
         .collect();
     by_chance.sort_by(f64::total_cmp);
-    // Of the residuals' square, the part that returns.
-    found > percentile(&by_chance, 1.0 - level) && found / runs as f64 > 0.2 * whole
+    found > percentile(&by_chance, 1.0 - level)
+        && found / runs as f64 > POLICY.repeating_part * dot(residuals, residuals)
 }
 
-/// By how much more the residuals weigh than white noise of their standard deviation would: the
-/// greatest over channels of variance times correlation time, at least 1.
+/// Square of what repeats in every run, with the sign of each run's parts as given.
+fn repeating(parts: &[Vec<[f64; SHAPES]>], signs: &[f64]) -> f64 {
+    let channels = parts.first().map_or(0, Vec::len);
+    let all = (0..channels).flat_map(|c| (0..SHAPES).map(move |k| (c, k)));
+    all.map(|(c, k)| {
+        let sum = parts.iter().zip(signs).map(|(p, sign)| sign * p[c][k]);
+        sum.sum::<f64>().powi(2)
+    })
+    .sum()
+}
+
+/// Variance inflation of what `model` leaves: the greatest over channels of variance times
+/// correlation time, at least 1.
 pub(crate) fn inflation(kind: &dyn Kind, model: &Fit) -> f64 {
     // Outliers are cut; what is off by less than that everywhere is not made of outliers.
     let raw = raw_residuals(kind, model);
@@ -530,33 +519,9 @@ pub(crate) fn inflation(kind: &dyn Kind, model: &Fit) -> f64 {
     let cut = (2.0 * percentile(&sizes, 0.95)).max(3.0);
     let residuals: Vec<f64> = raw.iter().map(|r| r.clamp(-cut, cut)).collect();
     let all = series(kind);
-    (0..kind.channels().len())
-        .map(|channel| {
-            let runs: Vec<Vec<f64>> = all
-                .iter()
-                .filter(|s| s.channel == channel)
-                .map(|s| s.places.iter().map(|&i| residuals[i]).collect())
-                .collect();
-            let n: usize = runs.iter().map(Vec::len).sum();
-            if n < 8 {
-                return 1.0;
-            }
-            let covariance = |lag: usize| -> f64 {
-                let pairs = runs.iter().flat_map(|s| s.iter().zip(s.iter().skip(lag)));
-                pairs.map(|(a, b)| a * b).sum::<f64>() / n as f64
-            };
-            let variance = covariance(0);
-            let mut time = 1.0;
-            let longest = runs.iter().map(Vec::len).max().unwrap_or(0) / 3;
-            for lag in 1..longest {
-                let part = covariance(lag) / variance.max(1e-300);
-                // Below what chance gives the tail says nothing.
-                if part < 3.0 / (n as f64).sqrt() {
-                    break;
-                }
-                time += 2.0 * part;
-            }
-            variance.max(1.0) * time
-        })
-        .fold(1.0, f64::max)
+    let of = |channel: usize| {
+        let these = all.iter().filter(|s| s.channel == channel);
+        series::inflation(&these.map(|s| s.of(&residuals)).collect::<Vec<_>>())
+    };
+    (0..kind.channels().len()).map(of).fold(1.0, f64::max)
 }

@@ -1,8 +1,8 @@
 //! Data left out in turn.
 
-use crate::choose::Settings;
 use crate::fit::Mask;
 use crate::kind::Kind;
+use crate::settings::Settings;
 
 /// Readings that are left out together.
 pub(crate) struct Fold {

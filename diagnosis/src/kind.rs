@@ -5,8 +5,6 @@ use std::f64::consts::PI;
 
 use saltus_robot::Robot;
 
-use crate::next::Proposal;
-
 /// A measured column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
@@ -217,6 +215,15 @@ impl Terms {
     pub fn set(&mut self, cause: usize, parameter: usize, value: f64) {
         self.0[cause][parameter] = value;
     }
+}
+
+/// An experiment that was not done: one run of it, and which of its causes are those of the
+/// experiment that was.
+pub struct Proposal {
+    /// What to do, at which settings, in words with units.
+    pub what: String,
+    /// The experiment, without readings that mean anything.
+    pub kind: Box<dyn Kind>,
 }
 
 /// An experiment of a kind: its data, and the model of them.

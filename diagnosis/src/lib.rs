@@ -5,14 +5,16 @@
 //! could be at work as a term that is off. [`diagnose`] switches them on one at a time while data
 //! that were left out ask for it.
 
-mod choose;
+mod diagnose;
 mod estimate;
+mod evidence;
 mod experiment;
 mod finding;
 mod fit;
 mod fitness;
 mod folds;
 mod gain;
+mod identifiability;
 mod kind;
 pub mod kinds;
 mod named;
@@ -20,22 +22,30 @@ mod next;
 mod noise;
 mod parallel;
 mod patterns;
+mod policy;
 mod profile;
+mod report;
 mod residuals;
 pub mod rig;
+mod series;
+mod settings;
+mod stages;
+mod statistics;
 mod tangent;
 mod view;
 
-pub use choose::{Settings, diagnose};
+pub use diagnose::diagnose;
 pub use estimate::{Combination, Estimate, Estimated, Residual, Undetermined, estimate};
 pub use experiment::{Experiment, Run, Sort};
 pub use finding::{Candidate, Diagnosis, Finding, Reported};
 pub use fit::Fit;
 pub use fitness::{Fitness, Unknown};
 pub use gain::Gain;
-pub use kind::{Cause, Channel, Form, Kind, Log, Parameter, Reading, Terms};
+pub use kind::{Cause, Channel, Form, Kind, Log, Parameter, Proposal, Reading, Terms};
 pub use named::{meaning, named};
-pub use next::{NextExperiment, Proposal};
+pub use next::NextExperiment;
 pub use noise::{Misstated, disbelieve, misstated};
+pub use policy::{POLICY, Policy};
 pub use profile::Interval;
-pub use residuals::{PhaseResidual, Point, points, residuals, residuals_under};
+pub use residuals::{PhaseResidual, Point, points, residuals};
+pub use settings::Settings;

@@ -1,17 +1,9 @@
 //! Which experiment would tell causes apart that the data cannot.
 
 use crate::fit::Fit;
-use crate::kind::Kind;
+use crate::kind::{Kind, Proposal};
 use crate::parallel;
-
-/// An experiment that was not done: one run of it, and which of its causes are those of the
-/// experiment that was.
-pub struct Proposal {
-    /// What to do, at which settings, in words with units.
-    pub what: String,
-    /// The experiment, without readings that mean anything.
-    pub kind: Box<dyn Kind>,
-}
+use crate::policy::POLICY;
 
 /// The proposal that tells most rivals apart.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +19,7 @@ pub struct NextExperiment {
 }
 
 /// Standard deviations by which two causes are told apart for sure.
-const APART: f64 = 5.0;
+const APART: f64 = POLICY.told_apart;
 
 /// Of `proposals`, the one that tells most of the `rivals` apart (their causes and models); none
 /// where none would show a difference of a standard deviation.

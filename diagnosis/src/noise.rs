@@ -4,6 +4,8 @@ use crate::experiment::{Experiment, Run, Sort};
 use crate::fit::Fit;
 use crate::fitness;
 use crate::kind::{Channel, Kind, Log, Reading};
+use crate::policy::POLICY;
+use crate::statistics::median;
 
 /// The channels of the columns `indices`: noise and quantisation as given, or from the data.
 pub(crate) fn channels(experiment: &Experiment, indices: &[usize]) -> Vec<Channel> {
@@ -56,9 +58,9 @@ pub struct Misstated {
 
 /// Ratio of stated to seen scatter from which on the statement is not believed: a filter of the
 /// instrument, and the wish to be on the safe side, make less of it.
-const FAR: f64 = 10.0;
+const FAR: f64 = POLICY.noise_disbelieved;
 /// Scatter in terms of a column's span below which models of machines are not compared with data.
-const FINE: f64 = 5e-4;
+const FINE: f64 = POLICY.finest_noise;
 
 /// Takes the scatter of the data in place of each noise that is stated far larger, and says where:
 /// a diagnosis by such a noise would explain everything. The rows of [`Sort::Outcomes`] do not
@@ -190,19 +192,10 @@ fn estimate(experiment: &Experiment, column: usize, stride: usize) -> f64 {
     }
 }
 
-/// The median; 0 of nothing.
-pub(crate) fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
 /// Readings of a quantised channel that say the same one after the other count as so many in all.
-const REPEATED: f64 = 2.0;
+const REPEATED: f64 = POLICY.repeated_readings;
 /// Noise in terms of the step from which on it makes the error of every reading another one.
-const DITHER: f64 = 0.15;
+const DITHER: f64 = POLICY.dither;
 
 /// How much each row of a column counts.
 fn weights(values: &[f64], is_quantised: bool) -> Vec<f64> {

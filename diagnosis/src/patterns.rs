@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::kind::Kind;
+use crate::kind::{Kind, Log, Reading};
 
 /// Cells into which a run, or the range of a channel, is cut.
 const CELLS: usize = 96;
@@ -70,77 +70,16 @@ impl Patterns {
     /// In an experiment of which a model says `predicted`, one number a reading.
     pub(crate) fn new(kind: &dyn Kind, predicted: &[f64]) -> Patterns {
         let channels = kind.channels().len();
-        let span = |log: &crate::kind::Log| -> f64 {
-            log.readings.last().map_or(0.0, |l| l.time)
-                - log.readings.first().map_or(0.0, |f| f.time)
-        };
-        let longest = kind
-            .logs()
-            .iter()
-            .map(span)
-            .fold(f64::MIN_POSITIVE, f64::max);
+        let readings: Vec<&Reading> = kind.logs().iter().flat_map(|log| &log.readings).collect();
         let mut rows = Vec::new();
         for channel in 0..channels {
-            let mut by_value = [Vec::new(), Vec::new()];
-            let mut start = 0;
-            let mut weights = Vec::new();
-            for log in kind.logs() {
-                let places: Vec<usize> = (0..log.readings.len())
-                    .filter(|i| log.readings[*i].channel == channel)
-                    .map(|i| start + i)
-                    .collect();
-                weights.extend(log.readings.iter().map(|r| r.weight));
-                start += log.readings.len();
-                let n = places.len();
-                if n == 0 {
-                    continue;
-                }
-                let cells = places
-                    .iter()
-                    .enumerate()
-                    .map(|(i, &p)| (p, i * CELLS / n))
-                    .collect();
-                let waves = waves(span(log) / longest);
-                rows.push(Row {
-                    channel,
-                    is_time: true,
-                    cells,
-                    counts: Vec::new(),
-                    waves,
-                });
-                for (i, &place) in places.iter().enumerate() {
-                    let falls = predicted[places[(i + 1).min(n - 1)]]
-                        < predicted[places[i.saturating_sub(1)]];
-                    by_value[usize::from(falls)].push(place);
-                }
-            }
-            let values = || by_value.iter().flatten().map(|&p| predicted[p]);
-            let (low, high) = (
-                values().fold(f64::INFINITY, f64::min),
-                values().fold(f64::NEG_INFINITY, f64::max),
-            );
-            for places in &by_value {
-                let cell = |place: usize| {
-                    let share = (predicted[place] - low) / (high - low).max(f64::MIN_POSITIVE);
-                    // The number of a cell.
-                    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-                    let cell = (share * CELLS as f64) as usize;
-                    (place, cell.min(CELLS - 1))
-                };
-                let cells = places.iter().map(|&p| cell(p)).collect();
-                rows.push(Row {
-                    channel,
-                    is_time: false,
-                    cells,
-                    counts: Vec::new(),
-                    waves: waves(1.0),
-                });
-            }
-            for row in rows.iter_mut().filter(|row| row.channel == channel) {
-                row.counts = vec![0.0; CELLS];
-                for &(place, cell) in &row.cells {
-                    row.counts[cell] += weights[place];
-                }
+            let runs = places(kind, channel);
+            rows.extend(by_time(kind, channel, &runs));
+            rows.extend(by_value(channel, &runs, predicted));
+        }
+        for row in &mut rows {
+            for &(place, cell) in &row.cells {
+                row.counts[cell] += readings[place].weight;
             }
         }
         Patterns { channels, rows }
@@ -148,57 +87,138 @@ impl Patterns {
 
     /// The strongest pattern of each sort in each channel.
     pub(crate) fn find(&self, residuals: &[f64]) -> Vec<[Pattern; COUNT]> {
-        let mut found = vec![[Pattern::default(); COUNT]; self.channels];
-        for (channel, found) in found.iter_mut().enumerate() {
-            let mut waves = [vec![0.0; WAVES + 1], vec![0.0; WAVES + 1]];
-            let (mut steps, mut count) = (0.0, 0.0);
-            let mut by_value = vec![(0.0, 0.0); WAVES + 1];
-            for row in self.rows.iter().filter(|row| row.channel == channel) {
-                let mut sums = vec![0.0; CELLS];
-                for &(place, cell) in &row.cells {
-                    sums[cell] += residuals[place];
+        let of = |channel| self.find_in(channel, residuals);
+        (0..self.channels).map(of).collect()
+    }
+
+    fn find_in(&self, channel: usize, residuals: &[f64]) -> [Pattern; COUNT] {
+        let mut found = [Pattern::default(); COUNT];
+        let mut by_time = vec![0.0; WAVES + 1];
+        let mut by_value = vec![[0.0; 2]; WAVES + 1];
+        let (mut steps, mut count) = (0.0, 0.0);
+        for row in self.rows.iter().filter(|row| row.channel == channel) {
+            let sums = row.sums(residuals);
+            let powers = row.powers(&sums);
+            if row.is_time {
+                found[0] = part(&sums, &row.counts, found[0]);
+                let n: f64 = row.counts.iter().sum();
+                count += n;
+                for (all, [re, im]) in by_time.iter_mut().zip(powers) {
+                    *all += (re * re + im * im) / n.max(1.0);
                 }
-                if row.is_time {
-                    found[0] = part(&sums, &row.counts, found[0]);
-                    count += row.counts.iter().sum::<f64>();
-                    for (k, power) in row.powers(&sums).into_iter().enumerate() {
-                        let [re, im] = power;
-                        waves[0][k] +=
-                            (re * re + im * im) / row.counts.iter().sum::<f64>().max(1.0);
-                    }
-                } else {
-                    for k in (0..CELLS).step_by(COARSE) {
-                        let (sum, n): (f64, f64) = (
-                            sums[k..k + COARSE].iter().sum(),
-                            row.counts[k..k + COARSE].iter().sum(),
-                        );
-                        if n > 0.0 {
-                            steps += sum * sum / n - 1.0;
-                        }
-                    }
-                    for (all, [re, im]) in by_value.iter_mut().zip(row.powers(&sums)) {
-                        *all = (all.0 + re, all.1 + im);
-                    }
+            } else {
+                steps = row.steps(&sums, steps);
+                for (all, [re, im]) in by_value.iter_mut().zip(powers) {
+                    *all = [all[0] + re, all[1] + im];
                 }
             }
-            for (k, (re, im)) in by_value.into_iter().enumerate() {
-                waves[1][k] = (re * re + im * im) / f64::max(count, 1.0);
-            }
-            for (k, waves) in waves.iter().enumerate() {
-                let most = waves[2..].iter().copied().fold(0.0, f64::max);
-                // A wave a sin has the mean square a²/2, and the power n a²/4.
-                found[1 + k] = found[1 + k].most(most, 2.0 * most / count.max(1.0));
-            }
-            found[3] = Pattern {
-                statistic: steps,
-                size: steps / count.max(1.0),
-            };
         }
+        let by_value = by_value
+            .into_iter()
+            .map(|[re, im]| (re * re + im * im) / f64::max(count, 1.0));
+        for (k, waves) in [by_time, by_value.collect()].iter().enumerate() {
+            let most = waves[2..].iter().copied().fold(0.0, f64::max);
+            // A wave a sin has the mean square a²/2, and the power n a²/4.
+            found[1 + k] = found[1 + k].most(most, 2.0 * most / count.max(1.0));
+        }
+        found[3] = Pattern {
+            statistic: steps,
+            size: steps / count.max(1.0),
+        };
         found
     }
 }
 
+/// Places of the readings of a channel among all readings, of each run that has some, with the run.
+fn places(kind: &dyn Kind, channel: usize) -> Vec<(usize, Vec<usize>)> {
+    let mut start = 0;
+    let mut all = Vec::new();
+    for (run, log) in kind.logs().iter().enumerate() {
+        let here = log.readings.iter().enumerate();
+        let places: Vec<usize> = here
+            .filter(|(_, reading)| reading.channel == channel)
+            .map(|(i, _)| start + i)
+            .collect();
+        start += log.readings.len();
+        if !places.is_empty() {
+            all.push((run, places));
+        }
+    }
+    all
+}
+
+/// A row for each run, over its time.
+fn by_time(kind: &dyn Kind, channel: usize, runs: &[(usize, Vec<usize>)]) -> Vec<Row> {
+    let span = |log: &Log| -> f64 {
+        let ends = log.readings.first().zip(log.readings.last());
+        ends.map_or(0.0, |(first, last)| last.time - first.time)
+    };
+    let logs = kind.logs();
+    let longest = logs.iter().map(span).fold(f64::MIN_POSITIVE, f64::max);
+    let row = |(run, places): &(usize, Vec<usize>)| Row {
+        channel,
+        is_time: true,
+        cells: places
+            .iter()
+            .enumerate()
+            .map(|(i, &place)| (place, i * CELLS / places.len()))
+            .collect(),
+        counts: vec![0.0; CELLS],
+        waves: waves(span(&logs[*run]) / longest),
+    };
+    runs.iter().map(row).collect()
+}
+
+/// A row of all readings where the predicted value rises, and one where it falls, over that value.
+fn by_value(channel: usize, runs: &[(usize, Vec<usize>)], predicted: &[f64]) -> [Row; 2] {
+    let mut sides = [Vec::new(), Vec::new()];
+    for (_, places) in runs {
+        let n = places.len();
+        for (i, &place) in places.iter().enumerate() {
+            let (next, last) = (places[(i + 1).min(n - 1)], places[i.saturating_sub(1)]);
+            sides[usize::from(predicted[next] < predicted[last])].push(place);
+        }
+    }
+    let values = || sides.iter().flatten().map(|&p| predicted[p]);
+    let low = values().fold(f64::INFINITY, f64::min);
+    let high = values().fold(f64::NEG_INFINITY, f64::max);
+    let cell = |place: usize| {
+        let share = (predicted[place] - low) / (high - low).max(f64::MIN_POSITIVE);
+        // The number of a cell.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let cell = (share * CELLS as f64) as usize;
+        (place, cell.min(CELLS - 1))
+    };
+    sides.clone().map(|places| Row {
+        channel,
+        is_time: false,
+        cells: places.into_iter().map(cell).collect(),
+        counts: vec![0.0; CELLS],
+        waves: waves(1.0),
+    })
+}
+
 impl Row {
+    /// Sum of the residuals in each cell.
+    fn sums(&self, residuals: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; CELLS];
+        for &(place, cell) in &self.cells {
+            sums[cell] += residuals[place];
+        }
+        sums
+    }
+
+    /// Square of the mean of each coarse cell beyond what chance gives it, added to `steps`.
+    fn steps(&self, sums: &[f64], mut steps: f64) -> f64 {
+        for (sums, counts) in sums.chunks(COARSE).zip(self.counts.chunks(COARSE)) {
+            let (sum, n): (f64, f64) = (sums.iter().sum(), counts.iter().sum());
+            if n > 0.0 {
+                steps += sum * sum / n - 1.0;
+            }
+        }
+        steps
+    }
+
     /// Real and imaginary part of each wave.
     fn powers(&self, sums: &[f64]) -> Vec<[f64; 2]> {
         let of = |wave: &[(f64, f64); CELLS]| {

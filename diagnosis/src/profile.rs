@@ -125,8 +125,9 @@ impl Profile<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::finding::{Candidate, report};
+    use crate::finding::Candidate;
     use crate::kind::{Cause, Channel, Log, Parameter, Reading};
+    use crate::report::report;
 
     /// Readings of `law` at 0, 1, …, each with an error of 1.
     struct Toy {

@@ -3,8 +3,10 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
 
-use crate::fit::Fit;
+use crate::fit::{Fit, parameters_of};
+use crate::fitness::Fitness;
 use crate::kind::Kind;
+use crate::statistics::mean;
 
 /// Phase of a run whose kind has none.
 const WHOLE: &str = "all";
@@ -60,6 +62,9 @@ pub struct PhaseResidual {
     /// How likely the means of the runs of noise differ so much; NaN of one run, or where they are
     /// rounded coarsely.
     pub runs: f64,
+    /// Words for what tells that it is not noise; empty where it is. Whether a channel is noise is
+    /// what [`Fitness`] says; these say where and in which way it is not.
+    pub faults: Vec<&'static str>,
 }
 
 impl PhaseResidual {
@@ -73,10 +78,13 @@ impl PhaseResidual {
         self.rms * self.noise
     }
 
-    /// What tells that it is not noise, where noise is said not to be with chance `level`: words
-    /// for the tests that fail.
-    pub fn faults(&self, level: f64) -> Vec<&'static str> {
-        // Three tests share the chance.
+    /// Whether it is noise.
+    pub fn is_noise(&self) -> bool {
+        self.faults.is_empty()
+    }
+
+    /// Words for the tests that noise fails with chance `level`; three tests share it.
+    fn failed(&self, level: f64) -> Vec<&'static str> {
         let tests = [
             (self.level, "large"),
             (self.whiteness, "smooth"),
@@ -87,11 +95,6 @@ impl PhaseResidual {
             .filter(|(p, _)| *p < level / 3.0)
             .map(|(_, word)| word)
             .collect()
-    }
-
-    /// Whether it could be noise, which is denied with chance `level` where it is.
-    pub fn is_noise(&self, level: f64) -> bool {
-        self.faults(level).is_empty()
     }
 }
 
@@ -136,54 +139,30 @@ fn points_of(kind: &dyn Kind, model: &Fit, run: usize) -> Option<Vec<Point>> {
     )
 }
 
-/// Residuals of `model`, by channel and phase; the condition that differs between runs is the mean
-/// of each channel.
-pub fn residuals(kind: &dyn Kind, model: &Fit) -> Vec<PhaseResidual> {
-    let mut conditions = vec![Vec::new(); kind.logs().len()];
-    for (log, conditions) in kind.logs().iter().zip(&mut conditions) {
-        for (c, channel) in kind.channels().iter().enumerate() {
-            let values: Vec<f64> = log
-                .readings
-                .iter()
-                .filter(|r| r.channel == c)
-                .map(|r| r.value)
-                .collect();
-            if !values.is_empty() {
-                conditions.push((format!("mean of {}", channel.name), mean(&values)));
-            }
-        }
-    }
-    residuals_under(kind, model, &conditions)
-}
-
-/// As [`residuals`], under conditions that are given for each run.
-pub fn residuals_under(
+/// Residuals of `model`, whose fitness is `fitness`, by channel and phase; `conditions` are the
+/// settings of each run that residuals may go with.
+pub fn residuals(
     kind: &dyn Kind,
     model: &Fit,
+    fitness: &Fitness,
     conditions: &[Vec<(String, f64)>],
+    false_alarms: f64,
 ) -> Vec<PhaseResidual> {
     let points = points(kind, model);
     // What was fitted took as many degrees of freedom from the readings, evenly.
-    let shared: usize = model
-        .causes
-        .iter()
-        .map(|c| kind.causes()[*c].parameters.len())
-        .sum();
+    let shared = parameters_of(kind, &model.causes).len();
     let fitted = shared + model.unknowns.iter().map(Vec::len).sum::<usize>();
     let free = (1.0 - fitted as f64 / points.len().max(1) as f64).max(0.1);
     let mut all = Vec::new();
     for (channel, about) in kind.channels().iter().enumerate() {
-        let mut phases: Vec<&'static str> = Vec::new();
+        let mut phases: Vec<(&'static str, Vec<&Point>)> = Vec::new();
         for point in points.iter().filter(|p| p.channel == channel) {
-            if !phases.contains(&point.phase) {
-                phases.push(point.phase);
+            match phases.iter_mut().find(|(name, _)| *name == point.phase) {
+                Some((_, these)) => these.push(point),
+                None => phases.push((point.phase, vec![point])),
             }
         }
-        for phase in phases {
-            let these: Vec<&Point> = points
-                .iter()
-                .filter(|p| p.channel == channel && p.phase == phase)
-                .collect();
+        for (phase, these) in phases {
             let mut found = summary(&these, free, conditions);
             (found.channel, found.phase, found.noise) = (channel, phase, about.noise);
             if about.step > COARSE * about.noise {
@@ -192,7 +171,28 @@ pub fn residuals_under(
             all.push(found);
         }
     }
+    find_faults(&mut all, fitness, false_alarms);
     all
+}
+
+/// Says of each channel that is not noise where and in which way it is not.
+fn find_faults(all: &mut [PhaseResidual], fitness: &Fitness, false_alarms: f64) {
+    let level = false_alarms / all.len().max(1) as f64;
+    for (channel, is_noise) in fitness.is_noise.iter().enumerate() {
+        let these = || (0..all.len()).filter(|k| all[*k].channel == channel);
+        let mut faults: Vec<(usize, Vec<&str>)> = these()
+            .map(|k| (k, all[k].failed(level)))
+            .filter(|(_, words)| !is_noise && !words.is_empty())
+            .collect();
+        if !is_noise && faults.is_empty() {
+            // A pattern that goes through the phases: it is where they are largest.
+            let largest = these().max_by(|a, b| all[*a].rms.total_cmp(&all[*b].rms));
+            faults.extend(largest.map(|k| (k, vec!["pattern"])));
+        }
+        for (k, words) in faults {
+            all[k].faults = words;
+        }
+    }
 }
 
 /// Of the residuals of one channel and phase, in the order of runs; `free` is the part of them that
@@ -202,7 +202,7 @@ fn summary(points: &[&Point], free: f64, conditions: &[Vec<(String, f64)>]) -> P
     let weights: f64 = points.iter().map(|p| p.weight).sum();
     let sum: f64 = points.iter().map(|p| p.weight * p.residual).sum();
     let squares: f64 = points.iter().map(|p| p.weight * p.residual.powi(2)).sum();
-    let (lag, whiteness) = whiteness(&runs);
+    let (lag, whiteness) = neighbours(&runs);
     PhaseResidual {
         channel: 0,
         phase: WHOLE,
@@ -215,6 +215,7 @@ fn summary(points: &[&Point], free: f64, conditions: &[Vec<(String, f64)>]) -> P
         level: ChiSquared::new((weights * free).max(1e-3)).map_or(f64::NAN, |d| d.sf(squares)),
         whiteness,
         runs: runs_alike(&runs, lag),
+        faults: Vec::new(),
     }
 }
 
@@ -222,7 +223,7 @@ fn summary(points: &[&Point], free: f64, conditions: &[Vec<(String, f64)>]) -> P
 ///
 /// Only residuals that follow each other too closely count: what a fit takes away makes them
 /// alternate.
-fn whiteness(runs: &[&[&Point]]) -> (f64, f64) {
+fn neighbours(runs: &[&[&Point]]) -> (f64, f64) {
     let (mut above, mut below, mut pairs) = (0.0, 0.0, 0.0_f64);
     for pair in runs.iter().flat_map(|run| run.windows(2)) {
         let weight = pair[0].weight.min(pair[1].weight);
@@ -304,10 +305,6 @@ fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
     (pairs.len() > 2 && differs).then(|| xy / (xx * yy).sqrt())
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
-}
-
 #[cfg(test)]
 mod tests {
     use rand_distr::{Distribution, StandardNormal};
@@ -353,7 +350,7 @@ mod tests {
     fn noise_is_noise() {
         // At a level of 1 % four of 200 or fewer but once in twenty times: ten are a fault.
         let denied = (0..200)
-            .filter(|seed| !drawn(4, *seed, |_, _| 0.0).is_noise(LEVEL))
+            .filter(|seed| !drawn(4, *seed, |_, _| 0.0).failed(LEVEL).is_empty())
             .count();
         assert!(denied < 10, "{denied}");
     }
@@ -361,14 +358,14 @@ mod tests {
     #[test]
     fn a_level_is_seen() {
         let found = drawn(4, 1, |_, time| if time > 0.9 { 4.0 } else { 0.0 });
-        assert!(found.faults(LEVEL).contains(&"large"), "{found:?}");
+        assert!(found.failed(LEVEL).contains(&"large"), "{found:?}");
     }
 
     #[test]
     fn what_is_smooth_is_seen() {
         let found = drawn(4, 2, |_, time| (6.0 * time).sin());
         assert!(
-            found.faults(LEVEL).contains(&"smooth") && found.lag > 0.2,
+            found.failed(LEVEL).contains(&"smooth") && found.lag > 0.2,
             "{found:?}"
         );
         // What returns in every run does not differ between them.
@@ -378,7 +375,7 @@ mod tests {
     #[test]
     fn what_grows_with_a_condition_is_seen() {
         let found = drawn(6, 3, |run, _| 0.4 * run as f64 - 1.0);
-        assert!(found.faults(LEVEL).contains(&"differs by run"), "{found:?}");
+        assert!(found.failed(LEVEL).contains(&"differs by run"), "{found:?}");
         assert_eq!(
             found.conditions.len(),
             1,

@@ -5,9 +5,11 @@ use nalgebra::{DMatrix, DVector};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_pcg::Pcg64;
 
-use crate::fit::{Fit, Place, derivative, dot, predicted, residuals, weight};
-use crate::kind::Kind;
+use crate::fit::{Fit, Place, derivative, parameters_of, predicted, residuals, weight};
+use crate::identifiability::Identifiability;
+use crate::kind::{Channel, Kind, Parameter};
 use crate::parallel;
+use crate::statistics::dot;
 
 /// Directions in the space of all readings, in standard deviations, one value for each reading of
 /// each run in turn.
@@ -41,6 +43,12 @@ pub(crate) struct Known {
     pub(crate) least: f64,
     /// Its direction.
     pub(crate) direction: Vec<f64>,
+}
+
+/// Two causes with what they gain together.
+pub(crate) struct Pair {
+    pub(crate) causes: (usize, usize),
+    pub(crate) gain: f64,
 }
 
 /// What a candidate could do to the readings.
@@ -149,9 +157,18 @@ fn direction(
     })
 }
 
-impl Tangent {
-    /// Around `fit`, with every cause that is not on as a candidate where `with_candidates`.
-    pub(crate) fn new(kind: &dyn Kind, fit: &Fit, with_candidates: bool) -> Option<Tangent> {
+/// The model at a fit, with what the unknowns of each run can do.
+struct Around<'a> {
+    kind: &'a dyn Kind,
+    fit: &'a Fit,
+    /// Predictions of each run (σ).
+    here: Vec<Vec<f64>>,
+    bounds: Vec<usize>,
+    own: Vec<Vec<Vec<f64>>>,
+}
+
+impl<'a> Around<'a> {
+    fn new(kind: &'a dyn Kind, fit: &'a Fit) -> Option<Around<'a>> {
         let runs = kind.logs().len();
         let here: Vec<Vec<f64>> = (0..runs)
             .map(|run| predicted(kind, run, &fit.terms, &fit.unknowns[run]))
@@ -168,92 +185,119 @@ impl Tangent {
             });
             columns.collect::<Option<Vec<_>>>().map(orthonormal)
         });
-        let own: Vec<Vec<Vec<f64>>> = own.into_iter().collect::<Option<_>>()?;
-        let on: Vec<(usize, usize)> = fit
-            .causes
-            .iter()
-            .flat_map(|&c| (0..kind.causes()[c].parameters.len()).map(move |p| (c, p)))
-            .collect();
-        let column = |fit: &Fit, here: &[Vec<f64>], c: usize, p: usize| -> Option<Vec<f64>> {
-            let parameter = &kind.causes()[c].parameters[p];
-            let mut all = Vec::with_capacity(bounds[runs]);
-            for run in 0..runs {
-                let place = (Place::Shared(c, p), parameter);
-                all.extend(derivative(
-                    kind,
-                    run,
-                    &fit.terms,
-                    &fit.unknowns[run],
-                    &here[run],
-                    place,
-                )?);
+        Some(Around {
+            own: own.into_iter().collect::<Option<_>>()?,
+            kind,
+            fit,
+            here,
+            bounds,
+        })
+    }
+
+    /// Change of the predictions for one scale of a parameter of a cause, clear of the unknowns.
+    fn column(&self, cause: usize, p: usize) -> Option<Vec<f64>> {
+        let parameter = &self.kind.causes()[cause].parameters[p];
+        self.of_runs(|run| {
+            let unknowns = &self.fit.unknowns[run];
+            let place = (Place::Shared(cause, p), parameter);
+            derivative(
+                self.kind,
+                run,
+                &self.fit.terms,
+                unknowns,
+                &self.here[run],
+                place,
+            )
+        })
+    }
+
+    /// Change of the predictions where a cause goes from none to one of its starts, clear of the
+    /// unknowns.
+    fn away(&self, cause: usize, start: usize) -> Option<Vec<f64>> {
+        let mut terms = self.fit.terms.clone();
+        for (p, parameter) in self.kind.causes()[cause].parameters.iter().enumerate() {
+            let value = parameter.starts.get(start).or(parameter.starts.last());
+            terms.set(cause, p, value.copied().unwrap_or(parameter.bounds.0));
+        }
+        self.of_runs(|run| {
+            let mut there = predicted(self.kind, run, &terms, &self.fit.unknowns[run])?;
+            for (t, h) in there.iter_mut().zip(&self.here[run]) {
+                *t -= h;
             }
-            clear_own(&mut all, &own, &bounds);
-            Some(all)
-        };
-        let rests = |&(c, p): &(usize, usize)| {
-            let (spec, x) = (&kind.causes()[c].parameters, fit.terms.get(c, p));
-            spec.len() > 1
-                && x == spec[p].neutral
-                && (x == spec[p].bounds.0 || x == spec[p].bounds.1)
-        };
-        let rests = on.iter().map(rests).collect();
-        let on = parallel::map(on.len(), |k| column(fit, &here, on[k].0, on[k].1));
+            Some(there)
+        })
+    }
+
+    fn of_runs(&self, of: impl Fn(usize) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
+        let mut all = Vec::with_capacity(self.bounds[self.here.len()]);
+        for run in 0..self.here.len() {
+            all.extend(of(run)?);
+        }
+        clear_own(&mut all, &self.own, &self.bounds);
+        Some(all)
+    }
+
+    /// What a cause that is not on could do, clear of the directions `clear` too.
+    fn directions(&self, cause: usize, clear: &[Vec<f64>]) -> Vec<Direction> {
+        let spec = &self.kind.causes()[cause];
+        let parameters = &spec.parameters;
+        if spec.is_apart() {
+            let starts = parameters.iter().map(|p| p.starts.len()).max().unwrap_or(0);
+            let each = (0..starts).filter_map(|start| self.away(cause, start));
+            return each
+                .filter_map(|raw| direction(cause, vec![raw], clear, true))
+                .collect();
+        }
+        let raw = (0..parameters.len())
+            .filter_map(|p| self.column(cause, p))
+            .collect();
+        let one_sided = parameters.len() == 1 && parameters[0].neutral <= parameters[0].bounds.0;
+        direction(cause, raw, clear, one_sided)
+            .into_iter()
+            .collect()
+    }
+
+    /// Whether a parameter among several rests at a bound where it does nothing.
+    fn rests(&self, (cause, p): (usize, usize)) -> bool {
+        let spec = &self.kind.causes()[cause].parameters;
+        let x = self.fit.terms.get(cause, p);
+        let Parameter {
+            neutral, bounds, ..
+        } = spec[p];
+        spec.len() > 1 && x == neutral && (x == bounds.0 || x == bounds.1)
+    }
+}
+
+/// Error (σ) of a quantised reading of `value` (σ) with white noise `z`.
+fn quantised(channel: &Channel, value: f64, z: f64) -> f64 {
+    let step = channel.step / channel.noise;
+    let white = (1.0 - step * step / 12.0).max(0.0).sqrt();
+    ((value + white * z) / step).round() * step - value
+}
+
+impl Tangent {
+    /// Around `fit`, with every cause that is not on as a candidate where `with_candidates`.
+    pub(crate) fn new(kind: &dyn Kind, fit: &Fit, with_candidates: bool) -> Option<Tangent> {
+        let around = Around::new(kind, fit)?;
+        let places = parameters_of(kind, &fit.causes);
+        let on = parallel::map(places.len(), |k| around.column(places[k].0, places[k].1));
         let on: Vec<Vec<f64>> = on.into_iter().collect::<Option<_>>()?;
         let clear = orthonormal(on.clone());
         let off: Vec<usize> = (0..kind.listed())
             .filter(|c| with_candidates && !fit.causes.contains(c))
             .collect();
-        let candidates = parallel::map(off.len(), |k| {
-            let cause = off[k];
-            let spec = &kind.causes()[cause];
-            let away = |start: usize| -> Option<Vec<f64>> {
-                // From none to a start, all at once.
-                let mut moved = fit.clone();
-                for (p, parameter) in spec.parameters.iter().enumerate() {
-                    let value = parameter.starts.get(start).or(parameter.starts.last());
-                    moved
-                        .terms
-                        .set(cause, p, value.copied().unwrap_or(parameter.bounds.0));
-                }
-                let mut all = Vec::with_capacity(bounds[runs]);
-                for run in 0..runs {
-                    let there = predicted(kind, run, &moved.terms, &moved.unknowns[run])?;
-                    all.extend(there.iter().zip(&here[run]).map(|(t, h)| t - h));
-                }
-                clear_own(&mut all, &own, &bounds);
-                Some(all)
-            };
-            if spec.is_apart() {
-                let most = spec
-                    .parameters
-                    .iter()
-                    .map(|p| p.starts.len())
-                    .max()
-                    .unwrap_or(0);
-                let each = (0..most).filter_map(away);
-                return each
-                    .filter_map(|raw| direction(cause, vec![raw], &clear, true))
-                    .collect();
-            }
-            let first = &spec.parameters[0];
-            let raw = (0..spec.parameters.len())
-                .filter_map(|p| column(fit, &here, cause, p))
-                .collect();
-            let one_sided = spec.parameters.len() == 1 && first.neutral <= first.bounds.0;
-            direction(cause, raw, &clear, one_sided)
-                .into_iter()
-                .collect::<Vec<_>>()
-        });
-        let candidates = candidates.into_iter().flatten().collect();
+        let candidates = parallel::map(off.len(), |k| around.directions(off[k], &clear));
         Some(Tangent {
-            candidates,
+            candidates: candidates.into_iter().flatten().collect(),
             on,
-            rests,
+            rests: places
+                .into_iter()
+                .map(|place| around.rests(place))
+                .collect(),
             clear,
-            own,
-            predicted: here.concat(),
-            bounds,
+            own: around.own,
+            predicted: around.here.concat(),
+            bounds: around.bounds,
         })
     }
 
@@ -271,11 +315,7 @@ impl Tangent {
 
     /// By how much any two candidates among those that `may` be lower the loss of `residuals`
     /// together, the best first.
-    pub(crate) fn best_pairs(
-        &self,
-        residuals: &[f64],
-        may: impl Fn(usize) -> bool,
-    ) -> Vec<(f64, (usize, usize))> {
+    pub(crate) fn best_pairs(&self, residuals: &[f64], may: impl Fn(usize) -> bool) -> Vec<Pair> {
         let all: Vec<&Direction> = self.candidates.iter().filter(|d| may(d.cause)).collect();
         let pairs: Vec<(usize, usize)> = (0..all.len())
             .flat_map(|i| (i + 1..all.len()).map(move |j| (i, j)))
@@ -288,13 +328,12 @@ impl Tangent {
             let products = DMatrix::from_fn(n, n, |i, j| dot(columns[i], columns[j]));
             products.cholesky().map_or(0.0, |c| g.dot(&c.solve(&g)))
         });
-        let named = |(gain, (i, j)): (f64, (usize, usize))| (gain, (all[i].cause, all[j].cause));
-        let mut found: Vec<_> = gains
-            .into_iter()
-            .zip(pairs.iter().copied())
-            .map(named)
-            .collect();
-        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let named = |(gain, (i, j)): (f64, &(usize, usize))| Pair {
+            causes: (all[*i].cause, all[*j].cause),
+            gain,
+        };
+        let mut found: Vec<Pair> = gains.into_iter().zip(&pairs).map(named).collect();
+        found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         found
     }
 
@@ -312,22 +351,13 @@ impl Tangent {
             .collect();
         for (run, log) in kind.logs().iter().enumerate() {
             let by_input = kind.input_noise(run, &mut || StandardNormal.sample(random));
-            for (i, (reading, value)) in log
-                .readings
-                .iter()
-                .zip(&self.predicted[self.bounds[run]..])
-                .enumerate()
-            {
+            let predicted = &self.predicted[self.bounds[run]..];
+            for (i, (reading, value)) in log.readings.iter().zip(predicted).enumerate() {
                 let channel = &kind.channels()[reading.channel];
                 let z: f64 = StandardNormal.sample(random);
                 let count = reading.weight.sqrt();
                 let drawn = if channel.step > 0.0 {
-                    let (step, value) = (
-                        channel.step / channel.noise,
-                        value / count + places[reading.channel],
-                    );
-                    let white = (1.0 - step * step / 12.0).max(0.0).sqrt();
-                    ((value + white * z) / step).round() * step - value
+                    quantised(channel, value / count + places[reading.channel], z)
                 } else {
                     z
                 };
@@ -376,30 +406,18 @@ impl Tangent {
             information.column_mut(k).fill(0.0);
             information[(k, k)] = 1.0;
         }
-        let sizes: Vec<f64> = (0..n)
-            .map(|i| information[(i, i)].sqrt().max(1e-150))
-            .collect();
-        let scaled = DMatrix::from_fn(n, n, |i, j| information[(i, j)] / (sizes[i] * sizes[j]));
-        let eigen = scaled.symmetric_eigen();
-        let least = eigen.eigenvalues.imin();
-        let mut inverse = DMatrix::zeros(n, n);
-        for k in 0..n {
-            let v = eigen.eigenvectors.column(k);
-            inverse += v * v.transpose() / eigen.eigenvalues[k].max(1e-12);
+        let found = Identifiability::new(&information);
+        let least = found.least();
+        let mut by_readings = found.covariance(|_| true);
+        for k in (0..n).filter(|k| self.rests[*k]) {
+            by_readings.row_mut(k).fill(0.0);
+            by_readings.column_mut(k).fill(0.0);
         }
-        let by_readings = DMatrix::from_fn(n, n, |i, j| {
-            let is_held = self.rests[i] || self.rests[j];
-            if is_held {
-                0.0
-            } else {
-                inverse[(i, j)] / (sizes[i] * sizes[j])
-            }
-        });
         Known {
             covariance: &by_readings + self.by_inputs(kind, &by_readings),
             by_readings,
-            least: eigen.eigenvalues[least],
-            direction: eigen.eigenvectors.column(least).iter().copied().collect(),
+            least: found.information[least],
+            direction: found.direction(least).iter().copied().collect(),
         }
     }
 
@@ -411,28 +429,30 @@ impl Tangent {
         let mut sum = DMatrix::zeros(n, n);
         let mut random = Pcg64::new(1, 11);
         for _ in 0..DRAWS {
-            let mut against = DVector::zeros(n);
-            for (run, log) in kind.logs().iter().enumerate() {
-                let Some(moved) = kind.input_noise(run, &mut || StandardNormal.sample(&mut random))
-                else {
-                    return sum;
-                };
-                for (k, column) in self.on.iter().enumerate() {
-                    let readings = log
-                        .readings
-                        .iter()
-                        .zip(&moved)
-                        .zip(&column[self.bounds[run]..]);
-                    let parts = readings.map(|((r, m), c)| {
-                        r.weight.sqrt() * m / kind.channels()[r.channel].noise * c
-                    });
-                    against[k] += parts.sum::<f64>();
-                }
-            }
-            let step = covariance * against;
+            let Some(score) = self.drawn_score(kind, &mut random) else {
+                return sum;
+            };
+            let step = covariance * score;
             sum += &step * step.transpose();
         }
         sum / DRAWS as f64
+    }
+
+    /// Derivative of half the loss by each parameter where noise of measured inputs is drawn; none
+    /// where no input is measured.
+    fn drawn_score(&self, kind: &dyn Kind, random: &mut Pcg64) -> Option<DVector<f64>> {
+        let mut score = DVector::zeros(self.on.len());
+        for (run, log) in kind.logs().iter().enumerate() {
+            let moved = kind.input_noise(run, &mut || StandardNormal.sample(random))?;
+            for (k, column) in self.on.iter().enumerate() {
+                let readings = log.readings.iter().zip(&moved);
+                let parts = readings
+                    .zip(&column[self.bounds[run]..])
+                    .map(|((r, m), c)| r.weight.sqrt() * m / kind.channels()[r.channel].noise * c);
+                score[k] += parts.sum::<f64>();
+            }
+        }
+        Some(score)
     }
 
     /// Where each run begins among all readings, and the end.

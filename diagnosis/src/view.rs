@@ -9,15 +9,15 @@ use saltus_robot::Robot;
 
 use crate::fit::Fit;
 use crate::fitness;
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
-use crate::next::Proposal;
+use crate::kind::{Cause, Channel, Kind, Log, Parameter, Proposal, Terms};
+use crate::policy::POLICY;
 
 /// Most answers of a run that are kept, and most readings in all that they have.
 const ANSWERS: usize = 400;
 const READINGS: usize = 8_000_000;
 
 /// Scatter in terms of the stated one up to which it is taken as stated.
-const AS_STATED: f64 = 1.5;
+const AS_STATED: f64 = POLICY.noise_as_stated;
 
 /// What was asked of the model of a run: all its parameters.
 #[derive(Clone, PartialEq)]

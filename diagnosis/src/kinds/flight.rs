@@ -4,8 +4,8 @@ use super::{FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::fit::{self, Fit};
 use crate::fitness;
+use crate::kind::Proposal;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
-use crate::next::Proposal;
 use crate::noise;
 
 /// Flights, with what is believed of them.

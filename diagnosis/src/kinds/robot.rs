@@ -8,10 +8,11 @@ use terms::{Effect, Sensor};
 
 use super::{Problem, unknown};
 use crate::experiment::{Experiment, Run, Sort};
+use crate::kind::Proposal;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
-use crate::next::Proposal;
 use crate::noise;
 use crate::rig::{Course, Extra, Pose, Rig, Start};
+use crate::statistics::median;
 
 /// Firings of a robot, or of one of its legs.
 #[derive(Clone, Debug)]
@@ -162,7 +163,7 @@ impl Firings {
                 .take(5)
                 .map(|r| r.value)
                 .collect();
-            noise::median(&mut values)
+            median(&mut values)
         };
         let votes = self.logs.iter().map(|log| {
             let (turn, lean) = (first(log, turn), first(log, lean));
@@ -403,7 +404,7 @@ impl Kind for Firings {
             let mut values: Vec<f64> = here.iter().take(5).map(|r| r.value).collect();
             let (a, b) = (here.first()?, here.last()?);
             let slope = (b.value - a.value) / (b.time - a.time).max(1e-3);
-            Some((noise::median(&mut values), slope))
+            Some((median(&mut values), slope))
         };
         let rate = first(Column::Rate)
             .map(|f| f.0)

@@ -2,8 +2,8 @@
 
 use super::{FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run};
+use crate::kind::Proposal;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Reading, Terms};
-use crate::next::Proposal;
 use crate::noise;
 
 /// What is given of a run.

@@ -6,7 +6,7 @@ use saltus_robot::{Drive, Robot};
 
 use super::Firings;
 use crate::experiment::{Experiment, Run, Sort};
-use crate::next::Proposal;
+use crate::kind::Proposal;
 
 /// A run of `length` (s), sampled every 2 ms, whose columns read 0 but for the first rows of what
 /// starts it.

@@ -3,8 +3,7 @@
 use std::fmt::Write;
 
 use saltus::diagnosis::{
-    Candidate, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported, Sort,
-    residuals_under,
+    Candidate, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported, Sort, residuals,
 };
 use saltus::study::Worth;
 use serde_json::{Map, Value, json};
@@ -44,11 +43,13 @@ impl<'a> Report<'a> {
         };
         let conditions: Vec<Vec<(String, f64)>> =
             kind.logs().iter().map(|log| settings(&log.name)).collect();
-        let of = |model| residuals_under(kind, model, &conditions);
+        let level = found.settings.false_alarms;
+        let of = |model, fitness| residuals(kind, model, fitness, &conditions, level);
+        let diagnosis = &found.diagnosis;
         Report {
             found,
-            before: of(&found.diagnosis.before),
-            after: of(&found.diagnosis.after),
+            before: of(&diagnosis.before, &diagnosis.fitness.0),
+            after: of(&diagnosis.after, &diagnosis.fitness.1),
         }
     }
 
@@ -169,16 +170,6 @@ impl<'a> Report<'a> {
 
     pub(super) fn phase(&self, residual: &PhaseResidual) -> &'static str {
         phase_in(self.found.folder.experiment.kind, residual.phase)
-    }
-
-    /// Chance with which noise is called something else, for each line of the table of residuals.
-    fn level(&self) -> f64 {
-        self.found.settings.false_alarms / self.before.len().max(1) as f64
-    }
-
-    /// Words for what tells that a residual is not noise; empty where it may be.
-    pub(super) fn faults(&self, residual: &PhaseResidual) -> String {
-        residual.faults(self.level()).join(", ")
     }
 
     /// What the model with all causes leaves of the same channel and phase.
@@ -583,7 +574,7 @@ impl<'a> Report<'a> {
                 line.extend(last.map_or_else(|| words(&["–"; 3]), numbers));
             }
             line.push(last.map_or("–".into(), |last| with_unit(last.rms_in_unit(), 3, unit)));
-            let faults = last.map_or_else(String::new, |last| self.faults(last));
+            let faults = last.map_or_else(String::new, |last| last.faults.join(", "));
             line.push(if faults.is_empty() {
                 "–".to_owned()
             } else {
@@ -598,7 +589,11 @@ impl<'a> Report<'a> {
     fn conditions(&self) -> String {
         const STRONG: f64 = 0.7;
         let mut text = String::new();
-        for residual in self.after.iter().filter(|r| self.faults(r).contains("run")) {
+        for residual in self
+            .after
+            .iter()
+            .filter(|r| r.faults.contains(&"differs by run"))
+        {
             let (name, _) = split(&self.found.kind.channels()[residual.channel].name);
             for (condition, c) in residual.conditions.iter().filter(|(_, c)| c.abs() > STRONG) {
                 let phase = self.phase(residual);
@@ -719,7 +714,7 @@ impl<'a> Report<'a> {
             "p_level": residual.level,
             "p_whiteness": residual.whiteness,
             "p_runs": residual.runs,
-            "is_noise": residual.is_noise(self.level()),
+            "is_noise": residual.is_noise(),
         })
     }
 

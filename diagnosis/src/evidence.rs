@@ -1,0 +1,224 @@
+//! What every stage of a diagnosis works on: the data with their model, and how well models fit
+//! them.
+
+use std::sync::{Mutex, PoisonError};
+
+use crate::finding::Candidate;
+use crate::fit::{self, Fit};
+use crate::fitness;
+use crate::folds::{Fold, folds};
+use crate::gain::{self, Score};
+use crate::kind::Kind;
+use crate::parallel;
+use crate::policy::POLICY;
+use crate::settings::Settings;
+use crate::statistics::chi_square;
+
+/// Results of models, by their causes: the stages ask for the same models again.
+struct Memo<T>(Mutex<Vec<(Vec<usize>, T)>>);
+
+impl<T: Clone> Memo<T> {
+    fn new() -> Memo<T> {
+        Memo(Mutex::new(Vec::new()))
+    }
+
+    /// The result of the model with `causes`, computed by `make` where it is not known.
+    fn get(&self, causes: &[usize], make: impl FnOnce() -> Option<T>) -> Option<T> {
+        let all = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = all().iter().find(|k| k.0 == causes).map(|k| k.1.clone());
+        known.or_else(|| {
+            let made = make()?;
+            all().push((causes.to_vec(), made.clone()));
+            Some(made)
+        })
+    }
+}
+
+/// An experiment under diagnosis.
+pub(crate) struct Evidence<'a> {
+    /// The data and their model.
+    pub(crate) kind: &'a dyn Kind,
+    pub(crate) settings: &'a Settings,
+    progress: &'a (dyn Fn(&str) + Sync),
+    /// Whether the observed scatter has taken the place of the stated noise.
+    pub(crate) is_rescaled: bool,
+    /// Indices of all runs.
+    pub(crate) runs: Vec<usize>,
+    folds: Vec<Fold>,
+    scores: Memo<Vec<Score>>,
+    candidates: Memo<Vec<Candidate>>,
+}
+
+impl<'a> Evidence<'a> {
+    pub(crate) fn new(
+        kind: &'a dyn Kind,
+        settings: &'a Settings,
+        progress: &'a (dyn Fn(&str) + Sync),
+        is_rescaled: bool,
+    ) -> Evidence<'a> {
+        Evidence {
+            kind,
+            settings,
+            progress,
+            is_rescaled,
+            runs: (0..kind.logs().len()).collect(),
+            folds: folds(kind, settings),
+            scores: Memo::new(),
+            candidates: Memo::new(),
+        }
+    }
+
+    /// Says what is being done.
+    pub(crate) fn says(&self, what: &str) {
+        (self.progress)(what);
+    }
+
+    /// Listed causes that `model` does not have.
+    pub(crate) fn absent(&self, model: &Fit) -> Vec<usize> {
+        (0..self.kind.listed())
+            .filter(|cause| !model.causes.contains(cause))
+            .collect()
+    }
+
+    /// Degrees of freedom of a cause.
+    pub(crate) fn degrees(&self, cause: usize) -> usize {
+        self.kind.causes()[cause].parameters.len()
+    }
+
+    /// Degrees of freedom of the causes of a model.
+    pub(crate) fn degrees_of(&self, model: &Fit) -> f64 {
+        let each = model.causes.iter().map(|cause| self.degrees(*cause) as f64);
+        each.sum()
+    }
+
+    /// Gain that chance gives one more cause with a probability of 0.1 %.
+    pub(crate) fn gain_by_chance(&self, cause: usize) -> f64 {
+        chi_square(self.degrees(cause), POLICY.chance_quantile)
+    }
+
+    /// Gain beyond chance: what makes causes with more and fewer parameters comparable.
+    pub(crate) fn gain_beyond_chance(&self, cause: usize, gain: f64) -> f64 {
+        gain - self.gain_by_chance(cause)
+    }
+
+    /// Prior penalty of a candidate: the square of its effect in terms of the usual one.
+    pub(crate) fn prior_penalty(&self, candidate: &Candidate) -> f64 {
+        let cause = &self.kind.causes()[candidate.cause];
+        let off = candidate.fit.terms.get(candidate.cause, 0) - cause.parameters[0].neutral;
+        cause.usual.map_or(0.0, |usual| (off / usual).powi(2))
+    }
+
+    /// Gain less the cost of the parameters (Akaike's criterion) and the prior penalty.
+    pub(crate) fn penalised_gain(&self, candidate: &Candidate, inflation: f64) -> f64 {
+        let parameters = self.degrees(candidate.cause) as f64;
+        candidate.gain / inflation - 2.0 * parameters - self.prior_penalty(candidate)
+    }
+
+    /// Variance inflation of what `model` leaves.
+    pub(crate) fn inflation(&self, model: &Fit) -> f64 {
+        fitness::inflation(self.kind, model)
+    }
+
+    /// Whether residuals with this variance inflation are correlated, so that runs must be
+    /// compared and not readings.
+    pub(crate) fn is_correlated(&self, inflation: f64) -> bool {
+        self.is_rescaled || inflation > POLICY.correlated_inflation
+    }
+
+    /// Whether a parameter of `cause` has gone as far as physics allows.
+    pub(crate) fn is_at_bound(&self, model: &Fit, cause: usize) -> bool {
+        let parameters = self.kind.causes()[cause].parameters.iter().enumerate();
+        parameters.into_iter().any(|(p, parameter)| {
+            let x = model.terms.get(cause, p);
+            let ends = [parameter.bounds.0, parameter.bounds.1];
+            ends.iter()
+                .any(|end| *end != parameter.neutral && (x - end).abs() < 1e-6 * parameter.scale)
+        })
+    }
+
+    /// Least root mean square change of readings (σ) for which `cause` is reported, beside so many
+    /// others: those never have quite the form of their terms.
+    pub(crate) fn least_effect(&self, cause: usize, others: usize) -> f64 {
+        let least = self.kind.least_effect(cause);
+        if others > 0 {
+            least.max(self.kind.trust())
+        } else {
+            least
+        }
+    }
+
+    /// By how many σ the predictions of two models differ: in each run the greatest difference that
+    /// lasts for several readings of a channel, root mean square over the runs.
+    pub(crate) fn effect(&self, a: &Fit, b: &Fit) -> f64 {
+        let worst = parallel::map(self.runs.len(), |run| self.effect_in(run, a, b));
+        (worst.iter().map(|x| x * x).sum::<f64>() / worst.len().max(1) as f64).sqrt()
+    }
+
+    fn effect_in(&self, run: usize, a: &Fit, b: &Fit) -> f64 {
+        let of = |model: &Fit| {
+            fit::predicted(self.kind, run, &model.terms, &model.unknowns[run]).unwrap_or_default()
+        };
+        let (a, b) = (of(a), of(b));
+        let mut of_channel = vec![Vec::new(); self.kind.channels().len()];
+        for (reading, (a, b)) in self.kind.logs()[run].readings.iter().zip(a.iter().zip(&b)) {
+            of_channel[reading.channel].push((a - b).abs());
+        }
+        let lasting = |values: &Vec<f64>| {
+            let least = |window: &[f64]| window.iter().copied().fold(f64::INFINITY, f64::min);
+            let length = POLICY.lasting_readings.min(values.len().div_ceil(8).max(1));
+            values.windows(length).map(least).fold(0.0, f64::max)
+        };
+        of_channel.iter().map(lasting).fold(0.0, f64::max)
+    }
+
+    /// What a model predicts of data left out, fold by fold.
+    pub(crate) fn held_out(&self, model: &Fit) -> Option<Vec<Score>> {
+        self.scores.get(&model.causes, || {
+            gain::held_out(self.kind, model, &self.folds)
+        })
+    }
+
+    /// Its losses there.
+    pub(crate) fn held_out_losses(&self, model: &Fit) -> Option<Vec<f64>> {
+        let scores = self.held_out(model)?;
+        Some(scores.iter().map(|score| score.loss).collect())
+    }
+
+    /// Their sum.
+    pub(crate) fn held_out_loss(&self, model: &Fit) -> Option<f64> {
+        Some(self.held_out_losses(model)?.iter().sum())
+    }
+
+    /// Candidates beside `base`, computed by `make` where they are not known.
+    pub(crate) fn known_candidates(
+        &self,
+        base: &Fit,
+        make: impl FnOnce() -> Vec<Candidate>,
+    ) -> Vec<Candidate> {
+        self.candidates
+            .get(&base.causes, || Some(make()))
+            .unwrap_or_default()
+    }
+
+    /// `model` without one of its causes, fitted again.
+    pub(crate) fn without(&self, model: &Fit, cause: usize) -> Option<Fit> {
+        /// Steps of the fit, which starts where it will nearly end.
+        const STEPS: usize = 40;
+        let mut base = model.clone();
+        base.causes.retain(|c| *c != cause);
+        for (p, parameter) in self.kind.causes()[cause].parameters.iter().enumerate() {
+            base.terms.set(cause, p, parameter.neutral);
+        }
+        fit::refit(self.kind, base, &self.runs, &None, STEPS)
+    }
+
+    /// `base` with `cause`.
+    pub(crate) fn with(&self, base: &Fit, cause: usize) -> Option<Fit> {
+        fit::fit_with(self.kind, base, cause, &self.runs)
+    }
+
+    /// `base` with two causes.
+    pub(crate) fn with_pair(&self, base: &Fit, (a, b): (usize, usize)) -> Option<Fit> {
+        self.with(&self.with(base, a)?, b)
+    }
+}

@@ -1,0 +1,194 @@
+//! What is reported of a cause's parameters: values in the units of a robot file, standard errors,
+//! intervals.
+
+use nalgebra::DMatrix;
+
+use crate::finding::{Candidate, Reported};
+use crate::kind::{Cause, Kind, Parameter, Terms};
+use crate::parallel;
+use crate::policy::POLICY;
+use crate::profile::{Interval, Profile};
+use crate::tangent::Tangent;
+
+/// What the data do not tell of a cause.
+pub(crate) struct NotTold {
+    /// A direction of its parameters that is not identifiable, if there is one.
+    pub(crate) undetermined: Option<Vec<f64>>,
+    /// Whether nothing limits how strong it is; false without intervals.
+    pub(crate) is_unlimited: bool,
+}
+
+/// Fills in what is reported of a candidate's cause; intervals take a profile of the likelihood for
+/// each end.
+pub(crate) fn report(
+    kind: &dyn Kind,
+    candidate: &mut Candidate,
+    inflation: f64,
+    with_intervals: bool,
+) -> NotTold {
+    let (fit, cause) = (&candidate.fit, candidate.cause);
+    let known = Tangent::new(kind, fit, false).map(|t| t.known(kind));
+    let before = fit.causes.iter().take_while(|c| **c != cause);
+    let offset: usize = before.map(|c| kind.causes()[*c].parameters.len()).sum();
+    let spec = &kind.causes()[cause];
+    let n = spec.parameters.len();
+    let law = Law::new(spec, fit.terms.of(cause));
+    let ends = match &known {
+        Some(known) if with_intervals => {
+            let profile = Profile {
+                kind,
+                fit,
+                known,
+                inflation,
+            };
+            law.ends(cause, &profile)
+        }
+        _ => vec![Ends(None, None); law.reported.len()],
+    };
+    let covariance = known.as_ref().map_or_else(
+        || DMatrix::from_element(n, n, f64::NAN),
+        |k| k.covariance.view((offset, offset), (n, n)).into_owned() * inflation,
+    );
+    let of = |(k, ends): (usize, &Ends)| Reported {
+        name: law.reported[k].0.clone(),
+        value: law.reported[k].1,
+        error: law.error(k, &covariance),
+        interval: law.interval(cause, k, ends),
+    };
+    let undetermined = known.as_ref().and_then(|k| {
+        let is_vague = k.least < POLICY.least_information && n > 1;
+        is_vague.then(|| k.direction[offset..offset + n].to_vec())
+    });
+    let is_unlimited = law.is_unlimited(cause, &ends);
+    candidate.reported = ends.iter().enumerate().map(of).collect();
+    NotTold {
+        undetermined,
+        is_unlimited,
+    }
+}
+
+/// Where a profile ends, on the lower and the upper side of a parameter of the fit: the outer
+/// option is none where no profile was taken, the inner one where nothing limits the parameter.
+#[derive(Clone)]
+struct Ends(Option<Option<Terms>>, Option<Option<Terms>>);
+
+/// How what is reported of a cause depends on the parameters of the fit.
+struct Law<'a> {
+    cause: &'a Cause,
+    values: &'a [f64],
+    /// Name and value of each reported parameter.
+    reported: Vec<(String, f64)>,
+    /// For each parameter of the fit, the change of each reported one for one of its scale.
+    slopes: Vec<Vec<f64>>,
+}
+
+impl<'a> Law<'a> {
+    fn new(cause: &'a Cause, values: &'a [f64]) -> Law<'a> {
+        /// Step of a difference quotient, in terms of a parameter's scale.
+        const STEP: f64 = 1e-4;
+        let reported = cause.report(values);
+        let slope = |(p, parameter): (usize, &Parameter)| {
+            let mut moved = values.to_vec();
+            let step = STEP * parameter.scale;
+            moved[p] += step;
+            let there = cause.report(&moved);
+            let pairs = reported.iter().zip(&there);
+            pairs
+                .map(|(a, b)| (b.1 - a.1) / step * parameter.scale)
+                .collect()
+        };
+        Law {
+            slopes: cause.parameters.iter().enumerate().map(slope).collect(),
+            cause,
+            values,
+            reported,
+        }
+    }
+
+    /// The parameter of the fit that reported one `k` depends on, where it is one.
+    fn only(&self, k: usize) -> Option<usize> {
+        let mut by = (0..self.slopes.len()).filter(|&p| self.slopes[p][k] != 0.0);
+        by.next().filter(|_| by.next().is_none())
+    }
+
+    /// Ends of the profiles of each reported parameter.
+    fn ends(&self, cause: usize, profile: &Profile) -> Vec<Ends> {
+        let ends = parallel::map(2 * self.reported.len(), |k| {
+            let parameter = self.only(k / 2)?;
+            Some(profile.end(cause, parameter, k % 2 == 1))
+        });
+        ends.chunks(2)
+            .map(|pair| Ends(pair[0].clone(), pair[1].clone()))
+            .collect()
+    }
+
+    /// Standard error of reported parameter `k`; not a number where it rests at a bound at which it
+    /// does nothing.
+    fn error(&self, k: usize, covariance: &DMatrix<f64>) -> f64 {
+        let mut variance = 0.0;
+        for i in 0..self.slopes.len() {
+            for j in 0..self.slopes.len() {
+                variance += self.slopes[i][k] * self.slopes[j][k] * covariance[(i, j)];
+            }
+        }
+        if variance > 0.0 && variance.is_finite() {
+            variance.sqrt()
+        } else {
+            f64::NAN
+        }
+    }
+
+    /// Interval of reported parameter `k`.
+    fn interval(&self, cause: usize, k: usize, ends: &Ends) -> Option<Interval> {
+        let Ends(Some(below), Some(above)) = ends else {
+            return None;
+        };
+        let at = |end: &Option<Terms>| Some(self.cause.report(end.as_ref()?.of(cause))[k].1);
+        // What is reported may grow as the parameter of the fit falls.
+        let falls = self.slopes.iter().any(|by| by[k] < 0.0);
+        let (low, high) = if falls {
+            (above, below)
+        } else {
+            (below, above)
+        };
+        Some(Interval {
+            low: at(low),
+            high: at(high),
+        })
+    }
+
+    /// Whether nothing limits any of the reported parameters that are not neutral.
+    fn is_unlimited(&self, cause: usize, ends: &[Ends]) -> bool {
+        let of = |(k, ends): (usize, &Ends)| {
+            let spec = &self.cause.parameters;
+            let p = self
+                .only(k)
+                .filter(|p| self.values[*p] != spec[*p].neutral)?;
+            let at = |end: &Option<Terms>| end.as_ref().map(|terms| terms.get(cause, p));
+            Some(match ends {
+                Ends(Some(low), Some(high)) => {
+                    is_unlimited(&spec[p], self.values[p], [at(low), at(high)])
+                }
+                _ => false,
+            })
+        };
+        let mut all = ends.iter().enumerate().filter_map(of).peekable();
+        all.peek().is_some() && all.all(|is_unlimited| is_unlimited)
+    }
+}
+
+/// Whether nothing limits a parameter, found to be `value`, on the side away from neutral: there
+/// its interval with these ends is open, and physics allows far more than the least that explains
+/// the data.
+fn is_unlimited(parameter: &Parameter, value: f64, [low, high]: [Option<f64>; 2]) -> bool {
+    let Parameter {
+        neutral, bounds, ..
+    } = parameter;
+    let (inner, outer, bound) = if value > *neutral {
+        (low, high, bounds.1)
+    } else {
+        (high, low, bounds.0)
+    };
+    let least = inner.map_or(0.0, |x| (x - neutral).abs());
+    outer.is_none() && (bound - neutral).abs() > POLICY.unlimited * least
+}

@@ -1,0 +1,198 @@
+//! Forward selection: causes are added one at a time while data left out ask for them.
+
+use rand_pcg::Pcg64;
+
+use crate::evidence::Evidence;
+use crate::finding::Candidate;
+use crate::fit::Fit;
+use crate::fitness;
+use crate::policy::POLICY;
+use crate::stages::candidates::candidates;
+use crate::stages::{pairs, screen};
+use crate::statistics::is_worse;
+use crate::tangent::{Pair, Tangent};
+
+/// What forward selection came to.
+pub(crate) struct Added {
+    /// The model with the causes that are accepted.
+    pub(crate) model: Fit,
+    /// The model with every cause that was tried on the way.
+    pub(crate) richest: Fit,
+    /// Every cause alone, the best first.
+    pub(crate) tried: Vec<Candidate>,
+    /// Every two causes, the most promising first.
+    pub(crate) pairs: Vec<Pair>,
+    /// Variance inflation by which further gains are judged.
+    pub(crate) inflation: f64,
+}
+
+/// A model on the way to the richest one.
+struct Step {
+    fit: Fit,
+    /// Gain over the model before.
+    gain: f64,
+    /// Gain, less the variance inflation, that makes it accepted.
+    needed: f64,
+}
+
+/// Adds causes to `before`; none where its model does not answer.
+pub(crate) fn forward(evidence: &Evidence, before: &Fit, random: &mut Pcg64) -> Option<Added> {
+    let mut path = Path {
+        current: before.clone(),
+        steps: Vec::new(),
+        tried: Vec::new(),
+        pairs: Vec::new(),
+    };
+    while path.current.causes.len() < evidence.settings.most {
+        let Some(tangent) = Tangent::new(evidence.kind, &path.current, true) else {
+            // As it is, a model that does not move says nothing; one with causes goes no further.
+            if path.steps.is_empty() {
+                return None;
+            }
+            break;
+        };
+        let Some(step) = path.next(evidence, &tangent, random) else {
+            break;
+        };
+        path.current = step.fit.clone();
+        path.steps.push(step);
+    }
+    let (model, inflation) = accepted(evidence, before, &path);
+    Some(Added {
+        model,
+        richest: path.current,
+        tried: path.tried,
+        pairs: path.pairs,
+        inflation,
+    })
+}
+
+/// The way from a model to the richest one.
+struct Path {
+    current: Fit,
+    steps: Vec<Step>,
+    tried: Vec<Candidate>,
+    pairs: Vec<Pair>,
+}
+
+impl Path {
+    /// One more cause, or two; none where nothing passes.
+    fn next(&mut self, evidence: &Evidence, tangent: &Tangent, random: &mut Pcg64) -> Option<Step> {
+        let threshold = screen::threshold(evidence, tangent, random);
+        let is_first = self.steps.is_empty();
+        if !is_first && !screen::may_pass(evidence, tangent, &self.current, threshold) {
+            return None;
+        }
+        let candidates = candidates(evidence, &self.current, Some(tangent));
+        if is_first {
+            self.tried.clone_from(&candidates);
+            self.pairs = pairs::by_score(evidence, tangent, &self.current);
+        }
+        let passes = |c: &Candidate| evidence.gain_beyond_chance(c.cause, c.gain) > threshold;
+        let best = if candidates.iter().any(passes) {
+            best_held_out(evidence, &self.current, candidates)
+        } else {
+            None
+        };
+        let Some(best) = best else {
+            let pair = pairs::add(evidence, tangent, &self.current)?;
+            return Some(Step {
+                gain: self.current.loss - pair.loss,
+                needed: threshold,
+                fit: pair,
+            });
+        };
+        // What explains the data best is too small to be told from faults of the model; what
+        // explains less of them is no better.
+        let least = evidence.least_effect(best.cause, self.steps.len());
+        (evidence.effect(&self.current, &best.fit) >= least).then(|| Step {
+            gain: best.gain,
+            needed: threshold + evidence.gain_by_chance(best.cause) + evidence.prior_penalty(&best),
+            fit: best.fit,
+        })
+    }
+}
+
+/// The last step of which all up to it gain what they need; with the variance inflation by which
+/// further gains are judged.
+///
+/// What a unit of loss is worth is told by what the richest model leaves: about 1 where that is
+/// noise. Where it is correlated, a further cause has to stand out from what the model before it
+/// leaves.
+fn accepted(evidence: &Evidence, before: &Fit, path: &Path) -> (Fit, f64) {
+    let richest = evidence.inflation(&path.current);
+    let is_correlated = evidence.is_correlated(richest);
+    let mut model = before;
+    for step in &path.steps {
+        let inflation = if is_correlated && !model.causes.is_empty() {
+            evidence.inflation(model)
+        } else {
+            richest
+        };
+        let (mut needed, mut least) = (step.needed, 0.0);
+        if is_correlated {
+            // The inflation is itself known poorly.
+            let doubt = step.fit.causes.last();
+            needed = needed.max(0.0) + doubt.map_or(0.0, |cause| evidence.gain_by_chance(*cause));
+            least = POLICY.share_correlated * fitness::excess(evidence.kind, model);
+        }
+        if step.gain / inflation < needed || step.gain < least {
+            break;
+        }
+        model = &step.fit;
+    }
+    let inflation = if is_correlated {
+        evidence.inflation(model)
+    } else {
+        richest
+    };
+    (model.clone(), inflation)
+}
+
+/// A candidate by what it predicts of data left out.
+struct HeldOut {
+    candidate: Candidate,
+    losses: Vec<f64>,
+    /// Gain over the model without it, less the prior penalty.
+    gain: f64,
+}
+
+/// Of the candidates whose gain is near to that of the first, the one that predicts data left out
+/// best; none where none predicts them better than the model without.
+fn best_held_out(
+    evidence: &Evidence,
+    current: &Fit,
+    candidates: Vec<Candidate>,
+) -> Option<Candidate> {
+    let first = candidates.first()?;
+    let is_correlated = evidence.is_correlated(evidence.inflation(&first.fit));
+    let behind = if is_correlated {
+        POLICY.behind_part_correlated * first.gain
+    } else {
+        POLICY.rival_loss.max(POLICY.behind_part * first.gain)
+    };
+    let least = first.gain - behind;
+    let without = evidence.held_out_losses(current)?;
+    let compared = candidates.into_iter().filter(|c| c.gain > least);
+    let mut all: Vec<HeldOut> = compared
+        .take(POLICY.most_compared)
+        .filter_map(|candidate| {
+            let losses = evidence.held_out_losses(&candidate.fit)?;
+            let gain: f64 = without.iter().zip(&losses).map(|(a, b)| a - b).sum();
+            (gain > 0.0).then(|| HeldOut {
+                gain: gain - evidence.prior_penalty(&candidate),
+                losses,
+                candidate,
+            })
+        })
+        .collect();
+    all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    if is_correlated && !all.is_empty() {
+        // Of those that are not worse, the least surprising.
+        let best = all[0].losses.clone();
+        all.retain(|c| !is_worse(&c.losses, &best));
+        let penalty = |c: &HeldOut| evidence.prior_penalty(&c.candidate);
+        all.sort_by(|a, b| penalty(a).total_cmp(&penalty(b)));
+    }
+    all.into_iter().next().map(|c| c.candidate)
+}

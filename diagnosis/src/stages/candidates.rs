@@ -1,0 +1,91 @@
+//! Every promising cause beside a model, fitted.
+
+use crate::evidence::Evidence;
+use crate::finding::Candidate;
+use crate::fit::{self, Fit};
+use crate::parallel;
+use crate::policy::POLICY;
+use crate::stages::screen;
+use crate::tangent::Tangent;
+
+/// Every promising cause that `base` does not have, fitted beside it; the best first.
+pub(crate) fn candidates(
+    evidence: &Evidence,
+    base: &Fit,
+    tangent: Option<&Tangent>,
+) -> Vec<Candidate> {
+    evidence.known_candidates(base, || fit_all(evidence, base, tangent))
+}
+
+/// The same, with the model linearised at `base` for it.
+pub(crate) fn candidates_beside(evidence: &Evidence, base: &Fit) -> Vec<Candidate> {
+    let tangent = Tangent::new(evidence.kind, base, true);
+    candidates(evidence, base, tangent.as_ref())
+}
+
+fn fit_all(evidence: &Evidence, base: &Fit, tangent: Option<&Tangent>) -> Vec<Candidate> {
+    let promising = match tangent.zip(Tangent::residuals(evidence.kind, base)) {
+        Some((tangent, residuals)) => screen::promising(evidence, tangent, &residuals),
+        None => evidence.absent(base),
+    };
+    // Causes with many starts take long, and are given up early where others explain far more.
+    let (far, near): (Vec<usize>, Vec<usize>) = promising
+        .into_iter()
+        .partition(|cause| evidence.kind.causes()[*cause].is_apart());
+    let mut fitted = fit_each(evidence, base, &near, 0.0);
+    let best = fitted.iter().map(|c| c.gain).fold(0.0, f64::max);
+    fitted.extend(fit_each(evidence, base, &far, POLICY.gain_of_far * best));
+    let by_gain = |a: &Candidate, b: &Candidate| {
+        let gain = |c| evidence.penalised_gain(c, 1.0);
+        gain(b).total_cmp(&gain(a))
+    };
+    fitted.sort_by(by_gain);
+    if is_misled(evidence, &fitted) {
+        look_far(evidence, base, &mut fitted);
+        fitted.sort_by(by_gain);
+    }
+    fitted
+}
+
+/// Whether small steps have not led to what explains the data: the best candidate leaves more than
+/// noise, and one of the best has gone as far as physics allows.
+fn is_misled(evidence: &Evidence, fitted: &[Candidate]) -> bool {
+    fitted.first().is_some_and(|best| {
+        let mut near = fitted
+            .iter()
+            .filter(|c| c.gain >= POLICY.gain_at_bound * best.gain);
+        near.any(|c| evidence.is_at_bound(&c.fit, c.cause))
+            && evidence.inflation(&best.fit) > POLICY.correlated_inflation
+    })
+}
+
+/// Replaces or adds in `fitted` every listed cause that explains more when its fit starts from
+/// values over its whole range.
+pub(crate) fn look_far(evidence: &Evidence, base: &Fit, fitted: &mut Vec<Candidate>) {
+    let absent = evidence.absent(base);
+    let found = parallel::map(absent.len(), |k| {
+        let id = evidence.kind.causes()[absent[k]].id;
+        evidence.says(&format!("{}: all of {id}", base.causes.len() + 1));
+        let fit = fit::fit_far(evidence.kind, base, absent[k], &evidence.runs)?;
+        (fit.loss < base.loss).then(|| Candidate::new(absent[k], base, fit))
+    });
+    for far in found.into_iter().flatten() {
+        match fitted.iter_mut().find(|near| near.cause == far.cause) {
+            Some(near) if near.gain < far.gain => *near = far,
+            Some(_) => {}
+            None => fitted.push(far),
+        }
+    }
+}
+
+/// `base` with each of `causes` that gains `enough` in the first steps of its fit.
+fn fit_each(evidence: &Evidence, base: &Fit, causes: &[usize], enough: f64) -> Vec<Candidate> {
+    let fitted = parallel::map(causes.len(), |k| {
+        let id = evidence.kind.causes()[causes[k]].id;
+        evidence.says(&format!("{}: {id}", base.causes.len() + 1));
+        let fit = fit::fit_if(evidence.kind, base, causes[k], &evidence.runs, enough)?;
+        let candidate = Candidate::new(causes[k], base, fit);
+        (candidate.gain > 0.0).then_some(candidate)
+    });
+    fitted.into_iter().flatten().collect()
+}

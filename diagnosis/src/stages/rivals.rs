@@ -1,0 +1,153 @@
+//! Rivals: for each cause found, those that the data cannot tell from it.
+
+use crate::evidence::Evidence;
+use crate::finding::{Candidate, Finding};
+use crate::fit::Fit;
+use crate::next::{self, NextExperiment};
+use crate::policy::POLICY;
+use crate::report::report;
+use crate::stages::candidates::{candidates_beside, look_far};
+use crate::statistics::is_worse;
+
+/// One finding for each cause of `model`, the one with the greatest gain first. `tried` are the
+/// causes alone beside `before`.
+pub(crate) fn findings(
+    evidence: &Evidence,
+    model: &Fit,
+    inflation: f64,
+    before: &Fit,
+    tried: &[Candidate],
+) -> Vec<Finding> {
+    let of = |&cause: &usize| {
+        // Alone it was found among all of them.
+        let (base, candidates) = if model.causes.len() == 1 {
+            (before.clone(), tried.to_vec())
+        } else {
+            let base = evidence.without(model, cause)?;
+            let candidates = candidates_beside(evidence, &base);
+            (base, candidates)
+        };
+        let best = Candidate::new(cause, &base, model.clone());
+        Some(finding(evidence, best, &base, candidates, inflation))
+    };
+    let mut all: Vec<Finding> = model.causes.iter().filter_map(of).collect();
+    all.sort_by(|a, b| b.best.gain.total_cmp(&a.best.gain));
+    all
+}
+
+fn finding(
+    evidence: &Evidence,
+    mut best: Candidate,
+    base: &Fit,
+    mut candidates: Vec<Candidate>,
+    inflation: f64,
+) -> Finding {
+    let known = report(evidence.kind, &mut best, inflation, true);
+    if known.is_unlimited {
+        // Others that hold the machine as well need not lie at the end of small steps.
+        look_far(evidence, base, &mut candidates);
+    }
+    let mut rivals = rivals(evidence, &best, candidates, inflation);
+    for rival in &mut rivals {
+        // Where the data tell only how strong an effect is at least, that is what is of interest.
+        report(evidence.kind, rival, inflation, known.is_unlimited);
+    }
+    let losses = |model| evidence.held_out_losses(model);
+    let held_out = match (losses(base), losses(&best.fit)) {
+        (Some(a), Some(b)) => a.iter().zip(&b).map(|(a, b)| a - b).sum(),
+        _ => f64::NAN,
+    };
+    let less_likely = rivals.split_off(rivals.len().min(POLICY.most_rivals));
+    let mut finding = Finding {
+        best,
+        rivals,
+        less_likely,
+        unlisted: None,
+        held_out,
+        undetermined: known.undetermined,
+        is_identifiable: !known.is_unlimited,
+        next: None,
+    };
+    finding.next = next(evidence, &finding);
+    finding
+}
+
+/// Of `candidates` those that the data cannot tell from `best`, one for each id, the nearest first.
+fn rivals(
+    evidence: &Evidence,
+    best: &Candidate,
+    candidates: Vec<Candidate>,
+    inflation: f64,
+) -> Vec<Candidate> {
+    let id = |c: &Candidate| evidence.kind.causes()[c.cause].id;
+    let mut rivals = candidates;
+    rivals.retain(|c| c.cause != best.cause && is_rival(evidence, best, c, inflation));
+    let mut seen = vec![id(best)];
+    rivals.retain(|c| {
+        let is_new = !seen.contains(&id(c));
+        seen.push(id(c));
+        is_new
+    });
+    let cost = |c: &Candidate| 2.0 * evidence.degrees(c.cause) as f64 - c.gain;
+    rivals.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+    rivals
+}
+
+/// Whether the data cannot tell `other` from `best`.
+fn is_rival(evidence: &Evidence, best: &Candidate, other: &Candidate, inflation: f64) -> bool {
+    if evidence.is_correlated(inflation) && other.gain > POLICY.rival_part_correlated * best.gain {
+        // Runs are compared, and not readings.
+        let losses = |model| evidence.held_out_losses(model);
+        return match (losses(&other.fit), losses(&best.fit)) {
+            (Some(a), Some(b)) => !is_worse(&a, &b),
+            _ => false,
+        };
+    }
+    // The data alone: without the prior penalty.
+    let degrees = |c: &Candidate| evidence.degrees(c.cause) as f64;
+    let parameters = 2.0 * (degrees(other) - degrees(best));
+    let lead = best.gain - other.gain;
+    let behind = (lead + parameters) / inflation;
+    let penalised = |c| evidence.penalised_gain(c, 1.0);
+    let with_prior = (penalised(best) - penalised(other)) / inflation;
+    lead.abs() < POLICY.equal_gain * best.gain.abs() + 0.5
+        || (behind < POLICY.rival_loss && with_prior < POLICY.prior_limit * POLICY.rival_loss)
+}
+
+/// The experiment that would tell a finding and its rivals apart.
+pub(crate) fn next(evidence: &Evidence, finding: &Finding) -> Option<NextExperiment> {
+    let others = finding
+        .rivals
+        .iter()
+        .chain(&finding.less_likely)
+        .chain(&finding.unlisted);
+    let all: Vec<(usize, &Fit)> = std::iter::once(&finding.best)
+        .chain(others)
+        .map(|c| (c.cause, &c.fit))
+        .collect();
+    if all.len() < 2 {
+        return None;
+    }
+    next::next(evidence.kind, &all, &evidence.kind.proposals())
+}
+
+/// One cause, wherever in its range, that explains the data as well as the several of `model`; then
+/// `tried` has all causes over their ranges.
+pub(crate) fn one_for_all(
+    evidence: &Evidence,
+    before: &Fit,
+    model: &Fit,
+    tried: &mut Vec<Candidate>,
+    inflation: f64,
+) -> Option<Fit> {
+    let mut far = tried.clone();
+    look_far(evidence, before, &mut far);
+    let best = far
+        .iter()
+        .min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss))?;
+    let one = best.fit.clone();
+    (one.loss < model.loss + POLICY.rival_loss * inflation).then(|| {
+        *tried = far;
+        one
+    })
+}
