@@ -222,3 +222,59 @@ impl<'a> Evidence<'a> {
         self.with(&self.with(base, a)?, b)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toy::{READINGS, RUNS, Toy, sum, wave};
+
+    /// A step of 2 σ over half of each run is an effect of 2; a spike of one reading is none.
+    #[test]
+    fn an_effect_is_what_lasts() {
+        let half = |i: usize| {
+            if i % READINGS < READINGS / 2 {
+                2.0
+            } else {
+                0.0
+            }
+        };
+        let spike = |i: usize| if i % READINGS == 7 { 50.0 } else { 0.0 };
+        let column = |of: &dyn Fn(usize) -> f64| (0..RUNS * READINGS).map(of).collect::<Vec<_>>();
+        let columns = vec![column(&half), column(&spike)];
+        let toy = Toy::new(&sum(&[(1.0, &columns[0]), (1.0, &columns[1])]), columns);
+        let settings = Settings::default();
+        let evidence = toy.evidence(&settings);
+        let effect = |cause| evidence.effect(&toy.before(), &toy.fitted(&[cause]));
+        // A robust fit is not quite what least squares gives: the loss of large residuals is cut.
+        assert!((effect(0) - 2.0).abs() < 0.3, "{}", effect(0));
+        assert!(effect(1) < 1e-6, "{}", effect(1));
+    }
+
+    /// Of an orthonormal column the other folds tell the parameter, and it is off by the part of the
+    /// effect that lies in the fold.
+    #[test]
+    fn data_left_out_are_predicted_by_the_others() {
+        let toy = Toy::new(&sum(&[(20.0, &wave(0))]), vec![wave(0)]);
+        let settings = Settings::default();
+        let evidence = toy.evidence(&settings);
+        let before = evidence.held_out_loss(&toy.before()).expect("a loss");
+        let after = evidence.held_out_loss(&toy.fitted(&[0])).expect("a loss");
+        assert!(
+            (before - 400.0).abs() < 1e-6 && after < 1e-3,
+            "{before} {after}"
+        );
+    }
+
+    #[test]
+    fn a_model_without_a_cause_is_fitted_again() {
+        let slanted = sum(&[(0.6, &wave(0)), (0.8, &wave(1))]);
+        let toy = Toy::new(&sum(&[(10.0, &slanted)]), vec![wave(0), slanted]);
+        let settings = Settings::default();
+        let evidence = toy.evidence(&settings);
+        let both = toy.fitted(&[1, 0]);
+        let one = evidence.without(&both, 1).expect("a fit");
+        assert_eq!(one.causes, [0]);
+        assert!((one.terms.get(0, 0) - 6.0).abs() < 1e-3 && one.terms.get(1, 0) == 0.0);
+        assert!((one.loss - 64.0).abs() < 1e-3);
+    }
+}

@@ -140,12 +140,13 @@ fn add_parts(
 /// run, and patterns.
 type Measured = Vec<Vec<f64>>;
 
-/// Level and smooth part among the statistics; the patterns come after `REPEATS`.
+/// Level and smooth part among the statistics; the patterns come last.
 const LEVEL: usize = 0;
 const SMOOTH: usize = 1;
 const REPEATS: usize = 2;
+const PART: usize = REPEATS + 1;
 /// Statistics of a channel.
-const STATISTICS: usize = REPEATS + 1 + patterns::COUNT;
+const STATISTICS: usize = PART + patterns::COUNT;
 
 /// What is measured of residuals.
 struct Measure {
@@ -173,7 +174,7 @@ impl Measure {
     }
 
     fn of(&self, residuals: &[f64]) -> Measured {
-        let mut all = vec![vec![0.0; REPEATS + 1]; self.channels()];
+        let mut all = vec![vec![0.0; PART]; self.channels()];
         let mut repeats = vec![[0.0; SHAPES]; self.channels()];
         for s in &self.series {
             let values = s.of(residuals);
@@ -338,8 +339,7 @@ impl NoiseTest<'_> {
     fn matters(&self, c: usize, k: usize) -> bool {
         let trust = self.kind.trust();
         let least = POLICY.least_misfit.max(trust.powi(2));
-        let pattern = |k: usize| self.sizes[c][k - REPEATS - 1].size;
-        const PART: usize = REPEATS + 1;
+        let pattern = |k: usize| self.sizes[c][k - PART].size;
         match k {
             LEVEL => {
                 let beyond = self.found[c][LEVEL] - self.chance.moments[c][LEVEL].0;

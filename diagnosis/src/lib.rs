@@ -32,6 +32,8 @@ mod settings;
 mod stages;
 mod statistics;
 mod tangent;
+#[cfg(test)]
+mod toy;
 mod view;
 
 pub use diagnose::diagnose;

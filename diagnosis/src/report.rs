@@ -43,17 +43,17 @@ pub(crate) fn report(
             };
             law.ends(cause, &profile)
         }
-        _ => vec![Ends(None, None); law.reported.len()],
+        _ => vec![None; law.reported.len()],
     };
     let covariance = known.as_ref().map_or_else(
         || DMatrix::from_element(n, n, f64::NAN),
         |k| k.covariance.view((offset, offset), (n, n)).into_owned() * inflation,
     );
-    let of = |(k, ends): (usize, &Ends)| Reported {
+    let of = |(k, ends): (usize, &Option<Ends>)| Reported {
         name: law.reported[k].0.clone(),
         value: law.reported[k].1,
         error: law.error(k, &covariance),
-        interval: law.interval(cause, k, ends),
+        interval: ends.as_ref().map(|ends| law.interval(cause, k, ends)),
     };
     let undetermined = known.as_ref().and_then(|k| {
         let is_vague = k.least < POLICY.least_information && n > 1;
@@ -67,10 +67,8 @@ pub(crate) fn report(
     }
 }
 
-/// Where a profile ends, on the lower and the upper side of a parameter of the fit: the outer
-/// option is none where no profile was taken, the inner one where nothing limits the parameter.
-#[derive(Clone)]
-struct Ends(Option<Option<Terms>>, Option<Option<Terms>>);
+/// Lower and upper end of a profile; each is none where nothing limits the parameter.
+type Ends = [Option<Terms>; 2];
 
 /// How what is reported of a cause depends on the parameters of the fit.
 struct Law<'a> {
@@ -111,15 +109,15 @@ impl<'a> Law<'a> {
         by.next().filter(|_| by.next().is_none())
     }
 
-    /// Ends of the profiles of each reported parameter.
-    fn ends(&self, cause: usize, profile: &Profile) -> Vec<Ends> {
+    /// Ends of the profile of each reported parameter; none of one that depends on several of the
+    /// fit.
+    fn ends(&self, cause: usize, profile: &Profile) -> Vec<Option<Ends>> {
         let ends = parallel::map(2 * self.reported.len(), |k| {
             let parameter = self.only(k / 2)?;
             Some(profile.end(cause, parameter, k % 2 == 1))
         });
-        ends.chunks(2)
-            .map(|pair| Ends(pair[0].clone(), pair[1].clone()))
-            .collect()
+        let both = |pair: &[Option<Option<Terms>>]| Some([pair[0].clone()?, pair[1].clone()?]);
+        ends.chunks(2).map(both).collect()
     }
 
     /// Standard error of reported parameter `k`; not a number where it rests at a bound at which it
@@ -139,10 +137,7 @@ impl<'a> Law<'a> {
     }
 
     /// Interval of reported parameter `k`.
-    fn interval(&self, cause: usize, k: usize, ends: &Ends) -> Option<Interval> {
-        let Ends(Some(below), Some(above)) = ends else {
-            return None;
-        };
+    fn interval(&self, cause: usize, k: usize, [below, above]: &Ends) -> Interval {
         let at = |end: &Option<Terms>| Some(self.cause.report(end.as_ref()?.of(cause))[k].1);
         // What is reported may grow as the parameter of the fit falls.
         let falls = self.slopes.iter().any(|by| by[k] < 0.0);
@@ -151,26 +146,23 @@ impl<'a> Law<'a> {
         } else {
             (below, above)
         };
-        Some(Interval {
+        Interval {
             low: at(low),
             high: at(high),
-        })
+        }
     }
 
     /// Whether nothing limits any of the reported parameters that are not neutral.
-    fn is_unlimited(&self, cause: usize, ends: &[Ends]) -> bool {
-        let of = |(k, ends): (usize, &Ends)| {
+    fn is_unlimited(&self, cause: usize, ends: &[Option<Ends>]) -> bool {
+        let of = |(k, ends): (usize, &Option<Ends>)| {
             let spec = &self.cause.parameters;
             let p = self
                 .only(k)
                 .filter(|p| self.values[*p] != spec[*p].neutral)?;
             let at = |end: &Option<Terms>| end.as_ref().map(|terms| terms.get(cause, p));
-            Some(match ends {
-                Ends(Some(low), Some(high)) => {
-                    is_unlimited(&spec[p], self.values[p], [at(low), at(high)])
-                }
-                _ => false,
-            })
+            Some(ends.as_ref().is_some_and(|[low, high]| {
+                is_unlimited(&spec[p], self.values[p], [at(low), at(high)])
+            }))
         };
         let mut all = ends.iter().enumerate().filter_map(of).peekable();
         all.peek().is_some() && all.all(|is_unlimited| is_unlimited)

@@ -89,3 +89,58 @@ fn fit_each(evidence: &Evidence, base: &Fit, causes: &[usize], enough: f64) -> V
     });
     fitted.into_iter().flatten().collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Settings;
+    use crate::toy::{Toy, sum, wave};
+
+    #[test]
+    fn each_gains_the_square_of_its_part() {
+        let slanted = sum(&[(0.6, &wave(1)), (0.8, &wave(2))]);
+        let toy = Toy::new(
+            &sum(&[(9.0, &wave(0)), (20.0, &wave(1))]),
+            vec![wave(0), wave(1), slanted],
+        );
+        let settings = Settings::default();
+        let found = candidates_beside(&toy.evidence(&settings), &toy.before());
+        let known = [(1, 400.0, 20.0), (2, 144.0, 12.0), (0, 81.0, 9.0)];
+        assert_eq!(found.len(), 3);
+        for (c, (cause, gain, value)) in found.iter().zip(known) {
+            assert_eq!(c.cause, cause);
+            assert!((c.gain - gain).abs() < 1e-3, "{} {gain}", c.gain);
+            assert!((c.fit.terms.get(cause, 0) - value).abs() < 1e-3);
+        }
+    }
+
+    /// A cause of which more is known to be unusual comes after one that explains somewhat less.
+    #[test]
+    fn what_is_unusual_comes_later() {
+        let toy = Toy::new(
+            &sum(&[(10.0, &wave(0)), (9.9, &wave(1))]),
+            vec![wave(0), wave(1)],
+        )
+        .with(0, |cause| cause.usual = Some(2.0));
+        let settings = Settings::default();
+        let found = candidates_beside(&toy.evidence(&settings), &toy.before());
+        // Penalty (10/2)² = 25 against a lead of 2.
+        assert_eq!(found.iter().map(|c| c.cause).collect::<Vec<_>>(), [1, 0]);
+    }
+
+    /// A bound cuts the way to the better side; values over the whole range do not help, and the
+    /// candidate stays at its bound.
+    #[test]
+    fn a_bound_holds_a_candidate() {
+        let toy = Toy::new(&sum(&[(30.0, &wave(0))]), vec![wave(0)])
+            .with(0, |cause| cause.parameters[0].bounds = (0.0, 12.0));
+        let settings = Settings::default();
+        let evidence = toy.evidence(&settings);
+        let found = candidates_beside(&evidence, &toy.before());
+        let value = found[0].fit.terms.get(0, 0);
+        assert_eq!(value, 12.0);
+        // 30² − 18².
+        assert!((found[0].gain - 576.0).abs() < 1e-6);
+        assert!(evidence.is_at_bound(&found[0].fit, 0));
+    }
+}

@@ -28,3 +28,39 @@ fn better(evidence: &Evidence, model: &Fit, cause: usize, inflation: f64) -> Opt
     let is_better = best.cause != cause && gain(best) > own + POLICY.rival_loss;
     is_better.then(|| best.fit.clone())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Settings;
+    use crate::toy::{Toy, noise, sum, wave};
+
+    /// Alone, the tilted column explains most; beside the first wave, the second does.
+    fn toy() -> Toy {
+        let data = sum(&[(20.0, &wave(0)), (20.0, &wave(1)), (1.0, &noise(1))]);
+        let tilted = sum(&[(0.6, &wave(0)), (0.6, &wave(1)), (0.529, &wave(2))]);
+        Toy::new(&data, vec![tilted, wave(0), wave(1)])
+    }
+
+    #[test]
+    fn the_best_alone_gives_way_to_the_best_in_company() {
+        let toy = toy();
+        let settings = Settings::default();
+        let evidence = toy.evidence(&settings);
+        let found = exchange(&evidence, toy.fitted(&[0, 1]), 1.0);
+        let mut causes = found.causes.clone();
+        causes.sort_unstable();
+        assert_eq!(causes, [1, 2]);
+        assert!((found.loss - toy.fitted(&[1, 2]).loss).abs() < 0.1);
+    }
+
+    #[test]
+    fn the_best_stays_and_one_alone_too() {
+        let toy = toy();
+        let settings = Settings::default();
+        let evidence = toy.evidence(&settings);
+        for causes in [&[1, 2][..], &[0]] {
+            assert_eq!(exchange(&evidence, toy.fitted(causes), 1.0).causes, causes);
+        }
+    }
+}

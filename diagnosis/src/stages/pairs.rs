@@ -66,3 +66,77 @@ pub(crate) fn better(
     let gain = (found.loss - pair.loss) / inflation - parameters;
     (gain >= POLICY.rival_loss).then_some(pair)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kind::Kind;
+    use crate::settings::Settings;
+    use crate::toy::{Toy, noise, sum, wave};
+
+    /// a and b = cos δ a + sin δ n nearly cancel: of n alone, each explains sin²δ, both all of it.
+    fn nearly_cancelling(size: f64, seed: u128) -> Toy {
+        let (sin, cos) = 0.1_f64.sin_cos();
+        let b = sum(&[(cos, &wave(0)), (sin, &wave(1))]);
+        let data = sum(&[(size, &wave(1)), (1.0, &noise(seed))]);
+        Toy::new(&data, vec![wave(0), b, wave(2)])
+    }
+
+    #[test]
+    fn two_that_nearly_cancel_are_found_together() {
+        let toy = nearly_cancelling(25.0, 1);
+        let settings = Settings::default();
+        let (evidence, before) = (toy.evidence(&settings), toy.before());
+        let tangent = Tangent::new(&toy, &before, true).expect("a tangent");
+        let best = &by_score(&evidence, &tangent, &before)[0];
+        let part = |k: usize| {
+            let readings = toy.logs().iter().flat_map(|log| &log.readings);
+            readings.zip(wave(k)).map(|(r, w)| r.value * w).sum::<f64>()
+        };
+        let known = part(0).powi(2) + part(1).powi(2);
+        assert_eq!(best.causes, (0, 1));
+        // Outliers beyond 3 σ count less.
+        assert!(
+            (best.gain / known - 1.0).abs() < 0.1,
+            "{} {known}",
+            best.gain
+        );
+        let found = add(&evidence, &tangent, &before).expect("a pair");
+        assert_eq!(found.causes, [0, 1]);
+        let value = found.terms.get(1, 0) * 0.1_f64.sin();
+        assert!((value - 25.0).abs() < 3.0, "{value}");
+    }
+
+    #[test]
+    fn what_chance_may_give_a_pair_is_not_enough() {
+        let toy = nearly_cancelling(6.0, 2);
+        let settings = Settings::default();
+        let (evidence, before) = (toy.evidence(&settings), toy.before());
+        let tangent = Tangent::new(&toy, &before, true).expect("a tangent");
+        assert!(add(&evidence, &tangent, &before).is_none());
+        let full = toy.fitted(&[0, 2]);
+        let tangent = Tangent::new(&toy, &full, true).expect("a tangent");
+        assert!(add(&evidence, &tangent, &full).is_none(), "no room for two");
+    }
+
+    /// The best alone, a + b, takes a place that two others deserve.
+    #[test]
+    fn a_pair_replaces_what_was_found_one_by_one() {
+        let data = sum(&[(20.0, &wave(0)), (20.0, &wave(1)), (1.0, &noise(3))]);
+        let tilted = sum(&[(0.7, &wave(0)), (0.7, &wave(1)), (0.14, &wave(2))]);
+        let toy = Toy::new(&data, vec![tilted, wave(0), wave(1)]);
+        let settings = Settings::default();
+        let (evidence, before) = (toy.evidence(&settings), toy.before());
+        let tangent = Tangent::new(&toy, &before, true).expect("a tangent");
+        let pairs = by_score(&evidence, &tangent, &before);
+        let found = better(&evidence, &before, &toy.fitted(&[0, 1]), &pairs);
+        let both = toy.fitted(&[1, 2]);
+        let lead = toy.fitted(&[0, 1]).loss - both.loss;
+        match found {
+            Some(pair) => assert!(pair.causes == [1, 2] && lead >= 4.0, "{lead}"),
+            None => assert!(lead < 4.0, "{lead}"),
+        }
+        assert!(better(&evidence, &before, &both, &pairs).is_none());
+        assert!(better(&evidence, &before, &toy.fitted(&[0]), &pairs).is_none());
+    }
+}

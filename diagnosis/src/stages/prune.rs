@@ -23,3 +23,39 @@ fn is_needless(evidence: &Evidence, base: &Fit, model: &Fit, cause: usize, infla
     (base.loss - model.loss) / inflation < evidence.gain_by_chance(cause)
         || evidence.effect(base, model) < evidence.least_effect(cause, 1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Settings;
+    use crate::toy::{Toy, noise, sum, wave};
+
+    #[test]
+    fn a_cause_whose_work_others_do_is_taken_out() {
+        let data = sum(&[(20.0, &wave(0)), (20.0, &wave(1)), (1.0, &noise(1))]);
+        let tilted = sum(&[(0.7, &wave(0)), (0.7, &wave(1)), (0.14, &wave(2))]);
+        let toy = Toy::new(&data, vec![tilted, wave(0), wave(1)]);
+        let settings = Settings::default();
+        let evidence = toy.evidence(&settings);
+        let found = prune(&evidence, toy.fitted(&[0, 1, 2]), 1.0);
+        assert_eq!(found.causes, [1, 2]);
+        // Each of them explains far more than chance.
+        assert_eq!(prune(&evidence, found.clone(), 1.0).causes, [1, 2]);
+        // Where a unit of loss is worth a thousandth, one is enough.
+        assert_eq!(prune(&evidence, found, 1000.0).causes.len(), 1);
+    }
+
+    /// A gain of 10.83 is what chance exceeds once in a thousand times.
+    #[test]
+    fn the_limit_is_a_thousandth() {
+        for (size, left) in [(3.2, 1), (3.4, 2)] {
+            let toy = Toy::new(
+                &sum(&[(30.0, &wave(0)), (size, &wave(1))]),
+                vec![wave(0), wave(1)],
+            );
+            let settings = Settings::default();
+            let found = prune(&toy.evidence(&settings), toy.fitted(&[0, 1]), 1.0);
+            assert_eq!(found.causes.len(), left, "{size}");
+        }
+    }
+}

@@ -151,3 +151,70 @@ pub(crate) fn one_for_all(
         one
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Settings;
+    use crate::toy::{Toy, sum, wave};
+
+    /// A column at angle δ to the effect explains cos²δ of it: the data tell the two apart where
+    /// they lose more than 4 by it.
+    fn toy(size: f64, angles: &[f64]) -> Toy {
+        let mut columns = vec![wave(0)];
+        for (k, angle) in angles.iter().enumerate() {
+            let (sin, cos) = angle.sin_cos();
+            columns.push(sum(&[(cos, &wave(0)), (sin, &wave(k + 1))]));
+        }
+        Toy::new(&sum(&[(size, &wave(0))]), columns)
+    }
+
+    fn found(toy: &Toy) -> Finding {
+        let settings = Settings::default();
+        let evidence = toy.evidence(&settings);
+        let before = toy.before();
+        let tried = candidates_beside(&evidence, &before);
+        let mut all = findings(&evidence, &toy.fitted(&[0]), 1.0, &before, &tried);
+        assert_eq!(all.len(), 1);
+        all.remove(0)
+    }
+
+    /// Losses 400 sin²δ: 3.9 and 4.1.
+    #[test]
+    fn the_limit_is_a_likelihood_ratio_of_seven() {
+        let angle = |loss: f64| (loss / 400.0).sqrt().asin();
+        let finding = found(&toy(20.0, &[angle(3.9), angle(4.1), angle(30.0)]));
+        let named: Vec<usize> = finding.rivals.iter().map(|r| r.cause).collect();
+        assert_eq!(named, [1]);
+        assert!((finding.best.gain - 400.0).abs() < 1e-6);
+        assert!((finding.rivals[0].gain - 396.1).abs() < 1e-2);
+        assert!(finding.is_identifiable && finding.less_likely.is_empty());
+    }
+
+    #[test]
+    fn two_are_named_and_the_others_are_less_likely() {
+        let finding = found(&toy(20.0, &[0.08, 0.02, 0.04, 0.06]));
+        let causes = |all: &[Candidate]| all.iter().map(|r| r.cause).collect::<Vec<_>>();
+        assert_eq!(causes(&finding.rivals), [2, 3]);
+        assert_eq!(causes(&finding.less_likely), [4, 1]);
+    }
+
+    #[test]
+    fn a_cause_is_no_rival_of_its_own_id() {
+        let toy = toy(20.0, &[0.02]).with(1, |cause| cause.id = "a");
+        assert!(found(&toy).rivals.is_empty());
+    }
+
+    /// One column that is the sum of two explains what both do.
+    #[test]
+    fn one_stands_for_all() {
+        let both = sum(&[(0.6, &wave(0)), (0.8, &wave(1))]);
+        let toy = Toy::new(&sum(&[(15.0, &both)]), vec![wave(0), wave(1), both]);
+        let settings = Settings::default();
+        let evidence = toy.evidence(&settings);
+        let before = toy.before();
+        let mut tried = candidates_beside(&evidence, &before);
+        let one = one_for_all(&evidence, &before, &toy.fitted(&[0, 1]), &mut tried, 1.0);
+        assert_eq!(one.expect("one").causes, [2]);
+    }
+}

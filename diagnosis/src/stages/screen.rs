@@ -76,3 +76,78 @@ fn scores(tangent: &Tangent, residuals: &[f64]) -> Vec<(usize, f64)> {
     scores.sort_by(|a, b| b.1.total_cmp(&a.1));
     scores
 }
+
+#[cfg(test)]
+mod tests {
+    use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+    use super::*;
+    use crate::settings::Settings;
+    use crate::statistics::chi_square;
+    use crate::toy::{ALL, Toy, noise, sum, wave};
+
+    /// The score of a direction is the square of the residuals' part of it.
+    #[test]
+    fn a_score_is_the_square_of_a_projection() {
+        let toy = Toy::new(
+            &sum(&[(7.0, &wave(1)), (3.0, &wave(2))]),
+            vec![wave(0), wave(1), sum(&[(4.0, &wave(1)), (3.0, &wave(2))])],
+        );
+        let before = toy.before();
+        let tangent = Tangent::new(&toy, &before, true).expect("a tangent");
+        let residuals = Tangent::residuals(&toy, &before).expect("residuals");
+        let found = scores(&tangent, &residuals);
+        // Part of (7, 3) along (4, 3)/5, and along (1, 0).
+        let known = [(2, 7.4 * 7.4), (1, 49.0), (0, 0.0)];
+        for ((cause, score), (known_cause, known)) in found.into_iter().zip(known) {
+            assert!(
+                cause == known_cause && (score - known).abs() < 1e-6,
+                "{cause} {score}"
+            );
+        }
+    }
+
+    /// Of ten independent directions the best gain by chance is the greatest of ten χ² with one
+    /// degree of freedom.
+    #[test]
+    fn the_threshold_is_the_quantile_of_the_greatest_of_ten() {
+        let toy = Toy::new(&[0.0; ALL], (0..10).map(wave).collect());
+        let settings = Settings {
+            draws: 20_000,
+            ..Settings::default()
+        };
+        let evidence = toy.evidence(&settings);
+        let tangent = Tangent::new(&toy, &toy.before(), true).expect("a tangent");
+        let found = threshold(&evidence, &tangent, &mut Pcg64::new(1, 1));
+        let level = settings.false_alarms * (1.0 - POLICY.unknown_share);
+        let one = (1.0 - level).powf(0.1);
+        let known = ChiSquared::new(1.0).expect("χ²").inverse_cdf(one) - chi_square(1, 0.999);
+        // 20,000 draws tell this quantile to 0.1.
+        assert!((found - known).abs() < 0.3, "{found} {known}");
+    }
+
+    /// What is near to the best is fitted; what chance gives, or a thousandth of the best, is not.
+    #[test]
+    fn only_what_promises_something_is_fitted() {
+        let parts = [
+            (30.0, wave(0)),
+            (20.0, wave(1)),
+            (5.0, wave(2)),
+            (1.5, wave(3)),
+        ];
+        let parts: Vec<(f64, &[f64])> = parts.iter().map(|(c, v)| (*c, v.as_slice())).collect();
+        let toy = Toy::new(&sum(&parts), (0..5).map(wave).collect());
+        let settings = Settings::default();
+        let evidence = toy.evidence(&settings);
+        let tangent = Tangent::new(&toy, &toy.before(), true).expect("a tangent");
+        let residuals = Tangent::residuals(&toy, &toy.before()).expect("residuals");
+        // 25 is less than 3 % of 900.
+        assert_eq!(promising(&evidence, &tangent, &residuals), [0, 1]);
+        assert!(may_pass(&evidence, &tangent, &toy.before(), 100.0));
+        assert!(!may_pass(&evidence, &tangent, &toy.before(), 2000.0));
+        let noise = Toy::new(&noise(1), vec![wave(0)]);
+        let tangent = Tangent::new(&noise, &noise.before(), true).expect("a tangent");
+        let small = sum(&[(1.9, &wave(0))]);
+        assert!(promising(&noise.evidence(&settings), &tangent, &small).is_empty());
+    }
+}

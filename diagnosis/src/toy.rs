@@ -1,0 +1,158 @@
+//! A linear measurement model, whose answers are known in closed form, for the tests of the stages.
+
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+
+use crate::evidence::Evidence;
+use crate::fit::{self, Fit};
+use crate::kind::{Cause, Channel, Kind, Log, Parameter, Reading, Terms};
+use crate::settings::Settings;
+
+/// Runs, and readings in each.
+pub(crate) const RUNS: usize = 8;
+pub(crate) const READINGS: usize = 50;
+/// Readings in all.
+pub(crate) const ALL: usize = RUNS * READINGS;
+
+/// y = Σ θ_k a_k + noise of one σ: a cause for each column a_k, off at θ_k = 0.
+pub(crate) struct Toy {
+    channels: [Channel; 1],
+    logs: Vec<Log>,
+    causes: Vec<Cause>,
+    columns: Vec<Vec<f64>>,
+    listed: usize,
+    trust: f64,
+}
+
+/// `ALL` numbers with unit length, one of an orthonormal set for each `k`: waves over all readings.
+pub(crate) fn wave(k: usize) -> Vec<f64> {
+    let phase = |i: usize| std::f64::consts::PI * (k as f64 + 1.0) * (i as f64 + 0.5) / ALL as f64;
+    let size = f64::sqrt(2.0 / ALL as f64);
+    (0..ALL).map(|i| size * phase(i).cos()).collect()
+}
+
+/// Independent noise of one σ.
+pub(crate) fn noise(seed: u128) -> Vec<f64> {
+    let mut random = Pcg64::new(seed, 9);
+    (0..ALL)
+        .map(|_| StandardNormal.sample(&mut random))
+        .collect()
+}
+
+/// Σ c_k v_k.
+pub(crate) fn sum(parts: &[(f64, &[f64])]) -> Vec<f64> {
+    let at = |i: usize| parts.iter().map(|(c, v)| c * v[i]).sum();
+    (0..parts[0].1.len()).map(at).collect()
+}
+
+impl Toy {
+    /// Readings `values` with a cause for each of `columns`, the first of them called `"a"`.
+    pub(crate) fn new(values: &[f64], columns: Vec<Vec<f64>>) -> Toy {
+        const IDS: [&str; 12] = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l"];
+        let reading = |(k, value): (usize, &f64)| Reading {
+            channel: 0,
+            time: k as f64,
+            value: *value,
+            weight: 1.0,
+        };
+        let log = |(run, values): (usize, &[f64])| Log {
+            name: format!("run-{run}"),
+            readings: values.iter().enumerate().map(reading).collect(),
+        };
+        let cause = |(k, _): (usize, &Vec<f64>)| {
+            Cause::one(
+                IDS[k],
+                Parameter {
+                    name: format!("{}_n", IDS[k]),
+                    neutral: 0.0,
+                    bounds: (-1e6, 1e6),
+                    scale: 1.0,
+                    starts: Vec::new(),
+                },
+            )
+        };
+        Toy {
+            channels: [Channel {
+                name: "y_m".into(),
+                noise: 1.0,
+                step: 0.0,
+                is_given: true,
+            }],
+            logs: values.chunks(READINGS).enumerate().map(log).collect(),
+            causes: columns.iter().enumerate().map(cause).collect(),
+            listed: columns.len(),
+            columns,
+            trust: 0.1,
+        }
+    }
+
+    /// With the last of its columns as a term without a name.
+    pub(crate) fn with_a_term(mut self) -> Toy {
+        self.listed -= 1;
+        self
+    }
+
+    /// With another error of the model (σ).
+    pub(crate) fn with_model_error(mut self, trust: f64) -> Toy {
+        self.trust = trust;
+        self
+    }
+
+    /// With a cause changed.
+    pub(crate) fn with(mut self, cause: usize, change: impl FnOnce(&mut Cause)) -> Toy {
+        change(&mut self.causes[cause]);
+        self
+    }
+
+    /// Without a cause.
+    pub(crate) fn before(&self) -> Fit {
+        fit::fit_none(self, &(0..RUNS).collect::<Vec<_>>()).expect("an answer")
+    }
+
+    /// With these causes, fitted.
+    pub(crate) fn fitted(&self, causes: &[usize]) -> Fit {
+        let fit = causes.iter().try_fold(self.before(), |base, &cause| {
+            fit::fit_with(self, &base, cause, &(0..RUNS).collect::<Vec<_>>())
+        });
+        fit.expect("an answer")
+    }
+
+    /// What a search works on.
+    pub(crate) fn evidence<'a>(&'a self, settings: &'a Settings) -> Evidence<'a> {
+        Evidence::new(self, settings, &|_| {}, false)
+    }
+}
+
+impl Kind for Toy {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn logs(&self) -> &[Log] {
+        &self.logs
+    }
+
+    fn unknowns(&self, _: usize) -> Vec<Parameter> {
+        Vec::new()
+    }
+
+    fn causes(&self) -> &[Cause] {
+        &self.causes
+    }
+
+    fn listed(&self) -> usize {
+        self.listed
+    }
+
+    fn trust(&self) -> f64 {
+        self.trust
+    }
+
+    fn predict(&self, run: usize, terms: &Terms, _: &[f64]) -> Option<Vec<f64>> {
+        let at = |i: usize| {
+            let columns = self.columns.iter().enumerate();
+            columns.map(|(k, a)| terms.get(k, 0) * a[i]).sum()
+        };
+        Some((run * READINGS..(run + 1) * READINGS).map(at).collect())
+    }
+}
