@@ -1,6 +1,6 @@
 //! How much a reading scatters, and readings out of columns.
 
-use crate::experiment::{Experiment, Run, Sort};
+use crate::experiment::{Experiment, Run};
 use crate::fit::Fit;
 use crate::fitness;
 use crate::kind::{Channel, Kind, Log, Reading};
@@ -63,10 +63,10 @@ const FAR: f64 = POLICY.noise_disbelieved;
 const FINE: f64 = POLICY.finest_noise;
 
 /// Takes the scatter of the data in place of each noise that is stated far larger, and says where:
-/// a diagnosis by such a noise would explain everything. The rows of [`Sort::Outcomes`] do not
+/// a diagnosis by such a noise would explain everything. The rows of outcomes do not
 /// follow each other: [`misstated`] tells of those, once a model is fitted.
 pub fn disbelieve(experiment: &mut Experiment) -> Vec<Misstated> {
-    if experiment.kind == Sort::Outcomes {
+    if !experiment.kind.spec().timed {
         return Vec::new();
     }
     let mut all = Vec::new();
@@ -223,7 +223,7 @@ pub(crate) fn log(experiment: &Experiment, run: &Run, indices: &[usize]) -> Log 
         .map(|&k| {
             let is_bare = experiment.resolution[k]
                 .is_some_and(|step| experiment.noise[k].unwrap_or(0.0) < DITHER * step);
-            weights(&run.values[k], is_bare && experiment.kind != Sort::Outcomes)
+            weights(&run.values[k], is_bare && experiment.kind.spec().timed)
         })
         .collect();
     let mut readings = Vec::with_capacity(run.time.len() * indices.len());

@@ -7,6 +7,11 @@ use crate::fitness;
 use crate::kind::Proposal;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::noise;
+use crate::layout::{Draw, Layout, count};
+use crate::plausible::{Check, LENGTHS};
+use crate::spec::{
+    LOAD, DIAMETER, PART, PLACE, RADIUS, Source, Spec, Synthesis, calm, lively, noisy, optional, without,
+};
 
 /// Flights, with what is believed of them.
 #[derive(Clone, Debug)]
@@ -484,4 +489,70 @@ impl<F: Fn([f64; 2]) -> [f64; 2]> Motion<F> {
         }
         path.time = time;
     }
+}
+
+/// The kind.
+pub(super) const SPEC: Spec = Spec {
+    sort: Sort::Flight,
+    id: "flight",
+    description: "A body thrown",
+    // Something dropped may stay above its shadow.
+    channels: &[without(calm("x_m", PLACE)), without(lively("y_m", PLACE))],
+    any_of: true,
+    settings: &[
+        optional("mass_kg", LOAD),
+        optional("diameter_m", DIAMETER),
+        optional("boom_radius_m", RADIUS),
+    ],
+    least: 5,
+    longest: 1000.0,
+    checks: &[    Check {
+        name: "y_m",
+        sizes: |view| Some((view.fall("y_m")?, 9.806_65)),
+        what: "a fall (m/s²) under gravity",
+        allowed: (0.02, 2.0),
+        strict: false,
+        units: LENGTHS,
+    },
+],
+    phase: |_| "flight",
+    model: |data, robot| {
+        let gravity = robot.map_or(9.80665, |r| r.environment.gravity);
+        Ok(Box::new(Flights::new(data, gravity)))
+    },
+    synthesis: Synthesis {
+        instruments: &[noisy("x_m", 5e-3), noisy("y_m", 5e-3)],
+        runs: 6,
+        lay_out: |layout, runs, draw| (0..runs).for_each(|_| throw(layout, draw)),
+        source: Source::Model,
+    },
+    ..PART
+};
+
+/// Adds a throw.
+fn throw(layout: &mut Layout, draw: &mut Draw) {
+    let (height, forward, up) = if layout.on_boom {
+        (
+            draw.between(0.0, 0.1),
+            draw.between(0.5, 1.5),
+            draw.between(1.0, 2.5),
+        )
+    } else {
+        (
+            draw.between(1.0, 2.0),
+            draw.between(2.0, 8.0),
+            draw.between(3.0, 8.0),
+        )
+    };
+    let boom: &[(&str, f64)] = if layout.on_boom {
+        &[("boom_radius_m", 2.12)]
+    } else {
+        &[]
+    };
+    layout.add(
+        boom,
+        count(0.22 * up, 0.01),
+        0.01,
+        vec![0.0, forward, height, up],
+    );
 }

@@ -1,10 +1,7 @@
-//! The kinds of experiments.
+//! The kinds of experiments. Each has a file of its own, with its [`Spec`]; its line here is all
+//! else that a new one takes.
 
-mod flight;
 mod robot;
-mod slide;
-mod stroke;
-mod vessel;
 
 pub use flight::Flights;
 pub use robot::Firings;
@@ -14,8 +11,60 @@ pub use vessel::Vessels;
 
 use saltus_robot::Robot;
 
-use crate::experiment::{Experiment, Sort};
+use crate::experiment::Experiment;
 use crate::kind::{Cause, Kind, Parameter};
+use crate::spec::Spec;
+
+/// The kinds, each with its name in the program and its file.
+macro_rules! kinds {
+    ($($(#[$about:meta])+ $name:ident: $file:ident;)+) => {
+        $(mod $file;)+
+
+        /// A kind of experiment: what was done.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+        pub enum Sort {
+            $($(#[$about])+ $name,)+
+        }
+
+        impl Sort {
+            /// All kinds, in the order of messages.
+            pub const ALL: [Sort; [$(Sort::$name),+].len()] = [$(Sort::$name),+];
+
+            /// What it says of itself.
+            pub fn spec(self) -> &'static Spec {
+                match self {
+                    $(Sort::$name => const { &$file::SPEC },)+
+                }
+            }
+        }
+    };
+}
+
+kinds! {
+    /// One cylinder upright, fired once from rest under a dead load.
+    Bench: bench;
+    /// The robot at rest, upright on one leg, fired once.
+    Hop: hop;
+    /// From just after touch-down of the jumping leg, through the flight.
+    Jump: jump;
+    /// A body in free flight or fall, or a robot in flight at the end of a boom.
+    Flight: flight;
+    /// One row a jump: what was asked for and where it went.
+    Outcomes: outcomes;
+    /// A piston moved slowly back and forth under regulated pressure.
+    Stroke: stroke;
+    /// A mass on a guide, driven by a measured force.
+    Slide: slide;
+    /// A vessel filling or discharging through an orifice.
+    Vessel: vessel;
+}
+
+impl Sort {
+    /// The kind that files and the command line call `id`.
+    pub fn named(id: &str) -> Option<Sort> {
+        Sort::ALL.into_iter().find(|sort| sort.spec().id == id)
+    }
+}
 
 /// Why an experiment has no model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -49,18 +98,7 @@ pub enum Problem {
 /// # Errors
 /// [`Problem`] where data and robot do not go together.
 pub fn build(experiment: &Experiment, robot: Option<&Robot>) -> Result<Box<dyn Kind>, Problem> {
-    Ok(match experiment.kind {
-        Sort::Bench | Sort::Hop | Sort::Jump | Sort::Outcomes => {
-            Box::new(Firings::new(experiment, robot.ok_or(Problem::NoRobot)?)?)
-        }
-        Sort::Flight => Box::new(Flights::new(
-            experiment,
-            robot.map_or(9.80665, |r| r.environment.gravity),
-        )),
-        Sort::Stroke => Box::new(Strokes::new(experiment)),
-        Sort::Slide => Box::new(Slides::new(experiment)),
-        Sort::Vessel => Box::new(Vessels::new(experiment)),
-    })
+    (experiment.kind.spec().model)(experiment, robot)
 }
 
 /// A cause with one parameter.

@@ -1,9 +1,15 @@
 //! A mass on a guide, driven by a measured force.
 
+use std::f64::consts::TAU;
+
 use super::{FREE, sensor, simple, unknown};
-use crate::experiment::{Experiment, Run};
+use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::noise;
+use crate::layout::{Draw, Layout, count};
+use crate::spec::{
+    FORCE, LOAD, PART, POSITION, Source, Spec, Synthesis, calm, lively, noisy, optional,
+};
 
 /// What is given of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -303,5 +309,53 @@ impl Kind for Slides {
             out.push(scale * x);
         }
         out.iter().all(|x| x.is_finite()).then_some(out)
+    }
+}
+
+/// The kind.
+pub(super) const SPEC: Spec = Spec {
+    sort: Sort::Slide,
+    id: "slide",
+    description: "A mass driven on a guide",
+    // A weight on a string pulls always the same.
+    channels: &[calm("force_n", FORCE), lively("position_m", POSITION)],
+    settings: &[optional("mass_kg", LOAD)],
+    model: |data, _| Ok(Box::new(Slides::new(data))),
+    synthesis: Synthesis {
+        instruments: &[noisy("force_n", 1e-3), noisy("position_m", 2e-4)],
+        runs: 6,
+        lay_out,
+        source: Source::Model,
+    },
+    ..PART
+};
+
+/// Adds slides of one mass, driven by three sines that set in smoothly.
+fn lay_out(layout: &mut Layout, runs: usize, draw: &mut Draw) {
+    let mass = draw.stepped(0.5, 4.0, 1e-3);
+    for _ in 0..runs {
+        let sines = [(); 3].map(|()| {
+            // Fast enough that a mass without friction stays on the guide.
+            let rate = TAU * draw.between(1.0, 4.0);
+            (
+                mass * draw.between(1.0, 4.0) * rate / 10.0,
+                rate,
+                draw.between(0.0, TAU),
+            )
+        });
+        let rows = count(draw.between(0.7, 1.2), 2e-3);
+        layout.add(&[("mass_kg", mass)], rows, 2e-3, vec![0.0, 0.0]);
+        let force = layout.column("force_n");
+        let Some(run) = layout.experiment.runs.last_mut() else {
+            return;
+        };
+        for (row, t) in run.time.iter().enumerate() {
+            let window = (t / 0.2).clamp(0.0, 1.0).powi(2);
+            run.values[force][row] = window
+                * sines
+                    .iter()
+                    .map(|(a, w, p)| a * (w * t + p).sin())
+                    .sum::<f64>();
+        }
     }
 }

@@ -1,9 +1,16 @@
 //! A piston moved slowly back and forth under regulated pressure: what its seal does to the force.
 
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
+
 use super::{FREE, sensor, simple, unknown};
-use crate::experiment::{Experiment, Run};
+use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::noise;
+use crate::layout::{Draw, Layout, count};
+use crate::plausible::{Check, FORCES, quantile};
+use crate::spec::{
+    BORE, Column, FORCE, GAUGE, PART, POSITION, Source, Spec, Synthesis, calm, lively, noisy, required,
+};
 
 /// What is given of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +65,7 @@ impl Strokes {
             .iter()
             .filter_map(|run| run.settings.get("bore_m"));
         let area =
-            std::f64::consts::FRAC_PI_4 * bores.fold(0.0, |most: f64, bore| most.max(bore * bore));
+            FRAC_PI_4 * bores.fold(0.0, |most: f64, bore| most.max(bore * bore));
         channel.noise = channel.noise.hypot(area * of_pressure.noise);
         channel.is_given &= of_pressure.is_given;
         let channels = vec![channel];
@@ -207,7 +214,7 @@ impl Kind for Strokes {
     /// the presliding way), less a spring that grows as the rod extends.
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         let drive = &self.drives[run];
-        let area = std::f64::consts::FRAC_PI_4 * drive.bore * drive.bore;
+        let area = FRAC_PI_4 * drive.bore * drive.bore;
         let (mut state, way) = (unknowns[0], unknowns[1]);
         let mut last = drive.motion.first()?.0;
         let out: Vec<f64> = drive
@@ -226,5 +233,79 @@ impl Kind for Strokes {
             })
             .collect();
         out.iter().all(|x| x.is_finite()).then_some(out)
+    }
+}
+
+/// The kind.
+pub(super) const SPEC: Spec = Spec {
+    sort: Sort::Stroke,
+    id: "stroke",
+    description: "A piston moved slowly",
+    channels: &[
+        lively("position_m", POSITION),
+        // A regulator may hold it to one count.
+        Column {
+            scale: 1000.0,
+            ..calm("pressure_gauge_pa", GAUGE)
+        },
+        lively("force_n", FORCE),
+    ],
+    settings: &[required("bore_m", BORE)],
+    checks: &[    Check {
+        name: "force_n",
+        sizes: |view| {
+            let area = FRAC_PI_4 * view.setting("bore_m")?.powi(2);
+            let pressure = quantile(view.column("pressure_gauge_pa")?, 0.5)?;
+            // Friction of the seal is as large as the force of a low pressure.
+            (pressure > 5e4).then_some(())?;
+            Some((quantile(view.column("force_n")?, 0.5)?, pressure * area))
+        },
+        what: "pressure times area",
+        allowed: (0.35, 5.0),
+        strict: false,
+        units: FORCES,
+    },
+],
+    model: |data, _| Ok(Box::new(Strokes::new(data))),
+    synthesis: Synthesis {
+        instruments: &[
+            noisy("position_m", 1e-5),
+            noisy("pressure_gauge_pa", 50.0),
+            noisy("force_n", 0.06),
+        ],
+        runs: 5,
+        lay_out,
+        source: Source::Model,
+    },
+    ..PART
+};
+
+/// Adds slow strokes at several pressures, each twice back and forth with round turns.
+fn lay_out(layout: &mut Layout, runs: usize, draw: &mut Draw) {
+    let (seal, way) = (draw.between(-1.0, 1.0), draw.between(5e-5, 3e-4));
+    for k in 0..runs {
+        let set = 1e5 + 6e5 * k as f64 / (runs - 1).max(1) as f64;
+        let (middle, half) = (draw.between(0.03, 0.05), draw.between(0.02, 0.025));
+        let period = draw.between(8.0, 20.0);
+        let rate = 0.02;
+        layout.add(
+            &[("bore_m", 0.01905)],
+            count(2.0 * period, rate),
+            rate,
+            vec![seal, way],
+        );
+        let (position, pressure) =
+            (layout.column("position_m"), layout.column("pressure_gauge_pa"));
+        let Some(run) = layout.experiment.runs.last_mut() else {
+            return;
+        };
+        for (row, t) in run.time.iter().enumerate() {
+            // Nearly a triangle: an arcsine of a sine that stays short of 1.
+            let phase = TAU * t / period;
+            run.values[position][row] =
+                middle - half * (0.99 * phase.cos()).asin() / (PI / 2.0);
+            run.values[pressure][row] =
+                set + 1500.0 * (0.7 * phase.sin() + 0.3 * (TAU * t / 7.0).sin());
+        }
     }
 }

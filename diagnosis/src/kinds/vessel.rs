@@ -1,10 +1,16 @@
 //! A vessel filling or discharging through an orifice.
 
+use std::f64::consts::{FRAC_PI_4, PI};
+
 use super::{FREE, sensor, simple, unknown};
-use crate::experiment::{Experiment, Run};
-use crate::kind::Proposal;
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Reading, Terms};
+use crate::experiment::{Experiment, Run, Sort};
+use crate::kind::{Cause, Channel, Kind, Log, Parameter, Proposal, Reading, Terms};
 use crate::noise;
+use crate::layout::{Draw, Layout};
+use crate::plausible::{Check, PRESSURES, quantile};
+use crate::spec::{
+    ABSOLUTE, AREA, BORE, PART, Source, Spec, Synthesis, TEMPERATURE, VOLUME, calm, lively, noisy, optional, required, without,
+};
 
 /// What is given of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -311,13 +317,13 @@ impl Kind for Vessels {
         let share = terms.get(GAS, 0);
         let mix = |a: f64, b: f64| a + share * (b - a);
         let (kappa, gas) = (mix(AIR.0, CARBON_DIOXIDE.0), mix(AIR.1, CARBON_DIOXIDE.1));
-        let area = std::f64::consts::FRAC_PI_4 * vessel.orifice * vessel.orifice * unknowns[0];
+        let area = FRAC_PI_4 * vessel.orifice * vessel.orifice * unknowns[0];
         let outside = vessel.ambient + terms.get(OUTSIDE, 0);
         if outside <= 0.0 {
             return None;
         }
         let wall = vessel.wall.unwrap_or_else(|| {
-            (36.0 * std::f64::consts::PI).cbrt() * vessel.volume.powf(2.0 / 3.0)
+            (36.0 * PI).cbrt() * vessel.volume.powf(2.0 / 3.0)
         });
         let release = vessel.release.or(unknowns.get(1).copied())?;
         let last = self.span(run).1 - release;
@@ -328,7 +334,7 @@ impl Kind for Vessels {
         // Near the balance steps are cut into so many parts: the same ones whatever is fitted.
         let speed = kappa * (gas * vessel.temperature).sqrt() / vessel.volume;
         let (first, end) = self.span(run);
-        let widest = std::f64::consts::FRAC_PI_4 * vessel.orifice * vessel.orifice;
+        let widest = FRAC_PI_4 * vessel.orifice * vessel.orifice;
         let parts = (speed * widest * (end - first) / (STEPS * SHARE))
             .ceil()
             .clamp(1.0, 100.0);
@@ -441,6 +447,74 @@ fn runge_kutta(t: f64, y: [f64; 2], h: f64, f: &impl Fn(f64, [f64; 2]) -> [f64; 
     std::array::from_fn(|k| y[k] + h / 6.0 * (a[k] + 2.0 * b[k] + 2.0 * c[k] + d[k]))
 }
 
+/// The kind.
+pub(super) const SPEC: Spec = Spec {
+    sort: Sort::Vessel,
+    id: "vessel",
+    description: "A vessel filling or discharging",
+    // A slow discharge may be as warm as the room throughout.
+    channels: &[
+        without(lively("pressure_pa", ABSOLUTE)),
+        without(calm("temperature_k", TEMPERATURE)),
+    ],
+    any_of: true,
+    settings: &[
+        required("volume_m3", VOLUME),
+        required("orifice_diameter_m", BORE),
+        required("initial_pressure_pa", ABSOLUTE),
+        required("initial_temperature_k", TEMPERATURE),
+        required("ambient_pressure_pa", ABSOLUTE),
+        optional("wall_area_m2", AREA),
+    ],
+    instants: &[RELEASE],
+    least: 5,
+    checks: &[    Check {
+        name: "pressure_pa",
+        sizes: |view| {
+            let expected = view
+                .setting("initial_pressure_pa")?
+                .max(view.setting("ambient_pressure_pa")?);
+            Some((quantile(view.column("pressure_pa")?, 0.95)?, expected))
+        },
+        what: "the higher of initial and ambient pressure",
+        allowed: (0.05, 4.0),
+        strict: false,
+        units: PRESSURES,
+    },
+],
+    model: |data, _| Ok(Box::new(Vessels::new(data))),
+    synthesis: Synthesis {
+        instruments: &[noisy("pressure_pa", 3e3), noisy("temperature_k", 1.0)],
+        runs: 5,
+        lay_out,
+        source: Source::Model,
+    },
+    ..PART
+};
+
+/// Adds discharges of one vessel, every third a filling.
+fn lay_out(layout: &mut Layout, runs: usize, draw: &mut Draw) {
+    let (volume, orifice) = (draw.between(0.005, 0.03), draw.between(1.5e-3, 3e-3));
+    let discharge = draw.between(0.6, 0.95);
+    let wall = 4.836 * volume.powf(2.0 / 3.0) * draw.between(1.1, 1.6);
+    // Time in which the gas would be gone at the first rate.
+    let scale = volume / (discharge * PI / 4.0 * orifice * orifice * 0.685 * 290.0);
+    for k in 0..runs {
+        let (high, low) = (draw.stepped(4e5, 12e5, 1e4), 1e5);
+        let (inside, outside) = if k % 3 == 2 { (low, high) } else { (high, low) };
+        let step = scale * draw.between(1.5, 3.0) / 100.0;
+        let settings = [
+            ("volume_m3", volume),
+            ("orifice_diameter_m", orifice),
+            ("initial_pressure_pa", inside),
+            ("initial_temperature_k", draw.stepped(288.0, 300.0, 0.1)),
+            ("ambient_pressure_pa", outside),
+            ("wall_area_m2", wall),
+        ];
+        layout.add(&settings, 101, step, vec![discharge, 0.0]);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use rand_distr::{Distribution, StandardNormal};
@@ -483,7 +557,7 @@ mod tests {
     /// of the temperature ratio e across the orifice √(1 − e) falls evenly, to 0 at the balance.
     fn filled(initial: f64, discharge: f64, time: f64) -> f64 {
         let (kappa, gas) = AIR;
-        let area = discharge * std::f64::consts::FRAC_PI_4 * ORIFICE * ORIFICE;
+        let area = discharge * FRAC_PI_4 * ORIFICE * ORIFICE;
         let fall = (kappa - 1.0) * gas * TEMPERATURE / VOLUME
             * area
             * (2.0 * kappa / (gas * TEMPERATURE * (kappa - 1.0))).sqrt();

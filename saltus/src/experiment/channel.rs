@@ -1,7 +1,7 @@
 //! What a measured column says about its sensor.
 
 use super::error::Error;
-use super::spec::{Channel, Spec, Still};
+use saltus_diagnosis::spec::{Column, Spec, Still};
 
 /// So many values that are all the same cannot be chance; of fewer, a coarse sensor may give them.
 const TELLING: usize = 8;
@@ -9,7 +9,7 @@ const TELLING: usize = 8;
 /// A column so far.
 #[derive(Debug)]
 pub(super) struct Tally {
-    channel: &'static Channel,
+    channel: &'static Column,
     /// Cells that are filled.
     pub(super) values: usize,
     missing: usize,
@@ -20,7 +20,7 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    pub(super) fn new(channel: &'static Channel) -> Tally {
+    pub(super) fn new(channel: &'static Column) -> Tally {
         Tally {
             channel,
             values: 0,

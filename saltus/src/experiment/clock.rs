@@ -6,8 +6,8 @@ use super::error::Error;
 use super::header::bare;
 use super::instant::Instant;
 use super::lines::Lines;
-use super::spec::Spec;
 use super::thin::Thinned;
+use saltus_diagnosis::spec::Spec;
 
 /// A step so many times the usual one is a gap.
 const GAP: f64 = 10.0;

@@ -3,7 +3,7 @@
 use saltus_robot::units::Unit;
 
 use super::error::{Error, cut};
-use super::spec::{Channel, Meaning, Spec};
+use saltus_diagnosis::spec::{Column, Meaning, Spec};
 
 /// Where the columns stand.
 #[derive(Debug)]
@@ -14,7 +14,7 @@ pub(super) struct Header {
     pub(super) time: Option<(usize, i32)>,
     pub(super) valve: Option<usize>,
     /// The channels that are there, in the order of the kind, each with the unit of its cells.
-    pub(super) channels: Vec<(usize, &'static Channel, Unit)>,
+    pub(super) channels: Vec<(usize, &'static Column, Unit)>,
     /// Names of the columns that the kind does not know, which are skipped.
     pub(super) strange: Vec<String>,
 }
@@ -44,7 +44,7 @@ impl Header {
                 ));
             }
         }
-        let order = |own: &Channel| {
+        let order = |own: &Column| {
             spec.channels
                 .iter()
                 .position(|known| known.name == own.name)
@@ -61,7 +61,7 @@ impl Header {
         match spec.meaning(name) {
             Some(Meaning::Time(power)) => self.time.replace((i, power)).is_some(),
             Some(Meaning::Valve) => self.valve.replace(i).is_some(),
-            Some(Meaning::Channel(own, unit)) => {
+            Some(Meaning::Column(own, unit)) => {
                 let is_there = self
                     .channels
                     .iter()

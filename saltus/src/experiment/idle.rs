@@ -3,19 +3,10 @@
 //! A logger often goes on for seconds after a firing of a tenth of a second. Rows at rest repeat
 //! each other: there few are kept, and those of the motion all.
 
+use saltus_diagnosis::spec::Rest;
+
 use super::instant::Instant;
 use super::thin::Thinned;
-
-/// What is done with rest at one end of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Rest {
-    /// It is measured like the rest, and thinned where it is most of the run.
-    Thin,
-    /// The model has no such phase: it is left out.
-    Cut,
-    /// It is kept as it is.
-    Keep,
-}
 
 /// Rest that is so many times as long as the motion is thinned.
 const LONG: usize = 3;

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use super::error::{Error, shown};
 use super::lines::Hash;
-use super::spec::Spec;
 use super::{Experiment, Folder, read};
 
 /// Reads several folders of one kind, with the same columns and the same robot, as one experiment;
@@ -111,11 +110,7 @@ fn append(joined: &mut Folder, folder: Folder) -> Result<(), Error> {
 
 /// Refuses a folder of another experiment.
 fn alike(joined: &Folder, folder: &Folder) -> Result<(), Error> {
-    let id = |experiment: &Experiment| {
-        Spec::of(experiment.kind)
-            .map_or("", |spec| spec.id)
-            .to_owned()
-    };
+    let id = |experiment: &Experiment| experiment.kind.spec().id.to_owned();
     let robot = |folder: &Folder| folder.robot.clone().unwrap_or_else(|| "none".into());
     let columns = |folder: &Folder| folder.experiment.columns.join(" ");
     let (a, b) = (joined, folder);

@@ -12,7 +12,8 @@ use toml::de::{DeTable, DeValue};
 
 use super::error::{Error, cut, one_line, shown};
 use super::instant::{self, Instant};
-use super::spec::{Domain, SPECS, Setting, Spec, power, spellings};
+use saltus_diagnosis::Sort;
+use saltus_diagnosis::spec::{Domain, Setting, Spec, power, spellings};
 
 /// Its name in the folder.
 pub(super) const NAME: &str = "experiment.toml";
@@ -111,7 +112,7 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Manifest, Error> {
 }
 
 fn kind(table: &mut Table<'_>) -> Result<&'static Spec, Error> {
-    let names = SPECS.map(|spec| spec.id).join(", ");
+    let names = Sort::ALL.map(|sort| sort.spec().id).join(", ");
     let Some(value) = table.take("kind") else {
         return Err(table.missing(&format!("kind: one of {names}")));
     };
@@ -124,7 +125,8 @@ fn kind(table: &mut Table<'_>) -> Result<&'static Spec, Error> {
                 reason,
             ))
         }
-        DeValue::String(id) => Spec::named(id)
+        DeValue::String(id) => Sort::named(id)
+            .map(Sort::spec)
             .ok_or_else(|| table.refused("kind", value.span(), &format!("one of {names}"))),
         _ => Err(table.refused("kind", value.span(), &format!("one of {names}, in quotes"))),
     }
@@ -133,7 +135,7 @@ fn kind(table: &mut Table<'_>) -> Result<&'static Spec, Error> {
 fn robot(table: &mut Table<'_>, spec: &Spec) -> Result<Option<String>, Error> {
     const ALLOWED: &str = "a robot's name or the path of its file, in quotes";
     match table.take("robot") {
-        None if spec.robot => Err(table.missing(&format!("robot: {ALLOWED}"))),
+        None if spec.robot.is_some() => Err(table.missing(&format!("robot: {ALLOWED}"))),
         None => Ok(None),
         Some(value) => match value.get_ref() {
             DeValue::String(name) if !name.is_empty() => Ok(Some(name.clone().into_owned())),
@@ -201,7 +203,7 @@ fn runs(table: &mut Table<'_>, spec: &Spec) -> Result<Vec<Listed>, Error> {
 
 /// One run, and where its file is named.
 fn listed(table: &mut Table<'_>, spec: &Spec) -> Result<(Listed, usize), Error> {
-    let window: &[&str] = if spec.timed() {
+    let window: &[&str] = if spec.timed {
         &["valid_from_s", "valid_to_s"]
     } else {
         &[]

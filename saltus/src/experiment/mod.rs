@@ -22,9 +22,7 @@ mod instant;
 mod join;
 mod lines;
 mod manifest;
-mod plausible;
 mod run;
-mod spec;
 mod thin;
 mod valve;
 mod write;
@@ -34,7 +32,7 @@ use std::path::{Path, PathBuf};
 
 pub use error::Error;
 pub use join::read_all;
-pub use plausible::plausible;
+use saltus_diagnosis::plausible::implausible;
 pub use saltus_diagnosis::{Experiment, Run, Sort};
 use saltus_robot::{Robot, RobotError};
 pub use write::{write, write_with};
@@ -302,7 +300,7 @@ fn shared(readings: &[Reading]) -> Vec<String> {
 /// Notes of what `experiment.toml` says and nothing needs.
 fn odd(manifest: &Manifest, columns: &[String]) -> Vec<String> {
     let (spec, file) = (manifest.spec, manifest::NAME);
-    let robot = manifest.robot.as_ref().filter(|_| !spec.robot);
+    let robot = manifest.robot.as_ref().filter(|_| spec.robot.is_none());
     let mut notes: Vec<String> = robot
         .map(|_| format!("{file}: robot is not used for the kind {}", spec.id))
         .into_iter()
@@ -350,4 +348,19 @@ fn unlisted(folder: &Path, manifest: &Manifest) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// Refuses data whose sizes are far from what `robot`, believed to be the one that was measured,
+/// and the runs allow: another unit, or the sign turned round.
+///
+/// # Errors
+/// [`Error::Signal`], with the unit that would explain the size.
+pub fn plausible(folder: &Folder, robot: Option<&Robot>) -> Result<(), Error> {
+    implausible(&folder.experiment, robot).map_or(Ok(()), |found| {
+        Err(Error::signal(
+            one_line(&found.run),
+            found.name,
+            found.symptom,
+        ))
+    })
 }

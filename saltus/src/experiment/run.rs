@@ -9,13 +9,14 @@ use super::channel::Tally;
 use super::clock::{self, Clock};
 use super::error::{Error, cut, one_line, shown};
 use super::header::{Header, bare};
-use super::idle::{Motion, Rest};
+use super::idle::Motion;
 use super::instant::{self, Instant};
 use super::lines::{Hash, Lines};
 use super::manifest::{Listed, Manifest};
-use super::spec::Spec;
 use super::thin::Thinned;
 use super::valve::Valve;
+use saltus_diagnosis::spec::Rest;
+use saltus_diagnosis::spec::Spec;
 
 /// Rows between two reports of progress.
 const PACE: usize = 1 << 14;
@@ -413,7 +414,7 @@ impl<'a> Log<'a> {
                 "{name}: {rows} {word} left out for an empty cell, {first} for its {column}"
             ));
         }
-        if self.source.spec.timed() {
+        if self.source.spec.timed {
             notes.extend(self.clock.gap(name, &self.kept));
         }
         notes
@@ -436,7 +437,7 @@ impl<'a> Log<'a> {
         }
         let (seen, kept, stride) = (self.kept.seen, self.kept.time.len(), self.kept.stride);
         if stride > 1 {
-            let advice = if self.source.spec.timed() {
+            let advice = if self.source.spec.timed {
                 "; valid_from_s and valid_to_s keep a part in full"
             } else {
                 ""

@@ -7,9 +7,9 @@ use std::path::Path;
 
 use super::error::{Error, one_line, shown};
 use super::manifest::{NAME, within};
-use super::spec::Spec;
 use super::{Experiment, Run};
 use crate::temporary::{self, Temporary};
+use saltus_diagnosis::spec::Spec;
 
 /// Writes `experiment` into a folder that is new or empty, so that [`read`](super::read()) gives it
 /// back; the times of a run then count from its first row.
@@ -36,9 +36,7 @@ pub fn write_with(
     robot: Option<&str>,
     more: &[(&str, String)],
 ) -> Result<(), Error> {
-    let spec = Spec::of(experiment.kind).ok_or_else(|| {
-        Error::content(shown(folder), format!("no file for {:?}", experiment.kind))
-    })?;
+    let spec = experiment.kind.spec();
     for run in &experiment.runs {
         writable(run, experiment, spec)
             .map_err(|reason| Error::content(one_line(&run.name), reason))?;
@@ -175,7 +173,7 @@ pub(super) fn manifest(experiment: &Experiment, robot: Option<&str>, spec: &Spec
 /// Header and rows of a run. Numbers have the digits that give them back.
 fn rows(out: &mut dyn Write, run: &Run, experiment: &Experiment, spec: &Spec) -> io::Result<()> {
     let mut names: Vec<&str> = Vec::new();
-    names.extend(spec.timed().then_some("time_s"));
+    names.extend(spec.timed.then_some("time_s"));
     names.extend(spec.valve.then_some("valve"));
     names.extend(experiment.columns.iter().map(String::as_str));
     writeln!(out, "{}", names.join(","))?;
@@ -183,7 +181,7 @@ fn rows(out: &mut dyn Write, run: &Run, experiment: &Experiment, spec: &Spec) ->
     let closed = closed.unwrap_or(f64::INFINITY);
     for (time, row) in instants(run, spec, [open, closed]) {
         let mut cells: Vec<String> = Vec::new();
-        cells.extend(spec.timed().then(|| format!("{time:?}")));
+        cells.extend(spec.timed.then(|| format!("{time:?}")));
         cells.extend(
             spec.valve
                 .then(|| u8::from(time >= open && time < closed).to_string()),

@@ -194,8 +194,8 @@ mod tests {
     use saltus_diagnosis::Sort;
     use saltus_diagnosis::kinds;
 
-    use super::super::layout::{Draw, Layout};
     use super::*;
+    use saltus_diagnosis::layout::{Draw, Layout};
 
     #[test]
     fn effects_read_back() {

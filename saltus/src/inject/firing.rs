@@ -4,12 +4,12 @@
 //! is hidden shows in the motion, and not in the command.
 
 use saltus_diagnosis::kinds::{self, Problem};
+use saltus_diagnosis::layout::{Draw, Layout, TICK, round, supply};
 use saltus_diagnosis::{Experiment, Sort, Terms};
 use saltus_robot::{Drive, GaugePressure, Robot};
-use saltus_sim_check::{Firing, Launch, Rig, Settings, Shot, TICK};
+use saltus_sim_check::{Firing, Launch, Rig, Settings, Shot};
 
-use super::layout::{Draw, Layout, round, supply};
-use super::{Error, name};
+use super::Error;
 
 /// Least runs, or rows of outcomes, with a motion.
 const LEAST: usize = 3;
@@ -27,7 +27,7 @@ pub(super) fn fill(
     if robot.boom.is_none() && kind != Sort::Outcomes {
         return Err(Error::NoBoom {
             robot: robot.name.clone(),
-            kind: name(kind),
+            kind: kind.spec().id,
         });
     }
     let sensors = Sensors::new(&layout.experiment, robot, terms)?;

@@ -20,15 +20,14 @@
 
 mod effect;
 mod firing;
-mod layout;
 
 use saltus_diagnosis::kinds::{self, Problem};
+use saltus_diagnosis::layout::{Draw, Layout};
+use saltus_diagnosis::spec::Source;
 use saltus_diagnosis::{Experiment, Kind, Sort, Terms};
 use saltus_robot::Robot;
 
 pub use effect::Effect;
-
-use layout::{Draw, Layout};
 
 /// What data are wanted.
 #[derive(Clone, Copy, Debug)]
@@ -127,20 +126,6 @@ pub enum Error {
     Robot(#[from] Problem),
 }
 
-/// The name of a kind.
-fn name(kind: Sort) -> &'static str {
-    match kind {
-        Sort::Bench => "bench",
-        Sort::Hop => "hop",
-        Sort::Jump => "jump",
-        Sort::Flight => "flight",
-        Sort::Outcomes => "outcomes",
-        Sort::Stroke => "stroke",
-        Sort::Slide => "slide",
-        Sort::Vessel => "vessel",
-    }
-}
-
 /// Every effect that data of `kind` can have, one a line: how it is asked for, its values without
 /// it, and their range.
 ///
@@ -174,7 +159,7 @@ pub fn make(request: &Request<'_>) -> Result<Made, Error> {
     let mut truth: Vec<Truth> = Vec::new();
     for asked in effects {
         let known = || known(kind, robot).unwrap_or_default();
-        let (cause, values) = effect::resolve(model.as_ref(), asked, name(kind), known)?;
+        let (cause, values) = effect::resolve(model.as_ref(), asked, kind.spec().id, known)?;
         for (p, value) in values.iter().enumerate() {
             terms.set(cause, p, *value);
         }
@@ -194,12 +179,12 @@ pub fn make(request: &Request<'_>) -> Result<Made, Error> {
         }
         truth.push(found);
     }
-    match kind {
-        Sort::Hop | Sort::Jump | Sort::Outcomes => {
+    match kind.spec().synthesis.source {
+        Source::Robot => {
             let robot = robot.ok_or(Problem::NoRobot)?;
             firing::fill(&mut layout, robot, &terms, &mut draw)?;
         }
-        _ => predicted(&mut layout, model.as_ref(), &terms)?,
+        Source::Model => predicted(&mut layout, model.as_ref(), &terms)?,
     }
     layout.read(&mut draw);
     Ok(Made {

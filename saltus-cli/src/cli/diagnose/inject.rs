@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use saltus::diagnosis::Sort;
 use saltus::experiment;
 use saltus::inject::{self, Effect, Made, Request, Truth};
@@ -27,57 +28,19 @@ pub(super) struct InjectFlags {
     pub(super) inject: Vec<String>,
 
     /// Kind of the data that are made
-    #[arg(long, value_enum, default_value = "bench", requires = "inject")]
-    kind: KindName,
+    #[arg(long, value_parser = kinds(), default_value = "bench", requires = "inject")]
+    kind: Sort,
 
     /// Runs that are made, of outcomes jumps [default: as many as is usual of the kind]
     #[arg(long, value_name = "COUNT", requires = "inject", value_parser = clap::value_parser!(u16).range(1..=500))]
     runs: Option<u16>,
 }
 
-/// A kind as the command line names it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum KindName {
-    /// One leg upright, fired under a dead load
-    Bench,
-    /// The robot at rest on one leg, fired
-    Hop,
-    /// From touch-down through the flight
-    Jump,
-    /// What was asked of jumps and where they went
-    Outcomes,
-    /// A body thrown
-    Flight,
-    /// A piston moved slowly
-    Stroke,
-    /// A mass driven on a guide
-    Slide,
-    /// A vessel filling or discharging
-    Vessel,
-}
-
-impl KindName {
-    fn sort(self) -> Sort {
-        match self {
-            KindName::Bench => Sort::Bench,
-            KindName::Hop => Sort::Hop,
-            KindName::Jump => Sort::Jump,
-            KindName::Outcomes => Sort::Outcomes,
-            KindName::Flight => Sort::Flight,
-            KindName::Stroke => Sort::Stroke,
-            KindName::Slide => Sort::Slide,
-            KindName::Vessel => Sort::Vessel,
-        }
-    }
-
-    /// The robot of such data where none is named.
-    fn usual_robot(self) -> Option<&'static str> {
-        match self {
-            KindName::Bench => Some("rats-planar"),
-            KindName::Hop | KindName::Jump | KindName::Outcomes => Some("rats-boom"),
-            _ => None,
-        }
-    }
+/// Reads the kinds by their names, with what they are for the help.
+fn kinds() -> impl TypedValueParser<Value = Sort> {
+    let value = |sort: Sort| PossibleValue::new(sort.spec().id).help(sort.spec().description);
+    PossibleValuesParser::new(Sort::ALL.map(value))
+        .try_map(|id| Sort::named(&id).ok_or("one of the possible values"))
 }
 
 impl InjectFlags {
@@ -105,13 +68,13 @@ impl InjectFlags {
                 allowed: "a new or an empty folder for the data",
             });
         };
-        let name = command.robot.as_deref().or(self.kind.usual_robot());
+        let name = command.robot.as_deref().or(self.kind.spec().robot);
         let robot = name
             .map(|name| robot(name, &command.overrides))
             .transpose()?;
         let effects = self.effects()?;
         let made = inject::make(&Request {
-            kind: self.kind.sort(),
+            kind: self.kind,
             robot: robot.as_ref(),
             effects: &effects,
             seed: command.seed,
@@ -123,7 +86,7 @@ impl InjectFlags {
             .as_ref()
             .filter(|_| !command.overrides.is_empty() || !name.is_some_and(is_builtin));
         let listed = if own.is_some() { Some(OWN) } else { name };
-        let listed = listed.filter(|_| self.kind.usual_robot().is_some());
+        let listed = listed.filter(|_| self.kind.spec().robot.is_some());
         let more: Vec<(&str, String)> = own
             .map(|robot| (OWN, robot.to_toml()))
             .into_iter()
@@ -147,7 +110,7 @@ impl InjectFlags {
         let mut text = format!(
             "{}: {runs} runs, {rows} rows of kind {}\n",
             folder.display(),
-            self.id()
+            self.kind.spec().id
         );
         if made.truth.is_empty() {
             text.push_str("Nothing is hidden in them.\n");
@@ -178,18 +141,12 @@ impl InjectFlags {
         let (runs, rows) = size(made);
         json!({
             "command": "diagnose --inject",
-            "kind": self.id(),
+            "kind": self.kind.spec().id,
             "seed": seed,
             "runs": runs,
             "rows": rows,
             "causes": made.truth.iter().map(entry).collect::<Vec<_>>(),
         })
-    }
-
-    fn id(&self) -> String {
-        self.kind
-            .to_possible_value()
-            .map_or_else(String::new, |value| value.get_name().to_owned())
     }
 }
 

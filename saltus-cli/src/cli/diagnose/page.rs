@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use saltus::diagnosis::{Finding, Point, Sort, points};
 
 use super::chart::{Bars, Chart, escaped};
-use super::report::{Report, next_of, phase_in, ratio};
+use super::report::{Report, next_of, ratio};
 use super::steps::steps;
 use super::words::{meaning, split, title};
 use crate::output::digits;
@@ -277,7 +277,7 @@ impl Curves {
         Curves {
             before: of(&report.found.diagnosis.before),
             after: of(&report.found.diagnosis.after),
-            is_rows: report.found.folder.experiment.kind == Sort::Outcomes,
+            is_rows: !report.found.folder.experiment.kind.spec().timed,
             kind: report.found.folder.experiment.kind,
         }
     }
@@ -421,7 +421,7 @@ impl Curves {
         }
         if begins.len() > 1 {
             for (row, (time, name)) in begins.into_iter().enumerate() {
-                chart.begin(time, phase_in(self.kind, name), row % 4);
+                chart.begin(time, (self.kind.spec().phase)(name), row % 4);
             }
         }
     }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use saltus::diagnosis::{
-    Candidate, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported, Sort, residuals,
+    Candidate, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported, residuals,
 };
 use saltus::study::Worth;
 use serde_json::{Map, Value, json};
@@ -169,7 +169,7 @@ impl<'a> Report<'a> {
     }
 
     pub(super) fn phase(&self, residual: &PhaseResidual) -> &'static str {
-        phase_in(self.found.folder.experiment.kind, residual.phase)
+        (self.found.folder.experiment.kind.spec().phase)(residual.phase)
     }
 
     /// What the model with all causes leaves of the same channel and phase.
@@ -791,16 +791,6 @@ impl<'a> Report<'a> {
             );
         }
         out
-    }
-}
-
-/// What a phase is called in data of a kind.
-pub(super) fn phase_in(kind: Sort, phase: &'static str) -> &'static str {
-    match (kind, phase) {
-        (Sort::Flight, _) => "flight",
-        // Nothing pivots before the command.
-        (Sort::Bench | Sort::Hop, "pivot") => "at rest",
-        _ => phase,
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the simulation leaves, as a plot.
 
-use saltus::diagnosis::{Fit, Sort, points};
+use saltus::diagnosis::{Fit, points};
 
 use super::report::Report;
 use super::words::split;
@@ -11,7 +11,7 @@ use crate::plot::sheet::{Line, Mark, Panel, Sheet};
 /// Residuals of each channel, before and after.
 pub(super) fn sheet(report: &Report<'_>) -> Drawing {
     let found = report.found;
-    let x = if found.folder.experiment.kind == Sort::Outcomes {
+    let x = if !found.folder.experiment.kind.spec().timed {
         "row"
     } else {
         "time (s)"

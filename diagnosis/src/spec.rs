@@ -1,62 +1,145 @@
-//! What each kind of experiment has in its files.
+//! What a kind of experiment says of itself: what is in its files, which sizes are plausible, its
+//! model, and how synthetic data of it are laid out.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use saltus_robot::Robot;
 use saltus_robot::units::{
     ANGLE, ANGULAR_RATE, AREA as SQUARE, FORCE as NEWTON, LENGTH, MASS, PRESSURE, Quantity,
     TEMPERATURE as KELVIN, TIME, Unit, VOLUME as CUBE,
 };
 
-use super::Sort;
-use super::idle::Rest;
+use crate::experiment::{Experiment, Sort};
+use crate::kind::Kind;
+use crate::kinds::Problem;
+use crate::layout::{Draw, Layout};
+use crate::plausible::Check;
 
-/// One kind of experiment.
+/// One kind of experiment. All of it stands in the kind's own file in `kinds`.
 #[derive(Debug)]
-pub(super) struct Spec {
-    pub(super) sort: Sort,
-    /// Its name in the file.
-    pub(super) id: &'static str,
-    /// Whether a robot was measured, and so has to be named.
-    pub(super) robot: bool,
+pub struct Spec {
+    /// Which it is.
+    pub sort: Sort,
+    /// Its name in files and on the command line.
+    pub id: &'static str,
+    /// What was done, in a few words.
+    pub description: &'static str,
+    /// The built-in robot that synthetic data are of, where a robot was measured: a folder of data
+    /// has to name it then.
+    pub robot: Option<&'static str>,
+    /// Whether rows carry a time; else there is one for each jump.
+    pub timed: bool,
     /// Whether rows carry the valve's command.
-    pub(super) valve: bool,
+    pub valve: bool,
     /// What is done with rest before and after the motion.
-    pub(super) rest: [Rest; 2],
+    pub rest: [Rest; 2],
     /// What is measured.
-    pub(super) channels: &'static [Channel],
+    pub channels: &'static [Column],
     /// Whether some of the channels suffice. They may then come from instruments with clocks of
     /// their own, each with cells empty where another measured.
-    pub(super) any_of: bool,
+    pub any_of: bool,
     /// What the operator sets.
-    pub(super) settings: &'static [Setting],
+    pub settings: &'static [Setting],
     /// Keys of a run, each optional, that say when something happened on the clock of its file.
-    pub(super) instants: &'static [&'static str],
+    pub instants: &'static [&'static str],
     /// Fewest rows from which anything can be learned.
-    pub(super) least: usize,
+    pub least: usize,
     /// Longest time (s) that a run can take.
-    pub(super) longest: f64,
+    pub longest: f64,
+    /// Sizes that tell a wrong unit or a sign turned round.
+    pub checks: &'static [Check],
+    /// What a report calls a phase of a run.
+    pub phase: fn(&'static str) -> &'static str,
+    /// The model of data, and of a robot where one was measured.
+    pub model: fn(&Experiment, Option<&Robot>) -> Result<Box<dyn Kind>, Problem>,
+    /// How synthetic data are made.
+    pub synthesis: Synthesis,
+}
+
+/// How synthetic data of a kind are made: what the operator would do and measure.
+#[derive(Debug)]
+pub struct Synthesis {
+    /// Columns with their instruments.
+    pub instruments: &'static [Instrument],
+    /// Runs that are usual (of outcomes: rows).
+    pub runs: usize,
+    /// Lays out so many runs.
+    pub lay_out: fn(&mut Layout, usize, &mut Draw),
+    /// What fills the measured columns.
+    pub source: Source,
+}
+
+/// What fills the measured columns of synthetic data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The kind's own model.
+    Model,
+    /// Motions of a robot, by another simulation.
+    Robot,
+}
+
+/// A column of synthetic data.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instrument {
+    /// The column.
+    pub column: &'static str,
+    /// Standard deviation of its noise, in the column's unit; 0: none that is known.
+    pub noise: f64,
+    /// Its step, in the column's unit; 0: none.
+    pub step: f64,
+}
+
+/// An instrument with noise.
+pub(crate) const fn noisy(column: &'static str, noise: f64) -> Instrument {
+    Instrument {
+        column,
+        noise,
+        step: 0.0,
+    }
+}
+
+/// An encoder.
+pub(crate) const fn counting(column: &'static str, step: f64) -> Instrument {
+    Instrument {
+        column,
+        noise: 0.0,
+        step,
+    }
+}
+
+/// What is done with rest at one end of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rest {
+    /// It is measured like the rest, and thinned where it is most of the run.
+    Thin,
+    /// The model has no such phase: it is left out.
+    Cut,
+    /// It is kept as it is.
+    Keep,
 }
 
 /// A measured column.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Channel {
+pub struct Column {
     /// Its name in SI, as [`Run`](super::Run) has it.
-    pub(super) name: &'static str,
-    pub(super) quantity: Quantity,
-    pub(super) domain: Domain,
+    pub name: &'static str,
+    /// Its quantity, with the units in which it may come.
+    pub quantity: Quantity,
+    /// Values that are possible.
+    pub domain: Domain,
     /// What it means that it never changes.
-    pub(super) still: Still,
+    pub still: Still,
     /// Whether runs may do without it.
-    pub(super) optional: bool,
+    pub optional: bool,
     /// Whether a row without it says nothing.
-    pub(super) needed: bool,
+    pub needed: bool,
     /// Size that it reaches in some run, in the right unit; 0 where that says nothing.
-    pub(super) scale: f64,
+    pub scale: f64,
 }
 
 /// What it means that a channel never changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Still {
+pub enum Still {
     /// The sensor is dead.
     Dead,
     /// It may be so, but is worth a note.
@@ -67,25 +150,29 @@ pub(super) enum Still {
 
 /// A number that the operator sets for a run.
 #[derive(Debug)]
-pub(super) struct Setting {
+pub struct Setting {
     /// Its key in SI.
-    pub(super) key: &'static str,
-    pub(super) quantity: Quantity,
-    pub(super) domain: Domain,
-    pub(super) required: bool,
+    pub key: &'static str,
+    /// Its quantity, with the units in which it may come.
+    pub quantity: Quantity,
+    /// Values that are possible.
+    pub domain: Domain,
+    /// Whether every run needs it.
+    pub required: bool,
 }
 
 /// Which numbers are possible. The bounds are wide, to tell a wrong unit from a strange rig.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Domain {
-    pub(super) legal: fn(f64) -> bool,
-    /// In words.
-    pub(super) allowed: &'static str,
+pub struct Domain {
+    /// Whether a number is one of them.
+    pub legal: fn(f64) -> bool,
+    /// The same in words.
+    pub allowed: &'static str,
 }
 
 /// A channel that always changes.
-const fn lively(name: &'static str, (quantity, domain): (Quantity, Domain)) -> Channel {
-    Channel {
+pub(crate) const fn lively(name: &'static str, (quantity, domain): (Quantity, Domain)) -> Column {
+    Column {
         name,
         quantity,
         domain,
@@ -97,8 +184,8 @@ const fn lively(name: &'static str, (quantity, domain): (Quantity, Domain)) -> C
 }
 
 /// A channel that may stay the same, if seldom.
-const fn calm(name: &'static str, (quantity, domain): (Quantity, Domain)) -> Channel {
-    Channel {
+pub(crate) const fn calm(name: &'static str, (quantity, domain): (Quantity, Domain)) -> Column {
+    Column {
         name,
         quantity,
         domain,
@@ -110,16 +197,16 @@ const fn calm(name: &'static str, (quantity, domain): (Quantity, Domain)) -> Cha
 }
 
 /// The channel, which runs may do without.
-const fn without(channel: Channel) -> Channel {
-    Channel {
+pub(crate) const fn without(channel: Column) -> Column {
+    Column {
         optional: true,
         ..channel
     }
 }
 
 /// A channel that says what was asked for: often the same, never missing.
-const fn asked(name: &'static str, (quantity, domain): (Quantity, Domain)) -> Channel {
-    Channel {
+pub(crate) const fn asked(name: &'static str, (quantity, domain): (Quantity, Domain)) -> Column {
+    Column {
         name,
         quantity,
         domain,
@@ -130,7 +217,7 @@ const fn asked(name: &'static str, (quantity, domain): (Quantity, Domain)) -> Ch
     }
 }
 
-const fn required(key: &'static str, (quantity, domain): (Quantity, Domain)) -> Setting {
+pub(crate) const fn required(key: &'static str, (quantity, domain): (Quantity, Domain)) -> Setting {
     Setting {
         key,
         quantity,
@@ -139,7 +226,7 @@ const fn required(key: &'static str, (quantity, domain): (Quantity, Domain)) -> 
     }
 }
 
-const fn optional(key: &'static str, (quantity, domain): (Quantity, Domain)) -> Setting {
+pub(crate) const fn optional(key: &'static str, (quantity, domain): (Quantity, Domain)) -> Setting {
     Setting {
         key,
         quantity,
@@ -148,28 +235,28 @@ const fn optional(key: &'static str, (quantity, domain): (Quantity, Domain)) -> 
     }
 }
 
-const POSITION: (Quantity, Domain) = (
+pub(crate) const POSITION: (Quantity, Domain) = (
     LENGTH,
     Domain {
         legal: |x| x.abs() <= 10.0,
         allowed: "a position from -10 to 10 m",
     },
 );
-const PLACE: (Quantity, Domain) = (
+pub(crate) const PLACE: (Quantity, Domain) = (
     LENGTH,
     Domain {
         legal: |x| x.abs() <= 1e4,
         allowed: "a place from -10000 to 10000 m",
     },
 );
-const LEAP: (Quantity, Domain) = (
+pub(crate) const LEAP: (Quantity, Domain) = (
     LENGTH,
     Domain {
         legal: |x| x.abs() <= 100.0,
         allowed: "a length from -100 to 100 m",
     },
 );
-const TILT: (Quantity, Domain) = (
+pub(crate) const TILT: (Quantity, Domain) = (
     ANGLE,
     Domain {
         legal: |x| x.abs() <= FRAC_PI_2,
@@ -177,77 +264,77 @@ const TILT: (Quantity, Domain) = (
     },
 );
 // A wheel goes on turning in flight: 10 rad/s for a second is more than one turn.
-const TURN: (Quantity, Domain) = (
+pub(crate) const TURN: (Quantity, Domain) = (
     ANGLE,
     Domain {
         legal: |x| x.abs() <= 4.0 * PI,
         allowed: "an angle from -4 pi to 4 pi in rad, not degrees",
     },
 );
-const YAW: (Quantity, Domain) = (
+pub(crate) const YAW: (Quantity, Domain) = (
     ANGLE,
     Domain {
         legal: |x| x.abs() <= 2.0 * PI,
         allowed: "an angle from -2 pi to 2 pi in rad, not degrees",
     },
 );
-const RATE: (Quantity, Domain) = (
+pub(crate) const RATE: (Quantity, Domain) = (
     ANGULAR_RATE,
     Domain {
         legal: |x| x.abs() <= 100.0,
         allowed: "a rate from -100 to 100 rad/s, not degrees a second",
     },
 );
-const OPENING: (Quantity, Domain) = (
+pub(crate) const OPENING: (Quantity, Domain) = (
     TIME,
     Domain {
         legal: |x| x > 0.0 && x <= 10.0,
         allowed: "a time above 0 and up to 10 s",
     },
 );
-const FORCE: (Quantity, Domain) = (
+pub(crate) const FORCE: (Quantity, Domain) = (
     NEWTON,
     Domain {
         legal: |x| x.abs() <= 1e6,
         allowed: "a force from -1e6 to 1e6 N",
     },
 );
-const LOAD: (Quantity, Domain) = (
+pub(crate) const LOAD: (Quantity, Domain) = (
     MASS,
     Domain {
         legal: |x| x > 0.0 && x <= 1e3,
         allowed: "a mass above 0 and up to 1000 kg",
     },
 );
-const DIAMETER: (Quantity, Domain) = (
+pub(crate) const DIAMETER: (Quantity, Domain) = (
     LENGTH,
     Domain {
         legal: |x| x > 0.0 && x <= 10.0,
         allowed: "a diameter above 0 and up to 10 m",
     },
 );
-const BORE: (Quantity, Domain) = (
+pub(crate) const BORE: (Quantity, Domain) = (
     LENGTH,
     Domain {
         legal: |x| x > 0.0 && x <= 1.0,
         allowed: "a diameter above 0 and up to 1 m",
     },
 );
-const RADIUS: (Quantity, Domain) = (
+pub(crate) const RADIUS: (Quantity, Domain) = (
     LENGTH,
     Domain {
         legal: |x| x > 0.0 && x <= 100.0,
         allowed: "a length above 0 and up to 100 m",
     },
 );
-const VOLUME: (Quantity, Domain) = (
+pub(crate) const VOLUME: (Quantity, Domain) = (
     CUBE,
     Domain {
         legal: |x| x > 0.0 && x <= 1e4,
         allowed: "a volume above 0 and up to 10000 m3",
     },
 );
-const AREA: (Quantity, Domain) = (
+pub(crate) const AREA: (Quantity, Domain) = (
     SQUARE,
     Domain {
         legal: |x| x > 0.0 && x <= 1e4,
@@ -255,7 +342,7 @@ const AREA: (Quantity, Domain) = (
     },
 );
 // Colder than any gas is handled at, so that room temperature in degrees Celsius is seen.
-const TEMPERATURE: (Quantity, Domain) = (
+pub(crate) const TEMPERATURE: (Quantity, Domain) = (
     KELVIN,
     Domain {
         legal: |x| (100.0..=3000.0).contains(&x),
@@ -263,14 +350,14 @@ const TEMPERATURE: (Quantity, Domain) = (
     },
 );
 // A supply that a bar or a psi would be the right unit for has more than 1000 Pa.
-const SUPPLY: (Quantity, Domain) = (
+pub(crate) const SUPPLY: (Quantity, Domain) = (
     PRESSURE,
     Domain {
         legal: |x| (1e3..=1e8).contains(&x),
         allowed: "a gauge pressure from 1000 to 1e8 in Pa, not kPa, bar or psi",
     },
 );
-const GAUGE: (Quantity, Domain) = (
+pub(crate) const GAUGE: (Quantity, Domain) = (
     PRESSURE,
     Domain {
         legal: |x| (-2e5..=1e8).contains(&x),
@@ -279,14 +366,14 @@ const GAUGE: (Quantity, Domain) = (
 );
 // A leg's chamber is never below the surroundings, of which there are 33 kPa on the highest
 // mountain.
-const CHAMBER: (Quantity, Domain) = (
+pub(crate) const CHAMBER: (Quantity, Domain) = (
     PRESSURE,
     Domain {
         legal: |x| (2e4..=1e8).contains(&x),
         allowed: "an absolute pressure from 20000 to 1e8 in Pa, not gauge, kPa, bar or psi",
     },
 );
-const ABSOLUTE: (Quantity, Domain) = (
+pub(crate) const ABSOLUTE: (Quantity, Domain) = (
     PRESSURE,
     Domain {
         legal: |x| (1e3..=1e8).contains(&x),
@@ -295,10 +382,12 @@ const ABSOLUTE: (Quantity, Domain) = (
 );
 
 /// A logged run of part of the robot.
-const LOGGED: Spec = Spec {
+pub(crate) const LOGGED: Spec = Spec {
     sort: Sort::Bench,
     id: "",
-    robot: true,
+    description: "",
+    robot: None,
+    timed: true,
     valve: true,
     rest: [Rest::Keep; 2],
     channels: &[],
@@ -307,150 +396,37 @@ const LOGGED: Spec = Spec {
     instants: &[],
     least: 10,
     longest: 100.0,
+    checks: &[],
+    phase: |phase| phase,
+    model: |_, _| Err(Problem::NoRobot),
+    synthesis: Synthesis {
+        instruments: &[],
+        runs: 12,
+        lay_out: |_, _, _| {},
+        source: Source::Model,
+    },
 };
 
 /// A logged test of one part, which may take a day.
-const PART: Spec = Spec {
-    robot: false,
+pub(crate) const PART: Spec = Spec {
     valve: false,
     longest: f64::INFINITY,
     ..LOGGED
 };
 
-/// All kinds, in the order of messages.
-pub(super) const SPECS: [Spec; 8] = [
-    Spec {
-        sort: Sort::Bench,
-        id: "bench",
-        rest: [Rest::Thin; 2],
-        channels: &[
-            lively("position_m", POSITION),
-            without(lively("pressure_pa", CHAMBER)),
-        ],
-        settings: &[
-            required("load_mass_kg", LOAD),
-            required("supply_pressure_gauge_pa", SUPPLY),
-        ],
-        ..LOGGED
-    },
-    Spec {
-        sort: Sort::Hop,
-        id: "hop",
-        // It stands until it is fired; after the landing it does what nobody models.
-        rest: [Rest::Thin, Rest::Cut],
-        channels: &[
-            without(lively("pivot_angle_rad", TILT)),
-            without(lively("y_m", LEAP)),
-        ],
-        settings: &[required("supply_pressure_gauge_pa", SUPPLY)],
-        ..LOGGED
-    },
-    Spec {
-        sort: Sort::Jump,
-        id: "jump",
-        rest: [Rest::Cut; 2],
-        channels: &[
-            lively("wheel_angle_rad", TURN),
-            without(lively("pivot_angle_rad", TILT)),
-            without(lively("radius_angle_rad", YAW)),
-            without(lively("wheel_rate_rad_s", RATE)),
-            without(lively("x_m", LEAP)),
-            without(lively("y_m", LEAP)),
-        ],
-        settings: &[required("supply_pressure_gauge_pa", SUPPLY)],
-        ..LOGGED
-    },
-    Spec {
-        sort: Sort::Flight,
-        id: "flight",
-        // Something dropped may stay above its shadow.
-        channels: &[without(calm("x_m", PLACE)), without(lively("y_m", PLACE))],
-        any_of: true,
-        settings: &[
-            optional("mass_kg", LOAD),
-            optional("diameter_m", DIAMETER),
-            optional("boom_radius_m", RADIUS),
-        ],
-        least: 5,
-        longest: 1000.0,
-        ..PART
-    },
-    Spec {
-        sort: Sort::Outcomes,
-        id: "outcomes",
-        robot: true,
-        channels: &[
-            asked("omega_rad_s", RATE),
-            asked("alpha_f_rad", TILT),
-            asked("valve_open_s", OPENING),
-            lively("distance_m", LEAP),
-            lively("apex_m", LEAP),
-        ],
-        least: 3,
-        ..PART
-    },
-    Spec {
-        sort: Sort::Stroke,
-        id: "stroke",
-        channels: &[
-            lively("position_m", POSITION),
-            // A regulator may hold it to one count.
-            Channel {
-                scale: 1000.0,
-                ..calm("pressure_gauge_pa", GAUGE)
-            },
-            lively("force_n", FORCE),
-        ],
-        settings: &[required("bore_m", BORE)],
-        ..PART
-    },
-    Spec {
-        sort: Sort::Slide,
-        id: "slide",
-        // A weight on a string pulls always the same.
-        channels: &[calm("force_n", FORCE), lively("position_m", POSITION)],
-        settings: &[optional("mass_kg", LOAD)],
-        ..PART
-    },
-    Spec {
-        sort: Sort::Vessel,
-        id: "vessel",
-        // A slow discharge may be as warm as the room throughout.
-        channels: &[
-            without(lively("pressure_pa", ABSOLUTE)),
-            without(calm("temperature_k", TEMPERATURE)),
-        ],
-        any_of: true,
-        settings: &[
-            required("volume_m3", VOLUME),
-            required("orifice_diameter_m", BORE),
-            required("initial_pressure_pa", ABSOLUTE),
-            required("initial_temperature_k", TEMPERATURE),
-            required("ambient_pressure_pa", ABSOLUTE),
-            optional("wall_area_m2", AREA),
-        ],
-        instants: &["release_s"],
-        least: 5,
-        ..PART
-    },
-];
-
 /// What a column holds.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Meaning {
+pub enum Meaning {
     /// Times, in units of ten to this power of a second.
     Time(i32),
     /// The valve's command.
     Valve,
     /// A channel, in this unit.
-    Channel(&'static Channel, Unit),
+    Column(&'static Column, Unit),
 }
 
 /// The name of a number, and its names in other units.
-pub(super) fn spellings(
-    name: &'static str,
-    quantity: Quantity,
-) -> impl Iterator<Item = (String, Unit)> {
+pub fn spellings(name: &'static str, quantity: Quantity) -> impl Iterator<Item = (String, Unit)> {
     let stem = name.strip_suffix(quantity.units[0].0).unwrap_or(name);
     quantity
         .units
@@ -459,7 +435,7 @@ pub(super) fn spellings(
 }
 
 /// The power of ten of a unit of time.
-pub(super) fn power(unit: Unit) -> i32 {
+pub fn power(unit: Unit) -> i32 {
     match unit {
         Unit::Decimal(power) => i32::try_from(power).unwrap_or(0),
         Unit::Times(_) => 0,
@@ -467,28 +443,13 @@ pub(super) fn power(unit: Unit) -> i32 {
 }
 
 impl Spec {
-    /// The kind that a file calls `id`.
-    pub(super) fn named(id: &str) -> Option<&'static Spec> {
-        SPECS.iter().find(|spec| spec.id == id)
-    }
-
-    /// What is in the files of `sort`.
-    pub(super) fn of(sort: Sort) -> Option<&'static Spec> {
-        SPECS.iter().find(|spec| spec.sort == sort)
-    }
-
     /// The channel of this name.
-    pub(super) fn channel(&self, name: &str) -> Option<&'static Channel> {
+    pub fn channel(&self, name: &str) -> Option<&'static Column> {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
-    /// Whether rows carry a time; else there is one for each jump.
-    pub(super) fn timed(&self) -> bool {
-        self.sort != Sort::Outcomes
-    }
-
     /// What a column of this name holds; none: nothing that the kind knows.
-    pub(super) fn meaning(&self, name: &str) -> Option<Meaning> {
+    pub fn meaning(&self, name: &str) -> Option<Meaning> {
         let unit = |own: &'static str, quantity| {
             spellings(own, quantity)
                 .find(|(spelling, _)| spelling == name)
@@ -497,17 +458,17 @@ impl Spec {
         if self.valve && name == "valve" {
             return Some(Meaning::Valve);
         }
-        if let (true, Some(unit)) = (self.timed(), unit("time_s", TIME)) {
+        if let (true, Some(unit)) = (self.timed, unit("time_s", TIME)) {
             return Some(Meaning::Time(power(unit)));
         }
         self.channels
             .iter()
-            .find_map(|own| Some(Meaning::Channel(own, unit(own.name, own.quantity)?)))
+            .find_map(|own| Some(Meaning::Column(own, unit(own.name, own.quantity)?)))
     }
 
     /// Names in SI of all columns that its files may have.
-    pub(super) fn columns(&self) -> Vec<&'static str> {
-        let time = self.timed().then_some("time_s");
+    pub fn columns(&self) -> Vec<&'static str> {
+        let time = self.timed.then_some("time_s");
         let valve = self.valve.then_some("valve");
         time.into_iter()
             .chain(valve)
@@ -516,7 +477,7 @@ impl Spec {
     }
 
     /// Whether a channel may be missing in so many of its rows.
-    pub(super) fn may_lack(&self, missing: usize, rows: usize) -> bool {
+    pub fn may_lack(&self, missing: usize, rows: usize) -> bool {
         if self.any_of {
             10 * missing <= 9 * rows
         } else {

@@ -1,0 +1,152 @@
+//! Synthetic data before they are measured: runs with their settings, times and instruments.
+
+use std::collections::BTreeMap;
+
+use rand_distr::{Distribution, StandardNormal, Uniform};
+use rand_pcg::Pcg64;
+
+use crate::experiment::{Experiment, Run, Sort};
+
+/// A pound per square inch (Pa).
+pub(crate) const PSI: f64 = 6_894.757_293_168_361;
+/// Time (s) between rows of a firing.
+pub const TICK: f64 = 1e-3;
+
+/// Numbers by chance.
+#[derive(Debug)]
+pub struct Draw(Pcg64);
+
+impl Draw {
+    /// Those of a seed.
+    pub fn new(seed: u64) -> Draw {
+        Draw(Pcg64::new(u128::from(seed), 23))
+    }
+
+    /// Anything from `low` to `high`, which is above it.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        Uniform::new(low, high).map_or(low, |uniform| uniform.sample(&mut self.0))
+    }
+
+    /// The same, rounded to steps.
+    pub fn stepped(&mut self, low: f64, high: f64, step: f64) -> f64 {
+        (self.between(low, high) / step).round() * step
+    }
+
+    fn normal(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.0)
+    }
+}
+
+/// An experiment before it is measured.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// Settings, times and driven columns as they are; measured columns without values yet.
+    pub experiment: Experiment,
+    /// What is not known of each run, in the order of its kind.
+    pub unknowns: Vec<Vec<f64>>,
+    /// Whether a flight is at the end of a boom.
+    pub(crate) on_boom: bool,
+}
+
+impl Layout {
+    /// So many runs of a kind, or as many as is usual; flights at the end of a boom where
+    /// `on_boom`.
+    pub fn new(kind: Sort, on_boom: bool, runs: Option<usize>, draw: &mut Draw) -> Layout {
+        let synthesis = &kind.spec().synthesis;
+        let instruments = synthesis.instruments;
+        let known = |size: f64| (size > 0.0).then_some(size);
+        let mut layout = Layout {
+            experiment: Experiment {
+                kind,
+                columns: instruments.iter().map(|i| i.column.to_owned()).collect(),
+                noise: instruments.iter().map(|i| known(i.noise)).collect(),
+                resolution: instruments.iter().map(|i| known(i.step)).collect(),
+                runs: Vec::new(),
+            },
+            unknowns: Vec::new(),
+            on_boom,
+        };
+        let count = runs.unwrap_or(synthesis.runs).max(1);
+        (synthesis.lay_out)(&mut layout, count, draw);
+        layout
+    }
+
+    /// Index of the column `name`, which is there.
+    pub fn column(&self, name: &str) -> usize {
+        self.experiment
+            .columns
+            .iter()
+            .position(|column| column == name)
+            .unwrap_or_default()
+    }
+
+    /// Adds a run with rows `step` apart, of which nothing is measured yet.
+    pub(crate) fn add(
+        &mut self,
+        settings: &[(&str, f64)],
+        rows: usize,
+        step: f64,
+        unknowns: Vec<f64>,
+    ) {
+        let number = self.experiment.runs.len() + 1;
+        self.experiment.runs.push(Run {
+            name: format!("run-{number:02}.csv"),
+            settings: settings
+                .iter()
+                .map(|(key, value)| ((*key).to_owned(), *value))
+                .collect::<BTreeMap<_, _>>(),
+            valve: None,
+            time: (0..rows).map(|row| round(row as f64 * step)).collect(),
+            values: vec![vec![0.0; rows]; self.experiment.columns.len()],
+        });
+        self.unknowns.push(unknowns);
+    }
+
+    /// Puts a motion of the robot in the place of run `run`: its settings, when the valve was open,
+    /// and measured columns.
+    pub fn put(&mut self, run: usize, supply: f64, valve: (f64, f64), values: Vec<Vec<f64>>) {
+        let place = &mut self.experiment.runs[run];
+        place.settings = [("supply_pressure_gauge_pa".to_owned(), supply)].into();
+        place.valve = Some((valve.0, Some(valve.1)));
+        place.time = (0..values.first().map_or(0, Vec::len))
+            .map(|row| round(row as f64 * TICK))
+            .collect();
+        place.values = values;
+    }
+
+    /// Reads every column as its instrument does: with noise, then rounded to its steps.
+    pub fn read(&mut self, draw: &mut Draw) {
+        let Experiment {
+            runs,
+            noise,
+            resolution,
+            ..
+        } = &mut self.experiment;
+        for run in runs {
+            for ((column, noise), step) in run.values.iter_mut().zip(&*noise).zip(&*resolution) {
+                for value in column {
+                    *value += noise.map_or(0.0, |size| size * draw.normal());
+                    *value = step.map_or(*value, |step| round((*value / step).round() * step));
+                }
+            }
+        }
+    }
+}
+
+/// A supply (Pa) from `low` to `high` (psi) in tens, as it stands in a file.
+pub fn supply(low: f64, high: f64, draw: &mut Draw) -> f64 {
+    round(draw.stepped(low, high, 10.0) * PSI)
+}
+
+/// Rows `step` apart in `length`, one at each end.
+pub(crate) fn count(length: f64, step: f64) -> usize {
+    // Lengths are seconds.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let rows = (length / step) as usize + 1;
+    rows
+}
+
+/// A number of a file, without the digits that arithmetic leaves behind.
+pub fn round(x: f64) -> f64 {
+    (x * 1e9).round() / 1e9
+}
