@@ -40,6 +40,9 @@ pub struct Spec {
     pub any_of: bool,
     /// What the operator sets.
     pub settings: &'static [Setting],
+    /// What the operator believes of the machine, in the table `[rig]` of the folder: each run has
+    /// it among its settings. A folder without that table has to name a robot.
+    pub rig: &'static [Setting],
     /// Keys of a run, each optional, that say when something happened on the clock of its file.
     pub instants: &'static [&'static str],
     /// Fewest rows from which anything can be learned.
@@ -159,6 +162,22 @@ pub struct Setting {
     pub domain: Domain,
     /// Whether every run needs it.
     pub required: bool,
+    /// Words that stand for a number.
+    pub words: &'static [(&'static str, f64)],
+}
+
+impl Setting {
+    /// The number that a word stands for.
+    pub fn word(&self, word: &str) -> Option<f64> {
+        let known = self.words.iter().find(|(name, _)| *name == word);
+        known.map(|(_, number)| *number)
+    }
+
+    /// A value as it stands in a file.
+    pub fn written(&self, value: f64) -> String {
+        let word = self.words.iter().find(|(_, number)| *number == value);
+        word.map_or_else(|| format!("{value:?}"), |(name, _)| format!("{name:?}"))
+    }
 }
 
 /// Which numbers are possible. The bounds are wide, to tell a wrong unit from a strange rig.
@@ -223,6 +242,7 @@ pub(crate) const fn required(key: &'static str, (quantity, domain): (Quantity, D
         quantity,
         domain,
         required: true,
+        words: &[],
     }
 }
 
@@ -232,6 +252,7 @@ pub(crate) const fn optional(key: &'static str, (quantity, domain): (Quantity, D
         quantity,
         domain,
         required: false,
+        words: &[],
     }
 }
 
@@ -393,6 +414,7 @@ pub(crate) const LOGGED: Spec = Spec {
     channels: &[],
     any_of: false,
     settings: &[],
+    rig: &[],
     instants: &[],
     least: 10,
     longest: 100.0,

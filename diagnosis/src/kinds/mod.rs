@@ -4,6 +4,7 @@
 mod robot;
 
 pub use flight::Flights;
+pub use pendulum::Pendulums;
 pub use robot::Firings;
 pub use slide::Slides;
 pub use stroke::Strokes;
@@ -57,6 +58,8 @@ kinds! {
     Slide: slide;
     /// A vessel filling or discharging through an orifice.
     Vessel: vessel;
+    /// A part, or the robot with its legs retracted, swinging about a fixed axis.
+    Pendulum: pendulum;
 }
 
 impl Sort {

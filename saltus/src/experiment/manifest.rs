@@ -26,6 +26,10 @@ const MOST_BYTES: u64 = 8 << 20;
 #[derive(Debug)]
 pub(super) struct Manifest {
     pub(super) spec: &'static Spec,
+    /// Whether a robot was measured.
+    pub(super) needs_robot: bool,
+    /// What the operator believes of the machine.
+    pub(super) rig: BTreeMap<String, f64>,
     pub(super) robot: Option<String>,
     /// Standard deviations, by column.
     pub(super) noise: BTreeMap<String, f64>,
@@ -99,12 +103,16 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Manifest, Error> {
     };
     table.know(
         "key",
-        ["kind", "robot", "noise", "resolution", "run"].map(|key| (key, None)),
+        ["kind", "robot", "noise", "resolution", "rig", "run"].map(|key| (key, None)),
     )?;
     let spec = kind(&mut table)?;
+    let rig = rig(&mut table, spec)?;
+    let needs_robot = spec.robot.is_some() || (rig.is_none() && !spec.rig.is_empty());
     Ok(Manifest {
         spec,
-        robot: robot(&mut table, spec)?,
+        needs_robot,
+        rig: rig.unwrap_or_default(),
+        robot: robot(&mut table, needs_robot)?,
         noise: sizes(&mut table, "noise", spec)?,
         resolution: sizes(&mut table, "resolution", spec)?,
         runs: runs(&mut table, spec)?,
@@ -132,10 +140,28 @@ fn kind(table: &mut Table<'_>) -> Result<&'static Spec, Error> {
     }
 }
 
-fn robot(table: &mut Table<'_>, spec: &Spec) -> Result<Option<String>, Error> {
+/// The table `[rig]`; none where there is none.
+fn rig(table: &mut Table<'_>, spec: &Spec) -> Result<Option<BTreeMap<String, f64>>, Error> {
+    let Some(value) = table.take("rig") else {
+        return Ok(None);
+    };
+    if spec.rig.is_empty() {
+        let allowed = format!("left out: the kind {} has none", spec.id);
+        return Err(table.refused("rig", value.span(), &allowed));
+    }
+    let mut inner = table.inner("rig", value)?;
+    let known = spec.rig.iter();
+    inner.know(
+        "key",
+        known.map(|setting| (setting.key, Some(setting.quantity))),
+    )?;
+    set(&mut inner, spec.rig).map(Some)
+}
+
+fn robot(table: &mut Table<'_>, is_needed: bool) -> Result<Option<String>, Error> {
     const ALLOWED: &str = "a robot's name or the path of its file, in quotes";
     match table.take("robot") {
-        None if spec.robot.is_some() => Err(table.missing(&format!("robot: {ALLOWED}"))),
+        None if is_needed => Err(table.missing(&format!("robot: {ALLOWED}"))),
         None => Ok(None),
         Some(value) => match value.get_ref() {
             DeValue::String(name) if !name.is_empty() => Ok(Some(name.clone().into_owned())),
@@ -285,7 +311,15 @@ fn valid(table: &mut Table<'_>) -> Result<[Option<Instant>; 2], Error> {
 fn set(table: &mut Table<'_>, known: &[Setting]) -> Result<BTreeMap<String, f64>, Error> {
     let mut settings = BTreeMap::new();
     for setting in known {
-        match table.number(setting.key, (setting.quantity, setting.domain))? {
+        let word = match table.entries.get(setting.key).map(Spanned::get_ref) {
+            Some(DeValue::String(word)) => setting.word(word),
+            _ => None,
+        };
+        let number = match word {
+            Some(number) => table.take(setting.key).map(|_| number),
+            None => table.number(setting.key, (setting.quantity, setting.domain))?,
+        };
+        match number {
             Some(number) => settings.extend([(setting.key.to_owned(), number)]),
             None if setting.required => return Err(table.missing(setting.key)),
             None => {}

@@ -241,7 +241,7 @@ fn gathered(
     }
     Folder {
         experiment,
-        robot: manifest.robot,
+        robot: manifest.robot.filter(|_| manifest.needs_robot),
         path: path.into(),
         hash: hash.hex(),
         notes,
@@ -299,10 +299,15 @@ fn shared(readings: &[Reading]) -> Vec<String> {
 
 /// Notes of what `experiment.toml` says and nothing needs.
 fn odd(manifest: &Manifest, columns: &[String]) -> Vec<String> {
-    let (spec, file) = (manifest.spec, manifest::NAME);
-    let robot = manifest.robot.as_ref().filter(|_| spec.robot.is_none());
+    let file = manifest::NAME;
+    let robot = manifest.robot.as_ref().filter(|_| !manifest.needs_robot);
     let mut notes: Vec<String> = robot
-        .map(|_| format!("{file}: robot is not used for the kind {}", spec.id))
+        .map(|_| {
+            format!(
+                "{file}: robot is not used for the kind {}",
+                manifest.spec.id
+            )
+        })
         .into_iter()
         .collect();
     for (table, sizes) in [

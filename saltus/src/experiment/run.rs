@@ -1,5 +1,6 @@
 //! One run: a CSV file of any length, read row by row.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use saltus_diagnosis::Run;
@@ -57,6 +58,7 @@ pub(super) fn read(
             file: &file,
             listed,
             spec: manifest.spec,
+            rig: &manifest.rig,
         },
         most,
         None,
@@ -99,6 +101,7 @@ struct Source<'a> {
     file: &'a str,
     listed: &'a Listed,
     spec: &'static Spec,
+    rig: &'a BTreeMap<String, f64>,
 }
 
 /// A run so far.
@@ -340,6 +343,7 @@ impl<'a> Log<'a> {
             self.hash.number(shut.unwrap_or(f64::INFINITY));
         }
         let mut settings = listed.settings.clone();
+        settings.extend(self.source.rig.clone());
         settings.extend(
             listed
                 .instants

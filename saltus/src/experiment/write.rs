@@ -161,13 +161,28 @@ pub(super) fn manifest(experiment: &Experiment, robot: Option<&str>, spec: &Spec
             let _ = writeln!(text, "{head}{column} = {size:?}");
         }
     }
+    let is_of_rig = |key: &str| spec.rig.iter().any(|setting| setting.key == key);
+    let has_rig = |run: &&Run| run.settings.keys().any(|key| is_of_rig(key));
+    if let Some(run) = experiment.runs.first().filter(has_rig) {
+        text.push_str("\n[rig]\n");
+        set(&mut text, run, is_of_rig, spec);
+    }
     for run in &experiment.runs {
         let _ = writeln!(text, "\n[[run]]\nfile = {}", quoted(&run.name));
-        for (key, value) in &run.settings {
-            let _ = writeln!(text, "{key} = {value:?}");
-        }
+        set(&mut text, run, |key| !is_of_rig(key), spec);
     }
     text
+}
+
+/// Adds the settings of a run whose key `is_meant`.
+fn set(text: &mut String, run: &Run, is_meant: impl Fn(&str) -> bool, spec: &Spec) {
+    for (key, value) in run.settings.iter().filter(|(key, _)| is_meant(key)) {
+        let mut known = spec.settings.iter().chain(spec.rig);
+        let setting = known.find(|setting| setting.key == key);
+        let value = setting.map_or_else(|| format!("{value:?}"), |s| s.written(*value));
+        // Writing into a string does not fail.
+        let _ = writeln!(text, "{key} = {value}");
+    }
 }
 
 /// Header and rows of a run. Numbers have the digits that give them back.

@@ -1,0 +1,594 @@
+//! A part, or the robot with its legs retracted, that swings about a fixed axis; a measured torque
+//! may drive it.
+
+use std::f64::consts::TAU;
+
+use saltus_robot::Robot;
+use saltus_robot::units::{INERTIA, LENGTH, NUMBER, Quantity, Unit};
+
+use super::{FREE, Problem, sensor, simple, unknown};
+use crate::experiment::{Experiment, Run, Sort};
+use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::layout::{Draw, Layout};
+use crate::noise;
+use crate::spec::{
+    Domain, LOAD, PART, Setting, Source, Spec, Synthesis, TURN, calm, lively, noisy, optional,
+    required, without,
+};
+
+/// A torque whose names end in `_nm`.
+const TORQUE: (Quantity, Domain) = (
+    Quantity {
+        si: "N m",
+        dimension: [1, 2, -2],
+        units: &[("_nm", Unit::SI)],
+    },
+    Domain {
+        legal: |x| x.abs() <= 1e5,
+        allowed: "a torque from -1e5 to 1e5 N m",
+    },
+);
+const CENTRE: (Quantity, Domain) = (
+    LENGTH,
+    Domain {
+        legal: |x| x > 0.0 && x <= 100.0,
+        allowed: "a length above 0 and up to 100 m",
+    },
+);
+const ABOUT_CENTRE: (Quantity, Domain) = (
+    INERTIA,
+    Domain {
+        legal: |x| (0.0..=1e6).contains(&x),
+        allowed: "an inertia from 0 to 1e6 kg m2",
+    },
+);
+const AXIS: (Quantity, Domain) = (
+    NUMBER,
+    Domain {
+        legal: |x| x > 0.0 && x <= 100.0,
+        allowed: "\"axle\", \"foot\" or a distance from the axle above 0 and up to 100 m",
+    },
+);
+/// The axis of a robot that swings about a foot.
+const FOOT: f64 = -1.0;
+
+/// The kind.
+pub(super) const SPEC: Spec = Spec {
+    sort: Sort::Pendulum,
+    id: "pendulum",
+    description: "A part or the robot, swinging about a fixed axis",
+    channels: &[lively("angle_rad", TURN), without(calm("torque_nm", TORQUE))],
+    settings: &[Setting {
+        words: &[("axle", 0.0), ("foot", FOOT)],
+        ..optional("axis", AXIS)
+    }],
+    rig: &[
+        required("mass_kg", LOAD),
+        required("centre_from_axle_m", CENTRE),
+        optional("inertia_about_centre_kg_m2", ABOUT_CENTRE),
+    ],
+    model: |data, robot| Ok(Box::new(Pendulums::new(data, robot)?)),
+    synthesis: Synthesis {
+        instruments: &[noisy("angle_rad", 5e-4), noisy("torque_nm", 0.0)],
+        runs: 4,
+        lay_out,
+        source: Source::Model,
+    },
+    ..PART
+};
+
+/// What swings, as it is believed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Body {
+    /// Mass (kg).
+    mass: f64,
+    /// Axis to centre of mass (m).
+    centre: f64,
+    /// Inertia about the centre of mass (kg m²), if it is known.
+    inertia: Option<f64>,
+    /// Gravity (m/s²).
+    gravity: f64,
+}
+
+impl Body {
+    /// Weight times lever (N m).
+    fn moment(&self) -> f64 {
+        self.mass * self.gravity * self.centre
+    }
+
+    /// Inertia (kg m²) about the axis; of a point mass where nothing is known.
+    fn about_axis(&self) -> f64 {
+        self.inertia.unwrap_or(0.0) + self.mass * self.centre * self.centre
+    }
+
+    fn of(run: &Run, robot: Option<&Robot>) -> Result<Body, Problem> {
+        let key = |key: &str| run.settings.get(key).copied();
+        if let (Some(mass), Some(centre)) = (key("mass_kg"), key("centre_from_axle_m")) {
+            return Ok(Body {
+                mass,
+                centre,
+                inertia: key("inertia_about_centre_kg_m2"),
+                gravity: robot.map_or(9.80665, |robot| robot.environment.gravity),
+            });
+        }
+        let robot = robot.ok_or(Problem::NoRobot)?;
+        let centre = match key("axis").unwrap_or(FOOT) {
+            FOOT => robot.body.radius,
+            distance => distance,
+        };
+        Ok(Body {
+            mass: robot.body.mass,
+            centre,
+            inertia: Some(robot.body.inertia),
+            gravity: robot.environment.gravity,
+        })
+    }
+}
+
+/// A torque over time.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Torque {
+    /// When (s) each was measured.
+    time: Vec<f64>,
+    /// Torque (N m).
+    values: Vec<f64>,
+}
+
+impl Torque {
+    fn of(run: &Run, column: Option<usize>) -> Torque {
+        let Some(column) = column else {
+            return Torque::default();
+        };
+        let rows = run.time.iter().copied().zip(run.values[column].iter().copied());
+        let (time, values) = rows.filter(|(_, value)| value.is_finite()).unzip();
+        Torque { time, values }
+    }
+
+    /// Torque (N m) at `time`, on the line between two rows; `at` is the last row before it, from
+    /// which the search goes on.
+    fn at(&self, time: f64, at: &mut usize) -> f64 {
+        let Some(last) = self.time.len().checked_sub(1) else {
+            return 0.0;
+        };
+        while *at < last && self.time[*at + 1] <= time {
+            *at += 1;
+        }
+        let (a, b) = (*at, (*at + 1).min(last));
+        let width = self.time[b] - self.time[a];
+        let share = if width > 0.0 {
+            ((time - self.time[a]) / width).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        self.values[a] + share * (self.values[b] - self.values[a])
+    }
+}
+
+/// What a parameter of a cause does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Effect {
+    Inertia,
+    Mass,
+    Centre,
+    Dry,
+    Viscous,
+    Drag,
+    AngleOffset,
+    AngleScale,
+    AngleDelay,
+    TorqueOffset,
+    TorqueScale,
+    TorqueDelay,
+    Spring,
+    Second,
+}
+
+/// Pendulums.
+#[derive(Clone, Debug)]
+pub struct Pendulums {
+    channels: Vec<Channel>,
+    logs: Vec<Log>,
+    bodies: Vec<Body>,
+    torques: Vec<Torque>,
+    effects: Vec<Effect>,
+    causes: Vec<Cause>,
+    listed: usize,
+}
+
+/// Turn (rad) of the swing's phase in a step at most: the phase of a whole step is off by its cube
+/// over 24.
+const STEP: f64 = 2e-3;
+
+impl Pendulums {
+    /// The experiment's pendulums.
+    ///
+    /// # Errors
+    /// [`Problem::NoRobot`] where neither the data nor a robot say what swings.
+    pub fn new(experiment: &Experiment, robot: Option<&Robot>) -> Result<Pendulums, Problem> {
+        let column = |name: &str| experiment.columns.iter().position(|c| c == name);
+        let (angle, torque) = (column("angle_rad").unwrap_or(0), column("torque_nm"));
+        let runs = &experiment.runs;
+        let bodies: Vec<Body> = runs
+            .iter()
+            .map(|run| Body::of(run, robot))
+            .collect::<Result<_, _>>()?;
+        let torques: Vec<Torque> = runs.iter().map(|run| Torque::of(run, torque)).collect();
+        let is_driven = torques.iter().any(|t| t.values.iter().any(|x| *x != 0.0));
+        let named = named(&bodies[0], is_driven);
+        let listed = named.len();
+        let (effects, causes) = named.into_iter().chain(terms(&bodies[0])).unzip();
+        Ok(Pendulums {
+            channels: noise::channels(experiment, &[angle]),
+            logs: runs
+                .iter()
+                .map(|run| noise::log(experiment, run, &[angle]))
+                .collect(),
+            bodies,
+            torques,
+            effects,
+            causes,
+            listed,
+        })
+    }
+
+    /// The parameter of an effect; `none` where there is no such cause.
+    fn value(&self, effect: Effect, none: f64, terms: &Terms) -> f64 {
+        let cause = self.effects.iter().position(|own| *own == effect);
+        cause.map_or(none, |cause| terms.get(cause, 0))
+    }
+
+    /// What swings in a run.
+    fn swing(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Swing {
+        let believed = self.bodies[run];
+        let body = Body {
+            mass: believed.mass * self.value(Effect::Mass, 1.0, terms),
+            centre: believed.centre * self.value(Effect::Centre, 1.0, terms),
+            ..believed
+        };
+        let inertia = match (body.inertia, unknowns.get(2)) {
+            (None, Some(inertia)) => *inertia,
+            _ => body.about_axis() * self.value(Effect::Inertia, 1.0, terms),
+        };
+        Swing {
+            inertia,
+            moment: body.moment(),
+            dry: self.value(Effect::Dry, 0.0, terms),
+            viscous: self.value(Effect::Viscous, 0.0, terms),
+            drag: self.value(Effect::Drag, 0.0, terms),
+            spring: self.value(Effect::Spring, 0.0, terms),
+            second: self.value(Effect::Second, 0.0, terms),
+        }
+    }
+}
+
+/// The listed causes.
+fn named(body: &Body, is_driven: bool) -> Vec<(Effect, Cause)> {
+    let share = |id, name, scale| simple(id, name, 1.0, (0.05, 20.0), scale, &[0.8, 1.25]);
+    let mut all = Vec::new();
+    if body.inertia.is_some() {
+        all.push((Effect::Inertia, share("inertia", "inertia_share", 0.01)));
+    }
+    if body.inertia.is_some() || is_driven {
+        all.push((Effect::Centre, share("imbalance", "centre_share", 0.01)));
+        all.push((Effect::Mass, share("mass", "mass_share", 0.02)));
+    }
+    let size = body.moment().max(1e-6);
+    let rate = (size / body.about_axis().max(1e-9)).sqrt();
+    let friction = |id, name, unit: f64| {
+        let starts = [0.01 * size / unit, 0.1 * size / unit];
+        simple(id, name, 0.0, (0.0, 10.0 * size / unit), 1e-3 * size / unit, &starts)
+    };
+    all.push((
+        Effect::Dry,
+        friction("coulomb-friction", "coulomb_friction_n_m", 1.0),
+    ));
+    all.push((
+        Effect::Viscous,
+        friction("viscous-friction", "viscous_friction_n_m_s_per_rad", rate),
+    ));
+    all.push((
+        Effect::Drag,
+        friction("air-drag", "drag_n_m_s2_per_rad2", rate * rate),
+    ));
+    let of_angle = |id, name, none, bounds, scale| {
+        sensor(id, "angle_rad", name, none, bounds, scale, &[])
+    };
+    let of_torque = |id, name, none, bounds, scale| {
+        sensor(id, "torque_nm", name, none, bounds, scale, &[])
+    };
+    all.push((
+        Effect::AngleOffset,
+        of_angle("sensor-offset", "offset_rad", 0.0, (-1.0, 1.0), 1e-3),
+    ));
+    all.push((
+        Effect::AngleScale,
+        of_angle("encoder-scale", "gain", 1.0, (0.2, 5.0), 0.01),
+    ));
+    if is_driven {
+        let delay = (0.0, 0.5);
+        all.push((
+            Effect::AngleDelay,
+            of_angle("sensor-delay", "delay_s", 0.0, delay, 1e-3),
+        ));
+        all.push((
+            Effect::TorqueOffset,
+            of_torque("sensor-offset", "offset_nm", 0.0, FREE, 1e-3 * size),
+        ));
+        all.push((
+            Effect::TorqueScale,
+            of_torque("encoder-scale", "gain", 1.0, (0.2, 5.0), 0.01),
+        ));
+        all.push((
+            Effect::TorqueDelay,
+            of_torque("sensor-delay", "delay_s", 0.0, delay, 1e-3),
+        ));
+    }
+    all
+}
+
+/// Terms without a name.
+fn terms(body: &Body) -> [(Effect, Cause); 2] {
+    let size = body.moment().max(1e-6);
+    let term = |id, name| simple(id, name, 0.0, (-100.0 * size, 100.0 * size), 1e-3 * size, &[]);
+    [
+        (
+            Effect::Spring,
+            term("torque about the axis, -c theta", "c_n_m_per_rad"),
+        ),
+        (
+            Effect::Second,
+            term("torque about the axis, -c sin(2 theta)", "c_n_m"),
+        ),
+    ]
+}
+
+/// The motion: J θ̈ = τ − M sin θ − k θ − c sin 2θ − T sgn θ̇ − b θ̇ − d |θ̇| θ̇.
+struct Swing {
+    /// J (kg m²).
+    inertia: f64,
+    /// M (N m).
+    moment: f64,
+    /// T (N m).
+    dry: f64,
+    /// b (N m s).
+    viscous: f64,
+    /// d (N m s²).
+    drag: f64,
+    /// k (N m).
+    spring: f64,
+    /// c (N m).
+    second: f64,
+}
+
+impl Swing {
+    /// Longest step (s).
+    fn step(&self) -> f64 {
+        let stiffness = self.moment + self.spring.abs() + 2.0 * self.second.abs();
+        STEP * (self.inertia / stiffness).sqrt()
+    }
+
+    /// One step of h (s) under a torque (N m): the middle of the step tells the torques, and dry
+    /// friction takes what is left of the rate and no more.
+    fn go(&self, [angle, rate]: [f64; 2], torque: f64, h: f64) -> [f64; 2] {
+        let middle = angle + 0.5 * h * rate;
+        let back = self.moment * middle.sin()
+            + self.spring * middle
+            + self.second * (2.0 * middle).sin();
+        // What brakes in proportion to the rate does so without end, and never turns it round.
+        let brake = h * (self.viscous + self.drag * rate.abs()) / self.inertia;
+        let left = (-brake).exp();
+        let mean = if brake > 1e-6 {
+            (1.0 - left) / brake
+        } else {
+            1.0
+        };
+        let free = left * rate + mean * h * (torque - back) / self.inertia;
+        let next = free.signum() * (free.abs() - h * self.dry / self.inertia).max(0.0);
+        [angle + 0.5 * h * (rate + next), next]
+    }
+}
+
+impl Kind for Pendulums {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn logs(&self) -> &[Log] {
+        &self.logs
+    }
+
+    /// Where and how fast it starts; its inertia where nobody knows it.
+    fn unknowns(&self, run: usize) -> Vec<Parameter> {
+        let readings = &self.logs[run].readings;
+        let Some(first) = readings.first() else {
+            return Vec::new();
+        };
+        let near = readings.get(readings.len().min(5) - 1).unwrap_or(first);
+        let width = near.time - first.time;
+        let rate = if width > 0.0 {
+            (near.value - first.value) / width
+        } else {
+            0.0
+        };
+        let mut all = vec![
+            unknown("start_rad", first.value, FREE, 1e-3),
+            unknown("start_rate_rad_s", rate, FREE, 0.01),
+        ];
+        let body = &self.bodies[run];
+        if body.inertia.is_none() {
+            let point = body.about_axis();
+            all.push(unknown(
+                "inertia_about_axis_kg_m2",
+                2.0 * point,
+                (0.1 * point, 100.0 * point),
+                0.02 * point,
+            ));
+        }
+        all
+    }
+
+    fn causes(&self) -> &[Cause] {
+        &self.causes
+    }
+
+    fn listed(&self) -> usize {
+        self.listed
+    }
+
+    fn stronger(&self) -> String {
+        "longer runs, some of them let go from a larger angle".into()
+    }
+
+    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+        let value = |effect, none| self.value(effect, none, terms);
+        let swing = self.swing(run, terms, unknowns);
+        let (scale, offset) = (
+            value(Effect::AngleScale, 1.0),
+            value(Effect::AngleOffset, 0.0),
+        );
+        let (late, torque_late) = (
+            value(Effect::AngleDelay, 0.0),
+            value(Effect::TorqueDelay, 0.0),
+        );
+        let (gain, bias) = (
+            value(Effect::TorqueScale, 1.0),
+            value(Effect::TorqueOffset, 0.0),
+        );
+        let (readings, torque) = (&self.logs[run].readings, &self.torques[run]);
+        let (mut now, mut at) = (readings.first()?.time, 0);
+        let mut state = [unknowns[0], unknowns[1]];
+        let longest = swing.step();
+        if !(longest.is_finite() && longest > 1e-6) {
+            return None;
+        }
+        let mut out = Vec::with_capacity(readings.len());
+        for reading in readings {
+            let left = (reading.time - late - now).max(0.0);
+            // As many steps as the longest allows.
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            let count = (left / longest).ceil() as usize;
+            let h = left / count.max(1) as f64;
+            for _ in 0..count {
+                // A late sensor shows now what was before.
+                let seen = now + 0.5 * h + torque_late;
+                state = swing.go(state, gain * torque.at(seen, &mut at) + bias, h);
+                now += h;
+            }
+            out.push(scale * state[0] + offset);
+        }
+        out.iter().all(|x| x.is_finite()).then_some(out)
+    }
+}
+
+/// Adds swings of one part, every second of them driven by two sines that set in smoothly.
+fn lay_out(layout: &mut Layout, runs: usize, draw: &mut Draw) {
+    let (mass, centre) = (draw.stepped(0.1, 2.0, 1e-3), draw.stepped(0.05, 0.3, 1e-3));
+    let inertia = (draw.between(0.1, 1.0) * mass * centre * centre * 1e6).round() / 1e6;
+    let rig = [
+        ("mass_kg", mass),
+        ("centre_from_axle_m", centre),
+        ("inertia_about_centre_kg_m2", inertia),
+    ];
+    let column = layout.column("torque_nm");
+    for run in 0..runs {
+        let is_driven = run % 2 == 1;
+        let angle = if is_driven {
+            0.0
+        } else {
+            draw.between(0.5, 1.5)
+        };
+        layout.add(&rig, 1201, 5e-3, vec![angle, 0.0]);
+        let sines = [(); 2].map(|()| {
+            let size = mass * 9.80665 * centre * draw.between(0.1, 0.3);
+            (size, TAU * draw.between(0.3, 2.0), draw.between(0.0, TAU))
+        });
+        let Some(run) = layout.experiment.runs.last_mut().filter(|_| is_driven) else {
+            continue;
+        };
+        for (value, t) in run.values[column].iter_mut().zip(&run.time) {
+            let sum: f64 = sines.iter().map(|(a, w, p)| a * (w * t + p).sin()).sum();
+            *value = (t / 0.2).clamp(0.0, 1.0) * sum;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FREELY: Swing = Swing {
+        inertia: 0.02,
+        moment: 1.5,
+        dry: 0.0,
+        viscous: 0.0,
+        drag: 0.0,
+        spring: 0.0,
+        second: 0.0,
+    };
+
+    /// Turning points (s, rad) of a swing of 10 s from rest at `angle`.
+    fn turns(swing: &Swing, angle: f64) -> Vec<(f64, f64)> {
+        let h = swing.step();
+        let (mut state, mut time, mut all) = ([angle, 0.0], 0.0, Vec::new());
+        while time < 10.0 {
+            let next = swing.go(state, 0.0, h);
+            if next[1] * state[1] < 0.0 || (next[1] == 0.0 && state[1] != 0.0) {
+                let share = state[1] / (state[1] - next[1]);
+                all.push((time + share * h, state[0] + 0.5 * share * h * state[1]));
+            }
+            (state, time) = (next, time + h);
+        }
+        all
+    }
+
+    /// Half the period of a large swing, by the arithmetic-geometric mean.
+    #[test]
+    fn the_period_is_gauss_s() {
+        for angle in [0.01_f64, 1.0, 2.5] {
+            let (mut a, mut g) = (1.0, (0.5 * angle).cos());
+            for _ in 0..10 {
+                (a, g) = (0.5 * (a + g), f64::sqrt(a * g));
+            }
+            let half = std::f64::consts::PI * (FREELY.inertia / FREELY.moment).sqrt() / a;
+            let found = turns(&FREELY, angle);
+            let (time, _) = found[9];
+            assert!((time / (10.0 * half) - 1.0).abs() < 1e-6, "{angle}: {time}");
+        }
+    }
+
+    /// Dry friction takes 2 T of M (cos φ₁ − cos φ₂) = T (φ₁ + φ₂) in each half swing, and holds it
+    /// where M sin φ is less than T.
+    #[test]
+    fn dry_friction_takes_its_work_and_holds_it() {
+        let swing = Swing {
+            dry: 0.1,
+            ..FREELY
+        };
+        let found = turns(&swing, 1.2);
+        let mut before = 1.2_f64;
+        for (_, angle) in &found {
+            let work = swing.dry * (before + angle.abs());
+            let fall = swing.moment * (angle.cos() - before.cos());
+            assert!((work - fall).abs() < 1e-5, "{work} {fall}");
+            before = angle.abs();
+        }
+        assert!(found.len() < 40 && swing.moment * before.sin() < swing.dry);
+    }
+
+    /// A small swing with viscous friction falls by exp(−π b/√(4 M J − b²)) in each half swing.
+    #[test]
+    fn viscous_friction_has_its_decrement() {
+        let swing = Swing {
+            viscous: 0.02,
+            ..FREELY
+        };
+        let b = swing.viscous;
+        let root = (4.0 * swing.moment * swing.inertia - b * b).sqrt();
+        let decrement = (-std::f64::consts::PI * b / root).exp();
+        let found = turns(&swing, 1e-3);
+        for pair in found.windows(2).take(8) {
+            let ratio = -pair[1].1 / pair[0].1;
+            assert!((ratio - decrement).abs() < 1e-4, "{ratio} {decrement}");
+        }
+    }
+}
