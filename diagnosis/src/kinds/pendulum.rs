@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::{Matrix3, Vector3};
 use saltus_robot::Robot;
 use saltus_robot::units::{INERTIA, LENGTH, NUMBER, Quantity, Unit};
 
@@ -237,6 +238,50 @@ impl Pendulums {
         cause.map_or(none, |cause| terms.get(cause, 0))
     }
 
+    /// Inertia (kg m²) about the axis by least squares on the equation of motion, with viscous and
+    /// dry friction: over each tenth of a swing, the change of the rate is what the torques have
+    /// done. It is a first guess for the fit.
+    fn likely_inertia(&self, run: usize) -> Option<f64> {
+        let (readings, torque) = (&self.logs[run].readings, &self.torques[run]);
+        let moment = self.bodies[run].moment();
+        let period = TAU * (self.bodies[run].about_axis() / moment).sqrt();
+        let first = readings.first()?;
+        let mut at = 0;
+        // Impulses from the first row on: of torque and weight, of a rate of one, of its sign.
+        let mut impulses = vec![[0.0; 3]];
+        for pair in readings.windows(2) {
+            let h = pair[1].time - pair[0].time;
+            let [past, turned] = [pair[0].time + 0.5 * h, pair[1].value - pair[0].value];
+            let middle = pair[0].value + 0.5 * turned;
+            let driven = torque.at(past, &mut at) - moment * middle.sin();
+            let sign = if turned == 0.0 { 0.0 } else { turned.signum() };
+            let [a, b, c] = impulses[impulses.len() - 1];
+            impulses.push([a + h * driven, b + turned, c + h * sign]);
+        }
+        let rows_of = |time: f64| readings.partition_point(|r| r.time - first.time < time);
+        let step = rows_of(0.1 * period).max(2);
+        let rate = |row: usize| {
+            let (a, b) = (&readings[row], &readings[row + step]);
+            (b.value - a.value) / (b.time - a.time)
+        };
+        // The mean of the impulses over a window belongs to the mean rate in it.
+        let mean = |row: usize| -> [f64; 3] {
+            let here = &impulses[row..=row + step];
+            std::array::from_fn(|k| {
+                here.iter().map(|i| i[k]).sum::<f64>() / here.len() as f64
+            })
+        };
+        let (mut products, mut sums) = (Matrix3::zeros(), Vector3::zeros());
+        for row in (0..readings.len().checked_sub(2 * step + 1)?).step_by(step) {
+            let (a, b) = (mean(row), mean(row + step));
+            let done = Vector3::from_fn(|k, _| b[k] - a[k]);
+            products += done * done.transpose();
+            sums += done * (rate(row + step) - rate(row));
+        }
+        let found = products.cholesky()?.solve(&sums)[0];
+        (found > 0.0).then_some(1.0 / found)
+    }
+
     /// What swings in a run.
     fn swing(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Swing {
         let believed = self.bodies[run];
@@ -397,30 +442,37 @@ impl Kind for Pendulums {
         &self.logs
     }
 
-    /// Where and how fast it starts; its inertia where nobody knows it.
+    /// Where and how fast it starts, at rest where it stays at its first angle for a while; its
+    /// inertia where nobody knows it.
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
         let readings = &self.logs[run].readings;
         let Some(first) = readings.first() else {
             return Vec::new();
         };
+        let channel = &self.channels[0];
+        let doubt = 5.0 * channel.noise.max(channel.step);
+        let moves = readings.iter().find(|r| (r.value - first.value).abs() > doubt);
+        let rest = moves.map_or(0.0, |reading| reading.time - first.time);
         let near = readings.get(readings.len().min(5) - 1).unwrap_or(first);
         let width = near.time - first.time;
-        let rate = if width > 0.0 {
-            (near.value - first.value) / width
+        let (rate, bounds) = if near.time < first.time + rest {
+            (0.0, (-doubt / rest, doubt / rest))
         } else {
-            0.0
+            ((near.value - first.value) / width.max(1e-9), FREE)
         };
         let mut all = vec![
             unknown("start_rad", first.value, FREE, 1e-3),
-            unknown("start_rate_rad_s", rate, FREE, 0.01),
+            unknown("start_rate_rad_s", rate, bounds, 0.01),
         ];
         let body = &self.bodies[run];
         if body.inertia.is_none() {
             let point = body.about_axis();
+            let bounds = (0.1 * point, 100.0 * point);
+            let likely = self.likely_inertia(run).unwrap_or(point);
             all.push(unknown(
                 "inertia_about_axis_kg_m2",
-                2.0 * point,
-                (0.1 * point, 100.0 * point),
+                likely.clamp(2.0 * bounds.0, 0.5 * bounds.1),
+                bounds,
                 0.02 * point,
             ));
         }
