@@ -241,7 +241,8 @@ fn gathered(
     }
     Folder {
         experiment,
-        robot: manifest.robot.filter(|_| manifest.needs_robot),
+        // What `[rig]` describes is no robot.
+        robot: manifest.robot.filter(|_| manifest.rig.is_empty()),
         path: path.into(),
         hash: hash.hex(),
         notes,

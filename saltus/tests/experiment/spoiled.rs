@@ -9,11 +9,11 @@ use crate::{good, laid, rows, said};
 #[rustfmt::skip] // One case a line.
 const SPOILED: &[(&str, &str, &str, &str, &str)] = &[
     ("bench", "experiment.toml", "kind = \"bench\"\n", "", "DATA/experiment.toml:1: missing key \
-        kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel"),
+        kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum"),
     ("bench", "experiment.toml", "\"bench\"", "\"banch\"", "DATA/experiment.toml:1: kind = \
-        \"banch\": must be one of bench, hop, jump, flight, outcomes, stroke, slide, vessel"),
+        \"banch\": must be one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum"),
     ("bench", "experiment.toml", "\"bench\"", "7", "DATA/experiment.toml:1: kind = 7: must be one \
-        of bench, hop, jump, flight, outcomes, stroke, slide, vessel, in quotes"),
+        of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, in quotes"),
     ("bench", "experiment.toml", "\"bench\"", "\"toss\"", "DATA/experiment.toml:1: kind = \
         \"toss\": tosses are read by the multi-body simulation's example tosses, not here"),
     ("bench", "experiment.toml", "kind", "knid", "DATA/experiment.toml:1: unknown key knid; the \
@@ -384,7 +384,7 @@ fn check_files(cases: Vec<(&str, &str, Vec<u8>, &str)>) {
 fn spoiled_manifests_are_refused() {
     check_files(vec![
         ("empty-manifest", "experiment.toml", Vec::new(), "DATA/experiment.toml:1: missing key \
-            kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel"),
+            kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum"),
         ("no-runs", "experiment.toml", b"kind = 'flight'".to_vec(), "DATA/experiment.toml:1: \
             missing key run: a table [[run]] for each file"),
         ("empty-runs", "experiment.toml", b"kind = 'flight'\nrun = []".to_vec(), "DATA/experiment.toml:2: 0 runs: must be from 1 to 10000"),

@@ -59,6 +59,11 @@ fn what_is_written_is_read_back() {
         ("ambient_pressure_pa", 1e5),
         ("wall_area_m2", 0.4),
     ];
+    let part = [
+        ("mass_kg", 0.7),
+        ("centre_from_axle_m", 0.0448),
+        ("inertia_about_centre_kg_m2", 1e-4),
+    ];
     let experiments = [
         written(
             Sort::Bench,
@@ -95,15 +100,20 @@ fn what_is_written_is_read_back() {
         ),
         written(Sort::Slide, &["force_n", "position_m"], &[]),
         written(Sort::Vessel, &["pressure_pa", "temperature_k"], &vessel),
+        written(Sort::Pendulum, &["angle_rad", "torque_nm"], &part),
+        written(Sort::Pendulum, &["angle_rad"], &[("axis", -1.0)]),
     ];
     for experiment in experiments {
-        let data = Folder::new(&format!("written-{:?}", experiment.kind));
+        let columns = experiment.columns.len();
+        let data = Folder::new(&format!("written-{:?}-{columns}", experiment.kind));
         let path = data.path("new/folder");
         let robot = Some("my \"robot\"\n.toml");
         write(&path, &experiment, robot).unwrap();
         let folder = read(&path, &|_| ()).unwrap();
         assert_eq!(folder.experiment, experiment);
-        assert_eq!(folder.robot.as_deref(), robot);
+        let is_part = experiment.runs[0].settings.contains_key("mass_kg");
+        let is_robot = experiment.kind != Sort::Pendulum || !is_part;
+        assert_eq!(folder.robot.as_deref(), robot.filter(|_| is_robot));
         // And no other file is there.
         assert_eq!(data.names(), ["new"]);
         assert_eq!(std::fs::read_dir(path.join("part")).unwrap().count(), 2);

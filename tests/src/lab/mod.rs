@@ -13,6 +13,7 @@ mod dial;
 mod draw;
 mod flight;
 mod motion;
+mod pendulum;
 mod rig;
 mod sensing;
 mod slide;
@@ -63,16 +64,7 @@ pub enum Size {
 }
 
 /// Every kind that the lab can make.
-pub const SORTS: [Sort; 8] = [
-    Sort::Bench,
-    Sort::Hop,
-    Sort::Jump,
-    Sort::Flight,
-    Sort::Outcomes,
-    Sort::Stroke,
-    Sort::Slide,
-    Sort::Vessel,
-];
+pub const SORTS: [Sort; Sort::ALL.len()] = Sort::ALL;
 
 /// Ids of the causes that show in an experiment of `kind`.
 ///
@@ -87,6 +79,7 @@ pub fn causes_of(kind: Sort) -> &'static [&'static str] {
         Sort::Stroke => stroke::CAUSES,
         Sort::Slide => slide::CAUSES,
         Sort::Vessel => vessel::CAUSES,
+        Sort::Pendulum => pendulum::CAUSES,
     }
 }
 
@@ -99,7 +92,7 @@ pub fn kinds_of(id: &str) -> Vec<Sort> {
 }
 
 /// Effects that no listed cause explains, by kind.
-pub const OUTSIDE: [(Sort, &[&str]); 8] = [
+pub const OUTSIDE: [(Sort, &[&str]); 9] = [
     (Sort::Bench, bench::OUTSIDE),
     (Sort::Hop, rig::HOP_OUTSIDE),
     (Sort::Jump, rig::JUMP_OUTSIDE),
@@ -108,6 +101,7 @@ pub const OUTSIDE: [(Sort, &[&str]); 8] = [
     (Sort::Stroke, stroke::OUTSIDE),
     (Sort::Slide, slide::OUTSIDE),
     (Sort::Vessel, vessel::OUTSIDE),
+    (Sort::Pendulum, pendulum::OUTSIDE),
 ];
 
 /// Ids of the effects on an experiment of `kind` that no listed cause explains.
@@ -222,6 +216,7 @@ fn world(kind: Sort, ids: &[&str], seed: u64) -> Box<dyn World> {
         Sort::Stroke => Box::new(stroke::Strokes::new(&mut draw)),
         Sort::Slide => Box::new(slide::Slides::new(&mut draw)),
         Sort::Vessel => Box::new(vessel::Vessels::new(ids, &mut draw)),
+        Sort::Pendulum => Box::new(pendulum::Pendulums::new(&mut draw)),
     }
 }
 
