@@ -541,6 +541,8 @@ fn lay_out(layout: &mut Layout, runs: usize, draw: &mut Draw) {
         ("centre_from_axle_m", centre),
         ("inertia_about_centre_kg_m2", inertia),
     ];
+    let moment = mass * 9.80665 * centre;
+    let natural = (moment / (inertia + mass * centre * centre)).sqrt();
     let column = layout.column("torque_nm");
     for run in 0..runs {
         let is_driven = run % 2 == 1;
@@ -551,8 +553,9 @@ fn lay_out(layout: &mut Layout, runs: usize, draw: &mut Draw) {
         };
         layout.add(&rig, 1201, 5e-3, vec![angle, 0.0]);
         let sines = [(); 2].map(|()| {
-            let size = mass * 9.80665 * centre * draw.between(0.1, 0.3);
-            (size, TAU * draw.between(0.3, 2.0), draw.between(0.0, TAU))
+            // Off its resonance, in which it would turn over.
+            let rate = natural * draw.between(0.3, 0.6);
+            (moment * draw.between(0.05, 0.15), rate, draw.between(0.0, TAU))
         });
         let Some(run) = layout.experiment.runs.last_mut().filter(|_| is_driven) else {
             continue;

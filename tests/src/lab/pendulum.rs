@@ -68,6 +68,7 @@ impl Pendulums {
         );
         let inertia = mass * centre * centre * draw.scale(0.05, 2.0);
         let moment = mass * GRAVITY * centre;
+        let natural = (moment / (inertia + mass * centre * centre)).sqrt();
         let drives = (0..draw.one(&[4, 6])).map(|run| {
             if run % 2 == 0 {
                 return Drive {
@@ -76,8 +77,10 @@ impl Pendulums {
                 };
             }
             let sines = [(); 2].map(|()| {
-                let size = moment * draw.between(0.1, 0.3);
-                (size, TAU * draw.scale(0.3, 2.0), draw.between(0.0, TAU))
+                // Off its resonance, in which it would turn over.
+                let rate = natural * draw.one(&[0.3, 0.5, 0.6, 1.6, 2.0, 3.0]);
+                let size = moment * draw.between(0.05, 0.15);
+                (size, rate, draw.between(0.0, TAU))
             });
             Drive { angle: 0.0, sines }
         });
@@ -231,11 +234,9 @@ impl World for Pendulums {
         })
     }
 
-    fn sensed(&self, id: &str) -> Vec<&'static str> {
-        match id {
-            "encoder-scale" | "sensor-delay" => vec!["angle_rad", "torque_nm"],
-            _ => vec!["angle_rad"],
-        }
+    /// A commanded torque has no noise in terms of which its errors would be counted.
+    fn sensed(&self, _: &str) -> Vec<&'static str> {
+        vec!["angle_rad"]
     }
 }
 

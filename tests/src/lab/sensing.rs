@@ -82,7 +82,8 @@ const KEYS: &[Keys] = keys![
     "apex_m",
     "force_n",
     "pressure_gauge_pa",
-    "temperature_k"
+    "temperature_k",
+    "angle_rad"
 ];
 
 fn keys_of(column: &str) -> Option<&'static Keys> {
