@@ -3,13 +3,21 @@
 use crate::fit::Fit;
 use crate::fitness::{Fitness, Unknown};
 use crate::gain::Gain;
+use crate::kind::Kind;
+use crate::named::meaning;
 use crate::next::NextExperiment;
 use crate::profile::Interval;
 
 /// A cause as a candidate, fitted with those before it.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// Index of the cause.
+    /// Id of the cause, or what a term without a name is.
+    pub id: &'static str,
+    /// The measured column that it is about, if it is about one.
+    pub column: Option<String>,
+    /// Names (each ends with its unit) and values of its parameters.
+    pub values: Vec<(String, f64)>,
+    /// Index of the cause in its kind.
     pub cause: usize,
     /// By how much the loss falls with it, where white noise would make it fall by about one for
     /// each parameter.
@@ -22,13 +30,30 @@ pub struct Candidate {
 
 impl Candidate {
     /// `fit`, which is `base` with `cause`.
-    pub(crate) fn new(cause: usize, base: &Fit, fit: Fit) -> Candidate {
+    pub(crate) fn new(kind: &dyn Kind, cause: usize, base: &Fit, fit: Fit) -> Candidate {
+        let spec = &kind.causes()[cause];
         Candidate {
+            id: spec.id,
+            column: spec.column.clone(),
+            values: spec.report(fit.terms.of(cause)),
             cause,
             gain: base.loss - fit.loss,
             fit,
             reported: Vec::new(),
         }
+    }
+
+    /// What the cause means; of a term without a name, that it stands for something unknown.
+    pub fn meaning(&self) -> &'static str {
+        meaning(self.id).unwrap_or("an effect that the simulation leaves out")
+    }
+
+    /// Its id, with the column that it is about.
+    pub fn title(&self) -> String {
+        let id = self.id;
+        self.column
+            .as_ref()
+            .map_or(id.to_owned(), |column| format!("{id} of {column}"))
     }
 }
 

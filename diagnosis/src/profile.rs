@@ -171,12 +171,7 @@ mod tests {
         fn intervals(&self) -> Vec<Interval> {
             let before = fit::fit_none(self, &[0]).expect("an answer");
             let fit = fit::fit_with(self, &before, 0, &[0]).expect("a fit");
-            let mut candidate = Candidate {
-                cause: 0,
-                gain: 0.0,
-                fit,
-                reported: Vec::new(),
-            };
+            let mut candidate = Candidate::new(self, 0, &before, fit);
             report(self, &mut candidate, 1.0, true);
             candidate
                 .reported

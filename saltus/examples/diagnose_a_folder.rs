@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p saltus --example diagnose_a_folder`
 
-use saltus::diagnosis::{Settings, meaning};
+use saltus::diagnosis::Settings;
 use saltus::experiment::Folder;
 
 const DROPS: &str = concat!(
@@ -13,8 +13,7 @@ const DROPS: &str = concat!(
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let study = Folder::open(DROPS)?.diagnose(&Settings::default())?;
     for finding in &study.diagnosis.findings {
-        let id = study.kind.causes()[finding.best.cause].id;
-        println!("{id}: {}", meaning(id).unwrap_or("unknown"));
+        println!("{}: {}", finding.best.title(), finding.best.meaning());
         for found in &finding.best.reported {
             println!("  {} = {:.4} ± {:.4}", found.name, found.value, found.error);
         }

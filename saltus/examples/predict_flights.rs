@@ -9,7 +9,7 @@
 use std::path::PathBuf;
 
 use saltus::diagnosis::kinds::Flights;
-use saltus::diagnosis::{Experiment, Kind, Settings, diagnose};
+use saltus::diagnosis::{Experiment, Settings, diagnose};
 use saltus::experiment::read_all;
 
 /// Samples from which a flight is predicted.
@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         diagnose(&flights, &Settings::default(), &|_| ()).ok_or("no model of these flights")?;
     let mut gravity = believed;
     for finding in &found.findings {
-        let id = flights.causes()[finding.best.cause].id;
+        let id = finding.best.id;
         for r in &finding.best.reported {
             println!("{id}: {} = {:.5} ± {:.1e}", r.name, r.value, r.error);
         }

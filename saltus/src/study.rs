@@ -231,13 +231,12 @@ impl Study {
     /// The robot file of the extended robot: values, standard errors and the data's hash are in
     /// comments at its head.
     pub fn robot_file(&self, robot: &Robot, hash: &str) -> String {
-        let (kind, diagnosis) = (self.kind.as_ref(), &self.diagnosis);
+        let diagnosis = &self.diagnosis;
         let mut text = String::from("# Written by saltus diagnose from measured data, ");
         let _ = writeln!(text, "hash {hash}.");
         for finding in &diagnosis.findings {
-            let id = |cause: usize| kind.causes()[cause].id;
-            let _ = write!(text, "# {}", id(finding.best.cause));
-            if let Some(column) = &kind.causes()[finding.best.cause].column {
+            let _ = write!(text, "# {}", finding.best.id);
+            if let Some(column) = &finding.best.column {
                 let _ = write!(text, " of {column}, not a property of the robot");
             }
             let _ = writeln!(text, ":");
@@ -259,7 +258,7 @@ impl Study {
                 text.push('\n');
             }
             if !finding.rivals.is_empty() {
-                let rivals: Vec<&str> = finding.rivals.iter().map(|r| id(r.cause)).collect();
+                let rivals: Vec<&str> = finding.rivals.iter().map(|r| r.id).collect();
                 let _ = writeln!(
                     text,
                     "#   the data cannot tell it from: {}",

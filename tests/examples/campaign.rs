@@ -152,7 +152,7 @@ fn one(
     let found = diagnose(kind.as_ref(), &Settings::default(), &|_| ());
     let said = found
         .as_ref()
-        .map_or_else(|| "no motion".into(), |d| verdict::say(kind.as_ref(), d));
+        .map_or_else(|| "no motion".into(), |d| verdict::say(d));
     let tally = table.entry((name.into(), what.into())).or_default();
     let ids: Vec<&str> = hidden.iter().map(|h| h.0).collect();
     let is_right = found
@@ -174,10 +174,7 @@ fn one(
     );
     let row = tally.by_effect.entry(ids.join(" + ")).or_default();
     row.0 += 1;
-    let all = found
-        .as_ref()
-        .map(|d| verdict::sets(kind.as_ref(), d))
-        .unwrap_or_default();
+    let all = found.as_ref().map(|d| verdict::sets(d)).unwrap_or_default();
     match (is_right, all.as_slice()) {
         (true, [set]) if set.len() > 1 => row.2 += 1,
         (true, _) => row.1 += 1,
@@ -204,7 +201,7 @@ fn one(
 fn judge(tally: &mut Tally, kind: &dyn Kind, d: &Diagnosis, case: &Case, what: &str) -> bool {
     if ["clear", "subtle"].contains(&what) {
         let truth = &case.truth[0];
-        tally.alone += usize::from(verdict::sets(kind, d) == [[truth.id]]);
+        tally.alone += usize::from(verdict::sets(d) == [[truth.id]]);
         let candidates = d
             .findings
             .iter()
@@ -239,6 +236,6 @@ fn judge(tally: &mut Tally, kind: &dyn Kind, d: &Diagnosis, case: &Case, what: &
     if is_outside {
         d.unknown.is_some()
     } else {
-        verdict::names(kind, d, &case.truth)
+        verdict::names(d, &case.truth)
     }
 }

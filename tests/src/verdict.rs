@@ -1,18 +1,17 @@
 //! Whether a diagnosis says what was hidden.
 
-use saltus_diagnosis::{Diagnosis, Kind, Reported};
+use saltus_diagnosis::{Diagnosis, Reported};
 
 use crate::lab::Effect;
 
 /// The causes, each with its rivals; a term without an id that does as well is `unknown`.
-pub fn sets<'a>(kind: &'a dyn Kind, d: &Diagnosis) -> Vec<Vec<&'a str>> {
-    let id = |cause: usize| kind.causes()[cause].id;
+pub fn sets(d: &Diagnosis) -> Vec<Vec<&'static str>> {
     d.findings
         .iter()
         .map(|f| {
-            let rivals = f.rivals.iter().map(|r| id(r.cause));
+            let rivals = f.rivals.iter().map(|r| r.id);
             let unlisted = f.unlisted.iter().map(|_| "unknown");
-            std::iter::once(id(f.best.cause))
+            std::iter::once(f.best.id)
                 .chain(rivals)
                 .chain(unlisted)
                 .collect()
@@ -35,13 +34,13 @@ fn number(r: &Reported) -> String {
 }
 
 /// What is said, in a line.
-pub fn say(kind: &dyn Kind, d: &Diagnosis) -> String {
+pub fn say(d: &Diagnosis) -> String {
     let mut all: Vec<String> = d
         .findings
         .iter()
-        .zip(sets(kind, d))
+        .zip(sets(d))
         .map(|(f, set)| {
-            let column = kind.causes()[f.best.cause].column.as_deref().unwrap_or("");
+            let column = f.best.column.as_deref().unwrap_or("");
             let values: Vec<String> = f.best.reported.iter().map(number).collect();
             format!("{} {column} [{}]", set.join("|"), values.join(", "))
         })
@@ -49,7 +48,7 @@ pub fn say(kind: &dyn Kind, d: &Diagnosis) -> String {
     if let Some(u) = &d.unknown {
         let term = d.term.as_ref().map(|t| {
             let numbers: Vec<String> = t.reported.iter().map(number).collect();
-            format!(": {} {}", kind.causes()[t.cause].id, numbers.join(", "))
+            format!(": {} {}", t.id, numbers.join(", "))
         });
         all.push(format!(
             "unknown in {} {}{}",
@@ -66,8 +65,8 @@ pub fn say(kind: &dyn Kind, d: &Diagnosis) -> String {
 }
 
 /// Whether the effects are named and nothing else is: each alone or in a set of three at most.
-pub fn names(kind: &dyn Kind, d: &Diagnosis, truth: &[Effect]) -> bool {
-    let sets = sets(kind, d);
+pub fn names(d: &Diagnosis, truth: &[Effect]) -> bool {
+    let sets = sets(d);
     let named = |effect: &Effect| {
         sets.iter()
             .any(|set| set.len() <= 3 && set.contains(&effect.id))

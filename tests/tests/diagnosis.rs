@@ -18,10 +18,10 @@ fn diagnosed(sort: Sort, hidden: &[(&str, Size)], seed: u64) -> (Case, Box<dyn K
 
 /// Finds effects of size `size`, each named alone or with two rivals at most.
 fn finds(sort: Sort, hidden: &[(&str, Size)], seed: u64) {
-    let (case, kind, found) = diagnosed(sort, hidden, seed);
-    let said = verdict::say(kind.as_ref(), &found);
+    let (case, _, found) = diagnosed(sort, hidden, seed);
+    let said = verdict::say(&found);
     assert!(
-        verdict::names(kind.as_ref(), &found, &case.truth),
+        verdict::names(&found, &case.truth),
         "{sort:?} {hidden:?}: {said}"
     );
 }
@@ -80,7 +80,7 @@ fn a_part_of_one_run_where_the_noise_is_not_told() {
     assert!(
         found.unknown.is_some() && found.findings.is_empty(),
         "{}",
-        verdict::say(kind.as_ref(), &found)
+        verdict::say(&found)
     );
 }
 
@@ -127,11 +127,11 @@ fn what_is_not_on_the_list_is_unknown() {
         (Sort::Vessel, "clogging"),
         (Sort::Bench, "ripple"),
     ] {
-        let (_, kind, found) = diagnosed(sort, &[(id, Size::Large)], 46);
+        let (_, _, found) = diagnosed(sort, &[(id, Size::Large)], 46);
         assert!(
             found.unknown.is_some(),
             "{sort:?} {id}: {}",
-            verdict::say(kind.as_ref(), &found)
+            verdict::say(&found)
         );
     }
 }

@@ -67,7 +67,7 @@ pub(crate) fn look_far(evidence: &Evidence, base: &Fit, fitted: &mut Vec<Candida
         let id = evidence.kind.causes()[absent[k]].id;
         evidence.says(&format!("{}: all of {id}", base.causes.len() + 1));
         let fit = fit::fit_far(evidence.kind, base, absent[k], &evidence.runs)?;
-        (fit.loss < base.loss).then(|| Candidate::new(absent[k], base, fit))
+        (fit.loss < base.loss).then(|| Candidate::new(evidence.kind, absent[k], base, fit))
     });
     for far in found.into_iter().flatten() {
         match fitted.iter_mut().find(|near| near.cause == far.cause) {
@@ -84,7 +84,7 @@ fn fit_each(evidence: &Evidence, base: &Fit, causes: &[usize], enough: f64) -> V
         let id = evidence.kind.causes()[causes[k]].id;
         evidence.says(&format!("{}: {id}", base.causes.len() + 1));
         let fit = fit::fit_if(evidence.kind, base, causes[k], &evidence.runs, enough)?;
-        let candidate = Candidate::new(causes[k], base, fit);
+        let candidate = Candidate::new(evidence.kind, causes[k], base, fit);
         (candidate.gain > 0.0).then_some(candidate)
     });
     fitted.into_iter().flatten().collect()

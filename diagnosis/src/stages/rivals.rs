@@ -27,7 +27,7 @@ pub(crate) fn findings(
             let candidates = candidates_beside(evidence, &base);
             (base, candidates)
         };
-        let best = Candidate::new(cause, &base, model.clone());
+        let best = Candidate::new(evidence.kind, cause, &base, model.clone());
         Some(finding(evidence, best, &base, candidates, inflation))
     };
     let mut all: Vec<Finding> = model.causes.iter().filter_map(of).collect();
@@ -79,13 +79,12 @@ fn rivals(
     candidates: Vec<Candidate>,
     inflation: f64,
 ) -> Vec<Candidate> {
-    let id = |c: &Candidate| evidence.kind.causes()[c.cause].id;
     let mut rivals = candidates;
     rivals.retain(|c| c.cause != best.cause && is_rival(evidence, best, c, inflation));
-    let mut seen = vec![id(best)];
+    let mut seen = vec![best.id];
     rivals.retain(|c| {
-        let is_new = !seen.contains(&id(c));
-        seen.push(id(c));
+        let is_new = !seen.contains(&c.id);
+        seen.push(c.id);
         is_new
     });
     let cost = |c: &Candidate| 2.0 * evidence.degrees(c.cause) as f64 - c.gain;

@@ -161,7 +161,7 @@ pub(crate) fn describe(evidence: &Evidence, base: &Fit) -> Option<Candidate> {
     let terms: Vec<usize> = (kind.listed()..kind.causes().len()).collect();
     let fitted = parallel::map(terms.len(), |k| {
         let fit = evidence.with(base, terms[k])?;
-        Some(Candidate::new(terms[k], base, fit))
+        Some(Candidate::new(kind, terms[k], base, fit))
     });
     let mut best = fitted
         .into_iter()

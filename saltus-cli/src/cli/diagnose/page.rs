@@ -9,7 +9,7 @@ use saltus::diagnosis::{Finding, Point, Sort, points};
 use super::chart::{Bars, Chart, escaped};
 use super::report::{Report, next_of, ratio};
 use super::steps::steps;
-use super::words::{meaning, split, title};
+use super::words::split;
 use crate::output::digits;
 
 const STYLE: &str = include_str!("page.css");
@@ -103,11 +103,7 @@ fn table(out: &mut String, lines: &[Vec<String>], left: usize) {
 }
 
 fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
-    let kind = report.found.kind.as_ref();
-    let (name, what) = (
-        escaped(&title(kind, finding.best.cause)),
-        meaning(report.id(finding.best.cause)),
-    );
+    let (name, what) = (escaped(&finding.best.title()), finding.best.meaning());
     let _ = writeln!(
         out,
         "<div class=\"card\"><h3>{name}</h3>\n<p>In the machine {what}.</p>"
@@ -133,7 +129,7 @@ fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
         out.push_str("<p>It could as well be:</p>\n");
         let mut lines = vec![vec!["rival".to_owned(), "with".to_owned()]];
         for rival in &finding.rivals {
-            lines.push(vec![title(kind, rival.cause), report.rival(finding, rival)]);
+            lines.push(vec![rival.title(), report.rival(finding, rival)]);
         }
         if finding.rivals.is_empty() {
             lines.clear();
@@ -214,10 +210,7 @@ fn candidates(out: &mut String, report: &Report<'_>) {
         } else {
             "noise"
         };
-        (
-            title(report.found.kind.as_ref(), c.cause),
-            vec![(class, c.gain.max(0.0), digits(c.gain, 4))],
-        )
+        (c.title(), vec![(class, c.gain.max(0.0), digits(c.gain, 4))])
     });
     let rows: Vec<_> = rows.collect();
     if !rows.is_empty() {

@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 
 use super::Found;
 use super::steps::{Step, left_out, steps};
-use super::words::{estimate, grid, interval, meaning, misstated, split, title, unit, with_unit};
+use super::words::{estimate, grid, interval, misstated, split, unit, with_unit};
 use crate::output::digits;
 use crate::slip::{Estimated, slip};
 
@@ -69,15 +69,8 @@ impl<'a> Report<'a> {
             return format!("Nothing is wrong: the simulation explains the data within {within}.");
         }
         let said = |f: &Finding| {
-            let (name, what) = (
-                title(self.found.kind.as_ref(), f.best.cause),
-                meaning(self.id(f.best.cause)),
-            );
-            let mut rivals: Vec<String> = f
-                .rivals
-                .iter()
-                .map(|r| title(self.found.kind.as_ref(), r.cause))
-                .collect();
+            let (name, what) = (f.best.title(), f.best.meaning());
+            let mut rivals: Vec<String> = f.rivals.iter().map(|r| r.title()).collect();
             rivals.extend(
                 f.unlisted
                     .as_ref()
@@ -157,15 +150,7 @@ impl<'a> Report<'a> {
             .name
             .strip_prefix("c_")
             .map_or(String::new(), |unit| format!(" ({unit})"));
-        format!(
-            "{}, c = {}{unit}",
-            self.id(term.cause),
-            estimate(c.value, c.error, "")
-        )
-    }
-
-    pub(super) fn id(&self, cause: usize) -> &'static str {
-        self.found.kind.causes()[cause].id
+        format!("{}, c = {}{unit}", term.id, estimate(c.value, c.error, ""))
     }
 
     pub(super) fn phase(&self, residual: &PhaseResidual) -> &'static str {
@@ -194,12 +179,8 @@ impl<'a> Report<'a> {
     /// Parameters as they are reported, where errors are known with them.
     pub(super) fn parameters(&self, candidate: &Candidate) -> Vec<(String, String)> {
         if candidate.reported.is_empty() {
-            let values = candidate.fit.terms.of(candidate.cause);
-            let reported = self.found.kind.causes()[candidate.cause].report(values);
-            return reported
-                .into_iter()
-                .map(|(n, x)| (n.clone(), with_unit(x, 4, unit(&n))))
-                .collect();
+            let said = |(n, x): &(String, f64)| (n.clone(), with_unit(*x, 4, unit(n)));
+            return candidate.values.iter().map(said).collect();
         }
         let said = |(k, r): (usize, &Reported)| {
             let unit = unit(&r.name);
@@ -441,8 +422,7 @@ impl<'a> Report<'a> {
     }
 
     fn finding(&self, out: &mut String, finding: &Finding) {
-        let kind = self.found.kind.as_ref();
-        let _ = writeln!(out, "\n{}", title(kind, finding.best.cause));
+        let _ = writeln!(out, "\n{}", finding.best.title());
         let lines: Vec<Vec<String>> = self
             .parameters_of(finding, &finding.best)
             .into_iter()
@@ -461,10 +441,7 @@ impl<'a> Report<'a> {
         if !finding.rivals.is_empty() || finding.unlisted.is_some() {
             *out += "  It could as well be\n";
             let line = |rival: &Candidate| {
-                vec![
-                    format!("  {}", title(kind, rival.cause)),
-                    self.rival(finding, rival),
-                ]
+                vec![format!("  {}", rival.title()), self.rival(finding, rival)]
             };
             *out += &grid(&finding.rivals.iter().map(line).collect::<Vec<_>>(), 2);
             if let Some(term) = &finding.unlisted {
@@ -515,12 +492,7 @@ impl<'a> Report<'a> {
 
     /// What is behind the rivals, as a sentence.
     pub(super) fn less_likely(&self, finding: &Finding) -> Option<String> {
-        let kind = self.found.kind.as_ref();
-        let names: Vec<String> = finding
-            .less_likely
-            .iter()
-            .map(|c| title(kind, c.cause))
-            .collect();
+        let names: Vec<String> = finding.less_likely.iter().map(|c| c.title()).collect();
         (!names.is_empty()).then(|| format!("Less likely, but not excluded: {}.", names.join(", ")))
     }
 
@@ -614,7 +586,7 @@ impl<'a> Report<'a> {
                 .iter()
                 .map(|(n, x)| format!("{n} = {x}"))
                 .collect();
-            let name = title(self.found.kind.as_ref(), c.cause);
+            let name = c.title();
             lines.push(vec![name, digits(c.gain, 4), said.join(", ")]);
         }
         lines
@@ -660,23 +632,18 @@ impl<'a> Report<'a> {
     fn tried_entry(&self, candidate: &Candidate) -> Map<String, Value> {
         let mut entry = self.entry(candidate);
         entry.remove("standard_errors");
-        let values = candidate.fit.terms.of(candidate.cause);
-        let reported = self.found.kind.causes()[candidate.cause].report(values);
-        let values: Map<String, Value> = reported.into_iter().map(|(n, x)| (n, json!(x))).collect();
+        let values = candidate.values.iter();
+        let values: Map<String, Value> = values.map(|(n, x)| (n.clone(), json!(x))).collect();
         entry.insert("parameters".into(), Value::Object(values));
         entry
     }
 
     fn finding_entry(&self, finding: &Finding) -> Value {
         let mut entry = self.entry(&finding.best);
-        let mut rivals: Vec<&str> = finding.rivals.iter().map(|r| self.id(r.cause)).collect();
+        let mut rivals: Vec<&str> = finding.rivals.iter().map(|r| r.id).collect();
         rivals.extend(finding.unlisted.as_ref().map(|_| "unknown"));
         entry.insert("rivals".into(), json!(rivals));
-        let others: Vec<&str> = finding
-            .less_likely
-            .iter()
-            .map(|r| self.id(r.cause))
-            .collect();
+        let others: Vec<&str> = finding.less_likely.iter().map(|r| r.id).collect();
         entry.insert("less_likely".into(), json!(others));
         let term = finding
             .unlisted

@@ -61,12 +61,7 @@ pub(super) fn sheet(report: &Report<'_>) -> Drawing {
             });
         }
     }
-    let causes: Vec<&str> = found
-        .diagnosis
-        .findings
-        .iter()
-        .map(|f| report.id(f.best.cause))
-        .collect();
+    let causes: Vec<&str> = found.diagnosis.findings.iter().map(|f| f.best.id).collect();
     let unknown = found.diagnosis.unknown.as_ref().map(|_| "unknown");
     let causes: Vec<&str> = causes.into_iter().chain(unknown).collect();
     let found = if causes.is_empty() {

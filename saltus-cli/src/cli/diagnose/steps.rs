@@ -7,7 +7,7 @@ use saltus::diagnosis::{Finding, Reported};
 use serde_json::{Value, json};
 
 use super::Found;
-use super::words::{estimate, title, unit};
+use super::words::{estimate, unit};
 use crate::output::digits;
 
 /// How the command was asked, as far as the next one repeats it.
@@ -109,7 +109,7 @@ pub(super) fn steps(found: &Found) -> Vec<Step> {
 fn tell_apart(found: &Found, finding: &Finding) -> Option<Step> {
     let kind = found.kind.as_ref();
     let all = std::iter::once(&finding.best).chain(&finding.rivals);
-    let mut names: Vec<String> = all.map(|c| title(kind, c.cause)).collect();
+    let mut names: Vec<String> = all.map(|c| c.title()).collect();
     names.extend(
         finding
             .unlisted

@@ -1,17 +1,14 @@
 //! Causes and quantities in words.
 
-use saltus::diagnosis::{Interval, Kind, Misstated};
+use saltus::diagnosis::{Interval, Misstated};
 
 use crate::output::digits;
 
-/// What a cause means; of a term without a name, that it stands for something unknown.
-pub(super) fn meaning(id: &str) -> &'static str {
-    saltus::diagnosis::meaning(id).unwrap_or("an effect that the simulation leaves out")
-}
-
 /// Endings of names, and the units that they stand for; a longer one before its own end.
-const UNITS: [(&str, &str); 25] = [
+const UNITS: [(&str, &str); 30] = [
     ("_pa_s_per_kg", "Pa s/kg"),
+    ("_n_m_s2_per_rad2", "N m s²/rad²"),
+    ("_n_m_s_per_rad", "N m s/rad"),
     ("_n_m_per_rad", "N m/rad"),
     ("_n_s2_per_m2", "N s²/m²"),
     ("_rad_per_n_m", "rad/(N m)"),
@@ -24,7 +21,10 @@ const UNITS: [(&str, &str); 25] = [
     ("_rad_s", "rad/s"),
     ("_m_s2", "m/s²"),
     ("_m_s", "m/s"),
+    ("_m2_per_m", "m²/m"),
+    ("_per_s", "1/s"),
     ("_n_m", "N m"),
+    ("_nm", "N m"),
     ("_rad", "rad"),
     ("_m2", "m²"),
     ("_m3", "m³"),
@@ -120,14 +120,6 @@ pub(super) fn interval(interval: Interval, error: f64, unit: &str) -> String {
         (None, Some(high)) => format!("at most {high}{unit}"),
         (None, None) => "not bounded by these data".into(),
     }
-}
-
-/// A cause with the column that it is about.
-pub(super) fn title(kind: &dyn Kind, cause: usize) -> String {
-    let cause = &kind.causes()[cause];
-    cause.column.as_ref().map_or(cause.id.to_owned(), |column| {
-        format!("{} of {column}", cause.id)
-    })
 }
 
 /// Lines with their cells under each other: the first `left` columns and the last begin in line,
