@@ -10,7 +10,7 @@ use saltus_robot::units::{INERTIA, LENGTH, NUMBER, Quantity, Unit};
 use super::{FREE, Problem, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
-use crate::layout::{Draw, Layout};
+use crate::layout::{Draw, Layout, round};
 use crate::noise;
 use crate::spec::{
     Domain, LOAD, PART, Setting, Source, Spec, Synthesis, TURN, calm, lively, noisy, optional,
@@ -47,7 +47,7 @@ const AXIS: (Quantity, Domain) = (
     NUMBER,
     Domain {
         legal: |x| x > 0.0 && x <= 100.0,
-        allowed: "\"axle\", \"foot\" or a distance from the axle above 0 and up to 100 m",
+        allowed: "\"axle\", \"foot\" or a distance in m from the axle above 0 and up to 100",
     },
 );
 /// The axis of a robot that swings about a foot.
@@ -95,6 +95,16 @@ impl Body {
     /// Weight times lever (N m).
     fn moment(&self) -> f64 {
         self.mass * self.gravity * self.centre
+    }
+
+    /// A lever (m) that matters: that of the weight, but 1 cm at least.
+    fn lever(&self) -> f64 {
+        self.centre.max(0.01)
+    }
+
+    /// A torque (N m) that matters.
+    fn size(&self) -> f64 {
+        self.mass * self.gravity * self.lever()
     }
 
     /// Inertia (kg m²) about the axis; of a point mass where nothing is known.
@@ -199,6 +209,8 @@ pub struct Pendulums {
 /// Turn (rad) of the swing's phase in a step at most: the phase of a whole step is off by its cube
 /// over 24.
 const STEP: f64 = 2e-3;
+/// Longest step (s).
+const LONGEST: f64 = 2e-3;
 
 impl Pendulums {
     /// The experiment's pendulums.
@@ -287,7 +299,7 @@ impl Pendulums {
         let believed = self.bodies[run];
         let body = Body {
             mass: believed.mass * self.value(Effect::Mass, 1.0, terms),
-            centre: believed.centre * self.value(Effect::Centre, 1.0, terms),
+            centre: believed.centre + self.value(Effect::Centre, 0.0, terms),
             ..believed
         };
         let inertia = match (body.inertia, unknowns.get(2)) {
@@ -314,10 +326,14 @@ fn named(body: &Body, is_driven: bool) -> Vec<(Effect, Cause)> {
         all.push((Effect::Inertia, share("inertia", "inertia_share", 0.01)));
     }
     if body.inertia.is_some() || is_driven {
-        all.push((Effect::Centre, share("imbalance", "centre_share", 0.01)));
+        let lever = body.lever();
+        let bounds = (-20.0 * lever, 20.0 * lever);
+        let starts = [-0.2 * lever, 0.2 * lever];
+        let centre = simple("imbalance", "imbalance_m", 0.0, bounds, 0.01 * lever, &starts);
+        all.push((Effect::Centre, centre));
         all.push((Effect::Mass, share("mass", "mass_share", 0.02)));
     }
-    let size = body.moment().max(1e-6);
+    let size = body.size();
     let rate = (size / body.about_axis().max(1e-9)).sqrt();
     let friction = |id, name, unit: f64| {
         let starts = [0.01 * size / unit, 0.1 * size / unit];
@@ -373,7 +389,7 @@ fn named(body: &Body, is_driven: bool) -> Vec<(Effect, Cause)> {
 
 /// Terms without a name.
 fn terms(body: &Body) -> [(Effect, Cause); 2] {
-    let size = body.moment().max(1e-6);
+    let size = body.size();
     let term = |id, name| simple(id, name, 0.0, (-100.0 * size, 100.0 * size), 1e-3 * size, &[]);
     [
         (
@@ -408,8 +424,8 @@ struct Swing {
 impl Swing {
     /// Longest step (s).
     fn step(&self) -> f64 {
-        let stiffness = self.moment + self.spring.abs() + 2.0 * self.second.abs();
-        STEP * (self.inertia / stiffness).sqrt()
+        let stiffness = self.moment.abs() + self.spring.abs() + 2.0 * self.second.abs();
+        (STEP * (self.inertia / stiffness).sqrt()).min(LONGEST)
     }
 
     /// One step of h (s) under a torque (N m): the middle of the step tells the torques, and dry
@@ -510,7 +526,7 @@ impl Kind for Pendulums {
         let (mut now, mut at) = (readings.first()?.time, 0);
         let mut state = [unknowns[0], unknowns[1]];
         let longest = swing.step();
-        if !(longest.is_finite() && longest > 1e-6) {
+        if longest.is_nan() || longest < 1e-6 {
             return None;
         }
         let mut out = Vec::with_capacity(readings.len());
@@ -534,8 +550,9 @@ impl Kind for Pendulums {
 
 /// Adds swings of one part, every second of them driven by two sines that set in smoothly.
 fn lay_out(layout: &mut Layout, runs: usize, draw: &mut Draw) {
-    let (mass, centre) = (draw.stepped(0.1, 2.0, 1e-3), draw.stepped(0.05, 0.3, 1e-3));
-    let inertia = (draw.between(0.1, 1.0) * mass * centre * centre * 1e6).round() / 1e6;
+    let mass = round(draw.stepped(0.1, 2.0, 1e-3));
+    let centre = round(draw.stepped(0.05, 0.3, 1e-3));
+    let inertia = round(draw.between(0.1, 1.0) * mass * centre * centre);
     let rig = [
         ("mass_kg", mass),
         ("centre_from_axle_m", centre),

@@ -138,7 +138,7 @@ struct Axle {
 impl Axle {
     fn new(part: &Pendulums, h: &Hidden) -> Axle {
         let mass = part.mass * h.get("mass_share", 1.0);
-        let centre = part.centre * h.get("centre_share", 1.0);
+        let centre = part.centre + h.or_zero("imbalance_m");
         let about_axis = part.inertia + mass * centre * centre;
         Axle {
             inertia: about_axis * h.get("inertia_share", 1.0),
@@ -219,7 +219,10 @@ impl World for Pendulums {
         Some(match id {
             "inertia" => vec![Dial::linear("inertia_share", 1.0, either(draw))],
             "mass" => vec![Dial::linear("mass_share", 1.0, either(draw))],
-            "imbalance" => vec![Dial::linear("centre_share", 1.0, either(draw))],
+            "imbalance" => vec![Dial::up_to(
+                "imbalance_m",
+                self.centre * draw.one(&[-0.3, 0.4]),
+            )],
             "coulomb-friction" => vec![Dial::up_to("coulomb_friction_n_m", 0.05 * moment)],
             "viscous-friction" => vec![Dial::up_to(
                 "viscous_friction_n_m_s_per_rad",
