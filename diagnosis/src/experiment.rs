@@ -2,7 +2,28 @@
 
 use std::collections::BTreeMap;
 
-pub use crate::kinds::Sort;
+/// A kind of experiment: what was done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Sort {
+    /// One cylinder upright, fired once from rest under a dead load.
+    Bench,
+    /// The robot at rest, upright on one leg, fired once.
+    Hop,
+    /// From just after touch-down of the jumping leg, through the flight.
+    Jump,
+    /// A body in free flight or fall, or a robot in flight at the end of a boom.
+    Flight,
+    /// One row a jump: what was asked for and where it went.
+    Outcomes,
+    /// A piston moved slowly back and forth under regulated pressure.
+    Stroke,
+    /// A mass on a guide, driven by a measured force.
+    Slide,
+    /// A vessel filling or discharging through an orifice.
+    Vessel,
+    /// A part, or the robot with its legs retracted, swinging about a fixed axis.
+    Pendulum,
+}
 
 /// Runs of one kind, with what is known of their noise.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,9 +11,35 @@ use saltus_robot::units::{
 
 use crate::experiment::{Experiment, Sort};
 use crate::kind::Kind;
-use crate::kinds::Problem;
 use crate::layout::{Draw, Layout};
 use crate::plausible::Check;
+
+/// Why an experiment has no model.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// The kind is about a robot.
+    #[error("data of this kind need the robot that was measured")]
+    NoRobot,
+    /// The bench fires a pneumatic leg.
+    #[error("the leg of robot {robot} is not pneumatic, which data of kind bench need")]
+    NotPneumatic {
+        /// Its name.
+        robot: String,
+    },
+    /// A column is about a boom.
+    #[error(
+        "robot {robot} has no boom, whose {column} the data have: is it the robot that was \
+         measured? Of a robot without a boom x_m and y_m of the axle may be given, beside \
+         wheel_angle_rad and wheel_rate_rad_s"
+    )]
+    NoBoom {
+        /// Its name.
+        robot: String,
+        /// The column.
+        column: String,
+    },
+}
 
 /// One kind of experiment. All of it stands in the kind's own file in `kinds`.
 #[derive(Debug)]

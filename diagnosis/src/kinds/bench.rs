@@ -1,10 +1,10 @@
 //! One cylinder upright, fired once from rest under a dead load.
 
-use super::{Firings, Problem};
+use super::Firings;
 use crate::experiment::Sort;
 use crate::layout::{Draw, Layout, PSI, TICK, round};
 use crate::plausible::{Check, LENGTHS, MASSES, PRESSURES, SUPPLY as SUPPLIED, TURNED, quantile};
-use crate::spec::{
+use crate::spec::{Problem, 
     CHAMBER, LOAD, LOGGED, POSITION, Rest, SUPPLY, Source, Spec, Synthesis, lively, noisy,
     required, without,
 };

@@ -1,10 +1,10 @@
 //! The robot at rest, upright on one leg, fired once.
 
-use super::{Firings, Problem};
+use super::Firings;
 use crate::experiment::Sort;
 use crate::layout::TICK;
 use crate::plausible::{HEIGHT, PIVOT, SUPPLY as SUPPLIED};
-use crate::spec::{
+use crate::spec::{Problem, 
     LEAP, LOGGED, Rest, SUPPLY, Source, Spec, Synthesis, TILT, counting, lively, required, without,
 };
 

@@ -1,11 +1,11 @@
 //! From just after touch-down of the jumping leg, through the flight.
 
-use super::{Firings, Problem};
+use super::Firings;
 use super::hop::BOOM_COUNT;
 use crate::experiment::Sort;
 use crate::layout::TICK;
 use crate::plausible::{Check, HEIGHT, PIVOT, RATES, SUPPLY as SUPPLIED};
-use crate::spec::{
+use crate::spec::{Problem, 
     LEAP, LOGGED, RATE, Rest, SUPPLY, Source, Spec, Synthesis, TILT, TURN, YAW, counting, lively,
     noisy, required, without,
 };

@@ -1,9 +1,9 @@
 //! One row a jump: what was asked for and where it went.
 
-use super::{Firings, Problem};
+use super::Firings;
 use crate::experiment::Sort;
 use crate::plausible::{Check, LENGTHS, RATES, TURNED, quantile};
-use crate::spec::{
+use crate::spec::{Problem, 
     LEAP, OPENING, PART, RATE, Source, Spec, Synthesis, TILT, asked, lively, noisy,
 };
 

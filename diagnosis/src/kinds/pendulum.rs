@@ -7,12 +7,12 @@ use nalgebra::{Matrix3, Vector3};
 use saltus_robot::Robot;
 use saltus_robot::units::{INERTIA, LENGTH, NUMBER, Quantity, Unit};
 
-use super::{FREE, Problem, sensor, simple, unknown};
+use super::{FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::layout::{Draw, Layout, round};
 use crate::noise;
-use crate::spec::{
+use crate::spec::{Problem, 
     Domain, LOAD, PART, Setting, Source, Spec, Synthesis, TURN, calm, lively, noisy, optional,
     required, without,
 };

@@ -6,12 +6,13 @@ mod terms;
 use saltus_robot::{Drive, GaugePressure, Robot};
 use terms::{Effect, Sensor};
 
-use super::{Problem, unknown};
+use super::unknown;
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::Proposal;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::noise;
 use crate::rig::{Course, Extra, Pose, Rig, Start};
+use crate::spec::Problem;
 use crate::statistics::median;
 
 /// Firings of a robot, or of one of its legs.
