@@ -839,6 +839,7 @@ impl<'a> Run<'a> {
         if self.rig.massless && !self.rig.machine.is_bench() {
             self.mode.leg = Slide::Latched;
             self.state.v[LEG] = 0.0;
+            self.record();
         }
     }
 
