@@ -29,15 +29,6 @@ const APART: &[(&[Term], f64, &str)] = &[
         "friction across the travel grows in proportion to speeds below 0.1 mm/s: the foot creeps",
     ),
     (
-        &[
-            Term::CushionLength,
-            Term::CushionStiffness,
-            Term::CushionDamping,
-        ],
-        7e-3,
-        "the start of the cushion is no event: its force sets in within a step",
-    ),
-    (
         &[Term::GroundStiffness, Term::GroundDamping],
         1.0,
         "a foot that sticks does not leave soft ground",

@@ -127,6 +127,8 @@ struct Mode {
     energized: bool,
     /// When (s) the valve began to open.
     opens: f64,
+    /// Whether the leg is in its cushion.
+    cushioned: bool,
     port_open: bool,
     piece: Option<Piece<f64>>,
     /// A leak takes less from a full chamber than the valve gives before the pressure has fallen at
@@ -149,6 +151,7 @@ enum Guard {
     Stop,
     Above,
     Below,
+    Cushion,
     Port,
 }
 
@@ -301,6 +304,7 @@ impl<'a> Run<'a> {
             leg: Slide::Latched,
             energized: false,
             opens: 0.0,
+            cushioned: false,
             port_open: false,
             piece,
             fed: false,
@@ -407,10 +411,9 @@ impl<'a> Run<'a> {
     fn push(&self, s: &State, pressure: f64) -> (f64, f64) {
         let leg = &self.rig.leg;
         let d = s.q[LEG];
-        let cushioned = leg.cushion_start().is_some_and(|c| d > c);
         let switches = Switches {
             energized: self.mode.energized,
-            cushioned,
+            cushioned: self.mode.cushioned,
         };
         let extra = &self.rig.extra;
         let dry = leg.dry_friction(pressure);
@@ -614,20 +617,17 @@ impl<'a> Run<'a> {
                 out.push((Guard::Halt, way * s.v[LEG]));
             }
         }
+        let side = |is_past: bool, at: f64| if is_past { d - at } else { at - d };
         if let (Some(chamber), Some(piece)) = (self.rig.leg.chamber(), &self.mode.piece) {
             let (above, below) = piece.guards(s.gas);
             out.push((Guard::Above, -above));
             out.push((Guard::Below, -below));
             if let Some(port) = chamber.port() {
-                out.push((
-                    Guard::Port,
-                    if self.mode.port_open {
-                        d - port
-                    } else {
-                        port - d
-                    },
-                ));
+                out.push((Guard::Port, side(self.mode.port_open, port)));
             }
+        }
+        if let Some(start) = self.rig.leg.cushion_start() {
+            out.push((Guard::Cushion, side(self.mode.cushioned, start)));
         }
     }
 
@@ -824,6 +824,7 @@ impl<'a> Run<'a> {
                 let returns = self.gas(&self.state).is_some_and(|(_, rate)| rate > 0.0);
                 self.mode.fed = is_full && returns && self.mode.leg == Slide::Held;
             }
+            Guard::Cushion => self.mode.cushioned ^= true,
             Guard::Port => {
                 self.mode.port_open = !self.mode.port_open;
                 self.renew(0.0);
