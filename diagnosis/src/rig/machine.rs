@@ -77,6 +77,15 @@ pub(super) struct Floor {
     across: f64,
 }
 
+impl Floor {
+    /// Whether the foot of a leg that is stopped in its stroke stays on the ground: soft ground goes
+    /// on pushing until its spring is slack. Friction without a limit would meanwhile hold the foot
+    /// and turn the robot about it, so that the foot then leaves at once.
+    pub(super) fn pushes_on(&self) -> bool {
+        self.soft.is_some() && self.friction.0.is_finite()
+    }
+}
+
 /// A robot, as far as its motion goes; the force of its leg is given.
 #[derive(Clone, Debug)]
 pub(super) struct Machine {
@@ -679,7 +688,7 @@ impl Machine {
         let ground = match (self.floor.soft, foot) {
             (Some((k, c)), _) => {
                 let speed = (0..N).map(|j| columns[j].dot(&normal) * v[j]).sum::<f64>();
-                let n = (-k * gap - c * speed).max(0.0);
+                let n = -k * gap - c * speed;
                 match foot {
                     Foot::Slips(way) => [n, -way * self.floor.friction.1 * n],
                     _ => [n, -(at + jt.dot(&mn) * n) / jt.dot(&mt)],

@@ -124,11 +124,10 @@ struct State {
 struct Mode {
     foot: Foot,
     leg: Slide,
-    energized: bool,
+    /// Whether the drive pushes, and the leg is in its cushion.
+    switches: Switches,
     /// When (s) the valve began to open.
     opens: f64,
-    /// Whether the leg is in its cushion.
-    cushioned: bool,
     port_open: bool,
     piece: Option<Piece<f64>>,
     /// A leak takes less from a full chamber than the valve gives before the pressure has fallen at
@@ -302,9 +301,11 @@ impl<'a> Run<'a> {
         let mode = Mode {
             foot,
             leg: Slide::Latched,
-            energized: false,
+            switches: Switches {
+                energized: false,
+                cushioned: false,
+            },
             opens: 0.0,
-            cushioned: false,
             port_open: false,
             piece,
             fed: false,
@@ -354,7 +355,7 @@ impl<'a> Run<'a> {
     }
 
     fn switch(&mut self, energized: bool) {
-        self.mode.energized = energized;
+        self.mode.switches.energized = energized;
         self.mode.opens = self.time;
         self.renew(0.0);
         self.record();
@@ -367,7 +368,7 @@ impl<'a> Run<'a> {
             let pressure = chamber.pressure(piece.flow, self.state.gas);
             let piece = Piece::new(
                 chamber,
-                self.mode.energized,
+                self.mode.switches.energized,
                 pressure,
                 side,
                 self.mode.port_open,
@@ -395,7 +396,7 @@ impl<'a> Run<'a> {
             ..
         } = self.rig.extra;
         let open = (s.time - self.mode.opens) / opening;
-        if self.mode.energized && open < 1.0 {
+        if self.mode.switches.energized && open < 1.0 {
             // What flows through the valve, and not what the leg's motion does.
             rate -= (1.0 - open.max(0.0)) * piece.gas(chamber, s.gas, s.q[LEG], 0.0).0.rate;
         }
@@ -411,10 +412,7 @@ impl<'a> Run<'a> {
     fn push(&self, s: &State, pressure: f64) -> (f64, f64) {
         let leg = &self.rig.leg;
         let d = s.q[LEG];
-        let switches = Switches {
-            energized: self.mode.energized,
-            cushioned: self.mode.cushioned,
-        };
+        let switches = self.mode.switches;
         let extra = &self.rig.extra;
         let dry = leg.dry_friction(pressure);
         let speed = s.v[LEG];
@@ -543,7 +541,7 @@ impl<'a> Run<'a> {
 
     /// Whether the valve has come to where it stays.
     fn is_open(&self, time: f64) -> bool {
-        !self.mode.energized || time >= self.mode.opens + self.rig.extra.opening
+        !self.mode.switches.energized || time >= self.mode.opens + self.rig.extra.opening
     }
 
     /// By what part of the pressure the cubic from here to `next` is off in its middle.
@@ -627,7 +625,7 @@ impl<'a> Run<'a> {
             }
         }
         if let Some(start) = self.rig.leg.cushion_start() {
-            out.push((Guard::Cushion, side(self.mode.cushioned, start)));
+            out.push((Guard::Cushion, side(self.mode.switches.cushioned, start)));
         }
     }
 
@@ -637,7 +635,7 @@ impl<'a> Run<'a> {
 
     fn usual_step(&self) -> f64 {
         let opening = self.rig.extra.opening;
-        if self.mode.energized && self.time < self.mode.opens + opening {
+        if self.mode.switches.energized && self.time < self.mode.opens + opening {
             return (0.25 * opening).clamp(FINE / 16.0, FINE);
         }
         if self.mode.foot != Foot::Flies && self.rig.machine.floor.soft.is_some() {
@@ -806,7 +804,7 @@ impl<'a> Run<'a> {
             Guard::Stroke => {
                 self.state.q[LEG] = self.rig.leg.stroke;
                 self.stop()?;
-                if self.mode.foot != Foot::Flies {
+                if self.mode.foot != Foot::Flies && !self.rig.machine.floor.pushes_on() {
                     self.leave();
                 }
             }
@@ -824,7 +822,7 @@ impl<'a> Run<'a> {
                 let returns = self.gas(&self.state).is_some_and(|(_, rate)| rate > 0.0);
                 self.mode.fed = is_full && returns && self.mode.leg == Slide::Held;
             }
-            Guard::Cushion => self.mode.cushioned ^= true,
+            Guard::Cushion => self.mode.switches.cushioned ^= true,
             Guard::Port => {
                 self.mode.port_open = !self.mode.port_open;
                 self.renew(0.0);
