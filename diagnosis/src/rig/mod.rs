@@ -5,12 +5,15 @@
 //! leg on the ground needs. It shares with it the force of the leg and nothing else; tests hold the
 //! two together for every term of a robot file.
 
+mod bodies;
+mod contact;
 mod course;
 mod machine;
 
+use contact::{Answer, Foot};
 use course::Knot;
 pub use course::{Course, Pose};
-use machine::{Answer, Coordinates, Foot, LEAN, LEG, Machine};
+use machine::{Coordinates, LEAN, LEG, Machine};
 use saltus_numeric::dop853;
 use saltus_pneumatics::{Flow, GasState, Leg, Piece, Switches};
 use saltus_robot::{Drive, Robot};
@@ -269,23 +272,7 @@ impl<'a> Run<'a> {
             Start::Rolling { lean, rate } => (lean, rate),
             Start::Rest => (0.0, 0.0),
         };
-        let (q, v) = if machine.is_bench() {
-            (Coordinates::zeros(), Coordinates::zeros())
-        } else {
-            // Soft ground has given way under what stands on it.
-            let sag = match machine.floor.soft {
-                Some((k, _)) => {
-                    let (q, v) = machine.stand(lean, rate, 0.0)?;
-                    let answer =
-                        machine
-                            .on_rigid_ground()
-                            .solve(&q, &v, 0.0, true, Foot::Stands)?;
-                    answer.ground[0].max(0.0) / k
-                }
-                None => 0.0,
-            };
-            machine.stand(lean, rate, sag)?
-        };
+        let (q, v) = machine.stand(lean, rate)?;
         let (piece, gas) = match rig.leg.chamber() {
             Some(chamber) => {
                 let piece = Piece::new(chamber, false, chamber.ambient, 0.0, false);
@@ -311,7 +298,7 @@ impl<'a> Run<'a> {
             fed: false,
         };
         let course = Course {
-            boom: machine.boom(),
+            boom: machine.boom,
             radius: machine.radius,
             ..Course::default()
         };

@@ -1,0 +1,384 @@
+//! The foot on the ground: where it touches, how a robot stands on it, and the accelerations in each
+//! contact mode.
+
+use nalgebra::{Cholesky, Const};
+use saltus_robot::Ground;
+
+use super::bodies::V3;
+use super::machine::{BEND, Coordinates, Frame, LEAN, LEG, Machine, N, PIVOT, Square, TURN};
+
+/// The ground under the foot.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Floor {
+    slope: f64,
+    /// Stiffness (N/m) and damping (N s/m) where it is soft.
+    pub(super) soft: Option<(f64, f64)>,
+    /// Coefficients of friction along the travel, standing and slipping.
+    pub(super) friction: (f64, f64),
+    /// Coefficient of friction across the travel.
+    across: f64,
+}
+
+impl Floor {
+    pub(super) fn new(ground: &Ground) -> Floor {
+        Floor {
+            slope: ground.slope,
+            soft: ground.stiffness.map(|k| (k, ground.damping)),
+            friction: (ground.static_friction, ground.kinetic_friction),
+            across: ground.across_friction,
+        }
+    }
+
+    /// Whether the foot of a leg that is stopped in its stroke stays on the ground: soft ground goes
+    /// on pushing until its spring is slack. Friction without a limit would meanwhile hold the foot
+    /// and turn the robot about it, so that the foot then leaves at once.
+    pub(super) fn pushes_on(&self) -> bool {
+        self.soft.is_some() && self.friction.0.is_finite()
+    }
+}
+
+/// What the foot does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Foot {
+    /// It stands still along the travel.
+    Stands,
+    /// It slips along the travel, this way.
+    Slips(f64),
+    /// It is in the air.
+    Flies,
+}
+
+/// Accelerations and what causes them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Answer {
+    pub(super) acceleration: Coordinates,
+    /// Force (N) of the ground, normal and along the travel.
+    pub(super) ground: [f64; 2],
+    /// Force (N) that holds the leg at its extension, if it is held: positive keeps it from
+    /// extending.
+    pub(super) hold: f64,
+    /// Force (N) of the leg on the wheel, outwards, less what holds it.
+    pub(super) push: f64,
+}
+
+/// Where the foot is nearest to the ground.
+struct Place {
+    /// Its distance from the ground (m).
+    gap: f64,
+    /// The ground's normal, and the direction of the travel.
+    normal: V3,
+    along: V3,
+    /// The point of the foot that touches, and the centre of the foot.
+    point: V3,
+    center: V3,
+}
+
+/// Velocity of the contact point in a direction for a unit velocity of each coordinate.
+#[derive(Clone, Copy)]
+struct Row {
+    whole: Coordinates,
+    /// The same without the coordinates that are held.
+    free: Coordinates,
+}
+
+impl Row {
+    fn new(columns: &[V3; N], way: &V3, held: &[bool; N]) -> Row {
+        let whole = Coordinates::from_fn(|k, _| columns[k].dot(way));
+        Row {
+            whole,
+            free: without(whole, held),
+        }
+    }
+
+    fn plus(&self, other: &Row, share: f64) -> Row {
+        Row {
+            whole: self.whole + other.whole * share,
+            free: self.free + other.free * share,
+        }
+    }
+}
+
+/// A foot on the ground.
+struct Touch {
+    gap: f64,
+    /// Rate of the gap (m/s).
+    opening: f64,
+    normal: Row,
+    along: Row,
+    /// The normal force, and the friction across the travel that it brings with it.
+    push: Row,
+    /// Accelerations of the contact point along normal and travel where all accelerations are 0.
+    bias: [f64; 2],
+}
+
+/// Speed (m/s) over which friction across the travel turns over.
+const ACROSS_SPEED: f64 = 1e-4;
+
+fn without(mut x: Coordinates, held: &[bool; N]) -> Coordinates {
+    for k in 0..N {
+        if held[k] {
+            x[k] = 0.0;
+        }
+    }
+    x
+}
+
+/// The mass matrix without the coordinates that are held.
+fn factor(mut mass: Square, held: &[bool; N]) -> Option<Cholesky<f64, Const<N>>> {
+    for k in 0..N {
+        if held[k] {
+            mass.row_mut(k).fill(0.0);
+            mass.column_mut(k).fill(0.0);
+            mass[(k, k)] = 1.0;
+        }
+    }
+    mass.cholesky()
+}
+
+impl Machine {
+    fn place(&self, f: &Frame, q: &Coordinates) -> Place {
+        let center = f.axle + f.down * (self.radius - self.foot + q[LEG]);
+        // The ground's normal in axes that turn with ψ; its point below the start.
+        let below = V3::new(0.0, 0.0, -self.radius);
+        let (normal, start) = if self.floor.slope == 0.0 {
+            (V3::z(), below)
+        } else {
+            let (sin, cos) = self.floor.slope.sin_cos();
+            let (turn, length) = self.boom.map_or((0.0, 0.0), |length| (q[TURN], length));
+            let (across, ahead) = turn.sin_cos();
+            let start = below + V3::new(-across, ahead, 0.0) * length;
+            (V3::new(-sin * ahead, -sin * across, cos), start)
+        };
+        let point = center - normal * self.foot;
+        let ahead = match self.boom {
+            Some(_) => V3::new(point.y, -point.x, 0.0),
+            None => V3::x(),
+        };
+        Place {
+            gap: normal.dot(&(center - start)) - self.foot,
+            normal,
+            along: (ahead - normal * normal.dot(&ahead)).normalize(),
+            point,
+            center,
+        }
+    }
+
+    /// Gap (m) of the foot, its speed along normal and travel (m/s), and its travel angle (rad) or
+    /// travel (m).
+    pub(super) fn contact(&self, q: &Coordinates, v: &Coordinates) -> (f64, [f64; 2], f64) {
+        let f = self.frame(q, v);
+        let place = self.place(&f, q);
+        let speed = velocity(&self.columns(&f, &place.point, true), v);
+        let travel = match self.boom {
+            Some(_) => q[TURN] + place.point.x.atan2(place.point.y),
+            None => place.point.x,
+        };
+        let speeds = [speed.dot(&place.normal), speed.dot(&place.along)];
+        (place.gap, speeds, travel)
+    }
+
+    /// The robot on its retracted foot at travel 0, at lean `lean` (rad) and turning at `rate`
+    /// (rad/s); on soft ground, which has given way under what stands on it.
+    pub(super) fn stand(&self, lean: f64, rate: f64) -> Option<(Coordinates, Coordinates)> {
+        if self.is_bench() {
+            return Some((Coordinates::zeros(), Coordinates::zeros()));
+        }
+        let start = self.sunk(lean, rate, 0.0)?;
+        let Some((stiffness, _)) = self.floor.soft else {
+            return Some(start);
+        };
+        let mut rigid = self.clone();
+        rigid.floor.soft = None;
+        let answer = rigid.solve(&start.0, &start.1, 0.0, true, Foot::Stands)?;
+        self.sunk(lean, rate, answer.ground[0].max(0.0) / stiffness)
+    }
+
+    /// The same with its foot `sag` (m) deep in the ground.
+    fn sunk(&self, lean: f64, rate: f64, sag: f64) -> Option<(Coordinates, Coordinates)> {
+        let (mut q, mut v) = (Coordinates::zeros(), Coordinates::zeros());
+        q[LEAN] = lean;
+        if self.boom.is_none() {
+            q[PIVOT] = self.radius;
+        }
+        let arm = self.boom.unwrap_or(1.0);
+        for _ in 0..30 {
+            let (gap, _, travel) = self.contact(&q, &v);
+            q[PIVOT] -= (gap + sag) / arm;
+            q[TURN] -= travel;
+            if (gap + sag).abs() < 1e-14 && travel.abs() < 1e-14 {
+                break;
+            }
+        }
+        let speeds = |k: usize, size: f64| {
+            let mut v = Coordinates::zeros();
+            v[k] = size;
+            self.contact(&q, &v).1
+        };
+        let (spin, a, b) = (speeds(LEAN, rate), speeds(TURN, 1.0), speeds(PIVOT, 1.0));
+        let determinant = a[0] * b[1] - a[1] * b[0];
+        v[LEAN] = rate;
+        v[TURN] = -(spin[0] * b[1] - spin[1] * b[0]) / determinant;
+        v[PIVOT] = -(a[0] * spin[1] - a[1] * spin[0]) / determinant;
+        (q.iter().chain(v.iter()).all(|x| x.is_finite())).then_some((q, v))
+    }
+
+    /// Accelerations under the leg's force `push` (N, positive extends), with the foot as it is and
+    /// the leg held or not.
+    pub(super) fn solve(
+        &self,
+        q: &Coordinates,
+        v: &Coordinates,
+        push: f64,
+        is_held: bool,
+        foot: Foot,
+    ) -> Option<Answer> {
+        if let Some(load) = self.load {
+            return Some(self.lift(load, push, is_held));
+        }
+        let f = self.frame(q, v);
+        let (mass, mut force) = self.assemble(&f, q, v);
+        force[LEG] += push;
+        let held = self.held(is_held);
+        let factor = factor(mass, &held)?;
+        let free = factor.solve(&without(force, &held));
+        if foot == Foot::Flies {
+            return Some(Answer {
+                acceleration: free,
+                ground: [0.0; 2],
+                hold: force[LEG] - (mass.row(LEG) * free)[0],
+                push,
+            });
+        }
+        let touch = self.touch(&f, q, v, &held);
+        let (mn, mt) = (
+            factor.solve(&touch.push.free),
+            factor.solve(&touch.along.free),
+        );
+        let ground = self.ground(&touch, &free, [&mn, &mt], foot);
+        let acceleration = free + mn * ground[0] + mt * ground[1];
+        // The leg's own row tells what holds it.
+        let (by_normal, by_along) = (touch.push.whole[LEG], touch.along.whole[LEG]);
+        let hold = force[LEG] + by_normal * ground[0] + by_along * ground[1]
+            - (mass.row(LEG) * acceleration)[0];
+        Some(Answer {
+            acceleration,
+            ground,
+            hold,
+            push,
+        })
+    }
+
+    /// Coordinates that do not move: those that the robot has not, and the leg where it is held.
+    fn held(&self, is_leg_held: bool) -> [bool; N] {
+        let mut held = [false; N];
+        held[BEND] = !self.bends();
+        held[LEG] = is_leg_held;
+        held
+    }
+
+    /// A cylinder on the bench that lifts `load` (kg).
+    fn lift(&self, load: f64, push: f64, is_held: bool) -> Answer {
+        let hold = push - load * self.gravity;
+        let mut acceleration = Coordinates::zeros();
+        acceleration[LEG] = if is_held { 0.0 } else { hold / load };
+        Answer {
+            acceleration,
+            ground: [0.0; 2],
+            hold,
+            push,
+        }
+    }
+
+    fn touch(&self, f: &Frame, q: &Coordinates, v: &Coordinates, held: &[bool; N]) -> Touch {
+        let place = self.place(f, q);
+        let columns = self.columns(f, &place.point, true);
+        let row = |way: &V3| Row::new(&columns, way, held);
+        let speed = |way: &V3| (0..N).map(|k| columns[k].dot(way) * v[k]).sum::<f64>();
+        let (normal, along) = (row(&place.normal), row(&place.along));
+        let mut push = normal;
+        if self.floor.across > 0.0 && self.boom.is_some() {
+            let across = place.normal.cross(&place.along);
+            let share = -self.floor.across * (speed(&across) / ACROSS_SPEED).clamp(-1.0, 1.0);
+            push = normal.plus(&row(&across), share);
+        }
+        Touch {
+            gap: place.gap,
+            opening: speed(&place.normal),
+            normal,
+            along,
+            push,
+            bias: self.bias(f, v, &place, &columns),
+        }
+    }
+
+    /// Accelerations (m/s²) of the contact point along normal and travel where all accelerations of
+    /// the coordinates are 0.
+    fn bias(&self, f: &Frame, v: &Coordinates, at: &Place, columns: &[V3; N]) -> [f64; 2] {
+        let (w, r) = (&f.spin[2], &f.spin_rate[2]);
+        let arm = at.center - f.axle;
+        let at_center =
+            f.bias[1] + r.cross(&arm) + w.cross(&w.cross(&arm)) + 2.0 * w.cross(&f.down) * v[LEG];
+        let on_sphere = r.cross(&(at.point - at.center));
+        let mut along = at.along.dot(&(at_center + on_sphere));
+        if self.boom.is_some() {
+            // The travel's direction turns as a rolling foot goes along it, while the boom drags it
+            // across.
+            let moving = f.axle_rate + w.cross(&arm) + f.down * v[LEG];
+            let level = V3::new(at.point.x, at.point.y, 0.0);
+            let rate = moving.dot(&at.along) / level.norm();
+            along -= rate * velocity(columns, v).dot(&level.normalize());
+        }
+        [at.normal.dot(&at_center), along]
+    }
+
+    /// Force (N) of the ground, normal and along the travel. Without it the accelerations are
+    /// `free`; `answers` are what 1 N of each adds to them.
+    fn ground(
+        &self,
+        touch: &Touch,
+        free: &Coordinates,
+        answers: [&Coordinates; 2],
+        foot: Foot,
+    ) -> [f64; 2] {
+        let (normal, along) = (&touch.normal.free, &touch.along.free);
+        let [nn, nt] = answers.map(|answer| normal.dot(answer));
+        let [tn, tt] = answers.map(|answer| along.dot(answer));
+        let an = normal.dot(free) + touch.bias[0];
+        let at = along.dot(free) + touch.bias[1];
+        let soft = |(k, c): (f64, f64)| -k * touch.gap - c * touch.opening;
+        match (self.floor.soft.map(soft), foot) {
+            (Some(n), Foot::Slips(way)) => [n, -way * self.floor.friction.1 * n],
+            (Some(n), _) => [n, -(at + tn * n) / tt],
+            (None, Foot::Slips(way)) => {
+                let t = -way * self.floor.friction.1;
+                let n = -an / (nn + t * nt);
+                [n, t * n]
+            }
+            (None, _) => {
+                let determinant = nn * tt - nt * tn;
+                [
+                    (-an * tt + at * nt) / determinant,
+                    (-at * nn + an * tn) / determinant,
+                ]
+            }
+        }
+    }
+
+    /// Velocities after the leg has been stopped in its stroke, the foot free to leave: it is
+    /// picked up.
+    pub(super) fn stop_leg(&self, q: &Coordinates, v: &Coordinates) -> Option<Coordinates> {
+        if self.is_bench() {
+            return Some(Coordinates::zeros());
+        }
+        let (mass, _) = self.assemble(&self.frame(q, v), q, v);
+        let mut unit = Coordinates::zeros();
+        unit[LEG] = 1.0;
+        let answer = factor(mass, &self.held(false))?.solve(&unit);
+        Some(v - answer * (v[LEG] / answer[LEG]))
+    }
+}
+
+/// Velocity (m/s) of a point with these columns.
+fn velocity(columns: &[V3; N], v: &Coordinates) -> V3 {
+    (0..N).fold(V3::zeros(), |sum, k| sum + columns[k] * v[k])
+}
