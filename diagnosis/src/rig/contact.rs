@@ -73,6 +73,9 @@ struct Place {
     center: V3,
 }
 
+/// Which coordinates do not move.
+type Held = [bool; N];
+
 /// Velocity of the contact point in a direction for a unit velocity of each coordinate.
 #[derive(Clone, Copy)]
 struct Row {
@@ -82,7 +85,7 @@ struct Row {
 }
 
 impl Row {
-    fn new(columns: &[V3; N], way: &V3, held: &[bool; N]) -> Row {
+    fn new(columns: &[V3; N], way: &V3, held: Held) -> Row {
         let whole = Coordinates::from_fn(|k, _| columns[k].dot(way));
         Row {
             whole,
@@ -100,9 +103,8 @@ impl Row {
 
 /// A foot on the ground.
 struct Touch {
-    gap: f64,
-    /// Rate of the gap (m/s).
-    opening: f64,
+    /// Force (N) of soft ground along the normal.
+    spring: Option<f64>,
     normal: Row,
     along: Row,
     /// The normal force, and the friction across the travel that it brings with it.
@@ -114,7 +116,7 @@ struct Touch {
 /// Speed (m/s) over which friction across the travel turns over.
 const ACROSS_SPEED: f64 = 1e-4;
 
-fn without(mut x: Coordinates, held: &[bool; N]) -> Coordinates {
+fn without(mut x: Coordinates, held: Held) -> Coordinates {
     for k in 0..N {
         if held[k] {
             x[k] = 0.0;
@@ -124,7 +126,7 @@ fn without(mut x: Coordinates, held: &[bool; N]) -> Coordinates {
 }
 
 /// The mass matrix without the coordinates that are held.
-fn factor(mut mass: Square, held: &[bool; N]) -> Option<Cholesky<f64, Const<N>>> {
+fn factor(mut mass: Square, held: Held) -> Option<Cholesky<f64, Const<N>>> {
     for k in 0..N {
         if held[k] {
             mass.row_mut(k).fill(0.0);
@@ -239,8 +241,8 @@ impl Machine {
         let (mass, mut force) = self.assemble(&f, q, v);
         force[LEG] += push;
         let held = self.held(is_held);
-        let factor = factor(mass, &held)?;
-        let free = factor.solve(&without(force, &held));
+        let factor = factor(mass, held)?;
+        let free = factor.solve(&without(force, held));
         if foot == Foot::Flies {
             return Some(Answer {
                 acceleration: free,
@@ -249,7 +251,7 @@ impl Machine {
                 push,
             });
         }
-        let touch = self.touch(&f, q, v, &held);
+        let touch = self.touch(&f, q, v, held);
         let (mn, mt) = (
             factor.solve(&touch.push.free),
             factor.solve(&touch.along.free),
@@ -269,7 +271,7 @@ impl Machine {
     }
 
     /// Coordinates that do not move: those that the robot has not, and the leg where it is held.
-    fn held(&self, is_leg_held: bool) -> [bool; N] {
+    fn held(&self, is_leg_held: bool) -> Held {
         let mut held = [false; N];
         held[BEND] = !self.bends();
         held[LEG] = is_leg_held;
@@ -289,7 +291,7 @@ impl Machine {
         }
     }
 
-    fn touch(&self, f: &Frame, q: &Coordinates, v: &Coordinates, held: &[bool; N]) -> Touch {
+    fn touch(&self, f: &Frame, q: &Coordinates, v: &Coordinates, held: Held) -> Touch {
         let place = self.place(f, q);
         let columns = self.columns(f, &place.point, true);
         let row = |way: &V3| Row::new(&columns, way, held);
@@ -301,9 +303,9 @@ impl Machine {
             let share = -self.floor.across * (speed(&across) / ACROSS_SPEED).clamp(-1.0, 1.0);
             push = normal.plus(&row(&across), share);
         }
+        let spring = |(k, c): (f64, f64)| -k * place.gap - c * speed(&place.normal);
         Touch {
-            gap: place.gap,
-            opening: speed(&place.normal),
+            spring: self.floor.soft.map(spring),
             normal,
             along,
             push,
@@ -345,8 +347,7 @@ impl Machine {
         let [tn, tt] = answers.map(|answer| along.dot(answer));
         let an = normal.dot(free) + touch.bias[0];
         let at = along.dot(free) + touch.bias[1];
-        let soft = |(k, c): (f64, f64)| -k * touch.gap - c * touch.opening;
-        match (self.floor.soft.map(soft), foot) {
+        match (touch.spring, foot) {
             (Some(n), Foot::Slips(way)) => [n, -way * self.floor.friction.1 * n],
             (Some(n), _) => [n, -(at + tn * n) / tt],
             (None, Foot::Slips(way)) => {
@@ -373,7 +374,7 @@ impl Machine {
         let (mass, _) = self.assemble(&self.frame(q, v), q, v);
         let mut unit = Coordinates::zeros();
         unit[LEG] = 1.0;
-        let answer = factor(mass, &self.held(false))?.solve(&unit);
+        let answer = factor(mass, self.held(false))?.solve(&unit);
         Some(v - answer * (v[LEG] / answer[LEG]))
     }
 }

@@ -1,3 +1,4 @@
+use super::run::{FINE, State};
 use super::*;
 
 /// What fills and empties the chamber, from next to nothing to more than the valve lets in.
