@@ -29,12 +29,6 @@ const APART: &[Apart] = &[
         reason: "steps over a foot that rolls on 5 cm or the edge of a table of forces",
     },
     Apart {
-        terms: &[Term::AxleFriction],
-        in_robot: |_| true,
-        tolerance: 6e-2,
-        reason: "steps too long for dry friction that grows with rates up to 5 mrad/s",
-    },
-    Apart {
         terms: &[Term::AcrossFriction],
         in_robot: |_| true,
         tolerance: 6e-4,

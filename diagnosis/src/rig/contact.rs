@@ -48,6 +48,23 @@ pub(super) enum Foot {
     Flies,
 }
 
+/// What the axle does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Axle {
+    /// It turns this way.
+    Turns(f64),
+    /// Dry friction holds it.
+    Held,
+}
+
+/// What stands still, and what moves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Modes {
+    pub(super) foot: Foot,
+    pub(super) axle: Axle,
+    pub(super) is_leg_held: bool,
+}
+
 /// Accelerations and what causes them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Answer {
@@ -57,6 +74,9 @@ pub(super) struct Answer {
     /// Force (N) that holds the leg at its extension, if it is held: positive keeps it from
     /// extending.
     pub(super) hold: f64,
+    /// Torque (N m) that holds the axle at its lean, if it is held: positive keeps it from leaning
+    /// forward.
+    pub(super) brake: f64,
     /// Force (N) of the leg on the wheel, outwards, less what holds it.
     pub(super) push: f64,
 }
@@ -115,6 +135,8 @@ struct Touch {
 
 /// Speed (m/s) over which friction across the travel turns over.
 const ACROSS_SPEED: f64 = 1e-4;
+/// Rate (rad/s) below which the axle stands.
+const STANDING: f64 = 1e-9;
 
 fn without(mut x: Coordinates, held: Held) -> Coordinates {
     for k in 0..N {
@@ -191,7 +213,12 @@ impl Machine {
         };
         let mut rigid = self.clone();
         rigid.floor.soft = None;
-        let answer = rigid.solve(&start.0, &start.1, 0.0, true, Foot::Stands)?;
+        let modes = Modes {
+            foot: Foot::Stands,
+            axle: self.axle_at(rate),
+            is_leg_held: true,
+        };
+        let answer = rigid.solve(&start.0, &start.1, 0.0, modes)?;
         self.sunk(lean, rate, answer.ground[0].max(0.0) / stiffness)
     }
 
@@ -224,30 +251,43 @@ impl Machine {
         (q.iter().chain(v.iter()).all(|x| x.is_finite())).then_some((q, v))
     }
 
-    /// Accelerations under the leg's force `push` (N, positive extends), with the foot as it is and
-    /// the leg held or not.
+    /// What the axle does where it turns at `rate` (rad/s).
+    pub(super) fn axle_at(&self, rate: f64) -> Axle {
+        if self.axle_friction == 0.0 || rate.abs() > STANDING {
+            Axle::Turns(rate.signum())
+        } else {
+            Axle::Held
+        }
+    }
+
+    /// Accelerations under the leg's force `push` (N, positive extends), with foot, axle and leg as
+    /// they are.
     pub(super) fn solve(
         &self,
         q: &Coordinates,
         v: &Coordinates,
         push: f64,
-        is_held: bool,
-        foot: Foot,
+        modes: Modes,
     ) -> Option<Answer> {
         if let Some(load) = self.load {
-            return Some(self.lift(load, push, is_held));
+            return Some(self.lift(load, push, modes.is_leg_held));
         }
         let f = self.frame(q, v);
         let (mass, mut force) = self.assemble(&f, q, v);
         force[LEG] += push;
-        let held = self.held(is_held);
+        if let Axle::Turns(way) = modes.axle {
+            force[LEAN] -= way * self.axle_friction;
+        }
+        let held = self.held(modes);
         let factor = factor(mass, held)?;
         let free = factor.solve(&without(force, held));
-        if foot == Foot::Flies {
+        if modes.foot == Foot::Flies {
+            let hold = |k: usize| force[k] - (mass.row(k) * free)[0];
             return Some(Answer {
                 acceleration: free,
                 ground: [0.0; 2],
-                hold: force[LEG] - (mass.row(LEG) * free)[0],
+                hold: hold(LEG),
+                brake: hold(LEAN),
                 push,
             });
         }
@@ -256,25 +296,29 @@ impl Machine {
             factor.solve(&touch.push.free),
             factor.solve(&touch.along.free),
         );
-        let ground = self.ground(&touch, &free, [&mn, &mt], foot);
+        let ground = self.ground(&touch, &free, [&mn, &mt], modes.foot);
         let acceleration = free + mn * ground[0] + mt * ground[1];
-        // The leg's own row tells what holds it.
-        let (by_normal, by_along) = (touch.push.whole[LEG], touch.along.whole[LEG]);
-        let hold = force[LEG] + by_normal * ground[0] + by_along * ground[1]
-            - (mass.row(LEG) * acceleration)[0];
+        // The row of a coordinate that is held tells what holds it.
+        let hold = |k: usize| {
+            let by_ground = [touch.push.whole[k], touch.along.whole[k]];
+            force[k] + by_ground[0] * ground[0] + by_ground[1] * ground[1]
+                - (mass.row(k) * acceleration)[0]
+        };
         Some(Answer {
             acceleration,
             ground,
-            hold,
+            hold: hold(LEG),
+            brake: hold(LEAN),
             push,
         })
     }
 
-    /// Coordinates that do not move: those that the robot has not, and the leg where it is held.
-    fn held(&self, is_leg_held: bool) -> Held {
+    /// Coordinates that do not move: those that the robot has not, and those that are held.
+    fn held(&self, modes: Modes) -> Held {
         let mut held = [false; N];
         held[BEND] = !self.bends();
-        held[LEG] = is_leg_held;
+        held[LEAN] = modes.axle == Axle::Held;
+        held[LEG] = modes.is_leg_held;
         held
     }
 
@@ -287,6 +331,7 @@ impl Machine {
             acceleration,
             ground: [0.0; 2],
             hold,
+            brake: 0.0,
             push,
         }
     }
@@ -365,8 +410,7 @@ impl Machine {
         }
     }
 
-    /// Velocities after the leg has been stopped in its stroke, the foot free to leave: it is
-    /// picked up.
+    /// Velocities after the leg has been stopped in its stroke, foot and axle free: it is picked up.
     pub(super) fn stop_leg(&self, q: &Coordinates, v: &Coordinates) -> Option<Coordinates> {
         if self.is_bench() {
             return Some(Coordinates::zeros());
@@ -374,7 +418,12 @@ impl Machine {
         let (mass, _) = self.assemble(&self.frame(q, v), q, v);
         let mut unit = Coordinates::zeros();
         unit[LEG] = 1.0;
-        let answer = factor(mass, self.held(false))?.solve(&unit);
+        let modes = Modes {
+            foot: Foot::Flies,
+            axle: Axle::Turns(0.0),
+            is_leg_held: false,
+        };
+        let answer = factor(mass, self.held(modes))?.solve(&unit);
         Some(v - answer * (v[LEG] / answer[LEG]))
     }
 }

@@ -2,8 +2,8 @@
 
 use saltus_pneumatics::Flow;
 
-use super::contact::Foot;
-use super::machine::LEG;
+use super::contact::{Axle, Foot};
+use super::machine::{LEAN, LEG};
 use super::run::{Look, Run, Slide, State};
 
 /// What ends a smooth phase.
@@ -17,6 +17,9 @@ pub(super) enum Guard {
     Extend,
     Retract,
     Halt,
+    /// Dry friction no longer holds the axle, or holds it from now on.
+    Turn,
+    Brake,
     Stroke,
     Stop,
     Above,
@@ -30,7 +33,7 @@ impl Guard {
     pub(super) fn is_of_forces(self) -> bool {
         matches!(
             self,
-            Guard::Lift | Guard::Slack | Guard::Slip | Guard::Extend | Guard::Retract
+            Guard::Lift | Guard::Slack | Guard::Slip | Guard::Extend | Guard::Retract | Guard::Turn
         )
     }
 }
@@ -48,6 +51,7 @@ impl Run<'_> {
     pub(super) fn guard(&self, s: &State, look: &Look, guards: &mut Guards) {
         guards.clear();
         self.guard_foot(s, look, guards);
+        self.guard_axle(s, look, guards);
         if self.mode.leg != Slide::Latched {
             self.guard_leg(s, look, guards);
             self.guard_drive(s, guards);
@@ -76,6 +80,15 @@ impl Run<'_> {
                 guards.push((Guard::Grip, way * speed));
             }
             _ => {}
+        }
+    }
+
+    fn guard_axle(&self, s: &State, look: &Look, guards: &mut Guards) {
+        let friction = self.rig.machine.axle_friction;
+        match self.mode.axle {
+            Axle::Held => guards.push((Guard::Turn, friction - look.answer.brake.abs())),
+            Axle::Turns(way) if friction > 0.0 => guards.push((Guard::Brake, way * s.v[LEAN])),
+            Axle::Turns(_) => {}
         }
     }
 
@@ -137,6 +150,11 @@ impl Run<'_> {
                 self.state.v[LEG] = 0.0;
                 self.mode.leg = Slide::Held;
             }
+            Guard::Turn => self.mode.axle = Axle::Turns(look.answer.brake.signum()),
+            Guard::Brake => {
+                self.state.v[LEAN] = 0.0;
+                self.mode.axle = Axle::Held;
+            }
             Guard::Stroke => {
                 self.stop(self.rig.leg.stroke)?;
                 if self.mode.foot != Foot::Flies && !self.rig.machine.floor.pushes_on() {
@@ -178,6 +196,7 @@ impl Run<'_> {
         self.state.v = self.rig.machine.stop_leg(&self.state.q, &self.state.v)?;
         self.state.v[LEG] = 0.0;
         self.mode.leg = Slide::Held;
+        self.mode.axle = self.rig.machine.axle_at(self.state.v[LEAN]);
         Some(())
     }
 

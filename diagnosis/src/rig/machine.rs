@@ -32,7 +32,8 @@ pub(super) struct Machine {
     pub(super) gravity: f64,
     /// Drag (kg/m): −`drag` |v| v at the axle.
     drag: f64,
-    axle_friction: f64,
+    /// Dry friction of the axle (N m).
+    pub(super) axle_friction: f64,
     pub(super) radius: f64,
     pub(super) foot: f64,
     pub(super) floor: Floor,
@@ -75,9 +76,6 @@ struct Link<'a> {
     /// How far (m) it is slid along the leg, and its rate.
     slide: Option<(f64, f64)>,
 }
-
-/// Rate (rad/s) over which dry friction of the axle turns over.
-const DRY_RATE: f64 = 5e-3;
 
 impl Machine {
     pub(super) fn new(robot: &Robot) -> Machine {
@@ -230,7 +228,8 @@ impl Machine {
         }
     }
 
-    /// Mass matrix, and the forces on the coordinates without the leg's drive and the ground.
+    /// Mass matrix, and the forces on the coordinates without the leg's drive, the ground and dry
+    /// friction of the axle.
     pub(super) fn assemble(
         &self,
         f: &Frame,
@@ -353,9 +352,6 @@ impl Machine {
             force[PIVOT] -=
                 self.extra.pivot_damping * v[PIVOT] + self.extra.pivot_spring * q[PIVOT];
             force[TURN] -= self.extra.turn_damping * v[TURN];
-        }
-        if self.axle_friction > 0.0 {
-            force[LEAN] -= self.axle_friction * (v[LEAN] / DRY_RATE).clamp(-1.0, 1.0);
         }
     }
 

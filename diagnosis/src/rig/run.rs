@@ -2,7 +2,7 @@
 
 use saltus_pneumatics::{Flow, Piece, Switches};
 
-use super::contact::{Answer, Foot};
+use super::contact::{Answer, Axle, Foot, Modes};
 use super::course::{Course, Knot};
 use super::guards::{Guard, Guards, TINY};
 use super::machine::{Coordinates, LEAN, LEG};
@@ -45,6 +45,7 @@ pub(super) struct State {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mode {
     pub(super) foot: Foot,
+    pub(super) axle: Axle,
     pub(super) leg: Slide,
     /// Whether the drive pushes, and the leg is in its cushion.
     pub(super) switches: Switches,
@@ -59,9 +60,10 @@ pub(super) struct Mode {
 
 impl Mode {
     /// Before the leg is fired.
-    fn new(is_bench: bool, piece: Option<Piece<f64>>) -> Mode {
+    fn new(foot: Foot, axle: Axle, piece: Option<Piece<f64>>) -> Mode {
         Mode {
-            foot: if is_bench { Foot::Flies } else { Foot::Stands },
+            foot,
+            axle,
             leg: Slide::Latched,
             switches: Switches {
                 energized: false,
@@ -123,6 +125,11 @@ impl<'a> Run<'a> {
             }
             None => (None, 0.0),
         };
+        let foot = if machine.is_bench() {
+            Foot::Flies
+        } else {
+            Foot::Stands
+        };
         let mut run = Run {
             rig,
             rests: LONG,
@@ -134,7 +141,7 @@ impl<'a> Run<'a> {
                 v,
                 gas,
             },
-            mode: Mode::new(machine.is_bench(), piece),
+            mode: Mode::new(foot, machine.axle_at(rate), piece),
             course: Course {
                 boom: machine.boom,
                 radius: machine.radius,
@@ -418,14 +425,16 @@ impl<'a> Run<'a> {
             Slide::Latched => (0.0, 0.0),
             _ => self.push(s, pressure),
         };
-        let (force, held) = match self.mode.leg {
+        let (force, is_leg_held) = match self.mode.leg {
             Slide::Moves(way) => (push - way * dry, false),
             _ => (push, true),
         };
-        let answer = self
-            .rig
-            .machine
-            .solve(&s.q, &s.v, force, held, self.mode.foot)?;
+        let modes = Modes {
+            foot: self.mode.foot,
+            axle: self.mode.axle,
+            is_leg_held,
+        };
+        let answer = self.rig.machine.solve(&s.q, &s.v, force, modes)?;
         Some(Look { answer, rate, dry })
     }
 }
