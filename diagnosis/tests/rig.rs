@@ -32,7 +32,7 @@ const APART: &[Apart] = &[
         terms: &[Term::AcrossFriction],
         in_robot: |_| true,
         tolerance: 6e-4,
-        reason: "a foot that creeps across the travel at up to 0.1 mm/s instead of standing",
+        reason: "steps too long for friction that grows with speeds up to 0.1 mm/s",
     },
     Apart {
         terms: &[Term::GroundStiffness, Term::GroundDamping],
