@@ -5,7 +5,9 @@ use nalgebra::{Cholesky, Const};
 use saltus_robot::Ground;
 
 use super::bodies::V3;
-use super::machine::{BEND, Coordinates, Frame, LEAN, LEG, Machine, N, PIVOT, Square, TURN};
+use super::machine::{
+    BEND, Coordinates, Equations, Frame, LEAN, LEG, Machine, N, PIVOT, Square, TURN,
+};
 
 /// The ground under the foot.
 #[derive(Clone, Copy, Debug)]
@@ -161,7 +163,7 @@ fn factor(mut mass: Square, held: Held) -> Option<Cholesky<f64, Const<N>>> {
 
 impl Machine {
     fn place(&self, f: &Frame, q: &Coordinates) -> Place {
-        let center = f.axle + f.down * (self.radius - self.foot + q[LEG]);
+        let center = f.wheel.joint + f.down * (self.radius - self.foot + q[LEG]);
         // The ground's normal in axes that turn with ψ; its point below the start.
         let below = V3::new(0.0, 0.0, -self.radius);
         let (normal, start) = if self.floor.slope == 0.0 {
@@ -273,37 +275,25 @@ impl Machine {
             return Some(self.lift(load, push, modes.is_leg_held));
         }
         let f = self.frame(q, v);
-        let (mass, mut force) = self.assemble(&f, q, v);
+        let Equations { mass, mut force } = self.assemble(&f, q, v);
         force[LEG] += push;
         if let Axle::Turns(way) = modes.axle {
             force[LEAN] -= way * self.axle_friction;
         }
         let held = self.held(modes);
         let factor = factor(mass, held)?;
-        let free = factor.solve(&without(force, held));
-        if modes.foot == Foot::Flies {
-            let hold = |k: usize| force[k] - (mass.row(k) * free)[0];
-            return Some(Answer {
-                acceleration: free,
-                ground: [0.0; 2],
-                hold: hold(LEG),
-                brake: hold(LEAN),
-                push,
-            });
+        let mut acceleration = factor.solve(&without(force, held));
+        let mut ground = [0.0; 2];
+        if modes.foot != Foot::Flies {
+            let touch = self.touch(&f, q, v, held);
+            let by_normal = factor.solve(&touch.push.free);
+            let by_along = factor.solve(&touch.along.free);
+            ground = self.ground(&touch, &acceleration, [&by_normal, &by_along], modes.foot);
+            acceleration = acceleration + by_normal * ground[0] + by_along * ground[1];
+            force = force + touch.push.whole * ground[0] + touch.along.whole * ground[1];
         }
-        let touch = self.touch(&f, q, v, held);
-        let (mn, mt) = (
-            factor.solve(&touch.push.free),
-            factor.solve(&touch.along.free),
-        );
-        let ground = self.ground(&touch, &free, [&mn, &mt], modes.foot);
-        let acceleration = free + mn * ground[0] + mt * ground[1];
         // The row of a coordinate that is held tells what holds it.
-        let hold = |k: usize| {
-            let by_ground = [touch.push.whole[k], touch.along.whole[k]];
-            force[k] + by_ground[0] * ground[0] + by_ground[1] * ground[1]
-                - (mass.row(k) * acceleration)[0]
-        };
+        let hold = |k: usize| force[k] - (mass.row(k) * acceleration)[0];
         Some(Answer {
             acceleration,
             ground,
@@ -361,10 +351,12 @@ impl Machine {
     /// Accelerations (m/s²) of the contact point along normal and travel where all accelerations of
     /// the coordinates are 0.
     fn bias(&self, f: &Frame, v: &Coordinates, at: &Place, columns: &[V3; N]) -> [f64; 2] {
-        let (w, r) = (&f.spin[2], &f.spin_rate[2]);
-        let arm = at.center - f.axle;
-        let at_center =
-            f.bias[1] + r.cross(&arm) + w.cross(&w.cross(&arm)) + 2.0 * w.cross(&f.down) * v[LEG];
+        let (w, r) = (&f.wheel.spin, &f.wheel.spin_rate);
+        let arm = at.center - f.wheel.joint;
+        let at_center = f.wheel.bias
+            + r.cross(&arm)
+            + w.cross(&w.cross(&arm))
+            + 2.0 * w.cross(&f.down) * v[LEG];
         let on_sphere = r.cross(&(at.point - at.center));
         let mut along = at.along.dot(&(at_center + on_sphere));
         if self.boom.is_some() {
@@ -415,7 +407,7 @@ impl Machine {
         if self.is_bench() {
             return Some(Coordinates::zeros());
         }
-        let (mass, _) = self.assemble(&self.frame(q, v), q, v);
+        let Equations { mass, .. } = self.assemble(&self.frame(q, v), q, v);
         let mut unit = Coordinates::zeros();
         unit[LEG] = 1.0;
         let modes = Modes {

@@ -43,38 +43,44 @@ pub(super) struct Machine {
     pub(super) load: Option<f64>,
 }
 
+/// A part that bodies are fixed to: a half of the boom, or the wheel.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Part {
+    axes: Matrix3<f64>,
+    /// The joint that it turns about (m).
+    pub(super) joint: V3,
+    /// Acceleration of the joint where all accelerations are 0.
+    pub(super) bias: V3,
+    /// Angular velocity, and its rate where all accelerations are 0.
+    pub(super) spin: V3,
+    pub(super) spin_rate: V3,
+}
+
+impl Part {
+    /// Acceleration where all accelerations are 0 of the point that is `arm` off the joint.
+    pub(super) fn bias_at(&self, arm: &V3) -> V3 {
+        self.spin_rate.cross(arm) + self.spin.cross(&self.spin.cross(arm))
+    }
+}
+
 /// Geometry and velocities at an instant.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Frame {
-    /// Directions of the boom's halves, and from the axle to the foot.
-    outward: [V3; 2],
+    /// The boom up to its bend, and beyond, which joins the wheel at the axle.
+    inner: Part,
+    outer: Part,
+    pub(super) wheel: Part,
+    /// Directions of the axle, and from there to the foot.
+    outward: V3,
     pub(super) down: V3,
-    hinge: V3,
-    pub(super) axle: V3,
-    /// Rotation of the wheel.
-    wheel: Matrix3<f64>,
-    /// Angular velocity and its rate where all accelerations are 0: of the boom's halves and of the
-    /// wheel.
-    pub(super) spin: [V3; 3],
-    pub(super) spin_rate: [V3; 3],
-    /// Velocity of the axle; acceleration of hinge and axle where all accelerations are 0.
+    /// Velocity of the axle.
     pub(super) axle_rate: V3,
-    pub(super) bias: [V3; 2],
 }
 
-/// A body in its place.
-struct Link<'a> {
-    body: &'a Rigid,
-    /// Its axes, and which angular velocity of the frame is its own.
-    axes: Matrix3<f64>,
-    spin: usize,
-    /// Joints that it moves with.
-    joints: &'static [usize],
-    /// Its joint (m), and the acceleration of that where all accelerations are 0.
-    from: V3,
-    bias: V3,
-    /// How far (m) it is slid along the leg, and its rate.
-    slide: Option<(f64, f64)>,
+/// Mass matrix M and forces Q of M q̈ = Q.
+pub(super) struct Equations {
+    pub(super) mass: Square,
+    pub(super) force: Coordinates,
 }
 
 impl Machine {
@@ -141,58 +147,30 @@ impl Machine {
     pub(super) fn frame(&self, q: &Coordinates, v: &Coordinates) -> Frame {
         let x = V3::x();
         let mut f = match self.boom {
-            Some(length) => self.boom_frame(length, q, v),
+            Some(length) => boom_frame(length, q, v),
             None => self.plane_frame(q, v),
         };
-        let [_, second] = f.outward;
-        f.spin[2] = f.spin[1] + second * v[LEAN];
-        f.spin_rate[2] = f.spin_rate[1] + f.spin[1].cross(&second) * v[LEAN];
+        let along = f.outward;
+        f.wheel.spin = f.outer.spin + along * v[LEAN];
+        f.wheel.spin_rate = f.outer.spin_rate + f.outer.spin.cross(&along) * v[LEAN];
         // The wheel's axes: x' forward and z' up in its plane, turned by the lean about the boom's
         // direction.
-        let up = x.cross(&second);
+        let up = x.cross(&along);
         let (sin, cos) = q[LEAN].sin_cos();
         let upward = up * cos + x * sin;
-        f.wheel = Matrix3::from_columns(&[x * cos - up * sin, second, upward]);
+        f.wheel.axes = Matrix3::from_columns(&[x * cos - up * sin, along, upward]);
         f.down = -upward;
         f
     }
 
-    /// The frame of a boom of `length` (m), without the wheel.
-    fn boom_frame(&self, length: f64, q: &Coordinates, v: &Coordinates) -> Frame {
-        let x = V3::x();
-        let direction = |angle: f64| {
-            let (sin, cos) = angle.sin_cos();
-            V3::new(0.0, cos, sin)
-        };
-        let first = direction(q[PIVOT]);
-        let second = match self.flex {
-            Some(_) => direction(q[PIVOT] + q[BEND]),
-            None => first,
-        };
-        let turn = V3::new(0.0, 0.0, -v[TURN]);
-        let (a, b) = (turn + x * v[PIVOT], turn + x * (v[PIVOT] + v[BEND]));
-        let across = turn.cross(&x);
-        let (ra, rb) = (across * v[PIVOT], across * (v[PIVOT] + v[BEND]));
-        let (one, two) = (first * (0.5 * length), second * (0.5 * length));
-        let of = |w: &V3, r: &V3, arm: &V3| r.cross(arm) + w.cross(&w.cross(arm));
-        let at_hinge = of(&a, &ra, &one);
-        Frame {
-            outward: [first, second],
-            hinge: one,
-            axle: one + two,
-            spin: [a, b, b],
-            spin_rate: [ra, rb, rb],
-            axle_rate: a.cross(&one) + b.cross(&two),
-            bias: [at_hinge, at_hinge + of(&b, &rb, &two)],
-            ..Frame::default()
-        }
-    }
-
-    /// The frame of a robot without a boom, without the wheel.
+    /// The frame of a robot without a boom, without the turn of the wheel.
     fn plane_frame(&self, q: &Coordinates, v: &Coordinates) -> Frame {
         Frame {
-            outward: [V3::y(); 2],
-            axle: V3::new(q[TURN], 0.0, q[PIVOT] - self.radius),
+            wheel: Part {
+                joint: V3::new(q[TURN], 0.0, q[PIVOT] - self.radius),
+                ..Part::default()
+            },
+            outward: V3::y(),
             axle_rate: V3::new(v[TURN], 0.0, v[PIVOT]),
             ..Frame::default()
         }
@@ -201,11 +179,12 @@ impl Machine {
     /// Column k: velocity of a point `at` of the wheel or the leg (`with_leg`) for a unit velocity
     /// k.
     pub(super) fn columns(&self, f: &Frame, at: &V3, with_leg: bool) -> [V3; N] {
-        let from_axle = f.outward[1].cross(&(at - f.axle));
+        let from_axle = f.outward.cross(&(at - f.wheel.joint));
         let leg = if with_leg { f.down } else { V3::zeros() };
         if self.boom.is_some() {
             // −z × r and x × r.
-            let bend = V3::new(0.0, f.hinge.z - at.z, at.y - f.hinge.y);
+            let from_bend = at - f.outer.joint;
+            let bend = V3::new(0.0, -from_bend.z, from_bend.y);
             [
                 V3::new(at.y, -at.x, 0.0),
                 V3::new(0.0, -at.z, at.y),
@@ -221,116 +200,92 @@ impl Machine {
     /// What `x` has along the angular velocity for a unit velocity `joint`.
     fn about(&self, f: &Frame, joint: usize, x: &V3) -> f64 {
         match joint {
-            LEAN => f.outward[1].dot(x),
+            LEAN => f.outward.dot(x),
             TURN if self.boom.is_some() => -x.z,
             PIVOT | BEND if self.boom.is_some() => x.x,
             _ => 0.0,
         }
     }
 
-    /// Mass matrix, and the forces on the coordinates without the leg's drive, the ground and dry
-    /// friction of the axle.
-    pub(super) fn assemble(
+    /// The equations without the leg's drive, the ground and dry friction of the axle.
+    pub(super) fn assemble(&self, f: &Frame, q: &Coordinates, v: &Coordinates) -> Equations {
+        let mut equations = Equations {
+            mass: Square::zeros(),
+            force: Coordinates::zeros(),
+        };
+        // Those that the foot moves with; the bend only where there is one.
+        let joints: &[usize] = if self.bends() {
+            &[TURN, PIVOT, BEND, LEAN, LEG]
+        } else {
+            &[TURN, PIVOT, LEAN, LEG]
+        };
+        let bodies = &self.bodies;
+        if self.boom.is_some() {
+            self.add(
+                f,
+                (&bodies.inner, &f.inner),
+                &joints[..2],
+                None,
+                &mut equations,
+            );
+            self.add(
+                f,
+                (&bodies.outer, &f.outer),
+                &joints[..3],
+                None,
+                &mut equations,
+            );
+        }
+        let of_wheel = &joints[..joints.len() - 1];
+        self.add(f, (&bodies.wheel, &f.wheel), of_wheel, None, &mut equations);
+        if bodies.leg.mass <= bodies.least {
+            // What keeps its coordinate in the equations moves nothing else.
+            equations.mass[(LEG, LEG)] = bodies.least;
+        } else {
+            let slide = Some((q[LEG], v[LEG]));
+            self.add(f, (&bodies.leg, &f.wheel), joints, slide, &mut equations);
+        }
+        equations.mass.fill_lower_triangle_with_upper_triangle();
+        self.apply(f, q, v, &mut equations.force);
+        equations
+    }
+
+    /// Adds a body on a part, moved by `joints` and slid along the leg by (m, m/s) `slide`; of the
+    /// mass matrix it fills the upper half.
+    fn add(
         &self,
         f: &Frame,
-        q: &Coordinates,
-        v: &Coordinates,
-    ) -> (Square, Coordinates) {
-        let (mut mass, mut force) = (Square::zeros(), Coordinates::zeros());
-        if self.boom.is_some() {
-            for half in &self.halves(f) {
-                self.add(f, half, &mut mass, &mut force);
-            }
-        }
-        // The bend moves only where there is one.
-        let (of_wheel, of_leg): (&[usize], &[usize]) = if self.bends() {
-            (&[TURN, PIVOT, BEND, LEAN], &[TURN, PIVOT, BEND, LEAN, LEG])
-        } else {
-            (&[TURN, PIVOT, LEAN], &[TURN, PIVOT, LEAN, LEG])
-        };
-        let wheel = Link {
-            body: &self.bodies.wheel,
-            axes: f.wheel,
-            spin: 2,
-            joints: of_wheel,
-            from: f.axle,
-            bias: f.bias[1],
-            slide: None,
-        };
-        self.add(f, &wheel, &mut mass, &mut force);
-        if self.bodies.leg.mass <= self.bodies.least {
-            // What keeps its coordinate in the equations moves nothing else.
-            mass[(LEG, LEG)] = self.bodies.least;
-        } else {
-            let leg = Link {
-                body: &self.bodies.leg,
-                joints: of_leg,
-                slide: Some((q[LEG], v[LEG])),
-                ..wheel
-            };
-            self.add(f, &leg, &mut mass, &mut force);
-        }
-        for j in 0..N {
-            for i in 0..j {
-                mass[(j, i)] = mass[(i, j)];
-            }
-        }
-        self.apply(f, q, v, &mut force);
-        (mass, force)
-    }
-
-    fn halves(&self, f: &Frame) -> [Link<'_>; 2] {
-        let along = |y: &V3| Matrix3::from_columns(&[V3::x(), *y, V3::x().cross(y)]);
-        let inner = Link {
-            body: &self.bodies.inner,
-            axes: along(&f.outward[0]),
-            spin: 0,
-            joints: &[TURN, PIVOT],
-            from: V3::zeros(),
-            bias: V3::zeros(),
-            slide: None,
-        };
-        let outer = Link {
-            body: &self.bodies.outer,
-            axes: along(&f.outward[1]),
-            spin: 1,
-            joints: &[TURN, PIVOT, BEND],
-            from: f.hinge,
-            bias: f.bias[0],
-            slide: None,
-        };
-        [inner, outer]
-    }
-
-    /// Adds a body to the mass matrix, of which it fills the upper half, and to the forces.
-    fn add(&self, f: &Frame, link: &Link<'_>, mass: &mut Square, force: &mut Coordinates) {
-        let body = link.body;
+        (body, part): (&Rigid, &Part),
+        joints: &[usize],
+        slide: Option<(f64, f64)>,
+        to: &mut Equations,
+    ) {
         if body.mass == 0.0 {
             return;
         }
-        let (w, r) = (&f.spin[link.spin], &f.spin_rate[link.spin]);
-        let mut arm = link.axes * body.center;
-        let mut acceleration = link.bias;
-        if let Some((d, speed)) = link.slide {
+        let (w, r) = (&part.spin, &part.spin_rate);
+        let mut arm = part.axes * body.center;
+        let mut acceleration = part.bias;
+        if let Some((d, speed)) = slide {
             arm += f.down * d;
             acceleration += 2.0 * w.cross(&f.down) * speed;
         }
-        acceleration += r.cross(&arm) + w.cross(&w.cross(&arm));
-        let lin = self.columns(f, &(link.from + arm), link.slide.is_some());
-        let inertia = body.turned(&link.axes);
+        acceleration += part.bias_at(&arm);
+        let lin = self.columns(f, &(part.joint + arm), slide.is_some());
+        let inertia = body.turned(&part.axes);
         let push = (V3::new(0.0, 0.0, -self.gravity) - acceleration) * body.mass;
         let torque = -(inertia * r + w.cross(&(inertia * w)));
-        for (n, &j) in link.joints.iter().enumerate() {
-            force[j] += lin[j].dot(&push) + self.about(f, j, &torque);
+        for (n, &j) in joints.iter().enumerate() {
+            to.force[j] += lin[j].dot(&push) + self.about(f, j, &torque);
             let along = lin[j] * body.mass;
             let turned = match j {
-                LEAN => inertia * f.outward[1],
+                LEAN => inertia * f.outward,
                 TURN => -inertia.column(2),
                 PIVOT | BEND => inertia.column(0).into_owned(),
                 _ => V3::zeros(),
             };
-            for &i in &link.joints[..=n] {
-                mass[(i, j)] += lin[i].dot(&along) + self.about(f, i, &turned);
+            for &i in &joints[..=n] {
+                to.mass[(i, j)] += lin[i].dot(&along) + self.about(f, i, &turned);
             }
         }
     }
@@ -342,7 +297,7 @@ impl Machine {
         }
         if self.drag > 0.0 {
             let push = f.axle_rate * (-self.drag * f.axle_rate.norm());
-            let lin = self.columns(f, &f.axle, false);
+            let lin = self.columns(f, &f.wheel.joint, false);
             for j in 0..N {
                 force[j] += lin[j].dot(&push);
             }
@@ -366,5 +321,39 @@ impl Machine {
             }
             None => (q[PIVOT], v[PIVOT]),
         }
+    }
+}
+
+/// The frame of a boom of `length` (m), without the turn of the wheel.
+fn boom_frame(length: f64, q: &Coordinates, v: &Coordinates) -> Frame {
+    let x = V3::x();
+    let turn = V3::new(0.0, 0.0, -v[TURN]);
+    let across = turn.cross(&x);
+    let half = |angle: f64, rate: f64| {
+        let (sin, cos) = angle.sin_cos();
+        let along = V3::new(0.0, cos, sin);
+        let part = Part {
+            axes: Matrix3::from_columns(&[x, along, x.cross(&along)]),
+            spin: turn + x * rate,
+            spin_rate: across * rate,
+            ..Part::default()
+        };
+        (part, along)
+    };
+    let (inner, first) = half(q[PIVOT], v[PIVOT]);
+    let (mut outer, second) = half(q[PIVOT] + q[BEND], v[PIVOT] + v[BEND]);
+    let (one, two) = (first * (0.5 * length), second * (0.5 * length));
+    (outer.joint, outer.bias) = (one, inner.bias_at(&one));
+    Frame {
+        inner,
+        outer,
+        wheel: Part {
+            joint: one + two,
+            bias: outer.bias + outer.bias_at(&two),
+            ..Part::default()
+        },
+        outward: second,
+        axle_rate: inner.spin.cross(&one) + outer.spin.cross(&two),
+        ..Frame::default()
     }
 }
