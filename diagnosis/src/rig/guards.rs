@@ -143,7 +143,7 @@ impl Run<'_> {
             Guard::Grip => self.mode.foot = Foot::Stands,
             Guard::Extend => {
                 self.slide(1.0);
-                self.course.breaks_away.get_or_insert(self.time);
+                self.course.breaks_away.get_or_insert(self.state.time);
             }
             Guard::Retract => self.slide(-1.0),
             Guard::Halt => {
@@ -176,7 +176,7 @@ impl Run<'_> {
     /// The foot leaves the ground; a leg without mass then stays as it is.
     fn leave(&mut self) {
         self.mode.foot = Foot::Flies;
-        self.course.leaves = Some(self.time);
+        self.course.leaves = Some(self.state.time);
         if self.rig.massless && !self.rig.machine.is_bench() {
             self.mode.leg = Slide::Latched;
             self.state.v[LEG] = 0.0;

@@ -15,7 +15,7 @@ mod run;
 
 pub use course::{Course, Pose};
 use machine::Machine;
-use run::{LONG, Run};
+use run::{LONG, Run, Slide};
 use saltus_pneumatics::Leg;
 use saltus_robot::{Drive, Robot};
 
@@ -132,7 +132,7 @@ impl Rig {
                 break;
             }
             match what {
-                0 => run.unlatch(),
+                0 => run.mode.leg = Slide::Held,
                 1 => run.switch(release > fire),
                 _ => run.switch(false),
             }

@@ -102,7 +102,6 @@ pub(super) struct Run<'a> {
     pub(super) rests: f64,
     /// What the next step (s) would be there.
     stride: f64,
-    pub(super) time: f64,
     pub(super) state: State,
     pub(super) mode: Mode,
     pub(super) course: Course,
@@ -134,7 +133,6 @@ impl<'a> Run<'a> {
             rig,
             rests: LONG,
             stride: FINE,
-            time: 0.0,
             state: State {
                 time: 0.0,
                 q,
@@ -161,7 +159,7 @@ impl<'a> Run<'a> {
             (gas.pressure, rate * gas.pressure_per_variable)
         });
         self.course.knots.push(Knot {
-            time: self.time,
+            time: self.state.time,
             q,
             v,
             height,
@@ -169,24 +167,16 @@ impl<'a> Run<'a> {
         });
     }
 
-    pub(super) fn unlatch(&mut self) {
-        self.mode.leg = Slide::Held;
-    }
-
     pub(super) fn switch(&mut self, energized: bool) {
         self.mode.switches.energized = energized;
-        self.mode.opens = self.time;
+        self.mode.opens = self.state.time;
         self.renew(0.0);
         self.record();
     }
 
-    fn longest(&self) -> f64 {
-        self.usual_step().min(self.rig.machine.longest_step())
-    }
-
     fn usual_step(&self) -> f64 {
         let opening = self.rig.extra.opening;
-        if self.mode.switches.energized && self.time < self.mode.opens + opening {
+        if self.mode.switches.energized && self.state.time < self.mode.opens + opening {
             return (0.25 * opening).clamp(FINE / 16.0, FINE);
         }
         if self.mode.foot != Foot::Flies && self.rig.machine.floor.soft.is_some() {
@@ -194,15 +184,13 @@ impl<'a> Run<'a> {
         }
         match self.mode.leg {
             Slide::Latched => COARSE,
-            Slide::Held if self.mode.foot == Foot::Flies && !self.rig.machine.is_bench() => {
-                let is_empty = self
-                    .mode
-                    .piece
-                    .is_none_or(|p| p.flow == Flow::ExhaustBalanced);
+            Slide::Held if self.rig.machine.is_bench() => self.stride.min(self.rests),
+            Slide::Held if self.mode.foot == Foot::Flies => {
+                let is_balanced = |piece: Piece<f64>| piece.flow == Flow::ExhaustBalanced;
+                let is_empty = self.mode.piece.is_none_or(is_balanced);
                 if is_empty { FLIGHT } else { FLIGHT / 3.0 }
             }
-            Slide::Held if !self.rig.machine.is_bench() => FILLING,
-            Slide::Held => self.stride.min(self.rests),
+            Slide::Held => FILLING,
             Slide::Moves(_) => FINE,
         }
     }
@@ -211,7 +199,7 @@ impl<'a> Run<'a> {
     pub(super) fn go(&mut self, end: f64, lands: bool) -> Option<()> {
         let mut known = None;
         let (mut before, mut after) = (Guards::new(), Guards::new());
-        while self.time < end - 1e-12 && !self.landed {
+        while self.state.time < end - 1e-12 && !self.landed {
             let first = match known.take() {
                 Some(look) => look,
                 None => self.look(&self.state)?,
@@ -222,7 +210,7 @@ impl<'a> Run<'a> {
                 self.happen(guard, &first)?;
                 continue;
             }
-            let (h, next) = self.advance(&first, end - self.time)?;
+            let (h, next) = self.advance(&first, end - self.state.time)?;
             let step = self.cut(&first, h, next, &before, &mut after)?;
             self.arrive(&step)?;
             if lands && self.mode.foot == Foot::Flies {
@@ -240,7 +228,10 @@ impl<'a> Run<'a> {
 
     /// A step of at most `most` (s) as if there were no events: its length (s) and its end.
     fn advance(&mut self, first: &Look, most: f64) -> Option<(f64, State)> {
-        let mut h = self.longest().min(most);
+        let mut h = self
+            .usual_step()
+            .min(self.rig.machine.longest_step())
+            .min(most);
         let mut next = self.step(first, h)?;
         if self.rests() {
             loop {
@@ -308,9 +299,7 @@ impl<'a> Run<'a> {
 
     /// Takes the end of a step over, and lets its event happen.
     fn arrive(&mut self, step: &Step) -> Option<()> {
-        self.time += step.h;
         self.state = step.next;
-        self.state.time = self.time;
         if step.h > 0.0 {
             self.record();
         }
