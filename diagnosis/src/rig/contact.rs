@@ -424,3 +424,137 @@ impl Machine {
 fn velocity(columns: &[V3; N], v: &Coordinates) -> V3 {
     (0..N).fold(V3::zeros(), |sum, k| sum + columns[k] * v[k])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Legs have mass: the round-off of one without is as large as its accelerations are.
+    const CASES: &[(&str, &[&str])] = &[
+        ("rats-planar", &["leg.mass_kg=0.3", "leg.center_m=0.19"]),
+        (
+            "rats-planar",
+            &[
+                "leg.mass_kg=0.3",
+                "leg.center_m=0.19",
+                "ground.slope_deg=5",
+                "foot.radius_mm=30",
+            ],
+        ),
+        ("rats-boom", &[]),
+        ("rats-boom", &["foot.radius_mm=30"]),
+        ("rats-boom", &["boom.bending_stiffness_n_m_per_rad=400"]),
+    ];
+
+    fn machine(name: &str, terms: &[&str]) -> Machine {
+        let overrides: Vec<String> = terms.iter().map(ToString::to_string).collect();
+        Machine::new(&saltus_robot::resolve(name, &overrides).expect("sound"))
+    }
+
+    /// A robot at a lean, its leg extended and extending.
+    fn moving(machine: &Machine) -> (Coordinates, Coordinates) {
+        let (mut q, mut v) = machine.stand(-0.3, 4.0).expect("a start");
+        (q[LEG], v[LEG]) = (0.02, 1.5);
+        (q, v)
+    }
+
+    fn modes(foot: Foot) -> Modes {
+        Modes {
+            foot,
+            axle: Axle::Turns(1.0),
+            is_leg_held: false,
+        }
+    }
+
+    /// Rates of the contact point's speeds (m/s²), by quotients.
+    fn rates(
+        machine: &Machine,
+        (q, v): &(Coordinates, Coordinates),
+        acceleration: &Coordinates,
+    ) -> [f64; 2] {
+        let h = 1e-5;
+        let speeds = |h: f64| {
+            let q = q + v * h + acceleration * (0.5 * h * h);
+            machine.contact(&q, &(v + acceleration * h)).1
+        };
+        let (before, after) = (speeds(-h), speeds(h));
+        [0, 1].map(|k| (after[k] - before[k]) / (2.0 * h))
+    }
+
+    #[test]
+    fn the_point_of_a_foot_that_stands_is_not_accelerated() {
+        for (name, terms) in CASES {
+            let machine = machine(name, terms);
+            let state = moving(&machine);
+            let answer = machine
+                .solve(&state.0, &state.1, 200.0, modes(Foot::Stands))
+                .expect("an answer");
+            let rates = rates(&machine, &state, &answer.acceleration);
+            // Round-off of a quotient of speeds of 1 m/s over 10 µs.
+            assert!(
+                rates.iter().all(|rate| rate.abs() < 1e-5),
+                "{name} {terms:?}: {rates:?} m/s²"
+            );
+        }
+    }
+
+    #[test]
+    fn a_foot_that_slips_keeps_its_gap_and_its_friction() {
+        for (name, terms) in CASES {
+            let mut machine = machine(name, terms);
+            machine.floor.friction = (0.4, 0.3);
+            let state = moving(&machine);
+            let answer = machine
+                .solve(&state.0, &state.1, 200.0, modes(Foot::Slips(1.0)))
+                .expect("an answer");
+            let rates = rates(&machine, &state, &answer.acceleration);
+            assert!(rates[0].abs() < 1e-5, "{name} {terms:?}: {rates:?} m/s²");
+            let [normal, along] = answer.ground;
+            assert!(normal > 0.0 && (along + 0.3 * normal).abs() < 1e-12 * normal);
+        }
+    }
+
+    /// A held leg stays, and what holds it is what the leg pushes with where that moves nothing.
+    #[test]
+    fn a_leg_is_held_by_what_it_would_move_with() {
+        for (name, terms) in CASES {
+            let machine = machine(name, terms);
+            let (q, mut v) = moving(&machine);
+            v[LEG] = 0.0;
+            let held = Modes {
+                is_leg_held: true,
+                ..modes(Foot::Stands)
+            };
+            let solve = |push, modes| machine.solve(&q, &v, push, modes).expect("an answer");
+            let hold = solve(0.0, held).hold;
+            let free = solve(-hold, modes(Foot::Stands));
+            assert_eq!(solve(0.0, held).acceleration[LEG], 0.0);
+            let rest = solve(0.0, modes(Foot::Stands)).acceleration[LEG].abs();
+            assert!(
+                free.acceleration[LEG].abs() < 1e-6 * rest,
+                "{name} {terms:?}: {} m/s²",
+                free.acceleration[LEG]
+            );
+        }
+    }
+
+    /// Nothing but the leg itself pushes while it is picked up.
+    #[test]
+    fn a_leg_that_stops_takes_no_momentum_from_the_robot() {
+        let (name, terms) = CASES[0];
+        let machine = machine(name, terms);
+        let (q, v) = moving(&machine);
+        let after = machine.stop_leg(&q, &v).expect("an answer");
+        let mass = machine.assemble(&machine.frame(&q, &v), &q, &v).mass;
+        let (before, now) = (mass * v, mass * after);
+        assert!(after[LEG].abs() < 1e-12);
+        for k in [TURN, PIVOT, LEAN] {
+            assert!(
+                (now[k] - before[k]).abs() < 1e-12,
+                "{k}: {} and {}",
+                before[k],
+                now[k]
+            );
+        }
+    }
+}

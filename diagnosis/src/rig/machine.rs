@@ -357,3 +357,98 @@ fn boom_frame(length: f64, q: &Coordinates, v: &Coordinates) -> Frame {
         ..Frame::default()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CASES: &[(&str, &[&str])] = &[
+        ("rats-planar", &[]),
+        ("rats-boom", &[]),
+        ("rats-boom", &["boom.bending_stiffness_n_m_per_rad=400"]),
+        (
+            "rats-boom",
+            &[
+                "leg.mass_kg=0.2",
+                "leg.center_m=0.15",
+                "body.imbalance_mm=30",
+            ],
+        ),
+        (
+            "rats-boom",
+            &[
+                "boom.counterweight.mass_kg=1",
+                "boom.counterweight.distance_m=0.7",
+            ],
+        ),
+    ];
+
+    fn robot(name: &str, terms: &[&str]) -> Robot {
+        let overrides: Vec<String> = terms.iter().map(ToString::to_string).collect();
+        saltus_robot::resolve(name, &overrides).expect("sound")
+    }
+
+    fn equations(machine: &Machine, q: &Coordinates, v: &Coordinates) -> Equations {
+        machine.assemble(&machine.frame(q, v), q, v)
+    }
+
+    /// In free motion the kinetic energy changes by the work of gravity and of the bend alone: what
+    /// the accelerations at q̈ = 0 add to the forces is what the changing mass matrix takes.
+    #[test]
+    fn without_friction_power_is_that_of_forces_at_rest() {
+        let q = Coordinates::from([0.4, 0.1, 0.03, -0.5, 0.02]);
+        for (name, terms) in CASES {
+            let machine = Machine::new(&robot(name, terms));
+            let mut v = Coordinates::from([0.8, -0.6, 0.0, 5.0, 1.5]);
+            if machine.bends() {
+                v[BEND] = 0.7;
+            }
+            let Equations { mass, force } = equations(&machine, &q, &v);
+            let held = Square::from_fn(|i, j| {
+                let is_held = i == BEND && j == BEND && !machine.bends();
+                f64::from(u8::from(is_held))
+            });
+            let acceleration = (mass + held).cholesky().expect("masses").solve(&force);
+            let energy = |h: f64| {
+                let (q, v) = (
+                    q + v * h + acceleration * (0.5 * h * h),
+                    v + acceleration * h,
+                );
+                0.5 * v.dot(&(equations(&machine, &q, &v).mass * v))
+            };
+            let h = 1e-4;
+            let power = (energy(h) - energy(-h)) / (2.0 * h);
+            let at_rest = equations(&machine, &q, &Coordinates::zeros()).force;
+            let expected = v.dot(&at_rest);
+            // The quotient is off by a part of h² times squared rates (1/s).
+            assert!(
+                (power - expected).abs() < 1e-4 * expected.abs().max(1.0),
+                "{name} {terms:?}: {power} W, {expected} W"
+            );
+        }
+    }
+
+    #[test]
+    fn a_free_wheel_has_the_mass_and_the_inertia_of_its_file() {
+        let legs = &[
+            "leg.mass_kg=0.05",
+            "leg.center_m=0.19",
+            "leg.rod_length_m=0.1",
+        ];
+        let robot = robot("rats-planar", legs);
+        let machine = Machine::new(&robot);
+        let q = Coordinates::from([0.3, 0.24, 0.0, 0.7, 0.0]);
+        let mass = equations(&machine, &q, &Coordinates::zeros()).mass;
+        let body = &robot.body;
+        for (k, expected) in [(TURN, body.mass), (PIVOT, body.mass), (LEAN, body.inertia)] {
+            assert!(
+                (mass[(k, k)] - expected).abs() < 1e-12,
+                "{k}: {} and {expected}",
+                mass[(k, k)]
+            );
+        }
+        // The legs balance each other.
+        assert!(mass[(TURN, LEAN)].abs() < 1e-12 && mass[(PIVOT, LEAN)].abs() < 1e-12);
+        assert!((mass[(LEG, LEG)] - robot.leg.body.mass).abs() < 1e-12);
+    }
+}
