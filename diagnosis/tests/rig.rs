@@ -372,3 +372,38 @@ fn an_outcome_is_the_apex_and_the_landing_of_the_flight() {
         }
     }
 }
+
+/// Also on ground that has given way under the robot at rest.
+#[test]
+fn a_hop_from_rest_is_that_of_the_multi_body_simulation() {
+    let soft = [
+        "ground.stiffness_n_per_m=1.2e4",
+        "ground.damping_n_s_per_m=90",
+    ];
+    let rough = ["ground.static_friction=3", "ground.kinetic_friction=3"];
+    let cases = [vec![], soft.to_vec(), [soft, rough].concat()];
+    for (terms, opening) in cases.iter().zip([0.02, 0.04, 0.08]) {
+        let overrides: Vec<String> = terms.iter().map(ToString::to_string).collect();
+        let robot = resolve("rats-boom", &overrides).expect("sound");
+        let firing = sim_check::Firing {
+            lean: 0.0,
+            rate: 0.0,
+            on: 0.005,
+            opening,
+        };
+        let rig = sim_check::Rig::new(&robot, &[]).expect("a rig");
+        let flown = rig.flown(&firing, Settings::default()).expect("a hop");
+        let end = sim_check::TICK * flown.rows.len() as f64;
+        let course = Rig::new(&robot)
+            .jump(Start::Rest, firing.on, firing.on + opening, Some(end))
+            .expect("a hop");
+        for (tick, [_, pivot, ..]) in flown.rows.iter().enumerate() {
+            let time = sim_check::TICK * tick as f64;
+            let off = course.at(time, &mut 0).pivot.0 - pivot;
+            assert!(
+                off.abs() < 1e-6,
+                "{terms:?}, {opening} s: off by {off} rad at {time} s"
+            );
+        }
+    }
+}
