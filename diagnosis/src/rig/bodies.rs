@@ -5,9 +5,9 @@ use saltus_robot::{Boom, Robot};
 
 pub(super) type V3 = Vector3<f64>;
 
-/// Least mass of a leg (kg), as a part of that of the robot.
+/// Least mass of a leg relative to that of the robot.
 const MASSLESS: f64 = 1e-6;
-/// Least mass (kg) of a leg on soft ground, where its spring would else be too fast for any step.
+/// Least mass (kg) of a leg on soft ground. A lighter one would need too short steps.
 const SOFT_LEAST: f64 = 0.02;
 
 /// A rigid body: mass (kg), centre of mass (m) and inertia about it (kg m²) in its own axes.
@@ -25,7 +25,7 @@ impl Rigid {
         inertia: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     };
 
-    /// Inertia in axes that its own are `axes` in.
+    /// Inertia in the axes in which its own axes are the columns of `axes`.
     pub(super) fn turned(&self, axes: &Matrix3<f64>) -> Matrix3<f64> {
         // Most are round.
         let [x, y, z] = [0, 1, 2].map(|k| self.inertia[(k, k)]);
@@ -61,8 +61,8 @@ impl Rigid {
     }
 }
 
-/// The bodies of a robot. Those of the boom are in axes of which y points along it; those of the
-/// wheel are at lean 0.
+/// The bodies of a robot. In the axes of the boom, y points along it. The axes of the wheel are
+/// those at lean 0.
 #[derive(Clone, Debug)]
 pub(super) struct Bodies {
     /// The boom with its counterweight, up to its bend if it bends.
@@ -73,7 +73,7 @@ pub(super) struct Bodies {
     pub(super) wheel: Rigid,
     /// The moving part of the leg that jumps, retracted.
     pub(super) leg: Rigid,
-    /// Mass (kg) that a leg has in its own equation at least.
+    /// Least mass (kg) of a leg in its own equation.
     pub(super) least: f64,
 }
 
@@ -114,7 +114,7 @@ fn rod(robot: &Robot, k: u32) -> Rigid {
     }
 }
 
-/// The wheel, which has lent `lent` (kg) to its leg, with the other legs.
+/// The wheel with the other legs, less the mass `lent` (kg) that it lends to the leg.
 fn wheel(robot: &Robot, lent: f64) -> Rigid {
     let body = &robot.body;
     let (offset, angle) = (body.imbalance, body.imbalance_angle);
@@ -132,7 +132,7 @@ fn wheel(robot: &Robot, lent: f64) -> Rigid {
     wheel
 }
 
-/// The boom up to its bend, with its counterweight, and beyond; all of it where it does not bend.
+/// The boom up to its bend, with its counterweight, and beyond. A rigid boom has nothing beyond.
 fn halves(boom: &Boom) -> (Rigid, Rigid) {
     let cylinder = |length: f64| {
         let mass = boom.mass * length / boom.length;

@@ -1,5 +1,5 @@
-//! The foot on the ground: where it touches, how a robot stands on it, and the accelerations in each
-//! contact mode.
+//! The foot on the ground: where it touches, how a robot stands on it, and the accelerations in
+//! each contact mode.
 
 use nalgebra::{Cholesky, Const};
 use saltus_robot::Ground;
@@ -31,18 +31,18 @@ impl Floor {
         }
     }
 
-    /// Whether the foot of a leg that is stopped in its stroke stays on the ground: soft ground goes
-    /// on pushing until its spring is slack. Friction without a limit would meanwhile hold the foot
-    /// and turn the robot about it, so that the foot then leaves at once.
+    /// Whether the foot stays on the ground as its leg reaches the end of the stroke. Soft ground
+    /// pushes on until its spring is slack. If the foot could not slip meanwhile, it would turn the
+    /// robot about itself; then it leaves at once.
     pub(super) fn pushes_on(&self) -> bool {
         self.soft.is_some() && self.friction.0.is_finite()
     }
 }
 
-/// What the foot does.
+/// The contact mode of the foot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Foot {
-    /// It stands still along the travel.
+    /// It sticks along the travel.
     Stands,
     /// It slips along the travel, this way.
     Slips(f64),
@@ -59,7 +59,7 @@ pub(super) enum Axle {
     Held,
 }
 
-/// What stands still, and what moves.
+/// Which parts stick or are held.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Modes {
     pub(super) foot: Foot,
@@ -87,18 +87,19 @@ pub(super) struct Answer {
 struct Place {
     /// Its distance from the ground (m).
     gap: f64,
-    /// The ground's normal, and the direction of the travel.
+    /// Unit vectors along the ground's normal and the travel.
     normal: V3,
     along: V3,
-    /// The point of the foot that touches, and the centre of the foot.
+    /// The contact point and the centre of the foot (m).
     point: V3,
     center: V3,
 }
 
-/// Which coordinates do not move.
+/// Coordinates that are held.
 type Held = [bool; N];
 
-/// Velocity of the contact point in a direction for a unit velocity of each coordinate.
+/// A constraint row: the velocity of the contact point in a direction for a unit velocity of each
+/// coordinate.
 #[derive(Clone, Copy)]
 struct Row {
     whole: Coordinates,
@@ -125,19 +126,19 @@ impl Row {
 
 /// A foot on the ground.
 struct Touch {
-    /// Force (N) of soft ground along the normal.
+    /// Normal force (N) of soft ground.
     spring: Option<f64>,
     normal: Row,
     along: Row,
-    /// The normal force, and the friction across the travel that it brings with it.
+    /// The row along which the normal force acts, with the friction across the travel.
     push: Row,
     /// Accelerations of the contact point along normal and travel where all accelerations are 0.
     bias: [f64; 2],
 }
 
-/// Speed (m/s) over which friction across the travel turns over.
+/// Speed (m/s) up to which friction across the travel is proportional to the speed.
 const ACROSS_SPEED: f64 = 1e-4;
-/// Rate (rad/s) below which the axle stands.
+/// Rate (rad/s) up to which an axle counts as standing.
 const STANDING: f64 = 1e-9;
 
 fn without(mut x: Coordinates, held: Held) -> Coordinates {
@@ -253,7 +254,7 @@ impl Machine {
         (q.iter().chain(v.iter()).all(|x| x.is_finite())).then_some((q, v))
     }
 
-    /// What the axle does where it turns at `rate` (rad/s).
+    /// The mode of an axle that turns at `rate` (rad/s).
     pub(super) fn axle_at(&self, rate: f64) -> Axle {
         if self.axle_friction == 0.0 || rate.abs() > STANDING {
             Axle::Turns(rate.signum())
@@ -262,8 +263,8 @@ impl Machine {
         }
     }
 
-    /// Accelerations under the leg's force `push` (N, positive extends), with foot, axle and leg as
-    /// they are.
+    /// Accelerations and forces in `modes` under the force `push` of the leg (N, positive extends).
+    /// None if the mass matrix is not positive definite.
     pub(super) fn solve(
         &self,
         q: &Coordinates,
@@ -303,7 +304,7 @@ impl Machine {
         })
     }
 
-    /// Coordinates that do not move: those that the robot has not, and those that are held.
+    /// Coordinates that the robot has not, and those that `modes` holds.
     fn held(&self, modes: Modes) -> Held {
         let mut held = [false; N];
         held[BEND] = !self.bends();
@@ -370,8 +371,8 @@ impl Machine {
         [at.normal.dot(&at_center), along]
     }
 
-    /// Force (N) of the ground, normal and along the travel. Without it the accelerations are
-    /// `free`; `answers` are what 1 N of each adds to them.
+    /// Force (N) of the ground, normal and along the travel. The accelerations without it are
+    /// `free`; 1 N of each adds `answers` to them.
     fn ground(
         &self,
         touch: &Touch,
@@ -402,7 +403,7 @@ impl Machine {
         }
     }
 
-    /// Velocities after the leg has been stopped in its stroke, foot and axle free: it is picked up.
+    /// Velocities after the impulse that stops the leg in its stroke, with foot and axle free.
     pub(super) fn stop_leg(&self, q: &Coordinates, v: &Coordinates) -> Option<Coordinates> {
         if self.is_bench() {
             return Some(Coordinates::zeros());
@@ -420,7 +421,7 @@ impl Machine {
     }
 }
 
-/// Velocity (m/s) of a point with these columns.
+/// Velocity (m/s) of the point that has these columns.
 fn velocity(columns: &[V3; N], v: &Coordinates) -> V3 {
     (0..N).fold(V3::zeros(), |sum, k| sum + columns[k] * v[k])
 }
@@ -429,7 +430,7 @@ fn velocity(columns: &[V3; N], v: &Coordinates) -> V3 {
 mod tests {
     use super::*;
 
-    /// Legs have mass: the round-off of one without is as large as its accelerations are.
+    /// Each leg has mass, because the accelerations of one without have large round-off.
     const CASES: &[(&str, &[&str])] = &[
         ("rats-planar", &["leg.mass_kg=0.3", "leg.center_m=0.19"]),
         (
@@ -451,7 +452,7 @@ mod tests {
         Machine::new(&saltus_robot::resolve(name, &overrides).expect("sound"))
     }
 
-    /// A robot at a lean, its leg extended and extending.
+    /// A robot that leans, with its leg extended and extending.
     fn moving(machine: &Machine) -> (Coordinates, Coordinates) {
         let (mut q, mut v) = machine.stand(-0.3, 4.0).expect("a start");
         (q[LEG], v[LEG]) = (0.02, 1.5);
@@ -514,7 +515,7 @@ mod tests {
         }
     }
 
-    /// A held leg stays, and what holds it is what the leg pushes with where that moves nothing.
+    /// A leg that pushes against the force that holds it does not move once it is free.
     #[test]
     fn a_leg_is_held_by_what_it_would_move_with() {
         for (name, terms) in CASES {
@@ -538,7 +539,7 @@ mod tests {
         }
     }
 
-    /// Nothing but the leg itself pushes while it is picked up.
+    /// The impulse acts between leg and wheel only.
     #[test]
     fn a_leg_that_stops_takes_no_momentum_from_the_robot() {
         let (name, terms) = CASES[0];

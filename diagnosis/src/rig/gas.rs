@@ -1,4 +1,4 @@
-//! The gas behind the leg: how it changes, also where it is stiff.
+//! The gas behind the leg. Behind a held leg it is integrated apart, because it may be stiff.
 
 use saltus_numeric::dop853;
 use saltus_pneumatics::{GasState, Piece};
@@ -7,15 +7,16 @@ use super::Extra;
 use super::machine::LEG;
 use super::run::{Run, Slide, State};
 
-/// Error of a step of the gas behind a held leg: of its variable, which is of the size of 1.
+/// Error allowed in a step of the gas behind a held leg, of its variable, which is of order 1.
 const GAS: f64 = 1e-10;
-/// Part of the gas by which it may be away from balance, and counts as balanced.
+/// Distance from balance, relative to the gas, below which inflow and outflow count as balanced.
 const BALANCE: f64 = 1e-9;
-/// Such steps within one of the motion, beyond which it is taken as stuck.
+/// Most steps of the gas within one step of the motion: with more it counts as stuck.
 const MOST: usize = 10_000;
 
 impl Run<'_> {
-    /// The piece of the gas law at the present pressure, or just above or below it.
+    /// Selects the piece of the gas law at the present pressure, or just above (`side` > 0) or
+    /// below (`side` < 0) it.
     pub(super) fn renew(&mut self, side: f64) {
         self.mode.fed = false;
         if let (Some(chamber), Some(piece)) = (self.rig.leg.chamber(), &self.mode.piece) {
@@ -32,7 +33,7 @@ impl Run<'_> {
         }
     }
 
-    /// The gas, and how its variable changes; none without a chamber.
+    /// The gas and the rate of its variable; none without a chamber.
     pub(super) fn gas(&self, s: &State) -> Option<(GasState<f64>, f64)> {
         let speed = if matches!(self.mode.leg, Slide::Moves(_)) {
             s.v[LEG]
@@ -67,8 +68,8 @@ impl Run<'_> {
         Some((gas, rate))
     }
 
-    /// The gas behind a leg that is held, after `h`: in steps as short as accuracy asks, up to the
-    /// balance of inflow and outflow, where it stays.
+    /// The variable of the gas behind a held leg after `h` (s), by DOP853 with error control. Where
+    /// inflow and outflow balance, it stays.
     pub(super) fn held_gas(&self, h: f64) -> Option<f64> {
         let State {
             time, gas: mut u, ..
@@ -113,12 +114,12 @@ impl Run<'_> {
         self.rig.machine.is_bench() && self.mode.leg == Slide::Held
     }
 
-    /// Whether the valve has come to where it stays.
+    /// Whether the valve is not in the middle of opening.
     pub(super) fn is_open(&self, time: f64) -> bool {
         !self.mode.switches.energized || time >= self.mode.opens + self.rig.extra.opening
     }
 
-    /// By what part of the pressure the cubic from here to `next` is off in its middle.
+    /// Error of the cubic from here to `next` in its middle, relative to the pressure.
     pub(super) fn bend(&self, next: &State) -> Option<f64> {
         let h = next.time - self.state.time;
         let of = |s: &State| {
@@ -139,7 +140,7 @@ impl Run<'_> {
     }
 }
 
-/// Where a function that is above 0 at `from` is 0, up to `to`.
+/// Root of a function that is above 0 at `from`, between `from` and `to`: bisection.
 fn root(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (mut inside, mut outside) = (from, to);
     for _ in 0..40 {

@@ -1,4 +1,4 @@
-//! What ends a smooth phase, and what happens then.
+//! Guards and mode changes: what ends a mode, and which mode follows.
 
 use saltus_pneumatics::Flow;
 
@@ -6,7 +6,7 @@ use super::contact::{Axle, Foot};
 use super::machine::{LEAN, LEG};
 use super::run::{Look, Run, Slide, State};
 
-/// What ends a smooth phase.
+/// A function that is above 0 while the mode lasts, and ends it as it comes to 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Guard {
     Lift,
@@ -17,7 +17,7 @@ pub(super) enum Guard {
     Extend,
     Retract,
     Halt,
-    /// Dry friction no longer holds the axle, or holds it from now on.
+    /// Dry friction lets the axle go, or holds it.
     Turn,
     Brake,
     Stroke,
@@ -29,7 +29,7 @@ pub(super) enum Guard {
 }
 
 impl Guard {
-    /// Whether it may be broken at the start of a step, by a jump in a force.
+    /// Whether it may be below 0 at the start of a step, after a jump in a force.
     pub(super) fn is_of_forces(self) -> bool {
         matches!(
             self,
@@ -38,16 +38,16 @@ impl Guard {
     }
 }
 
-/// Guards with their values, which are above 0 while the mode lasts.
+/// Guards with their values.
 pub(super) type Guards = Vec<(Guard, f64)>;
 
 /// A force (N) that counts as none.
 pub(super) const TINY: f64 = 1e-7;
-/// Events of one jump, beyond which it is taken as stuck.
+/// Most events of one jump: with more it counts as stuck.
 const EVENTS: usize = 300;
 
 impl Run<'_> {
-    /// The guards of the mode at `s`, in place of those that were in `guards`.
+    /// Replaces `guards` by those of the mode at `s`.
     pub(super) fn guard(&self, s: &State, look: &Look, guards: &mut Guards) {
         guards.clear();
         self.guard_foot(s, look, guards);
@@ -131,7 +131,8 @@ impl Run<'_> {
         }
     }
 
-    /// Lets the event of `guard` happen; none beyond the most that a jump may have.
+    /// Changes the mode as the event of `guard` asks. None after the most events that a jump may
+    /// have.
     pub(super) fn happen(&mut self, guard: Guard, look: &Look) -> Option<()> {
         self.events += 1;
         if self.events > EVENTS {
@@ -190,7 +191,8 @@ impl Run<'_> {
         self.mode.fed = false;
     }
 
-    /// The leg meets an end of its stroke, at the extension `at` (m).
+    /// The leg reaches the end of its stroke at the extension `at` (m), and is stopped by an
+    /// impulse.
     fn stop(&mut self, at: f64) -> Option<()> {
         self.state.q[LEG] = at;
         self.state.v = self.rig.machine.stop_leg(&self.state.q, &self.state.v)?;
@@ -200,7 +202,7 @@ impl Run<'_> {
         Some(())
     }
 
-    /// The pressure falls below the piece of its law.
+    /// The pressure falls below the present piece of the gas law.
     fn fall_below(&mut self) {
         let was_full = self
             .mode

@@ -1,5 +1,5 @@
-//! Equations of motion of a wheel with legs on a boom, or free in its plane: kinematics, mass matrix
-//! and forces.
+//! Equations of motion of a wheel with legs on a boom, or free in its plane: kinematics, mass
+//! matrix and forces.
 //!
 //! Coordinates q: radius angle ψ (rad, forward) and pivot angle θ (rad, up), or travel x and height
 //! z (m) without a boom; the bend of the boom (rad); the lean φ of the leg (rad); its extension d
@@ -22,7 +22,7 @@ pub(super) const BEND: usize = 2;
 pub(super) const LEAN: usize = 3;
 pub(super) const LEG: usize = 4;
 
-/// A robot, as far as its motion goes; the force of its leg is given.
+/// The mechanics of a robot. The force of its leg is given from outside.
 #[derive(Clone, Debug)]
 pub(super) struct Machine {
     pub(super) boom: Option<f64>,
@@ -37,9 +37,9 @@ pub(super) struct Machine {
     pub(super) radius: f64,
     pub(super) foot: f64,
     pub(super) floor: Floor,
-    /// Terms that no listed cause has.
+    /// Terms that belong to no listed cause.
     extra: super::Extra,
-    /// Mass (kg) that the leg of a cylinder on the bench lifts; the robot is then not there.
+    /// Load (kg) of a cylinder on the bench, without the robot.
     pub(super) load: Option<f64>,
 }
 
@@ -49,15 +49,15 @@ pub(super) struct Part {
     axes: Matrix3<f64>,
     /// The joint that it turns about (m).
     pub(super) joint: V3,
-    /// Acceleration of the joint where all accelerations are 0.
+    /// Acceleration of the joint where all q̈ are 0.
     pub(super) bias: V3,
-    /// Angular velocity, and its rate where all accelerations are 0.
+    /// Angular velocity, and its rate where all q̈ are 0.
     pub(super) spin: V3,
     pub(super) spin_rate: V3,
 }
 
 impl Part {
-    /// Acceleration where all accelerations are 0 of the point that is `arm` off the joint.
+    /// Acceleration, relative to the joint, of the point at `arm` (m) from it, where all q̈ are 0.
     pub(super) fn bias_at(&self, arm: &V3) -> V3 {
         self.spin_rate.cross(arm) + self.spin.cross(&self.spin.cross(arm))
     }
@@ -100,8 +100,7 @@ impl Machine {
         }
     }
 
-    /// One cylinder of `robot` upright on the bench under a dead load (kg), which is all that it
-    /// moves.
+    /// One upright cylinder of `robot` on the bench, which moves nothing but a dead load (kg).
     pub(super) fn bench(robot: &Robot, load: f64) -> Machine {
         Machine {
             load: Some(load),
@@ -109,12 +108,12 @@ impl Machine {
         }
     }
 
-    /// With terms that no listed cause has.
+    /// The same with terms that belong to no listed cause.
     pub(super) fn with(self, extra: super::Extra) -> Machine {
         Machine { extra, ..self }
     }
 
-    /// Longest step (s) that follows soft ground under the mass of the leg.
+    /// Longest step (s) for the mass of the leg on the spring and the damper of soft ground.
     pub(super) fn soft_step(&self) -> f64 {
         self.floor.soft.map_or(f64::INFINITY, |(k, c)| {
             let stiff = (k / self.bodies.leg.mass)
@@ -124,7 +123,7 @@ impl Machine {
         })
     }
 
-    /// Longest step (s) that follows what bends; none where nothing does.
+    /// Longest step (s) for the swing of a boom that bends; infinite for others.
     pub(super) fn longest_step(&self) -> f64 {
         let (Some(stiffness), Some(length)) = (self.flex, self.boom) else {
             return f64::INFINITY;
@@ -197,7 +196,7 @@ impl Machine {
         }
     }
 
-    /// What `x` has along the angular velocity for a unit velocity `joint`.
+    /// Component of `x` along the angular velocity for a unit velocity of `joint`.
     fn about(&self, f: &Frame, joint: usize, x: &V3) -> f64 {
         match joint {
             LEAN => f.outward.dot(x),
@@ -250,8 +249,8 @@ impl Machine {
         equations
     }
 
-    /// Adds a body on a part, moved by `joints` and slid along the leg by (m, m/s) `slide`; of the
-    /// mass matrix it fills the upper half.
+    /// Adds a body of a part to the equations. It moves with `joints`, and `slide` is its extension
+    /// (m) and rate (m/s) along the leg. Only the upper half of the mass matrix is filled.
     fn add(
         &self,
         f: &Frame,
@@ -290,7 +289,7 @@ impl Machine {
         }
     }
 
-    /// Adds the forces of the bend, of the air and in the joints.
+    /// Adds the forces of the bend and the air, and those in the joints.
     fn apply(&self, f: &Frame, q: &Coordinates, v: &Coordinates, force: &mut Coordinates) {
         if let Some(stiffness) = self.flex {
             force[BEND] -= stiffness * q[BEND];
@@ -392,8 +391,8 @@ mod tests {
         machine.assemble(&machine.frame(q, v), q, v)
     }
 
-    /// In free motion the kinetic energy changes by the work of gravity and of the bend alone: what
-    /// the accelerations at q̈ = 0 add to the forces is what the changing mass matrix takes.
+    /// In free motion only gravity and the bend do work on the robot. The forces that depend on
+    /// velocity do none beyond what the mass matrix needs as it changes.
     #[test]
     fn without_friction_power_is_that_of_forces_at_rest() {
         let q = Coordinates::from([0.4, 0.1, 0.03, -0.5, 0.02]);

@@ -1,9 +1,18 @@
-//! One jump of a robot, fast enough to be fitted: phases, guards and resets, in fixed steps that
-//! end on every event.
+//! The fitted simulation: one jump of a robot, fast enough to be fitted to data.
 //!
-//! The model is that of the multi-body simulation (docs/model.md), in the five coordinates that one
-//! leg on the ground needs. It shares with it the force of the leg and nothing else; tests hold the
-//! two together for every term of a robot file.
+//! It has the model of the multi-body simulation in the five coordinates that one leg on the ground
+//! needs (docs/model.md, "The simulation that is fitted to data"). The two share the force of the
+//! leg and nothing else. `diagnosis/tests/rig.rs` compares them for every term of a robot file.
+//!
+//! | file | content |
+//! | --- | --- |
+//! | `bodies.rs` | the robot as rigid bodies |
+//! | `machine.rs` | kinematics, mass matrix, forces |
+//! | `contact.rs` | the foot on the ground: constraint rows, contact modes, accelerations |
+//! | `gas.rs` | the gas behind the leg |
+//! | `guards.rs` | guards of each mode, and the mode changes at their events |
+//! | `run.rs` | steps from event to event |
+//! | `course.rs` | the result: states at knots, and what sensors would read between them |
 
 mod bodies;
 mod contact;
@@ -19,7 +28,8 @@ use run::{LONG, Run, Slide};
 use saltus_pneumatics::Leg;
 use saltus_robot::{Drive, Robot};
 
-/// Terms of the motion that no listed cause has, to describe what none explains; all 0 is none.
+/// Terms of the motion that belong to no listed cause. They describe what no cause explains; 0 is
+/// off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Extra {
     /// Force −c |ḋ| ḋ on the leg (N s²/m²).
@@ -60,12 +70,12 @@ pub struct Rig {
     machine: Machine,
     leg: Leg<f64>,
     massless: bool,
-    /// One over the root of the gas' temperature (1/√K).
+    /// 1/√T of the supplied gas (1/√K).
     per_root: f64,
     extra: Extra,
 }
 
-/// What is left of a flight when nobody asks.
+/// End (s) of a jump that does not land.
 const PATIENCE: f64 = 3.0;
 
 impl Rig {
@@ -84,8 +94,8 @@ impl Rig {
         }
     }
 
-    /// One leg of `robot` upright on the bench under a dead load (kg), which is all that it moves;
-    /// at the end of its stroke it stays.
+    /// One upright leg of `robot` on the bench, which moves nothing but a dead load (kg). At the
+    /// end of its stroke the leg stays.
     pub fn bench(robot: &Robot, load: f64) -> Rig {
         Rig {
             machine: Machine::bench(robot, load),
@@ -93,7 +103,7 @@ impl Rig {
         }
     }
 
-    /// The rig with terms that no listed cause has.
+    /// The rig with terms that belong to no listed cause.
     #[must_use]
     pub fn with(self, extra: Extra) -> Rig {
         Rig {
@@ -103,14 +113,14 @@ impl Rig {
         }
     }
 
-    /// What happens from `start` at time 0, when the valve is commanded open and shut at `open` and
-    /// `shut` (s), up to `until` (s), or until the axle is back at its height on a retracted,
-    /// upright leg; none where the motion cannot go on.
+    /// The motion from `start` at time 0, with the valve commanded open at `open` and shut at
+    /// `shut` (s), up to `until` (s). Without `until` it ends as the axle is back at its height on
+    /// a retracted, upright leg. None if the equations have no solution or the robot falls over.
     pub fn jump(&self, start: Start, open: f64, shut: f64, until: Option<f64>) -> Option<Course> {
         self.jump_in_steps(start, open, shut, until, LONG)
     }
 
-    /// The same with steps of at most `rests` (s) while the rod rests on the bench.
+    /// The same with a longest step `rests` (s) while the rod rests on the bench.
     fn jump_in_steps(
         &self,
         start: Start,
@@ -141,8 +151,8 @@ impl Rig {
         Some(run.course)
     }
 
-    /// The greatest height of the axle (m) and its travel (m) from the foot when it is back at its
-    /// height on the retracted leg, of a jump that begins where it fires.
+    /// Apex and landing of a jump that is fired at its start: the greatest height of the axle (m),
+    /// and its travel (m) from the foot as it is back at its height on the retracted leg.
     pub fn outcome(&self, lean: f64, rate: f64, valve_open: f64) -> Option<(f64, f64)> {
         let course = self.jump(Start::Rolling { lean, rate }, 0.0, valve_open, None)?;
         course.leaves?;

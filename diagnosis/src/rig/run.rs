@@ -1,4 +1,4 @@
-//! A motion from phase to phase: each in fixed steps that end on its events.
+//! The motion, step by step: each mode in fixed steps, of which the last ends on the event.
 
 use saltus_pneumatics::{Flow, Piece, Switches};
 
@@ -8,27 +8,27 @@ use super::guards::{Guard, Guards, TINY};
 use super::machine::{Coordinates, LEAN, LEG};
 use super::{Rig, Start};
 
-/// Steps (s): on soft ground, while the leg fills, while it works, before it is fired, and in
-/// flight. With them a jump is off by less than 1e-6 rad.
+/// Step sizes (s): on soft ground, while the chamber fills, while the leg moves, before it is
+/// fired, and in flight. With them the error of a jump is below 1e-6 rad.
 const SOFT: f64 = 2.5e-4;
 const FILLING: f64 = 3e-3;
 pub(super) const FINE: f64 = 1e-3;
 const COARSE: f64 = 6e-3;
 const FLIGHT: f64 = 1.2e-2;
-/// Difference of the stages of a step, as a part of the gas, above which the step is halved while
-/// the leg moves.
+/// Difference between the inner stages of a step, relative to the gas, above which the step is
+/// halved while the leg moves.
 const GAS_ERROR: f64 = 3e-4;
-/// Part of the pressure by which the cubic between the ends of a step may be off while the rod
+/// Error allowed, relative to the pressure, of the cubic between the ends of a step while the rod
 /// rests on the bench.
 const CUBIC: f64 = 1e-7;
-/// Longest and shortest step (s) there.
+/// Longest and shortest step (s) on the bench.
 pub(super) const LONG: f64 = 1.0;
 const BRIEF: f64 = 1e-6;
 
 /// What the leg does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Slide {
-    /// Until it is fired.
+    /// It has not been fired.
     Latched,
     Held,
     Moves(f64),
@@ -47,19 +47,18 @@ pub(super) struct Mode {
     pub(super) foot: Foot,
     pub(super) axle: Axle,
     pub(super) leg: Slide,
-    /// Whether the drive pushes, and the leg is in its cushion.
+    /// Whether the drive is on, and whether the leg is in its cushion.
     pub(super) switches: Switches,
     /// When (s) the valve began to open.
     pub(super) opens: f64,
     pub(super) port_open: bool,
     pub(super) piece: Option<Piece<f64>>,
-    /// A leak takes less from a full chamber than the valve gives before the pressure has fallen at
-    /// all.
+    /// The valve supplies a full chamber with what its leak loses, so that the pressure stays.
     pub(super) fed: bool,
 }
 
 impl Mode {
-    /// Before the leg is fired.
+    /// The mode before the leg is fired.
     fn new(foot: Foot, axle: Axle, piece: Option<Piece<f64>>) -> Mode {
         Mode {
             foot,
@@ -77,11 +76,11 @@ impl Mode {
     }
 }
 
-/// What goes on at a state.
+/// The equations evaluated at a state.
 pub(super) struct Look {
-    /// Accelerations, and what the ground does.
+    /// Accelerations and forces.
     pub(super) answer: Answer,
-    /// How the variable of the gas changes.
+    /// Rate of the variable of the gas.
     pub(super) rate: f64,
     /// Dry friction (N) of the leg.
     pub(super) dry: f64,
@@ -100,7 +99,7 @@ pub(super) struct Run<'a> {
     pub(super) rig: &'a Rig,
     /// Longest step (s) while the rod rests on the bench.
     pub(super) rests: f64,
-    /// What the next step (s) would be there.
+    /// Next step (s) there.
     stride: f64,
     pub(super) state: State,
     pub(super) mode: Mode,
@@ -195,7 +194,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Goes on to the time `end`, or if `lands`, to the landing.
+    /// Goes on until the time `end` (s), or if `lands`, until the landing.
     pub(super) fn go(&mut self, end: f64, lands: bool) -> Option<()> {
         let mut known = None;
         let (mut before, mut after) = (Guards::new(), Guards::new());
@@ -226,7 +225,7 @@ impl<'a> Run<'a> {
         Some(())
     }
 
-    /// A step of at most `most` (s) as if there were no events: its length (s) and its end.
+    /// A step of at most `most` (s) without regard to events: its length (s) and its end.
     fn advance(&mut self, first: &Look, most: f64) -> Option<(f64, State)> {
         let mut h = self
             .usual_step()
@@ -253,7 +252,7 @@ impl<'a> Run<'a> {
         Some((h, next.0))
     }
 
-    /// The step of `h` (s) to `next` up to the earliest event within it.
+    /// Cuts the step of `h` (s) to `next` off at the earliest event within it.
     fn cut(
         &self,
         first: &Look,
@@ -297,7 +296,7 @@ impl<'a> Run<'a> {
         Some(step)
     }
 
-    /// Takes the end of a step over, and lets its event happen.
+    /// Moves to the end of a step, and changes the mode if an event ended it.
     fn arrive(&mut self, step: &Step) -> Option<()> {
         self.state = step.next;
         if step.h > 0.0 {
@@ -311,8 +310,7 @@ impl<'a> Run<'a> {
         Some(())
     }
 
-    /// Length of the step at whose end guard number `k` is 0, just past it: regula falsi
-    /// (Illinois).
+    /// Length (s) of the step at whose end guard number `k` is 0: regula falsi (Illinois).
     fn locate(&self, first: &Look, k: usize, ends: (f64, f64), h: f64) -> Option<f64> {
         let (mut a, mut b, mut fa, mut fb) = (0.0, h, ends.0, ends.1);
         if fa == 0.0 {
@@ -343,8 +341,8 @@ impl<'a> Run<'a> {
         Some(b)
     }
 
-    /// A Runge–Kutta step of `h`, whose first stage is given; and by what part of the gas its inner
-    /// stages differ.
+    /// A step of `h` (s) by the classical Runge–Kutta method, whose first stage is given. Also the
+    /// difference between its inner stages, relative to the gas.
     fn step(&self, first: &Look, h: f64) -> Option<(State, f64)> {
         let s = &self.state;
         if self.rests() {
@@ -402,7 +400,7 @@ impl<'a> Run<'a> {
         (push, (dry + extra.tightening * d).max(0.0))
     }
 
-    /// Accelerations, what the ground does, how the gas changes; and dry friction of the leg.
+    /// Evaluates the equations at `s`.
     fn look(&self, s: &State) -> Option<Look> {
         let (pressure, rate) = match self.mode.leg {
             Slide::Latched => (0.0, 0.0),
