@@ -98,40 +98,16 @@ struct Place {
 /// Coordinates that are held.
 type Held = [bool; N];
 
-/// A constraint row: the velocity of the contact point in a direction for a unit velocity of each
-/// coordinate.
-#[derive(Clone, Copy)]
-struct Row {
-    whole: Coordinates,
-    /// The same without the coordinates that are held.
-    free: Coordinates,
-}
-
-impl Row {
-    fn new(columns: &[V3; N], way: &V3, held: Held) -> Row {
-        let whole = Coordinates::from_fn(|k, _| columns[k].dot(way));
-        Row {
-            whole,
-            free: without(whole, held),
-        }
-    }
-
-    fn plus(&self, other: &Row, share: f64) -> Row {
-        Row {
-            whole: self.whole + other.whole * share,
-            free: self.free + other.free * share,
-        }
-    }
-}
-
-/// A foot on the ground.
+/// A foot on the ground. A constraint row is the velocity of the contact point in a direction for a
+/// unit velocity of each coordinate.
 struct Touch {
     /// Normal force (N) of soft ground.
     spring: Option<f64>,
-    normal: Row,
-    along: Row,
+    /// Constraint rows along normal and travel.
+    normal: Coordinates,
+    along: Coordinates,
     /// The row along which the normal force acts, with the friction across the travel.
-    push: Row,
+    push: Coordinates,
     /// Accelerations of the contact point along normal and travel where all accelerations are 0.
     bias: [f64; 2],
 }
@@ -286,12 +262,12 @@ impl Machine {
         let mut acceleration = factor.solve(&without(force, held));
         let mut ground = [0.0; 2];
         if modes.foot != Foot::Flies {
-            let touch = self.touch(&f, q, v, held);
-            let by_normal = factor.solve(&touch.push.free);
-            let by_along = factor.solve(&touch.along.free);
+            let touch = self.touch(&f, q, v);
+            let by_normal = factor.solve(&without(touch.push, held));
+            let by_along = factor.solve(&without(touch.along, held));
             ground = self.ground(&touch, &acceleration, [&by_normal, &by_along], modes.foot);
             acceleration = acceleration + by_normal * ground[0] + by_along * ground[1];
-            force = force + touch.push.whole * ground[0] + touch.along.whole * ground[1];
+            force = force + touch.push * ground[0] + touch.along * ground[1];
         }
         // The row of a coordinate that is held tells what holds it.
         let hold = |k: usize| force[k] - (mass.row(k) * acceleration)[0];
@@ -327,17 +303,17 @@ impl Machine {
         }
     }
 
-    fn touch(&self, f: &Frame, q: &Coordinates, v: &Coordinates, held: Held) -> Touch {
+    fn touch(&self, f: &Frame, q: &Coordinates, v: &Coordinates) -> Touch {
         let place = self.place(f, q);
         let columns = self.columns(f, &place.point, true);
-        let row = |way: &V3| Row::new(&columns, way, held);
+        let row = |way: &V3| Coordinates::from_fn(|k, _| columns[k].dot(way));
         let speed = |way: &V3| (0..N).map(|k| columns[k].dot(way) * v[k]).sum::<f64>();
         let (normal, along) = (row(&place.normal), row(&place.along));
         let mut push = normal;
         if self.floor.across > 0.0 && self.boom.is_some() {
             let across = place.normal.cross(&place.along);
             let share = -self.floor.across * (speed(&across) / ACROSS_SPEED).clamp(-1.0, 1.0);
-            push = normal.plus(&row(&across), share);
+            push += row(&across) * share;
         }
         let spring = |(k, c): (f64, f64)| -k * place.gap - c * speed(&place.normal);
         Touch {
@@ -380,7 +356,7 @@ impl Machine {
         answers: [&Coordinates; 2],
         foot: Foot,
     ) -> [f64; 2] {
-        let (normal, along) = (&touch.normal.free, &touch.along.free);
+        let (normal, along) = (&touch.normal, &touch.along);
         let [nn, nt] = answers.map(|answer| normal.dot(answer));
         let [tn, tt] = answers.map(|answer| along.dot(answer));
         let an = normal.dot(free) + touch.bias[0];
