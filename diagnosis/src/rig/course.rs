@@ -1,8 +1,8 @@
-//! What a robot does: states at knots, and what the sensors would read between them.
+//! The result of a run: states at knots, and what sensors would read between them.
 
 use super::machine::{Coordinates, LEAN, LEG, PIVOT, TURN};
 
-/// What a robot does from a start on.
+/// The motion of a robot from its start.
 #[derive(Clone, Debug, Default)]
 pub struct Course {
     pub(super) knots: Vec<Knot>,
@@ -16,7 +16,7 @@ pub struct Course {
     pub leaves: Option<f64>,
 }
 
-/// A place on a course.
+/// A state on a course.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Knot {
     pub(super) time: f64,
@@ -26,7 +26,7 @@ pub(super) struct Knot {
     pub(super) pressure: (f64, f64),
 }
 
-/// What the sensors would read without error.
+/// What sensors without error would read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
     /// Lean φ of the leg (rad), and its rate (rad/s).
@@ -44,8 +44,8 @@ pub struct Pose {
     pub pressure: (f64, f64),
 }
 
-/// Value and slope at `s` in [0, 1] of the cubic with these ends; the slopes are for the whole
-/// length `h`.
+/// Value and slope at `s` in [0, 1] of the cubic Hermite polynomial over the length `h`, from
+/// values and slopes at its ends.
 fn hermite(a: (f64, f64), b: (f64, f64), s: f64, h: f64) -> (f64, f64) {
     let (da, db) = (a.1 * h, b.1 * h);
     let rise = b.0 - a.0;
@@ -56,8 +56,8 @@ fn hermite(a: (f64, f64), b: (f64, f64), s: f64, h: f64) -> (f64, f64) {
 }
 
 impl Course {
-    /// The pose at the time (s); before the start it is on a line, after the end the last. `place`
-    /// is where the last one was found.
+    /// The pose at `time` (s). Before the start it moves on at the first rates; after the end it is
+    /// the last pose. The search begins at the knot `place`, which becomes the one found.
     pub fn at(&self, time: f64, place: &mut usize) -> Pose {
         let knots = &self.knots;
         if *place + 1 >= knots.len() || knots[*place].time > time {
@@ -118,7 +118,7 @@ impl Course {
     }
 }
 
-/// Where a function that falls through 0 on [0, 1] does so.
+/// Root of a function that falls through 0 on [0, 1]: bisection.
 fn root(f: impl Fn(f64) -> f64) -> f64 {
     let (mut a, mut b) = (0.0, 1.0);
     for _ in 0..60 {

@@ -1,3 +1,4 @@
+use super::run::{FINE, State};
 use super::*;
 
 /// What fills and empties the chamber, from next to nothing to more than the valve lets in.
@@ -104,7 +105,7 @@ fn the_gas_behind_a_held_leg_is_that_of_tiny_steps() {
     for terms in CHAMBERS {
         let rig = Rig::bench(&robot("rats-boom", terms), 60.0);
         let mut run = Run::new(&rig, Start::Rest).expect("a start");
-        run.unlatch();
+        run.mode.leg = Slide::Held;
         run.switch(true);
         let rate = |gas: f64| run.gas(&State { gas, ..run.state }).expect("a chamber").1;
         let (mut u, h) = (run.state.gas, 5e-8);

@@ -1,0 +1,215 @@
+//! Guards and mode changes: what ends a mode, and which mode follows.
+
+use saltus_pneumatics::Flow;
+
+use super::contact::{Axle, Foot};
+use super::machine::{LEAN, LEG};
+use super::run::{Look, Run, Slide, State};
+
+/// A function that is above 0 while the mode lasts, and ends it as it comes to 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Guard {
+    Lift,
+    /// A leg without mass has nothing left to push with: its foot leaves the ground.
+    Slack,
+    Slip,
+    Grip,
+    Extend,
+    Retract,
+    Halt,
+    /// Dry friction lets the axle go, or holds it.
+    Turn,
+    Brake,
+    Stroke,
+    Stop,
+    Above,
+    Below,
+    Cushion,
+    Port,
+}
+
+impl Guard {
+    /// Whether it may be below 0 at the start of a step, after a jump in a force.
+    pub(super) fn is_of_forces(self) -> bool {
+        matches!(
+            self,
+            Guard::Lift | Guard::Slack | Guard::Slip | Guard::Extend | Guard::Retract | Guard::Turn
+        )
+    }
+}
+
+/// Guards with their values.
+pub(super) type Guards = Vec<(Guard, f64)>;
+
+/// A force (N) that counts as none.
+pub(super) const TINY: f64 = 1e-7;
+/// Most events of one jump: with more it counts as stuck.
+const EVENTS: usize = 300;
+
+impl Run<'_> {
+    /// Replaces `guards` by those of the mode at `s`.
+    pub(super) fn guard(&self, s: &State, look: &Look, guards: &mut Guards) {
+        guards.clear();
+        self.guard_foot(s, look, guards);
+        self.guard_axle(s, look, guards);
+        if self.mode.leg != Slide::Latched {
+            self.guard_leg(s, look, guards);
+            self.guard_drive(s, guards);
+        }
+    }
+
+    fn guard_foot(&self, s: &State, look: &Look, guards: &mut Guards) {
+        if self.mode.foot == Foot::Flies {
+            return;
+        }
+        let machine = &self.rig.machine;
+        let [normal, along] = look.answer.ground;
+        guards.push((Guard::Lift, normal));
+        let moves = matches!(self.mode.leg, Slide::Moves(_));
+        if self.rig.massless && moves && machine.floor.soft.is_none() {
+            // A drive that is off gives 0, which is none.
+            guards.push((Guard::Slack, look.answer.push - 2.0 * TINY));
+        }
+        let standing = machine.floor.friction.0;
+        match self.mode.foot {
+            Foot::Stands if standing.is_finite() => {
+                guards.push((Guard::Slip, standing * normal - along.abs()));
+            }
+            Foot::Slips(way) => {
+                let (_, [_, speed], _) = machine.contact(&s.q, &s.v);
+                guards.push((Guard::Grip, way * speed));
+            }
+            _ => {}
+        }
+    }
+
+    fn guard_axle(&self, s: &State, look: &Look, guards: &mut Guards) {
+        let friction = self.rig.machine.axle_friction;
+        match self.mode.axle {
+            Axle::Held => guards.push((Guard::Turn, friction - look.answer.brake.abs())),
+            Axle::Turns(way) if friction > 0.0 => guards.push((Guard::Brake, way * s.v[LEAN])),
+            Axle::Turns(_) => {}
+        }
+    }
+
+    fn guard_leg(&self, s: &State, look: &Look, guards: &mut Guards) {
+        let (d, stroke) = (s.q[LEG], self.rig.leg.stroke);
+        match self.mode.leg {
+            Slide::Latched => {}
+            Slide::Held => {
+                if d < stroke {
+                    guards.push((Guard::Extend, look.dry - look.answer.hold));
+                }
+                if d > 0.0 && !(self.rig.machine.is_bench() && d >= stroke) {
+                    guards.push((Guard::Retract, look.dry + look.answer.hold));
+                }
+            }
+            Slide::Moves(way) => {
+                guards.push(if way > 0.0 {
+                    (Guard::Stroke, stroke - d)
+                } else {
+                    (Guard::Stop, d)
+                });
+                guards.push((Guard::Halt, way * s.v[LEG]));
+            }
+        }
+    }
+
+    fn guard_drive(&self, s: &State, guards: &mut Guards) {
+        let d = s.q[LEG];
+        let side = |is_past: bool, at: f64| if is_past { d - at } else { at - d };
+        if let (Some(chamber), Some(piece)) = (self.rig.leg.chamber(), &self.mode.piece) {
+            let (above, below) = piece.guards(s.gas);
+            guards.push((Guard::Above, -above));
+            guards.push((Guard::Below, -below));
+            if let Some(port) = chamber.port() {
+                guards.push((Guard::Port, side(self.mode.port_open, port)));
+            }
+        }
+        if let Some(start) = self.rig.leg.cushion_start() {
+            guards.push((Guard::Cushion, side(self.mode.switches.cushioned, start)));
+        }
+    }
+
+    /// Changes the mode as the event of `guard` asks. None after the most events that a jump may
+    /// have.
+    pub(super) fn happen(&mut self, guard: Guard, look: &Look) -> Option<()> {
+        self.events += 1;
+        if self.events > EVENTS {
+            return None;
+        }
+        match guard {
+            Guard::Lift | Guard::Slack => self.leave(),
+            Guard::Slip => self.mode.foot = Foot::Slips(-look.answer.ground[1].signum()),
+            Guard::Grip => self.mode.foot = Foot::Stands,
+            Guard::Extend => {
+                self.slide(1.0);
+                self.course.breaks_away.get_or_insert(self.state.time);
+            }
+            Guard::Retract => self.slide(-1.0),
+            Guard::Halt => {
+                self.state.v[LEG] = 0.0;
+                self.mode.leg = Slide::Held;
+            }
+            Guard::Turn => self.mode.axle = Axle::Turns(look.answer.brake.signum()),
+            Guard::Brake => {
+                self.state.v[LEAN] = 0.0;
+                self.mode.axle = Axle::Held;
+            }
+            Guard::Stroke => {
+                self.stop(self.rig.leg.stroke)?;
+                if self.mode.foot != Foot::Flies && !self.rig.machine.floor.pushes_on() {
+                    self.leave();
+                }
+            }
+            Guard::Stop => self.stop(0.0)?,
+            Guard::Above => self.renew(1.0),
+            Guard::Below => self.fall_below(),
+            Guard::Cushion => self.mode.switches.cushioned ^= true,
+            Guard::Port => {
+                self.mode.port_open = !self.mode.port_open;
+                self.renew(0.0);
+            }
+        }
+        Some(())
+    }
+
+    /// The foot leaves the ground; a leg without mass then stays as it is.
+    fn leave(&mut self) {
+        self.mode.foot = Foot::Flies;
+        self.course.leaves = Some(self.state.time);
+        if self.rig.massless && !self.rig.machine.is_bench() {
+            self.mode.leg = Slide::Latched;
+            self.state.v[LEG] = 0.0;
+            self.record();
+        }
+    }
+
+    /// The leg begins to move this way.
+    fn slide(&mut self, way: f64) {
+        self.mode.leg = Slide::Moves(way);
+        self.mode.fed = false;
+    }
+
+    /// The leg reaches the end of its stroke at the extension `at` (m), and is stopped by an
+    /// impulse.
+    fn stop(&mut self, at: f64) -> Option<()> {
+        self.state.q[LEG] = at;
+        self.state.v = self.rig.machine.stop_leg(&self.state.q, &self.state.v)?;
+        self.state.v[LEG] = 0.0;
+        self.mode.leg = Slide::Held;
+        self.mode.axle = self.rig.machine.axle_at(self.state.v[LEAN]);
+        Some(())
+    }
+
+    /// The pressure falls below the present piece of the gas law.
+    fn fall_below(&mut self) {
+        let was_full = self
+            .mode
+            .piece
+            .is_some_and(|p| p.flow == Flow::FillBalanced);
+        self.renew(-1.0);
+        let returns = self.gas(&self.state).is_some_and(|(_, rate)| rate > 0.0);
+        self.mode.fed = was_full && returns && self.mode.leg == Slide::Held;
+    }
+}
