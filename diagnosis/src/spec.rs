@@ -41,6 +41,9 @@ pub enum Problem {
     },
 }
 
+/// What makes the model of an experiment, of a robot where one was measured.
+pub type Build = fn(&Experiment, Option<&Robot>) -> Result<Box<dyn Kind>, Problem>;
+
 /// One kind of experiment. All of it stands in the kind's own file in `kinds`.
 #[derive(Debug)]
 pub struct Spec {
@@ -80,7 +83,7 @@ pub struct Spec {
     /// What a report calls a phase of a run.
     pub phase: fn(&'static str) -> &'static str,
     /// The model of data, and of a robot where one was measured.
-    pub model: fn(&Experiment, Option<&Robot>) -> Result<Box<dyn Kind>, Problem>,
+    pub model: Build,
     /// How synthetic data are made.
     pub synthesis: Synthesis,
 }

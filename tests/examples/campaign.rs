@@ -152,7 +152,7 @@ fn one(
     let found = diagnose(kind.as_ref(), &Settings::default(), &|_| ());
     let said = found
         .as_ref()
-        .map_or_else(|| "no motion".into(), |d| verdict::say(d));
+        .map_or_else(|| "no motion".into(), verdict::say);
     let tally = table.entry((name.into(), what.into())).or_default();
     let ids: Vec<&str> = hidden.iter().map(|h| h.0).collect();
     let is_right = found

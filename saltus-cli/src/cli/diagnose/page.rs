@@ -140,7 +140,7 @@ fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
         }
         sentence(out, Report::RIVALS);
     }
-    for text in [report.less_likely(finding), next_of(finding)]
+    for text in [Report::less_likely(finding), next_of(finding)]
         .into_iter()
         .flatten()
     {

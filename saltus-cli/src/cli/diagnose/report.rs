@@ -70,7 +70,7 @@ impl<'a> Report<'a> {
         }
         let said = |f: &Finding| {
             let (name, what) = (f.best.title(), f.best.meaning());
-            let mut rivals: Vec<String> = f.rivals.iter().map(|r| r.title()).collect();
+            let mut rivals: Vec<String> = f.rivals.iter().map(Candidate::title).collect();
             rivals.extend(
                 f.unlisted
                     .as_ref()
@@ -137,12 +137,12 @@ impl<'a> Report<'a> {
         Some(format!(
             " It behaves like this term: {}; data left out of the fit are predicted better with \
              it.",
-            self.acts_like(term)
+            Self::acts_like(term)
         ))
     }
 
     /// A term without an id with its number.
-    fn acts_like(&self, term: &Candidate) -> String {
+    fn acts_like(term: &Candidate) -> String {
         let Some(c) = term.reported.first() else {
             return String::new();
         };
@@ -486,13 +486,13 @@ impl<'a> Report<'a> {
     pub(super) fn unlisted(&self, term: &Candidate) -> String {
         format!(
             "something that is not on the list and acts like this term: {}",
-            self.acts_like(term)
+            Self::acts_like(term)
         )
     }
 
     /// What is behind the rivals, as a sentence.
-    pub(super) fn less_likely(&self, finding: &Finding) -> Option<String> {
-        let names: Vec<String> = finding.less_likely.iter().map(|c| c.title()).collect();
+    pub(super) fn less_likely(finding: &Finding) -> Option<String> {
+        let names: Vec<String> = finding.less_likely.iter().map(Candidate::title).collect();
         (!names.is_empty()).then(|| format!("Less likely, but not excluded: {}.", names.join(", ")))
     }
 

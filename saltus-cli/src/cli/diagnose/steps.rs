@@ -109,7 +109,7 @@ pub(super) fn steps(found: &Found) -> Vec<Step> {
 fn tell_apart(found: &Found, finding: &Finding) -> Option<Step> {
     let kind = found.kind.as_ref();
     let all = std::iter::once(&finding.best).chain(&finding.rivals);
-    let mut names: Vec<String> = all.map(|c| c.title()).collect();
+    let mut names: Vec<String> = all.map(Candidate::title).collect();
     names.extend(
         finding
             .unlisted
