@@ -448,9 +448,8 @@ impl<'a> Report<'a> {
                 *out += &wrapped(&format!("{}.", self.unlisted(term)), "    ");
             }
             *out += &wrapped(Self::RIVALS, "  ");
-            *out += &self
-                .less_likely(finding)
-                .map_or_else(String::new, |text| wrapped(&text, "  "));
+            *out +=
+                &Self::less_likely(finding).map_or_else(String::new, |text| wrapped(&text, "  "));
         }
         if let Some(next) = next_of(finding) {
             *out += &wrapped(&next, "  ");

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use saltus::Robot;
-use saltus::diagnosis::{Finding, Reported};
+use saltus::diagnosis::{Candidate, Finding, Reported};
 use serde_json::{Value, json};
 
 use super::Found;
