@@ -14,6 +14,7 @@ use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
 use crate::advance::{CHECKED, State, WIDTH};
 use crate::jump::FIRST_STEP;
 use crate::phase::FORCE_SCALE;
+use crate::stance;
 use crate::{Launch, LiftOff, Outcome, Stance, StanceError};
 
 /// Numbers in a state that move.
@@ -122,7 +123,7 @@ impl Batch {
             let sound = start.sound.to_array();
             for (i, launch) in chunk.iter().enumerate() {
                 // A mask's lanes are all ones (which is a NaN) or all zeros.
-                if sound[i] != 0.0 && launch.check().is_ok() {
+                if sound[i] != 0.0 && stance::check(launch).is_ok() {
                     let row = rows.map(|column| column[i]);
                     let [lean, rate, gas, time, time_fire] = row;
                     let mut state = [0.0; WIDTH];

@@ -6,6 +6,7 @@ use saltus_pneumatics::{Chamber, Drive, Flow, MEGA, Piece, Switches};
 use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
 use crate::advance::{Pace, State, WIDTH, advance};
 use crate::phase::{Extension, Held};
+use crate::stance;
 use crate::{Launch, Stance, StanceError};
 
 /// How a stance ends.
@@ -171,7 +172,7 @@ impl<S: Single> Stance<S> {
         launch: &Launch<S>,
         observer: &mut impl Observer<S>,
     ) -> Result<LiftOff<S>, StanceError> {
-        launch.check()?;
+        stance::check(launch)?;
         let start = self.start(launch);
         let invariant = self.pendulum.invariant(launch.lean, launch.rate);
         let early = self.pendulum.lift_off_lean(invariant, launch.lean);

@@ -30,6 +30,7 @@ pub use batch::Batch;
 pub use contact::Contact;
 pub use error::StanceError;
 pub use jump::{LiftOff, Outcome};
-pub use stance::{FINE, Launch, Reaction, Stance};
+pub use saltus_robot::Launch;
+pub use stance::{FINE, Reaction, Stance};
 pub use touch_down::TouchDown;
 pub use trace::{EnergyLedger, Sample, Trace};

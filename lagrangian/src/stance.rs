@@ -2,7 +2,7 @@
 
 use saltus_numeric::{Scalar, Single};
 use saltus_pneumatics::{Chamber, GasState, Leg, Valve};
-use saltus_robot::{Robot, Term};
+use saltus_robot::{Launch, Robot, Term};
 
 use crate::StanceError;
 use crate::advance::State;
@@ -197,67 +197,45 @@ impl<S: Scalar> Stance<S> {
     }
 }
 
-/// What a jump is given: how the robot comes, and what is commanded.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Launch<S = f64> {
-    /// Lean rate at the start, ω_0 (rad/s), ≥ 0 forwards.
-    pub rate: S,
-    /// Lean at the start, φ_0 (rad), in (−π/2, π/2).
-    pub lean: S,
-    /// Firing angle α_f (rad), in (−π/2, π/2): the lean at which the leg is fired; at once where it
-    /// is not past `lean`.
-    pub firing_angle: S,
-    /// Valve opening time t_v (s), ≥ 0.
-    pub valve_open: S,
-}
-
-impl Launch<f64> {
-    /// A stance that starts at its firing angle.
-    pub fn at_firing(rate: f64, firing_angle: f64, valve_open: f64) -> Launch<f64> {
-        Launch {
-            rate,
-            lean: firing_angle,
-            firing_angle,
-            valve_open,
+/// Whether a stance can be given `launch`.
+pub(crate) fn check<S: Single>(launch: &Launch<S>) -> Result<(), StanceError> {
+    let angle = "a finite angle strictly between -pi/2 and pi/2 rad";
+    let is_upright = |x: S| x.value().abs() < std::f64::consts::FRAC_PI_2;
+    let is_moderate = |x: S| (0.0..=1e3).contains(&x.value());
+    let cases = [
+        (
+            "approach rate (rad/s)",
+            launch.rate,
+            is_moderate(launch.rate),
+            "from 0 to 1000 rad/s",
+        ),
+        (
+            "start lean (rad)",
+            launch.lean,
+            is_upright(launch.lean),
+            angle,
+        ),
+        (
+            "firing angle (rad)",
+            launch.firing_angle,
+            is_upright(launch.firing_angle),
+            angle,
+        ),
+        (
+            "valve opening time (s)",
+            launch.valve_open,
+            is_moderate(launch.valve_open),
+            "from 0 to 1000 s",
+        ),
+    ];
+    for (name, x, is_legal, allowed) in cases {
+        if !is_legal {
+            return Err(StanceError::Input {
+                name,
+                value: x.value(),
+                allowed,
+            });
         }
     }
-}
-
-impl<S: Single> Launch<S> {
-    pub(crate) fn check(&self) -> Result<(), StanceError> {
-        let angle = "a finite angle strictly between -pi/2 and pi/2 rad";
-        let is_upright = |x: S| x.value().abs() < std::f64::consts::FRAC_PI_2;
-        let is_moderate = |x: S| (0.0..=1e3).contains(&x.value());
-        let cases = [
-            (
-                "approach rate (rad/s)",
-                self.rate,
-                is_moderate(self.rate),
-                "from 0 to 1000 rad/s",
-            ),
-            ("start lean (rad)", self.lean, is_upright(self.lean), angle),
-            (
-                "firing angle (rad)",
-                self.firing_angle,
-                is_upright(self.firing_angle),
-                angle,
-            ),
-            (
-                "valve opening time (s)",
-                self.valve_open,
-                is_moderate(self.valve_open),
-                "from 0 to 1000 s",
-            ),
-        ];
-        for (name, x, is_legal, allowed) in cases {
-            if !is_legal {
-                return Err(StanceError::Input {
-                    name,
-                    value: x.value(),
-                    allowed,
-                });
-            }
-        }
-        Ok(())
-    }
+    Ok(())
 }

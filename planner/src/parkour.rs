@@ -64,7 +64,7 @@ impl Default for Hopper {
 
 /// A jump in the terms of the hopper's own planner.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Launch {
+pub struct Takeoff {
     /// Flight time t (s).
     pub flight_time: f64,
     /// Launch speed v (m/s).
@@ -91,10 +91,10 @@ struct Arc<S> {
 
 impl Hopper {
     /// The jump as launch speed, launch angle and flight time.
-    pub fn launch(&self, jump: &Jump) -> Launch {
+    pub fn launch(&self, jump: &Jump) -> Takeoff {
         let [distance, angle] = jump.decisions;
         let arc = self.arc(&jump.leap, distance, angle);
-        Launch {
+        Takeoff {
             flight_time: arc.time,
             speed: arc.speed,
             angle,

@@ -24,6 +24,7 @@ mod error;
 mod file;
 mod files;
 mod implausible;
+mod launch;
 mod model;
 pub mod section;
 mod table;
@@ -37,6 +38,7 @@ use std::path::Path;
 pub use error::{Place, RobotError};
 use files::{Files, ROBOTS, read_text};
 pub use implausible::Implausible;
+pub use launch::Launch;
 pub use model::*;
 pub use terms::Term;
 

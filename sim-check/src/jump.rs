@@ -2,23 +2,11 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use saltus_robot::Launch;
+
 use crate::SimError;
 use crate::rig::Rig;
 use crate::sim::{Happening, Ledger, Pause, Settings, Sim, Stepping};
-
-/// Where a jump starts and how its leg is commanded.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Launch {
-    /// Approach rate ω (rad/s): turning about the foot, forward.
-    pub rate: f64,
-    /// Lean φ at the start (rad).
-    pub lean: f64,
-    /// Firing angle α_f (rad): the lean at which the leg is commanded; at once where the start is
-    /// beyond it.
-    pub firing_angle: f64,
-    /// Valve opening time t_v (s).
-    pub valve_open: f64,
-}
 
 /// How a jump ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

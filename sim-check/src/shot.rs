@@ -2,9 +2,9 @@
 //! jump goes.
 
 use crate::SimError;
-use crate::jump::Launch;
 use crate::rig::Rig;
 use crate::sim::{Happening, Pause, Settings, Sim, Watch};
+use saltus_robot::Launch;
 
 /// Time (s) between the ticks at which a leg is commanded, and between rows.
 pub const TICK: f64 = 1e-3;

@@ -106,7 +106,7 @@ fn the_flight_is_the_parabola_of_its_launch() {
             decisions: [0.7, 1.25],
             deviation: 0.0,
         };
-        let Launch {
+        let Takeoff {
             flight_time: t,
             speed: v,
             angle,

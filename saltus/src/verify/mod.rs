@@ -180,18 +180,6 @@ impl Plant {
     /// on.
     pub fn fly(&self, task: &Task) -> Result<Flown, SimError> {
         use saltus_sim_check::{Plan, Settings};
-        let Launch {
-            rate,
-            lean,
-            firing_angle,
-            valve_open,
-        } = task.launch;
-        let launch = saltus_sim_check::Launch {
-            rate,
-            lean,
-            firing_angle,
-            valve_open,
-        };
         let settings = Settings {
             tolerance: self.tolerance,
             stepping: self.stepping,
@@ -202,7 +190,7 @@ impl Plant {
             landing_height: task.landing_height,
             ..Plan::default()
         };
-        let report = self.rig()?.jump(&launch, &plan)?;
+        let report = self.rig()?.jump(&task.launch, &plan)?;
         let number = |x: f64| x.is_finite().then_some(x);
         let landing = number(report.landing_at);
         let path = Path::new(

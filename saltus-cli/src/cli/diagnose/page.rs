@@ -136,7 +136,7 @@ fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
         }
         table(out, &lines, 2);
         if let Some(term) = &finding.unlisted {
-            sentence(out, &format!("{}.", report.unlisted(term)));
+            sentence(out, &format!("{}.", Report::unlisted(term)));
         }
         sentence(out, Report::RIVALS);
     }

@@ -445,7 +445,7 @@ impl<'a> Report<'a> {
             };
             *out += &grid(&finding.rivals.iter().map(line).collect::<Vec<_>>(), 2);
             if let Some(term) = &finding.unlisted {
-                *out += &wrapped(&format!("{}.", self.unlisted(term)), "    ");
+                *out += &wrapped(&format!("{}.", Self::unlisted(term)), "    ");
             }
             *out += &wrapped(Self::RIVALS, "  ");
             *out +=
@@ -482,7 +482,7 @@ impl<'a> Report<'a> {
     }
 
     /// A term without an id that is a rival, in words.
-    pub(super) fn unlisted(&self, term: &Candidate) -> String {
+    pub(super) fn unlisted(term: &Candidate) -> String {
         format!(
             "something that is not on the list and acts like this term: {}",
             Self::acts_like(term)

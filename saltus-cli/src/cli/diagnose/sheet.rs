@@ -11,10 +11,10 @@ use crate::plot::sheet::{Line, Mark, Panel, Sheet};
 /// Residuals of each channel, before and after.
 pub(super) fn sheet(report: &Report<'_>) -> Drawing {
     let found = report.found;
-    let x = if !found.folder.experiment.kind.spec().timed {
-        "row"
-    } else {
+    let x = if found.folder.experiment.kind.spec().timed {
         "time (s)"
+    } else {
+        "row"
     };
     let all = |model: &Fit| points(found.kind.as_ref(), model);
     let mut both = vec![("as simulated", RED, all(&found.diagnosis.before))];

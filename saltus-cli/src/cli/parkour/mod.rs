@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use saltus::planner::course::{Answer, Course, Plan, Settings, plan};
-use saltus::planner::parkour::{Hopper, Launch};
+use saltus::planner::parkour::{Hopper, Takeoff};
 use serde_json::{Value, json};
 
 use super::common::{OutputFlags, PlotOption};
@@ -144,7 +144,7 @@ impl Parkour {
     }
 }
 
-fn launches(plan: &Plan, hopper: &Hopper) -> Vec<Launch> {
+fn launches(plan: &Plan, hopper: &Hopper) -> Vec<Takeoff> {
     plan.jumps.iter().map(|jump| hopper.launch(jump)).collect()
 }
 
@@ -153,7 +153,7 @@ fn jumps(count: usize) -> String {
     format!("{count} {}", if count == 1 { "jump" } else { "jumps" })
 }
 
-fn total_time(launches: &[Launch]) -> f64 {
+fn total_time(launches: &[Takeoff]) -> f64 {
     launches.iter().map(|launch| launch.flight_time).sum()
 }
 
@@ -174,7 +174,7 @@ fn plan_json(course: &Course, answer: &Answer, hopper: &Hopper) -> Option<Value>
         return None;
     };
     let launches = launches(plan, hopper);
-    let column = |key: fn(&Launch) -> f64| launches.iter().map(key).collect::<Vec<f64>>();
+    let column = |key: fn(&Takeoff) -> f64| launches.iter().map(key).collect::<Vec<f64>>();
     Some(json!({
         "id": course.id,
         "flight_time_s": column(|launch| launch.flight_time),
