@@ -24,6 +24,7 @@ mod obstacle;
 mod outline;
 mod path;
 mod polynomial;
+mod state;
 mod terrain;
 
 pub use clearance::{Clearance, Disc, ExtendedLeg};

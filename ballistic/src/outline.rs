@@ -2,7 +2,7 @@
 
 use saltus_numeric::Single;
 
-use crate::path::State;
+use crate::state::State;
 
 /// What of an outline is nearest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

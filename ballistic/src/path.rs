@@ -5,17 +5,7 @@ use saltus_numeric::Single;
 use crate::Flight;
 use crate::outline::{Corner, Edge};
 use crate::polynomial::Polynomial;
-
-/// Motion of the wheel's centre at an instant.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct State<S> {
-    /// Position (m).
-    pub(crate) position: [S; 2],
-    /// Velocity (m/s).
-    pub(crate) velocity: [S; 2],
-    /// Acceleration (m/s²).
-    pub(crate) acceleration: [S; 2],
-}
+use crate::state::State;
 
 /// A path of the wheel's centre: its exact state at any time, and the parabolas that it consists of
 /// or nearly so.

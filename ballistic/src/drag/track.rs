@@ -3,8 +3,9 @@
 use saltus_numeric::{Single, dop853};
 
 use super::DragFlight;
-use crate::path::{Arc, Path, State};
+use crate::path::{Arc, Path};
 use crate::polynomial::{Polynomial, root_between};
+use crate::state::State;
 
 /// Error of a step, relative to 1 + |state|.
 ///

@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, SMatrix, SVector};
 use saltus_robot::Robot;
 
 use super::bodies::{Bodies, Rigid, V3};
-use super::contact::Floor;
+use super::floor::Floor;
 
 pub(super) const N: usize = 5;
 pub(super) type Coordinates = SVector<f64, N>;

@@ -17,9 +17,11 @@
 mod bodies;
 mod contact;
 mod course;
+mod floor;
 mod gas;
-mod guards;
+mod guard;
 mod machine;
+mod modes;
 mod run;
 
 pub use course::{Course, Pose};

@@ -4,7 +4,7 @@ use saltus_pneumatics::{Flow, Piece, Switches};
 
 use super::contact::{Answer, Axle, Foot, Modes};
 use super::course::{Course, Knot};
-use super::guards::{Guard, Guards, TINY};
+use super::guard::{Guard, Guards, TINY};
 use super::machine::{Coordinates, LEAN, LEG};
 use super::{Rig, Start};
 

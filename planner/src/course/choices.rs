@@ -7,10 +7,12 @@
 //! on all its sequences, and the search grows the most promising ones.
 
 use super::envelope::{CostToCome, Envelope};
-use super::lattice::Place;
 use super::problem::Choice;
 use super::terrain::{Ground, Terrain};
 use super::{Course, Jumper, Span};
+
+/// Where a jump may land: index of the ground, and the part of it.
+pub(super) type Place = (usize, Span);
 
 /// What follows a landing on a ground.
 #[derive(Clone, Copy)]

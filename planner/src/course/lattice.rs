@@ -5,7 +5,7 @@
 //! those before it. What a jump costs there is the jumper's [`sketch`](Jumper::sketch); the solver
 //! makes a plan of it.
 
-use super::choices::{landable, roll};
+use super::choices::{Place, landable, roll};
 use super::terrain::{Ground, Terrain};
 use super::{Course, Jumper, Leap, Span};
 
@@ -14,9 +14,6 @@ const STEP: f64 = 0.03;
 
 /// Most points for the landings of one jump.
 const MOST: u32 = 300;
-
-/// Where a jump may land: index of the ground, and the part of it.
-pub(super) type Place = (usize, Span);
 
 /// The cheapest way over the lattice.
 pub(super) struct Way {

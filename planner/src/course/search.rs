@@ -21,9 +21,10 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
+use super::choices::Place;
 use super::choices::{Choices, Prefix, roll};
 use super::envelope::CostToCome;
-use super::lattice::{self, Place, Way};
+use super::lattice::{self, Way};
 use super::nearest::{Relief, evenly, nearest};
 use super::problem::{Choice, Problem};
 use super::terrain::Terrain;

@@ -9,8 +9,8 @@ use plotters::style::text_anchor::{HPos, VPos};
 use super::Drawn;
 use super::axes::{Axes, Pen, key, padded};
 use super::ground::{CELLAR, Ground};
+use super::line::{Line, WIDTH};
 use super::palette::{BLUE, GREEN, INK, RED};
-use super::sheet::{Line, WIDTH};
 
 /// Where the bands of the tolerance lie (m under the surface landed on).
 const BAND: [f64; 2] = [-0.06, -0.04];

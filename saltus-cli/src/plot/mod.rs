@@ -7,6 +7,7 @@ pub(crate) mod flown;
 pub(crate) mod ground;
 pub(crate) mod hops;
 pub(crate) mod law;
+pub(crate) mod line;
 pub(crate) mod map;
 pub(crate) mod palette;
 pub(crate) mod scene;

@@ -1,18 +1,16 @@
 //! Several charts of lines under one title.
 
 use plotters::coord::Shift;
-use plotters::element::{Circle, DashedPathElement, PathElement};
-use plotters::prelude::{Color, DrawingArea, DrawingBackend};
-use plotters::style::RGBColor;
+use plotters::prelude::{DrawingArea, DrawingBackend};
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::Drawn;
-use super::axes::{Axes, Chart, Pen, key, padded, titled};
+use super::axes::{Axes, Pen, key, padded, titled};
 use super::curves::span;
 use super::flown::Flown;
+use super::line::{Line, WIDTH};
 use super::palette::INK;
 
-pub(super) const WIDTH: u32 = 1000;
 /// Height of a chart with its title.
 const PANEL: u32 = 330;
 const TITLE: u32 = 40;
@@ -30,23 +28,6 @@ pub(crate) struct Panel {
     pub(crate) x: &'static str,
     pub(crate) y: &'static str,
     pub(crate) lines: Vec<Line>,
-}
-
-/// One line, or dots.
-pub(crate) struct Line {
-    /// What the key calls it, if it stands there.
-    pub(crate) label: Option<String>,
-    pub(crate) points: Vec<(f64, f64)>,
-    pub(crate) color: RGBColor,
-    pub(crate) mark: Mark,
-}
-
-/// How a line is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Mark {
-    Solid,
-    Dashed,
-    Dots,
 }
 
 impl Sheet {
@@ -101,36 +82,5 @@ impl Panel {
             line.draw(&mut chart, pen)?;
         }
         key(&chart, pen, self.lines.iter().filter_map(Line::entry))
-    }
-}
-
-impl Line {
-    /// What the key says of it.
-    pub(super) fn entry(&self) -> Option<(&str, RGBColor)> {
-        self.label.as_deref().map(|label| (label, self.color))
-    }
-
-    pub(super) fn draw<DB: DrawingBackend>(
-        &self,
-        chart: &mut Chart<'_, DB>,
-        pen: Pen,
-    ) -> Drawn<DB> {
-        let stroke = pen.line(self.color, 2);
-        let points = self.points.iter().copied();
-        match self.mark {
-            Mark::Solid => {
-                chart.draw_series([PathElement::new(self.points.clone(), stroke)])?;
-            }
-            Mark::Dashed => {
-                let (dash, gap) = (pen.length(6), pen.length(4));
-                chart.draw_series([DashedPathElement::new(points, dash, gap, stroke)])?;
-            }
-            Mark::Dots => {
-                let dots =
-                    points.map(|at| Circle::new(at, pen.length(3), self.color.mix(0.6).filled()));
-                chart.draw_series(dots)?;
-            }
-        }
-        Ok(())
     }
 }

@@ -9,7 +9,7 @@ use saltus_planner::{
 };
 
 use super::numbers::Number;
-use super::tables::{ExportError, Request, spread};
+use super::request::{ExportError, Request, spread};
 
 /// A node of the table before it is rounded: α_f and its slopes by ω and by distance.
 pub(super) type Firing = Option<[f64; 3]>;

@@ -18,9 +18,11 @@
 mod c;
 mod layout;
 mod numbers;
+mod request;
 mod rust;
 mod tables;
 mod vectors;
 
 pub use numbers::Number;
-pub use tables::{ExportError, Misses, Request, Tables, fingerprint};
+pub use request::{ExportError, Request};
+pub use tables::{Misses, Tables, fingerprint};

@@ -5,8 +5,9 @@ use saltus::diagnosis::{Fit, points};
 use super::report::Report;
 use super::words::split;
 use crate::plot::Drawing;
+use crate::plot::line::{Line, Mark};
 use crate::plot::palette::{BLUE, GREY, RED};
-use crate::plot::sheet::{Line, Mark, Panel, Sheet};
+use crate::plot::sheet::{Panel, Sheet};
 
 /// Residuals of each channel, before and after.
 pub(super) fn sheet(report: &Report<'_>) -> Drawing {

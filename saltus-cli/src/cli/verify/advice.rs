@@ -2,7 +2,7 @@
 
 use saltus::verify::{Demand, Outcome, Subject, Verdict};
 
-use super::report::Context;
+use super::context::Context;
 
 /// Standard deviations that the landings of a plan should keep from the ends of their ground.
 const SIGMAS: f64 = 2.0;

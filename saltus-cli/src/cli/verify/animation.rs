@@ -3,8 +3,8 @@
 use saltus::sim_check::SimError;
 use saltus::verify::{Demand, Flown, Judgement, Outcome, RunJump};
 
+use super::context::Context;
 use super::drawing::{missed, path, planned};
-use super::report::Context;
 use crate::animation::{self, Asked, Obstacle, Scene, Zone, page};
 use crate::output::digits;
 use crate::plot::ground::Part;

@@ -5,13 +5,15 @@ use saltus::Launch;
 use saltus::lagrangian::Sample as Planned;
 use saltus::verify::{Attempt, Demand, Flown as Simulated, Outcome, RunJump, Subject, Verdict};
 
-use super::report::{Context, NOTHING, failure_text};
+use super::context::Context;
+use super::report::{NOTHING, failure_text};
 use crate::output::digits;
 use crate::plot::Drawing;
 use crate::plot::flown::Flown;
 use crate::plot::ground::{Ground, Part};
+use crate::plot::line::{Line, Mark};
 use crate::plot::palette::{BLUE, GREY, RED, viridis};
-use crate::plot::sheet::{Line, Mark, Panel, Sheet};
+use crate::plot::sheet::{Panel, Sheet};
 
 /// Most runs whose paths are drawn.
 const PATHS: usize = 9;

@@ -2,7 +2,9 @@
 
 mod advice;
 mod animation;
+mod context;
 mod drawing;
+mod load;
 mod report;
 mod subject;
 mod table_file;
@@ -179,7 +181,7 @@ impl Verify {
         plant
             .rig()
             .map_err(|error| CliError::content(&plant.robot().name, error))?;
-        let Some((title, subject)) = subject::load(&self.subject, &planner)? else {
+        let Some((title, subject)) = load::load(&self.subject, &planner)? else {
             let report = match self.common.format() {
                 Format::Csv => report::rows(&[], planner.robot()).csv(),
                 Format::Json => report::no_plan_json(&planner, &plant),
@@ -206,9 +208,9 @@ impl Verify {
             ),
             None => (exact, None),
         };
-        let cost = exact.map(|exact| report::StepCost::of(self.fixed_step, &outcomes, &exact));
+        let cost = exact.map(|exact| context::StepCost::of(self.fixed_step, &outcomes, &exact));
         let verdict = Verdict::of(&outcomes, how.share);
-        let scene = report::Context {
+        let scene = context::Context {
             planner: &planner,
             plant: &plant,
             title: &title,

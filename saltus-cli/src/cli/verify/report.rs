@@ -2,56 +2,13 @@
 
 use std::fmt::Write;
 
-use saltus::verify::{
-    Demand, Failure, Flown, Group, Outcome, Plant, RunJump, Starts, Subject, Verdict, Verification,
-};
+use saltus::verify::{Demand, Failure, Group, Outcome, Plant, RunJump, Starts, Verdict};
 use saltus::{Planner, Robot};
 use serde_json::{Value, json};
 
 use super::advice::advice;
+use super::context::Context;
 use crate::output::{self, Cell, Table, digits};
-
-/// What was verified, and how.
-pub(super) struct Context<'a> {
-    pub(super) planner: &'a Planner,
-    pub(super) plant: &'a Plant,
-    /// What the subject is called.
-    pub(super) title: &'a str,
-    pub(super) subject: &'a Subject,
-    pub(super) how: &'a Verification,
-    pub(super) step_cost: Option<&'a StepCost>,
-}
-
-/// What fixed steps cost: greatest differences from the jumps with error control.
-pub(super) struct StepCost {
-    step: f64,
-    landing: f64,
-    apex: f64,
-    /// Jumps that end otherwise.
-    other_ends: usize,
-}
-
-impl StepCost {
-    /// Of jumps with steps of `step` (s), and the same with error control.
-    pub(super) fn of(step: Option<f64>, fixed: &[Outcome], exact: &[Outcome]) -> StepCost {
-        let pairs = || {
-            fixed
-                .iter()
-                .flat_map(|o| &o.attempts)
-                .zip(exact.iter().flat_map(|o| &o.attempts))
-        };
-        let most = |of: fn(&Flown) -> Option<f64>| {
-            let gaps = pairs().filter_map(|(a, b)| Some((of(a.flown()?)? - of(b.flown()?)?).abs()));
-            gaps.fold(0.0, f64::max)
-        };
-        StepCost {
-            step: step.unwrap_or(f64::NAN),
-            landing: most(|f| f.landing),
-            apex: most(|f| f.apex),
-            other_ends: pairs().filter(|(a, b)| a.outcome() != b.outcome()).count(),
-        }
-    }
-}
 
 const COLUMNS: &[&str] = &[
     "run",

@@ -7,8 +7,6 @@ use saltus::Planner;
 use saltus::planner::CrossingAnswer;
 use saltus::verify::{Rule, Steering, Subject};
 
-use super::table_file;
-use crate::cli::common::note_valve;
 use crate::cli::target::{Block, block};
 use crate::cli::terms::{self, LandingHeight, StartLean, Terms, landing_height, start_lean};
 use crate::error::{CliError, cut};
@@ -27,11 +25,11 @@ pub(crate) struct SubjectFlags {
         required_unless_present = "law",
         conflicts_with = "law"
     )]
-    file: Option<PathBuf>,
+    pub(super) file: Option<PathBuf>,
 
     /// Law α_f = A ω + B: A (s) and B (rad)
     #[arg(long, value_name = "A,B", value_parser = line, allow_hyphen_values = true, requires = "omega")]
-    law: Option<(f64, f64)>,
+    pub(super) law: Option<(f64, f64)>,
 
     /// Approach rates ω (rad/s) of a law, or of a table in place of its own
     #[arg(long, value_name = "RATES", value_parser = rates, allow_hyphen_values = true)]
@@ -66,33 +64,7 @@ pub(crate) struct SubjectFlags {
 /// A subject, and what it is called.
 pub(super) type Titled = (String, Subject);
 
-/// What the flags name; none for a course that no plan crosses.
-pub(super) fn load(flags: &SubjectFlags, planner: &Planner) -> Result<Option<Titled>, CliError> {
-    note_valve(planner.robot(), flags.valve_open.map(|_| "--valve-open"));
-    match (&flags.file, flags.law) {
-        (Some(file), None) => match ending(file).as_deref() {
-            Some("csv") => table_file::load(flags, file, planner).map(Some),
-            None | Some("toml") => plan(flags, file, planner),
-            Some(_) => Err(CliError::content(
-                file.display(),
-                "verify reads a course (.toml) or a table that `saltus table` wrote as CSV \
-                     (.csv)",
-            )),
-        },
-        (_, Some((slope, intercept))) => law(flags, slope, intercept, planner).map(Some),
-        _ => Err(CliError::Missing {
-            flag: "COURSE.toml",
-            allowed: "or TABLE.csv, or --law",
-        }),
-    }
-}
-
-/// How a file's name ends, in small letters.
-fn ending(file: &Path) -> Option<String> {
-    Some(file.extension()?.to_str()?.to_ascii_lowercase())
-}
-
-fn law(
+pub(super) fn law(
     flags: &SubjectFlags,
     slope: f64,
     intercept: f64,
@@ -154,7 +126,11 @@ pub(super) fn rule(
 }
 
 /// The plan of a course.
-fn plan(flags: &SubjectFlags, path: &Path, planner: &Planner) -> Result<Option<Titled>, CliError> {
+pub(super) fn plan(
+    flags: &SubjectFlags,
+    path: &Path,
+    planner: &Planner,
+) -> Result<Option<Titled>, CliError> {
     let alone = [
         ("--omega", flags.omega.is_some()),
         ("--distance", flags.distance.is_some()),

@@ -6,8 +6,7 @@ use saltus_sim_check::{
     Vec3,
 };
 
-mod bodies;
-use bodies::{G, body, diagonal, down, free_body, spinning};
+use crate::bodies::{G, body, diagonal, down, free_body, spinning};
 
 /// Arithmetic–geometric mean.
 fn agm(mut a: f64, mut b: f64) -> f64 {

@@ -4,8 +4,7 @@ use std::time::Instant;
 
 use saltus_sim_check::{Joint, Mechanism, Settings, Sim, SimError, Tree, Vec3};
 
-mod bodies;
-use bodies::{body, diagonal, down, free_body, spinning};
+use crate::bodies::{body, diagonal, down, free_body, spinning};
 
 /// Twenty and eighty swings of a pendulum: the same steps again and again.
 #[test]

@@ -11,7 +11,7 @@ struct Rows {
 
 impl Rows {
     fn read() -> Rows {
-        let text = include_str!("../../tests/reference/jumps.csv");
+        let text = include_str!("../../../tests/reference/jumps.csv");
         let mut lines = text
             .lines()
             .map(|line| line.split(',').map(String::from).collect::<Vec<_>>());

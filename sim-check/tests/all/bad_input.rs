@@ -13,8 +13,7 @@ use saltus_sim_check::{
     Sim, SimError, Surface, Travel, Tree, Vec3,
 };
 
-mod bodies;
-use bodies::{body, diagonal, down};
+use crate::bodies::{body, diagonal, down};
 
 /// A slider along z of 0.3 kg.
 fn slider() -> Mechanism {

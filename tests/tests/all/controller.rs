@@ -15,7 +15,7 @@ use saltus::{Launch, Planner, Robot};
 use saltus_tests::controlled::{Encoder, spread};
 
 #[rustfmt::skip]
-#[path = "../../controller/examples/rats_planar/tables.rs"]
+#[path = "../../../controller/examples/rats_planar/tables.rs"]
 mod tables;
 
 fn uniform(random: &mut Pcg64, low: f64, high: f64) -> f64 {

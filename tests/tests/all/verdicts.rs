@@ -1,7 +1,7 @@
 //! The verdicts of `saltus::verify` on random courses, against a judge of its own: everything from
 //! the raw simulated path, with other interpolation, other geometry and other bookkeeping.
 //!
-//! `SALTUS_RUNS=50 cargo test --release -p saltus-tests --test verdicts` draws 50 runs with errors
+//! `SALTUS_RUNS=50 cargo test --release -p saltus-tests verdicts` draws 50 runs with errors
 //! for each course in place of 2.
 
 #![allow(clippy::unwrap_used, clippy::panic)]

@@ -1,0 +1,6 @@
+//! The crate from outside: files, built-in robots, properties.
+
+mod bad_input;
+mod built_in;
+mod properties;
+mod spellings;

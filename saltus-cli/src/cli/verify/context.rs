@@ -1,0 +1,46 @@
+//! What a verification's report is about.
+
+use saltus::Planner;
+use saltus::verify::{Flown, Outcome, Plant, Subject, Verification};
+
+/// What was verified, and how.
+pub(super) struct Context<'a> {
+    pub(super) planner: &'a Planner,
+    pub(super) plant: &'a Plant,
+    /// What the subject is called.
+    pub(super) title: &'a str,
+    pub(super) subject: &'a Subject,
+    pub(super) how: &'a Verification,
+    pub(super) step_cost: Option<&'a StepCost>,
+}
+
+/// What fixed steps cost: greatest differences from the jumps with error control.
+pub(super) struct StepCost {
+    pub(super) step: f64,
+    pub(super) landing: f64,
+    pub(super) apex: f64,
+    /// Jumps that end otherwise.
+    pub(super) other_ends: usize,
+}
+
+impl StepCost {
+    /// Of jumps with steps of `step` (s), and the same with error control.
+    pub(super) fn of(step: Option<f64>, fixed: &[Outcome], exact: &[Outcome]) -> StepCost {
+        let pairs = || {
+            fixed
+                .iter()
+                .flat_map(|o| &o.attempts)
+                .zip(exact.iter().flat_map(|o| &o.attempts))
+        };
+        let most = |of: fn(&Flown) -> Option<f64>| {
+            let gaps = pairs().filter_map(|(a, b)| Some((of(a.flown()?)? - of(b.flown()?)?).abs()));
+            gaps.fold(0.0, f64::max)
+        };
+        StepCost {
+            step: step.unwrap_or(f64::NAN),
+            landing: most(|f| f.landing),
+            apex: most(|f| f.apex),
+            other_ends: pairs().filter(|(a, b)| a.outcome() != b.outcome()).count(),
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! The simulation from outside: mechanics, jumps, measured tosses, cost, bad input.
+
+mod bad_input;
+mod bodies;
+mod cost;
+mod fixed;
+mod jumps;
+mod mechanics;
+mod tosses;

@@ -1,0 +1,16 @@
+//! Laws of physics, agreement of the crates, and what the whole does.
+
+mod architecture;
+mod boom;
+mod controller;
+mod diagnosis;
+mod hardened;
+mod lab;
+mod laws;
+mod planar;
+mod reference;
+mod routes;
+mod slip;
+mod terms;
+mod thesis;
+mod verdicts;
