@@ -4,8 +4,8 @@ use super::Firings;
 use crate::experiment::Sort;
 use crate::layout::{Draw, Layout, PSI, TICK, round};
 use crate::plausible::{Check, LENGTHS, MASSES, PRESSURES, SUPPLY as SUPPLIED, TURNED, quantile};
-use crate::spec::{Problem, 
-    CHAMBER, LOAD, LOGGED, POSITION, Rest, SUPPLY, Source, Spec, Synthesis, lively, noisy,
+use crate::spec::{
+    CHAMBER, LOAD, LOGGED, POSITION, Problem, Rest, SUPPLY, Source, Spec, Synthesis, lively, noisy,
     required, without,
 };
 
@@ -25,43 +25,48 @@ pub(super) const SPEC: Spec = Spec {
         required("supply_pressure_gauge_pa", SUPPLY),
     ],
     checks: &[
-    Check {
-        name: "position_m",
-        sizes: |view| Some((view.travel("position_m")?, view.robot?.leg.stroke)),
-        what: "the stroke of the leg",
-        allowed: (TURNED, 2.0),
-        strict: true,
-        units: LENGTHS,
-    },
-    Check {
-        name: "pressure_pa",
-        sizes: |view| {
-            Some((
-                quantile(view.column("pressure_pa")?, 0.95)?,
-                view.supply()? + view.ambient()?,
-            ))
+        Check {
+            name: "position_m",
+            sizes: |view| Some((view.travel("position_m")?, view.robot?.leg.stroke)),
+            what: "the stroke of the leg",
+            allowed: (TURNED, 2.0),
+            strict: true,
+            units: LENGTHS,
         },
-        what: "the absolute supply pressure",
-        allowed: (0.02, 5.0),
-        strict: false,
-        units: PRESSURES,
-    },
-    Check {
-        name: "load_mass_kg",
-        sizes: |view| {
-            let heaviest = view.thrust()? / view.robot?.environment.gravity;
-            Some((view.setting("load_mass_kg")?, 0.1 * heaviest))
+        Check {
+            name: "pressure_pa",
+            sizes: |view| {
+                Some((
+                    quantile(view.column("pressure_pa")?, 0.95)?,
+                    view.supply()? + view.ambient()?,
+                ))
+            },
+            what: "the absolute supply pressure",
+            allowed: (0.02, 5.0),
+            strict: false,
+            units: PRESSURES,
         },
-        what: "a tenth of the heaviest load that the leg lifts",
-        allowed: (TURNED, 50.0),
-        strict: false,
-        units: MASSES,
-    },
+        Check {
+            name: "load_mass_kg",
+            sizes: |view| {
+                let heaviest = view.thrust()? / view.robot?.environment.gravity;
+                Some((view.setting("load_mass_kg")?, 0.1 * heaviest))
+            },
+            what: "a tenth of the heaviest load that the leg lifts",
+            allowed: (TURNED, 50.0),
+            strict: false,
+            units: MASSES,
+        },
         SUPPLIED,
     ],
     // Nothing pivots before the command.
     phase: |phase| if phase == "pivot" { "at rest" } else { phase },
-    model: |data, robot| Ok(Box::new(Firings::new(data, robot.ok_or(Problem::NoRobot)?)?)),
+    model: |data, robot| {
+        Ok(Box::new(Firings::new(
+            data,
+            robot.ok_or(Problem::NoRobot)?,
+        )?))
+    },
     synthesis: Synthesis {
         instruments: &[noisy("position_m", 1e-4), noisy("pressure_pa", 2e3)],
         runs: 12,
@@ -85,4 +90,3 @@ fn fire(layout: &mut Layout, draw: &mut Draw) {
         run.valve = Some((0.01, None));
     }
 }
-

@@ -1,16 +1,17 @@
 //! A body in free flight or fall, or a robot in flight at the end of a boom.
 
-use super::{FREE, sensor, simple, unknown};
+use super::{Causes, FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::fit::{self, Fit};
 use crate::fitness;
 use crate::kind::Proposal;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
-use crate::noise;
 use crate::layout::{Draw, Layout, count};
+use crate::noise;
 use crate::plausible::{Check, LENGTHS};
 use crate::spec::{
-    LOAD, DIAMETER, PART, PLACE, RADIUS, Source, Spec, Synthesis, calm, lively, noisy, optional, without,
+    DIAMETER, LOAD, PART, PLACE, RADIUS, Source, Spec, Synthesis, calm, lively, noisy, optional,
+    without,
 };
 
 /// Flights, with what is believed of them.
@@ -19,7 +20,7 @@ pub struct Flights {
     gravity: f64,
     channels: Vec<Channel>,
     logs: Vec<Log>,
-    causes: Vec<Cause>,
+    causes: Causes<Effect>,
     /// How many of them have an id.
     listed: usize,
     /// Whether channel number k is the height.
@@ -66,105 +67,9 @@ impl Flights {
             })
             .collect();
         let known: Option<Vec<f64>> = sizes.into_iter().collect();
-        let mut causes = vec![match &known {
-            Some(_) => simple(
-                "air-drag",
-                "drag_coefficient",
-                0.0,
-                (0.0, 50.0),
-                0.05,
-                &[0.3, 1.0],
-            ),
-            None => simple(
-                "air-drag",
-                "drag_per_m",
-                0.0,
-                (0.0, 10.0),
-                1e-3,
-                &[0.01, 0.1],
-            ),
-        }];
-        if on_boom {
-            // Less effective gravity and more inertia: both at once are one ratio.
-            causes.push(simple(
-                "counterweight",
-                "gravity_share",
-                1.0,
-                (0.02, 2.0),
-                0.01,
-                &[0.5],
-            ));
-        }
-        let of_gravity = simple(
-            "gravity",
-            "gravity_m_s2",
-            gravity,
-            (0.1, 40.0),
-            0.05,
-            &[0.5 * gravity],
-        );
-        // Gravity is known, wherever a body falls.
-        causes.push(Cause {
-            usual: Some(0.01 * gravity),
-            ..of_gravity
-        });
-        for channel in &channels {
-            causes.push(sensor(
-                "encoder-scale",
-                &channel.name,
-                "gain",
-                1.0,
-                (0.2, 5.0),
-                0.01,
-                &[0.9, 1.1],
-            ));
-            if channels.len() > 1 {
-                causes.push(sensor(
-                    "sensor-delay",
-                    &channel.name,
-                    "delay_s",
-                    0.0,
-                    (0.0, 0.5),
-                    1e-3,
-                    &[0.01],
-                ));
-            }
-        }
-        let listed = causes.len();
-        causes.push(simple(
-            "acceleration -c v",
-            "c_per_s",
-            0.0,
-            (-50.0, 50.0),
-            1e-3,
-            &[],
-        ));
-        if channels.len() > 1 {
-            causes.push(simple(
-                "acceleration across the path, c v",
-                "c_per_s",
-                0.0,
-                (-50.0, 50.0),
-                1e-3,
-                &[],
-            ));
-            causes.push(simple(
-                "acceleration along x, -c v_x",
-                "c_per_s",
-                0.0,
-                (-50.0, 50.0),
-                1e-2,
-                &[],
-            ));
-            causes.push(simple(
-                "constant acceleration along x",
-                "c_m_s2",
-                0.0,
-                (-50.0, 50.0),
-                0.02,
-                &[],
-            ));
-        }
+        let named = named(&channels, gravity, known.is_some(), on_boom);
+        let listed = named.len();
+        let causes = Causes::new(named.into_iter().chain(terms(channels.len())));
         let is_height: Vec<bool> = channels.iter().map(|c| c.name == "y_m").collect();
         let is_drop =
             !on_boom && is_height == [true] && logs.iter().all(|log| !rises(log, &channels[0]));
@@ -208,7 +113,8 @@ impl Flights {
         }
         let left = |flights: &Flights| -> Option<Fit> {
             let mut model = fit::fit_none(flights, &runs)?;
-            for cause in (0..flights.listed).filter(|&c| flights.causes[c].id != "counterweight") {
+            for cause in (0..flights.listed).filter(|&c| flights.causes.effects[c] != Effect::Share)
+            {
                 model = fit::fit_with(flights, &model, cause, &runs)?;
             }
             Some(model)
@@ -218,13 +124,99 @@ impl Flights {
             _ => false,
         }
     }
+}
 
-    fn value(&self, id: &str, column: Option<&str>, terms: &Terms) -> Option<f64> {
-        self.causes
-            .iter()
-            .position(|c| c.id == id && c.column.as_deref() == column)
-            .map(|i| terms.get(i, 0))
+/// What a cause does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Effect {
+    Drag,
+    Share,
+    Gravity,
+    /// Of channel number k.
+    Scale(usize),
+    Delay(usize),
+    /// Without a name.
+    Linear,
+    Lift,
+    Turning,
+    Wind,
+}
+
+/// The listed causes.
+fn named(
+    channels: &[Channel],
+    gravity: f64,
+    size_is_known: bool,
+    on_boom: bool,
+) -> Vec<(Effect, Cause)> {
+    let drag = if size_is_known {
+        ("drag_coefficient", (0.0, 50.0), 0.05, [0.3, 1.0])
+    } else {
+        ("drag_per_m", (0.0, 10.0), 1e-3, [0.01, 0.1])
+    };
+    let (name, bounds, scale, starts) = drag;
+    let mut all = vec![(
+        Effect::Drag,
+        simple("air-drag", name, 0.0, bounds, scale, &starts),
+    )];
+    if on_boom {
+        // Less effective gravity and more inertia: both at once are one ratio.
+        let (bounds, starts) = ((0.02, 2.0), [0.5]);
+        let share = simple("counterweight", "gravity_share", 1.0, bounds, 0.01, &starts);
+        all.push((Effect::Share, share));
     }
+    let starts = [0.5 * gravity];
+    let of_gravity = simple(
+        "gravity",
+        "gravity_m_s2",
+        gravity,
+        (0.1, 40.0),
+        0.05,
+        &starts,
+    );
+    // Gravity is known, wherever a body falls.
+    let usual = Some(0.01 * gravity);
+    all.push((
+        Effect::Gravity,
+        Cause {
+            usual,
+            ..of_gravity
+        },
+    ));
+    for (k, Channel { name, .. }) in channels.iter().enumerate() {
+        let (bounds, starts) = ((0.2, 5.0), [0.9, 1.1]);
+        let scale = sensor("encoder-scale", name, "gain", 1.0, bounds, 0.01, &starts);
+        all.push((Effect::Scale(k), scale));
+        if channels.len() > 1 {
+            let bounds = (0.0, 0.5);
+            let delay = sensor("sensor-delay", name, "delay_s", 0.0, bounds, 1e-3, &[0.01]);
+            all.push((Effect::Delay(k), delay));
+        }
+    }
+    all
+}
+
+/// Terms without a name, of flights with so many channels.
+fn terms(channels: usize) -> Vec<(Effect, Cause)> {
+    let term = |id, name, scale| simple(id, name, 0.0, (-50.0, 50.0), scale, &[]);
+    let mut all = vec![(Effect::Linear, term("acceleration -c v", "c_per_s", 1e-3))];
+    if channels > 1 {
+        all.extend([
+            (
+                Effect::Lift,
+                term("acceleration across the path, c v", "c_per_s", 1e-3),
+            ),
+            (
+                Effect::Turning,
+                term("acceleration along x, -c v_x", "c_per_s", 1e-2),
+            ),
+            (
+                Effect::Wind,
+                term("constant acceleration along x", "c_m_s2", 0.02),
+            ),
+        ]);
+    }
+    all
 }
 
 impl Kind for Flights {
@@ -272,7 +264,7 @@ impl Kind for Flights {
     }
 
     fn causes(&self) -> &[Cause] {
-        &self.causes
+        &self.causes.list
     }
 
     fn stronger(&self) -> String {
@@ -308,7 +300,9 @@ impl Kind for Flights {
             };
             let mut kind = Flights::new(&experiment, self.gravity);
             // Its height is measured with a ruler, and it weighs so much that air does not matter.
-            kind.causes.retain(|c| c.id == "gravity");
+            let gravity = |c: &Cause| c.id == "gravity";
+            let of_gravity = kind.causes.list.into_iter().find(gravity);
+            kind.causes = Causes::new(of_gravity.map(|cause| (Effect::Gravity, cause)));
             kind.listed = 1;
             let what = format!(
                 "drop a heavy, small body by {height} m, free of the boom, its height measured by \
@@ -323,9 +317,9 @@ impl Kind for Flights {
     }
 
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
-        let drag = self.drag[run] * self.value("air-drag", None, terms).unwrap_or(0.0);
-        let share = self.value("counterweight", None, terms).unwrap_or(1.0);
-        let gravity = share * self.value("gravity", None, terms).unwrap_or(self.gravity);
+        let drag = self.drag[run] * self.causes.or(Effect::Drag, 0.0, terms);
+        let share = self.causes.or(Effect::Share, 1.0, terms);
+        let gravity = share * self.causes.or(Effect::Gravity, self.gravity, terms);
         let readings = &self.logs[run].readings;
         let release = if self.is_drop {
             unknowns[1]
@@ -340,13 +334,10 @@ impl Kind for Flights {
                 speed[usize::from(is_height)] = unknowns[2 * channel + 1];
             }
         }
-        let extra = |id: &str| self.value(id, None, terms).unwrap_or(0.0);
-        let linear = extra("acceleration -c v");
-        let (lift, wind) = (
-            extra("acceleration across the path, c v"),
-            extra("constant acceleration along x"),
-        );
-        let turning = extra("acceleration along x, -c v_x");
+        let extra = |effect| self.causes.or(effect, 0.0, terms);
+        let linear = extra(Effect::Linear);
+        let (lift, wind) = (extra(Effect::Lift), extra(Effect::Wind));
+        let turning = extra(Effect::Turning);
         let boom = self.boom[run].filter(|length| place[1].abs() < 0.99 * length);
         let is_parabola = drag == 0.0
             && linear == 0.0
@@ -369,9 +360,8 @@ impl Kind for Flights {
         let start = motion.start(release, place, speed);
         let mut out = vec![0.0; readings.len()];
         for (channel, &is_height) in self.is_height.iter().enumerate() {
-            let name = Some(self.channels[channel].name.as_str());
-            let delay = self.value("sensor-delay", name, terms).unwrap_or(0.0);
-            let scale = self.value("encoder-scale", name, terms).unwrap_or(1.0);
+            let delay = self.causes.or(Effect::Delay(channel), 0.0, terms);
+            let scale = self.causes.or(Effect::Scale(channel), 1.0, terms);
             let k = usize::from(is_height);
             let mut path = start;
             for (i, reading) in readings
@@ -506,15 +496,14 @@ pub(super) const SPEC: Spec = Spec {
     ],
     least: 5,
     longest: 1000.0,
-    checks: &[    Check {
+    checks: &[Check {
         name: "y_m",
         sizes: |view| Some((view.fall("y_m")?, 9.806_65)),
         what: "a fall (m/s²) under gravity",
         allowed: (0.02, 2.0),
         strict: false,
         units: LENGTHS,
-    },
-],
+    }],
     phase: |_| "flight",
     model: |data, robot| {
         let gravity = robot.map_or(9.80665, |r| r.environment.gravity);

@@ -4,8 +4,9 @@ use super::Firings;
 use crate::experiment::Sort;
 use crate::layout::TICK;
 use crate::plausible::{HEIGHT, PIVOT, SUPPLY as SUPPLIED};
-use crate::spec::{Problem, 
-    LEAP, LOGGED, Rest, SUPPLY, Source, Spec, Synthesis, TILT, counting, lively, required, without,
+use crate::spec::{
+    LEAP, LOGGED, Problem, Rest, SUPPLY, Source, Spec, Synthesis, TILT, counting, lively, required,
+    without,
 };
 
 /// Step (rad) of the encoders of the boom.
@@ -27,7 +28,12 @@ pub(super) const SPEC: Spec = Spec {
     checks: &[SUPPLIED, PIVOT, HEIGHT],
     // Nothing pivots before the command.
     phase: |phase| if phase == "pivot" { "at rest" } else { phase },
-    model: |data, robot| Ok(Box::new(Firings::new(data, robot.ok_or(Problem::NoRobot)?)?)),
+    model: |data, robot| {
+        Ok(Box::new(Firings::new(
+            data,
+            robot.ok_or(Problem::NoRobot)?,
+        )?))
+    },
     synthesis: Synthesis {
         instruments: &[counting("pivot_angle_rad", BOOM_COUNT)],
         runs: 12,

@@ -5,9 +5,9 @@ use super::hop::BOOM_COUNT;
 use crate::experiment::Sort;
 use crate::layout::TICK;
 use crate::plausible::{Check, HEIGHT, PIVOT, RATES, SUPPLY as SUPPLIED};
-use crate::spec::{Problem, 
-    LEAP, LOGGED, RATE, Rest, SUPPLY, Source, Spec, Synthesis, TILT, TURN, YAW, counting, lively,
-    noisy, required, without,
+use crate::spec::{
+    LEAP, LOGGED, Problem, RATE, Rest, SUPPLY, Source, Spec, Synthesis, TILT, TURN, YAW, counting,
+    lively, noisy, required, without,
 };
 
 /// Step (rad) of the encoder of the wheel.
@@ -33,16 +33,21 @@ pub(super) const SPEC: Spec = Spec {
         SUPPLIED,
         PIVOT,
         HEIGHT,
-    Check {
-        name: "wheel_rate_rad_s",
-        sizes: |view| view.rates(),
-        what: "the slope of wheel_angle_rad before the command",
-        allowed: (0.25, 4.0),
-        strict: false,
-        units: RATES,
-    },
+        Check {
+            name: "wheel_rate_rad_s",
+            sizes: |view| view.rates(),
+            what: "the slope of wheel_angle_rad before the command",
+            allowed: (0.25, 4.0),
+            strict: false,
+            units: RATES,
+        },
     ],
-    model: |data, robot| Ok(Box::new(Firings::new(data, robot.ok_or(Problem::NoRobot)?)?)),
+    model: |data, robot| {
+        Ok(Box::new(Firings::new(
+            data,
+            robot.ok_or(Problem::NoRobot)?,
+        )?))
+    },
     synthesis: Synthesis {
         instruments: &[
             counting("wheel_angle_rad", WHEEL_COUNT),

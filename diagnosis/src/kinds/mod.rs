@@ -1,7 +1,16 @@
 //! The kinds of experiments. Each has a file of its own, with its [`Spec`]; beside it a
-//! new one takes a line of the registry here, and of [`Sort`].
+//! new one takes two lines here, and one of [`Sort`].
 
+mod bench;
+mod flight;
+mod hop;
+mod jump;
+mod outcomes;
+mod pendulum;
 mod robot;
+mod slide;
+mod stroke;
+mod vessel;
 
 pub use flight::Flights;
 pub use pendulum::Pendulums;
@@ -13,15 +22,13 @@ pub use vessel::Vessels;
 use saltus_robot::Robot;
 
 use crate::experiment::{Experiment, Sort};
-use crate::kind::{Cause, Kind, Parameter};
+use crate::kind::{Cause, Kind, Parameter, Terms};
 pub use crate::spec::Problem;
 use crate::spec::Spec;
 
 /// The registry: each kind with its file.
 macro_rules! kinds {
     ($($name:ident: $file:ident;)+) => {
-        $(mod $file;)+
-
         impl Sort {
             /// All kinds, in the order of messages.
             pub const ALL: [Sort; [$(Sort::$name),+].len()] = [$(Sort::$name),+];
@@ -61,6 +68,31 @@ impl Sort {
 /// [`Problem`] where data and robot do not go together.
 pub fn build(experiment: &Experiment, robot: Option<&Robot>) -> Result<Box<dyn Kind>, Problem> {
     (experiment.kind.spec().model)(experiment, robot)
+}
+
+/// Causes, each with the effect that it has in the model of its kind.
+#[derive(Clone, Debug)]
+struct Causes<E> {
+    effects: Vec<E>,
+    list: Vec<Cause>,
+}
+
+impl<E: Copy + PartialEq> Causes<E> {
+    fn new(all: impl IntoIterator<Item = (E, Cause)>) -> Causes<E> {
+        let (effects, list) = all.into_iter().unzip();
+        Causes { effects, list }
+    }
+
+    /// Parameter `p` of an effect; none where the experiment has no such cause.
+    fn get(&self, effect: E, p: usize, terms: &Terms) -> Option<f64> {
+        let cause = self.effects.iter().position(|own| *own == effect)?;
+        Some(terms.get(cause, p))
+    }
+
+    /// The first parameter of an effect; `none` where the experiment has no such cause.
+    fn or(&self, effect: E, none: f64, terms: &Terms) -> f64 {
+        self.get(effect, 0, terms).unwrap_or(none)
+    }
 }
 
 /// A cause with one parameter.

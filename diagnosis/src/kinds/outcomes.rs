@@ -3,8 +3,8 @@
 use super::Firings;
 use crate::experiment::Sort;
 use crate::plausible::{Check, LENGTHS, RATES, TURNED, quantile};
-use crate::spec::{Problem, 
-    LEAP, OPENING, PART, RATE, Source, Spec, Synthesis, TILT, asked, lively, noisy,
+use crate::spec::{
+    LEAP, OPENING, PART, Problem, RATE, Source, Spec, Synthesis, TILT, asked, lively, noisy,
 };
 
 /// The kind.
@@ -23,50 +23,55 @@ pub(super) const SPEC: Spec = Spec {
     timed: false,
     least: 3,
     checks: &[
-    Check {
-        name: "omega_rad_s",
-        sizes: |view| {
-            let robot = view.robot?;
-            let lifts = (robot.environment.gravity / robot.body.radius).sqrt();
-            Some((quantile(view.column("omega_rad_s")?, 0.5)?, lifts))
+        Check {
+            name: "omega_rad_s",
+            sizes: |view| {
+                let robot = view.robot?;
+                let lifts = (robot.environment.gravity / robot.body.radius).sqrt();
+                Some((quantile(view.column("omega_rad_s")?, 0.5)?, lifts))
+            },
+            what: "the rate at which a wheel on a rigid leg lifts off",
+            allowed: (0.05, 4.0),
+            strict: false,
+            units: RATES,
         },
-        what: "the rate at which a wheel on a rigid leg lifts off",
-        allowed: (0.05, 4.0),
-        strict: false,
-        units: RATES,
-    },
-    Check {
-        name: "apex_m",
-        sizes: |view| {
-            Some((
-                quantile(view.column("apex_m")?, 0.5)?,
-                view.rise()? + view.robot?.body.radius,
-            ))
+        Check {
+            name: "apex_m",
+            sizes: |view| {
+                Some((
+                    quantile(view.column("apex_m")?, 0.5)?,
+                    view.rise()? + view.robot?.body.radius,
+                ))
+            },
+            what: "the height that the work of the leg is good for",
+            allowed: (TURNED, 3.0),
+            strict: false,
+            units: LENGTHS,
         },
-        what: "the height that the work of the leg is good for",
-        allowed: (TURNED, 3.0),
-        strict: false,
-        units: LENGTHS,
-    },
-    Check {
-        name: "distance_m",
-        sizes: |view| {
-            let rate = quantile(view.column("omega_rad_s")?, 0.5)?.abs().min(20.0);
-            let (rise, robot) = (view.rise()?, view.robot?);
-            // A throw at 45° with the energy of the leg and of the rolling wheel; the wheel's way
-            // over its leg comes on top.
-            let speed_squared =
-                (rate * robot.body.radius).powi(2) + 2.0 * robot.environment.gravity * rise;
-            let throw = speed_squared / robot.environment.gravity + 2.0 * robot.body.radius;
-            Some((quantile(view.column("distance_m")?, 0.5)?, throw))
+        Check {
+            name: "distance_m",
+            sizes: |view| {
+                let rate = quantile(view.column("omega_rad_s")?, 0.5)?.abs().min(20.0);
+                let (rise, robot) = (view.rise()?, view.robot?);
+                // A throw at 45° with the energy of the leg and of the rolling wheel; the wheel's way
+                // over its leg comes on top.
+                let speed_squared =
+                    (rate * robot.body.radius).powi(2) + 2.0 * robot.environment.gravity * rise;
+                let throw = speed_squared / robot.environment.gravity + 2.0 * robot.body.radius;
+                Some((quantile(view.column("distance_m")?, 0.5)?, throw))
+            },
+            what: "the distance that the work of the leg is good for",
+            allowed: (TURNED, 3.0),
+            strict: false,
+            units: LENGTHS,
         },
-        what: "the distance that the work of the leg is good for",
-        allowed: (TURNED, 3.0),
-        strict: false,
-        units: LENGTHS,
-    },
     ],
-    model: |data, robot| Ok(Box::new(Firings::new(data, robot.ok_or(Problem::NoRobot)?)?)),
+    model: |data, robot| {
+        Ok(Box::new(Firings::new(
+            data,
+            robot.ok_or(Problem::NoRobot)?,
+        )?))
+    },
     synthesis: Synthesis {
         instruments: &[
             noisy("omega_rad_s", 0.0),

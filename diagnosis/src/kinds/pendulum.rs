@@ -7,14 +7,14 @@ use nalgebra::{Matrix3, Vector3};
 use saltus_robot::Robot;
 use saltus_robot::units::{INERTIA, LENGTH, NUMBER, Quantity, Unit};
 
-use super::{FREE, sensor, simple, unknown};
+use super::{Causes, FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::layout::{Draw, Layout, round};
 use crate::noise;
-use crate::spec::{Problem, 
-    Domain, LOAD, PART, Setting, Source, Spec, Synthesis, TURN, calm, lively, noisy, optional,
-    required, without,
+use crate::spec::{
+    Domain, LOAD, PART, Problem, Setting, Source, Spec, Synthesis, TURN, calm, lively, noisy,
+    optional, required, without,
 };
 
 /// A torque whose names end in `_nm`.
@@ -58,7 +58,10 @@ pub(super) const SPEC: Spec = Spec {
     sort: Sort::Pendulum,
     id: "pendulum",
     description: "A part or the robot, swinging about a fixed axis",
-    channels: &[lively("angle_rad", TURN), without(calm("torque_nm", TORQUE))],
+    channels: &[
+        lively("angle_rad", TURN),
+        without(calm("torque_nm", TORQUE)),
+    ],
     settings: &[Setting {
         words: &[("axle", 0.0), ("foot", FOOT)],
         ..optional("axis", AXIS)
@@ -150,7 +153,11 @@ impl Torque {
         let Some(column) = column else {
             return Torque::default();
         };
-        let rows = run.time.iter().copied().zip(run.values[column].iter().copied());
+        let rows = run
+            .time
+            .iter()
+            .copied()
+            .zip(run.values[column].iter().copied());
         let (time, values) = rows.filter(|(_, value)| value.is_finite()).unzip();
         Torque { time, values }
     }
@@ -201,8 +208,7 @@ pub struct Pendulums {
     logs: Vec<Log>,
     bodies: Vec<Body>,
     torques: Vec<Torque>,
-    effects: Vec<Effect>,
-    causes: Vec<Cause>,
+    causes: Causes<Effect>,
     listed: usize,
 }
 
@@ -229,7 +235,7 @@ impl Pendulums {
         let is_driven = torques.iter().any(|t| t.values.iter().any(|x| *x != 0.0));
         let named = named(&bodies[0], is_driven);
         let listed = named.len();
-        let (effects, causes) = named.into_iter().chain(terms(&bodies[0])).unzip();
+        let causes = Causes::new(named.into_iter().chain(terms(&bodies[0])));
         Ok(Pendulums {
             channels: noise::channels(experiment, &[angle]),
             logs: runs
@@ -238,16 +244,9 @@ impl Pendulums {
                 .collect(),
             bodies,
             torques,
-            effects,
             causes,
             listed,
         })
-    }
-
-    /// The parameter of an effect; `none` where there is no such cause.
-    fn value(&self, effect: Effect, none: f64, terms: &Terms) -> f64 {
-        let cause = self.effects.iter().position(|own| *own == effect);
-        cause.map_or(none, |cause| terms.get(cause, 0))
     }
 
     /// Inertia (kg m²) about the axis by least squares on the equation of motion, with viscous and
@@ -279,9 +278,7 @@ impl Pendulums {
         // The mean of the impulses over a window belongs to the mean rate in it.
         let mean = |row: usize| -> [f64; 3] {
             let here = &impulses[row..=row + step];
-            std::array::from_fn(|k| {
-                here.iter().map(|i| i[k]).sum::<f64>() / here.len() as f64
-            })
+            std::array::from_fn(|k| here.iter().map(|i| i[k]).sum::<f64>() / here.len() as f64)
         };
         let (mut products, mut sums) = (Matrix3::zeros(), Vector3::zeros());
         for row in (0..readings.len().checked_sub(2 * step + 1)?).step_by(step) {
@@ -298,22 +295,22 @@ impl Pendulums {
     fn swing(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Swing {
         let believed = self.bodies[run];
         let body = Body {
-            mass: believed.mass * self.value(Effect::Mass, 1.0, terms),
-            centre: believed.centre + self.value(Effect::Centre, 0.0, terms),
+            mass: believed.mass * self.causes.or(Effect::Mass, 1.0, terms),
+            centre: believed.centre + self.causes.or(Effect::Centre, 0.0, terms),
             ..believed
         };
         let inertia = match (body.inertia, unknowns.get(2)) {
             (None, Some(inertia)) => *inertia,
-            _ => body.about_axis() * self.value(Effect::Inertia, 1.0, terms),
+            _ => body.about_axis() * self.causes.or(Effect::Inertia, 1.0, terms),
         };
         Swing {
             inertia,
             moment: body.moment(),
-            dry: self.value(Effect::Dry, 0.0, terms),
-            viscous: self.value(Effect::Viscous, 0.0, terms),
-            drag: self.value(Effect::Drag, 0.0, terms),
-            spring: self.value(Effect::Spring, 0.0, terms),
-            second: self.value(Effect::Second, 0.0, terms),
+            dry: self.causes.or(Effect::Dry, 0.0, terms),
+            viscous: self.causes.or(Effect::Viscous, 0.0, terms),
+            drag: self.causes.or(Effect::Drag, 0.0, terms),
+            spring: self.causes.or(Effect::Spring, 0.0, terms),
+            second: self.causes.or(Effect::Second, 0.0, terms),
         }
     }
 }
@@ -329,7 +326,14 @@ fn named(body: &Body, is_driven: bool) -> Vec<(Effect, Cause)> {
         let lever = body.lever();
         let bounds = (-20.0 * lever, 20.0 * lever);
         let starts = [-0.2 * lever, 0.2 * lever];
-        let centre = simple("imbalance", "imbalance_m", 0.0, bounds, 0.01 * lever, &starts);
+        let centre = simple(
+            "imbalance",
+            "imbalance_m",
+            0.0,
+            bounds,
+            0.01 * lever,
+            &starts,
+        );
         all.push((Effect::Centre, centre));
         all.push((Effect::Mass, share("mass", "mass_share", 0.02)));
     }
@@ -337,7 +341,14 @@ fn named(body: &Body, is_driven: bool) -> Vec<(Effect, Cause)> {
     let rate = (size / body.about_axis().max(1e-9)).sqrt();
     let friction = |id, name, unit: f64| {
         let starts = [0.01 * size / unit, 0.1 * size / unit];
-        simple(id, name, 0.0, (0.0, 10.0 * size / unit), 1e-3 * size / unit, &starts)
+        simple(
+            id,
+            name,
+            0.0,
+            (0.0, 10.0 * size / unit),
+            1e-3 * size / unit,
+            &starts,
+        )
     };
     all.push((
         Effect::Dry,
@@ -351,12 +362,10 @@ fn named(body: &Body, is_driven: bool) -> Vec<(Effect, Cause)> {
         Effect::Drag,
         friction("air-drag", "drag_n_m_s2_per_rad2", rate * rate),
     ));
-    let of_angle = |id, name, none, bounds, scale| {
-        sensor(id, "angle_rad", name, none, bounds, scale, &[])
-    };
-    let of_torque = |id, name, none, bounds, scale| {
-        sensor(id, "torque_nm", name, none, bounds, scale, &[])
-    };
+    let of_angle =
+        |id, name, none, bounds, scale| sensor(id, "angle_rad", name, none, bounds, scale, &[]);
+    let of_torque =
+        |id, name, none, bounds, scale| sensor(id, "torque_nm", name, none, bounds, scale, &[]);
     all.push((
         Effect::AngleOffset,
         of_angle("sensor-offset", "offset_rad", 0.0, (-1.0, 1.0), 1e-3),
@@ -390,7 +399,16 @@ fn named(body: &Body, is_driven: bool) -> Vec<(Effect, Cause)> {
 /// Terms without a name.
 fn terms(body: &Body) -> [(Effect, Cause); 2] {
     let size = body.size();
-    let term = |id, name| simple(id, name, 0.0, (-100.0 * size, 100.0 * size), 1e-3 * size, &[]);
+    let term = |id, name| {
+        simple(
+            id,
+            name,
+            0.0,
+            (-100.0 * size, 100.0 * size),
+            1e-3 * size,
+            &[],
+        )
+    };
     [
         (
             Effect::Spring,
@@ -432,9 +450,8 @@ impl Swing {
     /// friction takes what is left of the rate and no more.
     fn go(&self, [angle, rate]: [f64; 2], torque: f64, h: f64) -> [f64; 2] {
         let middle = angle + 0.5 * h * rate;
-        let back = self.moment * middle.sin()
-            + self.spring * middle
-            + self.second * (2.0 * middle).sin();
+        let back =
+            self.moment * middle.sin() + self.spring * middle + self.second * (2.0 * middle).sin();
         // What brakes in proportion to the rate does so without end, and never turns it round.
         let brake = h * (self.viscous + self.drag * rate.abs()) / self.inertia;
         let left = (-brake).exp();
@@ -467,7 +484,9 @@ impl Kind for Pendulums {
         };
         let channel = &self.channels[0];
         let doubt = 5.0 * channel.noise.max(channel.step);
-        let moves = readings.iter().find(|r| (r.value - first.value).abs() > doubt);
+        let moves = readings
+            .iter()
+            .find(|r| (r.value - first.value).abs() > doubt);
         let rest = moves.map_or(0.0, |reading| reading.time - first.time);
         let near = readings.get(readings.len().min(5) - 1).unwrap_or(first);
         let width = near.time - first.time;
@@ -496,7 +515,7 @@ impl Kind for Pendulums {
     }
 
     fn causes(&self) -> &[Cause] {
-        &self.causes
+        &self.causes.list
     }
 
     fn listed(&self) -> usize {
@@ -508,7 +527,7 @@ impl Kind for Pendulums {
     }
 
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
-        let value = |effect, none| self.value(effect, none, terms);
+        let value = |effect, none| self.causes.or(effect, none, terms);
         let swing = self.swing(run, terms, unknowns);
         let (scale, offset) = (
             value(Effect::AngleScale, 1.0),
@@ -572,7 +591,11 @@ fn lay_out(layout: &mut Layout, runs: usize, draw: &mut Draw) {
         let sines = [(); 2].map(|()| {
             // Off its resonance, in which it would turn over.
             let rate = natural * draw.between(0.3, 0.6);
-            (moment * draw.between(0.05, 0.15), rate, draw.between(0.0, TAU))
+            (
+                moment * draw.between(0.05, 0.15),
+                rate,
+                draw.between(0.0, TAU),
+            )
         });
         let Some(run) = layout.experiment.runs.last_mut().filter(|_| is_driven) else {
             continue;
@@ -632,10 +655,7 @@ mod tests {
     /// where M sin φ is less than T.
     #[test]
     fn dry_friction_takes_its_work_and_holds_it() {
-        let swing = Swing {
-            dry: 0.1,
-            ..FREELY
-        };
+        let swing = Swing { dry: 0.1, ..FREELY };
         let found = turns(&swing, 1.2);
         let mut before = 1.2_f64;
         for (_, angle) in &found {

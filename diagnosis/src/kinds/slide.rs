@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use super::{FREE, sensor, simple, unknown};
+use super::{Causes, FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
-use crate::noise;
 use crate::layout::{Draw, Layout, count};
+use crate::noise;
 use crate::spec::{
     FORCE, LOAD, PART, POSITION, Source, Spec, Synthesis, calm, lively, noisy, optional,
 };
@@ -28,7 +28,7 @@ pub struct Slides {
     channels: Vec<Channel>,
     logs: Vec<Log>,
     drives: Vec<Drive>,
-    causes: Vec<Cause>,
+    causes: Causes<Effect>,
     mass_is_known: bool,
     /// Standard deviation (N) of a measured force.
     force_noise: f64,
@@ -63,95 +63,140 @@ impl Slides {
             .map(|run| drive(run, force))
             .collect();
         let mass_is_known = drives.iter().all(|d| d.mass.is_some());
-        let mut causes = vec![
-            simple(
-                "coulomb-friction",
-                "coulomb_friction_n",
-                0.0,
-                (0.0, 1e5),
-                0.5,
-                &[1.0, 5.0],
-            ),
-            simple(
-                "viscous-friction",
-                "viscous_friction_n_s_per_m",
-                0.0,
-                (0.0, 1e6),
-                0.5,
-                &[1.0, 10.0],
-            ),
-            simple("air-drag", "drag_n_s2_per_m2", 0.0, (0.0, 1e5), 0.1, &[1.0]),
-            Cause::several(
-                "return-spring",
-                vec![
-                    unknown("stiffness_n_per_m", 0.0, (0.0, 1e7), 5.0),
-                    unknown("preload_n", 0.0, (-1e5, 1e5), 0.5),
-                ],
-            ),
-            sensor("sensor-offset", "force_n", "offset_n", 0.0, FREE, 0.1, &[]),
-            sensor(
-                "sensor-delay",
-                "position_m",
-                "delay_s",
-                0.0,
-                (0.0, 0.5),
-                1e-3,
-                &[0.01],
-            ),
-            sensor(
-                "sensor-delay",
-                "force_n",
-                "delay_s",
-                0.0,
-                (0.0, 0.5),
-                1e-3,
-                &[0.01],
-            ),
-            sensor(
-                "encoder-scale",
-                "position_m",
-                "gain",
-                1.0,
-                (0.2, 5.0),
-                0.01,
-                &[],
-            ),
-        ];
-        if mass_is_known {
-            causes.push(sensor(
-                "encoder-scale",
-                "force_n",
-                "gain",
-                1.0,
-                (0.2, 5.0),
-                0.01,
-                &[],
-            ));
-            causes.push(simple(
-                "mass",
-                "mass_share",
-                1.0,
-                (0.05, 20.0),
-                0.02,
-                &[0.8, 1.25],
-            ));
-        }
         Slides {
             channels,
             logs,
             drives,
-            causes,
+            causes: Causes::new(causes(mass_is_known)),
             mass_is_known,
             force_noise,
         }
     }
 
-    /// A parameter of the cause `id`; none where this experiment has no such cause.
-    fn term(&self, id: &str, parameter: usize, terms: &Terms) -> Option<f64> {
-        self.causes
-            .iter()
-            .position(|c| c.id == id)
-            .map(|i| terms.get(i, parameter))
+    /// What acts on the mass of a run; none where nothing says what it is.
+    fn guide(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Guide> {
+        let mass = match (self.drives[run].mass, unknowns.get(2)) {
+            (_, Some(&mass)) => mass,
+            // Where a run does not tell its mass, there is no such cause: the others' are believed.
+            (Some(mass), None) => mass * self.causes.or(Effect::Mass, 1.0, terms),
+            _ => return None,
+        };
+        Some(Guide {
+            mass,
+            dry: self.causes.get(Effect::Dry, 0, terms)?,
+            viscous: self.causes.get(Effect::Viscous, 0, terms)?,
+            drag: self.causes.get(Effect::Drag, 0, terms)?,
+            stiffness: self.causes.get(Effect::Spring, 0, terms)?,
+            preload: self.causes.get(Effect::Spring, 1, terms)?,
+            start: *unknowns.first()?,
+        })
+    }
+}
+
+/// What a cause does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Effect {
+    Dry,
+    Viscous,
+    Drag,
+    Spring,
+    Mass,
+    ForceOffset,
+    ForceDelay,
+    ForceScale,
+    PositionDelay,
+    PositionScale,
+}
+
+fn causes(mass_is_known: bool) -> Vec<(Effect, Cause)> {
+    let delay = |column| {
+        sensor(
+            "sensor-delay",
+            column,
+            "delay_s",
+            0.0,
+            (0.0, 0.5),
+            1e-3,
+            &[0.01],
+        )
+    };
+    let scale = |column| sensor("encoder-scale", column, "gain", 1.0, (0.2, 5.0), 0.01, &[]);
+    let friction = |id, name, most, starts: &[f64]| simple(id, name, 0.0, (0.0, most), 0.5, starts);
+    let spring = Cause::several(
+        "return-spring",
+        vec![
+            unknown("stiffness_n_per_m", 0.0, (0.0, 1e7), 5.0),
+            unknown("preload_n", 0.0, (-1e5, 1e5), 0.5),
+        ],
+    );
+    let mut all = vec![
+        (
+            Effect::Dry,
+            friction("coulomb-friction", "coulomb_friction_n", 1e5, &[1.0, 5.0]),
+        ),
+        (
+            Effect::Viscous,
+            friction(
+                "viscous-friction",
+                "viscous_friction_n_s_per_m",
+                1e6,
+                &[1.0, 10.0],
+            ),
+        ),
+        (
+            Effect::Drag,
+            simple("air-drag", "drag_n_s2_per_m2", 0.0, (0.0, 1e5), 0.1, &[1.0]),
+        ),
+        (Effect::Spring, spring),
+        (
+            Effect::ForceOffset,
+            sensor("sensor-offset", "force_n", "offset_n", 0.0, FREE, 0.1, &[]),
+        ),
+        (Effect::PositionDelay, delay("position_m")),
+        (Effect::ForceDelay, delay("force_n")),
+        (Effect::PositionScale, scale("position_m")),
+    ];
+    if mass_is_known {
+        let mass = simple("mass", "mass_share", 1.0, (0.05, 20.0), 0.02, &[0.8, 1.25]);
+        all.extend([(Effect::ForceScale, scale("force_n")), (Effect::Mass, mass)]);
+    }
+    all
+}
+
+/// What acts on the mass beside the drive.
+struct Guide {
+    /// Mass (kg).
+    mass: f64,
+    /// Dry friction (N).
+    dry: f64,
+    /// Viscous friction (N s/m).
+    viscous: f64,
+    /// Drag (N s²/m²).
+    drag: f64,
+    /// Stiffness (N/m) of a spring and its force (N) at the start.
+    stiffness: f64,
+    preload: f64,
+    /// Where (m) it starts.
+    start: f64,
+}
+
+impl Guide {
+    /// One step of h (s) under a force (N): the middle of the step tells the forces, and dry
+    /// friction takes what is left of the speed and no more.
+    fn go(&self, [x, v]: [f64; 2], force: f64, h: f64) -> [f64; 2] {
+        let middle = x + 0.5 * h * v;
+        let push = force - self.stiffness * (middle - self.start) - self.preload;
+        // What brakes in proportion to the speed does so without end, and never turns it round.
+        let brake = h * (self.viscous + self.drag * v.abs()) / self.mass;
+        let left = (-brake).exp();
+        let mean = if brake > 1e-6 {
+            (1.0 - left) / brake
+        } else {
+            1.0
+        };
+        let free = left * v + mean * h * push / self.mass;
+        let next = free.signum() * (free.abs() - h * self.dry / self.mass).max(0.0);
+        [x + 0.5 * h * (v + next), next]
     }
 }
 
@@ -211,7 +256,7 @@ impl Kind for Slides {
     }
 
     fn causes(&self) -> &[Cause] {
-        &self.causes
+        &self.causes.list
     }
 
     fn stronger(&self) -> String {
@@ -244,40 +289,21 @@ impl Kind for Slides {
 
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         let drive = &self.drives[run];
-        let mass = match (drive.mass, unknowns.get(2)) {
-            (_, Some(&mass)) => mass,
-            // Where a run does not tell its mass, there is no such cause: the others' are believed.
-            (Some(mass), None) => mass * self.term("mass", 0, terms).unwrap_or(1.0),
-            _ => return None,
-        };
-        let dry = self.term("coulomb-friction", 0, terms)?;
-        let viscous = self.term("viscous-friction", 0, terms)?;
-        let drag = self.term("air-drag", 0, terms)?;
-        let [stiffness, preload] = [
-            self.term("return-spring", 0, terms)?,
-            self.term("return-spring", 1, terms)?,
-        ];
-        let offset = self.term("sensor-offset", 0, terms)?;
-        let of = |id: &str, column: &str, none: f64| {
-            let is_it = |c: &&Cause| c.id == id && c.column.as_deref() == Some(column);
-            self.causes
-                .iter()
-                .position(|c| is_it(&c))
-                .map_or(none, |i| terms.get(i, 0))
-        };
-        let [(delay, scale), (force_delay, force_scale)] =
-            ["position_m", "force_n"].map(|column| {
-                (
-                    of("sensor-delay", column, 0.0),
-                    of("encoder-scale", column, 1.0),
-                )
-            });
-        let (start, mut x, mut v) = (unknowns[0], unknowns[0], unknowns[1]);
-        let mut now = *drive.time.first()?;
-        let mut at = 0;
-        let force = |at: usize, t: f64| force_scale * drive.between(at, t) + offset;
+        let guide = self.guide(run, terms, unknowns)?;
+        let value = |effect, none| self.causes.or(effect, none, terms);
+        let (offset, force_scale) = (
+            value(Effect::ForceOffset, 0.0),
+            value(Effect::ForceScale, 1.0),
+        );
+        let (delay, force_delay) = (
+            value(Effect::PositionDelay, 0.0),
+            value(Effect::ForceDelay, 0.0),
+        );
+        let scale = value(Effect::PositionScale, 1.0);
+        let mut state = [unknowns[0], unknowns[1]];
+        let (mut now, mut at) = (*drive.time.first()?, 0);
         // A stiff spring swings fast.
-        let step = STEP.min(0.3 * (mass / stiffness).sqrt());
+        let step = STEP.min(0.3 * (guide.mass / guide.stiffness).sqrt());
         let mut out = Vec::with_capacity(self.logs[run].readings.len());
         for reading in &self.logs[run].readings {
             let until = reading.time - delay;
@@ -288,25 +314,10 @@ impl Kind for Slides {
                 while at + 1 < drive.time.len() && drive.time[at + 1] <= seen {
                     at += 1;
                 }
-                // The middle of the step; dry friction takes what is left of the speed and no more.
-                let middle = x + 0.5 * h * v;
-                let push = force(at, seen) - stiffness * (middle - start) - preload;
-                // What brakes in proportion to the speed does so without end, and never turns it
-                // round.
-                let brake = h * (viscous + drag * v.abs()) / mass;
-                let left = (-brake).exp();
-                let mean = if brake > 1e-6 {
-                    (1.0 - left) / brake
-                } else {
-                    1.0
-                };
-                let free = left * v + mean * h * push / mass;
-                let next = free.signum() * (free.abs() - h * dry / mass).max(0.0);
-                x += 0.5 * h * (v + next);
-                v = next;
+                state = guide.go(state, force_scale * drive.between(at, seen) + offset, h);
                 now += h;
             }
-            out.push(scale * x);
+            out.push(scale * state[0]);
         }
         out.iter().all(|x| x.is_finite()).then_some(out)
     }

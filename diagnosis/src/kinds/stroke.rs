@@ -5,11 +5,12 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 use super::{FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
-use crate::noise;
 use crate::layout::{Draw, Layout, count};
+use crate::noise;
 use crate::plausible::{Check, FORCES, quantile};
 use crate::spec::{
-    BORE, Column, FORCE, GAUGE, PART, POSITION, Source, Spec, Synthesis, calm, lively, noisy, required,
+    BORE, Column, FORCE, GAUGE, PART, POSITION, Source, Spec, Synthesis, calm, lively, noisy,
+    required,
 };
 
 /// What is given of a run.
@@ -64,8 +65,7 @@ impl Strokes {
             .runs
             .iter()
             .filter_map(|run| run.settings.get("bore_m"));
-        let area =
-            FRAC_PI_4 * bores.fold(0.0, |most: f64, bore| most.max(bore * bore));
+        let area = FRAC_PI_4 * bores.fold(0.0, |most: f64, bore| most.max(bore * bore));
         channel.noise = channel.noise.hypot(area * of_pressure.noise);
         channel.is_given &= of_pressure.is_given;
         let channels = vec![channel];
@@ -251,7 +251,7 @@ pub(super) const SPEC: Spec = Spec {
         lively("force_n", FORCE),
     ],
     settings: &[required("bore_m", BORE)],
-    checks: &[    Check {
+    checks: &[Check {
         name: "force_n",
         sizes: |view| {
             let area = FRAC_PI_4 * view.setting("bore_m")?.powi(2);
@@ -264,8 +264,7 @@ pub(super) const SPEC: Spec = Spec {
         allowed: (0.35, 5.0),
         strict: false,
         units: FORCES,
-    },
-],
+    }],
     model: |data, _| Ok(Box::new(Strokes::new(data))),
     synthesis: Synthesis {
         instruments: &[
@@ -294,16 +293,17 @@ fn lay_out(layout: &mut Layout, runs: usize, draw: &mut Draw) {
             rate,
             vec![seal, way],
         );
-        let (position, pressure) =
-            (layout.column("position_m"), layout.column("pressure_gauge_pa"));
+        let (position, pressure) = (
+            layout.column("position_m"),
+            layout.column("pressure_gauge_pa"),
+        );
         let Some(run) = layout.experiment.runs.last_mut() else {
             return;
         };
         for (row, t) in run.time.iter().enumerate() {
             // Nearly a triangle: an arcsine of a sine that stays short of 1.
             let phase = TAU * t / period;
-            run.values[position][row] =
-                middle - half * (0.99 * phase.cos()).asin() / (PI / 2.0);
+            run.values[position][row] = middle - half * (0.99 * phase.cos()).asin() / (PI / 2.0);
             run.values[pressure][row] =
                 set + 1500.0 * (0.7 * phase.sin() + 0.3 * (TAU * t / 7.0).sin());
         }

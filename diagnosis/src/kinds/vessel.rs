@@ -2,14 +2,15 @@
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
-use super::{FREE, sensor, simple, unknown};
+use super::{Causes, FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Proposal, Reading, Terms};
-use crate::noise;
 use crate::layout::{Draw, Layout};
+use crate::noise;
 use crate::plausible::{Check, PRESSURES, quantile};
 use crate::spec::{
-    ABSOLUTE, AREA, BORE, PART, Source, Spec, Synthesis, TEMPERATURE, VOLUME, calm, lively, noisy, optional, required, without,
+    ABSOLUTE, AREA, BORE, PART, Source, Spec, Synthesis, TEMPERATURE, VOLUME, calm, lively, noisy,
+    optional, required, without,
 };
 
 /// What is given of a run.
@@ -37,7 +38,7 @@ pub struct Vessels {
     channels: Vec<Channel>,
     logs: Vec<Log>,
     tanks: Vec<Vessel>,
-    causes: Vec<Cause>,
+    causes: Causes<Effect>,
     /// How many of them have an id.
     listed: usize,
 }
@@ -55,22 +56,128 @@ const STEPS: f64 = 500.0;
 /// itself.
 const NEAR: f64 = 0.05;
 const SHARE: f64 = 3e-3;
-const HEAT: usize = 0;
-const GAS: usize = 1;
-const OUTSIDE: usize = 2;
-/// Terms of the flow that have no id of a cause: name, parameter, a change that matters.
-const DRIFTS: [(&str, &str, f64); 2] = [
-    (
-        "flow through the orifice, times 1 + c times the share of pressure that is lost",
-        "c",
-        0.01,
-    ),
-    (
-        "flow through the orifice, times 1 + c times the share of time that is gone",
-        "c",
-        0.01,
-    ),
-];
+/// What a channel measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Gauge {
+    Pressure,
+    Temperature,
+}
+
+impl Gauge {
+    /// Of the column `name`.
+    fn of(name: &str) -> Gauge {
+        if name == "pressure_pa" {
+            Gauge::Pressure
+        } else {
+            Gauge::Temperature
+        }
+    }
+}
+
+/// What a cause does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Effect {
+    Heat,
+    Gas,
+    Outside,
+    Offset(Gauge),
+    Scale(Gauge),
+    Delay(Gauge),
+    /// Without a name.
+    DriftByPressure,
+    DriftByTime,
+    Opening,
+}
+
+/// The listed causes.
+fn named(experiment: &Experiment) -> Vec<(Effect, Cause)> {
+    let gas = [0.999];
+    let mut all = vec![
+        // Natural convection, Nu = c Ra^⅓; turbulent, c is 0.1 to 0.15.
+        (
+            Effect::Heat,
+            simple("heat-transfer", "convection", 0.0, (0.0, 5.0), 0.02, &[0.1]),
+        ),
+        (
+            Effect::Gas,
+            simple(
+                "gas-type",
+                "carbon_dioxide_share",
+                0.0,
+                (0.8, 1.0),
+                0.05,
+                &gas,
+            ),
+        ),
+        (
+            Effect::Outside,
+            simple(
+                "supply-pressure",
+                "outside_pressure_pa",
+                0.0,
+                (-1e6, 1e6),
+                1e3,
+                &[],
+            ),
+        ),
+    ];
+    for (column, unit, size) in [("pressure_pa", "pa", 1e3), ("temperature_k", "k", 0.2)] {
+        if experiment.columns.iter().all(|own| own != column) {
+            continue;
+        }
+        let gauge = Gauge::of(column);
+        let name = format!("offset_{unit}");
+        let offset = sensor("sensor-offset", column, &name, 0.0, FREE, size, &[]);
+        let usual = Some(5.0 * size);
+        let scale = sensor("encoder-scale", column, "gain", 1.0, (0.2, 5.0), 0.01, &[]);
+        let delay = sensor(
+            "sensor-delay",
+            column,
+            "delay_s",
+            0.0,
+            (0.0, 10.0),
+            0.1,
+            &[],
+        );
+        all.extend([
+            (Effect::Offset(gauge), Cause { usual, ..offset }),
+            (Effect::Scale(gauge), scale),
+            (Effect::Delay(gauge), delay),
+        ]);
+    }
+    all
+}
+
+/// Terms of the flow without a name, of runs that last `last` (s).
+fn unnamed(last: f64) -> [(Effect, Cause); 3] {
+    let drift = |id| simple(id, "c", 0.0, (-3.0, 3.0), 0.01, &[]);
+    let (bounds, starts) = (
+        (0.01 * last, last),
+        [0.02, 0.06, 0.2].map(|part| part * last),
+    );
+    [
+        (
+            Effect::DriftByPressure,
+            drift("flow through the orifice, times 1 + c times the share of pressure that is lost"),
+        ),
+        (
+            Effect::DriftByTime,
+            drift("flow through the orifice, times 1 + c times the share of time that is gone"),
+        ),
+        (
+            Effect::Opening,
+            simple(
+                "orifice that opens over a time",
+                "opening_s",
+                0.0,
+                bounds,
+                0.02 * last,
+                &starts,
+            ),
+        ),
+    ]
+}
+
 /// Air and carbon dioxide: κ and R (J/(kg K)).
 const AIR: (f64, f64) = (1.4, 287.05);
 const CARBON_DIOXIDE: (f64, f64) = (1.30, 188.9);
@@ -86,72 +193,11 @@ impl Vessels {
             .map(|run| noise::log(experiment, run, &indices))
             .collect();
         let tanks = experiment.runs.iter().map(vessel).collect();
-        let mut causes = vec![
-            // Natural convection, Nu = c Ra^⅓; turbulent, c is 0.1 to 0.15.
-            simple("heat-transfer", "convection", 0.0, (0.0, 5.0), 0.02, &[0.1]),
-            simple(
-                "gas-type",
-                "carbon_dioxide_share",
-                0.0,
-                (0.8, 1.0),
-                0.05,
-                &[0.999],
-            ),
-            simple(
-                "supply-pressure",
-                "outside_pressure_pa",
-                0.0,
-                (-1e6, 1e6),
-                1e3,
-                &[],
-            ),
-        ];
-        for (column, unit, scale) in [("pressure_pa", "pa", 1e3), ("temperature_k", "k", 0.2)] {
-            if experiment.columns.iter().any(|c| c == column) {
-                let offset = format!("offset_{unit}");
-                let usual = Some(5.0 * scale);
-                causes.push(Cause {
-                    usual,
-                    ..sensor("sensor-offset", column, &offset, 0.0, FREE, scale, &[])
-                });
-                causes.push(sensor(
-                    "encoder-scale",
-                    column,
-                    "gain",
-                    1.0,
-                    (0.2, 5.0),
-                    0.01,
-                    &[],
-                ));
-                causes.push(sensor(
-                    "sensor-delay",
-                    column,
-                    "delay_s",
-                    0.0,
-                    (0.0, 10.0),
-                    0.1,
-                    &[],
-                ));
-            }
-        }
-        let listed = causes.len();
-        for (id, name, scale) in DRIFTS {
-            causes.push(simple(id, name, 0.0, (-3.0, 3.0), scale, &[]));
-        }
+        let named = named(experiment);
+        let listed = named.len();
         let length = |log: &Log| Some(log.readings.last()?.time - log.readings.first()?.time);
         let last = logs.iter().filter_map(length).fold(0.0, f64::max);
-        let (bounds, starts) = (
-            (0.01 * last, last),
-            [0.02, 0.06, 0.2].map(|part| part * last),
-        );
-        causes.push(simple(
-            "orifice that opens over a time",
-            "opening_s",
-            0.0,
-            bounds,
-            0.02 * last,
-            &starts,
-        ));
+        let causes = Causes::new(named.into_iter().chain(unnamed(last)));
         Vessels {
             channels,
             logs,
@@ -260,7 +306,7 @@ impl Kind for Vessels {
     }
 
     fn causes(&self) -> &[Cause] {
-        &self.causes
+        &self.causes.list
     }
 
     fn stronger(&self) -> String {
@@ -310,72 +356,147 @@ impl Kind for Vessels {
         self.logs.iter().zip(&self.tanks).map(proposal).collect()
     }
 
-    /// Mass and energy of the gas: dU = h_in dm + Q, with natural convection from a wall that stays
-    /// at the first temperature.
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+        let value = |effect, none| self.causes.or(effect, none, terms);
+        let gas = self.gas(run, terms, unknowns)?;
+        let knots = gas.knots();
+        let mut out = Vec::with_capacity(self.logs[run].readings.len());
+        for reading in &self.logs[run].readings {
+            let gauge = Gauge::of(&self.channels[reading.channel].name);
+            let time = reading.time - gas.release - value(Effect::Delay(gauge), 0.0);
+            let state = between(&knots, gas.step, time);
+            let exact = match gauge {
+                Gauge::Pressure => gas.pressure(state),
+                Gauge::Temperature => state[1],
+            };
+            out.push(value(Effect::Scale(gauge), 1.0) * exact + value(Effect::Offset(gauge), 0.0));
+        }
+        out.iter().all(|x| x.is_finite()).then_some(out)
+    }
+}
+
+/// Gas in a vessel: its mass (kg) and temperature (K) are the state.
+struct Gas<'a> {
+    vessel: &'a Vessel,
+    /// Heat ratio and gas constant (J/(kg K)).
+    kappa: f64,
+    constant: f64,
+    /// Effective area of the orifice (m²).
+    area: f64,
+    /// Pressure (Pa) outside.
+    outside: f64,
+    /// Area of the wall (m²), and the coefficient of natural convection there.
+    wall: f64,
+    convection: f64,
+    /// When (s) the orifice is opened, how long that takes, and how long the run is from there.
+    release: f64,
+    opening: f64,
+    last: f64,
+    /// Length (s) of a step, and in how many parts it is cut near the balance.
+    step: f64,
+    parts: f64,
+    /// Part of the pressure below which the flow is in proportion to the difference.
+    least: f64,
+    /// Drift of the flow with the share of pressure that is lost, and of time that is gone.
+    drift: [f64; 2],
+}
+
+impl Vessels {
+    /// The gas of a run; none where it cannot flow.
+    fn gas(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Gas<'_>> {
+        let value = |effect, none| self.causes.or(effect, none, terms);
         let vessel = &self.tanks[run];
-        let share = terms.get(GAS, 0);
+        let share = value(Effect::Gas, 0.0);
         let mix = |a: f64, b: f64| a + share * (b - a);
-        let (kappa, gas) = (mix(AIR.0, CARBON_DIOXIDE.0), mix(AIR.1, CARBON_DIOXIDE.1));
-        let area = FRAC_PI_4 * vessel.orifice * vessel.orifice * unknowns[0];
-        let outside = vessel.ambient + terms.get(OUTSIDE, 0);
-        if outside <= 0.0 {
-            return None;
-        }
-        let wall = vessel.wall.unwrap_or_else(|| {
-            (36.0 * PI).cbrt() * vessel.volume.powf(2.0 / 3.0)
-        });
+        let (kappa, constant) = (mix(AIR.0, CARBON_DIOXIDE.0), mix(AIR.1, CARBON_DIOXIDE.1));
+        let widest = FRAC_PI_4 * vessel.orifice * vessel.orifice;
+        let area = widest * unknowns[0];
         let release = vessel.release.or(unknowns.get(1).copied())?;
-        let last = self.span(run).1 - release;
-        if last <= 0.0 {
-            return None;
-        }
+        let (first, end) = self.span(run);
+        let last = end - release;
         let step = last / STEPS;
         // Near the balance steps are cut into so many parts: the same ones whatever is fitted.
-        let speed = kappa * (gas * vessel.temperature).sqrt() / vessel.volume;
-        let (first, end) = self.span(run);
-        let widest = FRAC_PI_4 * vessel.orifice * vessel.orifice;
+        let speed = kappa * (constant * vessel.temperature).sqrt() / vessel.volume;
         let parts = (speed * widest * (end - first) / (STEPS * SHARE))
             .ceil()
             .clamp(1.0, 100.0);
-        // A part there shall not be stiff: the flow is nearly √(2 difference).
-        let least = (2.0 * (speed * area * step / parts).powi(2)).clamp(1e-9, 0.1);
-        let drift = [self.listed, self.listed + 1].map(|k| terms.get(k, 0));
-        let opening = terms.get(self.listed + DRIFTS.len(), 0);
-        let rates = |time: f64, [mass, temperature]: [f64; 2]| {
-            let pressure = mass * gas * temperature / vessel.volume;
-            let (up, down, source, sign) = if pressure > outside {
-                (pressure, outside, temperature, -1.0)
-            } else {
-                (outside, pressure, vessel.temperature, 1.0)
-            };
-            let lost = (vessel.pressure - pressure) / (vessel.pressure - outside);
-            let opened = if time < opening { time / opening } else { 1.0 };
-            let drifted = opened * (1.0 + drift[0] * lost + drift[1] * time / last).max(0.0);
-            let flow = sign * drifted * area * up / (gas * source).sqrt()
-                * flow_function(up, down, kappa, least);
-            let heat = terms.get(HEAT, 0)
-                * wall
-                * convection(mass / vessel.volume, vessel.temperature, temperature);
-            let heat_capacity = gas / (kappa - 1.0);
-            // Inflow brings the enthalpy of outside, outflow takes that of inside.
-            let brought = flow * (kappa * source - temperature) * heat_capacity;
-            [flow, (brought + heat) / (mass * heat_capacity)]
+        let sphere = || (36.0 * PI).cbrt() * vessel.volume.powf(2.0 / 3.0);
+        let outside = vessel.ambient + value(Effect::Outside, 0.0);
+        (outside > 0.0 && last > 0.0).then(|| Gas {
+            vessel,
+            kappa,
+            constant,
+            area,
+            outside,
+            wall: vessel.wall.unwrap_or_else(sphere),
+            convection: value(Effect::Heat, 0.0),
+            release,
+            opening: value(Effect::Opening, 0.0),
+            last,
+            step,
+            parts,
+            // A part there shall not be stiff: the flow is nearly √(2 difference).
+            least: (2.0 * (speed * area * step / parts).powi(2)).clamp(1e-9, 0.1),
+            drift: [
+                value(Effect::DriftByPressure, 0.0),
+                value(Effect::DriftByTime, 0.0),
+            ],
+        })
+    }
+}
+
+impl Gas<'_> {
+    /// Pressure (Pa).
+    fn pressure(&self, [mass, temperature]: [f64; 2]) -> f64 {
+        mass * self.constant * temperature / self.vessel.volume
+    }
+
+    /// Rates of the state by mass and energy of the gas: dU = h_in dm + Q, with natural convection
+    /// from a wall that stays at the first temperature.
+    fn rates(&self, time: f64, [mass, temperature]: [f64; 2]) -> [f64; 2] {
+        let (vessel, outside) = (self.vessel, self.outside);
+        let pressure = self.pressure([mass, temperature]);
+        let (up, down, source, sign) = if pressure > outside {
+            (pressure, outside, temperature, -1.0)
+        } else {
+            (outside, pressure, vessel.temperature, 1.0)
         };
+        let lost = (vessel.pressure - pressure) / (vessel.pressure - outside);
+        let opened = if time < self.opening {
+            time / self.opening
+        } else {
+            1.0
+        };
+        let drifted =
+            opened * (1.0 + self.drift[0] * lost + self.drift[1] * time / self.last).max(0.0);
+        let flow = sign * drifted * self.area * up / (self.constant * source).sqrt()
+            * flow_function(up, down, self.kappa, self.least);
+        let heat = self.convection
+            * self.wall
+            * convection(mass / vessel.volume, vessel.temperature, temperature);
+        let heat_capacity = self.constant / (self.kappa - 1.0);
+        // Inflow brings the enthalpy of outside, outflow takes that of inside.
+        let brought = flow * (self.kappa * source - temperature) * heat_capacity;
+        [flow, (brought + heat) / (mass * heat_capacity)]
+    }
+
+    /// The state after each step, with its rates.
+    fn knots(&self) -> Vec<(f64, [f64; 2], [f64; 2])> {
+        let vessel = self.vessel;
+        let rates = |time, state| self.rates(time, state);
         let mut state = [
-            vessel.pressure * vessel.volume / (gas * vessel.temperature),
+            vessel.pressure * vessel.volume / (self.constant * vessel.temperature),
             vessel.temperature,
         ];
         let mut now = 0.0;
-        let mut out = Vec::with_capacity(self.logs[run].readings.len());
         let mut knots = vec![(0.0, state, rates(0.0, state))];
-        while now < last {
-            let pressure = state[0] * gas * state[1] / vessel.volume;
-            let is_near = (pressure - outside).abs() < NEAR * pressure.max(outside);
+        while now < self.last {
+            let pressure = self.pressure(state);
+            let is_near = (pressure - self.outside).abs() < NEAR * pressure.max(self.outside);
             let (mut left, h) = if is_near {
-                (parts, step / parts)
+                (self.parts, self.step / self.parts)
             } else {
-                (1.0, step)
+                (1.0, self.step)
             };
             let mut time = now;
             while left > 0.5 {
@@ -383,31 +504,10 @@ impl Kind for Vessels {
                 time += h;
                 left -= 1.0;
             }
-            now += step;
+            now += self.step;
             knots.push((now, state, rates(now, state)));
         }
-        for reading in &self.logs[run].readings {
-            let column = self.channels[reading.channel].name.as_str();
-            let of = |id: &str, none: f64| {
-                let found = self
-                    .causes
-                    .iter()
-                    .position(|c| c.id == id && c.column.as_deref() == Some(column));
-                found.map_or(none, |k| terms.get(k, 0))
-            };
-            let [mass, temperature] = between(
-                &knots,
-                step,
-                reading.time - release - of("sensor-delay", 0.0),
-            );
-            let value = if column == "pressure_pa" {
-                mass * gas * temperature / vessel.volume
-            } else {
-                temperature
-            };
-            out.push(of("encoder-scale", 1.0) * value + of("sensor-offset", 0.0));
-        }
-        out.iter().all(|x| x.is_finite()).then_some(out)
+        knots
     }
 }
 
@@ -468,7 +568,7 @@ pub(super) const SPEC: Spec = Spec {
     ],
     instants: &[RELEASE],
     least: 5,
-    checks: &[    Check {
+    checks: &[Check {
         name: "pressure_pa",
         sizes: |view| {
             let expected = view
@@ -480,8 +580,7 @@ pub(super) const SPEC: Spec = Spec {
         allowed: (0.05, 4.0),
         strict: false,
         units: PRESSURES,
-    },
-],
+    }],
     model: |data, _| Ok(Box::new(Vessels::new(data))),
     synthesis: Synthesis {
         instruments: &[noisy("pressure_pa", 3e3), noisy("temperature_k", 1.0)],

@@ -35,7 +35,7 @@ fn the_examples_of_the_page_are_read_and_nothing_is_wrong() {
     assert_eq!(
         kinds,
         [
-            "bench", "hop", "jump", "outcomes", "flight", "stroke", "slide", "vessel"
+            "bench", "hop", "jump", "outcomes", "flight", "stroke", "slide", "vessel", "pendulum"
         ]
     );
     for kind in &kinds {

@@ -249,3 +249,129 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
         })
         .collect()
 }
+
+/// No file needs one that needs it. A module and its own submodules are one thing, and tests may
+/// use what they like.
+#[test]
+fn files_make_no_circle() {
+    for member in members() {
+        let files = Files::of(&root().join(&member.folder).join("src"));
+        let needs: Vec<Vec<usize>> = (0..files.0.len()).map(|k| files.needed_by(k)).collect();
+        for start in 0..needs.len() {
+            let (mut seen, mut next) = (vec![false; needs.len()], needs[start].clone());
+            while let Some(k) = next.pop() {
+                if !std::mem::replace(&mut seen[k], true) {
+                    next.extend(&needs[k]);
+                }
+            }
+            let name = files.0[start].0.join("::");
+            assert!(!seen[start], "{}: {name} needs itself", member.folder);
+        }
+    }
+}
+
+/// The modules of a crate: path and text without tests.
+struct Files(Vec<(Vec<String>, String)>);
+
+impl Files {
+    fn of(root: &Path) -> Files {
+        let (mut all, mut folders) = (Vec::new(), vec![root.to_path_buf()]);
+        while let Some(folder) = folders.pop() {
+            for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
+                let path = entry.path();
+                if path.is_dir() {
+                    folders.push(path);
+                    continue;
+                }
+                let inside = path.with_extension("");
+                let inside = inside.strip_prefix(root).expect("a file of the crate");
+                let mut name: Vec<String> = inside
+                    .iter()
+                    .map(|part| part.to_string_lossy().into_owned())
+                    .collect();
+                if ["mod", "lib", "main"].contains(&name[name.len() - 1].as_str()) {
+                    name.pop();
+                }
+                let text = fs::read_to_string(&path).unwrap_or_default();
+                let tests = text.find("#[cfg(test)]\nmod tests").unwrap_or(text.len());
+                all.push((name, text[..tests].to_owned()));
+            }
+        }
+        Files(all)
+    }
+
+    /// Files that file `k` imports from, but for its own parents and children.
+    fn needed_by(&self, k: usize) -> Vec<usize> {
+        let (name, text) = &self.0[k];
+        let mut all = Vec::new();
+        let mut lines = text.lines();
+        while let Some(line) = lines.next() {
+            let line = line.trim_start();
+            let Some(("" | "pub" | "pub(crate)" | "pub(super)", rest)) = line
+                .split_once("use ")
+                .map(|(before, rest)| (before.trim_end(), rest))
+            else {
+                continue;
+            };
+            let mut import = rest.to_owned();
+            while !import.contains(';') {
+                let Some(more) = lines.next() else { break };
+                import.push_str(more.trim());
+            }
+            let path: String = import.trim_end_matches(';').split_whitespace().collect();
+            for path in flat("", &path) {
+                all.extend(self.found(name, &path));
+            }
+        }
+        let is_kin = |other: &usize| {
+            let other = &self.0[*other].0;
+            other.starts_with(name) || name.starts_with(other)
+        };
+        all.retain(|other| !is_kin(other));
+        all
+    }
+
+    /// The file that `path` leads to from the module `name`.
+    fn found(&self, name: &[String], path: &str) -> Option<usize> {
+        let mut at: Vec<&str> = name.iter().map(String::as_str).collect();
+        let mut parts = path.split("::").peekable();
+        match *parts.peek()? {
+            "crate" => {
+                at.clear();
+                parts.next();
+            }
+            "super" => {
+                while parts.next_if_eq(&"super").is_some() {
+                    at.pop();
+                }
+            }
+            _ => return None,
+        }
+        at.extend(parts);
+        (1..=at.len())
+            .rev()
+            .find_map(|n| self.0.iter().position(|(name, _)| *name == at[..n]))
+    }
+}
+
+/// The paths of an import, without braces.
+fn flat(prefix: &str, path: &str) -> Vec<String> {
+    let Some((before, inside)) = path.split_once('{') else {
+        return vec![format!("{prefix}{path}")];
+    };
+    let prefix = format!("{prefix}{before}");
+    let inside = inside.strip_suffix('}').unwrap_or(inside);
+    let (mut depth, mut start, mut all) = (0, 0, Vec::new());
+    for (i, c) in inside.char_indices().chain([(inside.len(), ',')]) {
+        match c {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                all.extend(flat(&prefix, &inside[start..i]));
+                start = i + 1;
+            }
+            _ => {}
+        }
+    }
+    all
+}
