@@ -83,43 +83,55 @@ impl Profile<'_> {
             moved.terms.set(cause, parameter, from + side * distance);
             fit::refit_but(self.kind, (cause, parameter), moved, STEPS)
         };
-        // The root of the rise of the loss is nearly straight.
-        let (mut best, mut last) = (self.fit.loss, None);
-        let (mut below, mut above) = (0.0, f64::INFINITY);
-        let mut distance = (LEVEL * self.inflation * all).sqrt() * spec.scale;
-        for _ in 0..MOST {
-            distance = distance.min(most);
-            if distance <= 0.0 {
-                return None;
-            }
-            let Some(there) = fitted(distance) else {
-                // What has no answer does not explain the data.
-                above = distance;
-                distance = 0.5 * (below + above);
-                continue;
-            };
-            best = best.min(there.loss);
-            let rise = ((there.loss - best).max(0.0) / level).sqrt();
-            if (rise - 1.0).abs() < NEAR || (above - below) < NEAR * distance {
-                return Some(there.terms);
-            }
-            if rise > 1.0 {
-                above = distance;
-            } else if distance < most {
-                below = distance;
-            } else {
-                return None;
-            }
-            last = Some(there.terms);
-            let straight = distance / rise.max(0.2);
-            distance = if straight > below && straight < above {
-                straight
-            } else {
-                0.5 * (below + above)
-            };
-        }
-        last.filter(|_| above.is_finite())
+        let first = (LEVEL * self.inflation * all).sqrt() * spec.scale;
+        crossing(fitted, first, most, (self.fit.loss, level))
     }
+}
+
+/// The parameters at the distance at which the loss of `fitted` rises from `loss` by `level`;
+/// `first` is tried first. None where the loss does not rise so much up to `most`.
+fn crossing(
+    fitted: impl Fn(f64) -> Option<Fit>,
+    first: f64,
+    most: f64,
+    (loss, level): (f64, f64),
+) -> Option<Terms> {
+    // The root of the rise of the loss is nearly straight.
+    let (mut best, mut last) = (loss, None);
+    let (mut below, mut above) = (0.0, f64::INFINITY);
+    let mut distance = first;
+    for _ in 0..MOST {
+        distance = distance.min(most);
+        if distance <= 0.0 {
+            return None;
+        }
+        let Some(there) = fitted(distance) else {
+            // What has no answer does not explain the data.
+            above = distance;
+            distance = 0.5 * (below + above);
+            continue;
+        };
+        best = best.min(there.loss);
+        let rise = ((there.loss - best).max(0.0) / level).sqrt();
+        if (rise - 1.0).abs() < NEAR || (above - below) < NEAR * distance {
+            return Some(there.terms);
+        }
+        if rise > 1.0 {
+            above = distance;
+        } else if distance < most {
+            below = distance;
+        } else {
+            return None;
+        }
+        last = Some(there.terms);
+        let straight = distance / rise.max(0.2);
+        distance = if straight > below && straight < above {
+            straight
+        } else {
+            0.5 * (below + above)
+        };
+    }
+    last.filter(|_| above.is_finite())
 }
 
 #[cfg(test)]

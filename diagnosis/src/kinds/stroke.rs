@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
-use super::{FREE, sensor, simple, unknown};
+use super::{Causes, FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::layout::{Draw, Layout, count};
@@ -31,17 +31,10 @@ pub struct Strokes {
     channels: Vec<Channel>,
     logs: Vec<Log>,
     drives: Vec<Drive>,
-    causes: Vec<Cause>,
+    causes: Causes<Effect>,
     /// Greatest position (m) of all, from which the extension is counted.
     retracted: f64,
 }
-
-const COULOMB: usize = 0;
-const SEAL: usize = 1;
-const VISCOUS: usize = 2;
-const SPRING: usize = 3;
-const OFFSET: usize = 4;
-const SCALE: usize = 5;
 
 impl Strokes {
     /// The experiment's strokes.
@@ -81,58 +74,56 @@ impl Strokes {
             .collect();
         let places = drives.iter().flat_map(|drive| &drive.motion).map(|m| m.0);
         let retracted = places.fold(f64::NEG_INFINITY, f64::max);
-        let spring = Cause::several(
-            "return-spring",
-            vec![
-                unknown("stiffness_n_per_m", 0.0, (0.0, 1e6), 10.0),
-                unknown("preload_n", 0.0, (0.0, 1e4), 1.0),
-            ],
-        );
-        let causes = vec![
-            simple(
-                "coulomb-friction",
-                "coulomb_friction_n",
-                0.0,
-                (0.0, 1e4),
-                0.5,
-                &[1.0],
-            ),
-            simple(
-                "seal-friction",
-                "seal_friction_n_per_pa",
-                0.0,
-                (0.0, 1.0),
-                1e-6,
-                &[1e-5],
-            ),
-            simple(
-                "viscous-friction",
-                "viscous_friction_n_s_per_m",
-                0.0,
-                (0.0, 1e6),
-                1.0,
-                &[10.0],
-            ),
-            spring,
-            sensor("sensor-offset", "force_n", "offset_n", 0.0, FREE, 0.5, &[]),
-            sensor(
-                "encoder-scale",
-                "force_n",
-                "gain",
-                1.0,
-                (0.2, 5.0),
-                0.01,
-                &[],
-            ),
-        ];
         Strokes {
             channels,
             logs,
             drives,
-            causes,
+            causes: Causes::new(causes()),
             retracted,
         }
     }
+}
+
+/// What a cause does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Effect {
+    Coulomb,
+    Seal,
+    Viscous,
+    Spring,
+    Offset,
+    Scale,
+}
+
+fn causes() -> [(Effect, Cause); 6] {
+    let friction =
+        |id, name, most, scale, start| simple(id, name, 0.0, (0.0, most), scale, &[start]);
+    let spring = vec![
+        unknown("stiffness_n_per_m", 0.0, (0.0, 1e6), 10.0),
+        unknown("preload_n", 0.0, (0.0, 1e4), 1.0),
+    ];
+    let offset = sensor("sensor-offset", "force_n", "offset_n", 0.0, FREE, 0.5, &[]);
+    let scale = (0.2, 5.0);
+    let scale = sensor("encoder-scale", "force_n", "gain", 1.0, scale, 0.01, &[]);
+    let (coulomb, seal, viscous) = (
+        ("coulomb-friction", "coulomb_friction_n"),
+        ("seal-friction", "seal_friction_n_per_pa"),
+        ("viscous-friction", "viscous_friction_n_s_per_m"),
+    );
+    [
+        (
+            Effect::Coulomb,
+            friction(coulomb.0, coulomb.1, 1e4, 0.5, 1.0),
+        ),
+        (Effect::Seal, friction(seal.0, seal.1, 1.0, 1e-6, 1e-5)),
+        (
+            Effect::Viscous,
+            friction(viscous.0, viscous.1, 1e6, 1.0, 10.0),
+        ),
+        (Effect::Spring, Cause::several("return-spring", spring)),
+        (Effect::Offset, offset),
+        (Effect::Scale, scale),
+    ]
 }
 
 /// What drives the rows of a run that have a force; empty cells of the others are bridged.
@@ -203,7 +194,7 @@ impl Kind for Strokes {
     }
 
     fn causes(&self) -> &[Cause] {
-        &self.causes
+        &self.causes.list
     }
 
     fn stronger(&self) -> String {
@@ -216,6 +207,11 @@ impl Kind for Strokes {
         let drive = &self.drives[run];
         let area = FRAC_PI_4 * drive.bore * drive.bore;
         let (mut state, way) = (unknowns[0], unknowns[1]);
+        let of = |effect, p| self.causes.get(effect, p, terms);
+        let (coulomb, seal) = (of(Effect::Coulomb, 0)?, of(Effect::Seal, 0)?);
+        let viscous = of(Effect::Viscous, 0)?;
+        let (stiffness, preload) = (of(Effect::Spring, 0)?, of(Effect::Spring, 1)?);
+        let (scale, offset) = (of(Effect::Scale, 0)?, of(Effect::Offset, 0)?);
         let mut last = drive.motion.first()?.0;
         let out: Vec<f64> = drive
             .motion
@@ -226,10 +222,10 @@ impl Kind for Strokes {
                 last = x;
                 let end = if moved < 0.0 { -1.0 } else { 1.0 };
                 state = end + (state - end) * (-moved.abs() / way).exp();
-                let dry = terms.get(COULOMB, 0) + terms.get(SEAL, 0) * pressure.max(0.0);
-                let spring = terms.get(SPRING, 0) * (self.retracted - x) + terms.get(SPRING, 1);
-                let force = pressure * area + state * dry + terms.get(VISCOUS, 0) * speed - spring;
-                terms.get(SCALE, 0) * force + terms.get(OFFSET, 0)
+                let dry = coulomb + seal * pressure.max(0.0);
+                let spring = stiffness * (self.retracted - x) + preload;
+                let force = pressure * area + state * dry + viscous * speed - spring;
+                scale * force + offset
             })
             .collect();
         out.iter().all(|x| x.is_finite()).then_some(out)

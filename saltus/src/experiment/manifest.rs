@@ -112,7 +112,7 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Manifest, Error> {
         spec,
         needs_robot,
         rig: rig.unwrap_or_default(),
-        robot: robot(&mut table, needs_robot)?,
+        robot: robot(&mut table, needs_robot, spec)?,
         noise: sizes(&mut table, "noise", spec)?,
         resolution: sizes(&mut table, "resolution", spec)?,
         runs: runs(&mut table, spec)?,
@@ -158,10 +158,18 @@ fn rig(table: &mut Table<'_>, spec: &Spec) -> Result<Option<BTreeMap<String, f64
     set(&mut inner, spec.rig).map(Some)
 }
 
-fn robot(table: &mut Table<'_>, is_needed: bool) -> Result<Option<String>, Error> {
+fn robot(table: &mut Table<'_>, is_needed: bool, spec: &Spec) -> Result<Option<String>, Error> {
     const ALLOWED: &str = "a robot's name or the path of its file, in quotes";
     match table.take("robot") {
-        None if is_needed => Err(table.missing(&format!("robot: {ALLOWED}"))),
+        None if is_needed && spec.rig.is_empty() => {
+            Err(table.missing(&format!("robot: {ALLOWED}")))
+        }
+        None if is_needed => {
+            let required = spec.rig.iter().filter(|setting| setting.required);
+            let keys: Vec<&str> = required.map(|setting| setting.key).collect();
+            let keys = keys.join(", ");
+            Err(table.missing(&format!("rig: a table with {keys}; or robot: {ALLOWED}")))
+        }
         None => Ok(None),
         Some(value) => match value.get_ref() {
             DeValue::String(name) if !name.is_empty() => Ok(Some(name.clone().into_owned())),

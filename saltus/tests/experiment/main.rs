@@ -4,6 +4,7 @@
 
 mod damage;
 mod folder;
+mod rig;
 mod spoiled;
 mod written;
 
