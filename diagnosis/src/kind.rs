@@ -246,8 +246,8 @@ pub trait Kind: Sync {
         self.causes().len()
     }
 
-    /// Standard deviations of a reading to which the model itself can be trusted: what is off by
-    /// less is not said to be wrong.
+    /// Error of the model itself, in standard deviations of a reading: smaller misfits are not
+    /// reported.
     fn trust(&self) -> f64 {
         0.1
     }

@@ -104,8 +104,8 @@ pub struct Policy {
     pub told_apart: f64,
 
     // Unknown.
-    /// Part of the misfit that causes may leave because a term has not quite the form of the
-    /// effect. Real data.
+    /// Part of the misfit that may remain because the true law differs slightly in shape from the
+    /// modelled one. Real data.
     pub form_error: f64,
     /// The same of a single run, where it cannot be seen what repeats. Chosen.
     pub form_error_of_one_run: f64,
@@ -130,10 +130,10 @@ pub struct Policy {
     pub least_draws: usize,
     /// Robust standard deviation (σ) above which a smooth misfit is never the instruments'. Chosen.
     pub gross: f64,
-    /// Correlation of residuals with the next above which they are smooth. Chosen.
+    /// Lag-1 autocorrelation above which residuals count as smooth. Chosen.
     pub smooth: f64,
-    /// Runs that it takes to tell what repeats in all of them. Chosen: signs of six runs agree by
-    /// chance in 3 % of cases.
+    /// Least number of runs for calling a residual pattern repeatable. Chosen: signs of six runs
+    /// agree by chance in 3 % of cases.
     pub repeating_runs: usize,
     /// Part of the residuals' square that must repeat. Real data.
     pub repeating_part: f64,

@@ -159,7 +159,7 @@ pub struct Column {
     pub quantity: Quantity,
     /// Values that are possible.
     pub domain: Domain,
-    /// What it means that it never changes.
+    /// What it tells if it never changes.
     pub still: Still,
     /// Whether runs may do without it.
     pub optional: bool,
@@ -169,7 +169,7 @@ pub struct Column {
     pub scale: f64,
 }
 
-/// What it means that a channel never changes.
+/// What a channel without any change tells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Still {
     /// The sensor is dead.

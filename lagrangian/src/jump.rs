@@ -462,8 +462,8 @@ pub(crate) struct SeriesBreakAway<S> {
 }
 
 impl<S: Scalar> Stance<S> {
-    /// Solves (P − P_a) A − F_f + m ω² r_s − m g cos φ = 0 with P = P_a + Ṗ (t − t_d), by Newton
-    /// steps from the last solution's usual place; the caller judges the result.
+    /// Solves (P − P_a) A − F_f + m ω² r_s − m g cos φ = 0 with P = P_a + Ṗ (t − t_d), by Newton's
+    /// method from the typical solution; the caller checks the result.
     #[inline(always)]
     pub(crate) fn series_break_away(
         &self,

@@ -233,8 +233,8 @@ impl<S: Scalar> Chamber<S> {
 
     /// The gas at `u` while the leg at extension `d` (m) extends at `speed` (m/s).
     ///
-    /// The inverse of `about_foot`, which the caller would divide by, comes with that of the
-    /// volume.
+    /// `about_foot` is any number that the caller divides by too: its inverse comes with that of the
+    /// volume, at the cost of one division for both.
     #[inline(always)]
     pub fn gas(&self, valve: &Valve<S>, u: S, d: S, speed: S, about_foot: S) -> GasState<S> {
         let one = S::of(1.0);

@@ -201,8 +201,8 @@ impl Problem {
         e.grip != Grip::Held && self.motion[e.row].abs() > speed
     }
 
-    /// Where forces are one choice of many, one at its bound says nothing: there, after
-    /// [`resolve`](Self::resolve), what stands is to hold.
+    /// If the contact forces are not unique, a force at its friction bound does not prove slip.
+    /// After [`resolve`](Self::resolve), such contacts stick as long as they do not move.
     pub(crate) fn hold_what_stands(&mut self) {
         let grips: Vec<Grip> = self.elements.iter().map(|e| e.grip).collect();
         for i in 0..self.elements.len() {

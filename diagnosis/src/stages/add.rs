@@ -102,8 +102,7 @@ impl Path {
                 fit: pair,
             });
         };
-        // What explains the data best is too small to be told from faults of the model; what
-        // explains less of them is no better.
+        // The best cause may be within the model's own error. Weaker ones are too then: stop.
         let least = evidence.least_effect(best.cause, self.steps.len());
         (evidence.effect(&self.current, &best.fit) >= least).then(|| Step {
             gain: best.gain,

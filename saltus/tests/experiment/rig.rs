@@ -63,7 +63,7 @@ fn what_is_wrong_is_named() {
         ),
         (
             format!("kind = \"pendulum\"\n[rig]\nmas_kg = 1\n{run}"),
-            ":3: unknown key rig.mas_kg; the nearest known key is rig.mass_kg",
+            ":3: unknown key mas_kg; the nearest known key is mass_kg",
         ),
         (
             format!("kind = \"slide\"\n[rig]\nmass_kg = 1\n{run}"),

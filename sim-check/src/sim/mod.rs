@@ -28,8 +28,8 @@ pub struct Settings {
     pub tolerance: f64,
     /// Longest step (s), > 0: an event that comes and goes within one step is not seen.
     pub longest_step: f64,
-    /// Impacts slower than this (m/s) do not rebound, ≥ 0, and do not lift what lies beside them:
-    /// else a ball that comes to rest bounces for ever, and a box rocks.
+    /// Impact speed (m/s, ≥ 0) below which restitution is 0. Without it a ball at rest would bounce,
+    /// and a box rock, for ever.
     pub rest_speed: f64,
     /// How deep a start may be inside a surface (m), ≥ 0; it then counts as touching.
     pub penetration: f64,
