@@ -11,7 +11,7 @@ use crate::kind::Kind;
 use crate::policy::POLICY;
 use crate::settings::Settings;
 use crate::stages::add::{self, Added};
-use crate::stages::exchange::exchange;
+use crate::stages::exchange::{exchange, one_for_two};
 use crate::stages::prune::prune;
 use crate::stages::unknown::{self, Before, Judged};
 use crate::stages::{pairs, rivals};
@@ -125,6 +125,10 @@ impl<'a> Search<'a> {
             (model, inflation) = (better.model, better.inflation);
         }
         model = exchange(evidence, model, inflation);
+        if let Some(better) = one_for_two(evidence, &model, inflation) {
+            inflation = evidence.inflation(&better);
+            model = better;
+        }
         (prune(evidence, model, inflation), inflation)
     }
 
