@@ -171,6 +171,28 @@ pub enum CrossingError {
     Stance(#[from] StanceError),
 }
 
+/// A number of a crossing: key, value, whether it is allowed, and what is.
+type Case = (&'static str, f64, bool, &'static str);
+
+/// What a lean or a firing angle may be.
+const UPRIGHT: &str = "between -pi/2 and pi/2 rad, exclusive";
+
+fn is_upright(x: f64) -> bool {
+    x.abs() < std::f64::consts::FRAC_PI_2
+}
+
+/// The first number that is not allowed, as an error.
+fn refused(cases: impl IntoIterator<Item = Case>) -> Result<(), CrossingError> {
+    let bad = cases.into_iter().find(|(_, _, holds, _)| !holds);
+    bad.map_or(Ok(()), |(key, value, _, allowed)| {
+        Err(CrossingError::Input {
+            key,
+            value,
+            allowed,
+        })
+    })
+}
+
 impl Crossing {
     /// `course` at one approach rate (rad/s): stances start at firing angles of [`FIRING_ANGLES`],
     /// the valve opens for 20 to 100 ms, the last landing should be in the middle of the goal,
@@ -205,18 +227,22 @@ impl Crossing {
 
     fn check(&self) -> Result<(), CrossingError> {
         self.course.check()?;
-        let upright = |x: f64| x.abs() < std::f64::consts::FRAC_PI_2;
-        let length = |x: f64| (0.0..=1e4).contains(&x);
-        let positive = "0 or above";
-        let angle = "between -pi/2 and pi/2 rad, exclusive";
+        refused(self.approach())?;
+        refused(self.commands())?;
+        refused(self.margins())?;
+        self.check_ends()?;
+        self.check_start()
+    }
+
+    /// How the robot comes, and to how many landings.
+    fn approach(&self) -> [Case; 4] {
         let (jumps, rates) = (self.course.jumps, self.rates.len());
         let bad_rate = self
             .rates
             .iter()
             .copied()
             .find(|r| !(0.0..=1e3).contains(r));
-        let (angles, valve) = (self.firing_angles, self.valve_open);
-        let cases = [
+        [
             (
                 "approach_rate_rad_s (count)",
                 rates as f64,
@@ -238,14 +264,26 @@ impl Crossing {
             (
                 "start_lean_rad",
                 self.start_lean.unwrap_or(0.0),
-                self.start_lean.is_none_or(upright),
-                angle,
+                self.start_lean.is_none_or(is_upright),
+                UPRIGHT,
             ),
-            ("firing_angle_rad", angles.low, upright(angles.low), angle),
+        ]
+    }
+
+    /// What may be commanded.
+    fn commands(&self) -> [Case; 4] {
+        let (angles, valve) = (self.firing_angles, self.valve_open);
+        [
+            (
+                "firing_angle_rad",
+                angles.low,
+                is_upright(angles.low),
+                UPRIGHT,
+            ),
             (
                 "firing_angle_rad",
                 angles.high,
-                upright(angles.high) && angles.high > angles.low,
+                is_upright(angles.high) && angles.high > angles.low,
                 "above its least value, below pi/2 rad",
             ),
             (
@@ -260,6 +298,14 @@ impl Crossing {
                 valve.high > valve.low && valve.high <= 10.0,
                 "above its least value, to 10 s",
             ),
+        ]
+    }
+
+    /// Distances, margins and weights.
+    fn margins(&self) -> [Case; 9] {
+        let length = |x: f64| (0.0..=1e4).contains(&x);
+        let positive = "0 or above";
+        [
             (
                 "target_x_m",
                 self.target,
@@ -299,27 +345,11 @@ impl Crossing {
                 self.effort_weight >= 0.0 && self.effort_weight.is_finite(),
                 positive,
             ),
-        ];
-        for (key, value, holds, allowed) in cases {
-            if !holds {
-                return Err(CrossingError::Input {
-                    key,
-                    value,
-                    allowed,
-                });
-            }
-        }
-        let narrow = |span: Span| span.width() > 0.0 && span.width() <= 2.0 * self.edge_margin;
-        let wider = "more than 2 edge_margin_m beyond its beginning";
-        let ends = [("goal_to_x_m", Some(self.course.goal))].into_iter();
-        let mut ends = ends.chain(self.zones.iter().map(|zone| ("land.to_x_m", *zone)));
-        if let Some((key, Some(span))) = ends.find(|(_, span)| span.is_some_and(narrow)) {
-            return Err(CrossingError::Input {
-                key,
-                value: span.high,
-                allowed: wider,
-            });
-        }
+        ]
+    }
+
+    /// Whether the robot starts on the ground or on a box, and no landing zone runs backwards.
+    fn check_start(&self) -> Result<(), CrossingError> {
         let inside = |o: &course::Obstacle| {
             let under = o.span().widened(-1e-9).clamp(self.course.start) == self.course.start;
             under && self.course.start_height != o.height
@@ -348,6 +378,22 @@ impl Crossing {
             }),
             None => Ok(()),
         }
+    }
+
+    /// Whether there is room between the margins of the goal and of each landing zone.
+    fn check_ends(&self) -> Result<(), CrossingError> {
+        let narrow = |span: Span| span.width() > 0.0 && span.width() <= 2.0 * self.edge_margin;
+        let wider = "more than 2 edge_margin_m beyond its beginning";
+        let ends = [("goal_to_x_m", Some(self.course.goal))].into_iter();
+        let mut ends = ends.chain(self.zones.iter().map(|zone| ("land.to_x_m", *zone)));
+        if let Some((key, Some(span))) = ends.find(|(_, span)| span.is_some_and(narrow)) {
+            return Err(CrossingError::Input {
+                key,
+                value: span.high,
+                allowed: wider,
+            });
+        }
+        Ok(())
     }
 }
 
