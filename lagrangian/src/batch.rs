@@ -12,7 +12,7 @@ use saltus_robot::Robot;
 
 use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
 use crate::advance::{CHECKED, State, WIDTH};
-use crate::jump::FIRST_STEP;
+use crate::jump::{FIRST_STEP, ended};
 use crate::phase::FORCE_SCALE;
 use crate::stance;
 use crate::{Launch, LiftOff, Outcome, Stance, StanceError};
@@ -642,7 +642,7 @@ impl<'a> Crew<'a> {
         }
         y[GAS] = self.chamber.pressure(job.flow, y[GAS]) / MEGA;
         let outcome = outcome.unless_fallen(y[LEAN]);
-        Some(LiftOff::new(self.one, outcome, job.ready.time_fire, &y))
+        Some(ended(self.one, outcome, job.ready.time_fire, &y))
     }
 }
 

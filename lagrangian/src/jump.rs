@@ -7,112 +7,31 @@ use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
 use crate::advance::{Pace, State, WIDTH, advance};
 use crate::phase::{Extension, Held};
 use crate::stance;
-use crate::{Launch, Stance, StanceError};
+use crate::{Launch, LiftOff, Outcome, Stance, StanceError};
 
-/// How a stance ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Outcome {
-    /// Lift-off at the end of the stroke.
-    Stroke,
-    /// Lift-off because the leg's force fell to 0.
-    Force,
-    /// The robot came to rest before it reached the firing angle.
-    Stall,
-    /// The valve closed (or the robot fell over) before the leg could move.
-    NoBreakAway,
-    /// The ground would have had to pull while the leg was still held: the robot came too fast.
-    EarlyLiftOff,
-    /// The leg extended, came to a halt and sank back.
-    FallBack,
-}
-
-impl Outcome {
-    /// Its name in files: `stroke`, `force`, `stall`, `no-break-away`, `early-lift-off`,
-    /// `fall-back`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Outcome::Stroke => "stroke",
-            Outcome::Force => "force",
-            Outcome::Stall => "stall",
-            Outcome::NoBreakAway => "no-break-away",
-            Outcome::EarlyLiftOff => "early-lift-off",
-            Outcome::FallBack => "fall-back",
-        }
-    }
-
-    /// A wheel at or below the ground has not lifted off, whatever its leg did.
-    pub(crate) fn unless_fallen(self, lean: f64) -> Outcome {
-        if lean.abs() < std::f64::consts::FRAC_PI_2 {
-            self
-        } else {
-            Outcome::FallBack
-        }
-    }
-
-    /// Whether the robot flies.
-    pub fn is_jump(self) -> bool {
-        matches!(self, Outcome::Stroke | Outcome::Force)
-    }
-}
-
-/// The end of a stance. Only where [`Outcome::is_jump`] holds is it a lift-off.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LiftOff<S = f64> {
-    /// How the stance ended.
-    pub outcome: Outcome,
-    /// When the leg was fired (s from the start); NaN where it was not.
-    pub time_fire: S,
-    /// When the stance ended (s from the start).
-    pub time: S,
-    /// Lean φ (rad).
-    pub lean: S,
-    /// Lean rate ω (rad/s).
-    pub rate: S,
-    /// Extension d (m).
-    pub extension: S,
-    /// Extension rate ḋ (m/s).
-    pub extension_rate: S,
-    /// Chamber pressure (Pa, absolute); the ambient one for a leg without a chamber.
-    pub pressure: S,
-    /// Foot to wheel centre R (m).
-    pub reach: S,
-}
-
-impl<S: Scalar> LiftOff<S> {
-    /// Wheel centre (m): forwards and above the foot.
-    pub fn position(&self) -> (S, S) {
-        let (sin, cos) = self.lean.sin_cos();
-        (self.reach * sin, self.reach * cos)
-    }
-
-    /// Velocity (m/s) of the wheel centre: forwards and upwards.
-    pub fn velocity(&self) -> (S, S) {
-        let (sin, cos) = self.lean.sin_cos();
-        let across = self.reach * self.rate;
-        (
-            self.extension_rate * sin + across * cos,
-            self.extension_rate * cos - across * sin,
-        )
-    }
-
-    pub(crate) fn new(
-        stance: &Stance<S>,
-        outcome: Outcome,
-        time_fire: S,
-        y: &State<S>,
-    ) -> LiftOff<S> {
-        LiftOff {
-            outcome,
-            time_fire,
-            time: y[TIME],
-            lean: y[LEAN],
-            rate: y[RATE],
-            extension: y[EXTENSION],
-            extension_rate: y[SPEED],
-            pressure: y[GAS] * S::of(MEGA),
-            reach: stance.radius + y[EXTENSION],
-        }
+/// The end of a stance in the state `y`.
+///
+/// The wheel's centre is at R (sin φ, cos φ) from the foot, R = r_s + d.
+pub(crate) fn ended<S: Scalar>(
+    stance: &Stance<S>,
+    outcome: Outcome,
+    time_fire: S,
+    y: &State<S>,
+) -> LiftOff<S> {
+    let reach = stance.radius + y[EXTENSION];
+    let (sin, cos) = y[LEAN].sin_cos();
+    let (along, across) = (y[SPEED], reach * y[RATE]);
+    LiftOff {
+        outcome,
+        time_fire,
+        time: y[TIME],
+        lean: y[LEAN],
+        rate: y[RATE],
+        extension: y[EXTENSION],
+        extension_rate: along,
+        pressure: y[GAS] * S::of(MEGA),
+        axle: [reach * sin, reach * cos],
+        axle_rates: [along * sin + across * cos, along * cos - across * sin],
     }
 }
 
@@ -181,7 +100,7 @@ impl<S: Single> Stance<S> {
             tolerance: self.tolerance,
             steps: 0,
         };
-        let end = |outcome, time_fire, y: &State<S>| Ok(LiftOff::new(self, outcome, time_fire, y));
+        let end = |outcome, time_fire, y: &State<S>| Ok(ended(self, outcome, time_fire, y));
 
         let fired = match self.pivot(launch, start, early, &mut pace, observer)? {
             Next::On(y) => y,

@@ -89,7 +89,7 @@ fn results(jump: &Jump, end: &saltus_lagrangian::LiftOff) -> [f64; 3] {
     let Some(mut flight) = jump.flight else {
         return [f64::NAN; 3];
     };
-    let ((x, y), (vx, vy)) = (end.position(), end.velocity());
+    let ([x, y], [vx, vy]) = (end.axle, end.axle_rates);
     (
         flight.vacuum.x,
         flight.vacuum.y,

@@ -696,7 +696,7 @@ fn flight_gap(
             &flight,
             crossing,
             radius,
-            jump.stance.reach,
+            radius + jump.stance.extension,
             &solid,
             radius + to - from,
         )
@@ -931,7 +931,8 @@ impl<'a> Roller<'a> {
             Dual::of(robot.environment.drag),
         );
         let flight = widen_flight(&Jump::new(launch, end, gravity, drag).flight?);
-        Some((flight, widen(end.reach), widen(needed)))
+        let reach = Dual::of(robot.body.radius) + end.extension;
+        Some((flight, widen(reach), widen(needed)))
     }
 
     /// The jump's landing and margins; none where it does not reach the surface.

@@ -31,7 +31,7 @@ pub struct Jump<S = f64> {
 impl<S: Single> Jump<S> {
     pub(crate) fn new(launch: Launch<S>, stance: LiftOff<S>, gravity: S, drag: S) -> Jump<S> {
         let flight = stance.outcome.is_jump().then(|| {
-            let ((x, y), (vx, vy)) = (stance.position(), stance.velocity());
+            let ([x, y], [vx, vy]) = (stance.axle, stance.axle_rates);
             DragFlight {
                 vacuum: Flight {
                     x,

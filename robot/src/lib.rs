@@ -38,7 +38,7 @@ use std::path::Path;
 pub use error::{Place, RobotError};
 use files::{Files, ROBOTS, read_text};
 pub use implausible::Implausible;
-pub use launch::Launch;
+pub use launch::{Launch, LiftOff, Outcome};
 pub use model::*;
 pub use terms::Term;
 

@@ -8,7 +8,7 @@ use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
 
-use saltus_sim_check::{Launch, Plan, Rig};
+use saltus_sim_check::{Launch, Outcome, Plan, Rig};
 
 const LAUNCH: &str = "rate_rad_s,lean_rad,firing_angle_rad,valve_open_s";
 const BUILT_IN: &str = "5,-0.3,-0.1,0.1\n4,-0.3,-0.2,0.04\n6,-0.3,0,0.1\n";
@@ -85,7 +85,7 @@ fn line(rig: &Rig, launch: &Launch) -> Result<String, Box<dyn Error>> {
     cells.push(format!("{:?}", report.end));
     match report.lift_off {
         Some(l) => {
-            cells.push(l.at_end_stop.to_string());
+            cells.push((l.outcome == Outcome::Stroke).to_string());
             let numbers = [
                 l.time_fire,
                 l.time,

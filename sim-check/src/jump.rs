@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use saltus_robot::Launch;
+use saltus_robot::{Launch, LiftOff, Outcome};
 
 use crate::SimError;
 use crate::rig::Rig;
@@ -42,35 +42,13 @@ pub struct Sample {
     pub coordinates: Vec<f64>,
 }
 
-/// The jumping foot's lift-off.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LiftOff {
-    /// Time (s) from the start, and from the start to the command.
-    pub time: f64,
-    /// When the leg was commanded (s).
-    pub time_fire: f64,
-    /// Whether the leg's end stop ended the stance; else the normal force did.
-    pub at_end_stop: bool,
-    /// Lean (rad).
-    pub lean: f64,
-    /// Lean rate (rad/s).
-    pub rate: f64,
-    /// Extension (m).
-    pub extension: f64,
-    /// Chamber pressure (Pa).
-    pub pressure: f64,
-    /// Travel and height of the axle (m).
-    pub axle: [f64; 2],
-    /// Their rates (m/s), after the leg was picked up.
-    pub axle_rates: [f64; 2],
-}
-
 /// What happened in a jump.
 #[derive(Clone, Debug)]
 pub struct Report {
     /// How it ended.
     pub end: End,
-    /// The lift-off, if there was one.
+    /// The jumping foot's lift-off, if there was one: at the end stop or, where its normal force
+    /// fell to 0, before it.
     pub lift_off: Option<LiftOff>,
     /// Greatest height of the axle (m).
     pub apex: f64,
@@ -286,10 +264,15 @@ impl Recorder<'_> {
         LiftOff {
             time: self.sim.time(),
             time_fire,
-            at_end_stop: extension >= self.rig.mechanism.legs[0].leg.stroke,
+            outcome: if extension >= self.rig.mechanism.legs[0].leg.stroke {
+                Outcome::Stroke
+            } else {
+                Outcome::Force
+            },
             lean: q[self.rig.lean_coordinate()],
             rate: v[self.rig.lean_velocity()],
             extension,
+            extension_rate: v[self.rig.mechanism.tree.velocity_of(self.rig.legs[0])],
             pressure: self.sim.pressure(0),
             axle: self.rig.axle(q),
             axle_rates: self.rig.axle_rates(q, v),
@@ -358,7 +341,7 @@ impl Recorder<'_> {
             .fold(f64::INFINITY, f64::min);
         let needed = |s: &&Sample| (s.force[0] > 0.0).then(|| (s.force[1] / s.force[0]).abs());
         let last = lift_off
-            .filter(|l| l.at_end_stop)
+            .filter(|l| l.outcome == Outcome::Stroke)
             .and_then(|l| at_end(&standing, l.time, needed));
         let friction_needed = standing
             .iter()

@@ -20,11 +20,11 @@ mod tree;
 
 pub use contact::{ContactPoint, Friction, Material, Surface, Travel};
 pub use error::SimError;
-pub use jump::{End, LiftOff, Plan, Report, Sample};
+pub use jump::{End, Plan, Report, Sample};
 pub use mechanism::{Drag, JointParts, LegPart, Mechanism};
 pub use mjcf::mjcf;
 pub use rig::Rig;
-pub use saltus_robot::Launch;
+pub use saltus_robot::{Launch, LiftOff, Outcome};
 pub use shot::{Firing, Flown, Shot, TICK};
 pub use sim::{Contact, Event, Happening, Ledger, Pause, Settings, Sim, Stepping, Watch};
 pub use spatial::{Inertia, Motion, Vec3, Wrench};

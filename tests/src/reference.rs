@@ -93,7 +93,7 @@ pub fn firings() -> Vec<Firing> {
 /// # Panics
 /// If the wheel does not come down to y = r_s: no row of the reference is such a jump.
 pub fn columns(robot: &Robot, end: &LiftOff) -> [f64; 14] {
-    let ((x, y), (vx, vy)) = (end.position(), end.velocity());
+    let ([x, y], [vx, vy]) = (end.axle, end.axle_rates);
     let flight = Flight {
         x,
         y,

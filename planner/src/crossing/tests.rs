@@ -76,8 +76,15 @@ fn no_sampled_jump_is_cheaper_than_the_plan() {
                 continue;
             };
             let flight = jump.flight.expect("it lands");
-            let gap = clearance(&flight, &crossing, 0.24, jump.stance.reach, &solid, 0.24)
-                .expect("it lands");
+            let gap = clearance(
+                &flight,
+                &crossing,
+                0.24,
+                0.24 + jump.stance.extension,
+                &solid,
+                0.24,
+            )
+            .expect("it lands");
             if gap >= 0.0 && (0.7..=1.1).contains(&landing) {
                 tried += 1;
                 let cost = 100.0 * (landing - crossing.target).powi(2) + launch.valve_open.powi(2);

@@ -3,8 +3,8 @@
 use nalgebra::Matrix3;
 use saltus_robot::Robot;
 use saltus_sim_check::{
-    Body, ContactPoint, Drag, End, Friction, Joint, Launch, Mechanism, Placement, Plan, Rig,
-    Settings, Sim, SimError, Stepping, Surface, Tree, Vec3,
+    Body, ContactPoint, Drag, End, Friction, Joint, Launch, Mechanism, Outcome, Placement, Plan,
+    Rig, Settings, Sim, SimError, Stepping, Surface, Tree, Vec3,
 };
 
 const G: f64 = 9.80665;
@@ -78,7 +78,7 @@ fn landings_converge_in_second_order() -> Result<(), SimError> {
                 "{name} {h}: {}",
                 found.time
             );
-            assert!(found.at_end_stop);
+            assert_eq!(found.outcome, Outcome::Stroke);
         }
     }
     Ok(())

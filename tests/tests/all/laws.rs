@@ -15,8 +15,8 @@ fn stance(robot: &Robot) -> Stance<f64> {
 /// Greatest height (m) that the wheel's centre comes to in a hop; where the leg only lifts it for a
 /// while, that height.
 fn apex(robot: &Robot, end: &LiftOff) -> f64 {
-    let rise = end.velocity().1.max(0.0).powi(2) / (2.0 * robot.environment.gravity);
-    end.position().1 + if end.outcome.is_jump() { rise } else { 0.0 }
+    let rise = end.axle_rates[1].max(0.0).powi(2) / (2.0 * robot.environment.gravity);
+    end.axle[1] + if end.outcome.is_jump() { rise } else { 0.0 }
 }
 
 /// The same robot in other units of length, mass and time: every number times its dimension.
@@ -189,7 +189,13 @@ proptest! {
         let (ahead, behind) = (end(lean), end(-lean));
         prop_assert_eq!(ahead.outcome, behind.outcome);
         // The same operations on numbers of the other sign: the same to the bit.
-        let mirrored = LiftOff { lean: -behind.lean, rate: -behind.rate, ..behind };
+        let mirrored = LiftOff {
+            lean: -behind.lean,
+            rate: -behind.rate,
+            axle: [-behind.axle[0], behind.axle[1]],
+            axle_rates: [-behind.axle_rates[0], behind.axle_rates[1]],
+            ..behind
+        };
         prop_assert_eq!(format!("{ahead:?}").replace("-0.0,", "0.0,"), format!("{mirrored:?}").replace("-0.0,", "0.0,"));
     }
 

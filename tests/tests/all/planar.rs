@@ -120,7 +120,7 @@ fn ends(robot: &Robot, flight: &DragFlight<f64>) -> [f64; 3] {
 
 /// The numbers of a lift-off and what follows: name, natural unit, value.
 fn numbers(robot: &Robot, end: &LiftOff) -> Vec<(&'static str, f64, f64)> {
-    let ((x, y), (vx, vy)) = (end.position(), end.velocity());
+    let ([x, y], [vx, vy]) = (end.axle, end.axle_rates);
     let [apex, at_radius, at_zero] = ends(robot, &flight(robot, [x, y], [vx, vy]));
     let (r, t) = (robot.body.radius, stroke_time(robot));
     let swing = (robot.environment.gravity / r).sqrt();
@@ -277,9 +277,9 @@ fn check_same(
     if !end.outcome.is_jump() {
         return check_state(robot, launch, end, near, worst);
     }
-    let at_end_stop = report.lift_off.is_some_and(|l| l.at_end_stop);
-    if at_end_stop != (end.outcome == Outcome::Stroke) {
-        return Err(format!("at the end stop: {at_end_stop}, for {end:?}"));
+    let outcome = report.lift_off.map(|l| l.outcome);
+    if outcome != Some(end.outcome) {
+        return Err(format!("simulated {outcome:?}, for {end:?}"));
     }
     let others: Vec<_> = near
         .iter()

@@ -35,7 +35,7 @@ fn hop(robot: &Robot) -> LiftOff {
 fn apex(robot: &Robot) -> f64 {
     let end = hop(robot);
     assert!(end.outcome.is_jump());
-    end.position().1 + end.velocity().1.powi(2) / (2.0 * robot.environment.gravity)
+    end.axle[1] + end.axle_rates[1].powi(2) / (2.0 * robot.environment.gravity)
 }
 
 /// The stance of `robot` after `launch` is what the oracle finds.
@@ -286,7 +286,7 @@ fn drag_shortens_and_lowers_a_flight() {
     let end = stance(&robot)
         .jump(&Launch::at_firing(5.0, -0.1, 0.1))
         .expect("a stance");
-    let ((x, y), (vx, vy)) = (end.position(), end.velocity());
+    let ([x, y], [vx, vy]) = (end.axle, end.axle_rates);
     let vacuum = Flight {
         x,
         y,

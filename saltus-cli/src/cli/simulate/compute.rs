@@ -150,7 +150,7 @@ impl Work<'_> {
     }
 
     fn flight(&self, end: &LiftOff) -> Option<DragFlight<f64>> {
-        let ((x, y), (vx, vy)) = (end.position(), end.velocity());
+        let ([x, y], [vx, vy]) = (end.axle, end.axle_rates);
         let vacuum = Flight {
             x,
             y,

@@ -44,7 +44,7 @@ fn row(answer: &Answer, robot: &Robot) -> Vec<Cell> {
         &answer.jump.stance,
         answer.jump.flight.is_some(),
     );
-    let ((x, y), (vx, vy)) = (end.position(), end.velocity());
+    let ([x, y], [vx, vy]) = (end.axle, end.axle_rates);
     let mut row: Vec<Cell> = [launch.rate, launch.lean, launch.firing_angle]
         .map(Cell::from)
         .into();
