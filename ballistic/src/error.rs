@@ -50,6 +50,20 @@ pub enum FlightError {
         /// Time (s) after lift-off, < 0.
         time: f64,
     },
+    /// Samples that make no flight.
+    #[error("{samples} samples make no flight: two or more are needed, finite, at rising times")]
+    BadSamples {
+        /// How many there are.
+        samples: usize,
+    },
+    /// A sampled flight ends above the height asked for.
+    #[error("the flight was followed down to {lowest} m, not to {height} m")]
+    BelowSamples {
+        /// The height asked for (m).
+        height: f64,
+        /// Where the samples end (m).
+        lowest: f64,
+    },
     /// A height that is infinite or not a number.
     #[error("{height} m is no height to come down to")]
     HeightNotFinite {

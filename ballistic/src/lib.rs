@@ -2,6 +2,8 @@
 //!
 //! * [`Flight`]: the parabola in closed form, for plain numbers, duals and SIMD lanes.
 //! * [`DragFlight`]: the same with air drag, off at 0.
+//! * [`SampledFlight`]: a flight that another simulation has computed.
+//! * [`Trajectory`]: what a planner asks of any of them.
 //! * [`Terrain`] and [`Landing`]: where the wheel comes down.
 //! * [`Obstacle`], [`Disc`] and [`Clearance`]: what it must clear, and by how much it does.
 //!
@@ -24,8 +26,10 @@ mod obstacle;
 mod outline;
 mod path;
 mod polynomial;
+mod sampled;
 mod state;
 mod terrain;
+mod trajectory;
 
 pub use clearance::{Clearance, Disc, ExtendedLeg};
 pub use drag::DragFlight;
@@ -33,4 +37,6 @@ pub use error::FlightError;
 pub use flight::Flight;
 pub use obstacle::Obstacle;
 pub use outline::Feature;
+pub use sampled::{FlightSample, SampledFlight};
 pub use terrain::{Landing, Terrain};
+pub use trajectory::Trajectory;

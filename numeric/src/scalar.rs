@@ -11,6 +11,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub trait Scalar:
     Copy
     + Debug
+    + Send
+    + Sync
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
