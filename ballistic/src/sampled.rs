@@ -62,6 +62,24 @@ impl<S: Single> SampledFlight<S> {
         }
     }
 
+    /// The samples that it was made of.
+    pub fn samples(&self) -> &[FlightSample<S>] {
+        &self.samples
+    }
+
+    /// The state at `time` (s) after lift-off; before the first sample and after the last the
+    /// nearest cubic goes on.
+    pub fn at(&self, time: f64) -> FlightSample<S> {
+        let State {
+            position, velocity, ..
+        } = self.state(S::of(time));
+        FlightSample {
+            time,
+            position,
+            velocity,
+        }
+    }
+
     /// Position [x, y] (m) at time `t` (s) after lift-off.
     pub fn position(&self, t: S) -> [S; 2] {
         self.state(t).position
@@ -101,9 +119,7 @@ impl<S: Single> SampledFlight<S> {
                 apex,
             });
         }
-        let is_below = |s: &FlightSample<S>| {
-            s.time > top.value() && s.position[1].value() < asked
-        };
+        let is_below = |s: &FlightSample<S>| s.time > top.value() && s.position[1].value() < asked;
         match self.samples.iter().position(is_below) {
             Some(0) => Ok(S::of(self.samples[0].time)),
             Some(k) => {
@@ -150,10 +166,7 @@ impl<S: Single> SampledFlight<S> {
     /// centre does not rise.
     pub fn parabola(&self) -> Flight<f64> {
         let first = &self.samples[0];
-        let ([x, y], [vx, vy]) = (
-            first.position.map(S::value),
-            first.velocity.map(S::value),
-        );
+        let ([x, y], [vx, vy]) = (first.position.map(S::value), first.velocity.map(S::value));
         let rise = self.apex_height().value() - y;
         let gravity = if rise > 0.0 && vy > 0.0 {
             0.5 * vy * vy / rise
@@ -200,25 +213,28 @@ impl<S: Single> Path<S> for SampledFlight<S> {
             let start = if k == 1 { from } else { a.max(from) };
             [start, if k == last { to } else { b.min(to) }]
         };
-        self.samples.windows(2).zip(1..).filter_map(move |(pair, k)| {
-            let (a, b) = (&pair[0], &pair[1]);
-            let span = span(k, a.time, b.time);
-            (span[0] < span[1]).then(|| {
-                let h = b.time - a.time;
-                // Through both positions, with the mean acceleration.
-                let parabola = |i: usize| {
-                    let [p, q] = [a.position[i].value(), b.position[i].value()];
-                    let bend = 0.5 * (b.velocity[i].value() - a.velocity[i].value()) / h;
-                    Polynomial::quadratic(p, (q - p) / h - bend * h, bend)
-                };
-                Arc {
-                    x: parabola(0),
-                    y: parabola(1),
-                    start: a.time,
-                    span,
-                }
+        self.samples
+            .windows(2)
+            .zip(1..)
+            .filter_map(move |(pair, k)| {
+                let (a, b) = (&pair[0], &pair[1]);
+                let span = span(k, a.time, b.time);
+                (span[0] < span[1]).then(|| {
+                    let h = b.time - a.time;
+                    // Through both positions, with the mean acceleration.
+                    let parabola = |i: usize| {
+                        let [p, q] = [a.position[i].value(), b.position[i].value()];
+                        let bend = 0.5 * (b.velocity[i].value() - a.velocity[i].value()) / h;
+                        Polynomial::quadratic(p, (q - p) / h - bend * h, bend)
+                    };
+                    Arc {
+                        x: parabola(0),
+                        y: parabola(1),
+                        start: a.time,
+                        span,
+                    }
+                })
             })
-        })
     }
 }
 

@@ -38,6 +38,12 @@ pub enum StanceError {
         /// Steps taken.
         steps: u32,
     },
+    /// A simulation in place of the planar model cannot make this jump.
+    #[error("{reason}")]
+    Simulation {
+        /// What it says.
+        reason: String,
+    },
     /// The stance lasts longer than any jump.
     #[error("no lift-off within {time} s")]
     TooLong {

@@ -2,7 +2,8 @@
 
 use saltus_lagrangian::Launch;
 
-use crate::jump::Planner;
+use crate::model::JumpModel;
+use crate::planner::Planner;
 use crate::table::{Nearest, TableError, TableRequest};
 
 /// A linear law fitted to the least firing angles of one target.
@@ -109,7 +110,7 @@ fn greatest_and_rms(values: impl Iterator<Item = f64>) -> (f64, f64) {
     )
 }
 
-impl Planner {
+impl<M: JumpModel> Planner<M> {
     /// The linear law of each target of `request`, by least squares over its approach rates; none
     /// for a target that fewer than two of them reach.
     ///
@@ -139,7 +140,7 @@ impl Planner {
                 let value = self
                     .jump(&launch)
                     .ok()
-                    .and_then(|jump| request.measure.of(self, &jump));
+                    .and_then(|jump| request.measure.of(self.robot(), &jump));
                 LawPoint {
                     rate,
                     exact,

@@ -5,8 +5,11 @@ mod crossing;
 mod jump;
 mod law;
 mod map;
+mod model;
 pub mod parallel;
 pub mod parkour;
+mod planar;
+mod planner;
 mod proxy;
 mod table;
 
@@ -14,9 +17,12 @@ pub use crossing::{
     Check, Crossing, CrossingAnswer, CrossingError, CrossingPlan, EDGE_MARGIN, MARGIN_SIGMAS,
     PlannedJump,
 };
-pub use jump::{Jump, PLANNING_TOLERANCE, Planner, SensitiveJump, Sensitivity};
+pub use jump::{Jump, Sensitivity};
 pub use law::{Law, LawPoint, line};
 pub use map::{Map, MapRequest, Spot, SpotResult};
+pub use model::{Flown, Instant, JumpModel, SensitiveJump, Steered, Traced, widen};
+pub use planar::{PLANNING_TOLERANCE, Planar};
+pub use planner::Planner;
 pub use table::{
     Cell, Entry, FIRING_ANGLES, Measure, Nearest, Roots, Table, TableError, TableRequest,
 };

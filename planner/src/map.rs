@@ -1,9 +1,10 @@
 //! Feasibility maps: what a robot can do, over approach rate and firing angle.
 
-use saltus_lagrangian::{Launch, Outcome, Stance, StanceError};
+use saltus_lagrangian::{Launch, Outcome, StanceError};
 
-use crate::jump::Planner;
+use crate::model::JumpModel;
 use crate::parallel::in_chunks;
+use crate::planner::Planner;
 use crate::table::TableError;
 
 /// Launches that are computed side by side.
@@ -58,7 +59,7 @@ pub struct SpotResult {
     pub friction_needed: Option<f64>,
 }
 
-impl Planner {
+impl<M: JumpModel> Planner<M> {
     /// The map of `request`.
     ///
     /// # Errors
@@ -104,12 +105,7 @@ impl Planner {
     }
 
     fn spots(&self, request: &MapRequest, launches: &[Launch]) -> Vec<Spot> {
-        let needed = |stance: &Stance<f64>, launch: &Launch| {
-            stance
-                .trace(launch)
-                .map(|trace| trace.contact.friction_needed)
-                .ok()
-        };
+        let needed = |launch: &Launch| Some(self.model().traced(launch).ok()?.friction_needed);
         self.jumps(launches)
             .into_iter()
             .zip(launches)
@@ -119,10 +115,7 @@ impl Planner {
                     outcome: jump.stance.outcome,
                     distance: jump.distance(request.landing_height),
                     apex: jump.apex(),
-                    friction_needed: request
-                        .friction
-                        .then(|| needed(self.stance(), launch))
-                        .flatten(),
+                    friction_needed: request.friction.then(|| needed(launch)).flatten(),
                 }),
             })
             .collect()

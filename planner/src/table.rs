@@ -1,11 +1,14 @@
 //! Firing tables: the firing angles that reach a distance, or clear an obstacle, over approach
 //! rates.
 
-use saltus_ballistic::{Disc, Obstacle};
+use saltus_ballistic::{Disc, DragFlight, Obstacle, Trajectory};
 use saltus_lagrangian::{Launch, StanceError};
+use saltus_robot::Robot;
 
-use crate::jump::{Jump, Planner, Sensitivity};
+use crate::jump::{Jump, Sensitivity};
+use crate::model::{Flown, JumpModel};
 use crate::parallel::in_chunks;
+use crate::planner::Planner;
 use crate::proxy::{Branch, NODES, Piece, nodes};
 
 /// What a firing table asks for.
@@ -99,20 +102,20 @@ pub const FIRING_ANGLES: (f64, f64) = (-0.6, 0.8);
 
 /// A firing table: for each approach rate in turn, each target in turn.
 #[derive(Clone, Debug)]
-pub struct Table {
+pub struct Table<F = DragFlight<f64>> {
     /// The cells, `targets` within `rates`.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<Cell<F>>,
 }
 
 /// The answer for one approach rate and target.
 #[derive(Clone, Debug)]
-pub struct Cell {
+pub struct Cell<F = DragFlight<f64>> {
     /// Approach rate ω (rad/s).
     pub rate: f64,
     /// Value of the measure that is wanted (m).
     pub target: f64,
     /// The firing angles that serve, ascending; none where no angle does.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<Entry<F>>,
     /// Where no angle serves: the nearest value (m) that is reached, and how; none where no jump
     /// has a value.
     pub nearest: Option<Nearest>,
@@ -123,9 +126,9 @@ pub struct Cell {
 
 /// A firing angle that serves.
 #[derive(Clone, Debug)]
-pub struct Entry {
+pub struct Entry<F = DragFlight<f64>> {
     /// The jump at this angle; it was computed, not interpolated.
-    pub jump: Jump,
+    pub jump: Jump<f64, F>,
     /// What its measure comes to (m): the target, to the planner's tolerance.
     pub value: f64,
     /// Sensitivity of the measured distance and of the apex, where asked for and the measure is a
@@ -167,11 +170,6 @@ pub enum TableError {
     Stance(#[from] StanceError),
 }
 
-/// An interpolant is trusted where its last coefficients are below this (m): a Newton step from its
-/// root then lands within round-off.
-const INTERPOLANT: f64 = 2e-9;
-/// Residual (m) at which an entry counts as solved: below the error of the jump itself.
-const RESIDUAL: f64 = 5e-10;
 /// Rows that are worked on together: few, so that threads share them evenly, and enough to keep
 /// SIMD lanes full.
 const ROWS: usize = 4;
@@ -179,13 +177,13 @@ const ROWS: usize = 4;
 const NARROW: f64 = 1e-4;
 
 impl Measure {
-    /// The measure of `jump`; none where it has none.
-    pub fn of(&self, planner: &Planner, jump: &Jump) -> Option<f64> {
+    /// The measure of a jump of `robot`; none where it has none.
+    pub fn of<F: Trajectory<f64>>(&self, robot: &Robot, jump: &Jump<f64, F>) -> Option<f64> {
         let value = match self {
             Measure::Distance { landing_height } => jump.distance(*landing_height),
             Measure::Clearance { obstacle } => {
-                let flight = jump.flight?;
-                let radius = planner.robot().body.radius;
+                let flight = jump.flight.as_ref()?;
+                let radius = robot.body.radius;
                 let landing = flight.time_to_height(radius).ok()?;
                 let clearance = flight
                     .clearance(&Disc::wheel(radius), obstacle, 0.0, landing)
@@ -198,7 +196,7 @@ impl Measure {
     }
 }
 
-impl Planner {
+impl<M: JumpModel> Planner<M> {
     /// The firing table of `request`.
     ///
     /// Each row is sampled at Chebyshev points of the firing angle; pieces end where the outcome
@@ -208,7 +206,7 @@ impl Planner {
     ///
     /// # Errors
     /// [`TableError`] for a request outside its domain.
-    pub fn table(&self, request: &TableRequest) -> Result<Table, TableError> {
+    pub fn table(&self, request: &TableRequest) -> Result<Table<M::Flight<f64>>, TableError> {
         self.tabulate(request, None)
     }
 
@@ -222,7 +220,7 @@ impl Planner {
         &self,
         request: &TableRequest,
         reference_lean: f64,
-    ) -> Result<Table, TableError> {
+    ) -> Result<Table<M::Flight<f64>>, TableError> {
         self.tabulate(request, Some(reference_lean))
     }
 
@@ -230,7 +228,7 @@ impl Planner {
         &self,
         request: &TableRequest,
         reference_lean: Option<f64>,
-    ) -> Result<Table, TableError> {
+    ) -> Result<Table<M::Flight<f64>>, TableError> {
         request.check()?;
         let cells = |rates: &[f64]| Rows::new(self, request, reference_lean, rates).cells();
         let parts = in_chunks(&request.rates, ROWS, request.threads, cells);
@@ -316,8 +314,8 @@ impl TableRequest {
 }
 
 /// Rows of a table in the making.
-struct Rows<'a> {
-    planner: &'a Planner,
+struct Rows<'a, M: JumpModel> {
+    planner: &'a Planner<M>,
     request: &'a TableRequest,
     /// Where the rates count (rad); none: where the request's stances start.
     reference_lean: Option<f64>,
@@ -329,21 +327,24 @@ struct Rows<'a> {
 }
 
 /// A firing angle on its way to being solved.
-struct Candidate {
+struct Candidate<F> {
     cell: usize,
     row: usize,
     branch: Branch,
     angle: f64,
-    found: Option<Entry>,
+    found: Option<Entry<F>>,
 }
 
 /// What must stay the same for a result to be a smooth function of the firing angle: the outcome,
 /// and whether the valve closed before lift-off.
 type Label = (saltus_lagrangian::Outcome, bool);
 
-impl<'a> Rows<'a> {
+/// A candidate of a model.
+type CandidateOf<M> = Candidate<<M as JumpModel>::Flight<f64>>;
+
+impl<'a, M: JumpModel> Rows<'a, M> {
     fn new(
-        planner: &'a Planner,
+        planner: &'a Planner<M>,
         request: &'a TableRequest,
         reference_lean: Option<f64>,
         rates: &'a [f64],
@@ -372,7 +373,18 @@ impl<'a> Rows<'a> {
         }
     }
 
-    fn label(&self, jump: &Jump) -> Label {
+    /// An interpolant is trusted where its last coefficients are below this (m): a Newton step from
+    /// its root then lands within round-off.
+    fn accuracy(&self) -> f64 {
+        self.planner.model().accuracy()
+    }
+
+    /// Residual (m) at which an entry counts as solved: below the error of the jump itself.
+    fn residual(&self) -> f64 {
+        0.25 * self.accuracy()
+    }
+
+    fn label(&self, jump: &Flown<M>) -> Label {
         let end = &jump.stance;
         let closing = end.time_fire + self.planner.robot().leg.delay + self.request.valve_open;
         (
@@ -409,7 +421,7 @@ impl<'a> Rows<'a> {
         row: usize,
         low: f64,
         high: f64,
-        jumps: &[Result<Jump, StanceError>],
+        jumps: &[Result<Flown<M>, StanceError>],
         next: &mut Vec<(usize, f64, f64)>,
     ) {
         self.takes_off[row] |= jumps.iter().flatten().any(|jump| jump.flight.is_some());
@@ -421,7 +433,7 @@ impl<'a> Rows<'a> {
             jumps[k]
                 .as_ref()
                 .ok()
-                .and_then(|jump| self.request.measure.of(self.planner, jump))
+                .and_then(|jump| self.request.measure.of(self.planner.robot(), jump))
         });
         let wide = high - low > NARROW;
         if let Some(k) = (1..NODES)
@@ -448,7 +460,7 @@ impl<'a> Rows<'a> {
             return;
         }
         let piece = Piece::new(low, high, &values.map(Option::unwrap_or_default));
-        if wide && piece.tail() > INTERPOLANT {
+        if wide && piece.tail() > self.accuracy() {
             next.extend([
                 (row, low, 0.5 * (low + high)),
                 (row, 0.5 * (low + high), high),
@@ -473,9 +485,9 @@ impl<'a> Rows<'a> {
     }
 
     /// Every cell of these rows.
-    fn cells(&self) -> Vec<Cell> {
+    fn cells(&self) -> Vec<Cell<M::Flight<f64>>> {
         let targets = &self.request.targets;
-        let mut cells: Vec<Cell> = Vec::with_capacity(self.rates.len() * targets.len());
+        let mut cells: Vec<Cell<_>> = Vec::with_capacity(self.rates.len() * targets.len());
         let mut candidates = Vec::new();
         for (row, &rate) in self.rates.iter().enumerate() {
             let mut branches = Vec::new();
@@ -531,7 +543,7 @@ impl<'a> Rows<'a> {
 
     /// Confirms each candidate with a jump, correcting it by the interpolant's slope until one
     /// does.
-    fn solve(&self, candidates: &mut [Candidate]) {
+    fn solve(&self, candidates: &mut [CandidateOf<M>]) {
         let mut open: Vec<usize> = (0..candidates.len()).collect();
         for _ in 0..4 {
             let launches: Vec<Launch> = open
@@ -555,17 +567,17 @@ impl<'a> Rows<'a> {
         }
     }
 
-    fn target(&self, candidate: &Candidate) -> f64 {
+    fn target(&self, candidate: &CandidateOf<M>) -> f64 {
         self.request.targets[candidate.cell % self.request.targets.len()]
     }
 
     /// Whether `jump` solves the candidate; if not, moves its angle.
-    fn confirm(&self, candidate: &mut Candidate, jump: Jump) -> bool {
-        let Some(value) = self.request.measure.of(self.planner, &jump) else {
+    fn confirm(&self, candidate: &mut CandidateOf<M>, jump: Flown<M>) -> bool {
+        let Some(value) = self.request.measure.of(self.planner.robot(), &jump) else {
             return false;
         };
         let residual = value - self.target(candidate);
-        if residual.abs() <= RESIDUAL {
+        if residual.abs() <= self.residual() {
             candidate.found = Some(Entry {
                 jump,
                 value,
@@ -583,16 +595,16 @@ impl<'a> Rows<'a> {
 
     /// Solves a candidate by bisection on the jumps themselves: where the interpolant's slope leads
     /// nowhere (a kink, or the very top of the reachable).
-    fn bisect(&self, candidate: &mut Candidate) {
+    fn bisect(&self, candidate: &mut CandidateOf<M>) {
         let target = self.target(candidate);
         let look = |angle: f64| {
             let jump = self.planner.jump(&self.launch(candidate.row, angle)).ok()?;
-            let value = self.request.measure.of(self.planner, &jump)?;
+            let value = self.request.measure.of(self.planner.robot(), &jump)?;
             Some((jump, value))
         };
         let (mut a, mut b) = (candidate.branch.low, candidate.branch.high);
         let rising = candidate.branch.at_high > candidate.branch.at_low;
-        let mut best: Option<Entry> = None;
+        let mut best: Option<Entry<_>> = None;
         for _ in 0..60 {
             let middle = 0.5 * (a + b);
             let Some((jump, value)) = look(middle) else {
@@ -614,17 +626,17 @@ impl<'a> Rows<'a> {
                 a = middle;
             }
         }
-        candidate.found = best.filter(|entry| (entry.value - target).abs() <= 1e3 * RESIDUAL);
+        candidate.found =
+            best.filter(|entry| (entry.value - target).abs() <= 1e3 * self.residual());
     }
 
     /// Gives each entry its sensitivities.
-    fn differentiate(&self, cells: &mut [Cell]) {
+    fn differentiate(&self, cells: &mut [Cell<M::Flight<f64>>]) {
         let Measure::Distance { landing_height } = self.request.measure else {
             return;
         };
-        let stance = self.planner.sensitive_stance();
         for entry in cells.iter_mut().flat_map(|cell| &mut cell.entries) {
-            let jump = self.planner.sensitive_jump(&stance, &entry.jump.launch);
+            let jump = self.planner.sensitive_jump(&entry.jump.launch);
             entry.sensitivity = jump.ok().and_then(|jump| {
                 let (distance, apex) = (jump.distance(landing_height)?, jump.apex()?);
                 Some([Sensitivity::new(distance), Sensitivity::new(apex)])

@@ -1,5 +1,7 @@
 //! What a jump is given, and how its stance ends: the seam between a robot and what makes it jump.
 
+use saltus_numeric::{Dual, Scalar};
+
 /// What a jump is given: how the robot comes, and what is commanded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Launch<S = f64> {
@@ -22,6 +24,23 @@ impl Launch<f64> {
             lean: firing_angle,
             firing_angle,
             valve_open,
+        }
+    }
+
+    /// The same with rate, firing angle and valve opening time as the directions 0, 1 and 2 of its
+    /// derivatives; a stance that starts at its firing angle keeps doing so when that angle changes.
+    pub fn variables<const N: usize>(&self) -> Launch<Dual<N>> {
+        let firing_angle = Dual::variable(self.firing_angle, 1);
+        let starts_at_firing = self.lean == self.firing_angle;
+        Launch {
+            rate: Dual::variable(self.rate, 0),
+            lean: if starts_at_firing {
+                firing_angle
+            } else {
+                Dual::of(self.lean)
+            },
+            firing_angle,
+            valve_open: Dual::variable(self.valve_open, 2),
         }
     }
 }

@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Exact derivatives of the distance, and the error that follows from the robot's measurement
     // errors.
-    let jump = planner.sensitive_jump(&planner.sensitive_stance(), &launch)?;
+    let jump = planner.sensitive_jump(&launch)?;
     if let Some(distance) = jump.distance(0.0) {
         let sensitivity = Sensitivity::new(distance);
         println!("by ω        {:.4} m per rad/s", sensitivity.by_rate);

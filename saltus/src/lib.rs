@@ -41,6 +41,7 @@ pub mod fit;
 pub mod inject;
 pub mod input;
 pub mod parkour;
+pub mod simulated;
 pub mod study;
 pub mod temporary;
 pub mod verify;

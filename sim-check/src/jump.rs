@@ -28,6 +28,8 @@ pub struct Sample {
     pub time: f64,
     /// Travel and height of the axle (m), from the foothold.
     pub axle: [f64; 2],
+    /// Their rates (m/s).
+    pub axle_rates: [f64; 2],
     /// Lean of the jumping leg (rad), relative to what carries the axle.
     pub lean: f64,
     /// Extension of the jumping leg (m).
@@ -316,10 +318,11 @@ impl Recorder<'_> {
     fn record(&mut self) {
         let contacts = self.sim.contacts();
         let foot = contacts.iter().find(|c| c.point == 0);
-        let q = self.sim.coordinates();
+        let (q, v) = (self.sim.coordinates(), self.sim.velocities());
         let sample = Sample {
             time: self.sim.time(),
             axle: self.rig.axle(q),
+            axle_rates: self.rig.axle_rates(q, v),
             lean: q[self.rig.lean_coordinate()],
             extension: q[self.rig.extension_coordinate(0)],
             pressure: self.sim.pressure(0),

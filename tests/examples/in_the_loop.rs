@@ -115,7 +115,6 @@ impl<'a> Loop<'a> {
 
 /// The planner's own firing angle (rad), by Newton on whole jumps.
 fn exact(planner: &Planner, rate: f64, start: f64) -> f32 {
-    let stance = planner.sensitive_stance();
     let (lean, valve_open) = (
         f64::from(TOUCH_DOWN),
         f64::from(RATS_PLANAR.robot.valve_open),
@@ -128,7 +127,7 @@ fn exact(planner: &Planner, rate: f64, start: f64) -> f32 {
             firing_angle: angle,
             valve_open,
         };
-        let jump = planner.sensitive_jump(&stance, &launch).ok();
+        let jump = planner.sensitive_jump(&launch).ok();
         let Some(landing) =
             jump.and_then(|jump| jump.distance(RATS_PLANAR.robot.landing_height.into()))
         else {

@@ -9,12 +9,13 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use saltus_ballistic::Flight;
+use saltus_ballistic::{Flight, Trajectory};
 use saltus_lagrangian::Launch;
 
-use super::{Crossing, launch};
+use super::Crossing;
 use crate::course::{Envelope, Leap, Span};
-use crate::jump::{Jump, Planner};
+use crate::model::{Flown, JumpModel};
+use crate::planner::Planner;
 
 /// Firing angles that are sampled.
 const ANGLES: usize = 24;
@@ -28,13 +29,13 @@ const TIMES_OF_ONE: usize = 9;
 const SLACK: f64 = 2e-3;
 
 /// Flights over firing angles and valve times.
-pub(super) struct Grid {
+pub(super) struct Grid<M: JumpModel> {
     /// Valve times (s), ascending.
     times: Vec<f64>,
     /// Firing angles (rad), ascending.
     angles: Vec<f64>,
     /// For each valve time its jumps over the firing angles; none where a jump cannot be computed.
-    jumps: Vec<Vec<Option<Jump>>>,
+    jumps: Vec<Vec<Option<Flown<M>>>>,
     /// Standard deviation (m) of the landing at each firing angle, for the middle valve time.
     deviations: Vec<f64>,
     /// For landing heights (m) that were asked for, the distances (m) of the jumps; NaN where they
@@ -60,8 +61,8 @@ pub(super) struct Within<'a> {
     pub(super) cost: [f64; 2],
 }
 
-impl Grid {
-    pub(super) fn new(planner: &Planner, crossing: &Crossing, jump: usize) -> Grid {
+impl<M: JumpModel> Grid<M> {
+    pub(super) fn new(planner: &Planner<M>, crossing: &Crossing, jump: usize) -> Grid<M> {
         let spread = |span: Span, i: usize, count: usize| {
             span.low + span.width() * i as f64 / (count - 1) as f64
         };
@@ -75,12 +76,8 @@ impl Grid {
             .collect();
         let row = |&time: &f64| {
             let at = |i| {
-                launch(
-                    crossing,
-                    jump,
-                    spread(crossing.firing_angles, i, ANGLES),
-                    time,
-                )
+                let angle = spread(crossing.firing_angles, i, ANGLES);
+                crossing.launch(jump, [angle, time])
             };
             let launches: Vec<Launch> = (0..ANGLES).map(at).collect();
             planner
@@ -93,11 +90,11 @@ impl Grid {
             .map(|i| spread(crossing.firing_angles, i, ANGLES))
             .collect();
         let jumps = times.iter().map(row).collect();
-        let (stance, radius) = (planner.sensitive_stance(), planner.robot().body.radius);
+        let radius = planner.robot().body.radius;
         let deviation = |&angle: &f64| {
-            let launch = launch(crossing, jump, angle, times[count / 2]);
+            let launch = crossing.launch(jump, [angle, times[count / 2]]);
             if crossing.sigmas > 0.0 {
-                planner.landing_deviation(&stance, &launch, radius)
+                planner.landing_deviation(&launch, radius)
             } else {
                 0.0
             }
@@ -121,7 +118,8 @@ impl Grid {
             .find(|(of, _)| *of == height)
             .map(|(_, known)| known.clone());
         known.unwrap_or_else(|| {
-            let distance = |jump: &Option<Jump>| {
+            let distance = |jump: &Option<Flown<M>>| {
+                let jump = jump.as_ref();
                 jump.and_then(|jump| jump.distance(height))
                     .unwrap_or(f64::NAN)
             };
@@ -160,11 +158,11 @@ impl Grid {
                 if low * high <= 0.0
                     && low != high
                     && let (Some(a), Some(b)) = (&row[i - 1], &row[i])
-                    && let (Some(a), Some(b)) = (a.flight, b.flight)
+                    && let (Some(a), Some(b)) = (&a.flight, &b.flight)
                 {
                     let part = low / (low - high);
                     let mix = |a: f64, b: f64| a + part * (b - a);
-                    let [a, b] = [a.vacuum, b.vacuum];
+                    let [a, b] = [a.parabola(), b.parabola()];
                     let flight = Flight {
                         x: mix(a.x, b.x),
                         y: mix(a.y, b.y),
@@ -200,8 +198,8 @@ impl Grid {
                     [row + 1, column],
                 ];
                 let corner = |[row, column]: [usize; 2]| {
-                    let flight = self.jumps[row][column].as_ref()?.flight?;
-                    Some((known[row][column], flight.vacuum))
+                    let flight = self.jumps[row][column].as_ref()?.flight.as_ref()?;
+                    Some((known[row][column], flight.parabola()))
                         .filter(|(distance, _)| !distance.is_nan())
                 };
                 let reach = within.distances(corners.into_iter().filter_map(corner));

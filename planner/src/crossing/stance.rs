@@ -1,22 +1,14 @@
 //! How near the wheel comes to what stands beside its foothold, from the foot's touch to the
 //! lift-off.
 
-use saltus_lagrangian::{Launch, Sample, Stance};
-use saltus_numeric::{Dual, Scalar};
+use saltus_numeric::Scalar;
 
-use super::widen;
 use crate::course::{Edge, Side, Slope};
+use crate::model::Instant;
 
 /// The way of the wheel's centre in a stance.
 pub(super) struct Path {
-    points: Vec<Point>,
-}
-
-/// The centre (m from the foot) at an instant (s), and its velocity (m/s).
-struct Point {
-    time: Slope,
-    centre: [Slope; 2],
-    velocity: [Slope; 2],
+    points: Vec<Instant<Slope>>,
 }
 
 /// Halvings, by the golden section, of an interval between two points in which the least distance
@@ -24,36 +16,15 @@ struct Point {
 const SECTIONS: usize = 40;
 
 impl Path {
-    /// Of the stance after `launch`; none where there is no stance. `radius` (m) is the wheel's.
-    pub(super) fn new(
-        stance: &Stance<Dual<2>>,
-        launch: &Launch<Dual<2>>,
-        radius: f64,
-    ) -> Option<Path> {
-        let point = |s: &Sample<Dual<2>>| {
-            let (sin, cos) = s.lean.sin_cos();
-            let reach = Dual::of(radius) + s.extension;
-            let across = reach * s.rate;
-            let velocity = [
-                s.extension_rate * sin + across * cos,
-                s.extension_rate * cos - across * sin,
-            ];
-            Point {
-                time: widen(s.time),
-                centre: [reach * sin, reach * cos].map(widen),
-                velocity: velocity.map(widen),
-            }
-        };
-        let trace = stance.trace(launch).ok()?;
-        Some(Path {
-            points: trace.samples.iter().map(point).collect(),
-        })
+    /// Through these instants of a stance.
+    pub(super) fn new(points: Vec<Instant<Slope>>) -> Path {
+        Path { points }
     }
 
     /// Through places (m from the foot) alone.
     pub(super) fn through(centres: &[[Slope; 2]]) -> Path {
         let (zero, none) = (Slope::of(0.0), [Slope::of(0.0); 2]);
-        let point = |centre: &[Slope; 2]| Point {
+        let point = |centre: &[Slope; 2]| Instant {
             time: zero,
             centre: *centre,
             velocity: none,
@@ -100,7 +71,7 @@ impl Path {
 
 /// The centre at a part (0 to 1) of the way from a point to the next, by the cubic with their
 /// velocities.
-fn between(from: &Point, to: &Point, part: f64) -> [Slope; 2] {
+fn between(from: &Instant<Slope>, to: &Instant<Slope>, part: f64) -> [Slope; 2] {
     let (s, t) = (part, 1.0 - part);
     let step = to.time - from.time;
     std::array::from_fn(|i| {

@@ -1,9 +1,13 @@
 //! The box jump of the thesis, and what happens when it cannot be.
 
+use saltus_ballistic::Obstacle as Solid;
+use saltus_lagrangian::Launch;
 use saltus_robot::Robot;
 
+use super::check::{box_distance, clearance};
+use super::roller::NEAR;
 use super::*;
-use crate::course::{Give, Obstacle, Side};
+use crate::course::{Course, Give, Jumper, Leap, Obstacle, Side, Slope};
 
 /// The 21 cm box of thesis §5.2.3, its middle `center` (m) before the foot.
 fn box_jump(center: f64, rate: f64) -> Crossing {
@@ -279,7 +283,7 @@ fn the_wheel_s_way_beside_a_box_is_that_of_the_stance() {
         // The stance's own fine steps, without derivatives and without anything between them.
         let trace = planner
             .stance()
-            .trace(&launch(&crossing, 0, angle, 0.1))
+            .trace(&crossing.launch(0, [angle, 0.1]))
             .expect("a stance");
         let radius = planner.robot().body.radius;
         let far = Span::new(x, x + 10.0);

@@ -227,7 +227,7 @@ fn thesis_distance(planner: &Planner, rate: f64) -> Outcome<f64> {
     let distance = Measure::Distance {
         landing_height: 0.0,
     }
-    .of(planner, &jump);
+    .of(planner.robot(), &jump);
     distance.ok_or_else(|| format!("the thesis' law does not jump at {rate} rad/s").into())
 }
 

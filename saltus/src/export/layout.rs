@@ -5,7 +5,7 @@ use saltus_controller::Rates;
 use saltus_lagrangian::Launch;
 use saltus_numeric::Dual;
 use saltus_planner::{
-    Cell, FIRING_ANGLES, Measure, Planner, Roots, Sensitivity, Table, TableRequest,
+    Cell, FIRING_ANGLES, JumpModel, Measure, Planner, Roots, Sensitivity, Table, TableRequest,
 };
 
 use super::numbers::Number;
@@ -37,8 +37,8 @@ pub(super) struct Layout {
 }
 
 /// Jumps of the planner from the tables' rates.
-pub(super) struct Flown<'a> {
-    pub(super) planner: &'a Planner,
+pub(super) struct Flown<'a, M> {
+    pub(super) planner: &'a Planner<M>,
     pub(super) start: Start,
     pub(super) valve_open: f64,
 }
@@ -62,18 +62,22 @@ impl Layout {
     ///
     /// # Errors
     /// [`ExportError`] where the planner has no table, or nothing is reached.
-    pub(super) fn new<R: Number>(
-        planner: &Planner,
+    pub(super) fn new<R: Number, M: JumpModel>(
+        planner: &Planner<M>,
         request: &Request,
     ) -> Result<Layout, ExportError> {
         match request.start_lean {
             Some(lean) => Layout::from_lean(planner, request, lean),
-            None => Layout::from_firing::<R>(planner, request),
+            None => Layout::from_firing::<R, M>(planner, request),
         }
     }
 
     /// Stances that start at one lean.
-    fn from_lean(planner: &Planner, request: &Request, lean: f64) -> Result<Layout, ExportError> {
+    fn from_lean<M: JumpModel>(
+        planner: &Planner<M>,
+        request: &Request,
+        lean: f64,
+    ) -> Result<Layout, ExportError> {
         let start = Start {
             reference: lean,
             at_firing: false,
@@ -106,7 +110,10 @@ impl Layout {
     ///
     /// The reference lies as far back as the farthest angle forward or back, so that every robot
     /// that is fired has a rate there.
-    fn from_firing<R: Number>(planner: &Planner, request: &Request) -> Result<Layout, ExportError> {
+    fn from_firing<R: Number, M: JumpModel>(
+        planner: &Planner<M>,
+        request: &Request,
+    ) -> Result<Layout, ExportError> {
         let limits = request.firing_angles.unwrap_or(FIRING_ANGLES);
         let asked = planner.table(&table_request(planner, request, request.rates, limits))?;
         let fired: Vec<(f64, f64)> = fired(&asked).collect();
@@ -140,8 +147,8 @@ impl Layout {
 
 /// Rates (rad/s) at the reference lean that hold all that are `fired`, at the spacing of `asked` or
 /// closer.
-fn energies(
-    planner: &Planner,
+fn energies<M: JumpModel>(
+    planner: &Planner<M>,
     asked: (f64, f64, usize),
     start: Start,
     fired: &[(f64, f64)],
@@ -162,8 +169,8 @@ fn energies(
     (first, last, cells + 1)
 }
 
-fn table_request(
-    planner: &Planner,
+fn table_request<M: JumpModel>(
+    planner: &Planner<M>,
     request: &Request,
     rates: (f64, f64, usize),
     firing_angles: (f64, f64),
@@ -185,7 +192,7 @@ fn table_request(
 
 /// Rate (rad/s) and angle (rad) of each firing: the least angle from which firing later goes
 /// farther.
-fn fired(table: &Table) -> impl Iterator<Item = (f64, f64)> {
+fn fired<F>(table: &Table<F>) -> impl Iterator<Item = (f64, f64)> {
     table.cells.iter().filter_map(|cell| {
         let rises = |s: &[Sensitivity; 2]| s[0].by_firing_angle > 0.0;
         let entry = cell
@@ -198,7 +205,7 @@ fn fired(table: &Table) -> impl Iterator<Item = (f64, f64)> {
 
 /// The least firing angle of a cell from which firing later goes farther, with its slopes by the
 /// cell's rate and by distance.
-fn later(cell: &Cell, planner: &Planner, start: Start) -> Firing {
+fn later<M: JumpModel>(cell: &Cell<M::Flight<f64>>, planner: &Planner<M>, start: Start) -> Firing {
     cell.entries.iter().find_map(|entry| {
         let [distance, _] = entry.sensitivity?;
         let launch = &entry.jump.launch;
@@ -213,9 +220,9 @@ impl Start {
     /// rate and the firing angle.
     ///
     /// At the firing angle ω² = ω_r² + 2 c (cos φ_r − cos α), which both change.
-    fn chained(
+    fn chained<M: JumpModel>(
         self,
-        planner: &Planner,
+        planner: &Planner<M>,
         rate: f64,
         launch: &Launch,
         [by_rate, by_angle]: [f64; 2],
@@ -229,7 +236,7 @@ impl Start {
     }
 }
 
-impl Flown<'_> {
+impl<M: JumpModel> Flown<'_, M> {
     /// The launch of a robot with `rate` (rad/s) at the reference lean that is fired at `angle`
     /// (rad).
     pub(super) fn launch(&self, rate: f64, angle: f64) -> Launch {

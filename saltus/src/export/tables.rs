@@ -3,7 +3,7 @@
 use saltus_controller::{
     Axis, Controller, FiringCurve, FiringTable, LiftOffMap, Limits, MAP_NODE, Rates, Robot, Rule,
 };
-use saltus_planner::Planner;
+use saltus_planner::{JumpModel, Planner};
 use sha2::{Digest, Sha256};
 
 use super::layout::{Firing, Flown, Layout};
@@ -82,14 +82,17 @@ impl<R: Number> Tables<R> {
     /// # Errors
     /// [`ExportError`] for numbers outside their domain, a robot with drag, or tables without an
     /// open cell.
-    pub fn new(planner: &Planner, request: &Request) -> Result<Tables<R>, ExportError> {
+    pub fn new<M: JumpModel>(
+        planner: &Planner<M>,
+        request: &Request,
+    ) -> Result<Tables<R>, ExportError> {
         check(planner, request)?;
         let Layout {
             start,
             rates,
             angles,
             firing,
-        } = Layout::new::<R>(planner, request)?;
+        } = Layout::new::<R, M>(planner, request)?;
         let robot = planner.robot();
         let (nodes, open) = nodes_and_cells(rates, request.distances, &firing);
         let mut tables = Tables {
@@ -205,17 +208,15 @@ impl<R: Number> Tables<R> {
     }
 
     /// Lift-offs at the nodes, with exact derivatives; the mixed one by differences of these.
-    fn fill_map(&mut self, flown: &Flown<'_>) -> Result<(), ExportError> {
-        let stance = flown.planner.sensitive_stance();
+    fn fill_map(&mut self, flown: &Flown<'_, impl JumpModel>) -> Result<(), ExportError> {
         let (rates, angles) = (nodes_of(&self.rates), nodes_of(&self.angles));
         let mut found: Vec<Option<[[f64; 4]; 4]>> = Vec::with_capacity(rates.len() * angles.len());
         for &rate in &rates {
             for &angle in &angles {
                 let launch = flown.launch(rate, angle);
-                let jump = flown.planner.sensitive_jump(&stance, &launch)?;
-                let state = jump
-                    .flight
-                    .map(|f| [f.vacuum.x, f.vacuum.y, f.vacuum.vx, f.vacuum.vy]);
+                let jump = flown.planner.sensitive_jump(&launch)?;
+                let ([x, y], [vx, vy]) = (jump.stance.axle, jump.stance.axle_rates);
+                let state = jump.flight.is_some().then_some([x, y, vx, vy]);
                 found.push(state.map(|state| state.map(|x| flown.with_slopes(rate, &launch, x))));
             }
         }
@@ -243,7 +244,7 @@ impl<R: Number> Tables<R> {
     }
 
     /// Flies what the rule fires, and closes the cells that miss.
-    fn measure_table(&mut self, flown: &Flown<'_>) -> Result<(), ExportError> {
+    fn measure_table(&mut self, flown: &Flown<'_, impl JumpModel>) -> Result<(), ExportError> {
         // One distance is looked at once.
         let columns = self.distances.count.max(2) - 1;
         let along_distances = if self.distances.count > 1 { LOOKS } else { 1 };
@@ -275,7 +276,12 @@ impl<R: Number> Tables<R> {
 
     /// How far (m) from `distance` the jump lands that the controller fires, Newton steps and all;
     /// infinite where it fires none.
-    fn fired(&self, flown: &Flown<'_>, rate: f64, distance: f64) -> Result<f64, ExportError> {
+    fn fired(
+        &self,
+        flown: &Flown<'_, impl JumpModel>,
+        rate: f64,
+        distance: f64,
+    ) -> Result<f64, ExportError> {
         let height = self.robot.landing_height;
         let mut controller = self.controller();
         // Cells are over the rate at the reference lean.
@@ -288,7 +294,7 @@ impl<R: Number> Tables<R> {
 
     /// Holds the landings that the map predicts against the planner's, and closes the cells that
     /// miss.
-    fn measure_map(&mut self, flown: &Flown<'_>) -> Result<(), ExportError> {
+    fn measure_map(&mut self, flown: &Flown<'_, impl JumpModel>) -> Result<(), ExportError> {
         let columns = self.angles.count - 1;
         for cell in 0..self.map_open.len() {
             if self.map_open[cell] == 0 {
@@ -324,7 +330,7 @@ impl<R: Number> Tables<R> {
 
 impl Request {
     /// Height (m) of the wheel's centre at the landing.
-    pub(super) fn landing_height(&self, planner: &Planner) -> f64 {
+    pub(super) fn landing_height<M: JumpModel>(&self, planner: &Planner<M>) -> f64 {
         self.landing_height.unwrap_or(planner.robot().body.radius)
     }
 }
@@ -342,7 +348,7 @@ pub fn fingerprint(robot: &saltus_robot::Robot) -> String {
     )
 }
 
-fn check(planner: &Planner, request: &Request) -> Result<(), ExportError> {
+fn check<M: JumpModel>(planner: &Planner<M>, request: &Request) -> Result<(), ExportError> {
     let drag = planner.robot().environment.drag;
     if drag > 0.0 {
         return Err(ExportError::Drag { drag });
@@ -609,7 +615,7 @@ fn limited(slope: f64, i: usize, count: usize, value: impl Fn(usize) -> Option<f
         })
 }
 
-fn constants<R: Number>(planner: &Planner, request: &Request) -> Robot<R> {
+fn constants<R: Number, M: JumpModel>(planner: &Planner<M>, request: &Request) -> Robot<R> {
     let robot = planner.robot();
     let (radius, gravity, pendulum) = (robot.body.radius, robot.axle_gravity(), planner.pendulum());
     let stride = 2.0 * radius * (std::f64::consts::PI / f64::from(robot.body.legs)).sin();

@@ -1,5 +1,6 @@
 //! What is verified: the plan of a course, a table or a law.
 
+use saltus_ballistic::DragFlight;
 use saltus_lagrangian::Launch;
 use saltus_planner::{Crossing, CrossingPlan};
 
@@ -7,13 +8,13 @@ use super::Task;
 
 /// What is verified.
 #[derive(Clone, Debug)]
-pub enum Subject {
+pub enum Subject<F = DragFlight<f64>> {
     /// A course and its plan.
     Plan {
         /// The course.
         crossing: Box<Crossing>,
         /// Its plan.
-        plan: Box<CrossingPlan>,
+        plan: Box<CrossingPlan<F>>,
     },
     /// A rule for the firing angle.
     Rule(Rule),
@@ -53,9 +54,9 @@ pub enum Steering {
     Table(Vec<(f64, f64)>),
 }
 
-impl Subject {
+impl<F> Subject<F> {
     /// The plan of a course.
-    pub fn plan(crossing: Crossing, plan: CrossingPlan) -> Subject {
+    pub fn plan(crossing: Crossing, plan: CrossingPlan<F>) -> Subject<F> {
         Subject::Plan {
             crossing: Box::new(crossing),
             plan: Box::new(plan),

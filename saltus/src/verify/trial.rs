@@ -6,7 +6,8 @@ use rand_distr::{Distribution, StandardNormal, Uniform};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 use saltus_lagrangian::StanceError;
-use saltus_planner::{Planner, parallel};
+use saltus_planner::{Jump, JumpModel, Planner, parallel};
+use saltus_robot::Errors;
 
 use super::{
     Attempt, Demands, Disturbance, Plant, Route, Rule, Stage, Starts, Subject, Task, Verdict,
@@ -162,10 +163,10 @@ impl Verification {
     ///
     /// # Panics
     /// As [`trials`](Verification::trials).
-    pub fn verdict(
+    pub fn verdict<M: JumpModel>(
         &self,
-        subject: &Subject,
-        planner: &Planner,
+        subject: &Subject<M::Flight<f64>>,
+        planner: &Planner<M>,
         plant: &Plant,
     ) -> Result<Verdict, TrialError> {
         let trials = self.trials(subject, planner, plant.robot().body.radius)?;
@@ -199,10 +200,10 @@ impl Verification {
     ///
     /// # Panics
     /// If there are no `frictions`, or a rule is a table without rows.
-    pub fn trials(
+    pub fn trials<M: JumpModel>(
         &self,
-        subject: &Subject,
-        planner: &Planner,
+        subject: &Subject<M::Flight<f64>>,
+        planner: &Planner<M>,
         radius: f64,
     ) -> Result<Vec<Trial>, TrialError> {
         let mut random = Pcg64::seed_from_u64(self.seed);
@@ -233,7 +234,8 @@ impl Verification {
                     Arc::new(self.single(planner, rule, rate)?)
                 }
             };
-            let errors = errors(planner, route.stages.len(), self.scatter, &mut random);
+            let sizes = &planner.robot().errors;
+            let errors = errors(sizes, route.stages.len(), self.scatter, &mut random);
             trials.push(Trial {
                 route,
                 errors: Some(errors),
@@ -245,7 +247,12 @@ impl Verification {
 
     /// The one jump of a law or a table at an approach rate (rad/s), with what the planner expects
     /// of it.
-    fn single(&self, planner: &Planner, rule: &Rule, rate: f64) -> Result<Route, TrialError> {
+    fn single<M: JumpModel>(
+        &self,
+        planner: &Planner<M>,
+        rule: &Rule,
+        rate: f64,
+    ) -> Result<Route, TrialError> {
         let Task {
             launch,
             landing_height,
@@ -264,13 +271,14 @@ impl Verification {
             Err(_) => None,
         };
         let number = |of: Option<f64>| of.unwrap_or(f64::NAN);
+        let planned = planned.as_ref();
         let landing = number(planned.and_then(|jump| jump.distance(landing_height)));
         let stage = Stage {
             launch,
             foot: [0.0; 2],
             landing_height,
             surface: None,
-            apex: number(planned.and_then(|jump| jump.apex())),
+            apex: number(planned.and_then(Jump::apex)),
             landing,
             wanted: rule.distance.unwrap_or(landing),
         };
@@ -290,13 +298,13 @@ impl Verification {
 
 /// Errors of the jumps of one run. Rate, angle and valve time err anew in every jump, the supply
 /// pressure is off by the same all along.
-fn errors(planner: &Planner, jumps: usize, factor: f64, random: &mut Pcg64) -> Vec<Disturbance> {
+fn errors(sizes: &Errors, jumps: usize, factor: f64, random: &mut Pcg64) -> Vec<Disturbance> {
     let mut drawn = || {
         let normal = std::array::from_fn(|_| {
             let x: f64 = StandardNormal.sample(random);
             factor * x
         });
-        Disturbance::drawn(&planner.robot().errors, normal)
+        Disturbance::drawn(sizes, normal)
     };
     let first = drawn();
     let rest = (1..jumps).map(|_| Disturbance {

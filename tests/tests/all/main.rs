@@ -7,6 +7,7 @@ mod diagnosis;
 mod hardened;
 mod lab;
 mod laws;
+mod models;
 mod planar;
 mod reference;
 mod routes;

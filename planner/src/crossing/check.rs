@@ -1,0 +1,213 @@
+//! A plan flown in full, and held against every limit.
+
+use saltus_ballistic::{Disc, ExtendedLeg, Obstacle as Solid, Trajectory};
+use saltus_lagrangian::StanceError;
+use saltus_numeric::Single;
+
+use super::{Crossing, CrossingPlan, PlannedJump};
+use crate::course::{self, Obstacle, Span};
+use crate::jump::Sensitivity;
+use crate::model::{JumpModel, Traced};
+use crate::planner::Planner;
+
+/// A limit in the full model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    /// Index of the jump.
+    pub jump: usize,
+    /// What is limited, with its unit.
+    pub what: String,
+    /// What it comes to.
+    pub value: f64,
+    /// Least and greatest allowed.
+    pub allowed: Span,
+}
+
+impl Check {
+    /// A micrometre, or a millionth, is the solver's round-off.
+    pub fn holds(&self) -> bool {
+        self.value >= self.allowed.low - 1e-6 && self.value <= self.allowed.high + 1e-6
+    }
+}
+
+/// One jump of a plan, and where it stands and lands.
+struct Judge<'a, M: JumpModel> {
+    crossing: &'a Crossing,
+    radius: f64,
+    jump: usize,
+    /// Foothold and landing: along the course, and height of the surface (m).
+    foot: [f64; 2],
+    landing: [f64; 2],
+    /// What landings keep from the ends of their ground for their scatter (m).
+    keep: f64,
+    traced: &'a Traced<M>,
+    checks: &'a mut Vec<Check>,
+}
+
+impl<M: JumpModel> Planner<M> {
+    /// Flies a plan in full and holds it against every limit.
+    pub(super) fn verify(
+        &self,
+        crossing: &Crossing,
+        search: course::Plan,
+    ) -> Result<CrossingPlan<M::Flight<f64>>, StanceError> {
+        let (mut jumps, mut checks) = (Vec::new(), Vec::new());
+        let radius = self.robot().body.radius;
+        let mut foot = crossing.course.start;
+        for (index, planned) in search.jumps.iter().enumerate() {
+            let launch = crossing.launch(index, planned.decisions);
+            let traced = self.model().traced(&launch)?;
+            let (from, to) = (planned.leap.from, planned.leap.to);
+            let distance = traced.jump.distance(radius + to - from);
+            let landing = foot + distance.unwrap_or(f64::NAN);
+            let deviation = self.landing_deviation(&launch, radius + to - from);
+            let mut judge = Judge {
+                crossing,
+                radius,
+                jump: index,
+                foot: [foot, from],
+                landing: [landing, to],
+                keep: crossing.sigmas * deviation,
+                traced: &traced,
+                checks: &mut checks,
+            };
+            judge.landing(index + 1 == search.jumps.len());
+            for (number, obstacle) in crossing.course.obstacles.iter().enumerate() {
+                judge.obstacle(number + 1, obstacle);
+            }
+            judge.friction();
+            jumps.push(PlannedJump {
+                foot: [foot, from],
+                landing: [landing, to],
+                deviation,
+                friction_needed: traced.friction_needed,
+                jump: traced.jump,
+            });
+            foot = landing + crossing.roll;
+        }
+        Ok(CrossingPlan {
+            jumps,
+            search,
+            checks,
+        })
+    }
+
+    /// Standard deviation (m) of the landing at `height` (m) above the foot, to first order; 0
+    /// where there is none.
+    pub(super) fn landing_deviation(&self, launch: &saltus_lagrangian::Launch, height: f64) -> f64 {
+        let jump = self.sensitive_jump(launch).ok();
+        let distance = jump.and_then(|jump| jump.distance(height));
+        distance.map_or(0.0, |d| {
+            Sensitivity::new(d).standard_deviation(&self.robot().errors)
+        })
+    }
+}
+
+impl<M: JumpModel> Judge<'_, M> {
+    fn check(&mut self, what: impl Into<String>, value: f64, allowed: Span) {
+        self.checks.push(Check {
+            jump: self.jump,
+            what: what.into(),
+            value,
+            allowed,
+        });
+    }
+
+    /// On its ground, in its zone, and, if it `is_last`, in the goal.
+    fn landing(&mut self, is_last: bool) {
+        let ([landing, to], crossing, keep) = (self.landing, self.crossing, self.keep);
+        let ground = crossing.ground(self.radius, landing, to);
+        self.check("landing (m)", landing, ground.widened(-keep));
+        if let Some(zone) = crossing.zones.get(self.jump).copied().flatten() {
+            let zone = zone.widened(-crossing.edge_margin - keep);
+            self.check("landing in its zone (m)", landing, zone);
+        }
+        let goal = crossing.course.goal;
+        if is_last {
+            let keep = if goal.width() > 0.0 {
+                crossing.edge_margin + keep
+            } else {
+                0.0
+            };
+            self.check("landing in the goal (m)", landing, goal.widened(-keep));
+        }
+    }
+
+    /// Clear of an obstacle in the flight and in the stance, unless the robot stands on it.
+    fn obstacle(&mut self, number: usize, obstacle: &Obstacle) {
+        let (span, top) = (obstacle.span(), obstacle.height);
+        let on_it = |[x, height]: [f64; 2]| height == top && x >= span.low && x <= span.high;
+        if on_it(self.foot) {
+            return;
+        }
+        // The landing itself is a touch.
+        let kept = if on_it(self.landing) {
+            0.0
+        } else {
+            self.crossing.clearance
+        };
+        let gap = self.flight_gap(span, top).unwrap_or(f64::NAN);
+        let what = format!("clearance of obstacle {number} (m)");
+        self.check(what, gap, above(kept));
+        let [foot, from] = self.foot;
+        let way = self.traced.way.iter().map(|at| {
+            let [x, y] = at.centre;
+            box_distance([foot + x, from + y], span, top) - self.radius
+        });
+        let gap = way.fold(f64::INFINITY, f64::min);
+        let what = format!("clearance of obstacle {number} in the stance (m)");
+        self.check(what, gap, above(0.0));
+    }
+
+    fn friction(&mut self) {
+        if let Some(friction) = self.crossing.friction {
+            let needed = self.traced.friction_needed;
+            self.check("friction needed", needed, Span::new(0.0, friction));
+        }
+    }
+
+    /// Least clearance (m) of the flight from a box.
+    fn flight_gap(&self, span: Span, top: f64) -> Option<f64> {
+        let ([foot, from], [_, to]) = (self.foot, self.landing);
+        let jump = &self.traced.jump;
+        let solid = Solid::block([span.low - foot, -from], [span.high - foot, top - from]).ok()?;
+        let reach = self.radius + jump.stance.extension;
+        let height = self.radius + to - from;
+        let flight = jump.flight.as_ref()?;
+        clearance(flight, self.crossing, self.radius, reach, &solid, height)
+    }
+}
+
+fn above(low: f64) -> Span {
+    Span::new(low, f64::INFINITY)
+}
+
+/// Distance (m) from a point to a box on the ground; 0 inside.
+pub(super) fn box_distance([x, y]: [f64; 2], span: Span, top: f64) -> f64 {
+    (x - span.clamp(x)).hypot((y - top).max(0.0))
+}
+
+/// Least clearance (m) of the wheel, and of its leg while that is out, from lift-off until the
+/// centre is down at `height`.
+pub(super) fn clearance<S: Single>(
+    flight: &impl Trajectory<S>,
+    crossing: &Crossing,
+    radius: f64,
+    reach: S,
+    solid: &Solid,
+    height: f64,
+) -> Option<S> {
+    let landing = flight.time_to_height(S::of(height)).ok()?;
+    let leg = (crossing.leg_out > 0.0).then(|| ExtendedLeg {
+        reach,
+        until: S::of(crossing.leg_out),
+    });
+    let disc = Disc {
+        radius: S::of(radius),
+        leg,
+    };
+    flight
+        .clearance(&disc, solid, S::of(0.0), landing)
+        .ok()
+        .map(|c| c.distance)
+}

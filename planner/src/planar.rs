@@ -1,0 +1,165 @@
+//! The planar model as a [`JumpModel`]: the stance of `lagrangian`, the flight of `ballistic`.
+
+use saltus_ballistic::{DragFlight, Flight};
+use saltus_lagrangian::{Batch, Launch, LiftOff, Sample, Stance, StanceError};
+use saltus_numeric::{Dual, Scalar, Single};
+use saltus_robot::{Robot, Term};
+
+use crate::course::Slope;
+use crate::jump::Jump;
+use crate::model::{Flown, Instant, JumpModel, SensitiveJump, Steered, Traced, widen};
+
+/// Error tolerance of the planner's stances: apex and landing are then right to nine digits
+/// (`bench/README.md` says how it is measured).
+pub const PLANNING_TOLERANCE: f64 = 2e-9;
+
+/// What that comes to (m).
+const ACCURACY: f64 = 2e-9;
+
+/// Error tolerance of the stances while searching: lengths are then right to some ten nanometres,
+/// well within what the check of the finished plan allows.
+const SEARCH_TOLERANCE: f64 = 2e-8;
+
+/// The planar model of a robot.
+#[derive(Clone, Debug)]
+pub struct Planar {
+    robot: Robot,
+    batch: Batch,
+    /// With the supply pressure as direction 3 of its derivatives.
+    sensitive: Stance<Dual<4>>,
+    steered: Stance<Dual<2>>,
+}
+
+impl Planar {
+    /// Of `robot`.
+    pub fn new(robot: Robot) -> Planar {
+        let by_supply = |term, value| match term {
+            Term::Supply => Dual::variable(value, 3),
+            _ => Dual::of(value),
+        };
+        Planar {
+            batch: Batch::new(&robot, PLANNING_TOLERANCE),
+            sensitive: Stance::new(&robot, by_supply).with_tolerance(PLANNING_TOLERANCE),
+            steered: Stance::new(&robot, |_: Term, x: f64| Dual::of(x))
+                .with_tolerance(SEARCH_TOLERANCE),
+            robot,
+        }
+    }
+
+    /// The robot's stance.
+    pub fn stance(&self) -> &Stance<f64> {
+        self.batch.stance()
+    }
+
+    /// The jump whose stance ends so.
+    fn fly<S: Single>(&self, launch: Launch<S>, stance: LiftOff<S>) -> Jump<S, DragFlight<S>> {
+        let flight = stance.outcome.is_jump().then(|| {
+            let ([x, y], [vx, vy]) = (stance.axle, stance.axle_rates);
+            DragFlight {
+                vacuum: Flight {
+                    x,
+                    y,
+                    vx,
+                    vy,
+                    gravity: S::of(self.robot.axle_gravity()),
+                },
+                drag: S::of(self.robot.environment.drag),
+            }
+        });
+        Jump {
+            launch,
+            stance,
+            flight,
+        }
+    }
+
+    /// The wheel's centre in a sample of a stance.
+    fn instant<S: Single>(&self, s: &Sample<S>) -> Instant<S> {
+        let (sin, cos) = s.lean.sin_cos();
+        let reach = S::of(self.robot.body.radius) + s.extension;
+        let across = reach * s.rate;
+        Instant {
+            time: s.time,
+            centre: [reach * sin, reach * cos],
+            velocity: [
+                s.extension_rate * sin + across * cos,
+                s.extension_rate * cos - across * sin,
+            ],
+        }
+    }
+}
+
+impl JumpModel for Planar {
+    type Flight<S: Single> = DragFlight<S>;
+
+    fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    fn accuracy(&self) -> f64 {
+        ACCURACY
+    }
+
+    fn jump(&self, launch: &Launch) -> Result<Flown<Self>, StanceError> {
+        Ok(self.fly(*launch, self.stance().jump(launch)?))
+    }
+
+    fn jumps(&self, launches: &[Launch]) -> Vec<Result<Flown<Self>, StanceError>> {
+        let ends = self.batch.jumps(launches).into_iter();
+        ends.zip(launches)
+            .map(|(end, launch)| Ok(self.fly(*launch, end?)))
+            .collect()
+    }
+
+    fn sensitive_jump(&self, launch: &Launch) -> Result<SensitiveJump<Self>, StanceError> {
+        let launch = launch.variables();
+        Ok(self.fly(launch, self.sensitive.jump(&launch)?))
+    }
+
+    /// Every phase is stepped through, closed forms left aside.
+    fn traced(&self, launch: &Launch) -> Result<Traced<Self>, StanceError> {
+        let trace = self.stance().trace(launch)?;
+        Ok(Traced {
+            jump: self.fly(*launch, trace.lift_off),
+            way: trace.samples.iter().map(|s| self.instant(s)).collect(),
+            friction_needed: trace.contact.friction_needed,
+        })
+    }
+
+    fn steered(&self, launch: &Launch<Dual<2>>, with_friction: bool) -> Option<Steered<Self>> {
+        let (end, friction) = if with_friction {
+            let (end, contact) = self.steered.contact(launch).ok()?;
+            (end, Some(contact.friction_needed))
+        } else {
+            (self.steered.jump(launch).ok()?, None)
+        };
+        let DragFlight { vacuum, drag } = self.fly(*launch, end).flight?;
+        let flight = DragFlight {
+            vacuum: Flight {
+                x: widen(vacuum.x),
+                y: widen(vacuum.y),
+                vx: widen(vacuum.vx),
+                vy: widen(vacuum.vy),
+                gravity: widen(vacuum.gravity),
+            },
+            drag: widen(drag),
+        };
+        Some(Steered {
+            axle: end.axle.map(widen),
+            extension: widen(end.extension),
+            flight,
+            friction_needed: friction.map(widen),
+        })
+    }
+
+    fn steered_way(&self, launch: &Launch<Dual<2>>) -> Option<Vec<Instant<Slope>>> {
+        let wide = |at: Instant<Dual<2>>| Instant {
+            time: widen(at.time),
+            centre: at.centre.map(widen),
+            velocity: at.velocity.map(widen),
+        };
+        let trace = self.steered.trace(launch).ok()?;
+        let samples = trace.samples.iter();
+        Some(samples.map(|s| wide(self.instant(s))).collect())
+    }
+}
