@@ -33,8 +33,8 @@ struct Link {
 }
 
 /// The sequences of grounds that the jumps' reach allows.
-pub(super) struct Choices<'a, J> {
-    jumper: &'a J,
+pub(super) struct Choices<'a> {
+    jumper: &'a dyn Jumper,
     course: &'a Course,
     pub(super) terrain: &'a Terrain,
     /// For each jump, the links from the start (jump 0) or from each ground.
@@ -51,9 +51,9 @@ pub(super) struct Prefix {
     pub(super) bound: f64,
 }
 
-impl<'a, J: Jumper> Choices<'a, J> {
+impl<'a> Choices<'a> {
     /// Finds what follows each landing, from the last jump to the first.
-    pub(super) fn new(jumper: &'a J, course: &'a Course, terrain: &'a Terrain) -> Self {
+    pub(super) fn new(jumper: &'a dyn Jumper, course: &'a Course, terrain: &'a Terrain) -> Self {
         let last = jumper.window(course.jumps - 1).meet(terrain.goal);
         let at_goal = |g: &Ground| {
             Some(Ahead {
@@ -247,12 +247,7 @@ impl<'a, J: Jumper> Choices<'a, J> {
 
 /// Where on a ground (m) jump number `jump` may land: within its window and, if another jump
 /// follows, where the roll to the next foothold stays on the ground.
-pub(super) fn landable<J: Jumper>(
-    jumper: &J,
-    course: &Course,
-    jump: usize,
-    ground: &Ground,
-) -> Span {
+pub(super) fn landable(jumper: &dyn Jumper, course: &Course, jump: usize, ground: &Ground) -> Span {
     let span = ground.span.meet(jumper.window(jump));
     let next = jump + 1;
     if next < course.jumps {
@@ -263,6 +258,6 @@ pub(super) fn landable<J: Jumper>(
 }
 
 /// Distance (m) rolled before a jump.
-pub(super) fn roll<J: Jumper>(jumper: &J, jump: usize) -> f64 {
+pub(super) fn roll(jumper: &dyn Jumper, jump: usize) -> f64 {
     if jump == 0 { 0.0 } else { jumper.roll(jump) }
 }

@@ -8,11 +8,7 @@ use super::{Course, Jumper, Settings, sqp};
 
 /// Least cost of all plans that the solver finds, one from each sequence of grounds; none without a
 /// plan.
-pub(crate) fn least_cost<J: Jumper>(
-    jumper: &J,
-    course: &Course,
-    settings: &Settings,
-) -> Option<f64> {
+pub(crate) fn least_cost(jumper: &dyn Jumper, course: &Course, settings: &Settings) -> Option<f64> {
     let terrain = Terrain::new(course, jumper);
     let last = course.jumps - 1;
     let costs = choices(jumper, course, &terrain, usize::MAX)

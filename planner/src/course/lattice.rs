@@ -38,8 +38,8 @@ struct Point {
 /// The cheapest way over a lattice of the places of each jump, whose landings keep `sigmas`
 /// standard deviations from the ends of their ground; none if there is no way or the jumper has no
 /// sketches.
-pub(super) fn way<J: Jumper>(
-    jumper: &J,
+pub(super) fn way(
+    jumper: &dyn Jumper,
     course: &Course,
     terrain: &Terrain,
     places: &[Vec<Place>],
@@ -90,8 +90,8 @@ pub(super) fn way<J: Jumper>(
 }
 
 /// One jump of the lattice.
-struct Stage<'a, J> {
-    jumper: &'a J,
+struct Stage<'a> {
+    jumper: &'a dyn Jumper,
     course: &'a Course,
     terrain: &'a Terrain,
     jump: usize,
@@ -99,7 +99,7 @@ struct Stage<'a, J> {
     sigmas: f64,
 }
 
-impl<J: Jumper> Stage<'_, J> {
+impl Stage<'_> {
     /// The landings on a ground within `span`, each with the cheapest way to it.
     fn reach(&self, before: &[Point], ground: usize, span: Span, step: f64) -> Vec<Point> {
         let to = &self.terrain.grounds[ground];

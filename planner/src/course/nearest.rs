@@ -42,8 +42,8 @@ const CHOICES: usize = 200;
 const ROUND_OFF: f64 = 1e-7;
 
 /// Finds the choice of grounds that needs the least relief; none where no nearer course was found.
-pub(super) fn nearest<J: Jumper>(
-    jumper: &J,
+pub(super) fn nearest(
+    jumper: &dyn Jumper,
     course: &Course,
     settings: &Settings,
 ) -> (Relief, Option<Choice>) {
@@ -69,10 +69,10 @@ pub(super) fn nearest<J: Jumper>(
     for choice in choices(jumper, course, &terrain, CHOICES / course.jumps) {
         let mut problem = Problem::new(jumper, course.start, &choice, settings.sigmas);
         problem.ends_exactly |= course.goal.width() == 0.0;
-        let solve = |problem: &Problem<'_, J>, x: &[f64]| {
+        let solve = |problem: &Problem<'_>, x: &[f64]| {
             sqp::solve(&Elastic::new(problem, course, goal), x, &settings.solver)
         };
-        let sunk = |problem: &Problem<'_, J>, x: &[f64]| {
+        let sunk = |problem: &Problem<'_>, x: &[f64]| {
             let elastic = Elastic::new(problem, course, goal);
             elastic.sunk(&x[elastic.depths_from()..])
         };
@@ -111,8 +111,8 @@ fn ends(course: &Course, choice: &Choice, goal: Span) -> Vec<Option<f64>> {
 }
 
 /// At most `most` sequences of grounds, whatever the robot can do.
-pub(super) fn choices<J: Jumper>(
-    jumper: &J,
+pub(super) fn choices(
+    jumper: &dyn Jumper,
     course: &Course,
     terrain: &Terrain,
     most: usize,
@@ -153,8 +153,8 @@ pub(super) fn choices<J: Jumper>(
 
 /// A problem whose course gives: two rows more for the goal, and a variable more for each row that
 /// gives and for each obstacle.
-struct Elastic<'a, J> {
-    problem: &'a Problem<'a, J>,
+struct Elastic<'a> {
+    problem: &'a Problem<'a>,
     course: &'a Course,
     /// Where the last jump has to land (m).
     goal: Span,
@@ -170,8 +170,8 @@ struct Elastic<'a, J> {
 /// Step (m) by which an obstacle sinks for the difference that stands for a derivative.
 const SINKING: f64 = 1e-7;
 
-impl<'a, J: Jumper> Elastic<'a, J> {
-    fn new(problem: &'a Problem<'a, J>, course: &'a Course, goal: Span) -> Self {
+impl<'a> Elastic<'a> {
+    fn new(problem: &'a Problem<'a>, course: &'a Course, goal: Span) -> Self {
         let start = evenly(problem, course);
         let rows = problem.rows(&start);
         let last = course.jumps - 1;
@@ -312,12 +312,12 @@ impl<'a, J: Jumper> Elastic<'a, J> {
 }
 
 /// Jumps over even distances to the target, as far as the windows allow.
-pub(super) fn evenly<J: Jumper>(problem: &Problem<'_, J>, course: &Course) -> Vec<f64> {
+pub(super) fn evenly(problem: &Problem<'_>, course: &Course) -> Vec<f64> {
     evenly_to(problem, course, None)
 }
 
 /// The same to a place (m); none: to the target.
-fn evenly_to<J: Jumper>(problem: &Problem<'_, J>, course: &Course, place: Option<f64>) -> Vec<f64> {
+fn evenly_to(problem: &Problem<'_>, course: &Course, place: Option<f64>) -> Vec<f64> {
     let goal = place.unwrap_or_else(|| problem.jumper.target(course.goal));
     let mut landing = course.start;
     let mut decisions = Vec::new();
@@ -332,7 +332,7 @@ fn evenly_to<J: Jumper>(problem: &Problem<'_, J>, course: &Course, place: Option
     decisions
 }
 
-impl<J: Jumper> Nlp for Elastic<'_, J> {
+impl Nlp for Elastic<'_> {
     fn bounds(&self) -> Vec<Span> {
         let mut bounds = self.problem.bounds();
         let most = 10.0 + (self.course.goal.high - self.course.start).abs();

@@ -21,8 +21,8 @@ pub(super) struct Choice {
 ///
 /// Rows: the goal if it is exact, then jump after jump the jumper's margins and the landing's
 /// distances from the ends of its window.
-pub(super) struct Problem<'a, J> {
-    pub(super) jumper: &'a J,
+pub(super) struct Problem<'a> {
+    pub(super) jumper: &'a dyn Jumper,
     /// First foothold (m).
     pub(super) start: f64,
     pub(super) choice: &'a Choice,
@@ -63,8 +63,8 @@ const LINEAR_ROUNDS: usize = 4;
 /// Part of a decision's range over which the slope of what is kept is taken.
 const DIFFERENCE: f64 = 1e-3;
 
-impl<'a, J: Jumper> Problem<'a, J> {
-    pub(super) fn new(jumper: &'a J, start: f64, choice: &'a Choice, sigmas: f64) -> Self {
+impl<'a> Problem<'a> {
+    pub(super) fn new(jumper: &'a dyn Jumper, start: f64, choice: &'a Choice, sigmas: f64) -> Self {
         let ends_exactly = choice
             .windows
             .last()
@@ -80,7 +80,7 @@ impl<'a, J: Jumper> Problem<'a, J> {
     }
 
     /// The same program for the leaps of another choice.
-    pub(super) fn over<'b>(&self, choice: &'b Choice) -> Problem<'b, J>
+    pub(super) fn over<'b>(&self, choice: &'b Choice) -> Problem<'b>
     where
         'a: 'b,
     {
@@ -265,7 +265,7 @@ impl<'a, J: Jumper> Problem<'a, J> {
     }
 }
 
-impl<J: Jumper> Nlp for Problem<'_, J> {
+impl Nlp for Problem<'_> {
     fn bounds(&self) -> Vec<Span> {
         (0..self.choice.leaps.len())
             .flat_map(|jump| self.jumper.decisions(jump))

@@ -130,8 +130,8 @@ pub struct Standing {
 ///
 /// # Errors
 /// [`CourseError`] if the course holds a value that is not allowed.
-pub fn plan<J: Jumper>(
-    jumper: &J,
+pub fn plan(
+    jumper: &dyn Jumper,
     course: &Course,
     settings: &Settings,
 ) -> Result<Answer, CourseError> {
@@ -143,8 +143,8 @@ pub fn plan<J: Jumper>(
 ///
 /// # Errors
 /// As [`plan`].
-pub fn plan_watched<J: Jumper>(
-    jumper: &J,
+pub fn plan_watched(
+    jumper: &dyn Jumper,
     course: &Course,
     settings: &Settings,
     watch: &Watch<'_>,
@@ -311,12 +311,12 @@ struct Best {
     report: Option<sqp::Report>,
 }
 
-struct Search<'a, J> {
-    jumper: &'a J,
+struct Search<'a> {
+    jumper: &'a dyn Jumper,
     course: &'a Course,
     settings: &'a Settings,
     watch: &'a Watch<'a>,
-    sequences: &'a Choices<'a, J>,
+    sequences: &'a Choices<'a>,
     /// Those that were grown to their end.
     choices: Vec<Choice>,
     best: Option<Best>,
@@ -330,7 +330,7 @@ struct Search<'a, J> {
     cheapest_way: Option<f64>,
 }
 
-impl<J: Jumper> Search<'_, J> {
+impl Search<'_> {
     /// Looks at what is open until none of it can be better.
     fn run(&mut self) -> End {
         if let Some(start) = self.sequences.start() {
@@ -467,7 +467,7 @@ impl<J: Jumper> Search<'_, J> {
             .map_or(f64::INFINITY, |b| b.cost - self.settings.gap)
     }
 
-    fn problem(&self, choice: usize) -> Problem<'_, J> {
+    fn problem(&self, choice: usize) -> Problem<'_> {
         Problem::new(
             self.jumper,
             self.course.start,

@@ -28,7 +28,7 @@ pub(super) struct Terrain {
 impl Terrain {
     /// Grounds keep the jumper's margins from obstacles, no-landing areas and the ends of a goal
     /// zone.
-    pub(super) fn new<J: Jumper>(course: &Course, jumper: &J) -> Terrain {
+    pub(super) fn new(course: &Course, jumper: &dyn Jumper) -> Terrain {
         let mut boxes: Vec<_> = course.obstacles.iter().enumerate().collect();
         boxes.sort_by(|a, b| a.1.center.total_cmp(&b.1.center));
         let mut edges = Vec::new();
