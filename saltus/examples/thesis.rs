@@ -44,12 +44,14 @@ fn main() -> Outcome<()> {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
     fs::create_dir_all(docs.join("thesis"))?;
     let mut page = format!(
-        "<!-- Written by `{COMMAND}`: do not edit. -->\n\n# The thesis beside Saltus\n\nChapter 5 \
-         of the thesis on the robot RATS: the valve times of section 5.1 and the jumps of section \
-         5.2, each figure and number beside what Saltus gets with the robot `rats-planar`. \
-         Nothing is tuned to agree. The model is in [model.md](model.md); this page and its \
-         drawings are written by\n\n    {COMMAND}\n\nThe thesis' plots are known here by their \
-         axes, captions and text only, so a comparison with a curve is one with its ends.\n"
+        "<!-- Written by `{COMMAND}`: do not edit. -->\n\n# The thesis beside Saltus\n\nThis page \
+         compares chapter 5 of the thesis on the robot RATS with Saltus: the valve times of \
+         section 5.1 and the jumps of section 5.2. Each figure and number of the thesis stands \
+         beside the result of Saltus for the robot `rats-planar`. Nothing is tuned to agree. \
+         [model.md](model.md) describes the model. This command writes the page and its \
+         drawings:\n\n    {COMMAND}\n\nOf the thesis' plots, only axes, captions and text were \
+         available. A comparison with a curve is therefore a comparison with the ends of its \
+         axes.\n"
     );
     for section in [
         valve::section()?,
@@ -66,12 +68,12 @@ fn main() -> Outcome<()> {
         }
     }
     page.push_str(
-        "\n## Running (5.1)\n\n\"From rest to 3.2 m/s in less than 3 seconds\", the gaits and \
-         their firing angles are results of a wheel that runs on leg after leg, with several legs \
-         at work. Saltus models one jump of one leg; these are not modelled here, and nothing on \
-         this page says anything about them.\n",
+        "\n## Running (5.1)\n\nThe thesis also reports a run \"from rest to 3.2 m/s in less than \
+         3 seconds\", and gaits with their firing angles. They belong to a wheel that runs on \
+         several legs in turn. Saltus models one jump of one leg, so this page says nothing about \
+         them.\n",
     );
-    fs::write(docs.join("thesis.md"), page)?;
+    fs::write(docs.join("thesis.md"), wrapped(&page))?;
     Ok(())
 }
 
@@ -94,4 +96,27 @@ fn signed(x: f64, digits: usize) -> String {
     } else {
         text.replace('-', "−")
     }
+}
+
+/// The page with its prose in lines of at most 100 characters.
+fn wrapped(page: &str) -> String {
+    const WIDTH: usize = 100;
+    let mut text = String::new();
+    for line in page.lines() {
+        let is_prose = !["|", "!", "#", "<", "    "]
+            .iter()
+            .any(|start| line.starts_with(start));
+        let mut width = 0;
+        for word in line.split_inclusive(' ') {
+            if is_prose && width + word.trim_end().chars().count() > WIDTH {
+                text.truncate(text.trim_end().len());
+                text.push('\n');
+                width = 0;
+            }
+            text.push_str(word);
+            width += word.chars().count();
+        }
+        text.push('\n');
+    }
+    text
 }

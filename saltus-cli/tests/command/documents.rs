@@ -117,6 +117,105 @@ fn the_tutorial_shows_what_commands_print() {
     check("tutorial", include_str!("../../../docs/tutorial.md"));
 }
 
+/// The commands that a document names in its sentences, tables and blocks, as their words.
+///
+/// Not those without arguments, which only name a command, nor forms, whose words in capitals stand
+/// for something else.
+fn named(document: &str) -> Vec<Vec<String>> {
+    const COMMANDS: &str =
+        "simulate table law map plan verify diagnose fit parkour export c rust mjcf";
+    let in_blocks = document.lines().filter_map(|line| {
+        let line = line.strip_prefix("$ ").unwrap_or(line);
+        line.trim_start().strip_prefix("saltus ")
+    });
+    let text = document.replace('\n', " ");
+    let in_text = text.split("`saltus ").skip(1);
+    let in_text = in_text.filter_map(|rest| Some(rest.split_once('`')?.0));
+    let words = |line: &str| {
+        line.split_whitespace()
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    let is_form = |word: &str| {
+        let capitals = word.split(|c: char| !c.is_ascii_uppercase());
+        word.contains('…') || capitals.into_iter().any(|part| part.len() > 2)
+    };
+    in_blocks
+        .chain(in_text)
+        .map(words)
+        .filter(|words| !words.iter().any(|word| is_form(word)))
+        .filter(|words| {
+            words
+                .iter()
+                .any(|word| !COMMANDS.split(' ').any(|name| name == word))
+        })
+        .collect()
+}
+
+/// A folder with the files that the documents' commands read.
+fn furnished(name: &str) -> Folder {
+    let folder = Folder::new(name);
+    for place in ["saltus/examples", "tests/reference/parkour-hopper", "docs"] {
+        std::fs::create_dir_all(folder.path(place)).unwrap();
+    }
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    for file in [
+        "saltus/examples/box.toml",
+        "tests/reference/parkour-hopper/instances.json",
+    ] {
+        std::fs::copy(root.join(file), folder.path(file)).unwrap();
+    }
+    let drops = "tests/reference/ball-drops/tennis-ball";
+    std::fs::create_dir_all(folder.path(drops)).unwrap();
+    for file in std::fs::read_dir(root.join(drops)).unwrap() {
+        let file = file.unwrap();
+        std::fs::copy(file.path(), folder.path(drops).join(file.file_name())).unwrap();
+    }
+    let readme = include_str!("../../../README.md");
+    let spring = readme.split("```toml\n").nth(1).unwrap();
+    std::fs::write(
+        folder.path("spring.toml"),
+        spring.split("```").next().unwrap(),
+    )
+    .unwrap();
+    for logs in ["logs/monday", "logs/bench"] {
+        let line = format!("diagnose --inject viscous-friction=25 --kind bench --out {logs}");
+        assert_eq!(
+            folder
+                .run(&line.split_whitespace().collect::<Vec<_>>())
+                .code,
+            Some(0)
+        );
+    }
+    folder
+}
+
+/// What the documents say is typed can be typed.
+#[test]
+fn every_command_in_the_documents_runs() {
+    let documents = [
+        include_str!("../../../README.md"),
+        include_str!("../../../CONTRIBUTING.md"),
+        include_str!("../../../robots/README.md"),
+        include_str!("../../../docs/controller.md"),
+        include_str!("../../../docs/diagnosis.md"),
+        include_str!("../../../docs/logs.md"),
+        include_str!("../../../docs/model.md"),
+        include_str!("../../../docs/thesis.md"),
+    ];
+    let folder = furnished("documents");
+    let mut done: Vec<Vec<String>> = Vec::new();
+    // Blocks come before sentences, and so does what writes a folder before what reads it.
+    for words in documents.into_iter().flat_map(named) {
+        if !done.contains(&words) {
+            let run = folder.run(&words.iter().map(String::as_str).collect::<Vec<_>>());
+            assert!(matches!(run.code, Some(0 | 1)), "{words:?}: {}", run.err);
+            done.push(words);
+        }
+    }
+    assert!(done.len() > 15, "{done:?}");
+}
+
 #[test]
 fn a_wrong_number_or_line_is_seen() {
     let shown = |text: &str| text.lines().map(str::to_owned).collect::<Vec<_>>();

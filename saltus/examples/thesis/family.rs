@@ -57,15 +57,16 @@ pub(crate) fn section() -> Outcome<Section> {
     let highest = reached[0].0;
     claim(highest > AXES.1, "figure 5.9: ours goes above its axis")?;
     let text = format!(
-        "## A family of trajectories (5.2.2, figure 5.9)\n\nApproach rate {RATE} rad/s, firing \
-         angles from {} to {} rad, stance from the firing on, valve open past the end of the \
-         stroke.\n\n![Trajectories under different firing angles](thesis/family.svg)\n\n| α_f \
-         (rad) | outcome | apex (m) | distance to y = r_s (m) | to y = 0 (m) | friction needed |\n\
-         | --- | --- | --- | --- | --- | --- |\n{rows}\nThe thesis' finding holds throughout: the \
-         later the leg fires, the farther and the less high the robot goes. The figure's \
-         trajectories stay within {} m; the earliest of ours rises to {highest:.3} m, {:.0} mm \
-         above that. What the difference is due to cannot be told, as the thesis gives neither \
-         the bore nor the lean at which these stances begin.\n",
+        "## A family of trajectories (5.2.2, figure 5.9)\n\nThe approach rate is {RATE} rad/s, \
+         and the firing angles go from {} to {} rad. Each stance starts at its firing angle. The \
+         valve stays open past the end of the stroke.\n\n![Trajectories under different firing \
+         angles](thesis/family.svg)\n\n| α_f (rad) | outcome | apex (m) | distance to y = r_s (m) \
+         | to y = 0 (m) | friction needed |\n| --- | --- | --- | --- | --- | --- |\n{rows}\nThe \
+         finding of the thesis holds for all of them: a leg that fires later sends the robot \
+         farther and less high. The trajectories of the figure stay below {} m. With the earliest \
+         firing angle, the robot of Saltus rises to {highest:.3} m, {:.0} mm more. The cause of \
+         the difference is unknown: the thesis gives neither the bore nor the lean at which these \
+         stances begin.\n",
         signed(ANGLES[0], 2),
         ANGLES[6],
         AXES.1,

@@ -32,35 +32,37 @@ pub(crate) fn section() -> Outcome<Section> {
     // Here the retracted leg of an upright robot no longer presses on the ground.
     let fastest = (nominal.robot().environment.gravity / radius).sqrt();
     let text = format!(
-        "## The law for one metre (5.2.3)\n\nThe thesis varies α_f at five approach rates until \
-         the jump covers {DISTANCE:.0} m, and finds α_f = A ω + B with A = {} s and B = {B} rad. \
-         It does not say which five rates, at what lean the stance starts, nor where a jump ends. \
-         Here the rates are {} rad/s, and the answer is given for each reading: the stance starts \
-         at the firing angle or at a touch-down lean, the jump ends where the wheel's centre \
-         comes down to y = 0 or to y = r_s. The residual is what the straight line misses of the \
-         exact angle, the miss what that costs at the landing.\n\n![Firing angle over approach \
-         rate](thesis/law.svg)\n\n| stance starts at | lands at | A (s) | B (rad) | greatest \
-         residual (mrad) | RMS (mrad) | greatest miss (mm) |\n| --- | --- | --- | --- | --- | --- \
-         | --- |\n{readings}\nThe finding stands: to y = 0 the relation is linear to {:.0} mrad \
-         under every reading, and the straight line costs less than {:.1} cm at the landing. One \
-         metre to y = r_s is beyond this robot at these rates; of the readings tried, only y = 0 \
-         can be meant, or the thesis' leg is stronger. The numbers differ: all slopes are steeper \
-         and all intercepts larger than the thesis'. With the plain reading (first row) the \
-         thesis' law fires up to {:.2} rad off our angles, and misses by up to {:.0} cm:\n\n{}\n\
-         Which rates are taken moves the slope as well, as the relation is slightly curved. (Past \
-         √(g/r_s) = {fastest:.1} rad/s an upright robot leaves the ground before its leg fires, \
-         so that not every rate has an angle.)\n\n{}\nAnd so does what the thesis leaves open \
-         about the robot (plain reading):\n\n{}\nShorter jumps have flatter laws; here to y = \
-         r_s, the stance starting at the firing angle:\n\n{}\nNo choice above gives A = {} and B \
-         = {B} together. What would flatten the slope is not decided by the thesis' text, and \
-         nothing here is tuned to hide it.\n\n### Early and late\n\nWhere {DISTANCE:.0} m is in \
-         reach there are as a rule two angles for it: the law's early one, and one past the angle \
-         that goes farthest, from which the robot flies low. The thesis mentions one only, and \
-         rightly: the late jumps never rise to y = r_s = {radius} m, so that the wheel would \
-         touch the ground. (That a wheel touches at y = r_s holds for every landing at y = 0 as \
-         well, which is a reading of the thesis' metre and not a place to land.) Where there is \
-         no late one, a robot so fast and so far over pulls itself off its foot before the \
-         pressure pushes.\n\n{}",
+        "## The law for one metre (5.2.3)\n\nAt each of five approach rates, the thesis varies \
+         α_f until the jump covers {DISTANCE:.0} m. It finds α_f = A ω + B with A = {} s and B = \
+         {B} rad. It does not give the five rates, the lean at which the stance starts, or the \
+         height at which a jump ends. Here the rates are {} rad/s. The table has a row for each \
+         reading: the stance starts at the firing angle or at a touch-down lean, and the jump ends \
+         where the wheel's centre comes down to y = 0 or to y = r_s. The residual is the \
+         difference between the straight line and the exact angle. The miss is the error of the \
+         landing that results.\n\n![Firing angle over approach rate](thesis/law.svg)\n\n| stance \
+         starts at | lands at | A (s) | B (rad) | greatest residual (mrad) | RMS (mrad) | greatest \
+         miss (mm) |\n| --- | --- | --- | --- | --- | --- | --- |\n{readings}\nThe finding of the \
+         thesis holds: for landings at y = 0 the relation is linear to {:.0} mrad under every \
+         reading, and the straight line costs less than {:.1} cm at the landing. At these rates \
+         the robot cannot reach one metre at y = r_s. So the thesis means y = 0, or its leg is \
+         stronger. The numbers differ: all slopes are steeper and all intercepts are larger than \
+         those of the thesis. The next table is for the plain reading (first row). There the \
+         firing angles of the thesis' law differ from the exact ones by up to {:.2} rad, and its \
+         jumps miss by up to {:.0} cm:\n\n{}\nThe relation is slightly curved, so the slope also \
+         depends on the rates. (Above √(g/r_s) = {fastest:.1} rad/s an upright robot leaves the \
+         ground before its leg fires. For this reason some rates have no angle.)\n\n{}\nIt also \
+         depends on properties of the robot that the thesis does not give (plain \
+         reading):\n\n{}\nShorter jumps have flatter laws. These jumps land at y = r_s, and each \
+         stance starts at its firing angle:\n\n{}\nNo choice above gives A = {} and B = {B} \
+         together. The text of the thesis does not tell what would flatten the slope, and nothing \
+         here is tuned to hide the difference.\n\n### Early and late\n\nWhere the robot can reach \
+         {DISTANCE:.0} m, two firing angles usually do so. The early one is that of the law. The \
+         late one is past the angle of the farthest jump; with it the robot flies low. The thesis \
+         mentions only the early one, and it is right: the late jumps never rise to y = r_s = \
+         {radius} m, so the wheel would touch the ground. (The wheel also touches the ground \
+         before every landing at y = 0. That height is a reading of the thesis' metre, not a place \
+         to land.) Where there is no late angle, a robot that is so fast and leans so far forward \
+         leaves the ground before the pressure pushes.\n\n{}",
         signed(A, 1),
         list(&RATES),
         1e3 * LINEAR,

@@ -65,25 +65,26 @@ pub(crate) fn section() -> Outcome<Section> {
     let metre_clears = metre_margins.iter().any(|margin| *margin > 0.0);
     let text = format!(
         "## The box of 21 cm (5.2.3, figures 5.10 and 5.11)\n\nThe thesis' robot jumps a \
-         cardboard box with a square profile of {:.0} cm \"without touching it\". It gives \
-         neither the approach rate nor how far before the box the foot stood. Here both the \
-         firing angle and that distance are chosen for the greatest clearance of the wheel, from \
-         the firing until its centre is down to y = r_s; the margin is what remains.\n\n![Jumps \
+         cardboard box with a square profile of {:.0} cm \"without touching it\". The thesis gives \
+         neither the approach rate nor the distance from the foot to the box. Here the firing \
+         angle and that distance are chosen for the greatest clearance of the wheel, from the \
+         firing until its centre comes down to y = r_s. The margin is that clearance.\n\n![Jumps \
          over the box](thesis/box.svg)\n\n| ω (rad/s) | α_f (rad) | foot to box (m) | margin (mm) \
          | apex (m) | distance to y = r_s (m) | to y = 0 (m) | friction needed |\n| --- | --- | \
-         --- | --- | --- | --- | --- | --- |\n{rows}\nThe box is cleared from ω = {least:.2} \
-         rad/s on ({:.2} m/s of the wheel's centre), with the foot {:.2} m before it. The same \
-         with the jumps of one metre to y = 0, where only the place of the box is free:\n\n| ω \
-         (rad/s) | α_f (rad) | foot to box (m) | margin (mm) | apex (m) | distance to y = r_s (m) \
-         | to y = 0 (m) | friction needed |\n| --- | --- | --- | --- | --- | --- | --- | --- \
-         |\n{metre_rows}\n{} The foot of the model does not slip; the friction that this takes is \
-         in the last column. The margins leave out the fired leg, which sticks out below the \
-         wheel until it is exhausted, and the thesis does not say where its legs were.\n",
+         --- | --- | --- | --- | --- | --- |\n{rows}\nThe robot clears the box from ω = {least:.2} \
+         rad/s on ({:.2} m/s of the wheel's centre), with the foot {:.2} m before it. The next \
+         table is for the jumps of one metre to y = 0, where only the place of the box is \
+         free:\n\n| ω (rad/s) | α_f (rad) | foot to box (m) | margin (mm) | apex (m) | distance to \
+         y = r_s (m) | to y = 0 (m) | friction needed |\n| --- | --- | --- | --- | --- | --- | --- \
+         | --- |\n{metre_rows}\n{} In the model the foot does not slip; the last column has the \
+         friction that this needs. The margins do not include the fired leg, which sticks out \
+         below the wheel until its air is exhausted. The thesis does not say where its legs \
+         were.\n",
         100.0 * SIDE,
         least * radius,
         slow.front,
         if metre_clears {
-            "One metre clears the box where the margin is positive."
+            "A jump of one metre clears the box where the margin is positive."
         } else {
             "So one metre to y = 0 does not clear the box at any of these rates: under this \
              reading the robot of the thesis must have gone farther, or faster, than its law asks."

@@ -26,20 +26,21 @@ pub(crate) fn section() -> Outcome<Section> {
         "## Slip and the boom (what 5.2.2 leaves open)\n\n\"The main drawback of this model is \
          that it assumes there is no slipping of the foot … It is important as future work to \
          measure the effect of the slipping to decide if it is relevant enough to be modeled.\" \
-         Here it is measured, in the multi-body simulation (`saltus verify`), which shares no \
-         equation of motion with the planner.\n\n### A foot that slips\n\nThe jumps of figure \
-         5.9, ω = {RATE} rad/s, on ground of different friction; landing at y = 0 less that of a \
-         foot that holds, and how far the foot slips (forward positive) until lift-off:\n\n\
-         ![Landing error over friction](thesis/slip.svg)\n\n| friction | {} |\n| --- |{}\n{rows}\n\
-         Where the ground holds what the stance asks for ({least:.2} to {most:.2} for these \
-         jumps, the late ones the most), slip costs nothing: the simulated jump is the planned \
-         one to {} mm. Under that it costs the more the later the leg fires: millimetres where \
-         the ground falls a little short of what is asked, and over a decimetre where it gives \
-         less than half. The way that the foot slips is a tenth of that; what is lost is thrust \
-         along the travel, which the ground does not give. So on dry rubber (0.8) the thesis' \
-         assumption is free, and on a smooth floor it is relevant. The friction that a plan needs \
-         is the number to look at: every plan and map of Saltus has it, and it can be a limit.\n\n\
-         ### The boom\n\n{}\n### The box\n\n{}",
+         Here the effect is measured in the multi-body simulation (`saltus verify`), which shares \
+         no equation of motion with the planner.\n\n### A foot that slips\n\nThese are the jumps \
+         of figure 5.9 (ω = {RATE} rad/s) on ground of different friction. Each cell has the \
+         change of the landing at y = 0 against a foot that holds, and how far the foot slips \
+         until lift-off (forward positive):\n\n![Landing error over \
+         friction](thesis/slip.svg)\n\n| friction | {} |\n| --- |{}\n{rows}\nThese jumps need a \
+         friction coefficient of {least:.2} to {most:.2}; the late ones need the most. On ground \
+         with more friction slip costs nothing: the simulated jump is the planned one to {} mm. On \
+         ground with less friction a jump lands shorter, and more so the later its leg fires: by \
+         millimetres where the friction is a little too small, and by more than a decimetre where \
+         it is less than half of what is needed. The foot itself slips only a tenth of that \
+         distance. What is lost is thrust along the travel, which the ground does not give. So the \
+         assumption of the thesis costs nothing on dry rubber (0.8), and it matters on a smooth \
+         floor. Every plan and map of Saltus states the friction that it needs, and a course can \
+         limit it.\n\n### The boom\n\n{}\n### The box\n\n{}",
         ANGLES
             .map(|angle| format!("α_f = {} rad", signed(angle, 2)))
             .join(" | "),
@@ -148,11 +149,11 @@ fn boom(planar: &Planner) -> Outcome<String> {
     let plant = Plant::new(resolve("rats-boom", &[])?, TOLERANCE);
     let with_term = Planner::new(plant.robot().clone());
     let mut text = String::from(
-        "The robot `rats-boom` has the thesis' boom and legs with mass. The jumps of one metre to \
-         y = 0, planned without the boom and with the boom as a term of the planar model (its \
-         inertia and weight at the axle), both flown by the whole robot:\n\n| ω (rad/s) | planned \
-         without: lands (m) | apex off (mm) | planned with: lands (m) | apex off (mm) |\n| --- | \
-         --- | --- | --- | --- |\n",
+        "The robot `rats-boom` has the thesis' boom, and its legs have mass. Its jumps of one \
+         metre to y = 0 are planned twice: without the boom, and with the boom as a term of the \
+         planar model (inertia and weight at the axle). The whole robot then flies both \
+         plans:\n\n| ω (rad/s) | planned without: lands (m) | apex off (mm) | planned with: lands \
+         (m) | apex off (mm) |\n| --- | --- | --- | --- | --- |\n",
     );
     let (mut without, mut with) = (Vec::new(), Vec::new());
     for rate in RATES {
@@ -189,11 +190,11 @@ fn boom(planar: &Planner) -> Outcome<String> {
     claim(arc < 0.3 * after, "most of what remains is the legs' mass")?;
     write!(
         text,
-        "\nBoom and legs together cost {:.1} cm of landing (RMS); with the boom as a term {:.1} \
-         cm remain. Most of that is the jumping leg, which the planar model lets grow without \
-         mass: in truth it stands while the wheel rises, and is picked up at the end of its \
-         stroke. With massless legs {:.1} cm remain, which are the arc that the robot follows and \
-         the tilt of the wheel.\n",
+        "\nBoom and legs together shorten the landing by {:.1} cm (RMS). With the boom as a term, \
+         {:.1} cm remain. Most of this is due to the mass of the jumping leg, which the planar \
+         model neglects: the leg stands while the wheel rises, and is picked up at the end of its \
+         stroke. With massless legs {:.1} cm remain. They are due to the arc that the robot \
+         follows, and to the tilt of the wheel.\n",
         100.0 * before,
         100.0 * after,
         100.0 * arc
@@ -215,9 +216,10 @@ fn obstacle(planar: &Planner) -> Outcome<String> {
         ),
     ];
     let mut text = String::from(
-        "The jumps over the box of 21 cm with the greatest margin, from the table above, planned \
-         without the boom:\n\n| ω (rad/s) | margin planned (mm) | simulated as planned for | on \
-         its boom | on its boom, friction 0.3 |\n| --- | --- | --- | --- | --- |\n",
+        "These are the jumps over the box of 21 cm with the greatest margin, from the table \
+         above, planned without the boom:\n\n| ω (rad/s) | margin planned (mm) | simulated as \
+         planned for | on its boom | on its boom, friction 0.3 |\n| --- | --- | --- | --- | --- \
+         |\n",
     );
     let mut lost = Vec::new();
     for rate in RATES {
@@ -252,8 +254,8 @@ fn obstacle(planar: &Planner) -> Outcome<String> {
     write!(
         text,
         "\nWithout the boom the simulation confirms every margin to a tenth of a millimetre. The \
-         boom takes up to {:.0} mm of it, more than the slower jumps have: a plan for the real \
-         robot has to know its boom (`--robot rats-boom`).\n",
+         boom costs up to {:.0} mm of the margin, which is more than the slower jumps have. A plan \
+         for the real robot must include its boom (`--robot rats-boom`).\n",
         1e3 * most
     )?;
     Ok(text)

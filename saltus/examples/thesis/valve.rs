@@ -88,20 +88,21 @@ pub(crate) fn section() -> Outcome<Section> {
     let share = 100.0 * running.sin() / most.sin();
     let full = stroke_time(&nominal)?;
     let text = format!(
-        "## Valve times (5.1, figure 5.2)\n\nA hop on one upright leg, from rest. The boom swings \
-         about its far end, and the pivot angle is asin((apex − r_s)/{BOOM_LENGTH} m).\n\n![Pivot \
-         angle over valve opening time](thesis/valve-times.svg)\n\n| | thesis | Saltus |\n| --- | \
-         --- | --- |\n| pivot angle at {low:.0} ms | the axis begins at {a0} rad | {least:.4} rad \
-         |\n| pivot angle at {high:.0} ms | the axis ends at {a1} rad | {most:.4} rad |\n| no \
-         gain past | {NO_GAIN:.0} ms | {full:.1} ms, where the stroke ends |\n| valve time of the \
-         running gait, 5.1.2 | {RUNNING:.0} ms, by trial and error | gives {share:.0} % of the \
-         height that an open valve gives |\n\nThe agreement at the ends is not evidence: the \
-         thesis does not give the bore, and this figure is what it was chosen by. The shape and \
-         the time are. The thesis explains the end of the gain by exhaust ports that the piston \
-         passes; the model has the end of the stroke there, at which the robot is off the ground. \
-         Other bores, and the robot without its boom:\n\n| robot | {low:.0} ms | {RUNNING:.0} ms \
-         | {NO_GAIN:.0} ms | {high:.0} ms | stroke ends (ms) |\n| --- | --- | --- | --- | --- | \
-         --- |\n{rows}",
+        "## Valve times (5.1, figure 5.2)\n\nThe robot hops on one upright leg, from rest. The \
+         boom swings about its far end. Its greatest pivot angle is asin((apex − \
+         r_s)/{BOOM_LENGTH} m).\n\n![Pivot angle over valve opening \
+         time](thesis/valve-times.svg)\n\n| | thesis | Saltus |\n| --- | --- | --- |\n| pivot \
+         angle at {low:.0} ms | the axis begins at {a0} rad | {least:.4} rad |\n| pivot angle at \
+         {high:.0} ms | the axis ends at {a1} rad | {most:.4} rad |\n| no gain past | {NO_GAIN:.0} \
+         ms | {full:.1} ms, where the stroke ends |\n| valve time of the running gait, 5.1.2 | \
+         {RUNNING:.0} ms, by trial and error | gives {share:.0} % of the height that an open valve \
+         gives |\n\nThe agreement at the ends of the axis is no evidence: the thesis does not give \
+         the bore, and the bore was chosen to fit this figure. The shape of the curve and the time \
+         at which the gain ends are evidence. The thesis explains the end of the gain by exhaust \
+         ports that the piston passes. In the model, the stroke ends at that time and the robot \
+         leaves the ground. The table shows other bores, and the robot without its boom:\n\n| \
+         robot | {low:.0} ms | {RUNNING:.0} ms | {NO_GAIN:.0} ms | {high:.0} ms | stroke ends (ms) \
+         |\n| --- | --- | --- | --- | --- | --- |\n{rows}",
         low = TIMES.0,
         high = TIMES.1,
         a0 = ANGLES.0,
