@@ -3,13 +3,15 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use saltus_numeric::parallel;
+use saltus_numeric::statistics::rms;
+
 use crate::finding::Candidate;
 use crate::fit::{self, Fit};
 use crate::fitness;
 use crate::folds::{Fold, folds};
 use crate::gain::{self, Score};
 use crate::kind::Kind;
-use crate::parallel;
 use crate::policy::POLICY;
 use crate::settings::Settings;
 use crate::statistics::chi_square;
@@ -151,7 +153,7 @@ impl<'a> Evidence<'a> {
     /// lasts for several readings of a channel, root mean square over the runs.
     pub(crate) fn effect(&self, a: &Fit, b: &Fit) -> f64 {
         let worst = parallel::map(self.runs.len(), |run| self.effect_in(run, a, b));
-        (worst.iter().map(|x| x * x).sum::<f64>() / worst.len().max(1) as f64).sqrt()
+        rms(&worst)
     }
 
     fn effect_in(&self, run: usize, a: &Fit, b: &Fit) -> f64 {

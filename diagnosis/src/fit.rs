@@ -1,10 +1,10 @@
 //! Parameters from data: Levenberg–Marquardt on Huber's loss, with bounds.
 
 use nalgebra::{DMatrix, DVector};
+use saltus_numeric::statistics::dot;
 
 use crate::kind::{Kind, Parameter, Reading, Terms};
 use crate::policy::POLICY;
-use crate::statistics::dot;
 
 /// Residuals beyond so many standard deviations count in proportion to their size only (Huber's
 /// loss).

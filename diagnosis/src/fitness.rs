@@ -3,14 +3,14 @@
 
 use rand_distr::{Bernoulli, Distribution};
 use rand_pcg::Pcg64;
+use saltus_numeric::parallel;
+use saltus_numeric::statistics::{dot, mean, median, percentile};
 
 use crate::fit::{self, Fit};
 use crate::kind::Kind;
-use crate::parallel;
 use crate::patterns::{self, Patterns};
 use crate::policy::POLICY;
 use crate::series::{self, SHAPES, Series, lag_correlation, runs_of, series};
-use crate::statistics::{dot, median, percentile};
 use crate::tangent::Tangent;
 
 /// How well a model fits.
@@ -213,7 +213,7 @@ impl Chance {
         let moments = |c: usize, k: usize| {
             let n = drawn.len() as f64;
             let values: Vec<f64> = drawn.iter().map(|x| x[c][k]).collect();
-            let mean = values.iter().sum::<f64>() / n;
+            let mean = mean(&values);
             let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n;
             (mean, square.sqrt().max(1e-9 * mean.abs()).max(1e-12))
         };

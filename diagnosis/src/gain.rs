@@ -2,13 +2,13 @@
 
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
+use saltus_numeric::parallel;
+use saltus_numeric::statistics::percentile;
 
 use crate::fit::{self, Fit};
 use crate::folds::Fold;
 use crate::kind::Kind;
-use crate::parallel;
 use crate::settings::Settings;
-use crate::statistics::percentile;
 
 /// Held-out gain of a channel.
 #[derive(Clone, Debug, PartialEq)]

@@ -21,7 +21,6 @@ pub mod layout;
 mod named;
 mod next;
 mod noise;
-mod parallel;
 mod patterns;
 pub mod plausible;
 mod policy;

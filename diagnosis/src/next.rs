@@ -1,8 +1,9 @@
 //! Which experiment would tell causes apart that the data cannot.
 
+use saltus_numeric::parallel;
+
 use crate::fit::Fit;
 use crate::kind::{Kind, Proposal};
-use crate::parallel;
 use crate::policy::POLICY;
 
 /// The proposal that tells most rivals apart.

@@ -1,11 +1,12 @@
 //! How much a reading scatters, and readings out of columns.
 
+use saltus_numeric::statistics::median;
+
 use crate::experiment::{Experiment, Run};
 use crate::fit::Fit;
 use crate::fitness;
 use crate::kind::{Channel, Kind, Log, Reading};
 use crate::policy::POLICY;
-use crate::statistics::median;
 
 /// The channels of the columns `indices`: noise and quantisation as given, or from the data.
 pub(crate) fn channels(experiment: &Experiment, indices: &[usize]) -> Vec<Channel> {

@@ -4,6 +4,7 @@
 //! from it is refused, with the unit that explains it. What real effects do is well within what is
 //! allowed: they change sizes by parts, units by tens.
 
+use saltus_numeric::statistics::{dot, quantile};
 use saltus_robot::{Cylinder, Drive, Robot};
 
 use crate::experiment::{Experiment, Run};
@@ -242,36 +243,21 @@ fn slope_and_bend(time: &[f64], values: &[f64]) -> Option<[f64; 2]> {
         .zip(values)
         .filter(|(_, value)| value.is_finite())
         .unzip();
-    let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let count = time.len() as f64;
     let mean = time.iter().sum::<f64>() / count;
     // Polynomials that are orthogonal on these times.
     let first: Vec<f64> = time.iter().map(|t| t - mean).collect();
     let square: Vec<f64> = first.iter().map(|p| p * p).collect();
-    let (size, skew) = (sum(&first, &first), sum(&square, &first));
+    let (size, skew) = (dot(&first, &first), dot(&square, &first));
     let second: Vec<f64> = first
         .iter()
         .map(|p| p * p - size / count - skew / size * p)
         .collect();
     let found = [
-        sum(&first, &values) / size,
-        sum(&second, &values) / sum(&second, &second),
+        dot(&first, &values) / size,
+        dot(&second, &values) / dot(&second, &second),
     ];
     found.iter().all(|x| x.is_finite()).then_some(found)
-}
-
-/// The value that a share of those that are filled is below.
-pub(crate) fn quantile(values: &[f64], share: f64) -> Option<f64> {
-    let mut filled: Vec<f64> = values
-        .iter()
-        .copied()
-        .filter(|value| value.is_finite())
-        .collect();
-    filled.sort_by(f64::total_cmp);
-    // A row.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    let row = (share * filled.len().saturating_sub(1) as f64).round() as usize;
-    filled.get(row).copied()
 }
 
 #[cfg(test)]

@@ -2,10 +2,10 @@
 //! intervals.
 
 use nalgebra::DMatrix;
+use saltus_numeric::parallel;
 
 use crate::finding::{Candidate, Reported};
 use crate::kind::{Cause, Kind, Parameter, Terms};
-use crate::parallel;
 use crate::policy::POLICY;
 use crate::profile::{Interval, Profile};
 use crate::tangent::Tangent;

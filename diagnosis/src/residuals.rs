@@ -1,12 +1,12 @@
 //! What a model leaves of the data, channel by channel and phase by phase, and whether that is
 //! noise.
 
+use saltus_numeric::statistics::mean;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
 
 use crate::fit::{Fit, parameters_of};
 use crate::fitness::Fitness;
 use crate::kind::Kind;
-use crate::statistics::mean;
 
 /// Phase of a run whose kind has none.
 const WHOLE: &str = "all";

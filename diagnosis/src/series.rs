@@ -1,8 +1,9 @@
 //! Residuals of each run and channel as series in time: their smooth parts, and how they follow
 //! each other.
 
+use saltus_numeric::statistics::dot;
+
 use crate::kind::Kind;
-use crate::statistics::dot;
 
 /// Smooth shapes over a run that residuals are compared with: Legendre's polynomials.
 pub(crate) const SHAPES: usize = 8;

@@ -4,12 +4,12 @@
 use nalgebra::{DMatrix, DVector};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_pcg::Pcg64;
+use saltus_numeric::parallel;
+use saltus_numeric::statistics::dot;
 
 use crate::fit::{Fit, Place, derivative, parameters_of, predicted, residuals, weight};
 use crate::identifiability::Identifiability;
 use crate::kind::{Channel, Kind, Parameter};
-use crate::parallel;
-use crate::statistics::dot;
 
 /// Directions in the space of all readings, in standard deviations, one value for each reading of
 /// each run in turn.

@@ -2,6 +2,7 @@
 
 use saltus_numeric::Single;
 use saltus_numeric::dop853::{self, Derivative};
+use saltus_numeric::root::greatest;
 use saltus_pneumatics::Force;
 
 use crate::advance::index::{EXTENSION, LEAN, RATE, SPEED, TIME};
@@ -65,6 +66,8 @@ impl EnergyLedger<f64> {
 
 /// Parts into which each integration step is divided for samples and quadrature.
 const PARTS: usize = 8;
+/// Golden sections of two such parts, to 1e-9 of the step.
+const SECTIONS: u32 = 41;
 
 /// Gauss–Legendre nodes (on [0, 1]) and weights of 5 points, exact to degree 9, for the work within
 /// a step.
@@ -198,9 +201,12 @@ impl<'a, S: Single> Recorder<'a, S> {
                         .then(|| {
                             let centre = i as f64 / PARTS as f64;
                             let width = 1.0 / PARTS as f64;
-                            sample(&inside(greatest(centre - width, centre + width, |x| {
-                                measure(&sample(&inside(x)).reaction)
-                            })))
+                            sample(&inside(greatest(
+                                centre - width,
+                                centre + width,
+                                SECTIONS,
+                                |x| measure(&sample(&inside(x)).reaction),
+                            )))
                         })
                     };
                     (refine(&|r| -r.normal.value()), refine(&Reaction::demand))
@@ -247,25 +253,4 @@ impl<S: Single> Stance<S> {
             reaction: self.reaction(y, &phase.at(y)),
         }
     }
-}
-
-/// Where in [a, b] a function with one maximum is greatest, by golden section to 1e-9 of the
-/// interval.
-fn greatest(mut a: f64, mut b: f64, f: impl Fn(f64) -> f64) -> f64 {
-    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
-    let (mut x, mut y) = (b - golden * (b - a), a + golden * (b - a));
-    let (mut fx, mut fy) = (f(x), f(y));
-    // The function is flat to round-off closer than the square root of it.
-    while b - a > 1e-9 {
-        if fx < fy {
-            (a, x, fx) = (x, y, fy);
-            y = a + golden * (b - a);
-            fy = f(y);
-        } else {
-            (b, y, fy) = (y, x, fx);
-            x = b - golden * (b - a);
-            fx = f(x);
-        }
-    }
-    0.5 * (a + b)
 }

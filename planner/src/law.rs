@@ -1,6 +1,7 @@
 //! Linear laws α_f = A ω + B: what a controller can carry in two numbers, and what that costs.
 
 use saltus_lagrangian::Launch;
+use saltus_numeric::statistics::line;
 
 use crate::model::JumpModel;
 use crate::planner::Planner;
@@ -164,37 +165,11 @@ impl<M: JumpModel> Planner<M> {
     }
 }
 
-/// Slope and intercept of the least-squares line through `points`; none if they do not have two
-/// abscissae.
-pub fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
-    let n = points.len() as f64;
-    let (mx, my) = (
-        points.iter().map(|p| p.0).sum::<f64>() / n,
-        points.iter().map(|p| p.1).sum::<f64>() / n,
-    );
-    let spread: f64 = points.iter().map(|p| (p.0 - mx) * (p.0 - mx)).sum();
-    if points.len() < 2 || spread <= 0.0 {
-        return None;
-    }
-    let slope = points.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum::<f64>() / spread;
-    Some((slope, my - slope * mx))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{FIRING_ANGLES, Measure, Roots};
     use saltus_robot::Robot;
-
-    #[test]
-    fn line_recovers_a_line() {
-        let points = [1.0, 2.0, 4.0].map(|x| (x, 3.0 - 0.5 * x));
-        let (slope, intercept) = line(&points).expect("two abscissae");
-        // Round-off of three terms.
-        assert!((slope + 0.5).abs() < 1e-14 && (intercept - 3.0).abs() < 1e-14);
-        assert_eq!(line(&points[..1]), None);
-        assert_eq!(line(&[(1.0, 2.0), (1.0, 3.0)]), None);
-    }
 
     #[test]
     fn the_thesis_relation_is_linear_to_a_hundredth_of_a_radian() {

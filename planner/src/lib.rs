@@ -6,7 +6,6 @@ mod jump;
 mod law;
 mod map;
 mod model;
-pub mod parallel;
 pub mod parkour;
 mod planar;
 mod planner;
@@ -18,7 +17,7 @@ pub use crossing::{
     PlannedJump,
 };
 pub use jump::{Jump, Sensitivity};
-pub use law::{Law, LawPoint, line};
+pub use law::{Law, LawPoint};
 pub use map::{Map, MapRequest, Spot, SpotResult};
 pub use model::{Flown, Instant, JumpModel, SensitiveJump, Steered, Traced, widen};
 pub use planar::{PLANNING_TOLERANCE, Planar};

@@ -1,9 +1,9 @@
 //! Feasibility maps: what a robot can do, over approach rate and firing angle.
 
 use saltus_lagrangian::{Launch, Outcome, StanceError};
+use saltus_numeric::parallel::in_chunks;
 
 use crate::model::JumpModel;
-use crate::parallel::in_chunks;
 use crate::planner::Planner;
 use crate::table::TableError;
 

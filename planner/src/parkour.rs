@@ -16,6 +16,7 @@
 //! Source: README.md and check.py of the problem set (Albracht, Kumar, Vyas, 'Model Predictive
 //! Parkour Control of a Monoped Hopper in Dynamically Changing Environments', RA-L 2024).
 
+use saltus_numeric::root::Bracket;
 use saltus_numeric::{Scalar, Single};
 
 use crate::course::{Edge, Envelope, Flight, Jump, Jumper, Leap, Limit, Margin, Side, Slope, Span};
@@ -198,7 +199,7 @@ impl Hopper {
             return Some(low);
         }
         let at_high = margin(high);
-        (at_high >= 0.0).then(|| rising_root(margin, [low, at_low], [high, at_high]))
+        (at_high >= 0.0).then(|| rising_root(margin, (low, at_low), (high, at_high)))
     }
 
     /// Distance (m) of a jump at a speed and an angle; none if it does not get as high as the
@@ -376,37 +377,24 @@ impl Jumper for Hopper {
     }
 }
 
-/// Where a rising function crosses zero between a point [x, f] with f < 0 and one with f ≥ 0; from
-/// the side where it is not negative. Regula falsi, the Illinois way.
-fn rising_root(f: impl Fn(f64) -> f64, mut below: [f64; 2], mut above: [f64; 2]) -> f64 {
+/// Where a rising function crosses zero between a point (x, f) with f < 0 and one with f ≥ 0; from
+/// the side where it is not negative.
+fn rising_root(f: impl Fn(f64) -> f64, below: (f64, f64), above: (f64, f64)) -> f64 {
     const ROUND_OFF: f64 = 1e-15;
-    let mut end = above[0];
-    let mut was_below = None;
+    let mut bracket = Bracket::new(below, above);
     for _ in 0..60 {
-        let x = (below[0] * above[1] - above[0] * below[1]) / (above[1] - below[1]);
+        let x = bracket.secant();
         let y = f(x);
         if y.abs() <= ROUND_OFF {
             return x;
         }
-        let is_below = y < 0.0;
-        if is_below {
-            below = [x, y];
-            if was_below == Some(true) {
-                above[1] *= 0.5;
-            }
-        } else {
-            above = [x, y];
-            end = x;
-            if was_below == Some(false) {
-                below[1] *= 0.5;
-            }
-        }
-        was_below = Some(is_below);
-        if above[0] - below[0] <= ROUND_OFF {
+        bracket.take(x, y);
+        let (below, above) = bracket.places();
+        if above - below <= ROUND_OFF {
             break;
         }
     }
-    end
+    bracket.places().1
 }
 
 #[cfg(test)]

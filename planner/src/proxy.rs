@@ -6,6 +6,8 @@
 
 use std::f64::consts::PI;
 
+use saltus_numeric::root::bisect;
+
 /// Points at which each piece is sampled.
 pub(crate) const NODES: usize = 20;
 
@@ -122,15 +124,8 @@ impl Piece {
 
     /// Where the slope, whose sign at `a` is that of `slope`, vanishes between `a` and `b`: by
     /// bisection to round-off.
-    fn turn(&self, mut a: f64, mut b: f64, slope: f64) -> f64 {
-        for _ in 0..60 {
-            let middle = 0.5 * (a + b);
-            if self.at(middle).1 * slope > 0.0 {
-                a = middle;
-            } else {
-                b = middle;
-            }
-        }
+    fn turn(&self, a: f64, b: f64, slope: f64) -> f64 {
+        let (a, b) = bisect(a, b, 60, |x| self.at(x).1 * slope > 0.0);
         0.5 * (a + b)
     }
 

@@ -3,11 +3,11 @@
 
 use saltus_ballistic::{Disc, DragFlight, Obstacle, Trajectory};
 use saltus_lagrangian::{Launch, StanceError};
+use saltus_numeric::parallel::{self, in_chunks};
 use saltus_robot::Robot;
 
 use crate::jump::{Jump, Sensitivity};
 use crate::model::{Flown, JumpModel};
-use crate::parallel::in_chunks;
 use crate::planner::Planner;
 use crate::proxy::{Branch, NODES, Piece, nodes};
 
@@ -50,7 +50,7 @@ impl TableRequest {
             firing_angles: FIRING_ANGLES,
             roots: Roots::Least,
             sensitivities: true,
-            threads: std::thread::available_parallelism().map_or(1, usize::from),
+            threads: parallel::available(),
         }
     }
 

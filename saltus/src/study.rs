@@ -9,6 +9,7 @@ use saltus_diagnosis::{
     Diagnosis, Experiment, Interval, Kind, Misstated, Reported, Settings, Sort, Terms, disbelieve,
     misstated,
 };
+use saltus_numeric::statistics::{line, rms};
 use saltus_planner::{Planner, TableRequest};
 use saltus_robot::{Robot, RobotError};
 
@@ -146,8 +147,7 @@ impl Worth {
             .iter()
             .filter_map(|r| Some([r.errors[0]?, r.errors[1]?]))
             .collect();
-        let n = pairs.len() as f64;
-        let of = |k: usize| (pairs.iter().map(|p| p[k] * p[k]).sum::<f64>() / n).sqrt();
+        let of = |k: usize| rms(&pairs.iter().map(|p| p[k]).collect::<Vec<_>>());
         (!pairs.is_empty()).then(|| [of(0), of(1)])
     }
 }
@@ -301,7 +301,11 @@ pub fn worth(believed: &Robot, extended: &Robot) -> Option<Worth> {
             .iter()
             .filter(|r| r.errors.iter().all(Option::is_some))
             .count();
-        let laws = [0, 1].map(|k| line(rows.iter().filter_map(|r| Some((r.rate, r.angles[k]?)))));
+        let points = |k: usize| {
+            rows.iter()
+                .filter_map(move |r| Some((r.rate, r.angles[k]?)))
+        };
+        let laws = [0, 1].map(|k| line(&points(k).collect::<Vec<_>>()));
         (count >= 4).then_some(Worth {
             distance,
             rows,
@@ -326,19 +330,4 @@ fn angles(robot: &Robot, rates: &[f64], distance: f64) -> Option<Vec<Option<f64>
             .map(|cell| cell.entries.first().map(|e| e.jump.launch.firing_angle))
             .collect(),
     )
-}
-
-/// Slope and intercept of the least-squares line through points; none through fewer than two.
-fn line(points: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
-    let points: Vec<(f64, f64)> = points.collect();
-    let n = points.len() as f64;
-    let (x, y) = points
-        .iter()
-        .fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
-    let (mut above, mut below) = (0.0, 0.0);
-    for (a, b) in &points {
-        above += (a - x) * (b - y);
-        below += (a - x) * (a - x);
-    }
-    (points.len() > 1 && below > 0.0).then(|| (above / below, y - above / below * x))
 }

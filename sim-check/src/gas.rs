@@ -1,5 +1,6 @@
 //! A chamber over a stretch of time in which its leg moves along a parabola.
 
+use saltus_numeric::root::bisect;
 use saltus_pneumatics::{Chamber, Piece};
 
 /// A leg's motion: extension (m), speed (m/s) and acceleration (m/s²) at the start.
@@ -126,15 +127,9 @@ impl Gas {
             self.piece.low.min(self.piece.high),
             self.piece.low.max(self.piece.high),
         );
-        let (mut low, mut high) = (edge_low.max(f64::MIN_POSITIVE), edge_high);
-        for _ in 0..80 {
-            let middle = 0.5 * (low + high);
-            if middle - tau * self.rate(chamber, middle, path) < self.u {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+        let (low, high) = bisect(edge_low.max(f64::MIN_POSITIVE), edge_high, 80, |u| {
+            u - tau * self.rate(chamber, u, path) < self.u
+        });
         self.u = 0.5 * (low + high);
     }
 }

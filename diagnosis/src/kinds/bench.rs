@@ -1,9 +1,11 @@
 //! One cylinder upright, fired once from rest under a dead load.
 
+use saltus_numeric::statistics::quantile;
+
 use super::Firings;
 use crate::experiment::Sort;
 use crate::layout::{Draw, Layout, PSI, TICK, round};
-use crate::plausible::{Check, LENGTHS, MASSES, PRESSURES, SUPPLY as SUPPLIED, TURNED, quantile};
+use crate::plausible::{Check, LENGTHS, MASSES, PRESSURES, SUPPLY as SUPPLIED, TURNED};
 use crate::spec::{
     CHAMBER, LOAD, LOGGED, POSITION, Problem, Rest, SUPPLY, Source, Spec, Synthesis, lively, noisy,
     required, without,

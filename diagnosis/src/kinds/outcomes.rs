@@ -1,8 +1,10 @@
 //! One row a jump: what was asked for and where it went.
 
+use saltus_numeric::statistics::quantile;
+
 use super::Firings;
 use crate::experiment::Sort;
-use crate::plausible::{Check, LENGTHS, RATES, TURNED, quantile};
+use crate::plausible::{Check, LENGTHS, RATES, TURNED};
 use crate::spec::{
     LEAP, OPENING, PART, Problem, RATE, Source, Spec, Synthesis, TILT, asked, lively, noisy,
 };

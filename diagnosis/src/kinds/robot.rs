@@ -3,6 +3,7 @@
 mod proposals;
 mod terms;
 
+use saltus_numeric::statistics::median;
 use saltus_robot::{Drive, GaugePressure, Robot};
 use terms::{Effect, Sensor};
 
@@ -13,7 +14,6 @@ use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::noise;
 use crate::rig::{Course, Extra, Pose, Rig, Start};
 use crate::spec::Problem;
-use crate::statistics::median;
 
 /// Firings of a robot, or of one of its legs.
 #[derive(Clone, Debug)]

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use saltus_numeric::hermite;
+
 use super::{Causes, FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
@@ -226,9 +228,7 @@ impl Drive {
             width * (self.force[after] - self.force[before])
                 / (self.time[after] - self.time[before])
         };
-        let (p, q) = (self.force[a], self.force[b]);
-        let (u, v, rise) = (slope(a), slope(b), q - p);
-        p + s * (u + s * (3.0 * rise - 2.0 * u - v + s * (u + v - 2.0 * rise)))
+        hermite((self.force[a], slope(a)), (self.force[b], slope(b)), 1.0, s).0
     }
 }
 

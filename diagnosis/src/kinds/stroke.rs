@@ -2,12 +2,14 @@
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
+use saltus_numeric::statistics::quantile;
+
 use super::{Causes, FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::layout::{Draw, Layout, count};
 use crate::noise;
-use crate::plausible::{Check, FORCES, quantile};
+use crate::plausible::{Check, FORCES};
 use crate::spec::{
     BORE, Column, FORCE, GAUGE, PART, POSITION, Source, Spec, Synthesis, calm, lively, noisy,
     required,

@@ -2,12 +2,15 @@
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
+use saltus_numeric::hermite;
+use saltus_numeric::statistics::quantile;
+
 use super::{Causes, FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Proposal, Reading, Terms};
 use crate::layout::{Draw, Layout};
 use crate::noise;
-use crate::plausible::{Check, PRESSURES, quantile};
+use crate::plausible::{Check, PRESSURES};
 use crate::spec::{
     ABSOLUTE, AREA, BORE, PART, Source, Spec, Synthesis, TEMPERATURE, VOLUME, calm, lively, noisy,
     optional, required, without,
@@ -532,10 +535,7 @@ fn between(knots: &[(f64, [f64; 2], [f64; 2])], step: f64, time: f64) -> [f64; 2
     let k = ((time / step).max(0.0) as usize).min(knots.len().saturating_sub(2));
     let (a, b) = (&knots[k], &knots[(k + 1).min(knots.len() - 1)]);
     let s = ((time - a.0) / step).clamp(0.0, 1.0);
-    std::array::from_fn(|i| {
-        let (da, db, rise) = (a.2[i] * step, b.2[i] * step, b.1[i] - a.1[i]);
-        a.1[i] + s * (da + s * (3.0 * rise - 2.0 * da - db + s * (da + db - 2.0 * rise)))
-    })
+    std::array::from_fn(|i| hermite((a.1[i], a.2[i]), (b.1[i], b.2[i]), step, s).0)
 }
 
 fn runge_kutta(t: f64, y: [f64; 2], h: f64, f: &impl Fn(f64, [f64; 2]) -> [f64; 2]) -> [f64; 2] {

@@ -1,5 +1,8 @@
 //! The result of a run: states at knots, and what sensors would read between them.
 
+use saltus_numeric::hermite;
+use saltus_numeric::root::bisect;
+
 use super::machine::{Coordinates, LEAN, LEG, PIVOT, TURN};
 
 /// The motion of a robot from its start.
@@ -44,17 +47,6 @@ pub struct Pose {
     pub pressure: (f64, f64),
 }
 
-/// Value and slope at `s` in [0, 1] of the cubic Hermite polynomial over the length `h`, from
-/// values and slopes at its ends.
-fn hermite(a: (f64, f64), b: (f64, f64), s: f64, h: f64) -> (f64, f64) {
-    let (da, db) = (a.1 * h, b.1 * h);
-    let rise = b.0 - a.0;
-    let (c2, c3) = (3.0 * rise - 2.0 * da - db, da + db - 2.0 * rise);
-    let value = a.0 + s * (da + s * (c2 + s * c3));
-    let slope = da + s * (2.0 * c2 + 3.0 * s * c3);
-    (value, if h > 0.0 { slope / h } else { a.1 })
-}
-
 impl Course {
     /// The pose at `time` (s). Before the start it moves on at the first rates; after the end it is
     /// the last pose. The search begins at the knot `place`, which becomes the one found.
@@ -75,7 +67,7 @@ impl Course {
         };
         let early = (time - a.time).min(0.0);
         let at = |a: (f64, f64), b| {
-            let (value, slope) = hermite(a, b, s, h);
+            let (value, slope) = hermite(a, b, h, s);
             (value + if early < 0.0 { a.1 * early } else { 0.0 }, slope)
         };
         let of = |k: usize| at((a.q[k], a.v[k]), (b.q[k], b.v[k]));
@@ -98,13 +90,8 @@ impl Course {
         let top = match apex {
             Some([a, b]) => {
                 let h = b.time - a.time;
-                hermite(
-                    a.height,
-                    b.height,
-                    root(|s| hermite(a.height, b.height, s, h).1),
-                    h,
-                )
-                .0
+                let s = root(|s| hermite(a.height, b.height, h, s).1);
+                hermite(a.height, b.height, h, s).0
             }
             _ => flight.iter().map(|k| k.height.0).fold(0.0, f64::max),
         };
@@ -112,22 +99,14 @@ impl Course {
             return None;
         };
         let h = b.time - a.time;
-        let s = root(|s| hermite(a.height, b.height, s, h).0 - self.radius);
-        let turn = hermite((a.q[TURN], a.v[TURN]), (b.q[TURN], b.v[TURN]), s, h).0;
+        let s = root(|s| hermite(a.height, b.height, h, s).0 - self.radius);
+        let turn = hermite((a.q[TURN], a.v[TURN]), (b.q[TURN], b.v[TURN]), h, s).0;
         Some((top, turn * self.boom.unwrap_or(1.0)))
     }
 }
 
-/// Root of a function that falls through 0 on [0, 1]: bisection.
+/// Root of a function that falls through 0 on [0, 1].
 fn root(f: impl Fn(f64) -> f64) -> f64 {
-    let (mut a, mut b) = (0.0, 1.0);
-    for _ in 0..60 {
-        let c = 0.5 * (a + b);
-        if f(c) > 0.0 {
-            a = c;
-        } else {
-            b = c;
-        }
-    }
+    let (a, b) = bisect(0.0, 1.0, 60, |s| f(s) > 0.0);
     0.5 * (a + b)
 }

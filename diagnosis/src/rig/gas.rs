@@ -1,6 +1,7 @@
 //! The gas behind the leg. Behind a held leg it is integrated apart, because it may be stiff.
 
 use saltus_numeric::dop853;
+use saltus_numeric::root::bisect;
 use saltus_pneumatics::{GasState, Piece};
 
 use super::Extra;
@@ -96,7 +97,7 @@ impl Run<'_> {
             // A valve that still opens moves the balance.
             let beyond = u + BALANCE * u.copysign(slope);
             if rate(beyond, h) * slope <= 0.0 && self.is_open(time + t) {
-                return Some(root(u, beyond, |u| rate(u, h) * slope));
+                return Some(bisect(u, beyond, 40, |u| rate(u, h) * slope > 0.0).0);
             }
             tau = tau.min(left);
             let step = dop853::step(&slopes, &[u, t], &[slope, 1.0], tau, 1, GAS);
@@ -138,18 +139,4 @@ impl Run<'_> {
         let cubic = 0.5 * (a.0 + b.0) + 0.125 * h * (a.1 - b.1);
         Some((cubic - there).abs() / there)
     }
-}
-
-/// Root of a function that is above 0 at `from`, between `from` and `to`: bisection.
-fn root(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
-    let (mut inside, mut outside) = (from, to);
-    for _ in 0..40 {
-        let middle = 0.5 * (inside + outside);
-        if f(middle) > 0.0 {
-            inside = middle;
-        } else {
-            outside = middle;
-        }
-    }
-    inside
 }

@@ -1,9 +1,10 @@
 //! Every promising cause beside a model, fitted.
 
+use saltus_numeric::parallel;
+
 use crate::evidence::Evidence;
 use crate::finding::Candidate;
 use crate::fit::{self, Fit};
-use crate::parallel;
 use crate::policy::POLICY;
 use crate::stages::screen;
 use crate::tangent::Tangent;

@@ -1,9 +1,10 @@
 //! Exchange: what was the best cause alone need not be the best in company.
 
+use saltus_numeric::parallel;
+
 use crate::evidence::Evidence;
 use crate::fit::Fit;
 use crate::fitness;
-use crate::parallel;
 use crate::policy::POLICY;
 use crate::stages::candidates::candidates_beside;
 

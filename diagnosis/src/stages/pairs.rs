@@ -1,10 +1,11 @@
 //! Two causes at a time: a gain and an offset may nearly cancel, and then neither explains much
 //! alone.
 
+use saltus_numeric::parallel;
+
 use crate::evidence::Evidence;
 use crate::fit::Fit;
 use crate::fitness;
-use crate::parallel;
 use crate::policy::POLICY;
 use crate::tangent::{Pair, Tangent};
 

@@ -2,12 +2,12 @@
 //! promises by chance.
 
 use rand_pcg::Pcg64;
+use saltus_numeric::parallel;
+use saltus_numeric::statistics::percentile;
 
 use crate::evidence::Evidence;
 use crate::fit::Fit;
-use crate::parallel;
 use crate::policy::POLICY;
-use crate::statistics::percentile;
 use crate::tangent::{Direction, Tangent};
 
 /// The gain beyond chance that the best of all causes reaches in data without an effect, in the

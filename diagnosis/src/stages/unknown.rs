@@ -2,13 +2,13 @@
 //! describes it best.
 
 use rand_pcg::Pcg64;
+use saltus_numeric::parallel;
 
 use crate::evidence::Evidence;
 use crate::finding::Candidate;
 use crate::fit::Fit;
 use crate::fitness::{self, Fitness, Unknown};
 use crate::kind::Kind;
-use crate::parallel;
 use crate::policy::POLICY;
 use crate::report::report;
 use crate::statistics::chi_square;

@@ -17,6 +17,7 @@
 //! greatest violation in place of their sum.
 
 use nalgebra::DMatrix;
+use saltus_numeric::statistics::dot;
 
 use super::Span;
 use super::qp::{Outcome, Qp};
@@ -552,10 +553,6 @@ impl Qp {
             .resize(start + self.gradient.len(), f64::from(u8::from(elastic)));
         self.bounds.push(bound);
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The nearest positive semidefinite matrix, by columns; zero where a derivative is not finite.

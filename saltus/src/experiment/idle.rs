@@ -4,6 +4,7 @@
 //! each other: there few are kept, and those of the motion all.
 
 use saltus_diagnosis::spec::Rest;
+use saltus_numeric::statistics::quantile;
 
 use super::instant::Instant;
 use super::thin::Thinned;
@@ -128,13 +129,7 @@ fn tolerance(values: &[f64], step: f64) -> f64 {
 
 /// The median of what is filled; NaN of nothing.
 fn median(values: &[f64]) -> f64 {
-    let mut filled: Vec<f64> = values
-        .iter()
-        .copied()
-        .filter(|value| value.is_finite())
-        .collect();
-    filled.sort_by(f64::total_cmp);
-    filled.get(filled.len() / 2).copied().unwrap_or(f64::NAN)
+    quantile(values, 0.5).unwrap_or(f64::NAN)
 }
 
 #[cfg(test)]

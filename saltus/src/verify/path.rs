@@ -1,5 +1,6 @@
 //! The path of the wheel, and how near it comes to a box.
 
+use saltus_numeric::root::greatest;
 use saltus_sim_check::{Report, Sample};
 
 /// Distances (m) between the wheel and a box; negative: how deep they overlap.
@@ -210,12 +211,7 @@ fn distance([x, y]: [f64; 2], [front, back, top]: &[f64; 3]) -> f64 {
     across.max(0.0).hypot((y - top).max(0.0))
 }
 
-/// The least value in [a, b] of a function with one minimum, by golden section.
-fn least(mut a: f64, mut b: f64, f: impl Fn(f64) -> f64) -> f64 {
-    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
-    for _ in 0..40 {
-        let (x, y) = (b - golden * (b - a), a + golden * (b - a));
-        if f(x) < f(y) { b = y } else { a = x }
-    }
-    f(f64::midpoint(a, b))
+/// The least value in [a, b] of a function with one minimum.
+fn least(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
+    f(greatest(a, b, 40, |x| -f(x)))
 }

@@ -6,7 +6,8 @@ use rand_distr::{Distribution, StandardNormal, Uniform};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 use saltus_lagrangian::StanceError;
-use saltus_planner::{Jump, JumpModel, Planner, parallel};
+use saltus_numeric::parallel;
+use saltus_planner::{Jump, JumpModel, Planner};
 use saltus_robot::Errors;
 
 use super::{
@@ -150,7 +151,7 @@ impl Default for Verification {
             tolerance: 0.05,
             clearance: None,
             share: 0.9,
-            threads: std::thread::available_parallelism().map_or(1, usize::from),
+            threads: parallel::available(),
         }
     }
 }
@@ -185,12 +186,7 @@ impl Verification {
             progress();
             outcome
         };
-        parallel::in_chunks(trials, 1, self.threads, |part| {
-            part.iter().map(fly).collect::<Vec<_>>()
-        })
-        .into_iter()
-        .flatten()
-        .collect()
+        parallel::map_on(self.threads, trials.len(), |k| fly(&trials[k]))
     }
 
     /// All runs, without errors, then with, of a robot whose wheel has this `radius` (m).

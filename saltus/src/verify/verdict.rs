@@ -1,5 +1,7 @@
 //! Whether a verification holds: the runs counted, and what they miss.
 
+use saltus_numeric::statistics::{mean, rms};
+
 use super::{Demand, Flight, Flown, Outcome, RunJump};
 
 /// Whether all is well.
@@ -96,12 +98,12 @@ impl Spread {
             return Spread::default();
         }
         let n = all.len() as f64;
-        let mean = all.iter().sum::<f64>() / n;
+        let mean = mean(&all);
         let squares = all.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>();
         Spread {
             mean: Some(mean),
             deviation: (all.len() > 1).then(|| (squares / (n - 1.0)).sqrt()),
-            rms: Some((all.iter().map(|x| x * x).sum::<f64>() / n).sqrt()),
+            rms: Some(rms(&all)),
             greatest: all.iter().map(|x| x.abs()).reduce(f64::max),
         }
     }

@@ -1,9 +1,9 @@
 //! Steps under error control, each ending on the first event within it.
 
 use saltus_numeric::dop853::step_factor;
+use saltus_numeric::root::past_root;
 
 use super::guards::{Guard, trails};
-use super::root::past_root;
 use super::{JUST_LEFT, Sim, Watch};
 use crate::SimError;
 

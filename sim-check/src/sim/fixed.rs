@@ -1,9 +1,9 @@
 //! Steps of fixed length.
 
+use saltus_numeric::root::past_root;
 use saltus_pneumatics::{Chamber, Leg, Piece};
 
 use super::guards::Guard;
-use super::root::past_root;
 use super::{Happening, Sim, Watch};
 use crate::SimError;
 use crate::complementarity::Grip;

@@ -5,7 +5,6 @@ mod events;
 mod fixed;
 mod guards;
 mod report;
-mod root;
 mod settle;
 mod start;
 

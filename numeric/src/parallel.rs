@@ -1,13 +1,23 @@
-//! Work shared among threads.
+//! Work shared among threads. Results come in the order of the work, whatever the number of
+//! threads.
 
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What `work` makes of each chunk of `size` items (≥ 1), in their order, with so many `threads` at
-/// work.
+/// Threads that the machine runs at once, at least 1.
+pub fn available() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// `work` of 0 to `count` − 1, on all processors.
 ///
-/// A thread that is done with a chunk takes the next, so that none waits for one whose chunks are
-/// harder.
+/// # Panics
+/// As `work` does.
+pub fn map<R: Send>(count: usize, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
+    map_on(available(), count, work)
+}
+
+/// `work` of each chunk of `size` items (≥ 1), on so many `threads`.
 ///
 /// # Panics
 /// If `size` is 0, and as `work` does.
@@ -18,20 +28,30 @@ pub fn in_chunks<T: Sync, R: Send>(
     work: impl Fn(&[T]) -> R + Sync,
 ) -> Vec<R> {
     let chunks: Vec<&[T]> = items.chunks(size).collect();
+    map_on(threads, chunks.len(), |k| work(chunks[k]))
+}
+
+/// `work` of 0 to `count` − 1, on so many `threads`. A thread that is done with one takes the next,
+/// so that no thread waits for another with harder work.
+///
+/// # Panics
+/// As `work` does.
+pub fn map_on<R: Send>(threads: usize, count: usize, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
+    if threads.min(count) <= 1 {
+        return (0..count).map(work).collect();
+    }
     let next = AtomicUsize::new(0);
     let take = || {
         let mut done = Vec::new();
         while let index = next.fetch_add(1, Ordering::Relaxed)
-            && let Some(chunk) = chunks.get(index)
+            && index < count
         {
-            done.push((index, work(chunk)));
+            done.push((index, work(index)));
         }
         done
     };
     let mut done = std::thread::scope(|scope| {
-        let others: Vec<_> = (1..threads.min(chunks.len()))
-            .map(|_| scope.spawn(take))
-            .collect();
+        let others: Vec<_> = (1..threads.min(count)).map(|_| scope.spawn(take)).collect();
         let mut done = take();
         for other in others {
             done.extend(other.join().unwrap_or_else(|panic| resume_unwind(panic)));
@@ -44,7 +64,7 @@ pub fn in_chunks<T: Sync, R: Send>(
 
 #[cfg(test)]
 mod tests {
-    use super::in_chunks;
+    use super::*;
 
     #[test]
     fn every_chunk_is_worked_on_once_and_in_order() {
@@ -61,6 +81,7 @@ mod tests {
             }
         }
         assert!(in_chunks(&[0; 0], 4, 2, <[i32]>::len).is_empty());
+        assert_eq!(map(5, |k| k * k), [0, 1, 4, 9, 16]);
     }
 
     #[test]
