@@ -18,6 +18,7 @@
 //! # Ok::<(), saltus_robot::RobotError>(())
 //! ```
 
+pub mod bodies;
 mod document;
 pub mod domain;
 mod error;

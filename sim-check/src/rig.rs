@@ -3,16 +3,13 @@
 use nalgebra::Matrix3;
 use saltus_pneumatics::Leg;
 use saltus_robot::Robot;
+use saltus_robot::bodies::{MASSLESS, RigidBody};
 
 use crate::SimError;
 use crate::contact::{ContactPoint, Friction, Material, Surface, Travel};
 use crate::mechanism::{Drag, JointParts, LegPart, Mechanism};
 use crate::spatial::Vec3;
 use crate::tree::{Body, Joint, Placement, Pose, Tree};
-
-/// Mass of a leg without mass as a part of the robot's, and least moment of inertia of the wheel as
-/// a part of that of its mass at the rim: what they do is below 1e-6 of anything.
-const MASSLESS: f64 = 1e-6;
 
 /// A robot as bodies in space: x along the travel, z up, the boom's base at y = −L.
 ///
@@ -45,12 +42,7 @@ impl Rig {
             Some(boom) => add_boom(&mut tree, &mut joints, boom, robot.body.radius)?,
             None => add_plane(&mut tree, &mut joints)?,
         };
-        let wheel = add_wheel(
-            &mut tree,
-            robot,
-            carrier,
-            robot.boom.map_or(0.0, |b| b.length),
-        )?;
+        let wheel = add_wheel(&mut tree, robot, carrier)?;
         joints.push(JointParts {
             friction: robot.body.axle_friction,
             ..JointParts::default()
@@ -71,13 +63,12 @@ impl Rig {
             })
             .collect();
         let foot = robot.foot.radius;
-        mechanism.points = legs
-            .iter()
-            .enumerate()
+        mechanism.points = (0..)
+            .zip(&legs)
             .map(|(k, &body)| ContactPoint {
                 name: format!("foot {k}"),
                 body,
-                center: direction(k, legs.len()) * (robot.body.radius - foot),
+                center: Vec3::from(robot.leg_direction(k)) * (robot.body.radius - foot),
                 radius: foot,
             })
             .collect();
@@ -262,12 +253,6 @@ impl Rig {
     }
 }
 
-/// From the axle to the foot of leg `k` of `n`, in the wheel: down at lean 0, and on forwards.
-fn direction(k: usize, n: usize) -> Vec3 {
-    let angle = std::f64::consts::TAU * k as f64 / n as f64;
-    Vec3::new(angle.sin(), 0.0, -angle.cos())
-}
-
 fn link(name: &str, parent: Option<usize>, joint: Joint, at: Vec3) -> Body {
     Body {
         name: name.into(),
@@ -307,89 +292,55 @@ fn add_boom(
     let base = Vec3::new(0.0, -boom.length, height);
     let turn = tree.add(link("boom turn", None, Joint::Revolute(-Vec3::z()), base))?;
     joints.push(JointParts::default());
-    let rod = |name: &str, parent: usize, at: Vec3, length: f64| {
-        let mass = boom.mass * length / boom.length;
-        let across = mass * (3.0 * boom.radius * boom.radius + length * length) / 12.0;
-        Body {
-            mass,
-            center: Vec3::y() * (length / 2.0),
-            inertia: Matrix3::from_diagonal(&Vec3::new(
-                across,
-                0.5 * mass * boom.radius * boom.radius,
-                across,
-            )),
-            ..link(name, Some(parent), Joint::Revolute(Vec3::x()), at)
-        }
-    };
-    let parts = if boom.flex.is_some() { 2 } else { 1 };
-    let length = boom.length / f64::from(parts);
-    let mut inner = rod("boom", turn, Vec3::zeros(), length);
+    let pivot = Joint::Revolute(Vec3::x());
+    let (inner, outer) = boom.rods();
+    let mut inner = link("boom", Some(turn), pivot, Vec3::zeros()).of(&inner);
     if let Some(weight) = boom.counterweight {
         inner.add_point_mass(weight.mass, -Vec3::y() * weight.distance);
     }
     let inner = tree.add(inner)?;
     joints.push(JointParts::default());
-    let Some(stiffness) = boom.flex else {
+    let (Some(stiffness), Some(outer)) = (boom.flex, outer) else {
         return Ok(inner);
     };
     joints.push(JointParts {
         spring: (stiffness, 0.0),
         ..JointParts::default()
     });
-    tree.add(rod("boom's outer half", inner, Vec3::y() * length, length))
+    let bend = Vec3::y() * boom.inner_length();
+    tree.add(link("boom's outer half", Some(inner), pivot, bend).of(&outer))
 }
 
-fn add_wheel(tree: &mut Tree, robot: &Robot, carrier: usize, boom: f64) -> Result<usize, SimError> {
-    let massless = robot.leg.body.mass == 0.0;
-    let mass = robot.wheel_mass()
-        - if massless {
-            f64::from(robot.body.legs) * MASSLESS * robot.body.mass
-        } else {
-            0.0
-        };
-    let (offset, angle) = (robot.body.imbalance, robot.body.imbalance_angle);
-    let center = Vec3::new(angle.sin(), 0.0, -angle.cos()) * offset;
-    // A disc: about a diameter half of what it is about the axle.
-    let least = MASSLESS * robot.body.mass * robot.body.radius * robot.body.radius;
-    let axle = (robot.wheel_inertia() - mass * offset * offset).max(least);
-    let inertia = Matrix3::from_diagonal(&Vec3::new(axle / 2.0, axle, axle / 2.0));
-    let at = match (robot.boom, tree.bodies().len()) {
-        (None, _) => Vec3::zeros(),
-        (Some(_), 3) => Vec3::y() * (boom / 2.0),
-        (Some(_), _) => Vec3::y() * boom,
+fn add_wheel(tree: &mut Tree, robot: &Robot, carrier: usize) -> Result<usize, SimError> {
+    let lent = if robot.leg.body.mass == 0.0 {
+        f64::from(robot.body.legs) * MASSLESS * robot.body.mass
+    } else {
+        0.0
     };
-    tree.add(Body {
-        mass,
-        center,
-        inertia,
-        ..link("wheel", Some(carrier), Joint::Revolute(Vec3::y()), at)
-    })
+    let mut disc = robot.wheel_disc(lent);
+    let least = MASSLESS * robot.body.mass * robot.body.radius * robot.body.radius;
+    let lacking = (least - disc.inertia[1][1]).max(0.0);
+    for (k, share) in [0.5, 1.0, 0.5].into_iter().enumerate() {
+        disc.inertia[k][k] += share * lacking;
+    }
+    // From the bend of a boom, or its base.
+    let at = Vec3::y() * robot.boom.map_or(0.0, |boom| boom.inner_length());
+    tree.add(link("wheel", Some(carrier), Joint::Revolute(Vec3::y()), at).of(&disc))
 }
 
 fn add_legs(tree: &mut Tree, robot: &Robot, wheel: usize) -> Result<Vec<usize>, SimError> {
-    let part = &robot.leg.body;
-    let n = robot.body.legs as usize;
-    (0..n)
+    (0..robot.body.legs)
         .map(|k| {
-            let way = direction(k, n);
-            let mut body = link(
-                &format!("leg {k}"),
-                Some(wheel),
-                Joint::Prismatic(way),
-                Vec3::zeros(),
-            );
-            if part.mass == 0.0 {
+            let mut rod = robot.leg_rod(k);
+            if rod.mass == 0.0 {
                 // At the axle, where it adds nothing to the wheel's moment of inertia.
-                body.mass = MASSLESS * robot.body.mass;
-            } else {
-                body.mass = part.mass;
-                body.center = way * part.center;
-                let along = 0.5 * part.mass * part.radius * part.radius;
-                let across = part.inertia();
-                body.inertia =
-                    Matrix3::identity() * across + way * way.transpose() * (along - across);
+                rod = RigidBody {
+                    mass: MASSLESS * robot.body.mass,
+                    ..RigidBody::default()
+                };
             }
-            tree.add(body)
+            let slide = Joint::Prismatic(robot.leg_direction(k).into());
+            tree.add(link(&format!("leg {k}"), Some(wheel), slide, Vec3::zeros()).of(&rod))
         })
         .collect()
 }

@@ -5,6 +5,7 @@
 //! (composite bodies), with every quantity in world axes about one origin.
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
+use saltus_robot::bodies::RigidBody;
 
 use crate::SimError;
 use crate::spatial::{Inertia, Motion, Vec3, Wrench};
@@ -339,6 +340,16 @@ impl Body {
             ..self.clone()
         };
         self.merge(&point, &Placement::at(place));
+    }
+
+    /// This link with the mass of `body`, given in its axes.
+    pub(crate) fn of(self, body: &RigidBody) -> Body {
+        Body {
+            mass: body.mass,
+            center: body.center.into(),
+            inertia: body.inertia.into(),
+            ..self
+        }
     }
 
     /// Takes in `other`, whose frame is at `placement` in this body's.

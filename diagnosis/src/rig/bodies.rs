@@ -1,12 +1,11 @@
 //! A robot as rigid bodies: the halves of its boom, its wheel, and the moving part of its leg.
 
 use nalgebra::{Matrix3, Vector3};
+use saltus_robot::bodies::{MASSLESS, RigidBody};
 use saltus_robot::{Boom, Robot};
 
 pub(super) type V3 = Vector3<f64>;
 
-/// Least mass of a leg relative to that of the robot.
-const MASSLESS: f64 = 1e-6;
 /// Least mass (kg) of a leg on soft ground. A lighter one would need too short steps.
 const SOFT_LEAST: f64 = 0.02;
 
@@ -61,6 +60,16 @@ impl Rigid {
     }
 }
 
+impl From<RigidBody> for Rigid {
+    fn from(body: RigidBody) -> Rigid {
+        Rigid {
+            mass: body.mass,
+            center: body.center.into(),
+            inertia: body.inertia.into(),
+        }
+    }
+}
+
 /// The bodies of a robot. In the axes of the boom, y points along it. The axes of the wheel are
 /// those at lean 0.
 #[derive(Clone, Debug)]
@@ -79,7 +88,7 @@ pub(super) struct Bodies {
 
 impl Bodies {
     pub(super) fn new(robot: &Robot) -> Bodies {
-        let mut leg = rod(robot, 0);
+        let mut leg = Rigid::from(robot.leg_rod(0));
         let lent = match robot.ground.stiffness {
             Some(_) => (SOFT_LEAST - leg.mass).max(0.0),
             None => 0.0,
@@ -99,61 +108,25 @@ impl Bodies {
     }
 }
 
-/// The moving part of leg `k`, counted forwards from the one that jumps.
-fn rod(robot: &Robot, k: u32) -> Rigid {
-    let part = &robot.leg.body;
-    let angle = std::f64::consts::TAU * f64::from(k) / f64::from(robot.body.legs);
-    let u = V3::new(angle.sin(), 0.0, -angle.cos());
-    let along = 0.5 * part.mass * part.radius * part.radius;
-    let inertia =
-        Matrix3::identity() * part.inertia() + u * u.transpose() * (along - part.inertia());
-    Rigid {
-        mass: part.mass,
-        center: u * part.center,
-        inertia,
-    }
-}
-
 /// The wheel with the other legs, less the mass `lent` (kg) that it lends to the leg.
 fn wheel(robot: &Robot, lent: f64) -> Rigid {
-    let body = &robot.body;
-    let (offset, angle) = (body.imbalance, body.imbalance_angle);
-    let mass = robot.wheel_mass() - lent;
-    // A disc: about a diameter half of what it is about the axle.
-    let axle = (robot.wheel_inertia() - mass * offset * offset).max(0.0);
-    let mut wheel = Rigid {
-        mass,
-        center: V3::new(angle.sin(), 0.0, -angle.cos()) * offset,
-        inertia: Matrix3::from_diagonal(&V3::new(axle / 2.0, axle, axle / 2.0)),
-    };
-    for k in 1..body.legs {
-        wheel.add(&rod(robot, k));
+    let mut wheel = Rigid::from(robot.wheel_disc(lent));
+    for k in 1..robot.body.legs {
+        wheel.add(&robot.leg_rod(k).into());
     }
     wheel
 }
 
-/// The boom up to its bend, with its counterweight, and beyond. A rigid boom has nothing beyond.
+/// The boom up to its bend, with its counterweight, and beyond.
 fn halves(boom: &Boom) -> (Rigid, Rigid) {
-    let cylinder = |length: f64| {
-        let mass = boom.mass * length / boom.length;
-        let across = mass * (3.0 * boom.radius * boom.radius + length * length) / 12.0;
-        let along = 0.5 * mass * boom.radius * boom.radius;
-        Rigid {
-            mass,
-            center: V3::y() * (length / 2.0),
-            inertia: Matrix3::from_diagonal(&V3::new(across, along, across)),
-        }
-    };
-    let (mut inner, outer) = match boom.flex {
-        Some(_) => (cylinder(boom.length / 2.0), cylinder(boom.length / 2.0)),
-        None => (cylinder(boom.length), Rigid::NOTHING),
-    };
+    let (inner, outer) = boom.rods();
+    let mut inner = Rigid::from(inner);
     if let Some(weight) = boom.counterweight {
         inner.add(&Rigid {
             mass: weight.mass,
             center: -V3::y() * weight.distance,
-            inertia: Matrix3::zeros(),
+            ..Rigid::NOTHING
         });
     }
-    (inner, outer)
+    (inner, outer.map_or(Rigid::NOTHING, Rigid::from))
 }
