@@ -4,6 +4,8 @@ use std::f64::consts::{FRAC_PI_4, PI};
 
 use saltus_numeric::hermite;
 use saltus_numeric::statistics::quantile;
+use saltus_pneumatics::OrificeLaw;
+use saltus_robot::Gas as Perfect;
 
 use super::{Causes, FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
@@ -181,10 +183,6 @@ fn unnamed(last: f64) -> [(Effect, Cause); 3] {
     ]
 }
 
-/// Air and carbon dioxide: κ and R (J/(kg K)).
-const AIR: (f64, f64) = (1.4, 287.05);
-const CARBON_DIOXIDE: (f64, f64) = (1.30, 188.9);
-
 impl Vessels {
     /// The experiment's vessels.
     pub fn new(experiment: &Experiment) -> Vessels {
@@ -265,22 +263,6 @@ fn vessel(run: &Run) -> Vessel {
         release: of(RELEASE),
         wall: of("wall_area_m2"),
     }
-}
-
-/// Dimensionless flow through an orifice from `up` to `down` (Pa); in proportion to the difference
-/// where that is less than the part `least` of `up`, so that steps of an integration do not jump to
-/// and fro across the balance.
-fn flow_function(up: f64, down: f64, kappa: f64, least: f64) -> f64 {
-    if down > (1.0 - least) * up {
-        return flow_function(1.0, 1.0 - least, kappa, 0.0) * (1.0 - down / up) / least;
-    }
-    let critical = (2.0 / (kappa + 1.0)).powf(kappa / (kappa - 1.0));
-    let ratio = (down / up).clamp(0.0, 1.0);
-    if ratio <= critical {
-        return (kappa * (2.0 / (kappa + 1.0)).powf((kappa + 1.0) / (kappa - 1.0))).sqrt();
-    }
-    let part = ratio.powf(2.0 / kappa) - ratio.powf((kappa + 1.0) / kappa);
-    (2.0 * kappa / (kappa - 1.0) * part.max(0.0)).sqrt()
 }
 
 impl Kind for Vessels {
@@ -384,6 +366,7 @@ struct Gas<'a> {
     /// Heat ratio and gas constant (J/(kg K)).
     kappa: f64,
     constant: f64,
+    law: OrificeLaw,
     /// Effective area of the orifice (m²).
     area: f64,
     /// Pressure (Pa) outside.
@@ -411,7 +394,11 @@ impl Vessels {
         let vessel = &self.tanks[run];
         let share = value(Effect::Gas, 0.0);
         let mix = |a: f64, b: f64| a + share * (b - a);
-        let (kappa, constant) = (mix(AIR.0, CARBON_DIOXIDE.0), mix(AIR.1, CARBON_DIOXIDE.1));
+        let (air, other) = (Perfect::AIR, Perfect::CO2);
+        let (kappa, constant) = (
+            mix(air.heat_ratio, other.heat_ratio),
+            mix(air.constant, other.constant),
+        );
         let widest = FRAC_PI_4 * vessel.orifice * vessel.orifice;
         let area = widest * unknowns[0];
         let release = vessel.release.or(unknowns.get(1).copied())?;
@@ -429,6 +416,10 @@ impl Vessels {
             vessel,
             kappa,
             constant,
+            law: OrificeLaw::new(Perfect {
+                heat_ratio: kappa,
+                constant,
+            }),
             area,
             outside,
             wall: vessel.wall.unwrap_or_else(sphere),
@@ -454,6 +445,16 @@ impl Gas<'_> {
         mass * self.constant * temperature / self.vessel.volume
     }
 
+    /// Mass flow over conductance (Pa √(kg K/J)) from `up` to `down` (Pa); in proportion to the
+    /// difference where that is less than the part `least` of `up`, so that steps of an integration
+    /// do not jump to and fro across the balance.
+    fn flow(&self, up: f64, down: f64) -> f64 {
+        if down > (1.0 - self.least) * up {
+            return self.law.flow(1.0, 1.0 - self.least) * (up - down) / self.least;
+        }
+        self.law.flow(up, down)
+    }
+
     /// Rates of the state by mass and energy of the gas: dU = h_in dm + Q, with natural convection
     /// from a wall that stays at the first temperature.
     fn rates(&self, time: f64, [mass, temperature]: [f64; 2]) -> [f64; 2] {
@@ -472,8 +473,7 @@ impl Gas<'_> {
         };
         let drifted =
             opened * (1.0 + self.drift[0] * lost + self.drift[1] * time / self.last).max(0.0);
-        let flow = sign * drifted * self.area * up / (self.constant * source).sqrt()
-            * flow_function(up, down, self.kappa, self.least);
+        let flow = sign * drifted * self.area / source.sqrt() * self.flow(up, down);
         let heat = self.convection
             * self.wall
             * convection(mass / vessel.volume, vessel.temperature, temperature);
@@ -655,7 +655,7 @@ mod tests {
     /// Pressure (Pa) at a time (s): gas that fills a vessel without heat below the speed of sound;
     /// of the temperature ratio e across the orifice √(1 − e) falls evenly, to 0 at the balance.
     fn filled(initial: f64, discharge: f64, time: f64) -> f64 {
-        let (kappa, gas) = AIR;
+        let (kappa, gas) = (Perfect::AIR.heat_ratio, Perfect::AIR.constant);
         let area = discharge * FRAC_PI_4 * ORIFICE * ORIFICE;
         let fall = (kappa - 1.0) * gas * TEMPERATURE / VOLUME
             * area
