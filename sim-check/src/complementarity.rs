@@ -85,9 +85,18 @@ enum Known {
 impl Problem {
     /// λ and w for the grips as they are; whether rows were redundant, so that λ is one of many.
     pub(crate) fn solve(&mut self) -> bool {
-        let m = self.rows;
+        self.assign();
+        self.assemble();
+        let redundant = linear::solve(&mut self.system, self.held.len(), &mut self.right);
+        self.set_force();
+        self.set_motion();
+        redundant
+    }
+
+    /// Which rows are held, and what the forces of the others are.
+    fn assign(&mut self) {
         self.known.clear();
-        self.known.resize(m, Known::Is(0.0));
+        self.known.resize(self.rows, Known::Is(0.0));
         self.held.clear();
         for e in &self.elements {
             if e.grip == Grip::Held && !self.is_idle(e) {
@@ -125,7 +134,11 @@ impl Problem {
                 };
             }
         }
-        let h = self.held.len();
+    }
+
+    /// The equations of the held rows: they do not move.
+    fn assemble(&mut self) {
+        let (m, h) = (self.rows, self.held.len());
         self.system.clear();
         self.system.resize(h * h, 0.0);
         self.right.clear();
@@ -149,21 +162,21 @@ impl Problem {
                 }
             }
         }
-        let redundant = linear::solve(&mut self.system, h, &mut self.right);
+    }
+
+    fn set_force(&mut self) {
         self.force.clear();
-        self.force.resize(m, 0.0);
+        self.force.resize(self.rows, 0.0);
         for (i, &k) in self.held.iter().enumerate() {
             self.force[k] = self.right[i];
         }
-        for k in 0..m {
+        for k in 0..self.rows {
             match self.known[k] {
                 Known::Unknown => {}
                 Known::Is(force) => self.force[k] = force,
                 Known::Times(n, factor) => self.force[k] = factor * self.force[n],
             }
         }
-        self.set_motion();
-        redundant
     }
 
     /// Whether an element is the friction of a contact that is open.
@@ -180,13 +193,16 @@ impl Problem {
     }
 
     fn set_motion(&mut self) {
-        let m = self.rows;
         self.motion.clear();
-        for i in 0..m {
-            let row = &self.a[i * m..(i + 1) * m];
-            let w: f64 = row.iter().zip(&self.force).map(|(a, f)| a * f).sum();
-            self.motion.push(w + self.b[i]);
+        for i in 0..self.rows {
+            self.motion.push(self.motion_of(i));
         }
+    }
+
+    /// w of row `i` for the present forces.
+    fn motion_of(&self, i: usize) -> f64 {
+        let row = &self.a[i * self.rows..(i + 1) * self.rows];
+        row.iter().zip(&self.force).map(|(a, f)| a * f).sum::<f64>() + self.b[i]
     }
 
     /// Whether an element's rows do not move, though its force may be at a bound.
@@ -318,51 +334,12 @@ impl Problem {
 
     /// Projected Gauss–Seidel iteration, then the grips that its solution has.
     fn relax(&mut self) {
-        let m = self.rows;
         self.force.clear();
-        self.force.resize(m, 0.0);
-        let row = |a: &[f64], b: &[f64], f: &[f64], i: usize| -> f64 {
-            a[i * m..(i + 1) * m]
-                .iter()
-                .zip(f)
-                .map(|(a, f)| a * f)
-                .sum::<f64>()
-                + b[i]
-        };
+        self.force.resize(self.rows, 0.0);
         for _ in 0..20_000 {
             let mut change = 0.0_f64;
             for i in 0..self.elements.len() {
-                let e = self.elements[i];
-                let limit = self.limit(&e);
-                let before = [
-                    self.force[e.row],
-                    if e.rows() == 2 {
-                        self.force[e.row + 1]
-                    } else {
-                        0.0
-                    },
-                ];
-                if e.rows() == 1 {
-                    let (low, high) = match e.bounds {
-                        Bounds::Between(low, high) => (low, high),
-                        Bounds::Friction { .. } => (-limit, limit),
-                    };
-                    let w = row(&self.a, &self.b, &self.force, e.row);
-                    self.force[e.row] =
-                        (before[0] - w / self.a[e.row * m + e.row]).clamp(low, high);
-                } else {
-                    let w = [0, 1].map(|k| row(&self.a, &self.b, &self.force, e.row + k));
-                    let step =
-                        1.0 / self.a[e.row * m + e.row].max(self.a[(e.row + 1) * m + e.row + 1]);
-                    let next = [before[0] - step * w[0], before[1] - step * w[1]];
-                    let size = next[0].hypot(next[1]);
-                    let scale = if size > limit { limit / size } else { 1.0 };
-                    self.force[e.row] = next[0] * scale;
-                    self.force[e.row + 1] = next[1] * scale;
-                }
-                for k in 0..e.rows() {
-                    change = change.max((self.force[e.row + k] - before[k]).abs());
-                }
+                change = change.max(self.relax_element(self.elements[i]));
             }
             let size = self.force.iter().fold(0.0_f64, |s, x| s.max(x.abs()));
             if change <= 1e-13 * size + 1e-300 {
@@ -372,23 +349,55 @@ impl Problem {
         self.set_motion();
         let still = 1e3 * self.still();
         for i in 0..self.elements.len() {
-            let e = self.elements[i];
-            let w = self.motion[e.row];
-            self.elements[i].grip = if e.rows() == 2 {
-                let v = [w, self.motion[e.row + 1]];
-                let speed = v[0].hypot(v[1]);
-                if speed <= still {
-                    Grip::Held
-                } else {
-                    Grip::Along([v[0] / speed, v[1] / speed])
-                }
-            } else if w > still {
-                Grip::Low
-            } else if w < -still {
-                Grip::High
-            } else {
-                Grip::Held
+            self.elements[i].grip = self.grip_by_motion(&self.elements[i], still);
+        }
+    }
+
+    /// The force of one element that stops it, within its bounds; by how much it has changed.
+    fn relax_element(&mut self, e: Element) -> f64 {
+        let limit = self.limit(&e);
+        let diagonal = |k: usize| self.a[k * self.rows + k];
+        let mut next = [0.0; 2];
+        if e.rows() == 1 {
+            let (low, high) = match e.bounds {
+                Bounds::Between(low, high) => (low, high),
+                Bounds::Friction { .. } => (-limit, limit),
             };
+            let step = self.motion_of(e.row) / diagonal(e.row);
+            next[0] = (self.force[e.row] - step).clamp(low, high);
+        } else {
+            let step = 1.0 / diagonal(e.row).max(diagonal(e.row + 1));
+            let free = [0, 1].map(|k| self.force[e.row + k] - step * self.motion_of(e.row + k));
+            let size = free[0].hypot(free[1]);
+            let scale = if size > limit { limit / size } else { 1.0 };
+            next = free.map(|x| x * scale);
+        }
+        let mut change = 0.0_f64;
+        for k in 0..e.rows() {
+            change = change.max((next[k] - self.force[e.row + k]).abs());
+            self.force[e.row + k] = next[k];
+        }
+        change
+    }
+
+    /// The grip of an element that moves as it does; one that moves up to `still` is held.
+    fn grip_by_motion(&self, e: &Element, still: f64) -> Grip {
+        let w = self.motion[e.row];
+        if e.rows() == 2 {
+            let v = [w, self.motion[e.row + 1]];
+            let speed = v[0].hypot(v[1]);
+            return if speed <= still {
+                Grip::Held
+            } else {
+                Grip::Along([v[0] / speed, v[1] / speed])
+            };
+        }
+        if w > still {
+            Grip::Low
+        } else if w < -still {
+            Grip::High
+        } else {
+            Grip::Held
         }
     }
 

@@ -2,6 +2,7 @@
 //! steps.
 
 use crate::SimError;
+use crate::error::{finite, not_negative, positive, require};
 use crate::spatial::Vec3;
 
 /// A point or a sphere of a body, which can touch surfaces.
@@ -77,32 +78,14 @@ impl Surface {
     }
 
     pub(crate) fn check(&self) -> Result<(), SimError> {
-        let wrong = |name: &str, value, allowed| {
-            Err(SimError::Input {
-                name: name.into(),
-                value,
-                allowed,
-            })
-        };
         match self {
             Surface::Plane { point, normal } => {
-                if !point.iter().all(|x| x.is_finite()) {
-                    return wrong("plane's point (m)", f64::NAN, "finite");
-                }
-                if (normal.norm() - 1.0).abs() < 1e-9 {
-                    Ok(())
-                } else {
-                    wrong("plane normal's length", normal.norm(), "1")
-                }
+                finite("plane's point (m)", point.as_slice())?;
+                let length = normal.norm();
+                let is_unit = (length - 1.0).abs() < 1e-9;
+                require(is_unit, "plane normal's length", length, "1")
             }
-            Surface::Block { low, high } => {
-                let size = (high - low).min();
-                if size > 0.0 && size.is_finite() {
-                    Ok(())
-                } else {
-                    wrong("block's least side (m)", size, "a finite number > 0")
-                }
-            }
+            Surface::Block { low, high } => positive("block's least side (m)", (high - low).min()),
         }
     }
 
@@ -240,22 +223,18 @@ impl Friction {
             Friction::Axes { along, across } => vec![along, across],
         };
         for (standing, slipping) in pairs {
-            if standing.is_nan() || standing < 0.0 {
-                let name = "static friction coefficient".into();
-                return Err(SimError::Input {
-                    name,
-                    value: standing,
-                    allowed: "a number ≥ 0, or inf",
-                });
-            }
-            if slipping.is_nan() || slipping < 0.0 || slipping > standing {
-                let name = "kinetic friction coefficient".into();
-                return Err(SimError::Input {
-                    name,
-                    value: slipping,
-                    allowed: "a number from 0 to the static one",
-                });
-            }
+            require(
+                standing >= 0.0,
+                "static friction coefficient",
+                standing,
+                "a number ≥ 0, or inf",
+            )?;
+            require(
+                (0.0..=standing).contains(&slipping),
+                "kinetic friction coefficient",
+                slipping,
+                "a number from 0 to the static one",
+            )?;
         }
         Ok(())
     }
@@ -275,25 +254,13 @@ pub struct Material {
 impl Material {
     pub(crate) fn check(&self) -> Result<(), SimError> {
         self.friction.check()?;
-        let wrong = |name: &str, value, allowed| {
-            Err(SimError::Input {
-                name: name.into(),
-                value,
-                allowed,
-            })
+        let e = self.restitution;
+        require((0.0..=1.0).contains(&e), "restitution", e, "from 0 to 1")?;
+        let Some((stiffness, damping)) = self.compliance else {
+            return Ok(());
         };
-        if !(0.0..=1.0).contains(&self.restitution) {
-            return wrong("restitution", self.restitution, "from 0 to 1");
-        }
-        match self.compliance {
-            Some((stiffness, _)) if !(stiffness > 0.0 && stiffness.is_finite()) => {
-                wrong("contact stiffness (N/m)", stiffness, "a finite number > 0")
-            }
-            Some((_, damping)) if !(damping >= 0.0 && damping.is_finite()) => {
-                wrong("contact damping (N s/m)", damping, "a finite number ≥ 0")
-            }
-            _ => Ok(()),
-        }
+        positive("contact stiffness (N/m)", stiffness)?;
+        not_negative("contact damping (N s/m)", damping)
     }
 }
 

@@ -1,5 +1,7 @@
 //! What can be wrong with a mechanism, or with where it starts.
 
+use std::fmt::Display;
+
 /// A mechanism that cannot be, a start that cannot be, or a motion that cannot go on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -124,4 +126,39 @@ fn limit_of(friction: f64) -> String {
     } else {
         "no limit of friction".into()
     }
+}
+
+/// [`SimError::Input`] unless `holds`.
+pub(crate) fn require(
+    holds: bool,
+    name: impl Display,
+    value: f64,
+    allowed: &'static str,
+) -> Result<(), SimError> {
+    if holds {
+        return Ok(());
+    }
+    Err(SimError::Input {
+        name: name.to_string(),
+        value,
+        allowed,
+    })
+}
+
+/// The same for numbers that must be finite.
+pub(crate) fn finite(name: impl Display, values: &[f64]) -> Result<(), SimError> {
+    match values.iter().find(|x| !x.is_finite()) {
+        Some(x) => require(false, name, *x, "finite"),
+        None => Ok(()),
+    }
+}
+
+/// The same for a number that must be finite and > 0.
+pub(crate) fn positive(name: impl Display, x: f64) -> Result<(), SimError> {
+    require(x > 0.0 && x.is_finite(), name, x, "a finite number > 0")
+}
+
+/// The same for a number that must be finite and ≥ 0.
+pub(crate) fn not_negative(name: impl Display, x: f64) -> Result<(), SimError> {
+    require(x >= 0.0 && x.is_finite(), name, x, "a finite number ≥ 0")
 }

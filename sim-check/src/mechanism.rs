@@ -4,6 +4,7 @@ use saltus_pneumatics::Leg;
 
 use crate::SimError;
 use crate::contact::{ContactPoint, Material, Surface, Travel};
+use crate::error::{finite, not_negative, require};
 use crate::spatial::Vec3;
 use crate::tree::{Joint, Pose, Tree};
 
@@ -78,6 +79,27 @@ pub struct Drag {
     pub coefficient: f64,
 }
 
+impl JointParts {
+    /// Checks what is in the joint of the body called `name`.
+    fn check(&self, name: &str) -> Result<(), SimError> {
+        for x in [self.spring.0, self.damping, self.friction] {
+            let what = format_args!("spring, damper or friction in the joint of '{name}'");
+            not_negative(what, x)?;
+        }
+        let (rest, (low, high)) = (self.spring.1, self.stops);
+        require(
+            ![rest, low, high].iter().any(|x| x.is_nan()),
+            format_args!("rest or stop in the joint of '{name}'"),
+            f64::NAN,
+            "a number",
+        )?;
+        let spring = format_args!("rest of the spring in the joint of '{name}'");
+        finite(spring, &[rest])?;
+        let stops = format_args!("stops in the joint of '{name}', low above high");
+        require(low <= high, stops, low, "at most the high one")
+    }
+}
+
 impl Mechanism {
     /// A mechanism of these bodies alone: nothing in their joints, nothing to touch.
     pub fn new(tree: Tree, gravity: Vec3) -> Mechanism {
@@ -127,111 +149,55 @@ impl Mechanism {
 
     /// Checks every number, and that each joint has something to move at coordinates `q`.
     pub(crate) fn check(&self, q: &[f64]) -> Result<(), SimError> {
-        let wrong = |name: String, value, allowed| {
-            Err(SimError::Input {
-                name,
-                value,
-                allowed,
-            })
-        };
-        if self.joints.len() != self.tree.bodies().len() {
-            let (given, wanted) = (self.joints.len(), self.tree.bodies().len());
+        let (given, wanted) = (self.joints.len(), self.tree.bodies().len());
+        if given != wanted {
             return Err(SimError::Length {
                 name: "joints",
                 given,
                 wanted,
             });
         }
-        if let Some(g) = self.gravity.iter().find(|g| !g.is_finite()) {
-            return wrong("gravity (m/s²)".into(), *g, "finite");
-        }
+        finite("gravity (m/s²)", self.gravity.as_slice())?;
         self.material.check()?;
         self.surfaces.iter().try_for_each(Surface::check)?;
-        for point in &self.points {
-            if point.body >= self.tree.bodies().len() {
-                return wrong(
-                    format!("body of point '{}'", point.name),
-                    point.body as f64,
-                    "one of the tree's",
-                );
-            }
-            if !(point.radius >= 0.0 && point.radius.is_finite()) {
-                return wrong(
-                    format!("radius of point '{}' (m)", point.name),
-                    point.radius,
-                    "a finite number ≥ 0",
-                );
-            }
-            if !point.center.iter().all(|x| x.is_finite()) {
-                return wrong(
-                    format!("centre of point '{}' (m)", point.name),
-                    f64::NAN,
-                    "finite",
-                );
-            }
-        }
-        for (body, parts) in self.tree.bodies().iter().zip(&self.joints) {
-            let numbers = [parts.spring.0, parts.damping, parts.friction];
-            if let Some(x) = numbers.into_iter().find(|x| !(*x >= 0.0 && x.is_finite())) {
-                return wrong(
-                    format!("spring, damper or friction in the joint of '{}'", body.name),
-                    x,
-                    "a finite number ≥ 0",
-                );
-            }
-            if parts.spring.1.is_nan() || parts.stops.0.is_nan() || parts.stops.1.is_nan() {
-                return wrong(
-                    format!("rest or stop in the joint of '{}'", body.name),
-                    f64::NAN,
-                    "a number",
-                );
-            }
-            if parts.spring.1.is_infinite() {
-                let name = format!("rest of the spring in the joint of '{}'", body.name);
-                return wrong(name, parts.spring.1, "finite");
-            }
-            if parts.stops.0 > parts.stops.1 {
-                let name = format!("stops in the joint of '{}', low above high", body.name);
-                return wrong(name, parts.stops.0, "at most the high one");
-            }
-        }
+        self.points.iter().try_for_each(|p| self.check_point(p))?;
+        let mut joints = self.tree.bodies().iter().zip(&self.joints);
+        joints.try_for_each(|(body, parts)| parts.check(&body.name))?;
         self.check_surroundings()?;
         for leg in &self.legs {
-            match self.tree.bodies().get(leg.body) {
-                Some(body) if matches!(body.joint, Joint::Prismatic(_)) => {}
-                _ => {
-                    return wrong(
-                        "body of a leg".into(),
-                        leg.body as f64,
-                        "one on a prismatic joint",
-                    );
-                }
-            }
+            let body = self.tree.bodies().get(leg.body);
+            let slides = body.is_some_and(|body| matches!(body.joint, Joint::Prismatic(_)));
+            let index = leg.body as f64;
+            require(slides, "body of a leg", index, "one on a prismatic joint")?;
         }
         self.check_inertia(q)
     }
 
+    fn check_point(&self, point: &ContactPoint) -> Result<(), SimError> {
+        let (name, body) = (&point.name, point.body);
+        require(
+            body < self.tree.bodies().len(),
+            format_args!("body of point '{name}'"),
+            body as f64,
+            "one of the tree's",
+        )?;
+        not_negative(format_args!("radius of point '{name}' (m)"), point.radius)?;
+        finite(
+            format_args!("centre of point '{name}' (m)"),
+            point.center.as_slice(),
+        )
+    }
+
     fn check_surroundings(&self) -> Result<(), SimError> {
-        let wrong = |name: &str, value, allowed| {
-            Err(SimError::Input {
-                name: name.into(),
-                value,
-                allowed,
-            })
-        };
-        match (self.drag, self.travel) {
-            (Some(drag), _) if drag.body >= self.tree.bodies().len() => {
-                wrong("body of the drag", drag.body as f64, "one of the tree's")
-            }
-            (Some(drag), _) if !(drag.coefficient >= 0.0 && drag.coefficient.is_finite()) => wrong(
-                "drag coefficient (kg/m)",
-                drag.coefficient,
-                "a finite number ≥ 0",
-            ),
-            (_, Travel::Around(center)) if !center.iter().all(|x| x.is_finite()) => {
-                wrong("centre of the travel (m)", f64::NAN, "finite")
-            }
-            _ => Ok(()),
+        if let Some(drag) = self.drag {
+            let body = drag.body as f64;
+            let is_known = drag.body < self.tree.bodies().len();
+            require(is_known, "body of the drag", body, "one of the tree's")?;
+            not_negative("drag coefficient (kg/m)", drag.coefficient)?;
+        }
+        match self.travel {
+            Travel::Around(center) => finite("centre of the travel (m)", center.as_slice()),
+            Travel::Straight => Ok(()),
         }
     }
 

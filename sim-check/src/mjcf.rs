@@ -3,10 +3,10 @@
 use std::fmt::Write;
 
 use nalgebra::Matrix3;
-use saltus_robot::{Drive, Robot};
+use saltus_robot::{Drive, ReturnSpring, Robot};
 
 use crate::SimError;
-use crate::contact::Surface;
+use crate::contact::{ContactPoint, Surface};
 use crate::rig::Rig;
 use crate::spatial::Vec3;
 use crate::tree::Joint;
@@ -310,85 +310,57 @@ impl Writer<'_> {
     /// What is seen of a body, and the feet that touch the ground.
     fn shapes(&mut self, index: usize) {
         let (rig, robot) = (self.rig, self.robot);
-        let kind = |name: &str| ("type", name.to_owned());
+        let mut points = rig.mechanism.points.iter();
         if index == rig.wheel {
             let thickness = 0.05 * rig.radius;
-            let ends = numbers(&[0.0, -thickness, 0.0, 0.0, thickness, 0.0]);
-            let size = number(0.6 * rig.radius);
-            self.xml.leaf(
-                "geom",
-                &[
-                    kind("cylinder"),
-                    ("fromto", ends),
-                    ("size", size),
-                    ("rgba", "0.3 0.4 0.6 1".into()),
-                ],
-            );
+            let ends = [-thickness, thickness].map(|y| Vec3::y() * y);
+            let color = ("rgba", "0.3 0.4 0.6 1".into());
+            self.cylinder(ends, 0.6 * rig.radius, Some(color));
             self.xml
                 .leaf("site", &[("name", "axle".into()), ("size", "0.005".into())]);
-        } else if let Some(point) = rig
-            .mechanism
-            .points
-            .iter()
-            .find(|point| point.body == index)
-        {
-            let way = point.center.normalize();
-            let tip = way * rig.radius;
-            let length = if robot.leg.body.length > 0.0 {
-                robot.leg.body.length
-            } else {
-                0.4 * rig.radius
-            };
-            let thickness = if robot.leg.body.radius > 0.0 {
-                robot.leg.body.radius
-            } else {
-                0.02 * rig.radius
-            };
-            // Rods are drawn short of the tip, or they would hide the foot.
-            let ends = [tip - way * length, tip - way * thickness.min(0.5 * length)];
-            let ends = format!("{} {}", vector(&ends[0]), vector(&ends[1]));
-            self.xml.leaf(
-                "geom",
-                &[
-                    kind("cylinder"),
-                    ("fromto", ends),
-                    ("size", number(thickness)),
-                ],
-            );
-            let radius = if point.radius > 0.0 {
-                point.radius
-            } else {
-                POINT
-            };
-            let center = vector(&(tip - way * radius));
-            let name = plain(&point.name);
-            self.xml.leaf(
-                "geom",
-                &[
-                    ("name", name.clone()),
-                    kind("sphere"),
-                    ("pos", center.clone()),
-                    ("size", number(radius)),
-                    ("rgba", "0.8 0.2 0.2 1".into()),
-                ],
-            );
-            self.xml.leaf(
-                "site",
-                &[
-                    ("name", name),
-                    ("pos", center),
-                    ("size", number(radius + 0.005)),
-                ],
-            );
+        } else if let Some(point) = points.find(|point| point.body == index) {
+            self.rod_and_foot(point);
         } else if let Some(boom) = &robot.boom {
-            let half = if boom.flex.is_some() { 0.5 } else { 1.0 };
-            let ends = numbers(&[0.0, 0.0, 0.0, 0.0, half * boom.length, 0.0]);
-            let size = number(if boom.radius > 0.0 { boom.radius } else { 0.01 });
-            self.xml.leaf(
-                "geom",
-                &[kind("cylinder"), ("fromto", ends), ("size", size)],
-            );
+            let ends = [Vec3::zeros(), Vec3::y() * boom.inner_length()];
+            self.cylinder(ends, positive_or(boom.radius, 0.01), None);
         }
+    }
+
+    /// The rod of a leg, and the sphere that touches the ground.
+    fn rod_and_foot(&mut self, point: &ContactPoint) {
+        let (length, part) = (self.rig.radius, &self.robot.leg.body);
+        let way = point.center.normalize();
+        let tip = way * length;
+        let rod = positive_or(part.length, 0.4 * length);
+        let thickness = positive_or(part.radius, 0.02 * length);
+        // Rods are drawn short of the tip, or they would hide the foot.
+        let ends = [tip - way * rod, tip - way * thickness.min(0.5 * rod)];
+        self.cylinder(ends, thickness, None);
+        let radius = positive_or(point.radius, POINT);
+        let name = ("name", plain(&point.name));
+        let center = ("pos", vector(&(tip - way * radius)));
+        self.xml.leaf(
+            "geom",
+            &[
+                name.clone(),
+                ("type", "sphere".into()),
+                center.clone(),
+                ("size", number(radius)),
+                ("rgba", "0.8 0.2 0.2 1".into()),
+            ],
+        );
+        self.xml
+            .leaf("site", &[name, center, ("size", number(radius + 0.005))]);
+    }
+
+    fn cylinder(&mut self, ends: [Vec3; 2], radius: f64, color: Option<Attribute>) {
+        let shape = [
+            ("type", "cylinder".into()),
+            ("fromto", ends.map(|end| vector(&end)).join(" ")),
+            ("size", number(radius)),
+        ];
+        let attributes: Vec<Attribute> = shape.into_iter().chain(color).collect();
+        self.xml.leaf("geom", &attributes);
     }
 
     fn contacts(&mut self) {
@@ -516,87 +488,78 @@ fn missing(robot: &Robot) -> Vec<String> {
          changes;"
             .to_owned(),
     ];
-    let mut say = |condition: bool, text: String| {
-        if condition {
-            lines.push(format!("- {text};"));
-        }
-    };
-    let (leg, ground) = (&robot.leg, &robot.ground);
-    say(
-        matches!(leg.drive, Drive::Pneumatic(_)),
-        "the gas in the legs: integrate the chamber outside, and give the motor (P - P_a) A".into(),
-    );
-    say(
-        !matches!(leg.drive, Drive::Pneumatic(_)),
-        "the law of the drive: give its force to the motor".into(),
-    );
-    if let Drive::Pneumatic(cylinder) = &leg.drive {
-        say(
-            cylinder.seal_friction > 0.0,
-            format!("seal friction of {} N/Pa", cylinder.seal_friction),
-        );
-    }
-    if let Some(spring) = leg.return_spring {
-        say(
-            spring.stiffness == 0.0 && spring.preload > 0.0,
-            format!(
-                "the return spring's constant force of {} N: take it from the motor's",
-                spring.preload
-            ),
-        );
-    }
-    say(
-        leg.cushion.is_some(),
-        "the end-stop cushion: take its force from the motor's".into(),
-    );
-    say(
-        leg.body.mass == 0.0,
-        "legs without mass: each has 1e-6 of the robot's, and a drive pushes it through ground \
-         and end stop; give leg.mass_kg"
-            .into(),
-    );
-    say(
-        !ground.static_friction.is_finite(),
-        format!("infinite friction: the coefficient is {NO_SLIP}"),
-    );
-    say(
-        ground.static_friction.is_finite() && ground.kinetic_friction != ground.static_friction,
-        format!(
-            "kinetic friction of {}: the coefficient is the static one",
-            ground.kinetic_friction
-        ),
-    );
-    say(
-        robot.boom.is_some(),
-        "friction by the direction of travel: across it is along y, as where the boom stands at \
-         turn 0"
-            .into(),
-    );
-    say(
-        robot.boom.is_some() && ground.across_friction < LEAST_FRICTION,
-        format!("a coefficient of friction across it below {LEAST_FRICTION}: it is that"),
-    );
-    say(
-        robot.foot.radius == 0.0,
-        format!("feet that are points: they are spheres of radius {POINT} m"),
-    );
-    say(
-        ground.restitution > 0.0,
-        format!("a foot's restitution of {}", ground.restitution),
-    );
-    say(
-        ground.stiffness.is_some(),
-        "the stiffness of the ground (N/m)".into(),
-    );
-    say(
-        robot.environment.drag > 0.0,
-        format!("air drag of {} 1/m", robot.environment.drag),
-    );
+    let said = missing_of_leg(robot).into_iter().flatten();
+    let all = said.chain(missing_of_ground(robot).into_iter().flatten());
+    lines.extend(all.map(|text| format!("- {text};")));
     if let Some(last) = lines.last_mut() {
         last.pop();
         last.push('.');
     }
     lines
+}
+
+/// The same of its legs.
+fn missing_of_leg(robot: &Robot) -> [Option<String>; 5] {
+    let leg = &robot.leg;
+    let drive = match &leg.drive {
+        Drive::Pneumatic(_) => {
+            "the gas in the legs: integrate the chamber outside, and give the motor (P - P_a) A"
+        }
+        _ => "the law of the drive: give its force to the motor",
+    };
+    let seal = leg.cylinder().filter(|c| c.seal_friction > 0.0);
+    let constant = |spring: &ReturnSpring| spring.stiffness == 0.0 && spring.preload > 0.0;
+    [
+        Some(drive.into()),
+        seal.map(|c| format!("seal friction of {} N/Pa", c.seal_friction)),
+        leg.return_spring.filter(constant).map(|spring| {
+            format!(
+                "the return spring's constant force of {} N: take it from the motor's",
+                spring.preload
+            )
+        }),
+        leg.cushion
+            .map(|_| "the end-stop cushion: take its force from the motor's".into()),
+        (leg.body.mass == 0.0).then(|| {
+            "legs without mass: each has 1e-6 of the robot's, and a drive pushes it through \
+             ground and end stop; give leg.mass_kg"
+                .into()
+        }),
+    ]
+}
+
+/// The same of its feet, what they stand on, and the air.
+fn missing_of_ground(robot: &Robot) -> [Option<String>; 8] {
+    let ground = &robot.ground;
+    let (sticks, slips) = (ground.static_friction, ground.kinetic_friction);
+    let across = ground.across_friction;
+    [
+        (!sticks.is_finite()).then(|| format!("infinite friction: the coefficient is {NO_SLIP}")),
+        (sticks.is_finite() && slips != sticks)
+            .then(|| format!("kinetic friction of {slips}: the coefficient is the static one")),
+        robot.boom.map(|_| {
+            "friction by the direction of travel: across it is along y, as where the boom stands \
+             at turn 0"
+                .into()
+        }),
+        (robot.boom.is_some() && across < LEAST_FRICTION).then(|| {
+            format!("a coefficient of friction across it below {LEAST_FRICTION}: it is that")
+        }),
+        (robot.foot.radius == 0.0)
+            .then(|| format!("feet that are points: they are spheres of radius {POINT} m")),
+        (ground.restitution > 0.0)
+            .then(|| format!("a foot's restitution of {}", ground.restitution)),
+        ground
+            .stiffness
+            .map(|_| "the stiffness of the ground (N/m)".into()),
+        (robot.environment.drag > 0.0)
+            .then(|| format!("air drag of {} 1/m", robot.environment.drag)),
+    ]
+}
+
+/// `x`, or if that is 0 what stands for it.
+fn positive_or(x: f64, other: f64) -> f64 {
+    if x > 0.0 { x } else { other }
 }
 
 fn number(x: f64) -> String {
@@ -614,6 +577,9 @@ fn numbers(list: &[f64]) -> String {
 fn vector(v: &Vec3) -> String {
     numbers(v.as_slice())
 }
+
+/// Key and value of an XML element.
+type Attribute = (&'static str, String);
 
 /// XML as it is written.
 #[derive(Default)]

@@ -7,6 +7,7 @@ use saltus_robot::bodies::{MASSLESS, RigidBody};
 
 use crate::SimError;
 use crate::contact::{ContactPoint, Friction, Material, Surface, Travel};
+use crate::error::require;
 use crate::mechanism::{Drag, JointParts, LegPart, Mechanism};
 use crate::spatial::Vec3;
 use crate::tree::{Body, Joint, Placement, Pose, Tree};
@@ -172,19 +173,15 @@ impl Rig {
     /// [`SimError::Input`] for a lean or a rate that is not a number, or a lean at which the wheel
     /// would be below the ground.
     pub fn stand(&self, lean: f64, rate: f64) -> Result<(Vec<f64>, Vec<f64>), SimError> {
-        let wrong = |name: &str, value, allowed| {
-            Err(SimError::Input {
-                name: name.into(),
-                value,
-                allowed,
-            })
-        };
-        if lean.is_nan() || lean.abs() >= std::f64::consts::FRAC_PI_2 {
-            return wrong("start lean (rad)", lean, "between -pi/2 and pi/2");
-        }
-        if rate.is_nan() || rate.abs() >= 1e3 {
-            return wrong("approach rate (rad/s)", rate, "a finite number below 1000");
-        }
+        let (lean_key, rate_key) = ("start lean (rad)", "approach rate (rad/s)");
+        let is_up = lean.abs() < std::f64::consts::FRAC_PI_2;
+        require(is_up, lean_key, lean, "between -pi/2 and pi/2")?;
+        require(
+            rate.abs() < 1e3,
+            rate_key,
+            rate,
+            "a finite number below 1000",
+        )?;
         let tree = &self.mechanism.tree;
         let (mut q, mut v) = (vec![0.0; tree.coordinates()], vec![0.0; tree.velocities()]);
         q[self.lean_coordinate()] = lean;
@@ -214,11 +211,9 @@ impl Rig {
         let determinant = first[0] * second[1] - first[1] * second[0];
         v[0] = -(from_spin[0] * second[1] - from_spin[1] * second[0]) / determinant;
         v[1] = -(first[0] * from_spin[1] - first[1] * from_spin[0]) / determinant;
-        if v.iter().chain(&q).all(|x| x.is_finite()) {
-            Ok((q, v))
-        } else {
-            wrong("start lean (rad)", lean, "one at which the robot stands")
-        }
+        let stands = v.iter().chain(&q).all(|x| x.is_finite());
+        require(stands, lean_key, lean, "one at which the robot stands")?;
+        Ok((q, v))
     }
 
     /// Gap (m) between foot 0 and the ground, and where it is nearest.

@@ -8,6 +8,7 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use saltus_robot::bodies::RigidBody;
 
 use crate::SimError;
+use crate::error::{finite, not_negative, require};
 use crate::spatial::{Inertia, Motion, Vec3, Wrench};
 
 /// Where a frame is in another.
@@ -133,73 +134,22 @@ impl Tree {
     }
 
     fn check(&self, body: &Body) -> Result<(), SimError> {
-        let wrong = |what: &str, value, allowed| {
-            Err(SimError::Input {
-                name: format!("body '{}': {what}", body.name),
-                value,
-                allowed,
-            })
-        };
-        let finite = |values: &[f64]| values.iter().copied().find(|x| !x.is_finite());
-        if !(body.mass >= 0.0 && body.mass.is_finite()) {
-            return wrong("mass (kg)", body.mass, "a finite number ≥ 0");
-        }
-        let placement = &body.placement;
-        let numbers = [
-            body.center.as_slice(),
-            body.inertia.as_slice(),
-            placement.position.as_slice(),
-        ];
-        if let Some(x) = numbers.into_iter().find_map(finite) {
-            return wrong("geometry (m, kg m²)", x, "finite");
-        }
-        let turned = (placement.rotation.transpose() * placement.rotation - Matrix3::identity())
-            .abs()
-            .max();
-        if !(turned < 1e-9 && placement.rotation.determinant() > 0.0) {
-            return wrong(
-                "placement's rotation, deviation",
-                turned,
-                "a rotation matrix",
-            );
-        }
-        let principal = body.inertia.symmetric_eigenvalues();
-        let asymmetric = (body.inertia - body.inertia.transpose()).abs().max();
-        let (sum, greatest) = (principal.sum(), principal.max());
-        // Round-off of a rod, whose moment about its own axis is nearly 0.
-        let slack = 1e-12 * greatest.max(f64::MIN_POSITIVE);
-        if principal.min() < -slack || 2.0 * greatest > sum + slack || asymmetric > slack {
-            return wrong(
-                "principal moment (kg m²)",
-                if principal.min() < 0.0 {
-                    principal.min()
-                } else {
-                    greatest
+        let parent = body.parent.map_or(0.0, |parent| parent as f64);
+        let is_known = body.parent.is_none_or(|parent| parent < self.bodies.len());
+        body.check()
+            .and_then(|()| require(is_known, "parent", parent, "a body that was added before"))
+            .map_err(|error| match error {
+                SimError::Input {
+                    name,
+                    value,
+                    allowed,
+                } => SimError::Input {
+                    name: format!("body '{}': {name}", body.name),
+                    value,
+                    allowed,
                 },
-                "symmetric, none negative, none above the sum of the other two",
-            );
-        }
-        match body.joint {
-            Joint::Revolute(axis) | Joint::Prismatic(axis)
-                if (axis.norm() - 1.0).abs() > 1e-12 || axis.norm().is_nan() =>
-            {
-                return wrong("joint axis' length", axis.norm(), "1");
-            }
-            Joint::Free if body.parent.is_some() => {
-                return wrong(
-                    "free joint's parent",
-                    body.parent.unwrap_or(0) as f64,
-                    "the world",
-                );
-            }
-            _ => {}
-        }
-        match body.parent {
-            Some(p) if p >= self.bodies.len() => {
-                wrong("parent", p as f64, "a body that was added before")
-            }
-            _ => Ok(()),
-        }
+                other => other,
+            })
     }
 
     /// The bodies, in the order in which they were added.
@@ -340,6 +290,56 @@ impl Body {
             ..self.clone()
         };
         self.merge(&point, &Placement::at(place));
+    }
+
+    /// Checks mass, geometry and joint.
+    fn check(&self) -> Result<(), SimError> {
+        not_negative("mass (kg)", self.mass)?;
+        let Placement { rotation, position } = &self.placement;
+        for numbers in [
+            self.center.as_slice(),
+            self.inertia.as_slice(),
+            position.as_slice(),
+        ] {
+            finite("geometry (m, kg m²)", numbers)?;
+        }
+        let turned = (rotation.transpose() * rotation - Matrix3::identity())
+            .abs()
+            .max();
+        require(
+            turned < 1e-9 && rotation.determinant() > 0.0,
+            "placement's rotation, deviation",
+            turned,
+            "a rotation matrix",
+        )?;
+        self.check_inertia()?;
+        match self.joint {
+            Joint::Revolute(axis) | Joint::Prismatic(axis) => require(
+                (axis.norm() - 1.0).abs() <= 1e-12,
+                "joint axis' length",
+                axis.norm(),
+                "1",
+            ),
+            Joint::Free => {
+                let parent = self.parent.map_or(0.0, |parent| parent as f64);
+                let is_first = self.parent.is_none();
+                require(is_first, "free joint's parent", parent, "the world")
+            }
+        }
+    }
+
+    fn check_inertia(&self) -> Result<(), SimError> {
+        let principal = self.inertia.symmetric_eigenvalues();
+        let asymmetric = (self.inertia - self.inertia.transpose()).abs().max();
+        let (sum, least, greatest) = (principal.sum(), principal.min(), principal.max());
+        // Round-off of a rod, whose moment about its own axis is nearly 0.
+        let slack = 1e-12 * greatest.max(f64::MIN_POSITIVE);
+        require(
+            !(least < -slack || 2.0 * greatest > sum + slack || asymmetric > slack),
+            "principal moment (kg m²)",
+            if least < 0.0 { least } else { greatest },
+            "symmetric, none negative, none above the sum of the other two",
+        )
     }
 
     /// This link with the mass of `body`, given in its axes.
@@ -492,67 +492,70 @@ impl Pose {
             } else {
                 parent.then(&body.placement)
             };
-            let frame;
-            let (moved, extra) = match &body.joint {
+            let (q, v) = (&q[iq..], &v[iv..]);
+            let (frame, moved, extra) = match &body.joint {
                 Joint::Revolute(axis) => {
-                    frame = Placement {
-                        rotation: turned(&joint.rotation, axis, q[iq]),
+                    let angular = joint.rotation * axis;
+                    let linear = joint.position.cross(&angular);
+                    let along = Motion { angular, linear };
+                    let frame = Placement {
+                        rotation: turned(&joint.rotation, axis, q[0]),
                         position: joint.position,
                     };
-                    let angular = joint.rotation * axis;
-                    let along = Motion {
-                        angular,
-                        linear: joint.position.cross(&angular),
-                    };
                     self.axes.push(along);
-                    (along * v[iv], velocity.cross(&along) * v[iv])
+                    (frame, along * v[0], velocity.cross(&along) * v[0])
                 }
                 Joint::Prismatic(axis) => {
                     let linear = joint.rotation * axis;
-                    frame = Placement {
+                    let angular = Vec3::zeros();
+                    let along = Motion { angular, linear };
+                    let frame = Placement {
                         rotation: joint.rotation,
-                        position: joint.position + linear * q[iq],
-                    };
-                    let along = Motion {
-                        angular: Vec3::zeros(),
-                        linear,
+                        position: joint.position + linear * q[0],
                     };
                     self.axes.push(along);
-                    (along * v[iv], velocity.cross(&along) * v[iv])
+                    (frame, along * v[0], velocity.cross(&along) * v[0])
                 }
-                Joint::Free => {
-                    frame = joint.then(&joint_placement(&body.joint, &q[iq..iq + 7]));
-                    let (turned, at) = (joint.rotation, frame.position);
-                    let column = |k: usize| turned.column(k).into_owned();
-                    let linear = (0..3).map(|k| Motion {
-                        angular: Vec3::zeros(),
-                        linear: column(k),
-                    });
-                    let angular = (0..3).map(|k| Motion {
-                        angular: column(k),
-                        linear: at.cross(&column(k)),
-                    });
-                    self.axes.extend(linear.chain(angular));
-                    let speed = turned * Vec3::new(v[iv], v[iv + 1], v[iv + 2]);
-                    let spin = turned * Vec3::new(v[iv + 3], v[iv + 4], v[iv + 5]);
-                    let moved = Motion {
-                        angular: spin,
-                        linear: speed + at.cross(&spin),
-                    };
-                    // The axes of rotation keep their direction and move with the body's origin.
-                    (
-                        moved,
-                        Motion {
-                            angular: Vec3::zeros(),
-                            linear: speed.cross(&spin),
-                        },
-                    )
-                }
+                Joint::Free => self.move_freely(&joint, q, v),
             };
             self.frames.push(frame);
             self.velocities.push(velocity + moved);
             self.bias.push(bias + extra);
         }
+    }
+
+    /// Frame and velocity of a body that moves freely from the frame `joint`, and its acceleration
+    /// where all v̇ are 0.
+    fn move_freely(
+        &mut self,
+        joint: &Placement,
+        q: &[f64],
+        v: &[f64],
+    ) -> (Placement, Motion, Motion) {
+        let frame = joint.then(&joint_placement(&Joint::Free, &q[..7]));
+        let (turned, at) = (joint.rotation, frame.position);
+        let column = |k: usize| turned.column(k).into_owned();
+        let linear = (0..3).map(|k| Motion {
+            angular: Vec3::zeros(),
+            linear: column(k),
+        });
+        let angular = (0..3).map(|k| Motion {
+            angular: column(k),
+            linear: at.cross(&column(k)),
+        });
+        self.axes.extend(linear.chain(angular));
+        let speed = turned * Vec3::new(v[0], v[1], v[2]);
+        let spin = turned * Vec3::new(v[3], v[4], v[5]);
+        let moved = Motion {
+            angular: spin,
+            linear: speed + at.cross(&spin),
+        };
+        // The axes of rotation keep their direction and move with the body's origin.
+        let extra = Motion {
+            angular: Vec3::zeros(),
+            linear: speed.cross(&spin),
+        };
+        (frame, moved, extra)
     }
 
     /// M (row by row, `tree.velocities()` squared) and h, under gravity `gravity` (m/s²).

@@ -32,6 +32,30 @@ impl Sim<'_> {
             if gap < JUST_LEFT { gap } else { 0.0 }
         }));
         let before = self.guard_values(self.time, watches, false);
+        let (h, after) = self.controlled_step(room, watches)?;
+        self.steps += 1;
+        let first = after
+            .iter()
+            .find(|(_, value)| *value < 0.0 || value.is_nan())
+            .copied();
+        let Some((guard, _)) = first else {
+            self.accept(self.time + h, h == room, stop);
+            return Ok(None);
+        };
+        let (guard, h) = self.locate(guard, h, &before, watches);
+        self.accept(self.time + h, false, stop);
+        // The projection has left its own impulses where the event looks for forces.
+        self.machine.look(&self.y, &self.mode);
+        self.happen(guard)
+    }
+
+    /// The longest step within the tolerance and `room` (s), into `next`, and the guards at its
+    /// end.
+    fn controlled_step(
+        &mut self,
+        room: f64,
+        watches: &[Watch<'_>],
+    ) -> Result<(f64, Vec<(Guard, f64)>), SimError> {
         let mut h = self.step.min(self.settings.longest_step);
         // A step that would leave a sliver takes it along.
         if room < h * (1.0 + 1e-9) {
@@ -39,7 +63,7 @@ impl Sim<'_> {
         }
         let mut halvings = 0;
         let mut whole = 0.0_f64;
-        let after = loop {
+        loop {
             self.machine.least_hold = f64::INFINITY;
             let error = self.try_step(h);
             if error.is_nan() || error > 1.0 {
@@ -66,22 +90,8 @@ impl Sim<'_> {
             if h < room {
                 self.step = (h * step_factor(error)).max(whole);
             }
-            break after;
-        };
-        self.steps += 1;
-        let first = after
-            .iter()
-            .find(|(_, value)| *value < 0.0 || value.is_nan())
-            .copied();
-        let Some((guard, _)) = first else {
-            self.accept(self.time + h, h == room, stop);
-            return Ok(None);
-        };
-        let (guard, h) = self.locate(guard, h, &before, watches);
-        self.accept(self.time + h, false, stop);
-        // The projection has left its own impulses where the event looks for forces.
-        self.machine.look(&self.y, &self.mode);
-        self.happen(guard)
+            return Ok((h, after));
+        }
     }
 
     /// The derivative at the start of a step.

@@ -40,18 +40,7 @@ impl Sim<'_> {
             }
             Guard::SlipEnd(..) | Guard::Redundant => self.settle(None)?,
             Guard::Release(body) => {
-                self.log(Happening::BreakAway(body));
-                // Off a stop, whatever round-off leaves of what held it there.
-                let sign = match self.mode.joints[body] {
-                    JointMode::Held(Stop::Low) => 1.0,
-                    JointMode::Held(Stop::High) => -1.0,
-                    _ => -self
-                        .machine
-                        .force_of(Owner::Joint(body))
-                        .first()
-                        .map_or(0.0, |pull| pull.signum()),
-                };
-                self.mode.joints[body] = self.moving(body, sign);
+                self.release(body);
                 self.settle(Some(guard))?;
             }
             Guard::Halt(body) => {
@@ -77,6 +66,19 @@ impl Sim<'_> {
             }
         }
         Ok(None)
+    }
+
+    /// Lets a joint that was held move.
+    fn release(&mut self, body: usize) {
+        self.log(Happening::BreakAway(body));
+        let pull = self.machine.force_of(Owner::Joint(body)).first();
+        // Off a stop, whatever round-off leaves of what held it there.
+        let sign = match self.mode.joints[body] {
+            JointMode::Held(Stop::Low) => 1.0,
+            JointMode::Held(Stop::High) => -1.0,
+            _ => -pull.map_or(0.0, |pull| pull.signum()),
+        };
+        self.mode.joints[body] = self.moving(body, sign);
     }
 
     /// Counts events, which must not go on without time.

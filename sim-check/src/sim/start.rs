@@ -4,9 +4,11 @@ use saltus_pneumatics::Piece;
 
 use super::{Settings, Sim, Stepping};
 use crate::SimError;
+use crate::error::{not_negative, positive, require};
 use crate::machine::Layout;
 use crate::mechanism::Mechanism;
 use crate::mode::{ContactMode, JointMode, LegMode, Mode};
+use crate::tree::{Joint, Tree};
 
 impl Sim<'_> {
     /// Closes what touches at the start.
@@ -75,7 +77,27 @@ pub(super) fn check_start(
     v: &[f64],
     settings: &Settings,
 ) -> Result<(), SimError> {
+    check_state(&mechanism.tree, q, v)?;
+    settings.check()?;
+    check_quaternions(&mechanism.tree, q)?;
+    mechanism.check(q)?;
     let tree = &mechanism.tree;
+    let bodies = tree.bodies().iter().enumerate();
+    for (i, body) in bodies.filter(|(_, body)| body.joint != Joint::Free) {
+        let (x, (low, high)) = (q[tree.coordinate_of(i)], mechanism.stops(i));
+        if x < low || x > high {
+            return Err(SimError::BeyondStop {
+                body: body.name.clone(),
+                value: x,
+                low,
+                high,
+            });
+        }
+    }
+    Ok(())
+}
+
+fn check_state(tree: &Tree, q: &[f64], v: &[f64]) -> Result<(), SimError> {
     for (name, given, wanted) in [
         ("coordinates", q.len(), tree.coordinates()),
         ("velocities", v.len(), tree.velocities()),
@@ -88,67 +110,34 @@ pub(super) fn check_start(
             });
         }
     }
-    let wrong = |name: &str, value, allowed| {
-        Err(SimError::Input {
-            name: name.into(),
-            value,
-            allowed,
-        })
-    };
     for (name, list) in [("coordinate", q), ("velocity", v)] {
-        if let Some(x) = list.iter().find(|x| x.is_nan() || x.abs() >= 1e9) {
-            return wrong(name, *x, "a finite number below 1e9");
-        }
-    }
-    let positive = [
-        ("tolerance", settings.tolerance),
-        ("longest step (s)", settings.longest_step),
-    ];
-    if let Some((name, value)) = positive
-        .into_iter()
-        .find(|(_, x)| !(*x > 0.0 && x.is_finite()))
-    {
-        return wrong(name, value, "a finite number > 0");
-    }
-    if let Stepping::Fixed(h) = settings.stepping
-        && !(h > 0.0 && h <= Stepping::LONGEST)
-    {
-        return wrong("fixed step (s)", h, "above 0, at most 0.1");
-    }
-    let not_negative = [
-        ("rest speed (m/s)", settings.rest_speed),
-        ("penetration (m)", settings.penetration),
-    ];
-    if let Some((name, value)) = not_negative
-        .into_iter()
-        .find(|(_, x)| !(*x >= 0.0 && x.is_finite()))
-    {
-        return wrong(name, value, "a finite number ≥ 0");
-    }
-    let is_free = |i: usize| tree.bodies()[i].joint == crate::tree::Joint::Free;
-    for i in (0..tree.bodies().len()).filter(|&i| is_free(i)) {
-        let iq = tree.coordinate_of(i);
-        let length = q[iq + 3..iq + 7].iter().map(|x| x * x).sum::<f64>().sqrt();
-        if (length - 1.0).abs() > 1e-3 {
-            return wrong("quaternion's length", length, "1 to within 1e-3");
-        }
-    }
-    mechanism.check(q)?;
-    for (i, body) in tree
-        .bodies()
-        .iter()
-        .enumerate()
-        .filter(|(i, _)| !is_free(*i))
-    {
-        let (x, (low, high)) = (q[tree.coordinate_of(i)], mechanism.stops(i));
-        if x < low || x > high {
-            return Err(SimError::BeyondStop {
-                body: body.name.clone(),
-                value: x,
-                low,
-                high,
-            });
+        for x in list {
+            require(x.abs() < 1e9, name, *x, "a finite number below 1e9")?;
         }
     }
     Ok(())
+}
+
+fn check_quaternions(tree: &Tree, q: &[f64]) -> Result<(), SimError> {
+    let bodies = tree.bodies().iter().enumerate();
+    for (i, _) in bodies.filter(|(_, body)| body.joint == Joint::Free) {
+        let iq = tree.coordinate_of(i);
+        let length = q[iq + 3..iq + 7].iter().map(|x| x * x).sum::<f64>().sqrt();
+        let is_unit = (length - 1.0).abs() <= 1e-3;
+        require(is_unit, "quaternion's length", length, "1 to within 1e-3")?;
+    }
+    Ok(())
+}
+
+impl Settings {
+    fn check(&self) -> Result<(), SimError> {
+        positive("tolerance", self.tolerance)?;
+        positive("longest step (s)", self.longest_step)?;
+        if let Stepping::Fixed(h) = self.stepping {
+            let is_sound = h > 0.0 && h <= Stepping::LONGEST;
+            require(is_sound, "fixed step (s)", h, "above 0, at most 0.1")?;
+        }
+        not_negative("rest speed (m/s)", self.rest_speed)?;
+        not_negative("penetration (m)", self.penetration)
+    }
 }
