@@ -1,6 +1,6 @@
 //! The model of a stance: a robot's equations of motion on one foot.
 
-use saltus_numeric::{Scalar, Single};
+use saltus_numeric::{Scalar, Single, refused};
 use saltus_pneumatics::{Chamber, GasState, Leg, Valve};
 use saltus_robot::{Launch, Robot, Term};
 
@@ -200,42 +200,26 @@ impl<S: Scalar> Stance<S> {
 /// Whether a stance can be given `launch`.
 pub(crate) fn check<S: Single>(launch: &Launch<S>) -> Result<(), StanceError> {
     let angle = "a finite angle strictly between -pi/2 and pi/2 rad";
-    let is_upright = |x: S| x.value().abs() < std::f64::consts::FRAC_PI_2;
-    let is_moderate = |x: S| (0.0..=1e3).contains(&x.value());
-    let cases = [
-        (
-            "approach rate (rad/s)",
-            launch.rate,
-            is_moderate(launch.rate),
-            "from 0 to 1000 rad/s",
-        ),
-        (
-            "start lean (rad)",
-            launch.lean,
-            is_upright(launch.lean),
-            angle,
-        ),
-        (
-            "firing angle (rad)",
-            launch.firing_angle,
-            is_upright(launch.firing_angle),
-            angle,
-        ),
-        (
-            "valve opening time (s)",
-            launch.valve_open,
-            is_moderate(launch.valve_open),
-            "from 0 to 1000 s",
-        ),
+    let is_upright = |x: f64| x.abs() < std::f64::consts::FRAC_PI_2;
+    let is_moderate = |x: f64| (0.0..=1e3).contains(&x);
+    let numbers = [
+        launch.rate,
+        launch.lean,
+        launch.firing_angle,
+        launch.valve_open,
     ];
-    for (name, x, is_legal, allowed) in cases {
-        if !is_legal {
-            return Err(StanceError::Input {
-                name,
-                value: x.value(),
-                allowed,
-            });
-        }
-    }
-    Ok(())
+    let [rate, lean, firing_angle, open] = numbers.map(S::value);
+    let wrong = refused! {
+        "approach rate (rad/s)", rate, is_moderate(rate) => "from 0 to 1000 rad/s";
+        "start lean (rad)", lean, is_upright(lean) => angle;
+        "firing angle (rad)", firing_angle, is_upright(firing_angle) => angle;
+        "valve opening time (s)", open, is_moderate(open) => "from 0 to 1000 s";
+    };
+    wrong.map_or(Ok(()), |(name, value, allowed)| {
+        Err(StanceError::Input {
+            name,
+            value,
+            allowed,
+        })
+    })
 }

@@ -4,6 +4,7 @@
 //! * [`Scalar`]: what the equations of motion are written in, once; `f64` for one jump, [`Dual`]
 //!   for a jump with its exact derivatives, [`Lanes`] for several jumps side by side in SIMD
 //!   registers, whose [`Width`] is chosen where the program runs.
+//! * [`refused!`]: numbers held against what they may be.
 //! * [`dop853`]: one step of the Runge–Kutta method of order 8 that all of them are integrated
 //!   with, and the choice of the independent variable that turns it into an exact event locator.
 //! * Of plain numbers: [`root`] has roots and extremes without derivatives, [`hermite`] the cubic
@@ -15,6 +16,7 @@ mod dual;
 mod hermite;
 mod lanes;
 pub mod parallel;
+mod refused;
 pub mod root;
 mod scalar;
 pub mod statistics;

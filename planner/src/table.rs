@@ -4,6 +4,7 @@
 use saltus_ballistic::{Disc, DragFlight, Obstacle, Trajectory};
 use saltus_lagrangian::{Launch, StanceError};
 use saltus_numeric::parallel::{self, in_chunks};
+use saltus_numeric::refused;
 use saltus_robot::Robot;
 
 use crate::jump::{Jump, Sensitivity};
@@ -260,56 +261,27 @@ impl TableRequest {
         let (low, high) = self.firing_angles;
         let upright = |x: f64| x.abs() < std::f64::consts::FRAC_PI_2;
         let angle = "a finite angle strictly between -pi/2 and pi/2 rad";
-        let all = |list: &[f64], ok: fn(f64) -> bool| list.iter().copied().find(|x| !ok(*x));
-        let found = [
-            (
-                "approach rate (rad/s)",
-                all(&self.rates, |x| (0.0..=1e3).contains(&x)),
-                "from 0 to 1000 rad/s",
-            ),
-            (
-                "target (m)",
-                all(&self.targets, |x| x.abs() < 1e6),
-                "a finite length below 1000 km",
-            ),
-            (
-                "valve opening time (s)",
-                all(&[self.valve_open], |x| (0.0..=1e3).contains(&x)),
-                "from 0 to 1000 s",
-            ),
-            (
-                "start lean (rad)",
-                self.start_lean.filter(|x| !upright(*x)),
-                angle,
-            ),
-            (
-                "least firing angle (rad)",
-                Some(low).filter(|x| !upright(*x)),
-                angle,
-            ),
-            (
-                "greatest firing angle (rad)",
-                Some(high).filter(|x| !upright(*x)),
-                angle,
-            ),
-            (
-                "greatest firing angle (rad)",
-                Some(high).filter(|x| *x <= low),
-                "above the least firing angle",
-            ),
-            ("threads", (self.threads == 0).then_some(0.0), "at least 1"),
-        ];
-        let wrong = found
-            .into_iter()
-            .find_map(|(name, value, allowed)| value.map(|v| (name, v, allowed)));
-        match wrong {
-            Some((name, value, allowed)) => Err(TableError::Input {
+        let first = |list: &[f64], ok: fn(&f64) -> bool| list.iter().copied().find(|x| !ok(x));
+        let rate = first(&self.rates, |x| (0.0..=1e3).contains(x));
+        let target = first(&self.targets, |x| x.abs() < 1e6);
+        let (lean, open) = (self.start_lean.unwrap_or(0.0), self.valve_open);
+        let wrong = refused! {
+            "approach rate (rad/s)", rate.unwrap_or(0.0), rate.is_none() => "from 0 to 1000 rad/s";
+            "target (m)", target.unwrap_or(0.0), target.is_none() => "a finite length below 1000 km";
+            "valve opening time (s)", open, (0.0..=1e3).contains(&open) => "from 0 to 1000 s";
+            "start lean (rad)", lean, upright(lean) => angle;
+            "least firing angle (rad)", low, upright(low) => angle;
+            "greatest firing angle (rad)", high, upright(high) => angle;
+            "greatest firing angle (rad)", high, (high > low) => "above the least firing angle";
+            "threads", 0.0, (self.threads > 0) => "at least 1";
+        };
+        wrong.map_or(Ok(()), |(name, value, allowed)| {
+            Err(TableError::Input {
                 name,
                 value,
                 allowed,
-            }),
-            None => Ok(()),
-        }
+            })
+        })
     }
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fmt;
 
 use crate::terms::Plane;
-use crate::{Drive, Robot, Term};
+use crate::{Cylinder, Drive, Robot, Term};
 
 /// A number of a robot that is legal and hardly meant.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +47,21 @@ const COLD: f64 = 100.0;
 /// Length (m) of a boom, and radius (m) of a wheel, that no laboratory holds.
 const HALL: f64 = 50.0;
 
+/// Adds each number that is odd: key, value, whether it is, and why, and in which unit it would not
+/// be.
+macro_rules! odd {
+    ($all:ident, $($key:expr, $value:expr, $is_odd:expr => $why:expr, $units:expr;)+) => {
+        $(if $is_odd {
+            $all.push(Implausible { key: $key, value: $value, why: $why.into(), units: $units });
+        })+
+    };
+}
+
+/// Volume (m³) of a ball.
+fn ball(radius: f64) -> f64 {
+    4.0 / 3.0 * PI * radius.powi(3)
+}
+
 impl Robot {
     /// Numbers that look like a slip of unit; none for most robots.
     ///
@@ -63,131 +78,65 @@ impl Robot {
     /// # Ok::<(), saltus_robot::RobotError>(())
     /// ```
     pub fn implausible(&self) -> Vec<Implausible> {
-        let (mass, radius) = (self.body.mass, self.body.radius);
-        let (width, ball) = (2.0 * radius, 4.0 / 3.0 * PI * radius.powi(3));
+        let mut all = Vec::new();
+        self.body_and_leg(&mut all);
+        self.surroundings(&mut all);
+        if let Drive::Pneumatic(cylinder) = &self.leg.drive {
+            self.cylinder(cylinder, &mut all);
+        }
+        all
+    }
+
+    fn body_and_leg(&self, all: &mut Vec<Implausible>) {
+        let (mass, radius, inertia) = (self.body.mass, self.body.radius, self.body.inertia);
+        let (stroke, delay, width) = (self.leg.stroke, self.leg.delay, 2.0 * radius);
         let rim = mass * radius * radius;
-        let mut all = vec![
-            (
-                radius > HALL,
-                "body.wheel_radius_m",
-                radius,
-                "is larger than any hall".into(),
-                "cm or mm",
-            ),
-            (
-                mass > DENSEST * ball,
-                "body.mass_kg",
-                mass,
-                format!(
-                    "is more than a wheel of {} m radius can hold",
-                    short(radius)
-                ),
-                "g",
-            ),
-            (
-                // The margin is for rounding of a hoop.
-                self.body.inertia > (1.0 + 1e-6) * rim,
-                "body.inertia_kg_m2",
-                self.body.inertia,
-                format!(
-                    "is more than that of all mass on the rim ({} kg m²)",
-                    short(rim)
-                ),
-                "g m², kg mm² or g cm²",
-            ),
-            (
-                self.leg.stroke > width,
-                "leg.stroke_m",
-                self.leg.stroke,
-                format!("is longer than the wheel is wide ({} m)", short(width)),
-                "cm or mm",
-            ),
-            (
-                self.leg.delay > DELAY,
-                self.delay_key(),
-                self.leg.delay,
-                "is slow for a valve or latch".into(),
-                "ms",
-            ),
-            (
-                self.environment.gravity > GRAVITY,
-                "environment.gravity_m_s2",
-                self.environment.gravity,
-                "is more than on any planet".into(),
-                "cm/s²",
-            ),
-            (
-                !(AMBIENT.0..=AMBIENT.1).contains(&self.environment.ambient.0),
-                "environment.ambient_pressure_pa",
-                self.environment.ambient.0,
-                "is far from one atmosphere (101325 Pa)".into(),
-                "kPa, bar or psi",
-            ),
-        ];
-        if let Some(boom) = &self.boom {
-            all.push((
-                boom.length > HALL,
-                "boom.length_m",
-                boom.length,
-                "is longer than any hall".into(),
-                "cm or mm",
-            ));
+        let heavy = format!(
+            "is more than a wheel of {} m radius can hold",
+            short(radius)
+        );
+        let beyond = format!(
+            "is more than that of all mass on the rim ({} kg m²)",
+            short(rim)
+        );
+        let long = format!("is longer than the wheel is wide ({} m)", short(width));
+        odd! { all,
+            "body.wheel_radius_m", radius, (radius > HALL) => "is larger than any hall", "cm or mm";
+            "body.mass_kg", mass, (mass > DENSEST * ball(radius)) => heavy, "g";
+            // The margin is for rounding of a hoop.
+            "body.inertia_kg_m2", inertia, (inertia > (1.0 + 1e-6) * rim) => beyond, "g m², kg mm² or g cm²";
+            "leg.stroke_m", stroke, (stroke > width) => long, "cm or mm";
+            self.delay_key(), delay, (delay > DELAY) => "is slow for a valve or latch", "ms";
         }
-        if let Drive::Pneumatic(c) = &self.leg.drive {
-            let supply = c.supply.0;
-            all.extend([
-                (
-                    supply > 0.0 && supply < SUPPLY.0,
-                    "leg.supply_pressure_gauge_pa",
-                    supply,
-                    "is too weak to push".into(),
-                    "kPa, bar or psi",
-                ),
-                (
-                    supply > SUPPLY.1,
-                    "leg.supply_pressure_gauge_pa",
-                    supply,
-                    "is more than a gas bottle holds".into(),
-                    "a smaller unit",
-                ),
-                (
-                    c.bore > width,
-                    "leg.bore_m",
-                    c.bore,
-                    "is wider than the wheel".into(),
-                    "mm",
-                ),
-                (
-                    c.orifice_radius > c.bore,
-                    "leg.orifice_radius_m",
-                    c.orifice_radius,
-                    "is wider than the cylinder".into(),
-                    "mm",
-                ),
-                (
-                    c.dead_volume > ball,
-                    "leg.dead_volume_m3",
-                    c.dead_volume,
-                    "is more than the wheel holds".into(),
-                    "cm³",
-                ),
-                (
-                    c.temperature < COLD,
-                    "leg.gas_temperature_k",
-                    c.temperature,
-                    "is colder than gas".into(),
-                    "°C",
-                ),
-            ]);
+    }
+
+    fn surroundings(&self, all: &mut Vec<Implausible>) {
+        let (gravity, ambient) = (self.environment.gravity, self.environment.ambient.0);
+        let is_thick = !(AMBIENT.0..=AMBIENT.1).contains(&ambient);
+        let length = self.boom.map_or(0.0, |boom| boom.length);
+        odd! { all,
+            "environment.gravity_m_s2", gravity, (gravity > GRAVITY) => "is more than on any planet", "cm/s²";
+            "environment.ambient_pressure_pa", ambient, is_thick => "is far from one atmosphere (101325 Pa)", "kPa, bar or psi";
+            "boom.length_m", length, (length > HALL) => "is longer than any hall", "cm or mm";
         }
-        let odd = all.into_iter().filter(|(is_odd, ..)| *is_odd);
-        odd.map(|(_, key, value, why, units)| Implausible {
-            key,
-            value,
-            why,
-            units,
-        })
-        .collect()
+    }
+
+    fn cylinder(&self, cylinder: &Cylinder, all: &mut Vec<Implausible>) {
+        let (supply, bore, kelvin) = (cylinder.supply.0, cylinder.bore, cylinder.temperature);
+        let (orifice, volume) = (cylinder.orifice_radius, cylinder.dead_volume);
+        let radius = self.body.radius;
+        let (key, is_weak) = (
+            "leg.supply_pressure_gauge_pa",
+            supply > 0.0 && supply < SUPPLY.0,
+        );
+        odd! { all,
+            key, supply, is_weak => "is too weak to push", "kPa, bar or psi";
+            key, supply, (supply > SUPPLY.1) => "is more than a gas bottle holds", "a smaller unit";
+            "leg.bore_m", bore, (bore > 2.0 * radius) => "is wider than the wheel", "mm";
+            "leg.orifice_radius_m", orifice, (orifice > bore) => "is wider than the cylinder", "mm";
+            "leg.dead_volume_m3", volume, (volume > ball(radius)) => "is more than the wheel holds", "cm³";
+            "leg.gas_temperature_k", kelvin, (kelvin < COLD) => "is colder than gas", "°C";
+        }
     }
 
     fn delay_key(&self) -> &'static str {

@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use saltus_numeric::refused;
 use saltus_robot::{Launch, LiftOff, Outcome};
 
 use crate::SimError;
@@ -133,47 +134,22 @@ impl Rig {
 }
 
 fn check(launch: &Launch, plan: &Plan) -> Result<(), SimError> {
-    let upright = |x: f64| x.abs() < FRAC_PI_2;
-    let found = [
-        (
-            "firing angle (rad)",
-            launch.firing_angle,
-            upright(launch.firing_angle),
-            "between -pi/2 and pi/2",
-        ),
-        (
-            "valve opening time (s)",
-            launch.valve_open,
-            (0.0..=1e3).contains(&launch.valve_open),
-            "from 0 to 1000",
-        ),
-        (
-            "time between samples (s)",
-            plan.sample,
-            plan.sample > 1e-7 && plan.sample.is_finite(),
-            "above 1e-7",
-        ),
-        (
-            "patience (s)",
-            plan.patience,
-            plan.patience > 0.0 && plan.patience < 1e4,
-            "above 0, below 10000",
-        ),
-        (
-            "landing height (m)",
-            plan.landing_height,
-            plan.landing_height.is_finite(),
-            "a finite number",
-        ),
-    ];
-    match found.into_iter().find(|(_, _, is_right, _)| !is_right) {
-        Some((name, value, _, allowed)) => Err(SimError::Input {
+    let (angle, open) = (launch.firing_angle, launch.valve_open);
+    let (sample, patience, height) = (plan.sample, plan.patience, plan.landing_height);
+    let wrong = refused! {
+        "firing angle (rad)", angle, (angle.abs() < FRAC_PI_2) => "between -pi/2 and pi/2";
+        "valve opening time (s)", open, (0.0..=1e3).contains(&open) => "from 0 to 1000";
+        "time between samples (s)", sample, (sample > 1e-7 && sample.is_finite()) => "above 1e-7";
+        "patience (s)", patience, (patience > 0.0 && patience < 1e4) => "above 0, below 10000";
+        "landing height (m)", height, height.is_finite() => "a finite number";
+    };
+    wrong.map_or(Ok(()), |(name, value, allowed)| {
+        Err(SimError::Input {
             name: name.into(),
             value,
             allowed,
-        }),
-        None => Ok(()),
-    }
+        })
+    })
 }
 
 struct Recorder<'a> {

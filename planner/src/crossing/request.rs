@@ -1,6 +1,7 @@
 //! What is to be crossed, and how: the numbers of a course for the rolling robot.
 
 use saltus_lagrangian::Launch;
+use saltus_numeric::refused;
 
 use super::CrossingError;
 use crate::course::{self, Course, Span};
@@ -54,26 +55,11 @@ pub struct Crossing {
     pub effort_weight: f64,
 }
 
-/// A number of a crossing: key, value, whether it is allowed, and what is.
-type Case = (&'static str, f64, bool, &'static str);
-
 /// What a lean or a firing angle may be.
 const UPRIGHT: &str = "between -pi/2 and pi/2 rad, exclusive";
 
 fn is_upright(x: f64) -> bool {
     x.abs() < std::f64::consts::FRAC_PI_2
-}
-
-/// The first number that is not allowed, as an error.
-fn refused(cases: impl IntoIterator<Item = Case>) -> Result<(), CrossingError> {
-    let bad = cases.into_iter().find(|(_, _, holds, _)| !holds);
-    bad.map_or(Ok(()), |(key, value, _, allowed)| {
-        Err(CrossingError::Input {
-            key,
-            value,
-            allowed,
-        })
-    })
 }
 
 impl Crossing {
@@ -110,125 +96,54 @@ impl Crossing {
 
     pub(super) fn check(&self) -> Result<(), CrossingError> {
         self.course.check()?;
-        refused(self.approach())?;
-        refused(self.commands())?;
-        refused(self.margins())?;
+        if let Some((key, value, allowed)) = self.refused() {
+            return Err(CrossingError::Input {
+                key,
+                value,
+                allowed,
+            });
+        }
         self.check_ends()?;
         self.check_start()
     }
 
-    /// How the robot comes, and to how many landings.
-    fn approach(&self) -> [Case; 4] {
-        let (jumps, rates) = (self.course.jumps, self.rates.len());
-        let bad_rate = self
+    /// The first number that is not allowed.
+    fn refused(&self) -> Option<(&'static str, f64, &'static str)> {
+        let (jumps, rates, zones) = (self.course.jumps, self.rates.len(), self.zones.len());
+        let mut bad_rates = self
             .rates
             .iter()
-            .copied()
-            .find(|r| !(0.0..=1e3).contains(r));
-        [
-            (
-                "approach_rate_rad_s (count)",
-                rates as f64,
-                rates == 1 || rates == jumps,
-                "1, or as many as there are jumps",
-            ),
-            (
-                "land (count)",
-                self.zones.len() as f64,
-                self.zones.len() <= jumps,
-                "at most one for each jump",
-            ),
-            (
-                "approach_rate_rad_s",
-                bad_rate.unwrap_or(0.0),
-                bad_rate.is_none(),
-                "from 0 to 1000 rad/s",
-            ),
-            (
-                "start_lean_rad",
-                self.start_lean.unwrap_or(0.0),
-                self.start_lean.is_none_or(is_upright),
-                UPRIGHT,
-            ),
-        ]
-    }
-
-    /// What may be commanded.
-    fn commands(&self) -> [Case; 4] {
+            .filter(|rate| !(0.0..=1e3).contains(*rate));
+        let rate = bad_rates.next().copied().unwrap_or(0.0);
+        let lean = self.start_lean.unwrap_or(0.0);
         let (angles, valve) = (self.firing_angles, self.valve_open);
-        [
-            (
-                "firing_angle_rad",
-                angles.low,
-                is_upright(angles.low),
-                UPRIGHT,
-            ),
-            (
-                "firing_angle_rad",
-                angles.high,
-                is_upright(angles.high) && angles.high > angles.low,
-                "above its least value, below pi/2 rad",
-            ),
-            (
-                "valve_open_s",
-                valve.low,
-                valve.low > 0.0 && valve.low <= 10.0,
-                "above 0, to 10 s",
-            ),
-            (
-                "valve_open_s",
-                valve.high,
-                valve.high > valve.low && valve.high <= 10.0,
-                "above its least value, to 10 s",
-            ),
-        ]
-    }
-
-    /// Distances, margins and weights.
-    fn margins(&self) -> [Case; 9] {
+        let friction = self.friction.unwrap_or(0.0);
         let length = |x: f64| (0.0..=1e4).contains(&x);
-        let positive = "0 or above";
-        [
-            (
-                "target_x_m",
-                self.target,
-                self.target.abs() <= 1e4,
-                "from -10000 to 10000 m",
-            ),
-            ("roll_m", self.roll, length(self.roll), positive),
-            (
-                "clearance_m",
-                self.clearance,
-                length(self.clearance),
-                positive,
-            ),
-            (
-                "edge_margin_m",
-                self.edge_margin,
-                length(self.edge_margin),
-                positive,
-            ),
-            ("leg_out_s", self.leg_out, length(self.leg_out), positive),
-            (
-                "friction_coefficient",
-                self.friction.unwrap_or(0.0),
-                self.friction.is_none_or(length),
-                positive,
-            ),
-            ("margin_sigmas", self.sigmas, length(self.sigmas), positive),
-            (
-                "deviation_weight",
-                self.deviation_weight,
-                self.deviation_weight >= 0.0 && self.deviation_weight.is_finite(),
-                positive,
-            ),
-            (
-                "effort_weight",
-                self.effort_weight,
-                self.effort_weight >= 0.0 && self.effort_weight.is_finite(),
-                positive,
-            ),
-        ]
+        let weight = |x: f64| x >= 0.0 && x.is_finite();
+        let (one_or_all, above) = ("1, or as many as there are jumps", "0 or above");
+        let (later, longer) = (
+            "above its least value, below pi/2 rad",
+            "above its least value, to 10 s",
+        );
+        refused! {
+            "approach_rate_rad_s (count)", rates as f64, (rates == 1 || rates == jumps) => one_or_all;
+            "land (count)", zones as f64, (zones <= jumps) => "at most one for each jump";
+            "approach_rate_rad_s", rate, (0.0..=1e3).contains(&rate) => "from 0 to 1000 rad/s";
+            "start_lean_rad", lean, is_upright(lean) => UPRIGHT;
+            "firing_angle_rad", angles.low, is_upright(angles.low) => UPRIGHT;
+            "firing_angle_rad", angles.high, (is_upright(angles.high) && angles.high > angles.low) => later;
+            "valve_open_s", valve.low, (valve.low > 0.0 && valve.low <= 10.0) => "above 0, to 10 s";
+            "valve_open_s", valve.high, (valve.high > valve.low && valve.high <= 10.0) => longer;
+            "target_x_m", self.target, (self.target.abs() <= 1e4) => "from -10000 to 10000 m";
+            "roll_m", self.roll, length(self.roll) => above;
+            "clearance_m", self.clearance, length(self.clearance) => above;
+            "edge_margin_m", self.edge_margin, length(self.edge_margin) => above;
+            "leg_out_s", self.leg_out, length(self.leg_out) => above;
+            "friction_coefficient", friction, length(friction) => above;
+            "margin_sigmas", self.sigmas, length(self.sigmas) => above;
+            "deviation_weight", self.deviation_weight, weight(self.deviation_weight) => above;
+            "effort_weight", self.effort_weight, weight(self.effort_weight) => above;
+        }
     }
 
     /// Whether the robot starts on the ground or on a box, and no landing zone runs backwards.

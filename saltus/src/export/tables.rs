@@ -3,6 +3,7 @@
 use saltus_controller::{
     Axis, Controller, FiringCurve, FiringTable, LiftOffMap, Limits, MAP_NODE, Rates, Robot, Rule,
 };
+use saltus_numeric::refused;
 use saltus_planner::{JumpModel, Planner};
 use sha2::{Digest, Sha256};
 
@@ -353,145 +354,49 @@ fn check<M: JumpModel>(planner: &Planner<M>, request: &Request) -> Result<(), Ex
     if drag > 0.0 {
         return Err(ExportError::Drag { drag });
     }
+    let (angle, several) = ("between -pi/2 and pi/2 rad", "from 2 to 1000");
     let upright = |x: f64| x.abs() < std::f64::consts::FRAC_PI_2;
-    let (r, d) = (request.rates, request.distances);
-    let (v, w) = request
-        .valve_range
-        .unwrap_or((request.valve_open, request.valve_open));
-    let (a, b) = request.firing_angles.unwrap_or((0.0, 0.1));
-    let lean = request.start_lean.unwrap_or(0.0);
+    let up_to = |x: f64, most: f64| x > 0.0 && x <= most;
     let nodes = |n: usize, least: usize| (least..=1000).contains(&n);
-    let several = "from 2 to 1000";
-    let cases = [
-        (
-            "least approach rate (rad/s)",
-            r.0,
-            (0.0..=1e3).contains(&r.0),
-            "from 0 to 1000 rad/s",
-        ),
-        (
-            "greatest approach rate (rad/s)",
-            r.1,
-            r.1 > r.0 && r.1 <= 1e3,
-            "above the least, to 1000 rad/s",
-        ),
-        (
-            "nodes over approach rates",
-            r.2 as f64,
-            nodes(r.2, 2),
-            several,
-        ),
-        (
-            "least distance (m)",
-            d.0,
-            d.0.abs() <= 1e3,
-            "from -1000 to 1000 m",
-        ),
-        (
-            "greatest distance (m)",
-            d.1,
-            d.1 <= 1e3 && (d.1 > d.0) == (d.2 > 1),
-            "above the least, to 1000 m",
-        ),
-        (
-            "nodes over distances",
-            d.2 as f64,
-            nodes(d.2, 1),
-            "from 1 to 1000",
-        ),
-        (
-            "least firing angle (rad)",
-            a,
-            upright(a),
-            "between -pi/2 and pi/2 rad",
-        ),
-        (
-            "greatest firing angle (rad)",
-            b,
-            upright(b) && b > a,
-            "above the least, below pi/2 rad",
-        ),
-        (
-            "nodes over firing angles",
-            request.angles as f64,
-            nodes(request.angles, 2),
-            several,
-        ),
-        (
-            "landing height (m)",
-            request.landing_height(planner),
-            request.landing_height(planner).abs() <= 1e3,
-            "from -1000 to 1000 m",
-        ),
-        (
-            "valve opening time (s)",
-            request.valve_open,
-            request.valve_open > 0.0 && request.valve_open <= 1e3,
-            "above 0, to 1000 s",
-        ),
-        (
-            "least valve opening time (s)",
-            v,
-            v > 0.0 && v <= request.valve_open,
-            "above 0, to the valve opening time",
-        ),
-        (
-            "greatest valve opening time (s)",
-            w,
-            w >= request.valve_open && w <= 1e3,
-            "from the valve opening time to 1000 s",
-        ),
-        (
-            "start lean (rad)",
-            lean,
-            upright(lean),
-            "between -pi/2 and pi/2 rad",
-        ),
-        (
-            "control period (s)",
-            request.period,
-            request.period > 0.0 && request.period <= 1.0,
-            "above 0, to 1 s",
-        ),
-        (
-            "extra delay (s)",
-            request.extra_delay,
-            request.extra_delay.abs() <= 1.0,
-            "from -1 to 1 s",
-        ),
-        (
-            "Newton steps",
-            f64::from(request.newton_steps),
-            request.newton_steps <= 3,
-            "from 0 to 3",
-        ),
-        (
-            "effort (m^2/s^2)",
-            request.effort,
-            request.effort > 0.0 && request.effort <= 1e6,
-            "above 0, to 1000000",
-        ),
-        (
-            "tolerance (m)",
-            request.tolerance,
-            request.tolerance > 0.0 && request.tolerance <= 1e3,
-            "above 0, to 1000 m",
-        ),
-        (
-            "threads",
-            request.threads as f64,
-            request.threads > 0,
-            "at least 1",
-        ),
-    ];
-    match cases.into_iter().find(|(_, _, holds, _)| !holds) {
-        Some((name, value, _, allowed)) => Err(ExportError::Input {
+    let (r, d, open) = (request.rates, request.distances, request.valve_open);
+    let (v, w) = request.valve_range.unwrap_or((open, open));
+    let (a, b) = request.firing_angles.unwrap_or((0.0, 0.1));
+    let (lean, height) = (
+        request.start_lean.unwrap_or(0.0),
+        request.landing_height(planner),
+    );
+    let (period, delay, steps) = (request.period, request.extra_delay, request.newton_steps);
+    let (effort, tolerance) = (request.effort, request.tolerance);
+    let wider = d.1 <= 1e3 && (d.1 > d.0) == (d.2 > 1);
+    let wrong = refused! {
+        "least approach rate (rad/s)", r.0, (0.0..=1e3).contains(&r.0) => "from 0 to 1000 rad/s";
+        "greatest approach rate (rad/s)", r.1, (r.1 > r.0 && r.1 <= 1e3) => "above the least, to 1000 rad/s";
+        "nodes over approach rates", r.2 as f64, nodes(r.2, 2) => several;
+        "least distance (m)", d.0, (d.0.abs() <= 1e3) => "from -1000 to 1000 m";
+        "greatest distance (m)", d.1, wider => "above the least, to 1000 m";
+        "nodes over distances", d.2 as f64, nodes(d.2, 1) => "from 1 to 1000";
+        "least firing angle (rad)", a, upright(a) => angle;
+        "greatest firing angle (rad)", b, (upright(b) && b > a) => "above the least, below pi/2 rad";
+        "nodes over firing angles", request.angles as f64, nodes(request.angles, 2) => several;
+        "landing height (m)", height, (height.abs() <= 1e3) => "from -1000 to 1000 m";
+        "valve opening time (s)", open, up_to(open, 1e3) => "above 0, to 1000 s";
+        "least valve opening time (s)", v, up_to(v, open) => "above 0, to the valve opening time";
+        "greatest valve opening time (s)", w, (w >= open && w <= 1e3) => "from the valve opening time to 1000 s";
+        "start lean (rad)", lean, upright(lean) => angle;
+        "control period (s)", period, up_to(period, 1.0) => "above 0, to 1 s";
+        "extra delay (s)", delay, (delay.abs() <= 1.0) => "from -1 to 1 s";
+        "Newton steps", f64::from(steps), (steps <= 3) => "from 0 to 3";
+        "effort (m^2/s^2)", effort, up_to(effort, 1e6) => "above 0, to 1000000";
+        "tolerance (m)", tolerance, up_to(tolerance, 1e3) => "above 0, to 1000 m";
+        "threads", request.threads as f64, (request.threads > 0) => "at least 1";
+    };
+    wrong.map_or(Ok(()), |(name, value, allowed)| {
+        Err(ExportError::Input {
             name,
             value,
             allowed,
-        }),
-        None => Ok(()),
-    }
+        })
+    })
 }
 
 fn axis<R: Number>((first, last, count): (f64, f64, usize)) -> Axis<R> {
