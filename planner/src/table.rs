@@ -267,13 +267,14 @@ impl TableRequest {
         let (lean, open) = (self.start_lean.unwrap_or(0.0), self.valve_open);
         let wrong = refused! {
             "approach rate (rad/s)", rate.unwrap_or(0.0), rate.is_none() => "from 0 to 1000 rad/s";
-            "target (m)", target.unwrap_or(0.0), target.is_none() => "a finite length below 1000 km";
+            "target (m)", target.unwrap_or(0.0), target.is_none()
+                => "a finite length below 1000 km";
             "valve opening time (s)", open, (0.0..=1e3).contains(&open) => "from 0 to 1000 s";
             "start lean (rad)", lean, upright(lean) => angle;
             "least firing angle (rad)", low, upright(low) => angle;
             "greatest firing angle (rad)", high, upright(high) => angle;
-            "greatest firing angle (rad)", high, (high > low) => "above the least firing angle";
-            "threads", 0.0, (self.threads > 0) => "at least 1";
+            "greatest firing angle (rad)", high, high > low => "above the least firing angle";
+            "threads", 0.0, self.threads > 0 => "at least 1";
         };
         wrong.map_or(Ok(()), |(name, value, allowed)| {
             Err(TableError::Input {

@@ -101,12 +101,13 @@ impl Robot {
         );
         let long = format!("is longer than the wheel is wide ({} m)", short(width));
         odd! { all,
-            "body.wheel_radius_m", radius, (radius > HALL) => "is larger than any hall", "cm or mm";
-            "body.mass_kg", mass, (mass > DENSEST * ball(radius)) => heavy, "g";
+            "body.wheel_radius_m", radius, radius > HALL => "is larger than any hall", "cm or mm";
+            "body.mass_kg", mass, mass > DENSEST * ball(radius) => heavy, "g";
             // The margin is for rounding of a hoop.
-            "body.inertia_kg_m2", inertia, (inertia > (1.0 + 1e-6) * rim) => beyond, "g m², kg mm² or g cm²";
-            "leg.stroke_m", stroke, (stroke > width) => long, "cm or mm";
-            self.delay_key(), delay, (delay > DELAY) => "is slow for a valve or latch", "ms";
+            "body.inertia_kg_m2", inertia, inertia > (1.0 + 1e-6) * rim
+                => beyond, "g m², kg mm² or g cm²";
+            "leg.stroke_m", stroke, stroke > width => long, "cm or mm";
+            self.delay_key(), delay, delay > DELAY => "is slow for a valve or latch", "ms";
         }
     }
 
@@ -115,9 +116,11 @@ impl Robot {
         let is_thick = !(AMBIENT.0..=AMBIENT.1).contains(&ambient);
         let length = self.boom.map_or(0.0, |boom| boom.length);
         odd! { all,
-            "environment.gravity_m_s2", gravity, (gravity > GRAVITY) => "is more than on any planet", "cm/s²";
-            "environment.ambient_pressure_pa", ambient, is_thick => "is far from one atmosphere (101325 Pa)", "kPa, bar or psi";
-            "boom.length_m", length, (length > HALL) => "is longer than any hall", "cm or mm";
+            "environment.gravity_m_s2", gravity, gravity > GRAVITY
+                => "is more than on any planet", "cm/s²";
+            "environment.ambient_pressure_pa", ambient, is_thick
+                => "is far from one atmosphere (101325 Pa)", "kPa, bar or psi";
+            "boom.length_m", length, length > HALL => "is longer than any hall", "cm or mm";
         }
     }
 
@@ -131,11 +134,12 @@ impl Robot {
         );
         odd! { all,
             key, supply, is_weak => "is too weak to push", "kPa, bar or psi";
-            key, supply, (supply > SUPPLY.1) => "is more than a gas bottle holds", "a smaller unit";
-            "leg.bore_m", bore, (bore > 2.0 * radius) => "is wider than the wheel", "mm";
-            "leg.orifice_radius_m", orifice, (orifice > bore) => "is wider than the cylinder", "mm";
-            "leg.dead_volume_m3", volume, (volume > ball(radius)) => "is more than the wheel holds", "cm³";
-            "leg.gas_temperature_k", kelvin, (kelvin < COLD) => "is colder than gas", "°C";
+            key, supply, supply > SUPPLY.1 => "is more than a gas bottle holds", "a smaller unit";
+            "leg.bore_m", bore, bore > 2.0 * radius => "is wider than the wheel", "mm";
+            "leg.orifice_radius_m", orifice, orifice > bore => "is wider than the cylinder", "mm";
+            "leg.dead_volume_m3", volume, volume > ball(radius)
+                => "is more than the wheel holds", "cm³";
+            "leg.gas_temperature_k", kelvin, kelvin < COLD => "is colder than gas", "°C";
         }
     }
 

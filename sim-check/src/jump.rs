@@ -137,10 +137,10 @@ fn check(launch: &Launch, plan: &Plan) -> Result<(), SimError> {
     let (angle, open) = (launch.firing_angle, launch.valve_open);
     let (sample, patience, height) = (plan.sample, plan.patience, plan.landing_height);
     let wrong = refused! {
-        "firing angle (rad)", angle, (angle.abs() < FRAC_PI_2) => "between -pi/2 and pi/2";
+        "firing angle (rad)", angle, angle.abs() < FRAC_PI_2 => "between -pi/2 and pi/2";
         "valve opening time (s)", open, (0.0..=1e3).contains(&open) => "from 0 to 1000";
-        "time between samples (s)", sample, (sample > 1e-7 && sample.is_finite()) => "above 1e-7";
-        "patience (s)", patience, (patience > 0.0 && patience < 1e4) => "above 0, below 10000";
+        "time between samples (s)", sample, sample > 1e-7 && sample.is_finite() => "above 1e-7";
+        "patience (s)", patience, patience > 0.0 && patience < 1e4 => "above 0, below 10000";
         "landing height (m)", height, height.is_finite() => "a finite number";
     };
     wrong.map_or(Ok(()), |(name, value, allowed)| {

@@ -126,15 +126,16 @@ impl Crossing {
             "above its least value, to 10 s",
         );
         refused! {
-            "approach_rate_rad_s (count)", rates as f64, (rates == 1 || rates == jumps) => one_or_all;
-            "land (count)", zones as f64, (zones <= jumps) => "at most one for each jump";
+            "approach_rate_rad_s (count)", rates as f64, rates == 1 || rates == jumps => one_or_all;
+            "land (count)", zones as f64, zones <= jumps => "at most one for each jump";
             "approach_rate_rad_s", rate, (0.0..=1e3).contains(&rate) => "from 0 to 1000 rad/s";
             "start_lean_rad", lean, is_upright(lean) => UPRIGHT;
             "firing_angle_rad", angles.low, is_upright(angles.low) => UPRIGHT;
-            "firing_angle_rad", angles.high, (is_upright(angles.high) && angles.high > angles.low) => later;
-            "valve_open_s", valve.low, (valve.low > 0.0 && valve.low <= 10.0) => "above 0, to 10 s";
-            "valve_open_s", valve.high, (valve.high > valve.low && valve.high <= 10.0) => longer;
-            "target_x_m", self.target, (self.target.abs() <= 1e4) => "from -10000 to 10000 m";
+            "firing_angle_rad", angles.high, is_upright(angles.high) && angles.high > angles.low
+                => later;
+            "valve_open_s", valve.low, valve.low > 0.0 && valve.low <= 10.0 => "above 0, to 10 s";
+            "valve_open_s", valve.high, valve.high > valve.low && valve.high <= 10.0 => longer;
+            "target_x_m", self.target, self.target.abs() <= 1e4 => "from -10000 to 10000 m";
             "roll_m", self.roll, length(self.roll) => above;
             "clearance_m", self.clearance, length(self.clearance) => above;
             "edge_margin_m", self.edge_margin, length(self.edge_margin) => above;

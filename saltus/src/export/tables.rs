@@ -370,25 +370,27 @@ fn check<M: JumpModel>(planner: &Planner<M>, request: &Request) -> Result<(), Ex
     let wider = d.1 <= 1e3 && (d.1 > d.0) == (d.2 > 1);
     let wrong = refused! {
         "least approach rate (rad/s)", r.0, (0.0..=1e3).contains(&r.0) => "from 0 to 1000 rad/s";
-        "greatest approach rate (rad/s)", r.1, (r.1 > r.0 && r.1 <= 1e3) => "above the least, to 1000 rad/s";
+        "greatest approach rate (rad/s)", r.1, r.1 > r.0 && r.1 <= 1e3
+            => "above the least, to 1000 rad/s";
         "nodes over approach rates", r.2 as f64, nodes(r.2, 2) => several;
-        "least distance (m)", d.0, (d.0.abs() <= 1e3) => "from -1000 to 1000 m";
+        "least distance (m)", d.0, d.0.abs() <= 1e3 => "from -1000 to 1000 m";
         "greatest distance (m)", d.1, wider => "above the least, to 1000 m";
         "nodes over distances", d.2 as f64, nodes(d.2, 1) => "from 1 to 1000";
         "least firing angle (rad)", a, upright(a) => angle;
-        "greatest firing angle (rad)", b, (upright(b) && b > a) => "above the least, below pi/2 rad";
+        "greatest firing angle (rad)", b, upright(b) && b > a => "above the least, below pi/2 rad";
         "nodes over firing angles", request.angles as f64, nodes(request.angles, 2) => several;
-        "landing height (m)", height, (height.abs() <= 1e3) => "from -1000 to 1000 m";
+        "landing height (m)", height, height.abs() <= 1e3 => "from -1000 to 1000 m";
         "valve opening time (s)", open, up_to(open, 1e3) => "above 0, to 1000 s";
         "least valve opening time (s)", v, up_to(v, open) => "above 0, to the valve opening time";
-        "greatest valve opening time (s)", w, (w >= open && w <= 1e3) => "from the valve opening time to 1000 s";
+        "greatest valve opening time (s)", w, w >= open && w <= 1e3
+            => "from the valve opening time to 1000 s";
         "start lean (rad)", lean, upright(lean) => angle;
         "control period (s)", period, up_to(period, 1.0) => "above 0, to 1 s";
-        "extra delay (s)", delay, (delay.abs() <= 1.0) => "from -1 to 1 s";
-        "Newton steps", f64::from(steps), (steps <= 3) => "from 0 to 3";
+        "extra delay (s)", delay, delay.abs() <= 1.0 => "from -1 to 1 s";
+        "Newton steps", f64::from(steps), steps <= 3 => "from 0 to 3";
         "effort (m^2/s^2)", effort, up_to(effort, 1e6) => "above 0, to 1000000";
         "tolerance (m)", tolerance, up_to(tolerance, 1e3) => "above 0, to 1000 m";
-        "threads", request.threads as f64, (request.threads > 0) => "at least 1";
+        "threads", request.threads as f64, request.threads > 0 => "at least 1";
     };
     wrong.map_or(Ok(()), |(name, value, allowed)| {
         Err(ExportError::Input {
