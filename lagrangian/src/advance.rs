@@ -89,6 +89,14 @@ pub(crate) struct Pace {
 }
 
 impl Pace {
+    /// One step more, at the time `now` (s) of a phase that began at `begin` (s).
+    fn begin_step(&mut self, begin: f64, now: f64) -> Result<(), StanceError> {
+        if now - begin > LONGEST {
+            return Err(StanceError::TooLong { time: now });
+        }
+        self.count(now)
+    }
+
     /// One step or event more, at the time `now` (s).
     fn count(&mut self, now: f64) -> Result<(), StanceError> {
         self.steps += 1;
@@ -117,20 +125,12 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
 ) -> Result<Option<usize>, StanceError> {
     let begin = y[TIME].value();
     let mut here = phase.look(y);
-    let mut armed: [bool; M] = std::array::from_fn(|i| {
-        let (guard, rate) = (here.guards[i].value(), here.guard_rates[i].value());
-        guard < PASSED || (guard < 0.0 && rate > 0.0)
-    });
-    // Two events at once: the other one is due now.
-    let due = |i: &usize| {
-        let (guard, rate) = (here.guards[*i].value(), here.guard_rates[*i].value());
-        (0.0..=-PASSED).contains(&guard) && rate > STANDING
-    };
-    if let Some(i) = (0..M).find(due) {
+    if let Some(i) = due(&here) {
         // Phases may hand an event of no time to each other.
         pace.count(begin)?;
         return Ok(Some(i));
     }
+    let mut armed = armed_at_start(&here);
     loop {
         let left = end.map(|e| e - y[TIME]);
         let longest = left.map_or(f64::INFINITY, Scalar::value);
@@ -138,84 +138,130 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
             return Ok(None);
         }
         let now = y[TIME].value();
-        if now - begin > LONGEST {
-            return Err(StanceError::TooLong { time: now });
-        }
-        pace.count(now)?;
+        pace.begin_step(begin, now)?;
         let trial = pace.step.min(longest);
         let foreseen = foresee(&here, &armed, 0.9 * trial);
-        let mut length = trial;
         if let Some((i, wait)) = foreseen {
-            let reached = event_step(phase, y, &here, i, pace.tolerance);
-            if let Some(next) = reached.filter(|next| {
-                let time = next[TIME].value();
-                time >= now
-                    && time <= now + longest
-                    && first_passed(phase, next, &armed, i).is_none()
-            }) {
-                observe(y, &next);
-                *y = next;
+            let span = (now, now + longest);
+            if let Some(event) = event_within(phase, (y, &here), i, &armed, span, pace) {
+                go(y, event, observe);
                 pace.step = pace.step.max(wait);
                 return Ok(Some(i));
             }
-            length = 0.5 * wait;
         }
-        if length < LEAST_STEP && longest > LEAST_STEP {
-            return Err(StanceError::StepTooSmall {
-                time: now,
-                step: length,
-            });
-        }
+        let length = foreseen.map_or(trial, |(_, wait)| 0.5 * wait);
+        check_length(now, length, longest)?;
         // The last step ends on `end` with its derivatives.
         let last = foreseen.is_none() && length >= longest;
-        let h = if last {
-            left.unwrap_or(S::of(length))
-        } else {
-            S::of(length)
-        };
-        let step = dop853::step(phase, y, &here.rates, h, CHECKED, pace.tolerance);
-        if step.error.is_nan() || step.error > 1.0 {
-            pace.step = length * dop853::step_factor(step.error);
-            continue;
-        }
-        let mut next = step.state;
-        let there = phase.look(&next);
-        let crossed = crossing(&here.guards, &there.guards, &armed);
-        if let Some((i, fraction)) = crossed {
-            if let Some(event) =
-                event_step(phase, &next, &there, i, pace.tolerance).filter(|event| {
-                    let time = event[TIME].value();
-                    time >= now
-                        && time <= next[TIME].value()
-                        && first_passed(phase, event, &armed, i).is_none()
-                })
-            {
-                observe(y, &event);
-                *y = event;
+        let h = left.filter(|_| last).unwrap_or(S::of(length));
+        let (mut next, there, error) = match step(phase, (y, &here), h, &armed, pace) {
+            Step::TooLong => continue,
+            Step::Whole(next, there, error) => (next, there, error),
+            Step::Onto(i, event) => {
+                go(y, event, observe);
                 return Ok(Some(i));
             }
-            pace.step = length * (0.9 * fraction).clamp(0.1, 0.5);
-            continue;
-        }
+        };
         if last {
             next[TIME] = end.unwrap_or(next[TIME]);
         }
-        observe(y, &next);
-        *y = next;
+        go(y, next, observe);
         if !last || length >= pace.step {
-            pace.step = length * dop853::step_factor(step.error);
+            pace.step = length * dop853::step_factor(error);
         }
-        for i in 0..M {
-            if !armed[i] && there.guards[i].value() >= 0.0 {
-                return Ok(Some(i));
-            }
-            armed[i] = true;
-        }
-        if last {
-            return Ok(None);
+        let passed = arm(&mut armed, &there);
+        if last || passed.is_some() {
+            return Ok(passed);
         }
         here = there;
     }
+}
+
+/// Goes on to `next`, which `observe` sees.
+#[inline(always)]
+fn go<S>(y: &mut State<S>, next: State<S>, observe: &mut impl FnMut(&State<S>, &State<S>)) {
+    observe(y, &next);
+    *y = next;
+}
+
+/// Whether a step of `length` (s) at the time `now` (s) is long enough to come to anything.
+fn check_length(now: f64, length: f64, longest: f64) -> Result<(), StanceError> {
+    if length < LEAST_STEP && longest > LEAST_STEP {
+        return Err(StanceError::StepTooSmall {
+            time: now,
+            step: length,
+        });
+    }
+    Ok(())
+}
+
+/// What came of a step.
+enum Step<S, const M: usize> {
+    /// No event: the state at its end, what the phase tells of it, and the error.
+    Whole(State<S>, Look<S, M>, f64),
+    /// An event, and the state there.
+    Onto(usize, State<S>),
+    /// It must be shorter.
+    TooLong,
+}
+
+/// A step of `h` (s) from `from`, a state and what the phase tells of it. One that must be shorter
+/// sets the pace.
+#[inline(always)]
+fn step<S: Single, P: Phase<S, M>, const M: usize>(
+    phase: &P,
+    (y, here): (&State<S>, &Look<S, M>),
+    h: S,
+    armed: &[bool; M],
+    pace: &mut Pace,
+) -> Step<S, M> {
+    let step = dop853::step(phase, y, &here.rates, h, CHECKED, pace.tolerance);
+    let (next, length) = (step.state, h.value());
+    if step.error.is_nan() || step.error > 1.0 {
+        pace.step = length * dop853::step_factor(step.error);
+        return Step::TooLong;
+    }
+    let there = phase.look(&next);
+    let Some((i, fraction)) = crossing(&here.guards, &there.guards, armed) else {
+        return Step::Whole(next, there, step.error);
+    };
+    let span = (y[TIME].value(), next[TIME].value());
+    if let Some(event) = event_within(phase, (&next, &there), i, armed, span, pace) {
+        return Step::Onto(i, event);
+    }
+    pace.step = length * (0.9 * fraction).clamp(0.1, 0.5);
+    Step::TooLong
+}
+
+/// The guard that is at 0 and rises at the start of a phase: of two events at once, the other one
+/// is due now.
+#[inline(always)]
+fn due<S: Single, const M: usize>(look: &Look<S, M>) -> Option<usize> {
+    (0..M).find(|&i| {
+        let (guard, rate) = (look.guards[i].value(), look.guard_rates[i].value());
+        (0.0..=-PASSED).contains(&guard) && rate > STANDING
+    })
+}
+
+/// The guards that may end a phase from its start: all but the one that was just passed.
+#[inline(always)]
+fn armed_at_start<S: Single, const M: usize>(look: &Look<S, M>) -> [bool; M] {
+    std::array::from_fn(|i| {
+        let (guard, rate) = (look.guards[i].value(), look.guard_rates[i].value());
+        guard < PASSED || (guard < 0.0 && rate > 0.0)
+    })
+}
+
+/// Arms the guards after a step, up to one that should have been, as it is past 0: that one.
+#[inline(always)]
+fn arm<S: Single, const M: usize>(armed: &mut [bool; M], look: &Look<S, M>) -> Option<usize> {
+    for i in 0..M {
+        if !armed[i] && look.guards[i].value() >= 0.0 {
+            return Some(i);
+        }
+        armed[i] = true;
+    }
+    None
 }
 
 /// The guard that straight extrapolation brings to 0 first, within `horizon` (s), and when.
@@ -258,16 +304,25 @@ fn crossing<S: Single, const M: usize>(
     first
 }
 
-/// Another guard than `event` that is positive at `y`.
+/// The state at which guard `i` vanishes, by one step from `from`, a state and what the phase tells
+/// of it; none where the step is not accurate, ends before `earliest` or after `latest` (s), or is past
+/// another guard.
 #[inline(always)]
-fn first_passed<S: Single, P: Phase<S, M>, const M: usize>(
+fn event_within<S: Single, P: Phase<S, M>, const M: usize>(
     phase: &P,
-    y: &State<S>,
+    (y, look): (&State<S>, &Look<S, M>),
+    i: usize,
     armed: &[bool; M],
-    event: usize,
-) -> Option<usize> {
-    let guards = phase.look(y).guards;
-    (0..M).find(|&i| i != event && armed[i] && guards[i].value() > 0.0)
+    (earliest, latest): (f64, f64),
+    pace: &Pace,
+) -> Option<State<S>> {
+    let event = event_step(phase, y, look, i, pace.tolerance)?;
+    if !(earliest..=latest).contains(&event[TIME].value()) {
+        return None;
+    }
+    let guards = phase.look(&event).guards;
+    let mut others = (0..M).filter(|&k| k != i && armed[k]);
+    (!others.any(|k| guards[k].value() > 0.0)).then_some(event)
 }
 
 /// The state at which guard `i` vanishes, by one step along it from `y`, forwards or back; none

@@ -288,45 +288,28 @@ impl<S: Single> Stance<S> {
         pace: &mut Pace,
         observer: &mut impl Observer<S>,
     ) -> Result<(Outcome, State<S>), StanceError> {
-        let mut switches = Switches {
-            energized: true,
-            cushioned: false,
-        };
+        let mut energized = true;
         let mut passed = S::of(0.0);
         let mut side = 0.0;
         for _ in 0..MOST_PIECES {
-            let port_open = self
-                .port()
-                .is_some_and(|port| port.value() <= passed.value());
-            let piece = self.enter(&mut y, switches.energized, side, port_open);
-            switches.cushioned = self
-                .leg
-                .cushion_start()
-                .is_some_and(|c| c.value() <= passed.value());
-            let next = self.next_switch(passed);
-            let phase = Extension {
-                stance: self,
-                piece,
-                switches,
-                next,
-            };
+            let phase = self.extension(&mut y, energized, side, passed);
             if phase.force(&y).value() <= 0.0 {
-                self.leave(&mut y, piece.as_ref());
+                self.leave(&mut y, phase.piece.as_ref());
                 return Ok((Outcome::Force.unless_fallen(y[LEAN].value()), y));
             }
-            let end = close.filter(|_| switches.energized);
+            let end = close.filter(|_| energized);
             let event = advance(&phase, &mut y, end, pace, &mut |a, b| {
                 observer.extension(&phase, a, b);
             })?;
-            self.leave(&mut y, piece.as_ref());
+            self.leave(&mut y, phase.piece.as_ref());
             side = 0.0;
             match event {
                 None => {
-                    switches.energized = false;
+                    energized = false;
                     pace.step = pace.step.min(FIRST_STEP);
                 }
-                Some(Extension::<S>::REACHED) if next.value() < self.leg.stroke.value() => {
-                    passed = next;
+                Some(Extension::<S>::REACHED) if phase.next.value() < self.leg.stroke.value() => {
+                    passed = phase.next;
                 }
                 Some(Extension::<S>::REACHED) => {
                     return Ok((Outcome::Stroke.unless_fallen(y[LEAN].value()), y));
@@ -342,6 +325,28 @@ impl<S: Single> Stance<S> {
         Err(StanceError::TooLong {
             time: y[TIME].value(),
         })
+    }
+
+    /// The extension from `passed` (m) to what switches next, on the piece of the valve's law at the
+    /// present pressure, or just above or below it where `side` is ±1.
+    fn extension(
+        &self,
+        y: &mut State<S>,
+        energized: bool,
+        side: f64,
+        passed: S,
+    ) -> Extension<'_, S> {
+        let is_past = |x: Option<S>| x.is_some_and(|x| x.value() <= passed.value());
+        let port_open = is_past(self.port());
+        Extension {
+            stance: self,
+            piece: self.enter(y, energized, side, port_open),
+            switches: Switches {
+                energized,
+                cushioned: is_past(self.leg.cushion_start()),
+            },
+            next: self.next_switch(passed),
+        }
     }
 
     fn port(&self) -> Option<S> {

@@ -185,10 +185,8 @@ impl<'a, S: Single> Recorder<'a, S> {
             self.drive = self.drive + drive * share;
             self.losses = self.losses + (drive - force) * share;
         }
-        let sample = |y: &State<S>| self.stance.sample(phase, y);
-        let parts: Vec<Sample<S>> = (0..=PARTS)
-            .map(|i| sample(&inside(i as f64 / PARTS as f64)))
-            .collect();
+        let at = |fraction: f64| self.stance.sample(phase, &inside(fraction));
+        let parts: Vec<Sample<S>> = (0..=PARTS).map(|i| at(i as f64 / PARTS as f64)).collect();
         for (i, here) in parts.iter().enumerate() {
             let neighbours = i.checked_sub(1).map(|j| &parts[j]).zip(parts.get(i + 1));
             // Between samples an extremum shows as a middle sample that beats both neighbours.
@@ -199,14 +197,9 @@ impl<'a, S: Single> Recorder<'a, S> {
                         (measure(&here.reaction) > measure(&a)
                             && measure(&here.reaction) >= measure(&b))
                         .then(|| {
-                            let centre = i as f64 / PARTS as f64;
-                            let width = 1.0 / PARTS as f64;
-                            sample(&inside(greatest(
-                                centre - width,
-                                centre + width,
-                                SECTIONS,
-                                |x| measure(&sample(&inside(x)).reaction),
-                            )))
+                            let (centre, width) = (i as f64 / PARTS as f64, 1.0 / PARTS as f64);
+                            let f = |x| measure(&at(x).reaction);
+                            at(greatest(centre - width, centre + width, SECTIONS, f))
                         })
                     };
                     (refine(&|r| -r.normal.value()), refine(&Reaction::demand))
