@@ -193,6 +193,14 @@ impl Measure {
         all
     }
 
+    /// The smooth part of each channel beyond that of chance, for one of its readings.
+    fn smooth(&self, found: &Measured, chance: &Chance) -> Vec<f64> {
+        let beyond = |c: usize| (found[c][SMOOTH] - chance.moments[c][SMOOTH].0).max(0.0);
+        (0..self.channels())
+            .map(|c| self.for_each(c, beyond(c)))
+            .collect()
+    }
+
     /// A sum over a channel for one of its readings.
     fn for_each(&self, channel: usize, sum: f64) -> f64 {
         sum / self.counts[channel].max(1.0)
@@ -266,12 +274,7 @@ pub(crate) fn fitness(
     let drawn = parallel::map(drawn.len(), |k| measure.of(&drawn[k]));
     let chance = Chance::new(&drawn, channels, level);
     let found = measure.of(&residuals);
-    let smooth: Vec<f64> = (0..channels)
-        .map(|c| {
-            let beyond = (found[c][SMOOTH] - chance.moments[c][SMOOTH].0).max(0.0);
-            measure.for_each(c, beyond)
-        })
-        .collect();
+    let smooth = measure.smooth(&found, &chance);
     let is_sure = (0..channels)
         .all(|c| kind.channels()[c].is_given || is_as_estimated(&measure.series, c, &residuals));
     let is_noise = if is_sure && runs_of(&measure.series) != 2 {

@@ -317,45 +317,13 @@ impl Kind for Flights {
     }
 
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
-        let drag = self.drag[run] * self.causes.or(Effect::Drag, 0.0, terms);
-        let share = self.causes.or(Effect::Share, 1.0, terms);
-        let gravity = share * self.causes.or(Effect::Gravity, self.gravity, terms);
         let readings = &self.logs[run].readings;
-        let release = if self.is_drop {
-            unknowns[1]
-        } else {
-            readings.first()?.time
-        };
-        // x, y, and their rates; what is not measured stands still.
-        let (mut place, mut speed) = ([0.0; 2], [0.0; 2]);
-        for (channel, &is_height) in self.is_height.iter().enumerate() {
-            place[usize::from(is_height)] = unknowns[2 * channel];
-            if !self.is_drop {
-                speed[usize::from(is_height)] = unknowns[2 * channel + 1];
-            }
-        }
-        let extra = |effect| self.causes.or(effect, 0.0, terms);
-        let linear = extra(Effect::Linear);
-        let (lift, wind) = (extra(Effect::Lift), extra(Effect::Wind));
-        let turning = extra(Effect::Turning);
-        let boom = self.boom[run].filter(|length| place[1].abs() < 0.99 * length);
-        let is_parabola = drag == 0.0
-            && linear == 0.0
-            && lift == 0.0
-            && wind == 0.0
-            && turning == 0.0
-            && boom.is_none();
-        let pull = |v: [f64; 2]| {
-            let against = drag * v[0].hypot(v[1]) + linear;
-            [
-                wind - (against + turning) * v[0] - lift * v[1],
-                -against * v[1] + lift * v[0],
-            ]
-        };
+        let (release, place, speed) = self.released(run, unknowns)?;
+        let share = self.causes.or(Effect::Share, 1.0, terms);
         let motion = Motion {
-            gravity,
-            boom,
-            pull,
+            gravity: share * self.causes.or(Effect::Gravity, self.gravity, terms),
+            boom: self.boom[run].filter(|length| place[1].abs() < 0.99 * length),
+            pull: self.pull(run, terms),
         };
         let start = motion.start(release, place, speed);
         let mut out = vec![0.0; readings.len()];
@@ -376,22 +344,41 @@ impl Kind for Flights {
                 } else {
                     time
                 };
-                out[i] = scale
-                    * if is_parabola {
-                        let t = time - start.time;
-                        let fall = if is_height {
-                            0.5 * gravity * t * t
-                        } else {
-                            0.0
-                        };
-                        start.place[k] + start.speed[k] * t - fall
-                    } else {
-                        motion.go(&mut path, time);
-                        motion.seen(&path)[k]
-                    };
+                out[i] = scale * motion.seen_at(&mut path, time)[k];
             }
         }
         out.iter().all(|x| x.is_finite()).then_some(out)
+    }
+}
+
+impl Flights {
+    /// When (s) the flight of a run begins, and where (m) and how fast (m/s), forward and up; what
+    /// is not measured stands still.
+    fn released(&self, run: usize, unknowns: &[f64]) -> Option<(f64, [f64; 2], [f64; 2])> {
+        let release = if self.is_drop {
+            unknowns[1]
+        } else {
+            self.logs[run].readings.first()?.time
+        };
+        let (mut place, mut speed) = ([0.0; 2], [0.0; 2]);
+        for (channel, &is_height) in self.is_height.iter().enumerate() {
+            place[usize::from(is_height)] = unknowns[2 * channel];
+            if !self.is_drop {
+                speed[usize::from(is_height)] = unknowns[2 * channel + 1];
+            }
+        }
+        Some((release, place, speed))
+    }
+
+    fn pull(&self, run: usize, terms: &Terms) -> Pull {
+        let of = |effect| self.causes.or(effect, 0.0, terms);
+        Pull {
+            drag: self.drag[run] * of(Effect::Drag),
+            linear: of(Effect::Linear),
+            lift: of(Effect::Lift),
+            turning: of(Effect::Turning),
+            wind: of(Effect::Wind),
+        }
     }
 }
 
@@ -412,17 +399,39 @@ struct Path {
     speed: [f64; 2],
 }
 
+/// What the air, and terms without a name, do to a body.
+#[derive(Clone, Copy, Default, PartialEq)]
+struct Pull {
+    /// Drag (1/m).
+    drag: f64,
+    linear: f64,
+    lift: f64,
+    turning: f64,
+    wind: f64,
+}
+
+impl Pull {
+    /// Acceleration (m/s²) by the velocity, forward and up.
+    fn at(&self, v: [f64; 2]) -> [f64; 2] {
+        let against = self.drag * v[0].hypot(v[1]) + self.linear;
+        [
+            self.wind - (against + self.turning) * v[0] - self.lift * v[1],
+            -against * v[1] + self.lift * v[0],
+        ]
+    }
+}
+
 /// What moves a body.
-struct Motion<F> {
+struct Motion {
     /// What is felt of gravity (m/s²).
     gravity: f64,
     /// Length (m) of the boom whose end it is, pivoting at height 0; none: it is free.
     boom: Option<f64>,
-    /// Other accelerations (m/s²) by the velocity, forward and up.
-    pull: F,
+    /// Other accelerations.
+    pull: Pull,
 }
 
-impl<F: Fn([f64; 2]) -> [f64; 2]> Motion<F> {
+impl Motion {
     fn start(&self, time: f64, place: [f64; 2], speed: [f64; 2]) -> Path {
         let Some(length) = self.boom else {
             return Path { time, place, speed };
@@ -435,6 +444,18 @@ impl<F: Fn([f64; 2]) -> [f64; 2]> Motion<F> {
         }
     }
 
+    /// Where it is seen at `time` (s); `path` goes on to there. A body that only falls does not need
+    /// to.
+    fn seen_at(&self, path: &mut Path, time: f64) -> [f64; 2] {
+        if self.boom.is_none() && self.pull == Pull::default() {
+            let t = time - path.time;
+            let [x, y] = std::array::from_fn(|k| path.place[k] + path.speed[k] * t);
+            return [x, y - 0.5 * self.gravity * t * t];
+        }
+        self.go(path, time);
+        self.seen(path)
+    }
+
     /// Where it is seen: x along the arc of the boom's end when level.
     fn seen(&self, path: &Path) -> [f64; 2] {
         self.boom.map_or(path.place, |length| {
@@ -444,11 +465,11 @@ impl<F: Fn([f64; 2]) -> [f64; 2]> Motion<F> {
 
     fn accelerations(&self, place: [f64; 2], v: [f64; 2]) -> [f64; 2] {
         let Some(length) = self.boom else {
-            let [x, y] = (self.pull)(v);
+            let [x, y] = self.pull.at(v);
             return [x, y - self.gravity];
         };
         let (sin, cos) = place[1].sin_cos();
-        let [forward, up] = (self.pull)([length * cos * v[0], length * v[1]]);
+        let [forward, up] = self.pull.at([length * cos * v[0], length * v[1]]);
         [
             forward / (length * cos) + 2.0 * sin / cos * v[0] * v[1],
             (up - self.gravity * cos) / length - sin * cos * v[0] * v[0],

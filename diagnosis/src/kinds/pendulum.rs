@@ -317,6 +317,48 @@ impl Pendulums {
 
 /// The listed causes.
 fn named(body: &Body, is_driven: bool) -> Vec<(Effect, Cause)> {
+    let mut all = of_mass(body, is_driven);
+    all.extend(of_friction(body));
+    let angle =
+        |id, name, none, bounds, scale| sensor(id, "angle_rad", name, none, bounds, scale, &[]);
+    let torque =
+        |id, name, none, bounds, scale| sensor(id, "torque_nm", name, none, bounds, scale, &[]);
+    let (gains, delays) = ((0.2, 5.0), (0.0, 0.5));
+    all.extend([
+        (
+            Effect::AngleOffset,
+            angle("sensor-offset", "offset_rad", 0.0, (-1.0, 1.0), 1e-3),
+        ),
+        (
+            Effect::AngleScale,
+            angle("encoder-scale", "gain", 1.0, gains, 0.01),
+        ),
+    ]);
+    if is_driven {
+        all.extend([
+            (
+                Effect::AngleDelay,
+                angle("sensor-delay", "delay_s", 0.0, delays, 1e-3),
+            ),
+            (
+                Effect::TorqueOffset,
+                torque("sensor-offset", "offset_nm", 0.0, FREE, 1e-3 * body.size()),
+            ),
+            (
+                Effect::TorqueScale,
+                torque("encoder-scale", "gain", 1.0, gains, 0.01),
+            ),
+            (
+                Effect::TorqueDelay,
+                torque("sensor-delay", "delay_s", 0.0, delays, 1e-3),
+            ),
+        ]);
+    }
+    all
+}
+
+/// Causes that are masses and where they are.
+fn of_mass(body: &Body, is_driven: bool) -> Vec<(Effect, Cause)> {
     let share = |id, name, scale| simple(id, name, 1.0, (0.05, 20.0), scale, &[0.8, 1.25]);
     let mut all = Vec::new();
     if body.inertia.is_some() {
@@ -324,76 +366,38 @@ fn named(body: &Body, is_driven: bool) -> Vec<(Effect, Cause)> {
     }
     if body.inertia.is_some() || is_driven {
         let lever = body.lever();
-        let bounds = (-20.0 * lever, 20.0 * lever);
-        let starts = [-0.2 * lever, 0.2 * lever];
-        let centre = simple(
-            "imbalance",
-            "imbalance_m",
-            0.0,
-            bounds,
-            0.01 * lever,
-            &starts,
-        );
+        let (bounds, starts) = ((-20.0 * lever, 20.0 * lever), [-0.2 * lever, 0.2 * lever]);
+        let (name, scale) = ("imbalance_m", 0.01 * lever);
+        let centre = simple("imbalance", name, 0.0, bounds, scale, &starts);
         all.push((Effect::Centre, centre));
         all.push((Effect::Mass, share("mass", "mass_share", 0.02)));
     }
+    all
+}
+
+/// Causes that brake.
+fn of_friction(body: &Body) -> [(Effect, Cause); 3] {
     let size = body.size();
     let rate = (size / body.about_axis().max(1e-9)).sqrt();
     let friction = |id, name, unit: f64| {
         let starts = [0.01 * size / unit, 0.1 * size / unit];
-        simple(
-            id,
-            name,
-            0.0,
-            (0.0, 10.0 * size / unit),
-            1e-3 * size / unit,
-            &starts,
-        )
+        let (bounds, scale) = ((0.0, 10.0 * size / unit), 1e-3 * size / unit);
+        simple(id, name, 0.0, bounds, scale, &starts)
     };
-    all.push((
-        Effect::Dry,
-        friction("coulomb-friction", "coulomb_friction_n_m", 1.0),
-    ));
-    all.push((
-        Effect::Viscous,
-        friction("viscous-friction", "viscous_friction_n_m_s_per_rad", rate),
-    ));
-    all.push((
-        Effect::Drag,
-        friction("air-drag", "drag_n_m_s2_per_rad2", rate * rate),
-    ));
-    let of_angle =
-        |id, name, none, bounds, scale| sensor(id, "angle_rad", name, none, bounds, scale, &[]);
-    let of_torque =
-        |id, name, none, bounds, scale| sensor(id, "torque_nm", name, none, bounds, scale, &[]);
-    all.push((
-        Effect::AngleOffset,
-        of_angle("sensor-offset", "offset_rad", 0.0, (-1.0, 1.0), 1e-3),
-    ));
-    all.push((
-        Effect::AngleScale,
-        of_angle("encoder-scale", "gain", 1.0, (0.2, 5.0), 0.01),
-    ));
-    if is_driven {
-        let delay = (0.0, 0.5);
-        all.push((
-            Effect::AngleDelay,
-            of_angle("sensor-delay", "delay_s", 0.0, delay, 1e-3),
-        ));
-        all.push((
-            Effect::TorqueOffset,
-            of_torque("sensor-offset", "offset_nm", 0.0, FREE, 1e-3 * size),
-        ));
-        all.push((
-            Effect::TorqueScale,
-            of_torque("encoder-scale", "gain", 1.0, (0.2, 5.0), 0.01),
-        ));
-        all.push((
-            Effect::TorqueDelay,
-            of_torque("sensor-delay", "delay_s", 0.0, delay, 1e-3),
-        ));
-    }
-    all
+    [
+        (
+            Effect::Dry,
+            friction("coulomb-friction", "coulomb_friction_n_m", 1.0),
+        ),
+        (
+            Effect::Viscous,
+            friction("viscous-friction", "viscous_friction_n_m_s_per_rad", rate),
+        ),
+        (
+            Effect::Drag,
+            friction("air-drag", "drag_n_m_s2_per_rad2", rate * rate),
+        ),
+    ]
 }
 
 /// Terms without a name.

@@ -2,7 +2,7 @@
 //! number of its file.
 
 use saltus_robot::terms::Form as TermForm;
-use saltus_robot::{Cylinder, Drive, Gas, GaugePressure, Robot, Term};
+use saltus_robot::{Cylinder, Gas, GaugePressure, Robot, Term};
 
 use super::Column;
 use crate::experiment::Sort;
@@ -264,72 +264,79 @@ fn contact(list: &mut List, robot: &Robot) {
     );
 }
 
-/// Terms without a name: forces and torques as functions of the state.
-fn unlisted(list: &mut List, sort: Sort, robot: &Robot) {
-    if matches!(robot.leg.drive, Drive::Pneumatic(_)) {
-        let opening = parameter(
-            "opening_s",
-            0.0,
-            (3e-4, 0.1),
-            1e-3,
-            &[5e-4, 2e-3, 8e-3, 0.03],
-        );
-        list.one(
-            "valve that opens over a time",
-            opening,
-            Effect::Extra(|e, c| e.opening = c),
-        );
-    }
-    let mut add = |id: &'static str, name: &str, scale: f64, set: fn(&mut Extra, f64)| {
-        let parameter = parameter(name, 0.0, (-1e4 * scale, 1e4 * scale), scale, &[]);
-        list.one(id, parameter, Effect::Extra(set));
-    };
-    add(
+/// A term without a name: what it is, its coefficient, a typical size of that, and how to set it.
+type Unlisted = (&'static str, &'static str, f64, fn(&mut Extra, f64));
+
+const OF_LEG: [Unlisted; 2] = [
+    (
         "force on the leg, -c |d'| d'",
         "c_n_s2_per_m2",
         0.5,
         |e, c| e.quadratic = c,
-    );
-    add("dry friction of the leg, c d", "c_n_per_m", 10.0, |e, c| {
+    ),
+    ("dry friction of the leg, c d", "c_n_per_m", 10.0, |e, c| {
         e.tightening = c;
-    });
-    if matches!(robot.leg.drive, Drive::Pneumatic(_)) {
-        add(
-            "leak of the chamber, an area c d",
-            "c_m2_per_m",
-            1e-7,
-            |e, c| e.leak_along = c,
-        );
+    }),
+];
+
+const OF_CHAMBER: [Unlisted; 1] = [(
+    "leak of the chamber, an area c d",
+    "c_m2_per_m",
+    1e-7,
+    |e, c| e.leak_along = c,
+)];
+
+const OF_WHEEL: [Unlisted; 1] = [(
+    "torque on the wheel, -c phi'",
+    "c_n_m_s_per_rad",
+    1e-3,
+    |e, c| e.spin_damping = c,
+)];
+
+const OF_BOOM: [Unlisted; 3] = [
+    (
+        "torque on the boom's pivot, -c theta'",
+        "c_n_m_s_per_rad",
+        0.05,
+        |e, c| e.pivot_damping = c,
+    ),
+    (
+        "torque on the boom's pivot, -c theta",
+        "c_n_m_per_rad",
+        0.1,
+        |e, c| e.pivot_spring = c,
+    ),
+    (
+        "torque on the boom's turn, -c psi'",
+        "c_n_m_s_per_rad",
+        0.05,
+        |e, c| e.turn_damping = c,
+    ),
+];
+
+/// Terms without a name: forces and torques as functions of the state.
+fn unlisted(list: &mut List, sort: Sort, robot: &Robot) {
+    let is_pneumatic = robot.leg.cylinder().is_some();
+    if is_pneumatic {
+        let starts = [5e-4, 2e-3, 8e-3, 0.03];
+        let opening = parameter("opening_s", 0.0, (3e-4, 0.1), 1e-3, &starts);
+        let effect = Effect::Extra(|e, c| e.opening = c);
+        list.one("valve that opens over a time", opening, effect);
     }
-    if sort == Sort::Bench {
-        return;
-    }
-    if sort != Sort::Hop {
-        add(
-            "torque on the wheel, -c phi'",
-            "c_n_m_s_per_rad",
-            1e-3,
-            |e, c| e.spin_damping = c,
-        );
-    }
-    if robot.boom.is_some() {
-        add(
-            "torque on the boom's pivot, -c theta'",
-            "c_n_m_s_per_rad",
-            0.05,
-            |e, c| e.pivot_damping = c,
-        );
-        add(
-            "torque on the boom's pivot, -c theta",
-            "c_n_m_per_rad",
-            0.1,
-            |e, c| e.pivot_spring = c,
-        );
-        add(
-            "torque on the boom's turn, -c psi'",
-            "c_n_m_s_per_rad",
-            0.05,
-            |e, c| e.turn_damping = c,
+    let moves = sort != Sort::Bench;
+    let parts = [
+        (true, &OF_LEG[..]),
+        (is_pneumatic, &OF_CHAMBER),
+        (moves && sort != Sort::Hop, &OF_WHEEL),
+        (moves && robot.boom.is_some(), &OF_BOOM),
+    ];
+    let present = parts.into_iter().filter(|(is_there, _)| *is_there);
+    for &(id, name, scale, set) in present.flat_map(|(_, terms)| terms) {
+        let bounds = (-1e4 * scale, 1e4 * scale);
+        list.one(
+            id,
+            parameter(name, 0.0, bounds, scale, &[]),
+            Effect::Extra(set),
         );
     }
 }
