@@ -37,6 +37,25 @@ typedef struct { uint32_t cell; saltus_real part; } spot;
 typedef struct { saltus_real state[4], by_angle[4], by_valve[4]; } lift_off;
 typedef struct { saltus_real value, by_angle, by_valve; } linear;
 
+static const saltus_real radius = @radius@; /* foot to wheel centre, leg retracted (m) */
+static const saltus_real gravity = @gravity@; /* at the axle (m/s^2) */
+static const saltus_real pendulum = @pendulum@; /* m g r/(I + m r^2) (1/s^2) */
+static const saltus_real reference_lean = @reference_lean@; /* where the rates of the tables count (rad) */
+static const saltus_real least_rate = @least_rate@; /* least approach rate (rad/s) */
+static const saltus_real greatest_rate = @greatest_rate@; /* greatest approach rate (rad/s) */
+static const saltus_real stride = @stride@; /* from one touch-down to the next (m) */
+static const saltus_real nominal_valve_open = @valve_open@; /* (s) */
+static const saltus_real landing_height = @landing_height@; /* of the wheel's centre (m) */
+static const saltus_real period = @period@; /* of control (s) */
+static const saltus_real extra_delay = @extra_delay@; /* of the valve, beyond the robot file's (s) */
+static const saltus_real least_valve_open = @least_valve_open@; /* (s) */
+static const saltus_real greatest_valve_open = @greatest_valve_open@; /* (s) */
+static const saltus_real effort = @effort@; /* cost of a squared second of open valve (m^2/s^2) */
+/* 1: approach rates count at the firing angle; 0: at the reference lean */
+#define AT_FIRING @at_firing@
+#define NEWTON_STEPS @newton_steps@
+#define CHOOSES_VALVE @chooses_valve@
+
 @DATA@
 
 static int within(saltus_real x, saltus_real low, saltus_real high) { return x >= low && x <= high; }

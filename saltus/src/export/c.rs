@@ -1,11 +1,11 @@
 //! Tables as C: a header and a source.
 
-use std::fmt::Write;
-
-use saltus_controller::{Axis, Input, NoTakeOff, Reason, Timing};
+use saltus_controller::qp::HalfPlane;
+use saltus_controller::{Axis, Input, Obstacle, Reason, Timing};
 
 use super::numbers::Number;
 use super::tables::{Nodes, Tables};
+use super::vectors::{Chosen, Decided, Looked, Solved};
 
 const HEADER: &str = include_str!("../../../controller/c/saltus_controller.h");
 const SOURCE: &str = include_str!("../../../controller/c/saltus_controller.c");
@@ -22,29 +22,61 @@ impl<R: Number> Tables<R> {
             .replace("@HEADER@", &comment)
             .replace("@REAL@", R::C_TYPE)
             .replace("@CRC@", &format!("0x{:08X}u", self.crc()));
-        let float = R::IS_FLOAT;
-        let choose =
-            |single: &'static str, double: &'static str| if float { single } else { double };
-        let source = SOURCE
-            .replace("@HEADER@", &comment)
-            .replace("@DATA@", &self.c_data())
-            .replace(
-                "@RULE@",
-                if matches!(self.nodes, Nodes::Curve(_)) {
-                    CURVE
-                } else {
-                    TABLE
-                },
-            )
-            .replace("@SELF_TEST@", &self.c_self_test())
-            .replace("@SUFFIX@", choose("x##f", "x"))
-            .replace("@SQRT@", choose("sqrtf", "sqrt"))
-            .replace("@ABS@", choose("fabsf", "fabs"))
-            .replace("@GREAT@", choose("12582912.0f", "6755399441055744.0"))
-            .replace("@GREATEST@", choose("FLT_MAX", "DBL_MAX"))
-            .replace("@ROUND_OFF@", &R::ROUND_OFF.c())
-            .replace("@BITS@", choose("uint32_t", "uint64_t"));
-        [header, source]
+        let of = |float: &'static str, double: &'static str| {
+            let suited = if R::IS_FLOAT { float } else { double };
+            suited.to_owned()
+        };
+        let rule = match self.nodes {
+            Nodes::Curve(_) => CURVE,
+            Nodes::Table(_) => TABLE,
+        };
+        let source = fill(
+            SOURCE,
+            [
+                ("HEADER", comment),
+                ("DATA", self.c_data()),
+                ("RULE", rule.to_owned()),
+                ("SELF_TEST", self.c_self_test()),
+                ("SUFFIX", of("x##f", "x")),
+                ("SQRT", of("sqrtf", "sqrt")),
+                ("ABS", of("fabsf", "fabs")),
+                ("GREAT", of("12582912.0f", "6755399441055744.0")),
+                ("GREATEST", of("FLT_MAX", "DBL_MAX")),
+                ("ROUND_OFF", R::ROUND_OFF.c()),
+                ("BITS", of("uint32_t", "uint64_t")),
+            ],
+        );
+        [header, fill(&source, self.c_numbers())]
+    }
+
+    /// The numbers of robot, limits and rates, as the source names them.
+    fn c_numbers(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let (robot, limits, rates) = (&self.robot, &self.limits, &self.counted);
+        let chooses = limits.greatest_valve_open > limits.least_valve_open;
+        let flags = [
+            ("at_firing", u8::from(rates.at_firing)),
+            ("newton_steps", limits.newton_steps.min(3)),
+            ("chooses_valve", u8::from(chooses)),
+        ];
+        let numbers = [
+            ("radius", robot.radius),
+            ("gravity", robot.gravity),
+            ("pendulum", robot.pendulum),
+            ("reference_lean", rates.reference_lean),
+            ("least_rate", rates.least),
+            ("greatest_rate", rates.greatest),
+            ("stride", robot.stride),
+            ("valve_open", robot.valve_open),
+            ("landing_height", robot.landing_height),
+            ("period", limits.period),
+            ("extra_delay", limits.extra_delay),
+            ("least_valve_open", limits.least_valve_open),
+            ("greatest_valve_open", limits.greatest_valve_open),
+            ("effort", limits.effort),
+        ];
+        let flags = flags.map(|(name, flag)| (name, flag.to_string()));
+        let numbers = numbers.map(|(name, x)| (name, x.c()));
+        flags.into_iter().chain(numbers)
     }
 
     fn comment(&self) -> String {
@@ -58,295 +90,148 @@ impl<R: Number> Tables<R> {
     }
 
     fn c_data(&self) -> String {
-        let mut text = String::new();
-        let robot = &self.robot;
-        let (limits, rates) = (&self.limits, &self.counted);
-        let numbers = [
-            (
-                "radius",
-                robot.radius,
-                "foot to wheel centre, leg retracted (m)",
-            ),
-            ("gravity", robot.gravity, "at the axle (m/s^2)"),
-            ("pendulum", robot.pendulum, "m g r/(I + m r^2) (1/s^2)"),
-            (
-                "reference_lean",
-                rates.reference_lean,
-                "where the rates of the tables count (rad)",
-            ),
-            ("least_rate", rates.least, "least approach rate (rad/s)"),
-            (
-                "greatest_rate",
-                rates.greatest,
-                "greatest approach rate (rad/s)",
-            ),
-            (
-                "stride",
-                robot.stride,
-                "from one touch-down to the next (m)",
-            ),
-            ("nominal_valve_open", robot.valve_open, "(s)"),
-            (
-                "landing_height",
-                robot.landing_height,
-                "of the wheel's centre (m)",
-            ),
-            ("period", limits.period, "of control (s)"),
-            (
-                "extra_delay",
-                limits.extra_delay,
-                "of the valve, beyond the robot file's (s)",
-            ),
-            ("least_valve_open", limits.least_valve_open, "(s)"),
-            ("greatest_valve_open", limits.greatest_valve_open, "(s)"),
-            (
-                "effort",
-                limits.effort,
-                "cost of a squared second of open valve (m^2/s^2)",
-            ),
-        ];
-        for (name, value, what) in numbers {
-            put(
-                &mut text,
-                format_args!(
-                    "static const saltus_real {name} = {}; /* {what} */\n",
-                    value.c()
-                ),
-            );
-        }
-        let at_firing = u8::from(rates.at_firing);
-        put(
-            &mut text,
-            format_args!(
-                "/* 1: approach rates count at the firing angle; 0: at the reference lean \
-                 */\n#define AT_FIRING {at_firing}\n"
-            ),
-        );
-        put(
-            &mut text,
-            format_args!("#define NEWTON_STEPS {}\n", limits.newton_steps.min(3)),
-        );
-        let chooses = u8::from(limits.greatest_valve_open > limits.least_valve_open);
-        put(
-            &mut text,
-            format_args!("#define CHOOSES_VALVE {chooses}\n\n"),
-        );
-        axis(
-            &mut text,
-            "rule_rates",
-            &self.rates,
-            "rate at the reference lean (rad/s)",
-        );
+        let rate = "rate at the reference lean (rad/s)";
+        let mut text = axis("rule_rates", &self.rates, rate);
         match &self.nodes {
             Nodes::Table(table) => {
-                axis(
-                    &mut text,
-                    "table_distances",
-                    &self.distances,
-                    "distance (m)",
-                );
+                text += &axis("table_distances", &self.distances, "distance (m)");
                 let what = "alpha_f (rad), by rate and by distance, mixed, each times the \
                     spacing; distances within rates";
-                nodes(&mut text, "rule_nodes", table, what);
+                text += &nodes("rule_nodes", table, what);
             }
             Nodes::Curve(curve) => {
                 let distance = self.distances.first.c();
-                put(
-                    &mut text,
-                    format_args!(
-                        "static const saltus_real curve_distance = {distance}; /* (m) */\n"
-                    ),
-                );
-                nodes(
-                    &mut text,
-                    "rule_nodes",
-                    curve,
-                    "alpha_f (rad), and its slope by rate times the spacing",
-                );
+                text += &["static const saltus_real curve_distance = ", &distance].concat();
+                text += "; /* (m) */\n";
+                let what = "alpha_f (rad), and its slope by rate times the spacing";
+                text += &nodes("rule_nodes", curve, what);
             }
         }
-        cells(&mut text, "rule_open", &self.open);
-        axis(
-            &mut text,
-            "map_rates",
-            &self.rates,
-            "rate at the reference lean (rad/s)",
-        );
-        axis(&mut text, "map_angles", &self.angles, "firing angle (rad)");
+        text += &cells("rule_open", &self.open);
+        text += &axis("map_rates", &self.rates, rate);
+        text += &axis("map_angles", &self.angles, "firing angle (rad)");
         let what = "x, y (m), vx, vy (m/s); these by rate; by angle; mixed, times the spacing; \
             then by the valve opening time (1/s)";
-        nodes(&mut text, "map_nodes", &self.map_nodes, what);
-        cells(&mut text, "map_open", &self.map_open);
+        text += &nodes("map_nodes", &self.map_nodes, what);
+        text += &cells("map_open", &self.map_open);
         text.truncate(text.trim_end().len());
         text
     }
 
     fn c_self_test(&self) -> String {
-        let mut text = CRC.to_owned();
-        text.push_str(TEST_TYPES);
         let [angles, decisions, take_offs, programs] = VECTORS;
-        put(
-            &mut text,
-            format_args!("static const test_angle test_angles[{angles}] = {{\n"),
-        );
-        for v in self.firing_angles(angles) {
-            let (code, angle) = match v.answer {
-                Ok(angle) => ("SALTUS_OK", angle),
-                Err(reason) => (status(reason), R::ZERO),
-            };
-            put(
-                &mut text,
-                format_args!("    {{{}, {code}, {}}},\n", list(&v.given), angle.c()),
-            );
-        }
-        put(
-            &mut text,
-            format_args!("}};\n\nstatic const test_decision test_decisions[{decisions}] = {{\n"),
-        );
-        for v in self.decisions(decisions) {
-            let (sensed, task) = (&v.sensed, &v.task);
-            let obstacle = task
-                .obstacle
-                .map(|o| list(&[o.front, o.back, o.height, o.clearance]));
-            let (over, obstacle) = (
-                u8::from(obstacle.is_some()),
-                obstacle.unwrap_or_else(|| list(&[R::ZERO; 4])),
-            );
-            let answer = match v.answer {
-                Ok(d) => {
-                    let (timing, time) = timing(d.timing);
-                    let numbers = list(&[d.approach_rate, d.firing_angle, d.valve_open, time]);
-                    format!(
-                        "SALTUS_OK, {{{numbers}, {timing}, {}}}",
-                        u8::from(d.settled)
-                    )
-                }
-                Err(reason) => format!(
-                    "{}, {{{}, SALTUS_WAIT, 0}}",
-                    status(reason),
-                    list(&[R::ZERO; 4])
-                ),
-            };
-            let (sensed, task) = (
-                list(&[sensed.lean, sensed.rate]),
-                list(&[task.distance, task.landing_height]),
-            );
-            put(
-                &mut text,
-                format_args!("    {{{{{sensed}}}, {task}, {over}, {{{obstacle}}}, {answer}}},\n"),
-            );
-        }
-        put(
-            &mut text,
-            format_args!("}};\n\nstatic const test_take_off test_take_offs[{take_offs}] = {{\n"),
-        );
-        for v in self.take_offs(take_offs) {
-            let a = &v.approach;
-            let given = list(&[a.distance, a.height, a.length, a.speed, a.clearance]);
-            let answer = match v.answer {
-                Ok(t) => {
-                    let numbers = list(&[t.approach_rate, t.firing_angle, t.distance, t.clearance]);
-                    format!(
-                        "SALTUS_OK, SALTUS_NO_INPUT, {{{}, {numbers}}}",
-                        t.touch_down
-                    )
-                }
-                Err(NoTakeOff {
-                    reason,
-                    input: which,
-                }) => {
-                    format!(
-                        "{}, {}, {{0, {}}}",
-                        status(reason),
-                        input(which),
-                        list(&[R::ZERO; 4])
-                    )
-                }
-            };
-            put(&mut text, format_args!("    {{{{{given}}}, {answer}}},\n"));
-        }
-        put(
-            &mut text,
-            format_args!("}};\n\nstatic const test_program test_programs[{programs}] = {{\n"),
-        );
-        for v in Tables::<R>::programs(programs) {
-            let rows: Vec<String> = v
-                .constraints
-                .iter()
-                .map(|c| format!("{{{{{}}}, {}}}", list(&c.normal), c.bound.c()))
-                .collect();
-            let (code, x) = match v.answer {
-                Ok(x) => ("SALTUS_OK", x),
-                Err(reason) => (status(reason), [R::ZERO; 2]),
-            };
-            put(
-                &mut text,
-                format_args!(
-                    "    {{{{{}}}, {{{}}}, {{{}}}, {code}, {{{}}}}},\n",
-                    list(&v.h),
-                    list(&v.g),
-                    rows.join(", "),
-                    list(&x)
-                ),
-            );
-        }
-        text.push_str("};\n");
-        text.push_str(
-            &TEST
-                .replace("@ANGLES@", &angles.to_string())
-                .replace("@DECISIONS@", &decisions.to_string())
-                .replace("@TAKE_OFFS@", &take_offs.to_string())
-                .replace("@PROGRAMS@", &programs.to_string()),
-        );
-        text
+        let tables = [
+            vectors("angle", &self.firing_angles(angles), test_angle),
+            vectors("decision", &self.decisions(decisions), test_decision),
+            vectors("take_off", &self.take_offs(take_offs), test_take_off),
+            vectors("program", &Tables::<R>::programs(programs), test_program),
+        ];
+        let counts = ["ANGLES", "DECISIONS", "TAKE_OFFS", "PROGRAMS"].into_iter();
+        let test = fill(TEST, counts.zip(VECTORS.map(|count| count.to_string())));
+        format!("{CRC}{TEST_TYPES}{}{test}", tables.join("\n"))
     }
 }
 
-fn put(text: &mut String, what: std::fmt::Arguments<'_>) {
-    // Writing to a string does not fail.
-    let _ = text.write_fmt(what);
+/// The table of a kind of test: an array of `test_KIND`.
+fn vectors<V>(kind: &str, all: &[V], row: fn(&V) -> String) -> String {
+    let rows: Vec<String> = all
+        .iter()
+        .map(|v| format!("    {{{}}},\n", row(v)))
+        .collect();
+    let rows = rows.concat();
+    let count = all.len();
+    format!("static const test_{kind} test_{kind}s[{count}] = {{\n{rows}}};\n")
+}
+
+fn test_angle<R: Number>(v: &Looked<R>) -> String {
+    let (code, angle) = match v.answer {
+        Ok(angle) => ("SALTUS_OK", angle),
+        Err(reason) => (status(reason), R::ZERO),
+    };
+    format!("{}, {code}, {}", list(&v.given), angle.c())
+}
+
+fn test_decision<R: Number>(v: &Decided<R>) -> String {
+    let task = &v.task;
+    let sensed = list(&[v.sensed.lean, v.sensed.rate]);
+    let asked = list(&[task.distance, task.landing_height]);
+    let over = u8::from(task.obstacle.is_some());
+    let numbers = |o: Obstacle<R>| [o.front, o.back, o.height, o.clearance];
+    let obstacle = list(&task.obstacle.map_or([R::ZERO; 4], numbers));
+    let answer = match v.answer {
+        Ok(d) => {
+            let (timing, time) = timing(d.timing);
+            let numbers = list(&[d.approach_rate, d.firing_angle, d.valve_open, time]);
+            let settled = u8::from(d.settled);
+            format!("SALTUS_OK, {{{numbers}, {timing}, {settled}}}")
+        }
+        Err(reason) => {
+            let (code, none) = (status(reason), list(&[R::ZERO; 4]));
+            format!("{code}, {{{none}, SALTUS_WAIT, 0}}")
+        }
+    };
+    format!("{{{sensed}}}, {asked}, {over}, {{{obstacle}}}, {answer}")
+}
+
+fn test_take_off<R: Number>(v: &Chosen<R>) -> String {
+    let a = &v.approach;
+    let given = list(&[a.distance, a.height, a.length, a.speed, a.clearance]);
+    let answer = match v.answer {
+        Ok(t) => {
+            let numbers = list(&[t.approach_rate, t.firing_angle, t.distance, t.clearance]);
+            let touch_down = t.touch_down;
+            format!("SALTUS_OK, SALTUS_NO_INPUT, {{{touch_down}, {numbers}}}")
+        }
+        Err(none) => {
+            let (code, which) = (status(none.reason), input(none.input));
+            format!("{code}, {which}, {{0, {}}}", list(&[R::ZERO; 4]))
+        }
+    };
+    format!("{{{given}}}, {answer}")
+}
+
+fn test_program<R: Number>(v: &Solved<R>) -> String {
+    let row = |c: &HalfPlane<R>| format!("{{{{{}}}, {}}}", list(&c.normal), c.bound.c());
+    let rows: Vec<String> = v.constraints.iter().map(row).collect();
+    let (code, x) = match v.answer {
+        Ok(x) => ("SALTUS_OK", x),
+        Err(reason) => (status(reason), [R::ZERO; 2]),
+    };
+    let (h, g, rows) = (list(&v.h), list(&v.g), rows.join(", "));
+    format!("{{{h}}}, {{{g}}}, {{{rows}}}, {code}, {{{}}}", list(&x))
+}
+
+/// A text with each `@NAME@` replaced.
+fn fill<'a>(text: &str, names: impl IntoIterator<Item = (&'a str, String)>) -> String {
+    let put =
+        |text: String, (name, value): (&str, String)| text.replace(&format!("@{name}@"), &value);
+    names.into_iter().fold(text.to_owned(), put)
 }
 
 fn list<R: Number>(numbers: &[R]) -> String {
     numbers.iter().map(|x| x.c()).collect::<Vec<_>>().join(", ")
 }
 
-fn axis<R: Number>(text: &mut String, name: &str, a: &Axis<R>, what: &str) {
+fn axis<R: Number>(name: &str, a: &Axis<R>, what: &str) -> String {
     let numbers = list(&[a.first, a.last, a.per_unit]);
-    put(
-        text,
-        format_args!(
-            "/* {what}: first, last, nodes per unit, how many */\nstatic const axis {name} = \
-             {{{numbers}, {}}};\n",
-            a.count
-        ),
-    );
+    let count = a.count;
+    format!(
+        "/* {what}: first, last, nodes per unit, how many */\nstatic const axis {name} = {{{numbers}, \
+         {count}}};\n"
+    )
 }
 
-fn nodes<R: Number, const N: usize>(text: &mut String, name: &str, nodes: &[[R; N]], what: &str) {
-    put(
-        text,
-        format_args!(
-            "/* {what} */\nstatic const saltus_real {name}[{}][{N}] = {{\n",
-            nodes.len()
-        ),
-    );
-    for node in nodes {
-        put(text, format_args!("    {{{}}},\n", list(node)));
-    }
-    text.push_str("};\n");
+fn nodes<R: Number, const N: usize>(name: &str, nodes: &[[R; N]], what: &str) -> String {
+    let count = nodes.len();
+    let row = |node: &[R; N]| format!("    {{{}}},\n", list(node));
+    let rows = nodes.iter().map(row).collect::<Vec<_>>().concat();
+    format!("/* {what} */\nstatic const saltus_real {name}[{count}][{N}] = {{\n{rows}}};\n")
 }
 
-fn cells(text: &mut String, name: &str, open: &[u8]) {
+fn cells(name: &str, open: &[u8]) -> String {
     let list: Vec<String> = open.iter().map(u8::to_string).collect();
-    put(
-        text,
-        format_args!(
-            "/* which cells may be used */\nstatic const uint8_t {name}[{}] = {{{}}};\n\n",
-            open.len(),
-            list.join(", ")
-        ),
-    );
+    let (count, list) = (open.len(), list.join(", "));
+    format!("/* which cells may be used */\nstatic const uint8_t {name}[{count}] = {{{list}}};\n\n")
 }
 
 fn status(reason: Reason) -> &'static str {

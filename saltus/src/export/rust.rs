@@ -1,7 +1,5 @@
 //! Tables as Rust: one constant.
 
-use std::fmt::Write;
-
 use saltus_controller::{Axis, Rates, Robot};
 
 use super::numbers::Number;
@@ -112,113 +110,101 @@ impl<R: Number> Tables<R> {
     /// A Rust source with the constant `name`, a `saltus_controller::Controller<'static, f32>` or
     /// `f64`.
     pub fn rust(&self, name: &str) -> String {
-        let mut text = String::new();
-        for line in self.about() {
-            put(&mut text, format_args!("//! {line}").to_string().trim_end());
-        }
-        let real = R::RUST_TYPE;
-        put(
-            &mut text,
-            "\n#![allow(clippy::all, clippy::pedantic, unreachable_pub)]\n",
-        );
-        let rule_type = match self.nodes {
-            Nodes::Table(_) => "FiringTable",
-            Nodes::Curve(_) => "FiringCurve",
+        let about: String = self.about().iter().map(|line| comment(line)).collect();
+        let (real, robot) = (R::RUST_TYPE, self.name.escape_default());
+        let (kind, rule) = self.rust_rule();
+        let (map_rates, angles) = (axis(&self.rates), axis(&self.angles));
+        let [rates, limits, constants] = self.rust_numbers();
+        let rule_nodes = match &self.nodes {
+            Nodes::Table(table) => nodes("RULE_NODES", table),
+            Nodes::Curve(curve) => nodes("RULE_NODES", curve),
         };
-        put(
-            &mut text,
-            &format!(
-                "use saltus_controller::{{Axis, Controller, {rule_type}, LiftOffMap, Limits, \
-                 Rates, Robot, Rule}};\n"
-            ),
+        let (rule_open, map_open) = (
+            cells("RULE_OPEN", &self.open),
+            cells("MAP_OPEN", &self.map_open),
         );
-        put(
-            &mut text,
-            &format!(
-                "/// What the robot {} decides by.",
-                self.name.escape_default()
-            ),
-        );
-        put(
-            &mut text,
-            &format!("pub const {name}: Controller<'static, {real}> = Controller {{"),
-        );
+        let map_nodes = nodes("MAP_NODES", &self.map_nodes);
+        format!(
+            "{about}
+#![allow(clippy::all, clippy::pedantic, unreachable_pub)]
+
+use saltus_controller::{{Axis, Controller, {kind}, LiftOffMap, Limits, Rates, Robot, Rule}};
+
+/// What the robot {robot} decides by.
+pub const {name}: Controller<'static, {real}> = Controller {{
+    rule: Rule::{rule},
+    map: LiftOffMap {{ rates: {map_rates}, angles: {angles}, nodes: &MAP_NODES, open: &MAP_OPEN }},
+    rates: {rates},
+    robot: {constants},
+    limits: {limits},
+}};
+{rule_nodes}{rule_open}{map_nodes}{map_open}"
+        )
+    }
+
+    /// The rule's type, and the rule.
+    fn rust_rule(&self) -> (&'static str, String) {
         let rates = axis(&self.rates);
-        let rule = match self.nodes {
-            Nodes::Table(_) => format!(
-                "Table(FiringTable {{ rates: {rates}, distances: {}, nodes: &RULE_NODES, open: \
-                 &RULE_OPEN }})",
-                axis(&self.distances)
-            ),
-            Nodes::Curve(_) => format!(
-                "Curve(FiringCurve {{ rates: {rates}, distance: {}, nodes: &RULE_NODES, open: \
-                 &RULE_OPEN }})",
-                self.distances.first.digits()
-            ),
+        let (of, kind, distance) = match self.nodes {
+            Nodes::Table(_) => {
+                let distances = axis(&self.distances);
+                ("Table", "FiringTable", format!("distances: {distances}"))
+            }
+            Nodes::Curve(_) => {
+                let distance = self.distances.first.digits();
+                ("Curve", "FiringCurve", format!("distance: {distance}"))
+            }
         };
-        put(&mut text, &format!("    rule: Rule::{rule},"));
-        put(
-            &mut text,
-            &format!(
-                "    map: LiftOffMap {{ rates: {rates}, angles: {}, nodes: &MAP_NODES, open: \
-                 &MAP_OPEN }},",
-                axis(&self.angles)
-            ),
+        let rule = format!(
+            "{of}({kind} {{ rates: {rates}, {distance}, nodes: &RULE_NODES, open: &RULE_OPEN }})"
         );
-        let c = &self.counted;
-        put(
-            &mut text,
-            &format!(
-                "    rates: Rates {{ least: {}, greatest: {}, reference_lean: {}, at_firing: {} \
-                 }},",
-                c.least.digits(),
-                c.greatest.digits(),
-                c.reference_lean.digits(),
-                c.at_firing
-            ),
-        );
-        let r = &self.robot;
-        put(
-            &mut text,
-            &format!(
-                "    robot: Robot {{ radius: {}, gravity: {}, pendulum: {}, stride: {}, \
-                 valve_open: {}, landing_height: {} }},",
-                r.radius.digits(),
-                r.gravity.digits(),
-                r.pendulum.digits(),
-                r.stride.digits(),
-                r.valve_open.digits(),
-                r.landing_height.digits()
-            ),
-        );
-        let l = &self.limits;
-        put(
-            &mut text,
-            &format!(
-                "    limits: Limits {{ period: {}, extra_delay: {}, newton_steps: {}, \
-                 least_valve_open: {}, greatest_valve_open: {}, effort: {} }},\n}};",
-                l.period.digits(),
-                l.extra_delay.digits(),
-                l.newton_steps,
-                l.least_valve_open.digits(),
-                l.greatest_valve_open.digits(),
-                l.effort.digits()
-            ),
-        );
-        match &self.nodes {
-            Nodes::Table(table) => nodes(&mut text, "RULE_NODES", table),
-            Nodes::Curve(curve) => nodes(&mut text, "RULE_NODES", curve),
-        }
-        cells(&mut text, "RULE_OPEN", &self.open);
-        nodes(&mut text, "MAP_NODES", &self.map_nodes);
-        cells(&mut text, "MAP_OPEN", &self.map_open);
-        text
+        (kind, rule)
+    }
+
+    /// Rates, limits and robot.
+    fn rust_numbers(&self) -> [String; 3] {
+        let (c, l, r) = (&self.counted, &self.limits, &self.robot);
+        let rates = fields(&[
+            ("least", c.least.digits()),
+            ("greatest", c.greatest.digits()),
+            ("reference_lean", c.reference_lean.digits()),
+            ("at_firing", c.at_firing.to_string()),
+        ]);
+        let limits = fields(&[
+            ("period", l.period.digits()),
+            ("extra_delay", l.extra_delay.digits()),
+            ("newton_steps", l.newton_steps.to_string()),
+            ("least_valve_open", l.least_valve_open.digits()),
+            ("greatest_valve_open", l.greatest_valve_open.digits()),
+            ("effort", l.effort.digits()),
+        ]);
+        let robot = fields(&[
+            ("radius", r.radius.digits()),
+            ("gravity", r.gravity.digits()),
+            ("pendulum", r.pendulum.digits()),
+            ("stride", r.stride.digits()),
+            ("valve_open", r.valve_open.digits()),
+            ("landing_height", r.landing_height.digits()),
+        ]);
+        [
+            format!("Rates {{ {rates} }}"),
+            format!("Limits {{ {limits} }}"),
+            format!("Robot {{ {robot} }}"),
+        ]
     }
 }
 
-fn put(text: &mut String, line: &str) {
-    text.push_str(line);
-    text.push('\n');
+/// A line of the head.
+fn comment(line: &str) -> String {
+    format!("{}\n", format!("//! {line}").trim_end())
+}
+
+fn fields(of: &[(&str, String)]) -> String {
+    let each: Vec<String> = of
+        .iter()
+        .map(|(name, value)| format!("{name}: {value}"))
+        .collect();
+    each.join(", ")
 }
 
 fn axis<R: Number>(a: &Axis<R>) -> String {
@@ -229,27 +215,18 @@ fn axis<R: Number>(a: &Axis<R>) -> String {
     )
 }
 
-fn nodes<R: Number, const N: usize>(text: &mut String, name: &str, nodes: &[[R; N]]) {
-    // Writing to a string does not fail.
-    let _ = write!(
-        text,
-        "\nstatic {name}: [[{}; {N}]; {}] = [\n",
-        R::RUST_TYPE,
-        nodes.len()
-    );
-    for node in nodes {
+fn nodes<R: Number, const N: usize>(name: &str, nodes: &[[R; N]]) -> String {
+    let (real, count) = (R::RUST_TYPE, nodes.len());
+    let row = |node: &[R; N]| {
         let list: Vec<String> = node.iter().map(|x| x.digits()).collect();
-        let _ = writeln!(text, "    [{}],", list.join(", "));
-    }
-    text.push_str("];\n");
+        format!("    [{}],\n", list.join(", "))
+    };
+    let rows: String = nodes.iter().map(row).collect();
+    format!("\nstatic {name}: [[{real}; {N}]; {count}] = [\n{rows}];\n")
 }
 
-fn cells(text: &mut String, name: &str, open: &[u8]) {
+fn cells(name: &str, open: &[u8]) -> String {
     let list: Vec<String> = open.iter().map(u8::to_string).collect();
-    let _ = write!(
-        text,
-        "\nstatic {name}: [u8; {}] = [{}];\n",
-        open.len(),
-        list.join(", ")
-    );
+    let (count, list) = (open.len(), list.join(", "));
+    format!("\nstatic {name}: [u8; {count}] = [{list}];\n")
 }
