@@ -409,81 +409,78 @@ impl<R: Real> Controller<'_, R> {
         [landing, first, second]: [Linear<R>; 3],
         obstacle: &Obstacle<R>,
     ) -> Result<(R, R), Reason> {
-        let Guess {
-            firing_angle: angle,
-            valve_open,
-        } = guess;
-        let Limits {
-            least_valve_open,
-            greatest_valve_open,
-            effort,
-            ..
-        } = self.limits;
-        let (trust, axis) = (R::of(TRUST), &self.map.angles);
+        let (trust, axis, angle) = (R::of(TRUST), &self.map.angles, guess.firing_angle);
         let high = trust.lesser(axis.last - angle);
         let low = (-trust).greater(axis.first - angle);
-        let off = landing.value - distance;
-        let beyond = landing.value - obstacle.back;
-        let (over_first, over_second) = (
-            first.value - obstacle.clearance,
-            second.value - obstacle.clearance,
-        );
-        let chooses_valve = greatest_valve_open > least_valve_open;
-        if !chooses_valve {
-            let constraints = [
-                HalfLine {
-                    slope: R::ONE,
-                    bound: high,
-                },
-                HalfLine {
-                    slope: -R::ONE,
-                    bound: -low,
-                },
-                HalfLine {
-                    slope: -first.by_angle,
-                    bound: over_first,
-                },
-                HalfLine {
-                    slope: -second.by_angle,
-                    bound: over_second,
-                },
-                HalfLine {
-                    slope: -landing.by_angle,
-                    bound: beyond,
-                },
-            ];
-            let j = landing.by_angle;
-            return Ok((qp::one(j * j, j * off, &constraints)?, R::ZERO));
-        }
-        let plane = |l: &Linear<R>, bound: R| HalfPlane {
-            normal: [-l.by_angle, -l.by_valve],
-            bound,
+        let near = Near {
+            low,
+            high,
+            off: landing.value - distance,
+            beyond: landing.value - obstacle.back,
+            over: [first, second].map(|over| over.value - obstacle.clearance),
+            lines: [landing, first, second],
         };
+        if self.limits.greatest_valve_open > self.limits.least_valve_open {
+            near.step_of_both(&self.limits, guess.valve_open)
+        } else {
+            Ok((near.step_of_angle()?, R::ZERO))
+        }
+    }
+}
+
+/// The quadratic program near a guess.
+struct Near<R> {
+    /// Bounds of the step in firing angle (rad).
+    low: R,
+    high: R,
+    /// How far (m) the landing is beyond the one wanted, and beyond the obstacle's back.
+    off: R,
+    beyond: R,
+    /// Clearance (m) over both edges, beyond what is asked.
+    over: [R; 2],
+    /// The landing, and the clearances over both edges.
+    lines: [Linear<R>; 3],
+}
+
+impl<R: Real> Near<R> {
+    /// For a robot that does not choose its valve opening time.
+    #[inline]
+    fn step_of_angle(&self) -> Result<R, Reason> {
+        let [landing, first, second] = &self.lines;
+        let line = |slope: R, bound: R| HalfLine { slope, bound };
+        let constraints = [
+            line(R::ONE, self.high),
+            line(-R::ONE, -self.low),
+            line(-first.by_angle, self.over[0]),
+            line(-second.by_angle, self.over[1]),
+            line(-landing.by_angle, self.beyond),
+        ];
+        let j = landing.by_angle;
+        qp::one(j * j, j * self.off, &constraints)
+    }
+
+    /// For one that chooses both.
+    #[inline]
+    fn step_of_both(&self, limits: &Limits<R>, valve_open: R) -> Result<(R, R), Reason> {
+        let [landing, first, second] = &self.lines;
+        let plane = |normal: [R; 2], bound: R| HalfPlane { normal, bound };
+        let over = |l: &Linear<R>, bound: R| plane([-l.by_angle, -l.by_valve], bound);
+        let shorter = valve_open - limits.least_valve_open;
+        let longer = limits.greatest_valve_open - valve_open;
         // Bounds first: what is violated later is cut by all before it.
         let constraints = [
-            HalfPlane {
-                normal: [R::ZERO, -R::ONE],
-                bound: valve_open - least_valve_open,
-            },
-            HalfPlane {
-                normal: [R::ZERO, R::ONE],
-                bound: greatest_valve_open - valve_open,
-            },
-            HalfPlane {
-                normal: [-R::ONE, R::ZERO],
-                bound: -low,
-            },
-            HalfPlane {
-                normal: [R::ONE, R::ZERO],
-                bound: high,
-            },
-            plane(&first, over_first),
-            plane(&second, over_second),
-            plane(&landing, beyond),
+            plane([R::ZERO, -R::ONE], shorter),
+            plane([R::ZERO, R::ONE], longer),
+            plane([-R::ONE, R::ZERO], -self.low),
+            plane([R::ONE, R::ZERO], self.high),
+            over(first, self.over[0]),
+            over(second, self.over[1]),
+            over(landing, self.beyond),
         ];
-        let (j, k) = (landing.by_angle, landing.by_valve);
+        let (j, k, effort) = (landing.by_angle, landing.by_valve, limits.effort);
         let h = [j * j, j * k, k * k + effort];
-        let [da, dv] = qp::two(h, [j * off, k * off + effort * valve_open], &constraints)?;
+        let g = [j * self.off, k * self.off + effort * valve_open];
+        let [da, dv] = qp::two(h, g, &constraints)?;
         Ok((da, dv))
     }
 }

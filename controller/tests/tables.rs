@@ -249,6 +249,7 @@ fn rates_at_the_firing_angle_are_those_of_decisions() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn no_take_off_says_which_input_it_is_and_when_to_ask_again() {
     let usual = Approach {
         distance: 0.5,

@@ -216,6 +216,7 @@ to_x_m = 1
     }
 
     #[test]
+    #[expect(clippy::too_many_lines, reason = "a list of cases")]
     fn wrong_courses_are_refused_with_their_place() {
         let check = |from: &str, to: &str, message: &str| {
             let text = GOOD.replacen(from, to, 1);

@@ -44,6 +44,7 @@ fn lists(name: &str, value: &str) -> bool {
     option(name).is_none_or(|list| list.split(',').any(|x| x.eq_ignore_ascii_case(value)))
 }
 
+#[expect(clippy::too_many_lines, reason = "one experiment")]
 fn main() {
     let (first, seeds) = (number("first", 1), number("seeds", 1));
     let mut table: BTreeMap<(String, String), Tally> = BTreeMap::new();

@@ -192,6 +192,7 @@ impl Outside {
     }
 }
 
+#[expect(clippy::too_many_lines, reason = "one experiment")]
 fn main() {
     let mut arguments = std::env::args().skip(1);
     let jumps: usize = arguments

@@ -19,6 +19,7 @@ fn block(low: [f64; 2], high: [f64; 2]) -> Obstacle {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn closed_forms() {
     let check = |flight: Flight<f64>,
                  obstacle: Obstacle,

@@ -153,6 +153,7 @@ fn numbers_that_do_not_fit_together() {
 /// `line` added to the body (from line 7), the leg (from line 20) or the file (from line 27) of the
 /// sound file.
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn keys_of_a_rig() {
     let body = |line: &str, expected: &str| check("[leg]", &format!("{line}\n[leg]"), expected);
     body(
@@ -277,6 +278,7 @@ fn keys_of_a_rig() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn values_of_the_wrong_type() {
     check(
         "= 2.75",
@@ -367,6 +369,7 @@ fn values_of_the_wrong_type() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn keys_unknown_missing_or_twice() {
     check(
         "mass_kg",

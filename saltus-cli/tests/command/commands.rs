@@ -634,6 +634,7 @@ fn a_robot_is_exported_to_mujoco() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one experiment")]
 fn exported_c_tests_itself_with_every_compiler_option() {
     let folder = Folder::new("export-c");
     let said = folder.done("export c --distance 0.3:0.8:6 --omega 3:6:7 --out float", 0);

@@ -155,7 +155,13 @@ fn named(document: &str) -> Vec<Vec<String>> {
 /// A folder with the files that the documents' commands read.
 fn furnished(name: &str) -> Folder {
     let folder = Folder::new(name);
-    for place in ["saltus/examples", "tests/reference/parkour-hopper", "docs"] {
+    let places = [
+        "saltus/examples",
+        "tests/reference/parkour-hopper",
+        "docs",
+        "src",
+    ];
+    for place in places {
         std::fs::create_dir_all(folder.path(place)).unwrap();
     }
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");

@@ -254,6 +254,7 @@ fn a_jump_works_without_a_boom() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one experiment")]
 fn units_are_those_of_the_names() {
     let folder = bench("units");
     // Numbers of few digits, which other units have too.

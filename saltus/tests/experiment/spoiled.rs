@@ -198,6 +198,7 @@ fn with_column(kind: &str, column: usize, cell: impl Fn(usize) -> String) -> imp
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn spoiled_columns_are_refused() {
     let same = |cell: &'static str| move |_: usize| cell.to_owned();
     let some = |count: usize| {

@@ -171,6 +171,7 @@ fn off_is_the_base_model_to_the_bit() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn each_term_acts_as_it_is_named() {
     let base = apex(&Robot::rats_planar());
     let lower: [(&str, Robot); 11] = [

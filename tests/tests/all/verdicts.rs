@@ -74,6 +74,7 @@ struct Given {
 }
 
 /// A course made by hand about the jumps that the planner's model makes.
+#[expect(clippy::too_many_lines, reason = "one course")]
 fn by_hand(planner: &Planner, dice: &mut Dice) -> (Route, Given) {
     let radius = planner.robot().body.radius;
     let mut demands = Demands {
@@ -324,6 +325,7 @@ struct Found {
     foothold: bool,
 }
 
+#[expect(clippy::too_many_lines, reason = "one judgement")]
 fn judge(given: &Given, jump: usize, foot: [f64; 2], report: &Report, radius: f64) -> Found {
     let [surface, wanted, height] = given.jumps[jump];
     let lift_off = report.lift_off.map_or(f64::INFINITY, |l| l.time);

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use saltus::verify::{Demand, Failure, Group, Outcome, Plant, RunJump, Starts, Verdict};
+use saltus::verify::{Demand, Failure, Group, Outcome, Plant, RunJump, Spread, Starts, Verdict};
 use saltus::{Planner, Robot};
 use serde_json::{Value, json};
 
@@ -420,7 +420,37 @@ fn demands_text(outcomes: &[Outcome]) -> String {
 }
 
 fn group_text(group: &Group, context: &Context<'_>) -> String {
-    let number = |x: Option<f64>| x.map_or("–".to_owned(), |x| digits(x, 3));
+    let mut lines = vec![counts(group, context)];
+    lines.extend(errors_text(group));
+    lines.extend(group.clearance.map(|gap| {
+        let gap = digits(gap, 3);
+        format!("  clearance                        {gap} m at least")
+    }));
+    lines.push(match group.slipped {
+        0 => "  slip                             none".to_owned(),
+        n => {
+            let way = digits(group.slip, 3);
+            format!("  slip                             {n} feet slip, {way} m at most")
+        }
+    });
+    let number = |x: Option<f64>, count: usize| x.map_or("–".to_owned(), |x| digits(x, count));
+    let (needed, normal) = (
+        number(group.friction_needed, 3),
+        number(group.least_normal, 3),
+    );
+    lines.push(format!(
+        "  ground                           friction/normal force {needed} at most, normal force \
+         {normal} N at least"
+    ));
+    let residual = number(group.residual.map(f64::abs), 2);
+    lines.push(format!(
+        "  energy ledger                    closes within {residual} J"
+    ));
+    lines.join("\n") + "\n"
+}
+
+/// How many runs and jumps of a group pass, land, and are not simulated.
+fn counts(group: &Group, context: &Context<'_>) -> String {
     let title = if group.errors {
         format!("with errors drawn, seed {}", context.how.seed)
     } else {
@@ -430,22 +460,25 @@ fn group_text(group: &Group, context: &Context<'_>) -> String {
         1 => String::new(),
         _ => format!("{} of {} runs pass; ", group.runs_passed, group.runs),
     };
+    let (passed, jumps, landed) = (group.passed, group.jumps, group.landed);
     let mut counts = vec![format!(
-        "\n{title}: {runs}{} of {} jumps pass, {} land",
-        group.passed, group.jumps, group.landed
+        "\n{title}: {runs}{passed} of {jumps} jumps pass, {landed} land"
     )];
-    let counted = [
+    let others = [
         (group.simulation_failed, "cannot be simulated"),
         (group.not_started, "are not started"),
     ];
-    counts.extend(
-        counted
-            .into_iter()
-            .filter(|(count, _)| *count > 0)
-            .map(|(n, what)| format!("{n} {what}")),
-    );
-    let mut lines = vec![counts.join(", ")];
-    let spread = |name: &str, all: [(Option<f64>, &str); 3]| {
+    let others = others.into_iter().filter(|(count, _)| *count > 0);
+    counts.extend(others.map(|(n, what)| format!("{n} {what}")));
+    counts.join(", ")
+}
+
+/// What landings and apexes miss, a line each.
+fn errors_text(group: &Group) -> [String; 3] {
+    let (land, miss, apex) = (&group.land_error, &group.miss, &group.apex_error);
+    let deviation = "standard deviation";
+    let spread = |name: &str, of: &Spread, last: (Option<f64>, &str)| {
+        let all = [(of.mean, "in the mean"), (of.greatest, "at most"), last];
         let known = all
             .into_iter()
             .filter_map(|(x, what)| Some(format!("{} m {what}", digits(x?, 3))));
@@ -457,54 +490,19 @@ fn group_text(group: &Group, context: &Context<'_>) -> String {
         };
         format!("  {name:<32} {all}")
     };
-    let (land, miss, apex) = (&group.land_error, &group.miss, &group.apex_error);
-    let (mean, most) = ("in the mean", "at most");
-    lines.push(spread(
-        "landing, simulated less planned",
-        [
-            (land.mean, mean),
-            (land.greatest, most),
-            (land.deviation, "standard deviation"),
-        ],
-    ));
-    lines.push(spread(
-        "landing, simulated less wanted",
-        [(miss.mean, mean), (miss.greatest, most), (miss.rms, "RMS")],
-    ));
-    lines.push(spread(
-        "apex, simulated less planned",
-        [
-            (apex.mean, mean),
-            (apex.greatest, most),
-            (apex.deviation, "standard deviation"),
-        ],
-    ));
-    if let Some(gap) = group.clearance {
-        lines.push(format!(
-            "  clearance                        {} m at least",
-            digits(gap, 3)
-        ));
-    }
-    lines.push(match group.slipped {
-        0 => "  slip                             none".to_owned(),
-        n => format!(
-            "  slip                             {n} feet slip, {} m at most",
-            digits(group.slip, 3)
+    [
+        spread(
+            "landing, simulated less planned",
+            land,
+            (land.deviation, deviation),
         ),
-    });
-    lines.push(format!(
-        "  ground                           friction/normal force {} at most, normal force {} N \
-         at least",
-        number(group.friction_needed),
-        number(group.least_normal)
-    ));
-    let residual = group
-        .residual
-        .map_or("–".to_owned(), |x| digits(x.abs(), 2));
-    lines.push(format!(
-        "  energy ledger                    closes within {residual} J"
-    ));
-    lines.join("\n") + "\n"
+        spread("landing, simulated less wanted", miss, (miss.rms, "RMS")),
+        spread(
+            "apex, simulated less planned",
+            apex,
+            (apex.deviation, deviation),
+        ),
+    ]
 }
 
 /// One line for each of several grounds.
