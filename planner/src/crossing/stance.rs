@@ -2,6 +2,7 @@
 //! lift-off.
 
 use saltus_numeric::Scalar;
+use saltus_numeric::root::greatest;
 
 use crate::course::{Edge, Side, Slope};
 use crate::model::Instant;
@@ -13,7 +14,7 @@ pub(super) struct Path {
 
 /// Halvings, by the golden section, of an interval between two points in which the least distance
 /// is.
-const SECTIONS: usize = 40;
+const SECTIONS: u32 = 40;
 
 impl Path {
     /// Through these instants of a stance.
@@ -60,7 +61,7 @@ impl Path {
         for start in nearest.saturating_sub(1)..(nearest + 1).min(self.points.len() - 1) {
             let [from, to] = [&self.points[start], &self.points[start + 1]];
             let along = |part: f64| distance(between(from, to, part));
-            let refined = along(least_of(|part| along(part).value));
+            let refined = along(greatest(0.0, 1.0, SECTIONS, |part| -along(part).value));
             if refined.value < least.value {
                 least = refined;
             }
@@ -80,15 +81,4 @@ fn between(from: &Instant<Slope>, to: &Instant<Slope>, part: f64) -> [Slope; 2] 
             + step
                 * (from.velocity[i] * Slope::of(s * t * t) - to.velocity[i] * Slope::of(s * s * t))
     })
-}
-
-/// Where, from 0 to 1, a function with one minimum is least.
-fn least_of(f: impl Fn(f64) -> f64) -> f64 {
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut a, mut b) = (0.0, 1.0);
-    for _ in 0..SECTIONS {
-        let [c, d] = [b - golden * (b - a), a + golden * (b - a)];
-        if f(c) < f(d) { b = d } else { a = c }
-    }
-    f64::midpoint(a, b)
 }
