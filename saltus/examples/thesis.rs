@@ -108,7 +108,9 @@ fn wrapped(page: &str) -> String {
             .any(|start| line.starts_with(start));
         let mut width = 0;
         for word in line.split_inclusive(' ') {
-            if is_prose && width + word.trim_end().chars().count() > WIDTH {
+            // Markdown takes a line that starts so for a list.
+            let is_bullet = matches!(word.trim_end(), "+" | "-" | "*");
+            if is_prose && !is_bullet && width + word.trim_end().chars().count() > WIDTH {
                 text.truncate(text.trim_end().len());
                 text.push('\n');
                 width = 0;

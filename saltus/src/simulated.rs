@@ -32,7 +32,7 @@ const TOLERANCE: f64 = 1e-9;
 const ACCURACY: f64 = 1e-6;
 
 /// By how much a number is changed for its derivative: rate (rad/s), angles (rad), valve opening
-/// time (s). Chords are then off by about a millionth, as is what round-off makes of them.
+/// time (s). Derivatives are then right to a thousandth or better.
 const STEPS: [f64; 4] = [1e-3, 1e-3, 1e-3, 1e-4];
 
 /// The same for the supply pressure, as a share of it.
@@ -151,29 +151,25 @@ impl Simulated {
             launch.firing_angle,
             launch.valve_open,
         ];
-        let base = self.run(&self.rig, &moved(&numbers, None), finely)?;
-        let mut pairs: [Option<Pair>; N] = std::array::from_fn(|_| None);
-        for (k, pair) in pairs.iter_mut().enumerate() {
-            *pair = if supply == Some(k) {
-                self.supplied(&moved(&numbers, None))?
+        let here = launch_of(numbers.map(|x| x.value));
+        let base = self.run(&self.rig, &here, finely)?;
+        let pairs = std::array::from_fn(|k| {
+            if supply == Some(k) {
+                self.supplied(&here)
             } else {
-                self.steered_by(&numbers, k, finely)?
-            };
-        }
+                self.steered_by(&numbers, k, finely)
+            }
+        });
         Ok(Beside { base, pairs })
     }
 
     /// The runs with less and with more supply pressure.
-    fn supplied(&self, launch: &Launch) -> Result<Option<Pair>, StanceError> {
-        let Some(([less, more], apart)) = &self.supplied else {
-            return Ok(None);
-        };
-        let runs = [
-            self.run(less, launch, false)?,
-            self.run(more, launch, false)?,
-        ];
-        let apart = *apart;
-        Ok(Some(Pair { runs, apart }))
+    fn supplied(&self, launch: &Launch) -> Option<Pair> {
+        let (rigs, apart) = self.supplied.as_ref()?;
+        Some(Pair {
+            runs: [0, 1].map(|side| self.run(&rigs[side], launch, false).ok()),
+            apart: *apart,
+        })
     }
 
     /// The runs on both sides in direction `k`; none where nothing changes along it.
@@ -182,26 +178,28 @@ impl Simulated {
         numbers: &[Dual<N>; 4],
         k: usize,
         finely: bool,
-    ) -> Result<Option<Pair>, StanceError> {
+    ) -> Option<Pair> {
         let steps = numbers.iter().zip(STEPS);
         let shares = steps.map(|(x, step)| x.slope[k].abs() / step);
         let share = shares.fold(0.0, f64::max);
-        if share == 0.0 {
-            return Ok(None);
-        }
-        let h = 1.0 / share;
-        let run = |h: f64| self.run(&self.rig, &moved(numbers, Some((k, h))), finely);
-        let runs = [run(-h)?, run(h)?];
-        Ok(Some(Pair {
-            runs,
-            apart: 2.0 * h,
-        }))
+        let run = |h: f64| {
+            let launch = launch_of(numbers.map(|x| x.value + h * x.slope[k]));
+            // Neither a rate nor a time is below 0.
+            let is_legal = launch.rate >= 0.0 && launch.valve_open >= 0.0;
+            let run = is_legal.then(|| self.run(&self.rig, &launch, finely).ok());
+            run.flatten()
+        };
+        (share > 0.0).then(|| Pair {
+            runs: [run(-1.0 / share), run(1.0 / share)],
+            apart: 2.0 / share,
+        })
     }
 }
 
-/// Two runs, and by how much the number differs that was changed for them.
+/// The runs on both sides, where there are such, and by how much the number differs that was changed
+/// for them.
 struct Pair {
-    runs: [Run; 2],
+    runs: [Option<Run>; 2],
     apart: f64,
 }
 
@@ -220,7 +218,7 @@ impl<const N: usize> Beside<N> {
             let Some(Pair { runs, apart }) = pair else {
                 return Some(0.0);
             };
-            match [of(&runs[0]), of(&runs[1])] {
+            match [0, 1].map(|side| runs[side].as_ref().and_then(&of)) {
                 [Some(a), Some(b)] => Some((b - a) / apart),
                 [Some(a), None] => Some((value - a) / (0.5 * apart)),
                 [None, Some(b)] => Some((b - value) / (0.5 * apart)),
@@ -363,15 +361,12 @@ impl JumpModel for Simulated {
     }
 }
 
-/// A launch, or that `h` away from it in direction `k`; rates and times stay at 0 or above.
-fn moved<const N: usize>(numbers: &[Dual<N>; 4], by: Option<(usize, f64)>) -> Launch {
-    let [rate, lean, firing_angle, valve_open] =
-        numbers.map(|x| x.value + by.map_or(0.0, |(k, h)| h * x.slope[k]));
+fn launch_of([rate, lean, firing_angle, valve_open]: [f64; 4]) -> Launch {
     Launch {
-        rate: rate.max(0.0),
+        rate,
         lean,
         firing_angle,
-        valve_open: valve_open.max(0.0),
+        valve_open,
     }
 }
 

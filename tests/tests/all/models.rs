@@ -130,6 +130,23 @@ fn what_does_not_jump_says_why() {
     assert!(planner.jump(&Launch::at_firing(5.0, 2.0, 0.1)).is_err());
 }
 
+/// A launch from rest has neighbours on one side only.
+#[test]
+fn a_hop_from_rest_has_derivatives() {
+    let (planar, simulated) = (Planner::new(robot("rats-planar")), simulated("rats-planar"));
+    let launch = Launch::at_firing(0.0, 0.05, 0.04);
+    let (a, b) = (
+        planar.sensitive_jump(&launch),
+        simulated.sensitive_jump(&launch),
+    );
+    let (a, b) = (a.expect("a jump").apex(), b.expect("a jump").apex());
+    let (a, b) = (a.expect("a flight"), b.expect("a flight"));
+    assert!((a.value - b.value).abs() < CLOSE);
+    for (k, (x, y)) in a.slope.into_iter().zip(b.slope).enumerate() {
+        assert!((x - y).abs() < 2e-3 * x.abs().max(0.1), "{k}: {x} {y}");
+    }
+}
+
 /// On its boom and with legs of mass the robot needs other angles; a table of the simulation has
 /// them.
 #[test]
