@@ -180,7 +180,7 @@ impl<S: Single> Extension<'_, S> {
 impl<S: Single> Derivative<S, WIDTH> for Extension<'_, S> {
     #[inline(always)]
     fn at(&self, y: &State<S>) -> State<S> {
-        self.dynamics(y).0
+        S::apart(|| self.dynamics(y).0)
     }
 }
 
@@ -211,7 +211,7 @@ impl<S: Single> Phase<S, 5> for Extension<'_, S> {
     #[inline(always)]
     fn look(&self, y: &State<S>) -> Look<S, 5> {
         let (never, scale) = (S::of(NEVER), S::of(-FORCE_SCALE));
-        let (dy, force, pressure_rate) = self.dynamics(y);
+        let (dy, force, pressure_rate) = S::apart(|| self.dynamics(y));
         let change = force.wrt_pressure.mul_add(
             pressure_rate,
             force

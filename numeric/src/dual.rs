@@ -174,4 +174,8 @@ impl<const N: usize> Scalar for Dual<N> {
     fn select(mask: bool, yes: impl FnOnce() -> Self, no: impl FnOnce() -> Self) -> Self {
         if mask { yes() } else { no() }
     }
+    #[inline(never)]
+    fn apart<R>(work: impl FnOnce() -> R) -> R {
+        work()
+    }
 }
