@@ -53,14 +53,12 @@ fn a_clear_effect_on_the_bench() {
 fn a_clear_effect_in_hops_and_jumps() {
     finds(Sort::Hop, &[("viscous-friction", Size::Clear)], 43);
     finds(Sort::Hop, &[("boom-flex", Size::Clear)], 43);
-    finds(Sort::Jump, &[("axle-friction", Size::Clear)], 43);
     finds(Sort::Jump, &[("across-friction", Size::Clear)], 43);
 }
 
 /// Two numbers a jump.
 #[test]
 fn a_clear_effect_in_outcomes() {
-    finds(Sort::Outcomes, &[("encoder-scale", Size::Clear)], 43);
     finds(Sort::Outcomes, &[("axle-friction", Size::Clear)], 43);
 }
 
