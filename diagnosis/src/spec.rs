@@ -4,6 +4,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use saltus_robot::Robot;
+pub use saltus_robot::domain::Domain;
 use saltus_robot::units::{
     ANGLE, ANGULAR_RATE, AREA as SQUARE, FORCE as NEWTON, LENGTH, MASS, PRESSURE, Quantity,
     TEMPERATURE as KELVIN, TIME, Unit, VOLUME as CUBE,
@@ -196,26 +197,11 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// The number that a word stands for.
-    pub fn word(&self, word: &str) -> Option<f64> {
-        let known = self.words.iter().find(|(name, _)| *name == word);
-        known.map(|(_, number)| *number)
-    }
-
     /// A value as it stands in a file.
     pub fn written(&self, value: f64) -> String {
         let word = self.words.iter().find(|(_, number)| *number == value);
         word.map_or_else(|| format!("{value:?}"), |(name, _)| format!("{name:?}"))
     }
-}
-
-/// Which numbers are possible. The bounds are wide, to tell a wrong unit from a strange rig.
-#[derive(Clone, Copy, Debug)]
-pub struct Domain {
-    /// Whether a number is one of them.
-    pub legal: fn(f64) -> bool,
-    /// The same in words.
-    pub allowed: &'static str,
 }
 
 /// A channel that always changes.
@@ -285,150 +271,82 @@ pub(crate) const fn optional(key: &'static str, (quantity, domain): (Quantity, D
     }
 }
 
-pub(crate) const POSITION: (Quantity, Domain) = (
-    LENGTH,
-    Domain {
-        legal: |x| x.abs() <= 10.0,
-        allowed: "a position from -10 to 10 m",
-    },
-);
-pub(crate) const PLACE: (Quantity, Domain) = (
-    LENGTH,
-    Domain {
-        legal: |x| x.abs() <= 1e4,
-        allowed: "a place from -10000 to 10000 m",
-    },
-);
-pub(crate) const LEAP: (Quantity, Domain) = (
-    LENGTH,
-    Domain {
-        legal: |x| x.abs() <= 100.0,
-        allowed: "a length from -100 to 100 m",
-    },
-);
+pub(crate) const POSITION: (Quantity, Domain) = (LENGTH, Domain::within(10.0).called("a position"));
+pub(crate) const PLACE: (Quantity, Domain) = (LENGTH, Domain::within(1e4).called("a place"));
+pub(crate) const LEAP: (Quantity, Domain) = (LENGTH, Domain::within(100.0).called("a length"));
 pub(crate) const TILT: (Quantity, Domain) = (
     ANGLE,
-    Domain {
-        legal: |x| x.abs() <= FRAC_PI_2,
-        allowed: "an angle from -pi/2 to pi/2 in rad, not degrees",
-    },
+    Domain::within(FRAC_PI_2)
+        .called("an angle")
+        .because(", not degrees"),
 );
 // A wheel goes on turning in flight: 10 rad/s for a second is more than one turn.
 pub(crate) const TURN: (Quantity, Domain) = (
     ANGLE,
-    Domain {
-        legal: |x| x.abs() <= 4.0 * PI,
-        allowed: "an angle from -4 pi to 4 pi in rad, not degrees",
-    },
+    Domain::within(4.0 * PI)
+        .called("an angle")
+        .because(", not degrees"),
 );
 pub(crate) const YAW: (Quantity, Domain) = (
     ANGLE,
-    Domain {
-        legal: |x| x.abs() <= 2.0 * PI,
-        allowed: "an angle from -2 pi to 2 pi in rad, not degrees",
-    },
+    Domain::within(2.0 * PI)
+        .called("an angle")
+        .because(", not degrees"),
 );
 pub(crate) const RATE: (Quantity, Domain) = (
     ANGULAR_RATE,
-    Domain {
-        legal: |x| x.abs() <= 100.0,
-        allowed: "a rate from -100 to 100 rad/s, not degrees a second",
-    },
+    Domain::within(100.0)
+        .called("a rate")
+        .because(", not degrees a second"),
 );
-pub(crate) const OPENING: (Quantity, Domain) = (
-    TIME,
-    Domain {
-        legal: |x| x > 0.0 && x <= 10.0,
-        allowed: "a time above 0 and up to 10 s",
-    },
-);
-pub(crate) const FORCE: (Quantity, Domain) = (
-    NEWTON,
-    Domain {
-        legal: |x| x.abs() <= 1e6,
-        allowed: "a force from -1e6 to 1e6 N",
-    },
-);
-pub(crate) const LOAD: (Quantity, Domain) = (
-    MASS,
-    Domain {
-        legal: |x| x > 0.0 && x <= 1e3,
-        allowed: "a mass above 0 and up to 1000 kg",
-    },
-);
-pub(crate) const DIAMETER: (Quantity, Domain) = (
-    LENGTH,
-    Domain {
-        legal: |x| x > 0.0 && x <= 10.0,
-        allowed: "a diameter above 0 and up to 10 m",
-    },
-);
-pub(crate) const BORE: (Quantity, Domain) = (
-    LENGTH,
-    Domain {
-        legal: |x| x > 0.0 && x <= 1.0,
-        allowed: "a diameter above 0 and up to 1 m",
-    },
-);
-pub(crate) const RADIUS: (Quantity, Domain) = (
-    LENGTH,
-    Domain {
-        legal: |x| x > 0.0 && x <= 100.0,
-        allowed: "a length above 0 and up to 100 m",
-    },
-);
-pub(crate) const VOLUME: (Quantity, Domain) = (
-    CUBE,
-    Domain {
-        legal: |x| x > 0.0 && x <= 1e4,
-        allowed: "a volume above 0 and up to 10000 m3",
-    },
-);
-pub(crate) const AREA: (Quantity, Domain) = (
-    SQUARE,
-    Domain {
-        legal: |x| x > 0.0 && x <= 1e4,
-        allowed: "an area above 0 and up to 10000 m2",
-    },
-);
+pub(crate) const OPENING: (Quantity, Domain) =
+    (TIME, Domain::POSITIVE.up_to(10.0).called("a time"));
+pub(crate) const FORCE: (Quantity, Domain) = (NEWTON, Domain::within(1e6).called("a force"));
+pub(crate) const LOAD: (Quantity, Domain) = (MASS, Domain::POSITIVE.up_to(1e3).called("a mass"));
+pub(crate) const DIAMETER: (Quantity, Domain) =
+    (LENGTH, Domain::POSITIVE.up_to(10.0).called("a diameter"));
+pub(crate) const BORE: (Quantity, Domain) =
+    (LENGTH, Domain::POSITIVE.up_to(1.0).called("a diameter"));
+pub(crate) const RADIUS: (Quantity, Domain) =
+    (LENGTH, Domain::POSITIVE.up_to(100.0).called("a length"));
+pub(crate) const VOLUME: (Quantity, Domain) =
+    (CUBE, Domain::POSITIVE.up_to(1e4).called("a volume"));
+pub(crate) const AREA: (Quantity, Domain) = (SQUARE, Domain::POSITIVE.up_to(1e4).called("an area"));
 // Colder than any gas is handled at, so that room temperature in degrees Celsius is seen.
 pub(crate) const TEMPERATURE: (Quantity, Domain) = (
     KELVIN,
-    Domain {
-        legal: |x| (100.0..=3000.0).contains(&x),
-        allowed: "a temperature from 100 to 3000 in K, not degC",
-    },
+    Domain::at_least(100.0)
+        .up_to(3000.0)
+        .called("a temperature")
+        .because(", not degC"),
 );
 // A supply that a bar or a psi would be the right unit for has more than 1000 Pa.
 pub(crate) const SUPPLY: (Quantity, Domain) = (
     PRESSURE,
-    Domain {
-        legal: |x| (1e3..=1e8).contains(&x),
-        allowed: "a gauge pressure from 1000 to 1e8 in Pa, not kPa, bar or psi",
-    },
+    Domain::at_least(1e3)
+        .up_to(1e8)
+        .called("a gauge pressure")
+        .because(", not kPa, bar or psi"),
 );
 pub(crate) const GAUGE: (Quantity, Domain) = (
     PRESSURE,
-    Domain {
-        legal: |x| (-2e5..=1e8).contains(&x),
-        allowed: "a gauge pressure from -2e5 to 1e8 Pa",
-    },
+    Domain::at_least(-2e5).up_to(1e8).called("a gauge pressure"),
 );
 // A leg's chamber is never below the surroundings, of which there are 33 kPa on the highest
 // mountain.
 pub(crate) const CHAMBER: (Quantity, Domain) = (
     PRESSURE,
-    Domain {
-        legal: |x| (2e4..=1e8).contains(&x),
-        allowed: "an absolute pressure from 20000 to 1e8 in Pa, not gauge, kPa, bar or psi",
-    },
+    Domain::at_least(2e4)
+        .up_to(1e8)
+        .called("an absolute pressure")
+        .because(", not gauge, kPa, bar or psi"),
 );
 pub(crate) const ABSOLUTE: (Quantity, Domain) = (
     PRESSURE,
-    Domain {
-        legal: |x| (1e3..=1e8).contains(&x),
-        allowed: "an absolute pressure from 1000 to 1e8 in Pa, not gauge, kPa, bar or psi",
-    },
+    Domain::at_least(1e3)
+        .up_to(1e8)
+        .called("an absolute pressure")
+        .because(", not gauge, kPa, bar or psi"),
 );
 
 /// A logged run of part of the robot.
@@ -476,9 +394,14 @@ pub enum Meaning {
     Column(&'static Column, Unit),
 }
 
+/// The name of a number without its unit.
+pub fn stem(name: &'static str, quantity: Quantity) -> &'static str {
+    name.strip_suffix(quantity.units[0].0).unwrap_or(name)
+}
+
 /// The name of a number, and its names in other units.
-pub fn spellings(name: &'static str, quantity: Quantity) -> impl Iterator<Item = (String, Unit)> {
-    let stem = name.strip_suffix(quantity.units[0].0).unwrap_or(name);
+fn spellings(name: &'static str, quantity: Quantity) -> impl Iterator<Item = (String, Unit)> {
+    let stem = stem(name, quantity);
     quantity
         .units
         .iter()

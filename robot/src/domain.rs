@@ -1,5 +1,6 @@
 //! Domains of numbers, and how messages write them.
 
+use std::f64::consts::PI;
 use std::ops::{Bound, RangeBounds};
 
 /// An interval of finite numbers (SI), perhaps with infinity.
@@ -9,6 +10,8 @@ pub struct Domain {
     high: Bound<f64>,
     /// Whether infinity belongs to it.
     endless: bool,
+    /// What its numbers are, for messages.
+    name: &'static str,
     /// Why its bounds are where they are, for messages; mostly empty.
     reason: &'static str,
 }
@@ -26,8 +29,14 @@ impl Domain {
             low,
             high: Bound::Unbounded,
             endless: false,
+            name: "a finite number",
             reason: "",
         }
+    }
+
+    /// −`size` ≤ x ≤ `size`.
+    pub const fn within(size: f64) -> Domain {
+        Domain::at_least(-size).up_to(size)
     }
 
     /// x > `low`.
@@ -62,6 +71,11 @@ impl Domain {
             endless: true,
             ..self
         }
+    }
+
+    /// The same, whose numbers are called `name` in messages: `a mass`.
+    pub const fn called(self, name: &'static str) -> Domain {
+        Domain { name, ..self }
     }
 
     /// The same with the reason for its bounds.
@@ -107,16 +121,24 @@ impl Domain {
             .flatten()
             .map(|(sign, bound)| written(sign, bound, unit))
             .collect();
-        let number = format!("a finite number {}", bounds.join(" and "));
+        let number = format!("{} {}", self.name, bounds.join(" and "));
         let endless = if self.endless { ", or inf" } else { "" };
         format!("{}{endless}{}", number.trim_end(), self.reason)
     }
 }
 
-/// A bound with its unit; 0 is 0 in any unit.
+/// A bound with its unit; 0 is 0 in any unit, and angles are parts of π where they are.
 fn written(sign: &str, bound: f64, unit: &str) -> String {
-    let unit = if bound == 0.0 { "" } else { unit };
-    format!("{sign} {bound} {unit}").trim_end().into()
+    let half_turns = bound / PI;
+    let number = match half_turns.abs() {
+        0.0 => return format!("{sign} 0"),
+        0.5 => format!("{}pi/2", if bound < 0.0 { "-" } else { "" }),
+        1.0 => format!("{}pi", if bound < 0.0 { "-" } else { "" }),
+        2.0 | 4.0 => format!("{half_turns} pi"),
+        _ if bound.abs() >= 1e6 => format!("{bound:e}"),
+        _ => bound.to_string(),
+    };
+    format!("{sign} {number} {unit}").trim_end().into()
 }
 
 #[cfg(test)]
@@ -162,6 +184,18 @@ mod tests {
         );
         check(Domain::above(1.0), "a finite number > 1 m", &[1.1], &[1.0]);
         check(Domain::FINITE, "a finite number", &[-1.0, 0.0], &[]);
+        check(
+            Domain::within(1e6).called("a force"),
+            "a force ≥ -1e6 m and ≤ 1e6 m",
+            &[-1e6, 1e6],
+            &[1.1e6],
+        );
+        check(
+            Domain::within(PI / 2.0).up_to(4.0 * PI),
+            "a finite number ≥ -pi/2 m and ≤ 4 pi m",
+            &[12.0],
+            &[-1.6],
+        );
         check(
             Domain::POSITIVE.because(", or not at all"),
             "a finite number > 0, or not at all",

@@ -77,12 +77,14 @@ pub enum RobotError {
         nearest: String,
     },
     /// A key that must be there.
-    #[error("{place}: missing key {}", spelled(keys))]
+    #[error("{place}: missing key {}{}", spelled(keys), behind_colon(allowed))]
     MissingKey {
         /// Where its table begins.
         place: Place,
         /// Dotted key, in each unit that it may be given in.
         keys: Vec<String>,
+        /// What it may be; empty for numbers, whose units say so.
+        allowed: String,
     },
     /// One quantity in two units, or in two ways.
     #[error("{place}: {key} is already given as {other}; give one of them")]
@@ -100,6 +102,14 @@ pub enum RobotError {
         /// Where the parser stopped.
         place: Place,
         /// What it says.
+        reason: String,
+    },
+    /// Not JSON at all.
+    #[error("{place}: not JSON: {reason}")]
+    NotJson {
+        /// The file.
+        place: Place,
+        /// What the parser says, and where.
         reason: String,
     },
     /// An override that is not a dotted key, `=` and a value.
@@ -200,4 +210,13 @@ fn spelled(keys: &[String]) -> String {
         .chain(short)
         .collect::<Vec<_>>()
         .join(" or ")
+}
+
+/// `text` behind a colon, where there is any.
+fn behind_colon(text: &str) -> String {
+    if text.is_empty() {
+        String::new()
+    } else {
+        format!(": {text}")
+    }
 }

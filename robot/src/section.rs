@@ -1,4 +1,4 @@
-//! Reading one table of a TOML file key by key: typed, checked, in any of a quantity's units, with
+//! Reading one table of a TOML or JSON file key by key: typed, checked, in any of a quantity's units, with
 //! no key left over.
 //!
 //! ```
@@ -47,6 +47,14 @@ impl Section {
         Section::new(String::new(), document::parse(text, file)?)
     }
 
+    /// The same of a JSON text.
+    ///
+    /// # Errors
+    /// [`RobotError::NotJson`].
+    pub fn json(text: &str, file: &str) -> Result<Section, RobotError> {
+        Section::new(String::new(), document::parse_json(text, file)?)
+    }
+
     /// Where the table begins.
     pub fn place(&self) -> &Place {
         &self.place
@@ -81,8 +89,21 @@ impl Section {
     /// # Errors
     /// [`RobotError`]: the unknown key that stands first, or else the first problem.
     pub fn finish<T>(mut self, read: T) -> Result<T, RobotError> {
-        let Some((key, node)) = self.entries.iter().min_by_key(|(_, node)| &node.place) else {
-            return self.stop_at_problem().map(|()| read);
+        self.check_keys(&[])?;
+        self.stop_at_problem().map(|()| read)
+    }
+
+    /// Refuses a key that was not asked for and is none of `others`: for tables whose keys depend on
+    /// one of them.
+    ///
+    /// # Errors
+    /// [`RobotError::UnknownKey`]: the one that stands first.
+    pub fn check_keys(&mut self, others: &[&str]) -> Result<(), RobotError> {
+        self.known.extend(others.iter().map(ToString::to_string));
+        let unknown = |(key, _): &(&String, &Node)| !others.contains(&key.as_str());
+        let left = self.entries.iter().filter(unknown);
+        let Some((key, node)) = left.min_by_key(|(_, node)| &node.place) else {
+            return Ok(());
         };
         let nearest = self
             .known
@@ -119,7 +140,7 @@ impl Section {
     pub fn one_of(&mut self, ways: &[(&str, Domain)], quantity: Quantity) -> (usize, f64) {
         self.optional_one_of(ways, quantity).unwrap_or_else(|| {
             let (keys, _) = spellings(ways, quantity);
-            self.missing(&keys);
+            self.missing(&keys, "");
             (0, f64::NAN)
         })
     }
@@ -146,7 +167,7 @@ impl Section {
     ) -> Vec<f64> {
         let ways = [(stem, domain)];
         let Some((key, _, unit, node)) = self.spelled(&ways, quantity) else {
-            self.missing(&spellings(&ways, quantity).0);
+            self.missing(&spellings(&ways, quantity).0, "");
             return Vec::new();
         };
         match node.value {
@@ -199,6 +220,25 @@ impl Section {
         items.into_iter().enumerate().map(item).collect()
     }
 
+    /// What `read` makes of the number `stem`, as it is written and in its unit, if given.
+    pub fn literal<T>(
+        &mut self,
+        stem: &str,
+        quantity: Quantity,
+        allowed: &str,
+        read: impl FnOnce(&str, Unit) -> Option<T>,
+    ) -> Option<T> {
+        let (key, _, unit, node) = self.spelled(&[(stem, Domain::FINITE)], quantity)?;
+        let value = match &node.value {
+            Value::Number(literal) => read(literal, unit),
+            _ => None,
+        };
+        if value.is_none() {
+            self.refuse(self.dotted(&key), node, allowed.into());
+        }
+        value
+    }
+
     /// The number of `node` in SI, which must be in its domain; messages call it `name`.
     fn si(
         &mut self,
@@ -238,7 +278,7 @@ impl Section {
         read: impl FnOnce(&Value) -> Option<T>,
     ) -> Option<T> {
         let Some(node) = self.take(key) else {
-            self.missing(&[key]);
+            self.missing(&[key], allowed);
             return None;
         };
         let value = read(&node.value);
@@ -256,6 +296,35 @@ impl Section {
         };
         self.value(key, "text in quotes, not empty", read)
             .unwrap_or_default()
+    }
+
+    /// What `read` makes of the text `key`; none after a problem, too.
+    pub fn text_as<T>(
+        &mut self,
+        key: &str,
+        allowed: &str,
+        read: impl FnOnce(&str) -> Option<T>,
+    ) -> Option<T> {
+        self.value(key, allowed, |value| match value {
+            Value::Text(text) => read(text),
+            _ => None,
+        })
+    }
+
+    /// What the text `key` stands for, if it is one of `words`; anything else stays to be read.
+    pub fn word<T: Copy>(&mut self, key: &str, words: &[(&str, T)]) -> Option<T> {
+        let word = match &self.entries.get(key)?.value {
+            Value::Text(text) => words.iter().find(|(word, _)| word == text)?.1,
+            _ => return None,
+        };
+        self.take(key).map(|_| word)
+    }
+
+    /// Refuses `key`: it must be `allowed`, such as left out.
+    pub fn refuse_key(&mut self, key: &str, allowed: &str) {
+        if let Some(node) = self.take(key) {
+            self.refuse(self.dotted(key), node, allowed.into());
+        }
     }
 
     /// The whole number `key`, ≥ 1.
@@ -293,7 +362,7 @@ impl Section {
         let Some(node) = self.take(key) else {
             return Vec::new();
         };
-        let allowed = format!("tables, as in [[{key}]]");
+        let allowed = format!("a list of tables, in TOML [[{key}]]");
         let Value::Array(items) = node.value else {
             self.refuse(self.dotted(key), node, allowed);
             return Vec::new();
@@ -331,6 +400,11 @@ impl Section {
         self.value(key, allowed, read).unwrap_or(choices[0].1)
     }
 
+    /// Whether `key` is given.
+    pub fn has(&self, key: &str) -> bool {
+        self.entries.contains_key(key)
+    }
+
     /// Whether `key` is given, and as a table.
     pub fn is_table(&self, key: &str) -> bool {
         matches!(
@@ -349,7 +423,7 @@ impl Section {
         match section {
             Some(Ok(section)) => return section,
             Some(Err(error)) => self.problem(error),
-            None => self.missing(&[key]),
+            None => self.missing(&[key], ""),
         }
         Section {
             path,
@@ -406,12 +480,13 @@ impl Section {
         Some(newest)
     }
 
-    /// Notes that none of `keys`, spellings of one thing, is given.
-    pub fn missing(&mut self, keys: &[impl AsRef<str>]) {
+    /// Notes that none of `keys`, spellings of one thing, is given; what it may be is `allowed`.
+    pub fn missing(&mut self, keys: &[impl AsRef<str>], allowed: &str) {
         let keys = keys.iter().map(|key| self.dotted(key.as_ref())).collect();
         self.problem(RobotError::MissingKey {
             place: self.place.clone(),
             keys,
+            allowed: allowed.into(),
         });
     }
 

@@ -20,7 +20,7 @@ pub(crate) fn force_table(s: &mut Section, stroke: f64, files: Files) -> ForceTa
     let spellings = ["file", "table"];
     let table = match s.given(&spellings) {
         None => {
-            s.missing(&spellings);
+            s.missing(&spellings, "");
             None
         }
         Some(0) => {

@@ -4,14 +4,18 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use saltus_planner::course::{Course, MAX_JUMPS, Obstacle, Span};
-use serde_json::Value;
+use saltus_robot::RobotError;
+use saltus_robot::domain::Domain;
+use saltus_robot::section::Section;
+use saltus_robot::units::LENGTH;
 
+use crate::course::{ANYWHERE, PLACE};
 use crate::input::{self, InputError, cut};
 
 /// Greatest size of a file (MiB).
 const LIMIT_MIB: u64 = 16;
-/// Greatest magnitude of a length (m).
-const LENGTH: f64 = 1e4;
+const HEIGHT: Domain = Domain::NON_NEGATIVE.up_to(ANYWHERE.high).called("a height");
+const SIZE: Domain = Domain::POSITIVE.up_to(ANYWHERE.high).called("a length");
 
 /// The courses in the file at `path`; `-` is standard input.
 ///
@@ -23,23 +27,18 @@ pub fn load(path: impl AsRef<Path>) -> Result<Vec<Course>, InputError> {
     parse(&input::text(path, LIMIT_MIB)?, &path.display().to_string())
 }
 
-/// The courses that `text` holds; messages call it `file`.
+/// The courses that `text` holds; messages call it `file`. Keys that no course has are left unread.
 ///
 /// # Errors
 /// [`InputError`] where it holds none.
 pub fn parse(text: &str, file: &str) -> Result<Vec<Course>, InputError> {
-    let document: Value = serde_json::from_str(text)
-        .map_err(|error| InputError::content(file, format!("not JSON: {error}")))?;
-    let root = Node {
-        file,
-        path: String::new(),
-        value: &document,
-    };
-    let courses = root
-        .list("instances")?
+    let mut root = Section::json(text, file)?;
+    let instances = list(&mut root, "instances");
+    root.stop_at_problem()?;
+    let courses: Vec<Course> = instances
         .into_iter()
-        .map(|node| course(&node))
-        .collect::<Result<Vec<_>, _>>()?;
+        .map(course)
+        .collect::<Result<_, _>>()?;
     if courses.is_empty() {
         return Err(InputError::content(
             file,
@@ -59,132 +58,55 @@ pub fn parse(text: &str, file: &str) -> Result<Vec<Course>, InputError> {
     }
 }
 
-fn course(node: &Node) -> Result<Course, InputError> {
-    let goal = node.length("goal_x_m")?;
-    let obstacles = node.list("obstacles")?;
-    let no_landing = node.list("no_landing")?;
-    Ok(Course {
-        id: node.word("id")?,
-        start: node.length("start_x_m")?,
-        start_height: node.number("start_height_m", "a height from 0 to 10000 m", |x| {
-            (0.0..=LENGTH).contains(&x)
-        })?,
-        jumps: node.count("jumps")?,
+fn course(mut s: Section) -> Result<Course, RobotError> {
+    let goal = s.number("goal_x", LENGTH, PLACE);
+    let (obstacles, no_landing) = (list(&mut s, "obstacles"), list(&mut s, "no_landing"));
+    let name = |text: &str| {
+        let is_name = !text.is_empty() && !text.chars().any(char::is_control);
+        is_name.then(|| text.to_owned())
+    };
+    let course = Course {
+        id: s
+            .text_as("id", "a name in quotes", name)
+            .unwrap_or_default(),
+        start: s.number("start_x", LENGTH, PLACE),
+        start_height: s.number("start_height", LENGTH, HEIGHT),
+        jumps: s.count_to("jumps", MAX_JUMPS).unwrap_or_else(|| {
+            s.missing(&["jumps"], "a whole number");
+            1
+        }),
         goal: Span::point(goal),
-        obstacles: obstacles.iter().map(obstacle).collect::<Result<_, _>>()?,
-        no_landing: no_landing.iter().map(area).collect::<Result<_, _>>()?,
-    })
+        obstacles: obstacles
+            .into_iter()
+            .map(obstacle)
+            .collect::<Result<_, _>>()?,
+        no_landing: no_landing.into_iter().map(area).collect::<Result<_, _>>()?,
+    };
+    s.stop_at_problem().map(|()| course)
 }
 
-fn obstacle(node: &Node) -> Result<Obstacle, InputError> {
-    Ok(Obstacle {
-        center: node.length("center_x_m")?,
-        width: node.size("width_m")?,
-        height: node.size("height_m")?,
-    })
+fn obstacle(mut s: Section) -> Result<Obstacle, RobotError> {
+    let obstacle = Obstacle {
+        center: s.number("center_x", LENGTH, PLACE),
+        width: s.number("width", LENGTH, SIZE),
+        height: s.number("height", LENGTH, SIZE),
+    };
+    s.stop_at_problem().map(|()| obstacle)
 }
 
-fn area(node: &Node) -> Result<Span, InputError> {
-    let (center, half) = (node.length("center_x_m")?, node.size("width_m")? / 2.0);
-    Ok(Span::new(center - half, center + half))
+fn area(mut s: Section) -> Result<Span, RobotError> {
+    let center = s.number("center_x", LENGTH, PLACE);
+    let half = s.number("width", LENGTH, SIZE) / 2.0;
+    s.stop_at_problem()
+        .map(|()| Span::new(center - half, center + half))
 }
 
-/// A value in the document, and where it is.
-struct Node<'a> {
-    file: &'a str,
-    path: String,
-    value: &'a Value,
-}
-
-impl<'a> Node<'a> {
-    fn refused(&self, allowed: &str) -> InputError {
-        let value = cut(&self.value.to_string());
-        InputError::content(
-            self.file,
-            format!("{} = {value}: must be {allowed}", self.path),
-        )
+/// The tables of the list `key`, which must be there.
+fn list(s: &mut Section, key: &str) -> Vec<Section> {
+    if !s.has(key) {
+        s.missing(&[key], "a list");
     }
-
-    fn member(&self, key: &str) -> Result<Node<'a>, InputError> {
-        let path = if self.path.is_empty() {
-            key.to_owned()
-        } else {
-            format!("{}.{key}", self.path)
-        };
-        match self.value.as_object() {
-            None if self.path.is_empty() => Err(InputError::content(
-                self.file,
-                "must be an object with instances",
-            )),
-            None => Err(self.refused("an object")),
-            Some(object) => match object.get(key) {
-                Some(value) => Ok(Node {
-                    file: self.file,
-                    path,
-                    value,
-                }),
-                None => Err(InputError::content(
-                    self.file,
-                    format!("missing key {path}"),
-                )),
-            },
-        }
-    }
-
-    fn list(&self, key: &str) -> Result<Vec<Node<'a>>, InputError> {
-        let list = self.member(key)?;
-        let items = list
-            .value
-            .as_array()
-            .ok_or_else(|| list.refused("a list"))?;
-        let item = |(i, value)| Node {
-            file: list.file,
-            path: format!("{} {}", list.path, i + 1),
-            value,
-        };
-        Ok(items.iter().enumerate().map(item).collect())
-    }
-
-    fn number(&self, key: &str, allowed: &str, legal: fn(f64) -> bool) -> Result<f64, InputError> {
-        let node = self.member(key)?;
-        node.value
-            .as_f64()
-            .filter(|x| legal(*x))
-            .ok_or_else(|| node.refused(allowed))
-    }
-
-    fn length(&self, key: &str) -> Result<f64, InputError> {
-        self.number(key, "a length from -10000 to 10000 m", |x| {
-            x.abs() <= LENGTH
-        })
-    }
-
-    fn size(&self, key: &str) -> Result<f64, InputError> {
-        self.number(key, "a length above 0 and up to 10000 m", |x| {
-            x > 0.0 && x <= LENGTH
-        })
-    }
-
-    fn count(&self, key: &str) -> Result<usize, InputError> {
-        let node = self.member(key)?;
-        let count = node
-            .value
-            .as_u64()
-            .and_then(|count| usize::try_from(count).ok());
-        count
-            .filter(|count| (1..=MAX_JUMPS).contains(count))
-            .ok_or_else(|| node.refused(&format!("a whole number from 1 to {MAX_JUMPS}")))
-    }
-
-    fn word(&self, key: &str) -> Result<String, InputError> {
-        let node = self.member(key)?;
-        let word = node
-            .value
-            .as_str()
-            .filter(|word| !word.is_empty() && !word.chars().any(char::is_control));
-        word.map(str::to_owned)
-            .ok_or_else(|| node.refused("a name"))
-    }
+    s.tables(key, usize::MAX)
 }
 
 #[cfg(test)]
@@ -238,12 +160,12 @@ mod tests {
         check(
             "0.6,",
             "\"x\",",
-            "instances 1.obstacles 1.center_x_m = \"x\": must be a length",
+            "instances 1.obstacles 1.center_x_m = \"x\": must be a finite number",
         );
         check(
             "\"height_m\": 0.1",
             "\"height_m\": -1",
-            "instances 1.obstacles 1.height_m = -1: must be a length above 0",
+            "instances 1.obstacles 1.height_m = -1: must be a length > 0",
         );
         check("1.2", "1e999", "not JSON");
         check("null}]}", "null}", "not JSON");

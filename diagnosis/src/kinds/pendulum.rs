@@ -24,31 +24,18 @@ const TORQUE: (Quantity, Domain) = (
         dimension: [1, 2, -2],
         units: &[("_nm", Unit::SI)],
     },
-    Domain {
-        legal: |x| x.abs() <= 1e5,
-        allowed: "a torque from -1e5 to 1e5 N m",
-    },
+    Domain::within(1e5).called("a torque"),
 );
-const CENTRE: (Quantity, Domain) = (
-    LENGTH,
-    Domain {
-        legal: |x| x > 0.0 && x <= 100.0,
-        allowed: "a length above 0 and up to 100 m",
-    },
-);
+const CENTRE: (Quantity, Domain) = (LENGTH, Domain::POSITIVE.up_to(100.0).called("a length"));
 const ABOUT_CENTRE: (Quantity, Domain) = (
     INERTIA,
-    Domain {
-        legal: |x| (0.0..=1e6).contains(&x),
-        allowed: "an inertia from 0 to 1e6 kg m2",
-    },
+    Domain::NON_NEGATIVE.up_to(1e6).called("an inertia"),
 );
 const AXIS: (Quantity, Domain) = (
     NUMBER,
-    Domain {
-        legal: |x| x > 0.0 && x <= 100.0,
-        allowed: "\"axle\", \"foot\" or a distance in m from the axle above 0 and up to 100",
-    },
+    Domain::POSITIVE
+        .up_to(100.0)
+        .called("\"axle\", \"foot\" or a distance in m from the axle"),
 );
 /// The axis of a robot that swings about a foot.
 const FOOT: f64 = -1.0;

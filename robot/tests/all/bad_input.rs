@@ -408,17 +408,17 @@ fn keys_unknown_missing_or_twice() {
         "hopper.toml:24: unknown key leg.cushion.size; the nearest known key is \
          leg.cushion.length_m",
     );
-    check("name = \"hopper\"", "", "hopper.toml: missing key name");
+    check("name = \"hopper\"", "", "hopper.toml: missing key name: text in quotes, not empty");
     check(
         "mass_kg = 2.75",
         "",
         "hopper.toml:2: missing key body.mass_kg or mass_g or mass_lb",
     );
-    check("legs = 5", "", "hopper.toml:2: missing key body.legs");
+    check("legs = 5", "", "hopper.toml:2: missing key body.legs: a whole number ≥ 1");
     check(
         "kind = \"pneumatic\"",
         "",
-        "hopper.toml:7: missing key leg.kind",
+        "hopper.toml:7: missing key leg.kind: pneumatic, spring, constant or table",
     );
     check(
         "stroke_m = 0.06",
@@ -458,8 +458,8 @@ fn keys_unknown_missing_or_twice() {
 #[test]
 fn text_that_is_not_toml() {
     let check = |text: &str, expected: &str| assert_eq!(complaint(text), expected);
-    check("", "hopper.toml: missing key name");
-    check("# nothing\n", "hopper.toml: missing key name");
+    check("", "hopper.toml: missing key name: text in quotes, not empty");
+    check("# nothing\n", "hopper.toml: missing key name: text in quotes, not empty");
 
     // What follows is in the words of the `toml` crate.
     let check = |text: &str, place: &str| {
@@ -633,7 +633,7 @@ fn files_that_are_no_robot_files() {
     let empty = folder.write("empty.toml", b"");
     assert_eq!(
         complaint_about(&empty),
-        format!("{empty}: missing key name")
+        format!("{empty}: missing key name: text in quotes, not empty")
     );
     let binary = folder.write("binary.toml", b"name = \"\xff\xfe\"");
     assert_eq!(
@@ -648,7 +648,7 @@ fn files_that_are_no_robot_files() {
     let large = folder.write("large.toml", &vec![b'\n'; 4 << 20]);
     assert_eq!(
         complaint_about(&large),
-        format!("{large}: missing key name")
+        format!("{large}: missing key name: text in quotes, not empty")
     );
 }
 
@@ -781,7 +781,8 @@ fn force_tables_in_the_robot_file() {
     );
     check(
         "[leg.table]\n",
-        "hopper.toml:10: missing key leg.table.extensions_m",
+        "hopper.toml:10: missing key leg.table.extensions_m: at least 2 finite numbers, \
+         strictly increasing from 0 to at least 0.05 m, the stroke",
     );
     check(
         "[leg.table]\nextensions_m = [0, 0.02, 0.01, 0.05]\n",

@@ -8,6 +8,9 @@ pub(super) use crate::input::{cut, one_line};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
+    /// A key of `experiment.toml`, or its value.
+    #[error(transparent)]
+    Key(#[from] saltus_robot::RobotError),
     /// A value that is not what it should be.
     #[error("{place}: {name} = {value}: must be {allowed}")]
     Value {

@@ -241,13 +241,13 @@ impl<'a> Log<'a> {
         for &(column, channel, unit) in &self.header.channels {
             let name = &self.header.names[column];
             let value = self.number(line, name, cells[column], unit)?;
-            if value.is_some_and(|value| !(channel.domain.legal)(value)) {
+            if value.is_some_and(|value| !channel.domain.contains(value)) {
                 let text = String::from_utf8_lossy(cells[column]);
                 return Err(Error::value(
                     self.place(line),
                     name,
                     bare(&text),
-                    channel.domain.allowed,
+                    channel.domain.describe(channel.quantity.si),
                 ));
             }
             if value.is_none() && channel.needed {

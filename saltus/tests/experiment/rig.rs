@@ -51,7 +51,7 @@ fn what_is_wrong_is_named() {
     let cases = [
         (
             format!("kind = \"pendulum\"\n{run}"),
-            ":1: missing key rig: a table with mass_kg, centre_from_axle_m; or robot: a robot's name",
+            ": missing key rig: a table with mass_kg, centre_from_axle_m; or robot: a robot's name",
         ),
         (
             format!("kind = \"pendulum\"\n[rig]\nmass_kg = 1\n{run}"),
@@ -59,11 +59,11 @@ fn what_is_wrong_is_named() {
         ),
         (
             format!("kind = \"pendulum\"\n[rig]\nmass_kg = -1\ncentre_from_axle_m = 0.1\n{run}"),
-            ":3: rig.mass_kg = -1: must be a mass above 0 and up to 1000 kg",
+            ":3: rig.mass_kg = -1: must be a mass > 0 and ≤ 1000 kg",
         ),
         (
             format!("kind = \"pendulum\"\n[rig]\nmas_kg = 1\n{run}"),
-            ":3: unknown key mas_kg; the nearest known key is mass_kg",
+            ":3: unknown key rig.mas_kg; the nearest known key is rig.mass_kg",
         ),
         (
             format!("kind = \"slide\"\n[rig]\nmass_kg = 1\n{run}"),
@@ -71,8 +71,8 @@ fn what_is_wrong_is_named() {
         ),
         (
             format!("kind = \"pendulum\"\nrobot = \"rats-planar\"\n{run}axis = \"toe\"\n"),
-            ":5: run[0].axis = \"toe\": must be \"axle\", \"foot\" or a distance in m from the axle \
-             above 0 and up to 100",
+            ":5: run 1.axis = \"toe\": must be \"axle\", \"foot\" or a distance in m from the axle \
+             > 0 and ≤ 100",
         ),
     ];
     for (manifest, expected) in cases {

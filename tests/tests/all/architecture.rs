@@ -53,7 +53,7 @@ const KNOWN_TO: [(&str, &[&str]); 10] = [
     ("plotters", &["saltus-cli"]),
     ("png", &["saltus-cli"]),
     ("serde", &["saltus-cli"]),
-    ("serde_json", &["saltus", "saltus-cli"]),
+    ("serde_json", &["robot", "saltus", "saltus-cli"]),
     ("signal-hook", &["saltus-cli"]),
     ("toml", &["robot", "saltus"]),
 ];
