@@ -11,8 +11,6 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-#[path = "thesis/chart.rs"]
-mod chart;
 #[path = "thesis/family.rs"]
 mod family;
 #[path = "thesis/jumper.rs"]

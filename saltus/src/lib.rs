@@ -33,6 +33,7 @@
 #![doc = concat!("```\n", include_str!("../examples/export_tables.rs"), "```")]
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod chart;
 pub mod closed_loop;
 pub mod course;
 pub mod experiment;

@@ -408,13 +408,21 @@ fn keys_unknown_missing_or_twice() {
         "hopper.toml:24: unknown key leg.cushion.size; the nearest known key is \
          leg.cushion.length_m",
     );
-    check("name = \"hopper\"", "", "hopper.toml: missing key name: text in quotes, not empty");
+    check(
+        "name = \"hopper\"",
+        "",
+        "hopper.toml: missing key name: text in quotes, not empty",
+    );
     check(
         "mass_kg = 2.75",
         "",
         "hopper.toml:2: missing key body.mass_kg or mass_g or mass_lb",
     );
-    check("legs = 5", "", "hopper.toml:2: missing key body.legs: a whole number ≥ 1");
+    check(
+        "legs = 5",
+        "",
+        "hopper.toml:2: missing key body.legs: a whole number ≥ 1",
+    );
     check(
         "kind = \"pneumatic\"",
         "",
@@ -458,8 +466,14 @@ fn keys_unknown_missing_or_twice() {
 #[test]
 fn text_that_is_not_toml() {
     let check = |text: &str, expected: &str| assert_eq!(complaint(text), expected);
-    check("", "hopper.toml: missing key name: text in quotes, not empty");
-    check("# nothing\n", "hopper.toml: missing key name: text in quotes, not empty");
+    check(
+        "",
+        "hopper.toml: missing key name: text in quotes, not empty",
+    );
+    check(
+        "# nothing\n",
+        "hopper.toml: missing key name: text in quotes, not empty",
+    );
 
     // What follows is in the words of the `toml` crate.
     let check = |text: &str, place: &str| {

@@ -112,7 +112,7 @@ fn runs(points: &[(f64, Option<f64>)]) -> Vec<Vec<(f64, f64)>> {
 }
 
 /// Least and greatest of some numbers; 0 and 1 without any.
-pub(super) fn span(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
+pub(crate) fn span(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
         (a.min(x), b.max(x))
     });

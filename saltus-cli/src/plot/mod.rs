@@ -23,7 +23,8 @@ use plotters::prelude::{
 
 use crate::error::CliError;
 use axes::Pen;
-pub(crate) use axes::tick;
+pub(crate) use axes::{padded, tick};
+pub(crate) use curves::span;
 
 /// What can be drawn.
 pub(crate) enum Drawing {

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::chart::{COLORS, Chart, Stroke};
+use saltus::chart::{COLORS, Chart, Ink};
+
 use crate::jumper::{Reading, path, planner};
 use crate::{Outcome, Section, claim, signed};
 
@@ -15,13 +16,13 @@ const AXES: (f64, f64) = (0.5, 0.55);
 pub(crate) fn section() -> Outcome<Section> {
     let planner = planner(&[])?;
     let radius = planner.robot().body.radius;
-    let mut chart = Chart::equal(("x (m)", -0.1, 1.25), ("y (m)", -0.11, 0.7));
-    chart.block((0.0, 0.1), AXES, "#f1efe6");
-    chart.line(&[(-0.1, 0.0), (1.25, 0.0)], COLORS[6], Stroke::Solid);
-    chart.key("shaded: the axes of figure 5.9", COLORS[6]);
+    let mut chart = Chart::to_scale(760.0, ("x (m)", (-0.1, 1.25)), ("y (m)", (-0.11, 0.7)));
+    chart.block(Ink::Solid("#f1efe6"), (0.0, 0.1), AXES);
+    chart.line(Ink::Solid(COLORS[6]), &[(-0.1, 0.0), (1.25, 0.0)]);
+    chart.key(Ink::Solid(COLORS[6]), "shaded: the axes of figure 5.9");
     chart.key(
+        Ink::Solid(COLORS[6]),
         "stance solid, flight dotted; below each its firing angle (rad)",
-        COLORS[6],
     );
     let mut rows = String::new();
     let mut reached = Vec::new();
@@ -33,11 +34,11 @@ pub(crate) fn section() -> Outcome<Section> {
             return Err(format!("no jump at {angle} rad").into());
         };
         let [stance, flight] = path(&planner, &jump, 0.0)?;
-        chart.line(&stance, COLORS[i], Stroke::Solid);
-        chart.line(&flight, COLORS[i], Stroke::Dotted);
+        chart.line(Ink::Solid(COLORS[i]), &stance);
+        chart.line(Ink::Dotted(COLORS[i]), &flight);
         // Landings lie close together: every other label goes lower.
         let below = if i % 2 == 0 { -0.04 } else { -0.08 };
-        chart.text((ground, below), &format!("{angle:.2}"), COLORS[i]);
+        chart.text(Ink::Solid(COLORS[i]), (ground, below), &signed(angle, 2));
         reached.push((apex, level, ground));
         let trace = planner.stance().trace(&jump.launch)?;
         writeln!(
@@ -74,6 +75,6 @@ pub(crate) fn section() -> Outcome<Section> {
     );
     Ok(Section {
         text,
-        drawings: vec![("family.svg", chart.svg())],
+        drawings: vec![("family.svg", chart.file())],
     })
 }

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use saltus::Planner;
+use saltus::chart::{COLORS, Chart, Ink};
 use saltus::planner::{Entry, Law, LawPoint, Measure, Roots};
 
-use crate::chart::{COLORS, Chart, Stroke};
 use crate::jumper::{BOOM, Reading, planner, range};
 use crate::{Outcome, Section, claim, signed};
 
@@ -78,7 +78,7 @@ pub(crate) fn section() -> Outcome<Section> {
     );
     Ok(Section {
         text,
-        drawings: vec![("law.svg", chart.svg())],
+        drawings: vec![("law.svg", chart.file())],
     })
 }
 
@@ -147,17 +147,19 @@ fn readings(planner: &Planner) -> Outcome<(String, Chart, Plain)> {
     let radius = planner.robot().body.radius;
     let mut rows = String::new();
     let mut chart = Chart::new(
-        ("approach rate ω (rad/s)", 2.8, 6.2),
-        ("firing angle α_f (rad)", -0.4, 0.45),
-        360.0,
+        (760.0, 422.0),
+        ("approach rate ω (rad/s)", (2.8, 6.2)),
+        ("firing angle α_f (rad)", (-0.4, 0.45)),
     );
     let mut colors = COLORS.iter();
     let mut color = || colors.next().copied().unwrap_or("#000000");
-    chart.key(&format!("thesis: {A} ω + {B}"), color());
+    chart.key(
+        Ink::Solid(color()),
+        &format!("thesis: {} ω + {B}", signed(A, 1)),
+    );
     chart.line(
+        Ink::Solid(COLORS[0]),
         &[3.0, 6.0].map(|rate| (rate, A * rate + B)),
-        COLORS[0],
-        Stroke::Solid,
     );
     for start_lean in STARTS {
         for landing_height in [0.0, radius] {
@@ -199,18 +201,13 @@ fn readings(planner: &Planner) -> Outcome<(String, Chart, Plain)> {
             )?;
             let color = color();
             chart.key(
+                Ink::Solid(color),
                 &format!("start {}, {end}", start.replace("the ", "")),
-                color,
             );
             let ends = [RATES[0], RATES[4]].map(|rate| (rate, law.firing_angle(rate)));
-            chart.line(&ends, color, Stroke::Dotted);
-            chart.dots(
-                &law.points
-                    .iter()
-                    .map(|p| (p.rate, p.exact))
-                    .collect::<Vec<_>>(),
-                color,
-            );
+            chart.line(Ink::Dotted(color), &ends);
+            let exact: Vec<_> = law.points.iter().map(|p| (p.rate, p.exact)).collect();
+            chart.dots(Ink::Solid(color), &exact);
         }
     }
     let law = Reading::PLAIN

@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use saltus::Planner;
 use saltus::ballistic::{Disc, Obstacle};
+use saltus::chart::{COLORS, Chart, Ink};
 use saltus::planner::{Jump, Roots};
 
-use crate::chart::{COLORS, Chart, Stroke};
 use crate::jumper::{Reading, path, planner, range};
 use crate::law::{DISTANCE, RATES};
 use crate::{Outcome, Section, claim, signed};
@@ -30,8 +30,8 @@ pub(crate) struct Over {
 pub(crate) fn section() -> Outcome<Section> {
     let planner = planner(&[])?;
     let radius = planner.robot().body.radius;
-    let mut chart = Chart::equal(("x (m)", -0.35, 1.35), ("y (m)", -0.03, 0.95));
-    chart.line(&[(-0.35, 0.0), (1.35, 0.0)], COLORS[6], Stroke::Solid);
+    let mut chart = Chart::to_scale(760.0, ("x (m)", (-0.35, 1.35)), ("y (m)", (-0.03, 0.95)));
+    chart.line(Ink::Solid(COLORS[6]), &[(-0.35, 0.0), (1.35, 0.0)]);
     let (mut rows, mut metre_rows, mut metre_margins) = (String::new(), String::new(), Vec::new());
     for rate in RATES {
         let best = best_at(&planner, rate)?;
@@ -92,7 +92,7 @@ pub(crate) fn section() -> Outcome<Section> {
     );
     Ok(Section {
         text,
-        drawings: vec![("box.svg", chart.svg())],
+        drawings: vec![("box.svg", chart.file())],
     })
 }
 
@@ -214,7 +214,7 @@ fn draw(chart: &mut Chart, planner: &Planner, over: &Over, color: &str, key: &st
             .collect::<Vec<_>>()
     };
     let [stance, flight] = path(planner, &over.jump, radius)?.map(moved);
-    chart.block((0.5, 0.0), (0.5 + SIDE, SIDE), "#beb4a5");
+    chart.block(Ink::Solid("#beb4a5"), (0.5, 0.0), (0.5 + SIDE, SIDE));
     for i in 0..5 {
         let (x, y) = flight[i * (flight.len() - 1) / 4];
         let rim = range(0.0, std::f64::consts::TAU, 73);
@@ -222,11 +222,11 @@ fn draw(chart: &mut Chart, planner: &Planner, over: &Over, color: &str, key: &st
             .iter()
             .map(|t| (x + radius * t.cos(), y + radius * t.sin()))
             .collect();
-        chart.line(&rim, color, Stroke::Faint);
+        chart.line(Ink::Faint(color), &rim);
     }
-    chart.line(&stance, color, Stroke::Solid);
-    chart.line(&flight, color, Stroke::Dotted);
-    chart.dots(&[(shift, 0.0)], color);
-    chart.key(key, color);
+    chart.line(Ink::Solid(color), &stance);
+    chart.line(Ink::Dotted(color), &flight);
+    chart.dots(Ink::Solid(color), &[(shift, 0.0)]);
+    chart.key(Ink::Solid(color), key);
     Ok(())
 }

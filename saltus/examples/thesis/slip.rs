@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
+use saltus::chart::{COLORS, Chart, Ink};
 use saltus::verify::{Flown, Plant, Task};
 use saltus::{Launch, Planner, resolve};
 
-use crate::chart::{COLORS, Chart, Stroke};
 use crate::jumper::{Reading, planner};
 use crate::law::{DISTANCE, RATES};
 use crate::obstacle::{SIDE, best_at};
@@ -51,7 +51,7 @@ pub(crate) fn section() -> Outcome<Section> {
     );
     Ok(Section {
         text,
-        drawings: vec![("slip.svg", chart.svg())],
+        drawings: vec![("slip.svg", chart.file())],
     })
 }
 
@@ -78,9 +78,9 @@ fn landing(flown: &Flown) -> Outcome<f64> {
 fn slipping(planar: &Planner) -> Outcome<(String, Chart, [f64; 2])> {
     let plant = Plant::new(planar.robot().clone(), TOLERANCE);
     let mut chart = Chart::new(
-        ("friction coefficient", 0.15, 0.85),
-        ("landing error (mm)", -140.0, 20.0),
-        300.0,
+        (760.0, 362.0),
+        ("friction coefficient", (0.15, 0.85)),
+        ("landing error (mm)", (-140.0, 40.0)),
     );
     let mut columns = Vec::new();
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
@@ -110,13 +110,13 @@ fn slipping(planar: &Planner) -> Outcome<(String, Chart, [f64; 2])> {
                 flown.slip(),
             ));
         }
-        chart.key(&format!("{angle:.2} rad"), COLORS[i]);
+        chart.key(Ink::Solid(COLORS[i]), &format!("{} rad", signed(angle, 2)));
         let points: Vec<(f64, f64)> = column
             .iter()
             .filter_map(|(mu, error, _)| Some((*mu, 1e3 * (*error)?)))
             .collect();
-        chart.line(&points, COLORS[i], Stroke::Solid);
-        chart.dots(&points, COLORS[i]);
+        chart.line(Ink::Solid(COLORS[i]), &points);
+        chart.dots(Ink::Solid(COLORS[i]), &points);
         columns.push(column);
     }
     let mut rows = String::new();

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
+use saltus::chart::{COLORS, Chart, Ink};
 use saltus::{Launch, Planner};
 
-use crate::chart::{COLORS, Chart, Stroke};
 use crate::jumper::{BOOM, BOOM_LENGTH, planner, range};
 use crate::{Outcome, Section, claim};
 
@@ -40,28 +40,25 @@ pub(crate) fn section() -> Outcome<Section> {
         ("bore 27 mm", with_boom(&["leg.bore_mm=27"])),
     ];
     let mut chart = Chart::new(
-        ("valve opening time (ms)", 15.0, 80.0),
-        ("greatest pivot angle of the boom (rad)", 0.0, 0.28),
-        330.0,
+        (760.0, 392.0),
+        ("valve opening time (ms)", (15.0, 80.0)),
+        ("greatest pivot angle of the boom (rad)", (0.0, 0.28)),
     );
-    chart.block((TIMES.0, ANGLES.0), (TIMES.1, ANGLES.1), "#f1efe6");
-    chart.text((53.5, 0.05), "axes of figure 5.2", COLORS[6]);
+    chart.block(
+        Ink::Solid("#f1efe6"),
+        (TIMES.0, ANGLES.0),
+        (TIMES.1, ANGLES.1),
+    );
+    chart.text(Ink::Solid(COLORS[6]), (53.5, 0.05), "axes of figure 5.2");
     let mut rows = String::new();
     for (i, (name, overrides)) in robots.iter().enumerate() {
         let planner = planner(overrides)?;
         let curve = range(15.0, 80.0, 66)
             .into_iter()
             .filter_map(|t| Some((t, pivot(&planner, t).ok()?)));
-        chart.line(
-            &curve.collect::<Vec<_>>(),
-            COLORS[i],
-            if i == 0 {
-                Stroke::Solid
-            } else {
-                Stroke::Dotted
-            },
-        );
-        chart.key(name, COLORS[i]);
+        let ink = if i == 0 { Ink::Solid } else { Ink::Dotted };
+        chart.line(ink(COLORS[i]), &curve.collect::<Vec<_>>());
+        chart.key(Ink::Solid(COLORS[i]), name);
         let at = |time: f64| {
             pivot(&planner, time).map_or("none".to_owned(), |angle| format!("{angle:.4}"))
         };
@@ -110,6 +107,6 @@ pub(crate) fn section() -> Outcome<Section> {
     );
     Ok(Section {
         text,
-        drawings: vec![("valve-times.svg", chart.svg())],
+        drawings: vec![("valve-times.svg", chart.file())],
     })
 }

@@ -1,6 +1,6 @@
 //! `saltus diagnose`: what measured data say is wrong with the simulation.
 
-mod chart;
+mod bars;
 mod inject;
 mod page;
 mod report;

@@ -4,13 +4,15 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
+use saltus::chart::{Chart, Ink, escaped};
 use saltus::diagnosis::{Finding, Point, Sort, points};
 
-use super::chart::{Bars, Chart, escaped};
+use super::bars::Bars;
 use super::report::{Report, next_of, ratio};
 use super::steps::steps;
 use super::words::split;
 use crate::output::digits;
+use crate::plot::span;
 
 const STYLE: &str = include_str!("page.css");
 /// Size of a chart, of which two stand in a row.
@@ -335,22 +337,22 @@ impl Curves {
                 let (x, y) = (span(all().map(|p| p.0)), span(all().map(|p| p.1)));
                 let name = &report.found.kind.logs()[run].name;
                 let mut chart = Chart::new(
-                    &format!("{name}: {}", split(&about.name).0),
                     CHART,
-                    (self.x(), x),
-                    (&axis(&about.name), y),
+                    (self.x(), padded(x, 0.02)),
+                    (&axis(&about.name), padded(y, 0.06)),
                 );
+                chart.title(&format!("{name}: {}", split(&about.name).0));
                 self.phases(&mut chart, run);
-                chart.dots("measured", &measured);
+                chart.dots(Ink::Class("measured"), &measured);
                 if self.is_rows {
-                    chart.dots("before", &before);
+                    chart.dots(Ink::Class("before"), &before);
                 } else {
-                    chart.line("before", &before);
+                    chart.line(Ink::Class("before"), &before);
                 }
                 match (changes, self.is_rows) {
                     (false, _) => {}
-                    (true, true) => chart.dots("after", &after),
-                    (true, false) => chart.line("after", &after),
+                    (true, true) => chart.dots(Ink::Class("after"), &after),
+                    (true, false) => chart.line(Ink::Class("after"), &after),
                 }
                 let _ = writeln!(out, "<div>{}</div>", chart.svg());
             }
@@ -380,17 +382,22 @@ impl Curves {
                     .collect();
                 let (x, y) = (span(all.iter().map(|p| p.0)), span(all.iter().map(|p| p.1)));
                 let name = format!("{} {what}", split(&about.name).0);
+                let y = (y.0.min(-3.0), y.1.max(3.0));
                 let mut chart = Chart::new(
-                    &name,
                     CHART,
-                    (self.x(), x),
-                    ("residual (σ)", (y.0.min(-3.0), y.1.max(3.0))),
+                    (self.x(), padded(x, 0.02)),
+                    ("residual (σ)", padded(y, 0.06)),
                 );
-                chart.band(-2.0, 2.0);
+                chart.title(&name);
+                chart.block(
+                    Ink::Class("band"),
+                    (f64::NEG_INFINITY, -2.0),
+                    (f64::INFINITY, 2.0),
+                );
                 if let Some(run) = self.worst(channel).first() {
                     self.phases(&mut chart, *run);
                 }
-                chart.dots(class, &thinned(&all, CLOUD));
+                chart.dots(Ink::Class(class), &thinned(&all, CLOUD));
                 let _ = writeln!(out, "<div>{}</div>", chart.svg());
             }
         }
@@ -420,6 +427,12 @@ impl Curves {
     }
 }
 
+/// A span grown by a share of its width on both sides; never empty.
+fn padded((low, high): (f64, f64), share: f64) -> (f64, f64) {
+    let padded = crate::plot::padded(low, high, share);
+    (padded.start, padded.end)
+}
+
 /// Every k-th, so that at most `most` are left.
 fn thinned(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
     points
@@ -427,13 +440,6 @@ fn thinned(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
         .step_by(points.len().div_ceil(most).max(1))
         .copied()
         .collect()
-}
-
-fn span(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-        (a.min(x), b.max(x))
-    });
-    if low <= high { (low, high) } else { (0.0, 1.0) }
 }
 
 fn axis(name: &str) -> String {
