@@ -37,3 +37,37 @@ pub(crate) fn folds(kind: &dyn Kind, settings: &Settings) -> Vec<Fold> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toy::{self, ALL, Toy};
+
+    #[test]
+    fn every_run_is_left_out_once() {
+        let toy = Toy::new(&toy::noise(1), vec![toy::wave(0)]);
+        let folds = folds(&toy, &Settings::default());
+        let mut left_out: Vec<usize> = folds.iter().flat_map(|fold| fold.runs.clone()).collect();
+        left_out.sort_unstable();
+        assert_eq!(left_out, (0..toy::RUNS).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn of_one_run_every_reading_is_predicted_once_by_a_fit_without_it() {
+        let toy = Toy::new(&toy::noise(1), vec![toy::wave(0)]).in_one_run();
+        let settings = Settings::default();
+        let folds = folds(&toy, &settings);
+        assert_eq!(folds.len(), settings.blocks);
+        let mut seen = vec![0; ALL];
+        for fold in folds {
+            let (fitted, predicted) = fold.masks.expect("blocks");
+            let [fitted, predicted] =
+                [fitted, predicted].map(|mask| mask.expect("a mask").remove(0));
+            for i in 0..ALL {
+                assert_ne!(fitted[i], predicted[i]);
+                seen[i] += usize::from(predicted[i]);
+            }
+        }
+        assert!(seen.iter().all(|&times| times == 1));
+    }
+}

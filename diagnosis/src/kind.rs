@@ -286,3 +286,76 @@ pub trait Kind: Sync {
         Vec::new()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameter(bounds: (f64, f64), neutral: f64) -> Parameter {
+        Parameter {
+            name: "x_m".into(),
+            neutral,
+            bounds,
+            scale: 1e-3,
+            starts: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn what_is_reported_is_taken_back() {
+        let two = || vec![parameter((1e-3, 2.0), 0.5), parameter((-1.0, 1.0), 0.0)];
+        let forms = [
+            Form::Direct,
+            Form::Inverse("inverse".into()),
+            Form::Polar(["distance".into(), "angle".into()]),
+        ];
+        for form in forms {
+            let cause = Cause {
+                form,
+                ..Cause::several("a", two())
+            };
+            for values in [[0.3, 0.4], [1.5, -0.9], [0.002, 0.0]] {
+                let reported: Vec<f64> = cause.report(&values).into_iter().map(|r| r.1).collect();
+                for (back, value) in cause.taken(&reported).iter().zip(values) {
+                    assert!((back - value).abs() < 1e-12, "{:?} {values:?}", cause.form);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn ranges_are_those_of_what_is_reported() {
+        let parameters = vec![parameter((0.5, 2.0), 1.0), parameter((-1.0, 1.0), 0.0)];
+        let of = |form| {
+            let cause = Cause::several("a", parameters.clone());
+            Cause { form, ..cause }.ranges()
+        };
+        assert_eq!(of(Form::Direct), [(0.5, 2.0), (-1.0, 1.0)]);
+        assert_eq!(of(Form::Inverse("i".into())), [(0.5, 2.0), (-1.0, 1.0)]);
+        // A circle within both bounds.
+        let polar = Form::Polar(["distance".into(), "angle".into()]);
+        assert_eq!(of(polar), [(0.0, 1.0), (-PI, PI)]);
+    }
+
+    #[test]
+    fn a_ladder_stays_within_bounds_and_reaches_them() {
+        let cause = Cause::several(
+            "a",
+            vec![parameter((0.0, 5.0), 0.0), parameter((-1e-2, 1.0), 0.5)],
+        );
+        let rungs = cause.ladder();
+        for rung in &rungs {
+            for (x, p) in rung.iter().zip(&cause.parameters) {
+                assert!((p.bounds.0..=p.bounds.1).contains(x), "{rung:?}");
+            }
+            let moved = rung
+                .iter()
+                .zip(&cause.parameters)
+                .filter(|(x, p)| **x != p.neutral);
+            assert_eq!(moved.count(), 1, "{rung:?}");
+        }
+        let most = rungs.iter().map(|rung| rung[0]).fold(0.0, f64::max);
+        assert!(most > 5.0 / 10f64.sqrt() && !cause.is_apart());
+        assert!(Cause::one("b", parameter((1.0, 2.0), 0.0)).is_apart());
+    }
+}

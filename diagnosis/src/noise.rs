@@ -246,3 +246,88 @@ pub(crate) fn log(experiment: &Experiment, run: &Run, indices: &[usize]) -> Log 
         readings,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rand_distr::{Distribution, StandardNormal};
+    use rand_pcg::Pcg64;
+
+    use super::*;
+    use crate::experiment::Sort;
+    use crate::toy;
+
+    /// 2000 rows of a slow wave, with noise of a size.
+    fn wave(noise: f64) -> Experiment {
+        let mut random = Pcg64::new(3, 3);
+        let time: Vec<f64> = (0..2000).map(|k| f64::from(k) * 1e-3).collect();
+        let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
+        let values = time.iter().map(|t| (5.0 * t).sin() + noise * draw());
+        let columns = [("angle_rad", values.collect())];
+        toy::measured(Sort::Pendulum, &[], &time, &columns)
+    }
+
+    fn noise_of(experiment: &Experiment) -> f64 {
+        channels(experiment, &[0])[0].noise
+    }
+
+    #[test]
+    fn what_nobody_states_is_estimated() {
+        for noise in [1e-4, 1e-2, 0.3] {
+            let mut data = wave(noise);
+            data.noise[0] = None;
+            let found = noise_of(&data);
+            assert!((found / noise - 1.0).abs() < 0.1, "{noise}: {found}");
+        }
+    }
+
+    #[test]
+    fn a_count_has_the_noise_of_its_step() {
+        let step = 0.01;
+        let mut data = wave(0.0);
+        for value in &mut data.runs[0].values[0] {
+            *value = (*value / step).round() * step;
+        }
+        (data.noise[0], data.resolution[0]) = (None, Some(step));
+        assert_eq!(noise_of(&data), step / 12f64.sqrt());
+        // With noise that is stated, both.
+        data.noise[0] = Some(0.02);
+        assert_eq!(noise_of(&data), f64::hypot(0.02, step / 12f64.sqrt()));
+    }
+
+    #[test]
+    fn a_noise_stated_far_too_large_is_not_believed() {
+        let mut data = wave(1e-2);
+        data.noise[0] = Some(FAR * 0.8e-2);
+        assert_eq!(disbelieve(&mut data), []);
+        data.noise[0] = Some(FAR * 2e-2);
+        let said = disbelieve(&mut data);
+        assert_eq!(said.len(), 1);
+        assert_eq!(
+            (said[0].column.as_str(), said[0].stated),
+            ("angle_rad", FAR * 2e-2)
+        );
+        assert!((said[0].seen / 1e-2 - 1.0).abs() < 0.1, "{}", said[0].seen);
+        assert_eq!(data.noise[0], None);
+    }
+
+    #[test]
+    fn repeated_counts_count_together() {
+        let weights = weights(&[1.0, 2.0, 2.0, 2.0, 2.0, 3.0], true);
+        let together: f64 = weights[1..5].iter().sum();
+        assert!((together - REPEATED.min(4.0)).abs() < 1e-12, "{weights:?}");
+        assert_eq!((weights[0], weights[5]), (1.0, 1.0));
+    }
+
+    #[test]
+    fn an_empty_cell_is_no_reading() {
+        let mut data = wave(1e-2);
+        data.runs[0].values[0][7] = f64::NAN;
+        let log = log(&data, &data.runs[0], &[0]);
+        assert_eq!(log.readings.len(), 1999);
+        assert!(
+            log.readings
+                .iter()
+                .all(|r| r.value.is_finite() && r.time != 7e-3)
+        );
+    }
+}

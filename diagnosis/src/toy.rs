@@ -1,9 +1,11 @@
-//! A linear measurement model, whose answers are known in closed form, for the tests of the stages.
+//! A linear measurement model, whose answers are known in closed form, for the tests of the stages;
+//! and small experiments for those of the kinds.
 
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
 use crate::evidence::Evidence;
+use crate::experiment::{Experiment, Run, Sort};
 use crate::fit::{self, Fit};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Reading, Terms};
 use crate::settings::Settings;
@@ -86,6 +88,17 @@ impl Toy {
         }
     }
 
+    /// With all readings in one run.
+    pub(crate) fn in_one_run(mut self) -> Toy {
+        let readings = self.logs.drain(..).flat_map(|log| log.readings);
+        let readings = readings.collect();
+        self.logs = vec![Log {
+            name: "run-0".into(),
+            readings,
+        }];
+        self
+    }
+
     /// With the last of its columns as a term without a name.
     pub(crate) fn with_a_term(mut self) -> Toy {
         self.listed -= 1;
@@ -154,5 +167,43 @@ impl Kind for Toy {
             columns.map(|(k, a)| terms.get(k, 0) * a[i]).sum()
         };
         Some((run * READINGS..(run + 1) * READINGS).map(at).collect())
+    }
+}
+
+/// The terms of `kind` with parameters set: of the cause with an id, about a column if one is named,
+/// the parameter of a number.
+pub(crate) fn terms(kind: &dyn Kind, on: &[(&str, usize, f64)]) -> Terms {
+    let mut terms = Terms::off(kind.causes());
+    for (name, parameter, value) in on {
+        let (id, column) = name.split_once('@').unwrap_or((name, ""));
+        let is_it =
+            |c: &Cause| c.id == id && (column.is_empty() || c.column.as_deref() == Some(column));
+        let cause = kind.causes().iter().position(is_it);
+        terms.set(cause.expect("a cause"), *parameter, *value);
+    }
+    terms
+}
+
+/// An experiment of one run, of columns with their values, whose noise is 1e-6 of their units.
+pub(crate) fn measured(
+    kind: Sort,
+    settings: &[(&str, f64)],
+    time: &[f64],
+    columns: &[(&str, Vec<f64>)],
+) -> Experiment {
+    Experiment {
+        kind,
+        columns: columns.iter().map(|(name, _)| (*name).into()).collect(),
+        noise: vec![Some(1e-6); columns.len()],
+        resolution: vec![None; columns.len()],
+        runs: vec![Run {
+            settings: settings
+                .iter()
+                .map(|(key, x)| ((*key).into(), *x))
+                .collect(),
+            time: time.to_vec(),
+            values: columns.iter().map(|(_, values)| values.clone()).collect(),
+            ..Run::default()
+        }],
     }
 }

@@ -566,3 +566,193 @@ fn throw(layout: &mut Layout, draw: &mut Draw) {
         vec![0.0, forward, height, up],
     );
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toy;
+
+    const G: f64 = 9.81;
+
+    fn rows(end: f64) -> Vec<f64> {
+        (0..=50).map(|k| f64::from(k) * end / 50.0).collect()
+    }
+
+    /// Flights of one run with these columns, whose values are what `shown` gives at each time.
+    fn flights(
+        settings: &[(&str, f64)],
+        end: f64,
+        shown: &[(&str, &dyn Fn(f64) -> f64)],
+    ) -> Flights {
+        let time = rows(end);
+        let columns: Vec<(&str, Vec<f64>)> = shown
+            .iter()
+            .map(|(name, of)| (*name, time.iter().map(|t| of(*t)).collect()))
+            .collect();
+        Flights::new(&toy::measured(Sort::Flight, settings, &time, &columns), G)
+    }
+
+    /// Holds the prediction, with terms on, of every channel against `closed(channel, time)`.
+    #[track_caller]
+    fn check(
+        flights: &Flights,
+        on: &[(&str, usize, f64)],
+        unknowns: &[f64],
+        within: f64,
+        closed: impl Fn(usize, f64) -> f64,
+    ) {
+        let found = flights.predict(0, &toy::terms(flights, on), unknowns);
+        for (reading, x) in flights.logs[0]
+            .readings
+            .iter()
+            .zip(found.expect("an answer"))
+        {
+            let y = closed(reading.channel, reading.time);
+            assert!(
+                (x - y).abs() < within,
+                "channel {} at {} s: {x} {y}",
+                reading.channel,
+                reading.time
+            );
+        }
+    }
+
+    /// A throw from (0, 1) m at (3, 4) m/s.
+    const THROWN: [f64; 4] = [0.0, 3.0, 1.0, 4.0];
+
+    fn throw(gravity: f64) -> impl Fn(usize, f64) -> f64 {
+        move |channel, t| match channel {
+            0 => 3.0 * t,
+            _ => 1.0 + 4.0 * t - 0.5 * gravity * t * t,
+        }
+    }
+
+    fn thrown(settings: &[(&str, f64)]) -> Flights {
+        flights(
+            settings,
+            0.8,
+            &[("x_m", &|t| throw(G)(0, t)), ("y_m", &|t| throw(G)(1, t))],
+        )
+    }
+
+    #[test]
+    fn a_free_body_flies_a_parabola() {
+        let flights = thrown(&[]);
+        check(&flights, &[], &THROWN, 1e-12, throw(G));
+        check(
+            &flights,
+            &[("gravity", 0, 1.62)],
+            &THROWN,
+            1e-12,
+            throw(1.62),
+        );
+        check(
+            &flights,
+            &[("encoder-scale@y_m", 0, 1.1)],
+            &THROWN,
+            1e-12,
+            |channel, t| throw(G)(channel, t) * [1.0, 1.1][channel],
+        );
+        check(
+            &flights,
+            &[("sensor-delay@x_m", 0, 0.02)],
+            &THROWN,
+            1e-12,
+            |channel, t| throw(G)(channel, t - [0.02, 0.0][channel]),
+        );
+    }
+
+    #[test]
+    fn the_first_guess_is_the_throw() {
+        let guess = thrown(&[]).unknowns(0);
+        for (parameter, value) in guess.iter().zip(THROWN) {
+            assert!(
+                (parameter.neutral - value).abs() < 1e-6,
+                "{parameter:?} {value}"
+            );
+        }
+    }
+
+    #[test]
+    fn air_resists_a_fall_as_in_closed_form() {
+        let (k, start) = (0.2, 50.0);
+        let fallen = |t: f64| start - ((k * G).sqrt() * t).cosh().ln() / k;
+        let falls = flights(&[], 2.0, &[("y_m", &|t| fallen(t))]);
+        assert!(falls.is_drop);
+        check(
+            &falls,
+            &[("air-drag", 0, k)],
+            &[start, 0.0],
+            1e-6,
+            |_, t| fallen(t),
+        );
+    }
+
+    #[test]
+    fn air_slows_a_body_without_weight_as_in_closed_form() {
+        let k = 0.3;
+        let on = [("air-drag", 0, k), ("gravity", 0, 0.0)];
+        // Along a line: ln(1 + k v t)/k of its way.
+        check(&thrown(&[]), &on, &THROWN, 1e-6, |channel, t| {
+            let way = (1.0 + k * 5.0 * t).ln() / k;
+            [0.6 * way, 1.0 + 0.8 * way][channel]
+        });
+    }
+
+    #[test]
+    fn a_size_makes_drag_a_coefficient() {
+        let (mass, diameter, coefficient) = (0.058, 0.066, 0.5);
+        let k = coefficient * 0.5 * AIR * std::f64::consts::FRAC_PI_4 * diameter * diameter / mass;
+        let ball = thrown(&[("mass_kg", mass), ("diameter_m", diameter)]);
+        let on = |x| [("air-drag", 0, x)];
+        let [by_size, plain] = [(&ball, coefficient), (&thrown(&[]), k)].map(|(flights, x)| {
+            let terms = toy::terms(flights, &on(x));
+            flights.predict(0, &terms, &THROWN).expect("an answer")
+        });
+        assert!(
+            by_size
+                .iter()
+                .zip(plain)
+                .all(|(a, b)| (a - b).abs() < 1e-12)
+        );
+    }
+
+    #[test]
+    fn a_drop_begins_when_it_is_let_go() {
+        let release = 0.1;
+        let fallen = |t: f64| 2.0 - 0.5 * G * (t - release).max(0.0).powi(2);
+        let falls = flights(&[], 0.5, &[("y_m", &fallen)]);
+        check(&falls, &[], &[2.0, release], 1e-12, |_, t| fallen(t));
+    }
+
+    /// The end of a boom of length L that is let go level: θ̇² = 2 (g/L) (sin θ₀ − sin θ), as energy
+    /// is kept.
+    #[test]
+    fn the_end_of_a_boom_keeps_its_energy() {
+        let length = 1.2;
+        let shown: [(&str, &dyn Fn(f64) -> f64); 1] = [("y_m", &|t| 0.6 * (3.0 * t).sin())];
+        let mut flights = flights(&[("boom_radius_m", length)], 0.6, &shown);
+        flights.boom = vec![Some(length)];
+        let (start, speed) = (0.2, 1.5);
+        let terms = toy::terms(&flights, &[("counterweight", 0, 0.4)]);
+        let y = flights
+            .predict(0, &terms, &[start, speed])
+            .expect("an answer");
+        let time = rows(0.6);
+        let energy = |k: usize| {
+            // Fourth-order differences.
+            let h = time[1];
+            let rise = (y[k - 2] - y[k + 2] + 8.0 * (y[k + 1] - y[k - 1])) / (12.0 * h);
+            let cos = (1.0 - (y[k] / length).powi(2)).sqrt();
+            0.5 * (rise / cos).powi(2) + 0.4 * G * y[k]
+        };
+        let first = 0.5 * speed * speed / (1.0 - (start / length).powi(2)) + 0.4 * G * start;
+        for k in 2..y.len() - 2 {
+            assert!(
+                (energy(k) - first).abs() < 1e-4 * first,
+                "{k}: {} {first}",
+                energy(k)
+            );
+        }
+    }
+}

@@ -370,3 +370,111 @@ fn lay_out(layout: &mut Layout, runs: usize, draw: &mut Draw) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toy;
+
+    const MASS: f64 = 1.5;
+
+    /// What a mass that starts at 0.1 m with `speed` (m/s) does under `force` (N) with terms on:
+    /// every 10 ms for a second.
+    fn moved(force: f64, speed: f64, on: &[(&str, usize, f64)]) -> Vec<(f64, f64)> {
+        let time: Vec<f64> = (0..=100).map(|k| f64::from(k) * 0.01).collect();
+        let columns = [
+            ("position_m", time.clone()),
+            ("force_n", vec![force; time.len()]),
+        ];
+        let data = toy::measured(Sort::Slide, &[("mass_kg", MASS)], &time, &columns);
+        let slides = Slides::new(&data);
+        let terms = toy::terms(&slides, on);
+        let found = slides.predict(0, &terms, &[0.1, speed]);
+        time.into_iter().zip(found.expect("an answer")).collect()
+    }
+
+    #[track_caller]
+    fn check(found: &[(f64, f64)], within: f64, closed: impl Fn(f64) -> f64) {
+        for &(t, x) in found {
+            let y = closed(t);
+            assert!((x - y).abs() < within, "{t} s: {x} m, in closed form {y}");
+        }
+    }
+
+    #[test]
+    fn a_constant_force_makes_a_parabola() {
+        let parabola = |t: f64| 0.1 + 0.4 * t + 0.5 * 3.0 / MASS * t * t;
+        check(&moved(3.0, 0.4, &[]), 1e-12, parabola);
+        // The same force, believed half as large or 2 N less; a mass believed half as large.
+        check(
+            &moved(1.5, 0.4, &[("encoder-scale@force_n", 0, 2.0)]),
+            1e-12,
+            parabola,
+        );
+        check(
+            &moved(1.0, 0.4, &[("sensor-offset", 0, 2.0)]),
+            1e-12,
+            parabola,
+        );
+        check(&moved(6.0, 0.4, &[("mass", 0, 2.0)]), 1e-12, parabola);
+    }
+
+    #[test]
+    fn dry_friction_stops_it_for_good() {
+        let (speed, friction) = (0.8, 3.0);
+        let stop = MASS * speed / friction;
+        let found = moved(0.0, speed, &[("coulomb-friction", 0, friction)]);
+        check(&found, 1e-3 * speed, |t| {
+            let t = t.min(stop);
+            0.1 + speed * t - 0.5 * friction / MASS * t * t
+        });
+        let at_rest: Vec<f64> = found.iter().filter(|r| r.0 > stop).map(|r| r.1).collect();
+        assert!(at_rest.windows(2).all(|w| w[0] == w[1]));
+        // What holds a mass at rest is no more than what pushes it.
+        check(
+            &moved(2.9, 0.0, &[("coulomb-friction", 0, friction)]),
+            1e-15,
+            |_| 0.1,
+        );
+    }
+
+    #[test]
+    fn viscous_friction_and_drag_are_those_of_the_textbook() {
+        let (speed, c) = (0.8, 4.0);
+        check(
+            &moved(0.0, speed, &[("viscous-friction", 0, c)]),
+            1e-6,
+            |t| 0.1 + speed * MASS / c * (1.0 - (-c * t / MASS).exp()),
+        );
+        // A step takes the drag of its start.
+        check(&moved(0.0, speed, &[("air-drag", 0, c)]), 2e-4, |t| {
+            0.1 + MASS / c * (1.0 + c * speed * t / MASS).ln()
+        });
+    }
+
+    #[test]
+    fn a_spring_swings_about_its_balance() {
+        let (stiffness, preload) = (60.0, 1.2);
+        let on = [
+            ("return-spring", 0, stiffness),
+            ("return-spring", 1, preload),
+        ];
+        let (rate, low) = (f64::sqrt(stiffness / MASS), preload / stiffness);
+        check(&moved(0.0, 0.3, &on), 1e-5, |t| {
+            0.1 - low + low * (rate * t).cos() + 0.3 / rate * (rate * t).sin()
+        });
+    }
+
+    #[test]
+    fn a_sensor_is_late_or_shows_too_much() {
+        let late = moved(3.0, 0.4, &[("sensor-delay@position_m", 0, 0.05)]);
+        check(&late, 1e-12, |t| {
+            let t = (t - 0.05).max(0.0);
+            0.1 + 0.4 * t + 0.5 * 3.0 / MASS * t * t
+        });
+        let long = moved(3.0, 0.4, &[("encoder-scale@position_m", 0, 1.1)]);
+        check(&long, 1e-12, |t| {
+            1.1 * (0.1 + 0.4 * t + 0.5 * 3.0 / MASS * t * t)
+        });
+    }
+}

@@ -307,3 +307,110 @@ fn lay_out(layout: &mut Layout, runs: usize, draw: &mut Draw) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toy;
+
+    const BORE: f64 = 0.02;
+    const PRESSURE: f64 = 3e5;
+    /// Force (N) of the pressure.
+    const PUSH: f64 = PRESSURE * FRAC_PI_4 * BORE * BORE;
+    /// Speed (m/s) of the piston, pushed in and pulled out again.
+    const SPEED: f64 = 0.01;
+    /// Rows, every 0.1 s, of which the middle one turns round.
+    const ROWS: u32 = 81;
+
+    fn place(row: u32) -> f64 {
+        0.02 + SPEED * (4.0 - (f64::from(row) * 0.1 - 4.0).abs())
+    }
+
+    fn strokes() -> Strokes {
+        let time: Vec<f64> = (0..ROWS).map(|k| f64::from(k) * 0.1).collect();
+        let columns = [
+            ("position_m", (0..ROWS).map(place).collect()),
+            ("pressure_gauge_pa", vec![PRESSURE; time.len()]),
+            ("force_n", time.clone()),
+        ];
+        let settings = [("bore_m", BORE)];
+        Strokes::new(&toy::measured(Sort::Stroke, &settings, &time, &columns))
+    }
+
+    /// Force (N) beyond that of the pressure, row by row, with terms on; the seal is turned the way
+    /// that it goes first.
+    fn beyond(on: &[(&str, usize, f64)]) -> Vec<f64> {
+        let strokes = strokes();
+        let found = strokes.predict(0, &toy::terms(&strokes, on), &[1.0, 1e-4]);
+        found.expect("an answer").iter().map(|f| f - PUSH).collect()
+    }
+
+    /// Rows where it goes steadily one way, and back.
+    const WAYS: [(std::ops::Range<usize>, f64); 2] = [(5..35, 1.0), (46..76, -1.0)];
+
+    /// Holds each row of both ways against `closed(row, direction)`.
+    #[track_caller]
+    fn check(found: &[f64], closed: impl Fn(u32, f64) -> f64) {
+        for (rows, way) in WAYS {
+            for row in rows {
+                let y = closed(u32::try_from(row).expect("a row"), way);
+                assert!(
+                    (found[row] - y).abs() < 1e-9,
+                    "row {row}: {} {y}",
+                    found[row]
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn without_a_term_it_is_pressure_times_area() {
+        check(&beyond(&[]), |_, _| 0.0);
+    }
+
+    #[test]
+    fn friction_is_against_the_motion() {
+        check(&beyond(&[("coulomb-friction", 0, 4.0)]), |_, way| 4.0 * way);
+        check(&beyond(&[("seal-friction", 0, 1e-5)]), |_, way| {
+            way * 1e-5 * PRESSURE
+        });
+        check(&beyond(&[("viscous-friction", 0, 50.0)]), |_, way| {
+            way * 50.0 * SPEED
+        });
+    }
+
+    /// Dahl: from one side to the other by a factor e for each presliding way.
+    #[test]
+    fn friction_turns_over_within_the_presliding_way() {
+        const WAY: f64 = 5e-3;
+        let strokes = strokes();
+        let terms = toy::terms(&strokes, &[("coulomb-friction", 0, 4.0)]);
+        let found = strokes.predict(0, &terms, &[1.0, WAY]).expect("an answer");
+        for row in 45..75 {
+            let back = strokes.retracted - place(row);
+            let closed = PUSH + 4.0 * (2.0 * (-back / WAY).exp() - 1.0);
+            let force = found[row as usize];
+            assert!((force - closed).abs() < 1e-9, "row {row}: {force} {closed}");
+        }
+    }
+
+    #[test]
+    fn a_spring_pulls_the_more_the_farther_the_rod_is_out() {
+        let on = [("return-spring", 0, 200.0), ("return-spring", 1, 3.0)];
+        // The most retracted place is where lines over nine rows see it, 2 mm short of the turn.
+        let found = beyond(&on);
+        let change = |a: u32, b: u32| 200.0 * (place(a) - place(b));
+        for row in 5..35 {
+            let closed = found[5] + change(row, 5);
+            assert!((found[row as usize] - closed).abs() < 1e-9, "row {row}");
+        }
+        let greatest = found.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        assert!((greatest + 3.0).abs() < 1e-9, "{greatest}: the preload");
+    }
+
+    #[test]
+    fn a_load_cell_has_a_gain_and_an_offset() {
+        check(&beyond(&[("sensor-offset", 0, 2.0)]), |_, _| 2.0);
+        check(&beyond(&[("encoder-scale", 0, 1.2)]), |_, _| 0.2 * PUSH);
+    }
+}
