@@ -600,3 +600,135 @@ fn fit_from(
         .filter_map(|t| refit(kind, t, runs, &None, STEPS));
     done.min_by(|a, b| a.loss.total_cmp(&b.loss))
 }
+
+#[cfg(test)]
+mod tests {
+    use saltus_numeric::statistics::dot;
+
+    use super::*;
+    use crate::kind::Cause;
+    use crate::toy::{ALL, READINGS, RUNS, Toy, noise, sum, wave};
+
+    fn every_run() -> Vec<usize> {
+        (0..RUNS).collect()
+    }
+
+    #[test]
+    fn hubers_loss_is_smooth_and_its_weight_is_its_slope() {
+        let slope = |r: f64| (huber(r + 1e-6) - huber(r - 1e-6)) / 2e-6;
+        for r in [-20.0, -HUBER, -1.0, 0.5, HUBER - 1e-3, HUBER + 1e-3, 50.0] {
+            assert!((slope(r) - 2.0 * weight(r) * r).abs() < 1e-5, "{r}");
+            assert_eq!(huber(r), huber(-r));
+        }
+    }
+
+    #[test]
+    fn a_linear_fit_is_a_projection() {
+        // Columns that lean on each other: the normal equations of two.
+        let (a, e) = (wave(0), wave(1));
+        let b = sum(&[(0.6, &a), (0.8, &e)]);
+        let values = sum(&[(7.0, &a), (-4.0, &b), (0.2, &noise(5))]);
+        let fit = Toy::new(&values, vec![a.clone(), b.clone()]).fitted(&[0, 1]);
+        let (ya, yb) = (dot(&values, &a), dot(&values, &b));
+        let closed = [(ya - 0.6 * yb) / 0.64, (yb - 0.6 * ya) / 0.64];
+        for (k, closed) in closed.into_iter().enumerate() {
+            assert!(
+                (fit.terms.get(k, 0) - closed).abs() < 1e-2,
+                "{k}: {fit:?} {closed}"
+            );
+        }
+        let left = sum(&[(1.0, &values), (-closed[0], &a), (-closed[1], &b)]);
+        let loss: f64 = left.iter().map(|r| huber(*r)).sum();
+        assert!((fit.loss - loss).abs() < 1e-4 * loss, "{} {loss}", fit.loss);
+    }
+
+    #[test]
+    fn a_bound_holds() {
+        let a = wave(0);
+        let values = sum(&[(-9.0, &a), (1.0, &noise(6))]);
+        let bounded = |cause: &mut Cause| cause.parameters[0].bounds = (0.0, 5.0);
+        let toy = Toy::new(&values, vec![a.clone()]).with(0, bounded);
+        let fit = toy.fitted(&[0]);
+        assert_eq!(fit.terms.get(0, 0), 0.0);
+        assert!((fit.loss - toy.before().loss).abs() < 1e-9);
+        let values = sum(&[(9.0, &a), (1.0, &noise(6))]);
+        let fit = Toy::new(&values, vec![a]).with(0, bounded).fitted(&[0]);
+        assert_eq!(fit.terms.get(0, 0), 5.0);
+    }
+
+    #[test]
+    fn an_outlier_counts_no_more_the_farther_it_is() {
+        let a = wave(0);
+        let found = |outlier: f64| {
+            let mut values = sum(&[(9.0, &a), (1.0, &noise(7))]);
+            values[3] = outlier;
+            Toy::new(&values, vec![a.clone()])
+                .fitted(&[0])
+                .terms
+                .get(0, 0)
+        };
+        let [near, far] = [found(30.0), found(3e4)];
+        assert!((near - far).abs() < 1e-3, "{near} {far}");
+        // Least squares would put it at a[3] times 3e4, which is 2,100.
+        assert!((far - 9.0).abs() < 4.0, "{far}");
+    }
+
+    #[test]
+    fn only_readings_that_count_are_fitted() {
+        let a = wave(0);
+        let mut values = sum(&[(9.0, &a)]);
+        let mut counts = vec![vec![true; READINGS]; RUNS];
+        for (i, value) in values.iter_mut().enumerate().filter(|(i, _)| i % 3 == 0) {
+            *value += 4.0;
+            counts[i / READINGS][i % READINGS] = false;
+        }
+        let toy = Toy::new(&values, vec![a]);
+        let mut from = toy.before();
+        from.causes.push(0);
+        let fit = refit(&toy, from, &every_run(), &Some(counts), STEPS).expect("an answer");
+        assert!((fit.terms.get(0, 0) - 9.0).abs() < 1e-4, "{fit:?}");
+        assert!(fit.loss < 1e-6, "{}", fit.loss);
+    }
+
+    #[test]
+    fn a_parameter_that_is_held_stays() {
+        let (a, b) = (wave(0), wave(1));
+        let values = sum(&[(7.0, &a), (-4.0, &b), (1.0, &noise(8))]);
+        let toy = Toy::new(&values, vec![a, b]);
+        let mut from = toy.fitted(&[0, 1]);
+        let free = from.terms.get(1, 0);
+        from.terms.set(0, 0, 5.0);
+        let fit = refit_but(&toy, (0, 0), from, STEPS).expect("an answer");
+        // Orthogonal to the one that is held.
+        assert_eq!(fit.terms.get(0, 0), 5.0);
+        assert!((fit.terms.get(1, 0) - free).abs() < 0.05, "{fit:?} {free}");
+    }
+
+    #[test]
+    fn a_cause_that_gains_too_little_is_given_up() {
+        let a = wave(0);
+        let values = sum(&[(6.0, &a), (1.0, &noise(9))]);
+        let toy = Toy::new(&values, vec![a]);
+        let before = toy.before();
+        let gain = before.loss - toy.fitted(&[0]).loss;
+        let with = |enough| fit_if(&toy, &before, 0, &every_run(), enough);
+        assert!(with(0.9 * gain).is_some() && with(1.1 * gain).is_none());
+    }
+
+    #[test]
+    fn a_derivative_stays_within_bounds() {
+        let a = wave(0);
+        let toy = Toy::new(&noise(1), vec![a.clone()])
+            .with(0, |cause| cause.parameters[0].bounds = (-1.0, 0.0));
+        let terms = Terms::off(toy.causes());
+        let parameter = &toy.causes()[0].parameters[0];
+        let here = predicted(&toy, 2, &terms, &[]).expect("an answer");
+        let place = (Place::Shared(0, 0), parameter);
+        // From the upper bound it can only go down.
+        let found = derivative(&toy, 2, &terms, &[], &here, place).expect("an answer");
+        for (found, a) in found.iter().zip(&a[2 * READINGS..]) {
+            assert!((found - a).abs() < 1e-9, "{found} {a}");
+        }
+        assert_eq!(RUNS * READINGS, ALL);
+    }
+}

@@ -528,3 +528,99 @@ pub(crate) fn inflation(kind: &dyn Kind, model: &Fit) -> f64 {
     };
     (0..kind.channels().len()).map(of).fold(1.0, f64::max)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::toy::{ALL, READINGS, Toy, noise, sum, wave};
+
+    const RARE: f64 = 0.01;
+
+    fn tested(values: &[f64]) -> Fitness {
+        let toy = Toy::new(values, vec![wave(0)]);
+        fitness(&toy, &toy.before(), 400, RARE, &mut Pcg64::new(1, 1))
+    }
+
+    /// The same wave of amplitude `a` in every run.
+    fn swinging(a: f64) -> Vec<f64> {
+        let at = |i: usize| a * (TAU * 3.0 * (i % READINGS) as f64 / READINGS as f64).sin();
+        (0..ALL).map(at).collect()
+    }
+
+    #[test]
+    fn noise_is_noise_as_often_as_stated() {
+        let wrong = (0..100).filter(|seed| !tested(&noise(*seed)).is_noise[0]);
+        // Of 100 at 1 %, more than 4 come once in 270 times.
+        assert!(wrong.count() <= 4);
+    }
+
+    #[test]
+    fn what_swings_in_every_run_is_no_noise() {
+        let found = tested(&sum(&[(1.0, &swinging(0.6)), (1.0, &noise(3))]));
+        assert!(!found.is_noise[0] && found.alarm > 1.0, "{found:?}");
+        // A mean square of a²/2.
+        assert!((found.smooth[0] - 0.18).abs() < 0.1, "{found:?}");
+        assert!(!found.is_gross);
+    }
+
+    #[test]
+    fn what_is_far_larger_than_the_noise_is_gross() {
+        let found = tested(&sum(&[(1.0, &swinging(60.0)), (1.0, &noise(3))]));
+        assert!(found.is_gross && !found.is_noise[0], "{found:?}");
+        // Noise of that size is not: it scatters one by one.
+        let found = tested(&sum(&[(60.0, &noise(3))]));
+        assert!(!found.is_gross, "{found:?}");
+    }
+
+    #[test]
+    fn squares_and_excess_are_what_is_beyond_the_number_of_readings() {
+        let values = sum(&[(1.0, &swinging(2.0)), (0.2, &noise(3))]);
+        let beyond = dot(&values, &values) - ALL as f64;
+        assert!((tested(&values).squares - beyond).abs() < 1e-9 * beyond);
+        let toy = Toy::new(&values, vec![wave(0)]);
+        // No residual is beyond Huber's bound.
+        assert!((excess(&toy, &toy.before()) - beyond).abs() < 1e-6 * beyond);
+    }
+
+    #[test]
+    fn noise_that_drags_on_is_inflated_by_its_correlation() {
+        let (rho, mut x) = (0.7, 0.0);
+        // Each run begins anew, as residuals of runs are not related.
+        let drag = |(i, e): (usize, f64)| {
+            x = if i % READINGS == 0 {
+                e
+            } else {
+                rho * x + f64::sqrt(1.0 - rho * rho) * e
+            };
+            x
+        };
+        let values: Vec<f64> = noise(4).into_iter().enumerate().map(drag).collect();
+        let toy = Toy::new(&values, vec![wave(0)]);
+        let closed = (1.0 + rho) / (1.0 - rho);
+        let found = inflation(&toy, &toy.before());
+        assert!(
+            (0.5 * closed..1.8 * closed).contains(&found),
+            "{found} {closed}"
+        );
+        assert!(!is_white(&toy, &toy.before()));
+        let white = Toy::new(&noise(4), vec![wave(0)]);
+        assert!(is_white(&white, &white.before()));
+        assert!(inflation(&white, &white.before()) < 1.5);
+    }
+
+    #[test]
+    fn levels_tell_how_large_the_noise_is() {
+        let toy = Toy::new(&sum(&[(3.0, &noise(2))]), vec![wave(0)]);
+        let level = &levels(&toy, &toy.before()).expect("an answer")[0];
+        assert_eq!(level.count, ALL as f64);
+        assert!(
+            (level.square / 9.0 - 1.0).abs() < 0.2 && level.is_white,
+            "{}",
+            level.square
+        );
+        let scatter = scatter(&toy, &toy.before())[0];
+        assert!((2.0..3.2).contains(&scatter), "{scatter}");
+    }
+}

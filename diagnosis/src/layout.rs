@@ -150,3 +150,61 @@ pub(crate) fn count(length: f64, step: f64) -> usize {
 pub fn round(x: f64) -> f64 {
     (x * 1e9).round() / 1e9
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::Source;
+
+    #[test]
+    fn a_seed_gives_the_same_runs() {
+        let laid_out = |sort: &Sort| matches!(sort.spec().synthesis.source, Source::Model);
+        for sort in Sort::ALL.into_iter().filter(laid_out) {
+            let make = |seed| {
+                let mut draw = Draw::new(seed);
+                let mut layout = Layout::new(sort, false, Some(3), &mut draw);
+                layout.read(&mut draw);
+                layout.experiment
+            };
+            let [a, b, c] = [make(7), make(7), make(8)];
+            assert!(a == b && a != c, "{sort:?}");
+        }
+    }
+
+    #[test]
+    fn an_instrument_adds_noise_and_counts() {
+        let mut draw = Draw::new(3);
+        let mut layout = Layout::new(Sort::Stroke, false, Some(1), &mut draw);
+        let column = layout.column("force_n");
+        let experiment = &mut layout.experiment;
+        (experiment.noise[column], experiment.resolution[column]) = (Some(0.5), Some(0.25));
+        experiment.runs[0].values[column].fill(10.0);
+        layout.read(&mut draw);
+        let values = &layout.experiment.runs[0].values[column];
+        assert!(values.iter().all(|x| (x * 4.0).fract() == 0.0));
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
+        // The noise, and a count's own.
+        let closed = 0.25 + 0.25_f64.powi(2) / 12.0;
+        assert!((mean - 10.0).abs() < 5.0 * (closed / n).sqrt(), "{mean}");
+        assert!(
+            (variance / closed - 1.0).abs() < 5.0 * (2.0 / n).sqrt(),
+            "{variance} {closed}"
+        );
+    }
+
+    #[test]
+    fn rows_are_in_step() {
+        assert_eq!(count(1.0, 0.25), 5);
+        assert_eq!(round(0.1 + 0.2), 0.3);
+        let mut draw = Draw::new(1);
+        for _ in 0..1000 {
+            let x = draw.between(-1.0, 2.0);
+            assert!((-1.0..2.0).contains(&x));
+            let y = draw.stepped(1.0, 2.0, 0.25);
+            assert_eq!((4.0 * y).fract(), 0.0);
+        }
+        assert_eq!(draw.between(1.0, 1.0), 1.0);
+    }
+}

@@ -250,3 +250,70 @@ fn part(sums: &[f64], counts: &[f64], before: Pattern) -> Pattern {
     }
     most
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toy::{ALL, READINGS, Toy, noise, wave};
+
+    /// The strongest patterns in residuals, of a model whose prediction rises all along.
+    fn found(residuals: &[f64]) -> [Pattern; COUNT] {
+        let toy = Toy::new(&noise(1), vec![wave(0)]);
+        let predicted: Vec<f64> = (0..ALL).map(|i| i as f64).collect();
+        Patterns::new(&toy, &predicted).find(residuals)[0]
+    }
+
+    #[test]
+    fn a_part_that_is_off_is_found_with_its_size() {
+        let mut residuals = vec![0.0; ALL];
+        // Twelve and a half cells of 96.
+        let part = 3 * READINGS + 20..3 * READINGS + 26;
+        residuals[part.clone()].fill(2.0);
+        let [part_found, ..] = found(&residuals);
+        assert!((part_found.size - 2.0).abs() < 1e-12, "{part_found:?}");
+        let closed = 2.0 * (part.len() as f64).sqrt();
+        assert!(
+            (part_found.statistic - closed).abs() < 1e-12,
+            "{part_found:?} {closed}"
+        );
+    }
+
+    #[test]
+    fn one_reading_is_an_outlier_and_no_part() {
+        let mut residuals = vec![0.0; ALL];
+        residuals[77] = 100.0;
+        // The shortest part that counts has more readings.
+        assert!(found(&residuals)[0].size <= 100.0 / 3.0 + 1e-9);
+    }
+
+    #[test]
+    fn a_wave_over_the_time_has_half_its_square() {
+        let swing = |i: usize| 1.5 * (TAU * 4.0 * (i % READINGS) as f64 / READINGS as f64).cos();
+        let residuals: Vec<f64> = (0..ALL).map(swing).collect();
+        let [_, wave, ..] = found(&residuals);
+        assert!(
+            (wave.size / (0.5 * 1.5 * 1.5) - 1.0).abs() < 0.05,
+            "{wave:?}"
+        );
+    }
+
+    #[test]
+    fn a_wave_over_the_value_has_half_its_square() {
+        let swing = |i: usize| 1.5 * (TAU * 5.0 * i as f64 / ALL as f64).cos();
+        let residuals: Vec<f64> = (0..ALL).map(swing).collect();
+        let [.., wave, steps] = found(&residuals);
+        assert!(
+            (wave.size / (0.5 * 1.5 * 1.5) - 1.0).abs() < 0.05,
+            "{wave:?}"
+        );
+        // A step for each coarse cell finds nearly all of it, too.
+        assert!(steps.size > 0.8 * 0.5 * 1.5 * 1.5, "{steps:?}");
+    }
+
+    #[test]
+    fn nothing_is_found_in_nothing() {
+        for pattern in &found(&[0.0; ALL])[..3] {
+            assert_eq!(*pattern, Pattern::default());
+        }
+    }
+}

@@ -459,3 +459,86 @@ impl Spec {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    /// Names of a kind's numbers, with their quantities and domains.
+    fn numbers(spec: &Spec) -> Vec<(&'static str, Quantity, Domain)> {
+        let columns = spec.channels.iter().map(|c| (c.name, c.quantity, c.domain));
+        let settings = spec.settings.iter().chain(spec.rig);
+        columns
+            .chain(settings.map(|s| (s.key, s.quantity, s.domain)))
+            .collect()
+    }
+
+    #[test]
+    fn every_name_ends_with_its_unit_and_means_one_thing() {
+        for spec in Sort::ALL.map(Sort::spec) {
+            let mut seen = BTreeSet::new();
+            for (name, quantity, _) in numbers(spec) {
+                assert!(name.ends_with(quantity.units[0].0), "{}: {name}", spec.id);
+                for (spelling, _) in spellings(name, quantity) {
+                    assert!(
+                        seen.insert(spelling.clone()),
+                        "{}: {spelling} twice",
+                        spec.id
+                    );
+                }
+            }
+            let is_known = |name| numbers(spec).iter().any(|number| number.0 == name);
+            for instrument in spec.synthesis.instruments {
+                assert!(is_known(instrument.column), "{}", instrument.column);
+            }
+            for check in spec.checks {
+                assert!(is_known(check.name), "{}", check.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_column_is_known_in_each_of_its_units() {
+        let bench = Sort::Bench.spec();
+        assert!(matches!(bench.meaning("time_ms"), Some(Meaning::Time(-3))));
+        assert!(matches!(bench.meaning("valve"), Some(Meaning::Valve)));
+        let column = bench.meaning("pressure_kpa");
+        let Some(Meaning::Column(column, unit)) = column else {
+            panic!("{column:?}")
+        };
+        assert_eq!((column.name, unit.si("3.5")), ("pressure_pa", 3500.0));
+        assert!(bench.meaning("pressure_torr").is_none());
+        // Jumps that are rows have no clock.
+        assert!(Sort::Outcomes.spec().meaning("time_s").is_none());
+    }
+
+    /// What Saltus lays out itself it would read.
+    #[test]
+    fn synthetic_runs_are_within_their_domains() {
+        for spec in Sort::ALL.map(Sort::spec) {
+            let known = numbers(spec);
+            let domain = |name: &str| known.iter().find(|n| n.0 == name).map(|n| n.2);
+            for seed in 0..20 {
+                let layout = Layout::new(spec.sort, false, None, &mut Draw::new(seed));
+                let runs = &layout.experiment.runs;
+                assert_eq!(runs.len(), layout.unknowns.len());
+                for run in runs {
+                    for (key, value) in &run.settings {
+                        let domain = domain(key).expect("a known setting");
+                        assert!(domain.contains(*value), "{}: {key} = {value}", spec.id);
+                    }
+                    let is_timed = run.time.windows(2).all(|w| w[0] < w[1]);
+                    assert!(is_timed, "{}", spec.id);
+                    let takes = run.time.last().copied().unwrap_or(0.0);
+                    assert!(
+                        !spec.timed || takes <= spec.longest,
+                        "{}: {takes} s",
+                        spec.id
+                    );
+                }
+            }
+        }
+    }
+}
