@@ -110,3 +110,84 @@ fn root(f: impl Fn(f64) -> f64) -> f64 {
     let (a, b) = bisect(0.0, 1.0, 60, |s| f(s) > 0.0);
     0.5 * (a + b)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const G: f64 = 9.81;
+    /// A throw: rise and forward speed (m/s) of an axle at height `RADIUS` (m).
+    const UP: f64 = 3.0;
+    const FORWARD: f64 = 1.5;
+    const RADIUS: f64 = 0.24;
+
+    /// A flight from 0.1 s on, in knots 50 ms apart, over which the axle turns the foot at 2 rad/s;
+    /// it ends just below the height at which it began.
+    fn thrown() -> Course {
+        let knot = |k: i32| {
+            let t = f64::from(k) * 0.05;
+            let (mut q, mut v) = (Coordinates::zeros(), Coordinates::zeros());
+            (q[LEAN], v[LEAN]) = (2.0 * t, 2.0);
+            (q[TURN], v[TURN]) = (FORWARD * t, FORWARD);
+            Knot {
+                time: 0.1 + t,
+                q,
+                v,
+                height: (RADIUS + UP * t - 0.5 * G * t * t, UP - G * t),
+                pressure: (1e5, 0.0),
+            }
+        };
+        Course {
+            knots: (0..=13).map(knot).collect(),
+            radius: RADIUS,
+            leaves: Some(0.1),
+            ..Course::default()
+        }
+    }
+
+    #[test]
+    fn apex_and_landing_of_a_throw_are_in_closed_form() {
+        let (apex, landing) = thrown().apex_and_landing().expect("it lands");
+        assert!((apex - RADIUS - 0.5 * UP * UP / G).abs() < 1e-12, "{apex}");
+        assert!(
+            (landing - 2.0 * UP / G * FORWARD).abs() < 1e-12,
+            "{landing}"
+        );
+        // On a boom the travel is an arc.
+        let course = Course {
+            boom: Some(1.2),
+            ..thrown()
+        };
+        let (_, arc) = course.apex_and_landing().expect("it lands");
+        assert!((arc - 1.2 * landing).abs() < 1e-12, "{arc}");
+    }
+
+    #[test]
+    fn between_knots_a_parabola_is_exact_wherever_the_search_begins() {
+        let course = thrown();
+        for k in 0..600 {
+            let t = f64::from(k) * 1e-3;
+            let mut places = [0, 7, 99];
+            for place in &mut places {
+                let pose = course.at(0.1 + t, place);
+                let height = RADIUS + UP * t - 0.5 * G * t * t;
+                assert!((pose.height.0 - height).abs() < 1e-12, "{t}: {pose:?}");
+                assert!(
+                    (pose.height.1 - (UP - G * t)).abs() < 1e-10,
+                    "{t}: {pose:?}"
+                );
+                assert!((pose.lean.0 - 2.0 * t).abs() < 1e-12, "{t}: {pose:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn before_the_start_it_moves_on_and_after_the_end_it_stays() {
+        let course = thrown();
+        let early = course.at(0.0, &mut 0);
+        assert!((early.lean.0 + 0.2).abs() < 1e-12, "{early:?}");
+        assert!((early.height.0 - (RADIUS - 0.1 * UP)).abs() < 1e-12);
+        let last = course.knots.last().expect("knots");
+        assert!((course.at(99.0, &mut 0).height.0 - last.height.0).abs() < 1e-12);
+    }
+}
