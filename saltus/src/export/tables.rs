@@ -1,11 +1,11 @@
 //! Tables from the planner, and how far they are from it.
 
+use hmac_sha256::Hash;
 use saltus_controller::{
     Axis, Controller, FiringCurve, FiringTable, LiftOffMap, Limits, MAP_NODE, Rates, Robot, Rule,
 };
 use saltus_numeric::refused;
 use saltus_planner::{JumpModel, Planner};
-use sha2::{Digest, Sha256};
 
 use super::layout::{Firing, Flown, Layout};
 use super::numbers::Number;
@@ -339,14 +339,11 @@ impl Request {
 /// The first 64 bits of the SHA-256 of the robot as a file, in hexadecimal digits: two robots with
 /// one fingerprint are one.
 pub fn fingerprint(robot: &saltus_robot::Robot) -> String {
-    let digest = Sha256::digest(robot.to_toml());
-    format!(
-        "{:016x}",
-        digest
-            .iter()
-            .take(8)
-            .fold(0_u64, |bits, byte| bits << 8 | u64::from(*byte))
-    )
+    let digest = Hash::hash(robot.to_toml().as_bytes());
+    digest[..8]
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }
 
 fn check<M: JumpModel>(planner: &Planner<M>, request: &Request) -> Result<(), ExportError> {
