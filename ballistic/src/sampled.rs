@@ -85,6 +85,12 @@ impl<S: Single> SampledFlight<S> {
         self.state(t).position
     }
 
+    /// Position (m) and velocity (m/s) at time `t` (s) after lift-off.
+    pub fn motion(&self, t: S) -> [[S; 2]; 2] {
+        let state = self.state(t);
+        [state.position, state.velocity]
+    }
+
     /// Greatest height (m) from lift-off on.
     pub fn apex_height(&self) -> S {
         self.state(self.apex_time()).position[1]

@@ -9,6 +9,9 @@ use crate::{Clearance, Disc, DragFlight, Flight, FlightError, Obstacle, SampledF
 /// A flight of the wheel's centre from lift-off, where t = 0: in closed form, through air, or as
 /// another simulation gave it.
 pub trait Trajectory<S: Single>: Clone + Debug + Send + Sync {
+    /// Position (m) and velocity (m/s) of the wheel's centre at time `t` (s) after lift-off.
+    fn motion(&self, t: S) -> [[S; 2]; 2];
+
     /// Greatest height (m) of the wheel's centre from lift-off on.
     fn apex_height(&self) -> S;
 
@@ -53,6 +56,10 @@ pub trait Trajectory<S: Single>: Clone + Debug + Send + Sync {
 }
 
 impl<S: Single> Trajectory<S> for DragFlight<S> {
+    fn motion(&self, t: S) -> [[S; 2]; 2] {
+        [self.position(t), self.velocity(t)]
+    }
+
     fn apex_height(&self) -> S {
         self.apex_height()
     }
@@ -100,6 +107,10 @@ impl<S: Single> Trajectory<S> for DragFlight<S> {
 }
 
 impl<S: Single> Trajectory<S> for SampledFlight<S> {
+    fn motion(&self, t: S) -> [[S; 2]; 2] {
+        self.motion(t)
+    }
+
     fn apex_height(&self) -> S {
         self.apex_height()
     }

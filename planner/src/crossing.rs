@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::ops::ControlFlow;
 
 use saltus_ballistic::DragFlight;
-use saltus_lagrangian::StanceError;
+use saltus_lagrangian::{Launch, StanceError};
 
 use crate::course::{self, Answer, CourseError, Limit, MAX_JUMPS, Relief, Span, Watch};
 use crate::jump::Jump;
@@ -92,6 +92,20 @@ pub struct PlannedJump<F = DragFlight<f64>> {
     pub deviation: f64,
     /// Friction coefficient that the stance needs.
     pub friction_needed: f64,
+}
+
+impl Crossing {
+    /// The launches of an answer: those of the plan, or of the nearest course that has one.
+    pub fn launches<F>(&self, answer: &CrossingAnswer<F>) -> Vec<Launch> {
+        match answer {
+            CrossingAnswer::Plan(plan) => plan.jumps.iter().map(|j| j.jump.launch).collect(),
+            CrossingAnswer::Infeasible { relief, .. } => {
+                let decisions = relief.decisions.iter().enumerate();
+                decisions.map(|(k, d)| self.launch(k, *d)).collect()
+            }
+            CrossingAnswer::Undecided { .. } => Vec::new(),
+        }
+    }
 }
 
 /// A crossing that cannot even be tried.

@@ -1,5 +1,6 @@
 //! Firing tables, linear laws, feasibility maps and the QP over obstacles.
 
+mod corrected;
 pub mod course;
 mod crossing;
 mod jump;
@@ -12,6 +13,7 @@ mod planner;
 mod proxy;
 mod table;
 
+pub use corrected::{Corrected, CorrectedFlight, Correction, Effort, Range};
 pub use crossing::{
     Check, Crossing, CrossingAnswer, CrossingError, CrossingPlan, EDGE_MARGIN, MARGIN_SIGMAS,
     PlannedJump,

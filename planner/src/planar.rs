@@ -51,6 +51,14 @@ impl Planar {
         self.batch.stance()
     }
 
+    /// One jump with the derivatives that its launch has; direction 3 is the supply pressure.
+    pub(crate) fn with_derivatives(
+        &self,
+        launch: Launch<Dual<4>>,
+    ) -> Result<SensitiveJump<Self>, StanceError> {
+        Ok(self.fly(launch, self.sensitive.jump(&launch)?))
+    }
+
     /// The jump whose stance ends so.
     fn fly<S: Single>(&self, launch: Launch<S>, stance: LiftOff<S>) -> Jump<S, DragFlight<S>> {
         let flight = stance.outcome.is_jump().then(|| {
@@ -112,8 +120,7 @@ impl JumpModel for Planar {
     }
 
     fn sensitive_jump(&self, launch: &Launch) -> Result<SensitiveJump<Self>, StanceError> {
-        let launch = launch.variables();
-        Ok(self.fly(launch, self.sensitive.jump(&launch)?))
+        self.with_derivatives(launch.variables())
     }
 
     /// Every phase is stepped through, closed forms left aside.

@@ -35,6 +35,11 @@ impl<M: JumpModel> Planner<M> {
         &self.model
     }
 
+    /// The same, to change.
+    pub(crate) fn model_mut(&mut self) -> &mut M {
+        &mut self.model
+    }
+
     /// The robot.
     pub fn robot(&self) -> &Robot {
         self.model.robot()
