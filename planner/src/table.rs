@@ -240,7 +240,8 @@ impl<M: JumpModel> Planner<M> {
 }
 
 impl TableRequest {
-    fn launch(&self, rate: f64, firing_angle: f64) -> Launch {
+    /// The launch at this approach rate (rad/s) and firing angle (rad).
+    pub fn launch(&self, rate: f64, firing_angle: f64) -> Launch {
         Launch {
             rate,
             lean: self.start_lean.unwrap_or(firing_angle),

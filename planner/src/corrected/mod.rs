@@ -87,7 +87,8 @@ pub struct Correction {
     /// Jumps of the truer model.
     pub jumps: usize,
     /// By how much (m) the flights of the last jumps were off before they were learnt from: new
-    /// launches, as far as can be from those known. Infinite where one model did not fly.
+    /// launches, as far as can be from those known. Infinite where none of them could be compared,
+    /// or one could not and each has to.
     pub miss: f64,
     /// Whether the two models are one where they were compared.
     pub is_exact: bool,
@@ -102,6 +103,9 @@ pub struct Effort {
     pub round: usize,
     /// Jumps of the truer model in all.
     pub jumps: usize,
+    /// Whether the truer model has to fly from every launch; else those from which it does not are
+    /// learnt from, and left.
+    pub every: bool,
 }
 
 impl Corrected {
@@ -153,7 +157,11 @@ impl Corrected {
             flown => flown?,
         };
         let stance = &flown.jump.stance;
-        let came = account(&flown, self.lowest).ok_or(stance.outcome);
+        // Flights after another kind of lift-off are no smooth function of the launch.
+        let is_alike = |ours: Outcome| ours == stance.outcome;
+        let ours = self.planar.jump(&self.timed(*launch))?.stance.outcome;
+        let theirs = account(&flown, self.lowest).filter(|_| is_alike(ours));
+        let came = theirs.ok_or(stance.outcome);
         let lesson = match (&came, self.predicted(launch)) {
             (Ok(theirs), Some(ours)) => {
                 let off: Vec<f64> = theirs.iter().zip(&ours).map(|(a, b)| a - b).collect();
@@ -357,14 +365,18 @@ impl Planner<Corrected> {
             if launches.is_empty() {
                 break;
             }
-            correction.miss = 0.0;
+            let mut misses = Vec::new();
             for launch in &launches {
-                let miss = match self.model_mut().learn(truth, launch)? {
-                    Lesson::Missed(by) => by,
-                    Lesson::Otherwise => f64::INFINITY,
-                };
-                correction.miss = correction.miss.max(miss);
+                if let Lesson::Missed(by) = self.model_mut().learn(truth, launch)? {
+                    misses.push(by);
+                }
             }
+            let enough = if effort.every { launches.len() } else { 1 };
+            correction.miss = if misses.len() < enough {
+                f64::INFINITY
+            } else {
+                misses.into_iter().fold(0.0, f64::max)
+            };
             correction.jumps += launches.len();
             correction.is_exact &= correction.miss <= SAME;
             if correction.is_exact {

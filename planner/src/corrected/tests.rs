@@ -55,6 +55,7 @@ const EFFORT: Effort = Effort {
     bound: 2e-4,
     round: 10,
     jumps: 100,
+    every: false,
 };
 
 #[test]
@@ -135,6 +136,7 @@ fn a_plan_corrected_is_a_plan_of_the_other_robot() {
         bound: 1e-5,
         round: 2,
         jumps: 20,
+        every: true,
     };
     let plan = |planner: &Planner<Corrected>| {
         let answer = planner.cross(&crossing)?;

@@ -33,6 +33,12 @@ impl Span {
         Span { low: x, high: x }
     }
 
+    /// From the least to the greatest of `numbers`.
+    pub fn hull_of(numbers: &[f64]) -> Span {
+        let points = numbers.iter().copied().map(Span::point);
+        points.fold(Span::NONE, Span::hull)
+    }
+
     /// Length, negative where empty.
     pub fn width(self) -> f64 {
         self.high - self.low

@@ -1,7 +1,7 @@
 //! A plan flown in full, and held against every limit.
 
 use saltus_ballistic::{Disc, ExtendedLeg, Obstacle as Solid, Trajectory};
-use saltus_lagrangian::StanceError;
+use saltus_lagrangian::{Launch, StanceError};
 use saltus_numeric::Single;
 
 use super::{Crossing, CrossingPlan, PlannedJump};
@@ -51,6 +51,32 @@ impl<M: JumpModel> Planner<M> {
         crossing: &Crossing,
         search: course::Plan,
     ) -> Result<CrossingPlan<M::Flight<f64>>, StanceError> {
+        self.fly_in_full(crossing, search, |_, launch, height| {
+            self.landing_deviation(launch, height)
+        })
+    }
+
+    /// `plan`, which another model has made, as this one flies it; what its landings scatter is
+    /// taken over.
+    ///
+    /// # Errors
+    /// [`StanceError`] where a stance cannot be computed.
+    pub fn flown<F>(
+        &self,
+        crossing: &Crossing,
+        plan: &CrossingPlan<F>,
+    ) -> Result<CrossingPlan<M::Flight<f64>>, StanceError> {
+        self.fly_in_full(crossing, plan.search.clone(), |jump, _, _| {
+            plan.jumps[jump].deviation
+        })
+    }
+
+    fn fly_in_full(
+        &self,
+        crossing: &Crossing,
+        search: course::Plan,
+        deviation: impl Fn(usize, &Launch, f64) -> f64,
+    ) -> Result<CrossingPlan<M::Flight<f64>>, StanceError> {
         let (mut jumps, mut checks) = (Vec::new(), Vec::new());
         let radius = self.robot().body.radius;
         let mut foot = crossing.course.start;
@@ -60,7 +86,7 @@ impl<M: JumpModel> Planner<M> {
             let (from, to) = (planned.leap.from, planned.leap.to);
             let distance = traced.jump.distance(radius + to - from);
             let landing = foot + distance.unwrap_or(f64::NAN);
-            let deviation = self.landing_deviation(&launch, radius + to - from);
+            let deviation = deviation(index, &launch, radius + to - from);
             let mut judge = Judge {
                 crossing,
                 radius,

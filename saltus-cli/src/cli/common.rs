@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use saltus::Robot;
 use saltus::experiment::{self, Folder};
+use saltus::on_plant::OnPlant;
 
 use crate::error::CliError;
 use crate::input;
@@ -47,6 +48,50 @@ impl RobotFlags {
             ));
         }
         Ok(robot)
+    }
+}
+
+/// The robot that jumps, where it is not the one planned for.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "The robot that jumps")]
+pub(crate) struct PlantFlags {
+    /// Robot that jumps, where it is not the one planned for: a built-in one or a TOML file
+    #[arg(long, value_name = "NAME|FILE")]
+    plant: Option<String>,
+
+    /// Override a parameter of the robot that jumps; may be repeated
+    #[arg(long = "plant-set", value_name = "KEY=VALUE")]
+    plant_overrides: Vec<String>,
+}
+
+impl PlantFlags {
+    /// The robot that jumps, if a flag names or changes one.
+    pub(crate) fn robot(&self, common: &RobotFlags) -> Result<Option<Robot>, CliError> {
+        match (&self.plant, self.plant_overrides.is_empty()) {
+            (Some(name), _) => robot(name, &self.plant_overrides).map(Some),
+            (None, true) => Ok(None),
+            (None, false) => {
+                let all = [common.overrides.as_slice(), &self.plant_overrides].concat();
+                robot(&common.robot, &all).map(Some)
+            }
+        }
+    }
+
+    /// The robot that is planned for, and the plant on which the answers have to hold, if there is
+    /// one; without, says what of the robot the planar model leaves out.
+    pub(crate) fn on_plant(
+        &self,
+        common: &RobotFlags,
+    ) -> Result<(Robot, Option<OnPlant>), CliError> {
+        let Some(plant) = self.robot(common)? else {
+            return Ok((common.planned_robot()?, None));
+        };
+        let planned = common.robot()?;
+        let on_plant = OnPlant::new(&planned, &plant).map_err(|error| {
+            let name = self.plant.as_deref().unwrap_or(&plant.name);
+            CliError::content(name, error)
+        })?;
+        Ok((planned, Some(on_plant)))
     }
 }
 
@@ -184,12 +229,9 @@ impl Common {
         self.robot.planned_robot()
     }
 
-    /// The robot with its overrides and `more`.
-    pub(crate) fn robot_with(&self, more: &[String]) -> Result<Robot, CliError> {
-        robot(
-            &self.robot.robot,
-            &[self.robot.overrides.as_slice(), more].concat(),
-        )
+    /// The flags that say which robot.
+    pub(crate) fn robot_flags(&self) -> &RobotFlags {
+        &self.robot
     }
 }
 

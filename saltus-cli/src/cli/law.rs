@@ -1,14 +1,16 @@
 //! `saltus law`: the linear law of the firing angle over the approach rate.
 
 use clap::Args;
-use saltus::planner::{self, LawPoint, Nearest, Roots, TableRequest};
+use saltus::on_plant::{Confirmed, OnPlant, for_table};
+use saltus::planner::{self, Corrected, LawPoint, Nearest, Roots, TableRequest};
 use saltus::{Planner, Robot};
 use serde_json::{Value, json};
 
 use super::Status;
-use super::common::{Common, PlotOption};
+use super::common::{Common, PlantFlags, PlotOption};
+use super::proof::Proof;
 use super::target::{Kind, TargetFlags};
-use super::terms::{self, Terms};
+use super::terms::Terms;
 use crate::error::CliError;
 use crate::output::{self, Cell, Format, Table as Rows, digits};
 use crate::plot::Drawing;
@@ -26,6 +28,9 @@ pub(crate) struct Law {
     /// Miss (m) up to which the law counts as valid
     #[arg(long, value_name = "LENGTH", value_parser = quantity::extent, allow_hyphen_values = true, default_value = "0.01")]
     tolerance: f64,
+
+    #[command(flatten)]
+    plant: PlantFlags,
 
     #[command(flatten)]
     plot: PlotOption,
@@ -79,12 +84,6 @@ macro_rules! columns {
             $nearest,
             "nearest_omega_rad_s",
             "nearest_alpha_f_rad",
-            terms::COLUMNS[0],
-            terms::COLUMNS[1],
-            terms::COLUMNS[2],
-            terms::COLUMNS[3],
-            terms::COLUMNS[4],
-            terms::COLUMNS[5],
         ]
     };
 }
@@ -111,19 +110,27 @@ struct Near {
 
 impl Law {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        let robot = self.common.planned_robot()?;
+        let (robot, plant) = self.plant.on_plant(self.common.robot_flags())?;
         let request = self.target.request(Roots::Least, &robot)?;
-        let planner = Planner::new(robot);
-        let found = {
+        let (planner, found, proof) = {
             let _progress = Progress::new("law", 0);
-            find(&planner, &request)?
+            let (planner, correction) = for_table(robot, plant.as_ref(), &request)?;
+            let mut found = find(&planner, &request)?;
+            let proof = plant.as_ref().zip(correction).map(|(plant, correction)| {
+                let laws = found.iter_mut().filter_map(|one| one.law.as_mut());
+                let confirmed = laws.map(|law| plant.confirm_law(&request, law));
+                let confirmed = confirmed.fold(Confirmed::default(), Confirmed::and);
+                Proof::new(plant, correction, confirmed)
+            });
+            (planner, found, proof)
         };
         let terms = self.target.terms(planner.robot());
+        let terms = terms.on(plant.as_ref().map(OnPlant::robot));
         let rows = self.rows(&found, &terms);
         let report = match self.common.format() {
             Format::Csv => rows.csv(),
-            Format::Json => self.json(&rows, &found, &terms),
-            Format::Text => self.text(&found, &terms, planner.robot()),
+            Format::Json => self.json(&rows, &found, &terms, proof.as_ref()),
+            Format::Text => self.text(&found, &terms, proof.as_ref(), planner.robot()),
         };
         let drawing = || self.drawing(&found, &terms, planner.robot());
         self.common.write_with_plot(report, &self.plot, drawing)?;
@@ -135,11 +142,12 @@ impl Law {
     }
 
     fn rows(&self, found: &[Found], terms: &Terms) -> Rows {
-        let mut rows = Rows::new(if self.target.kind() == Kind::Distance {
+        let columns = if self.target.kind() == Kind::Distance {
             DISTANCES
         } else {
             CLEARANCES
-        });
+        };
+        let mut rows = Rows::new(&terms.columns(columns));
         for one in found {
             let mut row = self.row(one);
             // A law's stances start at angles of their own, or at one lean.
@@ -180,7 +188,7 @@ impl Law {
         ]
     }
 
-    fn json(&self, rows: &Rows, found: &[Found], terms: &Terms) -> String {
+    fn json(&self, rows: &Rows, found: &[Found], terms: &Terms, proof: Option<&Proof>) -> String {
         let mut laws = rows.json();
         for (object, one) in laws.iter_mut().zip(found) {
             let points: Vec<Value> = one
@@ -195,15 +203,19 @@ impl Law {
         document.insert("measure".into(), json!(self.target.kind().name()));
         document.insert("tolerance_m".into(), json!(self.tolerance));
         document.insert("laws".into(), json!(laws));
+        if let Some(proof) = proof {
+            document.insert("correction".into(), proof.json());
+        }
         output::json(&document.into())
     }
 
-    fn text(&self, found: &[Found], terms: &Terms, robot: &Robot) -> String {
+    fn text(&self, found: &[Found], terms: &Terms, proof: Option<&Proof>, robot: &Robot) -> String {
         let head = format!(
             "{}: firing angle α_f (rad) over approach rate ω (rad/s)",
             robot.name
         );
-        let mut text = format!("{head}\n  {}\n", terms.line());
+        let proof = proof.map_or_else(String::new, Proof::line);
+        let mut text = format!("{head}\n  {}\n{proof}", terms.line());
         for one in found {
             let title = format!(
                 "{} {} m: ",
@@ -296,7 +308,7 @@ impl Law {
     }
 }
 
-fn find(planner: &Planner, request: &TableRequest) -> Result<Vec<Found>, CliError> {
+fn find(planner: &Planner<Corrected>, request: &TableRequest) -> Result<Vec<Found>, CliError> {
     let laws = planner.laws(request)?;
     let mut found = Vec::with_capacity(laws.len());
     for (law, &target) in laws.into_iter().zip(&request.targets) {
@@ -328,7 +340,7 @@ impl Found {
 
 /// The rate that gets nearest to `target`, and whether any jump takes off.
 fn nearest(
-    planner: &Planner,
+    planner: &Planner<Corrected>,
     request: &TableRequest,
     target: f64,
 ) -> Result<(Option<Near>, bool), CliError> {

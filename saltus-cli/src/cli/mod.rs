@@ -10,6 +10,7 @@ mod limits;
 mod map;
 mod parkour;
 mod plan;
+mod proof;
 mod simulate;
 mod table;
 mod target;

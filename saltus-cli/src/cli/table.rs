@@ -1,14 +1,18 @@
 //! `saltus table`: firing angles over approach rates.
 
 use clap::Args;
-use saltus::planner::{self, Entry, Measure, Nearest, Roots, Sensitivity, TableRequest};
+use saltus::on_plant::{Confirmed, OnPlant, for_table};
+use saltus::planner::{
+    self, Corrected, CorrectedFlight, Entry, Measure, Nearest, Roots, Sensitivity, TableRequest,
+};
 use saltus::{Planner, Robot};
 use serde_json::json;
 
 use super::Status;
-use super::common::{Common, PlotOption};
+use super::common::{Common, PlantFlags, PlotOption};
+use super::proof::Proof;
 use super::target::{Kind, TargetFlags};
-use super::terms::{self, Terms};
+use super::terms::Terms;
 use crate::error::CliError;
 use crate::output::{self, Cell, Format, Table as Rows, digits};
 use crate::plot::Drawing;
@@ -21,6 +25,9 @@ use crate::progress::Progress;
 pub(crate) struct Table {
     #[command(flatten)]
     target: TargetFlags,
+
+    #[command(flatten)]
+    plant: PlantFlags,
 
     #[command(flatten)]
     plot: PlotOption,
@@ -78,12 +85,6 @@ const DISTANCES: &[&str] = &[
     "apex_by_supply_m_per_pa",
     "nearest_distance_m",
     "nearest_alpha_f_rad",
-    terms::COLUMNS[0],
-    terms::COLUMNS[1],
-    terms::COLUMNS[2],
-    terms::COLUMNS[3],
-    terms::COLUMNS[4],
-    terms::COLUMNS[5],
 ];
 
 /// Columns of a table of clearances.
@@ -98,29 +99,31 @@ const CLEARANCES: &[&str] = &[
     "alpha_f_late_rad",
     "nearest_clearance_m",
     "nearest_alpha_f_rad",
-    terms::COLUMNS[0],
-    terms::COLUMNS[1],
-    terms::COLUMNS[2],
-    terms::COLUMNS[3],
-    terms::COLUMNS[4],
-    terms::COLUMNS[5],
 ];
+
+/// What is tabulated.
+type Cells = planner::Table<CorrectedFlight<f64>>;
 
 /// Rates for each thread to compute before progress is shown.
 const BLOCK: usize = 64;
 
 impl Table {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        let robot = self.common.planned_robot()?;
+        let (robot, plant) = self.plant.on_plant(self.common.robot_flags())?;
         let request = self.target.request(Roots::All, &robot)?;
-        let planner = Planner::new(robot);
-        let table = compute(&planner, &request)?;
+        let (planner, correction) = for_table(robot, plant.as_ref(), &request)?;
+        let mut table = compute(&planner, &request)?;
+        let proof = plant.as_ref().zip(correction).map(|(plant, correction)| {
+            let confirmed = confirm(plant, &request, &mut table);
+            Proof::new(plant, correction, confirmed)
+        });
         let terms = self.target.terms(planner.robot());
+        let terms = terms.on(plant.as_ref().map(OnPlant::robot));
         let rows = self.rows(&table, &terms, planner.robot());
         let report = match self.common.format() {
             Format::Csv => rows.csv(),
-            Format::Json => self.json(&rows, &terms),
-            Format::Text => self.text(&rows, &terms, planner.robot()),
+            Format::Json => self.json(&rows, &terms, proof.as_ref()),
+            Format::Text => self.text(&rows, &terms, proof.as_ref(), planner.robot()),
         };
         let drawing = || self.curves(&table, &request, &terms, planner.robot());
         self.common.write_with_plot(report, &self.plot, drawing)?;
@@ -132,27 +135,31 @@ impl Table {
         })
     }
 
-    fn rows(&self, table: &planner::Table, terms: &Terms, robot: &Robot) -> Rows {
+    fn rows(&self, table: &Cells, terms: &Terms, robot: &Robot) -> Rows {
         let kind = self.target.kind();
-        let mut rows = Rows::new(if kind == Kind::Distance {
+        let columns = if kind == Kind::Distance {
             DISTANCES
         } else {
             CLEARANCES
-        });
+        };
+        let mut rows = Rows::new(&terms.columns(columns));
         for cell in &table.cells {
             rows.push(row(cell, kind, terms, robot));
         }
         rows
     }
 
-    fn json(&self, rows: &Rows, terms: &Terms) -> String {
+    fn json(&self, rows: &Rows, terms: &Terms, proof: Option<&Proof>) -> String {
         let mut document = terms.json("table");
+        if let Some(proof) = proof {
+            document.insert("correction".into(), proof.json());
+        }
         document.insert("measure".into(), json!(self.target.kind().name()));
         document.insert("rows".into(), json!(rows.json()));
         output::json(&document.into())
     }
 
-    fn text(&self, rows: &Rows, terms: &Terms, robot: &Robot) -> String {
+    fn text(&self, rows: &Rows, terms: &Terms, proof: Option<&Proof>, robot: &Robot) -> String {
         let kind = self.target.kind();
         let columns: &[(&str, &str, &str)] = match kind {
             Kind::Distance => &[
@@ -181,15 +188,16 @@ impl Table {
         };
         let head = format!("{}: firing angles α_f for a {}", robot.name, kind.name());
         format!(
-            "{head}\n  {}\n  {BRANCHES}\n{}",
+            "{head}\n  {}\n{}  {BRANCHES}\n{}",
             terms.line(),
+            proof.map_or_else(String::new, Proof::line),
             rows.text(columns)
         )
     }
 
     fn curves(
         &self,
-        table: &planner::Table,
+        table: &Cells,
         request: &TableRequest,
         terms: &Terms,
         robot: &Robot,
@@ -225,7 +233,7 @@ impl Table {
 }
 
 /// The table, some rates after the others, so that one sees how far it is.
-fn compute(planner: &Planner, request: &TableRequest) -> Result<planner::Table, CliError> {
+fn compute(planner: &Planner<Corrected>, request: &TableRequest) -> Result<Cells, CliError> {
     let progress = Progress::new("approach rates", request.rates.len());
     let mut part = request.clone();
     let mut cells = Vec::with_capacity(request.rates.len() * request.targets.len());
@@ -237,12 +245,23 @@ fn compute(planner: &Planner, request: &TableRequest) -> Result<planner::Table, 
     Ok(planner::Table { cells })
 }
 
+/// Flies every angle of the table, and shows how far it is.
+fn confirm(plant: &OnPlant, request: &TableRequest, table: &mut Cells) -> Confirmed {
+    let progress = Progress::new("jumps of the plant", table.cells.len());
+    let mut all = Confirmed::default();
+    for cells in table.cells.chunks_mut(BLOCK * request.threads) {
+        all = all.and(plant.confirm(request, cells));
+        progress.advance(cells.len());
+    }
+    all
+}
+
 /// What the columns of the text mean.
 const BRANCHES: &str = "α_f early, α_f late: the angles that serve; the early one jumps higher. \
     ±1σ: standard deviation, by the robot's [errors].";
 
 /// Rate and the firing angle `k` of a cell, none where there is none.
-fn point(cell: &planner::Cell, k: usize) -> (f64, Option<f64>) {
+fn point(cell: &planner::Cell<CorrectedFlight<f64>>, k: usize) -> (f64, Option<f64>) {
     (
         cell.rate,
         cell.entries
@@ -252,7 +271,7 @@ fn point(cell: &planner::Cell, k: usize) -> (f64, Option<f64>) {
 }
 
 /// How a cell ends.
-fn status(cell: &planner::Cell) -> &'static str {
+fn status(cell: &planner::Cell<CorrectedFlight<f64>>) -> &'static str {
     match (cell.entries.first(), &cell.nearest) {
         (Some(_), _) => "feasible",
         (None, Some(_)) => "infeasible",
@@ -262,12 +281,13 @@ fn status(cell: &planner::Cell) -> &'static str {
 }
 
 /// Why a table has no angle at all, for a plot of it.
-fn nothing(table: &planner::Table, kind: &str) -> String {
+fn nothing(table: &Cells, kind: &str) -> String {
     let nearest = table
         .cells
         .iter()
         .filter_map(|cell| cell.nearest.map(|n| (cell, n)));
-    let gap = |cell: &planner::Cell, n: &Nearest| (n.value - cell.target).abs();
+    let gap =
+        |cell: &planner::Cell<CorrectedFlight<f64>>, n: &Nearest| (n.value - cell.target).abs();
     match nearest.min_by(|a, b| gap(a.0, &a.1).total_cmp(&gap(b.0, &b.1))) {
         Some((cell, nearest)) => format!(
             "No angle reaches any {kind} asked for; the nearest is {} m at {} rad/s",
@@ -281,9 +301,14 @@ fn nothing(table: &planner::Table, kind: &str) -> String {
     }
 }
 
-fn row(cell: &planner::Cell, kind: Kind, terms: &Terms, robot: &Robot) -> Vec<Cell> {
+fn row(
+    cell: &planner::Cell<CorrectedFlight<f64>>,
+    kind: Kind,
+    terms: &Terms,
+    robot: &Robot,
+) -> Vec<Cell> {
     let first = cell.entries.first();
-    let angle = |entry: &Entry| entry.jump.launch.firing_angle;
+    let angle = |entry: &Entry<CorrectedFlight<f64>>| entry.jump.launch.firing_angle;
     let mut row = vec![
         cell.rate.into(),
         cell.target.into(),

@@ -83,7 +83,7 @@ pub(crate) const VALVE_OPEN: f64 = 0.1;
 
 /// Columns that say in every row what a table was made for; columns survive every program that
 /// reads CSV.
-pub(crate) const COLUMNS: [&str; 6] = [
+const COLUMNS: [&str; 6] = [
     "valve_open_s",
     "start_lean_rad",
     "landing_height_m",
@@ -91,6 +91,9 @@ pub(crate) const COLUMNS: [&str; 6] = [
     "robot_sha256",
     "saltus_version",
 ];
+
+/// The same of the plant on which the answers hold.
+const PLANT_COLUMNS: [&str; 2] = ["plant", "plant_sha256"];
 
 /// Where the jumps of a report start and end.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,6 +109,8 @@ pub(crate) struct Terms {
     pub(crate) valve_open: f64,
     /// Lean at which the stance starts (rad); none: the firing angle.
     pub(crate) start_lean: Option<f64>,
+    /// Name and fingerprint of the plant, if there is one.
+    plant: Option<[String; 2]>,
 }
 
 impl Terms {
@@ -123,19 +128,40 @@ impl Terms {
             landing_height: landing_height.of(robot),
             valve_open,
             start_lean: start.fixed(),
+            plant: None,
         }
     }
 
-    /// The cells of [`COLUMNS`], for a row with this firing angle.
-    pub(crate) fn cells(&self, firing_angle: Option<f64>) -> [Cell; 6] {
-        [
+    /// Of answers that hold on `plant`, if there is one.
+    pub(crate) fn on(self, plant: Option<&Robot>) -> Terms {
+        let words = |plant: &Robot| [plant.name.clone(), saltus::export::fingerprint(plant)];
+        Terms {
+            plant: plant.map(words),
+            ..self
+        }
+    }
+
+    /// `columns`, and those that say in every row what a table was made for.
+    pub(crate) fn columns(&self, columns: &[&'static str]) -> Vec<&'static str> {
+        let plant = self.plant.iter().flat_map(|_| PLANT_COLUMNS);
+        let all = columns.iter().copied().chain(COLUMNS);
+        all.chain(plant).collect()
+    }
+
+    /// The cells of the columns that [`columns`](Terms::columns) adds, for a row with this firing
+    /// angle.
+    pub(crate) fn cells(&self, firing_angle: Option<f64>) -> Vec<Cell> {
+        let mut cells = vec![
             Cell::from(self.has_valve.then_some(self.valve_open)),
             Cell::from(firing_angle.map(|angle| self.start_lean.unwrap_or(angle))),
             Cell::from(self.landing_height),
             Cell::Text(self.robot.clone()),
             Cell::Text(self.fingerprint.clone()),
             Cell::Word(env!("CARGO_PKG_VERSION")),
-        ]
+        ];
+        let plant = self.plant.iter().flatten();
+        cells.extend(plant.map(|word| Cell::Text(word.clone())));
+        cells
     }
 
     /// What heads a JSON document: the command, and what its numbers were made for.
@@ -150,7 +176,11 @@ impl Terms {
             "start_lean_rad": start,
             "valve_open_s": self.has_valve.then_some(self.valve_open),
         });
-        head.as_object().cloned().unwrap_or_default()
+        let mut head = head.as_object().cloned().unwrap_or_default();
+        for (key, word) in PLANT_COLUMNS.iter().zip(self.plant.iter().flatten()) {
+            head.insert((*key).into(), json!(word));
+        }
+        head
     }
 
     /// The terms in one line: what a distance and an approach rate are.

@@ -86,15 +86,15 @@ fn quoted(text: &str) -> String {
 /// Rows under a header.
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
-    columns: &'static [&'static str],
+    columns: Vec<&'static str>,
     rows: Vec<Vec<Cell>>,
 }
 
 impl Table {
     /// A table without rows; the names of the columns end with their units.
-    pub(crate) fn new(columns: &'static [&'static str]) -> Table {
+    pub(crate) fn new(columns: &[&'static str]) -> Table {
         Table {
-            columns,
+            columns: columns.to_vec(),
             rows: Vec::new(),
         }
     }

@@ -7,12 +7,12 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::Args;
-use saltus::Planner;
+use saltus::on_plant::{Crossed, OnPlant, for_crossing};
 use saltus::planner::CrossingAnswer;
 use saltus::planner::course::Standing;
 
 use super::Status;
-use super::common::{Common, PlotOption};
+use super::common::{Common, PlantFlags, PlotOption};
 use crate::error::CliError;
 use crate::input;
 use crate::interrupt::Interrupt;
@@ -29,6 +29,9 @@ pub(crate) struct Plan {
     /// TOML file with the course
     #[arg(value_name = "COURSE.toml")]
     course: PathBuf,
+
+    #[command(flatten)]
+    plant: PlantFlags,
 
     #[command(flatten)]
     plot: PlotOption,
@@ -86,11 +89,11 @@ The exit code is 1 unless there is a plan that holds in the planar model and the
 
 impl Plan {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        let planner = Planner::new(self.common.planned_robot()?);
+        let (robot, plant) = self.plant.on_plant(self.common.robot_flags())?;
         let crossing = input::course(&self.course)?;
         let file = self.course.display().to_string();
         let interrupt = Interrupt::listen()?;
-        let answer = {
+        let crossed = {
             let progress = Progress::new("plan", 0);
             let watch = |standing: &Standing| {
                 progress.note(&note(standing));
@@ -100,15 +103,20 @@ impl Plan {
                     ControlFlow::Continue(())
                 }
             };
-            planner
-                .cross_watched(&crossing, &watch)
+            for_crossing(robot, plant.as_ref(), &crossing, &watch)
                 .map_err(|error| CliError::content(&file, error))?
         };
+        let Crossed {
+            planner,
+            answer,
+            correction,
+        } = crossed;
         let robot = planner.robot();
         let report = Report {
             answer: &answer,
             crossing: &crossing,
             interrupted: interrupt.came(),
+            plant: plant.as_ref().map(OnPlant::robot).zip(correction),
         };
         if !matches!(answer, CrossingAnswer::Plan(_)) && self.common.format() == Format::Csv {
             // A table without rows says nothing of why.

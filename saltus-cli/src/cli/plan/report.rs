@@ -3,7 +3,9 @@
 use saltus::Robot;
 use saltus::course::ANYWHERE;
 use saltus::planner::course::{Relief, Span};
-use saltus::planner::{Check, Crossing, CrossingAnswer, CrossingPlan, PlannedJump};
+use saltus::planner::{
+    Check, CorrectedFlight, Correction, Crossing, CrossingAnswer, CrossingPlan, PlannedJump,
+};
 use serde_json::{Value, json};
 
 use crate::cli::common::shown;
@@ -49,12 +51,20 @@ const ROUND_OFF: f64 = 1e-9;
 /// In place of what is allowed where all is.
 const NO_LIMIT: &str = "no limit";
 
+/// What a course comes to.
+pub(super) type Answer = CrossingAnswer<CorrectedFlight<f64>>;
+
+/// A plan for it.
+type Plan = CrossingPlan<CorrectedFlight<f64>>;
+
 /// What is reported.
 pub(super) struct Report<'a> {
-    pub(super) answer: &'a CrossingAnswer,
+    pub(super) answer: &'a Answer,
     pub(super) crossing: &'a Crossing,
     /// Whether the search was stopped by Ctrl-C.
     pub(super) interrupted: bool,
+    /// The robot that jumps, if it is not the planar one, and how the planner was corrected for it.
+    pub(super) plant: Option<(&'a Robot, Correction)>,
 }
 
 impl Report<'_> {
@@ -70,19 +80,48 @@ impl Report<'_> {
         table
     }
 
-    fn status(&self) -> (&'static str, &'static str) {
-        match self.answer {
-            CrossingAnswer::Plan(plan) if plan.holds() => (
+    fn status(&self) -> (&'static str, String) {
+        let plant = self.plant.as_ref().map(|(plant, _)| &plant.name);
+        match (self.answer, plant) {
+            (CrossingAnswer::Plan(plan), None) if plan.holds() => (
                 "holds-in-the-planar-model",
-                "holds in the planar model (`saltus verify` flies it)",
+                "holds in the planar model (`saltus verify` flies it)".into(),
             ),
-            CrossingAnswer::Plan(_) => (
+            (CrossingAnswer::Plan(_), None) => (
                 "fails-in-the-planar-model",
-                "fails in the planar model: see the limits below",
+                "fails in the planar model: see the limits below".into(),
             ),
-            CrossingAnswer::Infeasible { .. } => ("infeasible", "infeasible"),
-            CrossingAnswer::Undecided { .. } => ("undecided", "undecided"),
+            (CrossingAnswer::Plan(plan), Some(plant)) if plan.holds() => (
+                "holds-on-the-plant",
+                format!("holds on {plant} (`saltus verify --plant` draws errors too)"),
+            ),
+            (CrossingAnswer::Plan(_), Some(plant)) => (
+                "fails-on-the-plant",
+                format!("fails on {plant}: see the limits below"),
+            ),
+            (CrossingAnswer::Infeasible { .. }, None) => ("infeasible", "infeasible".into()),
+            (CrossingAnswer::Infeasible { .. }, Some(plant)) => {
+                ("infeasible", format!("infeasible on {plant}"))
+            }
+            (CrossingAnswer::Undecided { .. }, _) => ("undecided", "undecided".into()),
         }
+    }
+
+    /// How the planner was corrected for the plant, in a line.
+    fn correction_text(&self) -> String {
+        let Some((plant, correction)) = &self.plant else {
+            return String::new();
+        };
+        let plant = &plant.name;
+        if correction.is_exact {
+            return format!("  {plant} jumps as the planar model says\n");
+        }
+        format!(
+            "  {} jumps of {plant} corrected the planar model; its last ones were {} mm off. \
+             The numbers below are those of {plant} in the multi-body simulation\n",
+            correction.jumps,
+            digits(1e3 * correction.miss, 2)
+        )
     }
 
     /// The document.
@@ -105,7 +144,7 @@ impl Report<'_> {
             .flat_map(|plan| &plan.checks)
             .map(check_json)
             .collect();
-        output::json(&json!({
+        let mut document = json!({
             "command": "plan",
             "robot": robot.name,
             "course": file,
@@ -118,12 +157,22 @@ impl Report<'_> {
             "checks": checks,
             "nearest": nearest,
             "try_jumps": jumps,
-        }))
+        });
+        if let Some((plant, correction)) = &self.plant {
+            document["plant"] = json!(plant.name);
+            document["correction"] = json!({
+                "simulated_jumps": correction.jumps,
+                "miss_m": correction.miss,
+                "is_exact": correction.is_exact,
+            });
+        }
+        output::json(&document)
     }
 
     /// The plan in words.
     pub(super) fn text(&self, robot: &Robot, file: &str) -> String {
         let title = format!("{}: plan for {file}: {}\n", robot.name, self.status().1);
+        let title = title + &self.correction_text();
         let body = match self.answer {
             CrossingAnswer::Plan(plan) => {
                 self.table(robot).text(&shown(SHOWN, robot))
@@ -146,7 +195,7 @@ impl Report<'_> {
     }
 
     /// How far the last landing is from the target.
-    fn target_text(&self, plan: &CrossingPlan) -> String {
+    fn target_text(&self, plan: &Plan) -> String {
         let Some(last) = plan.jumps.last() else {
             return String::new();
         };
@@ -174,7 +223,7 @@ impl Report<'_> {
     }
 
     /// What is known of better plans.
-    fn search_text(&self, plan: &CrossingPlan) -> String {
+    fn search_text(&self, plan: &Plan) -> String {
         let (cost, bound) = (plan.search.cost, plan.search.bound);
         let cost_text = format!("  cost {}", digits(cost, 4));
         if plan.search.complete {
@@ -243,7 +292,7 @@ pub(super) fn off_target(landing: f64, target: f64) -> String {
 
 fn row(
     i: usize,
-    planned: &PlannedJump,
+    planned: &PlannedJump<CorrectedFlight<f64>>,
     target: Option<f64>,
     checks: &[Check],
     robot: &Robot,
@@ -296,7 +345,7 @@ fn check_json(check: &Check) -> Value {
     })
 }
 
-fn checks_text(plan: &CrossingPlan) -> String {
+fn checks_text(plan: &Plan) -> String {
     let line = |check: &Check| {
         let sign = if check.holds() { "holds" } else { "FAILS" };
         let (value, allowed) = (digits(check.value, 4), allowed(check.allowed));

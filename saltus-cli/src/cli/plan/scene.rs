@@ -1,21 +1,22 @@
 //! Plans as a drawing.
 
+use saltus::ballistic::Trajectory;
 use saltus::course::ANYWHERE;
-use saltus::lagrangian::Sample;
 use saltus::planner::course::Span;
-use saltus::planner::{Check, Crossing, CrossingAnswer, PlannedJump};
-use saltus::{Planner, Stance};
+use saltus::planner::{
+    Check, Corrected, CorrectedFlight, Crossing, CrossingAnswer, JumpModel, PlannedJump, Planner,
+};
 
-use super::report::off_target;
+use super::report::{Answer, off_target};
 use crate::output::digits;
 use crate::plot::ground::Ground;
 use crate::plot::scene::{Leap, Scene};
 
 /// The course with the plan, if there is one.
 pub(super) fn scene(
-    answer: &CrossingAnswer,
+    answer: &Answer,
     crossing: &Crossing,
-    planner: &Planner,
+    planner: &Planner<Corrected>,
     file: &str,
 ) -> Scene {
     let (jumps, checks) = match answer {
@@ -29,7 +30,7 @@ pub(super) fn scene(
     let radius = planner.robot().body.radius;
     let leaps = jumps.iter().enumerate().map(|(i, jump)| Leap {
         fails: missed.iter().any(|check| check.jump == i),
-        ..leap(jump, planner.stance(), radius)
+        ..leap(jump, planner)
     });
     let boxes = crossing
         .course
@@ -75,37 +76,36 @@ fn ends(span: &Span) -> (f64, f64) {
     (span.low, span.high)
 }
 
-fn leap(planned: &PlannedJump, stance: &Stance<f64>, radius: f64) -> Leap {
+fn leap(planned: &PlannedJump<CorrectedFlight<f64>>, planner: &Planner<Corrected>) -> Leap {
     const POINTS: usize = 400;
     let [x, y] = planned.foot;
     let launch = &planned.jump.launch;
     let angle = digits(launch.firing_angle, 3);
-    let centre = |sample: &Sample| {
-        let (reach, (sin, cos)) = (radius + sample.extension, sample.lean.sin_cos());
-        (x + reach * sin, y + reach * cos)
-    };
     // The plan was flown already, so there is a trace.
-    let samples = stance
-        .trace(launch)
-        .map(|trace| trace.samples)
-        .unwrap_or_default();
-    let end = radius + planned.landing[1] - y;
+    let way = planner.model().traced(launch).map(|traced| traced.way);
+    let end = planner.robot().body.radius + planned.landing[1] - y;
     let flight = planned
         .jump
         .flight
+        .as_ref()
         .and_then(|flight| Some((flight, flight.time_to_height(end).ok()?)));
     let flight = flight.map_or(Vec::new(), |(flight, time)| {
-        flight
-            .samples(0.0, time, POINTS)
-            .map(|(_, dx, dy)| (x + dx, y + dy))
-            .collect()
+        let at = |k: usize| {
+            let [[dx, dy], _] = flight.motion(time * k as f64 / POINTS as f64);
+            (x + dx, y + dy)
+        };
+        (0..=POINTS).map(at).collect()
     });
     Leap {
         foot: (x, y),
-        stance: samples.iter().map(centre).collect(),
+        stance: way
+            .unwrap_or_default()
+            .iter()
+            .map(|at| (x + at.centre[0], y + at.centre[1]))
+            .collect(),
         flight,
         fails: false,
-        label: if stance.leg.has_valve() {
+        label: if planner.robot().leg.drive.has_valve() {
             format!(
                 "α_f = {angle} rad, valve {} ms",
                 digits(1e3 * launch.valve_open, 3)
@@ -118,8 +118,11 @@ fn leap(planned: &PlannedJump, stance: &Stance<f64>, radius: f64) -> Leap {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
+
     use saltus::Robot;
-    use saltus::planner::course::Course;
+    use saltus::on_plant::for_crossing;
+    use saltus::planner::course::{Course, Standing};
 
     use super::*;
 
@@ -135,13 +138,13 @@ mod tests {
             obstacles: vec![],
             no_landing: vec![],
         };
-        let (planner, crossing) = (
-            Planner::new(Robot::rats_planar()),
-            Crossing::new(course, 5.0),
-        );
-        let CrossingAnswer::Plan(mut plan) = planner.cross(&crossing).unwrap() else {
+        let crossing = Crossing::new(course, 5.0);
+        let go_on = |_: &Standing| ControlFlow::Continue(());
+        let crossed = for_crossing(Robot::rats_planar(), None, &crossing, &go_on).unwrap();
+        let CrossingAnswer::Plan(mut plan) = crossed.answer else {
             panic!("no plan")
         };
+        let planner = crossed.planner;
         let drawn = |plan| scene(&CrossingAnswer::Plan(plan), &crossing, &planner, "two.toml");
         let good = drawn(plan.clone());
         assert!(good.missed.is_empty() && good.leaps.iter().all(|leap| !leap.fails));

@@ -18,7 +18,7 @@ use saltus::verify::{Outcome, Plant, Starts, Trial, Verdict, Verification};
 
 use self::subject::SubjectFlags;
 use super::Status;
-use super::common::{self, Common, PlotOption, Threads, page_file};
+use super::common::{Common, PlantFlags, PlotOption, Threads, page_file};
 use crate::error::CliError;
 use crate::output::Format;
 use crate::progress::Progress;
@@ -32,17 +32,8 @@ pub(crate) struct Verify {
     #[command(flatten)]
     subject: SubjectFlags,
 
-    /// Robot that jumps, where it is not the one planned for: a built-in one or a TOML file
-    #[arg(long, value_name = "NAME|FILE", help_heading = "The robot that jumps")]
-    plant: Option<String>,
-
-    /// Override a parameter of the robot that jumps; may be repeated
-    #[arg(
-        long = "plant-set",
-        value_name = "KEY=VALUE",
-        help_heading = "The robot that jumps"
-    )]
-    plant_overrides: Vec<String>,
+    #[command(flatten)]
+    plant: PlantFlags,
 
     /// Friction coefficients of the ground along the travel [default: the robot's own]
     #[arg(long, value_name = "COEFFICIENTS", value_parser = frictions, help_heading = "The robot that jumps")]
@@ -240,10 +231,9 @@ impl Verify {
 
     /// The robot that jumps.
     fn plant(&self) -> Result<saltus::Robot, CliError> {
-        match (&self.plant, self.plant_overrides.is_empty()) {
-            (Some(name), _) => common::robot(name, &self.plant_overrides),
-            (None, true) => self.common.robot(),
-            (None, false) => self.common.robot_with(&self.plant_overrides),
+        match self.plant.robot(self.common.robot_flags())? {
+            Some(plant) => Ok(plant),
+            None => self.common.robot(),
         }
     }
 
