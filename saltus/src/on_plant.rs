@@ -25,7 +25,7 @@
 
 use std::cell::RefCell;
 
-use saltus_lagrangian::Launch;
+use saltus_lagrangian::{Launch, StanceError};
 use saltus_numeric::parallel::in_chunks;
 use saltus_planner::course::{Span, Watch};
 use saltus_planner::{
@@ -48,8 +48,13 @@ pub const PLAN_BOUND: f64 = 1e-5;
 /// By how much (m) an entry of a table may miss on the plant.
 pub const CONFIRMED: f64 = 1e-3;
 
-/// Jumps of the simulation for a table: in a round, and in all.
-const TABLE_JUMPS: [usize; 2] = [10, 100];
+/// How hard to look for a table.
+const TABLE_EFFORT: Effort = Effort {
+    bound: TABLE_BOUND,
+    round: 10,
+    jumps: 100,
+    every: false,
+};
 
 /// Rounds of the simulation for a plan.
 const PLAN_ROUNDS: usize = 12;
@@ -235,6 +240,44 @@ impl OnPlant {
     }
 }
 
+/// A planner by the planar model alone.
+pub fn planar(robot: Robot) -> Planner<Corrected> {
+    let range = Range {
+        rates: Span::NONE,
+        firing_angles: Span::NONE,
+        valve_open: Span::NONE,
+    };
+    Planner::by(Corrected::new(Planar::new(robot), range, 0.0))
+}
+
+/// A planner whose jumps at `launches`, and between them, are those of the plant down to
+/// `landing_height` (m above the foothold).
+///
+/// # Errors
+/// As [`JumpModel::jump`].
+pub fn for_launches(
+    robot: Robot,
+    plant: &OnPlant,
+    launches: &[Launch],
+    landing_height: f64,
+) -> Result<Planner<Corrected>, StanceError> {
+    let hull = |number: fn(&Launch) -> f64| {
+        Span::hull_of(&launches.iter().map(number).collect::<Vec<_>>())
+    };
+    let range = Range {
+        rates: hull(|l| l.rate),
+        firing_angles: hull(|l| l.firing_angle),
+        valve_open: hull(|l| l.valve_open),
+    };
+    let lowest = landing_height.min(0.0);
+    let mut planner = Planner::by(Corrected::new(Planar::new(robot), range, lowest));
+    let truth = plant.simulated.clone().down_to(lowest);
+    planner.correct(&truth, &TABLE_EFFORT, |_| {
+        Ok::<_, StanceError>(launches.to_vec())
+    })?;
+    Ok(planner)
+}
+
 /// A planner for `request` (its table, or its laws), and how it was corrected for the plant, if
 /// there is one.
 ///
@@ -260,14 +303,8 @@ pub fn for_table(
         sensitivities: false,
         ..request.clone()
     };
-    let effort = Effort {
-        bound: TABLE_BOUND,
-        round: TABLE_JUMPS[0],
-        jumps: TABLE_JUMPS[1],
-        every: false,
-    };
     let truth = plant.simulated.clone().down_to(lowest);
-    let correction = planner.correct(&truth, &effort, |planner| {
+    let correction = planner.correct(&truth, &TABLE_EFFORT, |planner| {
         let cells = planner.table(&plain)?.cells;
         let entries = cells.iter().flat_map(|cell| {
             let nearest = cell.nearest.as_ref().map(|n| n.firing_angle);

@@ -34,7 +34,7 @@ pub(super) fn advice(
 /// The plan was made for a robot that is not the one that jumps.
 fn other_robot(context: &Context<'_>) -> Option<String> {
     let (planned, plant) = (context.planner.robot(), context.plant.robot());
-    if planned == plant {
+    if planned == plant || context.for_plant {
         return None;
     }
     let what = if context.subject.is_plan() {
@@ -53,10 +53,14 @@ fn other_robot(context: &Context<'_>) -> Option<String> {
         (None, Some(_)) => format!(", which has a boom that {} has not", planned.name),
         _ => String::new(),
     };
+    let remedy = if context.subject.is_plan() {
+        "verify --correct plans for the robot that jumps, as `saltus plan --plant` does."
+    } else {
+        "`saltus table --plant` and `saltus law --plant` make it for the robot that jumps."
+    };
     Some(format!(
-        "The {what} was made for {}, and {} jumps{boom}. Plan for the robot that jumps: --robot \
-         {}.",
-        planned.name, plant.name, plant.name
+        "The {what} was made for {}, and {} jumps{boom}: {remedy}",
+        planned.name, plant.name
     ))
 }
 

@@ -1,15 +1,17 @@
 //! What a verification's report is about.
 
-use saltus::Planner;
+use saltus::planner::{Corrected, CorrectedFlight, Planner};
 use saltus::verify::{Flown, Outcome, Plant, Subject, Verification};
 
 /// What was verified, and how.
 pub(super) struct Context<'a> {
-    pub(super) planner: &'a Planner,
+    pub(super) planner: &'a Planner<Corrected>,
     pub(super) plant: &'a Plant,
     /// What the subject is called.
     pub(super) title: &'a str,
-    pub(super) subject: &'a Subject,
+    pub(super) subject: &'a Subject<CorrectedFlight<f64>>,
+    /// Whether it was made for the robot that jumps.
+    pub(super) for_plant: bool,
     pub(super) how: &'a Verification,
     pub(super) step_cost: Option<&'a StepCost>,
 }

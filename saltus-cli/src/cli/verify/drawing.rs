@@ -2,7 +2,8 @@
 //! errors.
 
 use saltus::Launch;
-use saltus::lagrangian::Sample as Planned;
+use saltus::ballistic::Trajectory;
+use saltus::planner::JumpModel;
 use saltus::verify::{Attempt, Demand, Flown as Simulated, Outcome, RunJump, Subject, Verdict};
 
 use super::context::Context;
@@ -243,21 +244,21 @@ pub(super) fn planned(jump: &RunJump<'_>, context: &Context<'_>) -> Vec<(f64, f6
 /// The same from the foothold.
 fn planned_path(launch: &Launch, landing_height: f64, context: &Context<'_>) -> Vec<(f64, f64)> {
     const POINTS: usize = 120;
-    let radius = context.planner.robot().body.radius;
-    let Ok(trace) = context.planner.stance().trace(launch) else {
+    let Ok(traced) = context.planner.model().traced(launch) else {
         return Vec::new();
     };
-    let axle = |s: &Planned| {
-        let (sin, cos) = s.lean.sin_cos();
-        ((radius + s.extension) * sin, (radius + s.extension) * cos)
-    };
-    let mut points: Vec<(f64, f64)> = trace.samples.iter().map(axle).collect();
-    let jump = context.planner.jump(launch).ok();
-    let flight = jump.and_then(|jump| jump.flight);
-    if let Some((flight, time)) =
-        flight.and_then(|f| Some((f, f.time_to_height(landing_height).ok()?)))
+    let way = traced.way.iter();
+    let mut points: Vec<(f64, f64)> = way.map(|at| (at.centre[0], at.centre[1])).collect();
+    if let Some((flight, time)) = traced
+        .jump
+        .flight
+        .and_then(|f| Some((f.clone(), f.time_to_height(landing_height).ok()?)))
     {
-        points.extend(flight.samples(0.0, time, POINTS).map(|(_, x, y)| (x, y)));
+        let at = |k: usize| {
+            let [[x, y], _] = flight.motion(time * k as f64 / POINTS as f64);
+            (x, y)
+        };
+        points.extend((0..=POINTS).map(at));
     }
     points
 }

@@ -12,7 +12,6 @@ mod table_file;
 use std::path::PathBuf;
 
 use clap::Args;
-use saltus::Planner;
 use saltus::sim_check::Stepping;
 use saltus::verify::{Outcome, Plant, Starts, Trial, Verdict, Verification};
 
@@ -167,20 +166,21 @@ fails like any other.";
 
 impl Verify {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        let planner = Planner::new(self.common.robot()?);
+        let robot = self.common.robot()?;
         let plant = Plant::new(self.plant()?, self.accuracy);
         plant
             .rig()
             .map_err(|error| CliError::content(&plant.robot().name, error))?;
-        let Some((title, subject)) = load::load(&self.subject, &planner)? else {
+        let Some(loaded) = load::load(&self.subject, robot.clone(), &plant)? else {
             let report = match self.common.format() {
-                Format::Csv => report::rows(&[], planner.robot()).csv(),
-                Format::Json => report::no_plan_json(&planner, &plant),
+                Format::Csv => report::rows(&[], &robot).csv(),
+                Format::Json => report::no_plan_json(&robot, &plant),
                 Format::Text => report::NO_PLAN.to_owned(),
             };
             self.common.write_report(report)?;
             return Ok(Status::No);
         };
+        let (subject, planner) = (&loaded.subject, &loaded.planner);
         if self.restart && !subject.is_plan() {
             return Err(CliError::flag(
                 "--restart",
@@ -189,7 +189,7 @@ impl Verify {
             ));
         }
         let how = self.verification();
-        let trials = how.trials(&subject, &planner, plant.robot().body.radius)?;
+        let trials = how.trials(subject, planner, plant.robot().body.radius)?;
         let exact = fly(&how, &plant, &trials);
         // What fixed steps cost is seen beside the jumps without them.
         let (outcomes, exact) = match self.fixed_step {
@@ -202,15 +202,16 @@ impl Verify {
         let cost = exact.map(|exact| context::StepCost::of(self.fixed_step, &outcomes, &exact));
         let verdict = Verdict::of(&outcomes, how.share);
         let scene = context::Context {
-            planner: &planner,
+            planner,
             plant: &plant,
-            title: &title,
-            subject: &subject,
+            title: &loaded.title,
+            subject,
+            for_plant: loaded.for_plant,
             how: &how,
             step_cost: cost.as_ref(),
         };
         let report = match self.common.format() {
-            Format::Csv => report::rows(&outcomes, planner.robot()).csv(),
+            Format::Csv => report::rows(&outcomes, &robot).csv(),
             Format::Json => report::json(&outcomes, &verdict, &scene),
             Format::Text => report::text(&outcomes, &verdict, &scene),
         };

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
+use saltus::Robot;
 use saltus::verify::{Demand, Failure, Group, Outcome, Plant, RunJump, Spread, Starts, Verdict};
-use saltus::{Planner, Robot};
 use serde_json::{Value, json};
 
 use super::advice::advice;
@@ -140,10 +140,10 @@ pub(super) const NO_PLAN: &str = "no plan crosses this course: `saltus plan` say
     and the nearest that has one\n";
 
 /// The same as a document.
-pub(super) fn no_plan_json(planner: &Planner, plant: &Plant) -> String {
+pub(super) fn no_plan_json(robot: &Robot, plant: &Plant) -> String {
     output::json(&json!({
         "command": "verify",
-        "robot": planner.robot().name,
+        "robot": robot.name,
         "plant": plant.robot().name,
         "passes": false,
         "reason": NO_PLAN.trim(),

@@ -1,12 +1,16 @@
 //! What is verified: a plan, a table or a law.
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use saltus::Planner;
+use saltus::Robot;
+use saltus::on_plant::{for_crossing, planar};
 use saltus::planner::CrossingAnswer;
-use saltus::verify::{Rule, Steering, Subject};
+use saltus::planner::course::Standing;
+use saltus::verify::{Plant, Rule, Steering, Subject};
 
+use super::load::{Loaded, on_plant};
 use crate::cli::target::{Block, block};
 use crate::cli::terms::{self, LandingHeight, StartLean, Terms, landing_height, start_lean};
 use crate::error::{CliError, cut};
@@ -26,6 +30,10 @@ pub(crate) struct SubjectFlags {
         conflicts_with = "law"
     )]
     pub(super) file: Option<PathBuf>,
+
+    /// Plan for the robot that jumps, as `saltus plan --plant` does, in place of the one planned for
+    #[arg(long)]
+    pub(super) correct: bool,
 
     /// Law α_f = A ω + B: A (s) and B (rad)
     #[arg(long, value_name = "A,B", value_parser = line, allow_hyphen_values = true, requires = "omega")]
@@ -61,15 +69,12 @@ pub(crate) struct SubjectFlags {
     pub(super) start_lean: Option<StartLean>,
 }
 
-/// A subject, and what it is called.
-pub(super) type Titled = (String, Subject);
-
 pub(super) fn law(
     flags: &SubjectFlags,
     slope: f64,
     intercept: f64,
-    planner: &Planner,
-) -> Result<Titled, CliError> {
+    robot: Robot,
+) -> Result<Loaded, CliError> {
     let rates = flags
         .omega
         .as_ref()
@@ -97,14 +102,19 @@ pub(super) fn law(
         }
     }
     let terms = Terms::new(
-        planner.robot(),
+        &robot,
         flags.landing_height.unwrap_or(LandingHeight::Wheel),
         flags.valve_open.unwrap_or(terms::VALVE_OPEN),
         flags.start_lean.unwrap_or(StartLean::Firing),
     );
     let title = format!("the law α_f = {formula}, {}", terms.landing_title());
     let rule = rule(flags, &terms, steering, rates, flags.distance);
-    Ok((title, Subject::Rule(rule)))
+    Ok(Loaded {
+        title,
+        subject: Subject::Rule(rule),
+        planner: planar(robot),
+        for_plant: false,
+    })
 }
 
 pub(super) fn rule(
@@ -129,8 +139,9 @@ pub(super) fn rule(
 pub(super) fn plan(
     flags: &SubjectFlags,
     path: &Path,
-    planner: &Planner,
-) -> Result<Option<Titled>, CliError> {
+    robot: Robot,
+    plant: &Plant,
+) -> Result<Option<Loaded>, CliError> {
     let alone = [
         ("--omega", flags.omega.is_some()),
         ("--distance", flags.distance.is_some()),
@@ -148,14 +159,20 @@ pub(super) fn plan(
     }
     let crossing = input::course(path)?;
     let file = path.display().to_string();
-    let answer = planner
-        .cross(&crossing)
+    let on_plant = flags.correct.then(|| on_plant(&robot, plant)).transpose()?;
+    let go_on = |_: &Standing| ControlFlow::Continue(());
+    let crossed = for_crossing(robot, on_plant.as_ref(), &crossing, &go_on)
         .map_err(|error| CliError::content(&file, error))?;
-    let CrossingAnswer::Plan(plan) = answer else {
+    let CrossingAnswer::Plan(plan) = crossed.answer else {
         return Ok(None);
     };
-    let title = format!("the plan for {file}");
-    Ok(Some((title, Subject::plan(crossing, plan))))
+    let corrected = if flags.correct { "corrected " } else { "" };
+    Ok(Some(Loaded {
+        title: format!("the {corrected}plan for {file}"),
+        subject: Subject::plan(crossing, plan),
+        planner: crossed.planner,
+        for_plant: flags.correct,
+    }))
 }
 
 /// Parser of a flag.

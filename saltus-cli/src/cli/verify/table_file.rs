@@ -3,10 +3,13 @@
 
 use std::path::Path;
 
-use saltus::verify::{Steering, Subject};
-use saltus::{Launch, Planner};
+use saltus::on_plant::{for_launches, planar};
+use saltus::planner::{Corrected, Planner};
+use saltus::verify::{Plant, Steering, Subject};
+use saltus::{Launch, Robot};
 
-use super::subject::{self, SubjectFlags, Titled};
+use super::load::{Loaded, on_plant};
+use super::subject::{self, SubjectFlags};
 use crate::cli::terms::{self, LandingHeight, StartLean, Terms};
 use crate::columns::{self, Column, Need};
 use crate::error::CliError;
@@ -75,6 +78,8 @@ struct TableFile {
     rows: Vec<Row>,
     /// Distances (m) of all rows, ascending.
     distances: Vec<f64>,
+    /// Whether it holds on a plant, which is then the robot that jumps.
+    for_plant: bool,
 }
 
 /// A row with a firing angle.
@@ -93,28 +98,47 @@ struct Row {
 pub(super) fn load(
     flags: &SubjectFlags,
     path: &Path,
-    planner: &Planner,
-) -> Result<Titled, CliError> {
-    let table = TableFile::read(path, planner)?;
+    robot: Robot,
+    plant: &Plant,
+) -> Result<Loaded, CliError> {
+    let table = TableFile::read(path, &robot, plant)?;
     let distance = table.distance(flags.distance)?;
     let points = table.points(distance)?;
     let rates = match &flags.omega {
         Some(rates) => within(rates, &points)?,
         None => points.iter().map(|(rate, _)| *rate).collect(),
     };
-    let terms = table.terms(flags, planner)?;
-    table.replay(&terms, planner)?;
+    let terms = table.terms(flags, &robot)?;
+    let planner = table.planner(&terms, robot, plant)?;
+    table.replay(&terms, &planner)?;
     let title = format!("the table {}, {}", table.file, terms.landing_title());
     let rule = subject::rule(flags, &terms, Steering::Table(points), rates, distance);
-    Ok((title, Subject::Rule(rule)))
+    Ok(Loaded {
+        title,
+        subject: Subject::Rule(rule),
+        planner,
+        for_plant: table.for_plant,
+    })
+}
+
+impl Row {
+    fn launch(&self, terms: &Terms) -> Launch {
+        Launch {
+            rate: self.rate,
+            lean: terms.start_lean.unwrap_or(self.angle),
+            firing_angle: self.angle,
+            valve_open: terms.valve_open,
+        }
+    }
 }
 
 impl TableFile {
-    fn read(path: &Path, planner: &Planner) -> Result<TableFile, CliError> {
+    fn read(path: &Path, robot: &Robot, plant: &Plant) -> Result<TableFile, CliError> {
         let file = path.display().to_string();
         let source = input::bytes(path, LIMIT_MIB)?;
         let cells = columns::read(&source, &file, &COLUMNS)?;
-        check_robot(&source, &file, planner)?;
+        check_robot(&source, &file, robot)?;
+        let for_plant = check_plant(&source, &file, plant.robot())?;
         let row = |(line, cells): &(u64, [Option<f64>; 7])| {
             let [
                 Some(rate),
@@ -150,12 +174,12 @@ impl TableFile {
             file,
             rows,
             distances,
+            for_plant,
         })
     }
 
     /// What the table was made for, which flags may say where the file does not.
-    fn terms(&self, flags: &SubjectFlags, planner: &Planner) -> Result<Terms, CliError> {
-        let robot = planner.robot();
+    fn terms(&self, flags: &SubjectFlags, robot: &Robot) -> Result<Terms, CliError> {
         let height = self.value("landing_height_m", |row| row.landing_height)?;
         let given = flags.landing_height.map(|height| height.of(robot));
         let height = self.one("--landing-height", "landing_height_m", height, given)?;
@@ -255,18 +279,27 @@ impl TableFile {
         self.value("start_lean_rad", |row| row.start_lean)
     }
 
+    /// What says where the rows' jumps land.
+    fn planner(
+        &self,
+        terms: &Terms,
+        robot: Robot,
+        plant: &Plant,
+    ) -> Result<Planner<Corrected>, CliError> {
+        if !self.for_plant {
+            return Ok(planar(robot));
+        }
+        let launches: Vec<Launch> = self.rows.iter().map(|row| row.launch(terms)).collect();
+        let on_plant = on_plant(&robot, plant)?;
+        for_launches(robot, &on_plant, &launches, terms.landing_height)
+            .map_err(|error| CliError::content(&self.file, error))
+    }
+
     /// Flies each row with the planner: it has to land where the row says.
-    fn replay(&self, terms: &Terms, planner: &Planner) -> Result<(), CliError> {
+    fn replay(&self, terms: &Terms, planner: &Planner<Corrected>) -> Result<(), CliError> {
         for row in &self.rows {
-            let lean = terms.start_lean.unwrap_or(row.angle);
-            let launch = Launch {
-                rate: row.rate,
-                lean,
-                firing_angle: row.angle,
-                valve_open: terms.valve_open,
-            };
             let landing = planner
-                .jump(&launch)
+                .jump(&row.launch(terms))
                 .ok()
                 .and_then(|jump| jump.distance(terms.landing_height));
             let said = [("land_m", row.land), ("distance_m", row.distance)];
@@ -353,12 +386,11 @@ impl TableFile {
 }
 
 /// That the table was made for the planner's robot, where it says for which.
-fn check_robot(source: &[u8], file: &str, planner: &Planner) -> Result<(), CliError> {
+fn check_robot(source: &[u8], file: &str, robot: &Robot) -> Result<(), CliError> {
     let Some((line, [name, hash])) = columns::words(source, file, ["robot", "robot_sha256"])?
     else {
         return Ok(());
     };
-    let robot = planner.robot();
     let here = saltus::export::fingerprint(robot);
     if hash == here {
         return Ok(());
@@ -372,6 +404,23 @@ fn check_robot(source: &[u8], file: &str, planner: &Planner) -> Result<(), CliEr
         )
     };
     let reason = format!("made for the robot {name} (SHA-256 {hash}), {remedy} (here {here})");
+    Err(CliError::content(format!("{file}:{line}"), reason))
+}
+
+/// Whether the table holds on a plant, which has to be the robot that jumps.
+fn check_plant(source: &[u8], file: &str, plant: &Robot) -> Result<bool, CliError> {
+    let Some((line, [name, hash])) = columns::words(source, file, ["plant", "plant_sha256"])?
+    else {
+        return Ok(false);
+    };
+    if hash == saltus::export::fingerprint(plant) {
+        return Ok(true);
+    }
+    let reason = format!(
+        "made to hold on the robot {name} (SHA-256 {hash}), and the robot that jumps here is {}: \
+         give the --plant and --plant-set that it was made with",
+        plant.name
+    );
     Err(CliError::content(format!("{file}:{line}"), reason))
 }
 
