@@ -1,12 +1,12 @@
 //! `saltus map`: what is reachable over approach rate and firing angle.
 
 use clap::Args;
-use saltus::planner::{self, MapRequest, Spot, SpotResult};
+use saltus::planner::{self, JumpModel, MapRequest, Spot, SpotResult};
 use saltus::{Outcome, Planner, Robot};
 use serde_json::json;
 
 use super::Status;
-use super::common::{Common, PlotOption, Threads};
+use super::common::{Common, PlantFlags, PlotOption, Threads};
 use super::terms::{TermFlags, Terms};
 use crate::error::CliError;
 use crate::output::{self, Cell, Format, Table as Rows, digits};
@@ -42,6 +42,9 @@ pub(crate) struct Map {
 
     #[command(flatten)]
     threads: Threads,
+
+    #[command(flatten)]
+    plant: PlantFlags,
 
     #[command(flatten)]
     plot: PlotOption,
@@ -96,20 +99,28 @@ impl Map {
             let allowed = format!("used with {MOST_DRAWN} combinations at most, not {count}");
             return Err(CliError::flag("--plot", "", allowed));
         }
-        let planner = Planner::new(self.common.planned_robot()?);
-        self.terms.note_valve(planner.robot());
-        let map = self.compute(&planner)?;
+        let (robot, plant) = self.plant.on_plant(self.common.robot_flags())?;
+        self.terms.note_valve(&robot);
+        let map = match &plant {
+            Some(plant) => {
+                let height = self.terms.of(&robot).landing_height;
+                self.compute(&Planner::by(plant.simulated().clone().down_to(height)))?
+            }
+            None => self.compute(&Planner::new(robot.clone()))?,
+        };
+        // What a map of the plant says is the plant's.
+        let robot = plant.map_or(robot, |plant| plant.robot().clone());
         let rows = rows(&map);
         let report = match self.common.format() {
             Format::Csv => rows.csv(),
             Format::Json => {
-                let mut document = self.terms.of(planner.robot()).json("map");
+                let mut document = self.terms.of(&robot).json("map");
                 document.insert("spots".into(), json!(rows.json()));
                 output::json(&document.into())
             }
-            Format::Text => self.text(&map, &rows, planner.robot()),
+            Format::Text => self.text(&map, &rows, &robot),
         };
-        let drawing = || Ok(Drawing::Map(self.drawing(&map, planner.robot())));
+        let drawing = || Ok(Drawing::Map(self.drawing(&map, &robot)));
         self.common.write_with_plot(report, &self.plot, drawing)?;
         let lands = |spot: &Spot| {
             spot.result
@@ -124,7 +135,7 @@ impl Map {
     }
 
     /// The map, some rates after the others, so that one sees how far it is.
-    fn compute(&self, planner: &Planner) -> Result<planner::Map, CliError> {
+    fn compute<M: JumpModel>(&self, planner: &Planner<M>) -> Result<planner::Map, CliError> {
         let rates = self.omega.to_vec();
         let progress = Progress::new("approach rates", rates.len());
         let threads = self.threads.count().get();

@@ -17,6 +17,7 @@ mod logs;
 mod meaning;
 mod misleading;
 mod overwrites;
+mod plant;
 mod plots;
 mod slips;
 mod tables;

@@ -1,0 +1,134 @@
+//! Answers that hold on another robot: `--plant`.
+
+use serde_json::Value;
+
+use crate::common::{Folder, rows};
+
+/// A low box on the way of one jump.
+const COURSE: &str = "approach_rate_rad_s = 5.5
+goal_from_x_m = 0.7
+goal_to_x_m = 1.0
+friction_coefficient = 0.8
+clearance_m = 0.01
+[[obstacle]]
+front_x_m = 0.33
+width_m = 0.21
+height_m = 0.15
+";
+
+#[track_caller]
+fn refused(folder: &Folder, line: &str, parts: &[&str]) {
+    let run = folder.run(&line.split_whitespace().collect::<Vec<_>>());
+    assert_eq!(run.code, Some(2), "{line}: {} {}", run.out, run.err);
+    for part in parts {
+        assert!(run.err.contains(part), "{line}: {part:?} in {}", run.err);
+    }
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+/// Every angle of the table lands within its bound on the plant, flown by another command.
+#[test]
+fn a_table_holds_on_its_plant_and_only_there() {
+    let folder = Folder::new("plant-table");
+    folder.done(
+        "table --omega 3.5:6:6 --distance 0.6 --plant rats-boom --out table.csv",
+        0,
+    );
+    let report = folder.done(
+        "verify table.csv --plant rats-boom --samples 0 --tolerance 1mm --format json",
+        0,
+    );
+    let group = &json(&report)["groups"][0];
+    assert!(group["miss_greatest_m"].as_f64().unwrap() < 3e-4, "{group}");
+    refused(
+        &folder,
+        "verify table.csv",
+        &["table.csv:2", "rats-boom", "rats-planar", "--plant"],
+    );
+    refused(
+        &folder,
+        "verify table.csv --plant rats-boom --plant-set boom.mass_kg=0.6",
+        &["made to hold on the robot rats-boom", "--plant-set"],
+    );
+}
+
+/// A plant that is the robot changes nothing, bit for bit.
+#[test]
+fn on_itself_a_table_is_as_without() {
+    let folder = Folder::new("plant-itself");
+    let line = "table --omega 4:6:3 --distance 0.6,0.7 --firing-angles=-0.4:0.4 --format csv";
+    let (header, plain) = rows(&folder.done(line, 0));
+    let (there, on_plant) = rows(&folder.done(&format!("{line} --plant rats-planar"), 0));
+    assert_eq!(there[header.len()..], ["plant", "plant_sha256"]);
+    let angle = header.iter().position(|h| h == "alpha_f_rad").unwrap();
+    for (a, b) in plain.iter().zip(&on_plant) {
+        assert_eq!(a[angle], b[angle]);
+    }
+}
+
+#[test]
+fn a_plan_holds_on_its_plant() {
+    let folder = Folder::new("plant-plan");
+    folder.write("course.toml", COURSE);
+    let plan = json(&folder.done("plan course.toml --plant rats-boom --format json", 0));
+    assert_eq!(plan["status"], "holds-on-the-plant");
+    assert_eq!(plan["plant"], "rats-boom");
+    let jumps = plan["correction"]["simulated_jumps"].as_u64().unwrap();
+    assert!((2..=12).contains(&jumps), "{plan}");
+    // The planar plan does not hold there; the corrected one does, on any ground that it allows.
+    let verify = "verify course.toml --plant rats-boom --samples 0 --friction 0.5:1:3";
+    let planar = folder.done(verify, 1);
+    assert!(planar.contains("--correct"), "{planar}");
+    let corrected = folder.done(&format!("{verify} --correct --tolerance 1mm"), 0);
+    assert!(corrected.contains("3 of 3 jumps pass"), "{corrected}");
+    let picture = "plan course.toml --plant rats-boom --plot plan.svg";
+    assert!(folder.done(picture, 0).contains("holds on rats-boom"));
+}
+
+#[test]
+fn laws_and_maps_are_of_the_plant() {
+    let folder = Folder::new("plant-law");
+    let law = "law --omega 4:6:5 --distance 0.7 --format json";
+    let here = json(&folder.done(law, 0));
+    let there = json(&folder.done(&format!("{law} --plant rats-boom"), 0));
+    let slope = |law: &Value| law["laws"][0]["slope_s"].as_f64().unwrap();
+    assert!((slope(&here) - slope(&there)).abs() > 1e-3);
+    assert!(there["correction"]["miss_greatest_m"].as_f64().unwrap() < 1e-3);
+    let map = "map --omega 5 --alpha-f 0:0.7:2 --plant rats-boom --format csv";
+    let (header, spots) = rows(&folder.done(map, 0));
+    let column = |name: &str| header.iter().position(|h| h == name).unwrap();
+    let distance: f64 = spots[0][column("distance_m")].parse().unwrap();
+    // 5 cm less than the planar model's.
+    assert!((0.75..0.85).contains(&distance), "{distance}");
+    // The next leg would stand in the ground.
+    assert_eq!(spots[1][column("outcome")], "not-computed");
+}
+
+#[test]
+fn a_plant_that_answers_cannot_hold_on_is_refused() {
+    let folder = Folder::new("plant-refused");
+    folder.write("course.toml", COURSE);
+    refused(
+        &folder,
+        "plan course.toml --plant rats-boom --plant-set body.wheel_radius_m=0.25",
+        &["rats-boom", "body.wheel_radius_m = 0.25", "0.24"],
+    );
+    refused(
+        &folder,
+        "table --omega 5 --distance 0.5 --plant spring-hopper --plant-set body.wheel_radius_m=0.24",
+        &["leg.kind", "valve"],
+    );
+    refused(
+        &folder,
+        "plan course.toml --plant nobody",
+        &["nobody", "rats-boom"],
+    );
+    refused(
+        &folder,
+        "verify --law=-0.146,0.704 --distance 1 --omega 4:6:3 --correct",
+        &["--correct", "no course"],
+    );
+}
