@@ -43,7 +43,7 @@ use crate::simulated::Simulated;
 pub const TABLE_BOUND: f64 = 3e-4;
 
 /// The same of a plan.
-pub const PLAN_BOUND: f64 = 1e-5;
+pub const PLAN_BOUND: f64 = 1e-6;
 
 /// By how much (m) an entry of a table may miss on the plant.
 pub const CONFIRMED: f64 = 1e-3;

@@ -38,8 +38,12 @@ const STEPS: [f64; 4] = [1e-3, 1e-3, 1e-3, 1e-4];
 /// The same for the supply pressure, as a share of it.
 const SUPPLY_STEP: f64 = 1e-3;
 
-/// Times (s) between samples: of a path alone, and where the ground's force is looked at.
+/// Times (s) between samples of a stance: of a path alone, and where the ground's force is looked
+/// at.
 const SAMPLES: [f64; 2] = [5e-3, 1e-3];
+
+/// The same of a flight, of which cubics between samples are then off by less than a nanometre.
+const FLIGHT_SAMPLES: f64 = 2e-2;
 
 /// How far (m) a flight is followed below the lowest landing.
 const BELOW: f64 = 0.02;
@@ -111,6 +115,7 @@ impl Simulated {
             settings,
             landing_height: self.lowest - BELOW,
             sample: SAMPLES[usize::from(finely)],
+            flight_sample: Some(FLIGHT_SAMPLES),
             ..Plan::default()
         };
         let report = rig

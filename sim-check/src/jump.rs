@@ -72,7 +72,7 @@ pub struct Report {
     pub ledger: Ledger,
     /// Energy (J) that no entry of the ledger explains.
     pub residual: f64,
-    /// The course, every `Plan::sample` seconds and at lift-off.
+    /// The course, every `Plan::sample` seconds, at lift-off and at the lowest landing.
     pub samples: Vec<Sample>,
 }
 
@@ -83,6 +83,8 @@ pub struct Plan {
     pub settings: Settings,
     /// Time (s) between samples, > 0.
     pub sample: f64,
+    /// The same in flight; none: as before it.
+    pub flight_sample: Option<f64>,
     /// Height of the axle (m) at which [`Report::landing_at`] is taken.
     pub landing_height: f64,
     /// Longest time (s) from the start to firing, and from there to lift-off.
@@ -97,6 +99,7 @@ impl Default for Plan {
         Plan {
             settings: Settings::default(),
             sample: 1e-3,
+            flight_sample: None,
             landing_height: 0.0,
             patience: 3.0,
         }
@@ -136,10 +139,13 @@ impl Rig {
 fn check(launch: &Launch, plan: &Plan) -> Result<(), SimError> {
     let (angle, open) = (launch.firing_angle, launch.valve_open);
     let (sample, patience, height) = (plan.sample, plan.patience, plan.landing_height);
+    let in_flight = plan.flight_sample.unwrap_or(sample);
     let wrong = refused! {
         "firing angle (rad)", angle, angle.abs() < FRAC_PI_2 => "between -pi/2 and pi/2";
         "valve opening time (s)", open, (0.0..=1e3).contains(&open) => "from 0 to 1000";
         "time between samples (s)", sample, sample > 1e-7 && sample.is_finite() => "above 1e-7";
+        "time between samples in flight (s)", in_flight, in_flight > 1e-7 && in_flight.is_finite()
+            => "above 1e-7";
         "patience (s)", patience, patience > 0.0 && patience < 1e4 => "above 0, below 10000";
         "landing height (m)", height, height.is_finite() => "a finite number";
     };
@@ -260,6 +266,7 @@ impl Recorder<'_> {
     /// The flight, down to both landing heights.
     fn descend(mut self, lift_off: LiftOff) -> Result<Report, SimError> {
         self.sim.stop_touching();
+        self.plan.sample = self.plan.flight_sample.unwrap_or(self.plan.sample);
         let rig = self.rig;
         let rising = |_: f64, q: &[f64], v: &[f64]| rig.axle_rates(q, v)[1];
         let until = self.sim.time() + LONGEST_FLIGHT;
@@ -286,6 +293,7 @@ impl Recorder<'_> {
                 landings[which] = rig.axle(self.sim.coordinates())[0];
             }
         }
+        self.record();
         let mut report = self.finish(End::Landed, Some(lift_off));
         (report.apex, report.landing, report.landing_at) = (apex, landings[0], landings[1]);
         Ok(report)
