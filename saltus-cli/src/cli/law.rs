@@ -43,6 +43,7 @@ const LONG_HELP: &str = "\
 Examples:
   saltus law --omega 3:6:5 --distance 0.8
   saltus law --omega 3:6:5 --distance 1 --landing-height 0
+  saltus law --omega 3:6:13 --distance 0.6 --plant rats-boom
   saltus law --omega 3:6:61 --distance 0.4,0.6,0.8 --tolerance 2cm --plot law.png
 
 Values: a number, start:stop:count (both ends included), or several of these with commas.
@@ -51,6 +52,9 @@ Suffixes: rad/s, deg/s; rad, deg; s, ms; m, cm, mm.
 The law is fitted by least squares to the least firing angle of each approach rate that reaches the \
 target; then the jump that it fires at each of these rates is simulated. Valid is the longest run of \
 rates whose jumps miss the target by --tolerance at most.
+
+With --plant the law is that robot's, as for `saltus table`; its misses are those of the multi-body \
+simulation (JSON: \"correction\" says how it was corrected).
 
 CSV columns, one row for each target: distance_m (or clearance_m), slope_s (A), intercept_rad (B), \
 residual_greatest_rad, residual_rms_rad (fitted less exact angle), miss_greatest_m, miss_rms_m (reached \

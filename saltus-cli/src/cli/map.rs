@@ -56,10 +56,14 @@ pub(crate) struct Map {
 const LONG_HELP: &str = "\
 Examples:
   saltus map --omega 2:7:51 --alpha-f -0.5:0.5:41 --plot map.png
+  saltus map --omega 2:7:11 --alpha-f -0.5:0.5:11 --plant rats-boom
   saltus map --omega 2:7:51 --alpha-f -30deg:30deg:61 --friction --out map.csv
 
 Values: a number, start:stop:count (both ends included), or several of these with commas.
 Suffixes: rad/s, deg/s; rad, deg; s, ms; m, cm, mm.
+
+With --plant the map is that robot's, in the multi-body simulation: some 2 ms a launch. not-computed is \
+then also where a foot would start inside the ground.
 
 CSV columns, one row for each approach rate and firing angle, angles within rates: omega_rad_s, \
 alpha_f_rad, outcome (as for `saltus simulate`; no-landing where the robot takes off but never comes down to the landing \

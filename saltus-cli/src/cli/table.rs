@@ -41,7 +41,14 @@ Examples:
   saltus table --omega 3:6:61 --distance 0.6
   saltus table --omega 3:6:61 --distance 0.3:1.0:36 --out table.csv
   saltus table --omega 5 --distance 0.8 --landing-height 0 --start-lean -0.5
+  saltus table --omega 3:6:31 --distance 0.6 --plant rats-boom
   saltus table --omega 4:6:5 --clearance 2cm --obstacle 0.4,0.05,0.1 --plot angles.svg
+
+With --plant the answers hold on that robot, with its boom, the masses of its legs and its ground: the \
+multi-body simulation corrects the planar model, and flies every angle. A line of the report (JSON: \
+\"correction\") says how many jumps that took, and by how much the angles miss; an angle that misses by \
+more than 1 mm is left out. apex_m, land_m and t_liftoff_s are then the simulation's, and the columns \
+plant and plant_sha256 follow.
 
 Values: a number, start:stop:count (both ends included), or several of these with commas.
 Suffixes: rad/s, deg/s; rad, deg; s, ms; m, cm, mm.

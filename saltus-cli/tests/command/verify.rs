@@ -218,7 +218,7 @@ fn a_failure_says_which_demand_by_how_much_how_often_and_what_to_do() {
         "clearance: without errors, 1 of 1: touches obstacle 1 by 7.35 mm",
         "clearance: with errors, 20 of 20, at worst: touches obstacle 1 by",
         "rats-boom jumps, which has a boom that rats-planar has not",
-        "--robot rats-boom",
+        "verify --correct",
     ] {
         assert!(text.contains(words), "{words}\n{text}");
     }

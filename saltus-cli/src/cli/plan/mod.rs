@@ -43,6 +43,7 @@ pub(crate) struct Plan {
 const LONG_HELP: &str = "\
 Examples:
   saltus plan box.toml
+  saltus plan box.toml --plant rats-boom
   saltus plan box.toml --set leg.supply_pressure_gauge_psi=140 --out plan.json --plot plan.svg
 
 A course, here one jump over a low box:
@@ -72,20 +73,28 @@ ground to its next foothold.
 The search ends when no plan can be cheaper by more than 5e-5, or at its limits, or at Ctrl-C with the best \
 plan so far; the answer says by how much its cost may be above the least one.
 
+With --plant the plan holds on that robot, with its boom, the masses of its legs and its ground: the \
+multi-body simulation flies the plan, corrects the planar model, and the plan is made again, until the two \
+agree to a micrometre. The report is then of the plan as simulated. `saltus verify --correct` flies it with \
+errors drawn.
+
 CSV columns, one row for each jump: jump, omega_rad_s, phi0_rad, alpha_f_rad, valve_open_s, foot_x_m, \
 foot_y_m, apex_m (above the ground), land_x_m, land_y_m (surface), land_sd_m (standard deviation from the \
 robot's [errors]), target_x_m and off_target_m (landing less target; last jump), friction_needed, holds \
 (true or false: whether all limits of the jump hold in the planar model).
 
 JSON: {\"command\": \"plan\", \"robot\": NAME, \"course\": FILE, \"status\": \
-holds-in-the-planar-model, fails-in-the-planar-model, infeasible or undecided, \"cost\": …, \"bound\" (no plan \
+holds-in-the-planar-model, fails-in-the-planar-model (with --plant: holds-on-the-plant, fails-on-the-plant), infeasible or undecided, \"cost\": …, \"bound\" (no plan \
 costs less), \"complete\" (whether the search ran to its end), \"interrupted\", \"jumps\": [{the columns}], \"checks\": [{\"jump\", \"what\", \
 \"value\", \"least\", \"greatest\" (null: no limit), \"holds\"}], \"nearest\": [{\"jump\", \"limit\", \
 \"amount_m\"}], \"try_jumps\"}: the limits by which the nearest course with a plan differs (an obstacle is lower \
 by the amount, a ground is longer, the goal moves, forward if positive), and with how many jumps there is a plan. fails-in-the-planar-model: flown ten times finer \
 than in the search, the plan misses a limit.
 
-The exit code is 1 unless there is a plan that holds in the planar model and the search was not interrupted.";
+With --plant: \"plant\": NAME, \"correction\": {\"simulated_jumps\", \"miss_m\" (of the last ones), \"is_exact\" (the \
+plant jumps as the planar model says)}.
+
+The exit code is 1 unless there is a plan that holds in the planar model (with --plant: on that robot) and the search was not interrupted.";
 
 impl Plan {
     pub(crate) fn run(self) -> Result<Status, CliError> {

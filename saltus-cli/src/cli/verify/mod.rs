@@ -101,6 +101,7 @@ pub(crate) struct Verify {
 const LONG_HELP: &str = "\
 Examples:
   saltus verify box.toml --friction 0.3:1:8 --plot verify.svg --animate verify.html
+  saltus verify box.toml --plant rats-boom --correct
   saltus verify --law=-0.146,0.704 --distance 1 --omega 3:6:7 --plant rats-boom
   saltus table --omega 3:6:31 --distance 0.8 --out table.csv
   saltus verify table.csv --plant rats-boom --samples 200 --out verified.csv
@@ -135,8 +136,8 @@ after that are `not-started`. The verification passes if every run without error
 others --share do. If it fails, the report says which demand is missed, by how much, in which jumps and \
 how often, and what to do.
 
-A plan for rats-planar, the default robot, fails on --plant rats-boom by about 60 mm: plan for the robot \
-that jumps (--robot rats-boom).
+A plan for rats-planar, the default robot, fails on --plant rats-boom by about 60 mm: --correct plans for \
+the robot that jumps. A table that was made with --plant is verified on that robot.
 
 CSV columns, one row for each jump of each run: run, errors (true or false: whether any were drawn), jump \
 (its number in the plan; empty without a course), omega_rad_s (measured), omega_true_rad_s, alpha_f_rad (commanded), \
