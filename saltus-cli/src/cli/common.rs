@@ -83,15 +83,25 @@ impl PlantFlags {
         &self,
         common: &RobotFlags,
     ) -> Result<(Robot, Option<OnPlant>), CliError> {
-        let Some(plant) = self.robot(common)? else {
+        if self.plant.is_none() && self.plant_overrides.is_empty() {
             return Ok((common.planned_robot()?, None));
-        };
+        }
+        let (planned, plant) = self.always(common)?;
+        Ok((planned, Some(plant)))
+    }
+
+    /// The robot that is planned for, and the plant: itself, where no flag says otherwise.
+    pub(crate) fn always(&self, common: &RobotFlags) -> Result<(Robot, OnPlant), CliError> {
         let planned = common.robot()?;
+        let plant = match self.robot(common)? {
+            Some(plant) => plant,
+            None => planned.clone(),
+        };
         let on_plant = OnPlant::new(&planned, &plant).map_err(|error| {
             let name = self.plant.as_deref().unwrap_or(&plant.name);
             CliError::content(name, error)
         })?;
-        Ok((planned, Some(on_plant)))
+        Ok((planned, on_plant))
     }
 }
 

@@ -88,6 +88,51 @@ fn a_plan_holds_on_its_plant() {
     assert!(folder.done(picture, 0).contains("holds on rats-boom"));
 }
 
+/// With margins from the scatter of the simulation it holds as often as asked, on draws that the
+/// margins do not come from; without them it does not.
+#[test]
+fn a_plan_holds_for_a_share_of_drawn_jumps() {
+    let folder = Folder::new("plant-share");
+    folder.write("course.toml", COURSE);
+    let line = "plan course.toml --plant rats-boom --share 0.9 --samples 100 --format json";
+    let plan = json(&folder.done(line, 0));
+    let hold = &plan["hold"];
+    assert!(hold["share"].as_f64().unwrap() >= 0.9, "{hold}");
+    let margin = hold["clearance_margin_m"].as_f64().unwrap();
+    assert!((1e-3..0.03).contains(&margin), "{hold}");
+    // Another command draws errors of its own around a plan with that clearance.
+    let held = COURSE.replace("0.01\n", &format!("{}\n", 0.01 + margin));
+    folder.write("held.toml", held);
+    folder.done(
+        "verify held.toml --plant rats-boom --correct --clearance 0.01 --share 0.8 --seed 7",
+        0,
+    );
+    let verify = "verify course.toml --plant rats-boom --correct --share 0.8 --seed 7";
+    assert!(folder.done(verify, 1).contains("clearance: with errors"));
+}
+
+/// A box that leaves no room for margins: the best there is, and what blocks more.
+#[test]
+fn a_share_that_cannot_be_had_is_said() {
+    let folder = Folder::new("plant-no-share");
+    folder.write(
+        "high.toml",
+        COURSE.replace("height_m = 0.15", "height_m = 0.188"),
+    );
+    let line = "plan high.toml --plant rats-boom --share 0.99 --samples 60";
+    let text = folder.done(line, 1);
+    for words in [
+        "best that was found",
+        "99 % asked for",
+        "missed most often: clearance",
+        "lower",
+    ] {
+        assert!(text.contains(words), "{words}\n{text}");
+    }
+    refused(&folder, "plan high.toml --share 1", &["--share", "below 1"]);
+    refused(&folder, "plan high.toml --samples 50", &["--share"]);
+}
+
 #[test]
 fn laws_and_maps_are_of_the_plant() {
     let folder = Folder::new("plant-law");

@@ -340,10 +340,8 @@ impl Request {
 /// one fingerprint are one.
 pub fn fingerprint(robot: &saltus_robot::Robot) -> String {
     let digest = Hash::hash(robot.to_toml().as_bytes());
-    digest[..8]
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+    let [a, b, c, d, e, f, g, h, ..] = digest;
+    format!("{:016x}", u64::from_be_bytes([a, b, c, d, e, f, g, h]))
 }
 
 fn check<M: JumpModel>(planner: &Planner<M>, request: &Request) -> Result<(), ExportError> {

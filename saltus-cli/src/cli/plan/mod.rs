@@ -10,17 +10,21 @@ use clap::Args;
 use saltus::on_plant::{Crossed, OnPlant, for_crossing};
 use saltus::planner::CrossingAnswer;
 use saltus::planner::course::Standing;
+use saltus::robust::{self, Robust};
+use saltus::verify::{Starts, Verification};
 
 use super::Status;
-use super::common::{Common, PlantFlags, PlotOption};
+use super::common::{Common, PlantFlags, PlotOption, Threads};
 use crate::error::CliError;
 use crate::input;
 use crate::interrupt::Interrupt;
 use crate::output::{self, Format, digits};
 use crate::plot::Drawing;
 use crate::progress::Progress;
+use crate::quantity::Quantity;
+use crate::range::{Values, frictions};
 
-use report::Report;
+use report::{Hold, Report};
 
 /// Plan firing angles and valve times for a course of obstacles
 #[derive(Args, Debug)]
@@ -34,16 +38,62 @@ pub(crate) struct Plan {
     plant: PlantFlags,
 
     #[command(flatten)]
+    hold: HoldFlags,
+
+    #[command(flatten)]
     plot: PlotOption,
 
     #[command(flatten)]
     common: Common,
 }
 
+/// How often a plan has to hold.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Errors")]
+struct HoldFlags {
+    /// Plan with margins by which this share of jumps with errors drawn holds in the multi-body
+    /// simulation, as in 0.95
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    share: Option<f64>,
+
+    /// Runs with errors drawn from the robot's [errors], twice: to find the margins, and to count
+    #[arg(long, value_name = "COUNT", default_value_t = 200, value_parser = clap::value_parser!(u32).range(20..=100_000), requires = "share")]
+    samples: u32,
+
+    /// Seed of the drawn errors
+    #[arg(long, value_name = "NUMBER", default_value_t = 1, requires = "share")]
+    seed: u64,
+
+    /// Friction coefficients of the ground, which take turns [default: the robot's own]
+    #[arg(long, value_name = "COEFFICIENTS", value_parser = frictions, requires = "share")]
+    friction: Option<Values>,
+
+    #[command(flatten)]
+    threads: Threads,
+}
+
+impl HoldFlags {
+    /// The runs that have to hold, where a share is asked for.
+    fn runs(&self) -> Option<Verification> {
+        let ground = self.friction.as_ref();
+        Some(Verification {
+            samples: self.samples as usize,
+            scatter: 1.0,
+            seed: self.seed,
+            frictions: ground.map_or(vec![None], |them| them.iter().copied().map(Some).collect()),
+            starts: Starts::Chained,
+            tolerance: f64::INFINITY,
+            clearance: None,
+            share: self.share?,
+            threads: self.threads.count().get(),
+        })
+    }
+}
+
 const LONG_HELP: &str = "\
 Examples:
   saltus plan box.toml
-  saltus plan box.toml --plant rats-boom
+  saltus plan box.toml --plant rats-boom --share 0.95 --friction 0.5:1:6
   saltus plan box.toml --set leg.supply_pressure_gauge_psi=140 --out plan.json --plot plan.svg
 
 A course, here one jump over a low box:
@@ -78,6 +128,12 @@ multi-body simulation flies the plan, corrects the planar model, and the plan is
 agree to a micrometre. The report is then of the plan as simulated. `saltus verify --correct` flies it with \
 errors drawn.
 
+With --share the plan holds for that share of runs with errors drawn from the robot's [errors], in the \
+multi-body simulation of --plant (or of the robot itself), on the friction coefficients of --friction in \
+turn. margin_sigmas counts no more: the simulated scatter says what clearance_m, edge_margin_m and \
+friction_coefficient need beside their limits. Other draws then tell how often the plan holds. Where the \
+share cannot be had, the answer is the plan that holds most often, and what blocks greater margins.
+
 CSV columns, one row for each jump: jump, omega_rad_s, phi0_rad, alpha_f_rad, valve_open_s, foot_x_m, \
 foot_y_m, apex_m (above the ground), land_x_m, land_y_m (surface), land_sd_m (standard deviation from the \
 robot's [errors]), target_x_m and off_target_m (landing less target; last jump), friction_needed, holds \
@@ -92,13 +148,20 @@ by the amount, a ground is longer, the goal moves, forward if positive), and wit
 than in the search, the plan misses a limit.
 
 With --plant: \"plant\": NAME, \"correction\": {\"simulated_jumps\", \"miss_m\" (of the last ones), \"is_exact\" (the \
-plant jumps as the planar model says)}.
+plant jumps as the planar model says)}, and \"hold\" (null without --share): {\"share_asked\", \"share\", \"runs\", \
+\"is_enough\", \"clearance_margin_m\", \"landing_margin_m\", \"friction_margin\", \"missed_most\", \"blocked_by\"}.
 
-The exit code is 1 unless there is a plan that holds in the planar model (with --plant: on that robot) and the search was not interrupted.";
+The exit code is 1 unless there is a plan that holds in the planar model (with --plant: on that robot; with --share: that often) and the search was not interrupted.";
 
 impl Plan {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        let (robot, plant) = self.plant.on_plant(self.common.robot_flags())?;
+        let (robot, plant) = match self.hold.share {
+            Some(_) => {
+                let (robot, plant) = self.plant.always(self.common.robot_flags())?;
+                (robot, Some(plant))
+            }
+            None => self.plant.on_plant(self.common.robot_flags())?,
+        };
         let crossing = input::course(&self.course)?;
         let file = self.course.display().to_string();
         let interrupt = Interrupt::listen()?;
@@ -112,20 +175,29 @@ impl Plan {
                     ControlFlow::Continue(())
                 }
             };
-            for_crossing(robot, plant.as_ref(), &crossing, &watch)
-                .map_err(|error| CliError::content(&file, error))?
+            match plant.as_ref().zip(self.hold.runs()) {
+                Some((plant, runs)) => robust::plan(&robot, plant, &crossing, &runs, &watch)
+                    .map_err(|error| CliError::content(&file, error))
+                    .map(|robust| held(robust, &runs))?,
+                None => for_crossing(robot, plant.as_ref(), &crossing, &watch)
+                    .map_err(|error| CliError::content(&file, error))
+                    .map(|crossed| (crossed, None))?,
+            }
         };
+        let (crossed, hold) = crossed;
         let Crossed {
             planner,
             answer,
             correction,
         } = crossed;
+        let is_enough = hold.as_ref().is_none_or(Hold::is_enough);
         let robot = planner.robot();
         let report = Report {
             answer: &answer,
             crossing: &crossing,
             interrupted: interrupt.came(),
             plant: plant.as_ref().map(OnPlant::robot).zip(correction),
+            hold,
         };
         if !matches!(answer, CrossingAnswer::Plan(_)) && self.common.format() == Format::Csv {
             // A table without rows says nothing of why.
@@ -143,9 +215,43 @@ impl Plan {
         };
         self.common.write_with_plot(report, &self.plot, drawing)?;
         match answer {
-            CrossingAnswer::Plan(plan) if plan.holds() && !interrupt.came() => Ok(Status::Done),
+            CrossingAnswer::Plan(plan) if plan.holds() && is_enough && !interrupt.came() => {
+                Ok(Status::Done)
+            }
             _ => Ok(Status::No),
         }
+    }
+}
+
+/// The best plan, and how often it holds; without a plan the answer that says why.
+fn held(robust: Robust, runs: &Verification) -> (Crossed, Option<Hold>) {
+    match robust {
+        Robust::Plan { held, blocked } => {
+            let hold = Hold {
+                asked: runs.share,
+                share: held.share,
+                runs: runs.samples,
+                margins: held.margins,
+                missed: held.missed,
+                blocked,
+            };
+            (held.crossed, Some(hold))
+        }
+        Robust::None(crossed) => (crossed, None),
+    }
+}
+
+/// Parser of a flag.
+fn share(text: &str) -> Result<f64, String> {
+    let share = Quantity::FACTOR
+        .parse(text)
+        .map_err(|error| error.to_string())?;
+    if share < 1.0 {
+        Ok(share)
+    } else {
+        Err(format!(
+            "{share} must be a share from 0 to below 1, as in 0.95"
+        ))
     }
 }
 

@@ -6,6 +6,8 @@ use saltus::planner::course::{Relief, Span};
 use saltus::planner::{
     Check, CorrectedFlight, Correction, Crossing, CrossingAnswer, CrossingPlan, PlannedJump,
 };
+use saltus::robust::Margins;
+use saltus::verify::Demand;
 use serde_json::{Value, json};
 
 use crate::cli::common::shown;
@@ -65,6 +67,83 @@ pub(super) struct Report<'a> {
     pub(super) interrupted: bool,
     /// The robot that jumps, if it is not the planar one, and how the planner was corrected for it.
     pub(super) plant: Option<(&'a Robot, Correction)>,
+    /// How often a plan holds with errors drawn, where that was asked for.
+    pub(super) hold: Option<Hold>,
+}
+
+/// How often a plan holds with errors drawn.
+pub(super) struct Hold {
+    /// The share asked for, and that of fresh runs.
+    pub(super) asked: f64,
+    pub(super) share: f64,
+    /// How many.
+    pub(super) runs: usize,
+    pub(super) margins: Margins,
+    /// What is missed most often.
+    pub(super) missed: Option<Demand>,
+    /// Where the share is not reached: what blocks a plan with the margins that it would take.
+    pub(super) blocked: Option<Relief>,
+}
+
+impl Hold {
+    pub(super) fn is_enough(&self) -> bool {
+        self.share >= self.asked
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "share_asked": self.asked,
+            "share": self.share,
+            "runs": self.runs,
+            "is_enough": self.is_enough(),
+            "clearance_margin_m": self.margins.clearance,
+            "landing_margin_m": self.margins.landing,
+            "friction_margin": self.margins.friction,
+            "missed_most": self.missed.map(Demand::name),
+            "blocked_by": self.blocked.as_ref().map(|relief| limits::json(&relief.gives)),
+        })
+    }
+
+    fn text(&self, crossing: &Crossing) -> String {
+        let verdict = if self.is_enough() {
+            "holds"
+        } else {
+            "is the best that was found, and holds"
+        };
+        let share = |x: f64| digits(100.0 * x, 3);
+        let mut lines = vec![
+            format!(
+                "the plan {verdict} for {} % of {} runs with errors drawn, {} % asked for",
+                share(self.share),
+                self.runs,
+                share(self.asked)
+            ),
+            format!(
+                "margins for that: {} mm over obstacles, {} mm from the ends of the ground, {} of \
+                 the friction coefficient",
+                digits(1e3 * self.margins.clearance, 3),
+                digits(1e3 * self.margins.landing, 3),
+                digits(self.margins.friction, 2)
+            ),
+        ];
+        if !self.is_enough() {
+            let missed = self.missed.iter();
+            lines.extend(missed.map(|d| format!("what is missed most often: {}", d.name())));
+            let blocked = self
+                .blocked
+                .iter()
+                .filter(|relief| !relief.gives.is_empty());
+            lines.extend(blocked.map(|relief| {
+                let nearest = limits::text(&relief.gives, &crossing.course);
+                format!("with greater margins there is no plan: {nearest}")
+            }));
+        }
+        lines
+            .iter()
+            .map(|line| format!("  {line}\n"))
+            .collect::<Vec<_>>()
+            .concat()
+    }
 }
 
 impl Report<'_> {
@@ -160,6 +239,7 @@ impl Report<'_> {
         });
         if let Some((plant, correction)) = &self.plant {
             document["plant"] = json!(plant.name);
+            document["hold"] = self.hold.as_ref().map_or(Value::Null, Hold::json);
             document["correction"] = json!({
                 "simulated_jumps": correction.jumps,
                 "miss_m": correction.miss,
@@ -172,7 +252,9 @@ impl Report<'_> {
     /// The plan in words.
     pub(super) fn text(&self, robot: &Robot, file: &str) -> String {
         let title = format!("{}: plan for {file}: {}\n", robot.name, self.status().1);
-        let title = title + &self.correction_text();
+        let hold = self.hold.as_ref();
+        let hold = hold.map_or_else(String::new, |hold| hold.text(self.crossing));
+        let title = title + &self.correction_text() + &hold;
         let body = match self.answer {
             CrossingAnswer::Plan(plan) => {
                 self.table(robot).text(&shown(SHOWN, robot))

@@ -1,0 +1,279 @@
+//! Plans that hold for a share of the jumps with errors drawn, in the multi-body simulation.
+//!
+//! The scatter of the simulated jumps says what each demand of the course needs beside its limit,
+//! and the plan is made with that margin.
+
+use saltus_planner::course::{Relief, Watch};
+use saltus_planner::{CorrectedFlight, Crossing, CrossingAnswer, CrossingError, CrossingPlan};
+use saltus_robot::Robot;
+
+use crate::on_plant::{Crossed, OnPlant, for_crossing};
+use crate::verify::{Demand, Outcome, Plant, Subject, TrialError, Verification};
+
+/// Error that the simulation of drawn jumps makes in each step, relative to 1 + |y|.
+const ACCURACY: f64 = 1e-9;
+
+/// Rounds of planning and drawing.
+const ROUNDS: usize = 8;
+
+/// Margins are made a little greater than the draws ask for, so that the next round is not short by
+/// a hair.
+const GROWTH: f64 = 1.05;
+
+/// Added to the seed for the draws that tell how well the plan holds: they are not those that made
+/// the margins.
+const FRESH: u64 = 0x5eed;
+
+/// What a plan keeps beside the limits of its course.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Margins {
+    /// Of the wheel over boxes (m).
+    pub clearance: f64,
+    /// Of landings from the ends of their ground (m).
+    pub landing: f64,
+    /// Of the friction coefficient.
+    pub friction: f64,
+}
+
+/// A plan, and how well it holds.
+#[derive(Debug)]
+pub struct Held {
+    /// The plan, and the planner that made it.
+    pub crossed: Crossed,
+    /// What it keeps.
+    pub margins: Margins,
+    /// Share of runs that pass, of those that the margins were not made by.
+    pub share: f64,
+    /// What is missed most often in the others, if anything.
+    pub missed: Option<Demand>,
+}
+
+/// What a course comes to where errors are drawn.
+#[derive(Debug)]
+pub enum Robust {
+    /// The plan that holds most often.
+    Plan {
+        /// The plan.
+        held: Held,
+        /// Where it holds less often than asked: what blocks a plan with the margins that it would
+        /// take.
+        blocked: Option<Relief>,
+    },
+    /// There is no plan, whatever it keeps; the answer says why.
+    None(Crossed),
+}
+
+/// A course that cannot be planned for a share of jumps.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RobustError {
+    /// The course.
+    #[error(transparent)]
+    Crossing(#[from] CrossingError),
+    /// A jump.
+    #[error(transparent)]
+    Trial(#[from] TrialError),
+}
+
+/// A plan for `crossing` on `plant` that holds for the share of `how` of its runs with drawn errors,
+/// on its grounds. The course's standard deviations count no more: what scatters is simulated.
+///
+/// # Errors
+/// [`RobustError`] for a value outside its domain.
+pub fn plan(
+    robot: &Robot,
+    plant: &OnPlant,
+    crossing: &Crossing,
+    how: &Verification,
+    watch: &Watch<'_>,
+) -> Result<Robust, RobustError> {
+    let search = Search {
+        robot,
+        plant,
+        crossing,
+        how,
+        watch,
+        ground: Plant::new(plant.robot().clone(), ACCURACY),
+    };
+    search.run()
+}
+
+struct Search<'a> {
+    robot: &'a Robot,
+    plant: &'a OnPlant,
+    crossing: &'a Crossing,
+    how: &'a Verification,
+    watch: &'a Watch<'a>,
+    ground: Plant,
+}
+
+type Plan = CrossingPlan<CorrectedFlight<f64>>;
+
+impl Search<'_> {
+    fn run(&self) -> Result<Robust, RobustError> {
+        let mut margins = Margins::default();
+        let mut best: Option<Held> = None;
+        let mut blocked = None;
+        // Between margins with which there is a plan, and some with which there is none.
+        let mut feasible = Margins::default();
+        for _ in 0..ROUNDS {
+            let crossed = self.cross(margins)?;
+            let plan = match &crossed.answer {
+                CrossingAnswer::Plan(plan) => plan,
+                other => {
+                    if let CrossingAnswer::Infeasible { relief, .. } = other {
+                        blocked = Some(relief.clone());
+                    }
+                    if best.is_none() {
+                        return Ok(Robust::None(crossed));
+                    }
+                    margins = margins.between(feasible);
+                    continue;
+                }
+            };
+            let needed = self.needed(plan, &crossed, margins)?;
+            let (share, missed) = self.share(plan, &crossed)?;
+            feasible = margins;
+            if best.as_ref().is_none_or(|held| share > held.share) {
+                best = Some(Held {
+                    crossed,
+                    margins,
+                    share,
+                    missed,
+                });
+            }
+            if share >= self.how.share {
+                blocked = None;
+                break;
+            }
+            if blocked.is_some() {
+                // Some margins are too much: as many as can be had are all that there is.
+                break;
+            }
+            margins = needed;
+        }
+        match best {
+            Some(held) => Ok(Robust::Plan { held, blocked }),
+            None => Ok(Robust::None(self.cross(Margins::default())?)),
+        }
+    }
+
+    fn cross(&self, margins: Margins) -> Result<Crossed, CrossingError> {
+        let crossing = Crossing {
+            sigmas: 0.0,
+            clearance: self.crossing.clearance + margins.clearance,
+            edge_margin: self.crossing.edge_margin + margins.landing,
+            friction: self
+                .crossing
+                .friction
+                .map(|mu| (mu - margins.friction).max(0.0)),
+            ..self.crossing.clone()
+        };
+        let crossed = for_crossing(self.robot.clone(), Some(self.plant), &crossing, self.watch);
+        match crossed {
+            // Margins that leave no room between the ends of a zone leave no plan.
+            Err(CrossingError::Input { .. }) if margins != Margins::default() => {
+                let answer = CrossingAnswer::Infeasible {
+                    relief: Relief {
+                        gives: Vec::new(),
+                        total: 0.0,
+                        decisions: Vec::new(),
+                    },
+                    jumps: None,
+                };
+                let plain = for_crossing(self.robot.clone(), None, self.crossing, self.watch)?;
+                Ok(Crossed { answer, ..plain })
+            }
+            crossed => crossed,
+        }
+    }
+
+    /// Runs of a plan with errors drawn, from another seed if `fresh`.
+    fn runs(
+        &self,
+        plan: &Plan,
+        crossed: &Crossed,
+        fresh: bool,
+    ) -> Result<Vec<Outcome>, TrialError> {
+        let how = Verification {
+            seed: if fresh {
+                self.how.seed ^ FRESH
+            } else {
+                self.how.seed
+            },
+            ..self.how.clone()
+        };
+        let subject = Subject::plan(self.crossing.clone(), plan.clone());
+        let radius = self.robot.body.radius;
+        let trials = how.trials(&subject, &crossed.planner, radius)?;
+        Ok(how.fly(&self.ground, &trials, &|| ()))
+    }
+
+    /// Margins with which the share asked for would have passed, had all else stayed.
+    fn needed(
+        &self,
+        plan: &Plan,
+        crossed: &Crossed,
+        margins: Margins,
+    ) -> Result<Margins, TrialError> {
+        let outcomes = self.runs(plan, crossed, false)?;
+        let drawn: Vec<&Outcome> = outcomes.iter().filter(|o| o.trial.has_errors()).collect();
+        let short = |kinds: &dyn Fn(Demand) -> bool| {
+            let worst = |outcome: &&Outcome| {
+                let judgements = outcome.attempts.iter().flat_map(|a| &a.judgements);
+                let of_kind = judgements.filter(|j| kinds(j.demand) && j.margin.is_finite());
+                of_kind.map(|j| j.margin).fold(f64::INFINITY, f64::min)
+            };
+            let mut worst: Vec<f64> = drawn.iter().map(worst).collect();
+            worst.sort_by(f64::total_cmp);
+            // Each of three kinds may take its part of the runs that fail.
+            let may_fail = (1.0 - self.how.share) / 3.0 * worst.len() as f64;
+            let at = worst
+                .iter()
+                .zip(0_u32..)
+                .find(|(_, k)| f64::from(*k) >= may_fail.floor());
+            at.map_or(0.0, |(margin, _)| (-GROWTH * margin).max(0.0))
+        };
+        Ok(Margins {
+            clearance: margins.clearance
+                + short(&|d| matches!(d, Demand::Clearance | Demand::Stance)),
+            landing: margins.landing + short(&|d| d.is_of_landing() && d != Demand::Tolerance),
+            friction: margins.friction + short(&|d| d == Demand::Friction),
+        })
+    }
+
+    /// Share of fresh runs that pass, and what the others miss most often. The runs without errors
+    /// have to pass all.
+    fn share(&self, plan: &Plan, crossed: &Crossed) -> Result<(f64, Option<Demand>), TrialError> {
+        let outcomes = self.runs(plan, crossed, true)?;
+        let (drawn, exact): (Vec<_>, Vec<_>) = outcomes.iter().partition(|o| o.trial.has_errors());
+        let passed = drawn.iter().filter(|o| o.passes()).count();
+        let missed = |demand: &Demand| {
+            let misses = |o: &&&Outcome| {
+                let judgements = o.attempts.iter().flat_map(|a| &a.judgements);
+                judgements
+                    .into_iter()
+                    .any(|j| j.demand == *demand && !j.holds())
+            };
+            drawn.iter().filter(misses).count()
+        };
+        let most = Demand::ALL.into_iter().max_by_key(missed);
+        let share = if exact.iter().all(|o| o.passes()) {
+            passed as f64 / drawn.len().max(1) as f64
+        } else {
+            0.0
+        };
+        Ok((share, most.filter(|demand| missed(demand) > 0)))
+    }
+}
+
+impl Margins {
+    /// Half way to the other.
+    fn between(self, other: Margins) -> Margins {
+        Margins {
+            clearance: f64::midpoint(self.clearance, other.clearance),
+            landing: f64::midpoint(self.landing, other.landing),
+            friction: f64::midpoint(self.friction, other.friction),
+        }
+    }
+}
