@@ -3,25 +3,13 @@
 use std::path::Path;
 
 use saltus::Robot;
-use saltus::on_plant::OnPlant;
-use saltus::planner::{Corrected, CorrectedFlight, Planner};
-use saltus::verify::{Plant, Subject};
+use saltus::verify::Plant;
 
+use super::loaded::Loaded;
 use super::subject::{self, SubjectFlags};
 use super::table_file;
 use crate::cli::common::note_valve;
 use crate::error::CliError;
-
-/// What is verified.
-pub(super) struct Loaded {
-    /// What it is called.
-    pub(super) title: String,
-    pub(super) subject: Subject<CorrectedFlight<f64>>,
-    /// What says where its jumps land.
-    pub(super) planner: Planner<Corrected>,
-    /// Whether it was made for the robot that jumps.
-    pub(super) for_plant: bool,
-}
 
 /// What the flags name, for `robot`; none for a course that no plan crosses.
 pub(super) fn load(
@@ -52,12 +40,6 @@ pub(super) fn load(
             allowed: "or TABLE.csv, or --law",
         }),
     }
-}
-
-/// Answers for `robot` that hold on `plant`.
-pub(super) fn on_plant(robot: &Robot, plant: &Plant) -> Result<OnPlant, CliError> {
-    let plant = plant.robot();
-    OnPlant::new(robot, plant).map_err(|error| CliError::content(&plant.name, error))
 }
 
 /// How a file's name ends, in small letters.

@@ -5,6 +5,7 @@ mod animation;
 mod context;
 mod drawing;
 mod load;
+mod loaded;
 mod report;
 mod subject;
 mod table_file;

@@ -10,7 +10,7 @@ use saltus::planner::CrossingAnswer;
 use saltus::planner::course::Standing;
 use saltus::verify::{Plant, Rule, Steering, Subject};
 
-use super::load::{Loaded, on_plant};
+use super::loaded::{Loaded, on_plant};
 use crate::cli::target::{Block, block};
 use crate::cli::terms::{self, LandingHeight, StartLean, Terms, landing_height, start_lean};
 use crate::error::{CliError, cut};

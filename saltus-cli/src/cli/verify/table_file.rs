@@ -8,7 +8,7 @@ use saltus::planner::{Corrected, Planner};
 use saltus::verify::{Plant, Steering, Subject};
 use saltus::{Launch, Robot};
 
-use super::load::{Loaded, on_plant};
+use super::loaded::{Loaded, on_plant};
 use super::subject::{self, SubjectFlags};
 use crate::cli::terms::{self, LandingHeight, StartLean, Terms};
 use crate::columns::{self, Column, Need};
