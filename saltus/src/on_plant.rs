@@ -155,7 +155,7 @@ impl OnPlant {
         let launches: Vec<Launch> = entries.map(|entry| entry.jump.launch).collect();
         let mut jumps = self.jumps(request, &launches).into_iter();
         let mut confirmed = Confirmed::default();
-        for cell in cells {
+        for cell in cells.iter_mut() {
             let (target, mut nearest) = (cell.target, cell.nearest);
             cell.entries.retain_mut(|entry| {
                 let jump = jumps.next().flatten();
@@ -184,7 +184,27 @@ impl OnPlant {
                 cell.nearest = nearest;
             }
         }
+        self.confirm_nearest(request, cells);
         confirmed
+    }
+
+    /// Flies the nearest of each cell without an entry: its value becomes the plant's, or there is
+    /// none.
+    fn confirm_nearest(&self, request: &TableRequest, cells: &mut [Cell<CorrectedFlight<f64>>]) {
+        let launch = |cell: &Cell<_>| {
+            let nearest = cell.nearest.filter(|_| cell.entries.is_empty())?;
+            Some(request.launch(cell.rate, nearest.firing_angle))
+        };
+        let launches: Vec<Launch> = cells.iter().filter_map(launch).collect();
+        let mut jumps = self.jumps(request, &launches).into_iter();
+        for cell in cells.iter_mut().filter(|cell| launch(cell).is_some()) {
+            let jump = jumps.next().flatten();
+            let value = jump.and_then(|jump| request.measure.of(self.robot(), &jump));
+            cell.nearest = cell
+                .nearest
+                .zip(value)
+                .map(|(nearest, value)| Nearest { value, ..nearest });
+        }
     }
 
     /// Flies the angles that a law was fitted to, and those that it fires: their values become the

@@ -47,6 +47,8 @@ pub struct Corrected {
     learnt: Vec<Learnt>,
     /// Time of the planar model for each second of the truer one, in a stroke.
     quickness: f64,
+    /// Whether launches near those from which the truer model does not fly are avoided.
+    avoids: bool,
     correction: Option<Kriging>,
 }
 
@@ -103,8 +105,8 @@ pub struct Effort {
     pub round: usize,
     /// Jumps of the truer model in all.
     pub jumps: usize,
-    /// Whether the truer model has to fly from every launch; else those from which it does not are
-    /// learnt from, and left.
+    /// Whether the truer model has to fly from every launch: those near one from which it does not
+    /// are avoided then. Else they stay among the answers, for whoever flies them all to drop.
     pub every: bool,
 }
 
@@ -118,6 +120,7 @@ impl Corrected {
             lowest: lowest - BELOW,
             learnt: Vec::new(),
             quickness: 1.0,
+            avoids: false,
             correction: None,
         }
     }
@@ -257,8 +260,12 @@ impl Corrected {
         Some(Difference::new(correction.at(&self.place(launch))))
     }
 
-    /// How the truer model does not fly where it is known not to: at the nearest launch known.
+    /// How the truer model does not fly where it is known not to and that is avoided: at the nearest
+    /// launch known.
     fn stays(&self, launch: &Launch) -> Option<Outcome> {
+        if !self.avoids {
+            return None;
+        }
         let place = self.place(launch);
         let off = |l: &&Learnt| apart(&l.place, &place);
         let nearest = self
@@ -352,6 +359,7 @@ impl Planner<Corrected> {
             miss: 0.0,
             is_exact: true,
         };
+        self.model_mut().avoids = effort.every;
         while correction.jumps < effort.jumps {
             let round = effort.round.min(effort.jumps - correction.jumps);
             let mut launches = answers(self)?;
