@@ -42,7 +42,7 @@ impl Proof {
         let dropped = match dropped {
             0 => String::new(),
             n => format!(
-                "; {n} more, off by more than {} mm, are not answers",
+                "; {n} more, which do not land or are off by more than {} mm, are not answers",
                 digits(1e3 * CONFIRMED, 2)
             ),
         };
