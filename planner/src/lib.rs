@@ -13,7 +13,7 @@ mod planner;
 mod proxy;
 mod table;
 
-pub use corrected::{Corrected, CorrectedFlight, Correction, Effort, Range};
+pub use corrected::{Corrected, CorrectedFlight, Correction, Effort, LaunchRange};
 pub use crossing::{
     Check, Crossing, CrossingAnswer, CrossingError, CrossingPlan, EDGE_MARGIN, MARGIN_SIGMAS,
     PlannedJump,

@@ -30,8 +30,8 @@ use saltus_numeric::parallel::in_chunks;
 use saltus_planner::course::{Span, Watch};
 use saltus_planner::{
     Cell, Corrected, CorrectedFlight, Correction, Crossing, CrossingAnswer, CrossingError,
-    CrossingPlan, Effort, Jump, JumpModel, Law, LawPoint, Measure, Nearest, Planar, PlannedJump,
-    Planner, Range, TableError, TableRequest,
+    CrossingPlan, Effort, Entry, Jump, JumpModel, LaunchRange, Law, LawPoint, Measure, Nearest,
+    Planar, PlannedJump, Planner, TableError, TableRequest,
 };
 use saltus_robot::Robot;
 use saltus_sim_check::SimError;
@@ -188,8 +188,8 @@ impl OnPlant {
         confirmed
     }
 
-    /// Flies the nearest of each cell without an entry: its value becomes the plant's, or there is
-    /// none.
+    /// Flies the nearest of each cell without an entry: its value becomes the plant's. Where it does
+    /// not land, the nearest is that of the other cells of its rate.
     fn confirm_nearest(&self, request: &TableRequest, cells: &mut [Cell<CorrectedFlight<f64>>]) {
         let launch = |cell: &Cell<_>| {
             let nearest = cell.nearest.filter(|_| cell.entries.is_empty())?;
@@ -204,6 +204,21 @@ impl OnPlant {
                 .nearest
                 .zip(value)
                 .map(|(nearest, value)| Nearest { value, ..nearest });
+        }
+        let reached = |cell: &Cell<_>| {
+            let entry = cell.entries.first().map(|entry: &Entry<_>| Nearest {
+                value: entry.value,
+                firing_angle: entry.jump.launch.firing_angle,
+            });
+            Some((cell.rate, entry.or(cell.nearest)?))
+        };
+        let reached: Vec<(f64, Nearest)> = cells.iter().filter_map(reached).collect();
+        let lost = |cell: &&mut Cell<_>| cell.entries.is_empty() && cell.nearest.is_none();
+        for cell in cells.iter_mut().filter(lost) {
+            let off = |nearest: &Nearest| (nearest.value - cell.target).abs();
+            let there = reached.iter().filter(|(rate, _)| *rate == cell.rate);
+            let there = there.map(|(_, nearest)| *nearest);
+            cell.nearest = there.min_by(|a, b| off(a).total_cmp(&off(b)));
         }
     }
 
@@ -262,7 +277,7 @@ impl OnPlant {
 
 /// A planner by the planar model alone.
 pub fn planar(robot: Robot) -> Planner<Corrected> {
-    let range = Range {
+    let range = LaunchRange {
         rates: Span::NONE,
         firing_angles: Span::NONE,
         valve_open: Span::NONE,
@@ -284,7 +299,7 @@ pub fn for_launches(
     let hull = |number: fn(&Launch) -> f64| {
         Span::hull_of(&launches.iter().map(number).collect::<Vec<_>>())
     };
-    let range = Range {
+    let range = LaunchRange {
         rates: hull(|l| l.rate),
         firing_angles: hull(|l| l.firing_angle),
         valve_open: hull(|l| l.valve_open),
@@ -309,7 +324,7 @@ pub fn for_table(
     request: &TableRequest,
 ) -> Result<(Planner<Corrected>, Option<Correction>), TableError> {
     let (low, high) = request.firing_angles;
-    let range = Range {
+    let range = LaunchRange {
         rates: Span::hull_of(&request.rates),
         firing_angles: Span::new(low, high),
         valve_open: Span::point(request.valve_open),
@@ -349,7 +364,7 @@ pub fn for_crossing(
     crossing: &Crossing,
     watch: &Watch<'_>,
 ) -> Result<Crossed, CrossingError> {
-    let range = Range {
+    let range = LaunchRange {
         rates: Span::hull_of(&crossing.rates),
         firing_angles: crossing.firing_angles,
         valve_open: if robot.leg.drive.has_valve() {

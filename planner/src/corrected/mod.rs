@@ -42,7 +42,7 @@ const BELOW: f64 = 0.01;
 #[derive(Clone, Debug)]
 pub struct Corrected {
     planar: Planar,
-    range: Range,
+    range: LaunchRange,
     lowest: f64,
     learnt: Vec<Learnt>,
     /// Time of the planar model for each second of the truer one, in a stroke.
@@ -54,7 +54,7 @@ pub struct Corrected {
 
 /// Where launches are asked for: differences are taken to change little over a small part of it.
 #[derive(Clone, Copy, Debug)]
-pub struct Range {
+pub struct LaunchRange {
     /// Approach rates (rad/s).
     pub rates: Span,
     /// Firing angles (rad).
@@ -113,7 +113,7 @@ pub struct Effort {
 impl Corrected {
     /// Nothing learnt yet. Flights are compared down to `lowest` (m above the foothold), the lowest
     /// height at which the wheel's centre may land.
-    pub fn new(planar: Planar, range: Range, lowest: f64) -> Corrected {
+    pub fn new(planar: Planar, range: LaunchRange, lowest: f64) -> Corrected {
         Corrected {
             planar,
             range,
@@ -127,7 +127,7 @@ impl Corrected {
 
     /// A launch in units of the ranges.
     fn place<S: Single>(&self, launch: &Launch<S>) -> Place<S> {
-        let Range {
+        let LaunchRange {
             rates,
             firing_angles,
             valve_open,
@@ -363,8 +363,9 @@ impl Planner<Corrected> {
         while correction.jumps < effort.jumps {
             let round = effort.round.min(effort.jumps - correction.jumps);
             let mut launches = answers(self)?;
-            if correction.jumps == 0 && self.model().range.valve_open.width() > 0.0 {
-                // With the valve open all along, to see how long a stroke takes.
+            // First with the valve open all along, to see how long a stroke takes.
+            let explores = correction.jumps == 0 && self.model().range.valve_open.width() > 0.0;
+            if explores {
                 let valve_open = self.model().range.valve_open.high;
                 let open = |l: &mut Launch| l.valve_open = valve_open;
                 launches.iter_mut().for_each(open);
@@ -387,14 +388,13 @@ impl Planner<Corrected> {
             };
             correction.jumps += launches.len();
             correction.is_exact &= correction.miss <= SAME;
-            if correction.is_exact {
-                break;
-            }
             // What was flown is what is answered: the last lessons are not applied.
-            if correction.miss <= effort.bound {
+            if !explores && (correction.is_exact || correction.miss <= effort.bound) {
                 break;
             }
-            self.model_mut().apply();
+            if !correction.is_exact {
+                self.model_mut().apply();
+            }
         }
         Ok(correction)
     }

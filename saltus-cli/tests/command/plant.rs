@@ -146,7 +146,7 @@ fn laws_and_maps_are_of_the_plant() {
     let (header, spots) = rows(&folder.done(map, 0));
     let column = |name: &str| header.iter().position(|h| h == name).unwrap();
     let distance: f64 = spots[0][column("distance_m")].parse().unwrap();
-    // 5 cm less than the planar model's.
+    // 6 cm less than the planar model's.
     assert!((0.75..0.85).contains(&distance), "{distance}");
     // The next leg would stand in the ground.
     assert_eq!(spots[1][column("outcome")], "not-computed");
