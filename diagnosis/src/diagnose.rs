@@ -14,7 +14,7 @@ use crate::stages::add::{self, Added};
 use crate::stages::exchange::{exchange, one_for_two};
 use crate::stages::prune::prune;
 use crate::stages::unknown::{self, Before, Judged};
-use crate::stages::{pairs, rivals};
+use crate::stages::{pairs, rivals, small};
 use crate::view::View;
 
 /// Which causes make the model of an experiment wrong; `progress` is told what is being done. None
@@ -29,7 +29,7 @@ pub fn diagnose(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Option<Diagnosis> {
     progress("fitting the model as it is");
-    let view = View::new(kind);
+    let view = View::new(kind, settings);
     let stated = Search::new(&view, settings, progress, false)?;
     let Some(seen) = stated.rescaled(&view) else {
         return Some(stated.conclude(&view));
@@ -100,10 +100,16 @@ impl<'a> Search<'a> {
         self.evidence.says("what else could be");
         let mut tried = std::mem::take(&mut self.added.tried);
         let findings = self.findings(stated, &mut judged, &mut tried);
+        let small = if findings.is_empty() && judged.unknown.is_none() {
+            small::small(&self.evidence, &self.before, &tried)
+        } else {
+            None
+        };
         self.evidence.says("data left out");
         Diagnosis {
             findings,
             unknown: judged.unknown,
+            small,
             term: judged.term,
             tried,
             gains: self.gains(&judged.model),

@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use saltus_numeric::parallel;
 use saltus_numeric::statistics::rms;
 
+use crate::discrepancy::Discrepancy;
 use crate::finding::Candidate;
 use crate::fit::{self, Fit};
 use crate::fitness;
@@ -47,6 +48,9 @@ pub(crate) struct Evidence<'a> {
     /// Indices of all runs.
     pub(crate) runs: Vec<usize>,
     folds: Vec<Fold>,
+    discrepancy: Discrepancy,
+    /// Number of readings.
+    readings: usize,
     scores: Memo<Vec<Score>>,
     candidates: Memo<Vec<Candidate>>,
 }
@@ -65,6 +69,8 @@ impl<'a> Evidence<'a> {
             is_rescaled,
             runs: (0..kind.logs().len()).collect(),
             folds: folds(kind, settings),
+            discrepancy: Discrepancy::new(kind),
+            readings: kind.logs().iter().map(|log| log.readings.len()).sum(),
             scores: Memo::new(),
             candidates: Memo::new(),
         }
@@ -103,11 +109,16 @@ impl<'a> Evidence<'a> {
         gain - self.gain_by_chance(cause)
     }
 
-    /// Prior penalty of a candidate: the square of its effect in terms of the usual one.
+    /// Prior penalty of a candidate, by what is known of its parameters.
     pub(crate) fn prior_penalty(&self, candidate: &Candidate) -> f64 {
         let cause = &self.kind.causes()[candidate.cause];
-        let off = candidate.fit.terms.get(candidate.cause, 0) - cause.parameters[0].neutral;
-        cause.usual.map_or(0.0, |usual| (off / usual).powi(2))
+        cause.penalty(candidate.fit.terms.of(candidate.cause))
+    }
+
+    /// Whether a candidate contradicts what is known.
+    pub(crate) fn contradicts(&self, candidate: &Candidate) -> bool {
+        let cause = &self.kind.causes()[candidate.cause];
+        cause.contradicts(candidate.fit.terms.of(candidate.cause))
     }
 
     /// Gain less the cost of the parameters (Akaike's criterion) and the prior penalty.
@@ -119,6 +130,29 @@ impl<'a> Evidence<'a> {
     /// Variance inflation of what `model` leaves.
     pub(crate) fn inflation(&self, model: &Fit) -> f64 {
         fitness::inflation(self.kind, model)
+    }
+
+    /// Variance inflation by which the difference in loss of two models is judged: that of the
+    /// residuals, or what the model's own error does where the two differ, whichever is more.
+    pub(crate) fn inflation_between(&self, a: &Fit, b: &Fit, inflation: f64) -> f64 {
+        let (a, b) = (self.predicted(a), self.predicted(b));
+        let difference: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
+        let of_all = difference.len() == self.readings;
+        let of_model = if of_all {
+            self.discrepancy.inflation(&difference)
+        } else {
+            1.0
+        };
+        inflation.max(of_model)
+    }
+
+    /// What a model says of every reading (σ).
+    fn predicted(&self, model: &Fit) -> Vec<f64> {
+        let of = |run: &usize| {
+            let unknowns = &model.unknowns[*run];
+            fit::predicted(self.kind, *run, &model.terms, unknowns).unwrap_or_default()
+        };
+        self.runs.iter().flat_map(of).collect()
     }
 
     /// Whether residuals with this variance inflation are correlated, so that runs must be

@@ -4,6 +4,7 @@ use crate::fit::Fit;
 use crate::fitness::{Fitness, Unknown};
 use crate::gain::Gain;
 use crate::kind::Kind;
+use crate::known::{self, Deviation};
 use crate::named::meaning;
 use crate::next::NextExperiment;
 use crate::profile::Interval;
@@ -24,6 +25,8 @@ pub struct Candidate {
     pub gain: f64,
     /// The model with it.
     pub fit: Fit,
+    /// What is known of its parameters apart from the data.
+    pub deviations: Vec<Deviation>,
     /// Its parameters as they are reported.
     pub reported: Vec<Reported>,
 }
@@ -37,6 +40,7 @@ impl Candidate {
             column: spec.column.clone(),
             values: spec.report(fit.terms.of(cause)),
             cause,
+            deviations: known::deviations(kind.causes(), cause, &fit.terms),
             gain: base.loss - fit.loss,
             fit,
             reported: Vec::new(),
@@ -80,6 +84,8 @@ pub struct Finding {
     pub rivals: Vec<Candidate>,
     /// Those after them that the data do not exclude either.
     pub less_likely: Vec<Candidate>,
+    /// Those that the data do not exclude, and what is known apart from them does.
+    pub contradicting: Vec<Candidate>,
     /// A term without an id that explains the data as well.
     pub unlisted: Option<Candidate>,
     /// By how much the loss of data left out falls with it.
@@ -93,6 +99,19 @@ pub struct Finding {
     pub next: Option<NextExperiment>,
 }
 
+/// Something that noise does not explain and the model's own error may: no cause is claimed.
+#[derive(Clone, Debug)]
+pub struct Small {
+    /// The channel that shows it most.
+    pub channel: String,
+    /// How much it changes that channel, root mean square (the channel's unit).
+    pub rms: f64,
+    /// The same in standard deviations of a reading.
+    pub sigmas: f64,
+    /// Causes that would explain it, the best first: three at most.
+    pub causes: Vec<Candidate>,
+}
+
 /// What the data say.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
@@ -100,6 +119,8 @@ pub struct Diagnosis {
     pub findings: Vec<Finding>,
     /// Something that is wrong beyond them.
     pub unknown: Option<Unknown>,
+    /// Where nothing is wrong, what is visible nevertheless.
+    pub small: Option<Small>,
     /// The term of the state that describes it best, if one does on data left out too; it has no id
     /// of a cause.
     pub term: Option<Candidate>,

@@ -269,7 +269,7 @@ pub(crate) fn fitness(
     };
     let measure = Measure::new(kind, &tangent.predicted);
     let drawn: Vec<Vec<f64>> = (0..draws.max(POLICY.least_draws))
-        .map(|_| tangent.chance(kind, random))
+        .map(|_| tangent.drawn(kind, random))
         .collect();
     let drawn = parallel::map(drawn.len(), |k| measure.of(&drawn[k]));
     let chance = Chance::new(&drawn, channels, level);

@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 
 use saltus_robot::Robot;
 
+use crate::known::Prior;
+
 /// A measured column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
@@ -66,9 +68,9 @@ pub struct Cause {
     pub column: Option<String>,
     /// What is estimated.
     pub parameters: Vec<Parameter>,
-    /// How much such an effect may be before it is a surprise, in terms of the first parameter;
-    /// none: anything is.
-    pub usual: Option<f64>,
+    /// What is known of it apart from the data: indices of what is reported, each with what is
+    /// known of that.
+    pub priors: Vec<(usize, Prior)>,
     /// How its parameters are reported.
     pub form: Form,
 }
@@ -96,9 +98,17 @@ impl Cause {
             id,
             column: None,
             parameters,
-            usual: None,
+            priors: Vec::new(),
             form: Form::Direct,
         }
+    }
+
+    /// With what common sense knows of its first parameter: its value in the model as it is, with a
+    /// standard deviation.
+    pub(crate) fn usual(mut self, error: f64, why: &'static str) -> Cause {
+        let value = self.parameters[0].neutral;
+        self.priors = vec![(0, Prior::common(value, error, why))];
+        self
     }
 
     /// What is reported where its parameters are `values`: names and values, in the units of a
@@ -250,6 +260,12 @@ pub trait Kind: Sync {
     /// reported.
     fn trust(&self) -> f64 {
         0.1
+    }
+
+    /// Standard deviation of the model's own error, in standard deviations of a reading: a smooth
+    /// process in time, which is part of the noise.
+    fn discrepancy(&self) -> f64 {
+        self.trust()
     }
 
     /// Standard deviations by which `cause` must change readings to be claimed.

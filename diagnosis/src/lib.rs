@@ -6,6 +6,7 @@
 //! that were left out ask for it.
 
 mod diagnose;
+mod discrepancy;
 mod estimate;
 mod evidence;
 mod experiment;
@@ -17,6 +18,7 @@ mod gain;
 mod identifiability;
 mod kind;
 pub mod kinds;
+mod known;
 pub mod layout;
 mod named;
 mod next;
@@ -41,11 +43,12 @@ mod view;
 pub use diagnose::diagnose;
 pub use estimate::{Combination, Estimate, Estimated, Residual, Undetermined, estimate};
 pub use experiment::{Experiment, Run, Sort};
-pub use finding::{Candidate, Diagnosis, Finding, Reported};
+pub use finding::{Candidate, Diagnosis, Finding, Reported, Small};
 pub use fit::Fit;
 pub use fitness::{Fitness, Unknown};
 pub use gain::Gain;
 pub use kind::{Cause, Channel, Form, Kind, Log, Parameter, Proposal, Reading, Terms};
+pub use known::{Deviation, Known, KnownError, Prior, Source, check_known};
 pub use named::{meaning, named};
 pub use next::NextExperiment;
 pub use noise::{Misstated, disbelieve, misstated};

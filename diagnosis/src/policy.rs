@@ -94,9 +94,9 @@ pub struct Policy {
     pub rival_part_correlated: f64,
     /// Gains that differ by less than this part (and half a unit) are equal. Chosen.
     pub equal_gain: f64,
-    /// Prior penalty, in terms of `rival_loss`, beyond which a cause is no rival. Chosen: an effect
-    /// of eleven times its usual size.
-    pub prior_limit: f64,
+    /// Standard deviations from what is known beyond which a cause contradicts it. Chosen: once in
+    /// two million times by chance.
+    pub contradiction: f64,
     /// A parameter is unlimited if its bound is farther than so many times the least that explains
     /// the data. Chosen.
     pub unlimited: f64,
@@ -183,7 +183,7 @@ pub const POLICY: Policy = Policy {
     most_rivals: 2,
     rival_part_correlated: 0.5,
     equal_gain: 1e-3,
-    prior_limit: 30.0,
+    contradiction: 5.0,
     unlimited: 2.0,
     told_apart: 5.0,
 

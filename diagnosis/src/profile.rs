@@ -56,7 +56,8 @@ impl Profile<'_> {
         };
         // Noise of measured inputs lets the parameter go further than the loss of the readings
         // says.
-        let level = LEVEL * self.inflation * all / readings;
+        let inflation = self.known.inflation(index, self.inflation);
+        let level = LEVEL * inflation * all / readings;
         let (from, side) = (
             self.fit.terms.get(cause, parameter),
             if is_upper { 1.0 } else { -1.0 },
@@ -83,7 +84,7 @@ impl Profile<'_> {
             moved.terms.set(cause, parameter, from + side * distance);
             fit::refit_but(self.kind, (cause, parameter), moved, STEPS)
         };
-        let first = (LEVEL * self.inflation * all).sqrt() * spec.scale;
+        let first = (LEVEL * inflation * all).sqrt() * spec.scale;
         crossing(fitted, first, most, (self.fit.loss, level))
     }
 }

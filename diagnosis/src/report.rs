@@ -47,7 +47,11 @@ pub(crate) fn report(
     };
     let covariance = known.as_ref().map_or_else(
         || DMatrix::from_element(n, n, f64::NAN),
-        |k| k.covariance.view((offset, offset), (n, n)).into_owned() * inflation,
+        |known| {
+            let factor = |i: usize| known.inflation(offset + i, inflation).sqrt();
+            let of_readings = known.covariance.view((offset, offset), (n, n));
+            DMatrix::from_fn(n, n, |i, j| of_readings[(i, j)] * factor(i) * factor(j))
+        },
     );
     let of = |(k, ends): (usize, &Option<Ends>)| Reported {
         name: law.reported[k].0.clone(),

@@ -24,6 +24,11 @@ impl Series {
         self.places.iter().map(|&i| residuals[i]).collect()
     }
 
+    /// Unit vectors of the smooth shapes over its readings.
+    pub(crate) fn shapes(&self) -> &[Vec<f64>] {
+        &self.shapes
+    }
+
     /// Their part of each smooth shape; 0 where there are too few readings for it.
     pub(crate) fn smooth_parts(&self, residuals: &[f64]) -> [f64; SHAPES] {
         let values = self.of(residuals);

@@ -7,6 +7,7 @@ use rand_pcg::Pcg64;
 use saltus_numeric::parallel;
 use saltus_numeric::statistics::dot;
 
+use crate::discrepancy::Discrepancy;
 use crate::fit::{Fit, Place, derivative, parameters_of, predicted, residuals, weight};
 use crate::identifiability::Identifiability;
 use crate::kind::{Channel, Kind, Parameter};
@@ -31,6 +32,8 @@ pub(crate) struct Tangent {
     pub(crate) predicted: Vec<f64>,
     /// Where each run begins, and the end.
     bounds: Vec<usize>,
+    /// The model's own error.
+    discrepancy: Discrepancy,
 }
 
 /// How surely the parameters of the causes that are on are known, in units of their scales.
@@ -39,10 +42,26 @@ pub(crate) struct Known {
     pub(crate) covariance: DMatrix<f64>,
     /// The part of the readings alone.
     pub(crate) by_readings: DMatrix<f64>,
+    /// What the model's own error adds.
+    by_model: DMatrix<f64>,
     /// Least eigenvalue of the information when each parameter alone has information 1.
     pub(crate) least: f64,
     /// Its direction.
     pub(crate) direction: Vec<f64>,
+}
+
+impl Known {
+    /// By how much more than `covariance` a parameter scatters, where residuals weigh `inflation`
+    /// times as much as white noise: what they show of the model's own error counts once.
+    pub(crate) fn inflation(&self, index: usize, inflation: f64) -> f64 {
+        let place = (index, index);
+        let by_model = 1.0 + self.by_model[place] / self.covariance[place];
+        if by_model.is_finite() {
+            inflation.max(by_model)
+        } else {
+            inflation
+        }
+    }
 }
 
 /// Two causes with what they gain together.
@@ -57,6 +76,9 @@ pub(crate) struct Direction {
     columns: Vec<Vec<f64>>,
     /// Inverse of the columns' products.
     inverse: DMatrix<f64>,
+    /// Inverse of the covariance that noise and the model's own error give to residuals' parts of
+    /// the columns.
+    precision: DMatrix<f64>,
     /// Whether the first parameter can only grow.
     one_sided: bool,
 }
@@ -64,11 +86,20 @@ pub(crate) struct Direction {
 impl Direction {
     /// By how much the loss of `residuals` would fall.
     pub(crate) fn gain(&self, residuals: &[f64]) -> f64 {
+        self.weighed(residuals, &self.inverse)
+    }
+
+    /// The same, where noise and the model's own error together give about one for each parameter.
+    pub(crate) fn score(&self, residuals: &[f64]) -> f64 {
+        self.weighed(residuals, &self.precision)
+    }
+
+    fn weighed(&self, residuals: &[f64], inverse: &DMatrix<f64>) -> f64 {
         let g = DVector::from_iterator(
             self.columns.len(),
             self.columns.iter().map(|c| dot(c, residuals)),
         );
-        let step = &self.inverse * &g;
+        let step = inverse * &g;
         if self.one_sided && step[0] < 0.0 {
             0.0
         } else {
@@ -123,6 +154,7 @@ fn direction(
     raw: Vec<Vec<f64>>,
     clear: &[Vec<f64>],
     one_sided: bool,
+    discrepancy: &Discrepancy,
 ) -> Option<Direction> {
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for mut column in raw {
@@ -143,18 +175,25 @@ fn direction(
         }
     }
     let n = columns.len();
-    let products = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]));
-    let inverse = if n > 0 {
-        products.try_inverse()?
-    } else {
+    if n == 0 {
         return None;
-    };
+    }
+    let of_model: Vec<Vec<f64>> = columns.iter().map(|c| discrepancy.coordinates(c)).collect();
+    let products = products(&columns);
+    let covariance = &products + self::products(&of_model);
     Some(Direction {
         cause,
         columns,
-        inverse,
+        inverse: products.try_inverse()?,
+        precision: covariance.try_inverse()?,
         one_sided,
     })
+}
+
+/// Products of every two columns.
+fn products(columns: &[Vec<f64>]) -> DMatrix<f64> {
+    let n = columns.len();
+    DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]))
 }
 
 /// The model at a fit, with what the unknowns of each run can do.
@@ -238,21 +277,26 @@ impl<'a> Around<'a> {
     }
 
     /// What a cause that is not on could do, clear of the directions `clear` too.
-    fn directions(&self, cause: usize, clear: &[Vec<f64>]) -> Vec<Direction> {
+    fn directions(
+        &self,
+        cause: usize,
+        clear: &[Vec<f64>],
+        discrepancy: &Discrepancy,
+    ) -> Vec<Direction> {
         let spec = &self.kind.causes()[cause];
         let parameters = &spec.parameters;
         if spec.is_apart() {
             let starts = parameters.iter().map(|p| p.starts.len()).max().unwrap_or(0);
             let each = (0..starts).filter_map(|start| self.away(cause, start));
             return each
-                .filter_map(|raw| direction(cause, vec![raw], clear, true))
+                .filter_map(|raw| direction(cause, vec![raw], clear, true, discrepancy))
                 .collect();
         }
         let raw = (0..parameters.len())
             .filter_map(|p| self.column(cause, p))
             .collect();
         let one_sided = parameters.len() == 1 && parameters[0].neutral <= parameters[0].bounds.0;
-        direction(cause, raw, clear, one_sided)
+        direction(cause, raw, clear, one_sided, discrepancy)
             .into_iter()
             .collect()
     }
@@ -286,7 +330,10 @@ impl Tangent {
         let off: Vec<usize> = (0..kind.listed())
             .filter(|c| with_candidates && !fit.causes.contains(c))
             .collect();
-        let candidates = parallel::map(off.len(), |k| around.directions(off[k], &clear));
+        let discrepancy = Discrepancy::new(kind);
+        let candidates = parallel::map(off.len(), |k| {
+            around.directions(off[k], &clear, &discrepancy)
+        });
         Some(Tangent {
             candidates: candidates.into_iter().flatten().collect(),
             on,
@@ -298,6 +345,7 @@ impl Tangent {
             own: around.own,
             predicted: around.here.concat(),
             bounds: around.bounds,
+            discrepancy,
         })
     }
 
@@ -337,9 +385,8 @@ impl Tangent {
         found
     }
 
-    /// Residuals (standard deviations) that chance alone would leave: noise and quantisation as in
-    /// the data, fitted again.
-    pub(crate) fn chance(&self, kind: &dyn Kind, random: &mut Pcg64) -> Vec<f64> {
+    /// Errors of readings (standard deviations) by chance: noise and quantisation as in the data.
+    fn chance(&self, kind: &dyn Kind, random: &mut Pcg64) -> Vec<f64> {
         let mut all = Vec::with_capacity(self.predicted.len());
         let within = StandardUniform.map(|x: f64| x - 0.5);
         // Where between two steps of a quantised column the readings lie is not known so well; it
@@ -367,6 +414,14 @@ impl Tangent {
                 all.push(count * (drawn + moved));
             }
         }
+        all
+    }
+
+    /// Residuals (standard deviations) that noise and the model's own error would leave, fitted
+    /// again.
+    pub(crate) fn drawn(&self, kind: &dyn Kind, random: &mut Pcg64) -> Vec<f64> {
+        let mut all = self.chance(kind, random);
+        self.discrepancy.add(&mut all, random);
         self.clear(&mut all);
         all
     }
@@ -384,8 +439,7 @@ impl Tangent {
 
     /// Information on the parameters of the causes that are on, in units of their scales.
     pub(crate) fn information(&self) -> DMatrix<f64> {
-        let n = self.on.len();
-        DMatrix::from_fn(n, n, |i, j| dot(&self.on[i], &self.on[j]))
+        products(&self.on)
     }
 
     /// How surely the parameters of the causes that are on are known.
@@ -395,6 +449,7 @@ impl Tangent {
             let nothing = DMatrix::zeros(0, 0);
             return Known {
                 by_readings: nothing.clone(),
+                by_model: nothing.clone(),
                 covariance: nothing,
                 least: 1.0,
                 direction: Vec::new(),
@@ -415,10 +470,18 @@ impl Tangent {
         }
         Known {
             covariance: &by_readings + self.by_inputs(kind, &by_readings),
+            by_model: self.by_model(&by_readings),
             by_readings,
             least: found.information[least],
             direction: found.direction(least).iter().copied().collect(),
         }
+    }
+
+    /// What the model's own error adds to the covariance that noise of the readings gives.
+    fn by_model(&self, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+        let of = |column: &Vec<f64>| self.discrepancy.coordinates(column);
+        let coordinates: Vec<Vec<f64>> = self.on.iter().map(of).collect();
+        covariance * products(&coordinates) * covariance
     }
 
     /// What noise of measured inputs adds to the covariance that noise of the readings gives: the

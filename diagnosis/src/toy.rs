@@ -24,6 +24,7 @@ pub(crate) struct Toy {
     columns: Vec<Vec<f64>>,
     listed: usize,
     trust: f64,
+    discrepancy: f64,
 }
 
 /// `ALL` numbers with unit length, one of an orthonormal set for each `k`: waves over all readings.
@@ -85,6 +86,7 @@ impl Toy {
             listed: columns.len(),
             columns,
             trust: 0.1,
+            discrepancy: 0.0,
         }
     }
 
@@ -108,6 +110,12 @@ impl Toy {
     /// With another error of the model (σ).
     pub(crate) fn with_model_error(mut self, trust: f64) -> Toy {
         self.trust = trust;
+        self
+    }
+
+    /// With a smooth error of the model in the noise (σ).
+    pub(crate) fn with_discrepancy(mut self, amplitude: f64) -> Toy {
+        self.discrepancy = amplitude;
         self
     }
 
@@ -159,6 +167,10 @@ impl Kind for Toy {
 
     fn trust(&self) -> f64 {
         self.trust
+    }
+
+    fn discrepancy(&self) -> f64 {
+        self.discrepancy
     }
 
     fn predict(&self, run: usize, terms: &Terms, _: &[f64]) -> Option<Vec<f64>> {

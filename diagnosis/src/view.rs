@@ -10,7 +10,9 @@ use saltus_robot::Robot;
 use crate::fit::Fit;
 use crate::fitness;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Proposal, Terms};
+use crate::known;
 use crate::policy::POLICY;
+use crate::settings::Settings;
 
 /// Most answers of a run that are kept, and most readings in all that they have.
 const ANSWERS: usize = 400;
@@ -34,21 +36,27 @@ type Known = (u64, Question, Option<Arc<[f64]>>);
 pub(crate) struct View<'a> {
     kind: &'a dyn Kind,
     channels: Vec<Channel>,
+    causes: Vec<Cause>,
+    discrepancy: f64,
     said: Arc<[Mutex<VecDeque<Known>>]>,
 }
 
 impl<'a> View<'a> {
-    /// As it was stated.
-    pub(crate) fn new(kind: &'a dyn Kind) -> View<'a> {
+    /// As it was stated, with what the settings say of the model's own error and of its causes.
+    pub(crate) fn new(kind: &'a dyn Kind, settings: &Settings) -> View<'a> {
         let said = kind.logs().iter().map(|_| Mutex::default()).collect();
         View {
             kind,
             channels: kind.channels().to_vec(),
+            causes: known::inform(kind.causes(), &settings.known)
+                .unwrap_or_else(|_| kind.causes().to_vec()),
+            discrepancy: settings.discrepancy.unwrap_or(kind.discrepancy()),
             said,
         }
     }
 
-    /// With the scatter that `model` leaves; none where that is about what was stated.
+    /// With the scatter that `model` leaves, which has the model's own error in it; none where that
+    /// is about what was stated.
     pub(crate) fn rescaled(&self, model: &Fit) -> Option<View<'a>> {
         let scatter = fitness::scatter(self, model);
         let scale = |(channel, seen): (&Channel, &f64)| Channel {
@@ -60,6 +68,8 @@ impl<'a> View<'a> {
         is_more.then(|| View {
             kind: self.kind,
             channels,
+            causes: self.causes.clone(),
+            discrepancy: 0.0,
             said: Arc::clone(&self.said),
         })
     }
@@ -119,7 +129,7 @@ impl Kind for View<'_> {
     }
 
     fn causes(&self) -> &[Cause] {
-        self.kind.causes()
+        &self.causes
     }
 
     fn listed(&self) -> usize {
@@ -128,6 +138,10 @@ impl Kind for View<'_> {
 
     fn trust(&self) -> f64 {
         self.kind.trust()
+    }
+
+    fn discrepancy(&self) -> f64 {
+        self.discrepancy
     }
 
     fn least_effect(&self, cause: usize) -> f64 {

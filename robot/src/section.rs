@@ -208,6 +208,28 @@ impl Section {
         }
     }
 
+    /// Every key that is left, each a list of a value and its standard deviation, which is above 0; of
+    /// a table among them, its keys after its own and a dot. The unit is the name's.
+    pub fn known(&mut self) -> Vec<(String, [f64; 2])> {
+        const ALLOWED: &str =
+            "a list of two numbers: the value and its standard deviation, above 0";
+        let keys: Vec<String> = self.entries.keys().cloned().collect();
+        let mut all = Vec::new();
+        for key in keys {
+            if self.is_table(&key) {
+                let inner = self.optional_table(&key, |mut table| {
+                    let known = table.known();
+                    table.finish(known)
+                });
+                let dotted = |(name, pair): (String, _)| (format!("{key}.{name}"), pair);
+                all.extend(inner.into_iter().flatten().map(dotted));
+            } else if let Some(pair) = self.value(&key, ALLOWED, pair) {
+                all.push((key, pair));
+            }
+        }
+        all
+    }
+
     /// The numbers (SI) of the list `key`; messages count its items from 1.
     fn items(
         &mut self,
@@ -541,9 +563,25 @@ fn spellings(ways: &[(&str, Domain)], quantity: Quantity) -> (Vec<String>, Vec<(
         .unzip()
 }
 
+/// A value and its standard deviation.
+fn pair(value: &Value) -> Option<[f64; 2]> {
+    let Value::Array(items) = value else {
+        return None;
+    };
+    let number = |item: &Node| match &item.value {
+        Value::Number(literal) => literal.parse().ok().filter(|x: &f64| x.is_finite()),
+        _ => None,
+    };
+    let numbers: Option<Vec<f64>> = items.iter().map(number).collect();
+    match numbers?[..] {
+        [value, error] if error > 0.0 => Some([value, error]),
+        _ => None,
+    }
+}
+
 /// Characters to insert, delete or replace to get from `a` to `b` (Levenshtein); of a long text
 /// only the beginning counts.
-fn edits(a: &str, b: &str) -> usize {
+pub fn edits(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().take(64).collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();
     for (i, from) in a.chars().take(64).enumerate() {

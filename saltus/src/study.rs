@@ -6,8 +6,8 @@ use std::fmt::{self, Write};
 use saltus_diagnosis::kinds::{self, Problem};
 use saltus_diagnosis::rig::Rig;
 use saltus_diagnosis::{
-    Diagnosis, Experiment, Interval, Kind, Misstated, Reported, Settings, Sort, Terms, disbelieve,
-    misstated,
+    Diagnosis, Experiment, Interval, Kind, Known, KnownError, Misstated, Reported, Settings, Sort,
+    Terms, check_known, disbelieve, misstated,
 };
 use saltus_numeric::statistics::{line, rms};
 use saltus_planner::{Planner, TableRequest};
@@ -36,6 +36,9 @@ pub enum StudyError {
     /// The model has no motion like that of a run, at its first guesses.
     #[error("{0}")]
     NoMotion(NoMotion),
+    /// Something that cannot be known.
+    #[error(transparent)]
+    Known(#[from] KnownError),
     /// Data whose sizes cannot be those of the robot.
     #[error(transparent)]
     Data(#[from] crate::experiment::Error),
@@ -53,7 +56,17 @@ impl Folder {
     pub fn diagnose(&self, settings: &Settings) -> Result<Study, StudyError> {
         let robot = self.robot()?;
         plausible(self, robot.as_ref())?;
-        study(&self.experiment, robot.as_ref(), settings, &|_| ())
+        let settings = self.settings(settings);
+        study(&self.experiment, robot.as_ref(), &settings, &|_| ())
+    }
+
+    /// `settings` with what the folder knows, where they do not know otherwise.
+    pub fn settings(&self, settings: &Settings) -> Settings {
+        let mut all = settings.clone();
+        let own = self.known.iter();
+        let is_new = |known: &&Known| settings.known.iter().all(|k| k.name != known.name);
+        all.known.extend(own.filter(is_new).cloned());
+        all
     }
 }
 
@@ -76,6 +89,7 @@ pub fn study(
     let mut rounds = 0;
     loop {
         let kind = kinds::build(&experiment, robot)?;
+        check_known(kind.causes(), &settings.known)?;
         let diagnosis = saltus_diagnosis::diagnose(kind.as_ref(), settings, progress);
         let Some(diagnosis) = diagnosis else {
             return Err(StudyError::NoMotion(NoMotion::of(

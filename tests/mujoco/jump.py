@@ -172,8 +172,11 @@ class Robot:
         q, v = self.data.qpos, self.data.qvel
         return [q[self.lean], q[1], q[0], v[self.lean_rate] + v[0] * math.sin(q[1])]
 
-    def jump(self, launch, step, end=3.0, tick=None):
-        """Flies `launch` in steps of `step` (s); with a `tick` (s) the command comes at one, and a row is kept at each."""
+    def jump(self, launch, step, end=3.0, tick=None, aloft=None):
+        """Flies `launch` in steps of `step` (s); with a `tick` (s) the command comes at one, and a row is kept at each.
+
+        From the first tick in the air on, steps are `aloft` long, if that is given.
+        """
         m, d, chamber = self.model, self.data, self.chamber
         m.opt.timestep = step
         m.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
@@ -186,12 +189,12 @@ class Robot:
         if d.qpos[self.lean] >= launch.firing_angle:
             result.fire, opens = 0.0, self.delay
             closes = opens + launch.valve_open
-        n, off, risen = 0, False, False
+        n, steps, begun, off, risen = 0, 0, 0.0, False, False
         if tick:
             result.rows.append(reading(0.0))
         axle = before = self.axle()
-        while n * step < end:
-            time, extension, lean = n * step, d.qpos[self.leg], d.qpos[self.lean]
+        while begun + n * step < end:
+            time, extension, lean = begun + n * step, d.qpos[self.leg], d.qpos[self.lean]
             if time + step > opens and d.eq_active[self.latch]:
                 d.eq_active[self.latch] = 0
             # The force in the middle of the step, from where the leg is going.
@@ -200,18 +203,19 @@ class Robot:
             d.ctrl[0] = (middle - chamber.ambient) * chamber.area
             result.force.append(d.ctrl[0])
             mujoco.mj_step(m, d)
-            n += 1
+            n, steps = n + 1, steps + 1
+            now = begun + n * step
             speed = (d.qpos[self.leg] - extension) / step
-            pressure = self.gas(pressure, time, n * step, extension, speed, opens, closes)
+            pressure = self.gas(pressure, time, now, extension, speed, opens, closes)
             mujoco.mj_kinematics(m, d)
             before, axle = axle, self.axle()
             if opens == math.inf and d.qpos[self.lean] >= launch.firing_angle and (not tick or n % every == 0):
                 passed = (launch.firing_angle - lean) / (d.qpos[self.lean] - lean)
-                result.fire = n * step if tick else time + step * passed
+                result.fire = now if tick else time + step * passed
                 opens = result.fire + self.delay
                 closes = opens + launch.valve_open
             if tick and n % every == 0:
-                result.rows.append(reading(n * step))
+                result.rows.append(reading(now))
             result.overshoot = max(result.overshoot, d.qpos[self.leg] - self.stroke)
             travel, gap = self.foot_place()
             if not off:
@@ -221,10 +225,10 @@ class Robot:
                     result.lift_off = math.nan
                 elif math.isnan(result.lift_off):
                     # It may come down again, as a leg under pressure does from a soft stop; the last time counts.
-                    result.lift_off, result.extension = n * step, d.qpos[self.leg]
+                    result.lift_off, result.extension = now, d.qpos[self.leg]
                 if gap > 1e-3:
                     # From here on there is no ground, as in Saltus' jump.
-                    off, result.airborne = True, n * step
+                    off, result.airborne = True, now
                     m.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
             if axle[1] < before[1] and off and not risen:
                 risen = True
@@ -235,7 +239,10 @@ class Robot:
                     part = (before[1] - self.radius) / (before[1] - axle[1])
                     result.landing = before[0] + part * (axle[0] - before[0])
                     break
-        result.steps = n
+            if off and aloft and n % every == 0:
+                begun, n, step, aloft = now, 0, aloft, None
+                every, m.opt.timestep = round(tick / step), step
+        result.steps = steps
         return result
 
     def gas(self, pressure, start, end, extension, speed, opens, closes):

@@ -6,6 +6,7 @@ use crate::fit::{self, Fit};
 use crate::fitness;
 use crate::kind::Proposal;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::known::Prior;
 use crate::layout::{Draw, Layout, count};
 use crate::noise;
 use crate::plausible::{Check, LENGTHS};
@@ -38,6 +39,21 @@ pub struct Flights {
 const STEP: f64 = 2e-2;
 /// Density (kg/m³) of air at 15 °C.
 const AIR: f64 = 1.225;
+/// Its viscosity (Pa s).
+const VISCOSITY: f64 = 1.81e-5;
+
+/// Drag per metre for a drag coefficient of 1, of a body's mass (kg) and diameter (m).
+fn drag_per_coefficient((mass, diameter): (f64, f64)) -> f64 {
+    0.5 * AIR * std::f64::consts::FRAC_PI_4 * diameter * diameter / mass
+}
+
+/// Greatest drag in proportion to speed (1/s) that air has for spheres of these masses (kg) and
+/// diameters (m): Stokes' law.
+fn viscous_drag(sizes: &[(f64, f64)]) -> f64 {
+    let of =
+        |(mass, diameter): &(f64, f64)| 3.0 * std::f64::consts::PI * VISCOSITY * diameter / mass;
+    sizes.iter().map(of).fold(0.0, f64::max)
+}
 
 impl Flights {
     /// The experiment's flights, believed to be under `gravity` (m/s²).
@@ -55,25 +71,22 @@ impl Flights {
             .map(|r| r.settings.get("boom_radius_m").copied())
             .collect();
         let on_boom = boom.iter().any(Option::is_some);
-        let sizes: Vec<Option<f64>> = experiment
-            .runs
-            .iter()
-            .map(|run| {
-                let (mass, diameter) = (
-                    run.settings.get("mass_kg")?,
-                    run.settings.get("diameter_m")?,
-                );
-                Some(0.5 * AIR * std::f64::consts::FRAC_PI_4 * diameter * diameter / mass)
-            })
-            .collect();
-        let known: Option<Vec<f64>> = sizes.into_iter().collect();
-        let named = named(&channels, gravity, known.is_some(), on_boom);
+        let size = |run: &Run| -> Option<(f64, f64)> {
+            let of = |key| run.settings.get(key).copied();
+            Some((of("mass_kg")?, of("diameter_m")?))
+        };
+        let sizes: Option<Vec<(f64, f64)>> = experiment.runs.iter().map(size).collect();
+        let named = named(&channels, gravity, sizes.is_some(), on_boom);
         let listed = named.len();
-        let causes = Causes::new(named.into_iter().chain(terms(channels.len())));
+        let viscous = sizes.as_deref().map(viscous_drag);
+        let causes = Causes::new(named.into_iter().chain(terms(channels.len(), viscous)));
         let is_height: Vec<bool> = channels.iter().map(|c| c.name == "y_m").collect();
         let is_drop =
             !on_boom && is_height == [true] && logs.iter().all(|log| !rises(log, &channels[0]));
-        let drag = known.unwrap_or_else(|| vec![1.0; logs.len()]);
+        let drag = sizes.map_or_else(
+            || vec![1.0; logs.len()],
+            |sizes| sizes.into_iter().map(drag_per_coefficient).collect(),
+        );
         let flat = vec![None; logs.len()];
         let mut flights = Flights {
             gravity,
@@ -142,6 +155,27 @@ enum Effect {
     Wind,
 }
 
+/// What common sense knows of a flight: one standard deviation, and why it is known.
+struct CommonSense {
+    /// Of gravity (m/s²).
+    gravity: (f64, &'static str),
+    /// Of the scale of a length.
+    scale: (f64, &'static str),
+}
+
+/// A body that nothing holds: gravity differs by 0.05 m/s² between equator and pole, and by 0.03 at
+/// 10 km of height.
+const IN_THE_OPEN: CommonSense = CommonSense {
+    gravity: (0.02, "gravity on Earth"),
+    scale: (0.003, "a ruler"),
+};
+
+/// A robot at the end of a boom, whose plane may be tilted, and whose place an encoder tells.
+const ON_A_RIG: CommonSense = CommonSense {
+    gravity: (0.2, "gravity on Earth, on a rig that may be tilted"),
+    scale: (0.05, "encoders are calibrated"),
+};
+
 /// The listed causes.
 fn named(
     channels: &[Channel],
@@ -165,6 +199,7 @@ fn named(
         let share = simple("counterweight", "gravity_share", 1.0, bounds, 0.01, &starts);
         all.push((Effect::Share, share));
     }
+    let known = if on_boom { ON_A_RIG } else { IN_THE_OPEN };
     let starts = [0.5 * gravity];
     let of_gravity = simple(
         "gravity",
@@ -174,19 +209,13 @@ fn named(
         0.05,
         &starts,
     );
-    // Gravity is known, wherever a body falls.
-    let usual = Some(0.01 * gravity);
-    all.push((
-        Effect::Gravity,
-        Cause {
-            usual,
-            ..of_gravity
-        },
-    ));
+    let (error, why) = known.gravity;
+    all.push((Effect::Gravity, of_gravity.usual(error, why)));
     for (k, Channel { name, .. }) in channels.iter().enumerate() {
         let (bounds, starts) = ((0.2, 5.0), [0.9, 1.1]);
         let scale = sensor("encoder-scale", name, "gain", 1.0, bounds, 0.01, &starts);
-        all.push((Effect::Scale(k), scale));
+        let (error, why) = known.scale;
+        all.push((Effect::Scale(k), scale.usual(error, why)));
         if channels.len() > 1 {
             let bounds = (0.0, 0.5);
             let delay = sensor("sensor-delay", name, "delay_s", 0.0, bounds, 1e-3, &[0.01]);
@@ -196,10 +225,16 @@ fn named(
     all
 }
 
-/// Terms without a name, of flights with so many channels.
-fn terms(channels: usize) -> Vec<(Effect, Cause)> {
+/// Terms without a name, of flights with so many channels; `viscous` is the drag in proportion to
+/// speed (1/s) of a body whose size is known.
+fn terms(channels: usize, viscous: Option<f64>) -> Vec<(Effect, Cause)> {
     let term = |id, name, scale| simple(id, name, 0.0, (-50.0, 50.0), scale, &[]);
-    let mut all = vec![(Effect::Linear, term("acceleration -c v", "c_per_s", 1e-3))];
+    let mut linear = term("acceleration -c v", "c_per_s", 1e-3);
+    if let Some(viscous) = viscous {
+        let prior = Prior::common(viscous, viscous, "the viscosity of air (Stokes)");
+        linear.priors = vec![(0, prior)];
+    }
+    let mut all = vec![(Effect::Linear, linear)];
     if channels > 1 {
         all.extend([
             (

@@ -126,12 +126,12 @@ fn sensor(
     scale: f64,
     starts: &[f64],
 ) -> Cause {
-    let usual = (id == "encoder-scale").then_some(0.05);
-    Cause {
-        column: Some(column.into()),
-        usual,
-        ..simple(id, name, neutral, bounds, scale, starts)
+    let mut cause = simple(id, name, neutral, bounds, scale, starts);
+    cause.column = Some(column.into());
+    if id == "encoder-scale" {
+        cause = cause.usual(0.05, "sensors are calibrated");
     }
+    cause
 }
 
 /// An unknown of a run, free but for `bounds`.

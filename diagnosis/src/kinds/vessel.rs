@@ -133,7 +133,6 @@ fn named(experiment: &Experiment) -> Vec<(Effect, Cause)> {
         let gauge = Gauge::of(column);
         let name = format!("offset_{unit}");
         let offset = sensor("sensor-offset", column, &name, 0.0, FREE, size, &[]);
-        let usual = Some(5.0 * size);
         let scale = sensor("encoder-scale", column, "gain", 1.0, (0.2, 5.0), 0.01, &[]);
         let delay = sensor(
             "sensor-delay",
@@ -145,7 +144,10 @@ fn named(experiment: &Experiment) -> Vec<(Effect, Cause)> {
             &[],
         );
         all.extend([
-            (Effect::Offset(gauge), Cause { usual, ..offset }),
+            (
+                Effect::Offset(gauge),
+                offset.usual(5.0 * size, "sensors are calibrated"),
+            ),
             (Effect::Scale(gauge), scale),
             (Effect::Delay(gauge), delay),
         ]);

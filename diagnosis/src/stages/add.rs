@@ -33,6 +33,8 @@ struct Step {
     gain: f64,
     /// Gain, less the variance inflation, that makes it accepted.
     needed: f64,
+    /// Variance inflation by the model's own error.
+    inflation: f64,
 }
 
 /// Adds causes to `before`; none where its model does not answer.
@@ -88,7 +90,10 @@ impl Path {
             self.tried.clone_from(&candidates);
             self.pairs = pairs::by_score(evidence, tangent, &self.current);
         }
-        let passes = |c: &Candidate| evidence.gain_beyond_chance(c.cause, c.gain) > threshold;
+        let inflation = |fit: &Fit| evidence.inflation_between(&self.current, fit, 1.0);
+        let passes = |c: &Candidate| {
+            evidence.gain_beyond_chance(c.cause, c.gain / inflation(&c.fit)) > threshold
+        };
         let best = if candidates.iter().any(passes) {
             best_held_out(evidence, &self.current, candidates)
         } else {
@@ -99,6 +104,7 @@ impl Path {
             return Some(Step {
                 gain: self.current.loss - pair.loss,
                 needed: threshold,
+                inflation: inflation(&pair),
                 fit: pair,
             });
         };
@@ -107,6 +113,7 @@ impl Path {
         (evidence.effect(&self.current, &best.fit) >= least).then(|| Step {
             gain: best.gain,
             needed: threshold + evidence.gain_by_chance(best.cause) + evidence.prior_penalty(&best),
+            inflation: inflation(&best.fit),
             fit: best.fit,
         })
     }
@@ -135,7 +142,7 @@ fn accepted(evidence: &Evidence, before: &Fit, path: &Path) -> (Fit, f64) {
             needed = needed.max(0.0) + doubt.map_or(0.0, |cause| evidence.gain_by_chance(*cause));
             least = POLICY.share_correlated * fitness::excess(evidence.kind, model);
         }
-        if step.gain / inflation < needed || step.gain < least {
+        if step.gain / inflation.max(step.inflation) < needed || step.gain < least {
             break;
         }
         model = &step.fit;

@@ -122,10 +122,10 @@ mod tests {
             &sum(&[(10.0, &wave(0)), (9.9, &wave(1))]),
             vec![wave(0), wave(1)],
         )
-        .with(0, |cause| cause.usual = Some(2.0));
+        .with(0, |cause| *cause = cause.clone().usual(2.5, "test"));
         let settings = Settings::default();
         let found = candidates_beside(&toy.evidence(&settings), &toy.before());
-        // Penalty (10/2)² = 25 against a lead of 2.
+        // Penalty (10/2.5)² = 16 against a lead of 2.
         assert_eq!(found.iter().map(|c| c.cause).collect::<Vec<_>>(), [1, 0]);
     }
 

@@ -25,10 +25,11 @@ pub(crate) fn exchange(evidence: &Evidence, mut model: Fit, inflation: f64) -> F
 fn better(evidence: &Evidence, model: &Fit, cause: usize, inflation: f64) -> Option<Fit> {
     let base = evidence.without(model, cause)?;
     let candidates = candidates_beside(evidence, &base);
-    let gain = |c| evidence.penalised_gain(c, inflation);
-    let own = gain(candidates.iter().find(|c| c.cause == cause)?);
+    let own = candidates.iter().find(|c| c.cause == cause)?;
     let best = candidates.first()?;
-    let is_better = best.cause != cause && gain(best) > own + POLICY.rival_loss;
+    let inflation = evidence.inflation_between(&own.fit, &best.fit, inflation);
+    let gain = |c| evidence.penalised_gain(c, inflation);
+    let is_better = best.cause != cause && gain(best) > gain(own) + POLICY.rival_loss;
     is_better.then(|| best.fit.clone())
 }
 
@@ -49,6 +50,7 @@ pub(crate) fn one_for_two(evidence: &Evidence, model: &Fit, inflation: f64) -> O
         .min_by(|a, b| a.loss.total_cmp(&b.loss))?;
     let gain = model.loss - best.loss;
     let needed = 2.0 * evidence.gain_by_chance(*best.causes.last()?);
+    let inflation = evidence.inflation_between(model, &best, inflation);
     let is_better = gain / inflation > needed
         && gain > POLICY.share_correlated * fitness::excess(evidence.kind, model)
         && evidence.held_out_loss(&best)? < evidence.held_out_loss(model)?;

@@ -1,6 +1,7 @@
 //! The stages of a diagnosis, in the order in which they are at work.
 
 pub(crate) mod screen;
+pub(crate) mod small;
 
 pub(crate) mod candidates;
 

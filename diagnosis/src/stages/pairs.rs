@@ -25,13 +25,14 @@ pub(crate) fn add(evidence: &Evidence, tangent: &Tangent, base: &Fit) -> Option<
         return None;
     }
     let misfit = fitness::excess(evidence.kind, base);
-    let least = POLICY.pair_gain.max(POLICY.pair_part * misfit);
+    let least = |inflation: f64| (POLICY.pair_gain * inflation).max(POLICY.pair_part * misfit);
     let pairs = by_score(evidence, tangent, base);
     let before = evidence.held_out_loss(base)?;
     // What small steps promise, bounds may forbid.
-    let promising = pairs.into_iter().take_while(|pair| pair.gain > least);
+    let promising = pairs.into_iter().take_while(|pair| pair.gain > least(1.0));
     promising.take(POLICY.pairs_fitted).find_map(|pair| {
         let both = evidence.with_pair(base, pair.causes)?;
+        let least = least(evidence.inflation_between(base, &both, 1.0));
         let is_better = base.loss - both.loss > least && evidence.held_out_loss(&both)? < before;
         (is_better && evidence.effect(base, &both) >= evidence.kind.trust()).then_some(both)
     })
@@ -63,6 +64,7 @@ pub(crate) fn better(
         .flatten()
         .min_by(|a, b| a.loss.total_cmp(&b.loss))?;
     let inflation = evidence.inflation(found).min(evidence.inflation(&pair));
+    let inflation = evidence.inflation_between(found, &pair, inflation);
     let parameters = 2.0 * (evidence.degrees_of(&pair) - evidence.degrees_of(found));
     let gain = (found.loss - pair.loss) / inflation - parameters;
     (gain >= POLICY.rival_loss).then_some(pair)

@@ -20,6 +20,7 @@ pub(crate) fn prune(evidence: &Evidence, mut model: Fit, inflation: f64) -> Fit 
 
 /// Whether `base` does as well as `model`, which has `cause` too.
 fn is_needless(evidence: &Evidence, base: &Fit, model: &Fit, cause: usize, inflation: f64) -> bool {
+    let inflation = evidence.inflation_between(base, model, inflation);
     (base.loss - model.loss) / inflation < evidence.gain_by_chance(cause)
         || evidence.effect(base, model) < evidence.least_effect(cause, 1)
 }

@@ -47,7 +47,11 @@ fn finding(
         // Others that hold the machine as well need not lie at the end of small steps.
         look_far(evidence, base, &mut candidates);
     }
-    let mut rivals = rivals(evidence, &best, candidates, inflation);
+    let all = rivals(evidence, &best, candidates, inflation);
+    // Where all contradict what is known, none does so more than the others.
+    let (contradicting, mut rivals): (Vec<_>, Vec<_>) = all
+        .into_iter()
+        .partition(|rival| evidence.contradicts(rival) && !evidence.contradicts(&best));
     for rival in &mut rivals {
         // Where the data tell only how strong an effect is at least, that is what is of interest.
         report(evidence.kind, rival, inflation, known.is_unlimited);
@@ -62,6 +66,7 @@ fn finding(
         best,
         rivals,
         less_likely,
+        contradicting,
         unlisted: None,
         held_out,
         undetermined: known.undetermined,
@@ -102,15 +107,13 @@ fn is_rival(evidence: &Evidence, best: &Candidate, other: &Candidate, inflation:
             _ => false,
         };
     }
+    let inflation = evidence.inflation_between(&best.fit, &other.fit, inflation);
     // The data alone: without the prior penalty.
     let degrees = |c: &Candidate| evidence.degrees(c.cause) as f64;
     let parameters = 2.0 * (degrees(other) - degrees(best));
     let lead = best.gain - other.gain;
     let behind = (lead + parameters) / inflation;
-    let penalised = |c| evidence.penalised_gain(c, 1.0);
-    let with_prior = (penalised(best) - penalised(other)) / inflation;
-    lead.abs() < POLICY.equal_gain * best.gain.abs() + 0.5
-        || (behind < POLICY.rival_loss && with_prior < POLICY.prior_limit * POLICY.rival_loss)
+    lead.abs() < POLICY.equal_gain * best.gain.abs() + 0.5 || behind < POLICY.rival_loss
 }
 
 /// The experiment that would tell a finding and its rivals apart.
@@ -145,6 +148,7 @@ pub(crate) fn one_for_all(
         .iter()
         .min_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss))?;
     let one = best.fit.clone();
+    let inflation = evidence.inflation_between(&one, model, inflation);
     (one.loss < model.loss + POLICY.rival_loss * inflation).then(|| {
         *tried = far;
         one

@@ -12,10 +12,12 @@ use crate::tangent::{Direction, Tangent};
 
 /// The gain beyond chance that the best of all causes reaches in data without an effect, in the
 /// part of cases that the false-alarm rate allows.
+///
+/// Chance is noise and the model's own error.
 pub(crate) fn threshold(evidence: &Evidence, tangent: &Tangent, random: &mut Pcg64) -> f64 {
     let settings = evidence.settings;
     let draws: Vec<Vec<f64>> = (0..settings.draws)
-        .map(|_| tangent.chance(evidence.kind, random))
+        .map(|_| tangent.drawn(evidence.kind, random))
         .collect();
     let mut best = parallel::map(draws.len(), |k| best_score(evidence, tangent, &draws[k]));
     best.sort_by(f64::total_cmp);
@@ -23,9 +25,9 @@ pub(crate) fn threshold(evidence: &Evidence, tangent: &Tangent, random: &mut Pcg
     percentile(&best, 1.0 - level)
 }
 
-/// Greatest gain beyond chance that the linearised model promises of `residuals`.
+/// Greatest score beyond chance that the linearised model gives to `residuals`.
 fn best_score(evidence: &Evidence, tangent: &Tangent, residuals: &[f64]) -> f64 {
-    let of = |d: &Direction| evidence.gain_beyond_chance(d.cause, d.gain(residuals));
+    let of = |d: &Direction| evidence.gain_beyond_chance(d.cause, d.score(residuals));
     let scores = tangent.candidates.iter().map(of);
     scores.fold(f64::NEG_INFINITY, f64::max)
 }

@@ -140,7 +140,9 @@ impl Judged {
             -2.0 * POLICY.rival_loss
         };
         // Not where instruments drift: what then explains a little more may be theirs.
-        !evidence.is_rescaled && term.fit.loss < self.model.loss + margin * self.inflation
+        let inflation = evidence.inflation_between(&term.fit, &self.model, self.inflation);
+        let margin = margin - evidence.prior_penalty(term);
+        !evidence.is_rescaled && term.fit.loss < self.model.loss + margin * inflation
     }
 
     /// Whether a term explains the data about as well as the one cause.
@@ -150,7 +152,9 @@ impl Judged {
         };
         let degrees = |cause| 2.0 * evidence.degrees(cause) as f64;
         let parameters = degrees(term.cause) - degrees(cause);
-        (term.fit.loss - self.model.loss + parameters) / self.inflation < POLICY.rival_loss
+        let inflation = evidence.inflation_between(&term.fit, &self.model, self.inflation);
+        let behind = (term.fit.loss - self.model.loss + parameters) / inflation;
+        behind + evidence.prior_penalty(term) < POLICY.rival_loss
     }
 }
 
@@ -167,7 +171,7 @@ pub(crate) fn describe(evidence: &Evidence, base: &Fit) -> Option<Candidate> {
         .into_iter()
         .flatten()
         .max_by(|a, b| a.gain.total_cmp(&b.gain))?;
-    let inflation = evidence.inflation(&best.fit);
+    let inflation = evidence.inflation_between(base, &best.fit, evidence.inflation(&best.fit));
     let gain = evidence.held_out_loss(base)? - evidence.held_out_loss(&best.fit)?;
     if gain < chi_square(1, POLICY.chance_quantile) * inflation {
         return None;

@@ -103,6 +103,17 @@ fn append(joined: &mut Folder, folder: Folder) -> Result<(), Error> {
         }
     }
     to.runs.extend(from.runs);
+    let place = shown(&folder.path);
+    for known in folder.known {
+        match joined.known.iter().find(|own| own.name == known.name) {
+            None => joined.known.push(known),
+            Some(own) if *own == known => {}
+            Some(own) => joined.notes.push(format!(
+                "{place}: what it knows of {} is another: {} ± {} is taken for all",
+                own.name, own.value, own.error
+            )),
+        }
+    }
     joined.notes.extend(folder.notes);
     joined.rows += folder.rows;
     Ok(())

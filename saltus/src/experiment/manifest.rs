@@ -5,8 +5,8 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
-use saltus_diagnosis::Sort;
 use saltus_diagnosis::spec::{Setting, Spec, power, stem};
+use saltus_diagnosis::{Known, Sort};
 use saltus_robot::RobotError;
 use saltus_robot::domain::Domain;
 use saltus_robot::section::Section;
@@ -35,6 +35,8 @@ pub(super) struct Manifest {
     pub(super) noise: BTreeMap<String, f64>,
     /// Steps, by column.
     pub(super) resolution: BTreeMap<String, f64>,
+    /// What is known apart from the data.
+    pub(super) known: Vec<Known>,
     pub(super) runs: Vec<Listed>,
 }
 
@@ -95,7 +97,15 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Manifest, Error> {
     })?;
     let mut root = Section::file(text, &file)?;
     // A misspelt key is reported before the one that it leaves missing.
-    root.check_keys(&["kind", "robot", "noise", "resolution", "rig", "run"])?;
+    root.check_keys(&[
+        "kind",
+        "robot",
+        "noise",
+        "resolution",
+        "known",
+        "rig",
+        "run",
+    ])?;
     let spec = kind(&mut root)?;
     if spec.rig.is_empty() {
         root.refuse_key("rig", &format!("left out: the kind {} has none", spec.id));
@@ -112,6 +122,7 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Manifest, Error> {
         robot: robot(&mut root, needs_robot, spec),
         noise: sizes(&mut root, "noise", spec),
         resolution: sizes(&mut root, "resolution", spec),
+        known: known(&mut root),
         runs: runs(&mut root, spec)?,
     };
     Ok(root.finish(manifest)?)
@@ -160,6 +171,16 @@ fn sizes(root: &mut Section, key: &str, spec: &Spec) -> BTreeMap<String, f64> {
         s.finish(sizes)
     });
     sizes.unwrap_or_default()
+}
+
+/// The table `[known]`.
+fn known(root: &mut Section) -> Vec<Known> {
+    let read = root.optional_table("known", |mut s| {
+        let known = s.known();
+        s.finish(known)
+    });
+    let known = |(name, [value, error]): (String, [f64; 2])| Known { name, value, error };
+    read.into_iter().flatten().map(known).collect()
 }
 
 fn runs(root: &mut Section, spec: &Spec) -> Result<Vec<Listed>, Error> {

@@ -33,7 +33,7 @@ use std::path::{Path, PathBuf};
 pub use error::Error;
 pub use join::read_all;
 use saltus_diagnosis::plausible::implausible;
-pub use saltus_diagnosis::{Experiment, Run, Sort};
+pub use saltus_diagnosis::{Experiment, Known, Run, Sort};
 use saltus_robot::{Robot, RobotError};
 pub use write::{write, write_with};
 
@@ -59,6 +59,8 @@ pub struct Folder {
     /// The robot as the file names it: a built-in one's name, or a path that is relative to the
     /// folder.
     pub robot: Option<String>,
+    /// What is known of parameters apart from the data.
+    pub known: Vec<Known>,
     /// The folder; of several, the first.
     pub path: PathBuf,
     /// 64-bit hash of what `experiment.toml` and the rows say, in hexadecimal: which data these
@@ -243,6 +245,7 @@ fn gathered(
         experiment,
         // What `[rig]` describes is no robot.
         robot: manifest.robot.filter(|_| manifest.rig.is_empty()),
+        known: manifest.known,
         path: path.into(),
         hash: hash.hex(),
         notes,

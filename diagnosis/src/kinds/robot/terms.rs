@@ -344,13 +344,11 @@ fn unlisted(list: &mut List, sort: Sort, robot: &Robot) {
 fn sensing(list: &mut List, sort: Sort, columns: &[Column], channels: &[Channel]) {
     for (k, (column, channel)) in columns.iter().zip(channels).enumerate() {
         let mut add = |id: &'static str, what: Sensor, p: Parameter| {
-            let usual = (what == Sensor::Gain).then_some(0.1);
-            let column = Some(channel.name.clone());
-            let cause = Cause {
-                column,
-                usual,
-                ..Cause::one(id, p)
-            };
+            let mut cause = Cause::one(id, p);
+            cause.column = Some(channel.name.clone());
+            if what == Sensor::Gain {
+                cause = cause.usual(0.1, "encoders are calibrated");
+            }
             list.add(cause, Effect::Sensor(k, what));
         };
         add(

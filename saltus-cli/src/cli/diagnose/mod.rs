@@ -2,6 +2,7 @@
 
 mod bars;
 mod inject;
+mod known;
 mod page;
 mod report;
 mod sheet;
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use saltus::Robot;
-use saltus::diagnosis::{Diagnosis, Kind, Misstated, Settings};
+use saltus::diagnosis::{Diagnosis, Kind, Known, Misstated, Settings};
 use saltus::experiment::{self, Folder};
 use saltus::study::{self, Study, Worth};
 
@@ -54,6 +55,21 @@ pub(crate) struct Diagnose {
     #[arg(long, value_name = "SHARE", value_parser = level, default_value = "0.05", help_heading = "What is claimed")]
     false_alarms: f64,
 
+    /// Error of the simulation itself, in standard deviations of a reading: what is smaller and
+    /// smooth is shown, and not claimed [default: 0.1; with a robot 0.35]
+    #[arg(long, value_name = "SIGMAS", value_parser = sigmas, help_heading = "What is claimed")]
+    model_error: Option<f64>,
+
+    /// What is known apart from the data: a parameter with a standard deviation, in the unit of its
+    /// name; may be repeated. Takes the place of what [known] of the folder says of it
+    #[arg(
+        long,
+        value_name = "NAME=VALUE±SD",
+        value_parser = knowledge,
+        help_heading = "What is claimed"
+    )]
+    known: Vec<Known>,
+
     /// Most effects that are looked for at the same time
     #[arg(long, value_name = "COUNT", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=6))]
     #[arg(help_heading = "What is claimed")]
@@ -90,6 +106,7 @@ const LONG_HELP: &str = "\
 Examples:
   saltus diagnose logs/monday --report monday.html
   saltus diagnose hopper/static hopper/dynamic-1 --format json
+  saltus diagnose drops/tennis-ball --known gravity=9.81±0.02 --known y_m.gain=1±0.003
   saltus diagnose --inject coulomb-friction=25 --out synthetic
   saltus diagnose --inject encoder-scale=wheel_angle_rad:1.02 --inject axle-friction=0.3 --kind jump --out both
 
@@ -105,14 +122,14 @@ explain, and what to do next. --report writes the same as a page with charts, --
 
 JSON: {\"causes\": [{\"id\", \"column\" (of a sensor), \"parameters\": {name: value}, \"standard_errors\": {name: value}, \
 \"intervals_95\": {name: [low, high]: by profile likelihood, null where an end is beyond what physics allows, as is the standard error of a parameter that rests at such a bound; not of a parameter \
-that depends on several of the fit}, \"rivals\": [ids, two at most], \"less_likely\": [ids that are not excluded either], \"candidates\": [the rivals with their parameters], \"unlisted\" (null, or a term without an id \
+that depends on several of the fit}, \"rivals\": [ids, two at most], \"less_likely\": [ids that are not excluded either], \"candidates\": [the rivals with their parameters], \"contradicting\": [causes that would do as well and contradict what is known, with the standard deviations that it would take], \"unlisted\" (null, or a term without an id \
 that does as well; then a rival is \"unknown\"), \"undetermined\" (null, or a direction of \
 the parameters that the data do not tell), \"identifiable\" (false: the data do not limit how strong it is), \"slips\": {name: what slip of unit it equals}, \"loss_falls_by\", \"held_out_loss_falls_by\"}], \"gain\": {channel: \
 {\"rms_before\", \"rms_after\", \"noise\" (all in the channel's unit), \"ratio_low\", \"ratio_high\" (95 % interval of after/before)}}, \
 \"residuals\": {\"before\": [{\"channel\", \"phase\", \"readings\", \"mean\", \"rms\" (in the channel's unit), \
 \"mean_sigma\", \"rms_sigma\" (in standard deviations of the noise), \"lag_1_correlation\" (of each with the \
 next), \"correlation_with\": {condition: of the runs' means}, \"p_level\", \"p_whiteness\", \"p_runs\" (how \
-likely noise is so large, so smooth, so different between runs), \"is_noise\"}], \"after\": […]}, \"tried\": \
+likely noise is so large, so smooth, so different between runs), \"is_noise\"}], \"after\": […]}, \"small\" (null, or what is visible where nothing is claimed: {\"channel\", \"rms\" (in the channel's unit), \"rms_sigma\", \"causes\": [ids that would explain it]}), \"tried\": \
 [{\"id\", \"parameters\", \"loss_falls_by\"}: every cause alone], \"data\": {\"hash\", \"rows\", \"runs\", \"notes\"}, \
 \"false_alarm_level\", \"next_experiment\": null or {\"what\", \"channel\", \"sigmas\", \"tells_apart\": [[id, id]]}, \
 \"worth\": null or {\"distance_m\", \"land_error_rms_m\": [before, after], \"laws\", \"rows\"}, \"planner_leaves_out\": [keys of \
@@ -134,6 +151,29 @@ fn level(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x > 0.0 && x <= 0.5 => Ok(x),
         _ => Err("a share above 0, at most 0.5".into()),
+    }
+}
+
+fn knowledge(text: &str) -> Result<Known, String> {
+    let read = || {
+        let (name, rest) = text.split_once('=')?;
+        let (value, error) = rest.split_once('±').or_else(|| rest.split_once("+-"))?;
+        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+        let (value, error) = (number(value)?, number(error).filter(|x| *x > 0.0)?);
+        let name = Some(name.trim().to_owned()).filter(|name| !name.is_empty())?;
+        Some(Known { name, value, error })
+    };
+    read().ok_or_else(|| {
+        "must be NAME=VALUE±SD (or +-), with a standard deviation above 0, such as \
+         gravity=9.81±0.02"
+            .into()
+    })
+}
+
+fn sigmas(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if (0.0..=100.0).contains(&x) => Ok(x),
+        _ => Err("a number from 0 to 100".into()),
     }
 }
 
@@ -167,8 +207,11 @@ impl Diagnose {
             false_alarms: self.false_alarms,
             most: usize::from(self.most),
             seed: self.seed,
+            discrepancy: self.model_error,
+            known: self.known.clone(),
             ..Settings::default()
         };
+        let settings = folder.settings(&settings);
         let progress = Progress::new("fits", 0);
         let study = study::study(&folder.experiment, robot.as_ref(), &settings, &|_| {
             progress.advance(1);

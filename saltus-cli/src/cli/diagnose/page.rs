@@ -8,6 +8,7 @@ use saltus::chart::{Chart, Ink, escaped};
 use saltus::diagnosis::{Finding, Point, Sort, points};
 
 use super::bars::Bars;
+use super::known;
 use super::report::{Report, next_of, ratio};
 use super::steps::steps;
 use super::words::split;
@@ -45,6 +46,9 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> String {
     }
     for finding in &report.found.diagnosis.findings {
         cause(&mut out, report, finding);
+    }
+    if let Some(small) = report.small() {
+        sentence(&mut out, &small);
     }
     if let Some(unknown) = report.unknown() {
         let _ = writeln!(
@@ -142,9 +146,10 @@ fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
         }
         sentence(out, Report::RIVALS);
     }
-    for text in [Report::less_likely(finding), next_of(finding)]
-        .into_iter()
-        .flatten()
+    let less_likely = Report::less_likely(finding).into_iter();
+    for text in less_likely
+        .chain(known::against(finding))
+        .chain(next_of(finding))
     {
         sentence(out, &text);
     }

@@ -9,6 +9,7 @@ use saltus::study::Worth;
 use serde_json::{Map, Value, json};
 
 use super::Found;
+use super::known;
 use super::steps::{Step, left_out, steps};
 use super::words::{estimate, grid, interval, misstated, split, unit, with_unit};
 use crate::output::digits;
@@ -129,6 +130,11 @@ impl<'a> Report<'a> {
             digits(unknown.rms, 3),
             self.term().unwrap_or_default(),
         ))
+    }
+
+    /// What is visible where nothing is claimed, if something is.
+    pub(super) fn small(&self) -> Option<String> {
+        self.found.diagnosis.small.as_ref().map(known::small)
     }
 
     /// The term that describes what is unknown.
@@ -336,6 +342,9 @@ impl<'a> Report<'a> {
             out += "\nunknown\n";
             out += &wrapped(&unknown, "  ");
         }
+        if let Some(small) = self.small() {
+            out += &wrapped(&small, "");
+        }
         if let Some(worth) = self.worth() {
             out += &wrapped(&format!("\n{worth}"), "");
         }
@@ -450,6 +459,9 @@ impl<'a> Report<'a> {
             *out += &wrapped(Self::RIVALS, "  ");
             *out +=
                 &Self::less_likely(finding).map_or_else(String::new, |text| wrapped(&text, "  "));
+        }
+        for text in known::against(finding) {
+            *out += &wrapped(&text, "  ");
         }
         if let Some(next) = next_of(finding) {
             *out += &wrapped(&next, "  ");
@@ -658,6 +670,8 @@ impl<'a> Report<'a> {
             .map(|r| Value::Object(self.entry(r)))
             .collect();
         entry.insert("candidates".into(), json!(candidates));
+        let contradicting = known::json(&finding.contradicting);
+        entry.insert("contradicting".into(), json!(contradicting));
         Value::Object(entry)
     }
 
@@ -736,6 +750,7 @@ impl<'a> Report<'a> {
             "causes": causes,
             "gain": diagnosis.gains.iter().map(gain).collect::<Map<String, Value>>(),
             "residuals": { "before": residuals(&self.before), "after": residuals(&self.after) },
+            "small": diagnosis.small.as_ref().map(known::small_json),
             "tried": tried,
             "false_alarm_level": settings.false_alarms,
             "next_experiment": next_json(diagnosis),

@@ -1,0 +1,297 @@
+//! What is known of parameters apart from the data, and what that does to a cause.
+
+use saltus_robot::section::edits;
+
+use crate::kind::{Cause, Terms};
+use crate::policy::POLICY;
+
+/// What is known of a number apart from the data.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prior {
+    /// What it is believed to be (the unit of its name).
+    pub value: f64,
+    /// One standard deviation; > 0.
+    pub error: f64,
+    /// Who says so.
+    pub source: Source,
+}
+
+/// Who knows a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The user.
+    Stated,
+    /// Common sense: in a few words, what makes it known.
+    Common(&'static str),
+}
+
+/// What a user says to know.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Known {
+    /// The parameter: its name, or the last part of it; of a sensor `COLUMN.NAME`; or the id of a
+    /// cause that has one parameter.
+    pub name: String,
+    /// What it is believed to be (the unit of its name).
+    pub value: f64,
+    /// One standard deviation; > 0.
+    pub error: f64,
+}
+
+/// Why something cannot be known.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum KnownError {
+    /// No cause of the kind has such a parameter.
+    #[error("known {name}: no cause has that parameter; the nearest is {nearest}")]
+    Unknown {
+        /// The name.
+        name: String,
+        /// The nearest name.
+        nearest: String,
+    },
+    /// Several have.
+    #[error("known {name}: could be {could}: give all of the name")]
+    Ambiguous {
+        /// The name.
+        name: String,
+        /// Which ones.
+        could: String,
+    },
+    /// Physics forbids it.
+    #[error("known {name} = {value}: must be from {low} to {high}")]
+    Impossible {
+        /// The name.
+        name: String,
+        /// The value.
+        value: f64,
+        /// Least that physics allows.
+        low: f64,
+        /// Greatest that physics allows.
+        high: f64,
+    },
+}
+
+impl Prior {
+    /// What common sense knows.
+    pub(crate) fn common(value: f64, error: f64, why: &'static str) -> Prior {
+        Prior {
+            value,
+            error,
+            source: Source::Common(why),
+        }
+    }
+}
+
+impl Cause {
+    /// How many standard deviations lie between what is known and what is reported where the
+    /// parameters are `values`; 0 where nothing is known.
+    pub(crate) fn deviations(&self, values: &[f64]) -> f64 {
+        let reported = self.report(values);
+        let square =
+            |(k, prior): &(usize, Prior)| ((reported[*k].1 - prior.value) / prior.error).powi(2);
+        self.priors.iter().map(square).sum::<f64>().sqrt()
+    }
+
+    /// Prior penalty in terms of loss: the square of the standard deviations. What is known may be
+    /// wrong itself, so that it does not grow beyond a contradiction.
+    pub(crate) fn penalty(&self, values: &[f64]) -> f64 {
+        self.deviations(values).min(POLICY.contradiction).powi(2)
+    }
+
+    /// Whether `values` of its parameters contradict what is known.
+    pub(crate) fn contradicts(&self, values: &[f64]) -> bool {
+        self.deviations(values) > POLICY.contradiction
+    }
+
+    /// The names by which what is reported can be known.
+    fn names(&self) -> Vec<String> {
+        let neutral: Vec<f64> = self.parameters.iter().map(|p| p.neutral).collect();
+        let name = |(name, _): (String, f64)| match &self.column {
+            Some(column) => format!("{column}.{name}"),
+            None => name,
+        };
+        self.report(&neutral).into_iter().map(name).collect()
+    }
+}
+
+/// `causes` with what is known of their parameters, in place of what common sense knows of these.
+///
+/// # Errors
+/// [`KnownError`] where a name is of no parameter, or of several, or physics forbids the value.
+pub(crate) fn inform(causes: &[Cause], known: &[Known]) -> Result<Vec<Cause>, KnownError> {
+    let mut causes = causes.to_vec();
+    for one in known {
+        let (cause, parameter) = place(&causes, &one.name)?;
+        let (low, high) = causes[cause].ranges()[parameter];
+        if !(low..=high).contains(&one.value) {
+            return Err(KnownError::Impossible {
+                name: one.name.clone(),
+                value: one.value,
+                low,
+                high,
+            });
+        }
+        let priors = &mut causes[cause].priors;
+        priors.retain(|(k, _)| *k != parameter);
+        let prior = Prior {
+            value: one.value,
+            error: one.error,
+            source: Source::Stated,
+        };
+        priors.push((parameter, prior));
+    }
+    Ok(causes)
+}
+
+/// That every name of `known` is of one parameter of `causes`, and physics allows its value.
+///
+/// # Errors
+/// [`KnownError`] of the first where it is not so.
+pub fn check_known(causes: &[Cause], known: &[Known]) -> Result<(), KnownError> {
+    inform(causes, known).map(drop)
+}
+
+/// The cause and its parameter that `name` means.
+fn place(causes: &[Cause], name: &str) -> Result<(usize, usize), KnownError> {
+    let mut all: Vec<(String, (usize, usize))> = Vec::new();
+    for (c, cause) in causes.iter().enumerate() {
+        let names = cause.names();
+        if let ([_], None) = (&names[..], &cause.column) {
+            all.push((cause.id.to_owned(), (c, 0)));
+        }
+        all.extend(names.into_iter().zip((0..).map(|k| (c, k))));
+    }
+    let ends = |own: &String| {
+        own.strip_suffix(name)
+            .is_some_and(|rest| rest.ends_with('.'))
+    };
+    let mut found: Vec<&(String, (usize, usize))> = all.iter().filter(|n| n.0 == name).collect();
+    if found.is_empty() {
+        found = all.iter().filter(|n| ends(&n.0)).collect();
+    }
+    found.dedup_by_key(|n| n.1);
+    match found[..] {
+        [one] => Ok(one.1),
+        [] => {
+            let nearest = all.iter().min_by_key(|n| edits(&n.0, name));
+            Err(KnownError::Unknown {
+                name: name.to_owned(),
+                nearest: nearest.map(|n| n.0.clone()).unwrap_or_default(),
+            })
+        }
+        _ => {
+            let names: Vec<&str> = found.iter().map(|n| n.0.as_str()).collect();
+            Err(KnownError::Ambiguous {
+                name: name.to_owned(),
+                could: names.join(" or "),
+            })
+        }
+    }
+}
+
+/// What of a cause's parameters is known, and how far from it a model has them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deviation {
+    /// The parameter, as it is reported.
+    pub name: String,
+    /// What the model makes of it.
+    pub value: f64,
+    /// What is known of it.
+    pub prior: Prior,
+}
+
+impl Deviation {
+    /// Standard deviations from what is known.
+    pub fn size(&self) -> f64 {
+        (self.value - self.prior.value).abs() / self.prior.error
+    }
+}
+
+/// What is known of the parameters of cause number `cause`, beside what `terms` have.
+pub(crate) fn deviations(causes: &[Cause], cause: usize, terms: &Terms) -> Vec<Deviation> {
+    let reported = causes[cause].report(terms.of(cause));
+    let of = |(k, prior): &(usize, Prior)| Deviation {
+        name: reported[*k].0.clone(),
+        value: reported[*k].1,
+        prior: prior.clone(),
+    };
+    causes[cause].priors.iter().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kind::Parameter;
+
+    fn cause(id: &'static str, column: Option<&str>, name: &str) -> Cause {
+        let parameter = Parameter {
+            name: name.into(),
+            neutral: 1.0,
+            bounds: (0.1, 10.0),
+            scale: 0.01,
+            starts: Vec::new(),
+        };
+        Cause {
+            column: column.map(Into::into),
+            ..Cause::one(id, parameter)
+        }
+    }
+
+    fn known(name: &str, value: f64) -> Known {
+        Known {
+            name: name.into(),
+            value,
+            error: 0.02,
+        }
+    }
+
+    fn causes() -> Vec<Cause> {
+        vec![
+            cause("gravity", None, "environment.gravity_m_s2"),
+            cause("mass", None, "body.mass_kg"),
+            cause("boom-inertia", None, "boom.mass_kg"),
+            cause("encoder-scale", Some("y_m"), "gain"),
+        ]
+    }
+
+    #[test]
+    fn a_name_is_whole_or_its_last_part_or_an_id() {
+        for (name, cause) in [
+            ("environment.gravity_m_s2", 0),
+            ("gravity_m_s2", 0),
+            ("gravity", 0),
+            ("mass", 1),
+            ("boom.mass_kg", 2),
+            ("y_m.gain", 3),
+        ] {
+            let told = inform(&causes(), &[known(name, 2.0)]).expect(name);
+            let with: Vec<usize> = (0..4).filter(|c| !told[*c].priors.is_empty()).collect();
+            assert_eq!(with, [cause], "{name}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_known_is_refused() {
+        let refused = |name, value| {
+            let error = inform(&causes(), &[known(name, value)]);
+            error.expect_err("an error").to_string()
+        };
+        assert!(refused("gravty_m_s2", 1.0).ends_with("the nearest is environment.gravity_m_s2"));
+        let both = "known mass_kg: could be body.mass_kg or boom.mass_kg: give all of the name";
+        assert_eq!(refused("mass_kg", 1.0), both);
+        assert!(refused("gravity", -9.8).ends_with("must be from 0.1 to 10"));
+    }
+
+    #[test]
+    fn a_penalty_is_the_square_and_ends_at_a_contradiction() {
+        let told = &inform(&causes(), &[known("gravity", 2.0)]).expect("known")[0];
+        for (value, penalty, contradicts) in [
+            (2.0, 0.0, false),
+            (2.06, 9.0, false),
+            (2.2, POLICY.contradiction.powi(2), true),
+        ] {
+            assert!((told.penalty(&[value]) - penalty).abs() < 1e-9, "{value}");
+            assert_eq!(told.contradicts(&[value]), contradicts, "{value}");
+        }
+    }
+}

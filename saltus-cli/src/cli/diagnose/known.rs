@@ -1,0 +1,89 @@
+//! What is known apart from the data, and what is visible within the error of the simulation, in
+//! words.
+
+use saltus::diagnosis::{Candidate, Deviation, Finding, POLICY, Small, Source};
+use serde_json::{Value, json};
+
+use super::words::{split, unit, with_unit};
+use crate::output::digits;
+
+/// What is known against a finding and its rivals, a sentence for each.
+pub(super) fn against(finding: &Finding) -> Vec<String> {
+    let of_best = far(&finding.best).map(|said| format!("It contradicts what is known: {said}."));
+    let others = finding.contradicting.iter().map(|other| {
+        format!(
+            "{} would explain the data as well, and contradicts what is known: {}.",
+            other.title(),
+            far(other).unwrap_or_default()
+        )
+    });
+    of_best.into_iter().chain(others).collect()
+}
+
+/// How far a candidate is from what is known; none where it does not contradict that.
+fn far(candidate: &Candidate) -> Option<String> {
+    let far = |d: &&Deviation| d.size() > POLICY.contradiction;
+    let said: Vec<String> = candidate.deviations.iter().filter(far).map(said).collect();
+    (!said.is_empty()).then(|| said.join("; "))
+}
+
+fn said(deviation: &Deviation) -> String {
+    let (prior, unit) = (&deviation.prior, unit(&deviation.name));
+    let source = match prior.source {
+        Source::Stated => "as stated",
+        Source::Common(why) => why,
+    };
+    format!(
+        "{} would be {}, {} standard deviations from {} ({source})",
+        deviation.name,
+        with_unit(deviation.value, 3, unit),
+        digits(deviation.size(), 2),
+        with_unit(
+            prior.value,
+            4,
+            &format!("± {} {unit}", digits(prior.error, 2))
+        ),
+    )
+}
+
+/// Candidates with what is known of their parameters, for programs.
+pub(super) fn json(candidates: &[Candidate]) -> Vec<Value> {
+    let deviation = |d: &Deviation| {
+        let source = match d.prior.source {
+            Source::Stated => "stated",
+            Source::Common(why) => why,
+        };
+        json!({
+            "parameter": d.name,
+            "value": d.value,
+            "known": d.prior.value,
+            "standard_deviation": d.prior.error,
+            "source": source,
+            "standard_deviations_away": d.size(),
+        })
+    };
+    let one = |c: &Candidate| {
+        let deviations: Vec<Value> = c.deviations.iter().map(deviation).collect();
+        json!({ "id": c.id, "column": c.column, "deviations": deviations })
+    };
+    candidates.iter().map(one).collect()
+}
+
+/// What is visible where nothing is claimed, as a sentence.
+pub(super) fn small(small: &Small) -> String {
+    let (channel, unit) = split(&small.channel);
+    let names: Vec<String> = small.causes.iter().map(Candidate::title).collect();
+    format!(
+        "Something small is there: about {} in {channel}, {} σ, root mean square. {} would explain \
+         it; none is claimed, as the simulation itself may be off by as much (--model-error).",
+        with_unit(small.rms, 2, unit),
+        digits(small.sigmas, 2),
+        names.join(" or "),
+    )
+}
+
+/// The same for programs.
+pub(super) fn small_json(small: &Small) -> Value {
+    let ids: Vec<&str> = small.causes.iter().map(|c| c.id).collect();
+    json!({"channel": small.channel, "rms": small.rms, "rms_sigma": small.sigmas, "causes": ids})
+}
