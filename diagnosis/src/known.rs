@@ -1,6 +1,7 @@
 //! What is known of parameters apart from the data, and what that does to a cause.
 
 use saltus_robot::section::edits;
+use saltus_robot::terms::Term;
 
 use crate::kind::{Cause, Terms};
 use crate::policy::POLICY;
@@ -114,14 +115,24 @@ impl Cause {
     }
 }
 
-/// `causes` with what is known of their parameters, in place of what common sense knows of these.
+/// `causes` with what is known of their parameters, in place of what common sense knows of these;
+/// and the names that are parameters of a robot, and of none of these causes.
 ///
 /// # Errors
 /// [`KnownError`] where a name is of no parameter, or of several, or physics forbids the value.
-pub(crate) fn inform(causes: &[Cause], known: &[Known]) -> Result<Vec<Cause>, KnownError> {
-    let mut causes = causes.to_vec();
+pub(crate) fn inform<'k>(
+    causes: &[Cause],
+    known: &'k [Known],
+) -> Result<(Vec<Cause>, Vec<&'k str>), KnownError> {
+    let (mut causes, mut unused) = (causes.to_vec(), Vec::new());
     for one in known {
-        let (cause, parameter) = place(&causes, &one.name)?;
+        let (cause, parameter) = match place(&causes, &one.name) {
+            Err(KnownError::Unknown { .. }) if is_of_robots(&one.name) => {
+                unused.push(one.name.as_str());
+                continue;
+            }
+            place => place?,
+        };
         let (low, high) = causes[cause].ranges()[parameter];
         if !(low..=high).contains(&one.value) {
             return Err(KnownError::Impossible {
@@ -140,15 +151,27 @@ pub(crate) fn inform(causes: &[Cause], known: &[Known]) -> Result<Vec<Cause>, Kn
         };
         priors.push((parameter, prior));
     }
-    Ok(causes)
+    Ok((causes, unused))
 }
 
-/// That every name of `known` is of one parameter of `causes`, and physics allows its value.
+/// Whether `name` is a parameter that robots have, in SI: its whole key or the last part of it.
+fn is_of_robots(name: &str) -> bool {
+    let last = name.rsplit('.').next().unwrap_or(name);
+    Term::ALL.iter().any(|term| {
+        let stem = term.spec().stem();
+        let own = stem.rsplit('.').next().unwrap_or(stem);
+        last.strip_prefix(own)
+            .is_some_and(|unit| unit.is_empty() || unit.starts_with('_'))
+    })
+}
+
+/// That every name of `known` is of one parameter of `causes`, and physics allows its value; the
+/// names that are parameters of a robot, and of none of these causes.
 ///
 /// # Errors
 /// [`KnownError`] of the first where it is not so.
-pub fn check_known(causes: &[Cause], known: &[Known]) -> Result<(), KnownError> {
-    inform(causes, known).map(drop)
+pub fn check_known<'k>(causes: &[Cause], known: &'k [Known]) -> Result<Vec<&'k str>, KnownError> {
+    inform(causes, known).map(|told| told.1)
 }
 
 /// The cause and its parameter that `name` means.
@@ -264,7 +287,8 @@ mod tests {
             ("boom.mass_kg", 2),
             ("y_m.gain", 3),
         ] {
-            let told = inform(&causes(), &[known(name, 2.0)]).expect(name);
+            let known = [known(name, 2.0)];
+            let told = inform(&causes(), &known).expect(name).0;
             let with: Vec<usize> = (0..4).filter(|c| !told[*c].priors.is_empty()).collect();
             assert_eq!(with, [cause], "{name}");
         }
@@ -273,18 +297,22 @@ mod tests {
     #[test]
     fn what_cannot_be_known_is_refused() {
         let refused = |name, value| {
-            let error = inform(&causes(), &[known(name, value)]);
+            let error = check_known(&causes(), &[known(name, value)]);
             error.expect_err("an error").to_string()
         };
-        assert!(refused("gravty_m_s2", 1.0).ends_with("the nearest is environment.gravity_m_s2"));
+        assert!(refused("gravty", 1.0).ends_with("the nearest is gravity"));
         let both = "known mass_kg: could be body.mass_kg or boom.mass_kg: give all of the name";
         assert_eq!(refused("mass_kg", 1.0), both);
         assert!(refused("gravity", -9.8).ends_with("must be from 0.1 to 10"));
+        // Another kind of experiment would use it.
+        let unused = [known("leg.bore_m", 0.02), known("mass", 2.0)];
+        assert_eq!(check_known(&causes(), &unused), Ok(vec!["leg.bore_m"]));
     }
 
     #[test]
     fn a_penalty_is_the_square_and_ends_at_a_contradiction() {
-        let told = &inform(&causes(), &[known("gravity", 2.0)]).expect("known")[0];
+        let known = [known("gravity", 2.0)];
+        let told = &inform(&causes(), &known).expect("known").0[0];
         for (value, penalty, contradicts) in [
             (2.0, 0.0, false),
             (2.06, 9.0, false),

@@ -204,6 +204,10 @@ mod tests {
         fn unknowns(&self, _: usize) -> Vec<Parameter> {
             Vec::new()
         }
+        fn discrepancy(&self) -> f64 {
+            0.0
+        }
+
         fn causes(&self) -> &[Cause] {
             &self.causes
         }

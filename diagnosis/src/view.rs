@@ -49,7 +49,7 @@ impl<'a> View<'a> {
             kind,
             channels: kind.channels().to_vec(),
             causes: known::inform(kind.causes(), &settings.known)
-                .unwrap_or_else(|_| kind.causes().to_vec()),
+                .map_or_else(|_| kind.causes().to_vec(), |told| told.0),
             discrepancy: settings.discrepancy.unwrap_or(kind.discrepancy()),
             said,
         }

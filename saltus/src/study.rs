@@ -24,6 +24,8 @@ pub struct Study {
     /// Columns whose stated noise is far from what the data scatter. Where it is stated far too
     /// large, the seen scatter took its place.
     pub misstated: Vec<Misstated>,
+    /// What is known, and is about no cause of this kind of experiment.
+    pub unused: Vec<String>,
 }
 
 /// Why data have no diagnosis.
@@ -89,7 +91,7 @@ pub fn study(
     let mut rounds = 0;
     loop {
         let kind = kinds::build(&experiment, robot)?;
-        check_known(kind.causes(), &settings.known)?;
+        let unused = check_known(kind.causes(), &settings.known)?;
         let diagnosis = saltus_diagnosis::diagnose(kind.as_ref(), settings, progress);
         let Some(diagnosis) = diagnosis else {
             return Err(StudyError::NoMotion(NoMotion::of(
@@ -124,6 +126,7 @@ pub fn study(
                 kind,
                 diagnosis,
                 misstated: doubted,
+                unused: unused.into_iter().map(str::to_owned).collect(),
             });
         }
     }

@@ -48,6 +48,75 @@ fn a_ball_is_braked_by_the_air() {
     assert!(text.contains("\nWhat to do next\n"), "{text}");
 }
 
+/// Gravity or a wrong ruler would explain the fall as well; nobody believes in them.
+#[test]
+fn what_everybody_knows_leaves_the_air_alone() {
+    let folder = Folder::new("diagnose-known");
+    for name in ["tennis-ball", "green-basketball", "whiffle-ball-1"] {
+        let text = folder.done(&format!("diagnose {} --format json", ball(name)), 1);
+        let document: Value = serde_json::from_str(&text).unwrap();
+        let causes = document["causes"].as_array().unwrap();
+        assert_eq!((causes.len(), &causes[0]["id"]), (1, &"air-drag".into()));
+        assert_eq!(causes[0]["rivals"], serde_json::json!([]), "{name}");
+        let against = causes[0]["contradicting"].as_array().unwrap();
+        let ids: Vec<&str> = against.iter().map(|c| c["id"].as_str().unwrap()).collect();
+        assert_eq!(ids, ["gravity", "encoder-scale"], "{name}");
+        let away = &against[0]["deviations"][0]["standard_deviations_away"];
+        assert!(away.as_f64().unwrap() > 50.0, "{name}");
+    }
+}
+
+/// A user who knows less gets the rival back, from a flag or from the folder.
+#[test]
+fn what_a_user_knows_takes_the_place_of_common_sense() {
+    let folder = Folder::new("diagnose-told");
+    let text = folder.done(
+        &format!("diagnose {} --known gravity=9.81±2", ball("tennis-ball")),
+        1,
+    );
+    assert!(text.contains("or else gravity"), "{text}");
+    let own = |file: &str| std::fs::read_to_string(Path::new(&ball("tennis-ball")).join(file));
+    std::fs::create_dir(folder.path("data")).unwrap();
+    for drop in ["drop-1.csv", "drop-2.csv"] {
+        folder.write(&format!("data/{drop}"), &own(drop).unwrap());
+    }
+    let stated = |known: &str| {
+        let text = own("experiment.toml").unwrap();
+        folder.write(
+            "data/experiment.toml",
+            &format!("{text}\n[known]\n{known}\n"),
+        );
+    };
+    let refused = || {
+        let run = folder.run(&["diagnose", "data"]);
+        assert_eq!((run.code, run.out.as_str()), (Some(2), ""));
+        run.err
+    };
+    stated("gravity_m_s2 = [9.81, 2]");
+    let told = folder.done("diagnose data", 1);
+    assert!(told.contains("or else gravity"), "{told}");
+    for (known, said) in [
+        ("gravity_m_s2 = 9.81", "known.gravity_m_s2"),
+        ("gravity_m_s2 = [9.81, 0]", "standard deviation, above 0"),
+        (
+            "gravity_m_s2 = [9.81, -0.02]",
+            "standard deviation, above 0",
+        ),
+        ("gravity_m_s2 = [nan, 0.02]", "standard deviation, above 0"),
+        ("gravity_m_s2 = [-9.81, 0.02]", "must be from 0.1 to 40"),
+        ("gravty_m_s2 = [9.81, 0.02]", "the nearest is gravity_m_s2"),
+        ("y_m.gaim = [1, 0.01]", "the nearest is y_m.gain"),
+    ] {
+        stated(known);
+        let error = refused();
+        assert!(error.contains(said), "{known}: {error}");
+    }
+    // Of another kind of experiment.
+    stated("bore_m = [0.02, 1e-5]");
+    let noted = folder.done("diagnose data", 1);
+    assert!(noted.contains("known bore_m is not used"), "{noted}");
+}
+
 #[test]
 fn a_document_has_the_documented_keys() {
     let folder = Folder::new("diagnose-json");
@@ -185,6 +254,21 @@ fn bad_flags_are_refused() {
         vec!["diagnose", &ball, "--false-alarms", "0"],
         vec!["diagnose", &ball, "--false-alarms", "0.6"],
         vec!["diagnose", &ball, "--most", "7"],
+        vec!["diagnose", &ball, "--model-error", "-1"],
+        vec!["diagnose", &ball, "--model-error", "nan"],
+        vec!["diagnose", &ball, "--known", "gravity=9.81"],
+        vec!["diagnose", &ball, "--known", "gravity=9.81±0"],
+        vec!["diagnose", &ball, "--known", "gravity=9.81+-inf"],
+        vec!["diagnose", &ball, "--known", "=9.81±1"],
+        vec!["diagnose", &ball, "--known", "gravty=9.81±0.02"],
+        vec![
+            "diagnose",
+            &ball,
+            "--known",
+            "mass=2±1",
+            "--known",
+            "gravity=-9.81±0.02",
+        ],
         vec![
             "diagnose",
             &ball,

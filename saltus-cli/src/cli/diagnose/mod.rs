@@ -200,7 +200,7 @@ impl Diagnose {
             return self.inject.run(&self);
         }
         self.output.check()?;
-        let folder = read_folders(&self.folders)?;
+        let mut folder = read_folders(&self.folders)?;
         let robot = self.robot_of(&folder)?;
         experiment::plausible(&folder, robot.as_ref())?;
         let settings = Settings {
@@ -228,7 +228,10 @@ impl Diagnose {
             kind,
             diagnosis,
             misstated,
+            unused,
         } = study;
+        let note = |name: String| format!("known {name} is not used: no cause of this kind has it");
+        folder.notes.extend(unused.into_iter().map(note));
         let asked = steps::Asked {
             folders: self.folders.clone(),
             robot: self.robot.clone(),
