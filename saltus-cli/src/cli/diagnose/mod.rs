@@ -4,6 +4,7 @@ mod bars;
 mod inject;
 mod known;
 mod page;
+mod replan;
 mod report;
 mod sheet;
 mod steps;
@@ -18,6 +19,7 @@ use saltus::experiment::{self, Folder};
 use saltus::study::{self, Study, Worth};
 
 use self::inject::InjectFlags;
+use self::replan::{Replan, ReplanFlags};
 use self::report::Report;
 use super::Status;
 use super::common::{OutputFlags, PlotOption, page_file, read_folders, robot};
@@ -96,6 +98,9 @@ pub(crate) struct Diagnose {
     plot: PlotOption,
 
     #[command(flatten)]
+    replan: ReplanFlags,
+
+    #[command(flatten)]
     inject: InjectFlags,
 
     #[command(flatten)]
@@ -105,6 +110,7 @@ pub(crate) struct Diagnose {
 const LONG_HELP: &str = "\
 Examples:
   saltus diagnose logs/monday --report monday.html
+  saltus diagnose logs/monday --extend monday.toml --replan box.toml --report monday.html
   saltus diagnose hopper/static hopper/dynamic-1 --format json
   saltus diagnose drops/tennis-ball --known gravity=9.81±0.02 --known y_m.gain=1±0.003
   saltus diagnose --inject coulomb-friction=25 --out synthetic
@@ -120,6 +126,10 @@ The text says what was found, how well data left out of the fit are predicted be
 left in each channel and phase of the runs and whether that is noise, what every cause alone would \
 explain, and what to do next. --report writes the same as a page with charts, --plot the residuals before and after.
 
+With --replan a plan for the course is made for the robot as believed, and one for the robot as measured, each with \
+margins by which 95 % of drawn jumps hold on that robot. Both are flown on the robot of --plant (without it on the robot as measured) with \
+errors that made neither plan, and the report says how many runs pass. The page plays them.
+
 JSON: {\"causes\": [{\"id\", \"column\" (of a sensor), \"parameters\": {name: value}, \"standard_errors\": {name: value}, \
 \"intervals_95\": {name: [low, high]: by profile likelihood, null where an end is beyond what physics allows, as is the standard error of a parameter that rests at such a bound; not of a parameter \
 that depends on several of the fit}, \"rivals\": [ids, two at most], \"less_likely\": [ids that are not excluded either], \"candidates\": [the rivals with their parameters], \"contradicting\": [causes that would do as well and contradict what is known, with the standard deviations that it would take], \"unlisted\" (null, or a term without an id \
@@ -132,7 +142,7 @@ next), \"correlation_with\": {condition: of the runs' means}, \"p_level\", \"p_w
 likely noise is so large, so smooth, so different between runs), \"is_noise\"}], \"after\": […]}, \"small\" (null, or what is visible where nothing is claimed: {\"channel\", \"rms\" (in the channel's unit), \"rms_sigma\", \"causes\": [ids that would explain it]}), \"tried\": \
 [{\"id\", \"parameters\", \"loss_falls_by\"}: every cause alone], \"data\": {\"hash\", \"rows\", \"runs\", \"notes\"}, \
 \"false_alarm_level\", \"next_experiment\": null or {\"what\", \"channel\", \"sigmas\", \"tells_apart\": [[id, id]]}, \
-\"worth\": null or {\"distance_m\", \"land_error_rms_m\": [before, after], \"laws\", \"rows\"}, \"planner_leaves_out\": [keys of \
+\"worth\": null or {\"distance_m\", \"land_error_rms_m\": [before, after], \"laws\", \"rows\"}, \"replan\": null or {\"course\", \"plant\", \"believed\" and \"measured\" (absent if the robot is as believed): {\"plan\" (false: none crosses the course), \"runs\", \"runs_passed\", \"land_error_mean_m\", \"land_error_sd_m\", \"missed_most\"}}, \"planner_leaves_out\": [keys of \
 the corrected robot that only `saltus verify` has], \"misstated_noise\": [{\"column\", \"stated\", \"seen\"}], \"next_steps\": [{\"what\", \"command\" (or null)}]}. The entry with the id \
 \"unknown\" has \"channel\", \"phase\", \"rms\" and \"term\" (null, or the term that describes it). The loss is the sum of squared residuals in standard deviations, \
 outliers counted less; noise makes it fall by about 1 for each parameter.
@@ -190,6 +200,8 @@ struct Found {
     extended: Option<Robot>,
     /// What knowing it is worth to the planner.
     worth: Option<Worth>,
+    /// What it is worth on a course.
+    replan: Option<Replan>,
     /// The words with which the command was told its data and where the robot goes.
     asked: steps::Asked,
 }
@@ -212,6 +224,7 @@ impl Diagnose {
             ..Settings::default()
         };
         let settings = folder.settings(&settings);
+        let asked_plan = self.replan.asked(robot.as_ref(), self.seed)?;
         let progress = Progress::new("fits", 0);
         let study = study::study(&folder.experiment, robot.as_ref(), &settings, &|_| {
             progress.advance(1);
@@ -224,6 +237,10 @@ impl Diagnose {
             .zip(extended.as_ref())
             .and_then(|(b, e)| study::worth(b, e));
         let corrected = self.corrected(&study, extended.as_ref(), &folder.hash)?;
+        let replan = asked_plan.zip(robot.as_ref());
+        let replan = replan
+            .map(|(asked, robot)| asked.replan(robot, &study))
+            .transpose()?;
         let Study {
             kind,
             diagnosis,
@@ -247,6 +264,7 @@ impl Diagnose {
             misstated,
             extended,
             worth,
+            replan,
             asked,
         };
         let report = Report::of(&found);
@@ -255,10 +273,10 @@ impl Diagnose {
             Format::Json => crate::output::json(&report.json()),
             Format::Csv => report.csv(),
         };
-        let page = self
-            .report
-            .as_deref()
-            .map(|file| ("--report", file, page::html(&report, &self.folders)));
+        let page = match self.report.as_deref() {
+            Some(file) => Some(("--report", file, page::html(&report, &self.folders)?)),
+            None => None,
+        };
         self.output.write_with(
             text,
             &self.plot,

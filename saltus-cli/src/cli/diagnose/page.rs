@@ -12,6 +12,7 @@ use super::known;
 use super::report::{Report, next_of, ratio};
 use super::steps::steps;
 use super::words::split;
+use crate::error::CliError;
 use crate::output::digits;
 use crate::plot::span;
 
@@ -26,7 +27,7 @@ const LINE: usize = 500;
 const CLOUD: usize = 1500;
 
 /// The page.
-pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> String {
+pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> Result<String, CliError> {
     let curves = Curves::of(report);
     let headline = escaped(&report.headline());
     let mut out = format!(
@@ -70,6 +71,12 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> String {
         out.push_str("<h2>What knowing it is worth</h2>\n");
         sentence(&mut out, &worth);
     }
+    if let Some(replan) = &report.found.replan {
+        out.push_str("<h2>What it is worth on a course</h2>\n");
+        sentence(&mut out, &replan.headline());
+        table(&mut out, &replan.lines(), 1);
+        out.push_str(&replan.films()?);
+    }
     curves.measured(&mut out, report);
     curves.residuals(&mut out, report);
     table(&mut out, &report.residual_lines(), 2);
@@ -77,7 +84,7 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> String {
     candidates(&mut out, report);
     next(&mut out, report);
     provenance(&mut out, report, folders);
-    out + "</main>\n</body>\n</html>\n"
+    Ok(out + "</main>\n</body>\n</html>\n")
 }
 
 fn sentence(out: &mut String, text: &str) {

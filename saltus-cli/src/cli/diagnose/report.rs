@@ -10,6 +10,7 @@ use serde_json::{Map, Value, json};
 
 use super::Found;
 use super::known;
+use super::replan::Replan;
 use super::steps::{Step, left_out, steps};
 use super::words::{estimate, grid, interval, misstated, split, unit, with_unit};
 use crate::output::digits;
@@ -347,6 +348,12 @@ impl<'a> Report<'a> {
         }
         if let Some(worth) = self.worth() {
             out += &wrapped(&format!("\n{worth}"), "");
+        }
+        if let Some(replan) = &self.found.replan {
+            out += "\n";
+            out += &wrapped(&replan.headline(), "");
+            out += "\n";
+            out += &replan.text();
         }
         out += "\nError of prediction on data that were left out of the fit (root mean square)\n\n";
         out += &grid(&self.gains(), 1);
@@ -755,6 +762,7 @@ impl<'a> Report<'a> {
             "false_alarm_level": settings.false_alarms,
             "next_experiment": next_json(diagnosis),
             "worth": self.found.worth.as_ref().map(worth_json),
+            "replan": self.found.replan.as_ref().map(Replan::json),
             "planner_leaves_out": left_out(self.found),
             "misstated_noise": self.found.misstated.iter().map(misstated_json).collect::<Vec<_>>(),
             "next_steps": steps(self.found).iter().map(Step::json).collect::<Vec<_>>(),

@@ -14,7 +14,10 @@ const MOST: usize = 12;
 
 /// The page: runs without errors, evenly chosen where they are many, and of the others the worst.
 /// What could not be simulated is not shown.
-pub(super) fn html(outcomes: &[Outcome], context: &Context<'_>) -> Result<String, SimError> {
+pub(in crate::cli) fn html(
+    outcomes: &[Outcome],
+    context: &Context<'_>,
+) -> Result<String, SimError> {
     let nominal: Vec<&Outcome> = outcomes.iter().filter(|o| !o.trial.has_errors()).collect();
     let most = (MOST / context.subject.jumps().max(1)).max(2);
     let step = nominal.len().div_ceil(most - 1).max(1);

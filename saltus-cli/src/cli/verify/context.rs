@@ -4,20 +4,20 @@ use saltus::planner::{Corrected, CorrectedFlight, Planner};
 use saltus::verify::{Flown, Outcome, Plant, Subject, Verification};
 
 /// What was verified, and how.
-pub(super) struct Context<'a> {
-    pub(super) planner: &'a Planner<Corrected>,
-    pub(super) plant: &'a Plant,
+pub(in crate::cli) struct Context<'a> {
+    pub(in crate::cli) planner: &'a Planner<Corrected>,
+    pub(in crate::cli) plant: &'a Plant,
     /// What the subject is called.
-    pub(super) title: &'a str,
-    pub(super) subject: &'a Subject<CorrectedFlight<f64>>,
+    pub(in crate::cli) title: &'a str,
+    pub(in crate::cli) subject: &'a Subject<CorrectedFlight<f64>>,
     /// Whether it was made for the robot that jumps.
-    pub(super) for_plant: bool,
-    pub(super) how: &'a Verification,
-    pub(super) step_cost: Option<&'a StepCost>,
+    pub(in crate::cli) for_plant: bool,
+    pub(in crate::cli) how: &'a Verification,
+    pub(in crate::cli) step_cost: Option<&'a StepCost>,
 }
 
 /// What fixed steps cost: greatest differences from the jumps with error control.
-pub(super) struct StepCost {
+pub(in crate::cli) struct StepCost {
     pub(super) step: f64,
     pub(super) landing: f64,
     pub(super) apex: f64,

@@ -1,8 +1,8 @@
 //! `saltus verify`: plans, laws and tables in the multi-body simulation.
 
 mod advice;
-mod animation;
-mod context;
+pub(super) mod animation;
+pub(super) mod context;
 mod drawing;
 mod load;
 mod loaded;
