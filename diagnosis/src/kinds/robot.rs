@@ -441,11 +441,6 @@ impl Kind for Firings {
         0.4
     }
 
-    /// Simulators that differ in their contacts and steps are this far apart.
-    fn discrepancy(&self) -> f64 {
-        0.35
-    }
-
     /// All ground gives a little, that of simulators too.
     fn least_effect(&self, cause: usize) -> f64 {
         if self.causes[cause].id == "ground-compliance" {

@@ -58,7 +58,7 @@ pub(crate) struct Diagnose {
     false_alarms: f64,
 
     /// Error of the simulation itself, in standard deviations of a reading: what is smaller and
-    /// smooth is shown, and not claimed [default: 0.1; with a robot 0.35]
+    /// smooth is shown, and not claimed [default: 0.1; with a robot 0.4]
     #[arg(long, value_name = "SIGMAS", value_parser = sigmas, help_heading = "What is claimed")]
     model_error: Option<f64>,
 
