@@ -43,6 +43,11 @@ pub trait Trajectory<S: Single>: Clone + Debug + Send + Sync {
     #[must_use]
     fn shifted(&self, by: S) -> Self;
 
+    /// Whether it is a parabola under the robot's gravity.
+    fn is_parabola(&self) -> bool {
+        false
+    }
+
     /// A parabola near it, for rough looks: of the same lift-off, and the same apex or, where air
     /// drags, a higher one.
     fn parabola(&self) -> Flight<f64>;
@@ -86,6 +91,10 @@ impl<S: Single> Trajectory<S> for DragFlight<S> {
         let mut along = *self;
         along.vacuum.x = along.vacuum.x + by;
         along
+    }
+
+    fn is_parabola(&self) -> bool {
+        self.drag.value() == 0.0
     }
 
     fn parabola(&self) -> Flight<f64> {

@@ -20,6 +20,13 @@ pub trait JumpModel: Sync {
     /// The robot that jumps.
     fn robot(&self) -> &Robot;
 
+    /// c = m g r_s/(I + m r_s²) (1/s²): on a retracted leg a lean φ accelerates by c sin φ.
+    ///
+    /// Source: docs/model.md, Stance.
+    fn pendulum(&self) -> f64 {
+        self.robot().pendulum()
+    }
+
     /// Error (m) of a jump's apex and distance; two launches that are near each other differ by
     /// less.
     fn accuracy(&self) -> f64;

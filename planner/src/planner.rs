@@ -49,9 +49,7 @@ impl<M: JumpModel> Planner<M> {
     ///
     /// Source: docs/model.md, Stance.
     pub fn pendulum(&self) -> f64 {
-        let robot = self.robot();
-        let (mass, radius) = (robot.axle_mass(), robot.body.radius);
-        mass * robot.axle_gravity() * radius / (robot.body.inertia + mass * radius * radius)
+        self.model.pendulum()
     }
 
     /// The rate (rad/s) at the lean `to` (rad) of a robot that pivots on its retracted leg with

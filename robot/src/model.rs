@@ -87,6 +87,14 @@ impl Robot {
         self.at_axle(|_, x| x).1
     }
 
+    /// c = m g r_s/(I + m r_s²) (1/s²): on a retracted leg a lean φ accelerates by c sin φ.
+    ///
+    /// Source: docs/model.md, Stance.
+    pub fn pendulum(&self) -> f64 {
+        let (mass, radius) = (self.axle_mass(), self.body.radius);
+        mass * self.axle_gravity() * radius / (self.body.inertia + mass * radius * radius)
+    }
+
     /// Mass (kg) of the wheel without its legs, > 0.
     pub fn wheel_mass(&self) -> f64 {
         self.body.mass - f64::from(self.body.legs) * self.leg.body.mass

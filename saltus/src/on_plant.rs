@@ -246,6 +246,12 @@ impl OnPlant {
         confirmed
     }
 
+    /// A planner by the simulation alone, whose flights end at `lowest` (m above the foothold) at
+    /// the latest.
+    pub fn planner(&self, lowest: f64) -> Planner<Simulated> {
+        Planner::by(self.simulated.clone().down_to(lowest.min(0.0)))
+    }
+
     /// A plan for `crossing` as the plant jumps it, with every limit held against that.
     ///
     /// # Errors
@@ -286,7 +292,7 @@ pub fn planar(robot: Robot) -> Planner<Corrected> {
 }
 
 /// A planner whose jumps at `launches`, and between them, are those of the plant down to
-/// `landing_height` (m above the foothold).
+/// `landing_height` (m above the foothold); and how it was corrected.
 ///
 /// # Errors
 /// As [`JumpModel::jump`].
@@ -295,7 +301,7 @@ pub fn for_launches(
     plant: &OnPlant,
     launches: &[Launch],
     landing_height: f64,
-) -> Result<Planner<Corrected>, StanceError> {
+) -> Result<(Planner<Corrected>, Correction), StanceError> {
     let hull = |number: fn(&Launch) -> f64| {
         Span::hull_of(&launches.iter().map(number).collect::<Vec<_>>())
     };
@@ -307,10 +313,10 @@ pub fn for_launches(
     let lowest = landing_height.min(0.0);
     let mut planner = Planner::by(Corrected::new(Planar::new(robot), range, lowest));
     let truth = plant.simulated.clone().down_to(lowest);
-    planner.correct(&truth, &TABLE_EFFORT, |_| {
+    let correction = planner.correct(&truth, &TABLE_EFFORT, |_| {
         Ok::<_, StanceError>(launches.to_vec())
     })?;
-    Ok(planner)
+    Ok((planner, correction))
 }
 
 /// A planner for `request` (its table, or its laws), and how it was corrected for the plant, if

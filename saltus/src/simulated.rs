@@ -290,6 +290,33 @@ impl JumpModel for Simulated {
         ACCURACY
     }
 
+    /// From the time that the simulated robot takes from a lean of -0.5 rad to the upright.
+    fn pendulum(&self) -> f64 {
+        let plain = self.robot().pendulum();
+        let launch = Launch {
+            rate: (0.5 * plain).sqrt(),
+            lean: -PIVOT,
+            firing_angle: 0.0,
+            valve_open: 0.1,
+        };
+        let time = self
+            .jump(&launch)
+            .map_or(f64::NAN, |jump| jump.stance.time_fire);
+        let (mut low, mut high) = (0.8 * plain, 1.25 * plain);
+        if !(pivot_time(launch.rate, low) < time && time < pivot_time(launch.rate, high)) {
+            return plain;
+        }
+        for _ in 0..50 {
+            let middle = f64::midpoint(low, high);
+            if pivot_time(launch.rate, middle) < time {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        f64::midpoint(low, high)
+    }
+
     fn jump(&self, launch: &Launch) -> Result<Flown<Self>, StanceError> {
         let run = self.run(&self.rig, launch, false)?;
         Ok(Jump {
@@ -414,4 +441,23 @@ fn instant(sample: &FlightSample<f64>) -> Instant<f64> {
         centre: sample.position,
         velocity: sample.velocity,
     }
+}
+/// Lean (rad) backwards from which a robot pivots to show how fast it does.
+const PIVOT: f64 = 0.5;
+
+/// Time (s) from a lean of -`PIVOT` to the upright with `rate` (rad/s) at the start, where a lean φ accelerates by
+/// `c` sin φ: ∫ dφ/√(ω² + 2 c (cos φ_0 − cos φ)), by Simpson's rule.
+fn pivot_time(rate: f64, c: f64) -> f64 {
+    const STEPS: u32 = 200;
+    let h = PIVOT / f64::from(STEPS);
+    let slowness = |k: u32| {
+        let lean = h * f64::from(k) - PIVOT;
+        1.0 / (rate * rate + 2.0 * c * (PIVOT.cos() - lean.cos())).sqrt()
+    };
+    let weight = |k: u32| match k {
+        0 | STEPS => 1.0,
+        k if k % 2 == 1 => 4.0,
+        _ => 2.0,
+    };
+    h / 3.0 * (0..=STEPS).map(|k| weight(k) * slowness(k)).sum::<f64>()
 }

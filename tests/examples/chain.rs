@@ -86,6 +86,7 @@ fn shares(case: &Case, crossing: &Crossing, samples: usize) -> Option<(String, [
     let gauge = believed.leg.cylinder().map_or(0.0, |c| c.supply.0);
     let hidden = parameters.map(|(key, x)| match &**key {
         "supply_pressure_pa added" => format!("leg.supply_pressure_gauge_pa={}", gauge + x),
+        key if key.starts_with("leg.gas.") => "leg.gas=co2".into(),
         key => format!("{key}={x:e}"),
     });
     let truth = resolve(name, &hidden.collect::<Vec<_>>());

@@ -65,6 +65,13 @@ impl<S: Single> Trajectory<S> for CorrectedFlight<S> {
         }
     }
 
+    fn is_parabola(&self) -> bool {
+        match self {
+            Planar(flight) => flight.is_parabola(),
+            Corrected(flight) => flight.is_parabola(),
+        }
+    }
+
     fn parabola(&self) -> Flight<f64> {
         match self {
             Planar(flight) => flight.parabola(),

@@ -49,6 +49,8 @@ pub struct Corrected {
     quickness: f64,
     /// Whether launches near those from which the truer model does not fly are avoided.
     avoids: bool,
+    /// That of the truer model.
+    pendulum: f64,
     correction: Option<Kriging>,
 }
 
@@ -115,6 +117,7 @@ impl Corrected {
     /// height at which the wheel's centre may land.
     pub fn new(planar: Planar, range: LaunchRange, lowest: f64) -> Corrected {
         Corrected {
+            pendulum: planar.pendulum(),
             planar,
             range,
             lowest: lowest - BELOW,
@@ -396,6 +399,9 @@ impl Planner<Corrected> {
                 self.model_mut().apply();
             }
         }
+        if correction.jumps > 0 && !correction.is_exact {
+            self.model_mut().pendulum = truth.pendulum();
+        }
         Ok(correction)
     }
 }
@@ -405,6 +411,10 @@ impl JumpModel for Corrected {
 
     fn robot(&self) -> &Robot {
         self.planar.robot()
+    }
+
+    fn pendulum(&self) -> f64 {
+        self.pendulum
     }
 
     fn accuracy(&self) -> f64 {

@@ -177,3 +177,87 @@ fn a_plant_that_answers_cannot_hold_on_is_refused() {
         &["--correct", "no course"],
     );
 }
+
+/// From the log of a heavier robot to a plan that passes on it; the truth is known here.
+#[test]
+fn a_log_becomes_a_plan_that_passes() {
+    let folder = Folder::new("plant-replan");
+    folder.write("course.toml", COURSE.replace("0.15\n", "0.12\n").as_str());
+    folder.done(
+        "diagnose --inject mass=3.1 --kind jump --runs 6 --out monday",
+        0,
+    );
+    let report = folder.done(
+        "diagnose monday --replan course.toml --samples 60 --plant rats-boom --plant-set \
+         body.mass_kg=3.1 --report monday.html --format json",
+        1,
+    );
+    let replan = &json(&report)["replan"];
+    let passed = |plan: &str| replan[plan]["runs_passed"].as_u64().unwrap();
+    assert!(
+        passed("believed") < 10 && passed("measured") > 50,
+        "{replan}"
+    );
+    assert_eq!(replan["plant"], "rats-boom");
+    let page = folder.read("monday.html");
+    assert_eq!(page.matches("<iframe").count(), 2);
+    assert_eq!(page.matches("srcdoc=\"&lt;!DOCTYPE html").count(), 2);
+    for (flags, parts) in [
+        ("--replan none.toml", ["none.toml", ""]),
+        ("--replan monday/experiment.toml", ["kind", "unknown key"]),
+        (
+            "--replan course.toml --plant rats-boom --plant-set body.wheel_radius_m=0.2",
+            ["--plant", "0.24 m"],
+        ),
+        ("--replan course.toml --plant nobody", ["nobody", ""]),
+        ("--plant rats-boom", ["--replan", ""]),
+        ("--replan course.toml --samples 3", ["--samples", "20"]),
+    ] {
+        refused(&folder, &format!("diagnose monday {flags}"), &parts);
+    }
+    let ball = format!(
+        "diagnose {}/../tests/reference/ball-drops/tennis-ball --replan course.toml",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    refused(&folder, &ball, &["--replan", "no robot"]);
+}
+
+/// Tables for a controller name the robot that they hold on; on the planar one they are those
+/// without a plant.
+#[test]
+fn exported_tables_hold_on_their_plant() {
+    let folder = Folder::new("plant-export");
+    let line = "export c --distance 0.5:0.7:3 --omega 4:5:3 --out";
+    let plain = folder.done(&format!("{line} plain"), 0);
+    let same = folder.done(&format!("{line} same --plant rats-planar"), 0);
+    let without = |text: &str| {
+        let own = |line: &&str| !line.contains("They hold on the robot rats-planar");
+        text.lines().filter(own).collect::<Vec<_>>().join("\n")
+    };
+    assert_eq!(without(&same), without(&plain));
+    assert_eq!(same.lines().count(), plain.lines().count() + 1);
+    for file in ["saltus_controller.c", "saltus_controller.h"] {
+        let [same, plain] = ["same", "plain"].map(|at| folder.read(&format!("{at}/{file}")));
+        assert_eq!(without(&same), without(&plain), "{file}");
+    }
+    let boom = folder.done(&format!("{line} boom --plant rats-boom"), 0);
+    let held = boom
+        .lines()
+        .find(|line| line.starts_with("They hold on the robot rats-boom"));
+    let miss: f64 = held
+        .and_then(|line| {
+            line.rsplit("within ")
+                .next()?
+                .strip_suffix(" mm.")?
+                .parse()
+                .ok()
+        })
+        .expect("how far they miss");
+    assert!(miss < 0.5, "{boom}");
+    refused(
+        &folder,
+        &format!("{line} none --plant rats-boom --plant-set body.wheel_radius_m=0.2"),
+        &["body.wheel_radius_m = 0.2", "0.24"],
+    );
+    assert!(!folder.names().contains(&"none".to_owned()));
+}

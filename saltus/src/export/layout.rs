@@ -47,6 +47,14 @@ pub(super) struct Flown<'a, M> {
 const BEYOND: f64 = 0.1;
 
 impl Start {
+    /// Where the rates of tables count.
+    pub(super) fn of<R: Number>(counted: &Rates<R>) -> Start {
+        Start {
+            reference: counted.reference_lean.wide(),
+            at_firing: counted.at_firing,
+        }
+    }
+
     pub(super) fn rates<R: Number>(self, request: &Request) -> Rates<R> {
         Rates {
             least: R::of(request.rates.0),

@@ -18,11 +18,13 @@
 mod c;
 mod layout;
 mod numbers;
+mod plant;
 mod request;
 mod rust;
 mod tables;
 mod vectors;
 
 pub use numbers::Number;
+pub use plant::planner;
 pub use request::{ExportError, Request};
-pub use tables::{Misses, Tables, fingerprint};
+pub use tables::{Confirmed, Misses, Tables, fingerprint};

@@ -24,6 +24,18 @@ impl<R: Number> Tables<R> {
                 "Written by saltus {}; to change it, write it anew.",
                 env!("CARGO_PKG_VERSION")
             ),
+        ];
+        if let Some(on) = &self.confirmed {
+            lines.push(format!(
+                "They hold on the robot {}, whose file's SHA-256 begins {}: in the multi-body \
+                 simulation {} jumps at these rates and distances land within {}.",
+                on.name.escape_default(),
+                on.hash,
+                on.jumps,
+                mm(on.miss)
+            ));
+        }
+        lines.extend([
             String::new(),
             format!(
                 "Numbers: {}. CRC-32 of the tables: {:08X}.",
@@ -31,7 +43,7 @@ impl<R: Number> Tables<R> {
                 self.crc()
             ),
             self.rate_line(),
-        ];
+        ]);
         let spread = if self.distances.count > 1 {
             range(&self.distances, "m")
         } else {

@@ -1,15 +1,18 @@
 //! Tables from the planner, and how far they are from it.
 
 use hmac_sha256::Hash;
+use saltus_ballistic::Trajectory;
 use saltus_controller::{
     Axis, Controller, FiringCurve, FiringTable, LiftOffMap, Limits, MAP_NODE, Rates, Robot, Rule,
 };
-use saltus_numeric::refused;
+use saltus_lagrangian::Launch;
+use saltus_numeric::{Dual, Scalar, refused};
 use saltus_planner::{JumpModel, Planner};
 
-use super::layout::{Firing, Flown, Layout};
+use super::layout::{Firing, Flown, Layout, Start};
 use super::numbers::Number;
-use super::request::{ExportError, Request};
+use super::request::{ExportError, Request, spread};
+use crate::on_plant::OnPlant;
 
 /// How far answers from tables are from the planner's own jumps, over all open cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,6 +24,19 @@ pub struct Misses {
     pub map: f64,
     /// Jumps that were looked at.
     pub jumps: usize,
+}
+
+/// What the tables fire, flown on the robot that they were made for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Confirmed {
+    /// That robot's name.
+    pub name: String,
+    /// The first 64 bits of the SHA-256 of its file.
+    pub hash: String,
+    /// Jumps that were flown.
+    pub jumps: usize,
+    /// Greatest distance (m) between where one of them lands and what was asked for.
+    pub miss: f64,
 }
 
 /// Tables in the numbers of the controller.
@@ -41,6 +57,7 @@ pub struct Tables<R> {
     /// The least error (m) for which a cell of the firing table was closed.
     least_closed: Option<f64>,
     pub(super) misses: Misses,
+    pub(super) confirmed: Option<Confirmed>,
     pub(super) name: String,
     pub(super) hash: String,
     /// Whether the leg has a valve, so that opening times matter.
@@ -110,6 +127,7 @@ impl<R: Number> Tables<R> {
             tolerance: request.tolerance,
             least_closed: None,
             misses: Misses::default(),
+            confirmed: None,
             name: robot.name.clone(),
             hash: fingerprint(robot),
             has_valve: robot.leg.drive.has_valve(),
@@ -177,6 +195,126 @@ impl<R: Number> Tables<R> {
         }
     }
 
+    /// Flies them on the robot that they were made for. Cells that miss by more than the
+    /// tolerance are closed. What is left is flown at the rates and distances of `request` and half
+    /// way between them, wherever there is an answer.
+    ///
+    /// # Errors
+    /// [`ExportError`] where a jump cannot be computed, or no cell is left.
+    pub fn confirm(&mut self, plant: &OnPlant, request: &Request) -> Result<(), ExportError> {
+        let truth = plant.planner(self.robot.landing_height.wide());
+        let flown = Flown {
+            planner: &truth,
+            start: Start::of(&self.counted),
+            valve_open: request.valve_open,
+        };
+        self.close_table(&flown, request)?;
+        self.close_map(&flown)?;
+        self.check_open()?;
+        let height = self.robot.landing_height;
+        let (mut jumps, mut miss) = (0, 0.0_f64);
+        for (launch, distance) in self.answers(request) {
+            let landing = truth.jump(&launch)?.distance(height.wide());
+            let off = |landing: f64| (landing - distance).abs();
+            (jumps, miss) = (jumps + 1, miss.max(landing.map_or(f64::INFINITY, off)));
+        }
+        self.confirmed = Some(Confirmed {
+            name: plant.robot().name.clone(),
+            hash: fingerprint(plant.robot()),
+            jumps,
+            miss,
+        });
+        Ok(())
+    }
+
+    /// Closes the cells of the table that miss in the middle or at a corner, of those that a
+    /// program's rates reach.
+    fn close_table(
+        &mut self,
+        flown: &Flown<'_, impl JumpModel>,
+        request: &Request,
+    ) -> Result<(), ExportError> {
+        const PLACES: [(f64, f64); 5] =
+            [(0.5, 0.5), (0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)];
+        let (least, greatest) = (request.rates.0, request.rates.1);
+        let columns = self.distances.count.max(2) - 1;
+        let height = self.robot.landing_height;
+        let open: Vec<usize> = (0..self.open.len())
+            .filter(|cell| self.open[*cell] == 1)
+            .collect();
+        for cell in open {
+            let mut worst = 0.0_f64;
+            for (s, t) in PLACES {
+                let rate = between(&self.rates, cell / columns, s);
+                let distance = if self.distances.count > 1 {
+                    between(&self.distances, cell % columns, t)
+                } else {
+                    self.distances.first.wide()
+                };
+                let mut controller = self.controller();
+                // Cells are over the rate at the reference lean.
+                controller.rates.at_firing = false;
+                let angle = controller.firing_angle(R::of(rate), R::of(distance), height);
+                let Ok(angle) = angle.map(Number::wide) else {
+                    continue;
+                };
+                if (least..=greatest).contains(&flown.launch(rate, angle).rate) {
+                    worst = worst.max(flown.miss(rate, angle, distance, height.wide())?);
+                }
+            }
+            if worst > self.tolerance {
+                self.open[cell] = 0;
+            }
+        }
+        Ok(())
+    }
+
+    /// Closes the cells of the lift-off map whose middle lands elsewhere.
+    fn close_map(&mut self, flown: &Flown<'_, impl JumpModel>) -> Result<(), ExportError> {
+        let columns = self.angles.count - 1;
+        for cell in (0..self.map_open.len())
+            .filter(|cell| self.map_open[*cell] == 1)
+            .collect::<Vec<_>>()
+        {
+            let rate = between(&self.rates, cell / columns, 0.5);
+            let angle = between(&self.angles, cell % columns, 0.5);
+            if self.mapped(flown, rate, angle)? > self.tolerance {
+                self.map_open[cell] = 0;
+            }
+        }
+        Ok(())
+    }
+
+    /// The launches that a program gets at the rates and distances of `request` and half way
+    /// between them, each with its distance (m).
+    fn answers(&self, request: &Request) -> Vec<(Launch, f64)> {
+        let halves = |(first, last, count): (f64, f64, usize)| spread((first, last, 2 * count - 1));
+        let controller = self.controller();
+        let mut all = Vec::new();
+        for rate in halves(request.rates) {
+            for distance in halves(request.distances) {
+                let height = self.robot.landing_height;
+                let angle = controller.firing_angle(R::of(rate), R::of(distance), height);
+                let Ok(angle) = angle.map(Number::wide) else {
+                    continue;
+                };
+                let launch = Launch {
+                    rate,
+                    lean: request.start_lean.unwrap_or(angle),
+                    firing_angle: angle,
+                    valve_open: request.valve_open,
+                };
+                all.push((launch, distance));
+            }
+        }
+        all
+    }
+
+    /// What the robot made of them for which they were made, if that is not the planar one.
+    pub fn confirmed(&self) -> Option<&Confirmed> {
+        self.confirmed.as_ref()
+    }
+
     /// How far they are from the planner.
     pub fn misses(&self) -> Misses {
         self.misses
@@ -208,7 +346,8 @@ impl<R: Number> Tables<R> {
         hasher.finalize()
     }
 
-    /// Lift-offs at the nodes, with exact derivatives; the mixed one by differences of these.
+    /// Lift-offs at the nodes, with exact derivatives; the mixed one by differences of these. Of a
+    /// flight that is no parabola they are those of the parabola that stands for it.
     fn fill_map(&mut self, flown: &Flown<'_, impl JumpModel>) -> Result<(), ExportError> {
         let (rates, angles) = (nodes_of(&self.rates), nodes_of(&self.angles));
         let mut found: Vec<Option<[[f64; 4]; 4]>> = Vec::with_capacity(rates.len() * angles.len());
@@ -216,8 +355,14 @@ impl<R: Number> Tables<R> {
             for &angle in &angles {
                 let launch = flown.launch(rate, angle);
                 let jump = flown.planner.sensitive_jump(&launch)?;
-                let ([x, y], [vx, vy]) = (jump.stance.axle, jump.stance.axle_rates);
-                let state = jump.flight.is_some().then_some([x, y, vx, vy]);
+                let height = self.robot.landing_height.wide();
+                let state = jump.flight.as_ref().and_then(|flight| {
+                    let ([x, y], [vx, vy]) = (jump.stance.axle, jump.stance.axle_rates);
+                    if flight.is_parabola() {
+                        return Some([x, y, vx, vy]);
+                    }
+                    stand_in([x, y], flight, self.robot.gravity.wide(), height)
+                });
                 found.push(state.map(|state| state.map(|x| flown.with_slopes(rate, &launch, x))));
             }
         }
@@ -305,18 +450,7 @@ impl<R: Number> Tables<R> {
             for (s, t) in looks() {
                 let rate = between(&self.rates, cell / columns, s);
                 let angle = between(&self.angles, cell % columns, t);
-                let map = self.controller().map;
-                let predicted = map
-                    .at(R::of(rate), R::of(angle))
-                    .and_then(|l| l.landing(self.robot.gravity, self.robot.landing_height));
-                let off = match predicted {
-                    Ok(landing) => {
-                        let height = self.robot.landing_height.wide();
-                        flown.miss(rate, angle, landing.value.wide(), height)?
-                    }
-                    Err(_) => f64::INFINITY,
-                };
-                worst = worst.max(off);
+                worst = worst.max(self.mapped(flown, rate, angle)?);
                 self.misses.jumps += 1;
             }
             if worst > self.tolerance {
@@ -326,6 +460,23 @@ impl<R: Number> Tables<R> {
             }
         }
         Ok(())
+    }
+
+    /// How far (m) a jump lands from where the map predicts; infinite where it predicts nothing.
+    fn mapped(
+        &self,
+        flown: &Flown<'_, impl JumpModel>,
+        rate: f64,
+        angle: f64,
+    ) -> Result<f64, ExportError> {
+        let map = self.controller().map;
+        let predicted = map
+            .at(R::of(rate), R::of(angle))
+            .and_then(|l| l.landing(self.robot.gravity, self.robot.landing_height));
+        predicted.map_or(Ok(f64::INFINITY), |landing| {
+            let height = self.robot.landing_height.wide();
+            flown.miss(rate, angle, landing.value.wide(), height)
+        })
     }
 }
 
@@ -344,7 +495,10 @@ pub fn fingerprint(robot: &saltus_robot::Robot) -> String {
     format!("{:016x}", u64::from_be_bytes([a, b, c, d, e, f, g, h]))
 }
 
-fn check<M: JumpModel>(planner: &Planner<M>, request: &Request) -> Result<(), ExportError> {
+pub(super) fn check<M: JumpModel>(
+    planner: &Planner<M>,
+    request: &Request,
+) -> Result<(), ExportError> {
     let drag = planner.robot().environment.drag;
     if drag > 0.0 {
         return Err(ExportError::Drag { drag });
@@ -398,6 +552,26 @@ fn check<M: JumpModel>(planner: &Planner<M>, request: &Request) -> Result<(), Ex
 
 fn axis<R: Number>((first, last, count): (f64, f64, usize)) -> Axis<R> {
     Axis::new(R::of(first), R::of(last), count)
+}
+
+/// Lift-off of the parabola that starts at the `axle` (m), rises as high as `flight` and comes down
+/// to `height` (m) where that does; none where there is none.
+fn stand_in<T: Trajectory<Dual<4>>>(
+    [x, y]: [Dual<4>; 2],
+    flight: &T,
+    gravity: f64,
+    height: f64,
+) -> Option<[Dual<4>; 4]> {
+    let apex = flight.apex_height();
+    let landing = flight.range_to_height(Dual::of(height)).ok()?;
+    let (up, down) = (apex - y, apex - Dual::of(height));
+    if up.value <= 0.0 || down.value <= 0.0 {
+        return None;
+    }
+    let rise = (up * Dual::of(2.0 * gravity)).sqrt();
+    let fall = (down * Dual::of(2.0 * gravity)).sqrt();
+    let time = (rise + fall) / Dual::of(gravity);
+    Some([x, y, (landing - x) / time, rise])
 }
 
 /// The nodes as the controller has them, after rounding.

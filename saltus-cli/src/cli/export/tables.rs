@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use saltus::export::{ExportError, Number, Request, Tables};
+use saltus::export::{self, ExportError, Number, Request, Tables};
+use saltus::on_plant::OnPlant;
 use saltus::{Planner, Robot};
 
 use crate::cli::Status;
-use crate::cli::common::{RobotFlags, Threads, note_valve};
+use crate::cli::common::{PlantFlags, RobotFlags, Threads, note_valve};
 use crate::cli::terms::{TermFlags, Terms};
 use crate::error::{CliError, cut};
 use crate::output::{Files, print};
@@ -135,6 +136,9 @@ struct TableFlags {
     threads: Threads,
 
     #[command(flatten)]
+    plant: PlantFlags,
+
+    #[command(flatten)]
     robot: RobotFlags,
 }
 
@@ -191,11 +195,15 @@ impl Rust {
 impl TableFlags {
     /// The tables; none, with the reason on standard output, where no cell can be used.
     fn tables<R: Number>(&self) -> Result<Option<Tables<R>>, CliError> {
-        let robot = self.robot.planned_robot()?;
+        let (robot, plant) = self.plant.on_plant(&self.robot)?;
         self.terms.note_valve(&robot);
         note_valve(&robot, self.valve_range.map(|_| "--valve-range"));
         let request = self.request(&robot)?;
-        match Tables::new(&Planner::new(robot), &request) {
+        let made = match plant {
+            None => Tables::new(&Planner::new(robot), &request),
+            Some(plant) => on_plant(robot, &plant, &request),
+        };
+        match made {
             Ok(tables) => Ok(Some(tables)),
             Err(no @ ExportError::Empty { .. }) => print(&format!("{no}\n")).map(|()| None),
             Err(error) => Err(error.into()),
@@ -252,6 +260,18 @@ impl TableFlags {
             threads: self.threads.count().get(),
         })
     }
+}
+
+/// Tables that hold on a plant.
+fn on_plant<R: Number>(
+    robot: Robot,
+    plant: &OnPlant,
+    request: &Request,
+) -> Result<Tables<R>, ExportError> {
+    let (planner, _) = export::planner(robot, plant, request)?;
+    let mut tables = Tables::new(&planner, request)?;
+    tables.confirm(plant, request)?;
+    Ok(tables)
 }
 
 /// Most nodes along an axis of a table.

@@ -292,6 +292,7 @@ impl TableFile {
         let launches: Vec<Launch> = self.rows.iter().map(|row| row.launch(terms)).collect();
         let on_plant = on_plant(&robot, plant)?;
         for_launches(robot, &on_plant, &launches, terms.landing_height)
+            .map(|(planner, _)| planner)
             .map_err(|error| CliError::content(&self.file, error))
     }
 
