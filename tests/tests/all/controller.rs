@@ -524,7 +524,9 @@ fn in_the_loop_tables_for_the_boom_land_on_it() {
         mean.abs() < 1e-3 && deviation < 1e-3,
         "{mean} ± {deviation} m"
     );
-    let flat = Tables::<f32>::new(&Planner::new(robot), &request).expect("tables");
+    let flat = Tables::<f32>::new(&Planner::new(robot.clone()), &request).expect("tables");
+    let [mean, deviation, _] = spread(&in_the_loop(&flat, &robot, 200, By::Controller));
+    println!("the planar robot by its own tables: {mean:.5} ± {deviation:.5} m");
     let [mean, ..] = spread(&in_the_loop(&flat, &boom, 40, By::Controller));
     println!("by the planar tables: {mean:.5} m");
     assert!(mean < -0.02, "{mean} m");

@@ -48,11 +48,16 @@ const C_HELP: &str = "\
 Examples:
   saltus export c --distance 0.3:0.8:11 --out firmware/src
   saltus export c --distance 0.6 --newton 2 --out firmware/src
+  saltus export c --distance 0.3:0.8:11 --plant rats-boom --out firmware/src
   saltus export c --distance 0.4:0.7:7 --valve-open 60ms --valve-range 30ms:60ms --real double --out firmware/src
 
 One distance gives a curve over the approach rate, several, evenly spaced, a table. Beside it stands a map from approach rate and firing \
 angle to the lift-off, for Newton steps, obstacles and take-offs. Every cell is held against the planner's own jumps; \
 one that misses by more than --tolerance is closed, as is one that cannot be reached. Answers there are reasons, never clamped values.
+
+With --plant the tables hold on that robot, with its boom, the masses of its legs and its ground: a few jumps of the multi-body \
+simulation correct the planar model, and cells that miss there are closed. Of a flight that is no parabola, the map has the lift-off \
+of the parabola with its apex and its landing. The head of the files says how far the simulated robot lands from what they fire.
 
 A distance and an approach rate are those of `saltus table`: for the same options, saltus_firing_angle gives the angle that it prints. \
 saltus_decide takes a lean and its rate at any instant of the stance; it needs no approach rate.
