@@ -297,8 +297,9 @@ mod tests {
     #[test]
     fn what_cannot_be_known_is_refused() {
         let refused = |name, value| {
-            let error = check_known(&causes(), &[known(name, value)]);
-            error.expect_err("an error").to_string()
+            let known = [known(name, value)];
+            let refused = check_known(&causes(), &known);
+            refused.expect_err("an error").to_string()
         };
         assert!(refused("gravty", 1.0).ends_with("the nearest is gravity"));
         let both = "known mass_kg: could be body.mass_kg or boom.mass_kg: give all of the name";

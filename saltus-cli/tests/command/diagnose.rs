@@ -78,13 +78,13 @@ fn what_a_user_knows_takes_the_place_of_common_sense() {
     let own = |file: &str| std::fs::read_to_string(Path::new(&ball("tennis-ball")).join(file));
     std::fs::create_dir(folder.path("data")).unwrap();
     for drop in ["drop-1.csv", "drop-2.csv"] {
-        folder.write(&format!("data/{drop}"), &own(drop).unwrap());
+        folder.write(&format!("data/{drop}"), own(drop).unwrap());
     }
     let stated = |known: &str| {
         let text = own("experiment.toml").unwrap();
         folder.write(
             "data/experiment.toml",
-            &format!("{text}\n[known]\n{known}\n"),
+            format!("{text}\n[known]\n{known}\n"),
         );
     };
     let refused = || {

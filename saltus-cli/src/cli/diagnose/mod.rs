@@ -215,15 +215,7 @@ impl Diagnose {
         let mut folder = read_folders(&self.folders)?;
         let robot = self.robot_of(&folder)?;
         experiment::plausible(&folder, robot.as_ref())?;
-        let settings = Settings {
-            false_alarms: self.false_alarms,
-            most: usize::from(self.most),
-            seed: self.seed,
-            discrepancy: self.model_error,
-            known: self.known.clone(),
-            ..Settings::default()
-        };
-        let settings = folder.settings(&settings);
+        let settings = folder.settings(&self.settings());
         let asked_plan = self.replan.asked(robot.as_ref(), self.seed)?;
         let progress = Progress::new("fits", 0);
         let study = study::study(&folder.experiment, robot.as_ref(), &settings, &|_| {
@@ -267,7 +259,28 @@ impl Diagnose {
             replan,
             asked,
         };
-        let report = Report::of(&found);
+        self.tell(&found, corrected)
+    }
+
+    /// What the flags choose.
+    fn settings(&self) -> Settings {
+        Settings {
+            false_alarms: self.false_alarms,
+            most: usize::from(self.most),
+            seed: self.seed,
+            discrepancy: self.model_error,
+            known: self.known.clone(),
+            ..Settings::default()
+        }
+    }
+
+    /// Writes what was found, and the file of the corrected robot, if there is one.
+    fn tell(
+        &self,
+        found: &Found,
+        corrected: Option<(&'static str, &Path, String)>,
+    ) -> Result<Status, CliError> {
+        let report = Report::of(found);
         let text = match self.output.format() {
             Format::Text => report.text(),
             Format::Json => crate::output::json(&report.json()),
