@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use saltus_robot::Robot;
 
-use crate::known::Prior;
+use crate::prior::Prior;
 
 /// A measured column.
 #[derive(Clone, Debug, PartialEq)]

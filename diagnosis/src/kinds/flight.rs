@@ -6,10 +6,10 @@ use crate::fit::{self, Fit};
 use crate::fitness;
 use crate::kind::Proposal;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
-use crate::known::Prior;
 use crate::layout::{Draw, Layout, count};
 use crate::noise;
 use crate::plausible::{Check, LENGTHS};
+use crate::prior::Prior;
 use crate::spec::{
     DIAMETER, LOAD, PART, PLACE, RADIUS, Source, Spec, Synthesis, calm, lively, noisy, optional,
     without,
