@@ -229,6 +229,19 @@ mod tests {
         assert!(found.inflation < 1.3, "{}", found.inflation);
     }
 
+    /// A shift of all readings by 0.3 σ is 6 in terms of a unit column: far beyond noise, and within
+    /// the error of a model that is off by 0.4 σ. A shift of 3 σ is beyond both.
+    #[test]
+    fn what_the_model_may_be_off_by_is_no_cause() {
+        let shift = vec![1.0 / (ALL as f64).sqrt(); ALL];
+        for (size, discrepancy, causes) in [(6.0, 0.0, 1), (6.0, 0.4, 0), (60.0, 0.4, 1)] {
+            let data = sum(&[(size, &shift), (1.0, &noise(3))]);
+            let toy = Toy::new(&data, vec![shift.clone(), wave(5)]);
+            let found = added(&toy.with_discrepancy(discrepancy)).model.causes;
+            assert_eq!(found.len(), causes, "{size} {discrepancy}");
+        }
+    }
+
     /// Noise is an effect in 4 % of cases; 10 of 100 are a fault.
     #[test]
     fn noise_has_no_cause() {

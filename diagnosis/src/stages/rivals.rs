@@ -202,6 +202,18 @@ mod tests {
         assert_eq!(causes(&finding.less_likely), [4, 1]);
     }
 
+    /// What is known of a cause tells it from one that explains the data as well.
+    #[test]
+    fn a_rival_that_contradicts_what_is_known_is_set_apart() {
+        let toy = toy(20.0, &[0.02, 0.04]).with(1, |c| *c = c.clone().usual(1.0, "test"));
+        let finding = found(&toy);
+        let causes = |all: &[Candidate]| all.iter().map(|r| r.cause).collect::<Vec<_>>();
+        assert_eq!(causes(&finding.rivals), [2]);
+        assert_eq!(causes(&finding.contradicting), [1]);
+        let away = finding.contradicting[0].deviations[0].size();
+        assert!((away - 20.0).abs() < 0.1, "{away}");
+    }
+
     #[test]
     fn a_cause_is_no_rival_of_its_own_id() {
         let toy = toy(20.0, &[0.02]).with(1, |cause| cause.id = "a");
