@@ -20,9 +20,26 @@ const ROUNDS: usize = 8;
 /// a hair.
 const GROWTH: f64 = 1.05;
 
-/// Added to the seed for the draws that tell how well the plan holds: they are not those that made
-/// the margins.
-const FRESH: u64 = 0x5eed;
+/// What runs with errors drawn are for; each has draws of its own.
+#[derive(Clone, Copy)]
+enum Draws {
+    /// To find margins.
+    Margins,
+    /// To end the rounds.
+    Rounds,
+    /// To tell how often the plan holds: these made neither the margins nor the choice.
+    Count,
+}
+
+impl Draws {
+    fn seed(self, seed: u64) -> u64 {
+        match self {
+            Draws::Margins => seed,
+            Draws::Rounds => seed ^ 0x5eed,
+            Draws::Count => seed ^ 0xc0de,
+        }
+    }
+}
 
 /// What a plan keeps beside the limits of its course.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -132,7 +149,7 @@ impl Search<'_> {
                 }
             };
             let needed = self.needed(plan, &crossed, margins)?;
-            let (share, missed) = self.share(plan, &crossed)?;
+            let (share, missed) = self.share(plan, &crossed, Draws::Rounds)?;
             feasible = margins;
             if best.as_ref().is_none_or(|held| share > held.share) {
                 best = Some(Held {
@@ -153,7 +170,12 @@ impl Search<'_> {
             margins = needed;
         }
         match best {
-            Some(held) => Ok(Robust::Plan { held, blocked }),
+            Some(mut held) => {
+                if let CrossingAnswer::Plan(plan) = &held.crossed.answer {
+                    (held.share, held.missed) = self.share(plan, &held.crossed, Draws::Count)?;
+                }
+                Ok(Robust::Plan { held, blocked })
+            }
             None => Ok(Robust::None(self.cross(Margins::default())?)),
         }
     }
@@ -188,19 +210,15 @@ impl Search<'_> {
         }
     }
 
-    /// Runs of a plan with errors drawn, from another seed if `fresh`.
+    /// Runs of a plan with errors drawn.
     fn runs(
         &self,
         plan: &Plan,
         crossed: &Crossed,
-        fresh: bool,
+        draws: Draws,
     ) -> Result<Vec<Outcome>, TrialError> {
         let how = Verification {
-            seed: if fresh {
-                self.how.seed ^ FRESH
-            } else {
-                self.how.seed
-            },
+            seed: draws.seed(self.how.seed),
             ..self.how.clone()
         };
         let subject = Subject::plan(self.crossing.clone(), plan.clone());
@@ -216,7 +234,7 @@ impl Search<'_> {
         crossed: &Crossed,
         margins: Margins,
     ) -> Result<Margins, TrialError> {
-        let outcomes = self.runs(plan, crossed, false)?;
+        let outcomes = self.runs(plan, crossed, Draws::Margins)?;
         let drawn: Vec<&Outcome> = outcomes.iter().filter(|o| o.trial.has_errors()).collect();
         let short = |kinds: &dyn Fn(Demand) -> bool| {
             let worst = |outcome: &&Outcome| {
@@ -242,10 +260,15 @@ impl Search<'_> {
         })
     }
 
-    /// Share of fresh runs that pass, and what the others miss most often. The runs without errors
+    /// Share of runs that pass, and what the others miss most often. The runs without errors
     /// have to pass all.
-    fn share(&self, plan: &Plan, crossed: &Crossed) -> Result<(f64, Option<Demand>), TrialError> {
-        let outcomes = self.runs(plan, crossed, true)?;
+    fn share(
+        &self,
+        plan: &Plan,
+        crossed: &Crossed,
+        draws: Draws,
+    ) -> Result<(f64, Option<Demand>), TrialError> {
+        let outcomes = self.runs(plan, crossed, draws)?;
         let (drawn, exact): (Vec<_>, Vec<_>) = outcomes.iter().partition(|o| o.trial.has_errors());
         let passed = drawn.iter().filter(|o| o.passes()).count();
         let missed = |demand: &Demand| {

@@ -56,7 +56,8 @@ struct HoldFlags {
     #[arg(long, value_name = "SHARE", value_parser = share)]
     share: Option<f64>,
 
-    /// Runs with errors drawn from the robot's [errors], twice: to find the margins, and to count
+    /// Runs with errors drawn from the robot's [errors], three times: to find margins, to choose
+    /// them, and to count
     #[arg(long, value_name = "COUNT", default_value_t = 200, value_parser = clap::value_parser!(u32).range(20..=100_000), requires = "share")]
     samples: u32,
 
@@ -131,7 +132,8 @@ errors drawn.
 With --share the plan holds for that share of runs with errors drawn from the robot's [errors], in the \
 multi-body simulation of --plant (or of the robot itself), on the friction coefficients of --friction in \
 turn. margin_sigmas counts no more: the simulated scatter says what clearance_m, edge_margin_m and \
-friction_coefficient need beside their limits. Other draws then tell how often the plan holds. Where the \
+friction_coefficient need beside their limits. Draws that made neither margins nor choice then tell how often the plan holds; it is enough if that is at \
+most two binomial standard deviations below the share. Where the \
 share cannot be had, the answer is the plan that holds most often, and what blocks greater margins.
 
 CSV columns, one row for each jump: jump, omega_rad_s, phi0_rad, alpha_f_rad, valve_open_s, foot_x_m, \

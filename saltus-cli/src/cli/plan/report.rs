@@ -86,8 +86,11 @@ pub(super) struct Hold {
 }
 
 impl Hold {
+    /// Whether the runs do not speak against the share that is asked for: two binomial standard
+    /// deviations.
     pub(super) fn is_enough(&self) -> bool {
-        self.share >= self.asked
+        let deviation = (self.asked * (1.0 - self.asked) / self.runs as f64).sqrt();
+        self.share >= self.asked - 2.0 * deviation
     }
 
     fn json(&self) -> Value {
