@@ -1,8 +1,9 @@
 //! The chain from a log to a plan: hidden plants, what the diagnosis makes of their jumps, and how
 //! many jumps pass of the plan for the robot as believed, as diagnosed, and as it really is.
 //!
-//!     cargo run --release -p saltus-tests --example chain [plants=40] [first=1001] [samples=200]
+//!     cargo run --release -p saltus-tests --example chain -- plants=40 samples=200 [first=1001]
 //!
+//! With nothing given it takes two plants, and 60 runs of each plan.
 //! Each plant is `rats-boom` with one cause of jumps hidden at 6 to 12 σ of a reading. A plant whose
 //! truth is worth less than a tenth of the runs tells nothing of a diagnosis: it is listed, and
 //! counts in no share.
@@ -35,9 +36,9 @@ fn number(name: &str, default: usize) -> usize {
 
 fn main() {
     let (plants, first, samples) = (
-        number("plants", 40),
+        number("plants", 2),
         number("first", 1001),
-        number("samples", 200),
+        number("samples", 60),
     );
     let crossing = saltus::course::parse(COURSE, "the course").expect("a course");
     let causes = lab::causes_of(Sort::Jump).iter();
