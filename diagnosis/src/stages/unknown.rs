@@ -141,7 +141,6 @@ impl Judged {
         };
         // Not where instruments drift: what then explains a little more may be theirs.
         let inflation = evidence.inflation_between(&term.fit, &self.model, self.inflation);
-        let margin = margin - evidence.prior_penalty(term);
         !evidence.is_rescaled && term.fit.loss < self.model.loss + margin * inflation
     }
 
