@@ -5,7 +5,7 @@ use crate::fitness::{Fitness, Unknown};
 use crate::gain::Gain;
 use crate::kind::Kind;
 use crate::known::{self, Deviation};
-use crate::named::meaning;
+use crate::named::meaning_of;
 use crate::next::NextExperiment;
 use crate::profile::Interval;
 
@@ -47,9 +47,10 @@ impl Candidate {
         }
     }
 
-    /// What the cause means; of a term without a name, that it stands for something unknown.
+    /// What the cause means, in the form that fits; of a term without a name, that it stands for something unknown.
     pub fn meaning(&self) -> &'static str {
-        meaning(self.id).unwrap_or("an effect that the simulation leaves out")
+        let form = self.values.first().map_or("", |(name, _)| name);
+        meaning_of(self.id, form).unwrap_or("an effect that the simulation leaves out")
     }
 
     /// Its id, with the column that it is about.

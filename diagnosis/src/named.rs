@@ -1,6 +1,6 @@
 //! The causes that have a name.
 
-use saltus_robot::Term;
+use saltus_robot::{Term, terms};
 
 /// Ids of the causes that are not a term of a robot file, each with what is so in the machine and
 /// not in the simulation.
@@ -24,6 +24,18 @@ pub fn named() -> impl Iterator<Item = (&'static str, &'static str)> {
     of_terms
         .filter(|(_, sentence)| !sentence.is_empty())
         .chain(OTHERS)
+}
+
+/// What the cause `id` means in the form that has the parameter `key`; none for a term that stands
+/// for something unknown.
+pub(crate) fn meaning_of(id: &str, key: &str) -> Option<&'static str> {
+    let specs = Term::ALL.iter().map(|term| term.spec());
+    let is_form = |cause: &terms::Cause| cause.id == id && !cause.sentence.is_empty();
+    specs
+        .filter(|spec| key.starts_with(spec.key))
+        .find_map(|spec| spec.cause.filter(is_form))
+        .map(|cause| cause.sentence)
+        .or_else(|| meaning(id))
 }
 
 /// What the cause `id` means; none for a term that stands for something unknown.

@@ -44,6 +44,7 @@ const APART: &[Apart] = &[
 
 /// Terms that say nothing of a motion from its start to its landing.
 const UNKNOWN: &[(&[Term], &str)] = &[
+    (&[Term::PickedUp], "it is the planar model's"),
     (
         &[Term::Restitution],
         "the motion ends before the touch-down",
@@ -72,6 +73,9 @@ const VALUES: &[(Term, f64)] = &[
     (Term::CushionLength, 0.01),
     (Term::BoomRadius, 0.3),
     (Term::BoomFlex, 430.0),
+    (Term::BoomFlexTime, 1.5e-3),
+    (Term::Slope, 0.08),
+    (Term::Tilt, 0.08),
     (Term::StaticFriction, 0.35),
     (Term::KineticFriction, 0.28),
     (Term::GroundStiffness, 1.2e4),
@@ -93,6 +97,7 @@ const GROUPS: &[&[Term]] = &[
         Term::CushionStiffness,
         Term::CushionDamping,
     ],
+    &[Term::BoomFlex, Term::BoomFlexTime],
     &[Term::CounterweightDistance, Term::CounterweightMass],
     &[Term::StaticFriction, Term::KineticFriction],
     &[Term::GroundStiffness, Term::GroundDamping],

@@ -1,7 +1,7 @@
 //! The planar model as a [`JumpModel`]: the stance of `lagrangian`, the flight of `ballistic`.
 
 use saltus_ballistic::{DragFlight, Flight};
-use saltus_lagrangian::{Batch, Launch, LiftOff, Sample, Stance, StanceError};
+use saltus_lagrangian::{Batch, Launch, LiftOff, Outcome, Sample, Stance, StanceError};
 use saltus_numeric::{Dual, Scalar, Single};
 use saltus_robot::{Robot, Term};
 
@@ -62,7 +62,7 @@ impl Planar {
     /// The jump whose stance ends so.
     fn fly<S: Single>(&self, launch: Launch<S>, stance: LiftOff<S>) -> Jump<S, DragFlight<S>> {
         let flight = stance.outcome.is_jump().then(|| {
-            let ([x, y], [vx, vy]) = (stance.axle, stance.axle_rates);
+            let ([x, y], [vx, vy]) = (stance.axle, self.picked_up(&stance));
             DragFlight {
                 vacuum: Flight {
                     x,
@@ -79,6 +79,22 @@ impl Planar {
             stance,
             flight,
         }
+    }
+
+    /// Velocity (m/s) of the wheel's centre as the robot has picked up its leg. Until then the leg
+    /// pushed M − m with the work that the stance has given to M, so that M has √(1 − m/M) of the
+    /// stance's speed along the leg (docs/model.md, "The mass of the leg").
+    fn picked_up<S: Scalar>(&self, stance: &LiftOff<S>) -> [S; 2] {
+        let picked_up = self.robot.leg.picked_up;
+        // A leg without force is dragged along, and nothing hits its stop on the ground.
+        if picked_up == 0.0 || stance.outcome != Outcome::Stroke {
+            return stance.axle_rates;
+        }
+        let lost = 1.0 - (1.0 - picked_up / self.robot.axle_mass()).sqrt();
+        let along = stance.extension_rate * S::of(lost);
+        let (sin, cos) = stance.lean.sin_cos();
+        let [vx, vy] = stance.axle_rates;
+        [vx - along * sin, vy - along * cos]
     }
 
     /// The wheel's centre in a sample of a stance.

@@ -134,6 +134,9 @@ pub struct Leg {
     pub delay: f64,
     /// Shortest command that the valve follows (s), ≥ 0: a shorter one does nothing.
     pub least_pulse: f64,
+    /// Mass (kg) at rest on the ground that the robot picks up as its leg reaches its stop, ≥ 0;
+    /// for the planar model, which has no other mass of a leg.
+    pub picked_up: f64,
     /// Viscous friction β (N s/m), ≥ 0.
     pub viscous_friction: f64,
     /// Coulomb friction F_f (N), ≥ 0.
@@ -350,6 +353,8 @@ pub struct Boom {
     pub counterweight: Option<Counterweight>,
     /// Bending stiffness, as that of a hinge halfway (N m/rad), > 0; none: rigid.
     pub flex: Option<f64>,
+    /// Damping of the bend over its stiffness (s), ≥ 0.
+    pub flex_time: f64,
 }
 
 /// A point mass on the boom's line, behind its base.
@@ -384,8 +389,12 @@ pub struct Ground {
     pub stiffness: Option<f64>,
     /// Damping (N s/m), ≥ 0, where it is not rigid.
     pub damping: f64,
-    /// Slope along the travel (rad), uphill positive, in (−π/4, π/4).
+    /// Slope along the travel (rad), uphill positive, in (−π/4, π/4), under a level boom.
     pub slope: f64,
+    /// Slope (rad), uphill positive, in (−π/4, π/4), of the ground with all that is bolted to it:
+    /// the boom's base, and the zero of all angles and heights. The direction is that of the
+    /// travel at the start.
+    pub tilt: f64,
 }
 
 impl Default for Ground {
@@ -398,6 +407,7 @@ impl Default for Ground {
             stiffness: None,
             damping: 0.0,
             slope: 0.0,
+            tilt: 0.0,
         }
     }
 }

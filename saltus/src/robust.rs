@@ -7,14 +7,14 @@ use saltus_planner::course::{Relief, Watch};
 use saltus_planner::{CorrectedFlight, Crossing, CrossingAnswer, CrossingError, CrossingPlan};
 use saltus_robot::Robot;
 
-use crate::on_plant::{Crossed, OnPlant, for_crossing};
+use crate::on_plant::{Crossed, OnPlant, PlantError, for_crossing};
 use crate::verify::{Demand, Outcome, Plant, Subject, TrialError, Verification};
 
 /// Error that the simulation of drawn jumps makes in each step, relative to 1 + |y|.
 const ACCURACY: f64 = 1e-9;
 
 /// Rounds of planning and drawing.
-const ROUNDS: usize = 8;
+const ROUNDS: usize = 12;
 
 /// Margins are made a little greater than the draws ask for, so that the next round is not short by
 /// a hair.
@@ -92,6 +92,40 @@ pub enum RobustError {
     Trial(#[from] TrialError),
 }
 
+/// A course whose jumps may not slip on any ground of `how`, the robot on ground that holds, and its
+/// runs there: a foot that needs no more than the least coefficient of friction does not slip, and
+/// moves as on ground that holds. None where no friction is known, of the runs, of the robot's
+/// ground or of the course.
+///
+/// # Errors
+/// [`PlantError`] as for the plant.
+pub fn without_slip(
+    robot: &Robot,
+    plant: &OnPlant,
+    crossing: &Crossing,
+    how: &Verification,
+) -> Result<Option<(OnPlant, Crossing, Verification)>, PlantError> {
+    let own = plant.robot().ground.static_friction;
+    let grounds = how.frictions.iter().map(|mu| mu.unwrap_or(own));
+    let least = grounds
+        .chain(crossing.friction)
+        .fold(f64::INFINITY, f64::min);
+    if least.is_infinite() {
+        return Ok(None);
+    }
+    let holding = Plant::new(plant.robot().clone(), ACCURACY).on_friction(f64::INFINITY);
+    let crossing = Crossing {
+        friction: Some(least),
+        ..crossing.clone()
+    };
+    let how = Verification {
+        frictions: vec![None],
+        ..how.clone()
+    };
+    let plant = OnPlant::new(robot, holding.robot())?;
+    Ok(Some((plant, crossing, how)))
+}
+
 /// A plan for `crossing` on `plant` that holds for the share of `how` of its runs with drawn errors,
 /// on its grounds. The course's standard deviations count no more: what scatters is simulated.
 ///
@@ -130,19 +164,19 @@ impl Search<'_> {
     fn run(&self) -> Result<Robust, RobustError> {
         let mut margins = Margins::default();
         let mut best: Option<Held> = None;
-        let mut blocked = None;
-        // Between margins with which there is a plan, and some with which there is none.
+        // Margins with which there is a plan, and some with which there is none, with what blocks it.
         let mut feasible = Margins::default();
+        let mut blocked: Option<(Margins, Relief)> = None;
         for _ in 0..ROUNDS {
             let crossed = self.cross(margins)?;
             let plan = match &crossed.answer {
                 CrossingAnswer::Plan(plan) => plan,
                 other => {
-                    if let CrossingAnswer::Infeasible { relief, .. } = other {
-                        blocked = Some(relief.clone());
-                    }
                     if best.is_none() {
                         return Ok(Robust::None(crossed));
+                    }
+                    if let CrossingAnswer::Infeasible { relief, .. } = other {
+                        blocked = Some((margins, relief.clone()));
                     }
                     margins = margins.between(feasible);
                     continue;
@@ -159,25 +193,35 @@ impl Search<'_> {
                     missed,
                 });
             }
-            if share >= self.how.share {
+            if share >= self.aim() {
                 blocked = None;
                 break;
             }
-            if blocked.is_some() {
-                // Some margins are too much: as many as can be had are all that there is.
-                break;
-            }
-            margins = needed;
+            // Some margins are too much: as many as can be had are all that there is.
+            margins = blocked
+                .as_ref()
+                .map_or(needed, |(refused, _)| margins.between(*refused));
         }
         match best {
             Some(mut held) => {
                 if let CrossingAnswer::Plan(plan) = &held.crossed.answer {
                     (held.share, held.missed) = self.share(plan, &held.crossed, Draws::Count)?;
                 }
-                Ok(Robust::Plan { held, blocked })
+                Ok(Robust::Plan {
+                    held,
+                    blocked: blocked.map(|(_, relief)| relief),
+                })
             }
             None => Ok(Robust::None(self.cross(Margins::default())?)),
         }
+    }
+
+    /// The share at which the rounds end: above the one that is asked for, by one binomial standard
+    /// deviation of the runs, for other draws to reach that one.
+    fn aim(&self) -> f64 {
+        let asked = self.how.share;
+        let deviation = (asked * (1.0 - asked) / self.how.samples.max(1) as f64).sqrt();
+        (asked + deviation).min(1.0 - 0.5 * (1.0 - asked))
     }
 
     fn cross(&self, margins: Margins) -> Result<Crossed, CrossingError> {
@@ -245,7 +289,7 @@ impl Search<'_> {
             let mut worst: Vec<f64> = drawn.iter().map(worst).collect();
             worst.sort_by(f64::total_cmp);
             // Each of three kinds may take its part of the runs that fail.
-            let may_fail = (1.0 - self.how.share) / 3.0 * worst.len() as f64;
+            let may_fail = (1.0 - self.aim()) / 3.0 * worst.len() as f64;
             let at = worst
                 .iter()
                 .zip(0_u32..)

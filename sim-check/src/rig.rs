@@ -53,7 +53,10 @@ impl Rig {
 
         let leg = Leg::new(robot, |_, x| x);
         let massless = robot.leg.body.mass == 0.0;
-        let mut mechanism = Mechanism::new(tree, Vec3::new(0.0, 0.0, -robot.environment.gravity));
+        // Heights are above the ground, tilted or not.
+        let (across, along) = robot.ground.tilt.sin_cos();
+        let gravity = Vec3::new(-across, 0.0, -along) * robot.environment.gravity;
+        let mut mechanism = Mechanism::new(tree, gravity);
         mechanism.joints = joints;
         mechanism.legs = legs
             .iter()
@@ -300,6 +303,7 @@ fn add_boom(
     };
     joints.push(JointParts {
         spring: (stiffness, 0.0),
+        damping: stiffness * boom.flex_time,
         ..JointParts::default()
     });
     let bend = Vec3::y() * boom.inner_length();

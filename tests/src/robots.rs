@@ -118,9 +118,8 @@ pub fn on_boom(robots: impl Strategy<Value = Robot>) -> impl Strategy<Value = Ro
         robot.boom = Some(Boom {
             mass,
             length,
-            radius: 0.0,
             counterweight,
-            flex: None,
+            ..Boom::default()
         });
         robot
     })

@@ -26,10 +26,12 @@ pub(super) const LEG: usize = 4;
 #[derive(Clone, Debug)]
 pub(super) struct Machine {
     pub(super) boom: Option<f64>,
-    /// Stiffness of the bend (N m/rad).
-    flex: Option<f64>,
+    /// Stiffness (N m/rad) and damping (N m s/rad) of the bend.
+    flex: Option<(f64, f64)>,
     bodies: Bodies,
     pub(super) gravity: f64,
+    /// Direction of gravity at the start.
+    fall: V3,
     /// Drag (kg/m): −`drag` |v| v at the axle.
     drag: f64,
     /// Dry friction of the axle (N m).
@@ -75,6 +77,8 @@ pub(super) struct Frame {
     pub(super) down: V3,
     /// Velocity of the axle.
     pub(super) axle_rate: V3,
+    /// Direction of gravity.
+    fall: V3,
 }
 
 /// Mass matrix M and forces Q of M q̈ = Q.
@@ -87,9 +91,12 @@ impl Machine {
     pub(super) fn new(robot: &Robot) -> Machine {
         Machine {
             boom: robot.boom.map(|b| b.length),
-            flex: robot.boom.and_then(|b| b.flex),
+            flex: robot
+                .boom
+                .and_then(|b| Some((b.flex?, b.flex? * b.flex_time))),
             bodies: Bodies::new(robot),
             gravity: robot.environment.gravity,
+            fall: V3::new(-robot.ground.tilt.sin(), 0.0, -robot.ground.tilt.cos()),
             drag: robot.environment.drag * robot.axle_mass(),
             axle_friction: robot.body.axle_friction,
             radius: robot.body.radius,
@@ -125,12 +132,13 @@ impl Machine {
 
     /// Longest step (s) for the swing of a boom that bends; infinite for others.
     pub(super) fn longest_step(&self) -> f64 {
-        let (Some(stiffness), Some(length)) = (self.flex, self.boom) else {
+        let (Some((stiffness, damping)), Some(length)) = (self.flex, self.boom) else {
             return f64::INFINITY;
         };
         // One half of the boom alone, turning about its end against the spring.
         let inertia = self.bodies.inner.mass.max(0.01) * (length / 2.0).powi(2) / 3.0;
-        (0.25 / (4.0 * stiffness / inertia).sqrt()).max(1e-4)
+        let swing = (4.0 * stiffness / inertia).sqrt();
+        (0.25 / swing.max(4.0 * damping / inertia)).max(1e-4)
     }
 
     /// Whether its boom bends.
@@ -159,6 +167,11 @@ impl Machine {
         let upward = up * cos + x * sin;
         f.wheel.axes = Matrix3::from_columns(&[x * cos - up * sin, along, upward]);
         f.down = -upward;
+        f.fall = self.fall;
+        if self.boom.is_some() && self.fall.x != 0.0 {
+            let (across, ahead) = q[TURN].sin_cos();
+            (f.fall.x, f.fall.y) = (self.fall.x * ahead, self.fall.x * across);
+        }
         f
     }
 
@@ -272,7 +285,7 @@ impl Machine {
         acceleration += part.bias_at(&arm);
         let lin = self.columns(f, &(part.joint + arm), slide.is_some());
         let inertia = body.turned(&part.axes);
-        let push = (V3::new(0.0, 0.0, -self.gravity) - acceleration) * body.mass;
+        let push = (f.fall * self.gravity - acceleration) * body.mass;
         let torque = -(inertia * r + w.cross(&(inertia * w)));
         for (n, &j) in joints.iter().enumerate() {
             to.force[j] += lin[j].dot(&push) + self.about(f, j, &torque);
@@ -291,8 +304,8 @@ impl Machine {
 
     /// Adds the forces of the bend and the air, and those in the joints.
     fn apply(&self, f: &Frame, q: &Coordinates, v: &Coordinates, force: &mut Coordinates) {
-        if let Some(stiffness) = self.flex {
-            force[BEND] -= stiffness * q[BEND];
+        if let Some((stiffness, damping)) = self.flex {
+            force[BEND] -= stiffness * q[BEND] + damping * v[BEND];
         }
         if self.drag > 0.0 {
             let push = f.axle_rate * (-self.drag * f.axle_rate.norm());
@@ -365,6 +378,7 @@ mod tests {
         ("rats-planar", &[]),
         ("rats-boom", &[]),
         ("rats-boom", &["boom.bending_stiffness_n_m_per_rad=400"]),
+        ("rats-boom", &["ground.tilt_deg=8"]),
         (
             "rats-boom",
             &[

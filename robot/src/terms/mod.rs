@@ -298,6 +298,14 @@ terms! {
         .shown("mass_kg = 0.05", "mass of that part, counted in body.mass")
         .beside_plane();
 
+    /// Mass of the leg that the robot picks up at the end of the stroke, in the planar model (kg).
+    PickedUp = Spec::optional("leg.picked_up_mass", MASS, at!(robot, leg.picked_up))
+        .within(|r| Domain::NON_NEGATIVE.below(r.body.mass))
+        .shown(
+            "picked_up_mass_kg = 0.05",
+            "what lies on the ground until the leg reaches its stop; only for the planar model",
+        );
+
     /// Stiffness of the spring that pulls the leg back in (N/m).
     ReturnStiffness = Spec::needed(
         "leg.return_spring.stiffness",
@@ -385,6 +393,12 @@ terms! {
             inverse("boom_compliance_rad_per_n_m", (5e-5, 0.05), 2e-5, &starts)
         })
     .seen_in(|r| r.boom.is_some_and(|boom| boom.flex.is_none()));
+    /// Damping of the bend over its stiffness (s).
+    BoomFlexTime = Spec::optional("boom.bending_damping_time", TIME, at!(boom, flex_time))
+        .shown("bending_damping_time_ms = 1", "damping of the bend over its stiffness")
+        .beside_plane()
+        .cause("boom-flex", "", |_, now| direct(now, (0.0, 0.01), 2e-4, &[5e-4; 20]))
+    .seen_in(|r| r.boom.is_some_and(|boom| boom.flex.is_none()));
     /// Distance of the counterweight behind the boom's base, l (m).
     CounterweightDistance = Spec::needed(
         "boom.counterweight.distance",
@@ -469,11 +483,25 @@ terms! {
     /// Slope along the travel (rad), uphill positive.
     Slope = Spec::optional("ground.slope", ANGLE, at!(robot, ground.slope))
         .within(|_| Domain::above(-FRAC_PI_4).below(FRAC_PI_4))
-        .shown("slope_deg = 2", "uphill positive, less than 45°")
+        .shown("slope_deg = 2", "of the floor under a level boom, uphill positive, less than 45°")
         .out_of_plane()
-        .cause("ground-slope", "the ground slopes", |_, now| {
+        .cause("ground-slope", "the floor slopes under a level boom", |_, now| {
             direct(now, (-0.6, 0.6), 2e-3, &[now - 0.05, now + 0.05])
         });
+    /// Slope (rad) of the ground with all that is bolted to it, uphill positive.
+    Tilt = Spec::optional("ground.tilt", ANGLE, at!(robot, ground.tilt))
+        .within(|_| Domain::above(-FRAC_PI_4).below(FRAC_PI_4))
+        .shown(
+            "tilt_deg = 2",
+            "slope of the floor with the boom's base and the zero of all angles",
+        )
+        .out_of_plane()
+        .cause(
+            "ground-slope",
+            "the floor slopes with all that is bolted to it",
+            |_, now| direct(now, (-0.6, 0.6), 2e-3, &[now - 0.05, now + 0.05]),
+        )
+        .hidden(&[0.1]);
 
     /// Gravity g (m/s²).
     Gravity = Spec::needed("environment.gravity", ACCELERATION, at!(robot, environment.gravity))

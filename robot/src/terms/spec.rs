@@ -33,7 +33,7 @@ pub struct Cause {
     /// Its id.
     pub id: &'static str,
     /// What is so in the machine and not in the simulation; empty for the later terms of a cause
-    /// with several.
+    /// with several. Terms of one id with a sentence each are forms that the cause may have.
     pub sentence: &'static str,
     /// The robots in which it is looked for.
     pub seen_in: fn(&Robot) -> bool,

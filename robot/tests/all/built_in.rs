@@ -72,6 +72,7 @@ fn rats_boom_is_the_full_rig() {
         radius: 0.015,
         counterweight: None,
         flex: None,
+        flex_time: 0.0,
     };
     assert_eq!(robot.boom, Some(boom));
 

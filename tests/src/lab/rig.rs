@@ -42,8 +42,8 @@ pub(super) const HOP_CAUSES: &[&str] = &[
     "sensor-delay",
 ];
 
-/// A slope is not among them: a point that does not slip does not know how the ground lies about
-/// it.
+/// Of a slope, all that is bolted to the floor is tilted with it: a point that does not slip does
+/// not know how the floor alone lies about it.
 pub(super) const JUMP_CAUSES: &[&str] = &[
     "supply-pressure",
     "supply-droop",
@@ -68,6 +68,7 @@ pub(super) const JUMP_CAUSES: &[&str] = &[
     "across-friction",
     "ground-compliance",
     "foot-rolling",
+    "ground-slope",
     "air-drag",
     "gravity",
     "counterweight",
@@ -99,6 +100,7 @@ pub(super) const OUTCOMES_CAUSES: &[&str] = &[
     "foot-slip",
     "ground-compliance",
     "foot-rolling",
+    "ground-slope",
     "air-drag",
     "gravity",
     "counterweight",
@@ -187,7 +189,11 @@ fn dials(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
             Dial::up_to("body.imbalance_m", 0.04),
             Dial::fixed("body.imbalance_angle_rad", draw.between(0.0, turn)),
         ],
-        "boom-flex" => vec![Dial::inverse("boom.bending_stiffness_n_m_per_rad", 400.0)],
+        "boom-flex" => vec![
+            Dial::inverse("boom.bending_stiffness_n_m_per_rad", 400.0),
+            Dial::fixed("boom.bending_damping_time_s", draw.between(0.0, 2e-3)),
+        ],
+        "ground-slope" => vec![Dial::up_to("ground.tilt_rad", 0.1)],
         "foot-slip" => {
             // Dry friction is at most a little less once a foot slips.
             let coefficient = draw.between(0.03, 0.1);

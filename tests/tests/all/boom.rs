@@ -21,8 +21,7 @@ fn boom(mass: f64) -> Boom {
         mass,
         length: 2.12,
         radius: 0.015,
-        counterweight: None,
-        flex: None,
+        ..Boom::default()
     }
 }
 

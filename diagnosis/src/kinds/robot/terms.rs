@@ -80,7 +80,7 @@ fn shows(term: Term, sort: Sort) -> bool {
     match sort {
         Sort::Bench => section.starts_with("leg") || term == Term::Gravity,
         // A hop does not know how the ground lies about its foot.
-        Sort::Hop => term != Term::Slope,
+        Sort::Hop => !matches!(term, Term::Slope | Term::Tilt),
         _ => true,
     }
 }
@@ -111,7 +111,7 @@ pub(super) fn causes(
     (list.causes, list.effects, listed)
 }
 
-/// The causes in the table of terms; terms of one id are one cause.
+/// The causes in the table of terms; terms of one id are one cause, unless each has a sentence.
 fn of_terms(list: &mut List, sort: Sort, robot: &Robot) {
     for &term in Term::ALL {
         let (Some(cause), Some(fit)) = (term.spec().cause, term.fit(robot)) else {
@@ -122,7 +122,7 @@ fn of_terms(list: &mut List, sort: Sort, robot: &Robot) {
         }
         // A swinging boom shows little in where a jump ends: a few starts will do.
         let every = match sort {
-            Sort::Outcomes if term == Term::BoomFlex => 7,
+            Sort::Outcomes if matches!(term, Term::BoomFlex | Term::BoomFlexTime) => 7,
             _ => 1,
         };
         let starts: Vec<f64> = fit.starts.into_iter().step_by(every).collect();
@@ -133,7 +133,9 @@ fn of_terms(list: &mut List, sort: Sort, robot: &Robot) {
         };
         let parameter = parameter(&name, fit.neutral, fit.bounds, fit.scale, &starts);
         match (list.causes.last_mut(), list.effects.last_mut()) {
-            (Some(last), Some(Effect::Terms(terms))) if last.id == cause.id => {
+            (Some(last), Some(Effect::Terms(terms)))
+                if last.id == cause.id && cause.sentence.is_empty() =>
+            {
                 last.parameters.push(parameter);
                 terms.push((term, fit.form));
             }

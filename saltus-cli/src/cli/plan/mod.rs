@@ -7,9 +7,10 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::Args;
+use saltus::Robot;
 use saltus::on_plant::{Crossed, OnPlant, for_crossing};
-use saltus::planner::CrossingAnswer;
 use saltus::planner::course::Standing;
+use saltus::planner::{Crossing, CrossingAnswer};
 use saltus::robust::{self, Robust};
 use saltus::verify::{Starts, Verification};
 
@@ -69,6 +70,10 @@ struct HoldFlags {
     #[arg(long, value_name = "COEFFICIENTS", value_parser = frictions, requires = "share")]
     friction: Option<Values>,
 
+    /// No foot may slip on any of these grounds, nor on the robot's own
+    #[arg(long, requires = "share")]
+    no_slip: bool,
+
     #[command(flatten)]
     threads: Threads,
 }
@@ -95,6 +100,7 @@ const LONG_HELP: &str = "\
 Examples:
   saltus plan box.toml
   saltus plan box.toml --plant rats-boom --share 0.95 --friction 0.5:1:6
+  saltus plan box.toml --plant rats-boom --share 0.95 --friction 0.5 --no-slip
   saltus plan box.toml --set leg.supply_pressure_gauge_psi=140 --out plan.json --plot plan.svg
 
 A course, here one jump over a low box:
@@ -132,9 +138,11 @@ errors drawn.
 With --share the plan holds for that share of runs with errors drawn from the robot's [errors], in the \
 multi-body simulation of --plant (or of the robot itself), on the friction coefficients of --friction in \
 turn. margin_sigmas counts no more: the simulated scatter says what clearance_m, edge_margin_m and \
-friction_coefficient need beside their limits. Draws that made neither margins nor choice then tell how often the plan holds; it is enough if that is at \
-most two binomial standard deviations below the share. Where the \
-share cannot be had, the answer is the plan that holds most often, and what blocks greater margins.
+friction_coefficient need beside their limits. Draws that made neither margins nor choice then tell how \
+often the plan holds; it is enough if that is at most two binomial standard deviations below the share. \
+Where the share cannot be had, the answer is the plan that holds most often, and what blocks greater \
+margins. A foot may slip where --friction lets it; with --no-slip it may not: no stance may need more than \
+the least of these coefficients.
 
 CSV columns, one row for each jump: jump, omega_rad_s, phi0_rad, alpha_f_rad, valve_open_s, foot_x_m, \
 foot_y_m, apex_m (above the ground), land_x_m, land_y_m (surface), land_sd_m (standard deviation from the \
@@ -166,6 +174,14 @@ impl Plan {
         };
         let crossing = input::course(&self.course)?;
         let file = self.course.display().to_string();
+        let runs = self.hold.runs();
+        let (plant, crossing, runs) = match (plant, runs) {
+            (Some(plant), Some(runs)) if self.hold.no_slip => {
+                let (plant, crossing, runs) = without_slip(&robot, &plant, &crossing, &runs)?;
+                (Some(plant), crossing, Some(runs))
+            }
+            (plant, runs) => (plant, crossing, runs),
+        };
         let interrupt = Interrupt::listen()?;
         let crossed = {
             let progress = Progress::new("plan", 0);
@@ -177,10 +193,10 @@ impl Plan {
                     ControlFlow::Continue(())
                 }
             };
-            match plant.as_ref().zip(self.hold.runs()) {
-                Some((plant, runs)) => robust::plan(&robot, plant, &crossing, &runs, &watch)
+            match plant.as_ref().zip(runs.as_ref()) {
+                Some((plant, runs)) => robust::plan(&robot, plant, &crossing, runs, &watch)
                     .map_err(|error| CliError::content(&file, error))
-                    .map(|robust| held(robust, &runs))?,
+                    .map(|robust| held(robust, runs))?,
                 None => for_crossing(robot, plant.as_ref(), &crossing, &watch)
                     .map_err(|error| CliError::content(&file, error))
                     .map(|crossed| (crossed, None))?,
@@ -223,6 +239,25 @@ impl Plan {
             _ => Ok(Status::No),
         }
     }
+}
+
+/// Plant, course and runs of a plan whose feet may not slip.
+fn without_slip(
+    robot: &Robot,
+    plant: &OnPlant,
+    crossing: &Crossing,
+    runs: &Verification,
+) -> Result<(OnPlant, Crossing, Verification), CliError> {
+    robust::without_slip(robot, plant, crossing, runs)
+        .map_err(|error| CliError::content(&plant.robot().name, error))?
+        .ok_or_else(|| {
+            CliError::flag(
+                "--no-slip",
+                "",
+                "given with the friction of the ground: --friction 0.5, friction_coefficient in \
+                 the course, or ground.static_friction of the robot",
+            )
+        })
 }
 
 /// The best plan, and how often it holds; without a plan the answer that says why.
