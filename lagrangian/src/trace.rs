@@ -86,6 +86,8 @@ impl<S: Single> Stance<S> {
     /// # Errors
     /// As [`Stance::jump`].
     pub fn trace(&self, launch: &Launch<S>) -> Result<Trace<S>, StanceError> {
+        // What cannot be integrated says so sooner without a record of each of its many steps.
+        self.jump(launch)?;
         let mut recorder = Recorder::new(self);
         let lift_off = self.run(launch, &mut recorder)?;
         Ok(recorder.finish(lift_off))
