@@ -10,7 +10,7 @@ use saltus_numeric::statistics::dot;
 use crate::discrepancy::Discrepancy;
 use crate::fit::{Fit, Place, derivative, parameters_of, predicted, residuals, weight};
 use crate::identifiability::Identifiability;
-use crate::kind::{Channel, Kind, Parameter};
+use crate::kind::{Channel, Kind, Parameter, Terms};
 
 /// Directions in the space of all readings, in standard deviations, one value for each reading of
 /// each run in turn.
@@ -422,6 +422,28 @@ impl Tangent {
     pub(crate) fn drawn(&self, kind: &dyn Kind, random: &mut Pcg64) -> Vec<f64> {
         let mut all = self.chance(kind, random);
         self.discrepancy.add(&mut all, random);
+        self.clear(&mut all);
+        all
+    }
+
+    /// What `terms` do to the readings (standard deviations), clear of the unknowns at their first
+    /// guesses and of the causes that are on; none where the model has no answer.
+    pub(crate) fn change(&self, kind: &dyn Kind, terms: &Terms) -> Option<Vec<f64>> {
+        let mut all = Vec::with_capacity(self.predicted.len());
+        for run in 0..kind.logs().len() {
+            let unknowns: Vec<f64> = kind.unknowns(run).iter().map(|p| p.neutral).collect();
+            all.extend(predicted(kind, run, terms, &unknowns)?);
+        }
+        for (there, here) in all.iter_mut().zip(&self.predicted) {
+            *there -= here;
+        }
+        self.clear(&mut all);
+        Some(all)
+    }
+
+    /// The same of noise alone.
+    pub(crate) fn noise(&self, kind: &dyn Kind, random: &mut Pcg64) -> Vec<f64> {
+        let mut all = self.chance(kind, random);
         self.clear(&mut all);
         all
     }

@@ -38,6 +38,8 @@ pub(crate) struct View<'a> {
     channels: Vec<Channel>,
     causes: Vec<Cause>,
     discrepancy: f64,
+    /// Readings in the place of those that were measured.
+    logs: Option<Vec<Log>>,
     said: Arc<[Mutex<VecDeque<Known>>]>,
 }
 
@@ -51,8 +53,31 @@ impl<'a> View<'a> {
             causes: known::inform(kind.causes(), &settings.known)
                 .map_or_else(|_| kind.causes().to_vec(), |told| told.0),
             discrepancy: settings.discrepancy.unwrap_or(kind.discrepancy()),
+            logs: None,
             said,
         }
+    }
+
+    /// As if every instrument had read exactly what the model says with `terms` on, at the first
+    /// guesses of what is not known; none where the model has no answer.
+    pub(crate) fn exact(
+        kind: &'a dyn Kind,
+        settings: &Settings,
+        terms: &Terms,
+    ) -> Option<View<'a>> {
+        let view = View::new(kind, settings);
+        let mut logs = kind.logs().to_vec();
+        for (run, log) in logs.iter_mut().enumerate() {
+            let unknowns: Vec<f64> = kind.unknowns(run).iter().map(|p| p.neutral).collect();
+            let values = view.predict(run, terms, &unknowns)?;
+            for (reading, value) in log.readings.iter_mut().zip(values) {
+                reading.value = value;
+            }
+        }
+        Some(View {
+            logs: Some(logs),
+            ..view
+        })
     }
 
     /// With the scatter that `model` leaves, which has the model's own error in it; none where that
@@ -70,6 +95,7 @@ impl<'a> View<'a> {
             channels,
             causes: self.causes.clone(),
             discrepancy: 0.0,
+            logs: self.logs.clone(),
             said: Arc::clone(&self.said),
         })
     }
@@ -121,7 +147,7 @@ impl Kind for View<'_> {
     }
 
     fn logs(&self) -> &[Log] {
-        self.kind.logs()
+        self.logs.as_deref().unwrap_or_else(|| self.kind.logs())
     }
 
     fn unknowns(&self, run: usize) -> Vec<Parameter> {

@@ -71,6 +71,9 @@ pub(crate) enum CliError {
     /// Measured data.
     #[error(transparent)]
     Experiment(#[from] saltus::experiment::Error),
+    /// A planned experiment.
+    #[error(transparent)]
+    Plan(#[from] saltus::experiment::PlanError),
     /// Synthetic data.
     #[error("--inject {0}")]
     Inject(#[from] saltus::inject::Error),

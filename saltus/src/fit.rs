@@ -255,6 +255,7 @@ mod tests {
             effects: &effects,
             seed,
             runs: Some(8),
+            asked: &[],
         };
         make(&request).unwrap().experiment
     }

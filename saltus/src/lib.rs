@@ -43,6 +43,7 @@ pub mod inject;
 pub mod input;
 pub mod on_plant;
 pub mod parkour;
+pub mod power;
 pub mod replan;
 pub mod robust;
 pub mod simulated;

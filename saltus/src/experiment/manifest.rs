@@ -128,7 +128,7 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Manifest, Error> {
     Ok(root.finish(manifest)?)
 }
 
-fn kind(root: &mut Section) -> Result<&'static Spec, Error> {
+pub(super) fn kind(root: &mut Section) -> Result<&'static Spec, Error> {
     if root.word("kind", &[("toss", ())]).is_some() {
         let reason = "kind = \"toss\": tosses are read by the multi-body simulation's example \
             tosses, not here";
@@ -160,7 +160,7 @@ fn robot(root: &mut Section, is_needed: bool, spec: &Spec) -> Option<String> {
 }
 
 /// The table `[key]`: a size above 0 for some of the channels.
-fn sizes(root: &mut Section, key: &str, spec: &Spec) -> BTreeMap<String, f64> {
+pub(super) fn sizes(root: &mut Section, key: &str, spec: &Spec) -> BTreeMap<String, f64> {
     const SIZE: Domain = Domain::POSITIVE.because(", in the column's unit");
     let sizes = root.optional_table(key, |mut s| {
         let mut sizes = BTreeMap::new();
@@ -174,7 +174,7 @@ fn sizes(root: &mut Section, key: &str, spec: &Spec) -> BTreeMap<String, f64> {
 }
 
 /// The table `[known]`.
-fn known(root: &mut Section) -> Vec<Known> {
+pub(super) fn known(root: &mut Section) -> Vec<Known> {
     let read = root.optional_table("known", |mut s| {
         let known = s.known();
         s.finish(known)

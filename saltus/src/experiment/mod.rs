@@ -22,6 +22,7 @@ mod instant;
 mod join;
 mod lines;
 mod manifest;
+mod plan;
 mod run;
 mod thin;
 mod valve;
@@ -32,6 +33,7 @@ use std::path::{Path, PathBuf};
 
 pub use error::Error;
 pub use join::read_all;
+pub use plan::{Plan, PlanError};
 use saltus_diagnosis::plausible::implausible;
 pub use saltus_diagnosis::{Experiment, Known, Run, Sort};
 use saltus_robot::{Robot, RobotError};

@@ -9,7 +9,7 @@ use saltus_diagnosis::{Experiment, Sort, Terms};
 use saltus_robot::{Drive, GaugePressure, Robot};
 use saltus_sim_check::{Firing, Launch, Rig, Settings, Shot};
 
-use super::Error;
+use super::{Asked, Error};
 
 /// Least runs, or rows of outcomes, with a motion.
 const LEAST: usize = 3;
@@ -21,6 +21,7 @@ pub(super) fn fill(
     layout: &mut Layout,
     robot: &Robot,
     terms: &Terms,
+    asked: &[Asked],
     draw: &mut Draw,
 ) -> Result<(), Error> {
     let kind = layout.experiment.kind;
@@ -32,7 +33,7 @@ pub(super) fn fill(
     }
     let sensors = Sensors::new(&layout.experiment, robot, terms)?;
     if kind == Sort::Outcomes {
-        return outcomes(layout, robot, terms, &sensors, draw);
+        return outcomes(layout, robot, terms, &sensors, asked, draw);
     }
     let columns: Vec<usize> = layout
         .experiment
@@ -52,11 +53,16 @@ pub(super) fn fill(
         .collect();
     let wanted = layout.experiment.runs.len();
     let mut made = 0;
-    for _ in 0..TRIES * wanted {
-        let firing = if kind == Sort::Hop {
-            Some(hop(draw))
-        } else {
-            jump(robot, draw)
+    let tries = if asked.is_empty() {
+        TRIES * wanted
+    } else {
+        asked.len()
+    };
+    for attempt in 0..tries {
+        let firing = match asked.get(attempt) {
+            _ if kind == Sort::Hop => Some(hop(draw)),
+            Some(asked) => jump_as_asked(robot, asked),
+            None => jump(robot, draw),
         };
         let Some((supply, firing)) = firing else {
             continue;
@@ -99,6 +105,7 @@ fn outcomes(
     robot: &Robot,
     terms: &Terms,
     sensors: &Sensors,
+    asked: &[Asked],
     draw: &mut Draw,
 ) -> Result<(), Error> {
     let hidden = hidden(&layout.experiment, robot, terms)?;
@@ -111,13 +118,23 @@ fn outcomes(
     let rig = |robot: &Robot| Rig::new(robot, &[]).map_err(|_| no_motion(0));
     let (believed, rig) = (rig(robot)?, rig(&hidden)?);
     let mut rows: Vec<[f64; 5]> = Vec::new();
-    for _ in 0..TRIES * wanted {
-        let asked = [
-            draw.stepped(3.0, 6.0, 0.01),
-            draw.stepped(-0.25, 0.3, 1e-3),
-            draw.stepped(0.03, 0.1, TICK),
-        ]
-        .map(round);
+    let tries = if asked.is_empty() {
+        TRIES * wanted
+    } else {
+        asked.len()
+    };
+    for attempt in 0..tries {
+        let asked = asked.get(attempt).map_or_else(
+            || {
+                [
+                    draw.stepped(3.0, 6.0, 0.01),
+                    draw.stepped(-0.25, 0.3, 1e-3),
+                    draw.stepped(0.03, 0.1, TICK),
+                ]
+                .map(round)
+            },
+            |asked| [asked.rate, asked.firing_angle, asked.valve_open],
+        );
         let launch = Launch {
             rate: asked[0],
             lean: asked[1],
@@ -229,6 +246,38 @@ fn jump(robot: &Robot, draw: &mut Draw) -> Option<(f64, Firing)> {
         round(draw.stepped(0.04, 0.1, TICK)),
     );
     let supply = supply(100.0, 120.0, draw);
+    firing(robot, [lean, rate], angle, opening, supply)
+}
+
+/// How long before the firing angle (rad) a jump that is asked for begins.
+const BEFORE: f64 = 0.25;
+
+/// The same of what is asked for.
+fn jump_as_asked(robot: &Robot, asked: &Asked) -> Option<(f64, Firing)> {
+    let of_robot = robot.leg.cylinder().map(|cylinder| cylinder.supply.0);
+    let supply = asked.supply.or(of_robot)?;
+    let angle = asked.firing_angle;
+    // The leg's pivoting keeps its energy: ω² + 2 g M r cos φ/(I + M r²).
+    let (mass, radius) = (robot.axle_mass(), robot.body.radius);
+    let lever = mass * radius / (robot.body.inertia + mass * radius * radius);
+    let square = |before: f64| {
+        let fall = (angle - before).cos() - angle.cos();
+        asked.rate * asked.rate - 2.0 * robot.axle_gravity() * lever * fall
+    };
+    let before = [BEFORE, 0.5 * BEFORE, 0.25 * BEFORE];
+    let before = before.into_iter().find(|b| square(*b) > 0.0)?;
+    let start = [angle - before, square(before).sqrt()];
+    firing(robot, start, angle, asked.valve_open, supply)
+}
+
+/// The firing of a robot that starts at a lean (rad) and a rate (rad/s), if it is a jump.
+fn firing(
+    robot: &Robot,
+    [lean, rate]: [f64; 2],
+    angle: f64,
+    opening: f64,
+    supply: f64,
+) -> Option<(f64, Firing)> {
     let rig = Rig::new(&supplied(robot, supply), &[]).ok()?;
     let mut shot = Shot::new(&rig, [lean, rate], settings()).ok()?;
     let reached = |_: f64, q: &[f64], _: &[f64]| angle - q[rig.lean_coordinate()];

@@ -12,7 +12,7 @@
 //!
 //! let robot = Robot::rats_planar();
 //! let effects: Vec<Effect> = vec!["coulomb-friction=25".parse()?];
-//! let made = make(&Request { kind: Sort::Bench, robot: Some(&robot), effects: &effects, seed: 1, runs: Some(3) })?;
+//! let made = make(&Request { kind: Sort::Bench, robot: Some(&robot), effects: &effects, seed: 1, runs: Some(3), asked: &[] })?;
 //! assert_eq!(made.experiment.runs.len(), 3);
 //! assert_eq!(made.truth[0].parameters, [("leg.coulomb_friction_n".to_owned(), 25.0)]);
 //! # Ok::<(), saltus::inject::Error>(())
@@ -42,6 +42,21 @@ pub struct Request<'a> {
     pub seed: u64,
     /// How many runs (of outcomes: rows), ≥ 1; none: as many as is usual.
     pub runs: Option<usize>,
+    /// What is asked of each jump, of the kinds jump and outcomes; empty: drawn.
+    pub asked: &'a [Asked],
+}
+
+/// What is asked of a jump.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asked {
+    /// Approach rate (rad/s) at the firing angle.
+    pub rate: f64,
+    /// Firing angle (rad).
+    pub firing_angle: f64,
+    /// Valve opening time (s).
+    pub valve_open: f64,
+    /// Gauge pressure of the supply (Pa); none: the robot's.
+    pub supply: Option<f64>,
 }
 
 /// Data, and what is hidden in them.
@@ -150,9 +165,11 @@ pub fn make(request: &Request<'_>) -> Result<Made, Error> {
         effects,
         seed,
         runs,
+        asked,
     } = request;
     let mut draw = Draw::new(seed);
     let on_boom = effects.iter().any(|effect| effect.id == "counterweight");
+    let runs = runs.or(Some(asked.len()).filter(|count| *count > 0));
     let mut layout = Layout::new(kind, on_boom, runs, &mut draw);
     let model = kinds::build(&layout.experiment, robot)?;
     let mut terms = Terms::off(model.causes());
@@ -182,7 +199,7 @@ pub fn make(request: &Request<'_>) -> Result<Made, Error> {
     match kind.spec().synthesis.source {
         Source::Robot => {
             let robot = robot.ok_or(Problem::NoRobot)?;
-            firing::fill(&mut layout, robot, &terms, &mut draw)?;
+            firing::fill(&mut layout, robot, &terms, asked, &mut draw)?;
         }
         Source::Model => predicted(&mut layout, model.as_ref(), &terms)?,
     }
@@ -191,6 +208,21 @@ pub fn make(request: &Request<'_>) -> Result<Made, Error> {
         experiment: layout.experiment,
         truth,
     })
+}
+
+/// The cause of `kind`, data of `sort`, that an effect asks for, and the values of its parameters as
+/// the model takes them.
+///
+/// # Errors
+/// [`Error`] for an effect that the kind does not have.
+pub(crate) fn effect_of(
+    kind: &dyn Kind,
+    asked: &Effect,
+    sort: Sort,
+    robot: Option<&Robot>,
+) -> Result<(usize, Vec<f64>), Error> {
+    let known = || known(sort, robot).unwrap_or_default();
+    effect::resolve(kind, asked, sort.spec().id, known)
 }
 
 /// Fills the measured columns of every run with what the model says.

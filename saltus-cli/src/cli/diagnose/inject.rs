@@ -79,6 +79,7 @@ impl InjectFlags {
             effects: &effects,
             seed: command.seed,
             runs: self.runs.map(usize::from),
+            asked: &[],
         })?;
         let is_builtin = |name: &str| saltus::Robot::builtin_names().any(|known| known == name);
         // A robot of its own goes with the data.

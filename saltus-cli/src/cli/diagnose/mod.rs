@@ -4,6 +4,7 @@ mod bars;
 mod inject;
 mod known;
 mod page;
+mod power;
 mod replan;
 mod report;
 mod sheet;
@@ -19,6 +20,7 @@ use saltus::experiment::{self, Folder};
 use saltus::study::{self, Study, Worth};
 
 use self::inject::InjectFlags;
+use self::power::PowerFlags;
 use self::replan::{Replan, ReplanFlags};
 use self::report::Report;
 use super::Status;
@@ -35,8 +37,8 @@ pub(crate) struct Diagnose {
     /// Data folders of one kind: an experiment.toml and a CSV file for each run
     #[arg(
         value_name = "FOLDER",
-        required_unless_present = "inject",
-        conflicts_with = "inject"
+        required_unless_present_any = ["inject", "power"],
+        conflicts_with_all = ["inject", "power"]
     )]
     folders: Vec<PathBuf>,
 
@@ -101,6 +103,9 @@ pub(crate) struct Diagnose {
     replan: ReplanFlags,
 
     #[command(flatten)]
+    power: PowerFlags,
+
+    #[command(flatten)]
     inject: InjectFlags,
 
     #[command(flatten)]
@@ -113,6 +118,8 @@ Examples:
   saltus diagnose logs/monday --extend monday.toml --replan box.toml --report monday.html
   saltus diagnose hopper/static hopper/dynamic-1 --format json
   saltus diagnose drops/tennis-ball --known gravity=9.81±0.02 --known y_m.gain=1±0.003
+  saltus diagnose --power plan.toml
+  saltus diagnose --power plan.toml --effect air-drag=0.02 --effect mass=2.9 --propose 12
   saltus diagnose --inject coulomb-friction=25 --out synthetic
   saltus diagnose --inject encoder-scale=wheel_angle_rad:1.02 --inject axle-friction=0.3 --kind jump --out both
 
@@ -148,6 +155,25 @@ the corrected robot that only `saltus verify` has], \"misstated_noise\": [{\"col
 outliers counted less; noise makes it fall by about 1 for each parameter.
 
 CSV columns, one row for each channel: channel, rms_before, rms_after, noise.
+
+With --power no data are needed: plan.toml says what will be measured, and the answer is how often a diagnosis of that would \
+name each effect (alone or with two rivals at most), how often nothing, and what it would be taken for. Keys of a plan: kind, robot, \
+runs (how many; of outcomes jumps), [noise], [resolution] and [known] as in experiment.toml; [[jump]] of the kinds jump and outcomes, in the \
+place of runs: approach_rate_rad_s, firing_angle_rad, valve_open_s, of jump supply_pressure_gauge_psi, and repeat. \
+Without --effect every cause is tried at two sizes: those that all readings together show by 6 and by 12 standard deviations of \
+their noise. The model's own error (--model-error) counts in what is claimed, and not in what is drawn. --propose gives the jumps of a grid that tell the \
+effects apart best. An example:
+  kind = \"outcomes\"
+  robot = \"rats-boom\"
+  noise = { distance_mm = 3, apex_mm = 2 }
+  [[jump]]
+  approach_rate_rad_s = 4.5
+  firing_angle_rad = 0.05
+  valve_open_s = 0.08
+  repeat = 6
+
+JSON with --power: {\"runs\", \"effects\": [{\"id\", \"column\", \"parameters\", \"seen_by_sigmas\", \"named\", \"alone\", \"nothing\" (shares), \
+\"others\": {id: share}}], \"never_seen\": [ids], \"proposed\" (null without --propose): {\"jumps\", \"effects\"}}. CSV: one row for each effect.
 
 With --inject there is nothing to diagnose: data are made with effects hidden in them, in the folder --out, and the report says \
 what they are; the folder does not. CAUSE is an id, VALUE its parameter in the unit of its name, several with commas; of a sensor \
@@ -210,6 +236,9 @@ impl Diagnose {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         if self.inject.is_set() {
             return self.inject.run(&self);
+        }
+        if let Some(plan) = self.power.plan() {
+            return self.power.run(plan, &self);
         }
         self.output.check()?;
         let mut folder = read_folders(&self.folders)?;

@@ -1,0 +1,347 @@
+//! `saltus diagnose --power`: what a planned experiment can tell.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use saltus::Robot;
+use saltus::diagnosis::Power;
+use saltus::experiment::Plan;
+use saltus::inject::{self, Asked, Effect};
+use saltus::power::{self, PowerError, Proposed, SEEN, Told};
+use serde_json::{Map, Value, json};
+
+use super::Diagnose;
+use super::words::{grid, split, with_unit};
+use crate::cli::Status;
+use crate::cli::common::robot;
+use crate::error::CliError;
+use crate::output::{self, Files, Format, digits};
+use crate::progress::Progress;
+
+const EFFECT: &str = "--effect";
+
+/// What a planned experiment can tell.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Planned experiments")]
+pub(super) struct PowerFlags {
+    /// Say what the experiment planned in this file can tell, in place of a diagnosis
+    #[arg(long, value_name = "PLAN.toml")]
+    power: Option<PathBuf>,
+
+    /// Effect that may be there, with its size; may be repeated [default: every cause at two sizes]
+    #[arg(long, value_name = "CAUSE=VALUE", requires = "power")]
+    effect: Vec<String>,
+
+    /// Propose so many jumps that tell the effects apart best
+    #[arg(long, value_name = "COUNT", requires = "power", value_parser = clap::value_parser!(u16).range(1..=200))]
+    propose: Option<u16>,
+}
+
+impl PowerFlags {
+    /// The file of the plan, if one is asked about.
+    pub(super) fn plan(&self) -> Option<&Path> {
+        self.power.as_deref()
+    }
+
+    /// Says what the plan in the file at `path` can tell.
+    pub(super) fn run(&self, path: &Path, command: &Diagnose) -> Result<Status, CliError> {
+        let file = path.display().to_string();
+        let plan = Plan::open(path)?;
+        let robot = robot_of(&plan, path, command)?;
+        let effects: Vec<Effect> = self
+            .effect
+            .iter()
+            .map(|text| {
+                text.parse()
+                    .map_err(|error| CliError::content(EFFECT, error))
+            })
+            .collect::<Result<_, _>>()?;
+        let mut settings = command.settings();
+        let is_new =
+            |known: &&saltus::diagnosis::Known| settings.known.iter().all(|k| k.name != known.name);
+        let more: Vec<_> = plan.known.iter().filter(is_new).cloned().collect();
+        settings.known.extend(more);
+        let progress = Progress::new("effects", 0);
+        let advance = |_: &str| progress.advance(1);
+        let wrong = |error: PowerError| match error {
+            PowerError::Data(
+                error @ (inject::Error::Cause { .. } | inject::Error::Value { .. }),
+            ) => CliError::content(EFFECT, error),
+            error => CliError::content(&file, error),
+        };
+        let told =
+            power::told(&plan, robot.as_ref(), &effects, &settings, &advance).map_err(wrong)?;
+        let proposed = self
+            .propose
+            .zip(robot.as_ref())
+            .map(|(count, robot)| {
+                let count = usize::from(count);
+                power::propose(&plan, robot, &effects, count, &settings, &advance)
+            })
+            .transpose()
+            .map_err(wrong)?;
+        drop(progress);
+        let answer = Answer {
+            kind: plan.kind.spec().id,
+            robot: robot.as_ref(),
+            draws: settings.draws,
+            told,
+            proposed,
+        };
+        let mut files = Files::default();
+        files.report(
+            command.output.out(),
+            match command.output.asked() {
+                Some(Format::Json) => output::json(&answer.json()),
+                Some(Format::Csv) => answer.csv(),
+                _ => answer.text(),
+            },
+        );
+        files.write()?;
+        Ok(Status::Done)
+    }
+}
+
+/// The robot that the operator believes in.
+fn robot_of(plan: &Plan, path: &Path, command: &Diagnose) -> Result<Option<Robot>, CliError> {
+    let beside = |name: &String| {
+        let is_builtin = Robot::builtin_names().any(|known| known == name);
+        match path.parent().filter(|_| !is_builtin) {
+            Some(folder) => folder.join(name).display().to_string(),
+            None => name.clone(),
+        }
+    };
+    let usual = plan.kind.spec().robot.map(str::to_owned);
+    let own = plan.robot.as_ref().map(beside);
+    let name = command.robot.clone().or(own).or(usual);
+    name.map(|name| robot(&name, &command.overrides))
+        .transpose()
+}
+
+/// What is said.
+struct Answer<'a> {
+    kind: &'static str,
+    robot: Option<&'a Robot>,
+    draws: usize,
+    told: Told,
+    proposed: Option<Proposed>,
+}
+
+/// Shares below this are not said.
+const SMALL: f64 = 0.05;
+
+fn percent(share: f64) -> String {
+    format!("{} %", digits(100.0 * share, 2))
+}
+
+/// Mean over effects of how often they are named.
+fn mean(effects: &[Power]) -> f64 {
+    effects.iter().map(|power| power.named).sum::<f64>() / effects.len().max(1) as f64
+}
+
+/// A cause, of a sensor with its column.
+fn title(power: &Power) -> String {
+    power.column.as_ref().map_or(power.id.to_owned(), |column| {
+        format!("{} of {column}", power.id)
+    })
+}
+
+impl Answer<'_> {
+    fn text(&self) -> String {
+        let of = self
+            .robot
+            .map_or(String::new(), |robot| format!(" of {}", robot.name));
+        let mut text = format!(
+            "What {} of kind {}{of} can tell, in {} experiments drawn\n\n",
+            self.count(self.told.runs),
+            self.kind,
+            self.draws
+        );
+        text += &table(&self.told.effects);
+        text += &self.summary();
+        if !self.told.hidden.is_empty() {
+            let _ = writeln!(
+                text,
+                "No size of these shows by {} σ: {}.",
+                SEEN[0],
+                self.told.hidden.join(", ")
+            );
+        }
+        if let Some(proposed) = &self.proposed {
+            let _ = writeln!(
+                text,
+                "\nThese {} of a grid tell the effects apart best:\n",
+                self.count(proposed.jumps.len())
+            );
+            text += &jumps(&proposed.jumps);
+            let _ = writeln!(
+                text,
+                "\nWith them, an effect is named in {} on average, in place of {}.\n",
+                percent(mean(&proposed.told.effects)),
+                percent(mean(&self.told.effects))
+            );
+            text += &table(&proposed.told.effects);
+        }
+        text
+    }
+
+    fn count(&self, runs: usize) -> String {
+        let what = match (self.kind, runs) {
+            ("outcomes" | "jump", 1) => "jump",
+            ("outcomes" | "jump", _) => "jumps",
+            (_, 1) => "run",
+            _ => "runs",
+        };
+        format!("{runs} {what}")
+    }
+
+    fn summary(&self) -> String {
+        format!(
+            "\nSeen by: standard deviations of the noise by which all readings together show the \
+             effect.\nNamed: alone or with two rivals at most; on average {}. Taken for: what is \
+             named with it or in its place,\nin {} of the experiments or more.\n",
+            percent(mean(&self.told.effects)),
+            percent(SMALL)
+        )
+    }
+
+    fn json(&self) -> Value {
+        let proposed = self.proposed.as_ref().map(|proposed| {
+            let jump = |asked: &Asked| {
+                json!({
+                    "approach_rate_rad_s": asked.rate,
+                    "firing_angle_rad": asked.firing_angle,
+                    "valve_open_s": asked.valve_open,
+                    "supply_pressure_gauge_pa": asked.supply,
+                })
+            };
+            json!({
+                "jumps": proposed.jumps.iter().map(jump).collect::<Vec<_>>(),
+                "effects": proposed.told.effects.iter().map(entry).collect::<Vec<_>>(),
+            })
+        });
+        json!({
+            "command": "diagnose --power",
+            "kind": self.kind,
+            "robot": self.robot.map(|robot| &robot.name),
+            "runs": self.told.runs,
+            "experiments_drawn": self.draws,
+            "effects": self.told.effects.iter().map(entry).collect::<Vec<_>>(),
+            "never_seen": self.told.hidden,
+            "proposed": proposed,
+        })
+    }
+
+    fn csv(&self) -> String {
+        let mut text =
+            "cause,column,parameter,value,seen_by_sigmas,named,alone,nothing\n".to_owned();
+        for power in &self.told.effects {
+            let column = power.column.as_deref().unwrap_or_default();
+            for (name, value) in &power.values {
+                let _ = writeln!(
+                    text,
+                    "{},{column},{name},{value:?},{},{},{},{}",
+                    power.id, power.visible, power.named, power.alone, power.nothing
+                );
+            }
+        }
+        text
+    }
+}
+
+fn entry(power: &Power) -> Value {
+    let values: Map<String, Value> = power
+        .values
+        .iter()
+        .map(|(name, value)| (name.clone(), json!(value)))
+        .collect();
+    let others: Map<String, Value> = power
+        .others
+        .iter()
+        .map(|(id, share)| ((*id).to_owned(), json!(share)))
+        .collect();
+    json!({
+        "id": power.id,
+        "column": power.column,
+        "parameters": values,
+        "seen_by_sigmas": power.visible,
+        "named": power.named,
+        "alone": power.alone,
+        "nothing": power.nothing,
+        "others": others,
+    })
+}
+
+fn table(effects: &[Power]) -> String {
+    let mut lines = vec![
+        [
+            "effect",
+            "size",
+            "seen by",
+            "named",
+            "alone",
+            "nothing",
+            "taken for",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
+    ];
+    for power in effects {
+        let size = |(name, value): &(String, f64)| {
+            let (stem, unit) = split(name);
+            let stem = stem.rsplit('.').next().unwrap_or(stem);
+            format!("{stem} {}", with_unit(*value, 3, unit))
+        };
+        let sizes: Vec<String> = power.values.iter().map(size).collect();
+        let others = power
+            .others
+            .iter()
+            .filter(|(_, share)| *share >= SMALL)
+            .take(3);
+        let others: Vec<String> = others
+            .map(|(id, share)| format!("{id} {}", percent(*share)))
+            .collect();
+        lines.push(vec![
+            title(power),
+            sizes.join(", "),
+            format!("{} σ", digits(power.visible, 2)),
+            percent(power.named),
+            percent(power.alone),
+            percent(power.nothing),
+            others.join(", "),
+        ]);
+    }
+    grid(&lines, 2)
+}
+
+/// Jumps that are alike in one line.
+fn jumps(asked: &[Asked]) -> String {
+    let mut lines = vec![
+        [
+            "times",
+            "approach rate",
+            "firing angle",
+            "valve open",
+            "supply (gauge)",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
+    ];
+    let mut rest = asked;
+    while let Some(first) = rest.first() {
+        let count = rest.iter().take_while(|other| *other == first).count();
+        rest = &rest[count..];
+        let supply = first.supply.map_or(String::new(), |pressure| {
+            format!("{} kPa", digits(1e-3 * pressure, 4))
+        });
+        lines.push(vec![
+            count.to_string(),
+            format!("{} rad/s", digits(first.rate, 3)),
+            format!("{} rad", digits(first.firing_angle, 3)),
+            format!("{} s", digits(first.valve_open, 3)),
+            supply,
+        ]);
+    }
+    grid(&lines, 0)
+}
