@@ -146,6 +146,11 @@ impl<'a> Evidence<'a> {
         inflation.max(of_model)
     }
 
+    /// Coordinates of a direction in the model's own error.
+    pub(crate) fn coordinates(&self, direction: &[f64]) -> Vec<f64> {
+        self.discrepancy.coordinates(direction)
+    }
+
     /// What a model says of every reading (σ).
     fn predicted(&self, model: &Fit) -> Vec<f64> {
         let of = |run: &usize| {
@@ -194,10 +199,27 @@ impl<'a> Evidence<'a> {
         let of = |model: &Fit| {
             fit::predicted(self.kind, run, &model.terms, &model.unknowns[run]).unwrap_or_default()
         };
-        let (a, b) = (of(a), of(b));
+        let differences = of(a).iter().zip(of(b)).map(|(a, b)| a - b).collect::<Vec<_>>();
+        self.lasting(run, &differences)
+    }
+
+    /// The same of a change of all readings (σ), run by run.
+    pub(crate) fn effect_of(&self, change: &[f64]) -> f64 {
+        let mut rest = change;
+        let runs = self.kind.logs().iter().enumerate();
+        let of = runs.map(|(run, log)| {
+            let (here, after) = rest.split_at(log.readings.len());
+            rest = after;
+            self.lasting(run, here)
+        });
+        rms(&of.collect::<Vec<_>>())
+    }
+
+    /// The greatest of `differences` of a run that lasts for several readings of a channel.
+    fn lasting(&self, run: usize, differences: &[f64]) -> f64 {
         let mut of_channel = vec![Vec::new(); self.kind.channels().len()];
-        for (reading, (a, b)) in self.kind.logs()[run].readings.iter().zip(a.iter().zip(&b)) {
-            of_channel[reading.channel].push((a - b).abs());
+        for (reading, difference) in self.kind.logs()[run].readings.iter().zip(differences) {
+            of_channel[reading.channel].push(difference.abs());
         }
         let lasting = |values: &Vec<f64>| {
             let least = |window: &[f64]| window.iter().copied().fold(f64::INFINITY, f64::min);

@@ -1,23 +1,21 @@
 //! What an experiment can tell, before it is done: how often a diagnosis would name an effect of a
 //! given size, and what it would take it for.
 //!
-//! For each effect the data are made without noise, and every promising cause is fitted to them as
-//! in a diagnosis. Where the causes end, noise moves their losses as in the linear model: the loss
-//! of a cause is that of what it leaves and of the noise together, less what its own parameters take
-//! of the noise. Each draw of noise is then judged by the rules of a diagnosis.
+//! What an effect does to the readings is computed by the full model. What each other cause can
+//! explain of that and of the noise follows from the model linearised without an effect; of one that
+//! explains most of it, from what the full model does at the values found. Each draw of noise is
+//! judged by the rules of a diagnosis, of which no fit is made.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rand_pcg::Pcg64;
 use saltus_numeric::parallel;
 use saltus_numeric::statistics::dot;
 
 use crate::evidence::Evidence;
-use crate::finding::Candidate;
-use crate::fit::{self, Fit, huber};
+use crate::fit;
 use crate::kind::{Cause, Kind, Parameter, Terms};
 use crate::policy::POLICY;
 use crate::settings::Settings;
-use crate::stages::candidates::candidates;
 use crate::stages::screen;
 use crate::tangent::{Direction, Tangent};
 use crate::view::View;
@@ -26,6 +24,9 @@ use crate::view::View;
 /// logarithmic scale) between two that are a factor of four apart.
 const LEAST_PART: f64 = 1e-7;
 const HALVINGS: usize = 8;
+/// Part of a change that a cause explains by its direction, from which its model is asked how it
+/// bends.
+const NEAR: f64 = 0.5;
 
 /// What an experiment can tell of one effect.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,71 +50,27 @@ pub struct Power {
 }
 
 /// What the experiment of `kind`, whose measured values do not count, can tell of each effect: a
-/// cause and the values of its parameters. `progress` is told what is being done. None of an effect
-/// with which the model has no answer.
+/// cause and the values of its parameters. `progress` is told what is being done. Left out are
+/// effects with which the model has no answer.
 pub fn power(
     kind: &dyn Kind,
     effects: &[(usize, Vec<f64>)],
     settings: &Settings,
     progress: &(dyn Fn(&str) + Sync),
-) -> Vec<Option<Power>> {
-    parallel::map(effects.len(), |k| {
+) -> Vec<Power> {
+    let Some(view) = View::exact(kind, settings, &Terms::off(kind.causes())) else {
+        return Vec::new();
+    };
+    let evidence = Evidence::new(&view, settings, progress, false);
+    let Some(outlook) = Outlook::new(&evidence) else {
+        return Vec::new();
+    };
+    let found = parallel::map(effects.len(), |k| {
         let (cause, values) = &effects[k];
         progress(kind.causes()[*cause].id);
-        of_effect(kind, *cause, values, settings)
-    })
-}
-
-fn of_effect(kind: &dyn Kind, cause: usize, values: &[f64], settings: &Settings) -> Option<Power> {
-    let view = View::exact(kind, settings, &on(kind, cause, values))?;
-    let silent = |_: &str| ();
-    let evidence = Evidence::new(&view, settings, &silent, false);
-    let before = fit::fit_none(&view, &evidence.runs)?;
-    let tangent = Tangent::new(&view, &before, true)?;
-    let mut random = Pcg64::new(u128::from(settings.seed), 13);
-    let threshold = screen::threshold(&evidence, &tangent, &mut random);
-    let mut fitted = candidates(&evidence, &before, Some(&tangent));
-    if !fitted.iter().any(|c| c.cause == cause) {
-        let fit = evidence.with(&before, cause)?;
-        fitted.push(Candidate::new(&view, cause, &before, fit));
-    }
-    let judge = Judge {
-        evidence: &evidence,
-        threshold,
-        before: Tangent::residuals(&view, &before)?,
-        all: fitted
-            .into_iter()
-            .map(|candidate| Contender::new(&evidence, &before, &tangent, candidate))
-            .collect::<Option<_>>()?,
-    };
-    let judge = judge.compared();
-    let draws: Vec<Vec<f64>> = (0..settings.draws)
-        .map(|_| tangent.noise(&view, &mut random))
-        .collect();
-    let answers = parallel::map(draws.len(), |k| judge.1.answer(&judge.0, &draws[k]));
-    let id = kind.causes()[cause].id;
-    let share = |is: &dyn Fn(&Vec<&'static str>) -> bool| {
-        answers.iter().filter(|a| is(a)).count() as f64 / answers.len() as f64
-    };
-    let mut others: Vec<&'static str> = answers.iter().flatten().copied().collect();
-    others.sort_unstable();
-    others.dedup();
-    others.retain(|other| *other != id);
-    let mut others: Vec<(&'static str, f64)> = others
-        .into_iter()
-        .map(|other| (other, share(&|a| a.contains(&other))))
-        .collect();
-    others.sort_by(|a, b| b.1.total_cmp(&a.1));
-    Some(Power {
-        id,
-        column: kind.causes()[cause].column.clone(),
-        values: kind.causes()[cause].report(values),
-        visible: dot(&judge.1.before, &judge.1.before).sqrt(),
-        named: share(&|a| a.contains(&id)),
-        alone: share(&|a| a[..] == [id]),
-        nothing: share(&|a| a.is_empty()),
-        others,
-    })
+        outlook.of_effect(*cause, values)
+    });
+    found.into_iter().flatten().collect()
 }
 
 /// The terms with one cause on.
@@ -125,38 +82,182 @@ fn on(kind: &dyn Kind, cause: usize, values: &[f64]) -> Terms {
     terms
 }
 
-/// A cause as it explains data without noise.
-struct Contender<'a> {
-    candidate: Candidate,
-    /// What it leaves (σ).
-    left: Vec<f64>,
-    /// What it can do to noise.
-    direction: Option<&'a Direction>,
-    /// Variance inflation by the model's own error.
-    inflation: f64,
-    /// Whether it changes readings by enough to be claimed.
-    counts: bool,
-    /// Cost of its parameters and of what is known of them.
-    cost: f64,
+/// An experiment without an effect, and what noise does in it.
+struct Outlook<'a> {
+    evidence: &'a Evidence<'a>,
+    tangent: Tangent,
+    threshold: f64,
+    /// Draws of the noise (σ), clear of the unknowns.
+    noise: Vec<Vec<f64>>,
+    /// For each candidate of the tangent its parts of the draws.
+    parts: Vec<Vec<DVector<f64>>>,
 }
 
-impl<'a> Contender<'a> {
+impl<'a> Outlook<'a> {
+    fn new(evidence: &'a Evidence<'a>) -> Option<Outlook<'a>> {
+        let before = fit::fit_none(evidence.kind, &evidence.runs)?;
+        let tangent = Tangent::new(evidence.kind, &before, true)?;
+        let mut random = Pcg64::new(u128::from(evidence.settings.seed), 13);
+        let threshold = screen::threshold(evidence, &tangent, &mut random);
+        let draws = 0..evidence.settings.draws;
+        let noise = draws.map(|_| tangent.noise(evidence.kind, &mut random));
+        let noise: Vec<Vec<f64>> = noise.collect();
+        let parts = parallel::map(tangent.candidates.len(), |k| {
+            let of = |noise: &Vec<f64>| tangent.candidates[k].parts(noise);
+            noise.iter().map(of).collect()
+        });
+        Some(Outlook {
+            noise,
+            parts,
+            evidence,
+            tangent,
+            threshold,
+        })
+    }
+
+    fn of_effect(&self, cause: usize, values: &[f64]) -> Option<Power> {
+        let spec = &self.evidence.kind.causes()[cause];
+        let terms = on(self.evidence.kind, cause, values);
+        let change = self.tangent.change(self.evidence.kind, &terms)?;
+        let answers = self.answers(cause, values, &change);
+        let share = |is: &dyn Fn(&Vec<&'static str>) -> bool| {
+            answers.iter().filter(|a| is(a)).count() as f64 / answers.len() as f64
+        };
+        let id = spec.id;
+        let mut others: Vec<&'static str> = answers.iter().flatten().copied().collect();
+        others.sort_unstable();
+        others.dedup();
+        others.retain(|other| *other != id);
+        let mut others: Vec<(&'static str, f64)> = others
+            .into_iter()
+            .map(|other| (other, share(&|a| a.contains(&other))))
+            .collect();
+        others.sort_by(|a, b| b.1.total_cmp(&a.1));
+        Some(Power {
+            id,
+            column: spec.column.clone(),
+            values: spec.report(values),
+            visible: dot(&change, &change).sqrt(),
+            named: share(&|a| a.contains(&id)),
+            alone: share(&|a| a[..] == [id]),
+            nothing: share(&|a| a.is_empty()),
+            others,
+        })
+    }
+
+    /// What would be named in each draw of an experiment with `values` of `cause`, which do
+    /// `change`.
+    fn answers(&self, cause: usize, values: &[f64], change: &[f64]) -> Vec<Vec<&'static str>> {
+        let mut all: Vec<Contender> = (0..self.tangent.candidates.len())
+            .filter(|k| self.tangent.candidates[*k].cause != cause)
+            .map(|k| self.rival(k, change))
+            .collect();
+        all.push(self.itself(cause, values, change));
+        let judge = Judge::new(self.evidence, self.threshold, all);
+        (0..self.noise.len()).map(|draw| judge.answer(draw)).collect()
+    }
+
+    /// The cause that is at work: it explains all of the change, and of the noise what its
+    /// parameters can.
+    fn itself(&self, cause: usize, values: &[f64], change: &[f64]) -> Contender {
+        let candidates = &self.tangent.candidates;
+        let own = candidates.iter().position(|d| d.cause == cause);
+        let whole = dot(change, change);
+        let gain = |draw: usize| {
+            let by_chance = own.map_or(0.0, |k| candidates[k].gain_of(&self.parts[k][draw]));
+            whole + 2.0 * dot(change, &self.noise[draw]) + by_chance
+        };
+        let gains = (0..self.noise.len()).map(gain).collect();
+        Contender::new(self.evidence, cause, values, change.to_vec(), gains)
+    }
+
+    /// Candidate `k` in the place of the cause: it explains what lies along its direction.
+    fn rival(&self, k: usize, change: &[f64]) -> Contender {
+        let direction = &self.tangent.candidates[k];
+        let values = self.nearest(direction, change);
+        let of = |direction: &Direction, noise: &dyn Fn(usize) -> DVector<f64>| {
+            let own = direction.parts(change);
+            let gains = (0..self.noise.len()).map(|draw| direction.gain_of(&(&own + noise(draw))));
+            let explained = direction.explained(change);
+            Contender::new(self.evidence, direction.cause, &values, explained, gains.collect())
+        };
+        // Where it comes near to the change, it matters how the model bends.
+        let is_near = direction.gain(change) > NEAR * dot(change, change);
+        let is_apart = self.evidence.kind.causes()[direction.cause].is_apart();
+        if is_near && !is_apart {
+            let terms = on(self.evidence.kind, direction.cause, &values);
+            let bent = self.tangent.bent(self.evidence.kind, direction, &terms, change);
+            if let Some(bent) = bent {
+                return of(&bent, &|draw| bent.parts(&self.noise[draw]));
+            }
+        }
+        of(direction, &|draw| self.parts[k][draw].clone())
+    }
+
+    /// Values of the parameters of a cause that explain most of `change` by its direction.
+    fn nearest(&self, direction: &Direction, change: &[f64]) -> Vec<f64> {
+        let parameters = &self.evidence.kind.causes()[direction.cause].parameters;
+        let mut values: Vec<f64> = parameters.iter().map(|p| p.neutral).collect();
+        for (p, scales) in direction.steps(change) {
+            let Parameter { scale, bounds, .. } = parameters[p];
+            values[p] = (values[p] + scale * scales).clamp(bounds.0, bounds.1);
+        }
+        values
+    }
+}
+
+/// A cause as it explains the data.
+struct Contender {
+    cause: usize,
+    id: &'static str,
+    /// What it explains of the change (σ), and the coordinates of that in the model's own error.
+    explained: Vec<f64>,
+    coordinates: Vec<f64>,
+    /// By how much it lowers the loss in each draw.
+    gains: Vec<f64>,
+    /// Whether it changes readings by enough to be claimed.
+    counts: bool,
+    /// Cost of what is known of its parameters.
+    penalty: f64,
+    /// Whether its values contradict what is known.
+    contradicts: bool,
+}
+
+impl Contender {
     fn new(
         evidence: &Evidence,
-        before: &Fit,
-        tangent: &'a Tangent,
-        candidate: Candidate,
-    ) -> Option<Contender<'a>> {
-        let (cause, fit) = (candidate.cause, &candidate.fit);
-        let mut of_cause = tangent.candidates.iter().filter(|d| d.cause == cause);
-        Some(Contender {
-            left: Tangent::residuals(evidence.kind, fit)?,
-            direction: of_cause.next(),
-            inflation: evidence.inflation_between(before, fit, 1.0),
-            counts: evidence.effect(before, fit) >= evidence.least_effect(cause, 0),
-            cost: 2.0 * evidence.degrees(cause) as f64 + evidence.prior_penalty(&candidate),
-            candidate,
-        })
+        cause: usize,
+        values: &[f64],
+        explained: Vec<f64>,
+        gains: Vec<f64>,
+    ) -> Contender {
+        let spec = &evidence.kind.causes()[cause];
+        Contender {
+            cause,
+            id: spec.id,
+            coordinates: evidence.coordinates(&explained),
+            counts: evidence.effect_of(&explained) >= evidence.least_effect(cause, 0),
+            penalty: spec.penalty(values),
+            contradicts: spec.contradicts(values),
+            explained,
+            gains,
+        }
+    }
+
+    /// Variance inflation by the model's own error where it is compared with `other`, or with
+    /// nothing.
+    fn inflation(&self, other: Option<&Contender>) -> f64 {
+        let square = |a: &[f64], b: Option<&Vec<f64>>| match b {
+            Some(b) => a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum(),
+            None => dot(a, a),
+        };
+        let noise: f64 = square(&self.explained, other.map(|c| &c.explained));
+        let model: f64 = square(&self.coordinates, other.map(|c| &c.coordinates));
+        if noise > 0.0 {
+            1.0 + model / noise
+        } else {
+            1.0
+        }
     }
 }
 
@@ -164,81 +265,60 @@ impl<'a> Contender<'a> {
 struct Judge<'a> {
     evidence: &'a Evidence<'a>,
     threshold: f64,
-    /// What the model as it is leaves (σ).
-    before: Vec<f64>,
-    all: Vec<Contender<'a>>,
+    all: Vec<Contender>,
+    /// Variance inflation of each contender, and between every two.
+    inflation: Vec<f64>,
+    between: Vec<Vec<f64>>,
 }
 
-/// Variance inflation between every two contenders.
-struct Between(Vec<Vec<f64>>);
-
 impl<'a> Judge<'a> {
-    /// With the variance inflation between every two contenders.
-    fn compared(self) -> (Between, Judge<'a>) {
-        let fits: Vec<&Fit> = self.all.iter().map(|c| &c.candidate.fit).collect();
-        let between = |a: &&Fit| {
-            let row = fits.iter();
-            row.map(|b| self.evidence.inflation_between(a, b, 1.0))
-                .collect()
-        };
-        let between = Between(fits.iter().map(between).collect());
-        (between, self)
+    fn new(evidence: &'a Evidence<'a>, threshold: f64, all: Vec<Contender>) -> Judge<'a> {
+        let between = |a: &Contender| all.iter().map(|b| a.inflation(Some(b))).collect();
+        Judge {
+            inflation: all.iter().map(|c| c.inflation(None)).collect(),
+            between: all.iter().map(between).collect(),
+            evidence,
+            threshold,
+            all,
+        }
     }
 
-    /// Ids that would be named, the cause first, then its rivals.
-    fn answer(&self, between: &Between, noise: &[f64]) -> Vec<&'static str> {
-        let loss = |left: &[f64]| {
-            let both = left.iter().zip(noise);
-            both.map(|(a, b)| huber(a + b)).sum::<f64>()
+    /// Ids that would be named in a draw: the cause first, then its rivals.
+    fn answer(&self, draw: usize) -> Vec<&'static str> {
+        let evidence = self.evidence;
+        let (every, gain) = (0..self.all.len(), |k: usize| self.all[k].gains[draw]);
+        let degrees = |k: usize| evidence.degrees(self.all[k].cause) as f64;
+        let worth = |k: usize| gain(k) - 2.0 * degrees(k) - self.all[k].penalty;
+        let passes = |k: usize| {
+            let gain = gain(k) / self.inflation[k];
+            evidence.gain_beyond_chance(self.all[k].cause, gain) > self.threshold
         };
-        let before = loss(&self.before);
-        let gains: Vec<f64> = self
-            .all
-            .iter()
-            .map(|c| before - loss(&c.left) + c.direction.map_or(0.0, |d| d.gain(noise)))
-            .collect();
-        let passes = |k: &usize| {
-            let gain = gains[*k] / self.all[*k].inflation;
-            let cause = self.all[*k].candidate.cause;
-            self.evidence.gain_beyond_chance(cause, gain) > self.threshold
-        };
-        let every = || 0..self.all.len();
-        let worth = |k: usize| gains[k] - self.all[k].cost;
-        let best = every().max_by(|a, b| worth(*a).total_cmp(&worth(*b)));
-        let Some(best) = best.filter(|k| every().any(|k| passes(&k)) && self.all[*k].counts) else {
+        let best = every.clone().max_by(|a, b| worth(*a).total_cmp(&worth(*b)));
+        let Some(best) = best.filter(|k| self.all[*k].counts && every.clone().any(passes)) else {
             return Vec::new();
         };
-        let needed = self.threshold.max(0.0) + self.all[best].cost
-            - 2.0 * self.evidence.degrees(self.all[best].candidate.cause) as f64
-            + self.evidence.gain_by_chance(self.all[best].candidate.cause);
-        if gains[best] / self.all[best].inflation < needed {
+        let named = &self.all[best];
+        let needed = self.threshold.max(0.0) + named.penalty + evidence.gain_by_chance(named.cause);
+        if gain(best) / self.inflation[best] < needed {
             return Vec::new();
         }
-        let named = &self.all[best].candidate;
-        let mut rivals: Vec<usize> = every()
-            .filter(|k| *k != best && self.is_rival(between, &gains, best, *k))
-            .filter(|k| {
-                !self.evidence.contradicts(&self.all[*k].candidate)
-                    || self.evidence.contradicts(named)
-            })
-            .collect();
+        let is_rival = |k: usize| {
+            let lead = gain(best) - gain(k);
+            let behind = (lead + 2.0 * (degrees(k) - degrees(best))) / self.between[best][k];
+            let is_equal = lead.abs() < POLICY.equal_gain * gain(best).abs() + 0.5;
+            (is_equal || behind < POLICY.rival_loss)
+                && (named.contradicts || !self.all[k].contradicts)
+        };
+        let mut rivals: Vec<usize> = every.filter(|k| *k != best && is_rival(*k)).collect();
         rivals.sort_by(|a, b| worth(*b).total_cmp(&worth(*a)));
         let mut ids = vec![named.id];
         for rival in rivals {
-            let id = self.all[rival].candidate.id;
+            let id = self.all[rival].id;
             if !ids.contains(&id) && ids.len() <= POLICY.most_rivals {
                 ids.push(id);
             }
         }
         ids
-    }
-
-    /// Whether data do not tell `other` from `best`.
-    fn is_rival(&self, between: &Between, gains: &[f64], best: usize, other: usize) -> bool {
-        let degrees = |k: usize| self.evidence.degrees(self.all[k].candidate.cause) as f64;
-        let lead = gains[best] - gains[other];
-        let behind = (lead + 2.0 * (degrees(other) - degrees(best))) / between.0[best][other];
-        lead.abs() < POLICY.equal_gain * gains[best].abs() + 0.5 || behind < POLICY.rival_loss
     }
 }
 

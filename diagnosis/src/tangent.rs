@@ -73,7 +73,10 @@ pub(crate) struct Pair {
 /// What a candidate could do to the readings.
 pub(crate) struct Direction {
     pub(crate) cause: usize,
+    /// Of unit size.
     columns: Vec<Vec<f64>>,
+    /// For each column its parameter, and the size of what one of its scales does.
+    parameters: Vec<(usize, f64)>,
     /// Inverse of the columns' products.
     inverse: DMatrix<f64>,
     /// Inverse of the covariance that noise and the model's own error give to residuals' parts of
@@ -86,24 +89,59 @@ pub(crate) struct Direction {
 impl Direction {
     /// By how much the loss of `residuals` would fall.
     pub(crate) fn gain(&self, residuals: &[f64]) -> f64 {
-        self.weighed(residuals, &self.inverse)
+        self.gain_of(&self.parts(residuals))
     }
 
     /// The same, where noise and the model's own error together give about one for each parameter.
     pub(crate) fn score(&self, residuals: &[f64]) -> f64 {
-        self.weighed(residuals, &self.precision)
+        self.weighed(&self.parts(residuals), &self.precision)
     }
 
-    fn weighed(&self, residuals: &[f64], inverse: &DMatrix<f64>) -> f64 {
-        let g = DVector::from_iterator(
-            self.columns.len(),
-            self.columns.iter().map(|c| dot(c, residuals)),
-        );
-        let step = inverse * &g;
+    /// The parts of `residuals` along the columns.
+    pub(crate) fn parts(&self, residuals: &[f64]) -> DVector<f64> {
+        let parts = self.columns.iter().map(|c| dot(c, residuals));
+        DVector::from_iterator(self.columns.len(), parts)
+    }
+
+    /// By how much the loss of residuals with these parts would fall.
+    pub(crate) fn gain_of(&self, parts: &DVector<f64>) -> f64 {
+        self.weighed(parts, &self.inverse)
+    }
+
+    fn weighed(&self, parts: &DVector<f64>, inverse: &DMatrix<f64>) -> f64 {
+        let step = inverse * parts;
         if self.one_sided && step[0] < 0.0 {
             0.0
         } else {
-            g.dot(&step)
+            parts.dot(&step)
+        }
+    }
+
+    /// What of `residuals` lies along it.
+    pub(crate) fn explained(&self, residuals: &[f64]) -> Vec<f64> {
+        let step = self.step(residuals);
+        let mut all = vec![0.0; residuals.len()];
+        for (column, step) in self.columns.iter().zip(step.iter()) {
+            for (x, c) in all.iter_mut().zip(column) {
+                *x += step * c;
+            }
+        }
+        all
+    }
+
+    /// The parameters that explain most of `residuals`, each with its number of scales.
+    pub(crate) fn steps(&self, residuals: &[f64]) -> Vec<(usize, f64)> {
+        let step = self.step(residuals);
+        let parameters = self.parameters.iter().zip(step.iter());
+        parameters.map(|((p, size), x)| (*p, x / size)).collect()
+    }
+
+    fn step(&self, residuals: &[f64]) -> DVector<f64> {
+        let step = &self.inverse * self.parts(residuals);
+        if self.one_sided && step[0] < 0.0 {
+            0.0 * step
+        } else {
+            step
         }
     }
 }
@@ -147,17 +185,17 @@ fn orthonormal(columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     all
 }
 
-/// What `cause` could do by `raw`, clear of the orthonormal directions `clear`; none where that is
+/// What `cause` could do by `raw`, its parameters with what one scale of each does, clear of the orthonormal directions `clear`; none where that is
 /// nothing.
 fn direction(
     cause: usize,
-    raw: Vec<Vec<f64>>,
+    raw: Vec<(usize, Vec<f64>)>,
     clear: &[Vec<f64>],
     one_sided: bool,
     discrepancy: &Discrepancy,
 ) -> Option<Direction> {
-    let mut columns: Vec<Vec<f64>> = Vec::new();
-    for mut column in raw {
+    let (mut columns, mut parameters) = (Vec::new(), Vec::new());
+    for (p, mut column) in raw {
         let whole = dot(&column, &column);
         for other in clear {
             let part = dot(other, &column);
@@ -172,10 +210,10 @@ fn direction(
                 *x /= size;
             }
             columns.push(column);
+            parameters.push((p, size));
         }
     }
-    let n = columns.len();
-    if n == 0 {
+    if columns.is_empty() {
         return None;
     }
     let of_model: Vec<Vec<f64>> = columns.iter().map(|c| discrepancy.coordinates(c)).collect();
@@ -184,6 +222,7 @@ fn direction(
     Some(Direction {
         cause,
         columns,
+        parameters,
         inverse: products.try_inverse()?,
         precision: covariance.try_inverse()?,
         one_sided,
@@ -289,11 +328,11 @@ impl<'a> Around<'a> {
             let starts = parameters.iter().map(|p| p.starts.len()).max().unwrap_or(0);
             let each = (0..starts).filter_map(|start| self.away(cause, start));
             return each
-                .filter_map(|raw| direction(cause, vec![raw], clear, true, discrepancy))
+                .filter_map(|raw| direction(cause, vec![(0, raw)], clear, true, discrepancy))
                 .collect();
         }
         let raw = (0..parameters.len())
-            .filter_map(|p| self.column(cause, p))
+            .filter_map(|p| Some((p, self.column(cause, p)?)))
             .collect();
         let one_sided = parameters.len() == 1 && parameters[0].neutral <= parameters[0].bounds.0;
         direction(cause, raw, clear, one_sided, discrepancy)
@@ -441,11 +480,33 @@ impl Tangent {
         Some(all)
     }
 
-    /// The same of noise alone.
+    /// Noise (standard deviations), clear of the same.
     pub(crate) fn noise(&self, kind: &dyn Kind, random: &mut Pcg64) -> Vec<f64> {
         let mut all = self.chance(kind, random);
         self.clear(&mut all);
         all
+    }
+
+    /// `direction` as it is where `terms` have its cause on: what they do takes the place of the
+    /// column that explains most of `residuals`; none where they do nothing.
+    pub(crate) fn bent(
+        &self,
+        kind: &dyn Kind,
+        direction: &Direction,
+        terms: &Terms,
+        residuals: &[f64],
+    ) -> Option<Direction> {
+        let most = direction.step(residuals).iamax();
+        let mut raw: Vec<(usize, Vec<f64>)> = direction
+            .parameters
+            .iter()
+            .zip(&direction.columns)
+            .map(|((p, _), column)| (*p, column.clone()))
+            .collect();
+        raw[most].1 = self.change(kind, terms)?;
+        raw.swap(0, most);
+        let one_sided = raw.len() == 1;
+        self::direction(direction.cause, raw, &[], one_sided, &self.discrepancy)
     }
 
     /// Takes from residuals what the unknowns and the causes that are on can explain.

@@ -120,10 +120,7 @@ fn of(
             Sort::Outcomes => jumps.sum(),
             _ => experiment.runs.len(),
         },
-        effects: power(kind, sized, settings, progress)
-            .into_iter()
-            .flatten()
-            .collect(),
+        effects: power(kind, sized, settings, progress),
         hidden: if effects.is_empty() {
             hidden
         } else {
