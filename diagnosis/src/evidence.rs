@@ -48,7 +48,8 @@ pub(crate) struct Evidence<'a> {
     /// Indices of all runs.
     pub(crate) runs: Vec<usize>,
     folds: Vec<Fold>,
-    discrepancy: Discrepancy,
+    /// The model's own error.
+    pub(crate) discrepancy: Discrepancy,
     /// Number of readings.
     readings: usize,
     scores: Memo<Vec<Score>>,
@@ -146,11 +147,6 @@ impl<'a> Evidence<'a> {
         inflation.max(of_model)
     }
 
-    /// Coordinates of a direction in the model's own error.
-    pub(crate) fn coordinates(&self, direction: &[f64]) -> Vec<f64> {
-        self.discrepancy.coordinates(direction)
-    }
-
     /// What a model says of every reading (σ).
     fn predicted(&self, model: &Fit) -> Vec<f64> {
         let of = |run: &usize| {
@@ -199,7 +195,11 @@ impl<'a> Evidence<'a> {
         let of = |model: &Fit| {
             fit::predicted(self.kind, run, &model.terms, &model.unknowns[run]).unwrap_or_default()
         };
-        let differences = of(a).iter().zip(of(b)).map(|(a, b)| a - b).collect::<Vec<_>>();
+        let differences = of(a)
+            .iter()
+            .zip(of(b))
+            .map(|(a, b)| a - b)
+            .collect::<Vec<_>>();
         self.lasting(run, &differences)
     }
 

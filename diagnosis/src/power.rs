@@ -11,6 +11,7 @@ use rand_pcg::Pcg64;
 use saltus_numeric::parallel;
 use saltus_numeric::statistics::dot;
 
+use crate::discrepancy::Discrepancy;
 use crate::evidence::Evidence;
 use crate::fit;
 use crate::kind::{Cause, Kind, Parameter, Terms};
@@ -20,9 +21,10 @@ use crate::stages::screen;
 use crate::tangent::{Direction, Tangent};
 use crate::view::View;
 
-/// Least part of the range of a parameter that is tried, and how often the part is halved (on a
-/// logarithmic scale) between two that are a factor of four apart.
-const LEAST_PART: f64 = 1e-7;
+/// Least and greatest change of a parameter that is tried, in its scales, within its bounds; and how
+/// often the step between two that are a factor of four apart is halved on a logarithmic scale.
+const LEAST: f64 = 1e-4;
+const GREATEST: f64 = 1e4;
 const HALVINGS: usize = 8;
 /// Part of a change that a cause explains by its direction, from which its model is asked how it
 /// bends.
@@ -37,7 +39,8 @@ pub struct Power {
     pub column: Option<String>,
     /// Its parameters as they are reported: names and values.
     pub values: Vec<(String, f64)>,
-    /// By how many standard deviations of the noise all readings together show it.
+    /// By how many standard deviations of noise and of the model's own error all readings together
+    /// show it.
     pub visible: f64,
     /// Share of experiments in which it is named, alone or with rivals.
     pub named: f64,
@@ -71,6 +74,11 @@ pub fn power(
         outlook.of_effect(*cause, values)
     });
     found.into_iter().flatten().collect()
+}
+
+/// By how many standard deviations of noise and of the model's own error readings show a change.
+fn seen(discrepancy: &Discrepancy, change: &[f64]) -> f64 {
+    (dot(change, change) / discrepancy.inflation(change)).sqrt()
 }
 
 /// The terms with one cause on.
@@ -137,7 +145,7 @@ impl<'a> Outlook<'a> {
             id,
             column: spec.column.clone(),
             values: spec.report(values),
-            visible: dot(&change, &change).sqrt(),
+            visible: seen(&self.evidence.discrepancy, &change),
             named: share(&|a| a.contains(&id)),
             alone: share(&|a| a[..] == [id]),
             nothing: share(&|a| a.is_empty()),
@@ -154,7 +162,9 @@ impl<'a> Outlook<'a> {
             .collect();
         all.push(self.itself(cause, values, change));
         let judge = Judge::new(self.evidence, self.threshold, all);
-        (0..self.noise.len()).map(|draw| judge.answer(draw)).collect()
+        (0..self.noise.len())
+            .map(|draw| judge.answer(draw))
+            .collect()
     }
 
     /// The cause that is at work: it explains all of the change, and of the noise what its
@@ -179,14 +189,22 @@ impl<'a> Outlook<'a> {
             let own = direction.parts(change);
             let gains = (0..self.noise.len()).map(|draw| direction.gain_of(&(&own + noise(draw))));
             let explained = direction.explained(change);
-            Contender::new(self.evidence, direction.cause, &values, explained, gains.collect())
+            Contender::new(
+                self.evidence,
+                direction.cause,
+                &values,
+                explained,
+                gains.collect(),
+            )
         };
         // Where it comes near to the change, it matters how the model bends.
         let is_near = direction.gain(change) > NEAR * dot(change, change);
         let is_apart = self.evidence.kind.causes()[direction.cause].is_apart();
         if is_near && !is_apart {
             let terms = on(self.evidence.kind, direction.cause, &values);
-            let bent = self.tangent.bent(self.evidence.kind, direction, &terms, change);
+            let bent = self
+                .tangent
+                .bent(self.evidence.kind, direction, &terms, change);
             if let Some(bent) = bent {
                 return of(&bent, &|draw| bent.parts(&self.noise[draw]));
             }
@@ -235,7 +253,7 @@ impl Contender {
         Contender {
             cause,
             id: spec.id,
-            coordinates: evidence.coordinates(&explained),
+            coordinates: evidence.discrepancy.coordinates(&explained),
             counts: evidence.effect_of(&explained) >= evidence.least_effect(cause, 0),
             penalty: spec.penalty(values),
             contradicts: spec.contradicts(values),
@@ -359,10 +377,10 @@ impl Shown {
         Shown(&self.0 + &other.0)
     }
 
-    /// How well effects with these ids are told apart, from 0 to 1: the mean over all of them of the
-    /// distance between what one does and the nearest multiple of what another does, where so many
-    /// standard deviations as tell two predictions apart are enough.
-    pub fn apart(&self, ids: &[&str]) -> f64 {
+    /// How well the first `asked` of effects with these ids are told from the others, from 0 to 1: the
+    /// mean over them of the distance between what one does and the nearest multiple of what another
+    /// does, where so many standard deviations as tell two predictions apart are enough.
+    pub fn apart(&self, ids: &[&str], asked: usize) -> f64 {
         let products = &self.0;
         let of = |i: usize| {
             let whole = products[(i, i)];
@@ -371,12 +389,12 @@ impl Shown {
             let nearest = left.fold(whole, f64::min).max(0.0).sqrt();
             (nearest / POLICY.told_apart).min(1.0)
         };
-        (0..ids.len()).map(of).sum::<f64>() / ids.len().max(1) as f64
+        (0..asked).map(of).sum::<f64>() / asked.max(1) as f64
     }
 }
 
 /// For every listed cause, values with which all readings together show it by each of `sigmas`
-/// standard deviations of their noise. One parameter goes from none towards its bound; the others
+/// standard deviations of noise and of the model's own error. One parameter goes from none towards its bound; the others
 /// are as they are without the effect, or where a search starts. Left out are causes of which no
 /// value that physics allows does so much.
 pub fn visible(kind: &dyn Kind, sigmas: &[f64], settings: &Settings) -> Vec<(usize, Vec<f64>)> {
@@ -389,14 +407,28 @@ pub fn visible(kind: &dyn Kind, sigmas: &[f64], settings: &Settings) -> Vec<(usi
     let Some(tangent) = before.and_then(|before| Tangent::new(&view, &before, false)) else {
         return Vec::new();
     };
-    let found = parallel::map(kind.listed(), |cause| {
+    let discrepancy = Discrepancy::new(&view);
+    // Two terms for one effect are asked about once.
+    let about = |cause: &Cause| {
+        let names = cause.parameters.iter().map(|p| p.name.clone());
+        (cause.id, cause.column.clone(), names.collect::<Vec<_>>())
+    };
+    let causes = &kind.causes()[..kind.listed()];
+    let first: Vec<usize> = (0..causes.len())
+        .filter(|k| causes[..*k].iter().all(|c| about(c) != about(&causes[*k])))
+        .collect();
+    let found = parallel::map(first.len(), |k| {
+        let cause = first[k];
         let seen = |values: &[f64]| {
             let change = tangent.change(&view, &on(kind, cause, values))?;
-            Some(dot(&change, &change).sqrt())
+            Some(self::seen(&discrepancy, &change))
         };
         let each = sigmas.iter();
-        each.filter_map(|sigmas| Some((cause, value_seen(&kind.causes()[cause], *sigmas, &seen)?)))
-            .collect::<Vec<_>>()
+        let mut found: Vec<(usize, Vec<f64>)> = each
+            .filter_map(|sigmas| Some((cause, value_seen(&kind.causes()[cause], *sigmas, &seen)?)))
+            .collect();
+        found.dedup();
+        found
     });
     found.into_iter().flatten().collect()
 }
@@ -418,23 +450,30 @@ fn value_seen(
     });
     let mut found = ways.filter_map(|(rest, k, up)| {
         let Parameter {
-            neutral, bounds, ..
+            neutral,
+            bounds,
+            scale,
+            ..
         } = parameters[k];
         let none = neutral.clamp(bounds.0, bounds.1);
-        let reach = if up { bounds.1 } else { bounds.0 } - none;
-        let with = |part: f64| {
+        let end = if up { bounds.1 } else { bounds.0 };
+        let most = ((end - none).abs() / scale).min(GREATEST);
+        let with = |scales: f64| {
             let mut values = rest.clone();
-            values[k] = none + reach * part;
+            values[k] = none + if up { scales } else { -scales } * scale;
             values
         };
-        let is_seen = |part: f64| seen(&with(part)).is_some_and(|x| x >= sigmas);
-        if is_seen(LEAST_PART) {
-            // The others do it; of a cause apart from none, its least value does.
-            return cause.is_apart().then(|| with(LEAST_PART));
+        let is_seen = |scales: f64| seen(&with(scales)).is_some_and(|x| x >= sigmas);
+        if most < LEAST {
+            return None;
         }
-        let grown = |part: &f64| Some((4.0 * part).min(1.0)).filter(|next| next > part);
-        let parts = std::iter::successors(Some(LEAST_PART), grown);
-        let mut more = parts.into_iter().find(|part| is_seen(*part))?;
+        if is_seen(LEAST) {
+            // The others do it; of a cause apart from none, its least value does.
+            return cause.is_apart().then(|| with(LEAST));
+        }
+        let grown = |scales: &f64| Some((4.0 * scales).min(most)).filter(|next| next > scales);
+        let mut all = std::iter::successors(Some(LEAST), grown);
+        let mut more = all.find(|scales| is_seen(*scales))?;
         let mut less = 0.25 * more;
         for _ in 0..HALVINGS {
             let middle = (less * more).sqrt();

@@ -8,8 +8,8 @@ use saltus_robot::Robot;
 use crate::experiment::Plan;
 use crate::inject::{self, Asked, Effect, effect_of};
 
-/// By how many standard deviations of the noise all readings together show an effect whose size is
-/// not given.
+/// By how many standard deviations of noise and of the model's own error all readings together show
+/// an effect whose size is not given.
 pub const SEEN: [f64; 2] = [6.0, 12.0];
 
 /// What a plan can tell.
@@ -141,25 +141,31 @@ fn of(
 /// As [`told`], and where the kind has no jumps.
 pub fn propose(
     plan: &Plan,
-    robot: &Robot,
+    robot: Option<&Robot>,
     effects: &[Effect],
     count: usize,
     settings: &Settings,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Proposed, PowerError> {
-    if !matches!(plan.kind, Sort::Jump | Sort::Outcomes) {
+    let jumps = matches!(plan.kind, Sort::Jump | Sort::Outcomes);
+    let Some(robot) = robot.filter(|_| jumps) else {
         let kind = plan.kind.spec().id;
         return Err(PowerError::NoJumps { kind });
-    }
+    };
     let experiment = plan.experiment(Some(robot), settings.seed)?;
     let kind = kinds::build(&experiment, Some(robot))?;
     let sized = sized(kind.as_ref(), plan.kind, Some(robot), effects, settings)?;
+    // They are to be told from every cause, not only from each other.
+    let mut all = sized.clone();
+    if !effects.is_empty() {
+        all.extend(visible(kind.as_ref(), &SEEN[..1], settings));
+    }
     let grid = grid(plan.kind, robot);
     let shown = parallel::map(grid.len(), |k| {
         progress("a launch");
         let experiment = plan.asking(&grid[k..=k], Some(robot), settings.seed).ok()?;
         let there = kinds::build(&experiment, Some(robot)).ok()?;
-        shown(there.as_ref(), &sized, settings)
+        shown(there.as_ref(), &all, settings)
     });
     let shows: Vec<(Asked, Shown)> = grid
         .into_iter()
@@ -170,8 +176,8 @@ pub fn propose(
         let robot = robot.name.clone();
         return Err(PowerError::NoJump { robot });
     }
-    let ids: Vec<&str> = sized.iter().map(|(c, _)| kind.causes()[*c].id).collect();
-    let jumps = chosen(&shows, &ids, count);
+    let ids: Vec<&str> = all.iter().map(|(c, _)| kind.causes()[*c].id).collect();
+    let jumps = chosen(&shows, &ids, sized.len(), count);
     let experiment = plan.asking(&jumps, Some(robot), settings.seed)?;
     let there = kinds::build(&experiment, Some(robot))?;
     let told = of(
@@ -208,12 +214,13 @@ fn grid(kind: Sort, robot: &Robot) -> Vec<Asked> {
     all
 }
 
-/// Of the jumps that show effects, with these ids, so many that tell them apart best.
-fn chosen(shows: &[(Asked, Shown)], ids: &[&str], count: usize) -> Vec<Asked> {
+/// Of the jumps that show effects, with these ids, so many that tell the first `asked` of them from
+/// all others best.
+fn chosen(shows: &[(Asked, Shown)], ids: &[&str], asked: usize, count: usize) -> Vec<Asked> {
     let mut set: Vec<usize> = Vec::new();
     let total = |set: &[usize]| Shown::sum(set.iter().map(|k| &shows[*k].1));
     let best = |sum: &Shown| {
-        let scores = parallel::map(shows.len(), |k| sum.with(&shows[k].1).apart(ids));
+        let scores = parallel::map(shows.len(), |k| sum.with(&shows[k].1).apart(ids, asked));
         (0..shows.len()).max_by(|a, b| scores[*a].total_cmp(&scores[*b]))
     };
     while set.len() < count {

@@ -51,6 +51,16 @@ fn a_heavy_wheel_is_found_in_jumps() {
     check("inject-jump", "mass=3.4 --kind jump --runs 2", "mass");
 }
 
+/// What is without a limit unless it is hidden can be hidden alone.
+#[test]
+fn slip_on_smooth_ground_is_hidden() {
+    let folder = Folder::new("inject-slip");
+    let line =
+        "diagnose --inject foot-slip=0.45 --kind outcomes --robot rats-planar --runs 3 --out d";
+    let told = folder.done(line, 0);
+    assert!(told.contains("static_friction = 0.45"), "{told}");
+}
+
 #[test]
 fn nothing_is_found_where_nothing_is_hidden() {
     let folder = Folder::new("inject-none");

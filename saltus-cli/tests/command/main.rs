@@ -19,6 +19,7 @@ mod misleading;
 mod overwrites;
 mod plant;
 mod plots;
+mod power;
 mod slips;
 mod tables;
 mod valves;

@@ -54,8 +54,15 @@ impl Plan {
     /// # Errors
     /// [`PlanError`] for a file that cannot be read, and for a key or a value that is not allowed.
     pub fn open(path: &Path) -> Result<Plan, PlanError> {
-        let file = path.display().to_string();
-        let mut root = Section::file(&text(path, 8)?, &file)?;
+        Plan::parse(&text(path, 8)?, &path.display().to_string())
+    }
+
+    /// The plan of `text`, which errors call `file`.
+    ///
+    /// # Errors
+    /// As [`Plan::open`].
+    pub fn parse(text: &str, file: &str) -> Result<Plan, PlanError> {
+        let mut root = Section::file(text, file)?;
         root.check_keys(&[
             "kind",
             "robot",

@@ -173,8 +173,9 @@ pub(super) fn resolve(
             values.push(value);
         }
     }
-    let is_without =
-        |((_, none), value): (&(String, f64), &f64)| (value - none).abs() <= 1e-9 * none.abs();
+    let is_without = |((_, none), value): (&(String, f64), &f64)| {
+        value == none || (none.is_finite() && (value - none).abs() <= 1e-9 * none.abs())
+    };
     if parameters.iter().zip(&values).all(is_without) {
         let none: Vec<String> = parameters
             .iter()

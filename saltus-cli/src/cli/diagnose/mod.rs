@@ -161,7 +161,7 @@ name each effect (alone or with two rivals at most), how often nothing, and what
 runs (how many; of outcomes jumps), [noise], [resolution] and [known] as in experiment.toml; [[jump]] of the kinds jump and outcomes, in the \
 place of runs: approach_rate_rad_s, firing_angle_rad, valve_open_s, of jump supply_pressure_gauge_psi, and repeat. \
 Without --effect every cause is tried at two sizes: those that all readings together show by 6 and by 12 standard deviations of \
-their noise. The model's own error (--model-error) counts in what is claimed, and not in what is drawn. --propose gives the jumps of a grid that tell the \
+noise and of the model's own error (--model-error). --propose gives the jumps of a grid that tell the \
 effects apart best. An example:
   kind = \"outcomes\"
   robot = \"rats-boom\"

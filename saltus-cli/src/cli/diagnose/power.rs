@@ -68,19 +68,16 @@ impl PowerFlags {
             PowerError::Data(
                 error @ (inject::Error::Cause { .. } | inject::Error::Value { .. }),
             ) => CliError::content(EFFECT, error),
+            error @ PowerError::NoJumps { .. } => CliError::content("--propose", error),
             error => CliError::content(&file, error),
         };
         let told =
             power::told(&plan, robot.as_ref(), &effects, &settings, &advance).map_err(wrong)?;
-        let proposed = self
-            .propose
-            .zip(robot.as_ref())
-            .map(|(count, robot)| {
-                let count = usize::from(count);
-                power::propose(&plan, robot, &effects, count, &settings, &advance)
-            })
-            .transpose()
-            .map_err(wrong)?;
+        let propose = |count: u16| {
+            let (robot, count) = (robot.as_ref(), usize::from(count));
+            power::propose(&plan, robot, &effects, count, &settings, &advance)
+        };
+        let proposed = self.propose.map(propose).transpose().map_err(wrong)?;
         drop(progress);
         let answer = Answer {
             kind: plan.kind.spec().id,
@@ -198,9 +195,9 @@ impl Answer<'_> {
 
     fn summary(&self) -> String {
         format!(
-            "\nSeen by: standard deviations of the noise by which all readings together show the \
-             effect.\nNamed: alone or with two rivals at most; on average {}. Taken for: what is \
-             named with it or in its place,\nin {} of the experiments or more.\n",
+            "\nSeen by: standard deviations of noise and of the model's own error by which all readings \
+             together\nshow the effect. Named: alone or with two rivals at most; on average {}. \
+             Taken for: what is named\nwith it or in its place, in {} of the experiments or more.\n",
             percent(mean(&self.told.effects)),
             percent(SMALL)
         )
@@ -291,7 +288,7 @@ fn table(effects: &[Power]) -> String {
         let size = |(name, value): &(String, f64)| {
             let (stem, unit) = split(name);
             let stem = stem.rsplit('.').next().unwrap_or(stem);
-            format!("{stem} {}", with_unit(*value, 3, unit))
+            format!("{stem} {}", with_unit(*value, 5, unit))
         };
         let sizes: Vec<String> = power.values.iter().map(size).collect();
         let others = power
