@@ -22,7 +22,7 @@ const KINDS: [(&str, &str, usize, usize); 6] = [
     ("jump", "rats-boom", 2, 6),
     ("stroke", "", 3, 8),
     ("outcomes", "spring-hopper", 15, 50),
-    ("jump", "rats-planar", 2, 6),
+    ("bench", "rats-planar", 4, 12),
 ];
 
 /// Bounds of the predicted shares that are compared together.

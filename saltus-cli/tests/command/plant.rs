@@ -101,15 +101,49 @@ fn a_plan_holds_for_a_share_of_drawn_jumps() {
     assert_eq!(hold["is_enough"], true);
     let margin = hold["clearance_margin_m"].as_f64().unwrap();
     assert!((1e-3..0.03).contains(&margin), "{hold}");
-    // Another command draws errors of its own around a plan with that clearance.
-    let held = COURSE.replace("0.01\n", &format!("{}\n", 0.01 + margin));
-    folder.write("held.toml", held);
-    folder.done(
-        "verify held.toml --plant rats-boom --correct --clearance 0.01 --share 0.8 --seed 7",
-        0,
-    );
-    let verify = "verify course.toml --plant rats-boom --correct --share 0.8 --seed 7";
+    // Another command draws errors of its own around such a plan, and around one without margins.
+    let verify = "verify course.toml --plant rats-boom --correct --seed 7";
     assert!(folder.done(verify, 1).contains("clearance: with errors"));
+    folder.done(&format!("{verify} --share 0.9"), 0);
+}
+
+/// On slippery ground the plan of most clearance slips; where that is forbidden, no foot of drawn
+/// jumps needs more friction than there is, and the plan differs.
+#[test]
+fn slip_is_forbidden_where_it_is_asked() {
+    let folder = Folder::new("plant-no-slip");
+    folder.write("course.toml", COURSE);
+    let line =
+        "plan course.toml --plant rats-boom --share 0.8 --samples 40 --friction 0.43 --format json";
+    let may = json(&folder.done(line, 0));
+    let must_not = json(&folder.done(&format!("{line} --no-slip"), 0));
+    let needed = |plan: &Value| {
+        let checks = plan["checks"].as_array().unwrap();
+        let of = checks
+            .iter()
+            .find(|c| c["what"] == "friction needed")
+            .unwrap();
+        (
+            of["value"].as_f64().unwrap(),
+            of["greatest"].as_f64().unwrap(),
+        )
+    };
+    assert!(needed(&may).0 > 0.43, "{may}");
+    let (needed, allowed) = needed(&must_not);
+    assert!(needed <= allowed + 1e-5 && allowed <= 0.43, "{must_not}");
+    // Less than any stance needs.
+    let text = folder.done(
+        "plan course.toml --plant rats-boom --share 0.8 --samples 40 --friction 0.1 --no-slip",
+        1,
+    );
+    assert!(text.contains("friction"), "{text}");
+    refused(&folder, "plan course.toml --no-slip", &["--share"]);
+    folder.write(
+        "free.toml",
+        COURSE.replace("friction_coefficient", "# friction_coefficient"),
+    );
+    let unknown = "plan free.toml --plant rats-boom --share 0.8 --no-slip";
+    refused(&folder, unknown, &["--no-slip", "friction of the ground"]);
 }
 
 /// A box that leaves no room for margins: the best there is, and what blocks more.

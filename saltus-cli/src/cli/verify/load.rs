@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use saltus::Robot;
-use saltus::verify::Plant;
+use saltus::verify::{Plant, Verification};
 
 use super::loaded::Loaded;
 use super::subject::{self, SubjectFlags};
@@ -11,11 +11,13 @@ use super::table_file;
 use crate::cli::common::note_valve;
 use crate::error::CliError;
 
-/// What the flags name, for `robot`; none for a course that no plan crosses.
+/// What the flags name, for `robot`; none for a course that no plan crosses. A corrected plan has
+/// margins for the runs `margins`.
 pub(super) fn load(
     flags: &SubjectFlags,
     robot: Robot,
     plant: &Plant,
+    margins: Option<&Verification>,
 ) -> Result<Option<Loaded>, CliError> {
     note_valve(&robot, flags.valve_open.map(|_| "--valve-open"));
     let ending = flags.file.as_deref().and_then(ending);
@@ -27,7 +29,7 @@ pub(super) fn load(
     match (&flags.file, flags.law) {
         (Some(file), None) => match ending.as_deref() {
             Some("csv") => table_file::load(flags, file, robot, plant).map(Some),
-            None | Some("toml") => subject::plan(flags, file, robot, plant),
+            None | Some("toml") => subject::plan(flags, file, robot, plant, margins),
             Some(_) => Err(CliError::content(
                 file.display(),
                 "verify reads a course (.toml) or a table that `saltus table` wrote as CSV \

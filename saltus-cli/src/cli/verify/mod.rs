@@ -72,9 +72,10 @@ pub(crate) struct Verify {
     #[arg(long, value_name = "LENGTH", value_parser = quantity::height, help_heading = "What passes")]
     clearance: Option<f64>,
 
-    /// Share of the runs with drawn errors that have to pass
-    #[arg(long, value_name = "SHARE", value_parser = share, default_value = "0.9", help_heading = "What passes")]
-    share: f64,
+    /// Share of the runs with drawn errors that have to pass; with --correct the plan has margins for
+    /// it [default: 0.9, without margins]
+    #[arg(long, value_name = "SHARE", value_parser = share, help_heading = "What passes")]
+    share: Option<f64>,
 
     /// Error that the integrator may make in each step, relative to 1 + |y|
     #[arg(long, value_name = "NUMBER", value_parser = accuracy, default_value = "1e-9", help_heading = "Robot and output")]
@@ -103,6 +104,7 @@ const LONG_HELP: &str = "\
 Examples:
   saltus verify box.toml --friction 0.3:1:8 --plot verify.svg --animate verify.html
   saltus verify box.toml --plant rats-boom --correct
+  saltus verify box.toml --plant rats-boom --correct --share 0.95 --friction 0.3:1:8
   saltus verify --law=-0.146,0.704 --distance 1 --omega 3:6:7 --plant rats-boom
   saltus table --omega 3:6:31 --distance 0.8 --out table.csv
   saltus verify table.csv --plant rats-boom --samples 200 --out verified.csv
@@ -166,6 +168,11 @@ control as well, and the report says how far the two differ (JSON: \"step_cost\"
 The exit code is 1 if the verification fails, and if no plan crosses the course: then nothing is drawn. A jump that cannot be simulated \
 fails like any other.";
 
+/// Share that has to pass, unless another is given.
+const SHARE: f64 = 0.9;
+/// Fewest runs by which margins are made.
+const LEAST_DRAWN: usize = 200;
+
 impl Verify {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         let robot = self.common.robot()?;
@@ -173,7 +180,15 @@ impl Verify {
         plant
             .rig()
             .map_err(|error| CliError::content(&plant.robot().name, error))?;
-        let Some(loaded) = load::load(&self.subject, robot.clone(), &plant)? else {
+        let how = self.verification();
+        let margins = self.share.map(|_| Verification {
+            // Other draws than those that the plan is verified by.
+            seed: !self.seed,
+            samples: how.samples.max(LEAST_DRAWN),
+            ..how.clone()
+        });
+        let loaded = load::load(&self.subject, robot.clone(), &plant, margins.as_ref())?;
+        let Some(loaded) = loaded else {
             let report = match self.common.format() {
                 Format::Csv => report::rows(&[], &robot).csv(),
                 Format::Json => report::no_plan_json(&robot, &plant),
@@ -190,7 +205,6 @@ impl Verify {
                 "left out where there is no course",
             ));
         }
-        let how = self.verification();
         let trials = how.trials(subject, planner, plant.robot().body.radius)?;
         let exact = fly(&how, &plant, &trials);
         // What fixed steps cost is seen beside the jumps without them.
@@ -255,7 +269,7 @@ impl Verify {
             },
             tolerance: self.tolerance,
             clearance: self.clearance,
-            share: self.share,
+            share: self.share.unwrap_or(SHARE),
             threads: self.threads.count().get(),
         }
     }

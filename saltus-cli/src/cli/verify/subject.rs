@@ -8,7 +8,8 @@ use saltus::Robot;
 use saltus::on_plant::{for_crossing, planar};
 use saltus::planner::CrossingAnswer;
 use saltus::planner::course::Standing;
-use saltus::verify::{Plant, Rule, Steering, Subject};
+use saltus::robust::{self, Robust, RobustError};
+use saltus::verify::{Plant, Rule, Steering, Subject, Verification};
 
 use super::loaded::{Loaded, on_plant};
 use crate::cli::target::{Block, block};
@@ -135,12 +136,13 @@ pub(super) fn rule(
     }
 }
 
-/// The plan of a course.
+/// The plan of a course; a corrected one with margins for the runs `margins`.
 pub(super) fn plan(
     flags: &SubjectFlags,
     path: &Path,
     robot: Robot,
     plant: &Plant,
+    margins: Option<&Verification>,
 ) -> Result<Option<Loaded>, CliError> {
     let alone = [
         ("--omega", flags.omega.is_some()),
@@ -161,8 +163,18 @@ pub(super) fn plan(
     let file = path.display().to_string();
     let on_plant = flags.correct.then(|| on_plant(&robot, plant)).transpose()?;
     let go_on = |_: &Standing| ControlFlow::Continue(());
-    let crossed = for_crossing(robot, on_plant.as_ref(), &crossing, &go_on)
-        .map_err(|error| CliError::content(&file, error))?;
+    let content = |error: RobustError| CliError::content(&file, error);
+    let crossed = match on_plant.as_ref().zip(margins) {
+        Some((on_plant, runs)) => {
+            let robust = robust::plan(&robot, on_plant, &crossing, runs, &go_on);
+            match robust.map_err(content)? {
+                Robust::Plan { held, .. } => held.crossed,
+                Robust::None(crossed) => crossed,
+            }
+        }
+        None => for_crossing(robot, on_plant.as_ref(), &crossing, &go_on)
+            .map_err(|error| content(error.into()))?,
+    };
     let CrossingAnswer::Plan(plan) = crossed.answer else {
         return Ok(None);
     };
