@@ -196,7 +196,11 @@ impl Report<'_> {
         };
         let plant = &plant.name;
         if correction.is_exact {
-            return format!("  {plant} jumps as the planar model says\n");
+            // Without a plan nothing was flown there.
+            return match self.answer {
+                CrossingAnswer::Plan(_) => format!("  {plant} jumps as the planar model says\n"),
+                _ => String::new(),
+            };
         }
         format!(
             "  {} jumps of {plant} corrected the planar model; its last ones were {} mm off. \
