@@ -130,6 +130,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             || best.is_some_and(|best| best < (share + 3.0 * deviation).max(0.5 / samples as f64));
         right += usize::from(is_right);
         passing += usize::from(holds);
+        if !is_right {
+            eprintln!("course {k}:\n{text}");
+        }
         println!(
             "| {k} {} | {answer} | {share:.3} | {} | {} |",
             ["box", "ditch", "step", "two jumps"][k % 4],

@@ -58,6 +58,8 @@ SETS = {
     "axle-friction": ("axle-friction", {"body.axle_friction_n_m": 0.12}),
     "foot-slip": ("foot-slip", {"ground.static_friction": 0.35, "ground.kinetic_friction": 0.35}),
     "foot-rolling": ("foot-rolling", {"foot.radius_m": 0.012}),
+    "ground-slope": ("ground-slope", {"ground.tilt_deg": 1.5}),
+    "boom-flex": ("boom-flex", {"boom.bending_stiffness_n_m_per_rad": 700.0, "boom.bending_damping_time_ms": 1.0}),
     "gravity": ("gravity", {"environment.gravity_m_s2": 9.5}),
     "counterweight": ("counterweight", {"boom.counterweight": {"mass_kg": 0.5, "distance_m": 0.6}}),
     "encoder-scale": ("encoder-scale", {"sensor": ("pivot_angle_rad", lambda x, old: 1.08 * x)}),
