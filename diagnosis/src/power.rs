@@ -115,11 +115,11 @@ impl<'a> Outlook<'a> {
             noise.iter().map(of).collect()
         });
         Some(Outlook {
-            noise,
-            parts,
             evidence,
             tangent,
             threshold,
+            noise,
+            parts,
         })
     }
 

@@ -17,7 +17,7 @@ use saltus::on_plant::OnPlant;
 use saltus::planner::course::Standing;
 use saltus::replan::held_out;
 use saltus::robust::{self, Robust};
-use saltus::verify::{Demands, Disturbance, Plant, Route, Stage, Starts, Verification};
+use saltus::verify::{Attempt, Demands, Disturbance, Plant, Route, Stage, Starts, Verification};
 use saltus_lagrangian::Launch;
 use saltus_numeric::parallel;
 use saltus_planner::{Crossing, CrossingAnswer};
@@ -213,7 +213,7 @@ impl<'a> Brute<'a> {
         let attempts = self
             .plant
             .run(&self.route(launches), errors, Starts::Chained);
-        attempts.iter().all(|attempt| attempt.passes())
+        attempts.iter().all(Attempt::passes)
     }
 
     /// Share of runs with errors drawn that pass; none where the run without errors does not.

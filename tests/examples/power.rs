@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let runs = fewest + below(most - fewest + 1, &mut random);
         let mut text = format!("kind = \"{kind}\"\nruns = {runs}\n");
         if !robot.is_empty() {
-            text += &format!("robot = \"{robot}\"\n");
+            text = format!("{text}robot = \"{robot}\"\n");
         }
         let plan = Plan::parse(&text, "plan")?;
         let robot = Robot::builtin(robot).filter(|_| !robot.is_empty());
@@ -93,7 +93,7 @@ fn compare(
     let made = inject::make(&Request {
         kind: plan.kind,
         robot,
-        effects: &[effect.clone()],
+        effects: std::slice::from_ref(&effect),
         seed,
         runs: Some(runs),
         asked: &[],
