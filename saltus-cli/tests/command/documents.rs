@@ -167,6 +167,7 @@ fn furnished(name: &str) -> Folder {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     for file in [
         "saltus/examples/box.toml",
+        "saltus/examples/low_box.toml",
         "tests/reference/parkour-hopper/instances.json",
     ] {
         std::fs::copy(root.join(file), folder.path(file)).unwrap();
