@@ -128,11 +128,26 @@ pub(crate) fn inform<'k>(
 fn is_of_robots(name: &str) -> bool {
     let last = name.rsplit('.').next().unwrap_or(name);
     Term::ALL.iter().any(|term| {
-        let stem = term.spec().stem();
-        let own = stem.rsplit('.').next().unwrap_or(stem);
-        last.strip_prefix(own)
-            .is_some_and(|unit| unit.is_empty() || unit.starts_with('_'))
+        let spec = term.spec();
+        let own = spec.stem().rsplit('.').next().unwrap_or(spec.stem());
+        let unit = last.strip_prefix(own);
+        unit.is_some_and(|unit| unit == spec.quantity.units[0].0)
     })
+}
+
+/// The key in SI of the robot's number that `name` gives in another unit, if it does.
+fn in_si(name: &str) -> Option<String> {
+    let (before, last) = name
+        .rsplit_once('.')
+        .map_or(("", name), |(a, _)| name.split_at(a.len() + 1));
+    let of = |term: &Term| {
+        let spec = term.spec();
+        let own = spec.stem().rsplit('.').next().unwrap_or(spec.stem());
+        let unit = last.strip_prefix(own)?;
+        let is_unit = spec.quantity.units.iter().any(|(known, ..)| *known == unit);
+        is_unit.then(|| format!("{before}{own}{}", spec.quantity.units[0].0))
+    };
+    Term::ALL.iter().find_map(of)
 }
 
 /// That every name of `known` is of one parameter of `causes`, and physics allows its value; the
@@ -166,10 +181,11 @@ fn place(causes: &[Cause], name: &str) -> Result<(usize, usize), KnownError> {
     match found[..] {
         [one] => Ok(one.1),
         [] => {
-            let nearest = all.iter().min_by_key(|n| edits(&n.0, name));
+            let near = all.iter().min_by_key(|n| edits(&n.0, name));
+            let nearest = in_si(name).or_else(|| near.map(|n| n.0.clone()));
             Err(KnownError::Unknown {
                 name: name.to_owned(),
-                nearest: nearest.map(|n| n.0.clone()).unwrap_or_default(),
+                nearest: nearest.unwrap_or_default(),
             })
         }
         _ => {

@@ -60,6 +60,15 @@ pub struct Check {
 pub(crate) type Units = &'static [(&'static str, f64)];
 
 pub(crate) const LENGTHS: Units = &[("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254), ("ft", 0.3048)];
+/// The same of what is never near 0: its name may have another unit than its numbers.
+pub(crate) const JUMPS: Units = &[
+    ("mm", 1e-3),
+    ("cm", 1e-2),
+    ("in", 0.0254),
+    ("ft", 0.3048),
+    ("m, and not in mm as its name says", 1e3),
+    ("m, and not in cm as its name says", 1e2),
+];
 pub(crate) const PRESSURES: Units = &[
     ("mbar", 100.0),
     ("kPa", 1e3),

@@ -14,6 +14,7 @@ use crate::course::{self, Answer, CourseError, Limit, MAX_JUMPS, Relief, Span, W
 use crate::jump::Jump;
 use crate::model::JumpModel;
 use crate::planner::Planner;
+use saltus_robot::Outcome;
 
 mod check;
 mod grid;
@@ -128,6 +129,19 @@ pub enum CrossingError {
     /// A stance cannot be computed.
     #[error(transparent)]
     Stance(#[from] StanceError),
+    /// A truer model does not fly as planned.
+    #[error(
+        "jump {jump}: robot {robot} does not fly ({}), neither at the planned launch nor at \
+         any that was tried", outcome.name()
+    )]
+    NeverFlies {
+        /// Number of the jump, from 1.
+        jump: usize,
+        /// Name of the truer model's robot.
+        robot: String,
+        /// What its stance comes to.
+        outcome: Outcome,
+    },
 }
 
 impl<M: JumpModel> Planner<M> {

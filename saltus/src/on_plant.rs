@@ -405,7 +405,13 @@ pub fn for_crossing(
         Ok::<_, CrossingError>(launches)
     })?;
     let answer = match last.into_inner() {
-        Some(CrossingAnswer::Plan(plan)) => CrossingAnswer::Plan(plant.flown(crossing, &plan)?),
+        Some(CrossingAnswer::Plan(plan)) => {
+            let flown = plant.flown(crossing, &plan)?;
+            if correction.miss.is_infinite() {
+                flies(plant.robot(), &flown)?;
+            }
+            CrossingAnswer::Plan(flown)
+        }
         Some(answer) => answer,
         None => planner.cross_watched(crossing, watch)?,
     };
@@ -413,6 +419,20 @@ pub fn for_crossing(
         planner,
         answer,
         correction: Some(correction),
+    })
+}
+
+/// # Errors
+/// [`CrossingError::NeverFlies`] for a jump without a landing.
+fn flies(robot: &Robot, plan: &CrossingPlan<CorrectedFlight<f64>>) -> Result<(), CrossingError> {
+    let lost = |planned: &PlannedJump<_>| !planned.landing[0].is_finite();
+    let Some(index) = plan.jumps.iter().position(lost) else {
+        return Ok(());
+    };
+    Err(CrossingError::NeverFlies {
+        jump: index + 1,
+        robot: robot.name.clone(),
+        outcome: plan.jumps[index].jump.stance.outcome,
     })
 }
 

@@ -63,6 +63,9 @@ pub struct Held {
     pub share: f64,
     /// What is missed most often in the others, if anything.
     pub missed: Option<Demand>,
+    /// Each friction coefficient asked for, and the last landing (m along the course) there without
+    /// errors, if the robot gets there.
+    pub grounds: Vec<(f64, Option<f64>)>,
 }
 
 /// What a course comes to where errors are drawn.
@@ -90,6 +93,9 @@ pub enum RobustError {
     /// A jump.
     #[error(transparent)]
     Trial(#[from] TrialError),
+    /// The ground of the plant.
+    #[error(transparent)]
+    Plant(#[from] PlantError),
 }
 
 /// A course whose jumps may not slip on any ground of `how`, the robot on ground that holds, and its
@@ -138,6 +144,15 @@ pub fn plan(
     how: &Verification,
     watch: &Watch<'_>,
 ) -> Result<Robust, RobustError> {
+    // On one ground the plan is made for that ground; on several for the plant's own.
+    let ground = match how.frictions[..] {
+        [Some(friction)] => {
+            let ground = Plant::new(plant.robot().clone(), ACCURACY).on_friction(friction);
+            Some(OnPlant::new(robot, ground.robot())?)
+        }
+        _ => None,
+    };
+    let plant = ground.as_ref().unwrap_or(plant);
     let search = Search {
         robot,
         plant,
@@ -183,7 +198,7 @@ impl Search<'_> {
                 }
             };
             let needed = self.needed(plan, &crossed, margins)?;
-            let (share, missed) = self.share(plan, &crossed, Draws::Rounds)?;
+            let (share, missed) = share(&self.runs(plan, &crossed, Draws::Rounds)?);
             feasible = margins;
             if best.as_ref().is_none_or(|held| share > held.share) {
                 best = Some(Held {
@@ -191,6 +206,7 @@ impl Search<'_> {
                     margins,
                     share,
                     missed,
+                    grounds: Vec::new(),
                 });
             }
             if share >= self.aim() {
@@ -205,7 +221,15 @@ impl Search<'_> {
         match best {
             Some(mut held) => {
                 if let CrossingAnswer::Plan(plan) = &held.crossed.answer {
-                    (held.share, held.missed) = self.share(plan, &held.crossed, Draws::Count)?;
+                    let outcomes = self.runs(plan, &held.crossed, Draws::Count)?;
+                    (held.share, held.missed) = share(&outcomes);
+                    held.grounds = grounds(&outcomes);
+                    // Margins are no limits of the course.
+                    let own = Crossing {
+                        sigmas: 0.0,
+                        ..self.crossing.clone()
+                    };
+                    held.crossed.answer = CrossingAnswer::Plan(self.plant.flown(&own, plan)?);
                 }
                 Ok(Robust::Plan {
                     held,
@@ -303,35 +327,35 @@ impl Search<'_> {
             friction: margins.friction + short(&|d| d == Demand::Friction),
         })
     }
+}
 
-    /// Share of runs that pass, and what the others miss most often. The runs without errors
-    /// have to pass all.
-    fn share(
-        &self,
-        plan: &Plan,
-        crossed: &Crossed,
-        draws: Draws,
-    ) -> Result<(f64, Option<Demand>), TrialError> {
-        let outcomes = self.runs(plan, crossed, draws)?;
-        let (drawn, exact): (Vec<_>, Vec<_>) = outcomes.iter().partition(|o| o.trial.has_errors());
-        let passed = drawn.iter().filter(|o| o.passes()).count();
-        let missed = |demand: &Demand| {
-            let misses = |o: &&&Outcome| {
-                let judgements = o.attempts.iter().flat_map(|a| &a.judgements);
-                judgements
-                    .into_iter()
-                    .any(|j| j.demand == *demand && !j.holds())
-            };
-            drawn.iter().filter(misses).count()
+/// Share of runs that pass, and what the others miss most often. The runs without errors have to
+/// pass all.
+fn share(outcomes: &[Outcome]) -> (f64, Option<Demand>) {
+    let (drawn, exact): (Vec<_>, Vec<_>) = outcomes.iter().partition(|o| o.trial.has_errors());
+    let passed = drawn.iter().filter(|o| o.passes()).count();
+    let missed = |demand: &Demand| {
+        let misses = |o: &&&Outcome| {
+            let mut judgements = o.attempts.iter().flat_map(|a| &a.judgements);
+            judgements.any(|j| j.demand == *demand && !j.holds())
         };
-        let most = Demand::ALL.into_iter().max_by_key(missed);
-        let share = if exact.iter().all(|o| o.passes()) {
-            passed as f64 / drawn.len().max(1) as f64
-        } else {
-            0.0
-        };
-        Ok((share, most.filter(|demand| missed(demand) > 0)))
-    }
+        drawn.iter().filter(misses).count()
+    };
+    let most = Demand::ALL.into_iter().max_by_key(missed);
+    let share = if exact.iter().all(|o| o.passes()) {
+        passed as f64 / drawn.len().max(1) as f64
+    } else {
+        0.0
+    };
+    (share, most.filter(|demand| missed(demand) > 0))
+}
+
+/// Where the last jump lands without errors, on each ground.
+fn grounds(outcomes: &[Outcome]) -> Vec<(f64, Option<f64>)> {
+    let exact = outcomes.iter().filter(|o| !o.trial.has_errors());
+    exact
+        .filter_map(|o| Some((o.trial.friction?, o.attempts.last()?.landing())))
+        .collect()
 }
 
 impl Margins {

@@ -1,10 +1,11 @@
 //! The campaign: hidden effects of every cause in every kind of experiment, and what the diagnosis
 //! says of each.
 //!
-//!     cargo run --release -p saltus-tests --example campaign [kind=all] [what=clear,none] [seeds=2] [first=1] [cause=ID] [noise=untold]
+//!     cargo run --release -p saltus-tests --example campaign [kind=all] [what=clear,none] [seeds=2] [first=1] [cause=ID] [noise=untold] [discrepancy=0.4]
 //!
 //! With nothing given it runs flights only; with `noise=untold` the folders do not say how much
-//! their columns scatter.
+//! their columns scatter; `discrepancy` adds a smooth process to every column, in standard
+//! deviations of a reading, that no cause explains.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -141,7 +142,8 @@ fn one(
     seed: u64,
 ) {
     let start = Instant::now();
-    let mut case = lab::make(sort, hidden, seed);
+    let discrepancy = option("discrepancy").and_then(|x| x.parse().ok());
+    let mut case = lab::make_rough(sort, hidden, discrepancy.unwrap_or(0.0), seed);
     if lists("noise", "untold") && option("noise").is_some() {
         case.experiment.noise.fill(None);
     }

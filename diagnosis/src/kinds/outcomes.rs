@@ -4,7 +4,7 @@ use saltus_numeric::statistics::quantile;
 
 use super::Firings;
 use crate::experiment::Sort;
-use crate::plausible::{Check, LENGTHS, RATES, TURNED};
+use crate::plausible::{Check, JUMPS, RATES};
 use crate::spec::{
     LEAP, OPENING, PART, Problem, RATE, Source, Spec, Synthesis, TILT, asked, lively, noisy,
 };
@@ -46,9 +46,9 @@ pub(super) const SPEC: Spec = Spec {
                 ))
             },
             what: "the height that the work of the leg is good for",
-            allowed: (TURNED, 3.0),
+            allowed: (0.02, 3.0),
             strict: false,
-            units: LENGTHS,
+            units: JUMPS,
         },
         Check {
             name: "distance_m",
@@ -63,9 +63,9 @@ pub(super) const SPEC: Spec = Spec {
                 Some((quantile(view.column("distance_m")?, 0.5)?, throw))
             },
             what: "the distance that the work of the leg is good for",
-            allowed: (TURNED, 3.0),
+            allowed: (0.02, 3.0),
             strict: false,
-            units: LENGTHS,
+            units: JUMPS,
         },
     ],
     model: |data, robot| {

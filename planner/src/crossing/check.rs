@@ -10,6 +10,12 @@ use crate::jump::Sensitivity;
 use crate::model::{JumpModel, Traced};
 use crate::planner::Planner;
 
+/// Length (m) that is the solver's round-off.
+const ROUND_OFF: f64 = 1e-6;
+
+/// The same of a friction coefficient: models look at a stance's friction every millisecond.
+const FRICTION_ROUND_OFF: f64 = 1e-3;
+
 /// A limit in the full model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
@@ -21,12 +27,15 @@ pub struct Check {
     pub value: f64,
     /// Least and greatest allowed.
     pub allowed: Span,
+    /// A miss up to this is round-off.
+    pub round_off: f64,
 }
 
 impl Check {
-    /// A micrometre, or a millionth, is the solver's round-off.
+    /// Whether the value is allowed, but for round-off.
     pub fn holds(&self) -> bool {
-        self.value >= self.allowed.low - 1e-6 && self.value <= self.allowed.high + 1e-6
+        let allowed = self.allowed.widened(self.round_off);
+        allowed.low <= self.value && self.value <= allowed.high
     }
 }
 
@@ -136,6 +145,7 @@ impl<M: JumpModel> Judge<'_, M> {
             what: what.into(),
             value,
             allowed,
+            round_off: ROUND_OFF,
         });
     }
 
@@ -188,7 +198,13 @@ impl<M: JumpModel> Judge<'_, M> {
     fn friction(&mut self) {
         if let Some(friction) = self.crossing.friction {
             let needed = self.traced.friction_needed;
-            self.check("friction needed", needed, Span::new(0.0, friction));
+            self.checks.push(Check {
+                jump: self.jump,
+                what: "friction needed".into(),
+                value: needed,
+                allowed: Span::new(0.0, friction),
+                round_off: FRICTION_ROUND_OFF,
+            });
         }
     }
 

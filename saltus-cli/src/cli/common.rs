@@ -11,7 +11,7 @@ use saltus::on_plant::OnPlant;
 
 use crate::error::CliError;
 use crate::input;
-use crate::output::{Files, Format, message};
+use crate::output::{Files, Format, message, reachable};
 use crate::plot::{Drawing, PlotFile};
 use crate::progress::Progress;
 
@@ -293,6 +293,12 @@ impl OutputFlags {
         );
         let out = self.out.as_deref().unwrap_or(Path::new("-"));
         Err(CliError::flag("--out", out.display(), allowed))
+    }
+
+    /// Refuses files in folders that are not there, before long work.
+    pub(crate) fn ready(&self, plot: &PlotOption) -> Result<(), CliError> {
+        let plot = plot.plot.as_ref().map(PlotFile::path);
+        self.out().into_iter().chain(plot).try_for_each(reachable)
     }
 
     /// Writes the report alone.

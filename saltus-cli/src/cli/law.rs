@@ -104,6 +104,25 @@ struct Found {
     takes_off: bool,
 }
 
+impl Found {
+    /// Flies the law on the plant. A law of which no jump takes off there is none.
+    fn confirm(&mut self, plant: &OnPlant, request: &TableRequest) -> Confirmed {
+        let Some(law) = &mut self.law else {
+            return Confirmed::default();
+        };
+        let confirmed = plant.confirm_law(request, law);
+        if confirmed.jumps == 0
+            && law
+                .points
+                .iter()
+                .all(|point| !point.value.is_some_and(f64::is_finite))
+        {
+            (self.law, self.nearest, self.takes_off) = (None, None, false);
+        }
+        confirmed
+    }
+}
+
 /// The rate (rad/s) that gets nearest to a target without a law, and how.
 struct Near {
     rate: f64,
@@ -114,6 +133,7 @@ struct Near {
 
 impl Law {
     pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.common.ready(&self.plot)?;
         let (robot, plant) = self.plant.on_plant(self.common.robot_flags())?;
         let request = self.target.request(Roots::Least, &robot)?;
         let (planner, found, proof) = {
@@ -121,8 +141,7 @@ impl Law {
             let (planner, correction) = for_table(robot, plant.as_ref(), &request)?;
             let mut found = find(&planner, &request)?;
             let proof = plant.as_ref().zip(correction).map(|(plant, correction)| {
-                let laws = found.iter_mut().filter_map(|one| one.law.as_mut());
-                let confirmed = laws.map(|law| plant.confirm_law(&request, law));
+                let confirmed = found.iter_mut().map(|one| one.confirm(plant, &request));
                 let confirmed = confirmed.fold(Confirmed::default(), Confirmed::and);
                 Proof::new(plant, correction, confirmed)
             });

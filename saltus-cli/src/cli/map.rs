@@ -91,6 +91,7 @@ const BLOCK: usize = 4096;
 
 impl Map {
     pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.common.ready(&self.plot)?;
         let count = self.omega.len().saturating_mul(self.alpha_f.len());
         if count > MOST {
             return Err(CliError::flag(

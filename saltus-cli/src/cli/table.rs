@@ -116,6 +116,7 @@ const BLOCK: usize = 64;
 
 impl Table {
     pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.common.ready(&self.plot)?;
         let (robot, plant) = self.plant.on_plant(self.common.robot_flags())?;
         let request = self.target.request(Roots::All, &robot)?;
         let (planner, correction) = for_table(robot, plant.as_ref(), &request)?;

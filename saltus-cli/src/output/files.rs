@@ -91,6 +91,16 @@ impl Files {
     }
 }
 
+/// Refuses a file in a folder that is not there, before long work.
+pub(crate) fn reachable(path: &Path) -> Result<(), CliError> {
+    let folder = path.parent().filter(|it| !it.as_os_str().is_empty());
+    if folder.is_none_or(Path::is_dir) {
+        return Ok(());
+    }
+    let missing = io::Error::new(io::ErrorKind::NotFound, "its folder is not there");
+    Err(CliError::write(path, missing))
+}
+
 /// Prints `text`; that nobody reads on is no error.
 pub(crate) fn print(text: &str) -> Result<(), CliError> {
     let mut out = io::stdout().lock();

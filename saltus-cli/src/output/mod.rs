@@ -9,7 +9,7 @@ use std::path::Path;
 
 use clap::ValueEnum;
 
-pub(crate) use files::{Files, message, print};
+pub(crate) use files::{Files, message, print, reachable};
 pub(crate) use number::digits;
 pub(crate) use table::{Cell, Table};
 

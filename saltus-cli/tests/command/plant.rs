@@ -187,6 +187,61 @@ fn laws_and_maps_are_of_the_plant() {
     assert_eq!(spots[1][column("outcome")], "not-computed");
 }
 
+/// On one ground the plan is made for it: there it lands where it says, though its foot slips.
+#[test]
+fn a_plan_is_for_the_ground_that_is_given() {
+    let folder = Folder::new("plant-ground");
+    folder.write(
+        "course.toml",
+        COURSE.replace("friction_coefficient", "# friction_coefficient"),
+    );
+    let flags = "--plant rats-boom --share 0.8 --samples 40 --friction 0.35";
+    let plan = json(&folder.done(&format!("plan course.toml {flags} --format json"), 0));
+    let lands = &plan["hold"]["landings"][0];
+    let planned = plan["jumps"][0]["land_x_m"].as_f64().unwrap();
+    assert_eq!(lands["friction"], 0.35);
+    assert!(
+        (lands["land_x_m"].as_f64().unwrap() - planned).abs() < 1e-5,
+        "{plan}"
+    );
+    assert!(
+        plan["jumps"][0]["friction_needed"].as_f64().unwrap() < 0.36,
+        "{plan}"
+    );
+    folder.done(
+        &format!("verify course.toml --correct {flags} --tolerance 20mm"),
+        0,
+    );
+}
+
+/// A limit of friction that the plan just meets is met, whatever its last digit.
+#[test]
+fn a_limit_of_friction_is_no_matter_of_rounding() {
+    let folder = Folder::new("plant-friction");
+    for friction in [0.41, 0.43, 0.46] {
+        let limited = COURSE.lines().filter(|line| !line.starts_with("friction"));
+        let text: Vec<&str> = limited.collect();
+        let text = format!("friction_coefficient = {friction}\n{}", text.join("\n"));
+        folder.write("course.toml", text);
+        let said = folder.done("plan course.toml --plant rats-boom", 0);
+        assert!(said.contains("holds on rats-boom"), "{friction}: {said}");
+    }
+}
+
+#[test]
+fn a_plant_that_cannot_jump_is_said_to() {
+    let folder = Folder::new("plant-weak");
+    folder.write("course.toml", COURSE);
+    let weak = "--plant rats-boom --plant-set leg.coulomb_friction_n=500";
+    refused(
+        &folder,
+        &format!("plan course.toml {weak}"),
+        &["jump 1", "rats-boom does not fly"],
+    );
+    let law = folder.done(&format!("law --omega 3:6:4 --distance 0.6 {weak}"), 1);
+    assert!(law.contains("does not take off"), "{law}");
+}
+
 #[test]
 fn a_plant_that_answers_cannot_hold_on_is_refused() {
     let folder = Folder::new("plant-refused");
@@ -200,6 +255,16 @@ fn a_plant_that_answers_cannot_hold_on_is_refused() {
         &folder,
         "table --omega 5 --distance 0.5 --plant spring-hopper --plant-set body.wheel_radius_m=0.24",
         &["leg.kind", "valve"],
+    );
+    refused(
+        &folder,
+        "verify course.toml --plant rats-boom --plant-set body.wheel_radius_m=0.25",
+        &["rats-boom", "body.wheel_radius_m = 0.25", "0.24"],
+    );
+    refused(
+        &folder,
+        "plan course.toml --plant rats-boom --out nowhere/plan.json",
+        &["nowhere/plan.json", "its folder is not there"],
     );
     refused(
         &folder,

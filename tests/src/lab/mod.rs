@@ -121,6 +121,15 @@ pub fn outside(kind: Sort) -> &'static [&'static str] {
 /// # Panics
 /// For an id that is neither in [`causes_of`] nor in [`outside`] of this kind.
 pub fn make(kind: Sort, hidden: &[(&str, Size)], seed: u64) -> Case {
+    make_rough(kind, hidden, 0.0, seed)
+}
+
+/// The same with what no cause explains: a smooth random process in every column, with a standard
+/// deviation of `discrepancy` σ, of which one half of the variance is the same in every run.
+///
+/// # Panics
+/// As [`make`].
+pub fn make_rough(kind: Sort, hidden: &[(&str, Size)], discrepancy: f64, seed: u64) -> Case {
     let ids: Vec<&str> = hidden.iter().map(|(id, _)| *id).collect();
     let world = world(kind, &ids, seed);
     let neutral = Neutral::of(&*world);
@@ -153,11 +162,19 @@ pub fn make(kind: Sort, hidden: &[(&str, Size)], seed: u64) -> Case {
         });
         all.add(&effect);
     }
-    let logs = if hidden.is_empty() {
+    let mut logs = if hidden.is_empty() {
         neutral.logs
     } else {
         observe(&*world, &neutral.runs, &all)
     };
+    if discrepancy > 0.0 {
+        roughen(
+            world.columns(),
+            &mut logs,
+            discrepancy,
+            &mut Draw::new(seed, 2),
+        );
+    }
     let experiment = measured(kind, &*world, logs, &mut Draw::new(seed, 1));
     Case {
         experiment,
@@ -229,6 +246,46 @@ fn observe(world: &dyn World, runs: &[usize], hidden: &Hidden) -> Vec<Option<Exa
         }
     }
     logs
+}
+
+/// Adds a smooth process of `amplitude` σ to every column.
+fn roughen(columns: &[Column], logs: &mut [Option<Exact>], amplitude: f64, draw: &mut Draw) {
+    for (k, column) in columns.iter().enumerate() {
+        let shared = Smooth::new(draw);
+        for log in logs.iter_mut().flatten() {
+            let own = Smooth::new(draw);
+            let (first, last) = (log.time[0], log.time[log.time.len() - 1]);
+            let each = amplitude * column.sigma() * f64::sqrt(0.5);
+            for (t, value) in log.time.iter().zip(&mut log.values[k]) {
+                let part = (t - first) / (last - first).max(1e-9);
+                *value += each * (shared.at(part) + own.at(part));
+            }
+        }
+    }
+}
+
+/// A draw of a Gaussian process with mean 0, variance 1 and the covariance exp(−Δ²/2ℓ²), ℓ a
+/// quarter of a run (Rahimi and Recht's random features, 2007).
+struct Smooth([(f64, f64); 40]);
+
+impl Smooth {
+    fn new(draw: &mut Draw) -> Smooth {
+        Smooth([(); 40].map(|()| {
+            (
+                draw.normal(1.0 / 0.25),
+                draw.between(0.0, std::f64::consts::TAU),
+            )
+        }))
+    }
+
+    /// At a part of the run, 0 to 1.
+    fn at(&self, part: f64) -> f64 {
+        let waves = self
+            .0
+            .iter()
+            .map(|(rate, phase)| (rate * part + phase).cos());
+        waves.sum::<f64>() * (2.0 / self.0.len() as f64).sqrt()
+    }
 }
 
 /// The numbers that the effect `id` changes.

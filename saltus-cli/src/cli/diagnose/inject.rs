@@ -28,11 +28,11 @@ pub(super) struct InjectFlags {
     pub(super) inject: Vec<String>,
 
     /// Kind of the data that are made
-    #[arg(long, value_parser = kinds(), default_value = "bench", requires = "inject")]
+    #[arg(long, value_parser = kinds(), default_value = "bench", requires = "inject", conflicts_with_all = ["folders", "power"])]
     kind: Sort,
 
     /// Runs that are made, of outcomes jumps [default: as many as is usual of the kind]
-    #[arg(long, value_name = "COUNT", requires = "inject", value_parser = clap::value_parser!(u16).range(1..=500))]
+    #[arg(long, value_name = "COUNT", requires = "inject", conflicts_with_all = ["folders", "power"], value_parser = clap::value_parser!(u16).range(1..=500))]
     runs: Option<u16>,
 }
 

@@ -10,6 +10,10 @@ use crate::output::digits;
 /// What is known against a finding and its rivals, a sentence for each.
 pub(super) fn against(finding: &Finding) -> Vec<String> {
     let of_best = far(&finding.best).map(|said| format!("It contradicts what is known: {said}."));
+    let rivals = finding.rivals.iter().filter_map(|rival| {
+        let said = far(rival)?;
+        Some(format!("So does {}: {said}.", rival.title()))
+    });
     let others = finding.contradicting.iter().map(|other| {
         format!(
             "{} would explain the data as well, and contradicts what is known: {}.",
@@ -17,7 +21,7 @@ pub(super) fn against(finding: &Finding) -> Vec<String> {
             far(other).unwrap_or_default()
         )
     });
-    of_best.into_iter().chain(others).collect()
+    of_best.into_iter().chain(rivals).chain(others).collect()
 }
 
 /// How far a candidate is from what is known; none where it does not contradict that.

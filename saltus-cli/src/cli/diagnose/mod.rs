@@ -26,7 +26,7 @@ use self::report::Report;
 use super::Status;
 use super::common::{OutputFlags, PlotOption, page_file, read_folders, robot};
 use crate::error::CliError;
-use crate::output::Format;
+use crate::output::{Format, reachable};
 use crate::progress::Progress;
 
 /// Compare measured data with the simulation: name the wrong cause, its size, and what its
@@ -181,7 +181,7 @@ COLUMN:VALUE. A CAUSE that the kind does not have is answered with a list of tho
 
 docs/logs.md has the format of the data: columns, units, zeros and signs, keys, and an example of each kind.
 
-The exit code is 0 if nothing is wrong, 1 if something is.";
+The exit code is 0 if nothing is wrong, 1 if something is, or if the data scatter ten times as much as their stated noise.";
 
 fn level(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -193,14 +193,16 @@ fn level(text: &str) -> Result<f64, String> {
 fn knowledge(text: &str) -> Result<Known, String> {
     let read = || {
         let (name, rest) = text.split_once('=')?;
-        let (value, error) = rest.split_once('±').or_else(|| rest.split_once("+-"))?;
+        let (value, error) = ["±", "+/-", "+-"]
+            .iter()
+            .find_map(|sign| rest.split_once(sign))?;
         let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
         let (value, error) = (number(value)?, number(error).filter(|x| *x > 0.0)?);
         let name = Some(name.trim().to_owned()).filter(|name| !name.is_empty())?;
         Some(Known { name, value, error })
     };
     read().ok_or_else(|| {
-        "must be NAME=VALUE±SD (or +-), with a standard deviation above 0, such as \
+        "must be NAME=VALUE±SD (or +- or +/-), with a standard deviation above 0, such as \
          gravity=9.81±0.02"
             .into()
     })
@@ -234,13 +236,17 @@ struct Found {
 
 impl Diagnose {
     pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.alone()?;
         if self.inject.is_set() {
             return self.inject.run(&self);
         }
+        self.output.check()?;
+        self.output.ready(&self.plot)?;
         if let Some(plan) = self.power.plan() {
             return self.power.run(plan, &self);
         }
-        self.output.check()?;
+        let more = self.extend.iter().chain(&self.report);
+        more.map(PathBuf::as_path).try_for_each(reachable)?;
         let mut folder = read_folders(&self.folders)?;
         let robot = self.robot_of(&folder)?;
         experiment::plausible(&folder, robot.as_ref())?;
@@ -291,6 +297,30 @@ impl Diagnose {
         self.tell(&found, corrected)
     }
 
+    /// Refuses flags that mean nothing beside --inject or --power, and what is known twice.
+    fn alone(&self) -> Result<(), CliError> {
+        let (inject, power) = (self.inject.is_set(), self.power.plan().is_some());
+        let given = [
+            ("--extend", self.extend.is_some(), inject || power),
+            ("--report", self.report.is_some(), inject || power),
+            ("--replan", self.replan.is_set(), inject || power),
+            ("--plot", self.plot.is_set(), inject || power),
+            ("--known", !self.known.is_empty(), inject),
+            ("--model-error", self.model_error.is_some(), inject),
+        ];
+        if let Some((flag, ..)) = given.into_iter().find(|(_, set, idle)| *set && *idle) {
+            let beside = if inject { "--inject" } else { "--power" };
+            let allowed = format!("left out beside {beside}, which diagnoses no data");
+            return Err(CliError::flag(flag, "", allowed));
+        }
+        for (k, known) in self.known.iter().enumerate() {
+            if self.known[..k].iter().any(|other| other.name == known.name) {
+                return Err(CliError::flag("--known", &known.name, "given once"));
+            }
+        }
+        Ok(())
+    }
+
     /// What the flags choose.
     fn settings(&self) -> Settings {
         Settings {
@@ -325,13 +355,11 @@ impl Diagnose {
             || Ok(sheet::sheet(&report)),
             corrected.into_iter().chain(page),
         )?;
-        Ok(
-            if found.diagnosis.findings.is_empty() && found.diagnosis.unknown.is_none() {
-                Status::Done
-            } else {
-                Status::No
-            },
-        )
+        Ok(if report.is_well() && !report.scatters() {
+            Status::Done
+        } else {
+            Status::No
+        })
     }
 
     /// The robot that was measured, as the flags or else the folder say; none where the kind is

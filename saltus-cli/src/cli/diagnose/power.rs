@@ -30,11 +30,16 @@ pub(super) struct PowerFlags {
     power: Option<PathBuf>,
 
     /// Effect that may be there, with its size; may be repeated [default: every cause at two sizes]
-    #[arg(long, value_name = "CAUSE=VALUE", requires = "power")]
+    #[arg(
+        long,
+        value_name = "CAUSE=VALUE",
+        requires = "power",
+        conflicts_with = "folders"
+    )]
     effect: Vec<String>,
 
     /// Propose so many jumps that tell the effects apart best
-    #[arg(long, value_name = "COUNT", requires = "power", value_parser = clap::value_parser!(u16).range(1..=200))]
+    #[arg(long, value_name = "COUNT", requires = "power", conflicts_with = "folders", value_parser = clap::value_parser!(u16).range(1..=200))]
     propose: Option<u16>,
 }
 

@@ -63,6 +63,11 @@ pub(super) struct Replan {
 }
 
 impl ReplanFlags {
+    /// Whether a course is to be planned anew.
+    pub(super) fn is_set(&self) -> bool {
+        self.replan.is_some()
+    }
+
     /// What is asked for; none without the flag. `believed` is the robot of the data.
     pub(super) fn asked(
         &self,

@@ -59,6 +59,18 @@ impl<'a> Report<'a> {
         self.found.diagnosis.findings.is_empty() && self.found.diagnosis.unknown.is_none()
     }
 
+    /// How many times as much as stated the data scatter, at most.
+    fn excess(&self) -> f64 {
+        let wrong = self.found.misstated.iter();
+        wrong.map(|w| w.seen / w.stated).fold(1.0, f64::max)
+    }
+
+    /// Whether the data scatter so much more than is stated that a finding could hide in it.
+    pub(super) fn scatters(&self) -> bool {
+        const FAR: f64 = 10.0;
+        self.excess() >= FAR
+    }
+
     /// The outcome in a sentence.
     pub(super) fn headline(&self) -> String {
         let diagnosis = &self.found.diagnosis;
@@ -68,6 +80,13 @@ impl<'a> Report<'a> {
             } else {
                 "what they scatter"
             };
+            if self.scatters() {
+                return format!(
+                    "The stated noise is wrong: the data scatter {} times as much. Nothing else \
+                     can be seen within that.",
+                    digits(self.excess(), 2)
+                );
+            }
             return format!("Nothing is wrong: the simulation explains the data within {within}.");
         }
         let said = |f: &Finding| {

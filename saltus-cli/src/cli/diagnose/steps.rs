@@ -173,7 +173,18 @@ fn correct_robot(found: &Found) -> Vec<Step> {
     let left_out = left_out(found).join(", ");
     if left_out.is_empty() {
         let distance = found.worth.as_ref().map_or(0.6, |worth| worth.distance);
-        let table = format!("saltus table --omega 3:6:7 --distance {distance} --robot {file}");
+        // On a boom the planar model alone is off by centimetres.
+        let whole = found
+            .robot
+            .as_ref()
+            .is_some_and(|robot| robot.boom.is_some());
+        let plant = if whole {
+            format!(" --plant {file}")
+        } else {
+            String::new()
+        };
+        let table =
+            format!("saltus table --omega 3:6:7 --distance {distance} --robot {file}{plant}");
         all.push(Step::by(
             "Make tables and plans with the corrected robot.",
             table,

@@ -137,7 +137,8 @@ errors drawn.
 
 With --share the plan holds for that share of runs with errors drawn from the robot's [errors], in the \
 multi-body simulation of --plant (or of the robot itself), on the friction coefficients of --friction in \
-turn. margin_sigmas counts no more: the simulated scatter says what clearance_m, edge_margin_m and \
+turn. With one coefficient the plan is made for that ground, with several for the robot's own; the answer \
+says where it lands on each. margin_sigmas counts no more: the simulated scatter says what clearance_m, edge_margin_m and \
 friction_coefficient need beside their limits. Draws that made neither margins nor choice then tell how \
 often the plan holds; it is enough if that is at most two binomial standard deviations below the share. \
 Where the share cannot be had, the answer is the plan that holds most often, and what blocks greater \
@@ -159,12 +160,14 @@ than in the search, the plan misses a limit.
 
 With --plant: \"plant\": NAME, \"correction\": {\"simulated_jumps\", \"miss_m\" (of the last ones), \"is_exact\" (the \
 plant jumps as the planar model says)}, and \"hold\" (null without --share): {\"share_asked\", \"share\", \"runs\", \
-\"is_enough\", \"clearance_margin_m\", \"landing_margin_m\", \"friction_margin\", \"missed_most\", \"blocked_by\"}.
+\"is_enough\", \"clearance_margin_m\", \"landing_margin_m\", \"friction_margin\", \"missed_most\", \
+\"landings\" (without errors, on each ground: {\"friction\", \"land_x_m\"}), \"blocked_by\"}.
 
 The exit code is 1 unless there is a plan that holds in the planar model (with --plant: on that robot; with --share: that often) and the search was not interrupted.";
 
 impl Plan {
     pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.common.ready(&self.plot)?;
         let (robot, plant) = match self.hold.share {
             Some(_) => {
                 let (robot, plant) = self.plant.always(self.common.robot_flags())?;
@@ -196,7 +199,7 @@ impl Plan {
             match plant.as_ref().zip(runs.as_ref()) {
                 Some((plant, runs)) => robust::plan(&robot, plant, &crossing, runs, &watch)
                     .map_err(|error| CliError::content(&file, error))
-                    .map(|robust| held(robust, runs))?,
+                    .map(|robust| held(robust, runs, plant.robot()))?,
                 None => for_crossing(robot, plant.as_ref(), &crossing, &watch)
                     .map_err(|error| CliError::content(&file, error))
                     .map(|crossed| (crossed, None))?,
@@ -261,7 +264,7 @@ fn without_slip(
 }
 
 /// The best plan, and how often it holds; without a plan the answer that says why.
-fn held(robust: Robust, runs: &Verification) -> (Crossed, Option<Hold>) {
+fn held(robust: Robust, runs: &Verification, plant: &Robot) -> (Crossed, Option<Hold>) {
     match robust {
         Robust::Plan { held, blocked } => {
             let hold = Hold {
@@ -270,6 +273,8 @@ fn held(robust: Robust, runs: &Verification) -> (Crossed, Option<Hold>) {
                 runs: runs.samples,
                 margins: held.margins,
                 missed: held.missed,
+                grounds: held.grounds,
+                has_errors: plant.errors != Default::default(),
                 blocked,
             };
             (held.crossed, Some(hold))

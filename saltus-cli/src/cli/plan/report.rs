@@ -81,6 +81,10 @@ pub(super) struct Hold {
     pub(super) margins: Margins,
     /// What is missed most often.
     pub(super) missed: Option<Demand>,
+    /// Friction coefficients of the ground, and the last landing (m) there without errors.
+    pub(super) grounds: Vec<(f64, Option<f64>)>,
+    /// Whether the robot that jumps has errors to draw.
+    pub(super) has_errors: bool,
     /// Where the share is not reached: what blocks a plan with the margins that it would take.
     pub(super) blocked: Option<Relief>,
 }
@@ -103,7 +107,26 @@ impl Hold {
             "landing_margin_m": self.margins.landing,
             "friction_margin": self.margins.friction,
             "missed_most": self.missed.map(Demand::name),
+            "landings": self.grounds.iter().map(|(friction, landing)| json!({
+                "friction": friction,
+                "land_x_m": landing,
+            })).collect::<Vec<_>>(),
             "blocked_by": self.blocked.as_ref().map(|relief| limits::json(&relief.gives)),
+        })
+    }
+
+    /// Where the last jump lands on each ground, if there are some.
+    fn grounds_text(&self) -> Option<String> {
+        let lands = |landing: Option<f64>| landing.map_or("nowhere".into(), |x| digits(x, 4));
+        let on = |(friction, landing): &(f64, Option<f64>)| {
+            format!("{} m ({})", lands(*landing), digits(*friction, 3))
+        };
+        let all: Vec<String> = self.grounds.iter().map(on).collect();
+        (!all.is_empty()).then(|| {
+            format!(
+                "last landing without errors, by the friction coefficient of the ground: {}",
+                all.join(", ")
+            )
         })
     }
 
@@ -129,6 +152,13 @@ impl Hold {
                 digits(self.margins.friction, 2)
             ),
         ];
+        if !self.has_errors {
+            lines.push(
+                "the robot's file has no [errors]: nothing was drawn, and every run is the same"
+                    .into(),
+            );
+        }
+        lines.extend(self.grounds_text());
         if !self.is_enough() {
             let missed = self.missed.iter();
             lines.extend(missed.map(|d| format!("what is missed most often: {}", d.name())));
@@ -175,7 +205,7 @@ impl Report<'_> {
             ),
             (CrossingAnswer::Plan(plan), Some(plant)) if plan.holds() => (
                 "holds-on-the-plant",
-                format!("holds on {plant} (`saltus verify --plant` draws errors too)"),
+                format!("holds on {plant} (`saltus verify --plant … --correct` draws errors too)"),
             ),
             (CrossingAnswer::Plan(_), Some(plant)) => (
                 "fails-on-the-plant",
@@ -449,7 +479,8 @@ fn checks_text(plan: &Plan) -> String {
     let mut text: String = fail.iter().copied().map(line).collect();
     if !fail.is_empty() {
         text += "  → Flown ten times finer than in the search, the plan misses this. More \
-            clearance_m, edge_margin_m or margin_sigmas leaves more room.\n";
+            clearance_m, edge_margin_m or margin_sigmas, or a smaller friction_coefficient, leaves \
+            more room.\n";
     }
     let hold = hold
         .into_iter()

@@ -155,6 +155,7 @@ mod tests {
             what: "clearance (m)".into(),
             value: 0.004,
             allowed,
+            round_off: 1e-6,
         });
         let bad = drawn(plan);
         assert_eq!(bad.missed, ["FAILS: jump 2: clearance (m) 0.004"]);

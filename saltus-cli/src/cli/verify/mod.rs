@@ -13,6 +13,7 @@ mod table_file;
 use std::path::PathBuf;
 
 use clap::Args;
+use saltus::on_plant::PlantError;
 use saltus::sim_check::Stepping;
 use saltus::verify::{Outcome, Plant, Starts, Trial, Verdict, Verification};
 
@@ -175,11 +176,21 @@ const LEAST_DRAWN: usize = 200;
 
 impl Verify {
     pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.common.ready(&self.plot)?;
         let robot = self.common.robot()?;
         let plant = Plant::new(self.plant()?, self.accuracy);
         plant
             .rig()
             .map_err(|error| CliError::content(&plant.robot().name, error))?;
+        let (planned, jumps) = (robot.body.radius, plant.robot().body.radius);
+        if planned != jumps {
+            let error = PlantError::Radius {
+                plant: jumps,
+                planned,
+                robot: robot.name.clone(),
+            };
+            return Err(CliError::content(&plant.robot().name, error));
+        }
         let how = self.verification();
         let margins = self.share.map(|_| Verification {
             // Other draws than those that the plan is verified by.
