@@ -11,6 +11,7 @@ use saltus::Robot;
 use saltus::on_plant::{Crossed, OnPlant, for_crossing};
 use saltus::planner::course::Standing;
 use saltus::planner::{Crossing, CrossingAnswer};
+use saltus::robot::Errors;
 use saltus::robust::{self, Robust};
 use saltus::verify::{Starts, Verification};
 
@@ -274,7 +275,7 @@ fn held(robust: Robust, runs: &Verification, plant: &Robot) -> (Crossed, Option<
                 margins: held.margins,
                 missed: held.missed,
                 grounds: held.grounds,
-                has_errors: plant.errors != Default::default(),
+                has_errors: plant.errors != Errors::default(),
                 blocked,
             };
             (held.crossed, Some(hold))
