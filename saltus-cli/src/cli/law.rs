@@ -111,12 +111,8 @@ impl Found {
             return Confirmed::default();
         };
         let confirmed = plant.confirm_law(request, law);
-        if confirmed.jumps == 0
-            && law
-                .points
-                .iter()
-                .all(|point| !point.value.is_some_and(f64::is_finite))
-        {
+        let flies = |point: &LawPoint| point.value.is_some_and(f64::is_finite);
+        if !law.points.iter().any(flies) {
             (self.law, self.nearest, self.takes_off) = (None, None, false);
         }
         confirmed
