@@ -9,12 +9,12 @@ use std::ops::ControlFlow;
 
 use saltus_ballistic::DragFlight;
 use saltus_lagrangian::{Launch, StanceError};
+use saltus_robot::Outcome;
 
 use crate::course::{self, Answer, CourseError, Limit, MAX_JUMPS, Relief, Span, Watch};
 use crate::jump::Jump;
 use crate::model::JumpModel;
 use crate::planner::Planner;
-use saltus_robot::Outcome;
 
 mod check;
 mod grid;

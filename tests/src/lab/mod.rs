@@ -248,13 +248,16 @@ fn observe(world: &dyn World, runs: &[usize], hidden: &Hidden) -> Vec<Option<Exa
     logs
 }
 
-/// Adds a smooth process of `amplitude` σ to every column.
+/// Adds a smooth process of `amplitude` σ to every column. A run of one row has no time to be smooth
+/// over, and stays.
 fn roughen(columns: &[Column], logs: &mut [Option<Exact>], amplitude: f64, draw: &mut Draw) {
     for (k, column) in columns.iter().enumerate() {
         let shared = Smooth::new(draw);
         for log in logs.iter_mut().flatten() {
             let own = Smooth::new(draw);
-            let (first, last) = (log.time[0], log.time[log.time.len() - 1]);
+            let [first, .., last] = log.time[..] else {
+                continue;
+            };
             let each = amplitude * column.sigma() * f64::sqrt(0.5);
             for (t, value) in log.time.iter().zip(&mut log.values[k]) {
                 let part = (t - first) / (last - first).max(1e-9);
@@ -479,5 +482,26 @@ fn measured(
             .map(|column| some(column.resolution))
             .collect(),
         runs,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mean square and correlation over a quarter of a run are those of the process.
+    #[test]
+    fn a_discrepancy_has_its_variance_and_its_length() {
+        const DRAWS: usize = 4000;
+        let mut draw = Draw::new(1, 1);
+        let (mut square, mut product) = (0.0, 0.0);
+        for _ in 0..DRAWS {
+            let process = Smooth::new(&mut draw);
+            square += process.at(0.3).powi(2) / DRAWS as f64;
+            product += process.at(0.3) * process.at(0.55) / DRAWS as f64;
+        }
+        // Four standard deviations of these means.
+        assert!((square - 1.0).abs() < 0.09, "{square}");
+        assert!((product - f64::exp(-0.5)).abs() < 0.08, "{product}");
     }
 }
