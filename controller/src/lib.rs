@@ -39,6 +39,7 @@ pub mod qp;
 mod rate;
 mod real;
 mod reason;
+pub mod run;
 mod table;
 mod take_off;
 mod timing;

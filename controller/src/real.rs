@@ -50,6 +50,9 @@ pub trait Real:
         self.magnitude() <= Self::GREATEST
     }
 
+    /// `count` as a number, rounded.
+    fn of_count(count: i32) -> Self;
+
     /// |x|.
     fn magnitude(self) -> Self;
 
@@ -119,6 +122,12 @@ macro_rules! real {
             }
 
             #[inline]
+            #[allow(clippy::cast_possible_truncation, clippy::cast_lossless)]
+            fn of_count(count: i32) -> Self {
+                count as $type
+            }
+
+            #[inline]
             fn magnitude(self) -> Self {
                 <$type>::abs(self)
             }
@@ -158,6 +167,28 @@ pub(crate) fn sine<R: Real>(x: R) -> R {
     let series = R::of(-0.16666667)
         + s * (R::of(0.008333334) + s * (R::of(-0.00019841270) + s * R::of(0.0000027557319)));
     x + x * s * series
+}
+
+/// tanh x, to round-off of the numbers: 0 and ±1 exactly.
+///
+/// By (e²ˣ − 1)/(e²ˣ + 1): e − 1 by the Taylor polynomial of degree 9 at 2x/256, then eight
+/// doublings of the argument, each p → p (p + 2), which keep what is small.
+#[inline]
+pub(crate) fn tanh<R: Real>(x: R) -> R {
+    // Beyond, ±1 to round-off; and what is not a number stays so.
+    if x.magnitude() > R::of(20.0) {
+        return if x > R::ZERO { R::ONE } else { -R::ONE };
+    }
+    let y = (x + x) / R::of(256.0);
+    let mut p = R::ONE;
+    for k in 0..8 {
+        p = R::ONE + p * (y / R::of_index(9 - k));
+    }
+    p = p * y;
+    for _ in 0..8 {
+        p = p * (p + R::of(2.0));
+    }
+    p / (p + R::of(2.0))
 }
 
 /// cos x for |x| ≤ π/2, to 5e-7 there: the Taylor polynomial of degree 10.

@@ -359,10 +359,22 @@ impl<S: Single> Chamber<S> {
         if out.value() > 0.0 {
             inflow = inflow - out * self.law.flow(p, self.ambient);
         }
+        inflow + self.drooping_inflow(flow, p)
+    }
+
+    /// Mass flow (kg/s) that a drooping supply gives below sonic speed: on other pieces, and without
+    /// droop, it is a part of the plain law.
+    pub(crate) fn drooping_inflow(&self, flow: Flow, p: S) -> S {
         if self.droops(flow) {
-            inflow = inflow + self.drooping_flow(p);
+            self.drooping_flow(p)
+        } else {
+            S::of(0.0)
         }
-        inflow
+    }
+
+    /// n of the chamber's equation.
+    pub fn exponent(&self) -> S {
+        self.exponent
     }
 
     /// n R T (J/kg): a mass flow (kg/s) into the volume V raises the pressure by n R T/V times as

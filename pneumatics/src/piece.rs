@@ -82,6 +82,28 @@ impl<S: Single> Piece<S> {
         (gas, self.rate(chamber, &gas))
     }
 
+    /// Mass flows (kg/s) at `u` in the chamber of a leg at extension `d` (m) that extends at `speed`
+    /// (m/s): from the supply, and to the surroundings, from which gas may also come back.
+    ///
+    /// Their difference is what the chamber's equation takes for its inflow: n R T ṁ = V Ṗ + n P V̇.
+    pub fn mass_flows(&self, chamber: &Chamber<S>, u: S, d: S, speed: S) -> [S; 2] {
+        let (gas, rate) = self.gas(chamber, u, d, speed);
+        let per_mass = chamber.pressure_per_mass();
+        let of_rate = |rate: S| {
+            let volume = chamber.volume(d);
+            let growth = chamber.exponent() * gas.pressure * chamber.area * speed;
+            (rate * gas.pressure_per_variable * volume + growth) / per_mass
+        };
+        let net = of_rate(rate);
+        let supplied = match self.flow {
+            Flow::FillChoked | Flow::FillSubsonic | Flow::FillBalanced => {
+                of_rate(gas.rate) + chamber.drooping_inflow(self.flow, gas.pressure)
+            }
+            _ => S::of(0.0),
+        };
+        [supplied, supplied - net]
+    }
+
     /// u̇ with the terms that the valve's plain law leaves out.
     #[inline(always)]
     pub fn rate(&self, chamber: &Chamber<S>, gas: &GasState<S>) -> S {

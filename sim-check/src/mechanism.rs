@@ -30,6 +30,8 @@ pub struct Mechanism {
     pub gravity: Vec3,
     /// Air drag.
     pub drag: Option<Drag>,
+    /// What pushes from outside: a force (N or N m) for each velocity of the tree; empty: nothing.
+    pub forces: Vec<f64>,
 }
 
 /// What acts in a joint of one coordinate x (m or rad).
@@ -120,6 +122,7 @@ impl Mechanism {
             travel: Travel::Straight,
             gravity,
             drag: None,
+            forces: Vec::new(),
         }
     }
 
@@ -194,6 +197,14 @@ impl Mechanism {
             let is_known = drag.body < self.tree.bodies().len();
             require(is_known, "body of the drag", body, "one of the tree's")?;
             not_negative("drag coefficient (kg/m)", drag.coefficient)?;
+        }
+        finite("force from outside (N or N m)", &self.forces)?;
+        if !self.forces.is_empty() && self.forces.len() != self.tree.velocities() {
+            return Err(SimError::Length {
+                name: "forces from outside",
+                given: self.forces.len(),
+                wanted: self.tree.velocities(),
+            });
         }
         match self.travel {
             Travel::Around(center) => finite("centre of the travel (m)", center.as_slice()),

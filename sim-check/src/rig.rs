@@ -219,10 +219,55 @@ impl Rig {
         Ok((q, v))
     }
 
+    /// The robot at rest on the feet of leg `rear` and of the next, both retracted, with its axle at
+    /// travel 0: coordinates.
+    ///
+    /// # Errors
+    /// [`SimError::Input`] for a leg that is not there, or a robot of fewer than three legs, which
+    /// does not stand on two.
+    pub fn rest(&self, rear: usize) -> Result<Vec<f64>, SimError> {
+        let legs = self.legs.len();
+        require(legs >= 3, "legs of a robot that stands on two", legs as f64, "at least 3")?;
+        require(rear < legs, "leg", rear as f64, "the number of a leg")?;
+        let front = (rear + 1) % legs;
+        let pitch = std::f64::consts::TAU / legs as f64;
+        let mut q = vec![0.0; self.mechanism.tree.coordinates()];
+        q[self.lean_coordinate()] = pitch * (rear as f64 + 0.5);
+        if self.boom.is_none() {
+            q[1] = self.radius;
+        }
+        // Both gaps are nearly linear in the height, or in the pivot angle, and in the lean.
+        let unknowns = [1, self.lean_coordinate()];
+        let gaps = |q: &[f64]| [self.foot_of(rear, q).0, self.foot_of(front, q).0];
+        for _ in 0..30 {
+            let now = gaps(&q);
+            if now.iter().all(|gap| gap.abs() < 1e-15) {
+                break;
+            }
+            let slopes = unknowns.map(|k| {
+                let mut moved = q.clone();
+                moved[k] += 1e-6;
+                let then = gaps(&moved);
+                [(then[0] - now[0]) / 1e-6, (then[1] - now[1]) / 1e-6]
+            });
+            let determinant = slopes[0][0] * slopes[1][1] - slopes[1][0] * slopes[0][1];
+            q[unknowns[0]] -= (now[0] * slopes[1][1] - now[1] * slopes[1][0]) / determinant;
+            q[unknowns[1]] -= (slopes[0][0] * now[1] - slopes[0][1] * now[0]) / determinant;
+        }
+        let stands = q.iter().all(|x| x.is_finite());
+        require(stands, "slope of the ground", f64::NAN, "one on which the robot stands")?;
+        Ok(q)
+    }
+
     /// Gap (m) between foot 0 and the ground, and where it is nearest.
     fn foot(&self, q: &[f64]) -> (f64, Vec3) {
+        self.foot_of(0, q)
+    }
+
+    /// The same for the foot of leg `leg`.
+    fn foot_of(&self, leg: usize, q: &[f64]) -> (f64, Vec3) {
         let pose = self.pose_at(q);
-        let point = &self.mechanism.points[0];
+        let point = &self.mechanism.points[leg];
         let center = pose.frames[point.body].point(&point.center);
         let near = self.mechanism.surfaces[0].proximity(&center);
         (

@@ -2,7 +2,7 @@
 
 use saltus_pneumatics::Switches;
 
-use super::{DRAG_LOSS, DRIVE, JOINT_LOSS, Machine};
+use super::{ACCOUNT, DRAG_LOSS, DRIVE, JOINT_LOSS, Machine, OUTSIDE};
 use crate::mode::{JointMode, Mode};
 
 impl Machine<'_> {
@@ -30,6 +30,13 @@ impl Machine<'_> {
             self.free[k] += force;
             self.stiffness[k] = parts.spring.0;
             self.damping[k] = parts.damping;
+        }
+        if !self.mechanism.forces.is_empty() {
+            for (k, &full) in self.welded.velocities.iter().enumerate() {
+                let force = self.mechanism.forces[full];
+                self.free[k] += force;
+                self.powers[OUTSIDE] += force * self.v[k];
+            }
         }
         for i in 0..self.mechanism.legs.len() {
             self.apply_leg(i, y, mode);
@@ -75,6 +82,17 @@ impl Machine<'_> {
         };
         self.powers[DRIVE] += drive * speed;
         self.powers[JOINT_LOSS] += (drive - force) * speed;
+        if let Some(at) = self.layout.account(i) {
+            let (supplied, released, pushed) = match (leg.chamber(), &state.piece) {
+                (Some(chamber), Some(piece)) => {
+                    let [supplied, released] = piece.mass_flows(chamber, u, d, speed);
+                    (supplied, released, self.pressures[i] * chamber.area * speed)
+                }
+                _ => (0.0, 0.0, 0.0),
+            };
+            let rates = [drive * speed, (drive - force) * speed, supplied, released, pushed];
+            self.powers[at..at + ACCOUNT].copy_from_slice(&rates);
+        }
         self.pushes[i] = force;
         self.free[k] += force;
     }

@@ -13,25 +13,33 @@ use crate::mode::{JointMode, Mode};
 use crate::spatial::Vec3;
 use crate::tree::{Pose, Welded};
 
-/// Where things are in the continuous state: q | v | a chamber variable for each leg | works.
+/// Where things are in the continuous state: q | v | a chamber variable for each leg | works |
+/// an account for each leg, where they are kept.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
     pub coordinates: usize,
     pub velocities: usize,
     pub legs: usize,
+    /// Legs of which an account is kept: all or none.
+    pub accounts: usize,
 }
 
 /// Works (J) that are integrated along: of the drives, lost in joints and legs, lost in contacts,
-/// of drag.
-pub(crate) const WORKS: usize = 4;
+/// of drag, of what pushes from outside.
+pub(crate) const WORKS: usize = 5;
 pub(crate) const DRIVE: usize = 0;
 pub(crate) const JOINT_LOSS: usize = 1;
 pub(crate) const CONTACT_LOSS: usize = 2;
 pub(crate) const DRAG_LOSS: usize = 3;
+pub(crate) const OUTSIDE: usize = 4;
+
+/// What the account of a leg holds: work of its drive and lost in it (J), gas from the supply and
+/// to the air (kg), and the work ∫P dV of its gas (J).
+pub(crate) const ACCOUNT: usize = 5;
 
 impl Layout {
     pub(crate) fn size(&self) -> usize {
-        self.coordinates + self.velocities + self.legs + WORKS
+        self.works() + WORKS + ACCOUNT * self.accounts
     }
     pub(crate) fn q<'a>(&self, y: &'a [f64]) -> &'a [f64] {
         &y[..self.coordinates]
@@ -44,6 +52,10 @@ impl Layout {
     }
     pub(crate) fn works(&self) -> usize {
         self.gas() + self.legs
+    }
+    /// Where the account of leg `leg` begins, from [`works`](Self::works) on; none: not kept.
+    pub(crate) fn account(&self, leg: usize) -> Option<usize> {
+        (leg < self.accounts).then_some(WORKS + ACCOUNT * leg)
     }
 }
 
@@ -132,7 +144,7 @@ pub(crate) struct Machine<'a> {
     /// Least force (N) among those that hold feet on rigid ground, over the derivatives since it
     /// was set.
     pub least_hold: f64,
-    powers: [f64; WORKS],
+    powers: Vec<f64>,
     /// How much each joint's force falls with its position (N/m) and its speed (N s/m), welded.
     stiffness: Vec<f64>,
     damping: Vec<f64>,
@@ -150,11 +162,16 @@ pub(crate) struct Machine<'a> {
 }
 
 impl<'a> Machine<'a> {
-    pub(crate) fn new(mechanism: &'a Mechanism) -> Machine<'a> {
+    pub(crate) fn new(mechanism: &'a Mechanism, keeps_accounts: bool) -> Machine<'a> {
         let layout = Layout {
             coordinates: mechanism.tree.coordinates(),
             velocities: mechanism.tree.velocities(),
             legs: mechanism.legs.len(),
+            accounts: if keeps_accounts {
+                mechanism.legs.len()
+            } else {
+                0
+            },
         };
         let welded = mechanism
             .tree
@@ -187,7 +204,7 @@ impl<'a> Machine<'a> {
             pushes: vec![f64::NAN; layout.legs],
             nothing: NOTHING * mechanism.weight(),
             least_hold: f64::INFINITY,
-            powers: [0.0; WORKS],
+            powers: vec![0.0; layout.size() - layout.works()],
             stiffness: Vec::new(),
             damping: Vec::new(),
             start: Vec::new(),
@@ -290,7 +307,7 @@ impl<'a> Machine<'a> {
             &mut self.free,
         );
         self.free.iter_mut().for_each(|x| *x = -*x);
-        self.powers = [0.0; WORKS];
+        self.powers.fill(0.0);
         self.apply_joints(y, mode);
         self.apply_drag();
         self.sound = cholesky(&mut self.mass, n);

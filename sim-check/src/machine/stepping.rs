@@ -8,7 +8,7 @@
 //! Source: Jean & Moreau, Unilaterality and dry friction in the dynamics of rigid body collections
 //! (1992); Acary & Brogliato, Numerical Methods for Nonsmooth Dynamical Systems (2008), chapter 10.
 
-use super::{CONTACT_LOSS, JOINT_LOSS, Machine, Owner, Touch, WORKS};
+use super::{CONTACT_LOSS, JOINT_LOSS, Machine, Owner, Touch};
 use crate::complementarity::{Bounds, Element, Grip};
 use crate::linear::{backward, cholesky, forward};
 use crate::mode::{JointMode, Mode, Stop};
@@ -40,7 +40,7 @@ impl Machine<'_> {
             &mut self.free,
         );
         self.free.iter_mut().for_each(|x| *x = -*x);
-        self.powers = [0.0; WORKS];
+        self.powers.fill(0.0);
         self.apply_joints(middle, mode);
         self.apply_drag();
         self.soften(acceleration, h);
@@ -202,7 +202,13 @@ impl Machine<'_> {
             let speed = self.speeds[r] + 0.5 * change;
             let lost = -self.problem.force[r] * speed;
             match (self.owners[r], self.mechanism.material.compliance) {
-                (Owner::Joint(_), _) => works[JOINT_LOSS] += lost,
+                (Owner::Joint(body), _) => {
+                    works[JOINT_LOSS] += lost;
+                    let account = self.leg_of[body].and_then(|leg| self.layout.account(leg));
+                    if let Some(at) = account {
+                        works[at + 1] += lost;
+                    }
+                }
                 // The spring keeps its part.
                 (Owner::Normal(_), Some((_, damping))) => {
                     works[CONTACT_LOSS] += h * damping * speed * speed;

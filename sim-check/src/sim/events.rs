@@ -199,7 +199,9 @@ impl Sim<'_> {
         if stop == Stop::High {
             self.pick_up(body);
         }
+        let before = self.impacts;
         self.impact(None, 0.0)?;
+        self.stops += self.impacts - before;
         self.settle(None)
     }
 
@@ -254,14 +256,16 @@ impl Sim<'_> {
     /// Puts the chamber of `leg` on the piece of its law that holds now, or just above or below
     /// where `side` is ±1.
     pub(super) fn renew_piece(&mut self, leg: usize, side: f64) {
+        self.put_on_piece(leg, self.pressure(leg), side);
+    }
+
+    /// The same for a chamber at the pressure `pressure` (Pa).
+    pub(super) fn put_on_piece(&mut self, leg: usize, pressure: f64, side: f64) {
         let Some(chamber) = self.machine.mechanism.legs[leg].leg.chamber() else {
             return;
         };
         let mode = &mut self.mode.legs[leg];
         let at = self.layout.gas() + leg;
-        let pressure = mode.piece.map_or(chamber.ambient, |piece| {
-            chamber.pressure(piece.flow, self.y[at])
-        });
         let piece = Piece::new(chamber, mode.energized, pressure, side, mode.port_open);
         // Round-off leaves it on either side of the edge that it has crossed.
         let (from, to) = (piece.low.min(piece.high), piece.low.max(piece.high));

@@ -57,6 +57,11 @@ impl Fixed {
             watched: Vec::new(),
         }
     }
+
+    /// Forgets the acceleration, which has jumped.
+    pub(super) fn forget(&mut self) {
+        self.is_known = false;
+    }
 }
 
 impl Sim<'_> {

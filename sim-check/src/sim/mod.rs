@@ -8,15 +8,15 @@ mod report;
 mod settle;
 mod start;
 
-pub use report::{Contact, Ledger};
+pub use report::{Account, Contact, Ledger};
 
 use self::fixed::Fixed;
 use self::guards::Guard;
 use self::start::{check_start, first_mode};
 use crate::SimError;
-use crate::machine::{Layout, Machine};
+use crate::machine::{Layout, Machine, OUTSIDE};
 use crate::mechanism::Mechanism;
-use crate::mode::Mode;
+use crate::mode::{JointMode, Mode};
 use crate::step::Stages;
 
 /// How a motion is computed.
@@ -37,6 +37,8 @@ pub struct Settings {
     pub most_steps: usize,
     /// How long steps are.
     pub stepping: Stepping,
+    /// Whether an account of each leg is kept: its work and its gas.
+    pub accounts: bool,
 }
 
 /// How long steps are, and where events lie in them.
@@ -68,6 +70,7 @@ impl Default for Settings {
             penetration: 1e-9,
             most_steps: 1_000_000,
             stepping: Stepping::Adaptive,
+            accounts: false,
         }
     }
 }
@@ -131,6 +134,7 @@ pub struct Sim<'a> {
     commands: Vec<(f64, usize, bool)>,
     events: Vec<Event>,
     impacts: f64,
+    stops: f64,
     touching: bool,
     steps: usize,
     evaluations: usize,
@@ -168,7 +172,7 @@ impl<'a> Sim<'a> {
         settings: Settings,
     ) -> Result<Sim<'a>, SimError> {
         check_start(mechanism, q, v, &settings)?;
-        let mut machine = Machine::new(mechanism);
+        let mut machine = Machine::new(mechanism, settings.accounts);
         let layout = machine.layout;
         let mut y = vec![0.0; layout.size()];
         y[..layout.coordinates].copy_from_slice(q);
@@ -190,6 +194,7 @@ impl<'a> Sim<'a> {
             commands: Vec::new(),
             events: Vec::new(),
             impacts: 0.0,
+            stops: 0.0,
             touching: true,
             steps: 0,
             evaluations: 0,
@@ -223,6 +228,66 @@ impl<'a> Sim<'a> {
     /// What has happened so far.
     pub fn events(&self) -> &[Event] {
         &self.events
+    }
+
+    /// Takes what has happened since this was last called: a long motion keeps no more than that.
+    pub fn drain_events(&mut self) -> std::vec::Drain<'_, Event> {
+        self.events.drain(..)
+    }
+
+    /// Lets go of all legs, which are else held where they are until they are fired.
+    ///
+    /// # Errors
+    /// [`SimError`] where no forces agree with the laws then.
+    pub fn release_legs(&mut self) -> Result<(), SimError> {
+        for part in &self.machine.mechanism.legs {
+            if self.mode.joints[part.body] == JointMode::Latched && !part.massless {
+                self.mode.joints[part.body] = JointMode::Held(self.stop_of(part.body));
+            }
+        }
+        self.machine.weld(&self.mode, &self.y);
+        self.settle(None)
+    }
+
+    /// From now on the same bodies in other surroundings: `mechanism` differs in gravity, supply,
+    /// friction, or forces from outside. What the change itself does to energy counts as work from
+    /// outside.
+    ///
+    /// # Errors
+    /// [`SimError`] for other bodies, points, surfaces or legs.
+    pub fn change(&mut self, mechanism: &'a Mechanism) -> Result<(), SimError> {
+        let now = self.machine.mechanism;
+        for (name, given, wanted) in [
+            (
+                "bodies",
+                mechanism.tree.bodies().len(),
+                now.tree.bodies().len(),
+            ),
+            ("legs", mechanism.legs.len(), now.legs.len()),
+            ("points", mechanism.points.len(), now.points.len()),
+            ("surfaces", mechanism.surfaces.len(), now.surfaces.len()),
+        ] {
+            if given != wanted {
+                return Err(SimError::Length {
+                    name,
+                    given,
+                    wanted,
+                });
+            }
+        }
+        mechanism.check(self.layout.q(&self.y))?;
+        let stored = |l: &Ledger| l.kinetic + l.potential + l.springs;
+        let before = stored(&self.ledger());
+        let pressures: Vec<f64> = (0..self.layout.legs).map(|leg| self.pressure(leg)).collect();
+        self.machine.mechanism = mechanism;
+        self.y[self.layout.works() + OUTSIDE] += stored(&self.ledger()) - before;
+        for (leg, pressure) in pressures.into_iter().enumerate() {
+            self.put_on_piece(leg, pressure, 0.0);
+        }
+        if let Some(fixed) = &mut self.fixed {
+            fixed.forget();
+        }
+        self.settle(None)
     }
 
     /// Steps taken and derivatives evaluated so far.

@@ -2,7 +2,9 @@
 
 use super::Sim;
 use crate::complementarity::Grip;
-use crate::machine::{CONTACT_LOSS, DRAG_LOSS, DRIVE, JOINT_LOSS, Owner, STANDING, Touch, WORKS};
+use crate::machine::{
+    ACCOUNT, CONTACT_LOSS, DRAG_LOSS, DRIVE, JOINT_LOSS, OUTSIDE, Owner, STANDING, Touch, WORKS,
+};
 use crate::spatial::Vec3;
 use crate::tree::Pose;
 
@@ -134,8 +136,36 @@ impl Sim<'_> {
             joints: works[JOINT_LOSS],
             contacts: works[CONTACT_LOSS],
             drag: works[DRAG_LOSS],
+            outside: works[OUTSIDE],
             impacts: self.impacts,
+            stops: self.stops,
         }
+    }
+
+    /// What leg `leg` has done so far; all 0 where [`Settings::accounts`](super::Settings) is off.
+    pub fn account(&self, leg: usize) -> Account {
+        let Some(at) = self.layout.account(leg) else {
+            return Account::default();
+        };
+        let at = self.layout.works() + at;
+        let [drive, lost, supplied, released, pushed] = self.y[at..at + ACCOUNT] else {
+            return Account::default();
+        };
+        Account {
+            drive,
+            lost,
+            supplied,
+            released,
+            pushed,
+        }
+    }
+
+    /// What is in the chamber of leg `leg`, P V (J); 0 for a leg without a chamber.
+    pub fn stored_gas(&self, leg: usize) -> f64 {
+        let part = &self.machine.mechanism.legs[leg];
+        let extension = self.y[self.machine.mechanism.tree.coordinate_of(part.body)];
+        let volume = part.leg.chamber().map(|c| c.volume(extension));
+        volume.map_or(0.0, |volume| self.pressure(leg) * volume)
     }
 }
 
@@ -173,15 +203,36 @@ pub struct Ledger {
     pub contacts: f64,
     /// Lost so far to the air.
     pub drag: f64,
+    /// Work so far of what pushes from outside.
+    pub outside: f64,
     /// Lost so far in impacts.
     pub impacts: f64,
+    /// Of `impacts`, what was lost where a joint met its stop.
+    pub stops: f64,
+}
+
+/// What a leg has done since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Account {
+    /// Work of its drive (J), of the gauge pressure in a pneumatic leg.
+    pub drive: f64,
+    /// Lost in it (J): in friction, dampers, and what its spring holds.
+    pub lost: f64,
+    /// Gas (kg) from the supply.
+    pub supplied: f64,
+    /// Gas (kg) to the surroundings, less what came back from them.
+    pub released: f64,
+    /// Work ∫P dV (J) of its gas, at the absolute pressure.
+    pub pushed: f64,
 }
 
 impl Ledger {
     /// What, between `start` and `self`, no entry explains (J).
     pub fn residual(&self, start: &Ledger) -> f64 {
         let stored = |l: &Ledger| l.kinetic + l.potential + l.springs;
-        let lost = |l: &Ledger| l.joints + l.contacts + l.drag + l.impacts - l.drive;
+        let lost = |l: &Ledger| {
+            l.joints + l.contacts + l.drag + l.impacts - l.drive - l.outside
+        };
         stored(self) - stored(start) + lost(self) - lost(start)
     }
 }

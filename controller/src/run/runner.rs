@@ -1,0 +1,262 @@
+//! The state machine of a run.
+
+use super::{Instruments, Law, Readings, Signals};
+use crate::Real;
+
+/// How a robot runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gait<'a, R> {
+    /// At which lean a leg fires, and how long its valve opens.
+    pub law: Law<'a, R>,
+    /// Where the active zone begins, z₀ (rad).
+    pub zone: R,
+    /// Legs n, 3 to 12.
+    pub legs: u32,
+    /// Cycle (s).
+    pub period: R,
+    /// What a count is.
+    pub instruments: Instruments<R>,
+    /// Weights of the rate's filter: of the newest reading, and of those before it.
+    pub taps: &'a [R],
+    /// A speed to hold, in place of what the law gives by itself.
+    pub hold: Option<Hold<R>>,
+    /// When a robot that stands still is started anew.
+    pub stall: Stall<R>,
+}
+
+/// How a demanded rate is held: a firing angle that falls with the demand, and a valve opening time
+/// that grows with it and with what is lacking.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hold<R> {
+    /// Change of the opening time (s) for each rad/s that is lacking now.
+    pub by_error: R,
+    /// The same for each rad (rad/s over a second) that has been lacking.
+    pub by_sum: R,
+    /// Most that the sum may be (rad).
+    pub most_sum: R,
+    /// Least opening time (s): a shorter one is none.
+    pub least_open: R,
+    /// Greatest opening time (s).
+    pub most_open: R,
+}
+
+/// What counts as standing still.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stall<R> {
+    /// Rate (rad/s) below which it does.
+    pub rate: R,
+    /// For how long (s), after which a stall is reported.
+    pub time: R,
+    /// Whether the leg in the zone may then fire once more.
+    pub restarts: bool,
+}
+
+/// What a cycle decides, and from what.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Action<R> {
+    /// The leg to fire now, if any.
+    pub leg: Option<u32>,
+    /// For how long (s).
+    pub valve_open: R,
+    /// The leg in the zone.
+    pub in_zone: u32,
+    /// Its lean (rad), in the direction of the run.
+    pub lean: R,
+    /// Filtered rate (rad/s), in the direction of the run.
+    pub rate: R,
+    /// Firing angle (rad) that held.
+    pub firing_angle: R,
+    /// Whether the robot stands still.
+    pub stalled: bool,
+}
+
+/// A robot that runs: one [`step`](Runner::step) a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Runner<'a, R> {
+    gait: Gait<'a, R>,
+    signals: Signals<'a, R>,
+    /// Cycles since the start.
+    cycles: u32,
+    /// The leg in the zone, counted in the direction of the run, 0 to n − 1.
+    leg: u32,
+    /// Wheel counts at which leg 0, counted so, leaned by `offset`.
+    base: i32,
+    offset: R,
+    /// 1, or −1 backwards.
+    direction: i32,
+    has_fired: bool,
+    /// Rate (rad/s) at which the leg in the zone entered it.
+    entry: R,
+    /// Cycles for which it has stood still.
+    still: u32,
+    demand: R,
+    sum: R,
+}
+
+impl<'a, R: Real> Runner<'a, R> {
+    /// A robot at rest on two legs, of which `rear` is the rear one (0 to n − 1), with its wheel's
+    /// encoder at `wheel`. It runs forwards, or with `forwards` false, backwards.
+    pub fn new(gait: Gait<'a, R>, rear: u32, wheel: i32, forwards: bool) -> Runner<'a, R> {
+        let half = R::of(3.141592653589793) / R::of_count(gait.legs.min(12) as i32);
+        let mut runner = Runner {
+            signals: Signals::new(gait.instruments, gait.taps),
+            gait,
+            cycles: 0,
+            leg: 0,
+            base: wheel,
+            offset: half,
+            direction: 1,
+            has_fired: false,
+            entry: R::ZERO,
+            still: 0,
+            demand: R::ZERO,
+            sum: R::ZERO,
+        };
+        runner.leg = rear;
+        // Leg `rear` leans by half a pitch, so that leg 0 leans by `rear` pitches more.
+        runner.offset = half + (half + half) * R::of_count((rear.min(12)) as i32);
+        if !forwards {
+            runner.turn_round(wheel);
+        }
+        runner
+    }
+
+    /// The rate to hold (rad/s), in the direction of the run.
+    pub fn demand(&mut self, rate: R) {
+        if rate != self.demand {
+            self.sum = R::ZERO;
+        }
+        self.demand = rate;
+    }
+
+    /// Runs the other way from now on: legs and leans are mirrored.
+    pub fn turn_round(&mut self, wheel: i32) {
+        let (legs, turned) = (self.gait.legs, self.turned(wheel));
+        // Leg k of now is leg n − k then, and leans by as much the other way.
+        self.offset = -(self.offset + turned);
+        self.base = wheel;
+        self.direction = self.direction.wrapping_neg();
+        self.leg = if self.leg == 0 { 0 } else { legs.wrapping_sub(self.leg) };
+        self.has_fired = false;
+        self.sum = R::ZERO;
+    }
+
+    /// By how much the wheel has turned (rad) since `base`, in the direction of the run.
+    #[inline]
+    fn turned(&self, wheel: i32) -> R {
+        let counts = wheel.wrapping_sub(self.base).wrapping_mul(self.direction);
+        R::of_count(counts) * self.gait.instruments.wheel
+    }
+
+    /// The leg in the zone and its lean (rad).
+    #[inline]
+    fn find_leg(&mut self, wheel: i32) -> R {
+        let legs = self.gait.legs;
+        let pitch = R::of(6.283185307179586) / R::of_count(legs.min(12) as i32);
+        let high = self.gait.zone + pitch;
+        let turn = self.gait.instruments.wheel_turn.wrapping_mul(self.direction);
+        let mut lean = self.lean_of(self.leg, wheel, pitch);
+        // A cycle is too short for more than a turn; whatever the counter says, this ends.
+        for _ in 0..13 {
+            if lean >= high {
+                self.leg = self.leg.wrapping_add(1);
+                if self.leg >= legs {
+                    (self.leg, self.base) = (0, self.base.wrapping_add(turn));
+                }
+            } else if lean < self.gait.zone {
+                if self.leg == 0 {
+                    (self.leg, self.base) = (legs.wrapping_sub(1), self.base.wrapping_sub(turn));
+                } else {
+                    self.leg = self.leg.wrapping_sub(1);
+                }
+            } else {
+                break;
+            }
+            self.has_fired = false;
+            lean = self.lean_of(self.leg, wheel, pitch);
+        }
+        lean
+    }
+
+    #[inline]
+    fn lean_of(&self, leg: u32, wheel: i32, pitch: R) -> R {
+        self.turned(wheel) + self.offset - R::of_count(leg.min(12) as i32) * pitch
+    }
+
+    /// The name of leg `leg` on the robot.
+    #[inline]
+    fn name(&self, leg: u32) -> u32 {
+        if self.direction > 0 || leg == 0 {
+            leg
+        } else {
+            self.gait.legs.wrapping_sub(leg)
+        }
+    }
+
+    /// A cycle: whether a leg fires now.
+    #[inline]
+    pub fn step(&mut self, readings: &Readings) -> Action<R> {
+        let before = self.leg;
+        let lean = self.find_leg(readings.wheel);
+        let rate = self.signals.rate(readings) * R::of_count(self.direction);
+        if self.leg != before || self.cycles == 0 {
+            self.entry = rate;
+        }
+        let time = R::of_count((self.cycles.min(0x7FFF_FFFF)) as i32) * self.gait.period;
+        self.cycles = self.cycles.saturating_add(1);
+        let [firing_angle, law_open] = self.gait.law.at(time, rate, self.entry);
+        let valve_open = match self.gait.hold {
+            None => law_open,
+            Some(hold) => self.held(&hold, rate, law_open),
+        };
+        let stalled = self.stands_still(rate);
+        let fires = !self.has_fired && lean >= firing_angle && valve_open.is_positive();
+        if fires {
+            self.has_fired = true;
+        }
+        Action {
+            leg: fires.then_some(self.name(self.leg)),
+            valve_open: if fires { valve_open } else { R::ZERO },
+            in_zone: self.name(self.leg),
+            lean,
+            rate,
+            firing_angle,
+            stalled,
+        }
+    }
+
+    /// The opening time (s) that holds the demanded rate.
+    #[inline]
+    fn held(&mut self, hold: &Hold<R>, rate: R, law_open: R) -> R {
+        if !self.demand.is_positive() {
+            self.sum = R::ZERO;
+            return R::ZERO;
+        }
+        let lacking = self.demand - rate;
+        let sum = self.sum + lacking * self.gait.period;
+        self.sum = sum.greater(-hold.most_sum).lesser(hold.most_sum);
+        let open = law_open + hold.by_error * lacking + hold.by_sum * self.sum;
+        if open < hold.least_open {
+            R::ZERO
+        } else {
+            open.lesser(hold.most_open)
+        }
+    }
+
+    /// Counts the time for which it stands still.
+    #[inline]
+    fn stands_still(&mut self, rate: R) -> bool {
+        let stall = self.gait.stall;
+        if rate.magnitude() >= stall.rate {
+            self.still = 0;
+            return false;
+        }
+        self.still = self.still.saturating_add(1);
+        let time = R::of_count((self.still.min(0x7FFF_FFFF)) as i32) * self.gait.period;
+        let stalled = time >= stall.time;
+        if stalled && stall.restarts {
+            (self.has_fired, self.still) = (false, 0);
+        }
+        stalled
+    }
+}
