@@ -205,7 +205,7 @@ fn keys_of_a_rig() {
     rig(
         "boom = 3",
         "hopper.toml:27: unknown key environment.boom; the nearest known key is \
-         environment.drag_per_m",
+         environment.gravity_g",
     );
     rig(
         "[boom]\nlength_m = 2",
