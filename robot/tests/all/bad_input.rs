@@ -277,6 +277,57 @@ fn keys_of_a_rig() {
     );
 }
 
+/// `lines` added at the end of the sound file, from line 27.
+#[test]
+fn keys_of_a_running_robot() {
+    let rig =
+        |lines: &str, expected: &str| assert_eq!(complaint(&format!("{SOUND}{lines}\n")), expected);
+    rig(
+        "[struts]",
+        "hopper.toml:27: missing key struts.distance_m or distance_mm or distance_cm or distance_in",
+    );
+    rig(
+        "[struts]\ndistance_m = 0.25",
+        "hopper.toml:28: struts.distance_m = 0.25: must be a finite number > 0 and ≤ 0.24 m, which \
+         is body.wheel_radius",
+    );
+    rig(
+        "[struts]\ndistance_m = 0.14\nradius_mm = -5",
+        "hopper.toml:29: struts.radius_mm = -5: must be a finite number ≥ 0",
+    );
+    let sensors = |line: &str, allowed: &str| {
+        rig(
+            &format!("[sensors]\n{line}"),
+            &format!("hopper.toml:28: sensors.{line}: must be a {allowed}"),
+        );
+    };
+    sensors("wheel_counts = 0", "finite number > 0");
+    sensors("fine_gyro_range_deg_s = -573", "finite number > 0");
+    sensors("gyro_noise_rad_s = -0.1", "finite number ≥ 0");
+    sensors("gyro_bias_rad_s = inf", "finite number");
+    sensors("coarse_accelerometer_range_g = 0", "finite number > 0");
+    sensors("accelerometer_bias_g = nan", "finite number");
+    for bad in ["3", "25", "16.5"] {
+        sensors(
+            &format!("converter_bits = {bad}"),
+            "whole number ≥ 4 and ≤ 24",
+        );
+    }
+    for bad in ["-1", "0.5", "2"] {
+        sensors(
+            &format!("output_delay_cycles = {bad}"),
+            "whole number ≥ 0 and ≤ 1",
+        );
+    }
+    sensors("period_s = 1", "finite number > 0 and ≤ 0.1 s");
+    sensors("range_period_ms = 0", "finite number > 0");
+    rig(
+        "[sensors]\nconvertor_bits = 16",
+        "hopper.toml:28: unknown key sensors.convertor_bits; the nearest known key is \
+         sensors.converter_bits",
+    );
+}
+
 #[test]
 #[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn values_of_the_wrong_type() {

@@ -112,10 +112,11 @@ fn robot() -> impl Strategy<Value = Robot> {
     })
 }
 
-/// Drops what is half there: a port without an area, a counterweight without a distance.
+/// Drops what is half there: a port without an area, a counterweight or struts without a distance.
 fn complete(robot: &mut Robot) {
     let stroke = robot.leg.stroke;
     robot.leg.cushion = robot.leg.cushion.filter(|cushion| cushion.length > 0.0);
+    robot.struts = robot.struts.filter(|struts| struts.distance > 0.0);
     if let Some(cylinder) = robot.leg.cylinder_mut() {
         cylinder.exhaust_port = cylinder
             .exhaust_port
