@@ -687,8 +687,8 @@ fn complaint_about(path: &str) -> String {
 #[test]
 fn files_that_are_no_robot_files() {
     let folder = Folder::new("files");
-    let no_robot =
-        "no such robot or file; built in are rats-planar, rats-boom, spring-hopper, table-hopper";
+    let no_robot = "no such robot or file; built in are rats-planar, rats-boom, rats-run, \
+                    spring-hopper, table-hopper";
     assert_eq!(complaint_about("ratz"), format!("ratz: {no_robot}"));
     assert_eq!(complaint_about(""), format!(": {no_robot}"));
     let missing = folder.0.join("missing.toml").display().to_string();
