@@ -58,6 +58,33 @@ const UNKNOWN: &[(&[Term], &str)] = &[
         ],
         "the scatter of inputs is no part of a motion",
     ),
+    (
+        &[Term::StrutDistance, Term::StrutRadius],
+        "no strut meets anything on level ground",
+    ),
+    (
+        &[
+            Term::WheelCounts,
+            Term::RadiusCounts,
+            Term::PivotCounts,
+            Term::FineGyroRange,
+            Term::CoarseGyroRange,
+            Term::GyroNoise,
+            Term::GyroBias,
+            Term::FineAccelerometerRange,
+            Term::CoarseAccelerometerRange,
+            Term::AccelerometerRadius,
+            Term::AccelerometerNoise,
+            Term::AccelerometerBias,
+            Term::ConverterBits,
+            Term::OutputDelayCycles,
+            Term::LoopPeriod,
+            Term::RangeReach,
+            Term::RangeNoise,
+            Term::RangePeriod,
+        ],
+        "what is measured is no part of a motion",
+    ),
 ];
 
 /// Values of terms that the laboratory does not turn, or turns further than the robots of

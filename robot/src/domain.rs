@@ -10,6 +10,8 @@ pub struct Domain {
     high: Bound<f64>,
     /// Whether infinity belongs to it.
     endless: bool,
+    /// Whether only whole numbers belong to it.
+    whole: bool,
     /// What its numbers are, for messages.
     name: &'static str,
     /// Why its bounds are where they are, for messages; mostly empty.
@@ -29,6 +31,7 @@ impl Domain {
             low,
             high: Bound::Unbounded,
             endless: false,
+            whole: false,
             name: "a finite number",
             reason: "",
         }
@@ -73,6 +76,15 @@ impl Domain {
         }
     }
 
+    /// The whole numbers of the same, whose bounds are whole.
+    pub const fn whole(self) -> Domain {
+        Domain {
+            whole: true,
+            name: "a whole number",
+            ..self
+        }
+    }
+
     /// The same, whose numbers are called `name` in messages: `a mass`.
     pub const fn called(self, name: &'static str) -> Domain {
         Domain { name, ..self }
@@ -85,7 +97,8 @@ impl Domain {
 
     /// Whether `x` is inside; what is not finite mostly is not.
     pub fn contains(self, x: f64) -> bool {
-        (x.is_finite() && (self.low, self.high).contains(&x))
+        let is_fraction = self.whole && x.fract() != 0.0;
+        (x.is_finite() && !is_fraction && (self.low, self.high).contains(&x))
             || (self.endless && x == f64::INFINITY)
     }
 
@@ -189,6 +202,12 @@ mod tests {
             "a force ≥ -1e6 m and ≤ 1e6 m",
             &[-1e6, 1e6],
             &[1.1e6],
+        );
+        check(
+            Domain::at_least(4.0).up_to(24.0).whole(),
+            "a whole number ≥ 4 m and ≤ 24 m",
+            &[4.0, 24.0],
+            &[3.0, 16.5, 25.0],
         );
         check(
             Domain::within(PI / 2.0).up_to(4.0 * PI),

@@ -9,7 +9,7 @@ use crate::files::Files;
 use crate::section::Section;
 use crate::table::force_table;
 use crate::terms::SUPPLY;
-use crate::{Boom, Cylinder, Drive, ForceTable, Gas, Robot, RobotError, Term};
+use crate::{Boom, Cylinder, Drive, ForceTable, Gas, Robot, RobotError, Sensors, Term};
 
 /// The robot that `document` describes; files that it names are found in `files`.
 pub(crate) fn robot(document: Node, files: Files) -> Result<Robot, RobotError> {
@@ -22,8 +22,12 @@ pub(crate) fn robot(document: Node, files: Files) -> Result<Robot, RobotError> {
     for part in ["errors", "foot", "ground"] {
         s.optional_table(part, |s| table(s, part, &mut robot));
     }
+    s.optional_table("sensors", |s| {
+        robot.sensors = Some(Sensors::default());
+        table(s, "sensors", &mut robot)
+    });
     // What may stand there depends on the body.
-    let boom = s.optional_table("boom", Ok);
+    let (boom, struts) = (s.optional_table("boom", Ok), s.optional_table("struts", Ok));
     s.finish(())?;
 
     table(environment, "environment", &mut robot)?;
@@ -37,6 +41,9 @@ pub(crate) fn robot(document: Node, files: Files) -> Result<Robot, RobotError> {
             table(s, "boom.counterweight", &mut robot)
         });
         s.finish(())?;
+    }
+    if let Some(s) = struts {
+        table(s, "struts", &mut robot)?;
     }
     Ok(robot)
 }

@@ -7,9 +7,10 @@ use std::path::Path;
 use crate::RobotError;
 
 /// Built-in robots: name and robot file.
-pub(crate) const ROBOTS: [(&str, &str); 4] = [
+pub(crate) const ROBOTS: [(&str, &str); 5] = [
     ("rats-planar", include_str!("../../robots/rats-planar.toml")),
     ("rats-boom", include_str!("../../robots/rats-boom.toml")),
+    ("rats-run", include_str!("../../robots/rats-run.toml")),
     (
         "spring-hopper",
         include_str!("../../robots/spring-hopper.toml"),

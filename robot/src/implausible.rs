@@ -211,14 +211,15 @@ mod tests {
     }
 
     #[test]
-    fn built_in_robots_are_plausible_and_planar() {
+    fn built_in_robots_are_plausible_and_mostly_planar() {
         for name in Robot::builtin_names() {
             let robot = Robot::builtin(name).expect("built in");
-            assert_eq!(
-                (robot.implausible(), robot.beyond_the_plane()),
-                (vec![], vec![]),
-                "{name}"
-            );
+            let beyond: &[&str] = match name {
+                "rats-run" => &["foot.radius_m", "ground.static_friction"],
+                _ => &[],
+            };
+            assert_eq!(robot.implausible(), vec![], "{name}");
+            assert_eq!(robot.beyond_the_plane(), beyond, "{name}");
         }
     }
 

@@ -38,6 +38,8 @@ pub struct Robot {
     pub leg: Leg,
     /// The boom that holds the axle; none: the robot moves freely in its plane.
     pub boom: Option<Boom>,
+    /// The bars between the tubes of neighbouring legs, if there are any.
+    pub struts: Option<Struts>,
     /// The tip of each leg.
     pub foot: Foot,
     /// What the feet stand on.
@@ -46,6 +48,9 @@ pub struct Robot {
     pub environment: Environment,
     /// Measurement and actuation errors, one standard deviation each, behind the error bands.
     pub errors: Errors,
+    /// What a running robot measures with; none: its file does not say, and
+    /// [`Sensors::default`] stands in.
+    pub sensors: Option<Sensors>,
 }
 
 impl Robot {
@@ -366,6 +371,18 @@ pub struct Counterweight {
     pub distance: f64,
 }
 
+/// The bars between the tubes of neighbouring legs: solid cylinders, one for each pair, whose mass
+/// is part of the wheel's. They turn with the wheel, and nothing of them moves with a leg.
+///
+/// Source: thesis 3.1 has them without a dimension.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Struts {
+    /// Distance of their joints from the axle, along each leg (m), in (0, r_s].
+    pub distance: f64,
+    /// Radius of a bar (m), ≥ 0; 0: a line.
+    pub radius: f64,
+}
+
 /// The tip of a leg.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Foot {
@@ -434,4 +451,84 @@ pub struct Errors {
     pub valve_open: f64,
     /// Supply pressure (Pa), ≥ 0.
     pub supply: f64,
+}
+
+/// The sensors of a running robot and the loop that reads them.
+///
+/// By default they are those of the thesis without noise and bias: they count and saturate, and
+/// read nothing wrong. Where the thesis gives no number, the field says what stands in.
+///
+/// Source: thesis 3.2 with table 3.1, and 3.3 for the loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensors {
+    /// Counts of the wheel's encoder in a turn, after quadrature, > 0. Default 800: 200 lines.
+    pub wheel_counts: f64,
+    /// Counts of the encoder of the boom's turn about the vertical (the thesis' radius encoder) in
+    /// a turn, after quadrature, > 0. Default 1600: 400 lines.
+    pub radius_counts: f64,
+    /// Counts of the encoder of the boom's pivot in a turn, after quadrature, > 0. Default 1600.
+    pub pivot_counts: f64,
+    /// Greatest rate that the fine gyro reads, in either direction (rad/s), > 0. Default 573 °/s.
+    pub fine_gyro_range: f64,
+    /// The same of the coarse gyro (rad/s), > 0. Default 1500 °/s.
+    pub coarse_gyro_range: f64,
+    /// Noise of both gyros, one standard deviation of a sample (rad/s), ≥ 0. Default 0; the thesis
+    /// gives none.
+    pub gyro_noise: f64,
+    /// What both gyros read at rest (rad/s), finite. Default 0.
+    pub gyro_bias: f64,
+    /// Greatest acceleration that the fine accelerometer reads, in either direction (m/s²), > 0.
+    /// Default 2 g.
+    pub fine_accelerometer_range: f64,
+    /// The same of the coarse accelerometer (m/s²), > 0. Default 50 g.
+    pub coarse_accelerometer_range: f64,
+    /// Distance of both accelerometers from the axle (m), ≥ 0. Default 0; the thesis gives none.
+    pub accelerometer_radius: f64,
+    /// Noise of both accelerometers, one standard deviation of a sample (m/s²), ≥ 0. Default 0; the
+    /// thesis gives none.
+    pub accelerometer_noise: f64,
+    /// What both accelerometers read beside the acceleration (m/s²), finite. Default 0.
+    pub accelerometer_bias: f64,
+    /// Bits of the converter that reads gyros and accelerometers, whole, in [4, 24]. Default 16.
+    pub converter_bits: f64,
+    /// Cycles from the reading to the output that follows from it: 0, in the same cycle, or 1.
+    /// Default 0, the sequence of 3.3.
+    pub output_delay_cycles: f64,
+    /// Period of the loop (s), in (0, 0.1]. Default 1 ms.
+    pub period: f64,
+    /// Distance of the farthest obstacle that the range sensor sees (m), > 0. The thesis proposes
+    /// such a sensor (8.3.1) without a number; default 4 m, an ordinary ultrasonic one.
+    pub range_reach: f64,
+    /// Noise of the range sensor, one standard deviation of a reading (m), ≥ 0. Default 0.
+    pub range_noise: f64,
+    /// Time from one reading of the range sensor to the next (s), > 0. Default 50 ms, twice what an
+    /// echo takes from 4 m.
+    pub range_period: f64,
+}
+
+impl Default for Sensors {
+    fn default() -> Sensors {
+        /// Standard gravity (m/s²), in which makers state the ranges of accelerometers.
+        const G: f64 = 9.806_65;
+        Sensors {
+            wheel_counts: 800.0,
+            radius_counts: 1600.0,
+            pivot_counts: 1600.0,
+            fine_gyro_range: 573_f64.to_radians(),
+            coarse_gyro_range: 1500_f64.to_radians(),
+            gyro_noise: 0.0,
+            gyro_bias: 0.0,
+            fine_accelerometer_range: 2.0 * G,
+            coarse_accelerometer_range: 50.0 * G,
+            accelerometer_radius: 0.0,
+            accelerometer_noise: 0.0,
+            accelerometer_bias: 0.0,
+            converter_bits: 16.0,
+            output_delay_cycles: 0.0,
+            period: 1e-3,
+            range_reach: 4.0,
+            range_noise: 0.0,
+            range_period: 0.05,
+        }
+    }
 }

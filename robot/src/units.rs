@@ -73,6 +73,8 @@ const INCH: Unit = Unit::Times(0.0254);
 /// One pound-force per square inch (Pa).
 const PSI: Unit = Unit::Times(6_894.757_293_168);
 const DEGREE: Unit = Unit::Times(PI / 180.0);
+/// Standard gravity (m/s²), which makers of accelerometers call g.
+const STANDARD_GRAVITY: Unit = Unit::Times(9.806_65);
 
 macro_rules! quantities {
     ($($name:ident, $si:literal, $dimension:tt: $($suffix:literal $unit:expr),+;)+) => {
@@ -95,7 +97,7 @@ quantities! {
     AREA, "m²", [0, 2, 0]: "_m2" Unit::SI, "_mm2" Unit::Decimal(-6);
     VOLUME, "m³", [0, 3, 0]: "_m3" Unit::SI, "_cm3" Unit::Decimal(-6);
     TIME, "s", [0, 0, 1]: "_s" Unit::SI, "_ms" MILLI, "_us" Unit::Decimal(-6), "_ns" Unit::Decimal(-9);
-    ACCELERATION, "m/s²", [0, 1, -2]: "_m_s2" Unit::SI;
+    ACCELERATION, "m/s²", [0, 1, -2]: "_m_s2" Unit::SI, "_g" STANDARD_GRAVITY;
     ANGLE, "rad", [0, 0, 0]: "_rad" Unit::SI, "_deg" DEGREE;
     ANGULAR_RATE, "rad/s", [0, 0, -1]: "_rad_s" Unit::SI, "_deg_s" DEGREE, "_rpm" Unit::Times(PI / 30.0);
     FORCE, "N", [1, 1, -2]: "_n" Unit::SI;

@@ -49,7 +49,9 @@ fn write_section(f: &mut Formatter<'_>, name: &str, robot: &Robot) -> fmt::Resul
         .iter()
         .filter(|term| term.spec().section() == name);
     let lines: String = terms.filter_map(|term| line(*term, robot)).collect();
-    if !first.is_empty() || !lines.is_empty() {
+    // Sensors that are all as by default are there nevertheless.
+    let stands = name == "sensors" && robot.sensors.is_some();
+    if stands || !first.is_empty() || !lines.is_empty() {
         write!(f, "\n[{name}]\n{first}{lines}")?;
     }
     match &robot.leg.drive {

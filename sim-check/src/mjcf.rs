@@ -489,7 +489,9 @@ fn missing(robot: &Robot) -> Vec<String> {
             .to_owned(),
     ];
     let said = missing_of_leg(robot).into_iter().flatten();
-    let all = said.chain(missing_of_ground(robot).into_iter().flatten());
+    let all = said
+        .chain(missing_of_ground(robot).into_iter().flatten())
+        .chain(missing_of_running(robot).into_iter().flatten());
     lines.extend(all.map(|text| format!("- {text};")));
     if let Some(last) = lines.last_mut() {
         last.pop();
@@ -554,6 +556,18 @@ fn missing_of_ground(robot: &Robot) -> [Option<String>; 8] {
             .map(|_| "the stiffness of the ground (N/m)".into()),
         (robot.environment.drag > 0.0)
             .then(|| format!("air drag of {} 1/m", robot.environment.drag)),
+    ]
+}
+
+/// The same of what only a running robot needs.
+fn missing_of_running(robot: &Robot) -> [Option<String>; 2] {
+    [
+        robot
+            .struts
+            .map(|_| "the struts between the legs: the mass is there, their shape is not".into()),
+        robot
+            .sensors
+            .map(|_| "sensors: read the state and add steps and noise outside".into()),
     ]
 }
 

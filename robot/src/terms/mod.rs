@@ -21,7 +21,7 @@ use crate::units::{
     GAS_CONSTANT, INERTIA, LENGTH, MASS, NUMBER, PER_LENGTH, PRESSURE, PRESSURE_PER_FLOW,
     STIFFNESS, TEMPERATURE, TIME, TORQUE, VOLUME,
 };
-use crate::{Drive, LegBody, Robot};
+use crate::{Drive, LegBody, Robot, Sensors};
 
 /// The part of a robot that a term belongs to, if the robot has it.
 macro_rules! part {
@@ -81,6 +81,20 @@ macro_rules! at {
             get: |r| if let $pattern = &r.leg.drive { Some(*$number) } else { None },
             set: |r, x| if let $pattern = &mut r.leg.drive { *$number = x },
         }
+    };
+}
+
+/// A number of the sensors, which no jump in the plane feels; left out, it is that of
+/// [`Sensors::default`].
+macro_rules! sensor {
+    ($name:ident, $quantity:ident) => {
+        Spec::needed(
+            concat!("sensors.", stringify!($name)),
+            $quantity,
+            at!(robot, sensors => $name),
+        )
+        .without(|_| Some(Sensors::default().$name))
+        .beside_plane()
     };
 }
 
@@ -419,6 +433,19 @@ terms! {
             .cause("counterweight", "", |_, _| direct(0.0, (0.0, 20.0), 0.02, &[0.3, 1.5]))
     .seen_in(|r| r.boom.is_some_and(|boom| boom.counterweight.is_none()));
 
+    /// Distance of the struts' joints from the axle, along each leg (m).
+    StrutDistance = Spec::needed("struts.distance", LENGTH, at!(robot, struts => distance))
+        .within(|r| {
+            let domain = Domain::POSITIVE.up_to(r.body.radius);
+            domain.because(", which is body.wheel_radius")
+        })
+        .shown("distance_m = 0.14", "from the axle, along each leg, to their joints")
+        .beside_plane();
+    /// Radius of a strut (m).
+    StrutRadius = Spec::optional("struts.radius", LENGTH, at!(robot, struts => radius))
+        .shown("radius_mm = 5", "of a bar")
+        .beside_plane();
+
     /// Radius of the sphere at a foot that touches the ground (m).
     FootRadius = Spec::optional("foot.radius", LENGTH, at!(robot, foot.radius))
         .shown("radius_mm = 7", "of the sphere that touches the ground; 0: a point")
@@ -534,6 +561,81 @@ terms! {
     /// Standard deviation of the supply pressure (Pa).
     SupplyError = Spec::optional("errors.supply_pressure", PRESSURE, at!(robot, errors.supply))
         .shown("supply_pressure_psi = 2", "");
+
+    /// Counts of the wheel's encoder in a turn, after quadrature.
+    WheelCounts = sensor!(wheel_counts, NUMBER)
+        .within(|_| Domain::POSITIVE)
+        .shown("wheel_counts = 2000", "of the encoder in a turn, after quadrature; left out: 800");
+    /// Counts of the encoder of the boom's turn in a turn, after quadrature.
+    RadiusCounts = sensor!(radius_counts, NUMBER)
+        .within(|_| Domain::POSITIVE)
+        .shown("radius_counts = 4000", "the same of the boom's turn; left out: 1600");
+    /// Counts of the encoder of the boom's pivot in a turn, after quadrature.
+    PivotCounts = sensor!(pivot_counts, NUMBER)
+        .within(|_| Domain::POSITIVE)
+        .shown("pivot_counts = 4000", "the same of the boom's pivot; left out: 1600");
+    /// Greatest rate that the fine gyro reads (rad/s).
+    FineGyroRange = sensor!(fine_gyro_range, ANGULAR_RATE)
+        .within(|_| Domain::POSITIVE)
+        .shown("fine_gyro_range_deg_s = 300", "it reads up to ± this rate; left out: 573 °/s");
+    /// Greatest rate that the coarse gyro reads (rad/s).
+    CoarseGyroRange = sensor!(coarse_gyro_range, ANGULAR_RATE)
+        .within(|_| Domain::POSITIVE)
+        .shown("coarse_gyro_range_deg_s = 2000", "left out: 1500 °/s");
+    /// Standard deviation of a sample of the gyros (rad/s).
+    GyroNoise = sensor!(gyro_noise, ANGULAR_RATE)
+        .shown("gyro_noise_rad_s = 0.1", "one standard deviation of a sample; left out: 0");
+    /// What the gyros read at rest (rad/s).
+    GyroBias = sensor!(gyro_bias, ANGULAR_RATE)
+        .within(|_| Domain::FINITE)
+        .shown("gyro_bias_rad_s = 0.02", "what it reads at rest; left out: 0");
+    /// Greatest acceleration that the fine accelerometer reads (m/s²).
+    FineAccelerometerRange = sensor!(fine_accelerometer_range, ACCELERATION)
+        .within(|_| Domain::POSITIVE)
+        .shown("fine_accelerometer_range_g = 4", "it reads up to ± this; left out: 2 g");
+    /// Greatest acceleration that the coarse accelerometer reads (m/s²).
+    CoarseAccelerometerRange = sensor!(coarse_accelerometer_range, ACCELERATION)
+        .within(|_| Domain::POSITIVE)
+        .shown("coarse_accelerometer_range_g = 100", "left out: 50 g");
+    /// Distance of the accelerometers from the axle (m).
+    AccelerometerRadius = sensor!(accelerometer_radius, LENGTH)
+        .shown("accelerometer_radius_mm = 50", "distance from the axle; left out: 0");
+    /// Standard deviation of a sample of the accelerometers (m/s²).
+    AccelerometerNoise = sensor!(accelerometer_noise, ACCELERATION)
+        .shown("accelerometer_noise_m_s2 = 0.1", "one standard deviation of a sample; left out: 0");
+    /// What the accelerometers read beside the acceleration (m/s²).
+    AccelerometerBias = sensor!(accelerometer_bias, ACCELERATION)
+        .within(|_| Domain::FINITE)
+        .shown("accelerometer_bias_m_s2 = 0.05", "left out: 0");
+    /// Bits of the converter that reads gyros and accelerometers.
+    ConverterBits = sensor!(converter_bits, NUMBER)
+        .within(|_| Domain::at_least(4.0).up_to(24.0).whole())
+        .shown(
+            "converter_bits = 12",
+            "of the converter of gyros and accelerometers, from 4 to 24; left out: 16",
+        );
+    /// Cycles of the loop from a reading to the output that follows from it.
+    OutputDelayCycles = sensor!(output_delay_cycles, NUMBER)
+        .within(|_| Domain::at_least(0.0).up_to(1.0).whole())
+        .shown(
+            "output_delay_cycles = 1",
+            "cycles from a reading to its output, 0 or 1; left out: 0",
+        );
+    /// Period of the loop that reads the sensors (s).
+    LoopPeriod = sensor!(period, TIME)
+        .within(|_| Domain::POSITIVE.up_to(0.1))
+        .shown("period_ms = 5", "of the loop, at most 100 ms; left out: 1 ms");
+    /// Distance of the farthest obstacle that the range sensor sees (m).
+    RangeReach = sensor!(range_reach, LENGTH)
+        .within(|_| Domain::POSITIVE)
+        .shown("range_reach_m = 3", "farthest obstacle that the range sensor sees; left out: 4 m");
+    /// Standard deviation of a reading of the range sensor (m).
+    RangeNoise = sensor!(range_noise, LENGTH)
+        .shown("range_noise_mm = 10", "one standard deviation of a reading; left out: 0");
+    /// Time from one reading of the range sensor to the next (s).
+    RangePeriod = sensor!(range_period, TIME)
+        .within(|_| Domain::POSITIVE)
+        .shown("range_period_ms = 100", "from one reading to the next; left out: 50 ms");
 }
 
 /// The key of the supply pressure above ambient; files may give the absolute one in its place.

@@ -54,10 +54,18 @@ pub(crate) const SECTIONS: &[Section] = &[
         "optional: holds the axle; a cylinder on a universal joint at its base",
     ),
     section("boom.counterweight", "optional: a point behind the base"),
+    section(
+        "struts",
+        "optional: bars between the tubes of neighbouring legs, which turn with the wheel",
+    ),
     section("foot", "optional"),
     section("ground", "optional, as is each key"),
     section("environment", ""),
     section("errors", "optional, as is each key: one standard deviation"),
+    section(
+        "sensors",
+        "optional, as is each key: what a running robot measures with",
+    ),
 ];
 
 /// Column in which the notes begin.

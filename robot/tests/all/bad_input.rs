@@ -205,7 +205,7 @@ fn keys_of_a_rig() {
     rig(
         "boom = 3",
         "hopper.toml:27: unknown key environment.boom; the nearest known key is \
-         environment.drag_per_m",
+         environment.gravity_g",
     );
     rig(
         "[boom]\nlength_m = 2",
@@ -274,6 +274,57 @@ fn keys_of_a_rig() {
     ground(
         "slope_deg = 45",
         "> -0.7853981633974483 rad and < 0.7853981633974483 rad",
+    );
+}
+
+/// `lines` added at the end of the sound file, from line 27.
+#[test]
+fn keys_of_a_running_robot() {
+    let rig =
+        |lines: &str, expected: &str| assert_eq!(complaint(&format!("{SOUND}{lines}\n")), expected);
+    rig(
+        "[struts]",
+        "hopper.toml:27: missing key struts.distance_m or distance_mm or distance_cm or distance_in",
+    );
+    rig(
+        "[struts]\ndistance_m = 0.25",
+        "hopper.toml:28: struts.distance_m = 0.25: must be a finite number > 0 and ≤ 0.24 m, which \
+         is body.wheel_radius",
+    );
+    rig(
+        "[struts]\ndistance_m = 0.14\nradius_mm = -5",
+        "hopper.toml:29: struts.radius_mm = -5: must be a finite number ≥ 0",
+    );
+    let sensors = |line: &str, allowed: &str| {
+        rig(
+            &format!("[sensors]\n{line}"),
+            &format!("hopper.toml:28: sensors.{line}: must be a {allowed}"),
+        );
+    };
+    sensors("wheel_counts = 0", "finite number > 0");
+    sensors("fine_gyro_range_deg_s = -573", "finite number > 0");
+    sensors("gyro_noise_rad_s = -0.1", "finite number ≥ 0");
+    sensors("gyro_bias_rad_s = inf", "finite number");
+    sensors("coarse_accelerometer_range_g = 0", "finite number > 0");
+    sensors("accelerometer_bias_g = nan", "finite number");
+    for bad in ["3", "25", "16.5"] {
+        sensors(
+            &format!("converter_bits = {bad}"),
+            "whole number ≥ 4 and ≤ 24",
+        );
+    }
+    for bad in ["-1", "0.5", "2"] {
+        sensors(
+            &format!("output_delay_cycles = {bad}"),
+            "whole number ≥ 0 and ≤ 1",
+        );
+    }
+    sensors("period_s = 1", "finite number > 0 and ≤ 0.1 s");
+    sensors("range_period_ms = 0", "finite number > 0");
+    rig(
+        "[sensors]\nconvertor_bits = 16",
+        "hopper.toml:28: unknown key sensors.convertor_bits; the nearest known key is \
+         sensors.converter_bits",
     );
 }
 
@@ -636,8 +687,8 @@ fn complaint_about(path: &str) -> String {
 #[test]
 fn files_that_are_no_robot_files() {
     let folder = Folder::new("files");
-    let no_robot =
-        "no such robot or file; built in are rats-planar, rats-boom, spring-hopper, table-hopper";
+    let no_robot = "no such robot or file; built in are rats-planar, rats-boom, rats-run, \
+                    spring-hopper, table-hopper";
     assert_eq!(complaint_about("ratz"), format!("ratz: {no_robot}"));
     assert_eq!(complaint_about(""), format!(": {no_robot}"));
     let missing = folder.0.join("missing.toml").display().to_string();

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use saltus_robot::{
-    Cushion, Cylinder, Drive, ExhaustPort, Gas, GaugePressure, Ground, ReturnSpring, Robot, Term,
-    resolve,
+    Cushion, Cylinder, Drive, ExhaustPort, Gas, GaugePressure, Ground, ReturnSpring, Robot,
+    Sensors, Term, resolve,
 };
 
 /// `rats-planar` with `overrides`.
@@ -161,6 +161,48 @@ fn overrides_add_optional_tables() {
     );
     assert_eq!(robot.environment.drag, 0.01);
     assert_eq!(robot.name, "my own rats");
+}
+
+/// Sensors are as the thesis' in all that a file leaves out, and a table without a key is not the
+/// same as none.
+#[test]
+fn sensors_are_by_default_those_of_the_thesis() {
+    let sensors = |overrides: &[&str]| rats_with(overrides).sensors;
+    assert_eq!(sensors(&[]), None);
+    assert_eq!(sensors(&["sensors={}"]), Some(Sensors::default()));
+    assert_eq!(
+        sensors(&[
+            "sensors.gyro_noise_rad_s=0.1",
+            "sensors.fine_accelerometer_range_g=4",
+            "sensors.converter_bits=12",
+        ]),
+        Some(Sensors {
+            gyro_noise: 0.1,
+            fine_accelerometer_range: 4.0 * 9.80665,
+            converter_bits: 12.0,
+            ..Sensors::default()
+        })
+    );
+    let robot = rats_with(&["sensors={}"]);
+    let read = Robot::parse(&robot.to_toml(), "robot.toml", Path::new("."));
+    assert_eq!(read.expect("sound"), robot);
+}
+
+/// Table 3.1, in the units of the makers.
+#[test]
+fn table_3_1_of_the_thesis_is_the_default() {
+    let stated = [
+        "sensors.wheel_counts=800",
+        "sensors.radius_counts=1600",
+        "sensors.pivot_counts=1600",
+        "sensors.fine_gyro_range_deg_s=573",
+        "sensors.coarse_gyro_range_deg_s=1500",
+        "sensors.fine_accelerometer_range_g=2",
+        "sensors.coarse_accelerometer_range_g=50",
+        "sensors.converter_bits=16",
+        "sensors.period_ms=1",
+    ];
+    assert_eq!(rats_with(&stated).sensors, Some(Sensors::default()));
 }
 
 /// A foot that slips resists as much as one that does not yet, unless the file says otherwise.

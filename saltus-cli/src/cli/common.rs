@@ -19,7 +19,7 @@ use crate::progress::Progress;
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Robot and output")]
 pub(crate) struct RobotFlags {
-    /// Robot: a built-in one (rats-planar, rats-boom, spring-hopper, table-hopper) or a TOML file
+    /// Robot: a built-in one (rats-planar, rats-boom, rats-run, spring-hopper, table-hopper) or a TOML file
     #[arg(long, value_name = "NAME|FILE", default_value = "rats-planar")]
     robot: String,
 

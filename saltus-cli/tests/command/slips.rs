@@ -50,7 +50,8 @@ fn a_robot_that_looks_wrong_is_warned_of_once() {
 #[test]
 fn robots_without_a_slip_are_not_warned_of() {
     let folder = Folder::new("slips-none");
-    for name in saltus::Robot::builtin_names() {
+    // The feet of rats-run roll and slip, of which a note speaks.
+    for name in saltus::Robot::builtin_names().filter(|name| *name != "rats-run") {
         assert_eq!(
             folder.run(&[&TABLE[..], &["--robot", name]].concat()).err,
             "",

@@ -4,7 +4,13 @@
 
 use super::*;
 
-const BUILT_IN: [&str; 4] = ["rats-planar", "rats-boom", "spring-hopper", "table-hopper"];
+const BUILT_IN: [&str; 5] = [
+    "rats-planar",
+    "rats-boom",
+    "rats-run",
+    "spring-hopper",
+    "table-hopper",
+];
 
 fn robot(name: &str, overrides: &[&str]) -> Robot {
     let overrides: Vec<String> = overrides.iter().map(|s| (*s).to_owned()).collect();
@@ -201,6 +207,9 @@ fn what_is_not_expressed_is_said() {
     );
     assert!(said(&["ground.restitution=0.2"]).contains("restitution of 0.2"));
     assert!(said(&["environment.drag_per_m=0.01"]).contains("drag of 0.01"));
+    let run = missing(&robot("rats-run", &[])).join("\n");
+    assert!(run.contains("the struts between the legs") && run.contains("- sensors"));
+    assert!(!said(&[]).contains("strut") && !said(&[]).contains("sensors"));
     assert!(
         missing(&robot("rats-planar", &[]))
             .join("\n")
