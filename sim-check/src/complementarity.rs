@@ -10,6 +10,7 @@
 //! Source: Pang & Trinkle, Complementarity formulations, Math. Prog. 73 (1996); Hintermüller, Ito,
 //! Kunisch, SIAM J. Optim. 13 (2003).
 
+use crate::lemke::Lemke;
 use crate::linear;
 
 /// What a constraint does.
@@ -73,6 +74,7 @@ pub(crate) struct Problem {
     held: Vec<usize>,
     /// Each row's force: a constant, and a multiple of another row's.
     known: Vec<Known>,
+    lemke: Lemke,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -272,6 +274,142 @@ impl Problem {
         // Near the onset of slip iteration is slow: what it has found counts if it obeys the laws.
         self.relax();
         self.obeys()
+    }
+
+    /// As [`resolve`](Self::resolve), for impulses and end velocities of a step, where there always
+    /// is an answer.
+    pub(crate) fn resolve_step(&mut self) -> bool {
+        for _ in 0..12 {
+            self.solve();
+            if !self.correct() {
+                return self.force.iter().all(|f| f.is_finite());
+            }
+        }
+        if self.has_discs() || !self.pivot() {
+            return self.resolve();
+        }
+        true
+    }
+
+    fn has_discs(&self) -> bool {
+        self.elements.iter().any(|e| e.rows() == 2)
+    }
+
+    /// The answer by Lemke's method; false where it finds none.
+    ///
+    /// In the form of Stewart and Trinkle: a row between two bounds has z₁ = λ − low and s ≥ 0,
+    /// which is |w| where λ is high; friction has λ₊, λ₋ and the slip speed σ.
+    fn pivot(&mut self) -> bool {
+        let mut lemke = std::mem::take(&mut self.lemke);
+        // Where each element's variables begin, and the λ of all variables 0.
+        let mut starts = Vec::with_capacity(self.elements.len());
+        let mut size = 0;
+        let mut base = vec![0.0; self.rows];
+        for e in &self.elements {
+            starts.push(size);
+            size += match e.bounds {
+                Bounds::Between(low, high) => {
+                    base[e.row] = if low.is_finite() { low } else { high };
+                    1 + usize::from(low.is_finite() && high.is_finite())
+                }
+                Bounds::Friction { .. } => 3,
+            };
+        }
+        // What each variable adds to λ: a row and a sign.
+        let mut adds: Vec<Option<(usize, f64)>> = vec![None; size];
+        for (e, &at) in self.elements.iter().zip(&starts) {
+            match e.bounds {
+                Bounds::Between(low, _) => {
+                    adds[at] = Some((e.row, if low.is_finite() { 1.0 } else { -1.0 }));
+                }
+                Bounds::Friction { .. } => {
+                    adds[at] = Some((e.row, 1.0));
+                    adds[at + 1] = Some((e.row, -1.0));
+                }
+            }
+        }
+        lemke.clear(size);
+        let m = self.rows;
+        let w_of = |row: usize, sign: f64, lemke: &mut Lemke, at: usize| {
+            let a = &self.a[row * m..(row + 1) * m];
+            for (j, add) in adds.iter().enumerate() {
+                if let Some((other, way)) = add {
+                    lemke.m[at * size + j] = sign * way * a[*other];
+                }
+            }
+            let known: f64 = a.iter().zip(&base).map(|(a, l)| a * l).sum();
+            lemke.q[at] = sign * (self.b[row] + known);
+        };
+        for (e, &at) in self.elements.iter().zip(&starts) {
+            match e.bounds {
+                Bounds::Between(low, high) => {
+                    w_of(e.row, if low.is_finite() { 1.0 } else { -1.0 }, &mut lemke, at);
+                    if low.is_finite() && high.is_finite() {
+                        lemke.m[at * size + at + 1] = 1.0;
+                        lemke.m[(at + 1) * size + at] = -1.0;
+                        lemke.q[at + 1] = high - low;
+                    }
+                }
+                Bounds::Friction { normal, limit, .. } => {
+                    w_of(e.row, 1.0, &mut lemke, at);
+                    w_of(e.row, -1.0, &mut lemke, at + 1);
+                    lemke.m[at * size + at + 2] = 1.0;
+                    lemke.m[(at + 1) * size + at + 2] = 1.0;
+                    lemke.m[(at + 2) * size + at] = -1.0;
+                    lemke.m[(at + 2) * size + at + 1] = -1.0;
+                    // Without a limit is so rough that nothing slips.
+                    let limit = limit.min(1e3);
+                    let of_normal = normal
+                        .and_then(|n| self.elements.iter().position(|other| other.row == n))
+                        .map(|k| starts[k]);
+                    match of_normal {
+                        Some(normal) => lemke.m[(at + 2) * size + normal] = limit,
+                        None => lemke.q[at + 2] = limit,
+                    }
+                }
+            }
+        }
+        let found = lemke.solve();
+        if found {
+            self.force.clone_from(&base);
+            for (add, z) in adds.iter().zip(&lemke.z) {
+                if let Some((row, way)) = add {
+                    self.force[*row] += way * z;
+                }
+            }
+            self.set_motion();
+            self.grips_of(&lemke.z, &starts);
+        }
+        self.lemke = lemke;
+        found
+    }
+
+    /// The grips of a solution by pivots.
+    fn grips_of(&mut self, z: &[f64], starts: &[usize]) {
+        for (e, &at) in self.elements.iter_mut().zip(starts) {
+            e.grip = match e.bounds {
+                Bounds::Between(low, high) if low.is_finite() && high.is_finite() => {
+                    match (z[at] > 0.0, z[at + 1] > 0.0) {
+                        (false, _) => Grip::Low,
+                        (true, false) => Grip::Held,
+                        (true, true) => Grip::High,
+                    }
+                }
+                Bounds::Between(low, _) => match (z[at] > 0.0, low.is_finite()) {
+                    (true, _) => Grip::Held,
+                    (false, true) => Grip::Low,
+                    (false, false) => Grip::High,
+                },
+                Bounds::Friction { .. } if z[at + 2] > 0.0 => {
+                    if self.force[e.row] < 0.0 {
+                        Grip::Low
+                    } else {
+                        Grip::High
+                    }
+                }
+                Bounds::Friction { .. } => Grip::Held,
+            };
+        }
     }
 
     /// Corrects the grips that the present solution contradicts; whether there were any.

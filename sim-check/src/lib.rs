@@ -6,6 +6,7 @@ mod contact;
 mod error;
 mod gas;
 mod jump;
+mod lemke;
 mod linear;
 mod machine;
 mod mechanism;

@@ -230,9 +230,14 @@ impl Sim<'_> {
     pub(super) fn stop_of(&self, body: usize) -> Stop {
         let (low, high) = self.machine.mechanism.stops(body);
         let x = self.y[self.machine.mechanism.tree.coordinate_of(body)];
-        if x <= low {
+        // What a step cannot tell from being there is there.
+        let near = match self.settings.stepping {
+            Stepping::Adaptive => 0.0,
+            Stepping::Fixed(h) => self.gentle(h),
+        };
+        if x <= low + near {
             Stop::Low
-        } else if x >= high {
+        } else if x >= high - near {
             Stop::High
         } else {
             Stop::Between
@@ -281,7 +286,7 @@ impl Sim<'_> {
 
     /// Impacts slower than this (m/s) do not rebound: in fixed steps not those either whose flight
     /// would be within a step.
-    fn rest_speed(&self) -> f64 {
+    pub(super) fn rest_speed(&self) -> f64 {
         match self.settings.stepping {
             Stepping::Adaptive => self.settings.rest_speed,
             Stepping::Fixed(h) => self
@@ -325,7 +330,12 @@ impl Sim<'_> {
                 }
             }
         }
-        if !self.machine.problem.resolve() {
+        let problem = &mut self.machine.problem;
+        let is_solved = match self.settings.stepping {
+            Stepping::Adaptive => problem.resolve(),
+            Stepping::Fixed(_) => problem.resolve_step(),
+        };
+        if !is_solved {
             return Err(self.inconsistent());
         }
         self.capture(hit);

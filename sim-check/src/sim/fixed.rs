@@ -94,6 +94,7 @@ impl Sim<'_> {
             .extend(watches.iter().map(|watch| watch(self.time, q, v)));
         self.try_fixed(fixed, h)?;
         let found = self.first_crossed(fixed, h, watches)?;
+        if std::env::var("DBG").is_ok() { eprintln!("{:.6} h {:.2e} {:?} cuts {} evals {} joints {:?}", self.time, h, found, fixed.cuts, self.evaluations, self.mode.joints.iter().map(|j| format!("{j:?}").chars().filter(|c| c.is_uppercase() || *c=='-').collect::<String>()).collect::<Vec<_>>()); }
         let Some((guard, at)) = found else {
             self.accept_fixed(fixed, h);
             self.time = end;
@@ -145,7 +146,7 @@ impl Sim<'_> {
                 continue;
             }
             let machine = &mut self.machine;
-            if machine.problem.rows > 0 && !machine.problem.resolve() {
+            if machine.problem.rows > 0 && !machine.problem.resolve_step() {
                 return Err(self.inconsistent());
             }
             machine.step_acceleration(h, &mut fixed.next_acceleration);
@@ -238,7 +239,7 @@ impl Sim<'_> {
                 let k = self.machine.mechanism.tree.velocity_of(body);
                 let after = self.layout.v(&self.y)[k] + h * fixed.next_acceleration[k];
                 if sign * after < -STANDING {
-                    self.mode.joints[body] = JointMode::Held(Stop::Between);
+                    self.mode.joints[body] = JointMode::Held(self.stop_of(body));
                     is_wrong = true;
                 }
             }
@@ -302,7 +303,9 @@ impl Sim<'_> {
         let mut tried = h;
         for &(guard, after) in &guards {
             let is_cut = fixed.cuts < CUTS || matches!(guard, Guard::Watch(_));
-            let at = if is_cut {
+            let at = if is_cut && self.is_gentle(fixed, guard, after, watches) {
+                0.0
+            } else if is_cut {
                 self.when(fixed, guard, (h, after), watches)?
             } else {
                 h
@@ -320,6 +323,38 @@ impl Sim<'_> {
             self.try_fixed(fixed, at)?;
         }
         Ok(first)
+    }
+
+    /// Whether a contact or a stop that is `after` (m or rad) away at the end of the step is all but
+    /// met from the start: then it takes part in the whole step, which is not cut. What rests would
+    /// else be cut into ever smaller pieces.
+    fn is_gentle(
+        &mut self,
+        fixed: &Fixed,
+        guard: Guard,
+        after: f64,
+        watches: &[Watch<'_>],
+    ) -> bool {
+        let slack = self.gentle(fixed.h);
+        if after < -slack || !matches!(guard, Guard::Touch(_) | Guard::Stop(..)) {
+            return false;
+        }
+        self.guard_before(fixed, guard, watches) < slack
+    }
+
+    /// How far (m or rad) from its contact something that rests may be: twice what it falls in a
+    /// step of `h` (s).
+    pub(super) fn gentle(&self, h: f64) -> f64 {
+        h * h * self.machine.mechanism.gravity.norm()
+    }
+
+    /// A guard's value at the start of the step.
+    fn guard_before(&mut self, fixed: &Fixed, guard: Guard, watches: &[Watch<'_>]) -> f64 {
+        let end = std::mem::take(&mut self.next);
+        self.next.clone_from(&self.y);
+        let before = self.fixed_guard(fixed, guard, 0.0, watches);
+        self.next = end;
+        before
     }
 
     /// The guards that are below 0 at the end of the step of `h`, with their values there.
@@ -444,10 +479,7 @@ impl Sim<'_> {
         (h, after): (f64, f64),
         watches: &[Watch<'_>],
     ) -> Result<f64, SimError> {
-        let end = std::mem::take(&mut self.next);
-        self.next.clone_from(&self.y);
-        let before = self.fixed_guard(fixed, guard, 0.0, watches);
-        self.next = end;
+        let before = self.guard_before(fixed, guard, watches);
         if before <= 0.0 || before.is_nan() || after.is_nan() {
             return Ok(0.0);
         }
@@ -476,7 +508,8 @@ impl Sim<'_> {
     fn accept_fixed(&mut self, fixed: &mut Fixed, h: f64) {
         std::mem::swap(&mut self.y, &mut self.next);
         // `next` is now the state before.
-        self.adopt_step(h);
+        let clear = self.gentle(fixed.h);
+        self.adopt_step(h, clear);
         let slack = 0.01 * h * h;
         self.machine.correct_step(&mut self.y, slack);
         self.machine
@@ -486,8 +519,9 @@ impl Sim<'_> {
         std::mem::swap(&mut fixed.acceleration, &mut fixed.next_acceleration);
     }
 
-    /// Takes over who held and who moved in the step.
-    fn adopt_step(&mut self, h: f64) {
+    /// Takes over who held and who moved in the step of `h`. A rigid contact that parts no faster
+    /// than what rests, and by less than `clear` (m), stays closed.
+    fn adopt_step(&mut self, h: f64, clear: f64) {
         for i in 0..self.machine.problem.elements.len() {
             let e = self.machine.problem.elements[i];
             match self.machine.owners[e.row] {
@@ -496,7 +530,9 @@ impl Sim<'_> {
                         continue;
                     }
                     let is_compliant = self.machine.mechanism.material.compliance.is_some();
-                    if !is_compliant || self.machine.gap(c, 0.5 * h) > 0.0 {
+                    let least = if is_compliant { 0.0 } else { clear };
+                    let is_fast = self.machine.problem.motion[e.row] > self.rest_speed();
+                    if (is_fast && !is_compliant) || self.machine.gap(c, 0.5 * h) > least {
                         self.open(c);
                     }
                 }

@@ -15,7 +15,7 @@ impl Sim<'_> {
         self.pick_up_slack_legs();
         if self.settings.stepping != Stepping::Adaptive {
             // What does not part at once, the next step's impulses decide.
-            self.part(self.settings.rest_speed);
+            self.part(self.rest_speed());
             return Ok(());
         }
         self.part(STANDING);

@@ -1,0 +1,50 @@
+//! What can be wrong with a run.
+
+use saltus_controller::run::Unsure;
+use saltus_sim_check::SimError;
+
+/// A run that cannot be, or that cannot go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GaitError {
+    /// A number is outside its domain.
+    #[error("{name} = {value}: must be {allowed}")]
+    Input {
+        /// What was given, with its unit.
+        name: String,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// The robot cannot tell on which feet it stands.
+    #[error(
+        "the robot cannot tell on which two feet it stands: {}", match .0 {
+            Unsure::AskLater => "too few readings",
+            Unsure::Moving => "the accelerometer does not read gravity alone",
+            Unsure::Between => "gravity lies between two poses of rest",
+            Unsure::Saturated => "the fine accelerometer is at the end of its range",
+        }
+    )]
+    Unsure(Unsure),
+    /// The simulation cannot begin, or cannot go on.
+    #[error(transparent)]
+    Sim(#[from] SimError),
+}
+
+/// An error unless `holds`.
+pub(crate) fn require(
+    holds: bool,
+    name: &str,
+    value: f64,
+    allowed: impl Into<String>,
+) -> Result<(), GaitError> {
+    if holds {
+        return Ok(());
+    }
+    Err(GaitError::Input {
+        name: name.into(),
+        value,
+        allowed: allowed.into(),
+    })
+}

@@ -1,0 +1,230 @@
+//! The thesis' firing laws, by their names.
+
+use saltus_controller::run::{Knot, Law, Policy};
+use saltus_controller::Axis;
+
+use crate::GaitError;
+use crate::error::require;
+
+/// How a robot's firing angle is found.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Program {
+    /// One firing angle (rad).
+    ///
+    /// Source: thesis 5.1.2.
+    Fixed {
+        /// α_f (rad).
+        firing_angle: f64,
+    },
+    /// From one firing angle to another over time: A tanh(B t − C) + D.
+    ///
+    /// Source: thesis 5.1.3, open loop; figure 5.5.
+    OpenLoop {
+        /// α_f at the start (rad), nearly.
+        first: f64,
+        /// α_f in the end (rad).
+        last: f64,
+        /// B (1/s).
+        slope: f64,
+        /// How the thesis' C = 3.0 is read.
+        centre: Centre,
+    },
+    /// Lines over the rate.
+    ///
+    /// Source: thesis 5.1.3, closed loop; figure 5.6.
+    ClosedLoop(Lines),
+    /// A curve over the rate through these knots: rate (rad/s), α_f (rad), t_v (s).
+    Curve(Vec<[f64; 3]>),
+    /// A table over the rate (rad/s) at which a leg enters the zone, evenly spaced from the first to
+    /// the second: α_f (rad) and t_v (s).
+    Policy([f64; 2], Vec<[f64; 2]>),
+}
+
+/// The reading of C = 3.0 in A tanh(B t − C) + D.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Centre {
+    /// As printed, a number: the middle of the change is at C/B, 1.43 s.
+    Printed(f64),
+    /// As the text says, seconds: tanh(B (t − C)).
+    Seconds(f64),
+}
+
+/// A closed loop: α_f over the rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lines {
+    /// One line from rest.
+    One {
+        /// α_f at rest (rad).
+        first: f64,
+        /// α_f (rad) at the rate `at` (rad/s) and beyond.
+        last: f64,
+        /// That rate (rad/s).
+        at: f64,
+    },
+    /// Two lines.
+    Two {
+        /// α_f at rest (rad).
+        first: f64,
+        /// Slope of the first line (s).
+        slope: f64,
+        /// Rate ω_s (rad/s) at which the second begins.
+        switch: f64,
+        /// α_f (rad) at the rate `at` and beyond.
+        last: f64,
+        /// That rate (rad/s).
+        at: f64,
+        /// Whether the second line is E ω + F with F = C ω_s + D, which makes a jump at ω_s; else
+        /// both meet there.
+        jumps: bool,
+    },
+}
+
+/// The second of the thesis' two lines as printed, E ω + F with E = (α_ff − α_fi)/ω_f and F = C ω_s
+/// + D, where D = α_fi: its value (rad) at `rate` (rad/s).
+pub fn second_line(first: f64, slope: f64, switch: f64, (last, at): (f64, f64), rate: f64) -> f64 {
+    (last - first) / at * rate + slope * switch + first
+}
+
+impl Lines {
+    /// The knots: rate (rad/s) and α_f (rad).
+    pub fn knots(&self) -> Vec<[f64; 2]> {
+        match *self {
+            Lines::One { first, last, at } => vec![[0.0, first], [at, last]],
+            Lines::Two {
+                first,
+                slope,
+                switch,
+                last,
+                at,
+                jumps,
+            } => {
+                let meets = first + slope * switch;
+                if jumps {
+                    let line = |rate| second_line(first, slope, switch, (last, at), rate);
+                    vec![
+                        [0.0, first],
+                        [switch, meets],
+                        [switch, line(switch)],
+                        [at, line(at)],
+                    ]
+                } else {
+                    vec![[0.0, first], [switch, meets], [at, last]]
+                }
+            }
+        }
+    }
+}
+
+/// A program as the controller takes it, with what it refers to.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Compiled {
+    Time(Law<'static, f64>),
+    Knots(Vec<Knot<f64>>),
+    Policy([f64; 2], Vec<[f64; 2]>),
+}
+
+impl Compiled {
+    pub(crate) fn law(&self) -> Law<'_, f64> {
+        match self {
+            Compiled::Time(law) => *law,
+            Compiled::Knots(knots) => Law::Lines(knots),
+            Compiled::Policy([first, last], nodes) => Law::Policy(Policy {
+                rates: Axis::new(*first, *last, nodes.len()),
+                nodes,
+            }),
+        }
+    }
+}
+
+impl Program {
+    /// The program with the valve opening time `valve_open` (s), where it does not say one itself;
+    /// its angles lie in the zone that begins at `zone` (rad) and is `pitch` (rad) wide.
+    pub(crate) fn compile(
+        &self,
+        valve_open: f64,
+        (zone, pitch): (f64, f64),
+    ) -> Result<Compiled, GaitError> {
+        open_time(valve_open)?;
+        let angle = |x: f64| {
+            let inside = (zone..zone + pitch).contains(&x);
+            let allowed = format!("in the active zone, from {zone} to below {:.4} rad", zone + pitch);
+            require(inside, "firing angle (rad)", x, allowed)
+        };
+        let knot = |rate: f64, firing_angle: f64, valve_open: f64| Knot {
+            rate,
+            firing_angle,
+            valve_open,
+        };
+        match self {
+            Program::Fixed { firing_angle } => {
+                angle(*firing_angle)?;
+                Ok(Compiled::Knots(vec![knot(0.0, *firing_angle, valve_open)]))
+            }
+            Program::OpenLoop {
+                first,
+                last,
+                slope,
+                centre,
+            } => {
+                angle(*first)?;
+                angle(*last)?;
+                require(*slope > 0.0 && slope.is_finite(), "B (1/s)", *slope, "above 0")?;
+                let shift = match *centre {
+                    Centre::Printed(c) => c,
+                    Centre::Seconds(c) => slope * c,
+                };
+                require(shift.is_finite(), "C", shift, "a number")?;
+                Ok(Compiled::Time(Law::OverTime {
+                    amplitude: 0.5 * (last - first),
+                    slope: *slope,
+                    shift,
+                    level: 0.5 * (last + first),
+                    valve_open,
+                }))
+            }
+            Program::ClosedLoop(lines) => {
+                let knots = lines.knots();
+                knots.iter().try_for_each(|k| angle(k[1]))?;
+                rising(knots.iter().map(|k| k[0]))?;
+                let knots = knots.into_iter().map(|[rate, a]| knot(rate, a, valve_open));
+                Ok(Compiled::Knots(knots.collect()))
+            }
+            Program::Curve(knots) => {
+                let count = knots.len() as f64;
+                require(!knots.is_empty(), "knots of a law", count, "at least one")?;
+                for [_, firing_angle, open] in knots {
+                    angle(*firing_angle)?;
+                    open_time(*open)?;
+                }
+                rising(knots.iter().map(|k| k[0]))?;
+                let knots = knots.iter().map(|&[rate, a, open]| knot(rate, a, open));
+                Ok(Compiled::Knots(knots.collect()))
+            }
+            Program::Policy([first, last], nodes) => {
+                require(nodes.len() >= 2, "nodes of a policy", nodes.len() as f64, "at least two")?;
+                rising([*first, *last].into_iter())?;
+                for [firing_angle, open] in nodes {
+                    angle(*firing_angle)?;
+                    open_time(*open)?;
+                }
+                Ok(Compiled::Policy([*first, *last], nodes.clone()))
+            }
+        }
+    }
+}
+
+fn open_time(valve_open: f64) -> Result<(), GaitError> {
+    let sound = (0.0..=1.0).contains(&valve_open);
+    require(sound, "valve opening time (s)", valve_open, "from 0 to 1 s")
+}
+
+fn rising(mut rates: impl Iterator<Item = f64>) -> Result<(), GaitError> {
+    let mut before = f64::NEG_INFINITY;
+    rates.try_for_each(|rate| {
+        let sound = rate >= before && rate.is_finite();
+        let allowed = format!("a number not below the one before it, {before}");
+        require(sound, "rate of a law's knot (rad/s)", rate, allowed)?;
+        before = rate;
+        Ok(())
+    })
+}

@@ -1,0 +1,22 @@
+//! Running robots: a controller in the loop of the multi-body simulation.
+//!
+//! What decides is [`saltus_controller::run`], the code that is flashed; here it meets the robot.
+//! [`Setup`] says which robot runs how; [`run`] runs it, and gives every cycle to a closure.
+
+mod cast;
+mod drawn;
+mod error;
+mod law;
+mod run;
+mod sensors;
+mod surroundings;
+mod world;
+
+pub use cast::instruments;
+pub use drawn::{Draw, Ensemble, drawn_robot};
+pub use error::GaitError;
+pub use law::{Centre, Lines, Program, second_line};
+pub use run::{Ending, Footfall, Row, Run, Setup, Summary, run};
+pub use sensors::Sensing;
+pub use surroundings::{Disturbance, Surroundings, What, When};
+pub use world::{Cycle, World};

@@ -1,0 +1,471 @@
+//! A run: from rest, or rolling, for so long.
+
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
+
+use rand_pcg::Pcg64;
+use saltus_controller::run::{Action, Gait, Hold, MOST_TAPS, Readings, Runner, Signals, Stall, Standing};
+use saltus_robot::{Robot, Sensors};
+use saltus_sim_check::{Happening, Ledger, Stepping, Surface};
+
+use crate::cast::instruments;
+use crate::error::require;
+use crate::law::Compiled;
+use crate::surroundings::{Disturbance, Surroundings};
+use crate::world::World;
+use crate::{GaitError, Program};
+
+/// A run to be run.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The robot.
+    pub robot: Robot,
+    /// At which lean a leg fires.
+    pub program: Program,
+    /// Valve opening time t_v (s), where the program does not say one.
+    pub valve_open: f64,
+    /// Where the active zone begins, z₀ (rad).
+    pub zone: f64,
+    /// Whether it runs forwards.
+    pub forwards: bool,
+    /// Weights of the rate's filter: of the newest reading, and of those before it.
+    pub taps: Vec<f64>,
+    /// How long (s).
+    pub seconds: f64,
+    /// Speeds to hold: from each time (s) on, a speed (m/s), negative backwards.
+    pub speeds: Vec<[f64; 2]>,
+    /// How a speed is held.
+    pub hold: Option<Hold<f64>>,
+    /// Rate (rad/s) and time (s) that make a stall, and whether the run then begins anew.
+    pub stall: Stall<f64>,
+    /// What disturbs.
+    pub disturbances: Vec<Disturbance>,
+    /// Obstacles on the ground.
+    pub obstacles: Vec<Surface>,
+    /// How the motion is computed.
+    pub stepping: Stepping,
+    /// Seed of the sensors' noise.
+    pub seed: u64,
+}
+
+impl Setup {
+    /// `robot` from rest under `program`, for `seconds` (s).
+    pub fn new(robot: Robot, program: Program, seconds: f64) -> Setup {
+        Setup {
+            robot,
+            program,
+            valve_open: 0.04,
+            zone: 0.0,
+            forwards: true,
+            taps: vec![0.2; 5],
+            seconds,
+            speeds: Vec::new(),
+            hold: None,
+            stall: Stall {
+                rate: 0.5,
+                time: 0.5,
+                restarts: false,
+            },
+            disturbances: Vec::new(),
+            obstacles: Vec::new(),
+            stepping: Stepping::USUAL,
+            seed: 1,
+        }
+    }
+
+    /// The sensors of its robot.
+    pub fn sensors(&self) -> Sensors {
+        self.robot.sensors.unwrap_or_default()
+    }
+
+    fn check(&self) -> Result<(), GaitError> {
+        let legs = self.robot.body.legs;
+        let allowed = "from 3 to 12, for a robot that runs";
+        require((3..=12).contains(&legs), "legs", f64::from(legs), allowed)?;
+        let pitch = TAU / f64::from(legs);
+        let zone = (-0.5 * pitch..=0.5 * pitch).contains(&self.zone);
+        let allowed = format!("from {:.4} to {:.4} rad, half a pitch", -0.5 * pitch, 0.5 * pitch);
+        require(zone, "start of the active zone (rad)", self.zone, allowed)?;
+        let seconds = self.seconds;
+        let sound = seconds > 0.0 && seconds <= LONGEST;
+        let allowed = format!("above 0, at most {LONGEST} s");
+        require(sound, "length of the run (s)", seconds, allowed)?;
+        let count = self.taps.len();
+        let allowed = format!("from 1 to {MOST_TAPS}");
+        require((1..=MOST_TAPS).contains(&count), "taps of the filter", count as f64, allowed)?;
+        let sum: f64 = self.taps.iter().sum();
+        let sound = sum.is_finite() && sum.abs() > 1e-9;
+        require(sound, "sum of the filter's taps", sum, "a number other than 0")?;
+        let mut before = f64::NEG_INFINITY;
+        for [time, speed] in &self.speeds {
+            let allowed = format!("a time after the one before it, {before} s");
+            let sound = *time > before && time.is_finite();
+            require(sound, "time of a speed (s)", *time, allowed)?;
+            require(speed.abs() <= 10.0, "speed (m/s)", *speed, "from -10 to 10 m/s")?;
+            before = *time;
+        }
+        Ok(())
+    }
+}
+
+/// Longest run (s).
+const LONGEST: f64 = 1e5;
+/// Time (s) over which speeds are means.
+///
+/// Source: READING of the thesis: one stride at running speed.
+const MEAN: f64 = 0.15;
+
+/// The robot at the begin of a cycle, and what was decided.
+#[derive(Clone, Debug)]
+pub struct Row<'r> {
+    /// Time (s).
+    pub time: f64,
+    /// Travel and height of the axle (m).
+    pub axle: [f64; 2],
+    /// Their rates (m/s).
+    pub axle_rates: [f64; 2],
+    /// Lean of leg 0 (rad) since the start, and the wheel's rate (rad/s).
+    pub lean: f64,
+    /// Rate of the wheel (rad/s).
+    pub rate: f64,
+    /// All coordinates.
+    pub coordinates: &'r [f64],
+    /// All velocities.
+    pub velocities: &'r [f64],
+    /// Extension of each leg (m).
+    pub extensions: &'r [f64],
+    /// Chamber pressure of each leg (Pa, absolute).
+    pub pressures: &'r [f64],
+    /// What the sensors said.
+    pub readings: Readings,
+    /// What the controller decided.
+    pub action: Action<f64>,
+}
+
+/// A foot that comes down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footfall {
+    /// When (s).
+    pub time: f64,
+    /// Its leg.
+    pub leg: usize,
+    /// Travel of the axle (m) then.
+    pub travel: f64,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ending {
+    /// It ran, or rolled, to the end of its time.
+    Ran,
+    /// It stood still at the end, since a time (s), at a travel (m).
+    Stalled {
+        /// Since when (s).
+        since: f64,
+        /// Where (m).
+        at: f64,
+    },
+}
+
+/// What a run came to.
+#[derive(Clone, Debug)]
+pub struct Summary {
+    /// How it ended.
+    pub ending: Ending,
+    /// Travel (m).
+    pub travel: f64,
+    /// Mean speed (m/s).
+    pub mean_speed: f64,
+    /// Mean speed over the last 4 s (m/s); over all of a shorter run.
+    pub last_speed: f64,
+    /// Greatest speed (m/s), as a mean over 0.15 s.
+    pub top_speed: f64,
+    /// Speed (m/s) as a mean over the 0.15 s before 1.6 s; none for a shorter run.
+    pub speed_at_1_6: Option<f64>,
+    /// When it reached 3.2 m/s (s), as a mean over 0.15 s.
+    pub reached_3_2: Option<f64>,
+    /// When it had travelled 1.6 m (s).
+    pub time_to_1_6_m: Option<f64>,
+    /// Firings.
+    pub firings: usize,
+    /// Touch-downs of feet on the ground.
+    pub touch_downs: usize,
+    /// Contacts of other parts, or with obstacles: when (s), the part, the surface.
+    pub bumps: Vec<(f64, String, usize)>,
+    /// How many bumps there were in all, of which the first hundred are listed.
+    pub bump_count: usize,
+    /// Gas from the supply (kg).
+    pub gas: f64,
+    /// Work of each leg's drive (J).
+    pub leg_work: Vec<f64>,
+    /// Energy at the end.
+    pub ledger: Ledger,
+    /// Energy (J) that no entry of the ledger explains.
+    pub residual: f64,
+    /// The same of the gas (J): n R T times what flowed, less what it became.
+    pub gas_residual: f64,
+    /// The rear leg of the two on which the controller found itself at the start.
+    pub rear: u32,
+}
+
+/// What follows a run as it goes.
+pub trait Run {
+    /// A cycle.
+    fn row(&mut self, row: &Row<'_>);
+    /// A foot that comes down on the ground.
+    fn footfall(&mut self, footfall: &Footfall);
+}
+
+/// Nothing follows.
+impl Run for () {
+    fn row(&mut self, _: &Row<'_>) {}
+    fn footfall(&mut self, _: &Footfall) {}
+}
+
+/// Runs `setup`; `follower` sees every cycle.
+///
+/// # Errors
+/// [`GaitError`] for a run that cannot be, or a motion that cannot go on.
+pub fn run(setup: &Setup, follower: &mut impl Run) -> Result<Summary, GaitError> {
+    setup.check()?;
+    let pitch = TAU / f64::from(setup.robot.body.legs);
+    let compiled = setup.program.compile(setup.valve_open, (setup.zone, pitch))?;
+    let surroundings = Surroundings::new(&setup.robot, &setup.obstacles, &setup.disturbances)?;
+    let q = surroundings.rig.rest(0)?;
+    let v = vec![0.0; surroundings.rig.mechanism.tree.velocities()];
+    let sensors = setup.sensors();
+    let random = Pcg64::new(u128::from(setup.seed), 0x5a17);
+    let world = World::new(&surroundings, sensors, setup.stepping, (&q, &v), random)?;
+    let gait = gait(setup, &compiled);
+    Loop::new(setup, world, gait, follower)?.go()
+}
+
+/// The controller's constants.
+fn gait<'s>(setup: &'s Setup, compiled: &'s Compiled) -> Gait<'s, f64> {
+    let sensors = setup.sensors();
+    Gait {
+        law: compiled.law(),
+        zone: setup.zone,
+        legs: setup.robot.body.legs,
+        period: sensors.period,
+        instruments: instruments(&sensors),
+        taps: &setup.taps,
+        hold: setup.hold,
+        stall: setup.stall,
+    }
+}
+
+/// The rear leg on which the robot finds itself, and its wheel's count there.
+fn find_stand(
+    setup: &Setup,
+    world: &mut World<'_>,
+    gait: &Gait<'_, f64>,
+) -> Result<(u32, i32), GaitError> {
+    let signals = Signals::new(gait.instruments, gait.taps);
+    let mut standing = Standing::new();
+    let mut wheel = 0;
+    for _ in 0..200 {
+        let readings = world.read().readings;
+        standing.take(&signals, &readings);
+        wheel = readings.wheel;
+    }
+    let gravity = setup.robot.environment.gravity;
+    match standing.rear_leg(&signals, gait.legs, gravity) {
+        Ok(rear) => Ok((rear, wheel)),
+        Err(unsure) => Err(GaitError::Unsure(unsure)),
+    }
+}
+
+struct Loop<'a, 's, F> {
+    setup: &'s Setup,
+    world: World<'a>,
+    runner: Runner<'s, f64>,
+    follower: &'s mut F,
+    /// Travels (m) of the last 0.15 s.
+    recent: VecDeque<f64>,
+    /// Cycles in 0.15 s.
+    window: usize,
+    still: Option<(f64, f64)>,
+    extensions: Vec<f64>,
+    pressures: Vec<f64>,
+    summary: Summary,
+    stored: f64,
+    /// Travel (m) 4 s before the end.
+    late: f64,
+}
+
+impl<'a, 's, F: Run> Loop<'a, 's, F> {
+    fn new(
+        setup: &'s Setup,
+        mut world: World<'a>,
+        gait: Gait<'s, f64>,
+        follower: &'s mut F,
+    ) -> Result<Loop<'a, 's, F>, GaitError> {
+        let legs = setup.robot.body.legs as usize;
+        let (rear, wheel) = find_stand(setup, &mut world, &gait)?;
+        let period = gait.period;
+        let runner = Runner::new(gait, rear, wheel, setup.forwards);
+        let ledger = world.sim().ledger();
+        let stored = (0..legs).map(|leg| world.sim().stored_gas(leg)).sum();
+        Ok(Loop {
+            setup,
+            world,
+            runner,
+            follower,
+            recent: VecDeque::new(),
+            window: ((MEAN / period).round() as usize).max(1),
+            still: None,
+            extensions: vec![0.0; legs],
+            pressures: vec![0.0; legs],
+            summary: Summary {
+                ending: Ending::Ran,
+                travel: 0.0,
+                mean_speed: 0.0,
+                last_speed: 0.0,
+                top_speed: 0.0,
+                speed_at_1_6: None,
+                reached_3_2: None,
+                time_to_1_6_m: None,
+                firings: 0,
+                touch_downs: 0,
+                bumps: Vec::new(),
+                bump_count: 0,
+                gas: 0.0,
+                leg_work: vec![0.0; legs],
+                ledger,
+                residual: 0.0,
+                gas_residual: 0.0,
+                rear,
+            },
+            stored,
+            late: 0.0,
+        })
+    }
+
+    fn go(mut self) -> Result<Summary, GaitError> {
+        let period = self.setup.sensors().period;
+        let cycles = (self.setup.seconds / period - 1e-9).ceil() as u64;
+        let late = cycles.saturating_sub((4.0 / period).round() as u64);
+        for cycle in 0..cycles {
+            let now = self.world.read();
+            let action = self.runner.step(&now.readings);
+            self.tell(now.time, now.readings, action);
+            if cycle == late {
+                self.late = self.travel();
+            }
+            let fire = action.leg.map(|leg| (leg as usize, action.valve_open));
+            self.summary.firings += usize::from(fire.is_some());
+            let summary = &mut self.summary;
+            let rig = self.world.rig();
+            let mut fell = Vec::new();
+            self.world.go_on(fire, |event| {
+                if let Happening::TouchDown(point, surface) = event.what {
+                    if surface == 0 && point < rig.legs.len() {
+                        summary.touch_downs += 1;
+                        fell.push((event.time, point));
+                    } else {
+                        summary.bump_count += 1;
+                        if summary.bumps.len() < 100 {
+                            let name = rig.mechanism.points[point].name.clone();
+                            summary.bumps.push((event.time, name, surface));
+                        }
+                    }
+                }
+            })?;
+            let travel = self.travel();
+            for (time, leg) in fell {
+                self.follower.footfall(&Footfall { time, leg, travel });
+            }
+        }
+        Ok(self.finish(cycles as f64 * period))
+    }
+
+    fn travel(&mut self) -> f64 {
+        let rig = self.world.rig();
+        rig.axle(self.world.sim().coordinates())[0]
+    }
+
+    /// Tells the follower of a cycle, and keeps count of it.
+    fn tell(&mut self, time: f64, readings: Readings, action: Action<f64>) {
+        let rig = self.world.rig();
+        let sim = self.world.sim();
+        for leg in 0..self.extensions.len() {
+            self.extensions[leg] = sim.coordinates()[rig.extension_coordinate(leg)];
+            self.pressures[leg] = sim.pressure(leg);
+        }
+        let (q, v) = (sim.coordinates(), sim.velocities());
+        let row = Row {
+            time,
+            axle: rig.axle(q),
+            axle_rates: rig.axle_rates(q, v),
+            lean: q[rig.lean_coordinate()],
+            rate: v[rig.lean_velocity()],
+            coordinates: q,
+            velocities: v,
+            extensions: &self.extensions,
+            pressures: &self.pressures,
+            readings,
+            action,
+        };
+        let travel = row.axle[0];
+        self.follower.row(&row);
+        if self.recent.len() > self.window {
+            self.recent.pop_front();
+        }
+        self.recent.push_back(travel);
+        let period = self.setup.sensors().period;
+        let oldest = self.recent.front().copied().unwrap_or(travel);
+        let sign = if self.setup.forwards { 1.0 } else { -1.0 };
+        let speed = sign * (travel - oldest) / (self.window as f64 * period);
+        let s = &mut self.summary;
+        s.top_speed = s.top_speed.max(speed);
+        if s.reached_3_2.is_none() && speed >= 3.2 {
+            s.reached_3_2 = Some(time);
+        }
+        if s.speed_at_1_6.is_none() && time >= 1.6 - 1e-9 {
+            s.speed_at_1_6 = Some(speed);
+        }
+        if s.time_to_1_6_m.is_none() && sign * travel >= 1.6 {
+            s.time_to_1_6_m = Some(time);
+        }
+        if action.stalled {
+            self.still.get_or_insert((time - self.setup.stall.time, travel));
+        } else {
+            self.still = None;
+        }
+    }
+
+    fn finish(mut self, end: f64) -> Summary {
+        let travel = self.travel();
+        let legs = self.extensions.len();
+        let late = self.late;
+        let stored = self.stored;
+        let still = self.still;
+        let residual = self.world.residual();
+        let rig = self.world.rig();
+        let sim = self.world.sim();
+        let mut s = self.summary;
+        let mut gas_now = 0.0;
+        let mut explained = 0.0;
+        for leg in 0..legs {
+            let account = sim.account(leg);
+            s.gas += account.supplied;
+            s.leg_work[leg] = account.drive;
+            gas_now += sim.stored_gas(leg);
+            if let Some(chamber) = rig.mechanism.legs[leg].leg.chamber() {
+                explained += chamber.pressure_per_mass() * (account.supplied - account.released)
+                    - (chamber.exponent() - 1.0) * account.pushed;
+            }
+        }
+        s.gas_residual = gas_now - stored - explained;
+        s.travel = travel;
+        s.mean_speed = travel / end;
+        s.last_speed = (travel - late) / end.min(4.0);
+        s.ledger = sim.ledger();
+        s.residual = residual;
+        if let Some((since, at)) = still {
+            s.ending = Ending::Stalled { since, at };
+        }
+        s
+    }
+}

@@ -1,0 +1,92 @@
+//! What the sensors of a running robot say.
+
+use nalgebra::Rotation3;
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use saltus_controller::run::Readings;
+use saltus_robot::Sensors;
+use saltus_sim_check::{Rig, Vec3};
+
+use crate::cast::{most_counts, whole};
+
+/// The sensors of a robot, read a cycle at a time.
+#[derive(Clone, Debug)]
+pub struct Sensing {
+    sensors: Sensors,
+    random: Pcg64,
+    /// Velocity of the axle (m/s) and rate of the wheel (rad/s) a cycle ago.
+    before: Option<(Vec3, f64)>,
+}
+
+impl Sensing {
+    /// `sensors`, whose noise is drawn from `random`.
+    pub fn new(sensors: Sensors, random: Pcg64) -> Sensing {
+        Sensing {
+            sensors,
+            random,
+            before: None,
+        }
+    }
+
+    /// What they say of `rig` at coordinates `q` and velocities `v`, a period after they were last
+    /// read. An accelerometer gives the mean of the period: impacts within it count.
+    pub fn read(&mut self, rig: &Rig, q: &[f64], v: &[f64]) -> Readings {
+        let s = self.sensors;
+        let turn = |angle: f64, counts: f64| {
+            whole((angle * counts.round() / std::f64::consts::TAU).floor())
+        };
+        let (radius, pivot) = match rig.boom {
+            Some(_) => (turn(q[0], s.radius_counts), turn(q[1], s.pivot_counts)),
+            None => (0, 0),
+        };
+        let (lean, rate) = (q[rig.lean_coordinate()], v[rig.lean_velocity()]);
+        let gyro = |random: &mut Pcg64| rate + s.gyro_bias + s.gyro_noise * normal(random);
+        let (fine, coarse) = (gyro(&mut self.random), gyro(&mut self.random));
+        let force = self.specific_force(rig, q, v, lean, rate);
+        let mut accelerometer = |range: f64| {
+            force.map(|x| {
+                let noise = s.accelerometer_noise * normal(&mut self.random);
+                converted(x + s.accelerometer_bias + noise, range, s.converter_bits)
+            })
+        };
+        Readings {
+            wheel: turn(lean, s.wheel_counts),
+            radius,
+            pivot,
+            fine_gyro: converted(fine, s.fine_gyro_range, s.converter_bits),
+            coarse_gyro: converted(coarse, s.coarse_gyro_range, s.converter_bits),
+            fine_accelerometer: accelerometer(s.fine_accelerometer_range),
+            coarse_accelerometer: accelerometer(s.coarse_accelerometer_range),
+        }
+    }
+
+    /// Acceleration less gravity (m/s²) at the accelerometers, along the wheel's axes: forwards and
+    /// up at lean 0. They sit forwards of the axle.
+    fn specific_force(&mut self, rig: &Rig, q: &[f64], v: &[f64], lean: f64, rate: f64) -> [f64; 2] {
+        let [along, up] = rig.axle_rates(q, v);
+        let axle = Vec3::new(along, 0.0, up);
+        let period = self.sensors.period;
+        let (acceleration, spin) = match self.before.replace((axle, rate)) {
+            Some((velocity, before)) => ((axle - velocity) / period, (rate - before) / period),
+            None => (Vec3::zeros(), 0.0),
+        };
+        let gravity = rig.mechanism.gravity;
+        let gravity = Vec3::new(gravity.x, 0.0, gravity.z);
+        // The wheel turns about +y, which carries x to −z.
+        let turned = Rotation3::from_axis_angle(&Vec3::y_axis(), lean);
+        let [x, _, z]: [f64; 3] = (turned.inverse() * (acceleration - gravity)).into();
+        let arm = self.sensors.accelerometer_radius;
+        [x - rate * rate * arm, z - spin * arm]
+    }
+}
+
+/// A draw of the standard normal distribution.
+fn normal(random: &mut Pcg64) -> f64 {
+    StandardNormal.sample(random)
+}
+
+/// `x` in counts of a converter of `bits` for ±`range`, at its end where it is beyond.
+fn converted(x: f64, range: f64, bits: f64) -> i32 {
+    let most = most_counts(bits);
+    whole((x / range * most).clamp(-most, most))
+}

@@ -1,0 +1,122 @@
+//! The robot in its surroundings, a cycle of the controller at a time.
+
+use rand_pcg::Pcg64;
+use saltus_controller::run::Readings;
+use saltus_robot::Sensors;
+use saltus_sim_check::{Event, Ledger, Rig, Settings, Sim, Stepping};
+
+use crate::GaitError;
+use crate::sensors::Sensing;
+use crate::surroundings::Surroundings;
+
+/// What a cycle begins with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cycle {
+    /// Time (s).
+    pub time: f64,
+    /// What the sensors say.
+    pub readings: Readings,
+}
+
+/// A robot in motion, whose legs are all free to move.
+pub struct World<'a> {
+    surroundings: &'a Surroundings,
+    sim: Sim<'a>,
+    present: usize,
+    sensing: Sensing,
+    sensors: Sensors,
+    cycles: u64,
+    /// A command that waits for the next cycle: leg and opening time (s).
+    waiting: Option<(usize, f64)>,
+    start: Ledger,
+}
+
+impl<'a> World<'a> {
+    /// The robot of `surroundings` at coordinates `q` and velocities `v`, its legs free.
+    ///
+    /// # Errors
+    /// [`GaitError`] for a start that cannot be.
+    pub fn new(
+        surroundings: &'a Surroundings,
+        sensors: Sensors,
+        stepping: Stepping,
+        (q, v): (&[f64], &[f64]),
+        random: Pcg64,
+    ) -> Result<World<'a>, GaitError> {
+        let travel = surroundings.rig.axle(q)[0];
+        let present = surroundings.present(0.0, travel);
+        let settings = Settings {
+            stepping,
+            accounts: true,
+            most_steps: usize::MAX,
+            ..Settings::default()
+        };
+        let mut sim = Sim::new(surroundings.mechanism(present)?, q, v, settings)?;
+        sim.release_legs()?;
+        let start = sim.ledger();
+        Ok(World {
+            surroundings,
+            sim,
+            present,
+            sensing: Sensing::new(sensors, random),
+            sensors,
+            cycles: 0,
+            waiting: None,
+            start,
+        })
+    }
+
+    /// The rig, without disturbances.
+    pub fn rig(&self) -> &'a Rig {
+        &self.surroundings.rig
+    }
+
+    /// The simulation.
+    pub fn sim(&mut self) -> &mut Sim<'a> {
+        &mut self.sim
+    }
+
+    /// Energy (J) that no entry of the ledger explains since the start.
+    pub fn residual(&self) -> f64 {
+        self.sim.ledger().residual(&self.start)
+    }
+
+    /// What the sensors say now.
+    pub fn read(&mut self) -> Cycle {
+        let (q, v) = (self.sim.coordinates(), self.sim.velocities());
+        Cycle {
+            time: self.sim.time(),
+            readings: self.sensing.read(&self.surroundings.rig, q, v),
+        }
+    }
+
+    /// Fires `fire`, a leg and its valve opening time (s), if any, in this cycle or the next, as the
+    /// robot's sensors say, and goes on to the next cycle. Each event is given to `heard`.
+    ///
+    /// # Errors
+    /// [`GaitError::Sim`] where the motion cannot go on.
+    pub fn go_on(
+        &mut self,
+        fire: Option<(usize, f64)>,
+        mut heard: impl FnMut(&Event),
+    ) -> Result<(), GaitError> {
+        let now = if self.sensors.output_delay_cycles > 0.5 {
+            std::mem::replace(&mut self.waiting, fire)
+        } else {
+            fire
+        };
+        if let Some((leg, opening)) = now {
+            self.sim.fire(leg, opening)?;
+        }
+        let travel = self.surroundings.rig.axle(self.sim.coordinates())[0];
+        let present = self.surroundings.present(self.sim.time(), travel);
+        if present != self.present {
+            self.sim.change(self.surroundings.mechanism(present)?)?;
+            self.present = present;
+        }
+        self.cycles += 1;
+        self.sim.run(self.cycles as f64 * self.sensors.period, &[])?;
+        self.sim.drain_events().for_each(|event| heard(&event));
+        Ok(())
+    }
+}
