@@ -77,6 +77,9 @@ pub(crate) struct Problem {
     lemke: Lemke,
 }
 
+/// Guesses of who holds, each corrected by the last, before an answer is sought by pivots.
+const GUESSES: usize = 15;
+
 #[derive(Clone, Copy, Debug)]
 enum Known {
     Unknown,
@@ -265,30 +268,18 @@ impl Problem {
 
     /// Finds the grips that obey every law, from those given; false where there are none.
     pub(crate) fn resolve(&mut self) -> bool {
-        for _ in 0..40 {
+        for _ in 0..GUESSES {
             self.solve();
             if !self.correct() {
                 return self.force.iter().all(|f| f.is_finite());
             }
+        }
+        if !self.has_discs() && self.pivot() && self.obeys() {
+            return true;
         }
         // Near the onset of slip iteration is slow: what it has found counts if it obeys the laws.
         self.relax();
         self.obeys()
-    }
-
-    /// As [`resolve`](Self::resolve), for impulses and end velocities of a step, where there always
-    /// is an answer.
-    pub(crate) fn resolve_step(&mut self) -> bool {
-        for _ in 0..12 {
-            self.solve();
-            if !self.correct() {
-                return self.force.iter().all(|f| f.is_finite());
-            }
-        }
-        if self.has_discs() || !self.pivot() {
-            return self.resolve();
-        }
-        true
     }
 
     fn has_discs(&self) -> bool {

@@ -330,12 +330,7 @@ impl Sim<'_> {
                 }
             }
         }
-        let problem = &mut self.machine.problem;
-        let is_solved = match self.settings.stepping {
-            Stepping::Adaptive => problem.resolve(),
-            Stepping::Fixed(_) => problem.resolve_step(),
-        };
-        if !is_solved {
+        if !self.machine.problem.resolve() {
             return Err(self.inconsistent());
         }
         self.capture(hit);

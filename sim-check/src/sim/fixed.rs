@@ -94,7 +94,6 @@ impl Sim<'_> {
             .extend(watches.iter().map(|watch| watch(self.time, q, v)));
         self.try_fixed(fixed, h)?;
         let found = self.first_crossed(fixed, h, watches)?;
-        if std::env::var("DBG").is_ok() { eprintln!("{:.6} h {:.2e} {:?} cuts {} evals {} joints {:?}", self.time, h, found, fixed.cuts, self.evaluations, self.mode.joints.iter().map(|j| format!("{j:?}").chars().filter(|c| c.is_uppercase() || *c=='-').collect::<String>()).collect::<Vec<_>>()); }
         let Some((guard, at)) = found else {
             self.accept_fixed(fixed, h);
             self.time = end;
@@ -146,7 +145,7 @@ impl Sim<'_> {
                 continue;
             }
             let machine = &mut self.machine;
-            if machine.problem.rows > 0 && !machine.problem.resolve_step() {
+            if machine.problem.rows > 0 && !machine.problem.resolve() {
                 return Err(self.inconsistent());
             }
             machine.step_acceleration(h, &mut fixed.next_acceleration);
