@@ -21,7 +21,8 @@ impl Sim<'_> {
                 self.log(Happening::TouchDown(p, s));
                 self.mode.contacts[c].closed = true;
                 self.join(c);
-                self.impact(Some(c), self.machine.mechanism.material.restitution)?;
+                let restitution = self.machine.mechanism.material.restitution;
+                self.impact(Some(Owner::Normal(c)), restitution)?;
                 self.settle(None)?;
             }
             Guard::Lift(c) => {
@@ -200,7 +201,7 @@ impl Sim<'_> {
             self.pick_up(body);
         }
         let before = self.impacts;
-        self.impact(None, 0.0)?;
+        self.impact(Some(Owner::Joint(body)), 0.0)?;
         self.stops += self.impacts - before;
         self.settle(None)
     }
@@ -298,7 +299,7 @@ impl Sim<'_> {
 
     /// Takes out, by impulses, what velocity there is into contacts and stops; the new contact, if
     /// any, rebounds.
-    pub(super) fn impact(&mut self, hit: Option<usize>, restitution: f64) -> Result<(), SimError> {
+    pub(super) fn impact(&mut self, hit: Option<Owner>, restitution: f64) -> Result<(), SimError> {
         let before = self.pose().kinetic_energy(&self.machine.mechanism.tree);
         self.machine.assemble(&self.y, &self.mode, Rows::Impact);
         if self.machine.problem.rows == 0 {
@@ -321,9 +322,8 @@ impl Sim<'_> {
             return Ok(());
         }
         for r in 0..self.machine.problem.rows {
-            if let Owner::Normal(c) = self.machine.owners[r]
-                && (hit == Some(c))
-            {
+            let owner = self.machine.owners[r];
+            if matches!(owner, Owner::Normal(_)) && hit == Some(owner) {
                 let w = self.machine.problem.b[r];
                 if w < -self.rest_speed() {
                     self.machine.problem.b[r] += restitution * w;
@@ -365,20 +365,25 @@ impl Sim<'_> {
     /// Keeps what touches together in a slow impact.
     ///
     /// A body that rocks flat hits with one corner and lifts another ever more slowly, infinitely
-    /// often in a finite time. So where the corner that hits is slower than the rest speed, those
-    /// that it would lift more slowly than that stay on their surfaces.
-    fn capture(&mut self, hit: Option<usize>) {
+    /// often in a finite time; so do legs at their stops, which hit each other through the wheel. So
+    /// where the corner or the leg that hits is slower than the rest speed, those that it would lift
+    /// more slowly than that stay where they are.
+    fn capture(&mut self, hit: Option<Owner>) {
         let (machine, slow) = (&mut self.machine, self.settings.rest_speed);
-        let of_hit = hit.map(Owner::Normal);
         let hits_slowly =
-            |r: usize| Some(machine.owners[r]) == of_hit && machine.problem.b[r] >= -slow;
+            |r: usize| Some(machine.owners[r]) == hit && machine.problem.b[r].abs() <= slow;
         if !(0..machine.problem.rows).any(hits_slowly) {
             return;
         }
         let plain = machine.problem.clone();
         for e in &mut machine.problem.elements {
-            let lifts = (0.0..slow).contains(&plain.motion[e.row]);
-            if lifts && matches!(machine.owners[e.row], Owner::Normal(_)) {
+            let motion = plain.motion[e.row];
+            let lifts = match (machine.owners[e.row], e.bounds) {
+                (Owner::Tangent(..), _) => false,
+                (_, Bounds::Between(0.0, _)) => (0.0..slow).contains(&motion),
+                _ => (0.0..slow).contains(&-motion),
+            };
+            if lifts {
                 (e.bounds, e.grip) = (
                     Bounds::Between(f64::NEG_INFINITY, f64::INFINITY),
                     Grip::Held,
