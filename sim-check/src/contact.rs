@@ -3,6 +3,7 @@
 
 use crate::SimError;
 use crate::error::{finite, not_negative, positive, require};
+use crate::machine::Touch;
 use crate::spatial::Vec3;
 
 /// A point or a sphere of a body, which can touch surfaces.
@@ -188,6 +189,36 @@ impl Travel {
         } else {
             across(normal)
         }
+    }
+}
+
+impl Travel {
+    /// How fast (1/s) the directions along and across the travel at `touch` turn, where the place of
+    /// contact moves on at `moving` (m/s) and the normal turns at `turning` (1/s).
+    pub(crate) fn direction_rates(
+        &self,
+        touch: &Touch,
+        moving: &Vec3,
+        turning: &Vec3,
+    ) -> [Vec3; 2] {
+        let Travel::Around(base) = self else {
+            return [Vec3::zeros(); 2];
+        };
+        let from = touch.place - base;
+        let (ahead, rate) = (
+            Vec3::new(-from.y, from.x, 0.0),
+            Vec3::new(-moving.y, moving.x, 0.0),
+        );
+        let normal = &touch.normal;
+        let length = (ahead - normal * normal.dot(&ahead)).norm();
+        if length <= 1e-9 * ahead.norm() {
+            return [Vec3::zeros(); 2];
+        }
+        let change = rate
+            - turning * normal.dot(&ahead)
+            - normal * (turning.dot(&ahead) + normal.dot(&rate));
+        let along = (change - touch.along * touch.along.dot(&change)) / length;
+        [along, turning.cross(&touch.along) + normal.cross(&along)]
     }
 }
 

@@ -117,24 +117,21 @@ impl Machine<'_> {
         let center = self.pose.frames[b].point(center);
         let (velocity, bias) = (&self.pose.velocities[b], &self.pose.bias[b]);
         let mut acceleration = bias.acceleration_at(velocity, &center);
+        let moving = velocity.at(&center);
+        let mut turning = Vec3::zeros();
         if self.mechanism.points[point].radius > 0.0 {
             // The place of contact moves along the sphere: only its centre is fixed in the body.
             acceleration += bias.angular.cross(&(touch.place - center));
-            let moving = velocity.at(&center);
-            let turning = self.mechanism.surfaces[surface]
+            turning = self.mechanism.surfaces[surface]
                 .proximity(&center)
                 .normal_rate(&moving);
-            let normal = acceleration.dot(&touch.normal) + moving.dot(&turning);
-            return Vec3::new(
-                normal,
-                acceleration.dot(&touch.along),
-                acceleration.dot(&touch.across),
-            );
         }
+        let [along, across] = self.mechanism.travel.direction_rates(touch, &moving, &turning);
+        let slip = velocity.at(&touch.place);
         Vec3::new(
-            acceleration.dot(&touch.normal),
-            acceleration.dot(&touch.along),
-            acceleration.dot(&touch.across),
+            acceleration.dot(&touch.normal) + moving.dot(&turning),
+            acceleration.dot(&touch.along) + slip.dot(&along),
+            acceleration.dot(&touch.across) + slip.dot(&across),
         )
     }
 
