@@ -16,6 +16,10 @@ once an entry, as soon as its lean is at least alpha_f; an entry begins when the
 t_v, and the delay of the robot's file comes before opening and closing. phi comes from the wheel's encoder (nearest of 800 counts a
 turn), omega from the gyro (noise 0.1 rad/s, mean of the last five samples).
 
+With alpha_f = 0.1 rad there are two ways of running: high bounces at 1.8 m/s, where legs fire in the air, and a fast one at 3.4 m/s
+(spring) or 4.6 m/s (friction alone). Step, impedance (--soft) and restitution (--ratio) decide into which one a start falls. A comparison of
+single runs says nothing therefore; touch_downs compares from one state to the next touch-down.
+
 Robot files have the keys and units of robots/rats-boom.toml (leg.bore_mm, not leg.bore_in).
 """
 
