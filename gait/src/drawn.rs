@@ -36,7 +36,7 @@ impl Default for Draw {
             stiffness: [0.0, 160.0],
             supply: 3.0 * 6894.757293168,
             along: [0.6, 1.2],
-            across: 0.02,
+            across: 0.0,
         }
     }
 }
@@ -61,7 +61,8 @@ pub struct Ensemble {
 pub fn drawn_robot(robot: &Robot, draw: &Draw, seed: u64, k: usize) -> Result<Robot, GaitError> {
     let mut random = Pcg64::new(u128::from(seed), 2 * k as u128 + 1);
     let mut drawn = robot.clone();
-    let between = |random: &mut Pcg64, [from, to]: [f64; 2]| match Uniform::new_inclusive(from, to) {
+    let between = |random: &mut Pcg64, [from, to]: [f64; 2]| match Uniform::new_inclusive(from, to)
+    {
         Ok(uniform) => uniform.sample(random),
         Err(_) => from,
     };
@@ -96,11 +97,7 @@ impl Ensemble {
     ///
     /// # Errors
     /// [`GaitError`] of the first robot that cannot run.
-    pub fn run(
-        &self,
-        threads: usize,
-        ran: &(impl Fn() + Sync),
-    ) -> Result<Vec<Summary>, GaitError> {
+    pub fn run(&self, threads: usize, ran: &(impl Fn() + Sync)) -> Result<Vec<Summary>, GaitError> {
         let one = |k: usize| {
             let setup = Setup {
                 robot: drawn_robot(&self.setup.robot, &self.draw, self.seed, k)?,
@@ -111,6 +108,8 @@ impl Ensemble {
             ran();
             summary
         };
-        parallel::map_on(threads, self.robots, one).into_iter().collect()
+        parallel::map_on(threads, self.robots, one)
+            .into_iter()
+            .collect()
     }
 }

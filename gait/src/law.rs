@@ -1,7 +1,7 @@
 //! The thesis' firing laws, by their names.
 
-use saltus_controller::run::{Knot, Law, Policy};
 use saltus_controller::Axis;
+use saltus_controller::run::{Knot, Law, Policy};
 
 use crate::GaitError;
 use crate::error::require;
@@ -147,7 +147,10 @@ impl Program {
         open_time(valve_open)?;
         let angle = |x: f64| {
             let inside = (zone..zone + pitch).contains(&x);
-            let allowed = format!("in the active zone, from {zone} to below {:.4} rad", zone + pitch);
+            let allowed = format!(
+                "in the active zone, from {zone} to below {:.4} rad",
+                zone + pitch
+            );
             require(inside, "firing angle (rad)", x, allowed)
         };
         let knot = |rate: f64, firing_angle: f64, valve_open: f64| Knot {
@@ -168,7 +171,12 @@ impl Program {
             } => {
                 angle(*first)?;
                 angle(*last)?;
-                require(*slope > 0.0 && slope.is_finite(), "B (1/s)", *slope, "above 0")?;
+                require(
+                    *slope > 0.0 && slope.is_finite(),
+                    "B (1/s)",
+                    *slope,
+                    "above 0",
+                )?;
                 let shift = match *centre {
                     Centre::Printed(c) => c,
                     Centre::Seconds(c) => slope * c,
@@ -201,7 +209,12 @@ impl Program {
                 Ok(Compiled::Knots(knots.collect()))
             }
             Program::Policy([first, last], nodes) => {
-                require(nodes.len() >= 2, "nodes of a policy", nodes.len() as f64, "at least two")?;
+                require(
+                    nodes.len() >= 2,
+                    "nodes of a policy",
+                    nodes.len() as f64,
+                    "at least two",
+                )?;
                 rising([*first, *last].into_iter())?;
                 for [firing_angle, open] in nodes {
                     angle(*firing_angle)?;

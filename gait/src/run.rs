@@ -4,7 +4,9 @@ use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 use rand_pcg::Pcg64;
-use saltus_controller::run::{Action, Gait, Hold, MOST_TAPS, Readings, Runner, Signals, Stall, Standing};
+use saltus_controller::run::{
+    Action, Gait, Hold, MOST_TAPS, Readings, Runner, Signals, Stall, Standing,
+};
 use saltus_robot::{Robot, Sensors};
 use saltus_sim_check::{Happening, Ledger, Stepping, Surface};
 
@@ -84,7 +86,11 @@ impl Setup {
         require((3..=12).contains(&legs), "legs", f64::from(legs), allowed)?;
         let pitch = TAU / f64::from(legs);
         let zone = (-0.5 * pitch..=0.5 * pitch).contains(&self.zone);
-        let allowed = format!("from {:.4} to {:.4} rad, half a pitch", -0.5 * pitch, 0.5 * pitch);
+        let allowed = format!(
+            "from {:.4} to {:.4} rad, half a pitch",
+            -0.5 * pitch,
+            0.5 * pitch
+        );
         require(zone, "start of the active zone (rad)", self.zone, allowed)?;
         let seconds = self.seconds;
         let sound = seconds > 0.0 && seconds <= LONGEST;
@@ -92,16 +98,31 @@ impl Setup {
         require(sound, "length of the run (s)", seconds, allowed)?;
         let count = self.taps.len();
         let allowed = format!("from 1 to {MOST_TAPS}");
-        require((1..=MOST_TAPS).contains(&count), "taps of the filter", count as f64, allowed)?;
+        require(
+            (1..=MOST_TAPS).contains(&count),
+            "taps of the filter",
+            count as f64,
+            allowed,
+        )?;
         let sum: f64 = self.taps.iter().sum();
         let sound = sum.is_finite() && sum.abs() > 1e-9;
-        require(sound, "sum of the filter's taps", sum, "a number other than 0")?;
+        require(
+            sound,
+            "sum of the filter's taps",
+            sum,
+            "a number other than 0",
+        )?;
         let mut before = f64::NEG_INFINITY;
         for [time, speed] in &self.speeds {
             let allowed = format!("a time after the one before it, {before} s");
             let sound = *time > before && time.is_finite();
             require(sound, "time of a speed (s)", *time, allowed)?;
-            require(speed.abs() <= 10.0, "speed (m/s)", *speed, "from -10 to 10 m/s")?;
+            require(
+                speed.abs() <= 10.0,
+                "speed (m/s)",
+                *speed,
+                "from -10 to 10 m/s",
+            )?;
             before = *time;
         }
         Ok(())
@@ -229,7 +250,9 @@ impl Run for () {
 pub fn run(setup: &Setup, follower: &mut impl Run) -> Result<Summary, GaitError> {
     setup.check()?;
     let pitch = TAU / f64::from(setup.robot.body.legs);
-    let compiled = setup.program.compile(setup.valve_open, (setup.zone, pitch))?;
+    let compiled = setup
+        .program
+        .compile(setup.valve_open, (setup.zone, pitch))?;
     let surroundings = Surroundings::new(&setup.robot, &setup.obstacles, &setup.disturbances)?;
     let q = surroundings.rig.rest(0)?;
     let v = vec![0.0; surroundings.rig.mechanism.tree.velocities()];
@@ -429,7 +452,8 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             s.time_to_1_6_m = Some(time);
         }
         if action.stalled {
-            self.still.get_or_insert((time - self.setup.stall.time, travel));
+            self.still
+                .get_or_insert((time - self.setup.stall.time, travel));
         } else {
             self.still = None;
         }

@@ -62,7 +62,14 @@ impl Sensing {
 
     /// Acceleration less gravity (m/s²) at the accelerometers, along the wheel's axes: forwards and
     /// up at lean 0. They sit forwards of the axle.
-    fn specific_force(&mut self, rig: &Rig, q: &[f64], v: &[f64], lean: f64, rate: f64) -> [f64; 2] {
+    fn specific_force(
+        &mut self,
+        rig: &Rig,
+        q: &[f64],
+        v: &[f64],
+        lean: f64,
+        rate: f64,
+    ) -> [f64; 2] {
         let [along, up] = rig.axle_rates(q, v);
         let axle = Vec3::new(along, 0.0, up);
         let period = self.sensors.period;

@@ -105,7 +105,8 @@ impl Surroundings {
         let mut robot = self.robot.clone();
         let there = || {
             let all = self.disturbances.iter().enumerate();
-            all.filter(move |(k, _)| present >> k & 1 == 1).map(|(_, d)| d.what)
+            all.filter(move |(k, _)| present >> k & 1 == 1)
+                .map(|(_, d)| d.what)
         };
         for what in there() {
             match what {
@@ -145,27 +146,56 @@ impl Disturbance {
             When::Time(from, until) | When::Place(from, until) => (from, until),
         };
         let ordered = from < until && !from.is_nan();
-        require(ordered, "end of a disturbance", until, format!("a number above its begin, {from}"))?;
+        require(
+            ordered,
+            "end of a disturbance",
+            until,
+            format!("a number above its begin, {from}"),
+        )?;
         match self.what {
             What::Slope(angle) => {
                 let total = robot.ground.tilt + angle;
-                require(total.abs() < 0.7, "slope (rad)", angle, "between -0.7 and 0.7")
+                require(
+                    total.abs() < 0.7,
+                    "slope (rad)",
+                    angle,
+                    "between -0.7 and 0.7",
+                )
             }
-            What::Force(force) => {
-                require(force.abs() < 1e4, "force on the boom (N)", force, "below 10000 N")
-            }
-            What::Torque(torque) => {
-                require(torque.abs() < 1e4, "torque on the wheel (N m)", torque, "below 10000 N m")
-            }
+            What::Force(force) => require(
+                force.abs() < 1e4,
+                "force on the boom (N)",
+                force,
+                "below 10000 N",
+            ),
+            What::Torque(torque) => require(
+                torque.abs() < 1e4,
+                "torque on the wheel (N m)",
+                torque,
+                "below 10000 N m",
+            ),
             What::Supply(pressure) => {
                 let is_pneumatic = robot.leg.cylinder().is_some();
-                require(is_pneumatic, "supply pressure (Pa)", pressure, "that of a pneumatic leg")?;
+                require(
+                    is_pneumatic,
+                    "supply pressure (Pa)",
+                    pressure,
+                    "that of a pneumatic leg",
+                )?;
                 let sound = (0.0..=1e8).contains(&pressure);
-                require(sound, "supply pressure above ambient (Pa)", pressure, "from 0 to 1e8 Pa")
+                require(
+                    sound,
+                    "supply pressure above ambient (Pa)",
+                    pressure,
+                    "from 0 to 1e8 Pa",
+                )
             }
-            What::Friction(coefficient) => {
-                require(coefficient >= 0.0, "friction coefficient", coefficient, "a number ≥ 0")
-            }
+            What::Friction(coefficient) => require(
+                coefficient >= 0.0,
+                "friction coefficient",
+                coefficient,
+                "a number ≥ 0",
+            ),
         }
     }
 }

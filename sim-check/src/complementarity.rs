@@ -334,7 +334,12 @@ impl Problem {
         for (e, &at) in self.elements.iter().zip(&starts) {
             match e.bounds {
                 Bounds::Between(low, high) => {
-                    w_of(e.row, if low.is_finite() { 1.0 } else { -1.0 }, &mut lemke, at);
+                    w_of(
+                        e.row,
+                        if low.is_finite() { 1.0 } else { -1.0 },
+                        &mut lemke,
+                        at,
+                    );
                     if low.is_finite() && high.is_finite() {
                         lemke.m[at * size + at + 1] = 1.0;
                         lemke.m[(at + 1) * size + at] = -1.0;

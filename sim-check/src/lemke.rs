@@ -56,7 +56,11 @@ impl Lemke {
                 return self.finish();
             }
             // The complement of what left comes in.
-            entering = if leaving < n { leaving + n } else { leaving - n };
+            entering = if leaving < n {
+                leaving + n
+            } else {
+                leaving - n
+            };
             let Some(next) = self.leaving_row(entering) else {
                 return false;
             };
@@ -96,7 +100,10 @@ impl Lemke {
         }
         let (above, rest) = self.tableau.split_at_mut(row * width);
         let (pivot, below) = rest.split_at_mut(width);
-        for other in above.chunks_exact_mut(width).chain(below.chunks_exact_mut(width)) {
+        for other in above
+            .chunks_exact_mut(width)
+            .chain(below.chunks_exact_mut(width))
+        {
             let factor = other[column];
             if factor != 0.0 {
                 for (x, p) in other.iter_mut().zip(&*pivot) {

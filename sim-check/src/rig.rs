@@ -227,7 +227,12 @@ impl Rig {
     /// does not stand on two.
     pub fn rest(&self, rear: usize) -> Result<Vec<f64>, SimError> {
         let legs = self.legs.len();
-        require(legs >= 3, "legs of a robot that stands on two", legs as f64, "at least 3")?;
+        require(
+            legs >= 3,
+            "legs of a robot that stands on two",
+            legs as f64,
+            "at least 3",
+        )?;
         require(rear < legs, "leg", rear as f64, "the number of a leg")?;
         let front = (rear + 1) % legs;
         let pitch = std::f64::consts::TAU / legs as f64;
@@ -255,7 +260,12 @@ impl Rig {
             q[unknowns[1]] -= (slopes[0][0] * now[1] - slopes[0][1] * now[0]) / determinant;
         }
         let stands = q.iter().all(|x| x.is_finite());
-        require(stands, "slope of the ground", f64::NAN, "one on which the robot stands")?;
+        require(
+            stands,
+            "slope of the ground",
+            f64::NAN,
+            "one on which the robot stands",
+        )?;
         Ok(q)
     }
 

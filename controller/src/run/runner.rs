@@ -136,7 +136,11 @@ impl<'a, R: Real> Runner<'a, R> {
         self.offset = -(self.offset + turned);
         self.base = wheel;
         self.direction = self.direction.wrapping_neg();
-        self.leg = if self.leg == 0 { 0 } else { legs.wrapping_sub(self.leg) };
+        self.leg = if self.leg == 0 {
+            0
+        } else {
+            legs.wrapping_sub(self.leg)
+        };
         self.has_fired = false;
         self.sum = R::ZERO;
     }
@@ -154,7 +158,11 @@ impl<'a, R: Real> Runner<'a, R> {
         let legs = self.gait.legs;
         let pitch = R::of(6.283185307179586) / R::of_count(legs.min(12) as i32);
         let high = self.gait.zone + pitch;
-        let turn = self.gait.instruments.wheel_turn.wrapping_mul(self.direction);
+        let turn = self
+            .gait
+            .instruments
+            .wheel_turn
+            .wrapping_mul(self.direction);
         let mut lean = self.lean_of(self.leg, wheel, pitch);
         // A cycle is too short for more than a turn; whatever the counter says, this ends.
         for _ in 0..13 {

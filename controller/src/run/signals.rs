@@ -98,7 +98,11 @@ impl<'a, R: Real> Signals<'a, R> {
     #[inline]
     pub fn rate(&mut self, readings: &Readings) -> R {
         let rate = self.gyro(readings);
-        self.newest = if self.newest == 0 { MOST_TAPS - 1 } else { self.newest - 1 };
+        self.newest = if self.newest == 0 {
+            MOST_TAPS - 1
+        } else {
+            self.newest - 1
+        };
         if self.held == 0 {
             self.past = [rate; MOST_TAPS];
             self.held = 1;

@@ -100,7 +100,11 @@ impl<R: Real> Standing<R> {
             }
             (s, c) = (s * turn_c + c * turn_s, c * turn_c - s * turn_s);
         }
-        let near = if half < R::of(NEAR / 0.8) { half * R::of(0.8) } else { R::of(NEAR) };
+        let near = if half < R::of(NEAR / 0.8) {
+            half * R::of(0.8)
+        } else {
+            R::of(NEAR)
+        };
         if most >= cosine_of(near) {
             Ok(best)
         } else {

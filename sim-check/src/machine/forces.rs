@@ -90,7 +90,13 @@ impl Machine<'_> {
                 }
                 _ => (0.0, 0.0, 0.0),
             };
-            let rates = [drive * speed, (drive - force) * speed, supplied, released, pushed];
+            let rates = [
+                drive * speed,
+                (drive - force) * speed,
+                supplied,
+                released,
+                pushed,
+            ];
             self.powers[at..at + ACCOUNT].copy_from_slice(&rates);
         }
         self.pushes[i] = force;

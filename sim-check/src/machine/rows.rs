@@ -126,7 +126,10 @@ impl Machine<'_> {
                 .proximity(&center)
                 .normal_rate(&moving);
         }
-        let [along, across] = self.mechanism.travel.direction_rates(touch, &moving, &turning);
+        let [along, across] = self
+            .mechanism
+            .travel
+            .direction_rates(touch, &moving, &turning);
         let slip = velocity.at(&touch.place);
         Vec3::new(
             acceleration.dot(&touch.normal) + moving.dot(&turning),

@@ -13,6 +13,8 @@ use crate::complementarity::{Bounds, Element, Grip};
 use crate::linear::{backward, cholesky, forward};
 use crate::mode::{JointMode, Mode, Stop};
 
+/// Part of a row's own mobility by which it gives way.
+const SHARING: f64 = 1e-9;
 /// Square of the angle (rad) by which a foot on compliant ground swings in a step that resolves it.
 const RESOLVED: f64 = 0.1;
 
@@ -141,6 +143,9 @@ impl Machine<'_> {
                 self.problem.a[r * m + c] = dot;
                 self.problem.a[c * m + r] = dot;
             }
+            // Rows that say the same, as two feet and two legs that hold do, would else share their
+            // impulse by round-off.
+            self.problem.a[r * m + r] *= 1.0 + SHARING;
             let free: f64 = row.iter().zip(&self.free).map(|(a, b)| a * b).sum();
             let jacobian = &self.jacobian[r * n..(r + 1) * n];
             let before: f64 = jacobian.iter().zip(&self.start).map(|(a, b)| a * b).sum();

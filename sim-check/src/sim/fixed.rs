@@ -516,6 +516,8 @@ impl Sim<'_> {
             .tree
             .normalize(&mut self.y[..self.layout.coordinates]);
         std::mem::swap(&mut fixed.acceleration, &mut fixed.next_acceleration);
+        // In a short part an impulse is a great acceleration, which tells nothing of the next.
+        fixed.is_known &= h >= 0.5 * fixed.h;
     }
 
     /// Takes over who held and who moved in the step of `h`. A rigid contact that parts no faster

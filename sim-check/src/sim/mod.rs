@@ -278,7 +278,9 @@ impl<'a> Sim<'a> {
         mechanism.check(self.layout.q(&self.y))?;
         let stored = |l: &Ledger| l.kinetic + l.potential + l.springs;
         let before = stored(&self.ledger());
-        let pressures: Vec<f64> = (0..self.layout.legs).map(|leg| self.pressure(leg)).collect();
+        let pressures: Vec<f64> = (0..self.layout.legs)
+            .map(|leg| self.pressure(leg))
+            .collect();
         self.machine.mechanism = mechanism;
         self.y[self.layout.works() + OUTSIDE] += stored(&self.ledger()) - before;
         for (leg, pressure) in pressures.into_iter().enumerate() {
@@ -358,7 +360,21 @@ impl<'a> Sim<'a> {
         }
         while self.time < until {
             let events = self.events.len();
-            if std::env::var("DBG").is_ok() { eprintln!("{:.12} {:?} {:?}", self.time, self.events.last().map(|e| e.what), self.mode.joints.iter().map(|j| format!("{j:?}").chars().filter(|c| c.is_uppercase() || *c=='-').collect::<String>()).collect::<Vec<_>>()); }
+            if std::env::var("DBG").is_ok() {
+                eprintln!(
+                    "{:.12} {:?} {:?}",
+                    self.time,
+                    self.events.last().map(|e| e.what),
+                    self.mode
+                        .joints
+                        .iter()
+                        .map(|j| format!("{j:?}")
+                            .chars()
+                            .filter(|c| c.is_uppercase() || *c == '-')
+                            .collect::<String>())
+                        .collect::<Vec<_>>()
+                );
+            }
             if let Some(&(at, leg, on)) = self.commands.last()
                 && at <= self.time
             {

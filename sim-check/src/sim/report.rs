@@ -230,9 +230,7 @@ impl Ledger {
     /// What, between `start` and `self`, no entry explains (J).
     pub fn residual(&self, start: &Ledger) -> f64 {
         let stored = |l: &Ledger| l.kinetic + l.potential + l.springs;
-        let lost = |l: &Ledger| {
-            l.joints + l.contacts + l.drag + l.impacts - l.drive - l.outside
-        };
+        let lost = |l: &Ledger| l.joints + l.contacts + l.drag + l.impacts - l.drive - l.outside;
         stored(self) - stored(start) + lost(self) - lost(start)
     }
 }
