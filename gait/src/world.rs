@@ -49,7 +49,6 @@ impl<'a> World<'a> {
             stepping,
             accounts: true,
             most_steps: usize::MAX,
-            tolerance: std::env::var("TOL").map_or(1e-10, |x| x.parse().unwrap()),
             ..Settings::default()
         };
         let mut sim = Sim::new(surroundings.mechanism(present)?, q, v, settings)?;
@@ -118,7 +117,6 @@ impl<'a> World<'a> {
         self.cycles += 1;
         self.sim
             .run(self.cycles as f64 * self.sensors.period, &[])?;
-        if std::env::var("RES").is_ok() {
             let r = self.residual();
             eprintln!(
                 "{:.3} {:+.3e} {:?}",

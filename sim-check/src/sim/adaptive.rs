@@ -4,7 +4,7 @@ use saltus_numeric::dop853::step_factor;
 use saltus_numeric::root::past_root;
 
 use super::guards::{Guard, trails};
-use super::{JUST_LEFT, Sim, Watch};
+use super::{BACK_AGAIN, HAIR, JUST_LEFT, Sim, Watch};
 use crate::SimError;
 
 /// Times that a step is halved in search of where a force comes and goes.
@@ -26,10 +26,12 @@ impl Sim<'_> {
         let stop = self.commands.last().map_or(until, |c| c.0.min(until));
         let room = stop - self.time;
         self.start_step();
+        // A foot that leaves and is back by round-off, again and again, is given a hair to leave by.
+        let hair = if self.burst.1 > BACK_AGAIN { HAIR } else { 0.0 };
         self.floors.clear();
         self.floors.extend((0..self.mode.contacts.len()).map(|c| {
             let gap = self.machine.lie(c).gap;
-            if gap < JUST_LEFT { gap } else { 0.0 }
+            if gap < JUST_LEFT { gap - hair } else { 0.0 }
         }));
         let before = self.guard_values(self.time, watches, false);
         let (h, after) = self.controlled_step(room, watches)?;

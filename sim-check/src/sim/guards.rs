@@ -1,6 +1,6 @@
 //! What ends a smooth phase: functions that are above 0 while it lasts.
 
-use super::{Sim, Watch};
+use super::{HAIR, Sim, Watch};
 use crate::complementarity::Grip;
 use crate::machine::{Machine, Owner, Rows};
 use crate::mode::{JointMode, Mode, Stop};
@@ -172,10 +172,10 @@ pub(super) fn joint_guards(
         let (low, high) = machine.mechanism.stops(body);
         let x = y[machine.mechanism.tree.coordinate_of(body)];
         if low.is_finite() {
-            guards.push((Guard::Stop(body, Stop::Low), x - low));
+            guards.push((Guard::Stop(body, Stop::Low), x - low + HAIR));
         }
         if high.is_finite() {
-            guards.push((Guard::Stop(body, Stop::High), high - x));
+            guards.push((Guard::Stop(body, Stop::High), high - x + HAIR));
         }
     }
 }

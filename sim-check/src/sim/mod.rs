@@ -152,9 +152,13 @@ pub struct Sim<'a> {
 /// Events that may happen within [`BURST_SPAN`] seconds before a motion counts as stuck in them.
 const BURST: usize = 2000;
 const BURST_SPAN: f64 = 1e-3;
+/// Of these, how many are more than what rocks or rattles to rest.
+const BACK_AGAIN: usize = 1000;
 
 /// A gap (m) below which round-off says whether a point that has just left its surface is above it.
 const JUST_LEFT: f64 = 1e-12;
+/// What round-off may take (m or rad) of the way of something that leaves where it stood.
+const HAIR: f64 = 1e-14;
 
 impl<'a> Sim<'a> {
     /// `mechanism` at coordinates `q` and velocities `v`, its legs' valves at rest and unfired legs
@@ -360,7 +364,6 @@ impl<'a> Sim<'a> {
         }
         while self.time < until {
             let events = self.events.len();
-            if std::env::var("DBG").is_ok() {
                 eprintln!(
                     "{:.12} {:?} {:?}",
                     self.time,
