@@ -364,19 +364,6 @@ impl<'a> Sim<'a> {
         }
         while self.time < until {
             let events = self.events.len();
-                eprintln!(
-                    "{:.12} {:?} {:?}",
-                    self.time,
-                    self.events.last().map(|e| e.what),
-                    self.mode
-                        .joints
-                        .iter()
-                        .map(|j| format!("{j:?}")
-                            .chars()
-                            .filter(|c| c.is_uppercase() || *c == '-')
-                            .collect::<String>())
-                        .collect::<Vec<_>>()
-                );
             }
             if let Some(&(at, leg, on)) = self.commands.last()
                 && at <= self.time
