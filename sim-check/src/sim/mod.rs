@@ -364,7 +364,6 @@ impl<'a> Sim<'a> {
         }
         while self.time < until {
             let events = self.events.len();
-            }
             if let Some(&(at, leg, on)) = self.commands.last()
                 && at <= self.time
             {
