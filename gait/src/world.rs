@@ -117,14 +117,6 @@ impl<'a> World<'a> {
         self.cycles += 1;
         self.sim
             .run(self.cycles as f64 * self.sensors.period, &[])?;
-            let r = self.residual();
-            eprintln!(
-                "{:.3} {:+.3e} {:?}",
-                self.sim.time(),
-                r,
-                self.sim.events().iter().map(|e| e.what).collect::<Vec<_>>()
-            );
-        }
         self.sim.drain_events().for_each(|event| heard(&event));
         Ok(())
     }
