@@ -32,9 +32,7 @@ impl Sensing {
     /// read. An accelerometer gives the mean of the period: impacts within it count.
     pub fn read(&mut self, rig: &Rig, q: &[f64], v: &[f64]) -> Readings {
         let s = self.sensors;
-        let turn = |angle: f64, counts: f64| {
-            whole((angle * counts.round() / std::f64::consts::TAU).floor())
-        };
+        let turn = |angle: f64, counts: f64| whole(angle * counts.round() / std::f64::consts::TAU);
         let (radius, pivot) = match rig.boom {
             Some(_) => (turn(q[0], s.radius_counts), turn(q[1], s.pivot_counts)),
             None => (0, 0),
