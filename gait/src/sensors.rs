@@ -38,7 +38,8 @@ impl Sensing {
             None => (0, 0),
         };
         let (lean, rate) = (q[rig.lean_coordinate()], v[rig.lean_velocity()]);
-        let gyro = |random: &mut Pcg64| rate + s.gyro_bias + s.gyro_noise * normal(random);
+        let spin = rig.spin(q, v);
+        let gyro = |random: &mut Pcg64| spin + s.gyro_bias + s.gyro_noise * normal(random);
         let (fine, coarse) = (gyro(&mut self.random), gyro(&mut self.random));
         let force = self.specific_force(rig, q, v, lean, rate);
         let mut accelerometer = |range: f64| {

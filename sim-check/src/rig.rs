@@ -153,6 +153,45 @@ impl Rig {
         v[self.lean_velocity()] - turn
     }
 
+    /// Distance (m) between `surface` and what can touch it of the robot at coordinates `q`; negative
+    /// where they overlap.
+    pub fn clearance(&self, q: &[f64], surface: &Surface) -> f64 {
+        let pose = self.pose_at(q);
+        let gap = |point: &ContactPoint| {
+            let frame = &pose.frames[point.body];
+            let first = frame.point(&point.center);
+            let nearest = match &point.bar {
+                None => first,
+                Some(end) => {
+                    let along = frame.point(end) - first;
+                    first + along * surface.nearest_on_bar(&first, &(first + along))
+                }
+            };
+            surface.proximity(&nearest).distance - point.radius
+        };
+        let gaps = self.mechanism.points.iter().map(gap);
+        gaps.fold(f64::INFINITY, f64::min)
+    }
+
+    /// A block on the ground across the robot's way: from the travel `front` (m) on, `length` long
+    /// and `height` high (m), and far wider than the robot.
+    pub fn box_across(&self, front: f64, length: f64, height: f64) -> Surface {
+        const WIDE: f64 = 0.5;
+        let half = 0.5 * length;
+        match self.boom {
+            Some(boom) => Surface::TurnedBlock {
+                low: Vec3::new(-half, boom - WIDE, 0.0),
+                high: Vec3::new(half, boom + WIDE, height),
+                about: Vec3::new(0.0, -boom, 0.0),
+                turn: (front + half) / boom,
+            },
+            None => Surface::Block {
+                low: Vec3::new(front, -WIDE, 0.0),
+                high: Vec3::new(front + length, WIDE, height),
+            },
+        }
+    }
+
     /// A boom's pivot angle and bend among `x`, coordinates or velocities, and the length of each
     /// half (m).
     fn boom_angles(&self, x: &[f64], length: f64) -> (f64, f64, f64) {

@@ -22,6 +22,32 @@ pub struct Gait<'a, R> {
     pub hold: Option<Hold<R>>,
     /// When a robot that stands still is started anew.
     pub stall: Stall<R>,
+    /// Firing angle (rad) and valve opening time (s) of the first firings, before the law.
+    pub first: &'a [[R; 2]],
+    /// A jump out of the run.
+    pub leap: Option<Leap<R>>,
+}
+
+/// A jump out of a run: a firing whose angle follows from the rate at the touch-down of its leg,
+/// α_f = A ω + B.
+///
+/// Source: thesis 5.2.3.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leap<R> {
+    /// Firings before it.
+    pub after: u32,
+    /// A (s).
+    pub slope: R,
+    /// B (rad).
+    pub level: R,
+    /// Least and greatest firing angle (rad).
+    pub least: R,
+    /// The greatest.
+    pub most: R,
+    /// Valve opening time (s).
+    pub valve_open: R,
+    /// Length of the coarse accelerometer's reading (counts) from which a foot has come down.
+    pub shock: i32,
 }
 
 /// How a demanded rate is held: a firing angle that falls with the demand, and a valve opening time
@@ -91,6 +117,11 @@ pub struct Runner<'a, R> {
     still: u32,
     demand: R,
     sum: R,
+    /// Firings so far.
+    firings: u32,
+    /// Cycles since the last shock, and the rate (rad/s) that was measured after it.
+    since_shock: u32,
+    touched: Option<R>,
 }
 
 impl<'a, R: Real> Runner<'a, R> {
@@ -111,6 +142,9 @@ impl<'a, R: Real> Runner<'a, R> {
             still: 0,
             demand: R::ZERO,
             sum: R::ZERO,
+            firings: 0,
+            since_shock: 0,
+            touched: None,
         };
         runner.leg = rear;
         // Leg `rear` leans by half a pitch, so that leg 0 leans by `rear` pitches more.
@@ -212,7 +246,8 @@ impl<'a, R: Real> Runner<'a, R> {
         }
         let time = R::of_count((self.cycles.min(0x7FFF_FFFF)) as i32) * self.gait.period;
         self.cycles = self.cycles.saturating_add(1);
-        let [firing_angle, law_open] = self.gait.law.at(time, rate, self.entry);
+        self.feel(readings, rate);
+        let [firing_angle, law_open] = self.next_firing(time, rate);
         let valve_open = match self.gait.hold {
             None => law_open,
             Some(hold) => self.held(&hold, rate, law_open),
@@ -221,6 +256,8 @@ impl<'a, R: Real> Runner<'a, R> {
         let fires = !self.has_fired && lean >= firing_angle && valve_open.is_positive();
         if fires {
             self.has_fired = true;
+            self.firings = self.firings.saturating_add(1);
+            self.touched = None;
         }
         Action {
             leg: fires.then_some(self.name(self.leg)),
@@ -230,6 +267,39 @@ impl<'a, R: Real> Runner<'a, R> {
             rate,
             firing_angle,
             stalled,
+        }
+    }
+
+    /// Notes the rate a few cycles after a foot has come down, when the filter has forgotten the
+    /// impact.
+    #[inline]
+    fn feel(&mut self, readings: &Readings, rate: R) {
+        let Some(leap) = &self.gait.leap else { return };
+        let [forward, up] = readings.coarse_accelerometer;
+        let is_shock = forward.unsigned_abs().max(up.unsigned_abs()) >= leap.shock.unsigned_abs();
+        if is_shock {
+            self.since_shock = 0;
+        } else {
+            self.since_shock = self.since_shock.saturating_add(1);
+        }
+        if self.since_shock as usize == self.gait.taps.len() {
+            self.touched = Some(rate);
+        }
+    }
+
+    /// Firing angle (rad) and valve opening time (s) of the next firing.
+    #[inline]
+    fn next_firing(&self, time: R, rate: R) -> [R; 2] {
+        if let Some(first) = self.gait.first.get(self.firings as usize) {
+            return *first;
+        }
+        match &self.gait.leap {
+            Some(leap) if leap.after == self.firings => {
+                let rate = self.touched.unwrap_or(rate);
+                let angle = leap.slope * rate + leap.level;
+                [angle.greater(leap.least).lesser(leap.most), leap.valve_open]
+            }
+            _ => self.gait.law.at(time, rate, self.entry),
         }
     }
 
