@@ -433,6 +433,10 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         let late = cycles.saturating_sub((4.0 / period).round() as u64);
         for cycle in 0..cycles {
             let now = self.world.read();
+            let later = |speed: &&[f64; 2]| speed[0] <= now.time + 1e-9;
+            if let Some([_, speed]) = self.setup.speeds.iter().rev().find(later) {
+                self.runner.demand(*speed);
+            }
             let action = self.runner.step(&now.readings);
             self.tell(now.time, now.readings, action);
             if cycle == late {
