@@ -347,7 +347,9 @@ impl<'a, R: Real> Runner<'a, R> {
         if stalled && stall.restarts {
             (self.has_fired, self.still, self.firings) = (false, 0, 0);
         }
-        if stalled && self.gait.hold.is_some() && self.demand * R::of_count(self.direction) < R::ZERO
+        if stalled
+            && self.gait.hold.is_some()
+            && self.demand * R::of_count(self.direction) < R::ZERO
         {
             self.turn_round(wheel);
         }
