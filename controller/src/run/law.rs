@@ -60,8 +60,7 @@ impl<R: Real> Law<'_, R> {
     /// What is not a number, and a law without knots, fires never: π and 0.
     #[inline]
     pub fn at(&self, time: R, rate: R, entry: R) -> [R; 2] {
-        const NEVER: f64 = 3.1415927;
-        let never = [R::of(NEVER), R::ZERO];
+        let never = [R::of(core::f64::consts::PI), R::ZERO];
         match self {
             Law::OverTime {
                 amplitude,
