@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # The exported C on this machine gives the answers of the Rust code to the bit: over the drill of the firmware, with approach rates that
-# count at the reference lean and at the firing angle.
+# count at the reference lean and at the firing angle; and over the drill of running, in both types of numbers.
 #
-#     bash controller/c/check.sh [DECISIONS]
+#     bash controller/c/check.sh [DECISIONS [CYCLES]]
 #
 # Ends with 3 where there is no C compiler.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 command -v cc >/dev/null || exit 3
 decisions=${1:-100000}
+cycles=${2:-1000000}
 tables=controller/examples/rats_planar
 build=${CARGO_TARGET_DIR:-target}/c-drill
 mkdir -p "$build"
@@ -22,4 +23,14 @@ for at_firing in 0 1; do
     diff "$build/c.txt" "$build/rust.txt" || { printf 'the exported C and Rust disagree\n' >&2; exit 1; }
 done
 cat "$build/rust.txt"
+for real in float double; do
+    bash controller/c/filled.sh "$real" "$build"
+    cc -std=c99 -O2 -fno-math-errno -Wall -Wextra -Werror -DCYCLES="$cycles" -I"$build" -Icontroller/firmware \
+        controller/firmware/running.c "$build/saltus_running.c" -lm -o "$build/running"
+    "$build/running" >"$build/c.txt"
+    cargo run --quiet --release --locked -p saltus-controller --example running_drill -- "$cycles" "$real" >"$build/rust.txt"
+    diff "$build/c.txt" "$build/rust.txt" || { printf 'running in C and in Rust disagree\n' >&2; exit 1; }
+    printf 'running, %s: ' "$real"
+    cat "$build/rust.txt"
+done
 printf 'the same to the bit in C and in Rust\n'

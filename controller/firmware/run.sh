@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # The exported C on a Cortex-M4F in QEMU: answers to the bit as the Rust code's on this machine, instructions, memory, stack.
 #
-#     bash controller/firmware/run.sh [DECISIONS]
+#     bash controller/firmware/run.sh [DECISIONS [CYCLES]]
 #
 # Ends with 3 where compiler or emulator are missing or do not start. TOOLS may name a folder into which `tools.sh` has unpacked both.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 decisions=${1:-20000}
+cycles=${2:-200000}
 tools=${TOOLS:-}
 tables=controller/examples/rats_planar
 target=${CARGO_TARGET_DIR:-target}
@@ -45,33 +46,46 @@ fi
 
 printf 'On %s, %s:\n' "$(with_tools arm-none-eabi-gcc --version | head -1)" "$(with_tools qemu-system-arm --version | head -1)"
 
-# Alone: what it takes in flash and memory, and what it calls. Nothing: no heap, no library.
-with_tools arm-none-eabi-gcc "${flags[@]}" -DSALTUS_NO_SELF_TEST -fstack-usage -c "$tables/saltus_controller.c" -o "$build/controller.o"
-with_tools arm-none-eabi-size "$build/controller.o" | awk 'NR == 2 { printf "flash %d bytes, memory %d bytes\n", $1 + $2, $2 + $3 }'
-missing=$(with_tools arm-none-eabi-nm --undefined-only "$build/controller.o" | awk '{ print $2 }')
-[ -z "$missing" ] || { printf 'the controller calls %s\n' "$missing" >&2; exit 1; }
-if grep -E 'dynamic' "$build/controller.su"; then printf 'the stack has no bound\n' >&2; exit 1; fi
+# Alone: what code takes in flash and memory, and what it calls. Nothing: no heap, no library.
+alone() {
+    local name=$1 source=$2
+    with_tools arm-none-eabi-gcc "${flags[@]}" -I"$build" -DSALTUS_NO_SELF_TEST -fstack-usage -c "$source" -o "$build/$name.o"
+    with_tools arm-none-eabi-size "$build/$name.o" |
+        awk -v name="$name" 'NR == 2 { printf "%s: flash %d bytes, memory %d bytes\n", name, $1 + $2, $2 + $3 }'
+    missing=$(with_tools arm-none-eabi-nm --undefined-only "$build/$name.o" | awk '{ print $2 }')
+    [ -z "$missing" ] || { printf 'the %s calls %s\n' "$name" "$missing" >&2; exit 1; }
+    if grep -E 'dynamic' "$build/$name.su"; then printf 'the stack has no bound\n' >&2; exit 1; fi
+}
+bash controller/c/filled.sh float "$build"
+alone controller "$tables/saltus_controller.c"
+alone running "$build/saltus_running.c"
 printf 'no undefined symbol: no allocation, no library\n'
 
 # The drill in the emulator: one instruction takes 64 ns of its time.
-with_tools arm-none-eabi-gcc "${flags[@]}" -Wno-array-bounds -DDECISIONS="$decisions" -nostartfiles --specs="$specs" \
-    -T controller/firmware/mps2.ld -Wl,--gc-sections \
-    controller/firmware/{start,main,drill}.c "$tables/saltus_controller.c" -o "$build/drill.elf"
 data=()
 [ -z "$tools" ] || data=(-L "$tools/usr/share/qemu")
-with_tools timeout 900 qemu-system-arm -M mps2-an386 -icount shift=6 -nographic -monitor none -serial none \
-    -semihosting-config enable=on,target=native "${data[@]}" -kernel "$build/drill.elf" </dev/null >"$build/emulated.txt"
-sed -n 's/^# //p' "$build/emulated.txt"
+emulated() {
+    with_tools arm-none-eabi-gcc "${flags[@]}" -I"$build" -Wno-array-bounds -nostartfiles --specs="$specs" \
+        -T controller/firmware/mps2.ld -Wl,--gc-sections controller/firmware/start.c "$@" -o "$build/drill.elf"
+    with_tools timeout 900 qemu-system-arm -M mps2-an386 -icount shift=6 -nographic -monitor none -serial none \
+        -semihosting-config enable=on,target=native "${data[@]}" -kernel "$build/drill.elf" </dev/null
+}
+emulated -DDECISIONS="$decisions" controller/firmware/{main,drill}.c "$tables/saltus_controller.c" >"$build/emulated.txt"
+emulated -DCYCLES="$cycles" controller/firmware/running.c "$build/saltus_running.c" >"$build/running.txt"
+sed -n 's/^# //p' "$build/emulated.txt" "$build/running.txt"
 
 # The same in Rust on this machine.
 cargo run --quiet --release --locked -p saltus-controller --example drill -- "$decisions" >"$build/rust.txt"
 { echo 'self-test: 0'; cat "$build/rust.txt"; } >"$build/expected.txt"
+cargo run --quiet --release --locked -p saltus-controller --example running_drill -- "$cycles" >"$build/rust_running.txt"
+grep -v '^#' "$build/running.txt" | diff - "$build/rust_running.txt" || { printf 'running on a Cortex-M4F and in Rust disagrees\n' >&2; exit 1; }
 grep -v '^#' "$build/emulated.txt" | diff - "$build/expected.txt" || { printf 'Cortex-M4F and Rust disagree\n' >&2; exit 1; }
-cat "$build/rust.txt"
+cat "$build/rust.txt" "$build/rust_running.txt"
 printf 'the same to the bit on Cortex-M4F and in Rust on this machine\n'
 
 # Bounds that hold for every input seen.
-worst() { sed -n "s/^# $1: instructions median [0-9]*, worst \([0-9]*\)$/\1/p" "$build/emulated.txt"; }
+worst() { sed -n "s/^# $1: instructions median [0-9]*, worst \([0-9]*\)$/\1/p" "$build/emulated.txt" "$build/running.txt"; }
 median() { sed -n "s/^# $1: instructions median \([0-9]*\),.*$/\1/p" "$build/emulated.txt"; }
 [ "$(worst decisions)" -lt 2000 ] || { printf 'a decision took 2000 instructions or more\n' >&2; exit 1; }
 [ "$(worst decisions)" -le $((3 * $(median decisions))) ] || { printf 'the worst decision took over 3 times the median\n' >&2; exit 1; }
+[ "$(worst cycles)" -lt 3000 ] || { printf 'a cycle of running took 3000 instructions or more\n' >&2; exit 1; }

@@ -90,6 +90,21 @@ impl Setup {
         self.robot.sensors.unwrap_or_default()
     }
 
+    /// Gives the constants of the robot's controller to `take`.
+    ///
+    /// # Errors
+    /// [`GaitError`] for a run that cannot be.
+    pub fn flashed<T>(&self, take: impl FnOnce(&Gait<'_, f64>) -> T) -> Result<T, GaitError> {
+        let compiled = self.compiled()?;
+        Ok(take(&gait(self, &compiled)))
+    }
+
+    fn compiled(&self) -> Result<Compiled, GaitError> {
+        self.check()?;
+        let pitch = TAU / f64::from(self.robot.body.legs);
+        self.program.compile(self.valve_open, (self.zone, pitch))
+    }
+
     fn check(&self) -> Result<(), GaitError> {
         let legs = self.robot.body.legs;
         let allowed = "from 3 to 12, for a robot that runs";
@@ -301,11 +316,7 @@ impl Run for () {
 /// # Errors
 /// [`GaitError`] for a run that cannot be, or a motion that cannot go on.
 pub fn run(setup: &Setup, follower: &mut impl Run) -> Result<Summary, GaitError> {
-    setup.check()?;
-    let pitch = TAU / f64::from(setup.robot.body.legs);
-    let compiled = setup
-        .program
-        .compile(setup.valve_open, (setup.zone, pitch))?;
+    let compiled = setup.compiled()?;
     let plain = Rig::new(&setup.robot, &[])?;
     let across = |o: &Obstacle| plain.box_across(o.front, o.length, o.height);
     let boxes: Vec<Surface> = setup.obstacles.iter().map(across).collect();

@@ -22,8 +22,11 @@
 extern "C" {
 #endif
 
+#ifndef SALTUS_REAL
+#define SALTUS_REAL float
 /* Every number. Angles are leans of the leg from the upright, forward positive (rad); everything else is in SI units. */
-typedef float saltus_real;
+typedef SALTUS_REAL saltus_real;
+#endif
 
 /* A value, or the reason why there is none. */
 enum saltus_status {

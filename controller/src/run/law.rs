@@ -55,7 +55,7 @@ pub struct Policy<'a, R> {
 }
 
 /// A lean (rad) that no leg in the zone has.
-pub(super) const NEVER: f64 = 3.1415927;
+pub(super) const NEVER: f64 = core::f64::consts::PI;
 
 impl<R: Real> Law<'_, R> {
     /// Firing angle (rad) and valve opening time (s) at `time` (s) since the start and the rate

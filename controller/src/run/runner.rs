@@ -1,5 +1,7 @@
 //! The state machine of a run.
 
+use core::ops::RangeInclusive;
+
 use super::law::NEVER;
 use super::{Instruments, Law, Readings, Signals};
 use crate::Real;
@@ -11,7 +13,7 @@ pub struct Gait<'a, R> {
     pub law: Law<'a, R>,
     /// Where the active zone begins, z₀ (rad).
     pub zone: R,
-    /// Legs n, 3 to 12.
+    /// Legs n, 3 to 12. With any other number no leg ever fires.
     pub legs: u32,
     /// Cycle (s).
     pub period: R,
@@ -28,6 +30,13 @@ pub struct Gait<'a, R> {
     /// A jump out of the run.
     pub leap: Option<Leap<R>>,
 }
+
+/// Legs of a robot that runs.
+pub(super) const LEGS: RangeInclusive<u32> = 3..=12;
+
+/// How far (rad) behind its zone a leg leaves it: more than round-off, so that a count on the border
+/// of two zones is in one of them alone, and less than a count.
+const BACK: f64 = 1e-5;
 
 /// A jump out of a run: a firing whose angle follows from the rate at the touch-down of its leg,
 /// α_f = A ω + B.
@@ -109,9 +118,13 @@ pub struct Runner<'a, R> {
     /// Wheel counts at which leg 0, counted so, leaned by `offset`.
     base: i32,
     offset: R,
+    /// From leg to leg, 2π/n (rad).
+    pitch: R,
     /// 1, or −1 backwards.
     direction: i32,
     has_fired: bool,
+    /// Whether the leg in the zone has just entered it.
+    enters: bool,
     /// Rate (rad/s) at which the leg in the zone entered it.
     entry: R,
     /// Cycles for which it has stood still.
@@ -132,17 +145,26 @@ pub struct Runner<'a, R> {
 impl<'a, R: Real> Runner<'a, R> {
     /// A robot at rest on two legs, of which `rear` is the rear one (0 to n − 1), with its wheel's
     /// encoder at `wheel`. It runs forwards, or with `forwards` false, backwards.
+    ///
+    /// If the robot has no leg `rear`, no leg ever fires.
     pub fn new(gait: Gait<'a, R>, rear: u32, wheel: i32, forwards: bool) -> Runner<'a, R> {
-        let half = R::of(3.141592653589793) / R::of_count(gait.legs.min(12) as i32);
+        let is_sound = LEGS.contains(&gait.legs) && rear < gait.legs;
+        // Without legs the pitch is infinite, and no lean is a number.
+        let legs = if is_sound { gait.legs } else { 0 };
+        let leg = if is_sound { rear } else { 0 };
+        let half = R::of(core::f64::consts::PI) / count(legs);
         let mut runner = Runner {
             signals: Signals::new(gait.instruments, gait.taps),
-            gait,
+            gait: Gait { legs, ..gait },
             cycles: 0,
-            leg: 0,
+            leg,
             base: wheel,
-            offset: half,
+            // Leg `rear` leans by half a pitch, so that leg 0 leans by `rear` pitches more.
+            offset: half + (half + half) * count(leg),
+            pitch: half + half,
             direction: 1,
             has_fired: false,
+            enters: true,
             entry: R::ZERO,
             still: 0,
             demand: R::ZERO,
@@ -153,9 +175,6 @@ impl<'a, R: Real> Runner<'a, R> {
             since_shock: 0,
             touched: None,
         };
-        runner.leg = rear;
-        // Leg `rear` leans by half a pitch, so that leg 0 leans by `rear` pitches more.
-        runner.offset = half + (half + half) * R::of_count((rear.min(12)) as i32);
         if !forwards {
             runner.turn_round(wheel);
         }
@@ -168,21 +187,32 @@ impl<'a, R: Real> Runner<'a, R> {
         self.demand = speed;
     }
 
-    /// Runs the other way from now on: legs and leans are mirrored.
+    /// Runs the other way from now on, the wheel's encoder being at `wheel`: legs and leans are
+    /// mirrored.
+    ///
+    /// Counts and angles only change their signs, so that nothing is lost however often it turns.
     pub fn turn_round(&mut self, wheel: i32) {
-        let (legs, turned) = (self.gait.legs, self.turned(wheel));
-        // Leg k of now is leg n − k then, and leans by as much the other way.
-        self.offset = -(self.offset + turned);
-        self.base = wheel;
+        self.offset = -self.offset;
         self.direction = self.direction.wrapping_neg();
-        self.leg = if self.leg == 0 {
-            0
-        } else {
-            legs.wrapping_sub(self.leg)
-        };
+        // Leg k of now is leg n − k then; as legs are counted from 0 to n − 1, a turn lies between.
+        if self.leg != 0 {
+            self.leg = self.gait.legs.wrapping_sub(self.leg);
+            self.base = self.base.wrapping_sub(self.turn());
+        }
         self.has_fired = false;
         self.firings = 0;
         (self.sum, self.speed) = (R::ZERO, R::ZERO);
+        self.enters = true;
+        self.find_leg(wheel);
+    }
+
+    /// Counts of a turn in the direction of the run.
+    #[inline]
+    fn turn(&self) -> i32 {
+        self.gait
+            .instruments
+            .wheel_turn
+            .wrapping_mul(self.direction)
     }
 
     /// By how much the wheel has turned (rad) since `base`, in the direction of the run.
@@ -192,18 +222,13 @@ impl<'a, R: Real> Runner<'a, R> {
         R::of_count(counts) * self.gait.instruments.wheel
     }
 
-    /// The leg in the zone and its lean (rad).
+    /// Finds the leg in the zone; its lean (rad).
     #[inline]
     fn find_leg(&mut self, wheel: i32) -> R {
-        let legs = self.gait.legs;
-        let pitch = R::of(6.283185307179586) / R::of_count(legs.min(12) as i32);
-        let high = self.gait.zone + pitch;
-        let turn = self
-            .gait
-            .instruments
-            .wheel_turn
-            .wrapping_mul(self.direction);
-        let mut lean = self.lean_of(self.leg, wheel, pitch);
+        let (legs, low) = (self.gait.legs, self.gait.zone);
+        let (high, turn) = (low + self.pitch, self.turn());
+        let back = low - R::of(BACK);
+        let mut lean = self.lean(wheel);
         // A cycle is too short for more than a turn; whatever the counter says, this ends.
         for _ in 0..13 {
             if lean >= high {
@@ -211,24 +236,24 @@ impl<'a, R: Real> Runner<'a, R> {
                 if self.leg >= legs {
                     (self.leg, self.base) = (0, self.base.wrapping_add(turn));
                 }
-            } else if lean < self.gait.zone {
+            } else if lean < back {
                 if self.leg == 0 {
-                    (self.leg, self.base) = (legs.wrapping_sub(1), self.base.wrapping_sub(turn));
-                } else {
-                    self.leg = self.leg.wrapping_sub(1);
+                    (self.leg, self.base) = (legs, self.base.wrapping_sub(turn));
                 }
+                self.leg = self.leg.wrapping_sub(1);
             } else {
                 break;
             }
-            self.has_fired = false;
-            lean = self.lean_of(self.leg, wheel, pitch);
+            (self.has_fired, self.enters) = (false, true);
+            lean = self.lean(wheel);
         }
         lean
     }
 
+    /// Lean (rad) of the leg that was last in the zone.
     #[inline]
-    fn lean_of(&self, leg: u32, wheel: i32, pitch: R) -> R {
-        self.turned(wheel) + self.offset - R::of_count(leg.min(12) as i32) * pitch
+    fn lean(&self, wheel: i32) -> R {
+        self.turned(wheel) + self.offset - count::<R>(self.leg) * self.pitch
     }
 
     /// The name of leg `leg` on the robot.
@@ -244,13 +269,12 @@ impl<'a, R: Real> Runner<'a, R> {
     /// A cycle: whether a leg fires now.
     #[inline]
     pub fn step(&mut self, readings: &Readings) -> Action<R> {
-        let before = self.leg;
         let lean = self.find_leg(readings.wheel);
         let rate = self.signals.rate(readings) * R::of_count(self.direction);
-        if self.leg != before || self.cycles == 0 {
-            self.entry = rate;
+        if self.enters {
+            (self.entry, self.enters) = (rate, false);
         }
-        let time = R::of_count((self.cycles.min(0x7FFF_FFFF)) as i32) * self.gait.period;
+        let time = count::<R>(self.cycles) * self.gait.period;
         self.cycles = self.cycles.saturating_add(1);
         self.feel(readings, rate);
         let [firing_angle, valve_open] = match self.gait.hold {
@@ -342,7 +366,7 @@ impl<'a, R: Real> Runner<'a, R> {
             return false;
         }
         self.still = self.still.saturating_add(1);
-        let time = R::of_count((self.still.min(0x7FFF_FFFF)) as i32) * self.gait.period;
+        let time = count::<R>(self.still) * self.gait.period;
         let stalled = time >= stall.time;
         if stalled && stall.restarts {
             (self.has_fired, self.still, self.firings) = (false, 0, 0);
@@ -355,4 +379,11 @@ impl<'a, R: Real> Runner<'a, R> {
         }
         stalled
     }
+}
+
+/// `number`, at most 2³¹ − 1, as a number.
+#[inline]
+#[allow(clippy::cast_possible_wrap)]
+pub(super) fn count<R: Real>(number: u32) -> R {
+    R::of_count(number.min(0x7FFF_FFFF) as i32)
 }

@@ -71,6 +71,11 @@ impl TermFlags {
         note_valve(robot, self.valve_open.map(|_| "--valve-open"));
     }
 
+    /// Valve opening time (s), where it is given.
+    pub(crate) fn valve_open(self) -> Option<f64> {
+        self.valve_open
+    }
+
     /// The terms for `robot`.
     pub(crate) fn of(self, robot: &Robot) -> Terms {
         let valve_open = self.valve_open.unwrap_or(VALVE_OPEN);

@@ -77,6 +77,26 @@ const CASES: &[(&str, &[&str])] = &[
     ("export c --distance 0.6", &["--out <DIR>"]),
     ("export c --out x", &["--distance <LENGTHS>"]),
     (
+        "export c --gait fixed --distance 0.6 --out x",
+        &["--gait <GAIT>", "--distance <LENGTHS>"],
+    ),
+    (
+        "export c --gait fixed --law one --out x",
+        &["--law", "--gait closed-loop"],
+    ),
+    (
+        "export c --distance 0.6 --zone 0 --out x",
+        &["--zone", "--gait"],
+    ),
+    (
+        "export c --gait fixed --firing-angle 1.4 --out x",
+        &["rats-planar", "firing angle (rad) = 1.4", "zone"],
+    ),
+    (
+        "export c --gait fixed --set body.legs=2 --out x",
+        &["legs = 2", "from 3 to 12"],
+    ),
+    (
         "export c --distance 0.3,0.5,0.6 --out x",
         &["--distance [0.3, 0.5, 0.6]", "rising in even steps"],
     ),

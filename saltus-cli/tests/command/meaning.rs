@@ -13,6 +13,12 @@ fn json(text: &str) -> Value {
 /// The exported files in `folder/out` with `main` in C, run with `words`; none where there is no
 /// compiler.
 fn run_c(folder: &Folder, out: &str, main: &str, words: &[&str]) -> Option<String> {
+    run_with(folder, &format!("{out}/saltus_controller.c"), main, words)
+}
+
+/// The same with the exported source `source`.
+fn run_with(folder: &Folder, source: &str, main: &str, words: &[&str]) -> Option<String> {
+    let (out, _) = source.split_once('/').unwrap();
     let there = Command::new("cc")
         .arg("--version")
         .output()
@@ -24,12 +30,10 @@ fn run_c(folder: &Folder, out: &str, main: &str, words: &[&str]) -> Option<Strin
     folder.write("main.c", main);
     let program = folder.path("main");
     let made = Command::new("cc")
-        .args(["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror"])
+        .args(["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow"])
+        .arg("-Werror")
         .arg(format!("-I{}", folder.path(out).display()))
-        .args([
-            folder.path("main.c"),
-            folder.path(&format!("{out}/saltus_controller.c")),
-        ])
+        .args([folder.path("main.c"), folder.path(source)])
         .args(["-lm".as_ref(), "-o".as_ref(), program.as_os_str()])
         .output()
         .unwrap();
@@ -221,30 +225,50 @@ fn one_distance_keeps_the_tolerance_or_is_closed() {
     );
 }
 
-#[test]
-fn the_program_in_the_documentation_runs() {
-    let folder = Folder::new("documented-c");
+/// The command of docs/controller.md that writes into `out`, and the page's program `number`.
+fn documented(out: &str, number: usize) -> (String, String) {
     let page = std::fs::read_to_string(
         std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/controller.md"),
     )
     .unwrap();
-    let export = page
-        .lines()
-        .find_map(|line| {
-            line.trim()
-                .strip_prefix("saltus export c")
-                .filter(|rest| rest.ends_with("--out firmware"))
-        })
-        .unwrap();
-    folder.done(&format!("export c{export}"), 0);
-    let program = page
-        .split_once("```c\n")
-        .unwrap()
-        .1
-        .split_once("```")
-        .unwrap()
-        .0;
-    let Some(said) = run_c(&folder, "firmware", program, &[]) else {
+    let command = page.lines().find_map(|line| {
+        line.trim()
+            .strip_prefix("saltus ")
+            .filter(|rest| rest.starts_with("export c") && rest.ends_with(&format!("--out {out}")))
+    });
+    let program = page.split("```c\n").nth(1 + number).unwrap();
+    let program = program.split_once("```").unwrap().0;
+    (command.unwrap().to_owned(), program.to_owned())
+}
+
+#[test]
+fn the_running_program_in_the_documentation_runs() {
+    let folder = Folder::new("documented-running");
+    let (export, program) = documented("running", 1);
+    for real in ["float", "double"] {
+        let said = folder.done(&format!("{export} --real {real}"), 0);
+        assert!(said.contains("running robot rats-run"), "{said}");
+        for file in ["saltus_running.h", "saltus_running.c", "running_tables.h"] {
+            let text = folder.read(&format!("running/{file}"));
+            assert!(said.lines().all(|line| text.contains(line)), "{file}");
+            assert!(!text.contains('@'), "{file} has a place not filled");
+        }
+        let Some(said) = run_with(&folder, "running/saltus_running.c", &program, &[]) else {
+            return;
+        };
+        // Leg 3 at rest, then each next one as it comes by.
+        let legs: Vec<&str> = said.lines().map(|line| &line[..6]).collect();
+        let should = ["leg 3:", "leg 4:", "leg 0:", "leg 1:", "leg 2:", "leg 3:"];
+        assert_eq!(legs, should);
+    }
+}
+
+#[test]
+fn the_program_in_the_documentation_runs() {
+    let folder = Folder::new("documented-c");
+    let (export, program) = documented("firmware", 0);
+    folder.done(&export, 0);
+    let Some(said) = run_c(&folder, "firmware", &program, &[]) else {
         return;
     };
     let angle =

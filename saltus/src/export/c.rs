@@ -17,15 +17,10 @@ impl<R: Number> Tables<R> {
     /// `saltus_controller.h` and `saltus_controller.c`, in C99 with no other dependency than
     /// `math.h`'s square root.
     pub fn c(&self) -> [String; 2] {
-        let comment = self.comment();
+        let comment = comment(&self.about());
         let header = HEADER
             .replace("@HEADER@", &comment)
-            .replace("@REAL@", R::C_TYPE)
             .replace("@CRC@", &format!("0x{:08X}u", self.crc()));
-        let of = |float: &'static str, double: &'static str| {
-            let suited = if R::IS_FLOAT { float } else { double };
-            suited.to_owned()
-        };
         let rule = match self.nodes {
             Nodes::Curve(_) => CURVE,
             Nodes::Table(_) => TABLE,
@@ -37,16 +32,11 @@ impl<R: Number> Tables<R> {
                 ("DATA", self.c_data()),
                 ("RULE", rule.to_owned()),
                 ("SELF_TEST", self.c_self_test()),
-                ("SUFFIX", of("x##f", "x")),
-                ("SQRT", of("sqrtf", "sqrt")),
-                ("ABS", of("fabsf", "fabs")),
-                ("GREAT", of("12582912.0f", "6755399441055744.0")),
-                ("GREATEST", of("FLT_MAX", "DBL_MAX")),
                 ("ROUND_OFF", R::ROUND_OFF.c()),
-                ("BITS", of("uint32_t", "uint64_t")),
             ],
         );
-        [header, fill(&source, self.c_numbers())]
+        let source = fill(&source, self.c_numbers());
+        [header, source].map(|text| fill(&text, number_words::<R>()))
     }
 
     /// The numbers of robot, limits and rates, as the source names them.
@@ -77,16 +67,6 @@ impl<R: Number> Tables<R> {
         let flags = flags.map(|(name, flag)| (name, flag.to_string()));
         let numbers = numbers.map(|(name, x)| (name, x.c()));
         flags.into_iter().chain(numbers)
-    }
-
-    fn comment(&self) -> String {
-        let lines: Vec<String> = self
-            .about()
-            .iter()
-            .map(|line| format!(" * {line}"))
-            .collect();
-        // A robot's name is the user's.
-        format!("/*\n{}\n */", lines.join("\n").replace("*/", "* /"))
     }
 
     fn c_data(&self) -> String {
@@ -201,8 +181,32 @@ fn test_program<R: Number>(v: &Solved<R>) -> String {
     format!("{{{h}}}, {{{g}}}, {{{rows}}}, {code}, {{{}}}", list(&x))
 }
 
+/// Lines at the head of a file.
+pub(super) fn comment(lines: &[String]) -> String {
+    let lines: Vec<String> = lines.iter().map(|line| format!(" * {line}")).collect();
+    // A robot's name is the user's.
+    format!("/*\n{}\n */", lines.join("\n").replace("*/", "* /"))
+}
+
+/// What the code calls numbers and their functions.
+pub(super) fn number_words<R: Number>() -> [(&'static str, String); 7] {
+    let words: [(&str, [&str; 2]); 7] = [
+        ("REAL", ["float", "double"]),
+        ("SUFFIX", ["x##f", "x"]),
+        ("SQRT", ["sqrtf", "sqrt"]),
+        ("ABS", ["fabsf", "fabs"]),
+        ("GREAT", ["12582912.0f", "6755399441055744.0"]),
+        ("GREATEST", ["FLT_MAX", "DBL_MAX"]),
+        ("BITS", ["uint32_t", "uint64_t"]),
+    ];
+    words.map(|(name, [float, double])| {
+        let word = if R::IS_FLOAT { float } else { double };
+        (name, word.to_owned())
+    })
+}
+
 /// A text with each `@NAME@` replaced.
-fn fill<'a>(text: &str, names: impl IntoIterator<Item = (&'a str, String)>) -> String {
+pub(super) fn fill<'a>(text: &str, names: impl IntoIterator<Item = (&'a str, String)>) -> String {
     let put =
         |text: String, (name, value): (&str, String)| text.replace(&format!("@{name}@"), &value);
     names.into_iter().fold(text.to_owned(), put)

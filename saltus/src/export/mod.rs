@@ -1,5 +1,5 @@
 //! The planner's answers as tables for a controller: built, measured against the planner, and
-//! written as C or Rust.
+//! written as C or Rust; and what decides on a running robot, in C.
 //!
 //! ```
 //! use saltus::controller::{Sensed, Task};
@@ -20,6 +20,7 @@ mod layout;
 mod numbers;
 mod plant;
 mod request;
+mod running;
 mod rust;
 mod tables;
 mod vectors;
@@ -27,4 +28,5 @@ mod vectors;
 pub use numbers::Number;
 pub use plant::planner;
 pub use request::{ExportError, Request};
+pub use running::Running;
 pub use tables::{Confirmed, Misses, Tables, fingerprint};

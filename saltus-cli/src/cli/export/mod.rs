@@ -1,5 +1,6 @@
 //! `saltus export`: a robot, or what it is to do, as other programs take it.
 
+mod running;
 mod tables;
 
 use std::path::PathBuf;
@@ -12,8 +13,7 @@ use super::common::RobotFlags;
 use crate::error::CliError;
 use crate::output::Files;
 
-/// Write the robot for another program: firing tables for a controller in C or Rust, or a MuJoCo
-/// model
+/// Write the robot for another program: a controller in C or Rust, or a MuJoCo model
 #[derive(Args, Debug)]
 pub(crate) struct Export {
     #[command(subcommand)]

@@ -7,6 +7,7 @@ use saltus::export::{self, ExportError, Number, Request, Tables};
 use saltus::on_plant::OnPlant;
 use saltus::{Planner, Robot};
 
+use super::running::RunningFlags;
 use crate::cli::Status;
 use crate::cli::common::{PlantFlags, RobotFlags, Threads, note_valve};
 use crate::cli::terms::{TermFlags, Terms};
@@ -15,15 +16,21 @@ use crate::output::{Files, print};
 use crate::quantity::{self, Quantity};
 use crate::range::{Values, angles, distances, rates};
 
-/// Write firing tables and decisions as C99, a header and a source
+/// Write what decides on a robot that jumps or runs as C99, headers and a source
 #[derive(Args, Debug)]
-#[command(after_help = "`saltus export c --help` explains the files.", after_long_help = C_HELP)]
+#[command(
+    after_help = "`saltus export c --help` explains the files.",
+    after_long_help = C_HELP,
+    mut_arg("distance", |distance| distance.required(false).required_unless_present("gait"))
+)]
 pub(super) struct C {
     #[command(flatten)]
     flags: TableFlags,
 
-    /// Write saltus_controller.h and saltus_controller.c into this folder, which is made if it is
-    /// not there
+    #[command(flatten)]
+    running: RunningFlags,
+
+    /// Write the files into this folder, which is made if it is not there
     #[arg(long, short, value_name = "DIR", help_heading = "Robot and output")]
     out: PathBuf,
 }
@@ -50,6 +57,9 @@ Examples:
   saltus export c --distance 0.6 --newton 2 --out firmware/src
   saltus export c --distance 0.3:0.8:11 --plant rats-boom --out firmware/src
   saltus export c --distance 0.4:0.7:7 --valve-open 60ms --valve-range 30ms:60ms --real double --out firmware/src
+  saltus export c --gait closed-loop --robot rats-run --out firmware/src
+
+The files are saltus_controller.h and saltus_controller.c, or with --gait saltus_running.h, saltus_running.c and running_tables.h.
 
 One distance gives a curve over the approach rate, several, evenly spaced, a table. Beside it stands a map from approach rate and firing \
 angle to the lift-off, for Newton steps, obstacles and take-offs. Every cell is held against the planner's own jumps; \
@@ -66,6 +76,10 @@ The header declares saltus_decide (whether, when and how long to open the valve)
 jump over an obstacle ahead, or to ask later), saltus_firing_angle, saltus_rate_at, saltus_observe, two small QPs, and saltus_self_test, which returns 0 if \
 tables and answers are, to the bit, those of the Rust code. C99, IEEE 754, no allocation; compile with -ffp-contract=off (or -std=c99), \
 link with -lm. -DSALTUS_NO_SELF_TEST leaves the test and its vectors out. What is printed also heads both files.
+
+With --gait, saltus_runner_step says each cycle whether a leg fires, from the counts of encoder and gyros, and saltus_rear_leg on which two \
+feet the robot stands. running_tables.h has the constants: law, zone, legs, and what a count is, from the robot's [sensors]. Numbers and \
+compilers are as above; the valve opens for 40 ms unless --valve-open says otherwise. docs/controller.md has a program.
 
 The exit code is 1 if no cell can be used.";
 
@@ -92,8 +106,8 @@ enum RealType {
 #[derive(Args, Debug)]
 struct TableFlags {
     /// Distances (m), evenly spaced, from the foot to the landing
-    #[arg(long, value_name = "LENGTHS", value_parser = distances, allow_hyphen_values = true)]
-    distance: Values,
+    #[arg(long, value_name = "LENGTHS", value_parser = distances, allow_hyphen_values = true, required = true)]
+    distance: Option<Values>,
 
     /// Approach rates ω (rad/s), evenly spaced; --start-lean says where they count
     #[arg(long, value_name = "RATES", value_parser = rates, allow_hyphen_values = true, default_value = "3:6:13")]
@@ -156,23 +170,33 @@ impl C {
     }
 
     fn write<R: Number>(&self) -> Result<Status, CliError> {
+        let open = self.flags.terms.valve_open();
+        if let Some(running) = (self.running).written::<R>(|| self.flags.robot.robot(), open)? {
+            return self.files(running.files, &running.about);
+        }
         let Some(tables) = self.flags.tables::<R>()? else {
             return Ok(Status::No);
         };
-        std::fs::create_dir_all(&self.out).map_err(|error| CliError::write(&self.out, error))?;
         let [header, source] = tables.c();
+        let texts = [
+            ("saltus_controller.h", header),
+            ("saltus_controller.c", source),
+        ];
+        self.files(texts, &tables.about())
+    }
+
+    /// Writes the files, and prints what heads them.
+    fn files<'a>(
+        &self,
+        texts: impl IntoIterator<Item = (&'a str, String)>,
+        about: &[String],
+    ) -> Result<Status, CliError> {
+        std::fs::create_dir_all(&self.out).map_err(|error| CliError::write(&self.out, error))?;
         let mut files = Files::default();
-        files.add(
-            "--out",
-            &self.out.join("saltus_controller.h"),
-            header.into_bytes(),
-        );
-        files.add(
-            "--out",
-            &self.out.join("saltus_controller.c"),
-            source.into_bytes(),
-        );
-        files.report(None, tables.about().join("\n") + "\n");
+        for (name, text) in texts {
+            files.add("--out", &self.out.join(name), text.into_bytes());
+        }
+        files.report(None, about.join("\n") + "\n");
         files.write()?;
         Ok(Status::Done)
     }
@@ -234,6 +258,10 @@ impl TableFlags {
             .as_ref()
             .map(|a| spaced("--alpha-f", a, 2))
             .transpose()?;
+        let distances = self.distance.as_ref().ok_or(CliError::Missing {
+            flag: "--distance",
+            allowed: "distances (m) from the foot to the landing",
+        })?;
         let default = Request::default();
         if let Some((low, high)) = self.valve_range
             && !(low <= valve_open && valve_open <= high)
@@ -250,7 +278,7 @@ impl TableFlags {
         }
         Ok(Request {
             rates: spaced("--omega", &self.omega, 2)?,
-            distances: spaced("--distance", &self.distance, 1)?,
+            distances: spaced("--distance", distances, 1)?,
             firing_angles: angles.map(|(low, high, _)| (low, high)),
             angles: angles.map_or(default.angles, |(.., count)| count),
             landing_height: Some(landing_height),

@@ -1,0 +1,328 @@
+@HEADER@
+/*
+ * C99. IEEE 754 arithmetic without contraction of products and sums: -ffp-contract=off, which is what -std=c99 means to GCC. The only
+ * functions of others are @SQRT@ and @ABS@, exact or correctly rounded everywhere. Link with -lm; with -fno-math-errno each is one instruction
+ * where the processor has a root, and no library is needed.
+ * Nothing allocates, recurses, or loops more often than a constant says.
+ */
+#include "saltus_running.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#ifndef __GNUC__
+#pragma STDC FP_CONTRACT OFF
+#endif
+
+#if FLT_EVAL_METHOD != 0
+#error "Wider intermediate results would change the answers"
+#endif
+
+#define R(x) @SUFFIX@
+#define SQRT(x) @SQRT@(x)
+#define ABS(x) @ABS@(x)
+#define GREATEST @GREATEST@
+#define GREAT @GREAT@
+#define PI R(3.141592653589793)
+
+#define LEAST_LEGS 3
+#define MOST_LEGS 12
+/* How far (rad) behind its zone a leg leaves it: more than round-off, less than a count. */
+#define BACK R(1e-5)
+
+static int within(saltus_real x, saltus_real low, saltus_real high) { return x >= low && x <= high; }
+static int is_finite(saltus_real x) { return ABS(x) <= GREATEST; }
+static saltus_real lesser(saltus_real a, saltus_real b) { return b < a ? b : a; }
+static saltus_real greater(saltus_real a, saltus_real b) { return b > a ? b : a; }
+
+/* Whole numbers that go round. */
+static int32_t round_to(uint32_t x) { return x <= INT32_MAX ? (int32_t)x : -(int32_t)~x - 1; }
+static int32_t plus(int32_t a, int32_t b) { return round_to((uint32_t)a + (uint32_t)b); }
+static int32_t minus(int32_t a, int32_t b) { return round_to((uint32_t)a - (uint32_t)b); }
+static int32_t times(int32_t a, int32_t b) { return round_to((uint32_t)a * (uint32_t)b); }
+
+static saltus_real number(uint32_t count) { return (saltus_real)(int32_t)(count > INT32_MAX ? INT32_MAX : count); }
+
+static saltus_real sine(saltus_real x) {
+    saltus_real s = x * x;
+    saltus_real series = R(-0.16666667) + s * (R(0.008333334) + s * (R(-0.00019841270) + s * R(0.0000027557319)));
+    return x + x * s * series;
+}
+
+static saltus_real cosine(saltus_real x) {
+    saltus_real s = x * x;
+    saltus_real series = R(0.041666668) + s * (R(-0.0013888889) + s * (R(0.000024801588) + s * R(-0.00000027557319)));
+    return R(1.0) + s * (R(-0.5) + s * series);
+}
+
+static saltus_real hyperbolic_tangent(saltus_real x) {
+    if (ABS(x) > R(20.0)) return x > 0 ? R(1.0) : -R(1.0);
+    saltus_real y = (x + x) / R(256.0), p = R(1.0);
+    for (uint32_t k = 0; k < 8; k++) p = R(1.0) + p * (y / (saltus_real)(9 - k));
+    p = p * y;
+    for (int k = 0; k < 8; k++) p = p * (p + R(2.0));
+    return p / (p + R(2.0));
+}
+
+/* Firing angle and valve opening time between two, a part of the way. */
+static void mix(saltus_real part, saltus_real angle, saltus_real open, saltus_real next_angle, saltus_real next_open, saltus_real out[2]) {
+    out[0] = angle + part * (next_angle - angle);
+    out[1] = open + part * (next_open - open);
+}
+
+static void lines(const saltus_law *law, saltus_real rate, saltus_real out[2]) {
+    if (law->count == 0 || !is_finite(rate)) return;
+    const saltus_knot *first = &law->knots[0], *last = &law->knots[law->count - 1];
+    const saltus_knot *level = rate >= last->rate ? last : rate < first->rate ? first : NULL;
+    if (level != NULL) {
+        out[0] = level->firing_angle;
+        out[1] = level->valve_open;
+        return;
+    }
+    const saltus_knot *before = first;
+    for (uint32_t k = 0; k < law->count; k++) {
+        const saltus_knot *next = &law->knots[k];
+        if (next->rate > rate) {
+            saltus_real part = (rate - before->rate) / (next->rate - before->rate);
+            mix(part, before->firing_angle, before->valve_open, next->firing_angle, next->valve_open, out);
+            return;
+        }
+        before = next;
+    }
+}
+
+static void policy(const saltus_law *law, saltus_real entry, saltus_real out[2]) {
+    if (!is_finite(entry)) return;
+    saltus_real inside = lesser(greater(entry, law->first), law->last);
+    if (!within(inside, law->first, law->last) || law->count < 2) return;
+    saltus_real along = (inside - law->first) * law->per_unit;
+    /* Beside a number so great only whole ones lie, and its last bits count them. */
+    saltus_real beside = (along - R(0.5)) + GREAT;
+    @BITS@ bits;
+    memcpy(&bits, &beside, sizeof bits);
+    uint32_t index = (uint32_t)(bits & 0x3FFFFF), most = law->count - 2;
+    const saltus_real *from = law->nodes[index > most ? most : index], *to = from + 2;
+    mix(along - lesser(beside - GREAT, (saltus_real)most), from[0], from[1], to[0], to[1], out);
+}
+
+/* Firing angle (rad) and valve opening time (s). What is not a number fires never. */
+static void law_at(const saltus_law *law, saltus_real time, saltus_real rate, saltus_real entry, saltus_real out[2]) {
+    out[0] = PI;
+    out[1] = R(0.0);
+    if (law->kind == SALTUS_OVER_TIME) {
+        out[0] = law->amplitude * hyperbolic_tangent(law->slope * time - law->shift) + law->level;
+        out[1] = law->valve_open;
+    } else if (law->kind == SALTUS_LINES) {
+        lines(law, rate, out);
+    } else {
+        policy(law, entry, out);
+    }
+}
+
+static saltus_real gyro(const saltus_instruments *i, const saltus_readings *readings) {
+    int32_t fine = readings->fine_gyro;
+    if (fine < i->fine_limit && fine > minus(0, i->fine_limit)) return (saltus_real)fine * i->fine_gyro;
+    return (saltus_real)readings->coarse_gyro * i->coarse_gyro;
+}
+
+/* The filtered rate (rad/s), with a cycle's readings. */
+static saltus_real filtered(saltus_runner *r, const saltus_readings *readings) {
+    saltus_real rate = gyro(&r->gait->instruments, readings), sum = R(0.0);
+    r->newest = r->newest == 0 ? SALTUS_MOST_TAPS - 1 : r->newest - 1;
+    if (!r->is_read) {
+        for (int k = 0; k < SALTUS_MOST_TAPS; k++) r->past[k] = rate;
+        r->is_read = 1;
+    }
+    r->past[r->newest] = rate;
+    uint32_t at = r->newest;
+    for (uint32_t k = 0; k < r->gait->tap_count && k < SALTUS_MOST_TAPS; k++) {
+        sum = sum + r->gait->taps[k] * r->past[at];
+        at = at + 1 == SALTUS_MOST_TAPS ? 0 : at + 1;
+    }
+    return sum;
+}
+
+/* Counts of a turn in the direction of the run. */
+static int32_t turn(const saltus_runner *r) { return times(r->gait->instruments.wheel_turn, r->direction); }
+
+/* Lean (rad) of the leg that was last in the zone. */
+static saltus_real lean_of(const saltus_runner *r, int32_t wheel) {
+    saltus_real turned = (saltus_real)times(minus(wheel, r->base), r->direction) * r->gait->instruments.wheel;
+    return turned + r->offset - number(r->leg) * r->pitch;
+}
+
+/* Finds the leg in the zone; its lean (rad). */
+static saltus_real find_leg(saltus_runner *r, int32_t wheel) {
+    saltus_real low = r->gait->zone, high = low + r->pitch, back = low - BACK;
+    saltus_real lean = lean_of(r, wheel);
+    /* A cycle is too short for more than a turn; whatever the counter says, this ends. */
+    for (int k = 0; k < 13; k++) {
+        if (lean >= high) {
+            r->leg++;
+            if (r->leg >= r->legs) {
+                r->leg = 0;
+                r->base = plus(r->base, turn(r));
+            }
+        } else if (lean < back) {
+            if (r->leg == 0) {
+                r->leg = r->legs;
+                r->base = minus(r->base, turn(r));
+            }
+            r->leg--;
+        } else {
+            break;
+        }
+        r->has_fired = 0;
+        r->enters = 1;
+        lean = lean_of(r, wheel);
+    }
+    return lean;
+}
+
+void saltus_runner_start(saltus_runner *r, const saltus_gait *gait, uint32_t rear, int32_t wheel, int forwards) {
+    int is_sound = gait->legs >= LEAST_LEGS && gait->legs <= MOST_LEGS && rear < gait->legs;
+    r->gait = gait;
+    r->newest = 0;
+    r->is_read = 0;
+    r->cycles = 0;
+    r->still = 0;
+    /* Without legs the pitch is infinite, and no lean is a number. */
+    r->legs = is_sound ? gait->legs : 0;
+    r->leg = is_sound ? rear : 0;
+    saltus_real half = PI / number(r->legs);
+    r->base = wheel;
+    r->offset = half + (half + half) * number(r->leg);
+    r->pitch = half + half;
+    r->direction = 1;
+    r->has_fired = 0;
+    r->enters = 1;
+    r->entry = R(0.0);
+    r->demand = R(0.0);
+    r->sum = R(0.0);
+    if (!forwards) saltus_runner_turn_round(r, wheel);
+}
+
+void saltus_runner_demand(saltus_runner *r, saltus_real rate) {
+    if (rate != r->demand) r->sum = R(0.0);
+    r->demand = rate;
+}
+
+void saltus_runner_turn_round(saltus_runner *r, int32_t wheel) {
+    r->offset = -r->offset;
+    r->direction = -r->direction;
+    /* Leg k of now is leg n - k then; as legs are counted from 0 to n - 1, a turn lies between. */
+    if (r->leg != 0) {
+        r->leg = r->legs - r->leg;
+        r->base = minus(r->base, turn(r));
+    }
+    r->has_fired = 0;
+    r->enters = 1;
+    r->sum = R(0.0);
+    find_leg(r, wheel);
+}
+
+/* The opening time (s) that holds the demanded rate. */
+static saltus_real held(saltus_runner *r, saltus_real rate, saltus_real law_open) {
+    const saltus_hold *hold = &r->gait->hold;
+    if (!(r->demand > 0)) {
+        r->sum = R(0.0);
+        return R(0.0);
+    }
+    saltus_real lacking = r->demand - rate;
+    saltus_real sum = r->sum + lacking * r->gait->period;
+    r->sum = lesser(greater(sum, -hold->most_sum), hold->most_sum);
+    saltus_real open = law_open + hold->by_error * lacking + hold->by_sum * r->sum;
+    return open < hold->least_open ? R(0.0) : lesser(open, hold->most_open);
+}
+
+/* Counts the time for which it stands still. */
+static int stands_still(saltus_runner *r, saltus_real rate) {
+    const saltus_stall *stall = &r->gait->stall;
+    if (ABS(rate) >= stall->rate) {
+        r->still = 0;
+        return 0;
+    }
+    if (r->still != UINT32_MAX) r->still++;
+    int stalled = number(r->still) * r->gait->period >= stall->time;
+    if (stalled && stall->restarts) {
+        r->has_fired = 0;
+        r->still = 0;
+    }
+    return stalled;
+}
+
+void saltus_runner_step(saltus_runner *r, const saltus_readings *readings, saltus_action *action) {
+    const saltus_gait *gait = r->gait;
+    saltus_real lean = find_leg(r, readings->wheel);
+    saltus_real rate = filtered(r, readings) * (saltus_real)r->direction;
+    if (r->enters) {
+        r->entry = rate;
+        r->enters = 0;
+    }
+    saltus_real time = number(r->cycles) * gait->period, law[2];
+    if (r->cycles != UINT32_MAX) r->cycles++;
+    law_at(&gait->law, time, rate, r->entry, law);
+    saltus_real valve_open = gait->holds ? held(r, rate, law[1]) : law[1];
+    int stalled = stands_still(r, rate);
+    int fires = !r->has_fired && lean >= law[0] && valve_open > 0;
+    if (fires) r->has_fired = 1;
+    action->in_zone = r->direction > 0 || r->leg == 0 ? r->leg : r->legs - r->leg;
+    action->leg = fires ? (int32_t)action->in_zone : -1;
+    action->valve_open = fires ? valve_open : R(0.0);
+    action->lean = lean;
+    action->rate = rate;
+    action->firing_angle = law[0];
+    action->stalled = stalled;
+}
+
+void saltus_standing_take(saltus_standing *s, const saltus_instruments *instruments, const saltus_readings *readings) {
+    if (s->count >= 250) return;
+    int32_t limit = instruments->accelerometer_limit;
+    for (int k = 0; k < 2; k++) {
+        int32_t reading = readings->fine_accelerometer[k];
+        if (reading >= limit || reading <= minus(0, limit)) s->is_saturated = 1;
+        s->sums[k] = plus(s->sums[k], reading);
+    }
+    s->fastest = greater(s->fastest, ABS(gyro(instruments, readings)));
+    s->count++;
+}
+
+/* sin x and cos x for 0 <= x <= 2.2, by the half angle. */
+static saltus_real sine_of(saltus_real x) {
+    saltus_real half = x * R(0.5);
+    return R(2.0) * sine(half) * cosine(half);
+}
+
+static saltus_real cosine_of(saltus_real x) {
+    saltus_real s = sine(x * R(0.5));
+    return R(1.0) - R(2.0) * s * s;
+}
+
+enum saltus_standing_status saltus_rear_leg(const saltus_standing *standing, const saltus_gait *gait, saltus_real gravity, uint32_t *leg) {
+    if (standing->count < 100) return SALTUS_STANDING_ASK_LATER;
+    if (standing->is_saturated) return SALTUS_STANDING_SATURATED;
+    if (standing->fastest > R(0.8)) return SALTUS_STANDING_MOVING;
+    saltus_real scale = gait->instruments.fine_accelerometer / (saltus_real)standing->count;
+    saltus_real forward = (saltus_real)standing->sums[0] * scale, up = (saltus_real)standing->sums[1] * scale;
+    saltus_real length = SQRT(forward * forward + up * up);
+    saltus_real off = R(0.15) * gravity;
+    if (!within(length - gravity, -off, off)) return SALTUS_STANDING_MOVING;
+    if (!(gait->legs >= LEAST_LEGS && gait->legs <= MOST_LEGS)) return SALTUS_STANDING_BETWEEN;
+    /* A unit vector up, in the wheel's axes, turns backwards as the wheel leans forwards. */
+    uint32_t best = 0;
+    saltus_real most = -R(2.0), half = PI / number(gait->legs);
+    saltus_real s = sine_of(half), c = cosine_of(half), turn_s = sine_of(half + half), turn_c = cosine_of(half + half);
+    for (uint32_t k = 0; k < gait->legs; k++) {
+        saltus_real along = (up * c - forward * s) / length, next = s * turn_c + c * turn_s;
+        if (along > most) {
+            best = k;
+            most = along;
+        }
+        c = c * turn_c - s * turn_s;
+        s = next;
+    }
+    if (!(most >= cosine_of(lesser(half * R(0.8), R(0.45))))) return SALTUS_STANDING_BETWEEN;
+    *leg = best;
+    return SALTUS_STANDING_OK;
+}

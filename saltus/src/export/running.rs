@@ -1,0 +1,161 @@
+//! What decides on a running robot, as C: the code, and the robot's constants.
+
+use saltus_controller::Axis;
+use saltus_controller::run::{Gait, Hold, Law};
+use saltus_gait::{GaitError, Setup};
+
+use super::c::{comment, fill, number_words};
+use super::fingerprint;
+use super::numbers::Number;
+
+const HEADER: &str = include_str!("../../../controller/c/saltus_running.h");
+const SOURCE: &str = include_str!("../../../controller/c/saltus_running.c");
+
+/// What is written for a running robot.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Running {
+    /// What heads every file.
+    pub about: Vec<String>,
+    /// `saltus_running.h` and `saltus_running.c`, in C99 with no other dependency than `math.h`'s
+    /// square root, and `running_tables.h` with the robot's constants: names and texts.
+    pub files: [(&'static str, String); 3],
+}
+
+impl Running {
+    /// The code that decides in `setup`, with numbers `R`.
+    ///
+    /// # Errors
+    /// [`GaitError`] for a run that cannot be.
+    pub fn new<R: Number>(setup: &Setup) -> Result<Running, GaitError> {
+        let gravity = setup.robot.environment.gravity;
+        let tables = setup.flashed(|gait| tables::<R>(gait, gravity))?;
+        let about = about::<R>(setup);
+        let head = comment(&about);
+        let filled = |text| {
+            let head = ("HEADER", head.clone());
+            fill(text, number_words::<R>().into_iter().chain([head]))
+        };
+        let files = [
+            ("saltus_running.h", filled(HEADER)),
+            ("saltus_running.c", filled(SOURCE)),
+            ("running_tables.h", format!("{head}\n{tables}")),
+        ];
+        Ok(Running { about, files })
+    }
+}
+
+fn about<R: Number>(setup: &Setup) -> Vec<String> {
+    let (name, hash) = (&setup.robot.name, fingerprint(&setup.robot));
+    vec![
+        format!(
+            "What decides on the running robot {}, whose file's SHA-256 begins {hash}.",
+            name.escape_default()
+        ),
+        format!(
+            "Written by saltus {}; to change it, write it anew. Numbers: {}.",
+            env!("CARGO_PKG_VERSION"),
+            R::C_TYPE
+        ),
+    ]
+}
+
+fn tables<R: Number>(gait: &Gait<'_, f64>, gravity: f64) -> String {
+    let c = |x: f64| R::of(x).c();
+    let list = |all: &[f64]| all.iter().map(|x| c(*x)).collect::<Vec<_>>().join(", ");
+    let (taps, tap_count) = (list(gait.taps), gait.taps.len());
+    let (data, law) = law::<R>(&gait.law);
+    let i = &gait.instruments;
+    let (wheel, turn) = (c(i.wheel), i.wheel_turn);
+    let (boom, fine) = (list(&[i.radius, i.pivot]), c(i.fine_gyro));
+    let (coarse, acceleration) = (c(i.coarse_gyro), c(i.fine_accelerometer));
+    let (fine_limit, limit) = (i.fine_limit, i.accelerometer_limit);
+    let nothing = Hold {
+        by_error: 0.0,
+        by_sum: 0.0,
+        most_sum: 0.0,
+        least_open: 0.0,
+        most_open: 0.0,
+    };
+    let (h, holds) = (gait.hold.unwrap_or(nothing), u8::from(gait.hold.is_some()));
+    let hold = list(&[h.by_error, h.by_sum, h.most_sum, h.least_open, h.most_open]);
+    let stall = list(&[gait.stall.rate, gait.stall.time]);
+    let restarts = u8::from(gait.stall.restarts);
+    let (zone, legs, period, gravity) = (c(gait.zone), gait.legs, c(gait.period), c(gravity));
+    format!(
+        "\
+#ifndef RUNNING_TABLES_H
+#define RUNNING_TABLES_H
+
+#include \"saltus_running.h\"
+
+/* m/s^2 */
+static const saltus_real running_gravity = {gravity};
+/* Weights of the rate's filter, the newest reading's first. */
+static const saltus_real running_taps[{tap_count}] = {{{taps}}};
+{data}
+static const saltus_gait running_gait = {{
+    {law},
+    {zone}, /* zone */
+    {legs}, /* legs */
+    {period}, /* period */
+    {{{wheel}, {turn}, {boom}, {fine}, {fine_limit}, {coarse}, {acceleration}, {limit}}}, /* instruments */
+    running_taps, {tap_count},
+    {holds}, {{{hold}}}, /* hold */
+    {{{stall}, {restarts}}}, /* stall */
+}};
+
+#endif
+"
+    )
+}
+
+/// The data that a law refers to, and the law.
+fn law<R: Number>(law: &Law<'_, f64>) -> (String, String) {
+    let c = |x: f64| R::of(x).c();
+    let zeros = |count: usize| vec![R::ZERO.c(); count].join(", ");
+    match law {
+        Law::OverTime {
+            amplitude,
+            slope,
+            shift,
+            level,
+            valve_open,
+        } => {
+            let numbers = [*amplitude, *slope, *shift, *level, *valve_open].map(c);
+            let (numbers, none) = (numbers.join(", "), zeros(3));
+            let law = format!("{{SALTUS_OVER_TIME, {numbers}, 0, {none}, 0, 0}}");
+            (String::new(), law)
+        }
+        Law::Lines(knots) => {
+            let row = |k: &saltus_controller::run::Knot<f64>| {
+                let knot = [k.rate, k.firing_angle, k.valve_open].map(c);
+                format!("    {{{}}},\n", knot.join(", "))
+            };
+            let (count, rows) = (knots.len(), knots.iter().map(row).collect::<String>());
+            let (before, none) = (zeros(5), zeros(3));
+            (
+                format!(
+                    "/* Rate (rad/s), firing angle (rad), valve opening time (s). */\n\
+                     static const saltus_knot running_knots[{count}] = {{\n{rows}}};\n"
+                ),
+                format!("{{SALTUS_LINES, {before}, running_knots, {none}, 0, {count}}}"),
+            )
+        }
+        Law::Policy(policy) => {
+            let row = |node: &[f64; 2]| format!("    {{{}}},\n", node.map(c).join(", "));
+            let count = policy.nodes.len();
+            let rows = policy.nodes.iter().map(row).collect::<String>();
+            let ends = [policy.rates.first, policy.rates.last].map(R::of);
+            let axis = Axis::new(ends[0], ends[1], count);
+            let axis = [axis.first, axis.last, axis.per_unit].map(R::c).join(", ");
+            let before = zeros(5);
+            (
+                format!(
+                    "/* Firing angle (rad), valve opening time (s). */\n\
+                     static const saltus_real running_nodes[{count}][2] = {{\n{rows}}};\n"
+                ),
+                format!("{{SALTUS_POLICY, {before}, 0, {axis}, running_nodes, {count}}}"),
+            )
+        }
+    }
+}
