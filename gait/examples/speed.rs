@@ -22,13 +22,12 @@ fn main() {
     for v in [1.0, 1.5, 2.0, 2.5, 3.0] {
         let n = 40;
         let rs = saltus_numeric::parallel::map(n, |k| {
-            let u = |j: usize| ((k * 7919 + j * 104729) % 1000) as f64 / 999.0 * 2.0 - 1.0;
-            let mut r = robot.clone();
-            if let Some(c) = r.leg.cylinder_mut() {
-                c.supply.0 *= 1.0 + 0.2 * u(1);
-            }
-            r.ground.tilt = 3f64.to_radians() * u(2);
+            let u = |j: usize| { use rand_pcg::rand_core::Rng; let mut g = rand_pcg::Pcg64::new(k as u128, j as u128); (g.next_u64() as f64 / u64::MAX as f64) * 2.0 - 1.0 };
+            let r = robot.clone();
             let mut s = Setup::new(r, Program::Curve(knots.clone()), 16.0);
+            let supply = s.robot.leg.cylinder().map_or(0.0, |c| c.supply.0);
+            s.disturbances.push(Disturbance { when: When::Time(3.0, 1e9), what: What::Supply(supply * (1.0 + 0.2 * u(1))) });
+            s.disturbances.push(Disturbance { when: When::Time(3.0, 1e9), what: What::Slope(3f64.to_radians() * u(2)) });
             s.seed = k as u64;
             s.first = vec![[a[5], a[6]], [a[7], a[8]]];
             s.speeds = vec![[0.0, v], [14.0, 0.0]];
@@ -40,7 +39,7 @@ fn main() {
             s.hold = Some(Hold {
                 way: boom * std::f64::consts::TAU / 1600.0,
                 renewed: 1e-3 / tau,
-                by_error: ke,
+                ahead: a[11], by_error: ke,
                 by_sum: ki,
                 most_sum: most,
             });
@@ -100,7 +99,7 @@ fn main() {
         let mut m: Vec<f64> = rs.iter().map(|r| r.0).collect();
         m.sort_by(f64::total_cmp);
         let stalls = rs.iter().filter(|r| r.1 > 0).count();
-        let stop = rs.iter().map(|r| r.2).fold(0.0, f64::max);
+        let mut st: Vec<f64> = rs.iter().map(|r| r.2).collect(); st.sort_by(f64::total_cmp); let stop = st[n-1]; print!("stop med {:.2} ", st[n/2]);
         println!(
             "v {v}: within 5%: {within}/{n}; min {:.2} 10% {:.2} med {:.2} max {:.2}; stalled {stalls}; stop {stop:.2} m; still moving {}",
             m[0],

@@ -68,6 +68,9 @@ pub struct Hold<R> {
     pub way: R,
     /// Part of the measured speed that a cycle renews: the period over the time of its mean.
     pub renewed: R,
+    /// Most (m/s) by which the speed that is asked of the law is above the measured one: from rest the
+    /// law is gone through.
+    pub ahead: R,
     /// By how much sooner (rad) a leg fires for each m/s that is lacking now.
     pub by_error: R,
     /// The same for each metre (m/s over a second) that has been lacking.
@@ -352,6 +355,10 @@ impl<'a, R: Real> Runner<'a, R> {
             return None;
         }
         let lacking = demand - self.speed;
+        if lacking > hold.ahead {
+            self.sum = R::ZERO;
+            return Some([self.speed + hold.ahead, R::ZERO]);
+        }
         let sum = self.sum + lacking * self.gait.period;
         self.sum = sum.greater(-hold.most_sum).lesser(hold.most_sum);
         Some([demand, -(hold.by_error * lacking + hold.by_sum * self.sum)])
