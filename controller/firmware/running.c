@@ -119,6 +119,15 @@ static uint32_t stand(void) {
     return leg;
 }
 
+/* Bytes of the stack that a cycle takes; what is not painted, 256 of them, counts as taken. */
+__attribute__((noinline)) static uint32_t stack_of(saltus_runner *runner, const saltus_readings *readings) {
+    static saltus_action action;
+    uint32_t top;
+    paint();
+    saltus_runner_step(runner, readings, &action);
+    return deepest(&top);
+}
+
 int main(void) {
     start_clock();
     uint32_t from = now(), fired = 0, stood = 0;
@@ -147,12 +156,15 @@ int main(void) {
             roll(&readings);
             if (one_in(1500)) saltus_runner_turn_round(&runner, readings.wheel);
             if (one_in(300)) saltus_runner_demand(&runner, between(N(-1.0), N(12.0)));
-            if (k % 101 == 0) paint();
-            uint32_t top;
+            if (k % 101 == 0) {
+                static saltus_runner other;
+                other = runner;
+                uint32_t used = stack_of(&other, &readings);
+                if (used > most) most = used;
+            }
             from = now();
             saltus_runner_step(&runner, &readings, &action);
             count(instructions(from, now()));
-            if (k % 101 == 0 && deepest(&top) > most) most = deepest(&top);
             fired += action.leg >= 0;
             stood += action.stalled != 0;
             mix_word((uint32_t)action.leg);
@@ -167,7 +179,7 @@ int main(void) {
     report("cycles", CYCLES, fired, hash);
     printf("stood still in %lu, knew its feet in %lu of %lu runs\n", (unsigned long)stood, (unsigned long)knew, (unsigned long)(CYCLES / RUN));
 #ifdef __arm__
-    printf("# stack of a cycle: %lu bytes\n", (unsigned long)most);
+    printf("# stack of a cycle: at most %lu bytes\n", (unsigned long)most);
 #endif
     return 0;
 }
