@@ -1,112 +1,96 @@
-use saltus_controller::run::{Hold, Stall};
-use saltus_gait::*;
-fn main() {
-    let a: Vec<f64> = std::env::args()
-        .skip(1)
-        .map(|x| x.parse().unwrap())
-        .collect();
-    let (ke, ki, tau, most, tv) = (a[0], a[1], a[2], a[3], a[4]);
-    let robot = saltus_robot::resolve("rats-run", &[]).unwrap();
-    let boom = robot.boom.unwrap().length;
-    let knots = vec![
-        [0.9, 0.8, tv],
-        [1.27, 0.6, tv],
-        [1.46, 0.55, tv],
-        [1.6, 0.5, tv],
-        [1.98, 0.4, tv],
-        [2.2, 0.3, tv],
-        [2.95, 0.2, tv],
-        [3.4, 0.1, tv],
-        [4.45, 0.0, tv],
-    ];
-    for v in [1.0, 1.5, 2.0, 2.5, 3.0] {
-        let n = 40;
-        let rs = saltus_numeric::parallel::map(n, |k| {
-            let u = |j: usize| { use rand_pcg::rand_core::Rng; let mut g = rand_pcg::Pcg64::new(k as u128, j as u128); (g.next_u64() as f64 / u64::MAX as f64) * 2.0 - 1.0 };
-            let r = robot.clone();
-            let mut s = Setup::new(r, Program::Curve(knots.clone()), 16.0);
-            let supply = s.robot.leg.cylinder().map_or(0.0, |c| c.supply.0);
-            s.disturbances.push(Disturbance { when: When::Time(3.0, 1e9), what: What::Supply(supply * (1.0 + 0.2 * u(1))) });
-            s.disturbances.push(Disturbance { when: When::Time(3.0, 1e9), what: What::Slope(3f64.to_radians() * u(2)) });
-            s.seed = k as u64;
-            s.first = vec![[a[5], a[6]], [a[7], a[8]]];
-            s.speeds = vec![[0.0, v], [14.0, 0.0]];
-            s.stall = Stall {
-                rate: a[9],
-                time: a[10],
-                restarts: true,
-            };
-            s.hold = Some(Hold {
-                way: boom * std::f64::consts::TAU / 1600.0,
-                renewed: 1e-3 / tau,
-                ahead: a[11], by_error: ke,
-                by_sum: ki,
-                most_sum: most,
-            });
-            struct F {
-                x4: f64,
-                x14: f64,
-                stalls: usize,
-                was: bool,
-            }
-            impl Run for F {
-                fn row(&mut self, r: &Row<'_>) {
-                    if r.time <= 4.0 {
-                        self.x4 = r.axle[0];
-                        self.was = r.action.stalled;
-                    } else if r.time <= 14.0 {
-                        self.x14 = r.axle[0];
-                        if r.action.stalled && !self.was {
-                            self.stalls += 1
-                        }
-                        self.was = r.action.stalled;
-                    }
-                }
-                fn footfall(&mut self, _: &Footfall) {}
-            }
-            let mut f = F {
-                x4: 0.0,
-                x14: 0.0,
-                stalls: 0,
-                was: false,
-            };
-            match run(&s, &mut f) {
-                Ok(sum) => (
-                    (f.x14 - f.x4) / 10.0,
-                    f.stalls,
-                    sum.travel - f.x14,
-                    sum.ending == Ending::Ran,
-                ),
-                Err(e) => {
-                    println!("{e}");
-                    (f64::NAN, 0, 0.0, false)
-                }
-            }
-        });
-        if std::env::var("SHOW").is_ok() {
-            for (k, r) in rs.iter().enumerate() {
-                let u = |j: usize| ((k * 7919 + j * 104729) % 1000) as f64 / 999.0 * 2.0 - 1.0;
-                println!(
-                    "supply {:+.2} slope {:+.2} v {:.2} stalls {}",
-                    0.2 * u(1),
-                    3.0 * u(2),
-                    r.0,
-                    r.1
-                );
+//! How well a commanded speed is held: on the level from rest, then with another supply pressure, up
+//! to 20 % off, and on a slope of up to 3°.
+//!
+//! ```text
+//! cargo run --release -p saltus-gait --example speed -- 100
+//! ```
+
+use rand_distr::{Distribution, Uniform};
+use rand_pcg::Pcg64;
+use saltus_gait::{Disturbance, Footfall, GaitError, Row, Run, Setup, What, When, run};
+use saltus_numeric::parallel::{available, map};
+
+/// When it is disturbed, when the speed counts, and when it is to stop (s).
+const DISTURBED: f64 = 3.0;
+const COUNTS: [f64; 2] = [4.0, 14.0];
+const END: f64 = 17.0;
+
+#[derive(Default)]
+struct Way {
+    travel: [f64; 2],
+    stalls: usize,
+    was_stalled: bool,
+}
+
+impl Run for Way {
+    fn row(&mut self, row: &Row<'_>) {
+        for (at, travel) in COUNTS.iter().zip(&mut self.travel) {
+            if row.time <= *at {
+                *travel = row.axle[0];
             }
         }
-        let within = rs.iter().filter(|r| (r.0 / v - 1.0).abs() < 0.05).count();
-        let mut m: Vec<f64> = rs.iter().map(|r| r.0).collect();
-        m.sort_by(f64::total_cmp);
-        let stalls = rs.iter().filter(|r| r.1 > 0).count();
-        let mut st: Vec<f64> = rs.iter().map(|r| r.2).collect(); st.sort_by(f64::total_cmp); let stop = st[n-1]; print!("stop med {:.2} ", st[n/2]);
+        let counts = (COUNTS[0]..COUNTS[1]).contains(&row.time);
+        self.stalls += usize::from(counts && row.action.stalled && !self.was_stalled);
+        self.was_stalled = row.action.stalled;
+    }
+
+    fn footfall(&mut self, _: &Footfall) {}
+}
+
+/// Mean speed (m/s), stalls, and the way to a stop (m).
+fn one(base: &Setup, k: usize) -> Result<(f64, usize, f64), GaitError> {
+    let mut random = Pcg64::new(17, k as u128);
+    let uniform = Uniform::new_inclusive(-1.0, 1.0)
+        .map_err(|_| ())
+        .expect("-1 is below 1");
+    let supply = base.robot.leg.cylinder().map_or(0.0, |c| c.supply.0);
+    let when = When::Time(DISTURBED, 1e9);
+    let mut setup = base.clone();
+    setup.seed = k as u64;
+    for what in [
+        What::Supply(supply * (1.0 + 0.2 * uniform.sample(&mut random))),
+        What::Slope(3_f64.to_radians() * uniform.sample(&mut random)),
+    ] {
+        setup.disturbances.push(Disturbance { when, what });
+    }
+    let mut way = Way::default();
+    let summary = run(&setup, &mut way)?;
+    let mean = (way.travel[1] - way.travel[0]) / (COUNTS[1] - COUNTS[0]);
+    Ok((mean, way.stalls, summary.travel - way.travel[1]))
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let count: usize = std::env::args()
+        .nth(1)
+        .ok_or("give how many runs")?
+        .parse()?;
+    let robot = saltus_robot::resolve("rats-run", &[])?;
+    for speed in [1.0, 1.5, 2.0, 2.5, 3.0] {
+        let speeds = [[0.0, speed], [COUNTS[1], 0.0]];
+        let base = Setup::at_speeds(&robot, &speeds, END, available())?;
+        let runs: Vec<_> = map(count, |k| one(&base, k))
+            .into_iter()
+            .collect::<Result<_, _>>()?;
+        let within = runs
+            .iter()
+            .filter(|r| (r.0 / speed - 1.0).abs() <= 0.05)
+            .count();
+        let stalled = runs.iter().filter(|r| r.1 > 0).count();
+        let sorted = |mut values: Vec<f64>| {
+            values.sort_by(f64::total_cmp);
+            values
+        };
+        let means = sorted(runs.iter().map(|r| r.0).collect());
+        let stops = sorted(runs.iter().map(|r| r.2).collect());
+        let last = count - 1;
         println!(
-            "v {v}: within 5%: {within}/{n}; min {:.2} 10% {:.2} med {:.2} max {:.2}; stalled {stalls}; stop {stop:.2} m; still moving {}",
-            m[0],
-            m[n / 10],
-            m[n / 2],
-            m[n - 1],
-            rs.iter().filter(|r| r.3).count()
+            "{speed} m/s: mean within 5 % in {within} of {count} ({:.2} to {:.2}), {stalled} \
+             stalled; stops within {:.2} m (median), {:.2} m (greatest)",
+            means[0],
+            means[last],
+            stops[count / 2],
+            stops[last]
         );
     }
+    Ok(())
 }

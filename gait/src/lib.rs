@@ -11,6 +11,7 @@ mod law;
 mod run;
 mod search;
 mod sensors;
+mod speed;
 mod surroundings;
 mod world;
 
@@ -22,5 +23,6 @@ pub use law::{Centre, Lines, Program, Smooth, second_line};
 pub use run::{Ending, Footfall, Obstacle, Row, Run, Setup, Summary, run};
 pub use search::{Search, search};
 pub use sensors::Sensing;
+pub use speed::speed_law;
 pub use surroundings::{Disturbance, Surroundings, What, When};
 pub use world::{Cycle, World};
