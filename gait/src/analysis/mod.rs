@@ -1,0 +1,4 @@
+//! What a gait is worth: rolling without drive, strides and periodic gaits, basins, energy, and the
+//! frontier of speed against gas.
+
+pub mod passive;
