@@ -2,3 +2,4 @@
 //! frontier of speed against gas.
 
 pub mod passive;
+pub mod stride;
