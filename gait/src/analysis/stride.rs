@@ -23,12 +23,13 @@ pub struct Firing {
 }
 
 impl Firing {
-    /// Fires at `angle` (rad) for `valve_open` (s); a stride begins as a leg fires.
+    /// Fires at `angle` (rad) for `valve_open` (s). A stride begins where the leg in the zone is
+    /// upright, or where it fires, if that is earlier: there the valves are at rest, as a rule.
     pub fn new(angle: f64, valve_open: f64) -> Firing {
         Firing {
             angle,
             valve_open,
-            section: angle,
+            section: angle.min(0.0),
         }
     }
 }
