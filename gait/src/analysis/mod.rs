@@ -1,7 +1,13 @@
-//! What a gait is worth: rolling without drive, strides and periodic gaits, basins, energy, and the
-//! frontier of speed against gas.
+//! What a gait is worth: rolling without drive, strides and periodic gaits, which starts lead to
+//! running, where energy goes, and the frontier of speed against gas.
 
+pub mod basin;
 mod chart;
+pub mod energy;
+pub mod frontier;
 pub mod passive;
 pub mod periodic;
+mod report;
 pub mod stride;
+
+pub use report::{Effort, Report, report};

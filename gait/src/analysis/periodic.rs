@@ -2,9 +2,10 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 use saltus_numeric::parallel;
+use saltus_robot::{Drive, GaugePressure, Robot};
 
 use super::chart::{Chart, distance};
-use super::stride::{Stride, StrideState, Strides};
+use super::stride::{Firing, Stride, StrideState, Strides};
 use crate::GaitError;
 
 /// A gait that repeats itself.
@@ -292,9 +293,83 @@ fn returns(strides: &Strides, done: &[Stride], most_legs: usize) -> Vec<(usize, 
                 (distance(strides.rig(), then, now), at)
             })
             .min_by(|a, b| a.0.total_cmp(&b.0));
-        found.extend(nearest.map(|(far, at)| (far * (1.0 + legs as f64), at, legs)));
+        found.extend(nearest.map(|(far, at)| (far.max(CLOSED) * (1.0 + legs as f64), at, legs)));
     }
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(2);
     found.into_iter().map(|(_, at, legs)| (at, legs)).collect()
+}
+
+/// What a gait is followed over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parameter {
+    /// Firing angle α_f (rad).
+    FiringAngle,
+    /// Valve opening time t_v (s).
+    ValveOpen,
+    /// Supply pressure above ambient (Pa).
+    Supply,
+    /// Slope (rad), uphill positive, of a robot without a boom.
+    Slope,
+}
+
+impl Parameter {
+    /// `robot` and `firing` with the parameter at `value`.
+    fn at(self, value: f64, robot: &Robot, firing: Firing) -> (Robot, Firing) {
+        let (mut robot, mut firing) = (robot.clone(), firing);
+        match self {
+            Parameter::FiringAngle => firing.angle = value,
+            Parameter::ValveOpen => firing.valve_open = value,
+            Parameter::Supply => {
+                if let Drive::Pneumatic(cylinder) = &mut robot.leg.drive {
+                    cylinder.supply = GaugePressure(value);
+                }
+            }
+            Parameter::Slope => robot.ground.tilt = value,
+        }
+        (robot, firing)
+    }
+}
+
+/// A branch of periodic gaits: each with its parameter.
+#[derive(Clone, Debug)]
+pub struct Branch {
+    /// The gaits, as far as they were found.
+    pub gaits: Vec<(f64, Periodic)>,
+    /// The value at which the branch was lost, and what the search came to there.
+    pub lost: Option<(f64, Search)>,
+}
+
+/// Follows `gait` of `robot` under `firing` over the `values` of `parameter`, each from the one
+/// before, as far as it goes: natural continuation, which ends where the branch turns back or what
+/// its feet do changes.
+///
+/// # Errors
+/// [`GaitError::Input`] for a value that cannot be.
+pub fn follow(
+    (robot, firing): (&Robot, Firing),
+    gait: &Periodic,
+    parameter: Parameter,
+    values: &[f64],
+) -> Result<Branch, GaitError> {
+    let mut branch = Branch {
+        gaits: Vec::new(),
+        lost: None,
+    };
+    let mut state = gait.state.clone();
+    for &value in values {
+        let (robot, firing) = parameter.at(value, robot, firing);
+        let strides = Strides::new(&robot, firing)?;
+        match find(&strides, &state, gait.legs)? {
+            Search::Found(gait) => {
+                state = gait.state.clone();
+                branch.gaits.push((value, *gait));
+            }
+            lost => {
+                branch.lost = Some((value, lost));
+                break;
+            }
+        }
+    }
+    Ok(branch)
 }
