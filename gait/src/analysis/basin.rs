@@ -77,8 +77,14 @@ pub fn basin(
     threads: usize,
 ) -> Result<Basin, GaitError> {
     let sound = (1..=2000).contains(&size);
-    require(sound, "cells of a grid along a side", size as f64, "from 1 to 2000")?;
-    let middle = |[from, to]: [f64; 2], k: usize| from + (to - from) * (k as f64 + 0.5) / size as f64;
+    require(
+        sound,
+        "cells of a grid along a side",
+        size as f64,
+        "from 1 to 2000",
+    )?;
+    let middle =
+        |[from, to]: [f64; 2], k: usize| from + (to - from) * (k as f64 + 0.5) / size as f64;
     let fate = |cell: usize| {
         let lean = middle(starts.leans, cell / size);
         let rate = middle(starts.rates, cell % size);

@@ -126,7 +126,8 @@ impl<'a> Chart<'a> {
         let mut off = Vec::new();
         for foot in &self.standing {
             let (gap, [normal, along, across]) =
-                self.rig.foot_motion(foot.leg, &state.coordinates, &state.velocities);
+                self.rig
+                    .foot_motion(foot.leg, &state.coordinates, &state.velocities);
             off.extend([gap / SCALES[0], normal]);
             off.extend(foot.along.then_some(along));
             off.extend(foot.across.then_some(across));
@@ -206,8 +207,7 @@ fn free_slots(strides: &Strides, at: &StrideState) -> Vec<Slot> {
 
 fn standing_feet(rig: &Rig, at: &StrideState) -> Vec<Standing> {
     let foot = |leg: usize| {
-        let (gap, [normal, along, across]) =
-            rig.foot_motion(leg, &at.coordinates, &at.velocities);
+        let (gap, [normal, along, across]) = rig.foot_motion(leg, &at.coordinates, &at.velocities);
         let touches = gap.abs() < TOUCHES && normal.abs() < STANDS;
         touches.then(|| Standing {
             leg,

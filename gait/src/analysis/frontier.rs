@@ -4,8 +4,8 @@ use saltus_numeric::parallel;
 use saltus_robot::Robot;
 
 use super::stride::{Firing, Stride, Strides};
-use crate::drawn::{Draw, drawn_robot};
 use crate::GaitError;
+use crate::drawn::{Draw, drawn_robot};
 
 /// What is tried.
 #[derive(Clone, Debug)]
@@ -67,7 +67,12 @@ pub fn choices(
     let pairs: Vec<[f64; 2]> = choices
         .angles
         .iter()
-        .flat_map(|&angle| choices.openings.iter().map(move |&opening| [angle, opening]))
+        .flat_map(|&angle| {
+            choices
+                .openings
+                .iter()
+                .map(move |&opening| [angle, opening])
+        })
         .collect();
     let one = |k: usize| -> Result<Option<[f64; 2]>, GaitError> {
         let [angle, opening] = pairs[k / robots.len()];
@@ -78,14 +83,18 @@ pub fn choices(
     let all = parallel::map_on(threads, pairs.len() * robots.len(), one);
     let all: Vec<Option<[f64; 2]>> = all.into_iter().collect::<Result<_, _>>()?;
     let of_pair = pairs.iter().zip(all.chunks(robots.len().max(1)));
-    Ok(of_pair.filter_map(|(pair, runs)| mean(*pair, runs)).collect())
+    Ok(of_pair
+        .filter_map(|(pair, runs)| mean(*pair, runs))
+        .collect())
 }
 
 /// Speed (m/s) and gas (kg/m) of a run that goes on; none where it stalls, or where the simulation
 /// cannot go on.
 fn steady(strides: &Strides, choices: &Choices) -> Option<[f64; 2]> {
     let [skipped, counted] = choices.legs;
-    let start = strides.standing(strides.firing().section, choices.rate).ok()?;
+    let start = strides
+        .standing(strides.firing().section, choices.rate)
+        .ok()?;
     let done = strides.strides(&start, skipped + counted).ok()?;
     let late = done.get(skipped..skipped + counted)?;
     let sum = |what: fn(&Stride) -> f64| late.iter().map(what).sum::<f64>();

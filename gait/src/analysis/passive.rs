@@ -74,8 +74,8 @@ impl Wheel {
     fn stays_on_the_ground(&self, slope: f64) -> bool {
         let fall = self.half + slope;
         let spin = self.mass * self.gravity * self.radius * fall.sin() / self.inertia_about_foot();
-        let up = -self.radius
-            * (self.square_before(slope) * self.half.cos() + spin * self.half.sin());
+        let up =
+            -self.radius * (self.square_before(slope) * self.half.cos() + spin * self.half.sin());
         self.gravity * slope.cos() + up > 0.0
     }
 }
@@ -222,7 +222,9 @@ pub fn simulated_rolling(
         return Ok(None);
     };
     let next = |rate: f64| -> Result<Option<f64>, GaitError> {
-        Ok(roll(robot, slope, rate, 1, stepping)?.first().map(|s| s.after))
+        Ok(roll(robot, slope, rate, 1, stepping)?
+            .first()
+            .map(|s| s.after))
     };
     // Differences of two widths, so that what is of third order cancels.
     let mut slopes = [0.0; 2];

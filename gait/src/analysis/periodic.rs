@@ -120,10 +120,22 @@ pub fn find(strides: &Strides, start: &StrideState, legs: usize) -> Result<Searc
     if residual >= CLOSED {
         return Ok(Search::Missed(residual));
     }
+    let legs = fewest(strides, &end, legs)?;
     Ok(match describe(strides, &end, legs)? {
         Some(gait) => Search::Found(Box::new(gait)),
         None => Search::Stalled,
     })
+}
+
+/// The fewest legs, of which `legs` are a multiple, after which `state` comes back.
+fn fewest(strides: &Strides, state: &StrideState, legs: usize) -> Result<usize, GaitError> {
+    let done = strides.strides(state, legs)?;
+    let back = |k: &usize| {
+        let end = done.get(k - 1);
+        let far = end.map(|end| distance(strides.rig(), state, &end.state));
+        legs % k == 0 && far.is_some_and(|far| far < 10.0 * CLOSED)
+    };
+    Ok((1..legs).find(back).unwrap_or(legs))
 }
 
 /// A state, where it ends, and how far from itself.
@@ -159,7 +171,10 @@ fn after(
     legs: usize,
 ) -> Result<Option<StrideState>, GaitError> {
     let mut done = strides.strides(state, legs)?;
-    Ok((done.len() == legs).then(|| done.pop()).flatten().map(|stride| stride.state))
+    Ok((done.len() == legs)
+        .then(|| done.pop())
+        .flatten()
+        .map(|stride| stride.state))
 }
 
 /// How the coordinates after so many legs change with those at `x`, by central differences of
@@ -181,7 +196,9 @@ fn slopes(
         };
         Some((end(width)? - end(-width)?) / (2.0 * width))
     };
-    let columns: Option<Vec<DVector<f64>>> = parallel::map(n, column).into_iter().collect();
+    let columns: Option<Vec<DVector<f64>>> = parallel::map_on(strides.threads(), n, column)
+        .into_iter()
+        .collect();
     Ok(columns.map(|columns| {
         if n == 0 {
             DMatrix::zeros(0, 0)
@@ -229,8 +246,7 @@ fn eigenvalues(matrix: &DMatrix<f64>) -> Vec<Complex<f64>> {
     if matrix.nrows() == 0 {
         return Vec::new();
     }
-    let mut values: Vec<Complex<f64>> =
-        matrix.complex_eigenvalues().iter().copied().collect();
+    let mut values: Vec<Complex<f64>> = matrix.complex_eigenvalues().iter().copied().collect();
     values.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
     values
 }
@@ -298,6 +314,33 @@ fn returns(strides: &Strides, done: &[Stride], most_legs: usize) -> Vec<(usize, 
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(2);
     found.into_iter().map(|(_, at, legs)| (at, legs)).collect()
+}
+
+/// The periodic gaits to which upright starts at these `rates` (rad/s) come, each once: as
+/// [`settle`] finds them.
+///
+/// # Errors
+/// As [`settle`].
+pub fn settled(
+    strides: &Strides,
+    rates: &[f64],
+    [warm_up, most_legs]: [usize; 2],
+) -> Result<Vec<Periodic>, GaitError> {
+    let mut gaits: Vec<Periodic> = Vec::new();
+    for &rate in rates {
+        let start = strides.standing(strides.firing().section, rate)?;
+        // A start that the simulation cannot go on from is none that comes to a gait.
+        let Ok(Search::Found(gait)) = settle(strides, &start, warm_up, most_legs) else {
+            continue;
+        };
+        let is_same = |other: &Periodic| {
+            other.legs == gait.legs && (other.period / gait.period - 1.0).abs() < 1e-4
+        };
+        if !gaits.iter().any(is_same) {
+            gaits.push(*gait);
+        }
+    }
+    Ok(gaits)
 }
 
 /// What a gait is followed over.

@@ -4,7 +4,7 @@ use super::basin::{Basin, Starts, refined};
 use super::energy::Energy;
 use super::frontier::{Choice, Choices, choices, frontier};
 use super::passive::{Rolling, least_slope, steady_rolling};
-use super::periodic::{Search, settle};
+use super::periodic::{Periodic, settled};
 use super::stride::{Firing, Strides};
 use crate::{Draw, GaitError, Program, Setup, Summary, run};
 
@@ -18,6 +18,8 @@ pub struct Effort {
     pub angle: f64,
     /// Slope (rad) of the passive rolling.
     pub slope: f64,
+    /// Rates (rad/s) of the upright starts from which periodic gaits are looked for.
+    pub rates: Vec<f64>,
     /// Legs that run before a periodic gait is looked for, and after how many it may repeat.
     pub settling: [usize; 2],
     /// Starts that lead to running or a stall.
@@ -36,6 +38,7 @@ impl Default for Effort {
             threads: 1,
             angle: 0.1,
             slope: 0.25,
+            rates: vec![4.0, 12.0],
             settling: [60, 5],
             starts: Starts::default(),
             sizes: vec![6, 12, 24],
@@ -72,9 +75,8 @@ pub struct Report {
     pub least_slope: Option<f64>,
     /// How the ideal controller fires in what follows.
     pub firing: Firing,
-    /// The periodic gait to which it comes from an upright start; as an error, why none could be
-    /// looked for.
-    pub gait: Result<Search, GaitError>,
+    /// The periodic gaits to which it comes from upright starts.
+    pub gaits: Vec<Periodic>,
     /// Which starts run: a grid for each of [`Effort::sizes`].
     pub basins: Vec<Basin>,
     /// Speed and gas of every choice in which a robot runs.
@@ -96,11 +98,8 @@ pub fn report(setup: &Setup, effort: &Effort) -> Result<Report, GaitError> {
         _ => effort.angle,
     };
     let firing = Firing::new(angle, setup.valve_open);
-    let strides = Strides::new(robot, firing)?;
-    let [warm_up, most_legs] = effort.settling;
-    let gait = strides
-        .standing(firing.section, effort.choices.rate)
-        .and_then(|start| settle(&strides, &start, warm_up, most_legs));
+    let strides = Strides::new(robot, firing)?.on(effort.threads);
+    let gaits = settled(&strides, &effort.rates, effort.settling)?;
     let stepped = |strides: Strides| strides.by(setup.stepping);
     let threads = effort.threads;
     let basins = refined(&stepped(strides), &effort.starts, &effort.sizes, threads)?;
@@ -111,7 +110,7 @@ pub fn report(setup: &Setup, effort: &Effort) -> Result<Report, GaitError> {
         rolling: steady_rolling(robot, effort.slope),
         least_slope: least_slope(robot),
         firing,
-        gait,
+        gaits,
         basins,
         frontier: frontier(&choices, effort.share),
         choices,

@@ -2,10 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
+use saltus_numeric::parallel;
 use saltus_robot::Robot;
-use saltus_sim_check::{
-    Happening, LegStart, Pause, Rig, Settings, Sim, SimError, Stepping, Watch,
-};
+use saltus_sim_check::{Happening, LegStart, Pause, Rig, Settings, Sim, SimError, Stepping, Watch};
 
 use crate::GaitError;
 use crate::error::require;
@@ -78,6 +77,7 @@ pub struct Strides {
     patience: f64,
     pitch: f64,
     ambient: f64,
+    threads: usize,
 }
 
 /// Time (s) after which a stride that has not ended counts as a stall: that of ten at walking speed.
@@ -96,15 +96,35 @@ impl Strides {
         let pitch = TAU / f64::from(legs);
         let level = robot.boom.is_none() || robot.ground.tilt == 0.0;
         let tilt = robot.ground.tilt;
-        require(level, "slope (rad)", tilt, "0 for a robot on a boom, which runs in a circle")?;
+        require(
+            level,
+            "slope (rad)",
+            tilt,
+            "0 for a robot on a boom, which runs in a circle",
+        )?;
         let inside = |x: f64| x.abs() < pitch;
         let allowed = format!("within {pitch:.4} rad");
-        require(inside(firing.angle), "firing angle (rad)", firing.angle, &*allowed)?;
+        require(
+            inside(firing.angle),
+            "firing angle (rad)",
+            firing.angle,
+            &*allowed,
+        )?;
         let behind = firing.angle - firing.section;
         let allowed = "less than a pitch from the firing angle";
-        require(inside(behind), "lean of the section (rad)", firing.section, allowed)?;
+        require(
+            inside(behind),
+            "lean of the section (rad)",
+            firing.section,
+            allowed,
+        )?;
         let opens = (0.0..=1.0).contains(&firing.valve_open);
-        require(opens, "valve opening time (s)", firing.valve_open, "from 0 to 1 s")?;
+        require(
+            opens,
+            "valve opening time (s)",
+            firing.valve_open,
+            "from 0 to 1 s",
+        )?;
         Ok(Strides {
             rig: Rig::new(robot, &[])?,
             firing,
@@ -115,6 +135,7 @@ impl Strides {
             patience: PATIENCE,
             pitch,
             ambient: robot.environment.ambient.0,
+            threads: parallel::available(),
         })
     }
 
@@ -128,6 +149,17 @@ impl Strides {
     pub fn within(mut self, tolerance: f64) -> Strides {
         self.settings.tolerance = tolerance;
         self
+    }
+
+    /// The same, whose differences are taken on so many threads: they change no number.
+    pub fn on(mut self, threads: usize) -> Strides {
+        self.threads = threads;
+        self
+    }
+
+    /// Threads on which differences are taken.
+    pub(crate) fn threads(&self) -> usize {
+        self.threads
     }
 
     /// The rig.
