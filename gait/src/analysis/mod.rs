@@ -2,6 +2,7 @@
 //! running, where energy goes, and the frontier of speed against gas.
 
 pub mod basin;
+pub mod branch;
 mod chart;
 pub mod energy;
 pub mod frontier;

@@ -2,10 +2,9 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 use saltus_numeric::parallel;
-use saltus_robot::{Drive, GaugePressure, Robot};
 
 use super::chart::{Chart, distance};
-use super::stride::{Firing, Stride, StrideState, Strides};
+use super::stride::{Stride, StrideState, Strides};
 use crate::GaitError;
 
 /// A gait that repeats itself.
@@ -103,7 +102,7 @@ pub fn find(strides: &Strides, start: &StrideState, legs: usize) -> Result<Searc
         // A chart around the end: what holds there is what the gait does, whatever the start was.
         let chart = Chart::new(strides, &end);
         let x = chart.coordinates(&state);
-        let Some(slopes) = slopes(strides, &chart, &x, legs, WIDTH)? else {
+        let Some(slopes) = slopes(strides, &chart, &x, legs, WIDTH) else {
             break;
         };
         let off = -x.clone();
@@ -112,7 +111,7 @@ pub fn find(strides: &Strides, start: &StrideState, legs: usize) -> Result<Searc
         let Some(step) = matrix.lu().solve(&(-off)) else {
             break;
         };
-        let Some(better) = damped(strides, &chart, &x, &step, (legs, residual))? else {
+        let Some(better) = damped(strides, &chart, &x, &step, (legs, residual)) else {
             break;
         };
         (state, end, residual) = better;
@@ -133,7 +132,7 @@ fn fewest(strides: &Strides, state: &StrideState, legs: usize) -> Result<usize, 
     let back = |k: &usize| {
         let end = done.get(k - 1);
         let far = end.map(|end| distance(strides.rig(), state, &end.state));
-        legs % k == 0 && far.is_some_and(|far| far < 10.0 * CLOSED)
+        legs.is_multiple_of(*k) && far.is_some_and(|far| far < 10.0 * CLOSED)
     };
     Ok((1..legs).find(back).unwrap_or(legs))
 }
@@ -148,7 +147,7 @@ fn damped(
     x: &DVector<f64>,
     step: &DVector<f64>,
     (legs, residual): (usize, f64),
-) -> Result<Option<Tried>, GaitError> {
+) -> Option<Tried> {
     let mut part = 1.0;
     for _ in 0..7 {
         let state = chart.state(&(x + step * part));
@@ -156,12 +155,12 @@ fn damped(
         if let Ok(Some(end)) = after(strides, &state, legs) {
             let left = distance(strides.rig(), &state, &end);
             if left < residual {
-                return Ok(Some((state, end, left)));
+                return Some((state, end, left));
             }
         }
         part *= 0.5;
     }
-    Ok(None)
+    None
 }
 
 /// The state after so many legs; none where it stalls.
@@ -185,7 +184,7 @@ fn slopes(
     x: &DVector<f64>,
     legs: usize,
     width: f64,
-) -> Result<Option<DMatrix<f64>>, GaitError> {
+) -> Option<DMatrix<f64>> {
     let n = chart.dimension();
     let column = |k: usize| -> Option<DVector<f64>> {
         let end = |step: f64| {
@@ -199,13 +198,12 @@ fn slopes(
     let columns: Option<Vec<DVector<f64>>> = parallel::map_on(strides.threads(), n, column)
         .into_iter()
         .collect();
-    Ok(columns.map(|columns| {
-        if n == 0 {
-            DMatrix::zeros(0, 0)
-        } else {
-            DMatrix::from_columns(&columns)
-        }
-    }))
+    let columns = columns?;
+    Some(if n == 0 {
+        DMatrix::zeros(0, 0)
+    } else {
+        DMatrix::from_columns(&columns)
+    })
 }
 
 /// The gait of `legs` legs at `state`, which repeats itself.
@@ -222,7 +220,7 @@ fn describe(
     let origin = DVector::zeros(chart.dimension());
     let mut of_width = Vec::new();
     for width in [WIDTH, 0.5 * WIDTH] {
-        let Some(slopes) = slopes(strides, &chart, &origin, legs, width)? else {
+        let Some(slopes) = slopes(strides, &chart, &origin, legs, width) else {
             return Ok(None);
         };
         of_width.push(eigenvalues(&slopes));
@@ -341,78 +339,4 @@ pub fn settled(
         }
     }
     Ok(gaits)
-}
-
-/// What a gait is followed over.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parameter {
-    /// Firing angle α_f (rad).
-    FiringAngle,
-    /// Valve opening time t_v (s).
-    ValveOpen,
-    /// Supply pressure above ambient (Pa).
-    Supply,
-    /// Slope (rad), uphill positive, of a robot without a boom.
-    Slope,
-}
-
-impl Parameter {
-    /// `robot` and `firing` with the parameter at `value`.
-    fn at(self, value: f64, robot: &Robot, firing: Firing) -> (Robot, Firing) {
-        let (mut robot, mut firing) = (robot.clone(), firing);
-        match self {
-            Parameter::FiringAngle => firing.angle = value,
-            Parameter::ValveOpen => firing.valve_open = value,
-            Parameter::Supply => {
-                if let Drive::Pneumatic(cylinder) = &mut robot.leg.drive {
-                    cylinder.supply = GaugePressure(value);
-                }
-            }
-            Parameter::Slope => robot.ground.tilt = value,
-        }
-        (robot, firing)
-    }
-}
-
-/// A branch of periodic gaits: each with its parameter.
-#[derive(Clone, Debug)]
-pub struct Branch {
-    /// The gaits, as far as they were found.
-    pub gaits: Vec<(f64, Periodic)>,
-    /// The value at which the branch was lost, and what the search came to there.
-    pub lost: Option<(f64, Search)>,
-}
-
-/// Follows `gait` of `robot` under `firing` over the `values` of `parameter`, each from the one
-/// before, as far as it goes: natural continuation, which ends where the branch turns back or what
-/// its feet do changes.
-///
-/// # Errors
-/// [`GaitError::Input`] for a value that cannot be.
-pub fn follow(
-    (robot, firing): (&Robot, Firing),
-    gait: &Periodic,
-    parameter: Parameter,
-    values: &[f64],
-) -> Result<Branch, GaitError> {
-    let mut branch = Branch {
-        gaits: Vec::new(),
-        lost: None,
-    };
-    let mut state = gait.state.clone();
-    for &value in values {
-        let (robot, firing) = parameter.at(value, robot, firing);
-        let strides = Strides::new(&robot, firing)?;
-        match find(&strides, &state, gait.legs)? {
-            Search::Found(gait) => {
-                state = gait.state.clone();
-                branch.gaits.push((value, *gait));
-            }
-            lost => {
-                branch.lost = Some((value, lost));
-                break;
-            }
-        }
-    }
-    Ok(branch)
 }

@@ -39,7 +39,7 @@ impl Default for Effort {
             angle: 0.1,
             slope: 0.25,
             rates: vec![4.0, 12.0],
-            settling: [60, 5],
+            settling: [60, 8],
             starts: Starts::default(),
             sizes: vec![6, 12, 24],
             choices: Choices {

@@ -301,9 +301,14 @@ impl<'a> Walk<'a> {
         Ok(self.sim.run(until, &watches)? == Pause::Watch(0))
     }
 
+    /// The robot's leg that is `leg`, its turns counted in.
+    fn on_robot(&self, leg: i64) -> usize {
+        let legs = i64::try_from(self.valves.len()).unwrap_or(1);
+        usize::try_from(leg.rem_euclid(legs)).unwrap_or(0)
+    }
+
     fn fire(&mut self, leg: i64) -> Result<(), SimError> {
-        let legs = self.of.rig.legs.len();
-        let leg = usize::try_from(leg.rem_euclid(legs as i64)).unwrap_or(0);
+        let leg = self.on_robot(leg);
         let opening = self.of.firing.valve_open;
         let drive = &self.of.rig.mechanism.legs[leg].leg;
         let (from, until) = drive.answers(self.sim.time(), opening);
@@ -327,7 +332,7 @@ impl<'a> Walk<'a> {
         let [time, travel, gas, work] = std::array::from_fn(|k| counts[k] - self.before[k]);
         self.before = counts;
         let legs = self.valves.len();
-        let shift = usize::try_from((self.leg - 1).rem_euclid(legs as i64)).unwrap_or(0);
+        let shift = self.on_robot(self.leg - 1);
         let (mut contacts, mut bumps) = (Vec::new(), 0);
         for event in self.sim.drain_events() {
             let (point, touched) = match event.what {
@@ -357,7 +362,7 @@ impl<'a> Walk<'a> {
     fn state(&self) -> StrideState {
         let rig = &self.of.rig;
         let legs = rig.legs.len();
-        let shift = usize::try_from(self.leg.rem_euclid(legs as i64)).unwrap_or(0);
+        let shift = self.on_robot(self.leg);
         let (q, v) = (self.sim.coordinates(), self.sim.velocities());
         let (mut coordinates, mut velocities) = (q.to_vec(), v.to_vec());
         coordinates[0] = 0.0;

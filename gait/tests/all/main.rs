@@ -5,6 +5,7 @@ mod energy;
 mod frontier;
 mod passive;
 mod periodic;
+mod report;
 mod stride;
 
 use saltus_gait::{Disturbance, Program, Setup, What, When};

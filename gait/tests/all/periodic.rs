@@ -1,9 +1,10 @@
 //! Periodic gaits and their multipliers.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 use saltus_gait::GaitError;
+use saltus_gait::analysis::branch::{Parameter, follow};
 use saltus_gait::analysis::passive::steady_rolling;
-use saltus_gait::analysis::periodic::{CLOSED, Parameter, Periodic, find, follow, settle, settled};
+use saltus_gait::analysis::periodic::{CLOSED, Periodic, find, settle, settled};
 use saltus_gait::analysis::stride::{Firing, Strides};
 
 use crate::{planar, robot};
@@ -29,18 +30,6 @@ fn the_rolling_wheel_is_a_periodic_gait_with_the_known_multiplier() -> Result<()
     let off = (multiplier - wanted.multiplier).abs();
     assert!(off < 1e-5 && error < 1e-5, "{multiplier} ± {error:e}");
     assert!(gait.is_stable());
-    Ok(())
-}
-
-#[test]
-fn rats_run_has_a_stable_periodic_gait_of_two_legs() -> Result<(), GaitError> {
-    let strides = Strides::new(&robot("rats-run"), Firing::new(0.1, 0.04))?;
-    let gait = from_speed(&strides)?;
-    assert_eq!(gait.legs, 2);
-    assert!(gait.residual < CLOSED && gait.is_stable(), "{gait:?}");
-    // 3.438 m/s and 0.451 g/m when this was written: docs/running.md.
-    assert!((gait.speed - 3.438).abs() < 0.01, "{}", gait.speed);
-    assert!((gait.gas * 1e3 - 0.451).abs() < 0.002, "{}", gait.gas);
     Ok(())
 }
 
@@ -74,33 +63,31 @@ fn from_runs(strides: &Strides, gait: &Periodic, periods: usize) -> Result<[f64;
     Ok([solution[0], solution[1]])
 }
 
-/// The target, 1 %: here of the sum and the product of the complex pair that is greatest, of
-/// which the next multiplier is a fifteenth.
+/// The targets: a stable periodic gait, and multipliers to 1 %. Here of the sum and the product
+/// of the complex pair that is greatest, of which the next multiplier is a fifteenth.
 #[test]
-fn multipliers_are_those_of_differences_of_full_runs() -> Result<(), GaitError> {
+fn rats_run_has_a_stable_gait_whose_multipliers_are_those_of_full_runs() -> Result<(), GaitError> {
     let strides = Strides::new(&robot("rats-run"), Firing::new(0.1, 0.04))?;
     let gait = from_speed(&strides)?;
-    let [a, b]: [Complex<f64>; 2] = [gait.multipliers[0].value, gait.multipliers[1].value];
+    assert_eq!(gait.legs, 2);
+    assert!(gait.residual < CLOSED && gait.is_stable(), "{gait:?}");
+    // 3.438 m/s and 0.451 g/m when this was written.
+    assert!((gait.speed - 3.438).abs() < 0.01, "{}", gait.speed);
+    assert!((gait.gas * 1e3 - 0.451).abs() < 0.002, "{}", gait.gas);
+    let [a, b] = [gait.multipliers[0].value, gait.multipliers[1].value];
     let [sum, product] = from_runs(&strides, &gait, 9)?;
-    assert!(
-        ((a + b).re - sum).abs() < 0.01 * a.norm(),
-        "{} {sum}",
-        a + b
-    );
-    assert!(
-        ((a * b).re / product - 1.0).abs() < 0.01,
-        "{} {product}",
-        a * b
-    );
+    println!("{} and {sum}, {} and {product}", a + b, a * b);
+    assert!(((a + b).re - sum).abs() < 0.01 * a.norm());
+    assert!(((a * b).re / product - 1.0).abs() < 0.01);
     Ok(())
 }
 
-/// Fired at 0.1 rad, a slow start comes to another gait than a fast one, at half its speed: of four
-/// legs, 1.742 m/s, and not stable, though runs stay near it for long.
+/// Fired at 0.1 rad, a slow start comes to another gait than a fast one, at half its speed. Of four
+/// legs it is not stable: it has doubled its period, and runs go on around it by eight.
 #[test]
 fn slow_and_fast_starts_come_to_different_gaits() -> Result<(), GaitError> {
     let strides = Strides::new(&robot("rats-run"), Firing::new(0.1, 0.04))?;
-    let gaits = settled(&strides, &[4.0, 6.0, 12.0], [60, 5])?;
+    let gaits = settled(&strides, &[4.0, 12.0], [60, 4])?;
     let speeds: Vec<f64> = gaits.iter().map(|gait| gait.speed).collect();
     assert_eq!(gaits.len(), 2, "{speeds:?}");
     assert!(
