@@ -3,6 +3,7 @@
 //! What decides is [`saltus_controller::run`], the code that is flashed; here it meets the robot.
 //! [`Setup`] says which robot runs how; [`run`] runs it, and gives every cycle to a closure.
 
+pub mod analysis;
 mod cast;
 mod crossing;
 mod drawn;

@@ -287,6 +287,10 @@ pub struct Summary {
     pub gas: f64,
     /// Work of each leg's drive (J).
     pub leg_work: Vec<f64>,
+    /// What each leg lost (J): in friction, dampers, and what its spring holds.
+    pub leg_loss: Vec<f64>,
+    /// Energy at the start.
+    pub start: Ledger,
     /// Energy at the end.
     pub ledger: Ledger,
     /// Energy (J) that no entry of the ledger explains.
@@ -428,6 +432,8 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
                 clearances: vec![f64::INFINITY; setup.obstacles.len()],
                 gas: 0.0,
                 leg_work: vec![0.0; legs],
+                leg_loss: vec![0.0; legs],
+                start: ledger,
                 ledger,
                 residual: 0.0,
                 gas_residual: 0.0,
@@ -559,6 +565,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             let account = sim.account(leg);
             s.gas += account.supplied;
             s.leg_work[leg] = account.drive;
+            s.leg_loss[leg] = account.lost;
             gas_now += sim.stored_gas(leg);
             if let Some(chamber) = rig.mechanism.legs[leg].leg.chamber() {
                 explained += chamber.pressure_per_mass() * (account.supplied - account.released)

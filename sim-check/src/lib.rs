@@ -27,6 +27,8 @@ pub use mjcf::mjcf;
 pub use rig::Rig;
 pub use saltus_robot::{Launch, LiftOff, Outcome};
 pub use shot::{Firing, Flown, Shot, TICK};
-pub use sim::{Account, Contact, Event, Happening, Ledger, Pause, Settings, Sim, Stepping, Watch};
+pub use sim::{
+    Account, Contact, Event, Happening, Ledger, LegStart, Pause, Settings, Sim, Stepping, Watch,
+};
 pub use spatial::{Inertia, Motion, Vec3, Wrench};
 pub use tree::{Body, Joint, Placement, Pose, Tree};

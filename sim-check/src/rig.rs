@@ -322,6 +322,24 @@ impl Rig {
         Ok(q)
     }
 
+    /// Gap (m) between the foot of leg `leg` and the ground, and the speeds (m/s) of the foot along
+    /// the ground's normal, along the travel and across it, where it is nearest.
+    ///
+    /// # Panics
+    /// For a leg that is not there, and coordinates or velocities that are not the rig's.
+    pub fn foot_motion(&self, leg: usize, q: &[f64], v: &[f64]) -> (f64, [f64; 3]) {
+        let mut pose = Pose::default();
+        pose.set(&self.mechanism.tree, q, v);
+        let point = &self.mechanism.points[leg];
+        let center = pose.frames[point.body].point(&point.center);
+        let near = self.mechanism.surfaces[0].proximity(&center);
+        let place = center - near.normal * point.radius;
+        let (along, across) = self.mechanism.travel.directions(&place, &near.normal);
+        let speed = pose.velocities[point.body].at(&place);
+        let speeds = [near.normal, along, across].map(|way| speed.dot(&way));
+        (near.distance - point.radius, speeds)
+    }
+
     /// Gap (m) between foot 0 and the ground, and where it is nearest.
     fn foot(&self, q: &[f64]) -> (f64, Vec3) {
         self.foot_of(0, q)
@@ -347,15 +365,8 @@ impl Rig {
 
     /// Speeds (m/s) of foot 0 along the normal and along the travel.
     fn foot_speeds(&self, q: &[f64], v: &[f64]) -> [f64; 2] {
-        let mut pose = Pose::default();
-        pose.set(&self.mechanism.tree, q, v);
-        let point = &self.mechanism.points[0];
-        let center = pose.frames[point.body].point(&point.center);
-        let near = self.mechanism.surfaces[0].proximity(&center);
-        let place = center - near.normal * point.radius;
-        let (along, _) = self.mechanism.travel.directions(&place, &near.normal);
-        let speed = pose.velocities[point.body].at(&place);
-        [speed.dot(&near.normal), speed.dot(&along)]
+        let (_, [normal, along, _]) = self.foot_motion(0, q, v);
+        [normal, along]
     }
 }
 

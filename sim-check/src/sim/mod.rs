@@ -9,6 +9,7 @@ mod settle;
 mod start;
 
 pub use report::{Account, Contact, Ledger};
+pub use start::LegStart;
 
 use self::fixed::Fixed;
 use self::guards::Guard;
@@ -175,6 +176,38 @@ impl<'a> Sim<'a> {
         v: &[f64],
         settings: Settings,
     ) -> Result<Sim<'a>, SimError> {
+        let mut sim = Sim::placed(mechanism, q, v, settings)?;
+        sim.begin()?;
+        Ok(sim)
+    }
+
+    /// `mechanism` in full motion at coordinates `q` and velocities `v`: its legs free, each as `legs`
+    /// says. So a motion goes on from what another one was.
+    ///
+    /// A leg without mass is latched, as in [`new`](Self::new).
+    ///
+    /// # Errors
+    /// [`SimError`] for a mechanism or a start that cannot be.
+    pub fn in_motion(
+        mechanism: &'a Mechanism,
+        q: &[f64],
+        v: &[f64],
+        legs: &[LegStart],
+        settings: Settings,
+    ) -> Result<Sim<'a>, SimError> {
+        let mut sim = Sim::placed(mechanism, q, v, settings)?;
+        sim.start_legs(legs)?;
+        sim.begin()?;
+        Ok(sim)
+    }
+
+    /// `mechanism` where it starts, before anything is decided.
+    fn placed(
+        mechanism: &'a Mechanism,
+        q: &[f64],
+        v: &[f64],
+        settings: Settings,
+    ) -> Result<Sim<'a>, SimError> {
         check_start(mechanism, q, v, &settings)?;
         let mut machine = Machine::new(mechanism, settings.accounts);
         let layout = machine.layout;
@@ -185,7 +218,7 @@ impl<'a> Sim<'a> {
         let mode = first_mode(mechanism, &mut y, layout);
         machine.weld(&mode, &y);
         let stages = Stages::new(layout.size());
-        let mut sim = Sim {
+        Ok(Sim {
             next: y.clone(),
             machine,
             settings,
@@ -209,9 +242,7 @@ impl<'a> Sim<'a> {
             },
             floors: Vec::new(),
             burst: (0.0, 0),
-        };
-        sim.begin()?;
-        Ok(sim)
+        })
     }
 
     /// Time (s).

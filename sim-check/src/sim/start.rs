@@ -5,12 +5,75 @@ use saltus_pneumatics::Piece;
 use super::{Settings, Sim, Stepping};
 use crate::SimError;
 use crate::error::{not_negative, positive, require};
-use crate::machine::Layout;
+use crate::machine::{Layout, STANDING};
 use crate::mechanism::Mechanism;
 use crate::mode::{ContactMode, JointMode, LegMode, Mode};
 use crate::tree::{Joint, Tree};
 
+/// A leg at the start of a motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LegStart {
+    /// Chamber pressure (Pa, absolute), > 0; of no meaning for a leg without a chamber.
+    pub pressure: f64,
+    /// From when and until when (s) its valve is open, the drive's delay included; from before 0:
+    /// it is open at the start. None, or until before 0: it is at rest.
+    pub valve: Option<[f64; 2]>,
+}
+
 impl Sim<'_> {
+    /// Puts the legs where a motion has brought them, before it is decided who holds and who moves.
+    pub(super) fn start_legs(&mut self, legs: &[LegStart]) -> Result<(), SimError> {
+        let mechanism = self.machine.mechanism;
+        if legs.len() != mechanism.legs.len() {
+            return Err(SimError::Length {
+                name: "legs at the start",
+                given: legs.len(),
+                wanted: mechanism.legs.len(),
+            });
+        }
+        for (i, (part, start)) in mechanism.legs.iter().zip(legs).enumerate() {
+            positive("chamber pressure at the start (Pa)", start.pressure)?;
+            let extension = self.y[mechanism.tree.coordinate_of(part.body)];
+            let chamber = part.leg.chamber();
+            let is_past = |place: Option<f64>| place.is_some_and(|place| extension > place);
+            let is_open = self.schedule(i, start.valve)?;
+            let mode = &mut self.mode.legs[i];
+            mode.cushioned = is_past(part.leg.cushion_start());
+            mode.port_open = is_past(chamber.and_then(saltus_pneumatics::Chamber::port));
+            mode.energized = is_open;
+            self.put_on_piece(i, start.pressure, 0.0);
+            if !part.massless {
+                let speed = self.machine.joint_speed(&self.y, part.body);
+                self.mode.joints[part.body] = if speed.abs() > STANDING {
+                    self.moving(part.body, speed.signum())
+                } else {
+                    JointMode::Held(self.stop_of(part.body))
+                };
+            }
+        }
+        let later = |a: &(f64, usize, bool), b: &(f64, usize, bool)| {
+            b.0.total_cmp(&a.0).then(a.2.cmp(&b.2))
+        };
+        self.commands.sort_by(later);
+        self.machine.weld(&self.mode, &self.y);
+        Ok(())
+    }
+
+    /// Puts down when the valve of leg `leg` opens and closes; whether it is open at the start.
+    fn schedule(&mut self, leg: usize, valve: Option<[f64; 2]>) -> Result<bool, SimError> {
+        let Some([from, until]) = valve.filter(|[_, until]| *until > 0.0) else {
+            return Ok(false);
+        };
+        let is_sound = from < until && until.is_finite();
+        let allowed = "after it opens, and finite";
+        require(is_sound, "when a valve closes (s)", until, allowed)?;
+        self.commands.push((until, leg, false));
+        if from > 0.0 {
+            self.commands.push((from, leg, true));
+        }
+        Ok(from <= 0.0)
+    }
+
     /// Closes what touches at the start.
     pub(super) fn begin(&mut self) -> Result<(), SimError> {
         self.machine.place(&self.y);

@@ -4,6 +4,7 @@ mod bad_input;
 mod bodies;
 mod cost;
 mod fixed;
+mod in_motion;
 mod jumps;
 mod mechanics;
 mod tosses;
