@@ -59,6 +59,7 @@ pub struct Readme;
 pub use saltus_ballistic as ballistic;
 pub use saltus_controller as controller;
 pub use saltus_diagnosis as diagnosis;
+pub use saltus_gait as gait;
 pub use saltus_lagrangian as lagrangian;
 pub use saltus_numeric as numeric;
 pub use saltus_planner as planner;

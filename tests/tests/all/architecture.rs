@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// Which of our crates each crate may use. A crate that is not here may not exist.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 14] = [
     ("numeric", &[]),
     ("robot", &["numeric"]),
     ("pneumatics", &["numeric", "robot"]),
@@ -23,6 +23,10 @@ const MAY_USE: [(&str, &[&str]); 13] = [
         &["numeric", "robot", "pneumatics", "sim-check"],
     ),
     ("controller", &[]),
+    (
+        "gait",
+        &["numeric", "robot", "planner", "sim-check", "controller"],
+    ),
     ("saltus", ALL),
     // The command knows the library alone.
     ("saltus-cli", &["saltus"]),
@@ -41,6 +45,7 @@ const ALL: &[&str] = &[
     "sim-check",
     "diagnosis",
     "controller",
+    "gait",
     "saltus",
 ];
 
