@@ -430,11 +430,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         let rig = self.world.rig();
         let asked = self.follower.asks_contacts(time);
         let sim = self.world.sim();
-        let contacts = if asked {
-            sim.contacts()
-        } else {
-            Vec::new()
-        };
+        let contacts = if asked { sim.contacts() } else { Vec::new() };
         for leg in 0..self.extensions.len() {
             self.extensions[leg] = sim.coordinates()[rig.extension_coordinate(leg)];
             self.pressures[leg] = sim.pressure(leg);

@@ -1,0 +1,312 @@
+//! What a run came to, in words and as JSON.
+
+use saltus::gait::{Ending, Setup, Summary};
+use saltus::running::exergy_of_gas;
+use saltus::sim_check::Stepping;
+use serde_json::{Value, json};
+
+use super::disturb::Typed;
+use super::follow::{Last, OUT, Stalls};
+use super::gait::Chosen;
+use crate::output::{self, digits};
+
+/// A run and what it came to.
+pub(super) struct Report<'a> {
+    pub(super) setup: &'a Setup,
+    pub(super) chosen: &'a Chosen,
+    pub(super) summary: &'a Summary,
+    pub(super) last: Option<&'a Last>,
+    pub(super) stalls: Stalls,
+    pub(super) out_at_touch_down: usize,
+    pub(super) disturbances: &'a [Typed],
+}
+
+impl Report<'_> {
+    /// 1, or −1 for a run backwards.
+    fn sign(&self) -> f64 {
+        if self.chosen.forwards { 1.0 } else { -1.0 }
+    }
+
+    /// The run in a line.
+    pub(super) fn title(&self) -> String {
+        let mut title = format!(
+            "{}: {}, {} s",
+            self.setup.robot.name,
+            self.chosen.words,
+            digits(self.setup.seconds, 6)
+        );
+        if !self.chosen.forwards {
+            title += ", backwards";
+        }
+        title
+    }
+
+    /// How it ended, after `the robot`.
+    pub(super) fn ending(&self) -> String {
+        match self.summary.ending {
+            Ending::Ran => "ran to the end of its time".into(),
+            Ending::Stalled { since, at } => format!(
+                "stalled: stands still since {} s, at {} m; {}",
+                digits(since.max(0.0), 4),
+                digits(at, 4),
+                self.reason()
+            ),
+        }
+    }
+
+    /// Why it stands still.
+    fn reason(&self) -> String {
+        let Some(last) = self.last else {
+            return "it ran for no cycle".into();
+        };
+        let (lean, angle) = (digits(last.lean, 3), digits(last.firing_angle, 3));
+        if self.setup.valve_open == 0.0 {
+            "the valve opening time is 0".into()
+        } else if last.lean < last.firing_angle {
+            format!(
+                "leg {} in the active zone leans by {lean} rad, short of its firing angle {angle} rad",
+                last.leg
+            )
+        } else {
+            format!(
+                "leg {} in the active zone, at {lean} rad, has fired since it entered, and fires once an entry",
+                last.leg
+            )
+        }
+    }
+
+    /// Legs that are out at the end, with their extensions (m).
+    fn out(&self) -> Vec<(usize, f64)> {
+        let extensions = self.last.map(|last| last.extensions.as_slice());
+        let legs = extensions.unwrap_or_default().iter().copied().enumerate();
+        legs.filter(|(_, extension)| *extension > OUT).collect()
+    }
+
+    /// Gas (g/m), and what it could have done (J/m); none where the robot did not travel a radius.
+    fn per_metre(&self) -> Option<[f64; 2]> {
+        let travel = self.summary.travel.abs();
+        let exergy = exergy_of_gas(&self.setup.robot)?;
+        let gas = self.summary.gas / travel;
+        (travel > self.setup.robot.body.radius).then_some([gas * 1e3, gas * exergy])
+    }
+
+    pub(super) fn text(&self) -> String {
+        let s = self.summary;
+        let sign = self.sign();
+        let short = |x: f64| digits(x, 4);
+        let line = |name: &str, text: String| format!("  {name:<18} {text}\n");
+        let mut text = format!("{}\n", self.title());
+        for typed in self.disturbances {
+            text += &line("disturbed by", typed.text.clone());
+        }
+        text += &line("ending", self.ending());
+        if let (Some([time, at]), Ending::Ran) = (self.stalls.first, s.ending) {
+            text += &line(
+                "stood still",
+                format!(
+                    "{} before, the first found at {} s, {} m",
+                    times(self.stalls.count),
+                    short(time),
+                    short(at)
+                ),
+            );
+        }
+        text += &line("travel", format!("{} m", short(s.travel)));
+        text += &line(
+            "mean speed",
+            format!(
+                "{} m/s; over the last 4 s {} m/s",
+                short(sign * s.mean_speed),
+                short(sign * s.last_speed)
+            ),
+        );
+        text += &line("top speed", format!("{} m/s", short(s.top_speed)));
+        text += &line(
+            "3.2 m/s",
+            s.reached_3_2.map_or("not reached".into(), |t| {
+                format!("reached at {} s", short(t))
+            }),
+        );
+        if let Some(speed) = s.speed_at_1_6 {
+            text += &line("speed at 1.6 s", format!("{} m/s", short(speed)));
+        }
+        if let Some(time) = s.time_to_1_6_m {
+            text += &line("1.6 m", format!("reached at {} s", short(time)));
+        }
+        text += &line("firings", s.firings.to_string());
+        text += &line(
+            "touch-downs",
+            format!(
+                "{}, of these {} of legs still out by over {} mm",
+                s.touch_downs,
+                self.out_at_touch_down,
+                OUT * 1e3
+            ),
+        );
+        let out = self.out();
+        let legs: Vec<String> = out
+            .iter()
+            .map(|(leg, x)| format!("leg {leg} by {} mm", digits(x * 1e3, 3)))
+            .collect();
+        let none = legs.is_empty();
+        text += &line(
+            "out at the end",
+            if none {
+                "no leg".into()
+            } else {
+                legs.join(", ")
+            },
+        );
+        text += &line("other contacts", self.bumps());
+        if exergy_of_gas(&self.setup.robot).is_some() {
+            text += &line(
+                "gas",
+                match self.per_metre() {
+                    Some([gas, exergy]) => format!(
+                        "{} g, {} g/m; its exergy {} J/m",
+                        short(s.gas * 1e3),
+                        short(gas),
+                        short(exergy)
+                    ),
+                    None => format!("{} g", short(s.gas * 1e3)),
+                },
+            );
+        }
+        let work: Vec<String> = s.leg_work.iter().map(|work| short(*work)).collect();
+        text += &line("work of the legs", format!("{} J", work.join(", ")));
+        let l = &s.ledger;
+        for (name, value) in [
+            ("drives", l.drive),
+            ("from outside", l.outside),
+            ("lost in legs", l.joints),
+            ("lost by slip", l.contacts),
+            ("lost to the air", l.drag),
+            ("lost at the ground", l.impacts - l.stops),
+            ("lost at end stops", l.stops),
+        ] {
+            let is_shown = value != 0.0 || !matches!(name, "from outside" | "lost to the air");
+            if is_shown {
+                text += &line(name, format!("{} J", short(value)));
+            }
+        }
+        text += &line(
+            "unexplained",
+            format!(
+                "{} J in bodies, {} J in gas",
+                digits(s.residual, 2),
+                digits(s.gas_residual, 2)
+            ),
+        );
+        text
+    }
+
+    /// Contacts other than feet on the ground.
+    fn bumps(&self) -> String {
+        let s = self.summary;
+        let Some((time, part, _)) = s.bumps.first() else {
+            return "none".into();
+        };
+        format!(
+            "{}, the first of {part} at {} s",
+            s.bump_count,
+            digits(*time, 4)
+        )
+    }
+
+    pub(super) fn json(&self) -> String {
+        output::json(&self.value())
+    }
+
+    pub(super) fn value(&self) -> Value {
+        let s = self.summary;
+        let l = &s.ledger;
+        let sign = self.sign();
+        let ending = match s.ending {
+            Ending::Ran => json!({ "how": "ran" }),
+            Ending::Stalled { since, at } => json!({
+                "how": "stalled", "since_s": since.max(0.0), "at_m": at, "reason": self.reason(),
+            }),
+        };
+        let out = |(leg, extension): &(usize, f64)| json!({ "leg": leg, "extension_m": extension });
+        let bump = |(time, part, surface): &(f64, String, usize)| json!({ "time_s": time, "part": part, "surface": surface });
+        let [gas, exergy] = match self.per_metre() {
+            Some([gas, exergy]) => [json!(gas * 1e-3), json!(exergy)],
+            None => [Value::Null, Value::Null],
+        };
+        let motion = json!({
+            "rear_leg_at_start": s.rear,
+            "ending": ending,
+            "stalls": self.stalls.count,
+            "travel_m": s.travel,
+            "mean_speed_m_s": sign * s.mean_speed,
+            "last_speed_m_s": sign * s.last_speed,
+            "top_speed_m_s": s.top_speed,
+            "reached_3_2_m_s_s": s.reached_3_2,
+            "speed_at_1_6_s_m_s": s.speed_at_1_6,
+            "time_to_1_6_m_s": s.time_to_1_6_m,
+            "firings": s.firings,
+            "touch_downs": s.touch_downs,
+            "touch_downs_of_legs_out": self.out_at_touch_down,
+            "legs_out_at_end": self.out().iter().map(out).collect::<Vec<_>>(),
+            "other_contacts": s.bump_count,
+            "first_other_contacts": s.bumps.iter().map(bump).collect::<Vec<_>>(),
+        });
+        let energy = json!({
+            "gas_kg": s.gas,
+            "gas_kg_per_m": gas,
+            "exergy_j_per_m": exergy,
+            "leg_work_j": s.leg_work,
+            "ledger_j": {
+                "kinetic": l.kinetic, "potential": l.potential, "springs": l.springs,
+                "drives": l.drive, "outside": l.outside, "legs": l.joints, "slip": l.contacts,
+                "air": l.drag, "impacts_at_ground": l.impacts - l.stops,
+                "impacts_at_stops": l.stops, "residual": s.residual, "gas_residual": s.gas_residual,
+            },
+        });
+        let head = head(self.setup, self.chosen, self.disturbances);
+        joined([head, motion, energy])
+    }
+}
+
+/// What was run, for JSON.
+pub(super) fn head(setup: &Setup, chosen: &Chosen, disturbances: &[Typed]) -> Value {
+    let disturbed: Vec<&str> = disturbances.iter().map(|d| d.text.as_str()).collect();
+    json!({
+        "command": "run",
+        "robot": setup.robot.name,
+        "gait": chosen.kind.name(),
+        "gait_in_words": chosen.words,
+        "direction": if chosen.forwards { "forwards" } else { "backwards" },
+        "zone_rad": setup.zone,
+        "taps": setup.taps,
+        "seconds": setup.seconds,
+        "step_s": step(setup.stepping),
+        "seed": setup.seed,
+        "disturbances": disturbed,
+    })
+}
+
+/// One object with the entries of all.
+pub(super) fn joined(parts: impl IntoIterator<Item = Value>) -> Value {
+    let maps = parts.into_iter().filter_map(|part| match part {
+        Value::Object(map) => Some(map),
+        _ => None,
+    });
+    Value::Object(maps.flatten().collect())
+}
+
+/// The fixed step (s); null for error control.
+fn step(stepping: Stepping) -> Option<f64> {
+    match stepping {
+        Stepping::Fixed(step) => Some(step),
+        Stepping::Adaptive => None,
+    }
+}
+
+fn times(count: usize) -> String {
+    if count == 1 {
+        "once".into()
+    } else {
+        format!("{count} times")
+    }
+}
