@@ -50,13 +50,20 @@ struct Many<'a> {
 impl Run {
     /// Runs drawn robots and reports their shares.
     pub(super) fn many(&self, setup: &Setup, chosen: &Chosen) -> Result<Status, CliError> {
+        if setup.robot.leg.cylinder().is_none() {
+            let allowed = "used with a robot with pneumatic legs, whose supply is drawn";
+            return Err(CliError::flag("--robots", "", allowed));
+        }
         let robots = self.robots.map_or(1, std::num::NonZeroUsize::get);
         let mut files = Files::default();
         files.extend(self.output.out().map(|out| ("--out", out)));
         files.check()?;
         let ensemble = Ensemble {
             setup: setup.clone(),
-            draw: Draw::default(),
+            draw: Draw {
+                across: self.drawn_across,
+                ..Draw::default()
+            },
             robots,
             seed: self.seed,
         };

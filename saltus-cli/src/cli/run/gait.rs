@@ -112,7 +112,7 @@ pub(super) struct GaitFlags {
     first_slope: Option<f64>,
 
     /// Rate ω_f (rad/s) at which the last angle is reached [default: 13.3, which is 3.2 m/s]
-    #[arg(long, value_name = "RATE", value_parser = rate, allow_hyphen_values = true)]
+    #[arg(long, value_name = "RATE", value_parser = top_rate, allow_hyphen_values = true)]
     top_rate: Option<f64>,
 
     /// Knots of `curve`, RATE:ANGLE:TIME with commas between them; straight lines between knots
@@ -165,10 +165,21 @@ impl GaitFlags {
     /// What the flags give for `robot`.
     pub(super) fn chosen(&self, robot: &Robot) -> Result<Chosen, CliError> {
         self.meant()?;
+        let legs = robot.body.legs;
+        if !(3..=12).contains(&legs) {
+            let reason = format!("body.legs = {legs}: must be from 3 to 12, for a robot that runs");
+            return Err(CliError::content(&robot.name, reason));
+        }
         let zone = self.zone.unwrap_or(match self.gait {
             Kind::Fixed | Kind::OpenLoop => 0.0,
             Kind::ClosedLoop | Kind::Curve => -0.3,
         });
+        let half = 0.5 * TAU / f64::from(legs);
+        if zone.abs() > half {
+            let half = digits(half, 4);
+            let allowed = format!("from -{half} to {half} rad, half a pitch of the legs");
+            return Err(CliError::flag("--zone", format!("{zone} rad"), allowed));
+        }
         let valve_open = self.valve_open.unwrap_or(0.04);
         if valve_open > 1.0 {
             let allowed = "from 0 to 1 s";
@@ -308,7 +319,10 @@ impl GaitFlags {
                     "in the active zone, from {zone} to below {} rad (--zone moves it)",
                     digits(zone + pitch, 5)
                 );
-                let value = format!("{} rad", digits(angle, 6));
+                let value = match flag {
+                    "--first-slope, --switch" => format!("(α_f {} rad)", digits(angle, 6)),
+                    _ => format!("{} rad", digits(angle, 6)),
+                };
                 return Err(CliError::flag(flag, value, allowed));
             }
         }
@@ -387,7 +401,6 @@ pub(super) fn refused(error: GaitError, robot: &Robot) -> CliError {
                 "rate of a law's knot (rad/s)" | "knots of a law" => "--knots",
                 "B (1/s)" => "--steepness",
                 "C" => "--shift",
-                "drawn robots" => "--robots",
                 _ => "--disturb",
             };
             CliError::flag(flag, format!("({what} = {value})"), allowed)
@@ -436,6 +449,15 @@ fn slope(text: &str) -> Result<f64, String> {
 /// Parser of a flag.
 fn rate(text: &str) -> Result<f64, QuantityError> {
     Quantity::RATE.parse(text)
+}
+
+/// Parser of a flag.
+fn top_rate(text: &str) -> Result<f64, String> {
+    match rate(text) {
+        Ok(rate) if rate > 0.0 => Ok(rate),
+        Ok(_) => Err(format!("{:?} must be above 0 rad/s", cut(text))),
+        Err(error) => Err(error.to_string()),
+    }
 }
 
 /// Parser of a flag.

@@ -24,7 +24,7 @@ use crate::error::CliError;
 use crate::interrupt::Interrupt;
 use crate::output::{Files, Format, message, reachable};
 use crate::progress::Progress;
-use crate::quantity::{Quantity, QuantityError};
+use crate::quantity::{self, Quantity, QuantityError};
 use disturb::Typed;
 use follow::{Follower, Thinned};
 use gait::{Chosen, GaitFlags, refused};
@@ -66,6 +66,10 @@ pub(crate) struct Run {
     /// Draw so many robots around this one and run each
     #[arg(long, value_name = "COUNT", value_parser = robots, conflicts_with_all = ["plot", "animate", "telemetry"])]
     robots: Option<NonZeroUsize>,
+
+    /// Friction coefficient across the travel of the robots that are drawn
+    #[arg(long, value_name = "MU", value_parser = quantity::factor, default_value = "0", requires = "robots", allow_hyphen_values = true)]
+    drawn_across: f64,
 
     #[command(flatten)]
     threads: Threads,
