@@ -135,7 +135,8 @@ impl Many<'_> {
         for (least, share) in RUNS_FROM.iter().zip(&all.running) {
             text += &line(format!("over {least} m/s in the end"), in_words(share));
         }
-        let short = |x: f64| digits(x, 3);
+        // A robot that stands has no speed, whatever the noise of its feet.
+        let short = |x: f64| digits(if x.abs() < 1e-6 { 0.0 } else { x }, 3);
         text += &line("stalled in the end".into(), self.stalled().to_string());
         let none = || "–".to_owned();
         let speed = all.speed.map_or_else(none, |[least, middle, most]| {
