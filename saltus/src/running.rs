@@ -30,11 +30,11 @@ impl Share {
     ///
     /// Source: Wilson 1927, the score interval.
     pub fn interval(&self) -> [f64; 2] {
+        // The normal distribution's quantile for 97.5 %.
+        const Z: f64 = 1.959963984540054;
         if self.of == 0 {
             return [0.0, 1.0];
         }
-        // The normal distribution's quantile for 97.5 %.
-        const Z: f64 = 1.959963984540054;
         let (p, n) = (self.value(), self.of as f64);
         let middle = (p + Z * Z / (2.0 * n)) / (1.0 + Z * Z / n);
         let half = Z / (1.0 + Z * Z / n) * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
@@ -93,7 +93,7 @@ pub struct Together {
 
 impl Together {
     /// Of `runs` in one direction, 1 forwards and −1 backwards.
-    pub fn of<'s>(runs: impl Iterator<Item = &'s Summary> + Clone, sign: f64) -> Together {
+    pub fn of<'s>(runs: &(impl Iterator<Item = &'s Summary> + Clone), sign: f64) -> Together {
         let robots = runs.clone().count();
         let share = |holds: &dyn Fn(&Summary) -> bool| Share {
             count: runs.clone().filter(|run| holds(run)).count(),

@@ -11,28 +11,47 @@ use crate::output::digits;
 /// Pascals in a psi.
 const PSI: f64 = 6_894.757_293_168;
 
-/// What can disturb: name, units with what each is in SI, what is allowed of the SI value.
-const KINDS: &[(&str, &[(&str, f64)], [f64; 2], fn(f64) -> What)] = &[
-    (
-        "slope",
-        &[("deg", PI / 180.0), ("rad", 1.0)],
-        [-0.7, 0.7],
-        What::Slope,
-    ),
-    ("force", &[("N", 1.0)], [-1e4, 1e4], What::Force),
-    (
-        "torque",
-        &[("Nm", 1.0), ("N m", 1.0)],
-        [-1e4, 1e4],
-        What::Torque,
-    ),
-    (
-        "supply",
-        &[("psi", PSI), ("kPa", 1e3), ("bar", 1e5), ("Pa", 1.0)],
-        [0.0, 1e8],
-        What::Supply,
-    ),
-    ("friction", &[], [0.0, 1e4], What::Friction),
+/// What can disturb.
+struct Sort {
+    name: &'static str,
+    /// Units, the usual one first, with what each is in SI.
+    units: &'static [(&'static str, f64)],
+    /// From and to what it may be, in SI.
+    allowed: [f64; 2],
+    make: fn(f64) -> What,
+}
+
+const SORTS: [Sort; 5] = [
+    Sort {
+        name: "slope",
+        units: &[("deg", PI / 180.0), ("rad", 1.0)],
+        allowed: [-0.7, 0.7],
+        make: What::Slope,
+    },
+    Sort {
+        name: "force",
+        units: &[("N", 1.0)],
+        allowed: [-1e4, 1e4],
+        make: What::Force,
+    },
+    Sort {
+        name: "torque",
+        units: &[("Nm", 1.0), ("N m", 1.0)],
+        allowed: [-1e4, 1e4],
+        make: What::Torque,
+    },
+    Sort {
+        name: "supply",
+        units: &[("psi", PSI), ("kPa", 1e3), ("bar", 1e5), ("Pa", 1.0)],
+        allowed: [0.0, 1e8],
+        make: What::Supply,
+    },
+    Sort {
+        name: "friction",
+        units: &[],
+        allowed: [0.0, 1e4],
+        make: What::Friction,
+    },
 ];
 
 /// A disturbance as it was typed, and what it is.
@@ -40,6 +59,28 @@ const KINDS: &[(&str, &[(&str, f64)], [f64; 2], fn(f64) -> What)] = &[
 pub(super) struct Typed {
     pub(super) text: String,
     pub(super) disturbance: Disturbance,
+}
+
+impl Sort {
+    /// What is allowed in place of `value`.
+    fn refused(&self, value: &str) -> String {
+        let (unit, size) = self.units.first().copied().unwrap_or(("", 1.0));
+        let names: Vec<&str> = self.units.iter().map(|(unit, _)| *unit).collect();
+        let known = if names.len() > 1 {
+            let names = names.join(", ");
+            format!(", with one of the units {names} or without a unit")
+        } else {
+            String::new()
+        };
+        let [low, high] = self.allowed.map(|end| digits(end / size, 4));
+        let range = format!("from {low} to {high} {unit}");
+        format!(
+            "{} {:?} must be a number {}{known}",
+            self.name,
+            cut(value),
+            range.trim_end()
+        )
+    }
 }
 
 /// Parser of the flag.
@@ -53,44 +94,19 @@ pub(super) fn disturb(text: &str) -> Result<Typed, String> {
     let (what, rest) = text.split_once('=').ok_or_else(shape)?;
     let (value, span) = rest.split_once('@').ok_or_else(shape)?;
     let what = what.trim();
-    let Some((name, units, [low, high], make)) = KINDS.iter().find(|(name, ..)| *name == what)
-    else {
-        let names: Vec<&str> = KINDS.iter().map(|(name, ..)| *name).collect();
-        return Err(format!(
-            "{:?} must be one of {}",
-            cut(what),
-            names.join(", ")
-        ));
+    let Some(sort) = SORTS.iter().find(|sort| sort.name == what) else {
+        let names = SORTS.map(|sort| sort.name).join(", ");
+        return Err(format!("{:?} must be one of {names}", cut(what)));
     };
-    let number = number(value, units);
-    // Ends are allowed but for the library's open ones, to which no user comes.
-    let Some(number) = number.filter(|x| (*low..=*high).contains(x)) else {
-        let unit = units.first().map_or(1.0, |(_, size)| *size);
-        let names: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
-        let in_unit = names
-            .first()
-            .map_or(String::new(), |unit| format!(" {unit}"));
-        let known = if names.len() > 1 {
-            format!(
-                ", with one of the units {} or without a unit",
-                names.join(", ")
-            )
-        } else {
-            String::new()
-        };
-        return Err(format!(
-            "{name} {:?} must be a number from {} to {}{in_unit}{known}",
-            cut(value),
-            digits(low / unit, 4),
-            digits(high / unit, 4)
-        ));
-    };
+    let [low, high] = sort.allowed;
+    let number = number(value, sort.units).filter(|x| (low..=high).contains(x));
+    let number = number.ok_or_else(|| sort.refused(value))?;
     let when = when(span)?;
     Ok(Typed {
         text: text.trim().into(),
         disturbance: Disturbance {
             when,
-            what: make(number),
+            what: (sort.make)(number),
         },
     })
 }

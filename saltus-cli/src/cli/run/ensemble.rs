@@ -100,7 +100,7 @@ impl Many<'_> {
     }
 
     fn together(&self) -> Together {
-        Together::of(self.runs.iter().flatten(), self.sign())
+        Together::of(&self.runs.iter().flatten(), self.sign())
     }
 
     /// Those that could not be simulated, with the first reason.

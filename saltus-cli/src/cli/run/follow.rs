@@ -20,18 +20,24 @@ const MOST_POINTS: usize = 4000;
 /// Follows a run.
 #[derive(Debug)]
 pub(super) struct Follower<'a> {
-    pub(super) rows: Option<Rows>,
-    pub(super) telemetry: Option<Rows>,
+    pub(super) kept: Kept,
     pub(super) line: Option<Thinned>,
-    pub(super) film: Option<Film>,
     pub(super) last: Option<Last>,
     pub(super) stalls: Stalls,
     /// Touch-downs of legs that were still out.
     pub(super) out_at_touch_down: usize,
-    pub(super) interrupt: &'a Interrupt,
-    pub(super) progress: &'a Progress,
-    pub(super) speed: Speed,
+    interrupt: &'a Interrupt,
+    progress: &'a Progress,
+    speed: Speed,
     told: f64,
+}
+
+/// What is written of a run.
+#[derive(Debug, Default)]
+pub(super) struct Kept {
+    pub(super) rows: Option<Rows>,
+    pub(super) telemetry: Option<Rows>,
+    pub(super) film: Option<Film>,
 }
 
 /// The last cycle.
@@ -125,10 +131,8 @@ impl<'a> Follower<'a> {
         progress: &'a Progress,
     ) -> Follower<'a> {
         Follower {
-            rows: None,
-            telemetry: None,
+            kept: Kept::default(),
             line: None,
-            film: None,
             last: None,
             stalls: Stalls::default(),
             out_at_touch_down: 0,
@@ -137,6 +141,11 @@ impl<'a> Follower<'a> {
             speed: Speed::new(period),
             told: 0.0,
         }
+    }
+
+    /// Hands over what was written.
+    pub(super) fn kept(&mut self) -> Kept {
+        std::mem::take(&mut self.kept)
     }
 
     fn look(&mut self, row: &Row<'_>) {
@@ -167,17 +176,17 @@ impl Run for Follower<'_> {
     fn row(&mut self, row: &Row<'_>) {
         self.look(row);
         let speed = self.speed.at(row.axle[0]);
-        if let Some(rows) = &mut self.rows {
+        if let Some(rows) = &mut self.kept.rows {
             rows.push(row);
         }
-        if let Some(rows) = &mut self.telemetry {
+        if let Some(rows) = &mut self.kept.telemetry {
             rows.push(row);
         }
         if let Some(line) = &mut self.line {
             let action = &row.action;
             line.push([row.time, row.lean, action.rate, action.firing_angle, speed]);
         }
-        if let Some(film) = &mut self.film {
+        if let Some(film) = &mut self.kept.film {
             film.push(row, speed);
         }
         if row.time >= self.told + 1.0 {
@@ -190,18 +199,18 @@ impl Run for Follower<'_> {
         let extensions = self.last.as_ref().map(|last| &last.extensions);
         let extension = extensions.and_then(|all| all.get(footfall.leg));
         self.out_at_touch_down += usize::from(extension.is_some_and(|x| *x > OUT));
-        if let Some(film) = &mut self.film {
+        if let Some(film) = &mut self.kept.film {
             film.touch_down(footfall);
         }
     }
 
     fn asks_contacts(&mut self, _: f64) -> bool {
-        self.film.as_ref().is_some_and(Film::is_due)
+        self.kept.film.as_ref().is_some_and(Film::is_due)
     }
 
     fn goes_on(&mut self) -> bool {
         let open = |rows: &Option<Rows>| rows.as_ref().is_none_or(Rows::is_open);
-        !self.interrupt.came() && open(&self.rows) && open(&self.telemetry)
+        !self.interrupt.came() && open(&self.kept.rows) && open(&self.kept.telemetry)
     }
 }
 

@@ -9,6 +9,7 @@ mod page;
 mod report;
 mod rows;
 mod telemetry;
+mod values;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -173,61 +174,24 @@ impl Run {
     /// One run.
     fn one(&self, setup: &Setup, chosen: &Chosen) -> Result<Status, CliError> {
         self.places()?;
-        let format = self.output.format();
-        let legs = setup.robot.body.legs as usize;
         let interrupt = Interrupt::listen()?;
         // A length is at most 100,000 s.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let progress = Progress::new("simulated seconds", self.seconds.ceil() as usize);
-        let period = setup.sensors().period;
-        let mut follower = Follower::new(period, &interrupt, &progress);
-        if format == Format::Csv {
-            let rows = Rows::open("--out", self.output.out(), Columns::Motion, legs)?;
-            follower.rows = Some(rows);
-        }
+        let mut follower = Follower::new(setup.sensors().period, &interrupt, &progress);
         let telemetry = self.telemetry.as_deref().map(Telemetry::open).transpose()?;
-        if let Some(folder) = &telemetry {
-            follower.telemetry = Some(folder.rows(legs)?);
-        }
-        follower.line = self.plot.is_set().then(Thinned::new);
-        follower.film = (self.animate.is_some()).then(|| Film::new(setup));
+        self.open(&mut follower, setup, telemetry.as_ref())?;
         let summary = run(setup, &mut follower).map_err(|error| refused(error, &setup.robot))?;
+        let kept = follower.kept();
         let report = report::Report {
             setup,
             chosen,
             summary: &summary,
-            last: follower.last.as_ref(),
-            stalls: follower.stalls,
-            out_at_touch_down: follower.out_at_touch_down,
+            follower: &follower,
             disturbances: &self.disturb,
         };
-        let mut files = Files::default();
-        if let Some(rows) = follower.rows.take() {
-            if let Some(stream) = rows.finish()? {
-                files.written(stream)?;
-            }
-            if summary.ending != Ending::Ran {
-                message(&format!("the robot {}", report.ending()));
-            }
-        } else {
-            files.report(
-                self.output.out(),
-                match format {
-                    Format::Json => report.json(),
-                    _ => report.text(),
-                },
-            );
-        }
-        if let (Some(path), Some(film)) = (&self.animate, follower.film.take()) {
-            let html = page::html(&report, film);
-            files.add("--animate", path, html.into_bytes());
-        }
-        if let Some(line) = &follower.line {
-            self.plot
-                .add_to(&mut files, || Ok(figure::drawing(&report, line)))?;
-        }
-        files.check()?;
-        if let (Some(folder), Some(rows)) = (telemetry, follower.telemetry.take()) {
+        let files = self.files(&report, kept.rows, kept.film)?;
+        if let (Some(folder), Some(rows)) = (telemetry, kept.telemetry) {
             folder.publish(rows, &report)?;
         }
         if interrupt.came() {
@@ -241,6 +205,56 @@ impl Run {
             Ending::Ran => Status::Done,
             Ending::Stalled { .. } => Status::No,
         })
+    }
+
+    /// Opens what `follower` writes and keeps.
+    fn open(
+        &self,
+        follower: &mut Follower<'_>,
+        setup: &Setup,
+        telemetry: Option<&Telemetry>,
+    ) -> Result<(), CliError> {
+        let legs = setup.robot.body.legs as usize;
+        if self.output.format() == Format::Csv {
+            let rows = Rows::open("--out", self.output.out(), Columns::Motion, legs)?;
+            follower.kept.rows = Some(rows);
+        }
+        follower.kept.telemetry = telemetry.map(|folder| folder.rows(legs)).transpose()?;
+        follower.line = self.plot.is_set().then(Thinned::new);
+        follower.kept.film = (self.animate.is_some()).then(|| Film::new(setup));
+        Ok(())
+    }
+
+    /// The report, the page and the plot.
+    fn files(
+        &self,
+        report: &report::Report<'_>,
+        rows: Option<Rows>,
+        film: Option<Film>,
+    ) -> Result<Files, CliError> {
+        let mut files = Files::default();
+        match (rows, self.output.format()) {
+            (Some(rows), _) => {
+                if let Some(stream) = rows.finish()? {
+                    files.written(stream)?;
+                }
+                if report.summary.ending != Ending::Ran {
+                    message(&format!("the robot {}", report.ending()));
+                }
+            }
+            (None, Format::Json) => files.report(self.output.out(), report.json()),
+            (None, _) => files.report(self.output.out(), report.text()),
+        }
+        if let (Some(path), Some(film)) = (&self.animate, film) {
+            let html = page::html(report, film);
+            files.add("--animate", path, html.into_bytes());
+        }
+        if let Some(line) = &report.follower.line {
+            let drawing = || Ok(figure::drawing(report, line));
+            self.plot.add_to(&mut files, drawing)?;
+        }
+        files.check()?;
+        Ok(files)
     }
 
     /// Refuses files in folders that are not there and files that two flags name, before long work.

@@ -1,12 +1,14 @@
 //! What a run came to, in words and as JSON.
 
+use std::fmt::Write as _;
+
 use saltus::gait::{Ending, Setup, Summary};
 use saltus::running::exergy_of_gas;
 use saltus::sim_check::Stepping;
 use serde_json::{Value, json};
 
 use super::disturb::Typed;
-use super::follow::{Last, OUT, Stalls};
+use super::follow::{Follower, OUT};
 use super::gait::Chosen;
 use crate::output::{self, digits};
 
@@ -15,9 +17,7 @@ pub(super) struct Report<'a> {
     pub(super) setup: &'a Setup,
     pub(super) chosen: &'a Chosen,
     pub(super) summary: &'a Summary,
-    pub(super) last: Option<&'a Last>,
-    pub(super) stalls: Stalls,
-    pub(super) out_at_touch_down: usize,
+    pub(super) follower: &'a Follower<'a>,
     pub(super) disturbances: &'a [Typed],
 }
 
@@ -56,7 +56,7 @@ impl Report<'_> {
 
     /// Why it stands still.
     fn reason(&self) -> String {
-        let Some(last) = self.last else {
+        let Some(last) = &self.follower.last else {
             return "it ran for no cycle".into();
         };
         let (lean, angle) = (digits(last.lean, 3), digits(last.firing_angle, 3));
@@ -69,15 +69,32 @@ impl Report<'_> {
             )
         } else {
             format!(
-                "leg {} in the active zone, at {lean} rad, has fired since it entered, and fires once an entry",
-                last.leg
+                "leg {} in the active zone, at {lean} rad, has fired since it entered, and fires once \
+                 an entry{}",
+                last.leg,
+                self.stuck()
             )
+        }
+    }
+
+    /// Why a leg that fired moved nothing, on ground where feet never slip.
+    fn stuck(&self) -> &'static str {
+        let grips = self.setup.robot.ground.static_friction.is_infinite();
+        if grips && self.summary.firings < 2 {
+            "; a leg of two that stand cannot push where no foot slips: give \
+             ground.static_friction"
+        } else {
+            ""
         }
     }
 
     /// Legs that are out at the end, with their extensions (m).
     fn out(&self) -> Vec<(usize, f64)> {
-        let extensions = self.last.map(|last| last.extensions.as_slice());
+        let extensions = self
+            .follower
+            .last
+            .as_ref()
+            .map(|last| last.extensions.as_slice());
         let legs = extensions.unwrap_or_default().iter().copied().enumerate();
         legs.filter(|(_, extension)| *extension > OUT).collect()
     }
@@ -91,91 +108,108 @@ impl Report<'_> {
     }
 
     pub(super) fn text(&self) -> String {
+        let mut lines = self.course();
+        lines.extend(self.feet());
+        lines.extend(self.gas());
+        lines.extend(self.energies());
+        let mut text = format!("{}\n", self.title());
+        for (name, words) in lines {
+            // Writing to a string does not fail.
+            let _ = writeln!(text, "  {name:<18} {words}");
+        }
+        text
+    }
+
+    /// How it ended and how fast it was.
+    fn course(&self) -> Vec<(&'static str, String)> {
         let s = self.summary;
         let sign = self.sign();
-        let short = |x: f64| digits(x, 4);
-        let line = |name: &str, text: String| format!("  {name:<18} {text}\n");
-        let mut text = format!("{}\n", self.title());
-        for typed in self.disturbances {
-            text += &line("disturbed by", typed.text.clone());
-        }
-        text += &line("ending", self.ending());
-        if let (Some([time, at]), Ending::Ran) = (self.stalls.first, s.ending) {
-            text += &line(
-                "stood still",
-                format!(
-                    "{} before, the first found at {} s, {} m",
-                    times(self.stalls.count),
-                    short(time),
-                    short(at)
-                ),
+        let disturbed = self.disturbances.iter();
+        let mut lines: Vec<_> = disturbed
+            .map(|typed| ("disturbed by", typed.text.clone()))
+            .collect();
+        lines.push(("ending", self.ending()));
+        let stalls = self.follower.stalls;
+        if let (Some([time, at]), Ending::Ran) = (stalls.first, s.ending) {
+            let words = format!(
+                "{} before, the first found at {} s, {} m",
+                times(stalls.count),
+                short(time),
+                short(at)
             );
+            lines.push(("stood still", words));
         }
-        text += &line("travel", format!("{} m", short(s.travel)));
-        text += &line(
-            "mean speed",
-            format!(
-                "{} m/s; over the last 4 s {} m/s",
-                short(sign * s.mean_speed),
-                short(sign * s.last_speed)
-            ),
+        let speeds = format!(
+            "{} m/s; over the last 4 s {} m/s",
+            short(sign * s.mean_speed),
+            short(sign * s.last_speed)
         );
-        text += &line("top speed", format!("{} m/s", short(s.top_speed)));
-        text += &line(
-            "3.2 m/s",
-            s.reached_3_2.map_or("not reached".into(), |t| {
-                format!("reached at {} s", short(t))
-            }),
-        );
-        if let Some(speed) = s.speed_at_1_6 {
-            text += &line("speed at 1.6 s", format!("{} m/s", short(speed)));
-        }
-        if let Some(time) = s.time_to_1_6_m {
-            text += &line("1.6 m", format!("reached at {} s", short(time)));
-        }
-        text += &line("firings", s.firings.to_string());
-        text += &line(
-            "touch-downs",
-            format!(
-                "{}, of these {} of legs still out by over {} mm",
-                s.touch_downs,
-                self.out_at_touch_down,
-                OUT * 1e3
-            ),
+        let reached = s.reached_3_2.map(|t| format!("reached at {} s", short(t)));
+        lines.extend([
+            ("travel", format!("{} m", short(s.travel))),
+            ("mean speed", speeds),
+            ("top speed", format!("{} m/s", short(s.top_speed))),
+            ("3.2 m/s", reached.unwrap_or("not reached".into())),
+        ]);
+        let speed = s.speed_at_1_6.map(|speed| format!("{} m/s", short(speed)));
+        lines.extend(speed.map(|words| ("speed at 1.6 s", words)));
+        let time = s
+            .time_to_1_6_m
+            .map(|t| format!("reached at {} s", short(t)));
+        lines.extend(time.map(|words| ("1.6 m", words)));
+        lines
+    }
+
+    /// What the legs did and what touched.
+    fn feet(&self) -> [(&'static str, String); 4] {
+        let s = self.summary;
+        let touched = format!(
+            "{}, of these {} of legs still out by over {} mm",
+            s.touch_downs,
+            self.follower.out_at_touch_down,
+            OUT * 1e3
         );
         let out = self.out();
         let legs: Vec<String> = out
             .iter()
             .map(|(leg, x)| format!("leg {leg} by {} mm", digits(x * 1e3, 3)))
             .collect();
-        let none = legs.is_empty();
-        text += &line(
-            "out at the end",
-            if none {
-                "no leg".into()
-            } else {
-                legs.join(", ")
-            },
-        );
-        text += &line("other contacts", self.bumps());
-        if exergy_of_gas(&self.setup.robot).is_some() {
-            text += &line(
-                "gas",
-                match self.per_metre() {
-                    Some([gas, exergy]) => format!(
-                        "{} g, {} g/m; its exergy {} J/m",
-                        short(s.gas * 1e3),
-                        short(gas),
-                        short(exergy)
-                    ),
-                    None => format!("{} g", short(s.gas * 1e3)),
-                },
-            );
-        }
-        let work: Vec<String> = s.leg_work.iter().map(|work| short(*work)).collect();
-        text += &line("work of the legs", format!("{} J", work.join(", ")));
+        let legs = if legs.is_empty() {
+            "no leg".into()
+        } else {
+            legs.join(", ")
+        };
+        [
+            ("firings", s.firings.to_string()),
+            ("touch-downs", touched),
+            ("out at the end", legs),
+            ("other contacts", self.bumps()),
+        ]
+    }
+
+    fn gas(&self) -> Option<(&'static str, String)> {
+        exergy_of_gas(&self.setup.robot)?;
+        let gas = format!("{} g", short(self.summary.gas * 1e3));
+        let words = match self.per_metre() {
+            Some([each, exergy]) => {
+                format!(
+                    "{gas}, {} g/m; its exergy {} J/m",
+                    short(each),
+                    short(exergy)
+                )
+            }
+            None => gas,
+        };
+        Some(("gas", words))
+    }
+
+    /// Where the energy comes from and goes.
+    fn energies(&self) -> Vec<(&'static str, String)> {
+        let s = self.summary;
         let l = &s.ledger;
-        for (name, value) in [
+        let work: Vec<String> = s.leg_work.iter().map(|work| short(*work)).collect();
+        let mut lines = vec![("work of the legs", format!("{} J", work.join(", ")))];
+        let entries = [
             ("drives", l.drive),
             ("from outside", l.outside),
             ("lost in legs", l.joints),
@@ -183,21 +217,18 @@ impl Report<'_> {
             ("lost to the air", l.drag),
             ("lost at the ground", l.impacts - l.stops),
             ("lost at end stops", l.stops),
-        ] {
-            let is_shown = value != 0.0 || !matches!(name, "from outside" | "lost to the air");
-            if is_shown {
-                text += &line(name, format!("{} J", short(value)));
-            }
-        }
-        text += &line(
-            "unexplained",
-            format!(
-                "{} J in bodies, {} J in gas",
-                digits(s.residual, 2),
-                digits(s.gas_residual, 2)
-            ),
+        ];
+        let shown = entries
+            .into_iter()
+            .filter(|(name, x)| *x != 0.0 || !matches!(*name, "from outside" | "lost to the air"));
+        lines.extend(shown.map(|(name, x)| (name, format!("{} J", short(x)))));
+        let rest = format!(
+            "{} J in bodies, {} J in gas",
+            digits(s.residual, 2),
+            digits(s.gas_residual, 2)
         );
-        text
+        lines.push(("unexplained", rest));
+        lines
     }
 
     /// Contacts other than feet on the ground.
@@ -236,7 +267,7 @@ impl Report<'_> {
         let motion = json!({
             "rear_leg_at_start": s.rear,
             "ending": ending,
-            "stalls": self.stalls.count,
+            "stalls": self.follower.stalls.count,
             "travel_m": s.travel,
             "mean_speed_m_s": sign * s.mean_speed,
             "last_speed_m_s": sign * s.last_speed,
@@ -246,7 +277,7 @@ impl Report<'_> {
             "time_to_1_6_m_s": s.time_to_1_6_m,
             "firings": s.firings,
             "touch_downs": s.touch_downs,
-            "touch_downs_of_legs_out": self.out_at_touch_down,
+            "touch_downs_of_legs_out": self.follower.out_at_touch_down,
             "legs_out_at_end": self.out().iter().map(out).collect::<Vec<_>>(),
             "other_contacts": s.bump_count,
             "first_other_contacts": s.bumps.iter().map(bump).collect::<Vec<_>>(),
@@ -301,6 +332,11 @@ fn step(stepping: Stepping) -> Option<f64> {
         Stepping::Fixed(step) => Some(step),
         Stepping::Adaptive => None,
     }
+}
+
+/// A number for people.
+fn short(x: f64) -> String {
+    digits(x, 4)
 }
 
 fn times(count: usize) -> String {
