@@ -1,5 +1,8 @@
 //! `saltus run`: what it answers, in which form, and what it refuses.
 
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
+
 use serde_json::Value;
 
 use crate::common::{Folder, rows};
@@ -134,6 +137,29 @@ fn csv_has_a_row_a_cycle() {
     assert_eq!(stalled.code, Some(1));
     assert!(stalled.err.contains("the robot stalled"), "{}", stalled.err);
     assert!(folder.path("s.csv").exists());
+}
+
+/// A run of a day ends when nobody reads its rows any more.
+#[test]
+fn rows_stream_and_stop_with_their_reader() {
+    let folder = Folder::new("run-stream");
+    let line = format!(
+        "{} --seconds 86400 --format csv",
+        PUSHED.replace(" --seconds 3", "")
+    );
+    let mut child = Command::new(env!("CARGO_BIN_EXE_saltus"))
+        .args(line.split(' '))
+        .current_dir(folder.path("."))
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut reader = BufReader::new(child.stdout.take().unwrap());
+    for _ in 0..2000 {
+        let mut text = String::new();
+        assert!(reader.read_line(&mut text).unwrap() > 100, "{text}");
+    }
+    drop(reader);
+    assert_eq!(child.wait().unwrap().code(), Some(0));
 }
 
 #[test]
