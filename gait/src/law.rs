@@ -115,6 +115,53 @@ impl Lines {
     }
 }
 
+/// One smooth law of six parameters: α_f and t_v each go from their value at rest to that at speed
+/// as 1/(1 + (ω/w)²) falls.
+///
+/// Source: thesis 8.3.2 and the end of 5.1.3, which propose one curve in place of two lines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Smooth {
+    /// α_f at rest (rad), at speed (rad), and the rate (rad/s) at which it is half way.
+    pub firing_angle: [f64; 3],
+    /// t_v at rest (s), at speed (s), and the rate (rad/s) at which it is half way.
+    pub valve_open: [f64; 3],
+}
+
+impl Smooth {
+    /// Least and greatest value of each parameter, in order, for a search.
+    pub const BOUNDS: [[f64; 2]; 6] = [
+        [0.1, 0.6],
+        [-0.3, 0.4],
+        [2.0, 20.0],
+        [0.02, 0.1],
+        [0.02, 0.1],
+        [2.0, 20.0],
+    ];
+
+    /// The law as a curve of straight lines between rates 0.5 rad/s apart.
+    pub fn program(&self) -> Program {
+        let at = |[first, last, half]: [f64; 3], rate: f64| {
+            last + (first - last) / (1.0 + (rate / half).powi(2))
+        };
+        let knot = |k: u32| {
+            let rate = 0.5 * f64::from(k);
+            [rate, at(self.firing_angle, rate), at(self.valve_open, rate)]
+        };
+        Program::Curve((0..=80).map(knot).collect())
+    }
+}
+
+impl From<&[f64]> for Smooth {
+    /// From the six parameters in order; those that are not there are 0.
+    fn from(x: &[f64]) -> Smooth {
+        let at = |k: usize| x.get(k).copied().unwrap_or(0.0);
+        Smooth {
+            firing_angle: [at(0), at(1), at(2)],
+            valve_open: [at(3), at(4), at(5)],
+        }
+    }
+}
+
 /// A program as the controller takes it, with what it refers to.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Compiled {

@@ -4,19 +4,23 @@
 //! [`Setup`] says which robot runs how; [`run`] runs it, and gives every cycle to a closure.
 
 mod cast;
+mod crossing;
 mod drawn;
 mod error;
 mod law;
 mod run;
+mod search;
 mod sensors;
 mod surroundings;
 mod world;
 
 pub use cast::instruments;
+pub use crossing::{Crossed, Crossing, CrossingPlan};
 pub use drawn::{Draw, Ensemble, drawn_robot};
 pub use error::GaitError;
-pub use law::{Centre, Lines, Program, second_line};
-pub use run::{Ending, Footfall, Row, Run, Setup, Summary, run};
+pub use law::{Centre, Lines, Program, Smooth, second_line};
+pub use run::{Ending, Footfall, Obstacle, Row, Run, Setup, Summary, run};
+pub use search::{Search, search};
 pub use sensors::Sensing;
 pub use surroundings::{Disturbance, Surroundings, What, When};
 pub use world::{Cycle, World};

@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 
 use rand_pcg::Pcg64;
 use saltus_controller::run::{
-    Action, Gait, Hold, MOST_TAPS, Readings, Runner, Signals, Stall, Standing,
+    Action, Gait, Hold, Leap, MOST_TAPS, Readings, Runner, Signals, Stall, Standing,
 };
 use saltus_robot::{Robot, Sensors};
-use saltus_sim_check::{Contact, Happening, Ledger, Stepping, Surface};
+use saltus_sim_check::{Contact, Happening, Ledger, Rig, Stepping, Surface};
 
 use crate::cast::instruments;
 use crate::error::require;
@@ -40,10 +40,17 @@ pub struct Setup {
     pub hold: Option<Hold<f64>>,
     /// Rate (rad/s) and time (s) that make a stall, and whether the run then begins anew.
     pub stall: Stall<f64>,
+    /// Firing angle (rad) and valve opening time (s) of the first firings, before the program.
+    pub first: Vec<[f64; 2]>,
+    /// A jump out of the run.
+    pub leap: Option<Leap<f64>>,
     /// What disturbs.
     pub disturbances: Vec<Disturbance>,
-    /// Obstacles on the ground.
-    pub obstacles: Vec<Surface>,
+    /// Boxes on the ground.
+    pub obstacles: Vec<Obstacle>,
+    /// Whether the boxes can be touched; else the robot goes through them, and [`Summary`] says how
+    /// near it came.
+    pub solid: bool,
     /// How the motion is computed.
     pub stepping: Stepping,
     /// Seed of the sensors' noise.
@@ -68,8 +75,11 @@ impl Setup {
                 time: 0.5,
                 restarts: false,
             },
+            first: Vec::new(),
+            leap: None,
             disturbances: Vec::new(),
             obstacles: Vec::new(),
+            solid: true,
             stepping: Stepping::USUAL,
             seed: 1,
         }
@@ -112,6 +122,8 @@ impl Setup {
             sum,
             "a number other than 0",
         )?;
+        let radius = self.robot.body.radius;
+        self.obstacles.iter().try_for_each(|o| o.check(radius))?;
         let mut before = f64::NEG_INFINITY;
         for [time, speed] in &self.speeds {
             let allowed = format!("a time after the one before it, {before} s");
@@ -129,6 +141,45 @@ impl Setup {
     }
 }
 
+/// A box on the ground, across the robot's way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Obstacle {
+    /// From the axle at the start to its front (m), along the travel.
+    pub front: f64,
+    /// Its length along the travel (m).
+    pub length: f64,
+    /// Its height (m).
+    pub height: f64,
+}
+
+impl Obstacle {
+    fn check(&self, radius: f64) -> Result<(), GaitError> {
+        let Obstacle {
+            front,
+            length,
+            height,
+        } = *self;
+        let beside = front >= radius && front <= 1e4;
+        let allowed = format!("from {radius} m, the robot's radius, to 10000 m");
+        require(beside, "front of the obstacle (m)", front, allowed)?;
+        let sound = |x: f64| x > 0.0 && x <= 10.0;
+        require(
+            sound(length),
+            "length of the obstacle (m)",
+            length,
+            "above 0, at most 10 m",
+        )?;
+        require(
+            sound(height),
+            "height of the obstacle (m)",
+            height,
+            "above 0, at most 10 m",
+        )
+    }
+}
+
+/// Farthest from an obstacle (m) at which the distance to it is measured.
+const BESIDE: f64 = 0.8;
 /// Longest run (s).
 const LONGEST: f64 = 1e5;
 /// Time (s) over which speeds are means.
@@ -218,6 +269,8 @@ pub struct Summary {
     pub bumps: Vec<(f64, String, usize)>,
     /// How many bumps there were in all, of which the first hundred are listed.
     pub bump_count: usize,
+    /// Least distance (m) to each obstacle.
+    pub clearances: Vec<f64>,
     /// Gas from the supply (kg).
     pub gas: f64,
     /// Work of each leg's drive (J).
@@ -265,14 +318,18 @@ pub fn run(setup: &Setup, follower: &mut impl Run) -> Result<Summary, GaitError>
     let compiled = setup
         .program
         .compile(setup.valve_open, (setup.zone, pitch))?;
-    let surroundings = Surroundings::new(&setup.robot, &setup.obstacles, &setup.disturbances)?;
+    let plain = Rig::new(&setup.robot, &[])?;
+    let across = |o: &Obstacle| plain.box_across(o.front, o.length, o.height);
+    let boxes: Vec<Surface> = setup.obstacles.iter().map(across).collect();
+    let solid: &[Surface] = if setup.solid { &boxes } else { &[] };
+    let surroundings = Surroundings::new(&setup.robot, solid, &setup.disturbances)?;
     let q = surroundings.rig.rest(0)?;
     let v = vec![0.0; surroundings.rig.mechanism.tree.velocities()];
     let sensors = setup.sensors();
     let random = Pcg64::new(u128::from(setup.seed), 0x5a17);
     let world = World::new(&surroundings, sensors, setup.stepping, (&q, &v), random)?;
     let gait = gait(setup, &compiled);
-    Loop::new(setup, world, gait, follower)?.go()
+    Loop::new(setup, world, gait, (boxes, follower))?.go()
 }
 
 /// The controller's constants.
@@ -287,6 +344,8 @@ fn gait<'s>(setup: &'s Setup, compiled: &'s Compiled) -> Gait<'s, f64> {
         taps: &setup.taps,
         hold: setup.hold,
         stall: setup.stall,
+        first: &setup.first,
+        leap: setup.leap,
     }
 }
 
@@ -316,6 +375,7 @@ struct Loop<'a, 's, F> {
     world: World<'a>,
     runner: Runner<'s, f64>,
     follower: &'s mut F,
+    boxes: Vec<Surface>,
     /// Travels (m) of the last 0.15 s.
     recent: VecDeque<f64>,
     /// Cycles in 0.15 s.
@@ -334,7 +394,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         setup: &'s Setup,
         mut world: World<'a>,
         gait: Gait<'s, f64>,
-        follower: &'s mut F,
+        (boxes, follower): (Vec<Surface>, &'s mut F),
     ) -> Result<Loop<'a, 's, F>, GaitError> {
         let legs = setup.robot.body.legs as usize;
         let (rear, wheel) = find_stand(setup, &mut world, &gait)?;
@@ -347,6 +407,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             world,
             runner,
             follower,
+            boxes,
             recent: VecDeque::new(),
             window: ((MEAN / period).round() as usize).max(1),
             still: None,
@@ -365,6 +426,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
                 touch_downs: 0,
                 bumps: Vec::new(),
                 bump_count: 0,
+                clearances: vec![f64::INFINITY; setup.obstacles.len()],
                 gas: 0.0,
                 leg_work: vec![0.0; legs],
                 ledger,
@@ -388,6 +450,10 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
                 break;
             }
             let now = self.world.read();
+            let later = |speed: &&[f64; 2]| speed[0] <= now.time + 1e-9;
+            if let Some([_, speed]) = self.setup.speeds.iter().rev().find(later) {
+                self.runner.demand(*speed);
+            }
             let action = self.runner.step(&now.readings);
             self.tell(now.time, now.readings, action);
             if cycle == late {
@@ -452,6 +518,13 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         };
         let travel = row.axle[0];
         self.follower.row(&row);
+        let obstacles = self.setup.obstacles.iter().zip(&self.boxes);
+        for ((obstacle, surface), least) in obstacles.zip(&mut self.summary.clearances) {
+            let (front, back) = (obstacle.front, obstacle.front + obstacle.length);
+            if (front - BESIDE..back + BESIDE).contains(&travel) {
+                *least = least.min(rig.clearance(q, surface));
+            }
+        }
         if self.recent.len() > self.window {
             self.recent.pop_front();
         }

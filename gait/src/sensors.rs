@@ -32,15 +32,14 @@ impl Sensing {
     /// read. An accelerometer gives the mean of the period: impacts within it count.
     pub fn read(&mut self, rig: &Rig, q: &[f64], v: &[f64]) -> Readings {
         let s = self.sensors;
-        let turn = |angle: f64, counts: f64| {
-            whole((angle * counts.round() / std::f64::consts::TAU).floor())
-        };
+        let turn = |angle: f64, counts: f64| whole(angle * counts.round() / std::f64::consts::TAU);
         let (radius, pivot) = match rig.boom {
             Some(_) => (turn(q[0], s.radius_counts), turn(q[1], s.pivot_counts)),
             None => (0, 0),
         };
         let (lean, rate) = (q[rig.lean_coordinate()], v[rig.lean_velocity()]);
-        let gyro = |random: &mut Pcg64| rate + s.gyro_bias + s.gyro_noise * normal(random);
+        let spin = rig.spin(q, v);
+        let gyro = |random: &mut Pcg64| spin + s.gyro_bias + s.gyro_noise * normal(random);
         let (fine, coarse) = (gyro(&mut self.random), gyro(&mut self.random));
         let force = self.specific_force(rig, q, v, lean, rate);
         let mut accelerometer = |range: f64| {

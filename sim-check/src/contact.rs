@@ -5,6 +5,8 @@ use crate::SimError;
 use crate::error::{finite, not_negative, positive, require};
 use crate::machine::Touch;
 use crate::spatial::Vec3;
+use nalgebra::Rotation3;
+use saltus_numeric::root::bisect;
 
 /// A point or a sphere of a body, which can touch surfaces.
 #[derive(Clone, Debug)]
@@ -17,6 +19,9 @@ pub struct ContactPoint {
     pub center: Vec3,
     /// Radius of the sphere (m), ≥ 0; 0 is a point.
     pub radius: f64,
+    /// The other end (m), body frame, of a bar with round ends; none: a sphere. Bars touch blocks
+    /// alone.
+    pub bar: Option<Vec3>,
 }
 
 /// Something that stands still and can be touched.
@@ -35,6 +40,18 @@ pub enum Surface {
         low: Vec3,
         /// Greatest x, y, z (m).
         high: Vec3,
+    },
+    /// A block that is turned about the vertical through a place, as one that lies across the way
+    /// of a robot on a boom: x along its travel and y away from that place.
+    TurnedBlock {
+        /// Least x, y, z (m) before it is turned, from that place.
+        low: Vec3,
+        /// Greatest x, y, z (m).
+        high: Vec3,
+        /// The place (m).
+        about: Vec3,
+        /// By how much (rad): from y towards x.
+        turn: f64,
     },
 }
 
@@ -74,7 +91,7 @@ impl Surface {
     pub(crate) fn name(&self) -> &'static str {
         match self {
             Surface::Plane { .. } => "the ground",
-            Surface::Block { .. } => "a block",
+            Surface::Block { .. } | Surface::TurnedBlock { .. } => "a block",
         }
     }
 
@@ -87,6 +104,16 @@ impl Surface {
                 require(is_unit, "plane normal's length", length, "1")
             }
             Surface::Block { low, high } => positive("block's least side (m)", (high - low).min()),
+            Surface::TurnedBlock {
+                low,
+                high,
+                about,
+                turn,
+            } => {
+                finite("place about which a block is turned (m)", about.as_slice())?;
+                finite("turn of a block (rad)", &[*turn])?;
+                positive("block's least side (m)", (high - low).min())
+            }
         }
     }
 
@@ -99,7 +126,41 @@ impl Surface {
                 turning: [Vec3::zeros(); 2],
             },
             Surface::Block { low, high } => block_proximity(low, high, center),
+            Surface::TurnedBlock {
+                low,
+                high,
+                about,
+                turn,
+            } => {
+                let turned = Rotation3::from_axis_angle(&Vec3::z_axis(), -turn);
+                let inside = turned.inverse() * (center - about);
+                let near = block_proximity(low, high, &inside);
+                Proximity {
+                    distance: near.distance,
+                    normal: turned * near.normal,
+                    turning: near.turning.map(|axis| turned * axis),
+                }
+            }
         }
+    }
+
+    /// Whether bars touch it.
+    pub(crate) fn meets_bars(&self) -> bool {
+        !matches!(self, Surface::Plane { .. })
+    }
+
+    /// How far along the bar from `a` to `b` (m) it is nearest to this surface, from 0 to 1: the
+    /// distance from what is convex is convex along a line.
+    pub(crate) fn nearest_on_bar(&self, a: &Vec3, b: &Vec3) -> f64 {
+        let along = b - a;
+        let rises = |part: f64| self.proximity(&(a + along * part)).normal.dot(&along) > 0.0;
+        if rises(0.0) {
+            return 0.0;
+        }
+        if !rises(1.0) {
+            return 1.0;
+        }
+        bisect(0.0, 1.0, 50, |part| !rises(part)).0
     }
 }
 

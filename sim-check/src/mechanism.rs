@@ -147,7 +147,12 @@ impl Mechanism {
     /// The pairs of a point and a surface.
     pub(crate) fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + use<'_> {
         let surfaces = self.surfaces.len();
-        (0..self.points.len()).flat_map(move |p| (0..surfaces).map(move |s| (p, s)))
+        let meets = |&(p, s): &(usize, usize)| {
+            self.points[p].bar.is_none() || self.surfaces[s].meets_bars()
+        };
+        (0..self.points.len())
+            .flat_map(move |p| (0..surfaces).map(move |s| (p, s)))
+            .filter(meets)
     }
 
     /// Checks every number, and that each joint has something to move at coordinates `q`.
@@ -188,7 +193,9 @@ impl Mechanism {
         finite(
             format_args!("centre of point '{name}' (m)"),
             point.center.as_slice(),
-        )
+        )?;
+        let end = point.bar.unwrap_or(point.center);
+        finite(format_args!("end of bar '{name}' (m)"), end.as_slice())
     }
 
     fn check_surroundings(&self) -> Result<(), SimError> {

@@ -2,8 +2,8 @@
 
 use nalgebra::Matrix3;
 use saltus_pneumatics::Leg;
-use saltus_robot::Robot;
 use saltus_robot::bodies::{MASSLESS, RigidBody};
+use saltus_robot::{Robot, Struts};
 
 use crate::SimError;
 use crate::contact::{ContactPoint, Friction, Material, Surface, Travel};
@@ -74,8 +74,12 @@ impl Rig {
                 body,
                 center: Vec3::from(robot.leg_direction(k)) * (robot.body.radius - foot),
                 radius: foot,
+                bar: None,
             })
             .collect();
+        if let Some(struts) = robot.struts {
+            mechanism.points.extend(bars(robot, &struts, wheel, &legs));
+        }
         mechanism.surfaces = vec![Surface::ground(robot.ground.slope)];
         mechanism.surfaces.extend_from_slice(obstacles);
         mechanism.material = material(robot);
@@ -136,6 +140,55 @@ impl Rig {
                 [length * v[0], part * rate]
             }
             None => [v[0], v[1]],
+        }
+    }
+
+    /// Rate (rad/s) of the wheel about its axle, in space: what a gyro on it says. On a boom that is
+    /// raised, the turn about the base is a part of it.
+    pub fn spin(&self, q: &[f64], v: &[f64]) -> f64 {
+        let turn = self.boom.map_or(0.0, |length| {
+            let (pivot, bend, _) = self.boom_angles(q, length);
+            v[0] * (pivot + bend).sin()
+        });
+        v[self.lean_velocity()] - turn
+    }
+
+    /// Distance (m) between `surface` and what can touch it of the robot at coordinates `q`; negative
+    /// where they overlap.
+    pub fn clearance(&self, q: &[f64], surface: &Surface) -> f64 {
+        let pose = self.pose_at(q);
+        let gap = |point: &ContactPoint| {
+            let frame = &pose.frames[point.body];
+            let first = frame.point(&point.center);
+            let nearest = match &point.bar {
+                None => first,
+                Some(end) => {
+                    let along = frame.point(end) - first;
+                    first + along * surface.nearest_on_bar(&first, &(first + along))
+                }
+            };
+            surface.proximity(&nearest).distance - point.radius
+        };
+        let gaps = self.mechanism.points.iter().map(gap);
+        gaps.fold(f64::INFINITY, f64::min)
+    }
+
+    /// A block on the ground across the robot's way: from the travel `front` (m) on, `length` long
+    /// and `height` high (m), and far wider than the robot.
+    pub fn box_across(&self, front: f64, length: f64, height: f64) -> Surface {
+        const WIDE: f64 = 0.5;
+        let half = 0.5 * length;
+        match self.boom {
+            Some(boom) => Surface::TurnedBlock {
+                low: Vec3::new(-half, boom - WIDE, 0.0),
+                high: Vec3::new(half, boom + WIDE, height),
+                about: Vec3::new(0.0, -boom, 0.0),
+                turn: (front + half) / boom,
+            },
+            None => Surface::Block {
+                low: Vec3::new(front, -WIDE, 0.0),
+                high: Vec3::new(front + length, WIDE, height),
+            },
         }
     }
 
@@ -397,6 +450,40 @@ fn add_legs(tree: &mut Tree, robot: &Robot, wheel: usize) -> Result<Vec<usize>, 
             tree.add(link(&format!("leg {k}"), Some(wheel), slide, Vec3::zeros()).of(&rod))
         })
         .collect()
+}
+
+/// What else of a robot can touch an obstacle: its rods, which move with their legs, and the struts
+/// between the legs' tubes.
+///
+/// The ground, which is flat, touches feet alone: all else lies between them.
+fn bars(robot: &Robot, struts: &Struts, wheel: usize, legs: &[usize]) -> Vec<ContactPoint> {
+    let direction = |k: u32| Vec3::from(robot.leg_direction(k));
+    let mut bars = Vec::new();
+    let rod = &robot.leg.body;
+    for (k, &body) in (0..).zip(legs) {
+        let (tip, end) = (
+            robot.body.radius - rod.radius,
+            robot.body.radius - rod.length,
+        );
+        if tip > end {
+            bars.push(ContactPoint {
+                name: format!("rod {k}"),
+                body,
+                center: direction(k) * tip,
+                radius: rod.radius,
+                bar: Some(direction(k) * end),
+            });
+        }
+        let next = (k + 1) % robot.body.legs;
+        bars.push(ContactPoint {
+            name: format!("strut {k}"),
+            body: wheel,
+            center: direction(k) * struts.distance,
+            radius: struts.radius,
+            bar: Some(direction(next) * struts.distance),
+        });
+    }
+    bars
 }
 
 fn material(robot: &Robot) -> Material {

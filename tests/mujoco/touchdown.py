@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 SETTLED = 5e-3  # s: a foot that is in the air from here on may touch down
-ALOFT = 1e-4  # m: a foot that was this high is in the air
+ALOFT = 2e-2  # m: a foot that was this high is in the air
 LEFT = 1e-5  # m: a foot that was less high did not leave the ground, which is soft here
 SLIPS, STICKS = 5e-3, 1e-3  # m/s, of the contact point along the travel: a foot slips from the one on, and stands below the other
 LIMIT = 2.0  # s: without a touch-down until here there is none
@@ -22,7 +22,7 @@ Columns of STATES.csv (SI units, radians; one row a state; other columns are ign
                                     counted; a valve that is open has a time <= 0; both empty: it stays at rest
 A robot without a boom has travel (m) for psi and height of the axle less the wheel's radius (m) for theta.
 
-Each state goes on until a foot touches down that was more than 0.1 mm above the ground at some time 5 ms or more after the state.
+Each state goes on until a foot touches down that was more than 20 mm above the ground at some time 5 ms or more after the state.
 Columns of the answer (one row a state, in order; empty where no foot touches down within 2 s):
     row                             0, 1, ...: the row of STATES.csv
     touch_down_s                    when the foot's gap comes to 0, in s from the state on
@@ -35,7 +35,7 @@ Columns of the answer (one row a state, in order; empty where no foot touches do
     contacts                        which feet stand just before it, as in 0+1
     switches                        what happened on the way, as in 0.0123:lift0;0.0150:slip1:
                                     liftK, landK  foot K leaves the ground (by more than 10 um), comes back to it and was less than
-                                                  0.1 mm high, or less than 5 ms after the state
+                                                 20 mm high, or less than 5 ms after the state
                                     slipK, standK the contact point of foot K moves along the travel at more than 5 mm/s, less than 1 mm/s
                                     outK, inK     leg K comes to the end of its stroke, to its stop at 0 (within 10 um)
                                     offK          it leaves either (by more than 20 um)

@@ -54,13 +54,15 @@ pub struct Policy<'a, R> {
     pub nodes: &'a [[R; 2]],
 }
 
+/// A lean (rad) that no leg in the zone has.
+pub(super) const NEVER: f64 = 3.1415927;
+
 impl<R: Real> Law<'_, R> {
     /// Firing angle (rad) and valve opening time (s) at `time` (s) since the start and the rate
     /// `rate` (rad/s); a policy looks at the rate `entry` (rad/s) at which the leg entered the zone.
     /// What is not a number, and a law without knots, fires never: π and 0.
     #[inline]
     pub fn at(&self, time: R, rate: R, entry: R) -> [R; 2] {
-        const NEVER: f64 = 3.1415927;
         let never = [R::of(NEVER), R::ZERO];
         match self {
             Law::OverTime {

@@ -13,6 +13,6 @@ mod signals;
 mod standing;
 
 pub use law::{Knot, Law, Policy};
-pub use runner::{Action, Gait, Hold, Runner, Stall};
+pub use runner::{Action, Gait, Hold, Leap, Runner, Stall};
 pub use signals::{Instruments, MOST_TAPS, Readings, Signals};
 pub use standing::{Standing, Unsure};

@@ -1,5 +1,6 @@
 //! The state machine of a run.
 
+use super::law::NEVER;
 use super::{Instruments, Law, Readings, Signals};
 use crate::Real;
 
@@ -22,22 +23,48 @@ pub struct Gait<'a, R> {
     pub hold: Option<Hold<R>>,
     /// When a robot that stands still is started anew.
     pub stall: Stall<R>,
+    /// Firing angle (rad) and valve opening time (s) of the first firings, before the law.
+    pub first: &'a [[R; 2]],
+    /// A jump out of the run.
+    pub leap: Option<Leap<R>>,
 }
 
-/// How a demanded rate is held: a firing angle that falls with the demand, and a valve opening time
-/// that grows with it and with what is lacking.
+/// A jump out of a run: a firing whose angle follows from the rate at the touch-down of its leg,
+/// α_f = A ω + B.
+///
+/// Source: thesis 5.2.3.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leap<R> {
+    /// Firings before it.
+    pub after: u32,
+    /// A (s).
+    pub slope: R,
+    /// B (rad).
+    pub level: R,
+    /// Least and greatest firing angle (rad).
+    pub least: R,
+    /// The greatest.
+    pub most: R,
+    /// Valve opening time (s).
+    pub valve_open: R,
+    /// Length of the coarse accelerometer's reading (counts) from which a foot has come down.
+    pub shock: i32,
+}
+
+/// How a demanded speed is held: the law is then one over the demanded speed (m/s), and its firing
+/// angle is trimmed by what is lacking. A leg that fires sooner drives faster.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold<R> {
-    /// Change of the opening time (s) for each rad/s that is lacking now.
+    /// Way (m) for a count of the radius encoder.
+    pub way: R,
+    /// Part of the measured speed that a cycle renews: the period over the time of its mean.
+    pub renewed: R,
+    /// By how much sooner (rad) a leg fires for each m/s that is lacking now.
     pub by_error: R,
-    /// The same for each rad (rad/s over a second) that has been lacking.
+    /// The same for each metre (m/s over a second) that has been lacking.
     pub by_sum: R,
-    /// Most that the sum may be (rad).
+    /// Most that counts as having been lacking (m), either way.
     pub most_sum: R,
-    /// Least opening time (s): a shorter one is none.
-    pub least_open: R,
-    /// Greatest opening time (s).
-    pub most_open: R,
 }
 
 /// What counts as standing still.
@@ -89,8 +116,17 @@ pub struct Runner<'a, R> {
     entry: R,
     /// Cycles for which it has stood still.
     still: u32,
+    /// Demanded speed (m/s), negative for the other way.
     demand: R,
+    /// What has been lacking (m), the measured speed (m/s), and the last count of the radius.
     sum: R,
+    speed: R,
+    last_radius: Option<i32>,
+    /// Firings so far, since the start or since it stood still.
+    firings: u32,
+    /// Cycles since the last shock, and the rate (rad/s) that was measured after it.
+    since_shock: u32,
+    touched: Option<R>,
 }
 
 impl<'a, R: Real> Runner<'a, R> {
@@ -111,6 +147,11 @@ impl<'a, R: Real> Runner<'a, R> {
             still: 0,
             demand: R::ZERO,
             sum: R::ZERO,
+            speed: R::ZERO,
+            last_radius: None,
+            firings: 0,
+            since_shock: 0,
+            touched: None,
         };
         runner.leg = rear;
         // Leg `rear` leans by half a pitch, so that leg 0 leans by `rear` pitches more.
@@ -121,12 +162,10 @@ impl<'a, R: Real> Runner<'a, R> {
         runner
     }
 
-    /// The rate to hold (rad/s), in the direction of the run.
-    pub fn demand(&mut self, rate: R) {
-        if rate != self.demand {
-            self.sum = R::ZERO;
-        }
-        self.demand = rate;
+    /// The speed to hold (m/s), negative for the way opposite to that of the start. To turn, the
+    /// robot first comes to stand.
+    pub fn demand(&mut self, speed: R) {
+        self.demand = speed;
     }
 
     /// Runs the other way from now on: legs and leans are mirrored.
@@ -142,7 +181,8 @@ impl<'a, R: Real> Runner<'a, R> {
             legs.wrapping_sub(self.leg)
         };
         self.has_fired = false;
-        self.sum = R::ZERO;
+        self.firings = 0;
+        (self.sum, self.speed) = (R::ZERO, R::ZERO);
     }
 
     /// By how much the wheel has turned (rad) since `base`, in the direction of the run.
@@ -212,15 +252,23 @@ impl<'a, R: Real> Runner<'a, R> {
         }
         let time = R::of_count((self.cycles.min(0x7FFF_FFFF)) as i32) * self.gait.period;
         self.cycles = self.cycles.saturating_add(1);
-        let [firing_angle, law_open] = self.gait.law.at(time, rate, self.entry);
-        let valve_open = match self.gait.hold {
-            None => law_open,
-            Some(hold) => self.held(&hold, rate, law_open),
+        self.feel(readings, rate);
+        let [firing_angle, valve_open] = match self.gait.hold {
+            None => self.next_firing(time, rate),
+            Some(hold) => match self.held(&hold, readings.radius) {
+                Some([demand, later]) => {
+                    let [angle, open] = self.next_firing(time, demand);
+                    [(angle + later).greater(self.gait.zone), open]
+                }
+                None => [R::of(NEVER), R::ZERO],
+            },
         };
-        let stalled = self.stands_still(rate);
+        let stalled = self.stands_still(readings.wheel, rate);
         let fires = !self.has_fired && lean >= firing_angle && valve_open.is_positive();
         if fires {
             self.has_fired = true;
+            self.firings = self.firings.saturating_add(1);
+            self.touched = None;
         }
         Action {
             leg: fires.then_some(self.name(self.leg)),
@@ -233,27 +281,61 @@ impl<'a, R: Real> Runner<'a, R> {
         }
     }
 
-    /// The opening time (s) that holds the demanded rate.
+    /// Notes the rate a few cycles after a foot has come down, when the filter has forgotten the
+    /// impact.
     #[inline]
-    fn held(&mut self, hold: &Hold<R>, rate: R, law_open: R) -> R {
-        if !self.demand.is_positive() {
-            self.sum = R::ZERO;
-            return R::ZERO;
+    fn feel(&mut self, readings: &Readings, rate: R) {
+        let Some(leap) = &self.gait.leap else { return };
+        let [forward, up] = readings.coarse_accelerometer;
+        let is_shock = forward.unsigned_abs().max(up.unsigned_abs()) >= leap.shock.unsigned_abs();
+        if is_shock {
+            self.since_shock = 0;
+        } else {
+            self.since_shock = self.since_shock.saturating_add(1);
         }
-        let lacking = self.demand - rate;
+        if self.since_shock as usize == self.gait.taps.len() {
+            self.touched = Some(rate);
+        }
+    }
+
+    /// Firing angle (rad) and valve opening time (s) of the next firing.
+    #[inline]
+    fn next_firing(&self, time: R, rate: R) -> [R; 2] {
+        if let Some(first) = self.gait.first.get(self.firings as usize) {
+            return *first;
+        }
+        match &self.gait.leap {
+            Some(leap) if leap.after == self.firings => {
+                let rate = self.touched.unwrap_or(rate);
+                let angle = leap.slope * rate + leap.level;
+                [angle.greater(leap.least).lesser(leap.most), leap.valve_open]
+            }
+            _ => self.gait.law.at(time, rate, self.entry),
+        }
+    }
+
+    /// By how much (rad) later the demanded speed lets a leg fire than the law says, and what that
+    /// speed is (m/s), in the direction of the run; none where it is to stand.
+    #[inline]
+    fn held(&mut self, hold: &Hold<R>, radius: i32) -> Option<[R; 2]> {
+        let counts = radius.wrapping_sub(self.last_radius.unwrap_or(radius));
+        self.last_radius = Some(radius);
+        let way = R::of_count(counts.wrapping_mul(self.direction)) * hold.way;
+        self.speed = self.speed + hold.renewed * (way / self.gait.period - self.speed);
+        let demand = self.demand * R::of_count(self.direction);
+        if !demand.is_positive() {
+            self.sum = R::ZERO;
+            return None;
+        }
+        let lacking = demand - self.speed;
         let sum = self.sum + lacking * self.gait.period;
         self.sum = sum.greater(-hold.most_sum).lesser(hold.most_sum);
-        let open = law_open + hold.by_error * lacking + hold.by_sum * self.sum;
-        if open < hold.least_open {
-            R::ZERO
-        } else {
-            open.lesser(hold.most_open)
-        }
+        Some([demand, -(hold.by_error * lacking + hold.by_sum * self.sum)])
     }
 
     /// Counts the time for which it stands still.
     #[inline]
-    fn stands_still(&mut self, rate: R) -> bool {
+    fn stands_still(&mut self, wheel: i32, rate: R) -> bool {
         let stall = self.gait.stall;
         if rate.magnitude() >= stall.rate {
             self.still = 0;
@@ -263,7 +345,13 @@ impl<'a, R: Real> Runner<'a, R> {
         let time = R::of_count((self.still.min(0x7FFF_FFFF)) as i32) * self.gait.period;
         let stalled = time >= stall.time;
         if stalled && stall.restarts {
-            (self.has_fired, self.still) = (false, 0);
+            (self.has_fired, self.still, self.firings) = (false, 0, 0);
+        }
+        if stalled
+            && self.gait.hold.is_some()
+            && self.demand * R::of_count(self.direction) < R::ZERO
+        {
+            self.turn_round(wheel);
         }
         stalled
     }

@@ -219,6 +219,7 @@ fn cube(law: &Law) -> Result<Mechanism, SimError> {
             body: 0,
             center,
             radius: 0.0,
+            bar: None,
         });
     }
     mechanism.surfaces.push(Surface::Plane {

@@ -112,6 +112,8 @@ pub(crate) struct Machine<'a> {
     welded: Welded,
     /// Each contact point: its body in the welded tree, and its centre there.
     points: Vec<(Option<usize>, Vec3)>,
+    /// The other end there of each that is a bar.
+    bars: Vec<Option<Vec3>>,
     /// Velocity index in the welded tree of the joint of each body, if it moves.
     dof: Vec<Option<usize>>,
     q: Vec<f64>,
@@ -183,6 +185,7 @@ impl<'a> Machine<'a> {
             pairs: mechanism.pairs().collect(),
             welded,
             points: Vec::new(),
+            bars: Vec::new(),
             dof: Vec::new(),
             q: Vec::new(),
             v: Vec::new(),
@@ -231,6 +234,12 @@ impl<'a> Machine<'a> {
             .points
             .iter()
             .map(|p| (home(p.body).0, home(p.body).1.point(&p.center)))
+            .collect();
+        self.bars = self
+            .mechanism
+            .points
+            .iter()
+            .map(|p| p.bar.map(|end| home(p.body).1.point(&end)))
             .collect();
         self.dof = (0..self.mechanism.tree.bodies().len())
             .map(|body| {

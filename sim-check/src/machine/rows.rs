@@ -11,11 +11,9 @@ impl Machine<'_> {
     /// How contact `c` lies at the present place.
     pub(crate) fn lie(&self, c: usize) -> Touch {
         let (point, surface) = self.pairs[c];
-        let (body, center) = &self.points[point];
-        let (center, velocity) = match body {
-            Some(b) => (self.pose.frames[*b].point(center), self.pose.velocities[*b]),
-            None => (*center, Motion::default()),
-        };
+        let body = self.points[point].0;
+        let (center, _) = self.center(c, 0.0);
+        let velocity = body.map_or_else(Motion::default, |b| self.pose.velocities[b]);
         let radius = self.mechanism.points[point].radius;
         let near = self.mechanism.surfaces[surface].proximity(&center);
         let place = center - near.normal * radius;
@@ -41,12 +39,33 @@ impl Machine<'_> {
     /// it would be `ahead` (s) later.
     pub(crate) fn gap(&self, c: usize, ahead: f64) -> f64 {
         let (point, surface) = self.pairs[c];
-        let (body, center) = &self.points[point];
-        let Some(b) = *body else { return f64::INFINITY };
-        let center = self.pose.frames[b].point(center);
-        let moved = center + self.pose.velocities[b].at(&center) * ahead;
+        if self.points[point].0.is_none() {
+            return f64::INFINITY;
+        }
+        let (moved, _) = self.center(c, ahead);
         self.mechanism.surfaces[surface].proximity(&moved).distance
             - self.mechanism.points[point].radius
+    }
+
+    /// The centre (m) of the point of contact `c`, `ahead` (s) later; of a bar, the place of its
+    /// axis that is nearest to the surface, and whether that lies between its ends.
+    fn center(&self, c: usize, ahead: f64) -> (Vec3, bool) {
+        let (point, surface) = self.pairs[c];
+        let (body, center) = &self.points[point];
+        let later = |place: &Vec3| match body {
+            Some(b) => {
+                let place = self.pose.frames[*b].point(place);
+                place + self.pose.velocities[*b].at(&place) * ahead
+            }
+            None => *place,
+        };
+        let first = later(center);
+        let Some(end) = &self.bars[point] else {
+            return (first, false);
+        };
+        let last = later(end);
+        let part = self.mechanism.surfaces[surface].nearest_on_bar(&first, &last);
+        (first + (last - first) * part, part > 0.0 && part < 1.0)
     }
 
     /// Geometry and springs of the closed contacts.
@@ -111,13 +130,21 @@ impl Machine<'_> {
     }
 
     /// The acceleration of a contact's place along its axes where all v̇ are 0.
-    pub(super) fn contact_bias(&self, touch: &Touch, body: Option<usize>, center: &Vec3) -> Vec3 {
+    pub(super) fn contact_bias(&self, touch: &Touch, body: Option<usize>) -> Vec3 {
         let Some(b) = body else { return Vec3::zeros() };
         let (point, surface) = self.pairs[touch.contact];
-        let center = self.pose.frames[b].point(center);
+        let (center, is_side) = self.center(touch.contact, 0.0);
         let (velocity, bias) = (&self.pose.velocities[b], &self.pose.bias[b]);
         let mut acceleration = bias.acceleration_at(velocity, &center);
         let moving = velocity.at(&center);
+        if is_side {
+            // An edge slides along the bar's side, whose normal turns with the bar: ẅ = n·a + 2
+            // (ω × n)·v at the place that stands still.
+            let at = touch.place;
+            let (moving, acceleration) = (velocity.at(&at), bias.acceleration_at(velocity, &at));
+            let row = |n: &Vec3| acceleration.dot(n) + 2.0 * velocity.angular.cross(n).dot(&moving);
+            return Vec3::new(row(&touch.normal), row(&touch.along), row(&touch.across));
+        }
         let mut turning = Vec3::zeros();
         if self.mechanism.points[point].radius > 0.0 {
             // The place of contact moves along the sphere: only its centre is fixed in the body.
@@ -150,8 +177,8 @@ impl Machine<'_> {
     pub(super) fn rigid_rows(&mut self, touch: &Touch, mode: &Mode, rows: Rows) {
         let c = touch.contact;
         let (point, _) = self.pairs[c];
-        let (body, center) = self.points[point];
-        let bias = self.contact_bias(touch, body, &center);
+        let body = self.points[point].0;
+        let bias = self.contact_bias(touch, body);
         let normal = self.problem.rows;
         self.push_row(
             Owner::Normal(c),
@@ -231,7 +258,7 @@ impl Machine<'_> {
     pub(super) fn compliant_rows(&mut self, touch: &Touch, mode: &Mode, rows: Rows) {
         let c = touch.contact;
         let (point, _) = self.pairs[c];
-        let (body, center) = self.points[point];
+        let body = self.points[point].0;
         let (Some(b), Some(spring)) = (body, touch.spring) else {
             return;
         };
@@ -240,7 +267,7 @@ impl Machine<'_> {
         if let Some((_, damping)) = self.mechanism.material.compliance {
             self.powers[CONTACT_LOSS] += damping * touch.speeds.x * touch.speeds.x;
         }
-        let bias = self.contact_bias(touch, body, &center);
+        let bias = self.contact_bias(touch, body);
         let grips = mode.contacts[c].grips;
         for (axis, (standing, slipping, width)) in self.friction().into_iter().enumerate() {
             // A spring takes an impact in its own time: only what cannot slip has a part in one.

@@ -70,8 +70,8 @@ impl Machine<'_> {
 
     fn contact_step_rows(&mut self, touch: &Touch, mode: &Mode) {
         let c = touch.contact;
-        let (body, center) = self.points[self.pairs[c].0];
-        let bias = self.contact_bias(touch, body, &center);
+        let body = self.points[self.pairs[c].0].0;
+        let bias = self.contact_bias(touch, body);
         let normal = self.problem.rows;
         self.push_row(
             Owner::Normal(c),

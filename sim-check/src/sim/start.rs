@@ -63,7 +63,7 @@ pub(super) fn first_mode(mechanism: &Mechanism, y: &mut [f64], layout: Layout) -
             piece,
         });
     }
-    let pairs = mechanism.points.len() * mechanism.surfaces.len();
+    let pairs = mechanism.pairs().count();
     Mode {
         joints,
         contacts: vec![ContactMode::OPEN; pairs],

@@ -46,6 +46,7 @@ fn ball() -> Mechanism {
         body: 0,
         center: Vec3::zeros(),
         radius: 0.1,
+        bar: None,
     });
     mechanism.surfaces.push(Surface::ground(0.0));
     mechanism.material.friction = Friction::Cone {
@@ -533,6 +534,7 @@ fn rod(friction: f64, angle: f64, speed: f64, spin: f64) -> Result<(), SimError>
         body: 2,
         center: end,
         radius: 0.0,
+        bar: None,
     });
     mechanism.surfaces.push(Surface::ground(0.0));
     mechanism.material.friction = Friction::Cone {
@@ -742,6 +744,7 @@ impl Wild {
                 body: *body,
                 center: (*center).into(),
                 radius: *radius,
+                bar: None,
             };
             mechanism.points.push(point);
         }

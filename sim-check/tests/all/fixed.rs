@@ -124,6 +124,7 @@ fn a_bouncing_ball_comes_to_rest() -> Result<(), SimError> {
         body: 0,
         center: Vec3::zeros(),
         radius: 0.05,
+        bar: None,
     };
     mechanism.points.push(point);
     mechanism.surfaces.push(Surface::ground(0.0));
@@ -200,6 +201,7 @@ fn block(slope: f64, friction: f64) -> Result<(Mechanism, Vec<f64>), SimError> {
             body: 0,
             center,
             radius: 0.0,
+            bar: None,
         });
     }
     mechanism.surfaces.push(Surface::ground(slope));

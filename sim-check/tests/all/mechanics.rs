@@ -345,6 +345,7 @@ fn block(slope: f64, friction: f64) -> Result<(Mechanism, Vec<f64>), SimError> {
             body: 0,
             center,
             radius: 0.0,
+            bar: None,
         });
     }
     mechanism.surfaces.push(Surface::ground(slope));
@@ -405,6 +406,7 @@ fn sphere(radius: f64, slope: f64, friction: f64, restitution: f64) -> Result<Me
         body: 0,
         center: Vec3::zeros(),
         radius,
+        bar: None,
     });
     mechanism.surfaces.push(Surface::ground(slope));
     mechanism.material.friction = Friction::Cone {

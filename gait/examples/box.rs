@@ -1,0 +1,51 @@
+//! Seeks the firings that take rats-run from rest over a box, and tries them on 100 other robots.
+//!
+//! ```text
+//! cargo run --release -p saltus-gait --example box -- 1.3 0.21 160 3 12 16
+//! ```
+//!
+//! Front (m) and height (m) of the box, supply pressure (psi), legs that accelerate, robots to seek
+//! on, generations.
+
+use saltus_gait::{Crossing, Draw, Obstacle};
+use saltus_numeric::parallel::available;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let numbers: Vec<f64> = std::env::args()
+        .skip(1)
+        .map(|x| x.parse())
+        .collect::<Result<_, _>>()?;
+    let [front, height, psi, firings, robots, generations] = numbers[..] else {
+        return Err("give six numbers".into());
+    };
+    let robot = saltus_robot::resolve(
+        "rats-run",
+        &[format!("leg.supply_pressure_gauge_psi={psi}")],
+    )?;
+    for by_rate in [true, false] {
+        let crossing = Crossing {
+            robot: robot.clone(),
+            draw: Draw::default(),
+            obstacle: Obstacle {
+                front,
+                length: 0.21,
+                height,
+            },
+            firings: firings as usize,
+            by_rate,
+            sought_on: robots as usize,
+            generations: generations as usize,
+            seed: 100,
+        };
+        let plan = crossing.plan(available(), |k, best| eprintln!("{k} {best:.4}"))?;
+        let tried = crossing.try_on(&plan, 100, 200, available())?;
+        let cleared = tried.iter().filter(|c| c.cleared).count();
+        let mut clearances: Vec<f64> = tried.iter().map(|c| c.clearance).collect();
+        clearances.sort_by(f64::total_cmp);
+        println!(
+            "by rate {by_rate}: {cleared} of 100 cleared, clearance 5 % {:.3}, median {:.3} m; {plan:.4?}",
+            clearances[5], clearances[50]
+        );
+    }
+    Ok(())
+}
