@@ -3,9 +3,8 @@
 use std::collections::VecDeque;
 
 use saltus::gait::{Footfall, Row, Run};
-use saltus::sim_check::Contact;
 
-use super::page::Film;
+use super::film::Film;
 use super::rows::Rows;
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
@@ -212,12 +211,4 @@ impl Run for Follower<'_> {
         let open = |rows: &Option<Rows>| rows.as_ref().is_none_or(Rows::is_open);
         !self.interrupt.came() && open(&self.kept.rows) && open(&self.kept.telemetry)
     }
-}
-
-/// The sum of the ground's forces (N) on leg `leg` along the travel and up.
-pub(super) fn force_on(contacts: &[Contact], leg: usize) -> [f64; 2] {
-    let of_leg = contacts.iter().filter(|contact| contact.point == leg);
-    of_leg.fold([0.0; 2], |sum, contact| {
-        [sum[0] + contact.parts.y, sum[1] + contact.parts.x]
-    })
 }

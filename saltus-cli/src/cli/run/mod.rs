@@ -3,6 +3,7 @@
 mod disturb;
 mod ensemble;
 mod figure;
+mod film;
 mod follow;
 mod gait;
 mod page;
@@ -27,9 +28,9 @@ use crate::output::{Files, Format, message, reachable};
 use crate::progress::Progress;
 use crate::quantity::{self, Quantity, QuantityError};
 use disturb::Typed;
+use film::Film;
 use follow::{Follower, Thinned};
 use gait::{Chosen, GaitFlags, refused};
-use page::Film;
 use rows::{Columns, Rows};
 use telemetry::Telemetry;
 
