@@ -8,7 +8,7 @@ use saltus_controller::run::{
     Action, Gait, Hold, Leap, MOST_TAPS, Readings, Runner, Signals, Stall, Standing,
 };
 use saltus_robot::{Robot, Sensors};
-use saltus_sim_check::{Happening, Ledger, Rig, Stepping, Surface};
+use saltus_sim_check::{Contact, Happening, Ledger, Rig, Stepping, Surface};
 
 use crate::cast::instruments;
 use crate::error::require;
@@ -227,6 +227,9 @@ pub struct Row<'r> {
     pub readings: Readings,
     /// What the controller decided.
     pub action: Action<f64>,
+    /// The contacts that are closed, with their forces, where the follower
+    /// [asks](Run::asks_contacts) for them.
+    pub contacts: &'r [Contact],
 }
 
 /// A foot that comes down.
@@ -307,6 +310,15 @@ pub trait Run {
     fn row(&mut self, row: &Row<'_>);
     /// A foot that comes down on the ground.
     fn footfall(&mut self, footfall: &Footfall);
+    /// Whether the row of `time` (s) is to have its contacts, which cost about a step.
+    fn asks_contacts(&mut self, time: f64) -> bool {
+        let _ = time;
+        false
+    }
+    /// Whether the run goes on; it ends early, with what it came to so far, where not.
+    fn goes_on(&mut self) -> bool {
+        true
+    }
 }
 
 /// Nothing follows.
@@ -388,8 +400,8 @@ struct Loop<'a, 's, F> {
     pressures: Vec<f64>,
     summary: Summary,
     stored: f64,
-    /// Travel (m) 4 s before the end.
-    late: f64,
+    /// Time (s) and travel (m) 4 s before the end.
+    late: [f64; 2],
 }
 
 impl<'a, 's, F: Run> Loop<'a, 's, F> {
@@ -440,7 +452,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
                 rear,
             },
             stored,
-            late: 0.0,
+            late: [0.0; 2],
         })
     }
 
@@ -448,7 +460,12 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         let period = self.setup.sensors().period;
         let cycles = (self.setup.seconds / period - 1e-9).ceil() as u64;
         let late = cycles.saturating_sub((4.0 / period).round() as u64);
+        let mut ran = cycles;
         for cycle in 0..cycles {
+            if !self.follower.goes_on() {
+                ran = cycle;
+                break;
+            }
             let now = self.world.read();
             let later = |speed: &&[f64; 2]| speed[0] <= now.time + 1e-9;
             if let Some([_, speed]) = self.setup.speeds.iter().rev().find(later) {
@@ -457,7 +474,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             let action = self.runner.step(&now.readings);
             self.tell(now.time, now.readings, action);
             if cycle == late {
-                self.late = self.travel();
+                self.late = [now.time, self.travel()];
             }
             let fire = action.leg.map(|leg| (leg as usize, action.valve_open));
             self.summary.firings += usize::from(fire.is_some());
@@ -483,7 +500,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
                 self.follower.footfall(&Footfall { time, leg, travel });
             }
         }
-        Ok(self.finish(cycles as f64 * period))
+        Ok(self.finish(ran as f64 * period))
     }
 
     fn travel(&mut self) -> f64 {
@@ -494,7 +511,9 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
     /// Tells the follower of a cycle, and keeps count of it.
     fn tell(&mut self, time: f64, readings: Readings, action: Action<f64>) {
         let rig = self.world.rig();
+        let asked = self.follower.asks_contacts(time);
         let sim = self.world.sim();
+        let contacts = if asked { sim.contacts() } else { Vec::new() };
         for leg in 0..self.extensions.len() {
             self.extensions[leg] = sim.coordinates()[rig.extension_coordinate(leg)];
             self.pressures[leg] = sim.pressure(leg);
@@ -512,6 +531,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             pressures: &self.pressures,
             readings,
             action,
+            contacts: &contacts,
         };
         let travel = row.axle[0];
         self.follower.row(&row);
@@ -552,7 +572,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
     fn finish(mut self, end: f64) -> Summary {
         let travel = self.travel();
         let legs = self.extensions.len();
-        let late = self.late;
+        let [late, travel_then] = self.late;
         let stored = self.stored;
         let still = self.still;
         let residual = self.world.residual();
@@ -575,7 +595,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         s.gas_residual = gas_now - stored - explained;
         s.travel = travel;
         s.mean_speed = travel / end;
-        s.last_speed = (travel - late) / end.min(4.0);
+        s.last_speed = (travel - travel_then) / (end - late);
         s.ledger = sim.ledger();
         s.residual = residual;
         if let Some((since, at)) = still {

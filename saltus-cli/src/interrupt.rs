@@ -13,6 +13,7 @@ use crate::error::CliError;
 const EXIT: i32 = 128 + SIGINT;
 
 /// Whether Ctrl-C was pressed.
+#[derive(Debug)]
 pub(crate) struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {

@@ -55,6 +55,26 @@ impl Quantity {
         allowed: "a time above 0 and up to 1000 s",
         legal: |x| x > 0.0 && x <= 1e3,
     };
+    /// Length of a run (s).
+    pub(crate) const RUN: Quantity = Quantity {
+        suffixes: &[
+            ("min", Scale::Times(60.0)),
+            ("ms", Scale::Over(1e3)),
+            ("s", Scale::Times(1.0)),
+        ],
+        allowed: "a time above 0 and up to 100000 s",
+        legal: |x| x > 0.0 && x <= 1e5,
+    };
+    /// Step of the simulation (s).
+    pub(crate) const STEP: Quantity = Quantity {
+        suffixes: &[
+            ("us", Scale::Over(1e6)),
+            ("ms", Scale::Over(1e3)),
+            ("s", Scale::Times(1.0)),
+        ],
+        allowed: "a time from 0.000001 to 0.1 s",
+        legal: |x| (1e-6..=0.1).contains(&x),
+    };
     /// Number without a unit.
     pub(crate) const FACTOR: Quantity = Quantity {
         suffixes: &[],

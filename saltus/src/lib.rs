@@ -46,6 +46,7 @@ pub mod parkour;
 pub mod power;
 pub mod replan;
 pub mod robust;
+pub mod running;
 pub mod simulated;
 pub mod study;
 pub mod temporary;

@@ -5,7 +5,8 @@
   const pixels = node => { const box = node.getBoundingClientRect(); return box.width * box.height; };
   const saltus = window.saltus;
   expect(saltus, "there is no window.saltus");
-  if (saltus) for (const option of document.querySelectorAll("#jump option")) look(Number(option.value));
+  if (saltus?.run) lookAtRun();
+  else if (saltus) for (const option of document.querySelectorAll("#jump option")) look(Number(option.value));
 
   function look(jump) {
     saltus.select(jump);
@@ -26,6 +27,44 @@
     expect(document.querySelectorAll("#stage *").length > 40 && pixels(document.getElementById("stage")) > 5e4, `jump ${jump}: the stage is bare`);
     expect(!/NaN|undefined|Infinity/.test(document.querySelector(".page").innerHTML), `jump ${jump}: a number is not one`);
     keys(jump);
+  }
+
+  // A page of `saltus run --animate`.
+  function lookAtRun() {
+    const slider = document.getElementById("time");
+    const at = share => {
+      slider.value = share * Number(slider.max);
+      slider.dispatchEvent(new Event("input"));
+      layout(`the run at ${share} of its time`);
+      return { ...saltus.state(), picture: document.getElementById("stage").innerHTML };
+    };
+    const [start, middle, end] = [at(0), at(0.5), at(1)];
+    expect(start.time_s === 0 && end.time_s > middle.time_s && Math.abs(end.time_s - end.end_s) < 1e-9, "the slider does not set the time");
+    expect(start.robot !== middle.robot, "the slider does not move the robot");
+    expect(start.picture !== end.picture, "the picture stays");
+    expect(end.trail > start.trail, "the trail does not grow");
+    expect(!end.ran || Math.abs(end.x_m - start.x_m) > 0.1, "it does not travel");
+    expect(document.querySelectorAll("#charts svg").length === 4 && document.querySelectorAll("#charts .fired").length > 0, "no leg is fired in the charts");
+    expect(document.querySelectorAll("#charts .down").length > 0, "no foot comes down in the charts");
+    expect(document.querySelectorAll("#legs tr").length > 2, "the table of legs is bare");
+    expect(pixels(document.getElementById("stage")) > 4e4, "the stage is bare");
+    expect(!/NaN|undefined|Infinity/.test(document.querySelector(".page").innerHTML), "a number is not one");
+    const press = key => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+    saltus.draw(0);
+    press("ArrowRight");
+    expect(saltus.state().time_s > 0, "→ does not step");
+    press("ArrowLeft");
+    expect(saltus.state().time_s === 0, "← does not step back");
+    press("ArrowUp");
+    expect(saltus.state().time_s > 0, "↑ does not go to a firing");
+    press(" ");
+    expect(saltus.state().playing, "space does not play");
+    press(" ");
+    expect(!saltus.state().playing, "space does not pause");
+    for (const radio of document.querySelectorAll("[name=speed]")) {
+      radio.click();
+      expect(saltus.state().speed === Number(radio.value), `speed ${radio.value} cannot be chosen`);
+    }
   }
 
   // One frame on and back, the first event, and play by the keyboard.

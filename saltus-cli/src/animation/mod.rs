@@ -1,4 +1,5 @@
-//! The page of `saltus verify --animate`: simulated jumps to watch in a browser.
+//! Pages to watch in a browser: the jumps of `saltus verify --animate` and the run of `saltus run
+//! --animate`.
 
 mod of_report;
 #[cfg(test)]
@@ -7,11 +8,15 @@ mod tests;
 use serde::Serialize;
 use serde_json::Value;
 
-pub(crate) use of_report::Asked;
+pub(crate) use of_report::{Asked, sizes};
 
 /// The page; the scene takes the place of [`PLACE`].
 const TEMPLATE: &str = include_str!("../../assets/animation.html");
+const RUN_TEMPLATE: &str = include_str!("../../assets/run.html");
 const PLACE: &str = "@SCENE@";
+/// What both pages look like, in the place of [`STYLE_PLACE`].
+const STYLE: &str = include_str!("../../assets/animation.css");
+const STYLE_PLACE: &str = "@STYLE@";
 /// Significant digits of a number in the page.
 const DIGITS: usize = 6;
 /// Nothing in a scene is so small (SI) and yet seen.
@@ -138,7 +143,18 @@ pub(crate) struct Event {
 /// `scene` as one HTML page that needs nothing else.
 pub(crate) fn page(scene: &Scene) -> String {
     let value = serde_json::to_value(scene).expect("a scene is plain data");
-    TEMPLATE.replacen(PLACE, &inert(&rounded(value).to_string()), 1)
+    filled(TEMPLATE, value)
+}
+
+/// A run as one HTML page that needs nothing else: `scene` has what its script reads.
+pub(crate) fn run_page(scene: Value) -> String {
+    filled(RUN_TEMPLATE, scene)
+}
+
+fn filled(template: &str, scene: Value) -> String {
+    // The style first: what a scene says is never a place.
+    let page = template.replacen(STYLE_PLACE, STYLE, 1);
+    page.replacen(PLACE, &inert(&rounded(scene).to_string()), 1)
 }
 
 /// `value` with its numbers to [`DIGITS`] significant digits.

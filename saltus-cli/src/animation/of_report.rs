@@ -12,6 +12,14 @@ const HUB: f64 = 0.25;
 /// Length of the rod of a leg that has none, as a part of the wheel's radius.
 const ROD: f64 = 0.4;
 
+/// Radius of the hub of `robot` and length of its rods (m), as they are drawn.
+pub(crate) fn sizes(robot: &Robot) -> [f64; 2] {
+    let radius = robot.body.radius;
+    let rod = Some(robot.leg.body.length).filter(|length| *length > 0.0);
+    let rod = rod.unwrap_or(ROD * radius);
+    [HUB * radius, rod.min((1.0 - HUB) * radius)]
+}
+
 /// What was asked of a jump and how it was judged.
 #[derive(Clone, Debug)]
 pub(crate) struct Asked {
@@ -40,17 +48,14 @@ impl Scene {
         obstacles: Vec<Obstacle>,
         jumps: Vec<Jump>,
     ) -> Scene {
-        let radius = robot.body.radius;
-        let rod = Some(robot.leg.body.length)
-            .filter(|length| *length > 0.0)
-            .unwrap_or(ROD * radius);
+        let [hub_radius_m, rod_length_m] = sizes(robot);
         Scene {
             robot: robot.name.clone(),
             title,
-            wheel_radius_m: radius,
-            hub_radius_m: HUB * radius,
+            wheel_radius_m: robot.body.radius,
+            hub_radius_m,
             legs: robot.body.legs as usize,
-            rod_length_m: rod.min((1.0 - HUB) * radius),
+            rod_length_m,
             boom_length_m: robot.boom.map(|boom| boom.length),
             slope_rad: robot.ground.slope,
             obstacles,

@@ -226,6 +226,23 @@ impl PlotOption {
     pub(crate) fn is_set(&self) -> bool {
         self.plot.is_some()
     }
+
+    /// The file to draw to, if one is asked for.
+    pub(crate) fn path(&self) -> Option<&Path> {
+        self.plot.as_ref().map(PlotFile::path)
+    }
+
+    /// Adds the plot to `files`, if one is asked for.
+    pub(crate) fn add_to(
+        &self,
+        files: &mut Files,
+        drawing: impl FnOnce() -> Result<Drawing, CliError>,
+    ) -> Result<(), CliError> {
+        if let Some(plot) = &self.plot {
+            files.add("--plot", plot.path(), plot.draw(&drawing()?)?);
+        }
+        Ok(())
+    }
 }
 
 impl Common {
@@ -329,9 +346,7 @@ impl OutputFlags {
         more: impl IntoIterator<Item = (&'static str, &'a Path, String)>,
     ) -> Result<(), CliError> {
         let mut files = Files::default();
-        if let Some(plot) = &option.plot {
-            files.add("--plot", plot.path(), plot.draw(&drawing()?)?);
-        }
+        option.add_to(&mut files, drawing)?;
         for (flag, path, text) in more {
             files.add(flag, path, text.into_bytes());
         }

@@ -11,6 +11,7 @@ mod map;
 mod parkour;
 mod plan;
 mod proof;
+mod run;
 mod simulate;
 mod table;
 mod target;
@@ -48,6 +49,7 @@ Examples:
   saltus map --omega 2:7:51 --alpha-f -0.5:0.5:41 --plot map.png
   saltus plan course.toml --plot plan.svg
   saltus verify course.toml --plant rats-boom --friction 0.3:1:8
+  saltus run --gait closed-loop --seconds 5 --plot run.svg
   saltus diagnose logs/monday --report monday.html
   saltus fit bench/monday --robot-out fitted.toml
   saltus parkour instances.json --out plans.json
@@ -65,6 +67,7 @@ enum Command {
     Map(map::Map),
     Plan(plan::Plan),
     Verify(verify::Verify),
+    Run(run::Run),
     Diagnose(diagnose::Diagnose),
     Fit(fit::Fit),
     Parkour(parkour::Parkour),
@@ -90,6 +93,7 @@ impl Command {
             Command::Map(command) => command.run(),
             Command::Plan(command) => command.run(),
             Command::Verify(command) => command.run(),
+            Command::Run(command) => command.run(),
             Command::Diagnose(command) => command.run(),
             Command::Fit(command) => command.run(),
             Command::Parkour(command) => command.run(),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -17,7 +17,15 @@ struct Output {
     /// The flag that names it.
     flag: &'static str,
     path: PathBuf,
-    bytes: Vec<u8>,
+    content: Content,
+}
+
+/// What is to be in a file.
+#[derive(Debug)]
+enum Content {
+    Bytes(Vec<u8>),
+    /// It was written as it came.
+    Written(Staged),
 }
 
 /// What a command writes once everything is computed.
@@ -33,8 +41,38 @@ impl Files {
         self.files.push(Output {
             flag,
             path: path.into(),
-            bytes,
+            content: Content::Bytes(bytes),
         });
+    }
+
+    /// Adds places that are going to be written, each with the flag that names it, to be checked.
+    pub(crate) fn extend<'a>(
+        &mut self,
+        places: impl IntoIterator<Item = (&'static str, &'a Path)>,
+    ) {
+        for (flag, path) in places {
+            self.add(flag, path, Vec::new());
+        }
+    }
+
+    /// Adds a file that was written as it came.
+    pub(crate) fn written(&mut self, stream: Stream) -> Result<(), CliError> {
+        let Stream {
+            flag,
+            path,
+            staged,
+            mut writer,
+        } = stream;
+        writer
+            .flush()
+            .map_err(|error| CliError::write(&path, error))?;
+        let content = Content::Written(staged);
+        self.files.push(Output {
+            flag,
+            path,
+            content,
+        });
+        Ok(())
     }
 
     /// Adds the report: a file, or the screen without one.
@@ -53,8 +91,11 @@ impl Files {
         self.check()?;
         let staged = self
             .files
-            .iter()
-            .map(|out| Staged::new(&out.path, &out.bytes))
+            .into_iter()
+            .map(|out| match out.content {
+                Content::Bytes(bytes) => Staged::new(&out.path, &bytes),
+                Content::Written(staged) => Ok(staged),
+            })
             .collect::<Result<Vec<_>, _>>()?;
         for file in staged {
             file.publish()?;
@@ -122,6 +163,50 @@ pub(crate) fn message(text: &str) {
     {
         // Where standard error is closed, nobody wants to know.
         let _ = writeln!(io::stderr(), "{text}");
+    }
+}
+
+/// A file that is written as its contents come, and appears when it is whole.
+#[derive(Debug)]
+pub(crate) struct Stream {
+    flag: &'static str,
+    path: PathBuf,
+    staged: Staged,
+    writer: BufWriter<fs::File>,
+}
+
+impl Stream {
+    /// Opens the file at `path`, which `flag` names, under a temporary name; a device or a pipe at
+    /// once.
+    pub(crate) fn open(flag: &'static str, path: &Path) -> Result<Stream, CliError> {
+        let failed = |error| CliError::write(path, error);
+        let staged = Staged::new(path, &[])?;
+        let file = match &staged {
+            Staged::Beside { temporary, .. } => temporary.path(),
+            Staged::Device { place, .. } => place,
+        };
+        let opened = fs::OpenOptions::new().write(true).open(file);
+        Ok(Stream {
+            flag,
+            path: path.into(),
+            writer: BufWriter::new(opened.map_err(failed)?),
+            staged,
+        })
+    }
+
+    /// Where it is going to be.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Write for Stream {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.writer.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
     }
 }
 

@@ -9,8 +9,8 @@ use std::path::Path;
 
 use clap::ValueEnum;
 
-pub(crate) use files::{Files, message, print, reachable};
-pub(crate) use number::digits;
+pub(crate) use files::{Files, Stream, message, print, reachable};
+pub(crate) use number::{digits, full};
 pub(crate) use table::{Cell, Table};
 
 /// Format of a report.

@@ -28,6 +28,8 @@ pub(crate) struct Panel {
     pub(crate) x: &'static str,
     pub(crate) y: &'static str,
     pub(crate) lines: Vec<Line>,
+    /// What the axes span at least: from and to along, from and to up.
+    pub(crate) least: Option<[[f64; 2]; 2]>,
 }
 
 impl Sheet {
@@ -65,7 +67,9 @@ impl Panel {
         let style = pen.text(SIZE, INK, HPos::Left, VPos::Center);
         line.draw_text(&self.title, &style, (pen.offset(16), pen.offset(14)))?;
         let points = || self.lines.iter().flat_map(|line| &line.points);
-        let (x, y) = (span(points().map(|p| p.0)), span(points().map(|p| p.1)));
+        let [along, up] = self.least.map_or([None; 2], |least| least.map(Some));
+        let x = span(points().map(|p| p.0).chain(along.into_iter().flatten()));
+        let y = span(points().map(|p| p.1).chain(up.into_iter().flatten()));
         // The key has room above.
         let rows = self
             .lines

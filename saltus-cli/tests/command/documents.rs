@@ -117,13 +117,18 @@ fn the_tutorial_shows_what_commands_print() {
     check("tutorial", include_str!("../../../docs/tutorial.md"));
 }
 
+#[test]
+fn the_page_of_runs_shows_what_commands_print() {
+    check("running", include_str!("../../../docs/running.md"));
+}
+
 /// The commands that a document names in its sentences, tables and blocks, as their words.
 ///
 /// Not those without arguments, which only name a command, nor forms, whose words in capitals stand
 /// for something else.
 fn named(document: &str) -> Vec<Vec<String>> {
     const COMMANDS: &str =
-        "simulate table law map plan verify diagnose fit parkour export c rust mjcf";
+        "simulate table law map plan verify run diagnose fit parkour export c rust mjcf";
     let in_blocks = document.lines().filter_map(|line| {
         let line = line.strip_prefix("$ ").unwrap_or(line);
         line.trim_start().strip_prefix("saltus ")
@@ -208,6 +213,7 @@ fn every_command_in_the_documents_runs() {
         include_str!("../../../docs/diagnosis.md"),
         include_str!("../../../docs/logs.md"),
         include_str!("../../../docs/model.md"),
+        include_str!("../../../docs/running.md"),
         include_str!("../../../docs/thesis.md"),
     ];
     let folder = furnished("documents");

@@ -20,6 +20,7 @@ mod overwrites;
 mod plant;
 mod plots;
 mod power;
+mod run;
 mod slips;
 mod tables;
 mod valves;

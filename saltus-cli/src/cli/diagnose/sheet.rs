@@ -59,6 +59,7 @@ pub(super) fn sheet(report: &Report<'_>) -> Drawing {
                 x,
                 y: "residual (σ)",
                 lines,
+                least: None,
             });
         }
     }

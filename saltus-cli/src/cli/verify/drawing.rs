@@ -291,6 +291,7 @@ fn forces(name: &str, flown: &Simulated) -> Panel {
             curve("along the travel", 1, RED),
             curve("across", 2, GREY),
         ],
+        least: None,
     }
 }
 
@@ -323,6 +324,7 @@ fn slip(name: &str, flown: &Simulated) -> Option<Panel> {
         x: "time (ms)",
         y: "slip (mm)",
         lines,
+        least: None,
     })
 }
 
@@ -387,5 +389,6 @@ fn errors(outcomes: &[Outcome], context: &Context<'_>) -> Panel {
         },
         y: "landing error (mm)",
         lines,
+        least: None,
     }
 }

@@ -1,0 +1,312 @@
+//! Many drawn robots, each run.
+
+use saltus::gait::{Draw, Ending, Ensemble, GaitError, Setup, Summary, drawn_robot};
+use saltus::running::{RUNS_FROM, Share, Together, each};
+use serde_json::{Value, json};
+
+use super::Run;
+use super::disturb::Typed;
+use super::gait::{Chosen, refused};
+use super::report::{head, joined};
+use crate::cli::Status;
+use crate::error::CliError;
+use crate::output::{self, Cell, Files, Format, Table, digits};
+use crate::progress::Progress;
+
+const COLUMNS: &[&str] = &[
+    "robot",
+    "coulomb_friction_n",
+    "spring_stiffness_n_per_m",
+    "spring_preload_n",
+    "supply_pressure_gauge_pa",
+    "friction_along",
+    "ending",
+    "stalled_since_s",
+    "stalled_at_m",
+    "travel_m",
+    "mean_speed_m_s",
+    "last_speed_m_s",
+    "top_speed_m_s",
+    "reached_3_2_m_s_s",
+    "speed_at_1_6_s_m_s",
+    "time_to_1_6_m_s",
+    "firings",
+    "touch_downs",
+    "other_contacts",
+    "gas_kg",
+    "drives_j",
+    "residual_j",
+    "error",
+];
+
+/// The runs and where they come from.
+struct Many<'a> {
+    ensemble: &'a Ensemble,
+    chosen: &'a Chosen,
+    disturbances: &'a [Typed],
+    runs: &'a [Result<Summary, GaitError>],
+}
+
+impl Run {
+    /// Runs drawn robots and reports their shares.
+    pub(super) fn many(&self, setup: &Setup, chosen: &Chosen) -> Result<Status, CliError> {
+        if setup.robot.leg.cylinder().is_none() {
+            let allowed = "used with a robot with pneumatic legs, whose supply is drawn";
+            return Err(CliError::flag("--robots", "", allowed));
+        }
+        let robots = self.robots.map_or(1, std::num::NonZeroUsize::get);
+        let mut files = Files::default();
+        files.extend(self.output.out().map(|out| ("--out", out)));
+        files.check()?;
+        let ensemble = Ensemble {
+            setup: setup.clone(),
+            draw: Draw {
+                across: self.drawn_across,
+                ..Draw::default()
+            },
+            robots,
+            seed: self.seed,
+        };
+        // What is wrong with all of them is bad input, and said before they run.
+        let mut first = setup.clone();
+        first.robot = drawn_robot(&setup.robot, &ensemble.draw, self.seed, 0)
+            .map_err(|error| refused(error, &setup.robot))?;
+        first.seconds = setup.sensors().period.min(setup.seconds);
+        saltus::gait::run(&first, &mut ()).map_err(|error| refused(error, &setup.robot))?;
+        let progress = Progress::new("robots", robots);
+        let runs = each(&ensemble, self.threads.count().get(), &|| {
+            progress.advance(1);
+        });
+        drop(progress);
+        let many = Many {
+            ensemble: &ensemble,
+            chosen,
+            disturbances: &self.disturb,
+            runs: &runs,
+        };
+        let report = match self.output.format() {
+            Format::Csv => many.table()?.csv(),
+            Format::Json => many.json()?,
+            Format::Text => many.text(),
+        };
+        self.output.write_report(report)?;
+        Ok(Status::Done)
+    }
+}
+
+impl Many<'_> {
+    fn sign(&self) -> f64 {
+        if self.chosen.forwards { 1.0 } else { -1.0 }
+    }
+
+    fn together(&self) -> Together {
+        Together::of(&self.runs.iter().flatten(), self.sign())
+    }
+
+    /// Those that could not be simulated, with the first reason.
+    fn failures(&self) -> (usize, Option<String>) {
+        let failed = || self.runs.iter().enumerate();
+        let first = failed().find_map(|(k, run)| Some((k, run.as_ref().err()?)));
+        let count = failed().filter(|(_, run)| run.is_err()).count();
+        (count, first.map(|(k, error)| format!("robot {k}: {error}")))
+    }
+
+    fn stalled(&self) -> usize {
+        let runs = self.runs.iter().flatten();
+        runs.filter(|run| run.ending != Ending::Ran).count()
+    }
+
+    fn text(&self) -> String {
+        let all = self.together();
+        let setup = &self.ensemble.setup;
+        let line = |name: String, text: String| format!("  {name:<24} {text}\n");
+        let mut text = format!(
+            "{}: {}, {} s, {} drawn robots, seed {}\n",
+            setup.robot.name,
+            self.chosen.words,
+            digits(setup.seconds, 6),
+            self.ensemble.robots,
+            self.ensemble.seed
+        );
+        for typed in self.disturbances {
+            text += &line("disturbed by".into(), typed.text.clone());
+        }
+        text += &line("drawn".into(), self.drawn());
+        for (least, share) in RUNS_FROM.iter().zip(&all.running) {
+            text += &line(format!("over {least} m/s in the end"), in_words(share));
+        }
+        // A robot that stands has no speed, whatever the noise of its feet.
+        let short = |x: f64| digits(if x.abs() < 1e-6 { 0.0 } else { x }, 3);
+        text += &line("stalled in the end".into(), self.stalled().to_string());
+        let none = || "–".to_owned();
+        let speed = all.speed.map_or_else(none, |[least, middle, most]| {
+            format!(
+                "median {}, from {} to {} m/s",
+                short(middle),
+                short(least),
+                short(most)
+            )
+        });
+        text += &line("speed of those that run".into(), speed);
+        let time = all.time_to_3_2.map_or_else(none, |[least, middle]| {
+            format!("median {}, best {} s", short(middle), short(least))
+        });
+        text += &line("3.2 m/s reached by".into(), in_words(&all.reached));
+        text += &line("3.2 m/s reached at".into(), time);
+        text += &line("3.2 m/s within 3 s".into(), in_words(&all.within_3_s));
+        let start = all.speed_at_1_6.map_or_else(none, |[middle, most]| {
+            format!("median {}, best {} m/s", short(middle), short(most))
+        });
+        text += &line("speed at 1.6 s".into(), start);
+        let gas = all
+            .gas_per_metre
+            .map_or_else(none, |gas| format!("median {} g/m", short(gas * 1e3)));
+        text += &line("gas of those that run".into(), gas);
+        if let (count, Some(first)) = self.failures() {
+            text += &line("not simulated".into(), format!("{count}, {first}"));
+        }
+        text
+    }
+
+    fn drawn(&self) -> String {
+        let draw = &self.ensemble.draw;
+        let short = |x: f64| digits(x, 4);
+        format!(
+            "dry friction {} to {} N; spring up to {} N/m, the rest of {} N at mid stroke; \
+             supply ± {} psi; friction {} to {} along, {} across",
+            short(draw.friction[0]),
+            short(draw.friction[1]),
+            short(draw.stiffness[1]),
+            short(draw.total),
+            short(draw.supply / 6_894.757_293_168),
+            short(draw.along[0]),
+            short(draw.along[1]),
+            short(draw.across)
+        )
+    }
+
+    fn table(&self) -> Result<Table, CliError> {
+        let mut table = Table::new(COLUMNS);
+        for (k, run) in self.runs.iter().enumerate() {
+            table.push(self.row(k, run)?);
+        }
+        Ok(table)
+    }
+
+    fn row(&self, k: usize, run: &Result<Summary, GaitError>) -> Result<Vec<Cell>, CliError> {
+        let around = &self.ensemble.setup.robot;
+        let robot = drawn_robot(around, &self.ensemble.draw, self.ensemble.seed, k)
+            .map_err(|error| refused(error, around))?;
+        let spring = robot.leg.return_spring;
+        let supply = robot.leg.cylinder().map(|cylinder| cylinder.supply.0);
+        let mut row = vec![
+            Cell::Count(k),
+            robot.leg.coulomb_friction.into(),
+            spring.map(|spring| spring.stiffness).into(),
+            spring.map(|spring| spring.preload).into(),
+            supply.into(),
+            robot.ground.static_friction.into(),
+        ];
+        match run {
+            Ok(run) => row.extend(self.cells(run)),
+            Err(error) => {
+                row.resize(COLUMNS.len() - 1, Cell::Empty);
+                row.push(Cell::Text(error.to_string()));
+            }
+        }
+        Ok(row)
+    }
+
+    fn cells(&self, run: &Summary) -> Vec<Cell> {
+        let sign = self.sign();
+        let (ending, since, at) = match run.ending {
+            Ending::Ran => ("ran", None, None),
+            Ending::Stalled { since, at } => ("stalled", Some(since.max(0.0)), Some(at)),
+        };
+        vec![
+            Cell::Word(ending),
+            since.into(),
+            at.into(),
+            run.travel.into(),
+            (sign * run.mean_speed).into(),
+            (sign * run.last_speed).into(),
+            run.top_speed.into(),
+            run.reached_3_2.into(),
+            run.speed_at_1_6.into(),
+            run.time_to_1_6_m.into(),
+            Cell::Count(run.firings),
+            Cell::Count(run.touch_downs),
+            Cell::Count(run.bump_count),
+            run.gas.into(),
+            run.ledger.drive.into(),
+            run.residual.into(),
+            Cell::Empty,
+        ]
+    }
+
+    fn json(&self) -> Result<String, CliError> {
+        let all = self.together();
+        let setup = &self.ensemble.setup;
+        let draw = &self.ensemble.draw;
+        let share = |share: &Share| {
+            let known = (share.of > 0).then(|| share.value());
+            json!({ "count": share.count, "of": share.of, "share": known, "interval_95": share.interval() })
+        };
+        let (failures, first_failure) = self.failures();
+        let running = |k: usize| {
+            let mut value = share(&all.running[k]);
+            value["from_m_s"] = json!(RUNS_FROM[k]);
+            value
+        };
+        let entries = |names: &[&str], values: Option<&[f64]>| {
+            let values = values.map(|values| {
+                let pairs = names.iter().zip(values);
+                pairs
+                    .map(|(name, value)| ((*name).to_owned(), json!(value)))
+                    .collect::<serde_json::Map<_, _>>()
+            });
+            values.map_or(Value::Null, Value::Object)
+        };
+        let answer = json!({
+            "drawn": {
+                "coulomb_friction_n": draw.friction,
+                "spring_stiffness_n_per_m": draw.stiffness,
+                "friction_and_spring_at_mid_stroke_n": draw.total,
+                "supply_standard_deviation_pa": draw.supply,
+                "friction_along": draw.along,
+                "friction_across": draw.across,
+            },
+            "robots": self.ensemble.robots,
+            "not_simulated": failures,
+            "first_not_simulated": first_failure,
+            "stalled": self.stalled(),
+            "running": [running(0), running(1)],
+            "speed_of_runners_m_s": entries(&["least", "median", "greatest"], all.speed.as_ref().map(|s| &s[..])),
+            "reached_3_2_m_s": share(&all.reached),
+            "reached_3_2_m_s_within_3_s": share(&all.within_3_s),
+            "time_to_3_2_m_s_s": entries(&["best", "median"], all.time_to_3_2.as_ref().map(|s| &s[..])),
+            "speed_at_1_6_s_m_s": entries(&["median", "best"], all.speed_at_1_6.as_ref().map(|s| &s[..])),
+            "gas_of_runners_kg_per_m": all.gas_per_metre,
+            "runs": self.table()?.json(),
+        });
+        let head = head(setup, self.chosen, self.disturbances);
+        Ok(output::json(&joined([head, answer])))
+    }
+}
+
+fn in_words(share: &Share) -> String {
+    let percent = |x: f64| digits(100.0 * x, 3);
+    let [low, high] = share.interval();
+    format!(
+        "{} of {}, {} % (95 %: {} to {} %)",
+        share.count,
+        share.of,
+        if share.of == 0 {
+            "–".into()
+        } else {
+            percent(share.value())
+        },
+        percent(low),
+        percent(high)
+    )
+}

@@ -1,0 +1,47 @@
+//! A run as the thesis' figures 5.3, 5.5 and 5.6 show one.
+
+use super::follow::Thinned;
+use super::gait::Kind;
+use super::report::Report;
+use crate::plot::Drawing;
+use crate::plot::line::{Line, Mark};
+use crate::plot::palette::BLUE;
+use crate::plot::sheet::{Panel, Sheet};
+
+/// Wheel angle, rate, firing angle and speed over time, each on the thesis' axis at least.
+pub(super) fn drawing(report: &Report<'_>, line: &Thinned) -> Drawing {
+    let end = report.setup.seconds;
+    let panel = |title: &str, y: &'static str, column: usize, least: [f64; 2]| Panel {
+        title: title.into(),
+        x: "time (s)",
+        y,
+        lines: vec![Line {
+            label: None,
+            points: line.points.iter().map(|p| (p[0], p[column])).collect(),
+            color: BLUE,
+            mark: Mark::Solid,
+        }],
+        least: Some([[0.0, end], least]),
+    };
+    let angles = match report.chosen.kind {
+        Kind::OpenLoop => [0.0, 0.35],
+        _ => [-0.2, 0.5],
+    };
+    let sign = if report.chosen.forwards { 1.0 } else { -1.0 };
+    let [low, high] = [sign * 0.0_f64, sign * 3.5];
+    Drawing::Sheet(Sheet {
+        title: report.title(),
+        course: None,
+        panels: vec![
+            panel("Wheel angle", "wheel angle (rad)", 1, [-50.0, 150.0]),
+            panel("Filtered rate", "rate (rad/s)", 2, [-5.0, 15.0]),
+            panel("Firing angle", "α_f (rad)", 3, angles),
+            panel(
+                "Speed, mean over 0.15 s",
+                "speed (m/s)",
+                4,
+                [low.min(high), low.max(high)],
+            ),
+        ],
+    })
+}

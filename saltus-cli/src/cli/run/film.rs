@@ -1,0 +1,129 @@
+//! What a page that plays a run shows, frame by frame.
+
+use saltus::gait::{Footfall, Row, Setup};
+use saltus::sim_check::Contact;
+use serde_json::{Value, json};
+
+/// Most frames of a page.
+const MOST: u64 = 6000;
+
+/// What the page shows, a number for each frame and leg.
+#[derive(Clone, Debug)]
+pub(super) struct Film {
+    legs: usize,
+    delay: f64,
+    /// Cycles from a frame to the next.
+    every: u64,
+    cycle: u64,
+    times: Vec<f64>,
+    columns: [Vec<f64>; 8],
+    zone_legs: Vec<u32>,
+    extensions: Vec<Vec<f64>>,
+    pressures: Vec<Vec<f64>>,
+    forces: Vec<Vec<[f64; 2]>>,
+    /// When and how long (s) which leg is fired.
+    firings: Vec<(f64, f64, u32)>,
+    /// When which foot comes down.
+    touch_downs: Vec<(f64, usize)>,
+}
+
+/// Names of the columns.
+const NAMES: [&str; 8] = [
+    "x_m",
+    "y_m",
+    "angle_rad",
+    "rate_rad_s",
+    "filtered_rad_s",
+    "zone_lean_rad",
+    "firing_angle_rad",
+    "speed_m_s",
+];
+
+impl Film {
+    pub(super) fn new(setup: &Setup) -> Film {
+        let legs = setup.robot.body.legs as usize;
+        // At most 60 s of cycles.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let cycles = (setup.seconds / setup.sensors().period).ceil() as u64;
+        Film {
+            legs,
+            delay: setup.robot.leg.delay,
+            every: cycles.div_ceil(MOST).max(1),
+            cycle: 0,
+            times: Vec::new(),
+            columns: Default::default(),
+            zone_legs: Vec::new(),
+            extensions: vec![Vec::new(); legs],
+            pressures: vec![Vec::new(); legs],
+            forces: vec![Vec::new(); legs],
+            firings: Vec::new(),
+            touch_downs: Vec::new(),
+        }
+    }
+
+    /// Whether the next row becomes a frame.
+    pub(super) fn is_due(&self) -> bool {
+        self.cycle.is_multiple_of(self.every)
+    }
+
+    pub(super) fn push(&mut self, row: &Row<'_>, speed: f64) {
+        let action = &row.action;
+        if let Some(leg) = action.leg {
+            self.firings.push((row.time, action.valve_open, leg));
+        }
+        if self.is_due() {
+            self.times.push(row.time);
+            let numbers = [
+                row.axle[0],
+                row.axle[1],
+                row.lean,
+                row.rate,
+                action.rate,
+                action.lean,
+                action.firing_angle,
+                speed,
+            ];
+            for (column, number) in self.columns.iter_mut().zip(numbers) {
+                column.push(number);
+            }
+            self.zone_legs.push(action.in_zone);
+            for leg in 0..self.legs {
+                self.extensions[leg].push(row.extensions[leg]);
+                self.pressures[leg].push(row.pressures[leg]);
+                self.forces[leg].push(force_on(row.contacts, leg));
+            }
+        }
+        self.cycle += 1;
+    }
+
+    pub(super) fn touch_down(&mut self, footfall: &Footfall) {
+        self.touch_downs.push((footfall.time, footfall.leg));
+    }
+
+    /// The frames, as the page's script reads them.
+    pub(super) fn value(self) -> Value {
+        let mut value = json!({
+            "legs": self.legs,
+            "valve_delay_s": self.delay,
+            "time_s": self.times,
+            "zone_leg": self.zone_legs,
+            "extension_m": self.extensions,
+            "pressure_pa": self.pressures,
+            "force_n": self.forces,
+            "firings": self.firings,
+            "touch_downs": self.touch_downs,
+        });
+        for (name, column) in NAMES.iter().zip(self.columns) {
+            value[*name] = Value::from(column);
+        }
+        value
+    }
+}
+
+/// The sum of the ground's forces (N) on leg `leg` along the travel and up.
+fn force_on(contacts: &[Contact], leg: usize) -> [f64; 2] {
+    let of_leg = contacts.iter().filter(|contact| contact.point == leg);
+    of_leg.fold([0.0; 2], |sum, contact| {
+        [sum[0] + contact.parts.y, sum[1] + contact.parts.x]
+    })
+}

@@ -1,0 +1,407 @@
+//! How a robot runs: the flags of its gait.
+
+use std::f64::consts::TAU;
+
+use clap::{Args, ValueEnum};
+use saltus::Robot;
+use saltus::gait::{Centre, GaitError, Lines, Program};
+
+use super::values::{Knots, Taps, knots, rate, shift, slope, steepness, taps, top_rate};
+use crate::error::CliError;
+use crate::output::digits;
+use crate::quantity;
+
+/// Gaits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Kind {
+    /// One firing angle
+    Fixed,
+    /// The firing angle goes from one to another over time, A tanh(B t − C) + D
+    OpenLoop,
+    /// The firing angle falls with the rate, by one line or two
+    ClosedLoop,
+    /// The firing angle and the valve opening time go through given knots over the rate
+    Curve,
+}
+
+impl Kind {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Kind::Fixed => "fixed",
+            Kind::OpenLoop => "open-loop",
+            Kind::ClosedLoop => "closed-loop",
+            Kind::Curve => "curve",
+        }
+    }
+}
+
+/// How the thesis' C is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Reading {
+    /// As a number, tanh(B t − C): the middle of the change is at C/B
+    Printed,
+    /// As seconds, tanh(B (t − C)): the middle of the change is at C
+    Seconds,
+}
+
+/// Lines of a closed loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum LinesKind {
+    /// One line from rest to the top rate
+    One,
+    /// Two lines that meet at the switching rate
+    Two,
+    /// Two lines as printed in the thesis, with a jump at the switching rate
+    Jump,
+}
+
+/// Direction of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Direction {
+    /// Towards positive travel
+    Forwards,
+    /// The mirror image
+    Backwards,
+}
+
+/// Flags of the gait.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Gait")]
+pub(super) struct GaitFlags {
+    /// How the firing angle is found
+    #[arg(long, value_enum, default_value = "closed-loop")]
+    gait: Kind,
+
+    /// Firing angle α_f (rad) of `fixed` [default: 0.1]
+    #[arg(long, visible_alias = "alpha-f", value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
+    firing_angle: Option<f64>,
+
+    /// Valve opening time t_v (s), as in 40ms [default: 0.04]
+    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
+    valve_open: Option<f64>,
+
+    /// Firing angle (rad) at rest, of `open-loop` and `closed-loop` [default: 0.35]
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
+    from: Option<f64>,
+
+    /// Firing angle (rad) in the end [default: 0 for `open-loop`, -0.1 for `closed-loop`]
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
+    to: Option<f64>,
+
+    /// B (1/s) of `open-loop`: how steeply the angle changes [default: 2.1]
+    #[arg(long, value_name = "B", value_parser = steepness, allow_hyphen_values = true)]
+    steepness: Option<f64>,
+
+    /// C of `open-loop`, a number or seconds [default: 3]
+    #[arg(long, value_name = "C", value_parser = shift, allow_hyphen_values = true)]
+    shift: Option<f64>,
+
+    /// How C is read [default: seconds]
+    #[arg(long, value_enum)]
+    centre: Option<Reading>,
+
+    /// Lines of `closed-loop` [default: two]
+    #[arg(long, value_enum)]
+    lines: Option<LinesKind>,
+
+    /// Rate ω_s (rad/s) at which the second line begins [default: 5]
+    #[arg(long, value_name = "RATE", value_parser = rate, allow_hyphen_values = true)]
+    switch: Option<f64>,
+
+    /// Slope of the first of two lines (s, that is rad for each rad/s) [default: -0.01]
+    #[arg(long, value_name = "SLOPE", value_parser = slope, allow_hyphen_values = true)]
+    first_slope: Option<f64>,
+
+    /// Rate ω_f (rad/s) at which the last angle is reached [default: 13.3, which is 3.2 m/s]
+    #[arg(long, value_name = "RATE", value_parser = top_rate, allow_hyphen_values = true)]
+    top_rate: Option<f64>,
+
+    /// Knots of `curve`, RATE:ANGLE:TIME with commas between them; straight lines between knots
+    #[arg(long, value_name = "RATE:ANGLE:TIME,…", value_parser = knots, allow_hyphen_values = true)]
+    knots: Option<Knots>,
+
+    /// Lean z₀ (rad) at which the active zone begins; it is one pitch of the legs wide [default: 0
+    /// for `fixed` and `open-loop`, -0.3 for `closed-loop` and `curve`]
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
+    zone: Option<f64>,
+
+    /// Which way the robot runs
+    #[arg(long, value_enum, default_value = "forwards")]
+    direction: Direction,
+
+    /// Weights of the rate's filter: of the newest reading, then of those before it; at most 16
+    #[arg(long, value_name = "WEIGHTS", value_parser = taps, default_value = "0.2,0.2,0.2,0.2,0.2", allow_hyphen_values = true)]
+    taps: Taps,
+}
+
+/// What the flags give.
+#[derive(Clone, Debug)]
+pub(super) struct Chosen {
+    pub(super) kind: Kind,
+    pub(super) program: Program,
+    /// Valve opening time (s).
+    pub(super) valve_open: f64,
+    /// Where the zone begins (rad).
+    pub(super) zone: f64,
+    pub(super) forwards: bool,
+    pub(super) taps: Vec<f64>,
+    /// The gait in words.
+    pub(super) words: String,
+}
+
+impl GaitFlags {
+    /// The flag of the valve, where it is given.
+    pub(super) fn valve_flag(&self) -> Option<&'static str> {
+        self.valve_open.map(|_| "--valve-open")
+    }
+
+    /// What the flags give for `robot`.
+    pub(super) fn chosen(&self, robot: &Robot) -> Result<Chosen, CliError> {
+        self.meant()?;
+        let legs = robot.body.legs;
+        if !(3..=12).contains(&legs) {
+            let reason = format!("body.legs = {legs}: must be from 3 to 12, for a robot that runs");
+            return Err(CliError::content(&robot.name, reason));
+        }
+        let zone = self.zone.unwrap_or(match self.gait {
+            Kind::Fixed | Kind::OpenLoop => 0.0,
+            Kind::ClosedLoop | Kind::Curve => -0.3,
+        });
+        let half = 0.5 * TAU / f64::from(legs);
+        if zone.abs() > half {
+            let half = digits(half, 4);
+            let allowed = format!("from -{half} to {half} rad, half a pitch of the legs");
+            return Err(CliError::flag("--zone", format!("{zone} rad"), allowed));
+        }
+        let valve_open = self.valve_open.unwrap_or(0.04);
+        if valve_open > 1.0 {
+            let allowed = "from 0 to 1 s";
+            return Err(CliError::flag("--valve-open", seconds(valve_open), allowed));
+        }
+        let program = self.program()?;
+        GaitFlags::within(&program, robot, zone)?;
+        let open = format!("valve open {} ms", digits(valve_open * 1e3, 4));
+        let words = match self.gait {
+            Kind::Curve => self.words(&program),
+            _ => format!("{}, {open}", self.words(&program)),
+        };
+        Ok(Chosen {
+            kind: self.gait,
+            program,
+            valve_open,
+            zone,
+            forwards: self.direction == Direction::Forwards,
+            taps: self.taps.0.clone(),
+            words,
+        })
+    }
+
+    /// The flags that only some gaits have: which, what was given, which gaits.
+    fn meant(&self) -> Result<(), CliError> {
+        use Kind::{ClosedLoop, Curve, Fixed, OpenLoop};
+        let two = self.lines.is_none_or(|lines| lines != LinesKind::One);
+        let given: [(&'static str, bool, &[Kind]); 11] = [
+            ("--firing-angle", self.firing_angle.is_some(), &[Fixed]),
+            ("--from", self.from.is_some(), &[OpenLoop, ClosedLoop]),
+            ("--to", self.to.is_some(), &[OpenLoop, ClosedLoop]),
+            ("--steepness", self.steepness.is_some(), &[OpenLoop]),
+            ("--shift", self.shift.is_some(), &[OpenLoop]),
+            ("--centre", self.centre.is_some(), &[OpenLoop]),
+            ("--lines", self.lines.is_some(), &[ClosedLoop]),
+            ("--switch", self.switch.is_some(), &[ClosedLoop]),
+            ("--first-slope", self.first_slope.is_some(), &[ClosedLoop]),
+            ("--top-rate", self.top_rate.is_some(), &[ClosedLoop]),
+            ("--knots", self.knots.is_some(), &[Curve]),
+        ];
+        for (flag, is_given, kinds) in given {
+            if is_given && !kinds.contains(&self.gait) {
+                let names: Vec<&str> = kinds.iter().map(|kind| kind.name()).collect();
+                let allowed = format!(
+                    "used with --gait {}, not {}",
+                    names.join(" or "),
+                    self.gait.name()
+                );
+                return Err(CliError::flag(flag, "", allowed));
+            }
+        }
+        for (flag, is_given) in [
+            ("--switch", self.switch.is_some()),
+            ("--first-slope", self.first_slope.is_some()),
+        ] {
+            if is_given && !two {
+                let allowed = "used with --lines two or jump, not one";
+                return Err(CliError::flag(flag, "", allowed));
+            }
+        }
+        if self.gait == Curve && self.valve_open.is_some() {
+            let allowed = "left out with --gait curve, whose knots have times";
+            return Err(CliError::flag("--valve-open", "", allowed));
+        }
+        Ok(())
+    }
+
+    fn program(&self) -> Result<Program, CliError> {
+        let first = self.from.unwrap_or(0.35);
+        Ok(match self.gait {
+            Kind::Fixed => Program::Fixed {
+                firing_angle: self.firing_angle.unwrap_or(0.1),
+            },
+            Kind::OpenLoop => {
+                let shift = self.shift.unwrap_or(3.0);
+                Program::OpenLoop {
+                    first,
+                    last: self.to.unwrap_or(0.0),
+                    slope: self.steepness.unwrap_or(2.1),
+                    centre: match self.centre.unwrap_or(Reading::Seconds) {
+                        Reading::Printed => Centre::Printed(shift),
+                        Reading::Seconds => Centre::Seconds(shift),
+                    },
+                }
+            }
+            Kind::ClosedLoop => {
+                let (last, at) = (self.to.unwrap_or(-0.1), self.top_rate.unwrap_or(13.3));
+                let lines = self.lines.unwrap_or(LinesKind::Two);
+                if lines == LinesKind::One {
+                    return Ok(Program::ClosedLoop(Lines::One { first, last, at }));
+                }
+                let switch = self.switch.unwrap_or(5.0);
+                if switch >= at {
+                    let allowed = format!("below --top-rate, {at} rad/s");
+                    return Err(CliError::flag("--switch", switch, allowed));
+                }
+                Program::ClosedLoop(Lines::Two {
+                    first,
+                    slope: self.first_slope.unwrap_or(-0.01),
+                    switch,
+                    last,
+                    at,
+                    jumps: lines == LinesKind::Jump,
+                })
+            }
+            Kind::Curve => {
+                let knots = self.knots.as_ref().ok_or(CliError::Missing {
+                    flag: "--knots",
+                    allowed: "--gait curve needs RATE:ANGLE:TIME, as in 0:0.35:40ms,13.3:-0.1:40ms",
+                })?;
+                Program::Curve(knots.0.clone())
+            }
+        })
+    }
+
+    /// Refuses angles that lie outside the active zone.
+    fn within(program: &Program, robot: &Robot, zone: f64) -> Result<(), CliError> {
+        let pitch = TAU / f64::from(robot.body.legs.max(1));
+        let angles: Vec<(&'static str, f64)> = match program {
+            Program::Fixed { firing_angle } => vec![("--firing-angle", *firing_angle)],
+            Program::OpenLoop { first, last, .. }
+            | Program::ClosedLoop(Lines::One { first, last, .. }) => {
+                vec![("--from", *first), ("--to", *last)]
+            }
+            Program::ClosedLoop(lines @ Lines::Two { first, last, .. }) => {
+                let knots = lines.knots().into_iter();
+                let knots = knots.map(|[_, angle]| ("--first-slope, --switch", angle));
+                let ends = [("--from", *first), ("--to", *last)];
+                ends.into_iter().chain(knots).collect()
+            }
+            Program::Curve(knots) => knots.iter().map(|knot| ("--knots", knot[1])).collect(),
+            Program::Policy(..) => Vec::new(),
+        };
+        for (flag, angle) in angles {
+            if !(zone..zone + pitch).contains(&angle) {
+                let allowed = format!(
+                    "in the active zone, from {zone} to below {} rad (--zone moves it)",
+                    digits(zone + pitch, 5)
+                );
+                let value = match flag {
+                    "--first-slope, --switch" => format!("(α_f {} rad)", digits(angle, 6)),
+                    _ => format!("{} rad", digits(angle, 6)),
+                };
+                return Err(CliError::flag(flag, value, allowed));
+            }
+        }
+        Ok(())
+    }
+
+    fn words(&self, program: &Program) -> String {
+        let short = |x: f64| digits(x, 4);
+        match program {
+            Program::Fixed { firing_angle } => {
+                format!("fixed, α_f {} rad", short(*firing_angle))
+            }
+            Program::OpenLoop {
+                first,
+                last,
+                slope,
+                centre,
+            } => {
+                let middle = match centre {
+                    Centre::Printed(c) => c / slope,
+                    Centre::Seconds(c) => *c,
+                };
+                format!(
+                    "open-loop, α_f {} to {} rad around {} s",
+                    short(*first),
+                    short(*last),
+                    short(middle)
+                )
+            }
+            Program::ClosedLoop(Lines::One { first, last, at }) => format!(
+                "closed-loop, one line, α_f {} to {} rad at {} rad/s",
+                short(*first),
+                short(*last),
+                short(*at)
+            ),
+            Program::ClosedLoop(Lines::Two {
+                first,
+                switch,
+                last,
+                at,
+                jumps,
+                ..
+            }) => format!(
+                "closed-loop, two lines{}, α_f {} to {} rad at {} rad/s, switched at {} rad/s",
+                if *jumps { " with a jump" } else { "" },
+                short(*first),
+                short(*last),
+                short(*at),
+                short(*switch)
+            ),
+            Program::Curve(knots) => format!("curve of {} knots", knots.len()),
+            _ => self.gait.name().to_owned(),
+        }
+    }
+}
+
+/// What the library refuses, as what the user typed.
+pub(super) fn refused(error: GaitError, robot: &Robot) -> CliError {
+    let name = &robot.name;
+    match error {
+        GaitError::Input {
+            name: what,
+            value,
+            allowed,
+        } => {
+            let flag = match what.as_str() {
+                "legs" => {
+                    let reason = format!("body.legs = {value}: must be {allowed}");
+                    return CliError::content(name, reason);
+                }
+                "start of the active zone (rad)" => "--zone",
+                "length of the run (s)" => "--seconds",
+                "taps of the filter" | "sum of the filter's taps" => "--taps",
+                "valve opening time (s)" => "--valve-open",
+                "firing angle (rad)" => "--first-slope, --switch",
+                "rate of a law's knot (rad/s)" | "knots of a law" => "--knots",
+                "B (1/s)" => "--steepness",
+                "C" => "--shift",
+                _ => "--disturb",
+            };
+            CliError::flag(flag, format!("({what} = {value})"), allowed)
+        }
+        _ => CliError::content(name, error),
+    }
+}
+
+fn seconds(time: f64) -> String {
+    format!("{} s", digits(time, 6))
+}

@@ -1,0 +1,300 @@
+//! `saltus run`: a robot that runs, under the controller that is flashed.
+
+mod disturb;
+mod ensemble;
+mod figure;
+mod film;
+mod follow;
+mod gait;
+mod page;
+mod report;
+mod rows;
+mod telemetry;
+mod values;
+
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use saltus::Robot;
+use saltus::gait::{Ending, Setup, run};
+use saltus::sim_check::Stepping;
+
+use super::Status;
+use super::common::{OutputFlags, PlotOption, Threads, note_valve, page_file, robot};
+use crate::error::CliError;
+use crate::interrupt::Interrupt;
+use crate::output::{Files, Format, message, reachable};
+use crate::progress::Progress;
+use crate::quantity::{self, Quantity, QuantityError};
+use disturb::Typed;
+use film::Film;
+use follow::{Follower, Thinned};
+use gait::{Chosen, GaitFlags, refused};
+use rows::{Columns, Rows};
+use telemetry::Telemetry;
+
+/// Longest run with a page to watch (s).
+const LONGEST_FILM: f64 = 60.0;
+
+/// Run a robot: five legs fired in turn by the controller, in the multi-body simulation
+#[derive(Args, Debug)]
+#[command(after_help = "`saltus run --help` explains the output.", after_long_help = LONG_HELP)]
+pub(crate) struct Run {
+    #[command(flatten)]
+    gait: GaitFlags,
+
+    /// How long (s)
+    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "10", allow_hyphen_values = true)]
+    seconds: f64,
+
+    /// What changes on the way, WHAT=VALUE@FROM:TO in s or m, as in torque=5@0.5:0.7s: slope (deg),
+    /// force (N), torque (N m), supply (psi) or friction; may be repeated
+    #[arg(long, value_name = "WHAT=VALUE@FROM:TO", value_parser = disturb::disturb, allow_hyphen_values = true)]
+    disturb: Vec<Typed>,
+
+    /// Compute the motion in fixed steps of this length (s) [default: 1ms]
+    #[arg(long, value_name = "TIME", value_parser = step, conflicts_with = "exact", allow_hyphen_values = true)]
+    step: Option<f64>,
+
+    /// Compute the motion with error control, every event located
+    #[arg(long)]
+    exact: bool,
+
+    /// Seed of the sensors' noise, and of the robots that are drawn
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+
+    /// Draw so many robots around this one and run each
+    #[arg(long, value_name = "COUNT", value_parser = robots, conflicts_with_all = ["plot", "animate", "telemetry"])]
+    robots: Option<NonZeroUsize>,
+
+    /// Friction coefficient across the travel of the robots that are drawn
+    #[arg(long, value_name = "MU", value_parser = quantity::factor, default_value = "0", requires = "robots", allow_hyphen_values = true)]
+    drawn_across: f64,
+
+    #[command(flatten)]
+    threads: Threads,
+
+    #[command(flatten)]
+    plot: PlotOption,
+
+    /// Write a page that plays the run, of 60 s at most, in a browser
+    #[arg(long, value_name = "FILE.html", value_parser = page_file, help_heading = "Robot and output")]
+    animate: Option<PathBuf>,
+
+    /// Write every cycle's readings, outputs and truths into this new or empty folder
+    #[arg(long, value_name = "FOLDER", help_heading = "Robot and output")]
+    telemetry: Option<PathBuf>,
+
+    /// Robot: a built-in one (rats-planar, rats-boom, rats-run, spring-hopper, table-hopper) or a TOML file
+    #[arg(
+        long,
+        value_name = "NAME|FILE",
+        default_value = "rats-run",
+        help_heading = "Robot and output"
+    )]
+    robot: String,
+
+    /// Override a parameter of the robot by its dotted key, as in leg.stroke_m=0.05; may be
+    /// repeated
+    #[arg(
+        long = "set",
+        value_name = "KEY=VALUE",
+        help_heading = "Robot and output"
+    )]
+    overrides: Vec<String>,
+
+    #[command(flatten)]
+    output: OutputFlags,
+}
+
+const LONG_HELP: &str = "\
+Examples:
+  saltus run --gait closed-loop --seconds 5
+  saltus run --gait fixed --firing-angle 0.1 --valve-open 40ms --seconds 15 --disturb torque=5@5:5.2s --plot figure-5.3.svg
+  saltus run --gait open-loop --from 0.35 --to 0 --centre printed --seconds 5 --format csv --out run.csv
+  saltus run --gait closed-loop --lines jump --seconds 5 --animate run.html
+  saltus run --gait closed-loop --seconds 9 --robots 40 --seed 7
+
+The robot stands on two feet, finds out by its accelerometer which ones, and runs: the leg whose lean lies in the \
+active zone fires, once an entry, as soon as it leans by the firing angle. docs/running.md describes gaits, sensors and \
+the simulation.
+
+Suffixes: rad/s, deg/s; rad, deg; s, ms, min; in --disturb deg, rad, N, Nm, psi, kPa, bar.
+
+A stall is an answer: standing still for 0.5 s at the end of the run; the report says since when, where and why, and \
+the exit code is 1.
+
+CSV: a row a cycle, written as it comes: time_s, x_m, height_m, vx_m_s, vz_m_s (axle), wheel_angle_rad, \
+wheel_rate_rad_s, leg_in_zone, lean_rad (of that leg, in the direction of the run), filtered_rate_rad_s, \
+firing_angle_rad, fired_leg, valve_open_s (empty where none fires), stalled, and for each leg extension_N_m and \
+pressure_N_pa (absolute). Numbers have 17 significant digits. A run without an ending has no file.
+
+JSON: {\"command\": \"run\", \"robot\", \"gait\", \"ending\", ...}: what the text says, in SI units, without rows. Energies \
+are in J: \"ledger_j\" has the work of the drives and from outside, and what was lost in legs, by slip, to the air, in impacts \
+at the ground and at end stops; \"residual\" is what these do not explain.
+
+--robots draws dry friction, return spring, supply and ground friction as docs/running.md says. The answer is the share that \
+runs with its 95 % interval (Wilson); CSV has a row a robot. It does not depend on --threads.
+
+--telemetry writes experiment.toml, the robot, and run.csv: the columns of CSV, and the counts of encoders, gyros and \
+accelerometers.";
+
+impl Run {
+    pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.output.check()?;
+        let robot = robot(&self.robot, &self.overrides)?;
+        let chosen = self.gait.chosen(&robot)?;
+        note_valve(&robot, self.gait.valve_flag());
+        disturb::check(&self.disturb, &robot)?;
+        let setup = self.setup(&robot, &chosen);
+        self.output.ready(&self.plot)?;
+        if self.robots.is_some() {
+            return self.many(&setup, &chosen);
+        }
+        self.one(&setup, &chosen)
+    }
+
+    fn setup(&self, robot: &Robot, chosen: &Chosen) -> Setup {
+        let mut setup = Setup::new(robot.clone(), chosen.program.clone(), self.seconds);
+        setup.valve_open = chosen.valve_open;
+        setup.zone = chosen.zone;
+        setup.forwards = chosen.forwards;
+        setup.taps.clone_from(&chosen.taps);
+        setup.disturbances = self.disturb.iter().map(|typed| typed.disturbance).collect();
+        setup.seed = self.seed;
+        setup.stepping = match (self.exact, self.step) {
+            (true, _) => Stepping::Adaptive,
+            (false, Some(step)) => Stepping::Fixed(step),
+            (false, None) => Stepping::USUAL,
+        };
+        setup
+    }
+
+    /// One run.
+    fn one(&self, setup: &Setup, chosen: &Chosen) -> Result<Status, CliError> {
+        self.places()?;
+        let interrupt = Interrupt::listen()?;
+        // A length is at most 100,000 s.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let progress = Progress::new("simulated seconds", self.seconds.ceil() as usize);
+        let mut follower = Follower::new(setup.sensors().period, &interrupt, &progress);
+        let telemetry = self.telemetry.as_deref().map(Telemetry::open).transpose()?;
+        self.open(&mut follower, setup, telemetry.as_ref())?;
+        let summary = run(setup, &mut follower).map_err(|error| refused(error, &setup.robot))?;
+        let kept = follower.kept();
+        let report = report::Report {
+            setup,
+            chosen,
+            summary: &summary,
+            follower: &follower,
+            disturbances: &self.disturb,
+        };
+        let files = self.files(&report, kept.rows, kept.film)?;
+        if let (Some(folder), Some(rows)) = (telemetry, kept.telemetry) {
+            folder.publish(rows, &report)?;
+        }
+        if interrupt.came() {
+            let at = follower.last.as_ref().map_or(0.0, |last| last.time);
+            message(&format!(
+                "interrupted at {at} s: the answer is of the run up to there"
+            ));
+        }
+        files.write()?;
+        Ok(match summary.ending {
+            Ending::Ran => Status::Done,
+            Ending::Stalled { .. } => Status::No,
+        })
+    }
+
+    /// Opens what `follower` writes and keeps.
+    fn open(
+        &self,
+        follower: &mut Follower<'_>,
+        setup: &Setup,
+        telemetry: Option<&Telemetry>,
+    ) -> Result<(), CliError> {
+        let legs = setup.robot.body.legs as usize;
+        if self.output.format() == Format::Csv {
+            let rows = Rows::open("--out", self.output.out(), Columns::Motion, legs)?;
+            follower.kept.rows = Some(rows);
+        }
+        follower.kept.telemetry = telemetry.map(|folder| folder.rows(legs)).transpose()?;
+        follower.line = self.plot.is_set().then(Thinned::new);
+        follower.kept.film = (self.animate.is_some()).then(|| Film::new(setup));
+        Ok(())
+    }
+
+    /// The report, the page and the plot.
+    fn files(
+        &self,
+        report: &report::Report<'_>,
+        rows: Option<Rows>,
+        film: Option<Film>,
+    ) -> Result<Files, CliError> {
+        let mut files = Files::default();
+        match (rows, self.output.format()) {
+            (Some(rows), _) => {
+                if let Some(stream) = rows.finish()? {
+                    files.written(stream)?;
+                }
+                if report.summary.ending != Ending::Ran {
+                    message(&format!("the robot {}", report.ending()));
+                }
+            }
+            (None, Format::Json) => files.report(self.output.out(), report.json()),
+            (None, _) => files.report(self.output.out(), report.text()),
+        }
+        if let (Some(path), Some(film)) = (&self.animate, film) {
+            let html = page::html(report, film);
+            files.add("--animate", path, html.into_bytes());
+        }
+        if let Some(line) = &report.follower.line {
+            let drawing = || Ok(figure::drawing(report, line));
+            self.plot.add_to(&mut files, drawing)?;
+        }
+        files.check()?;
+        Ok(files)
+    }
+
+    /// Refuses files in folders that are not there and files that two flags name, before long work.
+    fn places(&self) -> Result<(), CliError> {
+        if let Some(page) = &self.animate {
+            reachable(page)?;
+            if self.seconds > LONGEST_FILM {
+                let allowed = format!(
+                    "used with --seconds {LONGEST_FILM} at most, not {}",
+                    self.seconds
+                );
+                return Err(CliError::flag("--animate", "", allowed));
+            }
+        }
+        let out = self.output.out().filter(|out| *out != Path::new("-"));
+        let mut files = Files::default();
+        files.extend(out.map(|out| ("--out", out)));
+        files.extend(self.animate.as_deref().map(|page| ("--animate", page)));
+        files.extend(self.plot.path().map(|plot| ("--plot", plot)));
+        files.check()
+    }
+}
+
+/// Parser of a flag.
+fn seconds(text: &str) -> Result<f64, QuantityError> {
+    Quantity::RUN.parse(text)
+}
+
+/// Parser of a flag.
+fn step(text: &str) -> Result<f64, QuantityError> {
+    Quantity::STEP.parse(text)
+}
+
+/// Parser of a flag.
+fn robots(text: &str) -> Result<NonZeroUsize, String> {
+    const MOST: usize = 100_000;
+    text.trim()
+        .parse::<NonZeroUsize>()
+        .ok()
+        .filter(|count| count.get() <= MOST)
+        .ok_or_else(|| format!("must be a whole number from 1 to {MOST}"))
+}

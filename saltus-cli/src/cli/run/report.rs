@@ -1,0 +1,348 @@
+//! What a run came to, in words and as JSON.
+
+use std::fmt::Write as _;
+
+use saltus::gait::{Ending, Setup, Summary};
+use saltus::running::exergy_of_gas;
+use saltus::sim_check::Stepping;
+use serde_json::{Value, json};
+
+use super::disturb::Typed;
+use super::follow::{Follower, OUT};
+use super::gait::Chosen;
+use crate::output::{self, digits};
+
+/// A run and what it came to.
+pub(super) struct Report<'a> {
+    pub(super) setup: &'a Setup,
+    pub(super) chosen: &'a Chosen,
+    pub(super) summary: &'a Summary,
+    pub(super) follower: &'a Follower<'a>,
+    pub(super) disturbances: &'a [Typed],
+}
+
+impl Report<'_> {
+    /// 1, or −1 for a run backwards.
+    fn sign(&self) -> f64 {
+        if self.chosen.forwards { 1.0 } else { -1.0 }
+    }
+
+    /// The run in a line.
+    pub(super) fn title(&self) -> String {
+        let mut title = format!(
+            "{}: {}, {} s",
+            self.setup.robot.name,
+            self.chosen.words,
+            digits(self.setup.seconds, 6)
+        );
+        if !self.chosen.forwards {
+            title += ", backwards";
+        }
+        title
+    }
+
+    /// How it ended, after `the robot`.
+    pub(super) fn ending(&self) -> String {
+        match self.summary.ending {
+            Ending::Ran => "ran to the end of its time".into(),
+            Ending::Stalled { since, at } => format!(
+                "stalled: stands still since {} s, at {} m; {}",
+                digits(since.max(0.0), 4),
+                digits(at, 4),
+                self.reason()
+            ),
+        }
+    }
+
+    /// Why it stands still.
+    fn reason(&self) -> String {
+        let Some(last) = &self.follower.last else {
+            return "it ran for no cycle".into();
+        };
+        let (lean, angle) = (digits(last.lean, 3), digits(last.firing_angle, 3));
+        if self.setup.valve_open == 0.0 {
+            "the valve opening time is 0".into()
+        } else if last.lean < last.firing_angle {
+            format!(
+                "leg {} in the active zone leans by {lean} rad, short of its firing angle {angle} rad",
+                last.leg
+            )
+        } else {
+            format!(
+                "leg {} in the active zone, at {lean} rad, has fired since it entered, and fires once \
+                 an entry{}",
+                last.leg,
+                self.stuck()
+            )
+        }
+    }
+
+    /// Why a leg that fired moved nothing, on ground where feet never slip.
+    fn stuck(&self) -> &'static str {
+        let grips = self.setup.robot.ground.static_friction.is_infinite();
+        if grips && self.summary.firings < 2 {
+            "; a leg of two that stand cannot push where no foot slips: give \
+             ground.static_friction"
+        } else {
+            ""
+        }
+    }
+
+    /// Legs that are out at the end, with their extensions (m).
+    fn out(&self) -> Vec<(usize, f64)> {
+        let extensions = self
+            .follower
+            .last
+            .as_ref()
+            .map(|last| last.extensions.as_slice());
+        let legs = extensions.unwrap_or_default().iter().copied().enumerate();
+        legs.filter(|(_, extension)| *extension > OUT).collect()
+    }
+
+    /// Gas (g/m), and what it could have done (J/m); none where the robot did not travel a radius.
+    fn per_metre(&self) -> Option<[f64; 2]> {
+        let travel = self.summary.travel.abs();
+        let exergy = exergy_of_gas(&self.setup.robot)?;
+        let gas = self.summary.gas / travel;
+        (travel > self.setup.robot.body.radius).then_some([gas * 1e3, gas * exergy])
+    }
+
+    pub(super) fn text(&self) -> String {
+        let mut lines = self.course();
+        lines.extend(self.feet());
+        lines.extend(self.gas());
+        lines.extend(self.energies());
+        let mut text = format!("{}\n", self.title());
+        for (name, words) in lines {
+            // Writing to a string does not fail.
+            let _ = writeln!(text, "  {name:<18} {words}");
+        }
+        text
+    }
+
+    /// How it ended and how fast it was.
+    fn course(&self) -> Vec<(&'static str, String)> {
+        let s = self.summary;
+        let sign = self.sign();
+        let disturbed = self.disturbances.iter();
+        let mut lines: Vec<_> = disturbed
+            .map(|typed| ("disturbed by", typed.text.clone()))
+            .collect();
+        lines.push(("ending", self.ending()));
+        let stalls = self.follower.stalls;
+        if let (Some([time, at]), Ending::Ran) = (stalls.first, s.ending) {
+            let words = format!(
+                "{} before, the first found at {} s, {} m",
+                times(stalls.count),
+                short(time),
+                short(at)
+            );
+            lines.push(("stood still", words));
+        }
+        let speeds = format!(
+            "{} m/s; over the last 4 s {} m/s",
+            short(sign * s.mean_speed),
+            short(sign * s.last_speed)
+        );
+        let reached = s.reached_3_2.map(|t| format!("reached at {} s", short(t)));
+        lines.extend([
+            ("travel", format!("{} m", short(s.travel))),
+            ("mean speed", speeds),
+            ("top speed", format!("{} m/s", short(s.top_speed))),
+            ("3.2 m/s", reached.unwrap_or("not reached".into())),
+        ]);
+        let speed = s.speed_at_1_6.map(|speed| format!("{} m/s", short(speed)));
+        lines.extend(speed.map(|words| ("speed at 1.6 s", words)));
+        let time = s
+            .time_to_1_6_m
+            .map(|t| format!("reached at {} s", short(t)));
+        lines.extend(time.map(|words| ("1.6 m", words)));
+        lines
+    }
+
+    /// What the legs did and what touched.
+    fn feet(&self) -> [(&'static str, String); 4] {
+        let s = self.summary;
+        let touched = format!(
+            "{}, of these {} of legs still out by over {} mm",
+            s.touch_downs,
+            self.follower.out_at_touch_down,
+            OUT * 1e3
+        );
+        let out = self.out();
+        let legs: Vec<String> = out
+            .iter()
+            .map(|(leg, x)| format!("leg {leg} by {} mm", digits(x * 1e3, 3)))
+            .collect();
+        let legs = if legs.is_empty() {
+            "no leg".into()
+        } else {
+            legs.join(", ")
+        };
+        [
+            ("firings", s.firings.to_string()),
+            ("touch-downs", touched),
+            ("out at the end", legs),
+            ("other contacts", self.bumps()),
+        ]
+    }
+
+    fn gas(&self) -> Option<(&'static str, String)> {
+        exergy_of_gas(&self.setup.robot)?;
+        let gas = format!("{} g", short(self.summary.gas * 1e3));
+        let words = match self.per_metre() {
+            Some([each, exergy]) => {
+                format!(
+                    "{gas}, {} g/m; its exergy {} J/m",
+                    short(each),
+                    short(exergy)
+                )
+            }
+            None => gas,
+        };
+        Some(("gas", words))
+    }
+
+    /// Where the energy comes from and goes.
+    fn energies(&self) -> Vec<(&'static str, String)> {
+        let s = self.summary;
+        let l = &s.ledger;
+        let work: Vec<String> = s.leg_work.iter().map(|work| short(*work)).collect();
+        let mut lines = vec![("work of the legs", format!("{} J", work.join(", ")))];
+        let entries = [
+            ("drives", l.drive),
+            ("from outside", l.outside),
+            ("lost in legs", l.joints),
+            ("lost by slip", l.contacts),
+            ("lost to the air", l.drag),
+            ("lost at the ground", l.impacts - l.stops),
+            ("lost at end stops", l.stops),
+        ];
+        let shown = entries
+            .into_iter()
+            .filter(|(name, x)| *x != 0.0 || !matches!(*name, "from outside" | "lost to the air"));
+        lines.extend(shown.map(|(name, x)| (name, format!("{} J", short(x)))));
+        let rest = format!(
+            "{} J in bodies, {} J in gas",
+            digits(s.residual, 2),
+            digits(s.gas_residual, 2)
+        );
+        lines.push(("unexplained", rest));
+        lines
+    }
+
+    /// Contacts other than feet on the ground.
+    fn bumps(&self) -> String {
+        let s = self.summary;
+        let Some((time, part, _)) = s.bumps.first() else {
+            return "none".into();
+        };
+        format!(
+            "{}, the first of {part} at {} s",
+            s.bump_count,
+            digits(*time, 4)
+        )
+    }
+
+    pub(super) fn json(&self) -> String {
+        output::json(&self.value())
+    }
+
+    pub(super) fn value(&self) -> Value {
+        let s = self.summary;
+        let l = &s.ledger;
+        let sign = self.sign();
+        let ending = match s.ending {
+            Ending::Ran => json!({ "how": "ran" }),
+            Ending::Stalled { since, at } => json!({
+                "how": "stalled", "since_s": since.max(0.0), "at_m": at, "reason": self.reason(),
+            }),
+        };
+        let out = |(leg, extension): &(usize, f64)| json!({ "leg": leg, "extension_m": extension });
+        let bump = |(time, part, surface): &(f64, String, usize)| json!({ "time_s": time, "part": part, "surface": surface });
+        let [gas, exergy] = match self.per_metre() {
+            Some([gas, exergy]) => [json!(gas * 1e-3), json!(exergy)],
+            None => [Value::Null, Value::Null],
+        };
+        let motion = json!({
+            "rear_leg_at_start": s.rear,
+            "ending": ending,
+            "stalls": self.follower.stalls.count,
+            "travel_m": s.travel,
+            "mean_speed_m_s": sign * s.mean_speed,
+            "last_speed_m_s": sign * s.last_speed,
+            "top_speed_m_s": s.top_speed,
+            "reached_3_2_m_s_s": s.reached_3_2,
+            "speed_at_1_6_s_m_s": s.speed_at_1_6,
+            "time_to_1_6_m_s": s.time_to_1_6_m,
+            "firings": s.firings,
+            "touch_downs": s.touch_downs,
+            "touch_downs_of_legs_out": self.follower.out_at_touch_down,
+            "legs_out_at_end": self.out().iter().map(out).collect::<Vec<_>>(),
+            "other_contacts": s.bump_count,
+            "first_other_contacts": s.bumps.iter().map(bump).collect::<Vec<_>>(),
+        });
+        let energy = json!({
+            "gas_kg": s.gas,
+            "gas_kg_per_m": gas,
+            "exergy_j_per_m": exergy,
+            "leg_work_j": s.leg_work,
+            "ledger_j": {
+                "kinetic": l.kinetic, "potential": l.potential, "springs": l.springs,
+                "drives": l.drive, "outside": l.outside, "legs": l.joints, "slip": l.contacts,
+                "air": l.drag, "impacts_at_ground": l.impacts - l.stops,
+                "impacts_at_stops": l.stops, "residual": s.residual, "gas_residual": s.gas_residual,
+            },
+        });
+        let head = head(self.setup, self.chosen, self.disturbances);
+        joined([head, motion, energy])
+    }
+}
+
+/// What was run, for JSON.
+pub(super) fn head(setup: &Setup, chosen: &Chosen, disturbances: &[Typed]) -> Value {
+    let disturbed: Vec<&str> = disturbances.iter().map(|d| d.text.as_str()).collect();
+    json!({
+        "command": "run",
+        "robot": setup.robot.name,
+        "gait": chosen.kind.name(),
+        "gait_in_words": chosen.words,
+        "direction": if chosen.forwards { "forwards" } else { "backwards" },
+        "zone_rad": setup.zone,
+        "taps": setup.taps,
+        "seconds": setup.seconds,
+        "step_s": step(setup.stepping),
+        "seed": setup.seed,
+        "disturbances": disturbed,
+    })
+}
+
+/// One object with the entries of all.
+pub(super) fn joined(parts: impl IntoIterator<Item = Value>) -> Value {
+    let maps = parts.into_iter().filter_map(|part| match part {
+        Value::Object(map) => Some(map),
+        _ => None,
+    });
+    Value::Object(maps.flatten().collect())
+}
+
+/// The fixed step (s); null for error control.
+fn step(stepping: Stepping) -> Option<f64> {
+    match stepping {
+        Stepping::Fixed(step) => Some(step),
+        Stepping::Adaptive => None,
+    }
+}
+
+/// A number for people.
+fn short(x: f64) -> String {
+    digits(x, 4)
+}
+
+fn times(count: usize) -> String {
+    if count == 1 {
+        "once".into()
+    } else {
+        format!("{count} times")
+    }
+}

@@ -1,0 +1,174 @@
+//! A run as rows, written as they come.
+
+use std::fmt::Write as _;
+use std::io::{self, ErrorKind, Write};
+use std::path::Path;
+
+use saltus::gait::Row;
+
+use crate::error::CliError;
+use crate::output::{Stream, full};
+
+/// What a cycle is written with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Columns {
+    /// What happens, and what the controller decides.
+    Motion,
+    /// That, and what the sensors say.
+    Telemetry,
+}
+
+/// Where rows go.
+#[derive(Debug)]
+enum Sink {
+    File(Stream),
+    Screen(io::BufWriter<io::Stdout>),
+}
+
+/// Rows on their way to a file or to the screen.
+#[derive(Debug)]
+pub(super) struct Rows {
+    columns: Columns,
+    sink: Sink,
+    line: String,
+    /// What went wrong first.
+    failed: Option<io::Error>,
+}
+
+impl Rows {
+    /// To `path`, which `flag` names, or to the screen; `legs` is how many there are.
+    pub(super) fn open(
+        flag: &'static str,
+        path: Option<&Path>,
+        columns: Columns,
+        legs: usize,
+    ) -> Result<Rows, CliError> {
+        let sink = match path.filter(|path| *path != Path::new("-")) {
+            Some(path) => Sink::File(Stream::open(flag, path)?),
+            None => Sink::Screen(io::BufWriter::new(io::stdout())),
+        };
+        let mut rows = Rows {
+            columns,
+            sink,
+            line: columns.header(legs),
+            failed: None,
+        };
+        rows.send();
+        Ok(rows)
+    }
+
+    /// Whether somebody still reads them.
+    pub(super) fn is_open(&self) -> bool {
+        self.failed.is_none()
+    }
+
+    /// Writes a cycle.
+    pub(super) fn push(&mut self, row: &Row<'_>) {
+        self.line.clear();
+        self.columns.write(row, &mut self.line);
+        self.send();
+    }
+
+    fn send(&mut self) {
+        if self.failed.is_some() {
+            return;
+        }
+        self.line.push('\n');
+        let bytes = self.line.as_bytes();
+        let sent = match &mut self.sink {
+            Sink::File(stream) => stream.write_all(bytes),
+            Sink::Screen(screen) => screen.write_all(bytes),
+        };
+        self.failed = sent.err();
+    }
+
+    /// The file to publish, if there is one; that nobody reads on is no error.
+    pub(super) fn finish(mut self) -> Result<Option<Stream>, CliError> {
+        let failed = match (self.failed.take(), &mut self.sink) {
+            (None, Sink::Screen(screen)) => screen.flush().err(),
+            (failed, _) => failed,
+        };
+        match (failed, self.sink) {
+            (Some(error), Sink::Screen(_)) if error.kind() != ErrorKind::BrokenPipe => {
+                Err(CliError::write(Path::new("standard output"), error))
+            }
+            (_, Sink::Screen(_)) => Ok(None),
+            (Some(error), Sink::File(stream)) => Err(CliError::write(stream.path(), error)),
+            (None, Sink::File(stream)) => Ok(Some(stream)),
+        }
+    }
+}
+
+impl Columns {
+    /// The names of the columns, which end with their units.
+    fn header(self, legs: usize) -> String {
+        let mut text = String::from(
+            "time_s,x_m,height_m,vx_m_s,vz_m_s,wheel_angle_rad,wheel_rate_rad_s,leg_in_zone,lean_rad,\
+             filtered_rate_rad_s,firing_angle_rad,fired_leg,valve_open_s,stalled",
+        );
+        for (name, unit) in [("extension", "m"), ("pressure", "pa")] {
+            for leg in 0..legs {
+                // Writing to a string does not fail.
+                let _ = write!(text, ",{name}_{leg}_{unit}");
+            }
+        }
+        if self == Columns::Telemetry {
+            text.push_str(
+                ",wheel_encoder_counts,radius_encoder_counts,pivot_encoder_counts,fine_gyro_counts,\
+                 coarse_gyro_counts,fine_accelerometer_forward_counts,fine_accelerometer_up_counts,\
+                 coarse_accelerometer_forward_counts,coarse_accelerometer_up_counts",
+            );
+        }
+        text
+    }
+
+    fn write(self, row: &Row<'_>, text: &mut String) {
+        let action = &row.action;
+        let number = |text: &mut String, x: f64| {
+            text.push_str(&full(x));
+            text.push(',');
+        };
+        for x in [
+            row.time,
+            row.axle[0],
+            row.axle[1],
+            row.axle_rates[0],
+            row.axle_rates[1],
+            row.lean,
+            row.rate,
+        ] {
+            number(text, x);
+        }
+        let _ = write!(text, "{},", action.in_zone);
+        for x in [action.lean, action.rate, action.firing_angle] {
+            number(text, x);
+        }
+        match action.leg {
+            Some(leg) => {
+                let _ = write!(text, "{leg},{}", full(action.valve_open));
+            }
+            None => text.push(','),
+        }
+        let _ = write!(text, ",{}", action.stalled);
+        for x in row.extensions.iter().chain(row.pressures) {
+            text.push(',');
+            text.push_str(&full(*x));
+        }
+        if self == Columns::Telemetry {
+            let r = &row.readings;
+            for count in [
+                r.wheel,
+                r.radius,
+                r.pivot,
+                r.fine_gyro,
+                r.coarse_gyro,
+                r.fine_accelerometer[0],
+                r.fine_accelerometer[1],
+                r.coarse_accelerometer[0],
+                r.coarse_accelerometer[1],
+            ] {
+                let _ = write!(text, ",{count}");
+            }
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Every cycle of a run as a folder of measured data: `experiment.toml`, the robot, `run.csv`.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use saltus::gait::instruments;
+use saltus::temporary::{self, Temporary};
+
+use super::report::Report;
+use super::rows::{Columns, Rows};
+use crate::error::CliError;
+use crate::output::{Files, full};
+
+const ROWS: &str = "run.csv";
+const ROBOT: &str = "robot.toml";
+const MANIFEST: &str = "experiment.toml";
+
+/// A folder that is filled; it is as it was where the run does not come to its end.
+#[derive(Debug)]
+pub(super) struct Telemetry {
+    folder: PathBuf,
+    /// Whether it was made for this.
+    is_new: bool,
+    staged: Option<Temporary>,
+}
+
+impl Telemetry {
+    /// Opens `folder`, new or empty.
+    pub(super) fn open(folder: &Path) -> Result<Telemetry, CliError> {
+        let failed = |error| CliError::write(folder, error);
+        let is_new = !folder.exists();
+        fs::create_dir_all(folder).map_err(failed)?;
+        let mut telemetry = Telemetry {
+            folder: folder.into(),
+            is_new,
+            staged: None,
+        };
+        temporary::sweep(folder);
+        if fs::read_dir(folder).map_err(failed)?.next().is_some() {
+            let allowed = "a new or an empty folder";
+            return Err(CliError::flag("--telemetry", folder.display(), allowed));
+        }
+        telemetry.staged = Some(Temporary::folder_in(folder).map_err(failed)?);
+        Ok(telemetry)
+    }
+
+    fn staged(&self) -> Result<&Path, CliError> {
+        let staged = self.staged.as_ref().map(Temporary::path);
+        staged
+            .ok_or_else(|| CliError::write(&self.folder, io::Error::from(io::ErrorKind::NotFound)))
+    }
+
+    /// Where the cycles go.
+    pub(super) fn rows(&self, legs: usize) -> Result<Rows, CliError> {
+        let path = self.staged()?.join(ROWS);
+        Rows::open("--telemetry", Some(&path), Columns::Telemetry, legs)
+    }
+
+    /// Puts all files in their place, the manifest last.
+    pub(super) fn publish(mut self, rows: Rows, report: &Report<'_>) -> Result<(), CliError> {
+        let staged = self.staged()?.to_owned();
+        let mut files = Files::default();
+        if let Some(stream) = rows.finish()? {
+            files.written(stream)?;
+        }
+        let robot = report.setup.robot.to_toml().into_bytes();
+        files.add("--telemetry", &staged.join(ROBOT), robot);
+        let manifest = manifest(report).into_bytes();
+        files.add("--telemetry", &staged.join(MANIFEST), manifest);
+        files.write()?;
+        for name in [ROWS, ROBOT, MANIFEST] {
+            let place = self.folder.join(name);
+            fs::rename(staged.join(name), &place)
+                .map_err(|error| CliError::write(&place, error))?;
+        }
+        self.is_new = false;
+        Ok(())
+    }
+}
+
+impl Drop for Telemetry {
+    fn drop(&mut self) {
+        self.staged = None;
+        if self.is_new {
+            // Only an empty folder goes.
+            let _ = fs::remove_dir(&self.folder);
+        }
+    }
+}
+
+/// The text of `experiment.toml`.
+fn manifest(report: &Report<'_>) -> String {
+    let setup = report.setup;
+    let sensors = setup.sensors();
+    let one = instruments(&sensors);
+    let quoted = |text: &str| serde_json::Value::from(text).to_string();
+    let mut text = format!(
+        "# {}\nkind = \"run\"\nrobot = \"{ROBOT}\"\n",
+        report.title().replace(['\n', '\r'], " ")
+    );
+    let mut key = |name: &str, value: String| {
+        // Writing to a string does not fail.
+        let _ = writeln!(text, "{name} = {value}");
+    };
+    key("[[run]]\nfile", quoted(ROWS));
+    key("gait", quoted(report.chosen.kind.name()));
+    key("backwards", (!setup.forwards).to_string());
+    key("zone_rad", float(setup.zone));
+    let taps: Vec<String> = setup.taps.iter().map(|tap| float(*tap)).collect();
+    key("taps", format!("[{}]", taps.join(", ")));
+    key("period_s", float(sensors.period));
+    key("seed", setup.seed.to_string());
+    let disturbed = report.disturbances.iter().map(|typed| quoted(&typed.text));
+    let disturbed: Vec<String> = disturbed.collect();
+    key("disturbances", format!("[{}]", disturbed.join(", ")));
+    key("[run.one_count]\nwheel_encoder_rad", float(one.wheel));
+    key("radius_encoder_rad", float(one.radius));
+    key("pivot_encoder_rad", float(one.pivot));
+    key("fine_gyro_rad_s", float(one.fine_gyro));
+    key("coarse_gyro_rad_s", float(one.coarse_gyro));
+    key("fine_accelerometer_m_s2", float(one.fine_accelerometer));
+    let ratio = sensors.coarse_accelerometer_range / sensors.fine_accelerometer_range;
+    key(
+        "coarse_accelerometer_m_s2",
+        float(one.fine_accelerometer * ratio),
+    );
+    text
+}
+
+/// A number as TOML has one that is no whole one.
+fn float(x: f64) -> String {
+    let text = full(x);
+    if text.contains(['.', 'e']) {
+        text
+    } else {
+        text + ".0"
+    }
+}
