@@ -163,7 +163,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// A run of 4 s, pushed for longer with each seed.
 fn one(recorder: &mut Recorder, robot: saltus_robot::Robot, seed: u64) -> Result<(), GaitError> {
-    let program = if seed % 2 == 0 {
+    let program = if seed.is_multiple_of(2) {
         Program::Fixed { firing_angle: 0.1 }
     } else {
         Program::ClosedLoop(Lines::Two {

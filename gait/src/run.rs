@@ -344,7 +344,13 @@ pub fn run(setup: &Setup, follower: &mut impl Run) -> Result<Summary, GaitError>
     let random = Pcg64::new(u128::from(setup.seed), 0x5a17);
     let world = World::new(&surroundings, sensors, setup.stepping, (&q, &v), random)?;
     let gait = gait(setup, &compiled);
-    Loop::new(setup, world, gait, (boxes, follower))?.go()
+    Loop::new(setup, world, &gait, (boxes, follower))?.go()
+}
+
+/// The count nearest to `x`, ≥ 0.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn counted(x: f64) -> usize {
+    x.round() as usize
 }
 
 /// The controller's constants.
@@ -408,13 +414,13 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
     fn new(
         setup: &'s Setup,
         mut world: World<'a>,
-        gait: Gait<'s, f64>,
+        gait: &Gait<'s, f64>,
         (boxes, follower): (Vec<Surface>, &'s mut F),
     ) -> Result<Loop<'a, 's, F>, GaitError> {
         let legs = setup.robot.body.legs as usize;
-        let (rear, wheel) = find_stand(setup, &mut world, &gait)?;
+        let (rear, wheel) = find_stand(setup, &mut world, gait)?;
         let period = gait.period;
-        let runner = Runner::new(gait, rear, wheel, setup.forwards);
+        let runner = Runner::new(*gait, rear, wheel, setup.forwards);
         let ledger = world.sim().ledger();
         let stored = (0..legs).map(|leg| world.sim().stored_gas(leg)).sum();
         Ok(Loop {
@@ -424,7 +430,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             follower,
             boxes,
             recent: VecDeque::new(),
-            window: ((MEAN / period).round() as usize).max(1),
+            window: counted(MEAN / period).max(1),
             still: None,
             extensions: vec![0.0; legs],
             pressures: vec![0.0; legs],
@@ -458,8 +464,8 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
 
     fn go(mut self) -> Result<Summary, GaitError> {
         let period = self.setup.sensors().period;
-        let cycles = (self.setup.seconds / period - 1e-9).ceil() as u64;
-        let late = cycles.saturating_sub((4.0 / period).round() as u64);
+        let cycles = counted((self.setup.seconds / period - 1e-9).ceil());
+        let late = cycles.saturating_sub(counted(4.0 / period));
         let mut ran = cycles;
         for cycle in 0..cycles {
             if !self.follower.goes_on() {

@@ -80,6 +80,51 @@ pub(crate) struct Problem {
 /// Guesses of who holds, each corrected by the last, before an answer is sought by pivots.
 const GUESSES: usize = 15;
 
+/// Friction coefficient of what has no limit: nothing slips.
+const ROUGHEST: f64 = 1e3;
+
+/// The variables of Lemke's method for elements.
+struct Variables {
+    /// Where those of each element begin.
+    starts: Vec<usize>,
+    /// λ where all are 0.
+    base: Vec<f64>,
+    /// What each adds to λ: a row and a sign.
+    adds: Vec<Option<(usize, f64)>>,
+}
+
+/// Whether a row's variable counts from its low bound up (1) or from its high bound down (−1).
+fn way(low: f64) -> f64 {
+    if low.is_finite() { 1.0 } else { -1.0 }
+}
+
+impl Variables {
+    fn of(elements: &[Element], rows: usize) -> Variables {
+        let mut all = Variables {
+            starts: Vec::with_capacity(elements.len()),
+            base: vec![0.0; rows],
+            adds: Vec::new(),
+        };
+        for e in elements {
+            all.starts.push(all.adds.len());
+            match e.bounds {
+                Bounds::Between(low, high) => {
+                    all.base[e.row] = if low.is_finite() { low } else { high };
+                    all.adds.push(Some((e.row, way(low))));
+                    if low.is_finite() && high.is_finite() {
+                        all.adds.push(None);
+                    }
+                }
+                Bounds::Friction { .. } => {
+                    all.adds
+                        .extend([Some((e.row, 1.0)), Some((e.row, -1.0)), None]);
+                }
+            }
+        }
+        all
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 enum Known {
     Unknown,
@@ -292,54 +337,31 @@ impl Problem {
     /// which is |w| where λ is high; friction has λ₊, λ₋ and the slip speed σ.
     fn pivot(&mut self) -> bool {
         let mut lemke = std::mem::take(&mut self.lemke);
-        // Where each element's variables begin, and the λ of all variables 0.
-        let mut starts = Vec::with_capacity(self.elements.len());
-        let mut size = 0;
-        let mut base = vec![0.0; self.rows];
-        for e in &self.elements {
-            starts.push(size);
-            size += match e.bounds {
-                Bounds::Between(low, high) => {
-                    base[e.row] = if low.is_finite() { low } else { high };
-                    1 + usize::from(low.is_finite() && high.is_finite())
-                }
-                Bounds::Friction { .. } => 3,
-            };
-        }
-        // What each variable adds to λ: a row and a sign.
-        let mut adds: Vec<Option<(usize, f64)>> = vec![None; size];
-        for (e, &at) in self.elements.iter().zip(&starts) {
-            match e.bounds {
-                Bounds::Between(low, _) => {
-                    adds[at] = Some((e.row, if low.is_finite() { 1.0 } else { -1.0 }));
-                }
-                Bounds::Friction { .. } => {
-                    adds[at] = Some((e.row, 1.0));
-                    adds[at + 1] = Some((e.row, -1.0));
+        let layout = Variables::of(&self.elements, self.rows);
+        lemke.clear(layout.adds.len());
+        self.state(&layout, &mut lemke);
+        let found = lemke.solve();
+        if found {
+            self.force.clone_from(&layout.base);
+            for (add, z) in layout.adds.iter().zip(&lemke.z) {
+                if let Some((row, way)) = add {
+                    self.force[*row] += way * z;
                 }
             }
+            self.set_motion();
+            self.grips_of(&lemke.z, &layout.starts);
         }
-        lemke.clear(size);
-        let m = self.rows;
-        let w_of = |row: usize, sign: f64, lemke: &mut Lemke, at: usize| {
-            let a = &self.a[row * m..(row + 1) * m];
-            for (j, add) in adds.iter().enumerate() {
-                if let Some((other, way)) = add {
-                    lemke.m[at * size + j] = sign * way * a[*other];
-                }
-            }
-            let known: f64 = a.iter().zip(&base).map(|(a, l)| a * l).sum();
-            lemke.q[at] = sign * (self.b[row] + known);
-        };
-        for (e, &at) in self.elements.iter().zip(&starts) {
+        self.lemke = lemke;
+        found
+    }
+
+    /// States the problem in the variables of `layout`.
+    fn state(&self, layout: &Variables, lemke: &mut Lemke) {
+        let size = layout.adds.len();
+        for (e, &at) in self.elements.iter().zip(&layout.starts) {
             match e.bounds {
                 Bounds::Between(low, high) => {
-                    w_of(
-                        e.row,
-                        if low.is_finite() { 1.0 } else { -1.0 },
-                        &mut lemke,
-                        at,
-                    );
+                    self.state_motion(layout, lemke, (e.row, way(low)), at);
                     if low.is_finite() && high.is_finite() {
                         lemke.m[at * size + at + 1] = 1.0;
                         lemke.m[(at + 1) * size + at] = -1.0;
@@ -347,17 +369,16 @@ impl Problem {
                     }
                 }
                 Bounds::Friction { normal, limit, .. } => {
-                    w_of(e.row, 1.0, &mut lemke, at);
-                    w_of(e.row, -1.0, &mut lemke, at + 1);
+                    self.state_motion(layout, lemke, (e.row, 1.0), at);
+                    self.state_motion(layout, lemke, (e.row, -1.0), at + 1);
                     lemke.m[at * size + at + 2] = 1.0;
                     lemke.m[(at + 1) * size + at + 2] = 1.0;
                     lemke.m[(at + 2) * size + at] = -1.0;
                     lemke.m[(at + 2) * size + at + 1] = -1.0;
-                    // Without a limit is so rough that nothing slips.
-                    let limit = limit.min(1e3);
+                    let limit = limit.min(ROUGHEST);
                     let of_normal = normal
                         .and_then(|n| self.elements.iter().position(|other| other.row == n))
-                        .map(|k| starts[k]);
+                        .map(|k| layout.starts[k]);
                     match of_normal {
                         Some(normal) => lemke.m[(at + 2) * size + normal] = limit,
                         None => lemke.q[at + 2] = limit,
@@ -365,19 +386,25 @@ impl Problem {
                 }
             }
         }
-        let found = lemke.solve();
-        if found {
-            self.force.clone_from(&base);
-            for (add, z) in adds.iter().zip(&lemke.z) {
-                if let Some((row, way)) = add {
-                    self.force[*row] += way * z;
-                }
+    }
+
+    /// States that the variable `at` is complementary to the motion of `row`, or to its opposite.
+    fn state_motion(
+        &self,
+        layout: &Variables,
+        lemke: &mut Lemke,
+        (row, sign): (usize, f64),
+        at: usize,
+    ) {
+        let a = &self.a[row * self.rows..(row + 1) * self.rows];
+        let size = layout.adds.len();
+        for (j, add) in layout.adds.iter().enumerate() {
+            if let Some((other, way)) = add {
+                lemke.m[at * size + j] = sign * way * a[*other];
             }
-            self.set_motion();
-            self.grips_of(&lemke.z, &starts);
         }
-        self.lemke = lemke;
-        found
+        let known: f64 = a.iter().zip(&layout.base).map(|(a, l)| a * l).sum();
+        lemke.q[at] = sign * (self.b[row] + known);
     }
 
     /// The grips of a solution by pivots.

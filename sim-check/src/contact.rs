@@ -3,7 +3,6 @@
 
 use crate::SimError;
 use crate::error::{finite, not_negative, positive, require};
-use crate::machine::Touch;
 use crate::spatial::Vec3;
 use nalgebra::Rotation3;
 use saltus_numeric::root::bisect;
@@ -254,32 +253,34 @@ impl Travel {
 }
 
 impl Travel {
-    /// How fast (1/s) the directions along and across the travel at `touch` turn, where the place of
-    /// contact moves on at `moving` (m/s) and the normal turns at `turning` (1/s).
+    /// How fast (1/s) the directions along and across the travel turn at `place` (m) on a surface of
+    /// this `normal`, where the place of contact moves on at `moving` (m/s) and the normal turns at
+    /// `turning` (1/s).
     pub(crate) fn direction_rates(
         &self,
-        touch: &Touch,
+        (place, normal): (&Vec3, &Vec3),
         moving: &Vec3,
         turning: &Vec3,
     ) -> [Vec3; 2] {
         let Travel::Around(base) = self else {
             return [Vec3::zeros(); 2];
         };
-        let from = touch.place - base;
+        let from = place - base;
         let (ahead, rate) = (
             Vec3::new(-from.y, from.x, 0.0),
             Vec3::new(-moving.y, moving.x, 0.0),
         );
-        let normal = &touch.normal;
-        let length = (ahead - normal * normal.dot(&ahead)).norm();
+        let flat = ahead - normal * normal.dot(&ahead);
+        let length = flat.norm();
         if length <= 1e-9 * ahead.norm() {
             return [Vec3::zeros(); 2];
         }
+        let now = flat / length;
         let change = rate
             - turning * normal.dot(&ahead)
             - normal * (turning.dot(&ahead) + normal.dot(&rate));
-        let along = (change - touch.along * touch.along.dot(&change)) / length;
-        [along, turning.cross(&touch.along) + normal.cross(&along)]
+        let along = (change - now * now.dot(&change)) / length;
+        [along, turning.cross(&now) + normal.cross(&along)]
     }
 }
 

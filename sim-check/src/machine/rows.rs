@@ -153,10 +153,10 @@ impl Machine<'_> {
                 .proximity(&center)
                 .normal_rate(&moving);
         }
-        let [along, across] = self
-            .mechanism
-            .travel
-            .direction_rates(touch, &moving, &turning);
+        let [along, across] =
+            self.mechanism
+                .travel
+                .direction_rates((&touch.place, &touch.normal), &moving, &turning);
         let slip = velocity.at(&touch.place);
         Vec3::new(
             acceleration.dot(&touch.normal) + moving.dot(&turning),
