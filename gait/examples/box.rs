@@ -10,6 +10,12 @@
 use saltus_gait::{Crossing, Draw, Obstacle};
 use saltus_numeric::parallel::available;
 
+/// A count given as a number.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn count(x: f64) -> usize {
+    x.round() as usize
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let numbers: Vec<f64> = std::env::args()
         .skip(1)
@@ -31,10 +37,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 length: 0.21,
                 height,
             },
-            firings: firings as usize,
+            firings: count(firings),
             by_rate,
-            sought_on: robots as usize,
-            generations: generations as usize,
+            sought_on: count(robots),
+            generations: count(generations),
             seed: 100,
         };
         let plan = crossing.plan(available(), |k, best| eprintln!("{k} {best:.4}"))?;
