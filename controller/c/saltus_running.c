@@ -42,6 +42,8 @@ static int32_t plus(int32_t a, int32_t b) { return round_to((uint32_t)a + (uint3
 static int32_t minus(int32_t a, int32_t b) { return round_to((uint32_t)a - (uint32_t)b); }
 static int32_t times(int32_t a, int32_t b) { return round_to((uint32_t)a * (uint32_t)b); }
 
+static uint32_t length_of(int32_t x) { return x < 0 ? 0u - (uint32_t)x : (uint32_t)x; }
+
 static saltus_real number(uint32_t count) { return (saltus_real)(int32_t)(count > INT32_MAX ? INT32_MAX : count); }
 
 static saltus_real sine(saltus_real x) {
@@ -180,6 +182,14 @@ static saltus_real find_leg(saltus_runner *r, int32_t wheel) {
     return lean;
 }
 
+/* Firings count from 0 again, and no foot has come down since. */
+static void begin_anew(saltus_runner *r) {
+    r->firings = 0;
+    r->since_shock = UINT32_MAX;
+    r->touched = R(0.0);
+    r->is_touched = 0;
+}
+
 void saltus_runner_start(saltus_runner *r, const saltus_gait *gait, uint32_t rear, int32_t wheel, int forwards) {
     int is_sound = gait->legs >= LEAST_LEGS && gait->legs <= MOST_LEGS && rear < gait->legs;
     r->gait = gait;
@@ -200,13 +210,14 @@ void saltus_runner_start(saltus_runner *r, const saltus_gait *gait, uint32_t rea
     r->entry = R(0.0);
     r->demand = R(0.0);
     r->sum = R(0.0);
+    r->speed = R(0.0);
+    r->last_radius = 0;
+    r->is_measured = 0;
+    begin_anew(r);
     if (!forwards) saltus_runner_turn_round(r, wheel);
 }
 
-void saltus_runner_demand(saltus_runner *r, saltus_real rate) {
-    if (rate != r->demand) r->sum = R(0.0);
-    r->demand = rate;
-}
+void saltus_runner_demand(saltus_runner *r, saltus_real speed) { r->demand = speed; }
 
 void saltus_runner_turn_round(saltus_runner *r, int32_t wheel) {
     r->offset = -r->offset;
@@ -217,23 +228,75 @@ void saltus_runner_turn_round(saltus_runner *r, int32_t wheel) {
         r->base = minus(r->base, turn(r));
     }
     r->has_fired = 0;
-    r->enters = 1;
     r->sum = R(0.0);
+    r->speed = R(0.0);
+    begin_anew(r);
+    r->enters = 1;
     find_leg(r, wheel);
 }
 
-/* The opening time (s) that holds the demanded rate. */
-static saltus_real held(saltus_runner *r, saltus_real rate, saltus_real law_open) {
-    const saltus_hold *hold = &r->gait->hold;
-    if (!(r->demand > 0)) {
-        r->sum = R(0.0);
-        return R(0.0);
+/* Notes the rate a few cycles after a foot has come down, when the filter has forgotten the impact. */
+static void feel(saltus_runner *r, const saltus_readings *readings, saltus_real rate) {
+    const saltus_gait *gait = r->gait;
+    if (!gait->leaps) return;
+    uint32_t forward = length_of(readings->coarse_accelerometer[0]), up = length_of(readings->coarse_accelerometer[1]);
+    uint32_t taps = gait->tap_count < SALTUS_MOST_TAPS ? gait->tap_count : SALTUS_MOST_TAPS;
+    if (gait->leap.shock > 0 && (forward > up ? forward : up) >= (uint32_t)gait->leap.shock) {
+        r->since_shock = 0;
+    } else if (r->since_shock != UINT32_MAX) {
+        r->since_shock++;
     }
-    saltus_real lacking = r->demand - rate;
+    if (r->since_shock == taps) {
+        r->touched = rate;
+        r->is_touched = 1;
+    }
+}
+
+/* Firing angle (rad) and valve opening time (s) of the leap; whether the next firing is it. */
+static int leaps(const saltus_runner *r, saltus_real rate, saltus_real out[2]) {
+    const saltus_leap *leap = &r->gait->leap;
+    if (!r->gait->leaps || leap->after != r->firings || r->gait->first_count > r->firings) return 0;
+    saltus_real angle = leap->slope * (r->is_touched ? r->touched : rate) + leap->level;
+    out[0] = lesser(greater(angle, leap->least), leap->most);
+    out[1] = leap->valve_open;
+    return 1;
+}
+
+/* Firing angle (rad) and valve opening time (s) of the next firing, unless it is the leap: one of the first, or by the law at `rate`. */
+static void next_firing(const saltus_runner *r, saltus_real time, saltus_real rate, saltus_real out[2]) {
+    const saltus_gait *gait = r->gait;
+    if (r->firings < gait->first_count) {
+        out[0] = gait->first[r->firings][0];
+        out[1] = gait->first[r->firings][1];
+    } else {
+        law_at(&gait->law, time, rate, r->entry, out);
+    }
+}
+
+/* The demanded speed (m/s) in the direction of the run, and by how much later (rad) it lets a leg fire; whether it is to run. */
+static int held(saltus_runner *r, int32_t radius, saltus_real *demand, saltus_real *later) {
+    const saltus_hold *hold = &r->gait->hold;
+    int32_t counts = r->is_measured ? minus(radius, r->last_radius) : 0;
+    r->last_radius = radius;
+    r->is_measured = 1;
+    saltus_real way = (saltus_real)times(counts, r->direction) * hold->way;
+    r->speed = r->speed + hold->renewed * (way / r->gait->period - r->speed);
+    *demand = r->demand * (saltus_real)r->direction;
+    if (!(*demand > 0)) {
+        r->sum = R(0.0);
+        return 0;
+    }
+    saltus_real lacking = *demand - r->speed;
+    if (lacking > hold->ahead) {
+        r->sum = R(0.0);
+        *demand = r->speed + hold->ahead;
+        *later = R(0.0);
+        return 1;
+    }
     saltus_real sum = r->sum + lacking * r->gait->period;
     r->sum = lesser(greater(sum, -hold->most_sum), hold->most_sum);
-    saltus_real open = law_open + hold->by_error * lacking + hold->by_sum * r->sum;
-    return open < hold->least_open ? R(0.0) : lesser(open, hold->most_open);
+    *later = -(hold->by_error * lacking + hold->by_sum * r->sum);
+    return 1;
 }
 
 /* Counts the time for which it stands still. */
@@ -248,6 +311,7 @@ static int stands_still(saltus_runner *r, saltus_real rate) {
     if (stalled && stall->restarts) {
         r->has_fired = 0;
         r->still = 0;
+        begin_anew(r);
     }
     return stalled;
 }
@@ -260,19 +324,28 @@ void saltus_runner_step(saltus_runner *r, const saltus_readings *readings, saltu
         r->entry = rate;
         r->enters = 0;
     }
-    saltus_real time = number(r->cycles) * gait->period, law[2];
+    saltus_real time = number(r->cycles) * gait->period, firing[2] = {PI, R(0.0)}, demand = R(0.0), later = R(0.0);
     if (r->cycles != UINT32_MAX) r->cycles++;
-    law_at(&gait->law, time, rate, r->entry, law);
-    saltus_real valve_open = gait->holds ? held(r, rate, law[1]) : law[1];
+    feel(r, readings, rate);
+    /* First, so that a restart begins with the first firings. */
     int stalled = stands_still(r, rate);
-    int fires = !r->has_fired && lean >= law[0] && valve_open > 0;
-    if (fires) r->has_fired = 1;
+    if ((!gait->holds || held(r, readings->radius, &demand, &later)) && !leaps(r, rate, firing)) {
+        next_firing(r, time, gait->holds ? demand : rate, firing);
+        if (gait->holds) firing[0] = greater(firing[0] + later, gait->zone);
+    }
     action->in_zone = r->direction > 0 || r->leg == 0 ? r->leg : r->legs - r->leg;
+    int fires = !r->has_fired && lean >= firing[0] && firing[1] > 0;
+    if (fires) {
+        r->has_fired = 1;
+        if (r->firings != UINT32_MAX) r->firings++;
+        r->is_touched = 0;
+    }
+    if (stalled && gait->holds && r->demand * (saltus_real)r->direction < 0) saltus_runner_turn_round(r, readings->wheel);
     action->leg = fires ? (int32_t)action->in_zone : -1;
-    action->valve_open = fires ? valve_open : R(0.0);
+    action->valve_open = fires ? firing[1] : R(0.0);
     action->lean = lean;
     action->rate = rate;
-    action->firing_angle = law[0];
+    action->firing_angle = firing[0];
     action->stalled = stalled;
 }
 

@@ -45,12 +45,26 @@ typedef struct {
     int32_t accelerometer_limit;    /* count of it from which it is at its end */
 } saltus_instruments;
 
-/* How a demanded rate is held: the opening time changes with what is lacking, and with its sum. */
+/* A jump out of a run: a firing whose angle follows from the rate at the touch-down of its leg, alpha_f = slope rate + level. It is measured
+ * once the filter has forgotten the shock; until then it is the rate now. No saltus_hold changes that angle. */
 typedef struct {
-    saltus_real by_error;              /* s for each rad/s */
-    saltus_real by_sum;                /* s for each rad */
-    saltus_real most_sum;              /* rad */
-    saltus_real least_open, most_open; /* s; a shorter time is none */
+    uint32_t after;          /* firings before it */
+    saltus_real slope;       /* s */
+    saltus_real level;       /* rad */
+    saltus_real least, most; /* firing angles (rad) */
+    saltus_real valve_open;  /* s */
+    int32_t shock;           /* greater component of the coarse accelerometer's reading from which a foot has come down; 0 or less: never */
+} saltus_leap;
+
+/* How a demanded speed is held: a law of lines is then one over the demanded speed (m/s), and the firing angle is trimmed by what is lacking,
+ * down to the beginning of the zone. A leg that fires sooner drives faster. Where no speed is demanded, no leg fires. */
+typedef struct {
+    saltus_real way;      /* forwards for a count of the radius encoder (m); negative if it counts backwards */
+    saltus_real renewed;  /* part of the measured speed that a cycle renews: the period over the time of its mean */
+    saltus_real ahead;    /* most by which the speed that is asked of the law is above the measured one (m/s) */
+    saltus_real by_error; /* by how much sooner a leg fires (rad) for each m/s that is lacking now */
+    saltus_real by_sum;   /* the same for each metre that has been lacking */
+    saltus_real most_sum; /* most that counts as having been lacking (m), either way */
 } saltus_hold;
 
 /* What counts as standing still: below `rate` (rad/s) for `time` (s); whether the leg in the zone may then fire once more. */
@@ -67,9 +81,13 @@ typedef struct {
     saltus_instruments instruments;
     const saltus_real *taps; /* weights of the rate's filter, the newest reading's first */
     uint32_t tap_count;      /* of which at most SALTUS_MOST_TAPS count */
-    int holds;               /* whether a demanded rate is held */
+    int holds;               /* whether a demanded speed is held */
     saltus_hold hold;
     saltus_stall stall;
+    const saltus_real (*first)[2]; /* firing angle (rad), valve opening time (s) of the first firings, before the law; again after a turn, and */
+    uint32_t first_count;          /* after a stall if that restarts */
+    int leaps;                     /* whether it leaps out of the run; not where `first` says that firing */
+    saltus_leap leap;
 } saltus_gait;
 
 /* What counters and converters say in a cycle. */
@@ -98,17 +116,20 @@ typedef struct {
     int is_read;
     uint32_t cycles, legs, leg;
     int32_t base, direction;
-    saltus_real offset, pitch, entry, demand, sum;
-    uint32_t still;
-    int has_fired, enters;
+    saltus_real offset, pitch, entry, demand, sum, speed, touched;
+    int32_t last_radius;
+    uint32_t still, firings, since_shock;
+    int has_fired, enters, is_measured, is_touched;
 } saltus_runner;
 
 /* Starts a robot at rest on two legs, of which `rear` is the rear one (0 to legs - 1), with its wheel's encoder at `wheel`. `gait` lives as
  * long as the runner. If the robot has no leg `rear`, no leg ever fires. */
 void saltus_runner_start(saltus_runner *runner, const saltus_gait *gait, uint32_t rear, int32_t wheel, int forwards);
 
-/* Sets the rate to hold (rad/s), in the direction of the run. */
-void saltus_runner_demand(saltus_runner *runner, saltus_real rate);
+/* Sets the speed to hold (m/s), positive forwards and negative backwards, however the robot was started; 0, or what is not a number, lets no
+ * leg fire. With a speed opposite to that of the run no leg fires until the robot stands still, which turns it round. If the gait holds no
+ * speed, a demand means nothing. */
+void saltus_runner_demand(saltus_runner *runner, saltus_real speed);
 
 /* Runs the other way from now on: legs and leans are mirrored. */
 void saltus_runner_turn_round(saltus_runner *runner, int32_t wheel);

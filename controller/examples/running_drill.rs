@@ -4,7 +4,8 @@
 //!     cargo run --release -p saltus-controller --example running_drill -- [CYCLES [double]]
 
 use saltus_controller::run::{
-    Action, Gait, Hold, Instruments, Knot, Law, Policy, Readings, Runner, Signals, Stall, Standing,
+    Action, Gait, Hold, Instruments, Knot, Law, Leap, Policy, Readings, Runner, Signals, Stall,
+    Standing,
 };
 use saltus_controller::{Axis, Real};
 
@@ -86,6 +87,9 @@ struct Drawn<R: 'static> {
     nodes: Vec<[R; 2]>,
     ends: [R; 2],
     zone: R,
+    first: Vec<[R; 2]>,
+    hold: Option<Hold<R>>,
+    leap: Option<Leap<R>>,
 }
 
 impl<R: Real + 'static> Drawn<R> {
@@ -116,12 +120,38 @@ impl<R: Real + 'static> Drawn<R> {
             .collect();
         let first: R = draw.between(0.5, 3.0);
         let ends = [first, first + draw.between(2.0, 9.0)];
+        let zone = draw.between(-0.26, 0.26);
+        let mut first: Vec<[R; 2]> = (0..2)
+            .map(|_| [draw.between(-0.2, 0.2), draw.between(0.02, 0.06)])
+            .collect();
+        first.truncate((draw.word() % 3) as usize);
+        let hold = draw.one_in(2).then_some(Hold {
+            way: R::of(0.0086),
+            renewed: R::of(0.004),
+            ahead: R::of(0.8),
+            by_error: R::of(0.1),
+            by_sum: R::of(0.05),
+            most_sum: R::of(1.0),
+        });
+        let leaps = draw.one_in(2);
+        let leap = Leap {
+            after: draw.word() % 4,
+            slope: draw.between(-0.1, 0.1),
+            level: draw.between(-0.1, 0.1),
+            least: R::of(-0.1),
+            most: R::of(0.1),
+            valve_open: R::of(0.05),
+            shock: draw.up_to(20000) + 15000,
+        };
         Drawn {
             time,
             knots,
             nodes,
             ends,
-            zone: draw.between(-0.26, 0.26),
+            zone,
+            first,
+            hold,
+            leap: leaps.then_some(leap),
         }
     }
 
@@ -134,13 +164,6 @@ impl<R: Real + 'static> Drawn<R> {
             }),
             _ => Law::Lines(&self.knots),
         };
-        let hold = Hold {
-            by_error: R::of(0.004),
-            by_sum: R::of(0.01),
-            most_sum: R::of(0.5),
-            least_open: R::of(0.01),
-            most_open: R::of(0.08),
-        };
         Gait {
             law,
             zone: self.zone,
@@ -148,12 +171,14 @@ impl<R: Real + 'static> Drawn<R> {
             period: R::of(0.001),
             instruments: instruments(),
             taps,
-            hold: (run % 8 == 3).then_some(hold),
+            hold: self.hold,
             stall: Stall {
                 rate: R::of(0.5),
                 time: R::of(0.1),
                 restarts: run.is_multiple_of(3),
             },
+            first: &self.first,
+            leap: self.leap,
         }
     }
 }
@@ -199,6 +224,9 @@ impl Wheel {
         readings.fine_gyro = (self.rate * 402 + draw.up_to(90)).clamp(-32767, 32767);
         readings.coarse_gyro = self.rate * 154 + draw.up_to(90);
         readings.wheel = (self.place + draw.up_to(40)) >> 6;
+        readings.radius = (self.place + draw.up_to(40)) >> 8;
+        let most = if draw.one_in(50) { 32767 } else { 500 };
+        readings.coarse_accelerometer = [draw.up_to(most), draw.up_to(most)];
     }
 }
 
@@ -248,6 +276,7 @@ fn drill<R: Bits + 'static>(cycles: u32) {
         wheel.rate = 0;
         wheel.wanted = draw.up_to(140);
         let mut runner = Runner::new(gait, rear, wheel.place >> 6, run % 5 != 4);
+        runner.demand(draw.between(-4.0, 4.0));
         let mut readings = Readings::default();
         for _ in 0..RUN {
             wheel.roll(&mut draw, &mut readings);
@@ -255,7 +284,12 @@ fn drill<R: Bits + 'static>(cycles: u32) {
                 runner.turn_round(readings.wheel);
             }
             if draw.one_in(300) {
-                runner.demand(draw.between(-1.0, 12.0));
+                let stands = draw.one_in(8);
+                runner.demand(if stands {
+                    R::ZERO
+                } else {
+                    draw.between(-4.0, 4.0)
+                });
             }
             let action = runner.step(&readings);
             fired += u32::from(action.leg.is_some());

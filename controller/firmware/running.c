@@ -41,7 +41,7 @@ static void mix_real(saltus_real x) {
 
 static const saltus_real taps[5] = {N(0.2), N(0.2), N(0.2), N(0.2), N(0.2)};
 static saltus_knot knots[4];
-static saltus_real nodes[6][2];
+static saltus_real nodes[6][2], first[2][2];
 static saltus_gait gait;
 
 static void draw_gait(uint32_t run) {
@@ -72,7 +72,21 @@ static void draw_gait(uint32_t run) {
     gait.zone = between(N(-0.26), N(0.26));
     gait.taps = taps;
     gait.tap_count = 5;
-    gait.holds = run % 8 == 3;
+    for (int k = 0; k < 2; k++) {
+        first[k][0] = between(N(-0.2), N(0.2));
+        first[k][1] = between(N(0.02), N(0.06));
+    }
+    gait.first = (const saltus_real(*)[2])first;
+    gait.first_count = word() % 3;
+    gait.holds = one_in(2);
+    gait.leaps = one_in(2);
+    gait.leap.after = word() % 4;
+    gait.leap.slope = between(N(-0.1), N(0.1));
+    gait.leap.level = between(N(-0.1), N(0.1));
+    gait.leap.least = N(-0.1);
+    gait.leap.most = N(0.1);
+    gait.leap.valve_open = N(0.05);
+    gait.leap.shock = up_to(20000) + 15000;
     gait.stall.restarts = run % 3 == 0;
 }
 
@@ -90,6 +104,10 @@ static void roll(saltus_readings *r) {
     r->fine_gyro = fine > end ? end : fine < -end ? -end : fine;
     r->coarse_gyro = rate * 154 + up_to(90);
     r->wheel = (place + up_to(40)) >> 6;
+    r->radius = (place + up_to(40)) >> 8;
+    int32_t most = one_in(50) ? 32767 : 500;
+    r->coarse_accelerometer[0] = up_to(most);
+    r->coarse_accelerometer[1] = up_to(most);
 }
 
 /* Which leg a robot at rest stands on, by what its accelerometer says; a leg that it has where it cannot tell. */
@@ -135,7 +153,7 @@ int main(void) {
     begin();
     saltus_instruments instruments = {N(0.007853981633974483), 800, N(0.003926990816987241), N(0.003926990816987241),
         N(0.00030521), 32111, N(0.00079897), N(0.00059856), 32767};
-    saltus_hold hold = {N(0.004), N(0.01), N(0.5), N(0.01), N(0.08)};
+    saltus_hold hold = {N(0.0086), N(0.004), N(0.8), N(0.1), N(0.05), N(1.0)};
     gait.period = N(0.001);
     gait.instruments = instruments;
     gait.hold = hold;
@@ -152,10 +170,11 @@ int main(void) {
         rate = 0;
         wanted = up_to(140);
         saltus_runner_start(&runner, &gait, rear, place >> 6, run % 5 != 4);
+        saltus_runner_demand(&runner, between(N(-4.0), N(4.0)));
         for (uint32_t k = 0; k < RUN; k++) {
             roll(&readings);
             if (one_in(1500)) saltus_runner_turn_round(&runner, readings.wheel);
-            if (one_in(300)) saltus_runner_demand(&runner, between(N(-1.0), N(12.0)));
+            if (one_in(300)) saltus_runner_demand(&runner, one_in(8) ? N(0.0) : between(N(-4.0), N(4.0)));
             if (k % 101 == 0) {
                 static saltus_runner other;
                 other = runner;

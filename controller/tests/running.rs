@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use proptest::prelude::*;
 use saltus_controller::run::{
-    Action, Gait, Hold, Instruments, Knot, Law, MOST_TAPS, Policy, Readings, Runner, Signals,
+    Action, Gait, Hold, Instruments, Knot, Law, Leap, MOST_TAPS, Policy, Readings, Runner, Signals,
     Stall, Standing, Unsure,
 };
 use saltus_controller::{Axis, Real};
@@ -56,6 +56,8 @@ fn gait(legs: u32) -> Gait<'static, f64> {
             time: 0.5,
             restarts: false,
         },
+        first: &[],
+        leap: None,
     }
 }
 
@@ -241,6 +243,8 @@ fn fires_once_each<R: Real>() {
                     time: R::ONE,
                     restarts: false,
                 },
+                first: &[],
+                leap: None,
             };
             let mut runner = Runner::new(gait, 0, 0, forwards);
             let sign = if forwards { 1 } else { -1 };
@@ -403,33 +407,295 @@ fn a_policy_looks_at_the_rate_of_entry() {
     assert!((runner.step(&readings(241, 5.5)).firing_angle - 0.025).abs() < 1e-12);
 }
 
-#[test]
-fn a_rate_is_held_by_the_opening_time() {
-    let mut gait = gait(5);
-    gait.hold = Some(Hold {
-        by_error: 0.004,
-        by_sum: 0.01,
-        most_sum: 0.5,
-        least_open: 0.01,
-        most_open: 0.06,
-    });
-    let mut runner = Runner::new(gait, 0, 0, true);
-    assert_eq!(runner.step(&readings(0, 0.0)).leg, None, "no demand");
-    runner.demand(5.0);
-    let first = runner.step(&readings(0, 2.0));
-    // 0.04 s + 0.004 · 3 + 0.01 · 3 · 1 ms.
-    assert_eq!(first.leg, Some(0));
-    assert!((first.valve_open - 0.052_03).abs() < 1e-12);
-    // What is lacking for long is bounded, as the time is.
-    for _ in 0..1000 {
-        runner.step(&readings(0, 0.0));
+/// A millimetre a count, and a mean of the speed over 10 ms.
+const HOLD: Hold<f64> = Hold {
+    way: 1e-3,
+    renewed: 0.1,
+    ahead: 10.0,
+    by_error: 0.05,
+    by_sum: 0.02,
+    most_sum: 0.5,
+};
+
+/// At 1 m/s 0.3 rad, at 3 m/s 0.1 rad.
+const OVER_SPEED: [Knot<f64>; 2] = [knot(1.0, 0.3, 0.03), knot(3.0, 0.1, 0.05)];
+
+fn holding() -> Gait<'static, f64> {
+    Gait {
+        law: Law::Lines(&OVER_SPEED),
+        hold: Some(HOLD),
+        ..gait(5)
     }
-    assert_eq!(runner.step(&readings(241, 0.0)).leg, None);
-    let most = runner.step(&readings(280, 0.0));
-    assert_eq!((most.leg, most.valve_open), (Some(1), 0.06));
-    // Much too fast, a leg does not fire.
-    for wheel in 300..900 {
-        assert_eq!(runner.step(&readings(wheel, 16.0)).leg, None);
+}
+
+/// The wheel at `wheel`, the boom's encoder at `radius`.
+fn both(wheel: i32, radius: i32, rate: f64) -> Readings {
+    Readings {
+        radius,
+        ..readings(wheel, rate)
+    }
+}
+
+#[test]
+fn a_speed_is_held_by_the_firing_angle() {
+    // Lean 0.1 rad or less, at which no leg fires.
+    let angle = |demand: f64, counts: i32, cycles: i32| -> f64 {
+        let mut runner = Runner::new(holding(), 0, 0, true);
+        runner.demand(demand);
+        let step = |k: i32| runner.step(&both(-230, i32::MAX.wrapping_add(k * counts), 5.0));
+        (0..=cycles)
+            .map(step)
+            .last()
+            .map_or(f64::NAN, |action| action.firing_angle)
+    };
+    // At the first cycle nothing is measured: 2 m/s and 2 mm are lacking.
+    assert!((angle(2.0, 2, 0) - (0.2 - 0.05 * 2.0 - 0.02 * 2e-3)).abs() < 1e-12);
+    // A tenth of a first way of 3 mm in 1 ms is 0.3 m/s.
+    let should = 0.2 - 0.05 * 1.7 - 0.02 * (2.0 + 1.7) * 1e-3;
+    assert!((angle(2.0, 3, 1) - should).abs() < 1e-12);
+    // As fast as demanded; slower is sooner, and faster later, by the sum of what was lacking too.
+    let [slow, right, fast] = [1, 2, 3].map(|counts| angle(2.0, counts, 300));
+    let lacked = 2.0 * 10.0 * 1e-3;
+    assert!((right - (0.2 - 0.02 * lacked)).abs() < 1e-9, "{right}");
+    let lacked = 0.3 + 10.0 * 1e-3 + 1e-3;
+    assert!((slow - (0.15 - 0.02 * lacked)).abs() < 1e-3, "{slow}");
+    assert!(slow < right && right < fast);
+    // The sum is bounded either way, and the angle by the zone.
+    assert!((angle(2.0, 1, 3000) - (0.2 - 0.05 - 0.01)).abs() < 1e-9);
+    assert!((angle(2.0, 3, 3000) - (0.2 + 0.05 + 0.01)).abs() < 1e-9);
+    assert_eq!(angle(3.0, 0, 10), gait(5).zone);
+    // What would never fire does not, however much is lacking.
+    let mut none = holding();
+    none.law = Law::Lines(&[]);
+    let mut runner = Runner::new(none, 0, 0, true);
+    runner.demand(100.0);
+    assert_eq!(runner.step(&both(0, 0, 0.0)).leg, None);
+}
+
+#[test]
+fn a_faster_demand_fires_by_its_own_law() {
+    for (demand, open) in [(1.0, 0.03), (2.0, 0.04), (3.0, 0.05)] {
+        let mut runner = Runner::new(holding(), 0, 0, true);
+        runner.demand(demand);
+        let action = runner.step(&both(0, 0, 0.0));
+        assert_eq!(action.leg, Some(0));
+        assert!((action.valve_open - open).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn without_a_demand_no_leg_fires() {
+    for demand in [None, Some(0.0), Some(-0.0), Some(f64::NAN)] {
+        let mut restless = holding();
+        restless.stall.restarts = true;
+        let mut runner = Runner::new(restless, 0, 0, true);
+        if let Some(speed) = demand {
+            runner.demand(speed);
+        }
+        for k in 0..2 * TURN {
+            assert_eq!(runner.step(&both(k, k, 5.0)).leg, None);
+        }
+        for _ in 0..2000 {
+            assert_eq!(runner.step(&both(2 * TURN, 0, 0.0)).leg, None);
+        }
+        // And then on.
+        runner.demand(2.0);
+        let goes = |k: i32| runner.step(&both(2 * TURN + k, k, 5.0)).leg.is_some();
+        assert!((0..TURN).any(goes));
+    }
+}
+
+#[test]
+fn the_other_way_begins_where_it_stands_still_and_is_a_mirror() {
+    for restarts in [false, true] {
+        for forwards in [true, false] {
+            let sign = if forwards { 1 } else { -1 };
+            let mut gait = holding();
+            gait.stall.restarts = restarts;
+            // Leg 0 in the zone, leaning by half a pitch, either way.
+            let rear = if forwards { 0 } else { 4 };
+            let mut runner = Runner::new(gait, rear, 0, forwards);
+            runner.demand(f64::from(sign) * 2.0);
+            let first = runner.step(&both(0, 0, 0.0));
+            assert_eq!(first.leg, Some(0));
+            // It rolls on for 10 legs, with no more firing.
+            runner.demand(f64::from(-sign) * 2.0);
+            for k in 0..=2 * TURN {
+                let rate = f64::from(sign) * 5.0;
+                assert_eq!(runner.step(&both(sign * k, sign * k, rate)).leg, None);
+            }
+            let stands = both(sign * 2 * TURN, sign * 2 * TURN, 0.0);
+            for k in 0..500 {
+                let action = runner.step(&stands);
+                assert_eq!((action.leg, action.in_zone), (None, 0), "{k}");
+                assert_eq!(action.stalled, k == 499);
+            }
+            // Now the other one of the two that stand is the rear one; from here on it is as if it
+            // had been started so.
+            let start = sign * 2 * TURN;
+            let rear = if forwards { 0 } else { 4 };
+            let mut anew = Runner::new(gait, rear, start, !forwards);
+            anew.demand(f64::from(-sign) * 2.0);
+            let mut fired = Vec::new();
+            for k in 0..TURN {
+                let (wheel, rate) = (start - sign * k, f64::from(-sign) * 5.0);
+                let (a, b) = (
+                    runner.step(&both(wheel, wheel, rate)),
+                    anew.step(&both(wheel, wheel, rate)),
+                );
+                assert_eq!((a.leg, a.in_zone), (b.leg, b.in_zone), "{k}");
+                assert!((a.lean - b.lean).abs() < 1e-9);
+                assert!((a.firing_angle - b.firing_angle).abs() < 1e-9);
+                fired.extend(a.leg);
+            }
+            let should = if forwards {
+                [1, 0, 4, 3, 2, 1]
+            } else {
+                [4, 0, 1, 2, 3, 4]
+            };
+            assert_eq!(fired, should, "{restarts} {forwards}");
+        }
+    }
+}
+
+#[test]
+fn first_firings_come_in_their_order_and_again_after_a_restart() {
+    let first = [[0.5, 0.01], [-0.05, 0.02], [0.3, 0.0], [0.2, 0.03]];
+    let mut gait = gait(5);
+    (gait.first, gait.zone, gait.stall.restarts) = (&first[..2], -0.1, true);
+    let mut runner = Runner::new(gait, 0, 0, true);
+    let roll = |runner: &mut Runner<'_, f64>, from: i32| -> Vec<(u32, i32, f64)> {
+        let firing = |k: i32| {
+            let action = runner.step(&readings(from + k, 5.0));
+            action.leg.map(|leg| (leg, k, action.valve_open))
+        };
+        (0..1000).filter_map(firing).collect()
+    };
+    // Leg 1 leans by −240 counts at the start, leg 2 by −720: −0.05 rad are −19.1 counts, 0.1 rad 38.2.
+    let should = [(0, 0, 0.01), (1, 240 - 19, 0.02), (2, 720 + 39, 0.04)];
+    assert_eq!(roll(&mut runner, 0), should);
+    // On leg 2 it stands until it is let go, which fires that leg at once: the first firing.
+    for k in 0..499 {
+        assert_eq!(runner.step(&readings(1000, 0.0)).leg, None, "{k}");
+    }
+    let restart = runner.step(&readings(1000, 0.0));
+    assert!(restart.stalled);
+    assert_eq!((restart.leg, restart.valve_open), (Some(2), 0.01));
+    let should = [(3, 200 - 19, 0.02), (4, 680 + 39, 0.04)];
+    assert_eq!(roll(&mut runner, 1000), should);
+    // A first firing that opens no valve never comes, and nothing after it.
+    gait.first = &first[2..];
+    let mut runner = Runner::new(gait, 0, 0, true);
+    assert_eq!(roll(&mut runner, 0), []);
+}
+
+const LEAP: Leap<f64> = Leap {
+    after: 1,
+    slope: -0.1,
+    level: 0.8,
+    least: 0.05,
+    most: 0.5,
+    valve_open: 0.07,
+    shock: 1000,
+};
+
+/// The firing angle in each cycle of a wheel that does not turn on, and at whose cycle 10 a foot
+/// comes down; the rate is 2 rad/s until then, 4 rad/s for three cycles, and then 6 rad/s, 7 rad/s
+/// and so on.
+fn after_a_shock(gait: &Gait<'_, f64>, coarse: [i32; 2]) -> Vec<f64> {
+    let mut runner = Runner::new(*gait, 0, 0, true);
+    assert!(runner.step(&readings(0, 2.0)).leg.is_some());
+    let of_cycle = |k: i32| {
+        let rate = match k {
+            ..10 => 2.0,
+            10..13 => 4.0,
+            _ => f64::from(k - 7),
+        };
+        let reading = Readings {
+            coarse_accelerometer: if k == 10 { coarse } else { [999, -999] },
+            ..readings(230, rate)
+        };
+        runner.step(&reading).firing_angle
+    };
+    (0..16).map(of_cycle).collect()
+}
+
+#[test]
+fn a_leap_follows_from_the_rate_after_the_shock() {
+    let mut gait = gait(5);
+    (gait.leap, gait.taps) = (Some(LEAP), &[0.5, 0.5, 0.0]);
+    for coarse in [[1000, 0], [0, -1000], [i32::MIN, 3], [7, i32::MAX]] {
+        let angles = after_a_shock(&gait, coarse);
+        let near = |k: usize, rate: f64| {
+            let should = (0.8 - 0.1 * rate).clamp(0.05, 0.5);
+            assert!((angles[k] - should).abs() < 1e-12, "{k}: {angles:?}");
+        };
+        // The rate now, until the third cycle after the shock: its mean is (4 + 6)/2 rad/s.
+        (1..10).for_each(|k| near(k, 2.0));
+        near(10, 3.0);
+        (11..13).for_each(|k| near(k, 4.0));
+        (13..16).for_each(|k| near(k, 5.0));
+    }
+    // Without a shock the rate is that of now, up to the least angle.
+    for (shock, coarse) in [
+        (1000, [999, -999]),
+        (0, [5000, 0]),
+        (-1, [5000, 0]),
+        (i32::MIN, [i32::MIN; 2]),
+    ] {
+        gait.leap = Some(Leap { shock, ..LEAP });
+        let angles = after_a_shock(&gait, coarse);
+        assert!((angles[15] - 0.05).abs() < 1e-12, "{shock}: {angles:?}");
+        assert!((angles[13] - 0.3).abs() < 1e-12, "{shock}: {angles:?}");
+    }
+}
+
+#[test]
+fn a_leap_is_one_firing_whatever_speed_is_held() {
+    for hold in [None, Some(HOLD)] {
+        let mut gait = gait(5);
+        (gait.hold, gait.leap) = (hold, Some(LEAP));
+        let mut runner = Runner::new(gait, 0, 0, true);
+        runner.demand(3.0);
+        let mut fired = Vec::new();
+        for wheel in 0..1150 {
+            let reading = Readings {
+                coarse_accelerometer: [if wheel == 250 { 1000 } else { 0 }, 0],
+                // 7 rad/s a cycle after the shock, as there is one tap; later another.
+                ..readings(wheel, if wheel <= 251 { 7.0 } else { 2.0 })
+            };
+            let action = runner.step(&reading);
+            fired.extend(
+                action
+                    .leg
+                    .map(|leg| (leg, action.valve_open, action.firing_angle)),
+            );
+        }
+        let legs: Vec<u32> = fired.iter().map(|(leg, _, _)| *leg).collect();
+        let opens: Vec<f64> = fired.iter().map(|(_, open, _)| *open).collect();
+        assert_eq!((legs, opens), (vec![0, 1, 2], vec![0.04, 0.07, 0.04]));
+        assert!((fired[1].2 - 0.1).abs() < 1e-12, "{fired:?}");
+    }
+}
+
+#[test]
+fn no_tap_and_too_many_leap_too() {
+    let many = [1.0 / MOST_TAPS as f64; MOST_TAPS + 4];
+    for taps in [&[][..], &many[..]] {
+        let mut gait = gait(5);
+        (gait.leap, gait.taps) = (Some(LEAP), taps);
+        let mut runner = Runner::new(gait, 0, 0, true);
+        let of_cycle = |k: i32| {
+            let shock = if k == 5 { 1000 } else { 0 };
+            let reading = Readings {
+                coarse_accelerometer: [shock, 0],
+                ..readings(230, if k <= 5 + 16 { 4.0 } else { 7.0 })
+            };
+            runner.step(&reading).firing_angle
+        };
+        let angles: Vec<f64> = (0..60).map(of_cycle).collect();
+        let should = if taps.is_empty() { 0.5 } else { 0.4 };
+        assert!((angles[59] - should).abs() < 1e-12, "{angles:?}");
     }
 }
 
@@ -641,7 +907,7 @@ fn any_gait<'a>(
     random: &mut Noise,
     knots: &'a [Knot<f32>],
     nodes: &'a [[f32; 2]],
-    taps: &'a [f32],
+    (taps, first): (&'a [f32], &'a [[f32; 2]]),
 ) -> Gait<'a, f32> {
     let [a, b, c, d, e] = std::array::from_fn(|_| number(random));
     let law = match random.word() % 3 {
@@ -674,11 +940,21 @@ fn any_gait<'a>(
     }
     let legs = [0, 1, 2, 3, 5, 12, 13, 100, u32::MAX];
     let hold = Hold {
+        way: number(random),
+        renewed: number(random),
+        ahead: number(random),
         by_error: number(random),
         by_sum: number(random),
         most_sum: number(random),
-        least_open: number(random),
-        most_open: number(random),
+    };
+    let leap = Leap {
+        after: random.word() % 3,
+        slope: number(random),
+        level: number(random),
+        least: number(random),
+        most: number(random),
+        valve_open: number(random),
+        shock: whole(random),
     };
     Gait {
         law,
@@ -693,6 +969,8 @@ fn any_gait<'a>(
             time: number(random),
             restarts: random.word().is_multiple_of(2),
         },
+        first,
+        leap: random.word().is_multiple_of(2).then_some(leap),
     }
 }
 
@@ -721,7 +999,10 @@ fn any_bits_do_not_panic_and_fire_no_nan() {
         let taps: Vec<f32> = (0..random.word() % 20)
             .map(|_| number(&mut random))
             .collect();
-        let gait = any_gait(&mut random, &knots, &nodes, &taps);
+        let first: Vec<[f32; 2]> = (0..random.word() % 3)
+            .map(|_| [number(&mut random), number(&mut random)])
+            .collect();
+        let gait = any_gait(&mut random, &knots, &nodes, (&taps, &first));
         let rear = random.word() % 16;
         let rear = if rear == 15 { u32::MAX } else { rear };
         let forwards = random.word().is_multiple_of(2);

@@ -3,7 +3,7 @@
 use core::ops::RangeInclusive;
 
 use super::law::NEVER;
-use super::{Instruments, Law, Readings, Signals};
+use super::{Instruments, Law, MOST_TAPS, Readings, Signals};
 use crate::Real;
 
 /// How a robot runs.
@@ -21,13 +21,14 @@ pub struct Gait<'a, R> {
     pub instruments: Instruments<R>,
     /// Weights of the rate's filter: of the newest reading, and of those before it.
     pub taps: &'a [R],
-    /// A speed to hold, in place of what the law gives by itself.
+    /// How a demanded speed is held, in place of what the law gives by itself.
     pub hold: Option<Hold<R>>,
     /// When a robot that stands still is started anew.
     pub stall: Stall<R>,
-    /// Firing angle (rad) and valve opening time (s) of the first firings, before the law.
+    /// Firing angle (rad) and valve opening time (s) of the first firings, before the law; again
+    /// after a turn, and after a stall if that restarts.
     pub first: &'a [[R; 2]],
-    /// A jump out of the run.
+    /// A jump out of the run; none where `first` says that firing.
     pub leap: Option<Leap<R>>,
 }
 
@@ -39,7 +40,8 @@ pub(super) const LEGS: RangeInclusive<u32> = 3..=12;
 const BACK: f64 = 1e-5;
 
 /// A jump out of a run: a firing whose angle follows from the rate at the touch-down of its leg,
-/// α_f = A ω + B.
+/// α_f = A ω + B. It is measured once the filter has forgotten the shock; until then it is the rate
+/// now. No [`Hold`] changes that angle.
 ///
 /// Source: thesis 5.2.3.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,21 +52,23 @@ pub struct Leap<R> {
     pub slope: R,
     /// B (rad).
     pub level: R,
-    /// Least and greatest firing angle (rad).
+    /// Least firing angle (rad).
     pub least: R,
-    /// The greatest.
+    /// The greatest (rad).
     pub most: R,
     /// Valve opening time (s).
     pub valve_open: R,
-    /// Length of the coarse accelerometer's reading (counts) from which a foot has come down.
+    /// Greater component of the coarse accelerometer's reading (counts) from which a foot has come
+    /// down; with 0 or less, none is ever felt.
     pub shock: i32,
 }
 
-/// How a demanded speed is held: the law is then one over the demanded speed (m/s), and its firing
-/// angle is trimmed by what is lacking. A leg that fires sooner drives faster.
+/// How a demanded speed is held: a law of lines is then one over the demanded speed (m/s), and the
+/// firing angle is trimmed by what is lacking, down to the beginning of the zone. A leg that fires
+/// sooner drives faster. Where no speed is demanded, no leg fires.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold<R> {
-    /// Way (m) for a count of the radius encoder.
+    /// Way forwards (m) for a count of the radius encoder; negative if it counts backwards.
     pub way: R,
     /// Part of the measured speed that a cycle renews: the period over the time of its mean.
     pub renewed: R,
@@ -132,15 +136,17 @@ pub struct Runner<'a, R> {
     entry: R,
     /// Cycles for which it has stood still.
     still: u32,
-    /// Demanded speed (m/s), negative for the other way.
+    /// Demanded speed (m/s), positive forwards, negative backwards.
     demand: R,
-    /// What has been lacking (m), the measured speed (m/s), and the last count of the radius.
+    /// What has been lacking (m), and the measured speed (m/s), in the direction of the run; the last
+    /// count of the radius.
     sum: R,
     speed: R,
     last_radius: Option<i32>,
-    /// Firings so far, since the start or since it stood still.
+    /// Firings since the start, the last turn or the last restart.
     firings: u32,
-    /// Cycles since the last shock, and the rate (rad/s) that was measured after it.
+    /// Cycles since the last shock, `u32::MAX` without one, and the rate (rad/s) measured after it, in
+    /// the direction of the run.
     since_shock: u32,
     touched: Option<R>,
 }
@@ -175,7 +181,7 @@ impl<'a, R: Real> Runner<'a, R> {
             speed: R::ZERO,
             last_radius: None,
             firings: 0,
-            since_shock: 0,
+            since_shock: u32::MAX,
             touched: None,
         };
         if !forwards {
@@ -184,8 +190,10 @@ impl<'a, R: Real> Runner<'a, R> {
         runner
     }
 
-    /// The speed to hold (m/s), negative for the way opposite to that of the start. To turn, the
-    /// robot first comes to stand.
+    /// The speed to hold (m/s), positive forwards and negative backwards, however the robot was
+    /// started; 0, or what is not a number, lets no leg fire. With a speed opposite to that of the run
+    /// no leg fires until the robot stands still, which turns it round. Without [`Gait::hold`] a
+    /// demand means nothing.
     pub fn demand(&mut self, speed: R) {
         self.demand = speed;
     }
@@ -203,10 +211,17 @@ impl<'a, R: Real> Runner<'a, R> {
             self.base = self.base.wrapping_sub(self.turn());
         }
         self.has_fired = false;
-        self.firings = 0;
         (self.sum, self.speed) = (R::ZERO, R::ZERO);
+        self.begin_anew();
         self.enters = true;
         self.find_leg(wheel);
+    }
+
+    /// Firings count from 0 again, and no foot has come down since.
+    #[inline]
+    fn begin_anew(&mut self) {
+        self.firings = 0;
+        (self.since_shock, self.touched) = (u32::MAX, None);
     }
 
     /// Counts of a turn in the direction of the run.
@@ -280,27 +295,33 @@ impl<'a, R: Real> Runner<'a, R> {
         let time = count::<R>(self.cycles) * self.gait.period;
         self.cycles = self.cycles.saturating_add(1);
         self.feel(readings, rate);
-        let [firing_angle, valve_open] = match self.gait.hold {
-            None => self.next_firing(time, rate),
-            Some(hold) => match self.held(&hold, readings.radius) {
-                Some([demand, later]) => {
-                    let [angle, open] = self.next_firing(time, demand);
-                    [(angle + later).greater(self.gait.zone), open]
-                }
-                None => [R::of(NEVER), R::ZERO],
-            },
+        // First, so that a restart begins with the first firings.
+        let stalled = self.stands_still(rate);
+        let held = self.gait.hold.map(|hold| self.held(&hold, readings.radius));
+        let [firing_angle, valve_open] = match (held, self.leaps(rate)) {
+            (Some(None), _) => [R::of(NEVER), R::ZERO],
+            (_, Some(firing)) => firing,
+            (None, None) => self.next_firing(time, rate),
+            (Some(Some([demand, later])), None) => {
+                let [angle, open] = self.next_firing(time, demand);
+                [(angle + later).greater(self.gait.zone), open]
+            }
         };
-        let stalled = self.stands_still(readings.wheel, rate);
+        let in_zone = self.name(self.leg);
         let fires = !self.has_fired && lean >= firing_angle && valve_open.is_positive();
         if fires {
             self.has_fired = true;
             self.firings = self.firings.saturating_add(1);
             self.touched = None;
         }
+        let is_opposite = self.demand * R::of_count(self.direction) < R::ZERO;
+        if stalled && held.is_some() && is_opposite {
+            self.turn_round(readings.wheel);
+        }
         Action {
-            leg: fires.then_some(self.name(self.leg)),
+            leg: fires.then_some(in_zone),
             valve_open: if fires { valve_open } else { R::ZERO },
-            in_zone: self.name(self.leg),
+            in_zone,
             lean,
             rate,
             firing_angle,
@@ -314,30 +335,35 @@ impl<'a, R: Real> Runner<'a, R> {
     fn feel(&mut self, readings: &Readings, rate: R) {
         let Some(leap) = &self.gait.leap else { return };
         let [forward, up] = readings.coarse_accelerometer;
-        let is_shock = forward.unsigned_abs().max(up.unsigned_abs()) >= leap.shock.unsigned_abs();
-        if is_shock {
+        let length = forward.unsigned_abs().max(up.unsigned_abs());
+        if leap.shock > 0 && length >= leap.shock.unsigned_abs() {
             self.since_shock = 0;
         } else {
             self.since_shock = self.since_shock.saturating_add(1);
         }
-        if self.since_shock as usize == self.gait.taps.len() {
+        if self.since_shock as usize == self.gait.taps.len().min(MOST_TAPS) {
             self.touched = Some(rate);
         }
     }
 
-    /// Firing angle (rad) and valve opening time (s) of the next firing.
+    /// Firing angle (rad) and valve opening time (s) of the leap, if the next firing is it.
+    #[inline]
+    fn leaps(&self, rate: R) -> Option<[R; 2]> {
+        let leap = self.gait.leap.as_ref()?;
+        if leap.after != self.firings || self.gait.first.len() > self.firings as usize {
+            return None;
+        }
+        let angle = leap.slope * self.touched.unwrap_or(rate) + leap.level;
+        Some([angle.greater(leap.least).lesser(leap.most), leap.valve_open])
+    }
+
+    /// Firing angle (rad) and valve opening time (s) of the next firing, unless it is the leap: one
+    /// of the first, or by the law at `rate`.
     #[inline]
     fn next_firing(&self, time: R, rate: R) -> [R; 2] {
-        if let Some(first) = self.gait.first.get(self.firings as usize) {
-            return *first;
-        }
-        match &self.gait.leap {
-            Some(leap) if leap.after == self.firings => {
-                let rate = self.touched.unwrap_or(rate);
-                let angle = leap.slope * rate + leap.level;
-                [angle.greater(leap.least).lesser(leap.most), leap.valve_open]
-            }
-            _ => self.gait.law.at(time, rate, self.entry),
+        match self.gait.first.get(self.firings as usize) {
+            Some(first) => *first,
+            None => self.gait.law.at(time, rate, self.entry),
         }
     }
 
@@ -366,7 +392,7 @@ impl<'a, R: Real> Runner<'a, R> {
 
     /// Counts the time for which it stands still.
     #[inline]
-    fn stands_still(&mut self, wheel: i32, rate: R) -> bool {
+    fn stands_still(&mut self, rate: R) -> bool {
         let stall = self.gait.stall;
         if rate.magnitude() >= stall.rate {
             self.still = 0;
@@ -376,13 +402,8 @@ impl<'a, R: Real> Runner<'a, R> {
         let time = count::<R>(self.still) * self.gait.period;
         let stalled = time >= stall.time;
         if stalled && stall.restarts {
-            (self.has_fired, self.still, self.firings) = (false, 0, 0);
-        }
-        if stalled
-            && self.gait.hold.is_some()
-            && self.demand * R::of_count(self.direction) < R::ZERO
-        {
-            self.turn_round(wheel);
+            (self.has_fired, self.still) = (false, 0);
+            self.begin_anew();
         }
         stalled
     }

@@ -1,7 +1,7 @@
 //! What decides on a running robot, as C: the code, and the robot's constants.
 
 use saltus_controller::Axis;
-use saltus_controller::run::{Gait, Hold, Law};
+use saltus_controller::run::{Gait, Hold, Law, Leap};
 use saltus_gait::{GaitError, Setup};
 
 use super::c::{comment, fill, number_words};
@@ -69,15 +69,9 @@ fn tables<R: Number>(gait: &Gait<'_, f64>, gravity: f64) -> String {
     let (boom, fine) = (list(&[i.radius, i.pivot]), c(i.fine_gyro));
     let (coarse, acceleration) = (c(i.coarse_gyro), c(i.fine_accelerometer));
     let (fine_limit, limit) = (i.fine_limit, i.accelerometer_limit);
-    let nothing = Hold {
-        by_error: 0.0,
-        by_sum: 0.0,
-        most_sum: 0.0,
-        least_open: 0.0,
-        most_open: 0.0,
-    };
-    let (h, holds) = (gait.hold.unwrap_or(nothing), u8::from(gait.hold.is_some()));
-    let hold = list(&[h.by_error, h.by_sum, h.most_sum, h.least_open, h.most_open]);
+    let (holds, hold) = hold::<R>(gait.hold);
+    let (leaps, leap) = leap::<R>(gait.leap);
+    let (first_data, first) = first::<R>(gait.first);
     let stall = list(&[gait.stall.rate, gait.stall.time]);
     let restarts = u8::from(gait.stall.restarts);
     let (zone, legs, period, gravity) = (c(gait.zone), gait.legs, c(gait.period), c(gravity));
@@ -92,7 +86,7 @@ fn tables<R: Number>(gait: &Gait<'_, f64>, gravity: f64) -> String {
 static const saltus_real running_gravity = {gravity};
 /* Weights of the rate's filter, the newest reading's first. */
 static const saltus_real running_taps[{tap_count}] = {{{taps}}};
-{data}
+{data}{first_data}
 static const saltus_gait running_gait = {{
     {law},
     {zone}, /* zone */
@@ -102,11 +96,50 @@ static const saltus_gait running_gait = {{
     running_taps, {tap_count},
     {holds}, {{{hold}}}, /* hold */
     {{{stall}, {restarts}}}, /* stall */
+    {first}, /* first firings */
+    {leaps}, {{{leap}}}, /* leap */
 }};
 
 #endif
 "
     )
+}
+
+/// Whether a speed is held, and how.
+fn hold<R: Number>(hold: Option<Hold<f64>>) -> (u8, String) {
+    let numbers = hold.map_or([0.0; 6], |h| {
+        [h.way, h.renewed, h.ahead, h.by_error, h.by_sum, h.most_sum]
+    });
+    let numbers = numbers.map(|x| R::of(x).c()).join(", ");
+    (u8::from(hold.is_some()), numbers)
+}
+
+/// Whether it leaps, and how.
+fn leap<R: Number>(leap: Option<Leap<f64>>) -> (u8, String) {
+    let numbers = leap.map_or([0.0; 5], |l| {
+        [l.slope, l.level, l.least, l.most, l.valve_open]
+    });
+    let numbers = numbers.map(|x| R::of(x).c()).join(", ");
+    let (after, shock) = leap.map_or((0, 0), |l| (l.after, l.shock));
+    (
+        u8::from(leap.is_some()),
+        format!("{after}, {numbers}, {shock}"),
+    )
+}
+
+/// The data of the first firings, and what refers to them.
+fn first<R: Number>(first: &[[f64; 2]]) -> (String, String) {
+    let count = first.len();
+    if count == 0 {
+        return (String::new(), "0, 0".to_owned());
+    }
+    let row = |firing: &[f64; 2]| format!("    {{{}}},\n", firing.map(|x| R::of(x).c()).join(", "));
+    let rows = first.iter().map(row).collect::<String>();
+    let data = format!(
+        "/* Firing angle (rad), valve opening time (s) of the first firings. */\n\
+         static const saltus_real running_first[{count}][2] = {{\n{rows}}};\n"
+    );
+    (data, format!("running_first, {count}"))
 }
 
 /// The data that a law refers to, and the law.
