@@ -77,6 +77,19 @@ impl Setup {
         seconds: f64,
         threads: usize,
     ) -> Result<Setup, GaitError> {
+        Setup::holding(robot, speed_law(robot, threads)?, speeds, seconds)
+    }
+
+    /// The same with a law at hand: speed (m/s), firing angle (rad), valve opening time (s).
+    ///
+    /// # Errors
+    /// [`GaitError::Input`] for a robot without a boom.
+    pub fn holding(
+        robot: &Robot,
+        law: Vec<[f64; 3]>,
+        speeds: &[[f64; 2]],
+        seconds: f64,
+    ) -> Result<Setup, GaitError> {
         let length = robot.boom.map_or(0.0, |boom| boom.length);
         require(
             length > 0.0,
@@ -84,7 +97,7 @@ impl Setup {
             length,
             "that of a boom, whose turn measures the way",
         )?;
-        let program = Program::Curve(speed_law(robot, threads)?);
+        let program = Program::Curve(law);
         let sensors = robot.sensors.unwrap_or_default();
         Ok(Setup {
             speeds: speeds.to_vec(),

@@ -65,6 +65,12 @@ impl Quantity {
         allowed: "a time above 0 and up to 100000 s",
         legal: |x| x > 0.0 && x <= 1e5,
     };
+    /// An instant of a run (s).
+    pub(crate) const INSTANT: Quantity = Quantity {
+        allowed: "a time from 0 to 100000 s",
+        legal: |x| (0.0..=1e5).contains(&x),
+        ..Quantity::RUN
+    };
     /// Step of the simulation (s).
     pub(crate) const STEP: Quantity = Quantity {
         suffixes: &[

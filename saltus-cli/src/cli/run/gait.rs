@@ -4,9 +4,12 @@ use std::f64::consts::TAU;
 
 use clap::{Args, ValueEnum};
 use saltus::Robot;
-use saltus::gait::{Centre, GaitError, Lines, Program};
+use saltus::gait::{Centre, GaitError, Lines, Program, Smooth, speed_law};
+use saltus::numeric::parallel::available;
 
-use super::values::{Knots, Taps, knots, rate, shift, slope, steepness, taps, top_rate};
+use super::values::{
+    Knots, Speeds, Taps, knots, rate, shift, slope, speeds, steepness, taps, top_rate,
+};
 use crate::error::CliError;
 use crate::output::digits;
 use crate::quantity;
@@ -22,6 +25,19 @@ pub(super) enum Kind {
     ClosedLoop,
     /// The firing angle and the valve opening time go through given knots over the rate
     Curve,
+    /// One smooth curve over the rate, found by search to be quick from rest or to save gas
+    Smooth,
+    /// A commanded speed is held: the speed of each firing angle is measured first
+    Speed,
+}
+
+/// What a smooth law is best at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Aim {
+    /// 1.6 m from rest in the least time
+    Quick,
+    /// The least gas a metre at 3.2 m/s or more
+    Sparing,
 }
 
 impl Kind {
@@ -31,6 +47,8 @@ impl Kind {
             Kind::OpenLoop => "open-loop",
             Kind::ClosedLoop => "closed-loop",
             Kind::Curve => "curve",
+            Kind::Smooth => "smooth",
+            Kind::Speed => "speed",
         }
     }
 }
@@ -120,8 +138,17 @@ pub(super) struct GaitFlags {
     #[arg(long, value_name = "RATE:ANGLE:TIME,…", value_parser = knots, allow_hyphen_values = true)]
     knots: Option<Knots>,
 
+    /// What the law of `smooth` is best at [default: quick]
+    #[arg(long, value_enum)]
+    aim: Option<Aim>,
+
+    /// Speeds of `speed`: from each time (s) on, a speed (m/s), negative backwards, as in
+    /// 0:1.5,4:3,8:-1
+    #[arg(long, value_name = "TIME:SPEED,…", value_parser = speeds, allow_hyphen_values = true)]
+    speed: Option<Speeds>,
+
     /// Lean z₀ (rad) at which the active zone begins; it is one pitch of the legs wide [default: 0
-    /// for `fixed` and `open-loop`, -0.3 for `closed-loop` and `curve`]
+    /// for `fixed`, `open-loop` and `speed`, -0.3 for the others]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
     zone: Option<f64>,
 
@@ -145,6 +172,8 @@ pub(super) struct Chosen {
     pub(super) zone: f64,
     pub(super) forwards: bool,
     pub(super) taps: Vec<f64>,
+    /// Commanded speeds: from each time (s) on, a speed (m/s).
+    pub(super) speeds: Vec<[f64; 2]>,
     /// The gait in words.
     pub(super) words: String,
 }
@@ -164,8 +193,8 @@ impl GaitFlags {
             return Err(CliError::content(&robot.name, reason));
         }
         let zone = self.zone.unwrap_or(match self.gait {
-            Kind::Fixed | Kind::OpenLoop => 0.0,
-            Kind::ClosedLoop | Kind::Curve => -0.3,
+            Kind::Fixed | Kind::OpenLoop | Kind::Speed => 0.0,
+            Kind::ClosedLoop | Kind::Curve | Kind::Smooth => -0.3,
         });
         let half = 0.5 * TAU / f64::from(legs);
         if zone.abs() > half {
@@ -178,11 +207,11 @@ impl GaitFlags {
             let allowed = "from 0 to 1 s";
             return Err(CliError::flag("--valve-open", seconds(valve_open), allowed));
         }
-        let program = self.program()?;
+        let program = self.program(robot)?;
         GaitFlags::within(&program, robot, zone)?;
         let open = format!("valve open {} ms", digits(valve_open * 1e3, 4));
         let words = match self.gait {
-            Kind::Curve => self.words(&program),
+            Kind::Curve | Kind::Smooth | Kind::Speed => self.words(&program),
             _ => format!("{}, {open}", self.words(&program)),
         };
         Ok(Chosen {
@@ -192,15 +221,16 @@ impl GaitFlags {
             zone,
             forwards: self.direction == Direction::Forwards,
             taps: self.taps.0.clone(),
+            speeds: self.speed.clone().map_or_else(Vec::new, |speeds| speeds.0),
             words,
         })
     }
 
     /// The flags that only some gaits have: which, what was given, which gaits.
     fn meant(&self) -> Result<(), CliError> {
-        use Kind::{ClosedLoop, Curve, Fixed, OpenLoop};
+        use Kind::{ClosedLoop, Curve, Fixed, OpenLoop, Smooth, Speed};
         let two = self.lines.is_none_or(|lines| lines != LinesKind::One);
-        let given: [(&'static str, bool, &[Kind]); 11] = [
+        let given: [(&'static str, bool, &[Kind]); 13] = [
             ("--firing-angle", self.firing_angle.is_some(), &[Fixed]),
             ("--from", self.from.is_some(), &[OpenLoop, ClosedLoop]),
             ("--to", self.to.is_some(), &[OpenLoop, ClosedLoop]),
@@ -212,6 +242,8 @@ impl GaitFlags {
             ("--first-slope", self.first_slope.is_some(), &[ClosedLoop]),
             ("--top-rate", self.top_rate.is_some(), &[ClosedLoop]),
             ("--knots", self.knots.is_some(), &[Curve]),
+            ("--aim", self.aim.is_some(), &[Smooth]),
+            ("--speed", self.speed.is_some(), &[Speed]),
         ];
         for (flag, is_given, kinds) in given {
             if is_given && !kinds.contains(&self.gait) {
@@ -233,14 +265,20 @@ impl GaitFlags {
                 return Err(CliError::flag(flag, "", allowed));
             }
         }
-        if self.gait == Curve && self.valve_open.is_some() {
-            let allowed = "left out with --gait curve, whose knots have times";
+        let has_times = matches!(self.gait, Curve | Smooth | Speed);
+        if has_times && self.valve_open.is_some() {
+            let name = self.gait.name();
+            let allowed = format!("left out with --gait {name}, whose law says the time");
             return Err(CliError::flag("--valve-open", "", allowed));
+        }
+        if self.gait == Speed && self.direction == Direction::Backwards {
+            let allowed = "left out with --gait speed, whose speeds have signs";
+            return Err(CliError::flag("--direction", "backwards", allowed));
         }
         Ok(())
     }
 
-    fn program(&self) -> Result<Program, CliError> {
+    fn program(&self, robot: &Robot) -> Result<Program, CliError> {
         let first = self.from.unwrap_or(0.35);
         Ok(match self.gait {
             Kind::Fixed => Program::Fixed {
@@ -284,6 +322,20 @@ impl GaitFlags {
                     allowed: "--gait curve needs RATE:ANGLE:TIME, as in 0:0.35:40ms,13.3:-0.1:40ms",
                 })?;
                 Program::Curve(knots.0.clone())
+            }
+            Kind::Smooth => match self.aim.unwrap_or(Aim::Quick) {
+                Aim::Quick => Smooth::QUICK.program(),
+                Aim::Sparing => Smooth::SPARING.program(),
+            },
+            Kind::Speed => {
+                if self.speed.is_none() {
+                    return Err(CliError::Missing {
+                        flag: "--speed",
+                        allowed: "--gait speed needs TIME:SPEED, as in 0:1.5,4:3,8:-1",
+                    });
+                }
+                let law = speed_law(robot, available());
+                Program::Curve(law.map_err(|error| refused(error, robot))?)
             }
         })
     }
@@ -366,6 +418,18 @@ impl GaitFlags {
                 short(*at),
                 short(*switch)
             ),
+            Program::Curve(_) if self.gait == Kind::Smooth => format!(
+                "smooth, {}",
+                match self.aim.unwrap_or(Aim::Quick) {
+                    Aim::Quick => "quick from rest",
+                    Aim::Sparing => "sparing of gas",
+                }
+            ),
+            Program::Curve(law) if self.gait == Kind::Speed => format!(
+                "speed, by a law measured from {} to {} m/s",
+                short(law.get(1).map_or(0.0, |knot| knot[0])),
+                short(law.last().map_or(0.0, |knot| knot[0]))
+            ),
             Program::Curve(knots) => format!("curve of {} knots", knots.len()),
             _ => self.gait.name().to_owned(),
         }
@@ -392,6 +456,7 @@ pub(super) fn refused(error: GaitError, robot: &Robot) -> CliError {
                 "valve opening time (s)" => "--valve-open",
                 "firing angle (rad)" => "--first-slope, --switch",
                 "rate of a law's knot (rad/s)" | "knots of a law" => "--knots",
+                "length of the boom (m)" | "speeds measured (m/s)" => "--gait speed",
                 "B (1/s)" => "--steepness",
                 "C" => "--shift",
                 _ => "--disturb",

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use saltus::Robot;
-use saltus::gait::{Ending, Setup, run};
+use saltus::gait::{Ending, Program, Setup, run};
 use saltus::sim_check::Stepping;
 
 use super::Status;
@@ -115,6 +115,8 @@ Examples:
   saltus run --gait fixed --firing-angle 0.1 --valve-open 40ms --seconds 15 --disturb torque=5@5:5.2s --plot figure-5.3.svg
   saltus run --gait open-loop --from 0.35 --to 0 --centre printed --seconds 5 --format csv --out run.csv
   saltus run --gait closed-loop --lines jump --seconds 5 --animate run.html
+  saltus run --gait smooth --seconds 5 --plot smooth.svg
+  saltus run --gait speed --speed 0:1.5,4:3,8:-1 --seconds 12
   saltus run --gait closed-loop --seconds 9 --robots 40 --seed 7
 
 The robot stands on two feet, finds out by its accelerometer which ones, and runs: the leg whose lean lies in the \
@@ -148,7 +150,7 @@ impl Run {
         let chosen = self.gait.chosen(&robot)?;
         note_valve(&robot, self.gait.valve_flag());
         disturb::check(&self.disturb, &robot)?;
-        let setup = self.setup(&robot, &chosen);
+        let setup = self.setup(&robot, &chosen)?;
         self.output.ready(&self.plot)?;
         if self.robots.is_some() {
             return self.many(&setup, &chosen);
@@ -156,8 +158,14 @@ impl Run {
         self.one(&setup, &chosen)
     }
 
-    fn setup(&self, robot: &Robot, chosen: &Chosen) -> Setup {
-        let mut setup = Setup::new(robot.clone(), chosen.program.clone(), self.seconds);
+    fn setup(&self, robot: &Robot, chosen: &Chosen) -> Result<Setup, CliError> {
+        let mut setup = match &chosen.program {
+            Program::Curve(law) if !chosen.speeds.is_empty() => {
+                Setup::holding(robot, law.clone(), &chosen.speeds, self.seconds)
+                    .map_err(|error| refused(error, robot))?
+            }
+            program => Setup::new(robot.clone(), program.clone(), self.seconds),
+        };
         setup.valve_open = chosen.valve_open;
         setup.zone = chosen.zone;
         setup.forwards = chosen.forwards;
@@ -169,7 +177,7 @@ impl Run {
             (false, Some(step)) => Stepping::Fixed(step),
             (false, None) => Stepping::USUAL,
         };
-        setup
+        Ok(setup)
     }
 
     /// One run.

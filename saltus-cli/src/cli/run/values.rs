@@ -7,6 +7,10 @@ use crate::quantity::{Quantity, QuantityError};
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Knots(pub(super) Vec<[f64; 3]>);
 
+/// Commanded speeds: from each time (s) on, a speed (m/s).
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Speeds(pub(super) Vec<[f64; 2]>);
+
 /// Weights of a filter.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Taps(pub(super) Vec<f64>);
@@ -94,6 +98,32 @@ pub(super) fn knots(text: &str) -> Result<Knots, String> {
         return Err(format!("{} knots are too many: at most 1000", all.len()));
     }
     Ok(Knots(all))
+}
+
+/// Parser of a flag.
+pub(super) fn speeds(text: &str) -> Result<Speeds, String> {
+    let shape = || {
+        format!(
+            "{:?} must be TIME:SPEED in s and m/s with commas between, as in 0:1.5,4:3,8:-1",
+            cut(text)
+        )
+    };
+    let mut all: Vec<[f64; 2]> = Vec::new();
+    for part in text.split(',') {
+        let (time, speed) = part.split_once(':').ok_or_else(shape)?;
+        let time = Quantity::INSTANT
+            .parse(time)
+            .map_err(|error| error.to_string())?;
+        let speed = speed.trim().trim_end_matches("m/s");
+        let speed = plain(speed, "a speed from -10 to 10 m/s", |x| x.abs() <= 10.0)?;
+        if let Some([before, _]) = all.last().filter(|[before, _]| time <= *before) {
+            return Err(format!(
+                "time {time} s must be after the one before it, {before} s"
+            ));
+        }
+        all.push([time, speed]);
+    }
+    Ok(Speeds(all))
 }
 
 /// Parser of a flag.
