@@ -85,7 +85,8 @@ impl Machine<'_> {
         if let Some(at) = self.layout.account(i) {
             let (supplied, released, pushed) = match (leg.chamber(), &state.piece) {
                 (Some(chamber), Some(piece)) => {
-                    let [supplied, released] = piece.mass_flows(chamber, u, d, speed);
+                    let flows = piece.mass_flows(chamber, u, d, speed);
+                    let [supplied, released] = flows.map(|flow| flow * chamber.pressure_per_mass());
                     (supplied, released, self.pressures[i] * chamber.area * speed)
                 }
                 _ => (0.0, 0.0, 0.0),

@@ -33,8 +33,8 @@ pub(crate) const CONTACT_LOSS: usize = 2;
 pub(crate) const DRAG_LOSS: usize = 3;
 pub(crate) const OUTSIDE: usize = 4;
 
-/// What the account of a leg holds: work of its drive and lost in it (J), gas from the supply and
-/// to the air (kg), and the work ∫P dV of its gas (J).
+/// What the account of a leg holds (J): work of its drive, lost in it, n R T times the gas from the
+/// supply and to the air, and the work ∫P dV of its gas.
 pub(crate) const ACCOUNT: usize = 5;
 
 impl Layout {

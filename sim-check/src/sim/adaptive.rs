@@ -106,7 +106,12 @@ impl Sim<'_> {
     /// Steps by `h` into `next`; the error.
     pub(super) fn try_step(&mut self, h: f64) -> f64 {
         let (machine, mode) = (&mut self.machine, &self.mode);
-        let checked = self.layout.works();
+        // What is kept account of must be as good as the motion.
+        let checked = if self.layout.accounts > 0 {
+            self.layout.size()
+        } else {
+            self.layout.works()
+        };
         self.evaluations += 11;
         let f = |y: &[f64], dy: &mut [f64]| machine.derivative(y, mode, dy);
         self.stages.step(

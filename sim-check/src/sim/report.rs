@@ -148,14 +148,16 @@ impl Sim<'_> {
             return Account::default();
         };
         let at = self.layout.works() + at;
+        let chamber = self.machine.mechanism.legs[leg].leg.chamber();
+        let per_mass = chamber.map_or(1.0, |chamber| chamber.pressure_per_mass());
         let [drive, lost, supplied, released, pushed] = self.y[at..at + ACCOUNT] else {
             return Account::default();
         };
         Account {
             drive,
             lost,
-            supplied,
-            released,
+            supplied: supplied / per_mass,
+            released: released / per_mass,
             pushed,
         }
     }
