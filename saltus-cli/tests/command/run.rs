@@ -308,6 +308,24 @@ fn gaits_fire_where_their_flags_say() {
     check("--gait curve --knots 0:0.2:35ms,10:0:40ms", 0.2, 0.035);
 }
 
+/// A law of the search starts by itself and gets fast; a demanded speed is held, and turned round.
+#[test]
+fn smooth_laws_start_and_speeds_are_held() {
+    let folder = Folder::new("smooth-and-speed");
+    let smooth = json(&folder, "run --gait smooth --seconds 5", 0);
+    assert!(number(&smooth, "time_to_1_6_m_s") < 2.0, "{smooth}");
+    let held = json(&folder, "run --gait speed --speed 0:2 --seconds 10", 0);
+    let speed = number(&held, "last_speed_m_s");
+    assert!((speed - 2.0).abs() < 0.1, "{speed}");
+    let turned = json(
+        &folder,
+        "run --gait speed --speed 0:1.5,4:-1.5 --seconds 14",
+        0,
+    );
+    let speed = number(&turned, "last_speed_m_s");
+    assert!((speed + 1.5).abs() < 0.1, "{speed}");
+}
+
 /// Words after `saltus run`, and what the message must contain.
 const CASES: &[(&str, &[&str])] = &[
     (
@@ -368,6 +386,26 @@ const CASES: &[(&str, &[&str])] = &[
     (
         "--gait curve --knots 5:0.1:40ms --valve-open 40ms",
         &["--valve-open", "--gait curve"],
+    ),
+    ("--gait speed", &["--speed is missing", "TIME:SPEED"]),
+    ("--gait speed --speed 1.5", &["TIME:SPEED"]),
+    (
+        "--gait speed --speed 4:1,2:3",
+        &["time 2 s must be after the one before it, 4 s"],
+    ),
+    ("--gait speed --speed 0:11", &["a speed from -10 to 10 m/s"]),
+    (
+        "--gait speed --speed 0:1 --direction backwards",
+        &["--direction", "whose speeds have signs"],
+    ),
+    ("--speed 0:1", &["--speed", "used with --gait speed"]),
+    (
+        "--gait speed --speed 0:1 --aim quick",
+        &["--aim", "used with --gait smooth"],
+    ),
+    (
+        "--gait smooth --valve-open 40ms",
+        &["--valve-open", "--gait smooth"],
     ),
     ("--valve-open 2s", &["--valve-open 2 s", "from 0 to 1 s"]),
     ("--valve-open -1", &["--valve-open", "\"-1\""]),
