@@ -5,6 +5,7 @@ mod completions;
 mod diagnose;
 mod export;
 mod fit;
+mod jump;
 mod law;
 mod limits;
 mod map;
@@ -50,6 +51,7 @@ Examples:
   saltus plan course.toml --plot plan.svg
   saltus verify course.toml --plant rats-boom --friction 0.3:1:8
   saltus run --gait closed-loop --seconds 5 --plot run.svg
+  saltus jump --obstacle 0.16x0.21@1.3
   saltus diagnose logs/monday --report monday.html
   saltus fit bench/monday --robot-out fitted.toml
   saltus parkour instances.json --out plans.json
@@ -68,6 +70,7 @@ enum Command {
     Plan(plan::Plan),
     Verify(verify::Verify),
     Run(run::Run),
+    Jump(jump::Jump),
     Diagnose(diagnose::Diagnose),
     Fit(fit::Fit),
     Parkour(parkour::Parkour),
@@ -94,6 +97,7 @@ impl Command {
             Command::Plan(command) => command.run(),
             Command::Verify(command) => command.run(),
             Command::Run(command) => command.run(),
+            Command::Jump(command) => command.run(),
             Command::Diagnose(command) => command.run(),
             Command::Fit(command) => command.run(),
             Command::Parkour(command) => command.run(),

@@ -13,6 +13,7 @@ mod documents;
 #[path = "../../../saltus/tests/experiment/folder.rs"]
 mod folder;
 mod inject;
+mod jump;
 mod logs;
 mod meaning;
 mod misleading;

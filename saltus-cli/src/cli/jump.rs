@@ -1,0 +1,291 @@
+//! `saltus jump`: from rest, some legs accelerate and the next one jumps over a box.
+
+use clap::Args;
+use saltus::gait::{Crossed, Crossing, CrossingPlan, Draw, GaitError, Obstacle};
+use saltus::running::Share;
+use serde_json::{Value, json};
+
+use super::Status;
+use super::common::{OutputFlags, Threads, robot};
+use crate::error::{CliError, cut};
+use crate::output::{Files, Format, digits};
+use crate::progress::Progress;
+
+/// Jump over a box from rest: some legs accelerate, the next one jumps
+#[derive(Args, Debug)]
+#[command(after_help = "`saltus jump --help` explains the output.", after_long_help = LONG_HELP)]
+pub(crate) struct Jump {
+    /// The box: HEIGHTxLENGTH@FRONT (m), its front counted from the axle at rest
+    #[arg(long, value_name = "HEIGHTxLENGTH@FRONT", value_parser = obstacle, allow_hyphen_values = true)]
+    obstacle: Obstacle,
+
+    /// Legs that accelerate before the one that jumps
+    #[arg(long, value_name = "COUNT", default_value = "3", value_parser = clap::value_parser!(u8).range(1..=6))]
+    legs: u8,
+
+    /// Jump at one firing angle, whatever the rate at touch-down
+    #[arg(long)]
+    constant: bool,
+
+    /// Drawn robots on which the firings are sought
+    #[arg(long, value_name = "COUNT", default_value = "8", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    sought_on: u16,
+
+    /// Generations of the search
+    #[arg(long, value_name = "COUNT", default_value = "14", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    generations: u16,
+
+    /// Other drawn robots on which they are tried
+    #[arg(long, value_name = "COUNT", default_value = "100", value_parser = clap::value_parser!(u16).range(1..=10000))]
+    robots: u16,
+
+    /// Seed of the robots and of the search
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+
+    #[command(flatten)]
+    threads: Threads,
+
+    /// Robot: a built-in one with a boom or without (rats-boom, rats-run) or a TOML file
+    #[arg(
+        long,
+        value_name = "NAME|FILE",
+        default_value = "rats-run",
+        help_heading = "Robot and output"
+    )]
+    robot: String,
+
+    /// Override a parameter of the robot by its dotted key, as in leg.supply_pressure_gauge_psi=160;
+    /// may be repeated
+    #[arg(
+        long = "set",
+        value_name = "KEY=VALUE",
+        help_heading = "Robot and output"
+    )]
+    overrides: Vec<String>,
+
+    #[command(flatten)]
+    output: OutputFlags,
+}
+
+const LONG_HELP: &str = "\
+Examples:
+  saltus jump --obstacle 0.21x0.21@1.3 --set leg.supply_pressure_gauge_psi=160
+  saltus jump --obstacle 0.16x0.21@1.3 --constant --format json --out box.json
+
+The robot stands on two feet. Each leg that accelerates has a firing angle and a valve opening time; the next one jumps at \
+α_f = A ω + B, where ω is the rate that its gyro has after its touch-down, with its valve open past the end of the stroke. \
+These numbers are sought by the cross-entropy method on robots that are drawn as `saltus run --robots` draws them, for their \
+clearance: the least distance between the box and feet, rods and struts. Then other robots try them on the solid box.
+
+The answer is the share that comes to the other side without touching the box, with its 95 % interval (Wilson), and the \
+clearance that 5 % of the robots and half of them fall short of. Exit code 1 if less than 95 % clear it. The search takes \
+about a minute; the answer does not depend on --threads.";
+
+/// Share of robots (%) that must clear the box.
+const ENOUGH: f64 = 0.95;
+
+struct Answer<'a> {
+    jump: &'a Jump,
+    name: &'a str,
+    plan: &'a CrossingPlan,
+    tried: &'a [Crossed],
+}
+
+impl Jump {
+    pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.output.check()?;
+        let mut files = Files::default();
+        files.extend(self.output.out().map(|out| ("--out", out)));
+        files.check()?;
+        if self.output.format() == Format::Csv {
+            let allowed = "text or json";
+            return Err(CliError::flag("--format", "csv", allowed));
+        }
+        let robot = robot(&self.robot, &self.overrides)?;
+        if robot.leg.cylinder().is_none() {
+            let allowed = "a robot with pneumatic legs, whose supply is drawn";
+            return Err(CliError::flag("--robot", &robot.name, allowed));
+        }
+        let crossing = Crossing {
+            robot: robot.clone(),
+            draw: Draw::default(),
+            obstacle: self.obstacle,
+            firings: usize::from(self.legs),
+            by_rate: !self.constant,
+            sought_on: usize::from(self.sought_on),
+            generations: usize::from(self.generations),
+            seed: self.seed,
+        };
+        let threads = self.threads.count().get();
+        let refused = |error: GaitError| match error {
+            GaitError::Input {
+                name,
+                value,
+                allowed,
+            } if name.contains("obstacle") => {
+                CliError::flag("--obstacle", format!("({name} = {value})"), allowed)
+            }
+            error => CliError::content(&robot.name, error),
+        };
+        let progress = Progress::new("generations", usize::from(self.generations));
+        let plan = crossing
+            .plan(threads, |_, _| progress.advance(1))
+            .map_err(refused)?;
+        drop(progress);
+        // Other robots than those of the search.
+        let seed = self.seed.wrapping_add(1 << 32);
+        let tried = crossing
+            .try_on(&plan, usize::from(self.robots), seed, threads)
+            .map_err(refused)?;
+        let answer = Answer {
+            jump: &self,
+            name: &robot.name,
+            plan: &plan,
+            tried: &tried,
+        };
+        let report = match self.output.format() {
+            Format::Json => format!("{:#}\n", answer.json()),
+            _ => answer.text(),
+        };
+        self.output.write_report(report)?;
+        Ok(if answer.share().value() >= ENOUGH {
+            Status::Done
+        } else {
+            Status::No
+        })
+    }
+}
+
+impl Answer<'_> {
+    fn share(&self) -> Share {
+        Share {
+            count: self.tried.iter().filter(|c| c.cleared).count(),
+            of: self.tried.len(),
+        }
+    }
+
+    /// The clearance (m) that this part of the robots falls short of.
+    fn clearance(&self, part: usize) -> f64 {
+        let mut all: Vec<f64> = self.tried.iter().map(|c| c.clearance).collect();
+        all.sort_by(f64::total_cmp);
+        all[(all.len() * part / 100).min(all.len() - 1)]
+    }
+
+    fn text(&self) -> String {
+        use std::fmt::Write as _;
+        let short = |x: f64| digits(x, 4);
+        let Obstacle {
+            front,
+            length,
+            height,
+        } = self.jump.obstacle;
+        let mut text = format!(
+            "{}: a box {} m high and {} m long, its front {} m from the axle at rest\n",
+            self.name,
+            short(height),
+            short(length),
+            short(front)
+        );
+        for (k, [angle, open]) in self.plan.first.iter().enumerate() {
+            let _ = writeln!(
+                text,
+                "  leg {k}              α_f {} rad, valve open {} ms",
+                short(*angle),
+                short(open * 1e3)
+            );
+        }
+        let leap = &self.plan.leap;
+        let _ = writeln!(
+            text,
+            "  leg {}, the jump    α_f = {} s · ω + {} rad, valve open {} ms",
+            self.plan.first.len(),
+            short(leap.slope),
+            short(leap.level),
+            short(leap.valve_open * 1e3)
+        );
+        let share = self.share();
+        let [low, high] = share.interval().map(|x| digits(100.0 * x, 3));
+        let _ = writeln!(
+            text,
+            "  cleared            {} of {} other robots, {} % (95 %: {low} to {high} %)",
+            share.count,
+            share.of,
+            digits(100.0 * share.value(), 3)
+        );
+        let (least, middle) = (self.clearance(5), self.clearance(50));
+        let _ = writeln!(
+            text,
+            "  clearance          {} m or less for 5 % of them, {} m for half",
+            short(least),
+            short(middle)
+        );
+        if share.value() < ENOUGH {
+            let lower = (height + least).max(0.0);
+            let _ = writeln!(
+                text,
+                "  not cleared        by 95 % of the robots; a box of about {} m is nearer to what \
+                 they clear, or a higher supply pressure, or a longer run-up",
+                digits(lower, 2)
+            );
+        }
+        text
+    }
+
+    fn json(&self) -> Value {
+        let share = self.share();
+        let [low, high] = share.interval();
+        let Obstacle {
+            front,
+            length,
+            height,
+        } = self.jump.obstacle;
+        let first: Vec<Value> = self
+            .plan
+            .first
+            .iter()
+            .map(|[angle, open]| json!({"firing_angle_rad": angle, "valve_open_s": open}))
+            .collect();
+        let leap = &self.plan.leap;
+        json!({
+            "command": "jump",
+            "robot": self.name,
+            "obstacle": {"height_m": height, "length_m": length, "front_m": front},
+            "first": first,
+            "jump": {
+                "slope_s": leap.slope,
+                "level_rad": leap.level,
+                "valve_open_s": leap.valve_open,
+            },
+            "robots": share.of,
+            "cleared": share.count,
+            "cleared_share": share.value(),
+            "cleared_share_95": [low, high],
+            "clearance_m": {"5_percent": self.clearance(5), "median": self.clearance(50)},
+            "seed": self.jump.seed,
+        })
+    }
+}
+
+/// Parser of a flag.
+fn obstacle(text: &str) -> Result<Obstacle, String> {
+    let shape = || {
+        format!(
+            "{:?} must be HEIGHTxLENGTH@FRONT in m, as in 0.21x0.21@1.3",
+            cut(text)
+        )
+    };
+    let (size, front) = text.split_once('@').ok_or_else(shape)?;
+    let (height, length) = size.split_once('x').ok_or_else(shape)?;
+    let metres = |part: &str, what: &str, most: f64| {
+        let number = part.trim().trim_end_matches('m').parse::<f64>().ok();
+        number
+            .filter(|x| *x > 0.0 && *x <= most)
+            .ok_or_else(|| format!("{what} {:?} must be above 0, at most {most} m", cut(part)))
+    };
+    Ok(Obstacle {
+        height: metres(height, "height", 10.0)?,
+        length: metres(length, "length", 10.0)?,
+        front: metres(front, "front", 100.0)?,
+    })
+}
