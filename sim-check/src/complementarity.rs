@@ -80,9 +80,6 @@ pub(crate) struct Problem {
 /// Guesses of who holds, each corrected by the last, before an answer is sought by pivots.
 const GUESSES: usize = 15;
 
-/// Friction coefficient of what has no limit: nothing slips.
-const ROUGHEST: f64 = 1e3;
-
 /// The variables of Lemke's method for elements.
 struct Variables {
     /// Where those of each element begin.
@@ -319,7 +316,7 @@ impl Problem {
                 return self.force.iter().all(|f| f.is_finite());
             }
         }
-        if !self.has_discs() && self.pivot() && self.obeys() {
+        if self.is_polyhedral() && self.pivot() && self.obeys() {
             return true;
         }
         // Near the onset of slip iteration is slow: what it has found counts if it obeys the laws.
@@ -327,8 +324,13 @@ impl Problem {
         self.obeys()
     }
 
-    fn has_discs(&self) -> bool {
-        self.elements.iter().any(|e| e.rows() == 2)
+    /// Whether Lemke's method takes it: friction in single directions, with limits. Without one,
+    /// nothing lies between holding and letting go.
+    fn is_polyhedral(&self) -> bool {
+        self.elements.iter().all(|e| match e.bounds {
+            Bounds::Between(..) => true,
+            Bounds::Friction { limit, rows, .. } => rows == 1 && limit.is_finite(),
+        })
     }
 
     /// The answer by Lemke's method; false where it finds none.
@@ -375,7 +377,6 @@ impl Problem {
                     lemke.m[(at + 1) * size + at + 2] = 1.0;
                     lemke.m[(at + 2) * size + at] = -1.0;
                     lemke.m[(at + 2) * size + at + 1] = -1.0;
-                    let limit = limit.min(ROUGHEST);
                     let of_normal = normal
                         .and_then(|n| self.elements.iter().position(|other| other.row == n))
                         .map(|k| layout.starts[k]);
