@@ -80,6 +80,9 @@ pub(crate) struct Problem {
 /// Guesses of who holds, each corrected by the last, before an answer is sought by pivots.
 const GUESSES: usize = 15;
 
+/// Friction coefficient of what has no limit, where it needs one.
+const ROUGHEST: f64 = 1e3;
+
 /// The variables of Lemke's method for elements.
 struct Variables {
     /// Where those of each element begin.
@@ -310,13 +313,26 @@ impl Problem {
 
     /// Finds the grips that obey every law, from those given; false where there are none.
     pub(crate) fn resolve(&mut self) -> bool {
+        let pivots = self.is_polyhedral(f64::is_finite);
+        self.resolve_by(pivots)
+    }
+
+    /// As [`resolve`](Self::resolve), for the impulses of a step: there is an answer for friction
+    /// however rough, so that friction without a limit is one that is very rough.
+    pub(crate) fn resolve_step(&mut self) -> bool {
+        let pivots = self.is_polyhedral(|_| true);
+        self.resolve_by(pivots)
+    }
+
+    /// The same, with pivots where guesses go round in circles, if `pivots`.
+    fn resolve_by(&mut self, pivots: bool) -> bool {
         for _ in 0..GUESSES {
             self.solve();
             if !self.correct() {
                 return self.force.iter().all(|f| f.is_finite());
             }
         }
-        if self.is_polyhedral() && self.pivot() && self.obeys() {
+        if pivots && self.pivot() && self.obeys() {
             return true;
         }
         // Near the onset of slip iteration is slow: what it has found counts if it obeys the laws.
@@ -324,12 +340,12 @@ impl Problem {
         self.obeys()
     }
 
-    /// Whether Lemke's method takes it: friction in single directions, with limits. Without one,
-    /// nothing lies between holding and letting go.
-    fn is_polyhedral(&self) -> bool {
+    /// Whether Lemke's method takes it: friction in single directions, with limits that `takes`
+    /// accepts.
+    fn is_polyhedral(&self, takes: impl Fn(f64) -> bool) -> bool {
         self.elements.iter().all(|e| match e.bounds {
             Bounds::Between(..) => true,
-            Bounds::Friction { limit, rows, .. } => rows == 1 && limit.is_finite(),
+            Bounds::Friction { limit, rows, .. } => rows == 1 && takes(limit),
         })
     }
 
@@ -377,6 +393,7 @@ impl Problem {
                     lemke.m[(at + 1) * size + at + 2] = 1.0;
                     lemke.m[(at + 2) * size + at] = -1.0;
                     lemke.m[(at + 2) * size + at + 1] = -1.0;
+                    let limit = limit.min(ROUGHEST);
                     let of_normal = normal
                         .and_then(|n| self.elements.iter().position(|other| other.row == n))
                         .map(|k| layout.starts[k]);
@@ -424,7 +441,7 @@ impl Problem {
                     (false, true) => Grip::Low,
                     (false, false) => Grip::High,
                 },
-                Bounds::Friction { .. } if z[at + 2] > 0.0 => {
+                Bounds::Friction { limit, .. } if z[at + 2] > 0.0 && limit.is_finite() => {
                     if self.force[e.row] < 0.0 {
                         Grip::Low
                     } else {

@@ -330,7 +330,12 @@ impl Sim<'_> {
                 }
             }
         }
-        if !self.machine.problem.resolve() {
+        let problem = &mut self.machine.problem;
+        let is_solved = match self.settings.stepping {
+            Stepping::Adaptive => problem.resolve(),
+            Stepping::Fixed(_) => problem.resolve_step(),
+        };
+        if !is_solved {
             return Err(self.inconsistent());
         }
         self.capture(hit);

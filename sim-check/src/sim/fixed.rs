@@ -145,7 +145,7 @@ impl Sim<'_> {
                 continue;
             }
             let machine = &mut self.machine;
-            if machine.problem.rows > 0 && !machine.problem.resolve() {
+            if machine.problem.rows > 0 && !machine.problem.resolve_step() {
                 return Err(self.inconsistent());
             }
             machine.step_acceleration(h, &mut fixed.next_acceleration);
