@@ -1,5 +1,7 @@
 //! `--analyse`: what a gait is worth, in words and as JSON.
 
+use std::fmt::Write as _;
+
 use clap::ValueEnum;
 use saltus::Robot;
 use saltus::gait::analysis::basin::{Basin, Fate};
@@ -274,7 +276,8 @@ impl Analysis<'_> {
                 digits(basin.boundary, 3)
             );
             if basin.fails() > 0 {
-                words += &format!(", {} not simulated", basin.fails());
+                // Writing to a string does not fail.
+                let _ = write!(words, ", {} not simulated", basin.fails());
             }
             text += &line(&format!("{0} x {0} starts", basin.size), &words);
         }
@@ -302,7 +305,7 @@ impl Analysis<'_> {
                 short(choice.gas * 1e3)
             );
             if choices.drawn.is_some() {
-                words += &format!(", {} of {} run", choice.running, choice.robots);
+                let _ = write!(words, ", {} of {} run", choice.running, choice.robots);
             }
             let open = digits(choice.opening * 1e3, 4);
             let name = format!("{} rad, {open} ms", short(choice.angle));
