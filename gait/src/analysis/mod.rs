@@ -11,4 +11,4 @@ pub mod periodic;
 mod report;
 pub mod stride;
 
-pub use report::{Effort, Report, report};
+pub use report::{Effort, Report, report, report_with};

@@ -91,6 +91,19 @@ pub struct Report {
 /// # Errors
 /// [`GaitError`] for a run that cannot be, a motion that cannot go on, or a boom on a slope.
 pub fn report(setup: &Setup, effort: &Effort) -> Result<Report, GaitError> {
+    report_with(setup, effort, |_| ())
+}
+
+/// The same, which calls `begins` with the name of each part of the work as it begins.
+///
+/// # Errors
+/// As [`report`].
+pub fn report_with(
+    setup: &Setup,
+    effort: &Effort,
+    begins: impl Fn(&'static str),
+) -> Result<Report, GaitError> {
+    begins("the run");
     let summary = run(setup, &mut ())?;
     let robot = &setup.robot;
     let angle = match setup.program {
@@ -99,10 +112,13 @@ pub fn report(setup: &Setup, effort: &Effort) -> Result<Report, GaitError> {
     };
     let firing = Firing::new(angle, setup.valve_open);
     let strides = Strides::new(robot, firing)?.on(effort.threads);
+    begins("periodic gaits");
     let gaits = settled(&strides, &effort.rates, effort.settling)?;
     let stepped = |strides: Strides| strides.by(setup.stepping);
     let threads = effort.threads;
+    begins("starts that run");
     let basins = refined(&stepped(strides), &effort.starts, &effort.sizes, threads)?;
+    begins("speed against gas");
     let choices = choices(robot, &effort.choices, stepped, threads)?;
     Ok(Report {
         energy: Energy::of(robot, &summary),

@@ -102,6 +102,14 @@ impl Strides {
             tilt,
             "0 for a robot on a boom, which runs in a circle",
         )?;
+        // The axle comes back to travel 0, not to another height.
+        let floor = robot.ground.slope;
+        require(
+            floor == 0.0,
+            "slope of the floor (rad)",
+            floor,
+            "0: every stride begins at the same height; a tilt of the whole ground may differ",
+        )?;
         let inside = |x: f64| x.abs() < pitch;
         let allowed = format!("within {pitch:.4} rad");
         require(

@@ -326,6 +326,105 @@ fn smooth_laws_start_and_speeds_are_held() {
     assert!((speed + 1.5).abs() < 0.1, "{speed}");
 }
 
+/// What came in is what is lost, gained and left unexplained.
+fn explains_its_energy(energy: &Value) {
+    let legs = |key: &str| -> f64 {
+        let legs = energy[key].as_array().unwrap().iter();
+        legs.map(|x| x.as_f64().unwrap()).sum()
+    };
+    let (gas, valves) = (
+        number(energy, "gas_exergy"),
+        number(energy, "valves_and_exhaust"),
+    );
+    // Sums of the same numbers in another order.
+    assert!((gas - valves - legs("leg_work")).abs() < 1e-9, "{energy}");
+    let lost = [
+        "lost_in_other_joints",
+        "lost_by_slip",
+        "lost_in_impacts_at_ground",
+        "lost_in_impacts_at_stops",
+        "lost_to_the_air",
+        "gained",
+        "unexplained",
+    ];
+    let lost: f64 = lost.iter().map(|key| number(energy, key)).sum();
+    let come = legs("leg_work") + number(energy, "outside");
+    assert!(
+        (come - legs("lost_in_legs") - lost).abs() < 1e-9,
+        "{energy}"
+    );
+    // Steps of 1 ms leave some tenths of a joule of some tens.
+    assert!(number(energy, "unexplained").abs() < 0.5, "{energy}");
+}
+
+/// The periodic gait is that of docs/running.md, the parts of the energy make up what came in, and
+/// what is printed is what JSON says, for any number of threads.
+#[test]
+fn a_gait_is_analysed() {
+    let folder = Folder::new("run-analyse");
+    let line = format!("{PUSHED} --analyse quick");
+    let all = json(&folder, &line, 0);
+    let again = json(&folder, &format!("{line} --threads 1"), 0);
+    assert_eq!(all, again);
+    explains_its_energy(&all["energy_j"]);
+    let run = json(&folder, PUSHED, 0);
+    assert_eq!(run["travel_m"], all["travel_m"]);
+
+    let gait = &all["periodic_gaits"]["found"][0];
+    assert_eq!(gait["legs"], 2);
+    assert!((number(gait, "speed_m_s") - 3.4376).abs() < 1e-3, "{gait}");
+    assert!(
+        (number(gait, "gas_kg_per_m") * 1e3 - 0.4506).abs() < 1e-3,
+        "{gait}"
+    );
+    let greatest = &gait["multipliers"][0];
+    assert!((number(greatest, "modulus") - 0.897).abs() < 2e-3, "{gait}");
+    assert!(
+        number(greatest, "error") < 1e-3 && gait["is_stable"] == true,
+        "{gait}"
+    );
+    let rolling = &all["rolling"]["steady"];
+    let ratio = number(rolling, "rate_after_rad_s") / number(rolling, "rate_before_rad_s");
+    assert!((ratio * ratio - number(rolling, "multiplier")).abs() < 1e-12);
+    for (grid, cells) in all["starts"]["grids"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip([2, 4, 8])
+    {
+        let fates = grid["fates_by_lean_then_rate"].as_array().unwrap();
+        let rows = fates.iter().flat_map(|row| row.as_array().unwrap());
+        let running = rows.filter(|fate| *fate == "runs").count();
+        let share = running as f64 / f64::from(cells * cells);
+        assert!(
+            (number(grid, "share_running") - share).abs() < 1e-12,
+            "{grid}"
+        );
+        assert!(share > 0.5 && share < 1.0, "{grid}");
+    }
+    let frontier = all["speed_against_gas"]["frontier"].as_array().unwrap();
+    assert!(frontier.len() > 1);
+    for pair in frontier.windows(2) {
+        for key in ["speed_m_s", "gas_kg_per_m"] {
+            assert!(number(&pair[0], key) < number(&pair[1], key), "{pair:?}");
+        }
+    }
+
+    // From rest it stalls, which is an answer.
+    let drawn = "run --gait fixed --seconds 3 --analyse quick --robots 2 --seed 7 --out a.txt";
+    assert_eq!(folder.done(drawn, 1), "");
+    let text = std::fs::read_to_string(folder.path("a.txt")).unwrap();
+    for words in [
+        "stalled: stands still since",
+        "2 legs                 period 0.1968 s, 3.438 m/s, 0.4506 g/m",
+        "J/m, stable",
+        "8 x 8 starts",
+        "speed against gas of 2 drawn robots, seed 7",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+}
+
 /// Words after `saltus run`, and what the message must contain.
 const CASES: &[(&str, &[&str])] = &[
     (
@@ -483,6 +582,58 @@ const CASES: &[(&str, &[&str])] = &[
     (
         "--robots 3 --robot spring-hopper",
         &["--robots", "pneumatic legs"],
+    ),
+    (
+        "--analyse",
+        &["--analyse", "--gait fixed", "constant, not closed-loop"],
+    ),
+    (
+        "--gait curve --knots 0:0.1:40ms --analyse quick",
+        &["--analyse", "--gait fixed", "not curve"],
+    ),
+    (
+        "--gait fixed --analyse much",
+        &["invalid value 'much'", "quick, full"],
+    ),
+    (
+        "--gait fixed --analyse --plot x.svg",
+        &["--analyse", "cannot be used with '--plot"],
+    ),
+    (
+        "--gait fixed --analyse --animate x.html",
+        &["--analyse", "cannot be used with '--animate"],
+    ),
+    (
+        "--gait fixed --analyse --telemetry logs",
+        &["--analyse", "cannot be used with '--telemetry"],
+    ),
+    (
+        "--gait fixed --analyse --format csv",
+        &["--analyse", "--format text or json, not csv"],
+    ),
+    (
+        "--gait fixed --analyse --out x.csv",
+        &["--analyse", "--format text or json, not csv"],
+    ),
+    (
+        "--gait fixed --analyse --direction backwards",
+        &["--analyse", "--direction forwards"],
+    ),
+    (
+        "--gait fixed --analyse --robot spring-hopper",
+        &["--analyse", "pneumatic legs"],
+    ),
+    (
+        "--gait fixed --analyse --zone 0.6 --firing-angle 1.5",
+        &["--firing-angle 1.5 rad", "within 1.2566 rad"],
+    ),
+    (
+        "--gait fixed --analyse --set ground.tilt_deg=3",
+        &["a slope of", "0 for a robot on a boom", "--analyse"],
+    ),
+    (
+        "--gait fixed --analyse --set ground.slope_deg=3",
+        &["a slope of", "0: every stride begins", "--analyse"],
     ),
     ("--drawn-across 0.02", &["--robots <COUNT>"]),
     (

@@ -149,7 +149,7 @@ impl Sim<'_> {
         };
         let at = self.layout.works() + at;
         let chamber = self.machine.mechanism.legs[leg].leg.chamber();
-        let per_mass = chamber.map_or(1.0, |chamber| chamber.pressure_per_mass());
+        let per_mass = chamber.map_or(1.0, saltus_pneumatics::Chamber::pressure_per_mass);
         let [drive, lost, supplied, released, pushed] = self.y[at..at + ACCOUNT] else {
             return Account::default();
         };

@@ -178,6 +178,16 @@ pub(super) struct Chosen {
     pub(super) words: String,
 }
 
+impl Chosen {
+    /// The firing angle (rad) of a program that has only one.
+    pub(super) fn firing_angle(&self) -> Option<f64> {
+        match self.program {
+            Program::Fixed { firing_angle } => Some(firing_angle),
+            _ => None,
+        }
+    }
+}
+
 impl GaitFlags {
     /// The flag of the valve, where it is given.
     pub(super) fn valve_flag(&self) -> Option<&'static str> {

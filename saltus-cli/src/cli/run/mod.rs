@@ -1,5 +1,6 @@
 //! `saltus run`: a robot that runs, under the controller that is flashed.
 
+mod analysis;
 mod disturb;
 mod ensemble;
 mod figure;
@@ -27,6 +28,7 @@ use crate::interrupt::Interrupt;
 use crate::output::{Files, Format, message, reachable};
 use crate::progress::Progress;
 use crate::quantity::{self, Quantity, QuantityError};
+use analysis::Depth;
 use disturb::Typed;
 use film::Film;
 use follow::{Follower, Thinned};
@@ -73,6 +75,11 @@ pub(crate) struct Run {
     #[arg(long, value_name = "MU", value_parser = quantity::factor, default_value = "0", requires = "robots", allow_hyphen_values = true)]
     drawn_across: f64,
 
+    /// Analyse the gait of `fixed`: energy, periodic gaits, starts that run, speed against gas;
+    /// with --robots over so many drawn robots [default without a value: full]
+    #[arg(long, value_enum, value_name = "EFFORT", num_args = 0..=1, default_missing_value = "full", conflicts_with_all = ["plot", "animate", "telemetry"])]
+    analyse: Option<Depth>,
+
     #[command(flatten)]
     threads: Threads,
 
@@ -118,6 +125,7 @@ Examples:
   saltus run --gait smooth --seconds 5 --plot smooth.svg
   saltus run --gait speed --speed 0:1.5,4:3,8:-1 --seconds 12
   saltus run --gait closed-loop --seconds 9 --robots 40 --seed 7
+  saltus run --gait fixed --seconds 3 --disturb torque=5@0.5:0.7s --analyse quick
 
 The robot stands on two feet, finds out by its accelerometer which ones, and runs: the leg whose lean lies in the \
 active zone fires, once an entry, as soon as it leans by the firing angle. docs/running.md describes gaits, sensors and \
@@ -140,6 +148,11 @@ at the ground and at end stops; \"residual\" is what these do not explain.
 --robots draws dry friction, return spring, supply and ground friction as docs/running.md says. The answer is the share that \
 runs with its 95 % interval (Wilson); CSV has a row a robot. It does not depend on --threads.
 
+--analyse reports on the gait of one firing angle and one valve opening time, --gait fixed: the energy of the run by parts; \
+periodic gaits with period, speed, gas and Floquet multipliers, each with its error; rolling without drive, in closed form; the \
+share of starts on one foot that run, on three grids; the frontier of speed against gas. All but the energy is of an ideal controller \
+without sensors and without --disturb. It takes half a minute on one core, or some seconds with `quick`. Text or JSON; with --robots the frontier is of drawn robots.
+
 --telemetry writes experiment.toml, the robot, and run.csv: the columns of CSV, and the counts of encoders, gyros and \
 accelerometers.";
 
@@ -150,8 +163,14 @@ impl Run {
         let chosen = self.gait.chosen(&robot)?;
         note_valve(&robot, self.gait.valve_flag());
         disturb::check(&self.disturb, &robot)?;
+        if self.analyse.is_some() {
+            self.can_be_analysed(&robot, &chosen)?;
+        }
         let setup = self.setup(&robot, &chosen)?;
         self.output.ready(&self.plot)?;
+        if let Some(depth) = self.analyse {
+            return self.analysed(&setup, &chosen, depth);
+        }
         if self.robots.is_some() {
             return self.many(&setup, &chosen);
         }
