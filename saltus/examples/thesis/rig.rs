@@ -46,7 +46,7 @@ pub(crate) fn section() -> Outcome<Section> {
                 s.wheel_counts,
                 2e3 * PI / s.wheel_counts
             ),
-            "figure 3.4 labels radius and pivot \"200 line\", table 3.1 says 400",
+            "–",
         ),
         (
             "radius and pivot encoders",
@@ -56,7 +56,7 @@ pub(crate) fn section() -> Outcome<Section> {
                 s.radius_counts,
                 2e3 * PI / s.radius_counts
             ),
-            "the same",
+            "figure 3.4 labels them \"200 line\"",
         ),
         (
             "fine gyro",
