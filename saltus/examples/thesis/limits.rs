@@ -74,7 +74,7 @@ fn terms() -> Outcome<Vec<Term>> {
     for [mm, mm2] in [[55.0, 20.0], [50.0, 20.0], [50.0, 60.0]] {
         let value = format!("{mm} mm out, {mm2} mm²");
         all.push(term("exhaust ports", value, move |r| {
-            port(r, 1e-3 * mm, 1e-6 * mm2)
+            port(r, 1e-3 * mm, 1e-6 * mm2);
         }));
     }
     for x in [2000.0, 500.0] {
@@ -90,13 +90,13 @@ fn terms() -> Outcome<Vec<Term>> {
     for mm in [0.0, 14.0, 20.0] {
         let value = format!("{mm} mm in place of 7 mm");
         all.push(term("radius of the rolling feet", value, move |r| {
-            r.foot.radius = 1e-3 * mm
+            r.foot.radius = 1e-3 * mm;
         }));
     }
     for x in [0.1, 0.3, 1.0] {
         let value = format!("{x} N m");
         all.push(term("friction of the axle", value, move |r| {
-            r.body.axle_friction = x
+            r.body.axle_friction = x;
         }));
     }
     let value = format!(

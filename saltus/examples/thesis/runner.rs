@@ -22,9 +22,9 @@ pub(crate) const SPEED: f64 = 3.2;
 
 /// Firing angles (rad) of open and closed loop: at rest, in the end. Source: the ends of the axes
 /// of figures 5.5 and 5.6, read as running.md says.
-const AT_REST: f64 = 0.35;
+pub(crate) const AT_REST: f64 = 0.35;
 const OPEN_END: f64 = 0.0;
-const CLOSED_END: f64 = -0.1;
+pub(crate) const CLOSED_END: f64 = -0.1;
 /// Rate (rad/s) at which the closed loop's end is reached: 3.2 m/s.
 const TOP_RATE: f64 = 13.3;
 

@@ -8,8 +8,8 @@ use saltus::numeric::statistics::median;
 use saltus::running::{Share, Together};
 
 use crate::runner::{
-    Point, ROBOTS, Ran, SPEED, Trace, chart, drawn, fixed, middle_and_best, nominal, one_line,
-    open_loop, push, runs, smooth, stacked, two_lines,
+    AT_REST, CLOSED_END, Point, ROBOTS, Ran, SPEED, Trace, chart, drawn, fixed, middle_and_best,
+    nominal, one_line, open_loop, push, runs, smooth, stacked, two_lines,
 };
 use crate::{Outcome, Section, claim, limits, signed};
 
@@ -99,10 +99,10 @@ impl Gait {
     }
 }
 
-pub(crate) fn section() -> Outcome<Section> {
-    let mut drawings = Vec::new();
-    let still = fixed_gait(&mut drawings)?;
-    let gaits = [
+/// The gaits of the table, in its order: fixed from rest and pushed, the open loop with C a number
+/// and in seconds, the closed loop with one line, two that meet, two as printed, and smooth.
+fn gaits() -> Outcome<[Gait; 8]> {
+    Ok([
         Gait::new("fixed, 0.1 rad", &fixed(FIRING_ANGLE), false)?,
         Gait::new("fixed, pushed", &fixed(FIRING_ANGLE), true)?,
         Gait::new(
@@ -119,17 +119,59 @@ pub(crate) fn section() -> Outcome<Section> {
         Gait::new("closed loop, two lines that meet", &two_lines(false), false)?,
         Gait::new("closed loop, two lines as printed", &two_lines(true), false)?,
         Gait::new("closed loop, smooth", &smooth(), false)?,
-    ];
-    let [
-        fixed_rest,
-        fixed_pushed,
-        printed,
-        seconds,
-        one,
-        two,
-        jump,
-        smooth,
-    ] = &gaits;
+    ])
+}
+
+fn running(gait: &Gait) -> Share {
+    gait.together().running[0]
+}
+
+/// How many run above 2.5 m/s.
+fn fast(gait: &Gait) -> usize {
+    gait.together().running[1].count
+}
+
+/// How many reach 3.2 m/s within 3 s.
+fn quick(gait: &Gait) -> usize {
+    gait.together().within_3_s.count
+}
+
+fn check([_, fixed_pushed, printed, seconds, one, two, jump, smooth]: &[Gait; 8]) -> Outcome<()> {
+    claim(
+        running(fixed_pushed).count == ROBOTS,
+        "5.1.2: runs after a push",
+    )?;
+    claim(running(smooth).count == ROBOTS, "the smooth law starts")?;
+    claim(
+        running(seconds).count > running(printed).count,
+        "5.1.3: more robots start with C in seconds",
+    )?;
+    claim(
+        two.end_speed() > seconds.end_speed() && jump.end_speed() > seconds.end_speed(),
+        "figure 5.6: the closed loop is faster",
+    )?;
+    claim(quick(smooth) == ROBOTS, "8.1.1: 3.2 m/s within 3 s")?;
+    claim(fast(one) < fast(two), "5.1.3: one line rarely gets fast")?;
+    claim(
+        quick(printed) > 0 && quick(seconds) == 0,
+        "5.1.3: only C as a number is quick enough",
+    )?;
+    claim(
+        Smooth::QUICK.firing_angle[0] > CLOSED_ANGLES.1,
+        "figure 5.6: the smooth law begins above its axis",
+    )?;
+    claim(
+        running(one) == running(two),
+        "5.1.3: as many start under one line as under two",
+    )
+}
+
+pub(crate) fn section() -> Outcome<Section> {
+    let mut drawings = Vec::new();
+    let still = fixed_gait(&mut drawings)?;
+    let gaits = gaits()?;
+    check(&gaits)?;
+    let [_, _, printed, seconds, _, two, jump, smooth] = &gaits;
     drawings.push((
         "open-loop.svg",
         loops(
@@ -148,38 +190,6 @@ pub(crate) fn section() -> Outcome<Section> {
             ],
         )?,
     ));
-    let mut rows = String::new();
-    for gait in &gaits {
-        writeln!(rows, "{}", gait.row())?;
-    }
-    let running = |gait: &Gait| gait.together().running[0];
-    let quick = |gait: &Gait| gait.together().within_3_s.count;
-    let fast = fixed_pushed.together().running[1].count;
-    claim(
-        running(fixed_pushed).count == ROBOTS,
-        "5.1.2: runs after a push",
-    )?;
-    claim(running(smooth).count == ROBOTS, "the smooth law starts")?;
-    claim(
-        running(seconds).count > running(printed).count,
-        "5.1.3: more robots start with C in seconds",
-    )?;
-    claim(
-        two.end_speed() > seconds.end_speed() && jump.end_speed() > seconds.end_speed(),
-        "figure 5.6: the closed loop is faster",
-    )?;
-    claim(quick(smooth) == ROBOTS, "8.1.1: 3.2 m/s within 3 s")?;
-    let one_fast = one.together().running[1].count;
-    let two_fast = two.together().running[1].count;
-    claim(one_fast < two_fast, "5.1.3: one line rarely gets fast")?;
-    claim(
-        quick(printed) > 0 && quick(seconds) == 0,
-        "5.1.3: only C as a number is quick enough",
-    )?;
-    claim(
-        Smooth::QUICK.firing_angle[0] > CLOSED_ANGLES.1,
-        "figure 5.6: the smooth law begins above its axis",
-    )?;
     let text = format!(
         "## Running (5.1)\n\nThe robot `rats-run` runs under the controller of Saltus in the \
          multi-body simulation. [running.md](running.md) describes the gaits and how the thesis' \
@@ -194,9 +204,28 @@ pub(crate) fn section() -> Outcome<Section> {
          allows that: {} robots are as quick under it, none under the second. Both readings end \
          above the axis of the figure.\n\n### The closed loop (5.1.3, figure 5.6)\n\n![Closed \
          loop: firing angle and speed](thesis/closed-loop.svg)\n\nThe thesis gives no numbers of \
-         these lines. The angles of both lines are read off the ends of the figure's axis. The \
+         these lines. They are read as going from {AT_REST} to {} rad, inside the figure's axis. The \
          smooth law begins above that axis, at {} rad. All laws end above the axis of the \
-         speeds.\n\n### The statements of 5.1 and 8.1\n\nThese are {ROBOTS} drawn robots, {TABLE:.0} \
+         speeds.\n\n{}\n### What limits the speed\n\n{}",
+        running(printed).count,
+        running(seconds).count,
+        quick(printed),
+        signed(CLOSED_END, 1),
+        Smooth::QUICK.firing_angle[0],
+        statements(&gaits)?,
+        limits::text()?,
+    );
+    Ok(Section { text, drawings })
+}
+
+fn statements(gaits: &[Gait; 8]) -> Outcome<String> {
+    let [fixed_rest, fixed_pushed, _, seconds, one, two, jump, smooth] = gaits;
+    let mut rows = String::new();
+    for gait in gaits {
+        writeln!(rows, "{}", gait.row())?;
+    }
+    Ok(format!(
+        "### The statements of 5.1 and 8.1\n\nThese are {ROBOTS} drawn robots, {TABLE:.0} \
          s from rest; the pushed ones get {} N m for 0.2 s at 0.5 s. A robot runs if it is faster \
          than 1.5 m/s over its last 4 s.\n\n| gait | run | speed in the end, median (least, \
          greatest) (m/s) | {SPEED} m/s within 3 s | {SPEED} m/s after, median (best) (s) | speed at \
@@ -205,18 +234,14 @@ pub(crate) fn section() -> Outcome<Section> {
          (8.1.1) | two lines that meet: {}; smooth law: {} |\n| {AT_1_6} m/s at 1.6 s with the \
          closed loop (figure 6.7, table 8.1) | two lines that meet: {}; smooth law: {} |\n| the \
          fixed gait cannot start itself (5.1.2) | holds but for {} |\n| after an impulse by hand it \
-         runs smoothly (5.1.2) | holds after {} N m: {} run, {fast} of them above 2.5 m/s |\n| top \
+         runs smoothly (5.1.2) | holds after {} N m: {} run, {} of them above 2.5 m/s |\n| top \
          speed at a firing angle of about 0° (5.1.2) | {} |\n| open loop: about {SPEED} m/s in the \
          end (figure 5.5) | C in seconds: {:.1} m/s at {END} s, {:.1} m/s in the end (medians of \
          those that run) |\n| a single line \"did not work\": the robot fires a couple of legs, then \
-         stalls (5.1.3) | {} run, {one_fast} of them above 2.5 m/s |\n| two lines work (5.1.3) | {} \
-         run, {two_fast} of them above 2.5 m/s: faster, but as few start |\n| the closed loop is \
+         stalls (5.1.3) | {} run, {} of them above 2.5 m/s |\n| two lines work (5.1.3) | {} \
+         run, {} of them above 2.5 m/s: faster, but as few start |\n| the closed loop is \
          faster than the open one (figure 5.6) | holds: {:.1} m/s (lines that meet) and {:.1} m/s \
-         (as printed) against {:.1} m/s |\n\n### What limits the speed\n\n{}",
-        running(printed).count,
-        running(seconds).count,
-        quick(printed),
-        Smooth::QUICK.firing_angle[0],
+         (as printed) against {:.1} m/s |\n",
         PUSHES[1],
         first(two),
         first(smooth),
@@ -225,21 +250,18 @@ pub(crate) fn section() -> Outcome<Section> {
         share(running(fixed_rest)),
         PUSHES[1],
         share(running(fixed_pushed)),
+        fast(fixed_pushed),
         firing_angles()?,
         seconds.at_end(),
         seconds.end_speed(),
         share(running(one)),
+        fast(one),
         share(running(two)),
+        fast(two),
         two.end_speed(),
         jump.end_speed(),
         seconds.end_speed(),
-        limits::text()?,
-    );
-    claim(
-        running(one) == running(two),
-        "5.1.3: as many start under one line as under two",
-    )?;
-    Ok(Section { text, drawings })
+    ))
 }
 
 fn share(share: Share) -> String {
@@ -334,9 +356,12 @@ fn points(trace: &Trace, end: f64, value: fn(&Point) -> f64) -> Vec<(f64, f64)> 
     points.map(|p| (p.time, value(p))).collect()
 }
 
+/// A line of a chart.
+type Line = (Ink<'static>, Vec<(f64, f64)>);
+
 /// Figures 5.5 and 5.6: firing angle and speed of the middle robot and the fastest.
 fn loops(angles: (f64, f64), gaits: &[(&str, &Vec<Ran>)]) -> Outcome<String> {
-    let of = |value: fn(&Point) -> f64| -> Outcome<Vec<(Ink<'static>, Vec<(f64, f64)>)>> {
+    let of = |value: fn(&Point) -> f64| -> Outcome<Vec<Line>> {
         let mut lines = Vec::new();
         for ((name, all), color) in gaits.iter().zip(COLORS) {
             let Some([middle, best]) = middle_and_best(all) else {
