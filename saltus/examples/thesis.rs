@@ -1,5 +1,5 @@
-//! Writes `docs/thesis.md`: chapter 5 of the thesis, section 5.1's valve times and section 5.2,
-//! beside what Saltus gets.
+//! Writes `docs/thesis.md`: chapter 5 of the thesis, running and jumping, and the sensors of chapter
+//! 3, beside what Saltus gets.
 //!
 //! `cargo run --release -p saltus --example thesis`
 //!
@@ -17,8 +17,16 @@ mod family;
 mod jumper;
 #[path = "thesis/law.rs"]
 mod law;
+#[path = "thesis/limits.rs"]
+mod limits;
 #[path = "thesis/obstacle.rs"]
 mod obstacle;
+#[path = "thesis/rig.rs"]
+mod rig;
+#[path = "thesis/runner.rs"]
+mod runner;
+#[path = "thesis/running.rs"]
+mod running;
 #[path = "thesis/slip.rs"]
 mod slip;
 #[path = "thesis/valve.rs"]
@@ -43,16 +51,19 @@ fn main() -> Outcome<()> {
     fs::create_dir_all(docs.join("thesis"))?;
     let mut page = format!(
         "<!-- Written by `{COMMAND}`: do not edit. -->\n\n# The thesis beside Saltus\n\nThis page \
-         compares chapter 5 of the thesis on the robot RATS with Saltus: the valve times of \
-         section 5.1 and the jumps of section 5.2. Each figure and number of the thesis stands \
-         beside the result of Saltus for the robot `rats-planar`. Nothing is tuned to agree. \
+         compares chapter 5 of the thesis on the robot RATS with Saltus: the valve times and the \
+         gaits of section 5.1 and the jumps of section 5.2, and before them the sensors of chapter \
+         3. Each figure and number of the thesis stands beside the result of Saltus: for the robot \
+         `rats-planar` where it jumps, and for `rats-run` where it runs. Nothing is tuned to agree. \
          [model.md](model.md) describes the model. This command writes the page and its \
          drawings:\n\n    {COMMAND}\n\nOf the thesis' plots, only axes, captions and text were \
          available. A comparison with a curve is therefore a comparison with the ends of its \
          axes.\n"
     );
     for section in [
+        rig::section()?,
         valve::section()?,
+        running::section()?,
         family::section()?,
         law::section()?,
         obstacle::section()?,
@@ -65,12 +76,6 @@ fn main() -> Outcome<()> {
             fs::write(docs.join("thesis").join(name), svg)?;
         }
     }
-    page.push_str(
-        "\n## Running (5.1)\n\nThe thesis also reports a run \"from rest to 3.2 m/s in less than \
-         3 seconds\", and gaits with their firing angles. They belong to a wheel that runs on \
-         several legs in turn. Saltus models one jump of one leg, so this page says nothing about \
-         them.\n",
-    );
     fs::write(docs.join("thesis.md"), wrapped(&page))?;
     Ok(())
 }
