@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Front (m) and height (m) of the box, supply pressure (psi), legs that accelerate, robots to seek
-//! on, generations.
+//! on, generations; where nothing is given, 1.3 0.16 120 3 2 1.
 
 use saltus_gait::{Crossing, Draw, Obstacle};
 use saltus_numeric::parallel::available;
@@ -21,8 +21,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .skip(1)
         .map(|x| x.parse())
         .collect::<Result<_, _>>()?;
-    let [front, height, psi, firings, robots, generations] = numbers[..] else {
-        return Err("give six numbers".into());
+    let [front, height, psi, firings, robots, generations] = match numbers[..] {
+        [] => [1.3, 0.16, 120.0, 3.0, 2.0, 1.0],
+        [a, b, c, d, e, f] => [a, b, c, d, e, f],
+        _ => return Err("give six numbers".into()),
     };
     let robot = saltus_robot::resolve(
         "rats-run",

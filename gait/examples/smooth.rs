@@ -6,7 +6,7 @@
 //! ```
 //!
 //! The aim is time (to 1.6 m), speed (in the end) or gas (a metre at 3.2 m/s or more); then come how
-//! many robots it is sought on, and for how many generations.
+//! many robots it is sought on, and for how many generations: 2 and 1 where nothing is given.
 
 use saltus_gait::{
     Draw, Ensemble, Lines, Program, Search, Setup, Smooth, Summary, drawn_robot, run, search,
@@ -35,8 +35,10 @@ fn worth(aim: &str, s: &Summary) -> f64 {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [aim, robots, generations] = &arguments[..] else {
-        return Err("give time, speed or gas; robots; generations".into());
+    let [aim, robots, generations] = match &arguments[..] {
+        [] => ["time", "2", "1"],
+        [aim, robots, generations] => [aim, robots, generations].map(String::as_str),
+        _ => return Err("give time, speed or gas; robots; generations".into()),
     };
     let (robots, generations): (usize, usize) = (robots.parse()?, generations.parse()?);
     let base = saltus_robot::resolve("rats-run", &[])?;

@@ -4,6 +4,8 @@
 //! ```text
 //! cargo run --release -p saltus-gait --example speed -- 100
 //! ```
+//!
+//! So many runs for each speed; 4 where nothing is given.
 
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
@@ -60,10 +62,8 @@ fn one(base: &Setup, k: usize) -> Result<(f64, usize, f64), GaitError> {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let count: usize = std::env::args()
-        .nth(1)
-        .ok_or("give how many runs")?
-        .parse()?;
+    let given = std::env::args().nth(1);
+    let count: usize = given.map_or(Ok(4), |count| count.parse())?;
     let robot = saltus_robot::resolve("rats-run", &[])?;
     for speed in [1.0, 1.5, 2.0, 2.5, 3.0] {
         let speeds = [[0.0, speed], [COUNTS[1], 0.0]];

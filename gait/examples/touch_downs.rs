@@ -7,7 +7,7 @@
 //!
 //! Rows of STATES.csv: coordinates, velocities, chamber pressures, and when each valve itself is
 //! open, in seconds from the state on; of OURS.csv: time, leg, speed of the axle along the travel
-//! (m/s), lean (rad) and rate (rad/s) just before.
+//! (m/s), lean (rad) and rate (rad/s) just before. Where nothing is given, five of these are printed.
 
 use std::fmt::Write as _;
 
@@ -128,10 +128,11 @@ fn header() -> String {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [states, ours, count] = &arguments[..] else {
-        return Err("give STATES.csv, OURS.csv and how many".into());
+    let (files, count) = match &arguments[..] {
+        [] => (None, 5),
+        [states, ours, count] => (Some([states, ours]), count.parse()?),
+        _ => return Err("give STATES.csv, OURS.csv and how many".into()),
     };
-    let count: usize = count.parse()?;
     let mut robot = saltus_robot::resolve("rats-run", &["ground.across_friction=0".into()])?;
     let delay = robot.leg.delay;
     robot.sensors.get_or_insert_default().period = CYCLE;
@@ -156,8 +157,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             eprintln!("run {seed}: {error}");
         }
     }
-    std::fs::write(states, recorder.states)?;
-    std::fs::write(ours, recorder.ours)?;
+    match files {
+        Some([states, ours]) => {
+            std::fs::write(states, recorder.states)?;
+            std::fs::write(ours, recorder.ours)?;
+        }
+        None => print!("{}", recorder.ours),
+    }
     Ok(())
 }
 
