@@ -121,7 +121,12 @@ impl Crossing {
         let score = |x: &[f64]| {
             let plan = self.read(x);
             let worth = |(k, robot): (usize, &Robot)| {
-                let fare = self.fare(&plan, robot.clone(), self.seed + k as u64, false);
+                let fare = self.fare(
+                    &plan,
+                    robot.clone(),
+                    self.seed.wrapping_add(k as u64),
+                    false,
+                );
                 fare.map_or(-1.0, |fare| self.worth(&fare))
             };
             robots.iter().enumerate().map(worth).sum::<f64>() / robots.len() as f64
@@ -213,7 +218,14 @@ impl Crossing {
     ) -> Result<Vec<Crossed>, GaitError> {
         let one = |k: usize| {
             let robot = drawn_robot(&self.robot, &self.draw, seed, k)?;
-            self.fare(plan, robot, seed + k as u64, true)
+            let seed = seed.wrapping_add(k as u64);
+            let free = self.fare(plan, robot.clone(), seed, false)?;
+            // Until it would touch the box, the run is the same: only what clears it meets it.
+            if free.cleared {
+                self.fare(plan, robot, seed, true)
+            } else {
+                Ok(free)
+            }
         };
         parallel::map_on(threads, robots, one).into_iter().collect()
     }
