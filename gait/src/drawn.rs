@@ -10,7 +10,7 @@ use crate::{GaitError, error::require};
 
 /// How robots are drawn around one.
 ///
-/// Source: READING of the thesis, finding 2: the 9.7 N of table 4.2 were fitted on extensions, where
+/// Source: thesis 4.3.3: the 9.7 N of table 4.2 were fitted on extensions, where
 /// friction and spring act together, so that their shares are open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Draw {

