@@ -499,3 +499,21 @@ fn a_ball_bounces_to_e_squared_of_its_height() -> Result<(), SimError> {
     }
     Ok(())
 }
+
+/// What a gyro on the wheel of a raised boom says is the wheel's angular velocity along its axle.
+#[test]
+fn a_gyro_on_a_raised_boom_feels_the_turn() {
+    let robot = saltus_robot::resolve("rats-boom", &[]).unwrap();
+    let rig = saltus_sim_check::Rig::new(&robot, &[]).unwrap();
+    let tree = &rig.mechanism.tree;
+    let (mut q, mut v) = (vec![0.0; tree.coordinates()], vec![0.0; tree.velocities()]);
+    (q[1], v[0], v[1]) = (0.3, 1.2, -0.4);
+    v[rig.lean_velocity()] = 5.0;
+    let mut pose = saltus_sim_check::Pose::default();
+    pose.set(tree, &q, &v);
+    let frame = &pose.frames[rig.wheel];
+    let axle = frame.point(&Vec3::y()) - frame.point(&Vec3::zeros());
+    let felt = pose.velocities[rig.wheel].angular.dot(&axle);
+    assert!((rig.spin(&q, &v) - felt).abs() < 1e-14, "{felt}");
+    assert!((felt - 5.0).abs() > 0.3, "the turn is felt: {felt}");
+}
