@@ -503,8 +503,8 @@ fn a_ball_bounces_to_e_squared_of_its_height() -> Result<(), SimError> {
 /// What a gyro on the wheel of a raised boom says is the wheel's angular velocity along its axle.
 #[test]
 fn a_gyro_on_a_raised_boom_feels_the_turn() {
-    let robot = saltus_robot::resolve("rats-boom", &[]).unwrap();
-    let rig = saltus_sim_check::Rig::new(&robot, &[]).unwrap();
+    let robot = saltus_robot::resolve("rats-boom", &[]).expect("built in");
+    let rig = saltus_sim_check::Rig::new(&robot, &[]).expect("a rig");
     let tree = &rig.mechanism.tree;
     let (mut q, mut v) = (vec![0.0; tree.coordinates()], vec![0.0; tree.velocities()]);
     (q[1], v[0], v[1]) = (0.3, 1.2, -0.4);
