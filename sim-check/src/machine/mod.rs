@@ -133,6 +133,9 @@ pub(crate) struct Machine<'a> {
     pub owners: Vec<Owner>,
     pub problem: Problem,
     pub touches: Vec<Touch>,
+    /// Velocity (m/s or rad/s) below which something counts as standing now: [`STANDING`], or more
+    /// while a motion chatters.
+    pub standing: f64,
     /// Accelerations (welded).
     pub acceleration: Vec<f64>,
     /// Whether the contact forces are one choice of many.
@@ -201,6 +204,7 @@ impl<'a> Machine<'a> {
             owners: Vec::new(),
             problem: Problem::default(),
             touches: Vec::new(),
+            standing: STANDING,
             acceleration: Vec::new(),
             redundant: false,
             pressures: vec![0.0; layout.legs],

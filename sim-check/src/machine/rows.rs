@@ -205,7 +205,7 @@ impl Machine<'_> {
             };
             let stands = match rows {
                 Rows::Holding => grips[axis] == Grip::Held,
-                Rows::Candidates => speed <= STANDING,
+                Rows::Candidates => speed <= self.standing,
                 Rows::Impact => true,
             };
             if stands {
@@ -281,7 +281,7 @@ impl Machine<'_> {
             };
             let stands = match rows {
                 Rows::Holding => grips[axis] == Grip::Held,
-                Rows::Candidates => speed <= STANDING,
+                Rows::Candidates => speed <= self.standing,
                 Rows::Impact => true,
             };
             if stands {
@@ -333,7 +333,7 @@ impl Machine<'_> {
                     Bounds::Between(f64::NEG_INFINITY, 0.0)
                 }
                 (Rows::Impact, _) => continue,
-                (Rows::Candidates, _) if self.v[k].abs() > STANDING => continue,
+                (Rows::Candidates, _) if self.v[k].abs() > self.standing => continue,
                 (Rows::Candidates, JointMode::Free | JointMode::Sliding(_)) if dry == 0.0 => {
                     continue;
                 }

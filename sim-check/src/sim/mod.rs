@@ -155,6 +155,9 @@ const BURST: usize = 2000;
 const BURST_SPAN: f64 = 1e-3;
 /// Of these, how many are more than what rocks or rattles to rest.
 const BACK_AGAIN: usize = 1000;
+/// Velocity (m/s or rad/s) below which something then counts as standing: what falls by [`HAIR`]
+/// gets no faster.
+const CHATTER: f64 = 1e-6;
 
 /// A gap (m) below which round-off says whether a point that has just left its surface is above it.
 const JUST_LEFT: f64 = 1e-12;

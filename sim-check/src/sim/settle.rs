@@ -4,7 +4,7 @@ use super::guards::Guard;
 use super::{Happening, Sim, Stepping};
 use crate::SimError;
 use crate::complementarity::Grip;
-use crate::machine::{Owner, Rows, STANDING};
+use crate::machine::{Owner, Rows};
 use crate::mode::JointMode;
 
 impl Sim<'_> {
@@ -18,7 +18,7 @@ impl Sim<'_> {
             self.part(self.rest_speed());
             return Ok(());
         }
-        self.part(STANDING);
+        self.part(self.machine.standing);
         self.free_joints(forced);
         self.orient(forced);
         self.machine.assemble(&self.y, &self.mode, Rows::Candidates);
@@ -96,7 +96,9 @@ impl Sim<'_> {
             match self.mode.joints[body] {
                 JointMode::Latched => {}
                 _ if forced == Some(Guard::Release(body)) => {}
-                JointMode::Held(_) | JointMode::Sliding(_) if speed.abs() > STANDING => {
+                JointMode::Held(_) | JointMode::Sliding(_)
+                    if speed.abs() > self.machine.standing =>
+                {
                     self.mode.joints[body] = self.moving(body, speed.signum());
                 }
                 _ => {}
@@ -121,7 +123,7 @@ impl Sim<'_> {
                     if width == 2 { touch.speeds.z } else { 0.0 },
                 ];
                 let speed = v[0].hypot(v[1]);
-                if speed > STANDING {
+                if speed > self.machine.standing {
                     self.mode.contacts[c].grips[axis] = match width {
                         2 => Grip::Along([v[0] / speed, v[1] / speed]),
                         _ if v[0] > 0.0 => Grip::Low,
