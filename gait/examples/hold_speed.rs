@@ -82,10 +82,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         let means = sorted(runs.iter().map(|r| r.0).collect());
         let stops = sorted(runs.iter().map(|r| r.2).collect());
+        let near = stops.iter().filter(|way| **way <= 2.0).count();
         let last = count - 1;
         println!(
             "{speed} m/s: mean within 5 % in {within} of {count} ({:.2} to {:.2}), {stalled} \
-             stalled; stops within {:.2} m (median), {:.2} m (greatest)",
+             stalled; stops within {:.2} m (median), {:.2} m (greatest), {near} within 2 m",
             means[0],
             means[last],
             stops[count / 2],
