@@ -93,6 +93,18 @@ pub(crate) struct Touch {
     pub spring: Option<f64>,
 }
 
+/// Joints that rest, taken to stay so in a fixed step, and what tells whether they do.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Folded {
+    /// Body and velocity index of each.
+    pub joints: Vec<(usize, usize)>,
+    /// Its row of the mass matrix, and the force on it.
+    mass: Vec<f64>,
+    pulls: Vec<f64>,
+    /// Its entry in each constraint row, joint by joint.
+    jacobian: Vec<f64>,
+}
+
 /// Which constraints take part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rows {
@@ -157,6 +169,8 @@ pub(crate) struct Machine<'a> {
     start: Vec<f64>,
     /// Room for a change of velocities, welded.
     change: Vec<f64>,
+    /// Joints at rest that a step leaves out.
+    pub folded: Folded,
     /// For each body: the leg that it is, and its joint's end stops.
     leg_of: Vec<Option<usize>>,
     stops: Vec<(f64, f64)>,
@@ -216,6 +230,7 @@ impl<'a> Machine<'a> {
             damping: Vec::new(),
             start: Vec::new(),
             change: Vec::new(),
+            folded: Folded::default(),
             leg_of: bodies.clone().map(|body| mechanism.leg_of(body)).collect(),
             stops: bodies.map(|body| mechanism.stops(body)).collect(),
             gas_rates: vec![0.0; layout.legs],

@@ -8,7 +8,7 @@
 //! Source: Jean & Moreau, Unilaterality and dry friction in the dynamics of rigid body collections
 //! (1992); Acary & Brogliato, Numerical Methods for Nonsmooth Dynamical Systems (2008), chapter 10.
 
-use super::{CONTACT_LOSS, JOINT_LOSS, Machine, Owner, Touch};
+use super::{CONTACT_LOSS, JOINT_LOSS, Machine, Owner, STANDING, Touch};
 use crate::complementarity::{Bounds, Element, Grip};
 use crate::linear::{backward, cholesky, forward};
 use crate::mode::{JointMode, Mode, Stop};
@@ -20,14 +20,15 @@ const RESOLVED: f64 = 0.1;
 
 impl Machine<'_> {
     /// The problem of a step of `h` (s) that starts at the velocities of `start`; `middle` is the
-    /// state half way, and `acceleration` the one that led there (all velocities).
+    /// state half way, and `acceleration` the one that led there (all velocities). With `folds`,
+    /// joints at rest are taken to stay so: [`stay`](Self::stay) says whether they do.
     pub(crate) fn assemble_step(
         &mut self,
         start: &[f64],
-        middle: &[f64],
-        acceleration: &[f64],
+        (middle, acceleration): (&[f64], &[f64]),
         mode: &Mode,
         h: f64,
+        folds: bool,
     ) {
         self.place(middle);
         let n = self.n();
@@ -46,6 +47,7 @@ impl Machine<'_> {
         self.apply_joints(middle, mode);
         self.apply_drag();
         self.soften(acceleration, h);
+        self.fold(mode, folds);
         self.sound = cholesky(&mut self.mass, n);
         self.touch(mode);
         self.clear_rows();
@@ -53,8 +55,78 @@ impl Machine<'_> {
             let touch = self.touches[i];
             self.contact_step_rows(&touch, mode);
         }
+        self.fold_rows();
         self.joint_step_rows(mode, h);
         self.couple_step(h);
+    }
+
+    /// Takes joints at rest out of the equations, if `folds`: most legs of a running robot are home.
+    fn fold(&mut self, mode: &Mode, folds: bool) {
+        let n = self.n();
+        self.folded.joints.clear();
+        self.folded.mass.clear();
+        self.folded.pulls.clear();
+        if !folds {
+            return;
+        }
+        for body in 0..self.dof.len() {
+            let (Some(k), JointMode::Held(_)) = (self.dof[body], mode.joints[body]) else {
+                continue;
+            };
+            if self.start[k].abs() > STANDING {
+                continue;
+            }
+            self.folded.joints.push((body, k));
+            self.folded.mass.extend(&self.mass[k * n..(k + 1) * n]);
+            self.folded.pulls.push(std::mem::take(&mut self.free[k]));
+        }
+        for &(_, k) in &self.folded.joints {
+            for l in 0..n {
+                self.mass[k * n + l] = 0.0;
+                self.mass[l * n + k] = 0.0;
+            }
+            self.mass[k * n + k] = 1.0;
+        }
+    }
+
+    /// Takes joints at rest out of the contacts' rows.
+    fn fold_rows(&mut self) {
+        let n = self.n();
+        self.folded.jacobian.clear();
+        for &(_, k) in &self.folded.joints {
+            for r in 0..self.problem.rows {
+                let entry = std::mem::take(&mut self.jacobian[r * n + k]);
+                self.folded.jacobian.push(entry);
+            }
+        }
+    }
+
+    /// Whether the joints that the step of `h` has left out stay at rest: what holds each is within
+    /// its bounds.
+    pub(crate) fn stay(&self, mode: &Mode, h: f64) -> bool {
+        let n = self.n();
+        let rows = self.folded.jacobian.len() / self.folded.joints.len().max(1);
+        self.folded
+            .joints
+            .iter()
+            .enumerate()
+            .all(|(i, &(body, _))| {
+                let JointMode::Held(stop) = mode.joints[body] else {
+                    return false;
+                };
+                let product =
+                    |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+                let carried = product(&self.folded.mass[i * n..(i + 1) * n], &self.change);
+                let entries = &self.folded.jacobian[i * rows..(i + 1) * rows];
+                let pushed = product(entries, &self.problem.force);
+                let hold = carried - h * self.folded.pulls[i] - pushed;
+                let dry = self.dry_friction(body) * h;
+                match stop {
+                    Stop::Low => hold >= -dry,
+                    Stop::High => hold <= dry,
+                    Stop::Between => hold.abs() <= dry,
+                }
+            })
     }
 
     /// Makes springs and dampers act on the mean of both ends of the step: forces k (h²/8 v̇ − h/4
@@ -113,6 +185,9 @@ impl Machine<'_> {
             let (Some(k), JointMode::Held(stop)) = (self.dof[body], mode.joints[body]) else {
                 continue;
             };
+            if self.folded.joints.iter().any(|joint| joint.0 == body) {
+                continue;
+            }
             let dry = self.dry_friction(body) * h;
             let bounds = match stop {
                 Stop::Low => Bounds::Between(-dry, f64::INFINITY),

@@ -9,9 +9,6 @@ use crate::complementarity::{Bounds, Grip};
 use crate::machine::{Owner, Rows, STANDING};
 use crate::mode::{ContactMode, JointMode, Stop};
 
-/// The bounds of what is held whatever it takes.
-const HELD: Bounds = Bounds::Between(f64::NEG_INFINITY, f64::INFINITY);
-
 impl Sim<'_> {
     /// Lets the event of `guard` happen; the watch that it was, if it was one.
     pub(super) fn happen(&mut self, guard: Guard) -> Result<Option<usize>, SimError> {
@@ -380,8 +377,7 @@ impl Sim<'_> {
     /// A body that rocks flat hits with one corner and lifts another ever more slowly, infinitely
     /// often in a finite time; so do legs at their stops, which hit each other through the wheel. So
     /// where the corner or the leg that hits is slower than the rest speed, those that it would lift
-    /// or let slip more slowly than that stay where they are. Two feet of which one slips would else
-    /// lift each other in turn.
+    /// more slowly than that stay where they are.
     fn capture(&mut self, hit: Option<Owner>) {
         let (machine, slow) = (&mut self.machine, self.settings.rest_speed);
         let hits_slowly =
@@ -392,21 +388,16 @@ impl Sim<'_> {
         let plain = machine.problem.clone();
         for e in &mut machine.problem.elements {
             let motion = plain.motion[e.row];
-            let (is_slow, held) = match (machine.owners[e.row], e.bounds) {
-                (Owner::Tangent(..), Bounds::Friction { rows, .. }) => {
-                    let slip = &plain.motion[e.row..e.row + rows];
-                    let held = Bounds::Friction {
-                        normal: None,
-                        limit: f64::INFINITY,
-                        rows,
-                    };
-                    (slip.iter().all(|w| w.abs() < slow), held)
-                }
-                (_, Bounds::Between(0.0, _)) => ((0.0..slow).contains(&motion), HELD),
-                _ => ((0.0..slow).contains(&-motion), HELD),
+            let lifts = match (machine.owners[e.row], e.bounds) {
+                (Owner::Tangent(..), _) => false,
+                (_, Bounds::Between(0.0, _)) => (0.0..slow).contains(&motion),
+                _ => (0.0..slow).contains(&-motion),
             };
-            if is_slow {
-                (e.bounds, e.grip) = (held, Grip::Held);
+            if lifts {
+                (e.bounds, e.grip) = (
+                    Bounds::Between(f64::NEG_INFINITY, f64::INFINITY),
+                    Grip::Held,
+                );
             }
         }
         if !machine.problem.resolve() {

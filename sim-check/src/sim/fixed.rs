@@ -126,13 +126,16 @@ impl Sim<'_> {
         if !fixed.is_known {
             fixed.acceleration.fill(0.0);
         }
-        // Joints that turn back and legs that are let go of change who takes part, each once.
-        for _ in 0..2 + 2 * self.mode.joints.len() {
+        let mut folds = true;
+        // Joints that turn back and legs that are let go of change who takes part, each once; so do
+        // joints that rested.
+        for _ in 0..3 + 2 * self.mode.joints.len() {
             self.restore(fixed);
             self.go_half_way(fixed, h);
             self.evaluations += 1;
             let (machine, mode) = (&mut self.machine, &self.mode);
-            machine.assemble_step(&self.y, &fixed.middle, &fixed.acceleration, mode, h);
+            let way = (&fixed.middle[..], &fixed.acceleration[..]);
+            machine.assemble_step(&self.y, way, mode, h, folds);
             if !machine.sound {
                 return Err(SimError::Diverged {
                     time: self.time,
@@ -149,6 +152,10 @@ impl Sim<'_> {
                 return Err(self.inconsistent());
             }
             machine.step_acceleration(h, &mut fixed.next_acceleration);
+            if folds && !machine.stay(&self.mode, h) {
+                folds = false;
+                continue;
+            }
             if self.revise(fixed, h) {
                 fixed.acceleration.fill(0.0);
                 fixed.is_known = false;
@@ -539,6 +546,19 @@ impl Sim<'_> {
                 }
                 Owner::Tangent(c, axis) => self.adopt_grip(c, axis, e.grip),
                 Owner::Joint(body) => self.adopt_joint(body, e.grip),
+            }
+        }
+        self.adopt_rest();
+    }
+
+    /// Joints that the step has left out rest where they are held.
+    fn adopt_rest(&mut self) {
+        for i in 0..self.machine.folded.joints.len() {
+            let body = self.machine.folded.joints[i].0;
+            if let JointMode::Held(_) = self.mode.joints[body] {
+                let stop = self.stop_of(body);
+                self.mode.joints[body] = JointMode::Held(stop);
+                self.machine.put_at_stop(&mut self.y, body, stop);
             }
         }
     }
