@@ -28,7 +28,36 @@ pub struct Draw {
     pub across: f64,
 }
 
+/// What is drawn around `rats-run`, whose friction and spring come to 9.7 N at mid stroke: dry
+/// friction from 1 N to all of it, friction of the ground from 0.6 to 1.2 around 0.9.
+const LEAST_FRICTION: f64 = 1.0 / 9.7;
+const ALONG: [f64; 2] = [0.6 / 0.9, 1.2 / 0.9];
+
+impl Draw {
+    /// What is drawn around `robot`: its friction and spring at mid stroke, split anew; its supply;
+    /// its friction along the travel. Other numbers stay.
+    pub fn around(robot: &Robot) -> Draw {
+        let leg = &robot.leg;
+        let spring = leg.return_spring.map_or(0.0, |spring| {
+            spring.preload + 0.5 * leg.stroke * spring.stiffness
+        });
+        // The last digits of a sum are no part of what is known.
+        let round = |x: f64| {
+            let rounded = (x * 1e9).round() / 1e9;
+            if rounded.is_finite() { rounded } else { x }
+        };
+        let total = round(leg.coulomb_friction + spring);
+        Draw {
+            friction: [round(total * LEAST_FRICTION), total],
+            total,
+            along: ALONG.map(|part| round(part * robot.ground.static_friction)),
+            ..Draw::default()
+        }
+    }
+}
+
 impl Default for Draw {
+    /// Around `rats-run`.
     fn default() -> Draw {
         Draw {
             friction: [1.0, 9.7],
@@ -111,5 +140,25 @@ impl Ensemble {
         parallel::map_on(threads, self.robots, one)
             .into_iter()
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn robots_are_drawn_around_the_given_one() -> Result<(), Box<dyn std::error::Error>> {
+        let robot = saltus_robot::resolve("rats-run", &[])?;
+        assert_eq!(Draw::around(&robot), Draw::default());
+        let set = ["leg.coulomb_friction_n=1", "ground.static_friction=0.3"];
+        let robot = saltus_robot::resolve("rats-run", &set.map(String::from))?;
+        let draw = Draw::around(&robot);
+        assert!((draw.total - 7.7).abs() < 1e-9 && (draw.along[1] - 0.4).abs() < 1e-9);
+        let drawn = drawn_robot(&robot, &draw, 3, 5)?;
+        let spring = drawn.leg.return_spring.ok_or("a spring")?;
+        let middle = drawn.leg.coulomb_friction + spring.preload + 0.03 * spring.stiffness;
+        assert!((middle - 7.7).abs() < 1e-9, "{middle}");
+        Ok(())
     }
 }

@@ -21,7 +21,8 @@ pub enum GaitError {
     #[error(
         "the robot cannot tell on which two feet it stands: {}", match .0 {
             Unsure::AskLater => "too few readings",
-            Unsure::Moving => "the accelerometer does not read gravity alone",
+            Unsure::Moving => "a gyro says that the wheel turns by more than 0.8 rad/s, or the mean of the fine \
+             accelerometer differs from gravity by more than 15 %",
             Unsure::Between => "gravity lies between two poses of rest",
             Unsure::Saturated => "the fine accelerometer is at the end of its range",
         }

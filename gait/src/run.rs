@@ -199,6 +199,10 @@ const BESIDE: f64 = 0.8;
 const LONGEST: f64 = 1e5;
 /// Time (s) over which speeds are means: about one stride at running speed.
 const MEAN: f64 = 0.15;
+/// Time (s) at the end over which the last speed is a mean.
+const LAST: f64 = 4.0;
+/// Speed (m/s) below which a robot whose wheel does not turn stands still: above it, it flies.
+const STANDS: f64 = 0.1;
 
 /// The robot at the begin of a cycle, and what was decided.
 #[derive(Clone, Debug)]
@@ -225,6 +229,8 @@ pub struct Row<'r> {
     pub readings: Readings,
     /// What the controller decided.
     pub action: Action<f64>,
+    /// Whether it has stood still for the time that makes a stall, though it was to run.
+    pub stands: bool,
     /// The contacts that are closed, with their forces, where the follower
     /// [asks](Run::asks_contacts) for them.
     pub contacts: &'r [Contact],
@@ -260,8 +266,12 @@ pub enum Ending {
 pub struct Summary {
     /// How it ended.
     pub ending: Ending,
+    /// How long it ran (s).
+    pub time: f64,
     /// Travel (m).
     pub travel: f64,
+    /// Way (m): travel without sign, summed over the stretches between turns of the demanded speed.
+    pub way: f64,
     /// Mean speed (m/s).
     pub mean_speed: f64,
     /// Mean speed over the last 4 s (m/s); over all of a shorter run.
@@ -300,6 +310,14 @@ pub struct Summary {
     pub gas_residual: f64,
     /// The rear leg of the two on which the controller found itself at the start.
     pub rear: u32,
+}
+
+impl Row<'_> {
+    /// The firing angle (rad) that held; none where no leg was to fire.
+    pub fn firing_angle(&self) -> Option<f64> {
+        let angle = self.action.firing_angle;
+        (angle < std::f64::consts::PI).then_some(angle)
+    }
 }
 
 /// What follows a run as it goes.
@@ -399,13 +417,19 @@ struct Loop<'a, 's, F> {
     recent: VecDeque<f64>,
     /// Cycles in 0.15 s.
     window: usize,
+    /// Since when (s) and where (m) it stands still.
     still: Option<(f64, f64)>,
+    /// Demanded speed (m/s), and the travel (m) at its last turn.
+    demand: Option<f64>,
+    turned_at: f64,
+    /// Whether it is to stand.
+    is_to_stand: bool,
     extensions: Vec<f64>,
     pressures: Vec<f64>,
     summary: Summary,
     stored: f64,
-    /// Time (s) and travel (m) 4 s before the end.
-    late: [f64; 2],
+    /// Travels (m) of the last 4 s.
+    late: VecDeque<f64>,
 }
 
 impl<'a, 's, F: Run> Loop<'a, 's, F> {
@@ -430,11 +454,16 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             recent: VecDeque::new(),
             window: counted(MEAN / period).max(1),
             still: None,
+            demand: None,
+            turned_at: 0.0,
+            is_to_stand: false,
             extensions: vec![0.0; legs],
             pressures: vec![0.0; legs],
             summary: Summary {
                 ending: Ending::Ran,
+                time: 0.0,
                 travel: 0.0,
+                way: 0.0,
                 mean_speed: 0.0,
                 last_speed: 0.0,
                 top_speed: 0.0,
@@ -456,14 +485,14 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
                 rear,
             },
             stored,
-            late: [0.0; 2],
+            late: VecDeque::new(),
         })
     }
 
     fn go(mut self) -> Result<Summary, GaitError> {
         let period = self.setup.sensors().period;
         let cycles = counted((self.setup.seconds / period - 1e-9).ceil());
-        let late = cycles.saturating_sub(counted(4.0 / period));
+        let lately = counted(LAST / period).max(1);
         let mut ran = cycles;
         for cycle in 0..cycles {
             if !self.follower.goes_on() {
@@ -473,13 +502,16 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             let now = self.world.read();
             let later = |speed: &&[f64; 2]| speed[0] <= now.time + 1e-9;
             if let Some([_, speed]) = self.setup.speeds.iter().rev().find(later) {
+                self.turn(*speed);
                 self.runner.demand(*speed);
             }
             let action = self.runner.step(&now.readings);
             self.tell(now.time, now.readings, action);
-            if cycle == late {
-                self.late = [now.time, self.travel()];
+            if self.late.len() == lately {
+                self.late.pop_front();
             }
+            let travel = self.travel();
+            self.late.push_back(travel);
             let fire = action.leg.map(|leg| (leg as usize, action.valve_open));
             self.summary.firings += usize::from(fire.is_some());
             let summary = &mut self.summary;
@@ -507,6 +539,19 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         Ok(self.finish(ran as f64 * period))
     }
 
+    /// Takes up the demanded speed `speed` (m/s).
+    fn turn(&mut self, speed: f64) {
+        if self.demand.is_some_and(|before| before * speed < 0.0) {
+            let travel = self.travel();
+            self.summary.way += (travel - self.turned_at).abs();
+            self.turned_at = travel;
+        }
+        if speed != 0.0 || self.demand.is_none() {
+            self.demand = Some(speed);
+        }
+        self.is_to_stand = speed == 0.0;
+    }
+
     fn travel(&mut self) -> f64 {
         let rig = self.world.rig();
         rig.axle(self.world.sim().coordinates())[0]
@@ -523,9 +568,25 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             self.pressures[leg] = sim.pressure(leg);
         }
         let (q, v) = (sim.coordinates(), sim.velocities());
-        let row = Row {
+        let axle = rig.axle(q);
+        let travel = axle[0];
+        if self.recent.len() > self.window {
+            self.recent.pop_front();
+        }
+        self.recent.push_back(travel);
+        let period = self.setup.sensors().period;
+        let oldest = self.recent.front().copied().unwrap_or(travel);
+        let sign = if self.setup.forwards { 1.0 } else { -1.0 };
+        let speed = sign * (travel - oldest) / (self.window as f64 * period);
+        let stall = self.setup.stall;
+        if speed.abs() >= STANDS || action.rate.abs() >= stall.rate {
+            self.still = None;
+        } else if action.stalled {
+            self.still.get_or_insert((time - stall.time, travel));
+        }
+        self.follower.row(&Row {
             time,
-            axle: rig.axle(q),
+            axle,
             axle_rates: rig.axle_rates(q, v),
             lean: q[rig.lean_coordinate()],
             rate: v[rig.lean_velocity()],
@@ -535,10 +596,9 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             pressures: &self.pressures,
             readings,
             action,
+            stands: self.still.is_some() && !self.is_to_stand,
             contacts: &contacts,
-        };
-        let travel = row.axle[0];
-        self.follower.row(&row);
+        });
         let obstacles = self.setup.obstacles.iter().zip(&self.boxes);
         for ((obstacle, surface), least) in obstacles.zip(&mut self.summary.clearances) {
             let (front, back) = (obstacle.front, obstacle.front + obstacle.length);
@@ -546,14 +606,6 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
                 *least = least.min(rig.clearance(q, surface));
             }
         }
-        if self.recent.len() > self.window {
-            self.recent.pop_front();
-        }
-        self.recent.push_back(travel);
-        let period = self.setup.sensors().period;
-        let oldest = self.recent.front().copied().unwrap_or(travel);
-        let sign = if self.setup.forwards { 1.0 } else { -1.0 };
-        let speed = sign * (travel - oldest) / (self.window as f64 * period);
         let s = &mut self.summary;
         s.top_speed = s.top_speed.max(speed);
         if s.reached_3_2.is_none() && speed >= 3.2 {
@@ -565,18 +617,15 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         if s.time_to_1_6_m.is_none() && sign * travel >= 1.6 {
             s.time_to_1_6_m = Some(time);
         }
-        if action.stalled {
-            self.still
-                .get_or_insert((time - self.setup.stall.time, travel));
-        } else {
-            self.still = None;
-        }
     }
 
     fn finish(mut self, end: f64) -> Summary {
         let travel = self.travel();
         let legs = self.extensions.len();
-        let [late, travel_then] = self.late;
+        let travel_then = self.late.front().copied().unwrap_or(travel);
+        let lately = self.late.len() as f64 * self.setup.sensors().period;
+        let is_to_stand = self.is_to_stand;
+        let turned_at = self.turned_at;
         let stored = self.stored;
         let still = self.still;
         let residual = self.world.residual();
@@ -597,12 +646,14 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             }
         }
         s.gas_residual = gas_now - stored - explained;
+        s.time = end;
         s.travel = travel;
+        s.way += (travel - turned_at).abs();
         s.mean_speed = travel / end;
-        s.last_speed = (travel - travel_then) / (end - late);
+        s.last_speed = (travel - travel_then) / lately;
         s.ledger = sim.ledger();
         s.residual = residual;
-        if let Some((since, at)) = still {
+        if let (Some((since, at)), false) = (still, is_to_stand) {
             s.ending = Ending::Stalled { since, at };
         }
         s

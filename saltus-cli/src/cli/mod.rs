@@ -85,6 +85,8 @@ pub(crate) enum Status {
     Done,
     /// The answer is no.
     No,
+    /// The answer is of the part that was done before Ctrl-C.
+    Interrupted,
 }
 
 impl Command {
@@ -112,6 +114,7 @@ pub(crate) fn main() -> ExitCode {
     match Cli::parse().command.run() {
         Ok(Status::Done) => ExitCode::SUCCESS,
         Ok(Status::No) => ExitCode::FAILURE,
+        Ok(Status::Interrupted) => ExitCode::from(130),
         Err(error) => {
             // Where stderr is closed, the exit code has to do.
             let _ = writeln!(std::io::stderr(), "error: {error}");

@@ -62,7 +62,7 @@ impl Run {
             setup: setup.clone(),
             draw: Draw {
                 across: self.drawn_across,
-                ..Draw::default()
+                ..Draw::around(&setup.robot)
             },
             robots,
             seed: self.seed,
@@ -239,7 +239,7 @@ impl Many<'_> {
             Cell::Count(run.bump_count),
             run.gas.into(),
             run.ledger.drive.into(),
-            run.residual.into(),
+            (-run.residual).into(),
             Cell::Empty,
         ]
     }

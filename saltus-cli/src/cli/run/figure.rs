@@ -11,16 +11,22 @@ use crate::plot::sheet::{Panel, Sheet};
 /// Wheel angle, rate, firing angle and speed over time, each on the thesis' axis at least.
 pub(super) fn drawing(report: &Report<'_>, line: &Thinned) -> Drawing {
     let end = report.setup.seconds;
+    // Where no leg was to fire, the line of its angle is cut.
+    let stretches = |column: usize| {
+        let cut = line.points.split(move |p| p[column].is_nan());
+        let lines = cut.filter(|points| !points.is_empty()).map(|points| Line {
+            label: None,
+            points: points.iter().map(|p| (p[0], p[column])).collect(),
+            color: BLUE,
+            mark: Mark::Solid,
+        });
+        lines.collect()
+    };
     let panel = |title: &str, y: &'static str, column: usize, least: [f64; 2]| Panel {
         title: title.into(),
         x: "time (s)",
         y,
-        lines: vec![Line {
-            label: None,
-            points: line.points.iter().map(|p| (p[0], p[column])).collect(),
-            color: BLUE,
-            mark: Mark::Solid,
-        }],
+        lines: stretches(column),
         least: Some([[0.0, end], least]),
     };
     let angles = match report.chosen.kind {

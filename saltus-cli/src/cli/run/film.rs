@@ -80,7 +80,7 @@ impl Film {
                 row.rate,
                 action.rate,
                 action.lean,
-                action.firing_angle,
+                row.firing_angle().unwrap_or(f64::NAN),
                 speed,
             ];
             for (column, number) in self.columns.iter_mut().zip(numbers) {

@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use saltus::gait::{Footfall, Row, Run};
 
 use super::film::Film;
+use super::held::Held;
 use super::rows::Rows;
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
@@ -23,6 +24,8 @@ pub(super) struct Follower<'a> {
     pub(super) line: Option<Thinned>,
     pub(super) last: Option<Last>,
     pub(super) stalls: Stalls,
+    /// Commanded speeds.
+    pub(super) held: Vec<Held>,
     /// Touch-downs of legs that were still out.
     pub(super) out_at_touch_down: usize,
     interrupt: &'a Interrupt,
@@ -46,7 +49,8 @@ pub(super) struct Last {
     pub(super) leg: u32,
     pub(super) lean: f64,
     pub(super) rate: f64,
-    pub(super) firing_angle: f64,
+    /// None where no leg was to fire.
+    pub(super) firing_angle: Option<f64>,
     pub(super) extensions: Vec<f64>,
 }
 
@@ -87,8 +91,8 @@ impl Speed {
     }
 }
 
-/// Some of the cycles, evenly spaced: time (s), wheel angle (rad), rate (rad/s), firing angle (rad),
-/// speed (m/s).
+/// Some of the cycles, evenly spaced: time (s), wheel angle (rad), rate (rad/s), firing angle (rad, NaN
+/// where no leg was to fire), speed (m/s).
 #[derive(Clone, Debug)]
 pub(super) struct Thinned {
     pub(super) points: Vec<[f64; 5]>,
@@ -134,6 +138,7 @@ impl<'a> Follower<'a> {
             line: None,
             last: None,
             stalls: Stalls::default(),
+            held: Vec::new(),
             out_at_touch_down: 0,
             interrupt,
             progress,
@@ -154,7 +159,7 @@ impl<'a> Follower<'a> {
             leg: 0,
             lean: 0.0,
             rate: 0.0,
-            firing_angle: 0.0,
+            firing_angle: None,
             extensions: row.extensions.to_vec(),
         });
         last.extensions.copy_from_slice(row.extensions);
@@ -162,19 +167,23 @@ impl<'a> Follower<'a> {
         last.leg = action.in_zone;
         last.lean = action.lean;
         last.rate = action.rate;
-        last.firing_angle = action.firing_angle;
-        if action.stalled && !self.stalls.now {
+        last.firing_angle = row.firing_angle();
+        if row.stands && !self.stalls.now {
             self.stalls.count += 1;
             self.stalls.first.get_or_insert([row.time, row.axle[0]]);
         }
-        self.stalls.now = action.stalled;
+        self.stalls.now = row.stands;
     }
 }
 
 impl Run for Follower<'_> {
     fn row(&mut self, row: &Row<'_>) {
         self.look(row);
-        let speed = self.speed.at(row.axle[0]);
+        let (time, travel) = (row.time, row.axle[0]);
+        let speed = self.speed.at(travel);
+        self.held
+            .iter_mut()
+            .for_each(|held| held.note(time, travel));
         if let Some(rows) = &mut self.kept.rows {
             rows.push(row);
         }
@@ -183,7 +192,8 @@ impl Run for Follower<'_> {
         }
         if let Some(line) = &mut self.line {
             let action = &row.action;
-            line.push([row.time, row.lean, action.rate, action.firing_angle, speed]);
+            let angle = row.firing_angle().unwrap_or(f64::NAN);
+            line.push([row.time, row.lean, action.rate, angle, speed]);
         }
         if let Some(film) = &mut self.kept.film {
             film.push(row, speed);

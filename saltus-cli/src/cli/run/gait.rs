@@ -98,7 +98,8 @@ pub(super) struct GaitFlags {
     #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
     valve_open: Option<f64>,
 
-    /// Firing angle (rad) at rest, of `open-loop` and `closed-loop` [default: 0.35]
+    /// Firing angle (rad) at rest, of `open-loop` and `closed-loop` [default: 0.35, less where legs
+    /// are close]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
     from: Option<f64>,
 
@@ -142,13 +143,13 @@ pub(super) struct GaitFlags {
     #[arg(long, value_enum)]
     aim: Option<Aim>,
 
-    /// Speeds of `speed`: from each time (s) on, a speed (m/s), negative backwards, as in
-    /// 0:1.5,4:3,8:-1
+    /// Speeds of `speed`, TIME:SPEED in s and m/s: each is held from its time on, a negative one
+    /// backwards, as in 0:1.5,4:3,8:-1. Needs a robot on a boom, whose encoder measures the way
     #[arg(long, value_name = "TIME:SPEED,…", value_parser = speeds, allow_hyphen_values = true)]
     speed: Option<Speeds>,
 
     /// Lean z₀ (rad) at which the active zone begins; it is one pitch of the legs wide [default: 0
-    /// for `fixed`, `open-loop` and `speed`, -0.3 for the others]
+    /// for `fixed`, `open-loop` and `speed`, -0.3 for the others, but at most half a pitch]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
     zone: Option<f64>,
 
@@ -156,7 +157,8 @@ pub(super) struct GaitFlags {
     #[arg(long, value_enum, default_value = "forwards")]
     direction: Direction,
 
-    /// Weights of the rate's filter: of the newest reading, then of those before it; at most 16
+    /// Weights of the rate's filter: of the newest reading, then of those before it; at most 16. They
+    /// are divided by their sum
     #[arg(long, value_name = "WEIGHTS", value_parser = taps, default_value = "0.2,0.2,0.2,0.2,0.2", allow_hyphen_values = true)]
     taps: Taps,
 }
@@ -202,11 +204,11 @@ impl GaitFlags {
             let reason = format!("body.legs = {legs}: must be from 3 to 12, for a robot that runs");
             return Err(CliError::content(&robot.name, reason));
         }
+        let half = 0.5 * TAU / f64::from(legs);
         let zone = self.zone.unwrap_or(match self.gait {
             Kind::Fixed | Kind::OpenLoop | Kind::Speed => 0.0,
-            Kind::ClosedLoop | Kind::Curve | Kind::Smooth => -0.3,
+            Kind::ClosedLoop | Kind::Curve | Kind::Smooth => (-0.3_f64).max(-half),
         });
-        let half = 0.5 * TAU / f64::from(legs);
         if zone.abs() > half {
             let half = digits(half, 4);
             let allowed = format!("from -{half} to {half} rad, half a pitch of the legs");
@@ -217,8 +219,8 @@ impl GaitFlags {
             let allowed = "from 0 to 1 s";
             return Err(CliError::flag("--valve-open", seconds(valve_open), allowed));
         }
-        let program = self.program(robot)?;
-        GaitFlags::within(&program, robot, zone)?;
+        let program = self.program(robot, zone)?;
+        self.within(&program, robot, zone)?;
         let open = format!("valve open {} ms", digits(valve_open * 1e3, 4));
         let words = match self.gait {
             Kind::Curve | Kind::Smooth | Kind::Speed => self.words(&program),
@@ -288,8 +290,10 @@ impl GaitFlags {
         Ok(())
     }
 
-    fn program(&self, robot: &Robot) -> Result<Program, CliError> {
-        let first = self.from.unwrap_or(0.35);
+    fn program(&self, robot: &Robot, zone: f64) -> Result<Program, CliError> {
+        // The legs of a robot that has many are closer than the thesis' angle.
+        let pitch = TAU / f64::from(robot.body.legs);
+        let first = self.from.unwrap_or(0.35_f64.min(0.9 * (zone + pitch)));
         Ok(match self.gait {
             Kind::Fixed => Program::Fixed {
                 firing_angle: self.firing_angle.unwrap_or(0.1),
@@ -351,7 +355,7 @@ impl GaitFlags {
     }
 
     /// Refuses angles that lie outside the active zone.
-    fn within(program: &Program, robot: &Robot, zone: f64) -> Result<(), CliError> {
+    fn within(&self, program: &Program, robot: &Robot, zone: f64) -> Result<(), CliError> {
         let pitch = TAU / f64::from(robot.body.legs.max(1));
         let angles: Vec<(&'static str, f64)> = match program {
             Program::Fixed { firing_angle } => vec![("--firing-angle", *firing_angle)],
@@ -365,7 +369,14 @@ impl GaitFlags {
                 let ends = [("--from", *first), ("--to", *last)];
                 ends.into_iter().chain(knots).collect()
             }
-            Program::Curve(knots) => knots.iter().map(|knot| ("--knots", knot[1])).collect(),
+            Program::Curve(knots) => {
+                let flag = match self.gait {
+                    Kind::Smooth => "--gait smooth",
+                    Kind::Speed => "--gait speed",
+                    _ => "--knots",
+                };
+                knots.iter().map(|knot| (flag, knot[1])).collect()
+            }
             Program::Policy(..) => Vec::new(),
         };
         for (flag, angle) in angles {
@@ -375,7 +386,9 @@ impl GaitFlags {
                     digits(zone + pitch, 5)
                 );
                 let value = match flag {
-                    "--first-slope, --switch" => format!("(α_f {} rad)", digits(angle, 6)),
+                    "--first-slope, --switch" | "--gait smooth" | "--gait speed" => {
+                        format!("(α_f {} rad)", digits(angle, 6))
+                    }
                     _ => format!("{} rad", digits(angle, 6)),
                 };
                 return Err(CliError::flag(flag, value, allowed));

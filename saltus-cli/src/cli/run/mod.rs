@@ -7,6 +7,7 @@ mod figure;
 mod film;
 mod follow;
 mod gait;
+mod held;
 mod page;
 mod report;
 mod rows;
@@ -18,14 +19,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use saltus::Robot;
-use saltus::gait::{Ending, Program, Setup, run};
+use saltus::gait::{Ending, Program, Setup, When, run};
 use saltus::sim_check::Stepping;
 
 use super::Status;
 use super::common::{OutputFlags, PlotOption, Threads, note_valve, page_file, robot};
 use crate::error::CliError;
 use crate::interrupt::Interrupt;
-use crate::output::{Files, Format, message, reachable};
+use crate::output::{Files, Format, digits, message, reachable};
 use crate::progress::Progress;
 use crate::quantity::{self, Quantity, QuantityError};
 use analysis::Depth;
@@ -33,6 +34,7 @@ use disturb::Typed;
 use film::Film;
 use follow::{Follower, Thinned};
 use gait::{Chosen, GaitFlags, refused};
+use held::Held;
 use rows::{Columns, Rows};
 use telemetry::Telemetry;
 
@@ -63,12 +65,18 @@ pub(crate) struct Run {
     #[arg(long)]
     exact: bool,
 
-    /// Seed of the sensors' noise, and of the robots that are drawn
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    /// Seed of the sensors' noise, and of the robots that are drawn: a whole number from 0
+    #[arg(
+        long,
+        value_name = "SEED",
+        default_value_t = 1,
+        allow_hyphen_values = true
+    )]
     seed: u64,
 
-    /// Draw so many robots around this one and run each
-    #[arg(long, value_name = "COUNT", value_parser = robots, conflicts_with_all = ["plot", "animate", "telemetry"])]
+    /// Draw so many robots around this one and run each: legs' friction and spring, supply and
+    /// ground friction vary
+    #[arg(long, value_name = "COUNT", value_parser = robots, allow_hyphen_values = true, conflicts_with_all = ["plot", "animate", "telemetry"])]
     robots: Option<NonZeroUsize>,
 
     /// Friction coefficient across the travel of the robots that are drawn
@@ -133,19 +141,25 @@ the simulation.
 
 Suffixes: rad/s, deg/s; rad, deg; s, ms, min; in --disturb deg, rad, N, Nm, psi, kPa, bar.
 
-A stall is an answer: standing still for 0.5 s at the end of the run; the report says since when, where and why, and \
-the exit code is 1.
+A stall is an answer: standing still for 0.5 s at the end of the run, unless --speed demands it; the report says since \
+when, where and why, and the exit code is 1. With --robots and --analyse the exit code does not depend on stalls. Ctrl-C ends a \
+run early: the report and the rows are of the time up to then, and the exit code is 130.
+
+--disturb: slope tilts the ground (deg), uphill towards where the robot runs from its start; on a boom the robot runs in a circle, \
+so that a tilt is uphill, across and downhill in turn. For a floor that rises all the way round, set ground.slope_deg. force (N) pushes the end of the \
+boom, or the axle without one, and torque (N m) turns the wheel, both towards positive travel. supply is a gauge pressure (psi).
 
 CSV: a row a cycle, written as it comes: time_s, x_m, height_m, vx_m_s, vz_m_s (axle), wheel_angle_rad, \
 wheel_rate_rad_s, leg_in_zone, lean_rad (of that leg, in the direction of the run), filtered_rate_rad_s, \
-firing_angle_rad, fired_leg, valve_open_s (empty where none fires), stalled, and for each leg extension_N_m and \
-pressure_N_pa (absolute). Numbers have 17 significant digits. A run without an ending has no file.
+firing_angle_rad (empty while no leg is to fire), fired_leg, valve_open_s (empty where none fires), stalled (by the controller, from the gyro alone), and for each leg extension_N_m and \
+pressure_N_pa (absolute). Numbers have 17 significant digits. A run that fails leaves no file.
 
 JSON: {\"command\": \"run\", \"robot\", \"gait\", \"ending\", ...}: what the text says, in SI units, without rows. Energies \
 are in J: \"ledger_j\" has the work of the drives and from outside, and what was lost in legs, by slip, to the air, in impacts \
-at the ground and at end stops; \"residual\" is what these do not explain.
+at the ground and at end stops; what motion, height and springs gained; \"residual\" is work less losses and gains: what these do not explain.
 
---robots draws dry friction, return spring, supply and ground friction as docs/running.md says. The answer is the share that \
+--robots draws around the given robot: its friction and spring at mid stroke, split anew, friction from a tenth to all of it; \
+supply with a standard deviation of 3 psi; friction along the travel from 2/3 to 4/3 of its own; friction across it is --drawn-across. The answer is the share that \
 runs with its 95 % interval (Wilson); CSV has a row a robot. It does not depend on --threads.
 
 --analyse reports on the gait of one firing angle and one valve opening time, --gait fixed: the energy of the run by parts; \
@@ -163,6 +177,7 @@ impl Run {
         let chosen = self.gait.chosen(&robot)?;
         note_valve(&robot, self.gait.valve_flag());
         disturb::check(&self.disturb, &robot)?;
+        self.note_what_never_comes(&chosen);
         if self.analyse.is_some() {
             self.can_be_analysed(&robot, &chosen)?;
         }
@@ -199,6 +214,39 @@ impl Run {
         Ok(setup)
     }
 
+    /// Says what the schedules have after the end, and which speeds the robot cannot hold.
+    fn note_what_never_comes(&self, chosen: &Chosen) {
+        let seconds = self.seconds;
+        for typed in &self.disturb {
+            if let When::Time(from, _) = typed.disturbance.when
+                && from >= seconds
+            {
+                let text = &typed.text;
+                message(&format!(
+                    "--disturb {text} begins after the end of the run, {seconds} s"
+                ));
+            }
+        }
+        let slowest_and_fastest = match &chosen.program {
+            Program::Curve(law) if law.len() > 1 => [law[1][0], law[law.len() - 1][0]],
+            _ => return,
+        };
+        let [slowest, fastest] = slowest_and_fastest;
+        for &[time, speed] in &chosen.speeds {
+            if time >= seconds {
+                message(&format!(
+                    "--speed {time}:{speed} begins after the end of the run, {seconds} s"
+                ));
+            } else if speed != 0.0 && !(slowest..=fastest).contains(&speed.abs()) {
+                message(&format!(
+                    "--speed {time}:{speed}: the robot runs from {} to {} m/s; it does what is nearest",
+                    digits(slowest, 4),
+                    digits(fastest, 4)
+                ));
+            }
+        }
+    }
+
     /// One run.
     fn one(&self, setup: &Setup, chosen: &Chosen) -> Result<Status, CliError> {
         self.places()?;
@@ -207,6 +255,7 @@ impl Run {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let progress = Progress::new("simulated seconds", self.seconds.ceil() as usize);
         let mut follower = Follower::new(setup.sensors().period, &interrupt, &progress);
+        follower.held = Held::all(&chosen.speeds, setup.seconds);
         let telemetry = self.telemetry.as_deref().map(Telemetry::open).transpose()?;
         self.open(&mut follower, setup, telemetry.as_ref())?;
         let summary = run(setup, &mut follower).map_err(|error| refused(error, &setup.robot))?;
@@ -217,18 +266,22 @@ impl Run {
             summary: &summary,
             follower: &follower,
             disturbances: &self.disturb,
+            interrupted: interrupt.came(),
         };
         let files = self.files(&report, kept.rows, kept.film)?;
         if let (Some(folder), Some(rows)) = (telemetry, kept.telemetry) {
             folder.publish(rows, &report)?;
         }
         if interrupt.came() {
-            let at = follower.last.as_ref().map_or(0.0, |last| last.time);
+            let at = digits(summary.time, 6);
             message(&format!(
                 "interrupted at {at} s: the answer is of the run up to there"
             ));
         }
         files.write()?;
+        if interrupt.came() {
+            return Ok(Status::Interrupted);
+        }
         Ok(match summary.ending {
             Ending::Ran => Status::Done,
             Ending::Stalled { .. } => Status::No,

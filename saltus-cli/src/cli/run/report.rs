@@ -19,6 +19,8 @@ pub(super) struct Report<'a> {
     pub(super) summary: &'a Summary,
     pub(super) follower: &'a Follower<'a>,
     pub(super) disturbances: &'a [Typed],
+    /// Whether Ctrl-C ended it.
+    pub(super) interrupted: bool,
 }
 
 impl Report<'_> {
@@ -44,6 +46,9 @@ impl Report<'_> {
     /// How it ended, after `the robot`.
     pub(super) fn ending(&self) -> String {
         match self.summary.ending {
+            _ if self.interrupted => {
+                format!("interrupted at {} s", digits(self.summary.time, 6))
+            }
             Ending::Ran => "ran to the end of its time".into(),
             Ending::Stalled { since, at } => format!(
                 "stalled: stands still since {} s, at {} m; {}",
@@ -59,21 +64,21 @@ impl Report<'_> {
         let Some(last) = &self.follower.last else {
             return "it ran for no cycle".into();
         };
-        let (lean, angle) = (digits(last.lean, 3), digits(last.firing_angle, 3));
-        if self.setup.valve_open == 0.0 {
-            "the valve opening time is 0".into()
-        } else if last.lean < last.firing_angle {
-            format!(
-                "leg {} in the active zone leans by {lean} rad, short of its firing angle {angle} rad",
-                last.leg
-            )
-        } else {
-            format!(
-                "leg {} in the active zone, at {lean} rad, has fired since it entered, and fires once \
-                 an entry{}",
+        let lean = digits(last.lean, 3);
+        match last.firing_angle {
+            _ if self.setup.valve_open == 0.0 => "the valve opening time is 0".into(),
+            None => "no leg was to fire".into(),
+            Some(angle) if last.lean < angle => format!(
+                "leg {} in the active zone leans by {lean} rad, short of its firing angle {} rad",
+                last.leg,
+                digits(angle, 3)
+            ),
+            Some(_) => format!(
+                "leg {} in the active zone, at {lean} rad, has fired already, and a leg fires once each \
+                 time it enters{}",
                 last.leg,
                 self.stuck()
-            )
+            ),
         }
     }
 
@@ -99,12 +104,13 @@ impl Report<'_> {
         legs.filter(|(_, extension)| *extension > OUT).collect()
     }
 
-    /// Gas (g/m), and what it could have done (J/m); none where the robot did not travel a radius.
+    /// Gas (g/m), and what it could have done (J/m), of the way; none where the robot did not travel a
+    /// radius.
     fn per_metre(&self) -> Option<[f64; 2]> {
-        let travel = self.summary.travel.abs();
+        let way = self.summary.way;
         let exergy = exergy_of_gas(&self.setup.robot)?;
-        let gas = self.summary.gas / travel;
-        (travel > self.setup.robot.body.radius).then_some([gas * 1e3, gas * exergy])
+        let gas = self.summary.gas / way;
+        (way > self.setup.robot.body.radius).then_some([gas * 1e3, gas * exergy])
     }
 
     pub(super) fn text(&self) -> String {
@@ -131,22 +137,34 @@ impl Report<'_> {
         lines.push(("ending", self.ending()));
         let stalls = self.follower.stalls;
         if let (Some([time, at]), Ending::Ran) = (stalls.first, s.ending) {
+            let first = if stalls.count == 1 { "" } else { "first " };
             let words = format!(
-                "{} before, the first found at {} s, {} m",
+                "{}, {first}noticed at {} s, {} m",
                 times(stalls.count),
                 short(time),
                 short(at)
             );
             lines.push(("stood still", words));
         }
-        let speeds = format!(
-            "{} m/s; over the last 4 s {} m/s",
-            short(sign * s.mean_speed),
-            short(sign * s.last_speed)
-        );
+        let mut speeds = format!("{} m/s", short(sign * s.mean_speed));
+        if s.time > 4.0 {
+            speeds += "; over the last 4 s ";
+            speeds += &short(sign * s.last_speed);
+            speeds += " m/s";
+        }
+        lines.extend(self.follower.held.iter().filter_map(|held| {
+            let mean = held.mean()?;
+            let words = format!(
+                "{} m/s from {} s on: {} m/s, mean over the second half of that time",
+                short(held.speed),
+                short(held.from),
+                short(mean)
+            );
+            Some(("demanded", words))
+        }));
         let reached = s.reached_3_2.map(|t| format!("reached at {} s", short(t)));
         lines.extend([
-            ("travel", format!("{} m", short(s.travel))),
+            ("travel", self.travel()),
             ("mean speed", speeds),
             ("top speed", format!("{} m/s", short(s.top_speed))),
             ("3.2 m/s", reached.unwrap_or("not reached".into())),
@@ -158,6 +176,16 @@ impl Report<'_> {
             .map(|t| format!("reached at {} s", short(t)));
         lines.extend(time.map(|words| ("1.6 m", words)));
         lines
+    }
+
+    fn travel(&self) -> String {
+        let s = self.summary;
+        let travel = format!("{} m", short(s.travel));
+        if s.way > s.travel.abs() {
+            format!("{travel}, on a way of {} m", short(s.way))
+        } else {
+            travel
+        }
     }
 
     /// What the legs did and what touched.
@@ -222,13 +250,33 @@ impl Report<'_> {
             .into_iter()
             .filter(|(name, x)| *x != 0.0 || !matches!(*name, "from outside" | "lost to the air"));
         lines.extend(shown.map(|(name, x)| (name, format!("{} J", short(x)))));
+        // A robot that stands moves by round-off.
+        let [kinetic, potential, springs] =
+            self.gained().map(|x| if x.abs() < 1e-6 { 0.0 } else { x });
+        let gained = format!(
+            "{} J in motion, {} J in height, {} J in springs",
+            short(kinetic),
+            short(potential),
+            short(springs)
+        );
+        lines.push(("gained", gained));
         let rest = format!(
             "{} J in bodies, {} J in gas",
-            digits(s.residual, 2),
+            digits(-s.residual, 2),
             digits(s.gas_residual, 2)
         );
         lines.push(("unexplained", rest));
         lines
+    }
+
+    /// What motion, height and springs have more (J) than at the start.
+    fn gained(&self) -> [f64; 3] {
+        let (start, end) = (&self.summary.start, &self.summary.ledger);
+        [
+            end.kinetic - start.kinetic,
+            end.potential - start.potential,
+            end.springs - start.springs,
+        ]
     }
 
     /// Contacts other than feet on the ground.
@@ -253,6 +301,7 @@ impl Report<'_> {
         let l = &s.ledger;
         let sign = self.sign();
         let ending = match s.ending {
+            _ if self.interrupted => json!({ "how": "interrupted", "at_s": s.time }),
             Ending::Ran => json!({ "how": "ran" }),
             Ending::Stalled { since, at } => json!({
                 "how": "stalled", "since_s": since.max(0.0), "at_m": at, "reason": self.reason(),
@@ -268,7 +317,12 @@ impl Report<'_> {
             "rear_leg_at_start": s.rear,
             "ending": ending,
             "stalls": self.follower.stalls.count,
+            "ran_for_s": s.time,
+            "demanded": self.follower.held.iter().map(|held| json!({
+                "from_s": held.from, "speed_m_s": held.speed, "mean_of_second_half_m_s": held.mean(),
+            })).collect::<Vec<_>>(),
             "travel_m": s.travel,
+            "way_m": s.way,
             "mean_speed_m_s": sign * s.mean_speed,
             "last_speed_m_s": sign * s.last_speed,
             "top_speed_m_s": s.top_speed,
@@ -282,16 +336,17 @@ impl Report<'_> {
             "other_contacts": s.bump_count,
             "first_other_contacts": s.bumps.iter().map(bump).collect::<Vec<_>>(),
         });
+        let [kinetic, potential, springs] = self.gained();
         let energy = json!({
             "gas_kg": s.gas,
             "gas_kg_per_m": gas,
             "exergy_j_per_m": exergy,
             "leg_work_j": s.leg_work,
             "ledger_j": {
-                "kinetic": l.kinetic, "potential": l.potential, "springs": l.springs,
+                "kinetic_gained": kinetic, "potential_gained": potential, "springs_gained": springs,
                 "drives": l.drive, "outside": l.outside, "legs": l.joints, "slip": l.contacts,
                 "air": l.drag, "impacts_at_ground": l.impacts - l.stops,
-                "impacts_at_stops": l.stops, "residual": s.residual, "gas_residual": s.gas_residual,
+                "impacts_at_stops": l.stops, "residual": -s.residual, "gas_residual": s.gas_residual,
             },
         });
         let head = head(self.setup, self.chosen, self.disturbances);

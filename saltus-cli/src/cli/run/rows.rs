@@ -140,9 +140,13 @@ impl Columns {
             number(text, x);
         }
         let _ = write!(text, "{},", action.in_zone);
-        for x in [action.lean, action.rate, action.firing_angle] {
+        for x in [action.lean, action.rate] {
             number(text, x);
         }
+        if let Some(angle) = row.firing_angle() {
+            text.push_str(&full(angle));
+        }
+        text.push(',');
         match action.leg {
             Some(leg) => {
                 let _ = write!(text, "{leg},{}", full(action.valve_open));

@@ -139,5 +139,6 @@ pub(super) fn taps(text: &str) -> Result<Taps, String> {
             "the weights' sum {sum} must be a number other than 0"
         ));
     }
-    Ok(Taps(taps))
+    // Weights say how readings share in the mean, not how long the mean is.
+    Ok(Taps(taps.iter().map(|weight| weight / sum).collect()))
 }
