@@ -23,6 +23,9 @@ use crate::units::{
 };
 use crate::{Drive, LegBody, Robot, Sensors};
 
+/// Counts of an encoder in a turn: a counter of 32 bits holds two thousand turns of the most.
+const COUNTS: Domain = Domain::at_least(1.0).up_to(1e6).whole();
+
 /// The part of a robot that a term belongs to, if the robot has it.
 macro_rules! part {
     ($r:ident: robot) => {
@@ -564,15 +567,15 @@ terms! {
 
     /// Counts of the wheel's encoder in a turn, after quadrature.
     WheelCounts = sensor!(wheel_counts, NUMBER)
-        .within(|_| Domain::POSITIVE)
-        .shown("wheel_counts = 2000", "of the encoder in a turn, after quadrature; left out: 800");
+        .within(|_| COUNTS)
+        .shown("wheel_counts = 2000", "of the encoder in a turn, after quadrature, up to 1e6; left out: 800");
     /// Counts of the encoder of the boom's turn in a turn, after quadrature.
     RadiusCounts = sensor!(radius_counts, NUMBER)
-        .within(|_| Domain::POSITIVE)
+        .within(|_| COUNTS)
         .shown("radius_counts = 4000", "the same of the boom's turn; left out: 1600");
     /// Counts of the encoder of the boom's pivot in a turn, after quadrature.
     PivotCounts = sensor!(pivot_counts, NUMBER)
-        .within(|_| Domain::POSITIVE)
+        .within(|_| COUNTS)
         .shown("pivot_counts = 4000", "the same of the boom's pivot; left out: 1600");
     /// Greatest rate that the fine gyro reads (rad/s).
     FineGyroRange = sensor!(fine_gyro_range, ANGULAR_RATE)

@@ -301,7 +301,8 @@ fn keys_of_a_running_robot() {
             &format!("hopper.toml:28: sensors.{line}: must be a {allowed}"),
         );
     };
-    sensors("wheel_counts = 0", "finite number > 0");
+    sensors("wheel_counts = 0", "whole number ≥ 1 and ≤ 1e6");
+    sensors("radius_counts = 1e10", "whole number ≥ 1 and ≤ 1e6");
     sensors("fine_gyro_range_deg_s = -573", "finite number > 0");
     sensors("gyro_noise_rad_s = -0.1", "finite number ≥ 0");
     sensors("gyro_bias_rad_s = inf", "finite number");
