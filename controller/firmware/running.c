@@ -44,6 +44,41 @@ static saltus_knot knots[4];
 static saltus_real nodes[6][2], first[2][2];
 static saltus_gait gait;
 
+/* Cells of the table for an obstacle. */
+#define ROWS 5
+#define COLUMNS 12
+static uint8_t cells[ROWS * COLUMNS];
+static saltus_real choices[5][2];
+static saltus_ahead ahead;
+
+static void draw_ahead(void) {
+    /* The last choice is of no leg; the one before it does not fire. */
+    for (int k = 0; k < ROWS * COLUMNS; k++) cells[k] = (uint8_t)(word() % 6);
+    for (int k = 0; k < 5; k++) {
+        choices[k][0] = between(N(-0.2), N(0.2));
+        choices[k][1] = between(N(0.02), N(0.06));
+    }
+    choices[4][1] = N(0.0);
+    ahead.way = N(0.0086);
+    ahead.least_weight = N(0.1);
+    ahead.same = N(0.3);
+    ahead.room = one_in(2) ? N(0.0) : between(N(0.0), N(2.0));
+    ahead.rate_first = N(-1.0);
+    ahead.rate_last = N(9.0);
+    ahead.rates_per_unit = N(ROWS) / (ahead.rate_last - ahead.rate_first);
+    ahead.rate_count = ROWS + 1;
+    ahead.distance_first = N(-0.5);
+    ahead.distance_last = N(2.5);
+    ahead.distances_per_unit = N(COLUMNS) / (ahead.distance_last - ahead.distance_first);
+    ahead.distance_count = COLUMNS + 1;
+    ahead.cells = cells;
+    ahead.cell_count = ROWS * COLUMNS;
+    ahead.choices = (const saltus_real(*)[2])choices;
+    ahead.choice_count = 5;
+    ahead.first_leap = 3;
+    gait.ahead = one_in(2) ? &ahead : NULL;
+}
+
 static void draw_gait(uint32_t run) {
     uint32_t kind = run % 4;
     gait.legs = 3 + run % 10;
@@ -87,6 +122,7 @@ static void draw_gait(uint32_t run) {
     gait.leap.most = N(0.1);
     gait.leap.valve_open = N(0.05);
     gait.leap.shock = up_to(20000) + 15000;
+    draw_ahead();
     gait.stall.restarts = run % 3 == 0;
 }
 
@@ -175,6 +211,7 @@ int main(void) {
             roll(&readings);
             if (one_in(1500)) saltus_runner_turn_round(&runner, readings.wheel);
             if (one_in(300)) saltus_runner_demand(&runner, one_in(8) ? N(0.0) : between(N(-4.0), N(4.0)));
+            if (one_in(30)) saltus_runner_sense(&runner, between(N(-0.2), N(3.0)));
             if (k % 101 == 0) {
                 static saltus_runner other;
                 other = runner;

@@ -13,6 +13,8 @@ use saltus_sim_check::{Contact, Happening, Ledger, Rig, Stepping, Surface};
 use crate::cast::instruments;
 use crate::error::require;
 use crate::law::Compiled;
+use crate::sensed::Table;
+use crate::sensors::Ranging;
 use crate::surroundings::{Disturbance, Surroundings};
 use crate::world::World;
 use crate::{GaitError, Program};
@@ -44,6 +46,8 @@ pub struct Setup {
     pub first: Vec<[f64; 2]>,
     /// A jump out of the run.
     pub leap: Option<Leap<f64>>,
+    /// What is done about the next of the obstacles, as the range sensor sees it.
+    pub ahead: Option<Table>,
     /// What disturbs.
     pub disturbances: Vec<Disturbance>,
     /// Boxes on the ground.
@@ -77,6 +81,7 @@ impl Setup {
             },
             first: Vec::new(),
             leap: None,
+            ahead: None,
             disturbances: Vec::new(),
             obstacles: Vec::new(),
             solid: true,
@@ -365,6 +370,7 @@ fn gait<'s>(setup: &'s Setup, compiled: &'s Compiled) -> Gait<'s, f64> {
         stall: setup.stall,
         first: &setup.first,
         leap: setup.leap,
+        ahead: setup.ahead.as_ref().map(Table::ahead),
     }
 }
 
@@ -395,6 +401,7 @@ struct Loop<'a, 's, F> {
     runner: Runner<'s, f64>,
     follower: &'s mut F,
     boxes: Vec<Surface>,
+    ranging: Ranging,
     /// Travels (m) of the last 0.15 s.
     recent: VecDeque<f64>,
     /// Cycles in 0.15 s.
@@ -427,6 +434,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             runner,
             follower,
             boxes,
+            ranging: Ranging::new(setup.sensors(), setup.seed),
             recent: VecDeque::new(),
             window: counted(MEAN / period).max(1),
             still: None,
@@ -474,6 +482,13 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             let later = |speed: &&[f64; 2]| speed[0] <= now.time + 1e-9;
             if let Some([_, speed]) = self.setup.speeds.iter().rev().find(later) {
                 self.runner.demand(*speed);
+            }
+            if self.setup.ahead.is_some() {
+                let travel = self.travel();
+                let fronts = self.setup.obstacles.iter().map(|o| o.front);
+                let seen = self.ranging.read(now.time, travel, fronts);
+                seen.into_iter()
+                    .for_each(|distance| self.runner.sense(distance));
             }
             let action = self.runner.step(&now.readings);
             self.tell(now.time, now.readings, action);

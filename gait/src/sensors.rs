@@ -86,6 +86,48 @@ impl Sensing {
     }
 }
 
+/// The range sensor: the distance from the axle to the front of the next box, now and then.
+#[derive(Clone, Debug)]
+pub struct Ranging {
+    sensors: Sensors,
+    random: Pcg64,
+    /// Readings so far.
+    count: u32,
+}
+
+impl Ranging {
+    /// That of `sensors`, whose noise is drawn from `seed`.
+    pub fn new(sensors: Sensors, seed: u64) -> Ranging {
+        Ranging {
+            sensors,
+            random: Pcg64::new(u128::from(seed), 0x4a96),
+            count: 0,
+        }
+    }
+
+    /// Its reading (m) in the cycle of `time` (s), if there is one then: the axle has travelled
+    /// `travel` (m), the boxes' fronts are `fronts` (m). What is beyond its reach gives none.
+    pub fn read(
+        &mut self,
+        time: f64,
+        travel: f64,
+        fronts: impl Iterator<Item = f64>,
+    ) -> Option<f64> {
+        let due = f64::from(self.count) * self.sensors.range_period;
+        if time < due - 1e-9 {
+            return None;
+        }
+        self.count += 1;
+        // Drawn for each reading, so that what is seen does not change the noise of later ones.
+        let noise = self.sensors.range_noise * normal(&mut self.random);
+        let next = fronts
+            .map(|front| front - travel)
+            .filter(|distance| *distance > 0.0)
+            .fold(f64::INFINITY, f64::min);
+        (next <= self.sensors.range_reach).then_some(next + noise)
+    }
+}
+
 /// A draw of the standard normal distribution.
 fn normal(random: &mut Pcg64) -> f64 {
     StandardNormal.sample(random)
