@@ -233,6 +233,8 @@ void saltus_runner_start(saltus_runner *r, const saltus_gait *gait, uint32_t rea
     r->is_measured = 0;
     forget(r);
     r->seen_radius = 0;
+    r->stands_at = 0;
+    r->is_standing_known = 0;
     r->has_choice = 0;
     r->choice_leaps = 0;
     begin_anew(r);
@@ -289,6 +291,8 @@ static void take(saltus_runner *r, const saltus_ahead *ahead, saltus_real readin
 static void look(saltus_runner *r, const saltus_readings *readings) {
     const saltus_ahead *ahead = r->gait->ahead;
     if (ahead == NULL) return;
+    if (!r->is_standing_known) r->stands_at = readings->pivot;
+    r->is_standing_known = 1;
     int32_t counts = r->is_counted ? minus(readings->radius, r->seen_radius) : 0;
     r->seen_radius = readings->radius;
     r->is_counted = 1;
@@ -311,19 +315,27 @@ static int has_room(const saltus_runner *r) {
     return r->gait->ahead != NULL && r->backs_off && (!r->is_seen || r->distance >= r->gait->ahead->room);
 }
 
+/* The cell between `count` ends in which `x` lies, and whether there is one. */
+static int cell_of(saltus_real x, saltus_real first, saltus_real last, saltus_real per_unit, uint32_t count, uint32_t *cell) {
+    if (!within(x, first, last) || count < 2) return 0;
+    uint32_t index = whole(beside_great((x - first) * per_unit));
+    *cell = index > count - 2 ? count - 2 : index;
+    return 1;
+}
+
 /* What the leg that enters the zone at `rate` does about the obstacle. */
-static void choose(saltus_runner *r, saltus_real rate) {
+static void choose(saltus_runner *r, saltus_real rate, int32_t pivot) {
     const saltus_ahead *a = r->gait->ahead;
+    uint32_t row, level, column, cell;
     r->has_choice = 0;
     if (a == NULL || r->backs_off || !r->is_seen) return;
-    saltus_real inside = lesser(greater(rate, a->rate_first), a->rate_last);
-    if (!within(inside, a->rate_first, a->rate_last) || a->rate_count < 2) return;
-    if (!within(r->distance, a->distance_first, a->distance_last) || a->distance_count < 2) return;
-    uint32_t row = whole(beside_great((inside - a->rate_first) * a->rates_per_unit)), column, cell;
-    column = whole(beside_great((r->distance - a->distance_first) * a->distances_per_unit));
-    row = row > a->rate_count - 2 ? a->rate_count - 2 : row;
-    column = column > a->distance_count - 2 ? a->distance_count - 2 : column;
-    cell = row * (a->distance_count - 1) + column;
+    saltus_real fast = lesser(greater(rate, a->rate_first), a->rate_last);
+    saltus_real height = (saltus_real)minus(pivot, r->stands_at) * a->climb;
+    height = lesser(greater(height, a->height_first), a->height_last);
+    if (!cell_of(fast, a->rate_first, a->rate_last, a->rates_per_unit, a->rate_count, &row)) return;
+    if (!cell_of(height, a->height_first, a->height_last, a->heights_per_unit, a->height_count, &level)) return;
+    if (!cell_of(r->distance, a->distance_first, a->distance_last, a->distances_per_unit, a->distance_count, &column)) return;
+    cell = (row * (a->height_count - 1) + level) * (a->distance_count - 1) + column;
     if (cell >= a->cell_count || a->cells[cell] >= a->choice_count) return;
     r->choice[0] = a->choices[a->cells[cell]][0];
     r->choice[1] = a->choices[a->cells[cell]][1];
@@ -424,7 +436,7 @@ void saltus_runner_step(saltus_runner *r, const saltus_readings *readings, saltu
     if (r->enters) {
         r->entry = rate;
         r->enters = 0;
-        choose(r, rate);
+        choose(r, rate, readings->pivot);
     }
     saltus_real time = number(r->cycles) * gait->period, firing[2] = {PI, R(0.0)}, demand = R(0.0), later = R(0.0);
     if (r->cycles != UINT32_MAX) r->cycles++;

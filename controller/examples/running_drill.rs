@@ -148,7 +148,7 @@ impl<R: Real + 'static> Drawn<R> {
             shock: draw.up_to(20000) + 15000,
         };
         // The last choice is of no leg; the one before it does not fire.
-        let cells = (0..ROWS * COLUMNS)
+        let cells = (0..ROWS * LEVELS * COLUMNS)
             .map(|_| u8::try_from(draw.word() % 6).unwrap_or(0))
             .collect();
         let mut choices: Vec<[R; 2]> = (0..5)
@@ -208,16 +208,19 @@ impl<R: Real + 'static> Drawn<R> {
 
 /// Cells of the table for an obstacle.
 const ROWS: usize = 5;
+const LEVELS: usize = 3;
 const COLUMNS: usize = 12;
 
 impl<R: Real + 'static> Drawn<R> {
     fn ahead(&self) -> Ahead<'_, R> {
         Ahead {
             way: R::of(0.0086),
+            climb: R::of(0.0083),
             least_weight: R::of(0.1),
             same: R::of(0.3),
             room: self.room,
             rates: Axis::new(R::of(-1.0), R::of(9.0), ROWS + 1),
+            heights: Axis::new(R::of(0.0), R::of(0.12), LEVELS + 1),
             distances: Axis::new(R::of(-0.5), R::of(2.5), COLUMNS + 1),
             cells: &self.cells,
             choices: &self.choices,
@@ -268,6 +271,7 @@ impl Wheel {
         readings.coarse_gyro = self.rate * 154 + draw.up_to(90);
         readings.wheel = (self.place + draw.up_to(40)) >> 6;
         readings.radius = (self.place + draw.up_to(40)) >> 8;
+        readings.pivot = draw.up_to(12) + 10;
         let most = if draw.one_in(50) { 32767 } else { 500 };
         readings.coarse_accelerometer = [draw.up_to(most), draw.up_to(most)];
     }

@@ -22,16 +22,19 @@ const LAW: [Knot<f64>; 1] = [Knot {
 }];
 /// Not at all; at 0.2 rad for 30 ms; a jump at −0.2 rad for 100 ms.
 const CHOICES: [[f64; 2]; 3] = [[0.6, 0.0], [0.2, 0.03], [-0.2, 0.1]];
-/// Rates 0 to 4 and 4 to 8 rad/s; distances −0.5 to 0.5, to 1.5 and to 2.5 m.
-const CELLS: [u8; 6] = [0, 1, 1, 0, 2, 1];
+/// Rates 0 to 4 and 4 to 8 rad/s; heights below and above 50 mm; distances −0.5 to 0.5, to 1.5 and to
+/// 2.5 m.
+const CELLS: [u8; 12] = [0, 1, 1, 0, 0, 0, 0, 2, 1, 1, 0, 2];
 
 fn ahead(room: f64) -> Ahead<'static, f64> {
     Ahead {
         way: WAY,
+        climb: 1e-3,
         least_weight: 0.1,
         same: 0.3,
         room,
         rates: Axis::new(0.0, 8.0, 3),
+        heights: Axis::new(0.0, 0.1, 3),
         distances: Axis::new(-0.5, 2.5, 4),
         cells: &CELLS,
         choices: &CHOICES,
@@ -119,9 +122,30 @@ fn each_cell_has_its_choice_and_the_law_holds_beyond() {
 }
 
 #[test]
+fn the_height_of_the_axle_counts_from_the_stand() {
+    for (height, distance, should) in [
+        (49, 1.0, -0.2),
+        (51, 0.2, 0.2),
+        (51, 2.0, -0.2),
+        (900, 0.2, 0.2),
+        (-900, 1.0, -0.2),
+    ] {
+        let mut runner = Runner::new(gait(0.0), 0, 0, true);
+        let pivot = |height: i32, wheel: i32| Readings {
+            pivot: i32::MAX.wrapping_add(height),
+            ..readings(wheel, 0, 6.0)
+        };
+        runner.step(&pivot(0, 0));
+        runner.sense(distance);
+        let angle = runner.step(&pivot(height, 20)).firing_angle;
+        assert_eq!(angle, should, "{height} mm, {distance} m");
+    }
+}
+
+#[test]
 fn a_cell_of_no_choice_leaves_it_to_the_law() {
     let mut gait = gait(0.0);
-    let bad = [7_u8; 6];
+    let bad = [7_u8; 12];
     gait.ahead = Some(Ahead {
         cells: &bad,
         ..ahead(0.0)

@@ -975,10 +975,12 @@ fn any_gait<'a>(
         leap: random.word().is_multiple_of(2).then_some(leap),
         ahead: random.word().is_multiple_of(2).then(|| Ahead {
             way: number(random),
+            climb: number(random),
             least_weight: number(random),
             same: number(random),
             room: number(random),
             rates: any_axis(random),
+            heights: any_axis(random),
             distances: any_axis(random),
             cells: &[0, 1, 2, 3, 4, 5, 6],
             choices: nodes,

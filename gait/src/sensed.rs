@@ -19,13 +19,16 @@ use crate::{GaitError, Program, Smooth};
 /// not fire.
 pub type Choice = [f64; 2];
 
-/// What each leg does before a box, by the rate at which it enters the zone and the distance from the
-/// axle to the box then.
+/// What each leg does before a box, by the rate at which it enters the zone, the height of the axle
+/// and the distance from the axle to the box then.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// Way (m) for a count of the radius encoder.
     pub way: f64,
-    /// Index of the choice in each cell, all distances of a rate one after the other.
+    /// Height (m) for a count of the pivot encoder.
+    pub climb: f64,
+    /// Index of the choice in each cell, all distances of a height one after the other, all heights
+    /// of a rate.
     pub cells: Vec<u8>,
     /// Distance (m) below which the box is behind.
     pub behind: f64,
@@ -34,10 +37,10 @@ pub struct Table {
 }
 
 /// Firing angles (rad) and valve opening times (s) of legs that drive the robot.
-const ANGLES: [f64; 9] = [-0.4, -0.25, -0.1, 0.0, 0.1, 0.2, 0.3, 0.45, 0.6];
+const ANGLES: [f64; 6] = [-0.4, -0.1, 0.1, 0.2, 0.3, 0.45];
 const TIMES: [f64; 3] = [0.025, 0.042, 0.06];
 /// Firing angles (rad) of a jump, and its valve opening time (s): past the end of the stroke.
-const LEAP_ANGLES: [f64; 9] = [-0.5, -0.42, -0.34, -0.26, -0.18, -0.1, 0.0, 0.1, 0.25];
+const LEAP_ANGLES: [f64; 7] = [-0.5, -0.42, -0.34, -0.26, -0.18, -0.1, 0.05];
 const LEAP_OPEN: f64 = 0.1;
 /// The first choice: the leg does not fire.
 const IDLE: Choice = [0.6, 0.0];
@@ -64,7 +67,11 @@ static ALL: [Choice; CHOICES] = choices();
 /// Where the active zone begins (rad): a jump's leg fires well before it is upright.
 const ZONE: f64 = -0.5;
 /// Cells of the rate: from the first rate, so wide (rad/s), so many.
-const RATES: (f64, f64, usize) = (-0.5, 1.0, 21);
+const RATES: (f64, f64, usize) = (-0.5, 1.0, 17);
+/// Cells of the axle's height above that of a robot that stands: so wide (m), so many.
+const HEIGHTS: (f64, usize) = (0.02, 5);
+/// Cells of both.
+const ROWS: usize = RATES.2 * HEIGHTS.1;
 /// Width of a cell of the distance (m), and the farthest distance.
 const WIDTH: f64 = 0.025;
 const FARTHEST: f64 = 3.2;
@@ -91,10 +98,12 @@ impl Table {
         let (slowest, wide, rows) = RATES;
         Ahead {
             way: self.way,
+            climb: self.climb,
             least_weight: 0.05,
             same: 0.3,
             room: self.room,
             rates: Axis::new(slowest, slowest + wide * rows as f64, rows + 1),
+            heights: Axis::new(0.0, HEIGHTS.0 * HEIGHTS.1 as f64, HEIGHTS.1 + 1),
             distances: Axis::new(first, FARTHEST, columns + 1),
             cells: &self.cells,
             choices: &ALL,
@@ -141,7 +150,8 @@ pub struct Sensed {
 /// A stride: from one leg's entry into the zone to the next one's, or to the landing of a jump.
 #[derive(Clone, Debug)]
 struct Stride {
-    rate: usize,
+    /// Cell of rate and height.
+    row: usize,
     choice: usize,
     /// For each distance: height (m) of the highest box that it clears.
     clears: Vec<f32>,
@@ -151,9 +161,12 @@ struct Stride {
     stalls: bool,
 }
 
-fn rate_cell(rate: f64) -> usize {
+/// The cell of a rate (rad/s) and a height (m) above the stand.
+fn row_of(rate: f64, height: f64) -> usize {
     let (first, wide, rows) = RATES;
-    counted(((rate - first) / wide).floor()).min(rows - 1)
+    let row = counted(((rate - first) / wide).floor()).min(rows - 1);
+    let level = counted((height / HEIGHTS.0).floor()).min(HEIGHTS.1 - 1);
+    row * HEIGHTS.1 + level
 }
 
 /// Least height (m) of the robot over the places that it passes, from the entry of a leg on.
@@ -208,8 +221,12 @@ struct Watch<'r> {
     robot: &'r Robot,
     length: f64,
     leg: Option<u32>,
-    /// Entry: rate, travel, what the leg has done.
-    entry: (f64, f64, usize),
+    /// Entry: cell of rate and height, travel, what the leg has done.
+    entry: (usize, f64, usize),
+    /// Count of the pivot encoder at the start.
+    stands_at: Option<i32>,
+    /// Height (m) for a count of it.
+    climb: f64,
     profile: Profile,
     strides: Vec<Stride>,
     /// When a jump was fired.
@@ -223,12 +240,14 @@ struct Watch<'r> {
 const WATCHED: f64 = 1.0;
 
 impl<'r> Watch<'r> {
-    fn new(robot: &'r Robot, length: f64) -> Watch<'r> {
+    fn new(robot: &'r Robot, length: f64, climb: f64) -> Watch<'r> {
         Watch {
             robot,
             length,
             leg: None,
-            entry: (0.0, 0.0, 0),
+            entry: (0, 0.0, 0),
+            stands_at: None,
+            climb,
             profile: Profile::new(0.0),
             strides: Vec::new(),
             leapt: None,
@@ -238,15 +257,15 @@ impl<'r> Watch<'r> {
         }
     }
 
-    fn finish_stride(&mut self, next: Option<(f64, f64)>) {
-        let (rate, travel, choice) = self.entry;
+    fn finish_stride(&mut self, next: Option<(usize, f64)>) {
+        let (row, travel, choice) = self.entry;
         let is_leap = choice >= FIRST_LEAP;
         let reach = is_leap.then_some(self.last - travel);
         self.strides.push(Stride {
-            rate: rate_cell(rate),
+            row,
             choice,
             clears: self.profile.clears(self.length, reach),
-            next: next.map(|(rate, at)| (at - travel, rate_cell(rate))),
+            next: next.map(|(row, at)| (at - travel, row)),
             stalls: self.stalled,
         });
     }
@@ -287,11 +306,14 @@ impl Run for Watch<'_> {
         let (action, travel) = (&row.action, row.axle[0]);
         self.last = travel;
         if self.leapt.is_none() && self.leg != Some(action.in_zone) {
+            let pivot = row.readings.pivot;
+            let stands_at = *self.stands_at.get_or_insert(pivot);
+            let cell = row_of(action.rate, f64::from(pivot - stands_at) * self.climb);
             if self.leg.is_some() {
-                self.finish_stride(Some((action.rate, travel)));
+                self.finish_stride(Some((cell, travel)));
             }
             self.leg = Some(action.in_zone);
-            self.entry = (action.rate, travel, 0);
+            self.entry = (cell, travel, 0);
             self.profile = Profile::new(travel);
         }
         if action.leg.is_some() && self.leapt.is_none() {
@@ -411,6 +433,13 @@ impl Sensed {
         Uniform::new_inclusive(from, to).map_or(from, |uniform| uniform.sample(random))
     }
 
+    /// Way and height (m) for a count of the encoders of the boom.
+    fn per_count(&self) -> [f64; 2] {
+        let length = self.robot.boom.map_or(0.0, |boom| boom.length);
+        let sensors = self.robot.sensors.unwrap_or_default();
+        [sensors.radius_counts, sensors.pivot_counts].map(|counts| length * TAU / counts.round())
+    }
+
     /// Strides of `runs` runs: of random firings, or of those of a table with errors.
     fn strides(
         &self,
@@ -430,7 +459,7 @@ impl Sensed {
                     self.erring(table, robot.clone(), seed, front, &mut random)
                 }
             };
-            let mut watch = Watch::new(&robot, self.length);
+            let mut watch = Watch::new(&robot, self.length, self.per_count()[1]);
             // A motion that the simulation cannot follow to its end teaches what it showed until then.
             match run(&setup, &mut watch) {
                 Ok(_) => watch.finish_stride(None),
@@ -460,12 +489,11 @@ impl Sensed {
             length,
             "that of a boom, whose turn measures the way",
         )?;
-        let way = length * TAU / self.robot.sensors.unwrap_or_default().radius_counts.round();
         let mut strides = Vec::new();
         let mut table: Option<Table> = None;
         for round in 0..self.rounds.max(1) {
             strides.extend(self.strides(table.as_ref(), round, threads)?);
-            let (made, share) = self.solve(&strides, way);
+            let (made, share) = self.solve(&strides);
             told(strides.len(), share);
             table = Some(made);
         }
@@ -477,8 +505,8 @@ impl Sensed {
     }
 
     /// Dynamic programming over the strides: the choice of the greatest share that clears the box.
-    fn solve(&self, strides: &[Stride], way: f64) -> (Table, f64) {
-        let rows = RATES.2;
+    fn solve(&self, strides: &[Stride]) -> (Table, f64) {
+        let rows = ROWS;
         let mut value = vec![0.0; rows * COUNTED];
         let mut best = vec![0_usize; rows * COUNTED];
         for _ in 0..SWEEPS {
@@ -502,14 +530,6 @@ impl Sensed {
                 }
             }
         }
-        if std::env::var("DBG").is_ok() {
-            for row in 0..rows {
-                let n = |leap: bool| strides.iter().filter(|s| s.rate == row && s.choice < CHOICES && (s.choice >= FIRST_LEAP) == leap).count();
-                let st = strides.iter().filter(|s| s.rate == row && s.stalls).count();
-                let at = |x: f64| { let k = row * COUNTED + counted((x - NEAREST) / WIDTH); format!("{:.2}:{:.2},{:.3}", value[k], ALL[best[k]][0], ALL[best[k]][1]) };
-                eprintln!("rate {:.1} run {} leap {} stall {}: {} {} {} {} {} {} {}", row, n(false), n(true), st, at(0.3), at(0.5), at(0.7), at(1.0), at(1.5), at(2.0), at(3.0));
-            }
-        }
         let behind = -(self.length + BEYOND);
         let (first, columns) = Table::distances(behind);
         let mut cells = vec![0; rows * columns];
@@ -521,8 +541,10 @@ impl Sensed {
         }
         let from_rest = &value[..COUNTED];
         let share = from_rest[32..].iter().sum::<f64>() / (COUNTED - 32) as f64;
+        let [way, climb] = self.per_count();
         let table = Table {
             way,
+            climb,
             cells,
             behind,
             room: self.room,
@@ -551,11 +573,12 @@ impl Sensed {
                     KEPT * value[rate * COUNTED + counted(cell).min(COUNTED - 1)]
                 }
             };
-            for (row, weight) in [(0, 1.0), (1, BESIDE), (-1, BESIDE)] {
-                let Some(row) = stride.rate.checked_add_signed(row) else {
+            let levels = HEIGHTS.1.cast_signed();
+            for (by, weight) in [(0, 1.0), (levels, BESIDE), (-levels, BESIDE)] {
+                let Some(row) = stride.row.checked_add_signed(by) else {
                     continue;
                 };
-                if row < RATES.2 {
+                if row < ROWS {
                     let sum = &mut sums[(row * CHOICES + stride.choice) * COUNTED + d];
                     sum[0] += weight * worth;
                     sum[1] += weight;

@@ -2,8 +2,9 @@
 
 use crate::{Axis, Real};
 
-/// What each leg does before an obstacle: a table over the rate at which it enters the active zone and
-/// the distance from the axle to the obstacle's front then.
+/// What each leg does before an obstacle: a table over the rate at which it enters the active zone, the
+/// height of the axle and the distance from the axle to the obstacle's front then. The height tells
+/// when the foot will come down.
 ///
 /// A range sensor gives the distance now and then ([`Runner::sense`](super::Runner::sense)); in between
 /// the encoder of the radius carries it on. Beyond the last distance the law of the gait holds. Before
@@ -12,6 +13,8 @@ use crate::{Axis, Real};
 pub struct Ahead<'a, R> {
     /// Way forwards (m) for a count of the radius encoder; negative if it counts backwards.
     pub way: R,
+    /// Height (m) for a count of the pivot encoder; negative if it counts downwards.
+    pub climb: R,
     /// Least weight of a reading of the range sensor in the distance; the mean of the first readings
     /// weighs each of them alike.
     pub least_weight: R,
@@ -23,9 +26,13 @@ pub struct Ahead<'a, R> {
     pub room: R,
     /// Ends of the cells of the rate (rad/s). Beyond them the first cell and the last one hold.
     pub rates: Axis<R>,
+    /// Ends of the cells of the axle's height above that of the first cycle (m), in which the robot
+    /// stands. Beyond them the first cell and the last one hold.
+    pub heights: Axis<R>,
     /// Ends of the cells of the distance (m).
     pub distances: Axis<R>,
-    /// What is done in each cell, all distances of a rate one after the other: an index into `choices`.
+    /// What is done in each cell, all distances of a height one after the other, all
+    /// heights of a rate: an index into `choices`.
     pub cells: &'a [u8],
     /// Firing angle (rad) and valve opening time (s); with a time of 0 the leg does not fire.
     pub choices: &'a [[R; 2]],
@@ -43,21 +50,31 @@ pub(super) struct Choice<R> {
 }
 
 impl<R: Real> Ahead<'_, R> {
-    /// What a leg does that enters the zone at `rate` (rad/s), `distance` (m) from the obstacle; none
-    /// beyond the table.
+    /// What a leg does that enters the zone at `rate` (rad/s), the axle at `height` (m), `distance` (m)
+    /// from the obstacle; none beyond the table.
     #[inline]
-    pub(super) fn choice(&self, rate: R, distance: R) -> Option<Choice<R>> {
-        let inside = rate.greater(self.rates.first).lesser(self.rates.last);
-        let row = self.rates.locate(inside).ok()?.cell;
+    pub(super) fn choice(&self, rate: R, height: R, distance: R) -> Option<Choice<R>> {
+        let row = within(&self.rates, rate)?;
+        let level = within(&self.heights, height)?;
         let column = self.distances.locate(distance).ok()?.cell;
-        let columns = self.distances.count.wrapping_sub(1);
-        let cell = row.wrapping_mul(columns).wrapping_add(column);
+        let after = |cell: usize, axis: &Axis<R>, next: usize| {
+            let count = axis.count.wrapping_sub(1);
+            cell.wrapping_mul(count).wrapping_add(next)
+        };
+        let cell = after(after(row, &self.heights, level), &self.distances, column);
         let index = *self.cells.get(cell)?;
         Some(Choice {
             firing: *self.choices.get(usize::from(index))?,
             leaps: index >= self.first_leap,
         })
     }
+}
+
+/// The cell of `axis` in which `x` lies, the first or the last one beyond.
+#[inline]
+fn within<R: Real>(axis: &Axis<R>, x: R) -> Option<usize> {
+    let inside = x.greater(axis.first).lesser(axis.last);
+    Some(axis.locate(inside).ok()?.cell)
 }
 
 /// The distance to the obstacle ahead.

@@ -159,6 +159,8 @@ pub struct Runner<'a, R> {
     is_leaping: bool,
     /// Whether it runs away from the obstacle, to have room to run up.
     backs_off: bool,
+    /// Count of the pivot encoder in the first cycle.
+    stands_at: Option<i32>,
 }
 
 impl<'a, R: Real> Runner<'a, R> {
@@ -197,6 +199,7 @@ impl<'a, R: Real> Runner<'a, R> {
             choice: None,
             is_leaping: false,
             backs_off: false,
+            stands_at: None,
         };
         if !forwards {
             runner.turn_round(wheel);
@@ -321,7 +324,7 @@ impl<'a, R: Real> Runner<'a, R> {
         let rate = self.signals.rate(readings) * R::of_count(self.direction);
         if self.enters {
             (self.entry, self.enters) = (rate, false);
-            self.choice = self.choose(rate, distance);
+            self.choice = self.choose(rate, distance, readings.pivot);
         }
         let time = count::<R>(self.cycles) * self.gait.period;
         self.cycles = self.cycles.saturating_add(1);
@@ -411,6 +414,7 @@ impl<'a, R: Real> Runner<'a, R> {
     #[inline]
     fn look(&mut self, readings: &Readings) -> Option<R> {
         let ahead = self.gait.ahead.as_ref()?;
+        self.stands_at.get_or_insert(readings.pivot);
         let towards = if self.backs_off {
             self.direction.wrapping_neg()
         } else {
@@ -435,11 +439,13 @@ impl<'a, R: Real> Runner<'a, R> {
 
     /// What the leg that enters the zone at `rate` (rad/s) does about the obstacle at `distance` (m).
     #[inline]
-    fn choose(&self, rate: R, distance: Option<R>) -> Option<Choice<R>> {
+    fn choose(&self, rate: R, distance: Option<R>, pivot: i32) -> Option<Choice<R>> {
         if self.backs_off {
             return None;
         }
-        self.gait.ahead.as_ref()?.choice(rate, distance?)
+        let ahead = self.gait.ahead.as_ref()?;
+        let counts = pivot.wrapping_sub(self.stands_at.unwrap_or(pivot));
+        ahead.choice(rate, R::of_count(counts) * ahead.climb, distance?)
     }
 
     /// By how much (rad) later the demanded speed lets a leg fire than the law says, and what that
