@@ -324,6 +324,9 @@ fn drill<R: Bits + 'static>(cycles: u32) {
         wheel.wanted = draw.up_to(140);
         let mut runner = Runner::new(gait, rear, wheel.place >> 6, run % 5 != 4);
         runner.demand(draw.between(-4.0, 4.0));
+        if draw.one_in(2) {
+            runner.sense(draw.between(0.1, 2.0));
+        }
         let mut readings = Readings::default();
         for _ in 0..RUN {
             wheel.roll(&mut draw, &mut readings);

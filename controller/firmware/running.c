@@ -214,6 +214,7 @@ int main(void) {
         wanted = up_to(140);
         saltus_runner_start(&runner, &gait, rear, place >> 6, run % 5 != 4);
         saltus_runner_demand(&runner, between(N(-4.0), N(4.0)));
+        if (one_in(2)) saltus_runner_sense(&runner, between(N(0.1), N(2.0)));
         for (uint32_t k = 0; k < RUN; k++) {
             roll(&readings);
             if (one_in(1500)) saltus_runner_turn_round(&runner, readings.wheel);

@@ -1,17 +1,69 @@
-//! temp
-use saltus_gait::*;
+//! Learns what each leg does before boxes that a range sensor sees, and tries it on 100 other robots.
+//!
+//! ```text
+//! cargo run --release -p saltus-gait --example sensed_box -- 120 1 6 2.6 1500 6 0.08 0.1 0.12
+//! ```
+//!
+//! Supply pressure (psi), nearest and farthest front of the box (m), room to run up (m), runs in each
+//! round, rounds; then heights of the boxes (m), 21 cm long. Where nothing is given, 120 1 6 2.6 20 1 0.1,
+//! on 4 robots.
+
+use saltus_gait::{Draw, Sensed, Smooth};
 use saltus_numeric::parallel::available;
+
+/// A count given as a number.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn count(x: f64) -> usize {
+    x.round() as usize
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let a: Vec<f64> = std::env::args().skip(1).map(|x| x.parse().unwrap()).collect();
-    let psi = a[0];
-    let robot = saltus_robot::resolve("rats-run", &[format!("leg.supply_pressure_gauge_psi={psi}"), "sensors.range_noise_mm=10".into()])?;
-    let s = Sensed { robot, draw: Draw::default(), height: a[1], length: 0.21, room: a[6], fronts: [a[4], a[5]], law: Smooth::QUICK, runs: a[2] as usize, rounds: a[3] as usize, seed: 500 };
-    let t0 = std::time::Instant::now();
-    let table = s.plan(available(), |n, share| eprintln!("{n} strides, expects {share:.3}, {:.1} s", t0.elapsed().as_secs_f64()))?;
-    let all = s.try_on(&table, 100, 900, available())?;
-    let n = all.iter().filter(|f| f.cleared).count();
-    let on = all.iter().filter(|f| f.cleared && f.speed_after > 1.0).count();
-    println!("{psi} psi, {} m: {n} of 100, run on {on}; {:.1} s", a[1], t0.elapsed().as_secs_f64());
-    for f in all.iter().filter(|f| !f.cleared) { println!("  front {:.2} clearance {:.3} passed {:?}", f.front, f.clearance, f.passed); }
+    let numbers: Vec<f64> = std::env::args()
+        .skip(1)
+        .map(|x| x.parse())
+        .collect::<Result<_, _>>()?;
+    let (numbers, robots) = if numbers.is_empty() {
+        (vec![120.0, 1.0, 6.0, 2.6, 20.0, 1.0, 0.1], 4)
+    } else {
+        (numbers, 100)
+    };
+    let [psi, from, to, room, runs, rounds, heights @ ..] = &numbers[..] else {
+        return Err("give six numbers, and heights".into());
+    };
+    let sensed = Sensed {
+        robot: saltus_robot::resolve(
+            "rats-run",
+            &[
+                format!("leg.supply_pressure_gauge_psi={psi}"),
+                "sensors.range_noise_mm=10".to_owned(),
+            ],
+        )?,
+        draw: Draw::default(),
+        heights: heights.to_vec(),
+        length: 0.21,
+        fronts: [*from, *to],
+        room: *room,
+        law: Smooth::QUICK,
+        runs: count(*runs),
+        rounds: count(*rounds),
+        seed: 500,
+    };
+    let tables = sensed.plan(available(), |round| eprintln!("round {round}"))?;
+    for table in &tables {
+        let all = sensed.try_on(table, robots, 900, available())?;
+        let cleared = all.iter().filter(|f| f.cleared).count();
+        let on = all.iter().filter(|f| f.cleared && f.speed_after > 1.0);
+        println!(
+            "{psi} psi, {} m: {cleared} of {robots} cleared (expected {:.3}), of which {} run on",
+            table.height,
+            table.expected,
+            on.count()
+        );
+        let misses = all.iter().filter(|f| !f.cleared);
+        let misses: Vec<String> = misses
+            .map(|f| format!("{:.2} m by {:.3}", f.front, f.clearance))
+            .collect();
+        println!("  not cleared, front and clearance: {}", misses.join(", "));
+    }
     Ok(())
 }

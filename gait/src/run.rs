@@ -173,7 +173,7 @@ pub struct Obstacle {
 }
 
 impl Obstacle {
-    fn check(&self, radius: f64) -> Result<(), GaitError> {
+    pub(crate) fn check(&self, radius: f64) -> Result<(), GaitError> {
         let Obstacle {
             front,
             length,
