@@ -4,8 +4,8 @@
 //!     cargo run --release -p saltus-controller --example running_drill -- [CYCLES [double]]
 
 use saltus_controller::run::{
-    Action, Ahead, Gait, Hold, Instruments, Knot, Law, Leap, Policy, Readings, Runner, Signals, Stall,
-    Standing,
+    Action, Ahead, Gait, Hold, Instruments, Knot, Law, Leap, Policy, Readings, Runner, Signals,
+    Stall, Standing,
 };
 use saltus_controller::{Axis, Real};
 

@@ -231,7 +231,10 @@ fn a_robot_with_too_little_room_backs_off_first() {
         last = cycle;
     }
     // 0.8 m farther it has room, and no leg fires any more.
-    assert!(fired.len() >= 3 && fired.iter().all(|at| *at < 800), "{fired:?}");
+    assert!(
+        fired.len() >= 3 && fired.iter().all(|at| *at < 800),
+        "{fired:?}"
+    );
     // It comes to stand on two feet and turns; 2.7 m away, the law holds yet.
     let wheel = -(last / 160) * 160;
     let mut firings = Vec::new();

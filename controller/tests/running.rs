@@ -7,8 +7,8 @@ use std::f64::consts::{PI, TAU};
 
 use proptest::prelude::*;
 use saltus_controller::run::{
-    Action, Ahead, Gait, Hold, Instruments, Knot, Law, Leap, MOST_TAPS, Policy, Readings, Runner, Signals,
-    Stall, Standing, Unsure,
+    Action, Ahead, Gait, Hold, Instruments, Knot, Law, Leap, MOST_TAPS, Policy, Readings, Runner,
+    Signals, Stall, Standing, Unsure,
 };
 use saltus_controller::{Axis, Real};
 

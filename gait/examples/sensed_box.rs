@@ -33,10 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let sensed = Sensed {
         robot: saltus_robot::resolve(
             "rats-run",
-            &[
-                format!("leg.supply_pressure_gauge_psi={psi}"),
-                "sensors.range_noise_mm=10".to_owned(),
-            ],
+            &[format!("leg.supply_pressure_gauge_psi={psi}")],
         )?,
         draw: Draw::default(),
         heights: heights.to_vec(),

@@ -111,13 +111,7 @@ impl Sensed {
     }
 
     /// How one robot fares.
-    fn face(
-        &self,
-        table: &Table,
-        robot: Robot,
-        seed: u64,
-        front: f64,
-    ) -> Result<Faced, GaitError> {
+    fn face(&self, table: &Table, robot: Robot, seed: u64, front: f64) -> Result<Faced, GaitError> {
         let behind = front + self.length + BEYOND;
         let free = self.before(table, robot, seed, front);
         let mut beyond = Beyond::new(behind, FOLLOWED);

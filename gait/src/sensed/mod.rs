@@ -20,9 +20,9 @@ use crate::run::{Obstacle, Setup};
 use crate::{GaitError, Smooth};
 
 pub use faced::Faced;
-pub use table::{Choice, Table};
 use strides::Stride;
 use table::ZONE;
+pub use table::{Choice, Table};
 
 /// Boxes at any distance, for one robot and those drawn around it.
 #[derive(Clone, Debug)]
@@ -91,7 +91,8 @@ impl Sensed {
         for height in &self.heights {
             self.box_at(*height, from).check(self.robot.body.radius)?;
         }
-        self.box_at(self.heights[0], to).check(self.robot.body.radius)
+        self.box_at(self.heights[0], to)
+            .check(self.robot.body.radius)
     }
 
     /// What all runs have in common.

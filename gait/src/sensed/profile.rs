@@ -85,3 +85,39 @@ impl Profile {
         (0..COLUMNS).map(cell).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bar_lowers_what_is_beneath_it() {
+        // From 0.5 m on it rises by 1 in 2, up to 0.9 m; 1 cm thick.
+        let mut profile = Profile::new(10.0);
+        profile.lower([[10.5, 0.3], [10.9, 0.5]], 0.01);
+        let clears = profile.clears(0.1, None);
+        let at = |distance: f64| f64::from(clears[floor(distance + 1e-9 - NEAREST, WIDTH)]);
+        // A box before it and one beyond it are not touched.
+        for distance in [0.25, 0.35, 0.95] {
+            assert_eq!(at(distance), HIGH, "{distance}");
+        }
+        // Within it, the lowest place counts, and places are 1 cm wide.
+        for (distance, should) in [(0.5, 0.29), (0.6, 0.34), (0.7, 0.39)] {
+            assert!(
+                (at(distance) - should).abs() < 0.0051,
+                "{distance}: {}",
+                at(distance)
+            );
+        }
+        // Its ends are round: a box that reaches below one is touched.
+        assert!((at(0.4) - 0.29).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_jump_that_does_not_get_over_clears_nothing() {
+        let profile = Profile::new(0.0);
+        let clears = profile.clears(0.2, Some(1.2));
+        let over = |distance: f64| clears[floor(distance + 1e-9 - NEAREST, WIDTH)] > 0.0;
+        assert!(over(0.7) && !over(0.75));
+    }
+}

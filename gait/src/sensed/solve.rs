@@ -8,7 +8,7 @@ use super::strides::Stride;
 use super::table::{CHOICES, COLUMNS, FIRST_LEAP, HEIGHTS, ROWS, Table, WIDTH, row_of};
 
 /// Sweeps over all cells; a run has fewer strides.
-const SWEEPS: usize = 40;
+const SWEEPS: usize = 25;
 /// So many failures are added to what was seen of a choice.
 const DOUBT: f64 = 1.0;
 /// Weight of strides of the next cells of the rate.
@@ -114,4 +114,83 @@ fn comes_to(stride: &Stride, column: usize, clears: bool, worth: &[f64]) -> Opti
         return Some(0.0);
     }
     Some(KEPT * worth[row * COLUMNS + counted(next).min(COLUMNS - 1)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A row, a choice that drives and a jump.
+    const ROW: usize = 40;
+    const DRIVE: usize = 4;
+    const JUMP: usize = FIRST_LEAP + 2;
+
+    fn stride(choice: usize, clears: impl Fn(usize) -> f32) -> Stride {
+        Stride {
+            row: ROW,
+            choice,
+            clears: (0..COLUMNS).map(clears).collect(),
+            next: (choice == DRIVE).then_some((10.0 * WIDTH, ROW)),
+            stalls: false,
+        }
+    }
+
+    /// Nine strides of ten cells that always clear, and nine jumps that clear from columns 3 to 9.
+    fn simple() -> Vec<Stride> {
+        let drive = stride(DRIVE, |_| 9.0);
+        let jump = stride(
+            JUMP,
+            |column| {
+                if (3..10).contains(&column) { 0.3 } else { 0.0 }
+            },
+        );
+        let mut all = vec![drive; 9];
+        all.extend(vec![jump; 9]);
+        all
+    }
+
+    #[test]
+    fn it_drives_until_a_jump_clears() {
+        let values = values(&simple(), 0.2);
+        let at = |column: usize| {
+            let cell = ROW * COLUMNS + column;
+            (values.best[cell], values.worth[cell])
+        };
+        // Nine successes and one doubted failure.
+        let jump = 0.9;
+        for (column, strides) in [(3, 0), (9, 0), (13, 1), (19, 1), (45, 4)] {
+            let (choice, worth) = at(column);
+            let should = jump * (KEPT * 0.9_f64).powi(strides);
+            assert_eq!(choice, if strides == 0 { JUMP } else { DRIVE }, "{column}");
+            assert!((worth - should).abs() < 1e-12, "{column}: {worth} {should}");
+        }
+        // From between the windows no number of strides leads into one.
+        for column in [0, 2, 10, 12, 20] {
+            assert_eq!(at(column), (0, 0.0), "{column}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_clear_is_worth_nothing() {
+        let values = values(&simple(), 0.31);
+        assert!(values.worth.iter().all(|worth| *worth == 0.0));
+        let mut all = simple();
+        all.iter_mut().for_each(|stride| stride.stalls = true);
+        let stalled = super::values(&all, 0.2);
+        let cell = ROW * COLUMNS;
+        // A jump is judged by where it went; a stride that ends in a stall leads nowhere.
+        assert!((stalled.worth[cell + 5] - 0.9).abs() < 1e-12);
+        assert_eq!(stalled.worth[cell + 15], 0.0);
+    }
+
+    #[test]
+    fn strides_count_a_little_in_the_next_rates() {
+        let values = values(&simple(), 0.2);
+        let beside = ROW + HEIGHTS.1;
+        let worth = values.worth[beside * COLUMNS + 5];
+        let weight = 9.0 * BESIDE;
+        assert!((worth - weight / (weight + DOUBT)).abs() < 1e-12, "{worth}");
+        // The next height is another state.
+        assert_eq!(values.worth[(ROW + 1) * COLUMNS + 5], 0.0);
+    }
 }

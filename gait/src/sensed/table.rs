@@ -33,7 +33,7 @@ pub struct Table {
 
 /// Firing angles (rad) and valve opening times (s) of legs that drive the robot.
 pub(super) const ANGLES: [f64; 6] = [-0.4, -0.1, 0.1, 0.2, 0.3, 0.45];
-pub(super) const TIMES: [f64; 3] = [0.025, 0.042, 0.06];
+pub(super) const TIMES: [f64; 3] = [0.025, 0.042, 0.065];
 /// Firing angles (rad) of a jump, and its valve opening time (s): past the end of the stroke.
 pub(super) const LEAP_ANGLES: [f64; 7] = [-0.5, -0.42, -0.34, -0.26, -0.18, -0.1, 0.05];
 pub(super) const LEAP_OPEN: f64 = 0.1;
@@ -71,7 +71,7 @@ pub(super) const ROWS: usize = RATES.2 * HEIGHTS.1;
 /// many cells there are from there on.
 pub(super) const WIDTH: f64 = 0.025;
 pub(super) const NEAREST: f64 = 0.2;
-pub(super) const COLUMNS: usize = 120;
+pub(super) const COLUMNS: usize = 72;
 /// Way (m) beyond a box after which it is behind.
 pub(super) const BEYOND: f64 = 0.3;
 /// By how much (m) a reading of the range sensor may differ from what is known.
@@ -99,7 +99,9 @@ impl Table {
         let (behind, before) = passing(length);
         let row = |row: &[usize]| {
             let known = row.iter().map(|choice| u8::try_from(*choice).unwrap_or(0));
-            std::iter::repeat_n(0, before).chain(known).collect::<Vec<u8>>()
+            std::iter::repeat_n(0, before)
+                .chain(known)
+                .collect::<Vec<u8>>()
         };
         Table {
             height,

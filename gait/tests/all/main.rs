@@ -6,6 +6,7 @@ mod frontier;
 mod passive;
 mod periodic;
 mod report;
+mod sensed;
 mod stride;
 
 use saltus_gait::{Disturbance, Program, Setup, What, When};
