@@ -127,6 +127,10 @@ impl Jump {
         let mut files = Files::default();
         files.extend(self.output.out().map(|out| ("--out", out)));
         files.check()?;
+        if self.plot.is_set() && self.learning.finds_one() {
+            let allowed = "used with --greatest";
+            return Err(CliError::flag("--plot", "", allowed));
+        }
         if self.output.format() == Format::Csv {
             let allowed = "text or json";
             return Err(CliError::flag("--format", "csv", allowed));

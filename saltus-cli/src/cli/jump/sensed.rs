@@ -57,6 +57,11 @@ const PSI: f64 = 6894.757293168;
 const RUNS_ON: f64 = 1.0;
 
 impl Learning {
+    /// Whether one box is asked for, and not the greatest.
+    pub(super) fn finds_one(&self) -> bool {
+        self.greatest.is_none()
+    }
+
     /// Refuses the flags of a sensed box where it is not sensed.
     pub(super) fn refuse(&self) -> Result<(), CliError> {
         for (flag, is_given) in [
@@ -108,10 +113,6 @@ impl Jump {
     }
 
     fn one_height(&self, sensed: &Sensed) -> Result<Status, CliError> {
-        if self.plot.is_set() {
-            let allowed = "used with --greatest";
-            return Err(CliError::flag("--plot", "", allowed));
-        }
         let tables = self.learn(sensed, &Progress::new("rounds", sensed.rounds))?;
         let tried = self.tried(sensed, &tables[0])?;
         let answer = Answer {
