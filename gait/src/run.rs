@@ -487,8 +487,9 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
                 let travel = self.travel();
                 let fronts = self.setup.obstacles.iter().map(|o| o.front);
                 let seen = self.ranging.read(now.time, travel, fronts);
-                seen.into_iter()
-                    .for_each(|distance| self.runner.sense(distance));
+                if let Some(distance) = seen {
+                    self.runner.sense(distance);
+                }
             }
             let action = self.runner.step(&now.readings);
             self.tell(now.time, now.readings, action);

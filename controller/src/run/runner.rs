@@ -116,6 +116,17 @@ pub struct Action<R> {
     pub stalled: bool,
 }
 
+/// What a robot does about the obstacle ahead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// It runs towards it.
+    Approaches,
+    /// It jumps over it.
+    Leaps,
+    /// It runs away from it, to have room to run up.
+    BacksOff,
+}
+
 /// A robot that runs: one [`step`](Runner::step) a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Runner<'a, R> {
@@ -152,13 +163,10 @@ pub struct Runner<'a, R> {
     /// the direction of the run.
     since_shock: u32,
     touched: Option<R>,
-    /// How far the obstacle ahead is, what the leg in the zone does about it, and whether the robot
-    /// jumps over it.
+    /// How far the obstacle ahead is, what the leg in the zone does about it, and what the robot does.
     sight: Sight<R>,
     choice: Option<Choice<R>>,
-    is_leaping: bool,
-    /// Whether it runs away from the obstacle, to have room to run up.
-    backs_off: bool,
+    stage: Stage,
     /// Count of the pivot encoder in the first cycle.
     stands_at: Option<i32>,
 }
@@ -197,8 +205,7 @@ impl<'a, R: Real> Runner<'a, R> {
             touched: None,
             sight: Sight::NOTHING,
             choice: None,
-            is_leaping: false,
-            backs_off: false,
+            stage: Stage::Approaches,
             stands_at: None,
         };
         if !forwards {
@@ -227,7 +234,7 @@ impl<'a, R: Real> Runner<'a, R> {
     ///
     /// Counts and angles only change their signs, so that nothing is lost however often it turns.
     pub fn turn_round(&mut self, wheel: i32) {
-        (self.sight, self.backs_off) = (Sight::NOTHING, false);
+        (self.sight, self.stage) = (Sight::NOTHING, Stage::Approaches);
         self.mirror(wheel);
     }
 
@@ -253,7 +260,15 @@ impl<'a, R: Real> Runner<'a, R> {
     fn begin_anew(&mut self) {
         self.firings = 0;
         (self.since_shock, self.touched) = (u32::MAX, None);
-        self.is_leaping = false;
+        self.end_leap();
+    }
+
+    /// No jump is under way.
+    #[inline]
+    fn end_leap(&mut self) {
+        if self.stage == Stage::Leaps {
+            self.stage = Stage::Approaches;
+        }
     }
 
     /// Counts of a turn in the direction of the run.
@@ -336,7 +351,7 @@ impl<'a, R: Real> Runner<'a, R> {
         let [firing_angle, valve_open] = match (held, self.leaps(rate)) {
             (Some(None), _) => [R::of(NEVER), R::ZERO],
             (_, Some(firing)) => firing,
-            (_, None) if self.is_leaping || has_room => [R::of(NEVER), R::ZERO],
+            (_, None) if self.stage == Stage::Leaps || has_room => [R::of(NEVER), R::ZERO],
             (None, None) => self.next_firing(time, rate),
             (Some(Some(_)), None) if self.choice.is_some() => self.next_firing(time, rate),
             (Some(Some([demand, later])), None) => {
@@ -350,13 +365,15 @@ impl<'a, R: Real> Runner<'a, R> {
             self.has_fired = true;
             self.firings = self.firings.saturating_add(1);
             self.touched = None;
-            self.is_leaping |= self.choice.is_some_and(|choice| choice.leaps);
+            if self.choice.is_some_and(|choice| choice.leaps) {
+                self.stage = Stage::Leaps;
+            }
         }
         let is_opposite = self.demand * R::of_count(self.direction) < R::ZERO;
         if stalled && held.is_some() && is_opposite {
             self.turn_round(readings.wheel);
         } else if stalled && has_room {
-            self.backs_off = false;
+            self.stage = Stage::Approaches;
             self.mirror(readings.wheel);
         }
         Action {
@@ -415,16 +432,19 @@ impl<'a, R: Real> Runner<'a, R> {
     fn look(&mut self, readings: &Readings) -> Option<R> {
         let ahead = self.gait.ahead.as_ref()?;
         self.stands_at.get_or_insert(readings.pivot);
-        let towards = if self.backs_off {
+        let towards = if self.stage == Stage::BacksOff {
             self.direction.wrapping_neg()
         } else {
             self.direction
         };
         let distance = self.sight.look(ahead, readings.radius, towards);
-        self.is_leaping &= distance.is_some();
         let is_near = distance.is_some_and(|distance| distance < ahead.room);
-        if is_near && !self.backs_off && self.firings == 0 && self.gait.hold.is_none() {
-            self.backs_off = true;
+        if distance.is_none() {
+            self.end_leap();
+        }
+        let is_at_rest = self.firings == 0 && self.gait.hold.is_none();
+        if is_near && is_at_rest && self.stage != Stage::BacksOff {
+            self.stage = Stage::BacksOff;
             self.mirror(readings.wheel);
         }
         distance
@@ -434,13 +454,13 @@ impl<'a, R: Real> Runner<'a, R> {
     #[inline]
     fn has_room(&self, distance: Option<R>) -> bool {
         let is_far = |ahead: &Ahead<'_, R>| distance.is_none_or(|d| d >= ahead.room);
-        self.backs_off && self.gait.ahead.as_ref().is_some_and(is_far)
+        self.stage == Stage::BacksOff && self.gait.ahead.as_ref().is_some_and(is_far)
     }
 
     /// What the leg that enters the zone at `rate` (rad/s) does about the obstacle at `distance` (m).
     #[inline]
     fn choose(&self, rate: R, distance: Option<R>, pivot: i32) -> Option<Choice<R>> {
-        if self.backs_off {
+        if self.stage == Stage::BacksOff {
             return None;
         }
         let ahead = self.gait.ahead.as_ref()?;

@@ -175,7 +175,9 @@ mod tests {
         let values = values(&simple(), 0.31);
         assert!(values.worth.iter().all(|worth| *worth == 0.0));
         let mut all = simple();
-        all.iter_mut().for_each(|stride| stride.stalls = true);
+        for stride in &mut all {
+            stride.stalls = true;
+        }
         let stalled = super::values(&all, 0.2);
         let cell = ROW * COLUMNS;
         // A jump is judged by where it went; a stride that ends in a stall leads nowhere.
