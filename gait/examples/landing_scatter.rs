@@ -14,7 +14,7 @@ use saltus_numeric::parallel::{available, map_on};
 use saltus_robot::Robot;
 
 /// Firing angles (rad) and valve opening times (s) of the first three legs: those that `saltus jump`
-/// finds for the box of 21 cm at 1.3 m and 160 psi.
+/// finds for the box of 21 cm at 1.3 m and 160 psi, where the second one already jumps over the box.
 const FIRST: [[f64; 2]; 3] = [[0.0425, 0.0535], [0.3330, 0.0572], [-0.0477, 0.0556]];
 /// A (s) and B (rad) of the thesis.
 const THESIS: [f64; 2] = [-0.1, 0.46];

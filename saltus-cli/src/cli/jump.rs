@@ -143,11 +143,11 @@ impl Jump {
         if let Some(fronts) = self.obstacle.fronts() {
             return self.sensed(&robot, fronts);
         }
-        self.from_rest(&robot)
+        self.at_one_distance(&robot)
     }
 
     /// Over a box at a known distance.
-    fn from_rest(&self, robot: &Robot) -> Result<Status, CliError> {
+    fn at_one_distance(&self, robot: &Robot) -> Result<Status, CliError> {
         self.learning.refuse()?;
         let obstacle = self.obstacle.at(self.obstacle.front);
         let generations = usize::from(self.generations.unwrap_or(GENERATIONS));
