@@ -94,16 +94,22 @@ static void lines(const saltus_law *law, saltus_real rate, saltus_real out[2]) {
     }
 }
 
+/* Beside a number so great only whole ones lie, and its last bits count them. */
+static saltus_real beside_great(saltus_real along) { return (along - R(0.5)) + GREAT; }
+
+static uint32_t whole(saltus_real beside) {
+    @BITS@ bits;
+    memcpy(&bits, &beside, sizeof bits);
+    return (uint32_t)(bits & 0x3FFFFF);
+}
+
 static void policy(const saltus_law *law, saltus_real entry, saltus_real out[2]) {
     if (!is_finite(entry)) return;
     saltus_real inside = lesser(greater(entry, law->first), law->last);
     if (!within(inside, law->first, law->last) || law->count < 2) return;
     saltus_real along = (inside - law->first) * law->per_unit;
-    /* Beside a number so great only whole ones lie, and its last bits count them. */
-    saltus_real beside = (along - R(0.5)) + GREAT;
-    @BITS@ bits;
-    memcpy(&bits, &beside, sizeof bits);
-    uint32_t index = (uint32_t)(bits & 0x3FFFFF), most = law->count - 2;
+    saltus_real beside = beside_great(along);
+    uint32_t index = whole(beside), most = law->count - 2;
     const saltus_real *from = law->nodes[index > most ? most : index], *to = from + 2;
     mix(along - lesser(beside - GREAT, (saltus_real)most), from[0], from[1], to[0], to[1], out);
 }
@@ -182,12 +188,24 @@ static saltus_real find_leg(saltus_runner *r, int32_t wheel) {
     return lean;
 }
 
-/* Firings count from 0 again, and no foot has come down since. */
+/* Firings count from 0 again, no foot has come down since, and no jump is under way. */
 static void begin_anew(saltus_runner *r) {
     r->firings = 0;
     r->since_shock = UINT32_MAX;
     r->touched = R(0.0);
     r->is_touched = 0;
+    r->is_leaping = 0;
+}
+
+/* Nothing is seen. */
+static void forget(saltus_runner *r) {
+    r->distance = R(0.0);
+    r->reading = R(0.0);
+    r->readings = 0;
+    r->is_seen = 0;
+    r->is_read_now = 0;
+    r->is_counted = 0;
+    r->backs_off = 0;
 }
 
 void saltus_runner_start(saltus_runner *r, const saltus_gait *gait, uint32_t rear, int32_t wheel, int forwards) {
@@ -213,13 +231,25 @@ void saltus_runner_start(saltus_runner *r, const saltus_gait *gait, uint32_t rea
     r->speed = R(0.0);
     r->last_radius = 0;
     r->is_measured = 0;
+    forget(r);
+    r->seen_radius = 0;
+    r->stands_at = 0;
+    r->is_standing_known = 0;
+    r->has_choice = 0;
+    r->choice_leaps = 0;
     begin_anew(r);
     if (!forwards) saltus_runner_turn_round(r, wheel);
 }
 
 void saltus_runner_demand(saltus_runner *r, saltus_real speed) { r->demand = speed; }
 
-void saltus_runner_turn_round(saltus_runner *r, int32_t wheel) {
+void saltus_runner_sense(saltus_runner *r, saltus_real distance) {
+    r->is_read_now = distance > 0 && is_finite(distance);
+    r->reading = distance;
+}
+
+/* Legs and leans are mirrored from now on. */
+static void mirror(saltus_runner *r, int32_t wheel) {
     r->offset = -r->offset;
     r->direction = -r->direction;
     /* Leg k of now is leg n - k then; as legs are counted from 0 to n - 1, a turn lies between. */
@@ -231,8 +261,86 @@ void saltus_runner_turn_round(saltus_runner *r, int32_t wheel) {
     r->sum = R(0.0);
     r->speed = R(0.0);
     begin_anew(r);
+    r->has_choice = 0;
     r->enters = 1;
     find_leg(r, wheel);
+}
+
+void saltus_runner_turn_round(saltus_runner *r, int32_t wheel) {
+    forget(r);
+    mirror(r, wheel);
+}
+
+/* Takes a reading of the range sensor. */
+static void take(saltus_runner *r, const saltus_ahead *ahead, saltus_real reading) {
+    /* What is beneath the robot is not seen: the reading is of the next obstacle. */
+    if (r->is_seen && !(r->distance > 0)) return;
+    if (r->is_seen && ABS(reading - r->distance) <= ahead->same) {
+        r->readings = r->readings + 1 < 1000 ? r->readings + 1 : 1000;
+        saltus_real weight = greater(R(1.0) / (saltus_real)r->readings, ahead->least_weight);
+        r->distance = r->distance + weight * (reading - r->distance);
+        return;
+    }
+    r->distance = reading;
+    r->is_seen = 1;
+    r->readings = 1;
+}
+
+/* The distance to the obstacle ahead in this cycle, if one is seen. A jump over it ends once it is behind; a robot at rest that has too little
+ * room turns away from it. */
+static void look(saltus_runner *r, const saltus_readings *readings) {
+    const saltus_ahead *ahead = r->gait->ahead;
+    if (ahead == NULL) return;
+    if (!r->is_standing_known) r->stands_at = readings->pivot;
+    r->is_standing_known = 1;
+    int32_t counts = r->is_counted ? minus(readings->radius, r->seen_radius) : 0;
+    r->seen_radius = readings->radius;
+    r->is_counted = 1;
+    saltus_real way = (saltus_real)times(counts, r->backs_off ? -r->direction : r->direction) * ahead->way;
+    if (r->is_seen) {
+        r->distance = r->distance - way;
+        r->is_seen = r->distance >= ahead->distance_first;
+    }
+    if (r->is_read_now) take(r, ahead, r->reading);
+    r->is_read_now = 0;
+    if (!r->is_seen) r->is_leaping = 0;
+    if (r->is_seen && r->distance < ahead->room && !r->backs_off && r->firings == 0 && !r->gait->holds) {
+        r->backs_off = 1;
+        mirror(r, readings->wheel);
+    }
+}
+
+/* Whether it has run far enough away from the obstacle. */
+static int has_room(const saltus_runner *r) {
+    return r->gait->ahead != NULL && r->backs_off && (!r->is_seen || r->distance >= r->gait->ahead->room);
+}
+
+/* The cell between `count` ends in which `x` lies, and whether there is one. */
+static int cell_of(saltus_real x, saltus_real first, saltus_real last, saltus_real per_unit, uint32_t count, uint32_t *cell) {
+    if (!within(x, first, last) || count < 2) return 0;
+    uint32_t index = whole(beside_great((x - first) * per_unit));
+    *cell = index > count - 2 ? count - 2 : index;
+    return 1;
+}
+
+/* What the leg that enters the zone at `rate` does about the obstacle. */
+static void choose(saltus_runner *r, saltus_real rate, int32_t pivot) {
+    const saltus_ahead *a = r->gait->ahead;
+    uint32_t row, level, column, cell;
+    r->has_choice = 0;
+    if (a == NULL || r->backs_off || !r->is_seen) return;
+    saltus_real fast = lesser(greater(rate, a->rate_first), a->rate_last);
+    saltus_real height = (saltus_real)minus(pivot, r->stands_at) * a->climb;
+    height = lesser(greater(height, a->height_first), a->height_last);
+    if (!cell_of(fast, a->rate_first, a->rate_last, a->rates_per_unit, a->rate_count, &row)) return;
+    if (!cell_of(height, a->height_first, a->height_last, a->heights_per_unit, a->height_count, &level)) return;
+    if (!cell_of(r->distance, a->distance_first, a->distance_last, a->distances_per_unit, a->distance_count, &column)) return;
+    cell = (row * (a->height_count - 1) + level) * (a->distance_count - 1) + column;
+    if (cell >= a->cell_count || a->cells[cell] >= a->choice_count) return;
+    r->choice[0] = a->choices[a->cells[cell]][0];
+    r->choice[1] = a->choices[a->cells[cell]][1];
+    r->choice_leaps = a->cells[cell] >= a->first_leap;
+    r->has_choice = 1;
 }
 
 /* Notes the rate a few cycles after a foot has come down, when the filter has forgotten the impact. */
@@ -262,10 +370,14 @@ static int leaps(const saltus_runner *r, saltus_real rate, saltus_real out[2]) {
     return 1;
 }
 
-/* Firing angle (rad) and valve opening time (s) of the next firing, unless it is the leap: one of the first, or by the law at `rate`. */
+/* Firing angle (rad) and valve opening time (s) of the next firing, unless it is the leap: for the obstacle ahead, one of the first, or by the
+ * law at `rate`. */
 static void next_firing(const saltus_runner *r, saltus_real time, saltus_real rate, saltus_real out[2]) {
     const saltus_gait *gait = r->gait;
-    if (r->firings < gait->first_count) {
+    if (r->has_choice) {
+        out[0] = r->choice[0];
+        out[1] = r->choice[1];
+    } else if (r->firings < gait->first_count) {
         out[0] = gait->first[r->firings][0];
         out[1] = gait->first[r->firings][1];
     } else {
@@ -318,20 +430,22 @@ static int stands_still(saltus_runner *r, saltus_real rate) {
 
 void saltus_runner_step(saltus_runner *r, const saltus_readings *readings, saltus_action *action) {
     const saltus_gait *gait = r->gait;
+    look(r, readings);
     saltus_real lean = find_leg(r, readings->wheel);
     saltus_real rate = filtered(r, readings) * (saltus_real)r->direction;
     if (r->enters) {
         r->entry = rate;
         r->enters = 0;
+        choose(r, rate, readings->pivot);
     }
     saltus_real time = number(r->cycles) * gait->period, firing[2] = {PI, R(0.0)}, demand = R(0.0), later = R(0.0);
     if (r->cycles != UINT32_MAX) r->cycles++;
     feel(r, readings, rate);
     /* First, so that a restart begins with the first firings. */
-    int stalled = stands_still(r, rate);
-    if ((!gait->holds || held(r, readings->radius, &demand, &later)) && !leaps(r, rate, firing)) {
+    int stalled = stands_still(r, rate), roomy = has_room(r);
+    if ((!gait->holds || held(r, readings->radius, &demand, &later)) && !leaps(r, rate, firing) && !r->is_leaping && !roomy) {
         next_firing(r, time, gait->holds ? demand : rate, firing);
-        if (gait->holds) firing[0] = greater(firing[0] + later, gait->zone);
+        if (gait->holds && !r->has_choice) firing[0] = greater(firing[0] + later, gait->zone);
     }
     action->in_zone = r->direction > 0 || r->leg == 0 ? r->leg : r->legs - r->leg;
     int fires = !r->has_fired && lean >= firing[0] && firing[1] > 0;
@@ -339,8 +453,14 @@ void saltus_runner_step(saltus_runner *r, const saltus_readings *readings, saltu
         r->has_fired = 1;
         if (r->firings != UINT32_MAX) r->firings++;
         r->is_touched = 0;
+        if (r->has_choice && r->choice_leaps) r->is_leaping = 1;
     }
-    if (stalled && gait->holds && r->demand * (saltus_real)r->direction < 0) saltus_runner_turn_round(r, readings->wheel);
+    if (stalled && gait->holds && r->demand * (saltus_real)r->direction < 0) {
+        saltus_runner_turn_round(r, readings->wheel);
+    } else if (stalled && roomy) {
+        r->backs_off = 0;
+        mirror(r, readings->wheel);
+    }
     action->leg = fires ? (int32_t)action->in_zone : -1;
     action->valve_open = fires ? firing[1] : R(0.0);
     action->lean = lean;

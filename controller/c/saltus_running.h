@@ -56,6 +56,29 @@ typedef struct {
     int32_t shock;           /* greater component of the coarse accelerometer's reading from which a foot has come down; 0 or less: never */
 } saltus_leap;
 
+/* What each leg does before an obstacle: a table over the rate at which it enters the zone, the height of the axle and the distance from the axle
+ * to the obstacle's front then. The height tells when the foot will come down. A range sensor gives the distance now and then (saltus_runner_sense); in between the encoder of the radius carries it on. Beyond
+ * the last distance the law holds. Before the first one the obstacle is behind, and the next one counts. */
+typedef struct {
+    saltus_real way;          /* forwards for a count of the radius encoder (m); negative if it counts backwards */
+    saltus_real climb;        /* height for a count of the pivot encoder (m); negative if it counts downwards */
+    saltus_real least_weight; /* of a reading of the range sensor in the distance; the mean of the first readings weighs each alike */
+    saltus_real same;         /* by how much a reading may differ from the distance (m); farther off, it is another obstacle's */
+    saltus_real room;         /* nearer than this (m), a robot at rest first runs the other way until it is so far, and comes to stand; 0 and */
+                              /* where a speed is held: never */
+    saltus_real rate_first, rate_last, rates_per_unit; /* ends of the cells of the rate (rad/s); beyond, the first and the last cell hold */
+    uint32_t rate_count;                               /* of these ends */
+    saltus_real height_first, height_last, heights_per_unit; /* ends of the cells of the axle's height above that of the first cycle (m) */
+    uint32_t height_count;                                   /* of these ends; beyond, the first and the last cell hold */
+    saltus_real distance_first, distance_last, distances_per_unit; /* ends of the cells of the distance (m) */
+    uint32_t distance_count;                                       /* of these ends */
+    const uint8_t *cells; /* what is done in each cell, all distances of a height one after the other, all heights of a rate: which choice */
+    uint32_t cell_count;
+    const saltus_real (*choices)[2]; /* firing angle (rad), valve opening time (s); with a time of 0 the leg does not fire */
+    uint32_t choice_count;
+    uint8_t first_leap; /* from this choice on a firing jumps over the obstacle: no leg fires until that is behind */
+} saltus_ahead;
+
 /* How a demanded speed is held: a law of lines is then one over the demanded speed (m/s), and the firing angle is trimmed by what is lacking,
  * down to the beginning of the zone. A leg that fires sooner drives faster. Where no speed is demanded, no leg fires. */
 typedef struct {
@@ -88,6 +111,7 @@ typedef struct {
     uint32_t first_count;          /* after a stall if that restarts */
     int leaps;                     /* whether it leaps out of the run; not where `first` says that firing */
     saltus_leap leap;
+    const saltus_ahead *ahead; /* what is done about an obstacle that is sensed; NULL: nothing */
 } saltus_gait;
 
 /* What counters and converters say in a cycle. */
@@ -120,6 +144,10 @@ typedef struct {
     int32_t last_radius;
     uint32_t still, firings, since_shock;
     int has_fired, enters, is_measured, is_touched;
+    saltus_real distance, reading, choice[2];
+    int32_t readings, seen_radius;
+    int32_t stands_at;
+    int is_seen, is_read_now, is_counted, has_choice, choice_leaps, is_leaping, backs_off, is_standing_known;
 } saltus_runner;
 
 /* Starts a robot at rest on two legs, of which `rear` is the rear one (0 to legs - 1), with its wheel's encoder at `wheel`. `gait` lives as
@@ -130,6 +158,10 @@ void saltus_runner_start(saltus_runner *runner, const saltus_gait *gait, uint32_
  * leg fire. With a speed opposite to that of the run no leg fires until the robot stands still, which turns it round. If the gait holds no
  * speed, a demand means nothing. */
 void saltus_runner_demand(saltus_runner *runner, saltus_real speed);
+
+/* What the range sensor says before the next step: the distance (m) from the axle to the front of the next obstacle, in the direction of the
+ * run. What is not a positive number is no reading. If the gait has no table for what is ahead, it means nothing. */
+void saltus_runner_sense(saltus_runner *runner, saltus_real distance);
 
 /* Runs the other way from now on: legs and leans are mirrored. */
 void saltus_runner_turn_round(saltus_runner *runner, int32_t wheel);

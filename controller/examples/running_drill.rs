@@ -4,8 +4,8 @@
 //!     cargo run --release -p saltus-controller --example running_drill -- [CYCLES [double]]
 
 use saltus_controller::run::{
-    Action, Gait, Hold, Instruments, Knot, Law, Leap, Policy, Readings, Runner, Signals, Stall,
-    Standing,
+    Action, Ahead, Gait, Hold, Instruments, Knot, Law, Leap, Policy, Readings, Runner, Signals,
+    Stall, Standing,
 };
 use saltus_controller::{Axis, Real};
 
@@ -90,6 +90,10 @@ struct Drawn<R: 'static> {
     first: Vec<[R; 2]>,
     hold: Option<Hold<R>>,
     leap: Option<Leap<R>>,
+    cells: Vec<u8>,
+    choices: Vec<[R; 2]>,
+    room: R,
+    sees: bool,
 }
 
 impl<R: Real + 'static> Drawn<R> {
@@ -143,7 +147,25 @@ impl<R: Real + 'static> Drawn<R> {
             valve_open: R::of(0.05),
             shock: draw.up_to(20000) + 15000,
         };
+        // The last choice is of no leg; the one before it does not fire.
+        let cells = (0..ROWS * LEVELS * COLUMNS)
+            .map(|_| u8::try_from(draw.word() % 6).unwrap_or(0))
+            .collect();
+        let mut choices: Vec<[R; 2]> = (0..5)
+            .map(|_| [draw.between(-0.2, 0.2), draw.between(0.02, 0.06)])
+            .collect();
+        choices[4][1] = R::ZERO;
+        let room = if draw.one_in(2) {
+            R::ZERO
+        } else {
+            draw.between(0.0, 2.0)
+        };
+        let sees = draw.one_in(2);
         Drawn {
+            cells,
+            choices,
+            room,
+            sees,
             time,
             knots,
             nodes,
@@ -179,6 +201,30 @@ impl<R: Real + 'static> Drawn<R> {
             },
             first: &self.first,
             leap: self.leap,
+            ahead: self.sees.then_some(self.ahead()),
+        }
+    }
+}
+
+/// Cells of the table for an obstacle.
+const ROWS: usize = 5;
+const LEVELS: usize = 3;
+const COLUMNS: usize = 12;
+
+impl<R: Real + 'static> Drawn<R> {
+    fn ahead(&self) -> Ahead<'_, R> {
+        Ahead {
+            way: R::of(0.0086),
+            climb: R::of(0.0083),
+            least_weight: R::of(0.1),
+            same: R::of(0.3),
+            room: self.room,
+            rates: Axis::new(R::of(-1.0), R::of(9.0), ROWS + 1),
+            heights: Axis::new(R::of(0.0), R::of(0.12), LEVELS + 1),
+            distances: Axis::new(R::of(-0.5), R::of(2.5), COLUMNS + 1),
+            cells: &self.cells,
+            choices: &self.choices,
+            first_leap: 3,
         }
     }
 }
@@ -225,6 +271,7 @@ impl Wheel {
         readings.coarse_gyro = self.rate * 154 + draw.up_to(90);
         readings.wheel = (self.place + draw.up_to(40)) >> 6;
         readings.radius = (self.place + draw.up_to(40)) >> 8;
+        readings.pivot = draw.up_to(12) + 10;
         let most = if draw.one_in(50) { 32767 } else { 500 };
         readings.coarse_accelerometer = [draw.up_to(most), draw.up_to(most)];
     }
@@ -277,6 +324,9 @@ fn drill<R: Bits + 'static>(cycles: u32) {
         wheel.wanted = draw.up_to(140);
         let mut runner = Runner::new(gait, rear, wheel.place >> 6, run % 5 != 4);
         runner.demand(draw.between(-4.0, 4.0));
+        if draw.one_in(2) {
+            runner.sense(draw.between(0.1, 2.0));
+        }
         let mut readings = Readings::default();
         for _ in 0..RUN {
             wheel.roll(&mut draw, &mut readings);
@@ -290,6 +340,9 @@ fn drill<R: Bits + 'static>(cycles: u32) {
                 } else {
                     draw.between(-4.0, 4.0)
                 });
+            }
+            if draw.one_in(30) {
+                runner.sense(draw.between(-0.2, 3.0));
             }
             let action = runner.step(&readings);
             fired += u32::from(action.leg.is_some());

@@ -44,6 +44,47 @@ static saltus_knot knots[4];
 static saltus_real nodes[6][2], first[2][2];
 static saltus_gait gait;
 
+/* Cells of the table for an obstacle. */
+#define ROWS 5
+#define LEVELS 3
+#define COLUMNS 12
+static uint8_t cells[ROWS * LEVELS * COLUMNS];
+static saltus_real choices[5][2];
+static saltus_ahead ahead;
+
+static void draw_ahead(void) {
+    /* The last choice is of no leg; the one before it does not fire. */
+    for (int k = 0; k < ROWS * LEVELS * COLUMNS; k++) cells[k] = (uint8_t)(word() % 6);
+    for (int k = 0; k < 5; k++) {
+        choices[k][0] = between(N(-0.2), N(0.2));
+        choices[k][1] = between(N(0.02), N(0.06));
+    }
+    choices[4][1] = N(0.0);
+    ahead.way = N(0.0086);
+    ahead.climb = N(0.0083);
+    ahead.least_weight = N(0.1);
+    ahead.same = N(0.3);
+    ahead.room = one_in(2) ? N(0.0) : between(N(0.0), N(2.0));
+    ahead.rate_first = N(-1.0);
+    ahead.rate_last = N(9.0);
+    ahead.rates_per_unit = N(ROWS) / (ahead.rate_last - ahead.rate_first);
+    ahead.rate_count = ROWS + 1;
+    ahead.height_first = N(0.0);
+    ahead.height_last = N(0.12);
+    ahead.heights_per_unit = N(LEVELS) / (ahead.height_last - ahead.height_first);
+    ahead.height_count = LEVELS + 1;
+    ahead.distance_first = N(-0.5);
+    ahead.distance_last = N(2.5);
+    ahead.distances_per_unit = N(COLUMNS) / (ahead.distance_last - ahead.distance_first);
+    ahead.distance_count = COLUMNS + 1;
+    ahead.cells = cells;
+    ahead.cell_count = ROWS * LEVELS * COLUMNS;
+    ahead.choices = (const saltus_real(*)[2])choices;
+    ahead.choice_count = 5;
+    ahead.first_leap = 3;
+    gait.ahead = one_in(2) ? &ahead : NULL;
+}
+
 static void draw_gait(uint32_t run) {
     uint32_t kind = run % 4;
     gait.legs = 3 + run % 10;
@@ -87,6 +128,7 @@ static void draw_gait(uint32_t run) {
     gait.leap.most = N(0.1);
     gait.leap.valve_open = N(0.05);
     gait.leap.shock = up_to(20000) + 15000;
+    draw_ahead();
     gait.stall.restarts = run % 3 == 0;
 }
 
@@ -105,6 +147,7 @@ static void roll(saltus_readings *r) {
     r->coarse_gyro = rate * 154 + up_to(90);
     r->wheel = (place + up_to(40)) >> 6;
     r->radius = (place + up_to(40)) >> 8;
+    r->pivot = up_to(12) + 10;
     int32_t most = one_in(50) ? 32767 : 500;
     r->coarse_accelerometer[0] = up_to(most);
     r->coarse_accelerometer[1] = up_to(most);
@@ -171,10 +214,12 @@ int main(void) {
         wanted = up_to(140);
         saltus_runner_start(&runner, &gait, rear, place >> 6, run % 5 != 4);
         saltus_runner_demand(&runner, between(N(-4.0), N(4.0)));
+        if (one_in(2)) saltus_runner_sense(&runner, between(N(0.1), N(2.0)));
         for (uint32_t k = 0; k < RUN; k++) {
             roll(&readings);
             if (one_in(1500)) saltus_runner_turn_round(&runner, readings.wheel);
             if (one_in(300)) saltus_runner_demand(&runner, one_in(8) ? N(0.0) : between(N(-4.0), N(4.0)));
+            if (one_in(30)) saltus_runner_sense(&runner, between(N(-0.2), N(3.0)));
             if (k % 101 == 0) {
                 static saltus_runner other;
                 other = runner;

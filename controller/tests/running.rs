@@ -7,8 +7,8 @@ use std::f64::consts::{PI, TAU};
 
 use proptest::prelude::*;
 use saltus_controller::run::{
-    Action, Gait, Hold, Instruments, Knot, Law, Leap, MOST_TAPS, Policy, Readings, Runner, Signals,
-    Stall, Standing, Unsure,
+    Action, Ahead, Gait, Hold, Instruments, Knot, Law, Leap, MOST_TAPS, Policy, Readings, Runner,
+    Signals, Stall, Standing, Unsure,
 };
 use saltus_controller::{Axis, Real};
 
@@ -58,6 +58,7 @@ fn gait(legs: u32) -> Gait<'static, f64> {
         },
         first: &[],
         leap: None,
+        ahead: None,
     }
 }
 
@@ -245,6 +246,7 @@ fn fires_once_each<R: Real>() {
                 },
                 first: &[],
                 leap: None,
+                ahead: None,
             };
             let mut runner = Runner::new(gait, 0, 0, forwards);
             let sign = if forwards { 1 } else { -1 };
@@ -971,6 +973,30 @@ fn any_gait<'a>(
         },
         first,
         leap: random.word().is_multiple_of(2).then_some(leap),
+        ahead: random.word().is_multiple_of(2).then(|| Ahead {
+            way: number(random),
+            climb: number(random),
+            least_weight: number(random),
+            same: number(random),
+            room: number(random),
+            rates: any_axis(random),
+            heights: any_axis(random),
+            distances: any_axis(random),
+            cells: &[0, 1, 2, 3, 4, 5, 6],
+            choices: nodes,
+            first_leap: 3,
+        }),
+    }
+}
+
+/// Ends of cells of which nothing can be said.
+fn any_axis(random: &mut Noise) -> Axis<f32> {
+    let counts = [0, 1, 2, 3, 5, usize::MAX];
+    Axis {
+        first: number(random),
+        last: number(random),
+        per_unit: number(random),
+        count: counts[random.word() as usize % counts.len()],
     }
 }
 
@@ -1020,6 +1046,7 @@ fn any_bits_do_not_panic_and_fire_no_nan() {
             match random.word() % 20 {
                 0 => runner.turn_round(whole(&mut random)),
                 1 => runner.demand(number(&mut random)),
+                2 => runner.sense(number(&mut random)),
                 _ => {}
             }
             let action = runner.step(&any_readings(&mut random));

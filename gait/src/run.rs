@@ -13,6 +13,8 @@ use saltus_sim_check::{Contact, Happening, Ledger, Rig, Stepping, Surface};
 use crate::cast::instruments;
 use crate::error::require;
 use crate::law::Compiled;
+use crate::sensed::Table;
+use crate::sensors::Ranging;
 use crate::surroundings::{Disturbance, Surroundings};
 use crate::world::World;
 use crate::{GaitError, Program};
@@ -44,6 +46,8 @@ pub struct Setup {
     pub first: Vec<[f64; 2]>,
     /// A jump out of the run.
     pub leap: Option<Leap<f64>>,
+    /// What is done about the next of the obstacles, as the range sensor sees it.
+    pub ahead: Option<Table>,
     /// What disturbs.
     pub disturbances: Vec<Disturbance>,
     /// Boxes on the ground.
@@ -77,6 +81,7 @@ impl Setup {
             },
             first: Vec::new(),
             leap: None,
+            ahead: None,
             disturbances: Vec::new(),
             obstacles: Vec::new(),
             solid: true,
@@ -168,7 +173,7 @@ pub struct Obstacle {
 }
 
 impl Obstacle {
-    fn check(&self, radius: f64) -> Result<(), GaitError> {
+    pub(crate) fn check(&self, radius: f64) -> Result<(), GaitError> {
         let Obstacle {
             front,
             length,
@@ -383,6 +388,7 @@ fn gait<'s>(setup: &'s Setup, compiled: &'s Compiled) -> Gait<'s, f64> {
         stall: setup.stall,
         first: &setup.first,
         leap: setup.leap,
+        ahead: setup.ahead.as_ref().map(Table::ahead),
     }
 }
 
@@ -413,6 +419,7 @@ struct Loop<'a, 's, F> {
     runner: Runner<'s, f64>,
     follower: &'s mut F,
     boxes: Vec<Surface>,
+    ranging: Ranging,
     /// Travels (m) of the last 0.15 s.
     recent: VecDeque<f64>,
     /// Cycles in 0.15 s.
@@ -451,6 +458,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             runner,
             follower,
             boxes,
+            ranging: Ranging::new(setup.sensors(), setup.seed),
             recent: VecDeque::new(),
             window: counted(MEAN / period).max(1),
             still: None,
@@ -504,6 +512,14 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             if let Some([_, speed]) = self.setup.speeds.iter().rev().find(later) {
                 self.turn(*speed);
                 self.runner.demand(*speed);
+            }
+            if self.setup.ahead.is_some() {
+                let travel = self.travel();
+                let fronts = self.setup.obstacles.iter().map(|o| o.front);
+                let seen = self.ranging.read(now.time, travel, fronts);
+                if let Some(distance) = seen {
+                    self.runner.sense(distance);
+                }
             }
             let action = self.runner.step(&now.readings);
             self.tell(now.time, now.readings, action);

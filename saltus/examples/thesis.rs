@@ -11,6 +11,8 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
+#[path = "thesis/crossing.rs"]
+mod crossing;
 #[path = "thesis/family.rs"]
 mod family;
 #[path = "thesis/jumper.rs"]
@@ -67,6 +69,7 @@ fn main() -> Outcome<()> {
         family::section()?,
         law::section()?,
         obstacle::section()?,
+        crossing::section()?,
         slip::section()?,
     ] {
         page.push('\n');

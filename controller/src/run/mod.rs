@@ -7,11 +7,13 @@
 //!
 //! Source: thesis 5.1.1 to 5.1.4.
 
+mod ahead;
 mod law;
 mod runner;
 mod signals;
 mod standing;
 
+pub use ahead::Ahead;
 pub use law::{Knot, Law, Policy};
 pub use runner::{Action, Gait, Hold, Leap, Runner, Stall};
 pub use signals::{Instruments, MOST_TAPS, Readings, Signals};

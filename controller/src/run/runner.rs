@@ -2,6 +2,7 @@
 
 use core::ops::RangeInclusive;
 
+use super::ahead::{Ahead, Choice, Sight};
 use super::law::NEVER;
 use super::{Instruments, Law, MOST_TAPS, Readings, Signals};
 use crate::Real;
@@ -30,6 +31,8 @@ pub struct Gait<'a, R> {
     pub first: &'a [[R; 2]],
     /// A jump out of the run; none where `first` says that firing.
     pub leap: Option<Leap<R>>,
+    /// What is done about an obstacle that is sensed.
+    pub ahead: Option<Ahead<'a, R>>,
 }
 
 /// Legs of a robot that runs.
@@ -113,6 +116,17 @@ pub struct Action<R> {
     pub stalled: bool,
 }
 
+/// What a robot does about the obstacle ahead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// It runs towards it.
+    Approaches,
+    /// It jumps over it.
+    Leaps,
+    /// It runs away from it, to have room to run up.
+    BacksOff,
+}
+
 /// A robot that runs: one [`step`](Runner::step) a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Runner<'a, R> {
@@ -149,6 +163,12 @@ pub struct Runner<'a, R> {
     /// the direction of the run.
     since_shock: u32,
     touched: Option<R>,
+    /// How far the obstacle ahead is, what the leg in the zone does about it, and what the robot does.
+    sight: Sight<R>,
+    choice: Option<Choice<R>>,
+    stage: Stage,
+    /// Count of the pivot encoder in the first cycle.
+    stands_at: Option<i32>,
 }
 
 impl<'a, R: Real> Runner<'a, R> {
@@ -183,6 +203,10 @@ impl<'a, R: Real> Runner<'a, R> {
             firings: 0,
             since_shock: u32::MAX,
             touched: None,
+            sight: Sight::NOTHING,
+            choice: None,
+            stage: Stage::Approaches,
+            stands_at: None,
         };
         if !forwards {
             runner.turn_round(wheel);
@@ -198,11 +222,24 @@ impl<'a, R: Real> Runner<'a, R> {
         self.demand = speed;
     }
 
+    /// What the range sensor says before the next [`step`](Runner::step): the distance (m) from the axle
+    /// to the front of the next obstacle, in the direction of the run. What is not a positive number
+    /// is no reading. Without [`Gait::ahead`] it means nothing.
+    pub fn sense(&mut self, distance: R) {
+        self.sight.sense(distance);
+    }
+
     /// Runs the other way from now on, the wheel's encoder being at `wheel`: legs and leans are
     /// mirrored.
     ///
     /// Counts and angles only change their signs, so that nothing is lost however often it turns.
     pub fn turn_round(&mut self, wheel: i32) {
+        (self.sight, self.stage) = (Sight::NOTHING, Stage::Approaches);
+        self.mirror(wheel);
+    }
+
+    /// Legs and leans are mirrored from now on.
+    fn mirror(&mut self, wheel: i32) {
         self.offset = -self.offset;
         self.direction = self.direction.wrapping_neg();
         // Leg k of now is leg n − k then; as legs are counted from 0 to n − 1, a turn lies between.
@@ -213,15 +250,25 @@ impl<'a, R: Real> Runner<'a, R> {
         self.has_fired = false;
         (self.sum, self.speed) = (R::ZERO, R::ZERO);
         self.begin_anew();
+        self.choice = None;
         self.enters = true;
         self.find_leg(wheel);
     }
 
-    /// Firings count from 0 again, and no foot has come down since.
+    /// Firings count from 0 again, no foot has come down since, and no jump is under way.
     #[inline]
     fn begin_anew(&mut self) {
         self.firings = 0;
         (self.since_shock, self.touched) = (u32::MAX, None);
+        self.end_leap();
+    }
+
+    /// No jump is under way.
+    #[inline]
+    fn end_leap(&mut self) {
+        if self.stage == Stage::Leaps {
+            self.stage = Stage::Approaches;
+        }
     }
 
     /// Counts of a turn in the direction of the run.
@@ -287,21 +334,26 @@ impl<'a, R: Real> Runner<'a, R> {
     /// A cycle: whether a leg fires now.
     #[inline]
     pub fn step(&mut self, readings: &Readings) -> Action<R> {
+        let distance = self.look(readings);
         let lean = self.find_leg(readings.wheel);
         let rate = self.signals.rate(readings) * R::of_count(self.direction);
         if self.enters {
             (self.entry, self.enters) = (rate, false);
+            self.choice = self.choose(rate, distance, readings.pivot);
         }
         let time = count::<R>(self.cycles) * self.gait.period;
         self.cycles = self.cycles.saturating_add(1);
         self.feel(readings, rate);
         // First, so that a restart begins with the first firings.
         let stalled = self.stands_still(rate);
+        let has_room = self.has_room(distance);
         let held = self.gait.hold.map(|hold| self.held(&hold, readings.radius));
         let [firing_angle, valve_open] = match (held, self.leaps(rate)) {
             (Some(None), _) => [R::of(NEVER), R::ZERO],
             (_, Some(firing)) => firing,
+            (_, None) if self.stage == Stage::Leaps || has_room => [R::of(NEVER), R::ZERO],
             (None, None) => self.next_firing(time, rate),
+            (Some(Some(_)), None) if self.choice.is_some() => self.next_firing(time, rate),
             (Some(Some([demand, later])), None) => {
                 let [angle, open] = self.next_firing(time, demand);
                 [(angle + later).greater(self.gait.zone), open]
@@ -313,10 +365,16 @@ impl<'a, R: Real> Runner<'a, R> {
             self.has_fired = true;
             self.firings = self.firings.saturating_add(1);
             self.touched = None;
+            if self.choice.is_some_and(|choice| choice.leaps) {
+                self.stage = Stage::Leaps;
+            }
         }
         let is_opposite = self.demand * R::of_count(self.direction) < R::ZERO;
         if stalled && held.is_some() && is_opposite {
             self.turn_round(readings.wheel);
+        } else if stalled && has_room {
+            self.stage = Stage::Approaches;
+            self.mirror(readings.wheel);
         }
         Action {
             leg: fires.then_some(in_zone),
@@ -357,14 +415,57 @@ impl<'a, R: Real> Runner<'a, R> {
         Some([angle.greater(leap.least).lesser(leap.most), leap.valve_open])
     }
 
-    /// Firing angle (rad) and valve opening time (s) of the next firing, unless it is the leap: one
-    /// of the first, or by the law at `rate`.
+    /// Firing angle (rad) and valve opening time (s) of the next firing, unless it is the leap: for the
+    /// obstacle ahead, one of the first, or by the law at `rate`.
     #[inline]
     fn next_firing(&self, time: R, rate: R) -> [R; 2] {
-        match self.gait.first.get(self.firings as usize) {
-            Some(first) => *first,
-            None => self.gait.law.at(time, rate, self.entry),
+        match (self.choice, self.gait.first.get(self.firings as usize)) {
+            (Some(choice), _) => choice.firing,
+            (None, Some(first)) => *first,
+            (None, None) => self.gait.law.at(time, rate, self.entry),
         }
+    }
+
+    /// The distance (m) to the obstacle ahead in this cycle. A jump over it ends once it is behind; a
+    /// robot at rest that has too little room turns away from it.
+    #[inline]
+    fn look(&mut self, readings: &Readings) -> Option<R> {
+        let ahead = self.gait.ahead.as_ref()?;
+        self.stands_at.get_or_insert(readings.pivot);
+        let towards = if self.stage == Stage::BacksOff {
+            self.direction.wrapping_neg()
+        } else {
+            self.direction
+        };
+        let distance = self.sight.look(ahead, readings.radius, towards);
+        let is_near = distance.is_some_and(|distance| distance < ahead.room);
+        if distance.is_none() {
+            self.end_leap();
+        }
+        let is_at_rest = self.firings == 0 && self.gait.hold.is_none();
+        if is_near && is_at_rest && self.stage != Stage::BacksOff {
+            self.stage = Stage::BacksOff;
+            self.mirror(readings.wheel);
+        }
+        distance
+    }
+
+    /// Whether it has run far enough away from the obstacle at `distance` (m).
+    #[inline]
+    fn has_room(&self, distance: Option<R>) -> bool {
+        let is_far = |ahead: &Ahead<'_, R>| distance.is_none_or(|d| d >= ahead.room);
+        self.stage == Stage::BacksOff && self.gait.ahead.as_ref().is_some_and(is_far)
+    }
+
+    /// What the leg that enters the zone at `rate` (rad/s) does about the obstacle at `distance` (m).
+    #[inline]
+    fn choose(&self, rate: R, distance: Option<R>, pivot: i32) -> Option<Choice<R>> {
+        if self.stage == Stage::BacksOff {
+            return None;
+        }
+        let ahead = self.gait.ahead.as_ref()?;
+        let counts = pivot.wrapping_sub(self.stands_at.unwrap_or(pivot));
+        ahead.choice(rate, R::of_count(counts) * ahead.climb, distance?)
     }
 
     /// By how much (rad) later the demanded speed lets a leg fire than the law says, and what that

@@ -7,6 +7,7 @@ mod passive;
 mod periodic;
 mod report;
 mod rest;
+mod sensed;
 mod stride;
 
 use saltus_gait::{Disturbance, Program, Setup, What, When};

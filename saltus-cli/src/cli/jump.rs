@@ -1,39 +1,48 @@
-//! `saltus jump`: from rest, some legs accelerate and the next one jumps over a box.
+//! `saltus jump`: over a box from rest, or one that is sensed on the way.
+
+mod sensed;
 
 use clap::Args;
+use saltus::Robot;
 use saltus::gait::{Crossed, Crossing, CrossingPlan, Draw, GaitError, Obstacle};
 use saltus::running::Share;
 use serde_json::{Value, json};
 
+use self::sensed::Learning;
 use super::Status;
-use super::common::{OutputFlags, Threads, robot};
+use super::common::{OutputFlags, PlotOption, Threads, robot};
 use crate::error::{CliError, cut};
 use crate::output::{Files, Format, digits};
 use crate::progress::Progress;
 
-/// Jump over a box from rest: some legs accelerate, the next one jumps
+/// Jump over a box: from rest, some legs accelerate and the next one jumps; or out of a run, over a box
+/// that a range sensor sees
 #[derive(Args, Debug)]
 #[command(after_help = "`saltus jump --help` explains the output.", after_long_help = LONG_HELP)]
 pub(crate) struct Jump {
-    /// The box: HEIGHTxLENGTH@FRONT (m), its front counted from the axle at rest
-    #[arg(long, value_name = "HEIGHTxLENGTH@FRONT", value_parser = obstacle, allow_hyphen_values = true)]
-    obstacle: Obstacle,
+    /// The box: HEIGHTxLENGTH@FRONT (m), its front counted from the axle at rest; with FRONT as FROM:TO
+    /// it is anywhere between, and the robot senses it
+    #[arg(long, value_name = "HEIGHTxLENGTH@FRONT", value_parser = course, allow_hyphen_values = true)]
+    obstacle: Course,
 
-    /// Legs that accelerate before the one that jumps
-    #[arg(long, value_name = "COUNT", default_value = "3", value_parser = clap::value_parser!(u8).range(1..=6))]
-    legs: u8,
+    /// Legs that accelerate before the one that jumps [default: 3]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(1..=6))]
+    legs: Option<u8>,
 
     /// Jump at one firing angle, whatever the rate at touch-down
     #[arg(long)]
     constant: bool,
 
-    /// Drawn robots on which the firings are sought
-    #[arg(long, value_name = "COUNT", default_value = "8", value_parser = clap::value_parser!(u16).range(1..=1000))]
-    sought_on: u16,
+    /// Drawn robots on which the firings are sought [default: 8]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    sought_on: Option<u16>,
 
-    /// Generations of the search
-    #[arg(long, value_name = "COUNT", default_value = "14", value_parser = clap::value_parser!(u16).range(1..=1000))]
-    generations: u16,
+    /// Generations of the search [default: 14]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    generations: Option<u16>,
+
+    #[command(flatten)]
+    learning: Learning,
 
     /// Other drawn robots on which they are tried
     #[arg(long, value_name = "COUNT", default_value = "100", value_parser = clap::value_parser!(u16).range(1..=10000))]
@@ -65,29 +74,49 @@ pub(crate) struct Jump {
     overrides: Vec<String>,
 
     #[command(flatten)]
+    plot: PlotOption,
+
+    #[command(flatten)]
     output: OutputFlags,
 }
 
 const LONG_HELP: &str = "\
 Examples:
+  saltus jump --obstacle 0.1x0.21@1:6
+  saltus jump --obstacle 0.21x0.21@1:6 --greatest 80:200:7 --plot greatest.svg
   saltus jump --obstacle 0.21x0.21@1.3 --set leg.supply_pressure_gauge_psi=160
   saltus jump --obstacle 0.16x0.21@1.3 --constant --format json --out box.json
 
-The robot stands on two feet. Each leg that accelerates has a firing angle and a valve opening time; the next one jumps at \
+FRONT as FROM:TO is a box that the robot senses. At each leg's entry into the active zone a table says whether the leg drives, \
+brakes or jumps, and at which firing angle: by the rate, the height of the axle and the distance to the box, which the range \
+sensor gives (keys range_ of [sensors]) and the encoder of the boom carries on. The table is made by dynamic programming over \
+strides of drawn robots, --rounds of --runs runs. A robot with less than --room to run up backs off first. The answer is the share of other robots \
+that clears the solid box, each at a front of its own, and the share of these that still runs at over 1 m/s 3 s later. --greatest \
+does this for boxes of different heights, up to that of --obstacle, and several supply pressures: FROM:TO:COUNT in psi. The \
+default takes some minutes, and about ten for each pressure.
+
+With one FRONT, the robot stands on two feet. Each leg that accelerates has a firing angle and a valve opening time; the next one jumps at \
 α_f = A ω + B, where ω is the rate that its gyro has after its touch-down, with its valve open past the end of the stroke. \
 These numbers are sought by the cross-entropy method on robots that are drawn as `saltus run --robots` draws them, for their \
 clearance: the least distance between the box and feet, rods and struts. Then other robots try them on the solid box.
 
 The answer is the share that comes to the other side without touching the box, with its 95 % interval (Wilson), and the \
 clearance that 5 % of the robots and half of them fall short of. Exit code 1 if less than 95 % clear it. The search takes \
-about a minute; the answer does not depend on --threads.";
+about a minute.
 
-/// Share of robots (%) that must clear the box.
+The answer does not depend on --threads.";
+
+/// What is sought without flags.
+const LEGS: u8 = 3;
+const SOUGHT_ON: u16 = 8;
+const GENERATIONS: u16 = 14;
+/// Share of robots that must clear the box.
 const ENOUGH: f64 = 0.95;
 
 struct Answer<'a> {
     jump: &'a Jump,
     name: &'a str,
+    obstacle: Obstacle,
     plan: &'a CrossingPlan,
     tried: &'a [Crossed],
 }
@@ -98,6 +127,10 @@ impl Jump {
         let mut files = Files::default();
         files.extend(self.output.out().map(|out| ("--out", out)));
         files.check()?;
+        if self.plot.is_set() && self.learning.finds_one() {
+            let allowed = "used with --greatest";
+            return Err(CliError::flag("--plot", "", allowed));
+        }
         if self.output.format() == Format::Csv {
             let allowed = "text or json";
             return Err(CliError::flag("--format", "csv", allowed));
@@ -107,28 +140,30 @@ impl Jump {
             let allowed = "a robot with pneumatic legs, whose supply is drawn";
             return Err(CliError::flag("--robot", &robot.name, allowed));
         }
+        if let Some(fronts) = self.obstacle.fronts() {
+            return self.sensed(&robot, fronts);
+        }
+        self.at_one_distance(&robot)
+    }
+
+    /// Over a box at a known distance.
+    fn at_one_distance(&self, robot: &Robot) -> Result<Status, CliError> {
+        self.learning.refuse()?;
+        let obstacle = self.obstacle.at(self.obstacle.front);
+        let generations = usize::from(self.generations.unwrap_or(GENERATIONS));
         let crossing = Crossing {
             robot: robot.clone(),
             draw: Draw::default(),
-            obstacle: self.obstacle,
-            firings: usize::from(self.legs),
+            obstacle,
+            firings: usize::from(self.legs.unwrap_or(LEGS)),
             by_rate: !self.constant,
-            sought_on: usize::from(self.sought_on),
-            generations: usize::from(self.generations),
+            sought_on: usize::from(self.sought_on.unwrap_or(SOUGHT_ON)),
+            generations,
             seed: self.seed,
         };
         let threads = self.threads.count().get();
-        let refused = |error: GaitError| match error {
-            GaitError::Input {
-                name,
-                value,
-                allowed,
-            } if name.contains("obstacle") => {
-                CliError::flag("--obstacle", format!("({name} = {value})"), allowed)
-            }
-            error => CliError::content(&robot.name, error),
-        };
-        let progress = Progress::new("generations", usize::from(self.generations));
+        let refused = |error| refused(error, robot);
+        let progress = Progress::new("generations", generations);
         let plan = crossing
             .plan(threads, |_, _| progress.advance(1))
             .map_err(refused)?;
@@ -139,8 +174,9 @@ impl Jump {
             .try_on(&plan, usize::from(self.robots), seed, threads)
             .map_err(refused)?;
         let answer = Answer {
-            jump: &self,
+            jump: self,
             name: &robot.name,
+            obstacle,
             plan: &plan,
             tried: &tried,
         };
@@ -154,6 +190,20 @@ impl Jump {
         } else {
             Status::No
         })
+    }
+}
+
+/// A refusal of the library, in the words of the command.
+fn refused(error: GaitError, robot: &Robot) -> CliError {
+    match error {
+        GaitError::Input {
+            name,
+            value,
+            allowed,
+        } if name.contains("obstacle") => {
+            CliError::flag("--obstacle", format!("({name} = {value})"), allowed)
+        }
+        error => CliError::content(&robot.name, error),
     }
 }
 
@@ -179,7 +229,7 @@ impl Answer<'_> {
             front,
             length,
             height,
-        } = self.jump.obstacle;
+        } = self.obstacle;
         let mut text = format!(
             "{}: a box {} m high and {} m long, its front {} m from the axle at rest\n",
             self.name,
@@ -239,7 +289,7 @@ impl Answer<'_> {
             front,
             length,
             height,
-        } = self.jump.obstacle;
+        } = self.obstacle;
         let first: Vec<Value> = self
             .plan
             .first
@@ -267,11 +317,35 @@ impl Answer<'_> {
     }
 }
 
+/// A box, and where its front may be.
+#[derive(Clone, Copy, Debug)]
+struct Course {
+    height: f64,
+    length: f64,
+    front: f64,
+    /// The farthest front, where the robot is to sense it.
+    farthest: Option<f64>,
+}
+
+impl Course {
+    fn fronts(&self) -> Option<[f64; 2]> {
+        self.farthest.map(|farthest| [self.front, farthest])
+    }
+
+    fn at(&self, front: f64) -> Obstacle {
+        Obstacle {
+            front,
+            length: self.length,
+            height: self.height,
+        }
+    }
+}
+
 /// Parser of a flag.
-fn obstacle(text: &str) -> Result<Obstacle, String> {
+fn course(text: &str) -> Result<Course, String> {
     let shape = || {
         format!(
-            "{:?} must be HEIGHTxLENGTH@FRONT in m, as in 0.21x0.21@1.3",
+            "{:?} must be HEIGHTxLENGTH@FRONT in m, as in 0.21x0.21@1.3, or with FROM:TO as FRONT",
             cut(text)
         )
     };
@@ -283,9 +357,20 @@ fn obstacle(text: &str) -> Result<Obstacle, String> {
             .filter(|x| *x > 0.0 && *x <= most)
             .ok_or_else(|| format!("{what} {:?} must be above 0, at most {most} m", cut(part)))
     };
-    Ok(Obstacle {
+    let (front, farthest) = match front.split_once(':') {
+        Some((from, to)) => (from, Some(metres(to, "farthest front", 100.0)?)),
+        None => (front, None),
+    };
+    let front = metres(front, "front", 100.0)?;
+    if let Some(to) = farthest.filter(|to| *to < front) {
+        return Err(format!(
+            "farthest front {to} must be at least the nearest, {front} m"
+        ));
+    }
+    Ok(Course {
         height: metres(height, "height", 10.0)?,
         length: metres(length, "length", 10.0)?,
-        front: metres(front, "front", 100.0)?,
+        front,
+        farthest,
     })
 }

@@ -98,6 +98,7 @@ static const saltus_gait running_gait = {{
     {{{stall}, {restarts}}}, /* stall */
     {first}, /* first firings */
     {leaps}, {{{leap}}}, /* leap */
+    0, /* nothing ahead */
 }};
 
 #endif
