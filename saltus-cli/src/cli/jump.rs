@@ -1,5 +1,6 @@
 //! `saltus jump`: over a box from rest, or one that is sensed on the way.
 
+mod margin;
 mod sensed;
 
 use clap::Args;
@@ -8,6 +9,7 @@ use saltus::gait::{Crossed, Crossing, CrossingPlan, Draw, GaitError, Obstacle};
 use saltus::running::Share;
 use serde_json::{Value, json};
 
+use self::margin::{Margin, Passage};
 use self::sensed::Learning;
 use super::Status;
 use super::common::{OutputFlags, PlotOption, Threads, robot};
@@ -101,7 +103,7 @@ These numbers are sought by the cross-entropy method on robots that are drawn as
 clearance: the least distance between the box and feet, rods and struts. Then other robots try them on the solid box.
 
 The answer is the share that comes to the other side without touching the box, with its 95 % interval (Wilson), and the \
-clearance that 5 % of the robots and half of them fall short of. Exit code 1 if less than 95 % clear it. The search takes \
+least clearance that 5 % and half of those that come to the other side have. Exit code 1 if less than 95 % clear it. The search takes \
 about a minute.
 
 The answer does not depend on --threads.";
@@ -153,7 +155,7 @@ impl Jump {
         let generations = usize::from(self.generations.unwrap_or(GENERATIONS));
         let crossing = Crossing {
             robot: robot.clone(),
-            draw: Draw::default(),
+            draw: Draw::around(robot),
             obstacle,
             firings: usize::from(self.legs.unwrap_or(LEGS)),
             by_rate: !self.constant,
@@ -215,11 +217,12 @@ impl Answer<'_> {
         }
     }
 
-    /// The clearance (m) that this part of the robots falls short of.
-    fn clearance(&self, part: usize) -> f64 {
-        let mut all: Vec<f64> = self.tried.iter().map(|c| c.clearance).collect();
-        all.sort_by(f64::total_cmp);
-        all[(all.len() * part / 100).min(all.len() - 1)]
+    fn margin(&self) -> Margin {
+        let beyond = self.obstacle.front + self.obstacle.length;
+        Margin::of(self.tried.iter().map(|crossed| Passage {
+            is_over: crossed.travel > beyond,
+            clearance: crossed.clearance,
+        }))
     }
 
     fn text(&self) -> String {
@@ -240,7 +243,8 @@ impl Answer<'_> {
         for (k, [angle, open]) in self.plan.first.iter().enumerate() {
             let _ = writeln!(
                 text,
-                "  leg {k}              α_f {} rad, valve open {} ms",
+                "  firing {}           α_f {} rad, valve open {} ms",
+                k + 1,
                 short(*angle),
                 short(open * 1e3)
             );
@@ -248,8 +252,8 @@ impl Answer<'_> {
         let leap = &self.plan.leap;
         let _ = writeln!(
             text,
-            "  leg {}, the jump    α_f = {} s · ω + {} rad, valve open {} ms",
-            self.plan.first.len(),
+            "  firing {}, the jump α_f = {} s · ω + {} rad, valve open {} ms",
+            self.plan.first.len() + 1,
             short(leap.slope),
             short(leap.level),
             short(leap.valve_open * 1e3)
@@ -263,22 +267,7 @@ impl Answer<'_> {
             share.of,
             digits(100.0 * share.value(), 3)
         );
-        let (least, middle) = (self.clearance(5), self.clearance(50));
-        let _ = writeln!(
-            text,
-            "  clearance          {} m or less for 5 % of them, {} m for half",
-            short(least),
-            short(middle)
-        );
-        if share.value() < ENOUGH {
-            let lower = (height + least).max(0.0);
-            let _ = writeln!(
-                text,
-                "  not cleared        by 95 % of the robots; a box of about {} m is nearer to what \
-                 they clear, or a higher supply pressure, or a longer run-up",
-                digits(lower, 2)
-            );
-        }
+        text += &self.margin().lines(height, share, ENOUGH);
         text
     }
 
@@ -311,7 +300,7 @@ impl Answer<'_> {
             "cleared": share.count,
             "cleared_share": share.value(),
             "cleared_share_95": [low, high],
-            "clearance_m": {"5_percent": self.clearance(5), "median": self.clearance(50)},
+            "clearance_m": self.margin().json(),
             "seed": self.jump.seed,
         })
     }

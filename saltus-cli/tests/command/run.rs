@@ -565,7 +565,10 @@ const CASES: &[(&str, &[&str])] = &[
     ),
     (
         "--set sensors.accelerometer_bias_m_s2=9",
-        &["cannot tell on which two feet it stands", "differs from gravity"],
+        &[
+            "cannot tell on which two feet it stands",
+            "differs from gravity",
+        ],
     ),
     (
         "--set ground.slope_deg=30",

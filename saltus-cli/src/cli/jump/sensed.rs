@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 
 use super::super::Status;
 use super::super::common::OutputFlags;
+use super::margin::{Margin, Passage};
 use super::{ENOUGH, Jump, refused};
 use crate::error::CliError;
 use crate::output::{Files, Format, digits};
@@ -96,7 +97,7 @@ impl Jump {
         let learning = &self.learning;
         let sensed = Sensed {
             robot: robot.clone(),
-            draw: Draw::default(),
+            draw: Draw::around(robot),
             heights: vec![self.obstacle.height],
             length: self.obstacle.length,
             fronts,
@@ -245,19 +246,11 @@ impl Answer<'_> {
         }
     }
 
-    /// The clearance (m) that this part of the robots falls short of; the least where there are none.
-    fn clearance(&self, part: usize) -> f64 {
-        let known = self.tried.iter().map(|faced| faced.clearance);
-        let mut all: Vec<f64> = known.filter(|x| x.is_finite()).collect();
-        all.sort_by(f64::total_cmp);
-        all.get((all.len() * part / 100).min(all.len().saturating_sub(1)))
-            .copied()
-            .unwrap_or(f64::NAN)
-    }
-
-    /// Height (m) that the robots come nearer to clearing: what 5 % of them lack is taken off.
-    fn nearer(&self) -> f64 {
-        (self.table.height + self.clearance(5).min(0.0)).max(0.0)
+    fn margin(&self) -> Margin {
+        Margin::of(self.tried.iter().map(|faced| Passage {
+            is_over: faced.passed.is_some(),
+            clearance: faced.clearance,
+        }))
     }
 
     fn text(&self) -> String {
@@ -296,20 +289,9 @@ impl Answer<'_> {
                 said(on)
             );
         }
-        let _ = writeln!(
-            text,
-            "  clearance          {} m or less for 5 % of them, {} m for half",
-            short(self.clearance(5)),
-            short(self.clearance(50))
-        );
-        if share(self.tried).value() < ENOUGH {
-            let _ = writeln!(
-                text,
-                "  not cleared        by 95 % of the robots; a box of about {} m is nearer to what \
-                 they clear, or a higher supply pressure, or more room to run up",
-                digits(self.nearer(), 2)
-            );
-        }
+        text += &self
+            .margin()
+            .lines(self.table.height, share(self.tried), ENOUGH);
         text
     }
 
@@ -330,8 +312,8 @@ impl Answer<'_> {
             "cleared_share": cleared.value(),
             "cleared_share_95": cleared.interval(),
             "run_on": on.count,
-            "clearance_m": {"5_percent": self.clearance(5), "median": self.clearance(50)},
-            "nearer_height_m": self.nearer(),
+            "clearance_m": self.margin().json(),
+            "nearer_height_m": self.margin().nearer(self.table.height, ENOUGH),
             "seed": seed,
         })
     }

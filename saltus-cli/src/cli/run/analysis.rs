@@ -145,7 +145,7 @@ impl Run {
         }
         let draw = Draw {
             across: self.drawn_across,
-            ..Draw::default()
+            ..Draw::around(&setup.robot)
         };
         match self.robots {
             Some(robots) => effort.with_robots(draw, robots.get(), self.seed),
