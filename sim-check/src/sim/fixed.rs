@@ -219,7 +219,14 @@ impl Sim<'_> {
             energized: state.energized,
             port_open: state.port_open,
         };
+        let is_still = !gas.energized && path.speed == 0.0 && path.acceleration == 0.0;
+        if is_still && self.at_rest[leg] == u {
+            return u;
+        }
         gas.advance(chamber, path, h);
+        if is_still && (gas.u - u).abs() <= f64::EPSILON * u {
+            self.at_rest[leg] = gas.u;
+        }
         state.piece = Some(gas.piece);
         gas.u
     }

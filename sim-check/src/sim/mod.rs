@@ -141,6 +141,8 @@ pub struct Sim<'a> {
     evaluations: usize,
     next: Vec<f64>,
     guards: Vec<(Guard, f64)>,
+    /// u of each chamber that is at rest, with its leg and with the surroundings; else NaN.
+    at_rest: Vec<f64>,
     /// Room for fixed steps, where they are fixed.
     fixed: Option<Fixed>,
     /// Each contact's gap (m) at the start of a step where it is below [`JUST_LEFT`], else 0: a
@@ -239,6 +241,7 @@ impl<'a> Sim<'a> {
             steps: 0,
             evaluations: 0,
             guards: Vec::new(),
+            at_rest: vec![f64::NAN; layout.legs],
             fixed: match settings.stepping {
                 Stepping::Adaptive => None,
                 Stepping::Fixed(h) => Some(Fixed::new(h, layout)),
