@@ -363,14 +363,14 @@ fn lines_hold_between_knots_and_jump_where_two_are_at_one_rate() {
         (9.0, -0.3, 0.02),
         (1e9, -0.3, 0.02),
     ] {
-        let is = Law::Lines(&knots).at(0.0, rate, 0.0);
+        let is = Law::Lines(&knots).at(0.0, rate, 0.0, 0);
         assert!((is[0] - angle).abs() < 1e-12, "{rate}: {is:?}");
         assert!((is[1] - open).abs() < 1e-12, "{rate}: {is:?}");
     }
     for rate in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        assert_eq!(Law::Lines(&knots).at(0.0, rate, 0.0)[1], 0.0);
+        assert_eq!(Law::Lines(&knots).at(0.0, rate, 0.0, 0)[1], 0.0);
     }
-    assert_eq!(Law::<f64>::Lines(&[]).at(0.0, 1.0, 1.0)[1], 0.0);
+    assert_eq!(Law::<f64>::Lines(&[]).at(0.0, 1.0, 1.0, 0)[1], 0.0);
 }
 
 #[test]
@@ -379,6 +379,7 @@ fn a_policy_looks_at_the_rate_of_entry() {
     let policy = |nodes| {
         Law::Policy(Policy {
             rates: Axis::new(2.0, 6.0, 3),
+            rows: 1,
             nodes,
         })
     };
@@ -389,15 +390,15 @@ fn a_policy_looks_at_the_rate_of_entry() {
         (5.5, 0.025, 0.07),
         (60.0, 0.0, 0.08),
     ] {
-        let is: [f64; 2] = policy(&nodes).at(0.0, -1.0, entry);
+        let is: [f64; 2] = policy(&nodes).at(0.0, -1.0, entry, 7);
         assert!(
             (is[0] - angle).abs() < 1e-12 && (is[1] - open).abs() < 1e-12,
             "{entry}: {is:?}"
         );
     }
     // A table with fewer nodes than its axis says, and what is no rate.
-    assert_eq!(policy(&nodes[..2]).at(0.0, 1.0, 5.5)[1], 0.0);
-    assert_eq!(policy(&nodes).at(0.0, 1.0, f64::NAN)[1], 0.0);
+    assert_eq!(policy(&nodes[..2]).at(0.0, 1.0, 5.5, 0)[1], 0.0);
+    assert_eq!(policy(&nodes).at(0.0, 1.0, f64::NAN, 0)[1], 0.0);
     // The rate of entry holds through the zone, whatever the wheel then does.
     let mut gait = gait(5);
     gait.law = policy(&nodes);
@@ -926,6 +927,7 @@ fn any_gait<'a>(
                 per_unit: c,
                 count: random.word() as usize % 9,
             },
+            rows: random.word() as usize % 5,
             nodes,
         }),
     };

@@ -105,7 +105,7 @@ impl Setup {
         self.program.compile(self.valve_open, (self.zone, pitch))
     }
 
-    fn check(&self) -> Result<(), GaitError> {
+    pub(crate) fn check(&self) -> Result<(), GaitError> {
         let legs = self.robot.body.legs;
         let allowed = "from 3 to 12, for a robot that runs";
         require((3..=12).contains(&legs), "legs", f64::from(legs), allowed)?;
@@ -369,7 +369,7 @@ fn gait<'s>(setup: &'s Setup, compiled: &'s Compiled) -> Gait<'s, f64> {
 }
 
 /// The rear leg on which the robot finds itself, and its wheel's count there.
-fn find_stand(
+pub(crate) fn find_stand(
     setup: &Setup,
     world: &mut World<'_>,
     gait: &Gait<'_, f64>,

@@ -1,0 +1,193 @@
+//! The best policy: the least time from rest to a distance, by dynamic programming over the strides of
+//! a robot, as a table that its controller reads.
+//!
+//! A stride begins where a leg enters the active zone, and the choice there is at which lean that leg
+//! fires and for how long. Strides are those of the controller's loop in the simulation, a cycle at a
+//! time, without noise. Their states fall in cells; a cell holds the state in full that came into it
+//! first. Value iteration on this finite decision process gives the time from each cell.
+//!
+//! Source: R. Bellman, Dynamic Programming (1957); the state within each cell as in D. Dolgov,
+//! S. Thrun, M. Montemerlo and J. Diebel, Path planning for autonomous vehicles in unknown
+//! semi-structured environments (2010).
+
+mod graph;
+mod walker;
+
+use std::f64::consts::TAU;
+
+use self::graph::{Graph, Pick};
+use self::walker::{Choices, Way};
+use crate::error::require;
+use crate::law::Table;
+use crate::run::Setup;
+use crate::GaitError;
+
+/// What is sought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quest {
+    /// To travel from rest (m).
+    pub distance: f64,
+    /// Levels of refinement, 1 to 4: each halves the cells and the steps of the choices.
+    pub levels: usize,
+}
+
+impl Default for Quest {
+    fn default() -> Quest {
+        Quest { distance: 1.6, levels: 3 }
+    }
+}
+
+/// A level of refinement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Level {
+    /// Cells that were reached.
+    pub cells: usize,
+    /// Choices in each.
+    pub choices: usize,
+    /// Least time from rest (s); infinite where no choice leads there.
+    pub value: f64,
+    /// Residual of Bellman's equation (s).
+    pub residual: f64,
+    /// Sweeps of value iteration.
+    pub sweeps: usize,
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Optimal {
+    /// Level by level.
+    pub levels: Vec<Level>,
+    /// The policy of the last level that leads there.
+    pub table: Table,
+    /// Least time from rest (s) that it predicts.
+    pub time: f64,
+    /// The firings of the fastest real run that was met: α_f (rad), t_v (s).
+    pub sequence: Vec<[f64; 2]>,
+    /// Its time (s).
+    pub sequence_time: f64,
+}
+
+/// Opening times (s) from and to, and their step at the first level; the step of angles (rad).
+const OPENINGS: [f64; 3] = [0.02, 0.07, 0.02];
+const ANGLE_STEP: f64 = 0.2;
+/// Greatest firing angle, as a part of the zone: beyond, a leg pushes for nothing.
+const LATEST: f64 = 0.9;
+/// Longest time (s) from rest, and for each metre.
+const LONGEST: [f64; 2] = [1.0, 1.5];
+
+impl Choices {
+    fn at_level(level: i32, zone: f64, pitch: f64) -> Choices {
+        let finer = 0.5f64.powi(level);
+        let upto = |from: f64, to: f64, step: f64| {
+            let mut all = Vec::new();
+            while from + step * (all.len() as f64) < to + 1e-9 {
+                all.push(from + step * (all.len() as f64));
+            }
+            all
+        };
+        let [from, to, step] = OPENINGS;
+        Choices {
+            angles: upto(zone, zone + LATEST * pitch, ANGLE_STEP * finer),
+            openings: upto(from, to, step * finer),
+        }
+    }
+
+    fn firing(&self, pick: Pick) -> Option<[f64; 2]> {
+        pick.map(|[angle, opening]| [self.angles[angle], self.openings[opening]])
+    }
+}
+
+/// The best policy for `setup`, whose program, disturbances and noise do not count. `told` hears the
+/// level and its cells so far. The same on any number of `threads`.
+///
+/// # Errors
+/// [`GaitError::Input`] for a quest that cannot be; [`GaitError::Unreached`] where no choice leads
+/// there; others as [`run`](crate::run).
+pub fn optimal(
+    setup: &Setup,
+    quest: Quest,
+    threads: usize,
+    mut told: impl FnMut(usize, usize),
+) -> Result<Optimal, GaitError> {
+    let Quest { distance, levels } = quest;
+    let sound = distance > 0.0 && distance <= 10.0;
+    require(sound, "distance (m)", distance, "above 0, at most 10 m")?;
+    let allowed = "from 1 to 4";
+    require((1..=4).contains(&levels), "levels of refinement", levels as f64, allowed)?;
+    let way = Way::new(setup, distance)?;
+    let pitch = TAU / f64::from(setup.robot.body.legs);
+    let [fixed, by_way] = LONGEST;
+    let mut limit = fixed + by_way * distance;
+    let mut found = Vec::new();
+    let (mut best, mut farthest): (Option<Optimal>, f64) = (None, 0.0);
+    for level in 0..levels {
+        let finer = i32::try_from(level).unwrap_or(0);
+        let choices = Choices::at_level(finer, setup.zone, pitch);
+        let size = 2.0 * 0.5f64.powi(finer);
+        let mut tell = |cells: usize| told(level, cells);
+        let mut graph = graph::explore(&way, (size, &choices), limit, threads, &mut tell)?;
+        let (sweeps, residual) = graph.iterate();
+        let value = graph.cells[0].value;
+        found.push(Level {
+            cells: graph.cells.len(),
+            choices: 1 + choices.angles.len() * choices.openings.len(),
+            value,
+            residual,
+            sweeps,
+        });
+        farthest = farthest.max(graph.farthest);
+        if let Some((time, ..)) = graph.reached {
+            limit = limit.min(1.05 * time);
+            best = Some(Optimal {
+                levels: Vec::new(),
+                table: table(&graph, &choices, 0.4 * size),
+                time: value,
+                sequence: graph.sequence().into_iter().filter_map(|pick| choices.firing(pick)).collect(),
+                sequence_time: time,
+            });
+        }
+    }
+    let unreached = GaitError::Unreached { distance, farthest, within: limit };
+    best.map(|best| Optimal { levels: found, ..best }).ok_or(unreached)
+}
+
+/// The choice of least mean time of the cells around each node, in a row for each number of legs that
+/// have passed.
+fn table(graph: &Graph, choices: &Choices, spacing: f64) -> Table {
+    let live: Vec<usize> = (0..graph.cells.len()).filter(|k| graph.cells[*k].value.is_finite()).collect();
+    let rates = live.iter().map(|k| graph.cells[*k].rate);
+    let low = (rates.clone().fold(f64::INFINITY, f64::min) / spacing).floor() * spacing;
+    let high = (rates.fold(f64::NEG_INFINITY, f64::max) / spacing).ceil() * spacing;
+    let high = high.max(low + spacing);
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let count = ((high - low) / spacing).round() as usize + 1;
+    let rows = live.iter().map(|k| graph.cells[*k].passed).max().unwrap_or(0).max(0) + 1;
+    let mut nodes = Vec::new();
+    for row in 0..rows {
+        let mut here: Vec<usize> = live.iter().copied().filter(|k| graph.cells[*k].passed == row).collect();
+        if here.is_empty() {
+            here.clone_from(&live);
+        }
+        for node in 0..count {
+            let rate = low + spacing * node as f64;
+            let off = |k: &usize| (graph.cells[*k].rate - rate).abs();
+            let nearest = here.iter().map(off).fold(f64::INFINITY, f64::min);
+            let near: Vec<usize> = here.iter().copied().filter(|k| off(k) <= nearest.max(0.5 * spacing)).collect();
+            nodes.push(common(graph, choices, &near));
+        }
+    }
+    Table { rates: [low, high], count, nodes }
+}
+
+/// The choice of least mean time in `cells`.
+fn common(graph: &Graph, choices: &Choices, cells: &[usize]) -> [f64; 2] {
+    let worth = |pick: Pick| cells.iter().map(|k| graph.by(*k, pick).min(10.0)).sum::<f64>();
+    let mut best = (f64::INFINITY, None);
+    for pick in graph.picks() {
+        let worth = worth(pick);
+        if worth < best.0 {
+            best = (worth, pick);
+        }
+    }
+    choices.firing(best.1).unwrap_or([choices.angles[0], 0.0])
+}
