@@ -28,7 +28,9 @@ pub enum GaitError {
     )]
     Unsure(Unsure),
     /// No sequence of firings that was tried goes so far.
-    #[error("no firings that were tried reach {distance} m within {within:.3} s: they come to {farthest:.3} m")]
+    #[error(
+        "no firings that were tried reach {distance} m within {within:.3} s: they come to {farthest:.3} m"
+    )]
     Unreached {
         /// Distance (m).
         distance: f64,

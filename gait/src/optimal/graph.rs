@@ -59,6 +59,7 @@ pub(super) struct Graph {
 struct Waiting<'a> {
     walker: Walker<'a>,
     parent: Option<(usize, Pick)>,
+    arrival: f64,
 }
 
 fn key(walker: &mut Walker<'_>, size: f64) -> Key {
@@ -89,14 +90,22 @@ pub(super) fn explore(
     let mut start = way.begin()?;
     let (mut waiting, mut found) = (BTreeMap::new(), BTreeMap::new());
     let first = key(&mut start, size);
-    waiting.insert(first, Waiting { walker: start, parent: None });
+    waiting.insert(
+        first,
+        Waiting {
+            walker: start,
+            parent: None,
+            arrival: 0.0,
+        },
+    );
     let mut links: Vec<Vec<Option<(f64, Option<Key>)>>> = Vec::new();
     while graph.cells.len() < MOST
         && let Some((at, mut next)) = earliest(&mut waiting)
     {
-        let limit = graph.reached.map_or(limit, |(time, ..)| limit.min(SLACK * time));
-        let left = way.distance() - next.walker.travel();
-        if next.walker.time + left / FASTEST > limit {
+        let limit = graph
+            .reached
+            .map_or(limit, |(time, ..)| limit.min(SLACK * time));
+        if next.walker.time + next.walker.left() / FASTEST > limit {
             continue;
         }
         let me = graph.cells.len();
@@ -124,10 +133,18 @@ pub(super) fn explore(
                 After::Entry(mut child) => {
                     graph.farthest = graph.farthest.max(child.travel());
                     let (to, time) = (key(&mut child, size), child.time - next.walker.time);
-                    let later = |other: &Waiting<'_>| child.time < other.walker.time;
+                    let arrival = child.time + child.left() / child.measures()[3].max(0.5);
+                    let later = |other: &Waiting<'_>| arrival < other.arrival;
                     if !found.contains_key(&to) && waiting.get(&to).is_none_or(later) {
                         let parent = Some((me, pick));
-                        waiting.insert(to, Waiting { walker: *child, parent });
+                        waiting.insert(
+                            to,
+                            Waiting {
+                                walker: *child,
+                                parent,
+                                arrival,
+                            },
+                        );
                     }
                     Some((time, Some(to)))
                 }
@@ -139,7 +156,10 @@ pub(super) fn explore(
     for (cell, links) in graph.cells.iter_mut().zip(links) {
         let edge = |link: Option<(f64, Option<Key>)>| match link? {
             (time, None) => Some(Edge { time, to: None }),
-            (time, Some(to)) => found.get(&to).map(|to| Edge { time, to: Some(*to) }),
+            (time, Some(to)) => found.get(&to).map(|to| Edge {
+                time,
+                to: Some(*to),
+            }),
         };
         cell.edges = links.into_iter().map(edge).collect();
     }
@@ -161,7 +181,9 @@ impl Graph {
     fn pick(&self, cell: usize, k: usize) -> Pick {
         let k = k.checked_sub(1)?;
         let groups = &self.cells[cell].groups;
-        let angle = groups.iter().position(|group| *group == Some(k / self.openings))?;
+        let angle = groups
+            .iter()
+            .position(|group| *group == Some(k / self.openings))?;
         Some([angle, k % self.openings])
     }
 
@@ -190,7 +212,9 @@ impl Graph {
 
     fn best(&self, cell: usize) -> f64 {
         let edges = 0..self.cells[cell].edges.len();
-        edges.map(|k| self.by_edge(cell, k)).fold(f64::INFINITY, f64::min)
+        edges
+            .map(|k| self.by_edge(cell, k))
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// Value iteration: from the last cells to the first until nothing changes. Sweeps, and the

@@ -17,10 +17,10 @@ use std::f64::consts::TAU;
 
 use self::graph::{Graph, Pick};
 use self::walker::{Choices, Way};
+use crate::GaitError;
 use crate::error::require;
 use crate::law::Table;
 use crate::run::Setup;
-use crate::GaitError;
 
 /// What is sought.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,10 @@ pub struct Quest {
 
 impl Default for Quest {
     fn default() -> Quest {
-        Quest { distance: 1.6, levels: 3 }
+        Quest {
+            distance: 1.6,
+            levels: 3,
+        }
     }
 }
 
@@ -68,8 +71,10 @@ pub struct Optimal {
 }
 
 /// Opening times (s) from and to, and their step at the first level; the step of angles (rad).
-const OPENINGS: [f64; 3] = [0.02, 0.07, 0.02];
-const ANGLE_STEP: f64 = 0.2;
+const OPENINGS: [f64; 3] = [0.02, 0.07, 0.025];
+const ANGLE_STEP: f64 = 0.4;
+/// Size of the cells at the first level.
+const COARSEST: f64 = 4.0;
 /// Greatest firing angle, as a part of the zone: beyond, a leg pushes for nothing.
 const LATEST: f64 = 0.9;
 /// Longest time (s) from rest, and for each metre.
@@ -113,7 +118,12 @@ pub fn optimal(
     let sound = distance > 0.0 && distance <= 10.0;
     require(sound, "distance (m)", distance, "above 0, at most 10 m")?;
     let allowed = "from 1 to 4";
-    require((1..=4).contains(&levels), "levels of refinement", levels as f64, allowed)?;
+    require(
+        (1..=4).contains(&levels),
+        "levels of refinement",
+        levels as f64,
+        allowed,
+    )?;
     let way = Way::new(setup, distance)?;
     let pitch = TAU / f64::from(setup.robot.body.legs);
     let [fixed, by_way] = LONGEST;
@@ -123,7 +133,7 @@ pub fn optimal(
     for level in 0..levels {
         let finer = i32::try_from(level).unwrap_or(0);
         let choices = Choices::at_level(finer, setup.zone, pitch);
-        let size = 2.0 * 0.5f64.powi(finer);
+        let size = COARSEST * 0.5f64.powi(finer);
         let mut tell = |cells: usize| told(level, cells);
         let mut graph = graph::explore(&way, (size, &choices), limit, threads, &mut tell)?;
         let (sweeps, residual) = graph.iterate();
@@ -142,29 +152,53 @@ pub fn optimal(
                 levels: Vec::new(),
                 table: table(&graph, &choices, 0.4 * size),
                 time: value,
-                sequence: graph.sequence().into_iter().filter_map(|pick| choices.firing(pick)).collect(),
+                sequence: graph
+                    .sequence()
+                    .into_iter()
+                    .filter_map(|pick| choices.firing(pick))
+                    .collect(),
                 sequence_time: time,
             });
         }
     }
-    let unreached = GaitError::Unreached { distance, farthest, within: limit };
-    best.map(|best| Optimal { levels: found, ..best }).ok_or(unreached)
+    let unreached = GaitError::Unreached {
+        distance,
+        farthest,
+        within: limit,
+    };
+    best.map(|best| Optimal {
+        levels: found,
+        ..best
+    })
+    .ok_or(unreached)
 }
 
 /// The choice of least mean time of the cells around each node, in a row for each number of legs that
 /// have passed.
 fn table(graph: &Graph, choices: &Choices, spacing: f64) -> Table {
-    let live: Vec<usize> = (0..graph.cells.len()).filter(|k| graph.cells[*k].value.is_finite()).collect();
+    let live: Vec<usize> = (0..graph.cells.len())
+        .filter(|k| graph.cells[*k].value.is_finite())
+        .collect();
     let rates = live.iter().map(|k| graph.cells[*k].rate);
     let low = (rates.clone().fold(f64::INFINITY, f64::min) / spacing).floor() * spacing;
     let high = (rates.fold(f64::NEG_INFINITY, f64::max) / spacing).ceil() * spacing;
     let high = high.max(low + spacing);
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let count = ((high - low) / spacing).round() as usize + 1;
-    let rows = live.iter().map(|k| graph.cells[*k].passed).max().unwrap_or(0).max(0) + 1;
+    let rows = live
+        .iter()
+        .map(|k| graph.cells[*k].passed)
+        .max()
+        .unwrap_or(0)
+        .max(0)
+        + 1;
     let mut nodes = Vec::new();
     for row in 0..rows {
-        let mut here: Vec<usize> = live.iter().copied().filter(|k| graph.cells[*k].passed == row).collect();
+        let mut here: Vec<usize> = live
+            .iter()
+            .copied()
+            .filter(|k| graph.cells[*k].passed == row)
+            .collect();
         if here.is_empty() {
             here.clone_from(&live);
         }
@@ -172,16 +206,29 @@ fn table(graph: &Graph, choices: &Choices, spacing: f64) -> Table {
             let rate = low + spacing * node as f64;
             let off = |k: &usize| (graph.cells[*k].rate - rate).abs();
             let nearest = here.iter().map(off).fold(f64::INFINITY, f64::min);
-            let near: Vec<usize> = here.iter().copied().filter(|k| off(k) <= nearest.max(0.5 * spacing)).collect();
+            let near: Vec<usize> = here
+                .iter()
+                .copied()
+                .filter(|k| off(k) <= nearest.max(0.5 * spacing))
+                .collect();
             nodes.push(common(graph, choices, &near));
         }
     }
-    Table { rates: [low, high], count, nodes }
+    Table {
+        rates: [low, high],
+        count,
+        nodes,
+    }
 }
 
 /// The choice of least mean time in `cells`.
 fn common(graph: &Graph, choices: &Choices, cells: &[usize]) -> [f64; 2] {
-    let worth = |pick: Pick| cells.iter().map(|k| graph.by(*k, pick).min(10.0)).sum::<f64>();
+    let worth = |pick: Pick| {
+        cells
+            .iter()
+            .map(|k| graph.by(*k, pick).min(10.0))
+            .sum::<f64>()
+    };
     let mut best = (f64::INFINITY, None);
     for pick in graph.picks() {
         let worth = worth(pick);

@@ -5,11 +5,11 @@ use saltus_controller::run::{Action, Gait, Law, Runner};
 use saltus_numeric::parallel;
 use saltus_robot::Sensors;
 
+use crate::GaitError;
 use crate::cast::instruments;
 use crate::run::{Setup, find_stand};
 use crate::surroundings::Surroundings;
 use crate::world::World;
-use crate::GaitError;
 
 /// Longest stride (s): a slower one counts as a stall.
 const PATIENCE: f64 = 1.0;
@@ -63,11 +63,6 @@ impl Way {
         })
     }
 
-    /// To travel (m).
-    pub(super) fn distance(&self) -> f64 {
-        self.distance
-    }
-
     fn gait(&self) -> Gait<'_, f64> {
         Gait {
             law: Law::Lines(&[]),
@@ -110,6 +105,11 @@ impl<'a> Walker<'a> {
     pub(super) fn travel(&mut self) -> f64 {
         let rig = self.world.rig();
         rig.axle(self.world.sim().coordinates())[0]
+    }
+
+    /// What is left of the way (m).
+    pub(super) fn left(&mut self) -> f64 {
+        self.way.distance - self.travel()
     }
 
     /// Legs that have come into the zone.
@@ -205,7 +205,9 @@ impl<'a> Walker<'a> {
         let mut next = 0;
         let never = loop {
             let lean = walker.action.lean;
-            let due = choices.angles[next..].iter().take_while(|angle| lean >= **angle);
+            let due = choices.angles[next..]
+                .iter()
+                .take_while(|angle| lean >= **angle);
             let due = due.count();
             if due > 0 {
                 groups[next..next + due].fill(Some(fires.len()));
@@ -222,7 +224,9 @@ impl<'a> Walker<'a> {
             walker.roll(since, choices.openings[k % count])
         };
         let fired = parallel::map_on(threads, fires.len() * count, one);
-        let after = std::iter::once(Ok(never)).chain(fired).collect::<Result<_, _>>()?;
+        let after = std::iter::once(Ok(never))
+            .chain(fired)
+            .collect::<Result<_, _>>()?;
         Ok(Fan { after, groups })
     }
 }
