@@ -34,6 +34,8 @@ pub struct Setup {
     pub taps: Vec<f64>,
     /// How long (s).
     pub seconds: f64,
+    /// A distance (m) to which [`Summary::time_to_mark`] says the time.
+    pub mark: f64,
     /// Speeds to hold: from each time (s) on, a speed (m/s), negative backwards.
     pub speeds: Vec<[f64; 2]>,
     /// How a speed is held.
@@ -68,6 +70,7 @@ impl Setup {
             forwards: true,
             taps: vec![0.2; 5],
             seconds,
+            mark: 1.6,
             speeds: Vec::new(),
             hold: None,
             stall: Stall {
@@ -274,6 +277,8 @@ pub struct Summary {
     pub reached_3_2: Option<f64>,
     /// When it had travelled 1.6 m (s).
     pub time_to_1_6_m: Option<f64>,
+    /// When it had travelled the distance of [`Setup::mark`] (s).
+    pub time_to_mark: Option<f64>,
     /// Firings.
     pub firings: usize,
     /// Touch-downs of feet on the ground.
@@ -441,6 +446,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
                 speed_at_1_6: None,
                 reached_3_2: None,
                 time_to_1_6_m: None,
+                time_to_mark: None,
                 firings: 0,
                 touch_downs: 0,
                 bumps: Vec::new(),
@@ -564,6 +570,9 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         }
         if s.time_to_1_6_m.is_none() && sign * travel >= 1.6 {
             s.time_to_1_6_m = Some(time);
+        }
+        if s.time_to_mark.is_none() && sign * travel >= self.setup.mark {
+            s.time_to_mark = Some(time);
         }
         if action.stalled {
             self.still

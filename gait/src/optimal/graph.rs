@@ -8,9 +8,11 @@ use crate::GaitError;
 /// Widths of a cell of size 1: rate (rad/s), travel and height (m), their rates (m/s), legs out (m).
 const WIDTHS: [f64; 6] = [0.4, 0.04, 0.02, 0.2, 0.4, 0.04];
 /// Most cells.
-const MOST: usize = 5000;
-/// A speed (m/s) that no robot exceeds on the way, for the least time that is left.
-const FASTEST: f64 = 8.0;
+const MOST: usize = 400;
+/// Time over the best one known up to which states are followed.
+const SLACK: f64 = 1.1;
+/// Least speed (m/s) at which the rest of the way is thought to go.
+const SLOWEST: f64 = 0.5;
 
 /// Legs that have passed, and in which cell each measure lies.
 type Key = [i32; 7];
@@ -30,6 +32,9 @@ pub(super) struct Cell {
     pub(super) passed: i32,
     /// Rate (rad/s) of its state.
     pub(super) rate: f64,
+    /// When its state came (s), and how far it has to go (m).
+    pub(super) time: f64,
+    pub(super) left: f64,
     /// What each choice comes to, as [`Fan`](super::walker::Fan) has them; none: nowhere.
     edges: Vec<Option<Edge>>,
     /// Group of each firing angle.
@@ -55,11 +60,27 @@ pub(super) struct Graph {
     pub(super) farthest: f64,
 }
 
-/// The earliest state that waits in a cell.
-struct Waiting<'a> {
-    walker: Walker<'a>,
+/// A state that waits to be the one of its cell.
+#[derive(Clone, Copy, Debug)]
+struct Waiting {
+    /// From which cell, by which choice; none at rest.
     parent: Option<(usize, Pick)>,
+    /// When (s), and how far it then has to go (m).
+    time: f64,
+    left: f64,
+    /// When it would be there at its present speed (s).
     arrival: f64,
+}
+
+/// What a level goes by.
+pub(super) struct Level<'g> {
+    /// Size of the cells.
+    pub(super) size: f64,
+    pub(super) choices: &'g Choices,
+    /// Longest time from rest (s).
+    pub(super) limit: f64,
+    /// A mean speed (m/s) over the rest of the way that no state exceeds.
+    pub(super) fastest: f64,
 }
 
 fn key(walker: &mut Walker<'_>, size: f64) -> Key {
@@ -71,112 +92,176 @@ fn key(walker: &mut Walker<'_>, size: f64) -> Key {
     key
 }
 
-/// Cells of the size `size` that `choices` lead to in at most `limit` (s). Each holds the earliest
-/// state that came into it, in full, from the earliest state of another cell.
+/// Cells that the choices of `level` lead to. Each holds a state in full, which came from that of
+/// another cell: of those that came before it was that state's turn, the one that would be there first
+/// at its present speed.
 pub(super) fn explore(
     way: &Way,
-    (size, choices): (f64, &Choices),
-    limit: f64,
+    level: &Level<'_>,
     threads: usize,
     told: &mut impl FnMut(usize),
 ) -> Result<Graph, GaitError> {
-    let mut graph = Graph {
-        cells: Vec::new(),
-        openings: choices.openings.len(),
-        angles: choices.angles.len(),
-        reached: None,
-        farthest: 0.0,
+    let mut explorer = Explorer {
+        level,
+        graph: Graph {
+            cells: Vec::new(),
+            openings: level.choices.openings.len(),
+            angles: level.choices.angles.len(),
+            reached: None,
+            farthest: 0.0,
+        },
+        walkers: Vec::new(),
+        waiting: BTreeMap::new(),
+        found: BTreeMap::new(),
+        links: Vec::new(),
     };
     let mut start = way.begin()?;
-    let (mut waiting, mut found) = (BTreeMap::new(), BTreeMap::new());
-    let first = key(&mut start, size);
-    waiting.insert(
-        first,
-        Waiting {
-            walker: start,
-            parent: None,
-            arrival: 0.0,
-        },
-    );
-    let mut links: Vec<Vec<Option<(f64, Option<Key>)>>> = Vec::new();
-    while graph.cells.len() < MOST
-        && let Some((at, mut next)) = earliest(&mut waiting)
+    explorer.wait(&mut start, None);
+    while explorer.graph.cells.len() < MOST
+        && let Some((at, next)) = explorer.earliest()
     {
-        let limit = graph
-            .reached
-            .map_or(limit, |(time, ..)| limit.min(SLACK * time));
-        if next.walker.time + next.walker.left() / FASTEST > limit {
-            continue;
+        let walker = match next.parent {
+            None => start.clone(),
+            Some((cell, pick)) => {
+                let firing = level.choices.firing(pick);
+                match explorer.walkers[cell].follow(firing)? {
+                    After::Entry(walker) => *walker,
+                    _ => continue,
+                }
+            }
+        };
+        explorer.expand(at, next, walker, threads)?;
+        told(explorer.graph.cells.len());
+    }
+    Ok(explorer.linked())
+}
+
+/// A graph as it grows.
+struct Explorer<'a, 'g> {
+    level: &'g Level<'g>,
+    graph: Graph,
+    /// The state of each cell.
+    walkers: Vec<Walker<'a>>,
+    waiting: BTreeMap<Key, Waiting>,
+    found: BTreeMap<Key, usize>,
+    /// For each cell and choice the time (s) and the cell where it ends.
+    links: Vec<Vec<Option<(f64, Option<Key>)>>>,
+}
+
+impl<'a> Explorer<'a, '_> {
+    /// The state that may be there first; those that are too late are dropped.
+    fn earliest(&mut self) -> Option<(Key, Waiting)> {
+        loop {
+            let fastest = self.level.fastest;
+            let least = |next: &Waiting| next.time + next.left / fastest;
+            let by = |a: &(&Key, &Waiting), b: &(&Key, &Waiting)| least(a.1).total_cmp(&least(b.1));
+            let key = *self.waiting.iter().min_by(by)?.0;
+            let next = self.waiting.remove(&key)?;
+            let limit = self.level.limit;
+            let limit = self
+                .graph
+                .reached
+                .map_or(limit, |(time, ..)| limit.min(SLACK * time));
+            if least(&next) <= limit {
+                return Some((key, next));
+            }
         }
-        let me = graph.cells.len();
-        found.insert(at, me);
-        let fan = next.walker.fan(choices, threads)?;
-        graph.cells.push(Cell {
-            passed: next.walker.passed(),
-            rate: next.walker.action.rate,
+    }
+
+    /// Lets the state of `walker` wait for its cell, unless a better one does.
+    fn wait(&mut self, walker: &mut Walker<'a>, parent: Option<(usize, Pick)>) -> Key {
+        let key = key(walker, self.level.size);
+        let (time, left) = (walker.time, walker.left());
+        let arrival = time + left / walker.measures()[3].max(SLOWEST);
+        let better = self
+            .waiting
+            .get(&key)
+            .is_none_or(|other| arrival < other.arrival);
+        if better && !self.found.contains_key(&key) {
+            let next = Waiting {
+                parent,
+                time,
+                left,
+                arrival,
+            };
+            self.waiting.insert(key, next);
+        }
+        key
+    }
+
+    /// Makes a cell of the state of `walker`, and follows each choice.
+    fn expand(
+        &mut self,
+        at: Key,
+        next: Waiting,
+        mut walker: Walker<'a>,
+        threads: usize,
+    ) -> Result<(), GaitError> {
+        let me = self.graph.cells.len();
+        self.found.insert(at, me);
+        self.graph.farthest = self.graph.farthest.max(walker.travel());
+        let fan = walker.fan(self.level.choices, threads)?;
+        self.graph.cells.push(Cell {
+            passed: walker.passed(),
+            rate: walker.action.rate,
+            time: next.time,
+            left: next.left,
             edges: Vec::new(),
             groups: fan.groups,
             parent: next.parent,
             value: f64::INFINITY,
         });
-        let mut out = Vec::new();
+        let mut links = Vec::new();
         for (k, after) in fan.after.into_iter().enumerate() {
-            let pick = graph.pick(me, k);
-            out.push(match after {
+            let pick = self.graph.pick(me, k);
+            links.push(match after {
                 After::Stall => None,
                 After::Goal(time) => {
-                    if graph.reached.is_none_or(|(best, ..)| time < best) {
-                        graph.reached = Some((time, me, pick));
+                    if self.graph.reached.is_none_or(|(best, ..)| time < best) {
+                        self.graph.reached = Some((time, me, pick));
                     }
-                    Some((time - next.walker.time, None))
+                    Some((time - next.time, None))
                 }
                 After::Entry(mut child) => {
-                    graph.farthest = graph.farthest.max(child.travel());
-                    let (to, time) = (key(&mut child, size), child.time - next.walker.time);
-                    let arrival = child.time + child.left() / child.measures()[3].max(0.5);
-                    let later = |other: &Waiting<'_>| arrival < other.arrival;
-                    if !found.contains_key(&to) && waiting.get(&to).is_none_or(later) {
-                        let parent = Some((me, pick));
-                        waiting.insert(
-                            to,
-                            Waiting {
-                                walker: *child,
-                                parent,
-                                arrival,
-                            },
-                        );
-                    }
-                    Some((time, Some(to)))
+                    let to = self.wait(&mut child, Some((me, pick)));
+                    Some((child.time - next.time, Some(to)))
                 }
             });
         }
-        links.push(out);
-        told(graph.cells.len());
+        self.links.push(links);
+        self.walkers.push(walker);
+        Ok(())
     }
-    for (cell, links) in graph.cells.iter_mut().zip(links) {
-        let edge = |link: Option<(f64, Option<Key>)>| match link? {
-            (time, None) => Some(Edge { time, to: None }),
-            (time, Some(to)) => found.get(&to).map(|to| Edge {
-                time,
-                to: Some(*to),
-            }),
-        };
-        cell.edges = links.into_iter().map(edge).collect();
+
+    fn linked(self) -> Graph {
+        let Explorer {
+            mut graph,
+            found,
+            links,
+            ..
+        } = self;
+        for (cell, links) in graph.cells.iter_mut().zip(links) {
+            let edge = |link: Option<(f64, Option<Key>)>| match link? {
+                (time, None) => Some(Edge { time, to: None }),
+                (time, Some(to)) => found.get(&to).map(|to| Edge {
+                    time,
+                    to: Some(*to),
+                }),
+            };
+            cell.edges = links.into_iter().map(edge).collect();
+        }
+        graph
     }
-    Ok(graph)
-}
-
-/// Time over the best one known up to which states are followed.
-const SLACK: f64 = 1.1;
-
-fn earliest<'a>(waiting: &mut BTreeMap<Key, Waiting<'a>>) -> Option<(Key, Waiting<'a>)> {
-    let time = |entry: &(&Key, &Waiting<'a>)| entry.1.walker.time;
-    let first = waiting.iter().min_by(|a, b| time(a).total_cmp(&time(b)));
-    let key = *first?.0;
-    waiting.remove(&key).map(|next| (key, next))
 }
 
 impl Graph {
+    /// The greatest mean speed (m/s) over the rest of the way from any cell; none where no cell leads
+    /// there.
+    pub(super) fn fastest(&self) -> Option<f64> {
+        let speeds = self.cells.iter().map(|cell| cell.left / cell.value);
+        speeds.filter(|speed| *speed > 0.0).reduce(f64::max)
+    }
+
     /// The choice that edge `k` of cell `cell` stands for: the least angle of its group.
     fn pick(&self, cell: usize, k: usize) -> Pick {
         let k = k.checked_sub(1)?;

@@ -11,6 +11,7 @@
 //! semi-structured environments (2010).
 
 mod graph;
+mod table;
 mod walker;
 
 use std::f64::consts::TAU;
@@ -73,6 +74,11 @@ pub struct Optimal {
 /// Opening times (s) from and to, and their step at the first level; the step of angles (rad).
 const OPENINGS: [f64; 3] = [0.02, 0.07, 0.025];
 const ANGLE_STEP: f64 = 0.4;
+/// A speed (m/s) that no robot exceeds; then by how much the fastest cell of a level may be exceeded.
+const FASTEST: f64 = 8.0;
+const AHEAD: f64 = 1.2;
+/// Between a table's nodes (rad/s), for cells of size 1: as wide as they are.
+const SPACING: f64 = 0.4;
 /// Size of the cells at the first level.
 const COARSEST: f64 = 4.0;
 /// Greatest firing angle, as a part of the zone: beyond, a leg pushes for nothing.
@@ -128,14 +134,20 @@ pub fn optimal(
     let pitch = TAU / f64::from(setup.robot.body.legs);
     let [fixed, by_way] = LONGEST;
     let mut limit = fixed + by_way * distance;
-    let mut found = Vec::new();
+    let (mut found, mut fastest) = (Vec::new(), FASTEST);
     let (mut best, mut farthest): (Option<Optimal>, f64) = (None, 0.0);
     for level in 0..levels {
         let finer = i32::try_from(level).unwrap_or(0);
         let choices = Choices::at_level(finer, setup.zone, pitch);
         let size = COARSEST * 0.5f64.powi(finer);
         let mut tell = |cells: usize| told(level, cells);
-        let mut graph = graph::explore(&way, (size, &choices), limit, threads, &mut tell)?;
+        let goes_by = graph::Level {
+            size,
+            choices: &choices,
+            limit,
+            fastest,
+        };
+        let mut graph = graph::explore(&way, &goes_by, threads, &mut tell)?;
         let (sweeps, residual) = graph.iterate();
         let value = graph.cells[0].value;
         found.push(Level {
@@ -146,11 +158,12 @@ pub fn optimal(
             sweeps,
         });
         farthest = farthest.max(graph.farthest);
+        fastest = graph.fastest().map_or(fastest, |speed| AHEAD * speed);
         if let Some((time, ..)) = graph.reached {
             limit = limit.min(1.05 * time);
             best = Some(Optimal {
                 levels: Vec::new(),
-                table: table(&graph, &choices, 0.4 * size),
+                table: table::of(&graph, &choices, SPACING * size),
                 time: value,
                 sequence: graph
                     .sequence()
@@ -171,70 +184,4 @@ pub fn optimal(
         ..best
     })
     .ok_or(unreached)
-}
-
-/// The choice of least mean time of the cells around each node, in a row for each number of legs that
-/// have passed.
-fn table(graph: &Graph, choices: &Choices, spacing: f64) -> Table {
-    let live: Vec<usize> = (0..graph.cells.len())
-        .filter(|k| graph.cells[*k].value.is_finite())
-        .collect();
-    let rates = live.iter().map(|k| graph.cells[*k].rate);
-    let low = (rates.clone().fold(f64::INFINITY, f64::min) / spacing).floor() * spacing;
-    let high = (rates.fold(f64::NEG_INFINITY, f64::max) / spacing).ceil() * spacing;
-    let high = high.max(low + spacing);
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    let count = ((high - low) / spacing).round() as usize + 1;
-    let rows = live
-        .iter()
-        .map(|k| graph.cells[*k].passed)
-        .max()
-        .unwrap_or(0)
-        .max(0)
-        + 1;
-    let mut nodes = Vec::new();
-    for row in 0..rows {
-        let mut here: Vec<usize> = live
-            .iter()
-            .copied()
-            .filter(|k| graph.cells[*k].passed == row)
-            .collect();
-        if here.is_empty() {
-            here.clone_from(&live);
-        }
-        for node in 0..count {
-            let rate = low + spacing * node as f64;
-            let off = |k: &usize| (graph.cells[*k].rate - rate).abs();
-            let nearest = here.iter().map(off).fold(f64::INFINITY, f64::min);
-            let near: Vec<usize> = here
-                .iter()
-                .copied()
-                .filter(|k| off(k) <= nearest.max(0.5 * spacing))
-                .collect();
-            nodes.push(common(graph, choices, &near));
-        }
-    }
-    Table {
-        rates: [low, high],
-        count,
-        nodes,
-    }
-}
-
-/// The choice of least mean time in `cells`.
-fn common(graph: &Graph, choices: &Choices, cells: &[usize]) -> [f64; 2] {
-    let worth = |pick: Pick| {
-        cells
-            .iter()
-            .map(|k| graph.by(*k, pick).min(10.0))
-            .sum::<f64>()
-    };
-    let mut best = (f64::INFINITY, None);
-    for pick in graph.picks() {
-        let worth = worth(pick);
-        if worth < best.0 {
-            best = (worth, pick);
-        }
-    }
-    choices.firing(best.1).unwrap_or([choices.angles[0], 0.0])
 }

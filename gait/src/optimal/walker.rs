@@ -154,6 +154,21 @@ impl<'a> Walker<'a> {
         })
     }
 
+    /// The stride with a firing at an angle (rad) for a time (s), or without one.
+    pub(super) fn follow(&self, firing: Option<[f64; 2]>) -> Result<After<'a>, GaitError> {
+        let (mut walker, since) = (self.clone(), self.time);
+        loop {
+            if let Some([angle, opening]) = firing
+                && walker.action.lean >= angle
+            {
+                return walker.roll(since, opening);
+            }
+            if let Some(end) = walker.after_cycle(since, None)? {
+                return Ok(end.into_after(walker));
+            }
+        }
+    }
+
     /// The stride that began at `since` (s), with a firing now for `opening` (s).
     fn roll(mut self, since: f64, opening: f64) -> Result<After<'a>, GaitError> {
         let mut opening = Some(opening);
