@@ -16,7 +16,7 @@ mod walker;
 
 use std::f64::consts::TAU;
 
-use self::graph::{Graph, Pick};
+use self::graph::Pick;
 use self::walker::{Choices, Way};
 use crate::GaitError;
 use crate::error::require;
