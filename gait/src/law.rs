@@ -59,7 +59,10 @@ impl Table {
         let whole = !self.nodes.is_empty() && self.nodes.len().is_multiple_of(self.count);
         let allowed = format!("a multiple of {count}, the nodes of a row");
         require(whole, "nodes of all rows of a policy", nodes, allowed)?;
-        rising(self.rates.into_iter())
+        let [first, last] = self.rates;
+        let allowed = format!("a number above that of the first node, {first}");
+        let sound = first.is_finite() && last.is_finite() && last > first;
+        require(sound, "rate of a policy's last node (rad/s)", last, allowed)
     }
 
     fn policy(&self) -> Policy<'_, f64> {

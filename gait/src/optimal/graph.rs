@@ -60,6 +60,9 @@ pub(super) struct Graph {
     pub(super) farthest: f64,
 }
 
+/// How long a choice takes (s), and in which cell it ends; none of a cell where the goal is reached.
+type Link = Option<(f64, Option<Key>)>;
+
 /// A state that waits to be the one of its cell.
 #[derive(Clone, Copy, Debug)]
 struct Waiting {
@@ -145,7 +148,7 @@ struct Explorer<'a, 'g> {
     waiting: BTreeMap<Key, Waiting>,
     found: BTreeMap<Key, usize>,
     /// For each cell and choice the time (s) and the cell where it ends.
-    links: Vec<Vec<Option<(f64, Option<Key>)>>>,
+    links: Vec<Vec<Link>>,
 }
 
 impl<'a> Explorer<'a, '_> {
@@ -241,7 +244,7 @@ impl<'a> Explorer<'a, '_> {
             ..
         } = self;
         for (cell, links) in graph.cells.iter_mut().zip(links) {
-            let edge = |link: Option<(f64, Option<Key>)>| match link? {
+            let edge = |link: Link| match link? {
                 (time, None) => Some(Edge { time, to: None }),
                 (time, Some(to)) => found.get(&to).map(|to| Edge {
                     time,
