@@ -11,8 +11,6 @@ const WIDTHS: [f64; 6] = [0.4, 0.04, 0.02, 0.2, 0.4, 0.04];
 const MOST: usize = 400;
 /// Time over the best one known up to which states are followed.
 const SLACK: f64 = 1.1;
-/// Least speed (m/s) at which the rest of the way is thought to go.
-const SLOWEST: f64 = 0.5;
 
 /// Legs that have passed, and in which cell each measure lies.
 type Key = [i32; 7];
@@ -35,6 +33,8 @@ pub(super) struct Cell {
     /// When its state came (s), and how far it has to go (m).
     pub(super) time: f64,
     pub(super) left: f64,
+    /// How long that takes at the speed it has then (s).
+    to_go: f64,
     /// What each choice comes to, as [`Fan`](super::walker::Fan) has them; none: nowhere.
     edges: Vec<Option<Edge>>,
     /// Group of each firing angle.
@@ -60,8 +60,9 @@ pub(super) struct Graph {
     pub(super) farthest: f64,
 }
 
-/// How long a choice takes (s), and in which cell it ends; none of a cell where the goal is reached.
-type Link = Option<(f64, Option<Key>)>;
+/// How long a choice takes (s), in which cell it ends, and the time (s) from there to the goal at the
+/// speed it then has; none of a cell where the goal is reached.
+type Link = Option<(f64, Option<(Key, f64)>)>;
 
 /// A state that waits to be the one of its cell.
 #[derive(Clone, Copy, Debug)]
@@ -175,7 +176,7 @@ impl<'a> Explorer<'a, '_> {
     fn wait(&mut self, walker: &mut Walker<'a>, parent: Option<(usize, Pick)>) -> Key {
         let key = key(walker, self.level.size);
         let (time, left) = (walker.time, walker.left());
-        let arrival = time + left / walker.measures()[3].max(SLOWEST);
+        let arrival = time + walker.to_go();
         let better = self
             .waiting
             .get(&key)
@@ -209,6 +210,7 @@ impl<'a> Explorer<'a, '_> {
             rate: walker.action.rate,
             time: next.time,
             left: next.left,
+            to_go: next.arrival - next.time,
             edges: Vec::new(),
             groups: fan.groups,
             parent: next.parent,
@@ -227,7 +229,7 @@ impl<'a> Explorer<'a, '_> {
                 }
                 After::Entry(mut child) => {
                     let to = self.wait(&mut child, Some((me, pick)));
-                    Some((child.time - next.time, Some(to)))
+                    Some((child.time - next.time, Some((to, child.to_go()))))
                 }
             });
         }
@@ -236,18 +238,16 @@ impl<'a> Explorer<'a, '_> {
         Ok(())
     }
 
+    /// The graph. A state that is slower than the one of its cell is charged with what that costs at
+    /// the speeds that both have.
     fn linked(self) -> Graph {
-        let Explorer {
-            mut graph,
-            found,
-            links,
-            ..
-        } = self;
-        for (cell, links) in graph.cells.iter_mut().zip(links) {
+        let (mut graph, found) = (self.graph, self.found);
+        let to_go: Vec<f64> = graph.cells.iter().map(|cell| cell.to_go).collect();
+        for (cell, links) in graph.cells.iter_mut().zip(self.links) {
             let edge = |link: Link| match link? {
                 (time, None) => Some(Edge { time, to: None }),
-                (time, Some(to)) => found.get(&to).map(|to| Edge {
-                    time,
+                (time, Some((to, slow))) => found.get(&to).map(|to| Edge {
+                    time: time + (slow - to_go[*to]).max(0.0),
                     to: Some(*to),
                 }),
             };

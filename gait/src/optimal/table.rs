@@ -4,11 +4,10 @@ use super::graph::{Graph, Pick};
 use super::walker::Choices;
 use crate::law::Table;
 
-/// Time (s) over the least one by which a cell counts e times less: what one choice too early or too
-/// late costs.
-const FAR: f64 = 0.03;
-/// What a choice that leads nowhere counts as (s).
-const NOWHERE: f64 = 10.0;
+/// Time (s) over the least one by which a cell counts e times less.
+const FAR: f64 = 0.01;
+/// What a choice that leads nowhere costs (s) beside the best one there: about a start anew.
+const NOWHERE: f64 = 1.0;
 
 /// The controller sees how many legs have come and the rate of entry, less than a cell is told apart
 /// by. Each node has the choice of least mean time of the cells around it, weighted as the lines to
@@ -67,7 +66,7 @@ fn common(graph: &Graph, choices: &Choices, cells: &[(usize, f64)]) -> [f64; 2] 
     let worth = |pick: Pick| -> f64 {
         let times = cells
             .iter()
-            .map(|(k, weight)| weight * graph.by(*k, pick).min(NOWHERE));
+            .map(|(k, weight)| weight * graph.by(*k, pick).min(graph.cells[*k].value + NOWHERE));
         times.sum()
     };
     let mut best = (f64::INFINITY, None);

@@ -13,6 +13,8 @@ use crate::world::World;
 
 /// Longest stride (s): a slower one counts as a stall.
 const PATIENCE: f64 = 1.0;
+/// Least speed (m/s) at which the rest of the way is thought to go.
+const SLOWEST: f64 = 0.5;
 
 /// The way of a robot, without disturbances and without noise: sensors still have their counts.
 pub(super) struct Way {
@@ -110,6 +112,11 @@ impl<'a> Walker<'a> {
     /// What is left of the way (m).
     pub(super) fn left(&mut self) -> f64 {
         self.way.distance - self.travel()
+    }
+
+    /// Time (s) for what is left at the present speed.
+    pub(super) fn to_go(&mut self) -> f64 {
+        self.left() / self.measures()[3].max(SLOWEST)
     }
 
     /// Legs that have come into the zone.
