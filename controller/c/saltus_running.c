@@ -103,19 +103,21 @@ static uint32_t whole(saltus_real beside) {
     return (uint32_t)(bits & 0x3FFFFF);
 }
 
-static void policy(const saltus_law *law, saltus_real entry, saltus_real out[2]) {
+static void policy(const saltus_law *law, saltus_real entry, int32_t passed, saltus_real out[2]) {
     if (!is_finite(entry)) return;
     saltus_real inside = lesser(greater(entry, law->first), law->last);
     if (!within(inside, law->first, law->last) || law->count < 2) return;
     saltus_real along = (inside - law->first) * law->per_unit;
     saltus_real beside = beside_great(along);
     uint32_t index = whole(beside), most = law->count - 2;
-    const saltus_real *from = law->nodes[index > most ? most : index], *to = from + 2;
+    uint32_t row = passed < 0 ? 0 : (uint32_t)passed, last = law->rows == 0 ? 0 : law->rows - 1;
+    if (row > last) row = last;
+    const saltus_real *from = law->nodes[row * law->count + (index > most ? most : index)], *to = from + 2;
     mix(along - lesser(beside - GREAT, (saltus_real)most), from[0], from[1], to[0], to[1], out);
 }
 
 /* Firing angle (rad) and valve opening time (s). What is not a number fires never. */
-static void law_at(const saltus_law *law, saltus_real time, saltus_real rate, saltus_real entry, saltus_real out[2]) {
+static void law_at(const saltus_law *law, saltus_real time, saltus_real rate, saltus_real entry, int32_t passed, saltus_real out[2]) {
     out[0] = PI;
     out[1] = R(0.0);
     if (law->kind == SALTUS_OVER_TIME) {
@@ -124,7 +126,7 @@ static void law_at(const saltus_law *law, saltus_real time, saltus_real rate, sa
     } else if (law->kind == SALTUS_LINES) {
         lines(law, rate, out);
     } else {
-        policy(law, entry, out);
+        policy(law, entry, passed, out);
     }
 }
 
@@ -168,6 +170,7 @@ static saltus_real find_leg(saltus_runner *r, int32_t wheel) {
     for (int k = 0; k < 13; k++) {
         if (lean >= high) {
             r->leg++;
+            if (r->passed != INT32_MAX) r->passed++;
             if (r->leg >= r->legs) {
                 r->leg = 0;
                 r->base = plus(r->base, turn(r));
@@ -178,6 +181,7 @@ static saltus_real find_leg(saltus_runner *r, int32_t wheel) {
                 r->base = minus(r->base, turn(r));
             }
             r->leg--;
+            if (r->passed != INT32_MIN) r->passed--;
         } else {
             break;
         }
@@ -191,6 +195,7 @@ static saltus_real find_leg(saltus_runner *r, int32_t wheel) {
 /* Firings count from 0 again, no foot has come down since, and no jump is under way. */
 static void begin_anew(saltus_runner *r) {
     r->firings = 0;
+    r->passed = 0;
     r->since_shock = UINT32_MAX;
     r->touched = R(0.0);
     r->is_touched = 0;
@@ -264,6 +269,7 @@ static void mirror(saltus_runner *r, int32_t wheel) {
     r->has_choice = 0;
     r->enters = 1;
     find_leg(r, wheel);
+    r->passed = 0;
 }
 
 void saltus_runner_turn_round(saltus_runner *r, int32_t wheel) {
@@ -381,7 +387,7 @@ static void next_firing(const saltus_runner *r, saltus_real time, saltus_real ra
         out[0] = gait->first[r->firings][0];
         out[1] = gait->first[r->firings][1];
     } else {
-        law_at(&gait->law, time, rate, r->entry, out);
+        law_at(&gait->law, time, rate, r->entry, r->passed, out);
     }
 }
 

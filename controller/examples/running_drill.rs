@@ -86,6 +86,7 @@ struct Drawn<R: 'static> {
     knots: Vec<Knot<R>>,
     nodes: Vec<[R; 2]>,
     ends: [R; 2],
+    rows: usize,
     zone: R,
     first: Vec<[R; 2]>,
     hold: Option<Hold<R>>,
@@ -119,11 +120,12 @@ impl<R: Real + 'static> Drawn<R> {
                 valve_open: draw.between(0.02, 0.06),
             });
         }
-        let nodes = (0..6)
+        let nodes = (0..18)
             .map(|_| [draw.between(-0.2, 0.2), draw.between(0.02, 0.06)])
             .collect();
         let first: R = draw.between(0.5, 3.0);
         let ends = [first, first + draw.between(2.0, 9.0)];
+        let rows = 1 + (draw.word() % 3) as usize;
         let zone = draw.between(-0.26, 0.26);
         let mut first: Vec<[R; 2]> = (0..2)
             .map(|_| [draw.between(-0.2, 0.2), draw.between(0.02, 0.06)])
@@ -170,6 +172,7 @@ impl<R: Real + 'static> Drawn<R> {
             knots,
             nodes,
             ends,
+            rows,
             zone,
             first,
             hold,
@@ -181,7 +184,8 @@ impl<R: Real + 'static> Drawn<R> {
         let law = match run % 4 {
             0 => self.time,
             2 => Law::Policy(Policy {
-                rates: Axis::new(self.ends[0], self.ends[1], self.nodes.len()),
+                rates: Axis::new(self.ends[0], self.ends[1], 6),
+                rows: self.rows,
                 nodes: &self.nodes,
             }),
             _ => Law::Lines(&self.knots),

@@ -41,7 +41,7 @@ static void mix_real(saltus_real x) {
 
 static const saltus_real taps[5] = {N(0.2), N(0.2), N(0.2), N(0.2), N(0.2)};
 static saltus_knot knots[4];
-static saltus_real nodes[6][2], first[2][2];
+static saltus_real nodes[18][2], first[2][2];
 static saltus_gait gait;
 
 /* Cells of the table for an obstacle. */
@@ -100,7 +100,7 @@ static void draw_gait(uint32_t run) {
         knots[k].firing_angle = between(N(-0.2), N(0.2));
         knots[k].valve_open = between(N(0.02), N(0.06));
     }
-    for (int k = 0; k < 6; k++) {
+    for (int k = 0; k < 18; k++) {
         nodes[k][0] = between(N(-0.2), N(0.2));
         nodes[k][1] = between(N(0.02), N(0.06));
     }
@@ -110,6 +110,7 @@ static void draw_gait(uint32_t run) {
     gait.law.per_unit = N(5.0) / (gait.law.last - gait.law.first);
     gait.law.nodes = (const saltus_real(*)[2])nodes;
     gait.law.count = kind == 2 ? 6 : 4;
+    gait.law.rows = 1 + word() % 3;
     gait.zone = between(N(-0.26), N(0.26));
     gait.taps = taps;
     gait.tap_count = 5;

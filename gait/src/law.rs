@@ -35,9 +35,44 @@ pub enum Program {
     ClosedLoop(Lines),
     /// A curve over the rate through these knots: rate (rad/s), α_f (rad), t_v (s).
     Curve(Vec<[f64; 3]>),
-    /// A table over the rate (rad/s) at which a leg enters the zone, evenly spaced from the first to
-    /// the second: α_f (rad) and t_v (s).
-    Policy([f64; 2], Vec<[f64; 2]>),
+    /// A table over the rate at which a leg enters the zone, and how many legs came before it.
+    Policy(Table),
+}
+
+/// A table of firings: lines between its nodes over the rate of entry, level beyond; a row for each
+/// number of legs that have come into the zone since the start, the last one from then on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Rates (rad/s) of the first and the last node of each row, evenly spaced.
+    pub rates: [f64; 2],
+    /// Nodes of a row, ≥ 2.
+    pub count: usize,
+    /// α_f (rad) and t_v (s), row after row.
+    pub nodes: Vec<[f64; 2]>,
+}
+
+impl Table {
+    fn check(&self) -> Result<(), GaitError> {
+        let count = self.count as f64;
+        require(self.count >= 2, "nodes of a policy", count, "at least two")?;
+        let nodes = self.nodes.len() as f64;
+        let whole = !self.nodes.is_empty() && self.nodes.len().is_multiple_of(self.count);
+        let allowed = format!("a multiple of {count}, the nodes of a row");
+        require(whole, "nodes of all rows of a policy", nodes, allowed)?;
+        let [first, last] = self.rates;
+        let allowed = format!("a number above that of the first node, {first}");
+        let sound = first.is_finite() && last.is_finite() && last > first;
+        require(sound, "rate of a policy's last node (rad/s)", last, allowed)
+    }
+
+    fn policy(&self) -> Policy<'_, f64> {
+        let [first, last] = self.rates;
+        Policy {
+            rates: Axis::new(first, last, self.count),
+            rows: self.nodes.len() / self.count.max(1),
+            nodes: &self.nodes,
+        }
+    }
 }
 
 /// The reading of C = 3.0 in A tanh(B t − C) + D.
@@ -179,7 +214,7 @@ impl From<&[f64]> for Smooth {
 pub(crate) enum Compiled {
     Time(Law<'static, f64>),
     Knots(Vec<Knot<f64>>),
-    Policy([f64; 2], Vec<[f64; 2]>),
+    Policy(Table),
 }
 
 impl Compiled {
@@ -187,10 +222,7 @@ impl Compiled {
         match self {
             Compiled::Time(law) => *law,
             Compiled::Knots(knots) => Law::Lines(knots),
-            Compiled::Policy([first, last], nodes) => Law::Policy(Policy {
-                rates: Axis::new(*first, *last, nodes.len()),
-                nodes,
-            }),
+            Compiled::Policy(table) => Law::Policy(table.policy()),
         }
     }
 }
@@ -267,19 +299,13 @@ impl Program {
                 let knots = knots.iter().map(|&[rate, a, open]| knot(rate, a, open));
                 Ok(Compiled::Knots(knots.collect()))
             }
-            Program::Policy([first, last], nodes) => {
-                require(
-                    nodes.len() >= 2,
-                    "nodes of a policy",
-                    nodes.len() as f64,
-                    "at least two",
-                )?;
-                rising([*first, *last].into_iter())?;
-                for [firing_angle, open] in nodes {
+            Program::Policy(table) => {
+                table.check()?;
+                for [firing_angle, open] in &table.nodes {
                     angle(*firing_angle)?;
                     open_time(*open)?;
                 }
-                Ok(Compiled::Policy([*first, *last], nodes.clone()))
+                Ok(Compiled::Policy(table.clone()))
             }
         }
     }

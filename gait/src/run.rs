@@ -13,7 +13,7 @@ use saltus_sim_check::{Contact, Happening, Ledger, Rig, Stepping, Surface};
 use crate::cast::instruments;
 use crate::error::require;
 use crate::law::Compiled;
-use crate::sensed::Table;
+use crate::sensed::BoxTable;
 use crate::sensors::Ranging;
 use crate::surroundings::{Disturbance, Surroundings};
 use crate::world::World;
@@ -36,6 +36,8 @@ pub struct Setup {
     pub taps: Vec<f64>,
     /// How long (s).
     pub seconds: f64,
+    /// A distance (m) to which [`Summary::time_to_mark`] says the time.
+    pub mark: f64,
     /// Speeds to hold: from each time (s) on, a speed (m/s), negative backwards.
     pub speeds: Vec<[f64; 2]>,
     /// How a speed is held.
@@ -47,7 +49,7 @@ pub struct Setup {
     /// A jump out of the run.
     pub leap: Option<Leap<f64>>,
     /// What is done about the next of the obstacles, as the range sensor sees it.
-    pub ahead: Option<Table>,
+    pub ahead: Option<BoxTable>,
     /// What disturbs.
     pub disturbances: Vec<Disturbance>,
     /// Boxes on the ground.
@@ -72,6 +74,7 @@ impl Setup {
             forwards: true,
             taps: vec![0.2; 5],
             seconds,
+            mark: 1.6,
             speeds: Vec::new(),
             hold: None,
             stall: Stall {
@@ -110,7 +113,7 @@ impl Setup {
         self.program.compile(self.valve_open, (self.zone, pitch))
     }
 
-    fn check(&self) -> Result<(), GaitError> {
+    pub(crate) fn check(&self) -> Result<(), GaitError> {
         let legs = self.robot.body.legs;
         let allowed = "from 3 to 12, for a robot that runs";
         require((3..=12).contains(&legs), "legs", f64::from(legs), allowed)?;
@@ -289,6 +292,8 @@ pub struct Summary {
     pub reached_3_2: Option<f64>,
     /// When it had travelled 1.6 m (s).
     pub time_to_1_6_m: Option<f64>,
+    /// When it had travelled the distance of [`Setup::mark`] (s).
+    pub time_to_mark: Option<f64>,
     /// Firings.
     pub firings: usize,
     /// Touch-downs of feet on the ground.
@@ -388,12 +393,12 @@ fn gait<'s>(setup: &'s Setup, compiled: &'s Compiled) -> Gait<'s, f64> {
         stall: setup.stall,
         first: &setup.first,
         leap: setup.leap,
-        ahead: setup.ahead.as_ref().map(Table::ahead),
+        ahead: setup.ahead.as_ref().map(BoxTable::ahead),
     }
 }
 
 /// The rear leg on which the robot finds itself, and its wheel's count there.
-fn find_stand(
+pub(crate) fn find_stand(
     setup: &Setup,
     world: &mut World<'_>,
     gait: &Gait<'_, f64>,
@@ -478,6 +483,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
                 speed_at_1_6: None,
                 reached_3_2: None,
                 time_to_1_6_m: None,
+                time_to_mark: None,
                 firings: 0,
                 touch_downs: 0,
                 bumps: Vec::new(),
@@ -632,6 +638,9 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         }
         if s.time_to_1_6_m.is_none() && sign * travel >= 1.6 {
             s.time_to_1_6_m = Some(time);
+        }
+        if s.time_to_mark.is_none() && sign * travel >= self.setup.mark {
+            s.time_to_mark = Some(time);
         }
     }
 

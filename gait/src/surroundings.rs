@@ -1,6 +1,6 @@
 //! What changes during a run: slope, pushes, supply, friction.
 
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 use saltus_robot::{Drive, GaugePressure, Robot};
 use saltus_sim_check::{Mechanism, Rig, SimError, Surface};
@@ -52,7 +52,7 @@ pub struct Surroundings {
     robot: Robot,
     obstacles: Vec<Surface>,
     disturbances: Vec<Disturbance>,
-    variants: Vec<OnceCell<Box<Mechanism>>>,
+    variants: Vec<OnceLock<Box<Mechanism>>>,
 }
 
 impl Surroundings {
@@ -71,7 +71,7 @@ impl Surroundings {
         require(count <= MOST, "disturbances", count as f64, allowed)?;
         disturbances.iter().try_for_each(|d| d.check(robot))?;
         let mut variants = Vec::new();
-        variants.resize_with(1 << count, OnceCell::new);
+        variants.resize_with(1 << count, OnceLock::new);
         Ok(Surroundings {
             rig: Rig::new(robot, obstacles)?,
             robot: robot.clone(),

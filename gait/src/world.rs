@@ -18,7 +18,8 @@ pub struct Cycle {
     pub readings: Readings,
 }
 
-/// A robot in motion, whose legs are all free to move.
+/// A robot in motion, whose legs are all free to move. A clone goes on from the same state, to the bit.
+#[derive(Clone)]
 pub struct World<'a> {
     surroundings: &'a Surroundings,
     sim: Sim<'a>,

@@ -45,12 +45,15 @@ pub struct Knot<R> {
 }
 
 /// A table of firing angles and valve opening times over the rate at which a leg enters the zone:
-/// straight lines between its nodes, level beyond them.
+/// straight lines between its nodes, level beyond them. It has a row for each number of legs that have
+/// come into the zone since the start, of which the last holds from then on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Policy<'a, R> {
     /// Rates (rad/s).
     pub rates: Axis<R>,
-    /// Firing angle (rad) and valve opening time (s) at each.
+    /// Rows: with one the table is over the rate alone.
+    pub rows: usize,
+    /// Firing angle (rad) and valve opening time (s) at each rate, row after row.
     pub nodes: &'a [[R; 2]],
 }
 
@@ -59,10 +62,11 @@ pub(super) const NEVER: f64 = core::f64::consts::PI;
 
 impl<R: Real> Law<'_, R> {
     /// Firing angle (rad) and valve opening time (s) at `time` (s) since the start and the rate
-    /// `rate` (rad/s); a policy looks at the rate `entry` (rad/s) at which the leg entered the zone.
-    /// What is not a number, and a law without knots, fires never: π and 0.
+    /// `rate` (rad/s); a policy looks at the rate `entry` (rad/s) at which the leg entered the zone and
+    /// at how many legs have `passed` into it since the start. What is not a number, and a law without
+    /// knots, fires never: π and 0.
     #[inline]
-    pub fn at(&self, time: R, rate: R, entry: R) -> [R; 2] {
+    pub fn at(&self, time: R, rate: R, entry: R, passed: i32) -> [R; 2] {
         let never = [R::of(NEVER), R::ZERO];
         match self {
             Law::OverTime {
@@ -76,7 +80,7 @@ impl<R: Real> Law<'_, R> {
                 [angle, *valve_open]
             }
             Law::Lines(knots) => between(knots, rate).unwrap_or(never),
-            Law::Policy(policy) => policy.at(entry).unwrap_or(never),
+            Law::Policy(policy) => policy.at(entry, passed).unwrap_or(never),
         }
     }
 }
@@ -111,13 +115,15 @@ fn between<R: Real>(knots: &[Knot<R>], rate: R) -> Option<[R; 2]> {
 
 impl<R: Real> Policy<'_, R> {
     #[inline]
-    fn at(&self, entry: R) -> Option<[R; 2]> {
+    fn at(&self, entry: R, passed: i32) -> Option<[R; 2]> {
         if !entry.is_finite() {
             return None;
         }
         let inside = entry.greater(self.rates.first).lesser(self.rates.last);
         let spot = self.rates.locate(inside).ok()?;
-        let (from, to) = (self.nodes.get(spot.cell)?, self.nodes.get(spot.cell + 1)?);
+        let row = (passed.max(0).unsigned_abs() as usize).min(self.rows.saturating_sub(1));
+        let cell = row.wrapping_mul(self.rates.count).wrapping_add(spot.cell);
+        let (from, to) = (self.nodes.get(cell)?, self.nodes.get(cell.wrapping_add(1))?);
         let mix = |k: usize| from[k] + spot.part * (to[k] - from[k]);
         Some([mix(0), mix(1)])
     }

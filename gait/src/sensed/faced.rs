@@ -5,7 +5,7 @@ use saltus_numeric::parallel;
 use saltus_robot::Robot;
 
 use super::table::BEYOND;
-use super::{Sensed, Table};
+use super::{BoxTable, Sensed};
 use crate::GaitError;
 use crate::drawn::drawn_robot;
 use crate::run::{Footfall, Row, Run, Setup, run};
@@ -80,7 +80,7 @@ impl Run for Beyond {
 
 impl Sensed {
     /// The run of `robot` before a box whose front is at `front` (m), and which can be gone through.
-    pub fn before(&self, table: &Table, robot: Robot, seed: u64, front: f64) -> Setup {
+    pub fn before(&self, table: &BoxTable, robot: Robot, seed: u64, front: f64) -> Setup {
         Setup {
             ahead: Some(table.clone()),
             obstacles: vec![self.box_at(table.height, front)],
@@ -96,7 +96,7 @@ impl Sensed {
     /// not cleared.
     pub fn try_on(
         &self,
-        table: &Table,
+        table: &BoxTable,
         robots: usize,
         seed: u64,
         threads: usize,
@@ -111,7 +111,13 @@ impl Sensed {
     }
 
     /// How one robot fares.
-    fn face(&self, table: &Table, robot: Robot, seed: u64, front: f64) -> Result<Faced, GaitError> {
+    fn face(
+        &self,
+        table: &BoxTable,
+        robot: Robot,
+        seed: u64,
+        front: f64,
+    ) -> Result<Faced, GaitError> {
         let behind = front + self.length + BEYOND;
         let free = self.before(table, robot, seed, front);
         let mut beyond = Beyond::new(behind, FOLLOWED);

@@ -22,7 +22,7 @@ use crate::{GaitError, Smooth};
 pub use faced::Faced;
 use strides::Stride;
 use table::ZONE;
-pub use table::{Choice, Table};
+pub use table::{BoxTable, Choice};
 
 /// Boxes at any distance, for one robot and those drawn around it.
 #[derive(Clone, Debug)]
@@ -58,7 +58,7 @@ impl Sensed {
         &self,
         threads: usize,
         mut told: impl FnMut(usize),
-    ) -> Result<Vec<Table>, GaitError> {
+    ) -> Result<Vec<BoxTable>, GaitError> {
         self.check()?;
         let mut strides: Vec<Stride> = Vec::new();
         let mut tables = Vec::new();

@@ -5,7 +5,7 @@ use saltus_numeric::parallel;
 use super::Sensed;
 use super::counted;
 use super::strides::Stride;
-use super::table::{CHOICES, COLUMNS, FIRST_LEAP, HEIGHTS, ROWS, Table, WIDTH, row_of};
+use super::table::{BoxTable, CHOICES, COLUMNS, FIRST_LEAP, HEIGHTS, ROWS, WIDTH, row_of};
 
 /// Sweeps over all cells; a run has fewer strides.
 const SWEEPS: usize = 25;
@@ -28,16 +28,16 @@ struct Values {
 
 impl Sensed {
     /// A table for each height.
-    pub(super) fn solve(&self, strides: &[Stride], threads: usize) -> Vec<Table> {
+    pub(super) fn solve(&self, strides: &[Stride], threads: usize) -> Vec<BoxTable> {
         parallel::map_on(threads, self.heights.len(), |k| {
             let height = self.heights[k];
             let values = values(strides, height + MARGIN);
             let [way, climb] = self.per_count();
-            Table {
+            BoxTable {
                 way,
                 climb,
                 expected: expected(&values.worth),
-                ..Table::new(&values.best, (height, self.length), self.room)
+                ..BoxTable::new(&values.best, (height, self.length), self.room)
             }
         })
     }

@@ -6,7 +6,7 @@ use saltus_robot::Robot;
 
 use super::profile::Profile;
 use super::table::{
-    ALL, ANGLES, CHOICES, Choice, FIRST_LEAP, LEAP_ANGLES, LEAP_OPEN, TIMES, Table, row_of,
+    ALL, ANGLES, BoxTable, CHOICES, Choice, FIRST_LEAP, LEAP_ANGLES, LEAP_OPEN, TIMES, row_of,
 };
 use super::{Sensed, below, between, floor};
 use crate::drawn::drawn_robot;
@@ -138,7 +138,7 @@ impl Sensed {
     /// Strides of so many runs: of random firings, or with `tables`, of theirs with errors.
     pub(super) fn strides(
         &self,
-        tables: &[Table],
+        tables: &[BoxTable],
         round: usize,
         threads: usize,
     ) -> Result<Vec<Stride>, GaitError> {
@@ -191,7 +191,7 @@ impl Sensed {
     }
 
     /// Firings by `table`, some of whose cells err, before a box that can be gone through.
-    fn erring(&self, table: &Table, robot: Robot, seed: u64, random: &mut Pcg64) -> Setup {
+    fn erring(&self, table: &BoxTable, robot: Robot, seed: u64, random: &mut Pcg64) -> Setup {
         let front = self.front(random).max(self.room);
         let mut table = table.clone();
         for cell in &mut table.cells {

@@ -12,7 +12,7 @@ pub type Choice = [f64; 2];
 /// What each leg does before a box, by the rate at which it enters the zone, the height of the axle
 /// and the distance from the axle to the box then.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table {
+pub struct BoxTable {
     /// Height of the box (m).
     pub height: f64,
     /// Share of the robots that it expects to clear the box, of those that come upon it at running
@@ -93,9 +93,9 @@ fn passing(length: f64) -> (f64, usize) {
     (NEAREST - cells as f64 * WIDTH, cells)
 }
 
-impl Table {
+impl BoxTable {
     /// A table of the choices `best`, for each row and column; nearer than these no leg fires.
-    pub(super) fn new(best: &[usize], (height, length): (f64, f64), room: f64) -> Table {
+    pub(super) fn new(best: &[usize], (height, length): (f64, f64), room: f64) -> BoxTable {
         let (behind, before) = passing(length);
         let row = |row: &[usize]| {
             let known = row.iter().map(|choice| u8::try_from(*choice).unwrap_or(0));
@@ -103,7 +103,7 @@ impl Table {
                 .chain(known)
                 .collect::<Vec<u8>>()
         };
-        Table {
+        BoxTable {
             height,
             expected: 0.0,
             way: 0.0,

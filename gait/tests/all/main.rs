@@ -3,6 +3,7 @@
 mod basin;
 mod energy;
 mod frontier;
+mod optimal;
 mod passive;
 mod periodic;
 mod report;

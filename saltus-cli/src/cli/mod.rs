@@ -1,5 +1,6 @@
 //! The commands: one file each.
 
+mod best;
 mod common;
 mod completions;
 mod diagnose;

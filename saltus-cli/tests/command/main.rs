@@ -17,6 +17,7 @@ mod jump;
 mod logs;
 mod meaning;
 mod misleading;
+mod optimal;
 mod overwrites;
 mod plant;
 mod plots;

@@ -17,7 +17,12 @@ fn run_c(folder: &Folder, out: &str, main: &str, words: &[&str]) -> Option<Strin
 }
 
 /// The same with the exported source `source`.
-fn run_with(folder: &Folder, source: &str, main: &str, words: &[&str]) -> Option<String> {
+pub(crate) fn run_with(
+    folder: &Folder,
+    source: &str,
+    main: &str,
+    words: &[&str],
+) -> Option<String> {
     let (out, _) = source.split_once('/').unwrap();
     let there = Command::new("cc")
         .arg("--version")

@@ -157,7 +157,7 @@ fn law<R: Number>(law: &Law<'_, f64>) -> (String, String) {
         } => {
             let numbers = [*amplitude, *slope, *shift, *level, *valve_open].map(c);
             let (numbers, none) = (numbers.join(", "), zeros(3));
-            let law = format!("{{SALTUS_OVER_TIME, {numbers}, 0, {none}, 0, 0}}");
+            let law = format!("{{SALTUS_OVER_TIME, {numbers}, 0, {none}, 0, 0, 0}}");
             (String::new(), law)
         }
         Law::Lines(knots) => {
@@ -172,23 +172,23 @@ fn law<R: Number>(law: &Law<'_, f64>) -> (String, String) {
                     "/* Rate (rad/s), firing angle (rad), valve opening time (s). */\n\
                      static const saltus_knot running_knots[{count}] = {{\n{rows}}};\n"
                 ),
-                format!("{{SALTUS_LINES, {before}, running_knots, {none}, 0, {count}}}"),
+                format!("{{SALTUS_LINES, {before}, running_knots, {none}, 0, {count}, 0}}"),
             )
         }
         Law::Policy(policy) => {
             let row = |node: &[f64; 2]| format!("    {{{}}},\n", node.map(c).join(", "));
-            let count = policy.nodes.len();
-            let rows = policy.nodes.iter().map(row).collect::<String>();
+            let (all, count, rows) = (policy.nodes.len(), policy.rates.count, policy.rows);
+            let nodes = policy.nodes.iter().map(row).collect::<String>();
             let ends = [policy.rates.first, policy.rates.last].map(R::of);
             let axis = Axis::new(ends[0], ends[1], count);
             let axis = [axis.first, axis.last, axis.per_unit].map(R::c).join(", ");
             let before = zeros(5);
             (
                 format!(
-                    "/* Firing angle (rad), valve opening time (s). */\n\
-                     static const saltus_real running_nodes[{count}][2] = {{\n{rows}}};\n"
+                    "/* Firing angle (rad), valve opening time (s), row after row. */\n\
+                     static const saltus_real running_nodes[{all}][2] = {{\n{nodes}}};\n"
                 ),
-                format!("{{SALTUS_POLICY, {before}, 0, {axis}, running_nodes, {count}}}"),
+                format!("{{SALTUS_POLICY, {before}, 0, {axis}, running_nodes, {count}, {rows}}}"),
             )
         }
     }

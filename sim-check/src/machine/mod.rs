@@ -117,6 +117,7 @@ pub(crate) enum Rows {
 }
 
 /// A mechanism with its latched joints welded, and room to work.
+#[derive(Clone)]
 pub(crate) struct Machine<'a> {
     pub mechanism: &'a Mechanism,
     pub layout: Layout,

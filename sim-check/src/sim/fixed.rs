@@ -12,7 +12,7 @@ use crate::machine::{Layout, Owner, STANDING};
 use crate::mode::{JointMode, Stop};
 
 /// Room for fixed steps, and what one hands to the next.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Fixed {
     /// Step (s).
     h: f64,

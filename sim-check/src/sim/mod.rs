@@ -121,7 +121,8 @@ pub enum Happening {
 /// velocities.
 pub type Watch<'w> = &'w dyn Fn(f64, &[f64], &[f64]) -> f64;
 
-/// A mechanism in motion.
+/// A mechanism in motion. A clone goes on from the same state, to the bit.
+#[derive(Clone)]
 pub struct Sim<'a> {
     machine: Machine<'a>,
     settings: Settings,

@@ -3,9 +3,12 @@
 use clap::{Args, ValueEnum};
 use saltus::Robot;
 use saltus::export::{Number, Running};
-use saltus::gait::{Centre, Lines, Program, Setup};
+use saltus::gait::{Centre, Lines, Program, Quest, Setup};
 
+use crate::cli::best::{self, goal};
 use crate::cli::common::note_valve;
+use crate::cli::run::values::{Knots, knots};
+use crate::cli::run::{Aim, refused};
 use crate::error::CliError;
 use crate::quantity;
 
@@ -18,6 +21,14 @@ enum Kind {
     OpenLoop,
     /// Lines over the rate
     ClosedLoop,
+    /// Given knots over the rate
+    Curve,
+    /// One smooth curve over the rate
+    Smooth,
+    /// A commanded speed, which saltus_runner_demand sets; the speed of each firing angle is measured first
+    Speed,
+    /// The least time from rest to a distance, as a table
+    Optimal,
 }
 
 /// Lines of a closed loop.
@@ -37,7 +48,7 @@ enum Law {
 pub(super) struct RunningFlags {
     /// Write what decides on a running robot, in place of tables of jumps
     #[arg(long, value_enum, value_name = "GAIT", conflicts_with_all = ["distance", "omega", "alpha_f", "landing_height",
-        "start_lean", "valve_range", "effort", "newton", "period", "extra_delay", "tolerance", "threads", "plant",
+        "start_lean", "valve_range", "effort", "newton", "period", "extra_delay", "tolerance", "plant",
         "plant_overrides"])]
     gait: Option<Kind>,
 
@@ -57,82 +68,155 @@ pub(super) struct RunningFlags {
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
     to: Option<f64>,
 
+    /// Knots of `curve`, RATE:ANGLE:TIME with commas between them
+    #[arg(long, value_name = "RATE:ANGLE:TIME,…", value_parser = knots, allow_hyphen_values = true)]
+    knots: Option<Knots>,
+
+    /// What the law of `smooth` is best at [default: quick]
+    #[arg(long, value_enum)]
+    aim: Option<Aim>,
+
+    /// Distance (m) of `optimal`, from rest [default: 1.6]
+    #[arg(long, value_name = "LENGTH", value_parser = goal, allow_hyphen_values = true)]
+    goal: Option<f64>,
+
+    /// Levels of `optimal`, 1 to 4, as of `saltus run` [default: 3]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(1..=4))]
+    refinements: Option<u8>,
+
     /// Lean z₀ (rad) at which the active zone begins; it is one pitch of the legs wide [default: 0
-    /// for `fixed` and `open-loop`, -0.3 for `closed-loop`]
+    /// for `fixed`, `open-loop` and `speed`, -0.3 for the others]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
     zone: Option<f64>,
 }
 
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Kind::Fixed => "fixed",
+            Kind::OpenLoop => "open-loop",
+            Kind::ClosedLoop => "closed-loop",
+            Kind::Curve => "curve",
+            Kind::Smooth => "smooth",
+            Kind::Speed => "speed",
+            Kind::Optimal => "optimal",
+        }
+    }
+
+    /// Whether the law says how long a valve opens.
+    fn has_times(self) -> bool {
+        !matches!(self, Kind::Fixed | Kind::OpenLoop | Kind::ClosedLoop)
+    }
+}
+
+/// What became of the request for a running robot.
+pub(super) enum Written {
+    /// No gait is asked for.
+    Unasked,
+    /// No choice leads to the goal: the reason is on standard output.
+    Unreached,
+    /// What is written.
+    Running(Running),
+}
+
 impl RunningFlags {
-    /// What is written for a robot whose valve opens for `valve_open` (s); none where no gait is
-    /// asked for.
+    /// What is written for a robot whose valve opens for `valve_open` (s), sought on so many
+    /// `threads`.
     pub(super) fn written<R: Number>(
         &self,
         robot: impl FnOnce() -> Result<Robot, CliError>,
         valve_open: Option<f64>,
-    ) -> Result<Option<Running>, CliError> {
-        self.meant()?;
+        threads: usize,
+    ) -> Result<Written, CliError> {
+        self.meant(valve_open)?;
         let Some(gait) = self.gait else {
-            return Ok(None);
+            return Ok(Written::Unasked);
         };
         let robot = robot()?;
         note_valve(&robot, valve_open.map(|_| "--valve-open"));
-        let name = robot.name.clone();
-        let mut setup = Setup::new(robot, self.program(gait), 1.0);
-        let begins = match gait {
-            Kind::Fixed | Kind::OpenLoop => 0.0,
-            Kind::ClosedLoop => -0.3,
-        };
-        setup.zone = self.zone.unwrap_or(begins);
+        let mut setup = self.setup(gait, robot, threads)?;
         setup.valve_open = valve_open.unwrap_or(setup.valve_open);
+        if gait == Kind::Optimal && best::seek(&mut setup, self.quest(), threads)?.is_none() {
+            return Ok(Written::Unreached);
+        }
         let written = Running::new::<R>(&setup);
         written
-            .map(Some)
-            .map_err(|error| CliError::content(name, error))
+            .map(Written::Running)
+            .map_err(|error| CliError::content(&setup.robot.name, error))
+    }
+
+    fn setup(&self, gait: Kind, robot: Robot, threads: usize) -> Result<Setup, CliError> {
+        let mut setup = if gait == Kind::Speed {
+            let held = Setup::at_speeds(&robot, &[], 1.0, threads);
+            held.map_err(|error| refused(error, &robot))?
+        } else {
+            Setup::new(robot, self.program(gait)?, 1.0)
+        };
+        let begins = match gait {
+            Kind::Fixed | Kind::OpenLoop | Kind::Speed => 0.0,
+            Kind::ClosedLoop | Kind::Curve | Kind::Smooth | Kind::Optimal => -0.3,
+        };
+        setup.zone = self.zone.unwrap_or(begins);
+        Ok(setup)
+    }
+
+    fn quest(&self) -> Quest {
+        let usual = Quest::default();
+        Quest {
+            distance: self.goal.unwrap_or(usual.distance),
+            levels: self.refinements.map_or(usual.levels, usize::from),
+        }
     }
 
     /// Refuses flags that only other gaits have.
-    fn meant(&self) -> Result<(), CliError> {
-        use Kind::{ClosedLoop, Fixed, OpenLoop};
-        let given: [(&'static str, bool, &[Kind], &str); 5] = [
-            ("--law", self.law.is_some(), &[ClosedLoop], " closed-loop"),
-            (
-                "--firing-angle",
-                self.firing_angle.is_some(),
-                &[Fixed],
-                " fixed",
-            ),
-            (
-                "--from",
-                self.from.is_some(),
-                &[OpenLoop, ClosedLoop],
-                " open-loop or closed-loop",
-            ),
-            (
-                "--to",
-                self.to.is_some(),
-                &[OpenLoop, ClosedLoop],
-                " open-loop or closed-loop",
-            ),
-            (
-                "--zone",
-                self.zone.is_some(),
-                &[Fixed, OpenLoop, ClosedLoop],
-                "",
-            ),
+    fn meant(&self, valve_open: Option<f64>) -> Result<(), CliError> {
+        use Kind::{ClosedLoop, Curve, Fixed, OpenLoop, Optimal, Smooth, Speed};
+        let all = [Fixed, OpenLoop, ClosedLoop, Curve, Smooth, Speed, Optimal];
+        let given: [(&'static str, bool, &[Kind]); 9] = [
+            ("--law", self.law.is_some(), &[ClosedLoop]),
+            ("--firing-angle", self.firing_angle.is_some(), &[Fixed]),
+            ("--from", self.from.is_some(), &[OpenLoop, ClosedLoop]),
+            ("--to", self.to.is_some(), &[OpenLoop, ClosedLoop]),
+            ("--knots", self.knots.is_some(), &[Curve]),
+            ("--aim", self.aim.is_some(), &[Smooth]),
+            ("--goal", self.goal.is_some(), &[Optimal]),
+            ("--refinements", self.refinements.is_some(), &[Optimal]),
+            ("--zone", self.zone.is_some(), &all),
         ];
-        for (flag, is_given, kinds, names) in given {
+        for (flag, is_given, kinds) in given {
             if is_given && !self.gait.is_some_and(|gait| kinds.contains(&gait)) {
-                return Err(CliError::flag(flag, "", format!("used with --gait{names}")));
+                let names: Vec<&str> = kinds.iter().map(|kind| kind.name()).collect();
+                let allowed = format!("used with --gait {}", names.join(" or "));
+                return Err(CliError::flag(flag, "", allowed));
             }
+        }
+        if let Some(gait) = self
+            .gait
+            .filter(|gait| gait.has_times() && valve_open.is_some())
+        {
+            let name = gait.name();
+            let allowed = format!("left out with --gait {name}, whose law says the time");
+            return Err(CliError::flag("--valve-open", "", allowed));
         }
         Ok(())
     }
 
-    fn program(&self, gait: Kind) -> Program {
+    /// The law; for `optimal` one that stands in until the policy is sought.
+    fn program(&self, gait: Kind) -> Result<Program, CliError> {
         let first = self.from.unwrap_or(0.35);
         let (last, at) = (self.to.unwrap_or(-0.1), 13.3);
-        match (gait, self.law) {
+        Ok(match (gait, self.law) {
+            (Kind::Curve, _) => {
+                let knots = self.knots.as_ref().ok_or(CliError::Missing {
+                    flag: "--knots",
+                    allowed: "--gait curve needs RATE:ANGLE:TIME, as in 0:0.35:40ms,13.3:-0.1:40ms",
+                })?;
+                Program::Curve(knots.0.clone())
+            }
+            (Kind::Smooth | Kind::Speed, _) => self.aim.unwrap_or(Aim::Quick).law().program(),
+            (Kind::Optimal, _) => Program::Fixed {
+                firing_angle: self.zone.unwrap_or(-0.3),
+            },
             (Kind::Fixed, _) => Program::Fixed {
                 firing_angle: self.firing_angle.unwrap_or(0.1),
             },
@@ -153,6 +237,6 @@ impl RunningFlags {
                 at,
                 jumps: law == Some(Law::Jump),
             }),
-        }
+        })
     }
 }

@@ -7,7 +7,7 @@ use saltus::export::{self, ExportError, Number, Request, Tables};
 use saltus::on_plant::OnPlant;
 use saltus::{Planner, Robot};
 
-use super::running::RunningFlags;
+use super::running::{RunningFlags, Written};
 use crate::cli::Status;
 use crate::cli::common::{PlantFlags, RobotFlags, Threads, note_valve};
 use crate::cli::terms::{TermFlags, Terms};
@@ -171,8 +171,12 @@ impl C {
 
     fn write<R: Number>(&self) -> Result<Status, CliError> {
         let open = self.flags.terms.valve_open();
-        if let Some(running) = (self.running).written::<R>(|| self.flags.robot.robot(), open)? {
-            return self.files(running.files, &running.about);
+        let threads = self.flags.threads.count().get();
+        let robot = || self.flags.robot.robot();
+        match self.running.written::<R>(robot, open, threads)? {
+            Written::Unasked => {}
+            Written::Unreached => return Ok(Status::No),
+            Written::Running(running) => return self.files(running.files, &running.about),
         }
         let Some(tables) = self.flags.tables::<R>()? else {
             return Ok(Status::No);

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use clap::Args;
 use saltus::Robot;
-use saltus::gait::{Draw, Faced, Sensed, Smooth, Table};
+use saltus::gait::{BoxTable, Draw, Faced, Sensed, Smooth};
 use saltus::robot::{Drive, GaugePressure};
 use saltus::running::Share;
 use serde_json::{Value, json};
@@ -129,14 +129,14 @@ impl Jump {
         Ok(answer.status())
     }
 
-    fn learn(&self, sensed: &Sensed, progress: &Progress) -> Result<Vec<Table>, CliError> {
+    fn learn(&self, sensed: &Sensed, progress: &Progress) -> Result<Vec<BoxTable>, CliError> {
         let threads = self.threads.count().get();
         let tables = sensed.plan(threads, |_| progress.advance(1));
         tables.map_err(|error| refused(error, &sensed.robot))
     }
 
     /// Other robots than those of the table try it.
-    fn tried(&self, sensed: &Sensed, table: &Table) -> Result<Vec<Faced>, CliError> {
+    fn tried(&self, sensed: &Sensed, table: &BoxTable) -> Result<Vec<Faced>, CliError> {
         let seed = self.seed.wrapping_add(1 << 32);
         let threads = self.threads.count().get();
         let tried = sensed.try_on(table, usize::from(self.robots), seed, threads);
@@ -186,7 +186,11 @@ impl Jump {
     /// Among tables of rising heights the last that enough robots clear: its height (m) and their
     /// share. Shares are taken to fall with the height, so that half of the rest is looked at each
     /// time.
-    fn among(&self, sensed: &Sensed, tables: &[Table]) -> Result<Option<(f64, Share)>, CliError> {
+    fn among(
+        &self,
+        sensed: &Sensed,
+        tables: &[BoxTable],
+    ) -> Result<Option<(f64, Share)>, CliError> {
         let (mut low, mut high) = (0, tables.len());
         let mut best = None;
         while low < high {
@@ -224,7 +228,7 @@ fn said(share: Share) -> String {
 /// What came of one height.
 struct Answer<'a> {
     sensed: &'a Sensed,
-    table: &'a Table,
+    table: &'a BoxTable,
     tried: &'a [Faced],
 }
 

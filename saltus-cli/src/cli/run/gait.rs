@@ -4,12 +4,13 @@ use std::f64::consts::TAU;
 
 use clap::{Args, ValueEnum};
 use saltus::Robot;
-use saltus::gait::{Centre, GaitError, Lines, Program, Smooth, speed_law};
+use saltus::gait::{Centre, GaitError, Lines, Optimal, Program, Quest, Smooth, speed_law};
 use saltus::numeric::parallel::available;
 
 use super::values::{
     Knots, Speeds, Taps, knots, rate, shift, slope, speeds, steepness, taps, top_rate,
 };
+use crate::cli::best::goal;
 use crate::error::CliError;
 use crate::output::digits;
 use crate::quantity;
@@ -29,15 +30,27 @@ pub(super) enum Kind {
     Smooth,
     /// A commanded speed is held: the speed of each firing angle is measured first
     Speed,
+    /// The least time from rest to a distance, by dynamic programming, as a table
+    Optimal,
 }
 
 /// What a smooth law is best at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Aim {
+pub(crate) enum Aim {
     /// 1.6 m from rest in the least time
     Quick,
     /// The least gas a metre at 3.2 m/s or more
     Sparing,
+}
+
+impl Aim {
+    /// The law.
+    pub(crate) fn law(self) -> Smooth {
+        match self {
+            Aim::Quick => Smooth::QUICK,
+            Aim::Sparing => Smooth::SPARING,
+        }
+    }
 }
 
 impl Kind {
@@ -49,6 +62,7 @@ impl Kind {
             Kind::Curve => "curve",
             Kind::Smooth => "smooth",
             Kind::Speed => "speed",
+            Kind::Optimal => "optimal",
         }
     }
 }
@@ -148,6 +162,15 @@ pub(super) struct GaitFlags {
     #[arg(long, value_name = "TIME:SPEED,…", value_parser = speeds, allow_hyphen_values = true)]
     speed: Option<Speeds>,
 
+    /// Distance (m) of `optimal`, from rest [default: 1.6]
+    #[arg(long, value_name = "LENGTH", value_parser = goal, allow_hyphen_values = true)]
+    distance: Option<f64>,
+
+    /// Levels of `optimal`, each with cells and choices half as coarse as the one before, 1 to 4
+    /// [default: 3]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(1..=4))]
+    refinements: Option<u8>,
+
     /// Lean z₀ (rad) at which the active zone begins; it is one pitch of the legs wide [default: 0
     /// for `fixed`, `open-loop` and `speed`, -0.3 for the others, but at most half a pitch]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
@@ -178,6 +201,8 @@ pub(super) struct Chosen {
     pub(super) speeds: Vec<[f64; 2]>,
     /// The gait in words.
     pub(super) words: String,
+    /// The best policy that was found.
+    pub(super) best: Option<Optimal>,
 }
 
 impl Chosen {
@@ -207,7 +232,7 @@ impl GaitFlags {
         let half = 0.5 * TAU / f64::from(legs);
         let zone = self.zone.unwrap_or(match self.gait {
             Kind::Fixed | Kind::OpenLoop | Kind::Speed => 0.0,
-            Kind::ClosedLoop | Kind::Curve | Kind::Smooth => (-0.3_f64).max(-half),
+            Kind::ClosedLoop | Kind::Curve | Kind::Smooth | Kind::Optimal => (-0.3_f64).max(-half),
         });
         if zone.abs() > half {
             let half = digits(half, 4);
@@ -223,7 +248,7 @@ impl GaitFlags {
         self.within(&program, robot, zone)?;
         let open = format!("valve open {} ms", digits(valve_open * 1e3, 4));
         let words = match self.gait {
-            Kind::Curve | Kind::Smooth | Kind::Speed => self.words(&program),
+            Kind::Curve | Kind::Smooth | Kind::Speed | Kind::Optimal => self.words(&program),
             _ => format!("{}, {open}", self.words(&program)),
         };
         Ok(Chosen {
@@ -235,14 +260,15 @@ impl GaitFlags {
             taps: self.taps.0.clone(),
             speeds: self.speed.clone().map_or_else(Vec::new, |speeds| speeds.0),
             words,
+            best: None,
         })
     }
 
     /// The flags that only some gaits have: which, what was given, which gaits.
     fn meant(&self) -> Result<(), CliError> {
-        use Kind::{ClosedLoop, Curve, Fixed, OpenLoop, Smooth, Speed};
+        use Kind::{ClosedLoop, Curve, Fixed, OpenLoop, Optimal, Smooth, Speed};
         let two = self.lines.is_none_or(|lines| lines != LinesKind::One);
-        let given: [(&'static str, bool, &[Kind]); 13] = [
+        let given: [(&'static str, bool, &[Kind]); 15] = [
             ("--firing-angle", self.firing_angle.is_some(), &[Fixed]),
             ("--from", self.from.is_some(), &[OpenLoop, ClosedLoop]),
             ("--to", self.to.is_some(), &[OpenLoop, ClosedLoop]),
@@ -256,6 +282,8 @@ impl GaitFlags {
             ("--knots", self.knots.is_some(), &[Curve]),
             ("--aim", self.aim.is_some(), &[Smooth]),
             ("--speed", self.speed.is_some(), &[Speed]),
+            ("--distance", self.distance.is_some(), &[Optimal]),
+            ("--refinements", self.refinements.is_some(), &[Optimal]),
         ];
         for (flag, is_given, kinds) in given {
             if is_given && !kinds.contains(&self.gait) {
@@ -277,7 +305,7 @@ impl GaitFlags {
                 return Err(CliError::flag(flag, "", allowed));
             }
         }
-        let has_times = matches!(self.gait, Curve | Smooth | Speed);
+        let has_times = matches!(self.gait, Curve | Smooth | Speed | Optimal);
         if has_times && self.valve_open.is_some() {
             let name = self.gait.name();
             let allowed = format!("left out with --gait {name}, whose law says the time");
@@ -290,6 +318,17 @@ impl GaitFlags {
         Ok(())
     }
 
+    /// What is to be sought for `optimal`.
+    pub(super) fn quest(&self) -> Option<Quest> {
+        let usual = Quest::default();
+        (self.gait == Kind::Optimal).then(|| Quest {
+            distance: self.distance.unwrap_or(usual.distance),
+            levels: self.refinements.map_or(usual.levels, usize::from),
+        })
+    }
+
+    /// The program; for `optimal` one that stands in until the policy is sought, which needs the whole
+    /// setup.
     fn program(&self, robot: &Robot, zone: f64) -> Result<Program, CliError> {
         // The legs of a robot that has many are closer than the thesis' angle.
         let pitch = TAU / f64::from(robot.body.legs);
@@ -337,10 +376,8 @@ impl GaitFlags {
                 })?;
                 Program::Curve(knots.0.clone())
             }
-            Kind::Smooth => match self.aim.unwrap_or(Aim::Quick) {
-                Aim::Quick => Smooth::QUICK.program(),
-                Aim::Sparing => Smooth::SPARING.program(),
-            },
+            Kind::Smooth => self.aim.unwrap_or(Aim::Quick).law().program(),
+            Kind::Optimal => Program::Fixed { firing_angle: zone },
             Kind::Speed => {
                 if self.speed.is_none() {
                     return Err(CliError::Missing {
@@ -400,6 +437,10 @@ impl GaitFlags {
     fn words(&self, program: &Program) -> String {
         let short = |x: f64| digits(x, 4);
         match program {
+            _ if self.gait == Kind::Optimal => {
+                let quest = self.quest().unwrap_or_default();
+                format!("optimal over {} m", short(quest.distance))
+            }
             Program::Fixed { firing_angle } => {
                 format!("fixed, α_f {} rad", short(*firing_angle))
             }
@@ -460,7 +501,7 @@ impl GaitFlags {
 }
 
 /// What the library refuses, as what the user typed.
-pub(super) fn refused(error: GaitError, robot: &Robot) -> CliError {
+pub(crate) fn refused(error: GaitError, robot: &Robot) -> CliError {
     let name = &robot.name;
     match error {
         GaitError::Input {

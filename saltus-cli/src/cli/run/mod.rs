@@ -12,7 +12,7 @@ mod page;
 mod report;
 mod rows;
 mod telemetry;
-mod values;
+pub(super) mod values;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -23,6 +23,7 @@ use saltus::gait::{Ending, Program, Setup, When, run};
 use saltus::sim_check::Stepping;
 
 use super::Status;
+use super::best;
 use super::common::{OutputFlags, PlotOption, Threads, note_valve, page_file, robot};
 use crate::error::CliError;
 use crate::interrupt::Interrupt;
@@ -33,7 +34,8 @@ use analysis::Depth;
 use disturb::Typed;
 use film::Film;
 use follow::{Follower, Thinned};
-use gait::{Chosen, GaitFlags, refused};
+pub(crate) use gait::{Aim, refused};
+use gait::{Chosen, GaitFlags};
 use held::Held;
 use rows::{Columns, Rows};
 use telemetry::Telemetry;
@@ -132,6 +134,7 @@ Examples:
   saltus run --gait closed-loop --lines jump --seconds 5 --animate run.html
   saltus run --gait smooth --seconds 5 --plot smooth.svg
   saltus run --gait speed --speed 0:1.5,4:3,8:-1 --seconds 12
+  saltus run --gait optimal --seconds 2 --distance 1.6 --refinements 2
   saltus run --gait closed-loop --seconds 9 --robots 40 --seed 7
   saltus run --gait fixed --seconds 3 --disturb torque=5@0.5:0.7s --analyse quick
 
@@ -158,6 +161,10 @@ JSON: {\"command\": \"run\", \"robot\", \"gait\", \"ending\", ...}: what the tex
 are in J: \"ledger_j\" has the work of the drives and from outside, and what was lost in legs, by slip, to the air, in impacts \
 at the ground and at end stops; what motion, height and springs gained; \"residual\" is work less losses and gains: what these do not explain.
 
+--gait optimal seeks the least time from rest to --distance on this robot without noise and disturbances, by dynamic programming \
+over its strides, and runs the table that it finds: docs/running.md says how. If no choice leads there, the answer says how far \
+the robot comes, and the exit code is 1.
+
 --robots draws around the given robot: its friction and spring at mid stroke, split anew, friction from a tenth to all of it; \
 supply with a standard deviation of 3 psi; friction along the travel from 2/3 to 4/3 of its own; friction across it is --drawn-across. The answer is the share that \
 runs with its 95 % interval (Wilson); CSV has a row a robot. It does not depend on --threads.
@@ -174,15 +181,22 @@ impl Run {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.output.check()?;
         let robot = robot(&self.robot, &self.overrides)?;
-        let chosen = self.gait.chosen(&robot)?;
+        let mut chosen = self.gait.chosen(&robot)?;
         note_valve(&robot, self.gait.valve_flag());
         disturb::check(&self.disturb, &robot)?;
         self.note_what_never_comes(&chosen);
         if self.analyse.is_some() {
             self.can_be_analysed(&robot, &chosen)?;
         }
-        let setup = self.setup(&robot, &chosen)?;
+        let mut setup = self.setup(&robot, &chosen)?;
         self.output.ready(&self.plot)?;
+        if let Some(quest) = self.gait.quest() {
+            self.places()?;
+            chosen.best = best::seek(&mut setup, quest, self.threads.count().get())?;
+            if chosen.best.is_none() {
+                return Ok(Status::No);
+            }
+        }
         if let Some(depth) = self.analyse {
             return self.analysed(&setup, &chosen, depth);
         }

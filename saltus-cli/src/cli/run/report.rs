@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use saltus::gait::{Ending, Setup, Summary};
+use saltus::gait::{Ending, Level, Optimal, Setup, Summary};
 use saltus::running::exergy_of_gas;
 use saltus::sim_check::Stepping;
 use serde_json::{Value, json};
@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use super::disturb::Typed;
 use super::follow::{Follower, OUT};
 use super::gait::Chosen;
+use crate::cli::best::predicted;
 use crate::output::{self, digits};
 
 /// A run and what it came to.
@@ -175,6 +176,7 @@ impl Report<'_> {
             .time_to_1_6_m
             .map(|t| format!("reached at {} s", short(t)));
         lines.extend(time.map(|words| ("1.6 m", words)));
+        lines.extend(self.best().into_iter().flatten());
         lines
     }
 
@@ -186,6 +188,26 @@ impl Report<'_> {
         } else {
             travel
         }
+    }
+
+    /// What the best policy predicts, and what became of it.
+    fn best(&self) -> Option<[(&'static str, String); 2]> {
+        let found = self.chosen.best.as_ref()?;
+        let mark = short(self.setup.mark);
+        let flown = self.summary.time_to_mark.map_or_else(
+            || format!("{mark} m not reached"),
+            |time| {
+                let off = digits(100.0 * (time / found.time - 1.0), 2);
+                format!(
+                    "{mark} m in {} s, {off} % over what is predicted",
+                    short(time)
+                )
+            },
+        );
+        Some([
+            ("predicted", format!("{mark} m {}", predicted(found))),
+            ("flown", flown),
+        ])
     }
 
     /// What the legs did and what touched.
@@ -350,8 +372,36 @@ impl Report<'_> {
             },
         });
         let head = head(self.setup, self.chosen, self.disturbances);
-        joined([head, motion, energy])
+        let best = self.chosen.best.as_ref().map_or(
+            json!({}),
+            |found| json!({ "optimal": optimal(found, self.setup.mark, s.time_to_mark) }),
+        );
+        joined([head, motion, best, energy])
     }
+}
+
+/// The best policy, which was flown in `flown` (s), for JSON.
+fn optimal(found: &Optimal, distance: f64, flown: Option<f64>) -> Value {
+    let level = |level: &Level| {
+        json!({
+            "cells": level.cells, "choices": level.choices, "sweeps": level.sweeps,
+            "time_s": level.value.is_finite().then_some(level.value),
+            "bellman_residual_s": level.residual,
+        })
+    };
+    let table = &found.table;
+    json!({
+        "distance_m": distance,
+        "predicted_s": found.time,
+        "flown_s": flown,
+        "levels": found.levels.iter().map(level).collect::<Vec<_>>(),
+        "fastest_firings": found.sequence,
+        "fastest_firings_s": found.sequence_time,
+        "table": {
+            "rates_rad_s": table.rates,
+            "rows": table.nodes.chunks(table.count).collect::<Vec<_>>(),
+        },
+    })
 }
 
 /// What was run, for JSON.

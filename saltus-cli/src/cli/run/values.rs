@@ -5,7 +5,7 @@ use crate::quantity::{Quantity, QuantityError};
 
 /// Knots of a curve: rate (rad/s), angle (rad), time (s).
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Knots(pub(super) Vec<[f64; 3]>);
+pub(crate) struct Knots(pub(crate) Vec<[f64; 3]>);
 
 /// Commanded speeds: from each time (s) on, a speed (m/s).
 #[derive(Clone, Debug, PartialEq)]
@@ -61,7 +61,7 @@ pub(super) fn top_rate(text: &str) -> Result<f64, String> {
 }
 
 /// Parser of a flag.
-pub(super) fn knots(text: &str) -> Result<Knots, String> {
+pub(crate) fn knots(text: &str) -> Result<Knots, String> {
     let shape = || {
         format!(
             "{:?} must be RATE:ANGLE:TIME with commas between knots, as in 0:0.35:40ms,13.3:-0.1:40ms",
