@@ -62,8 +62,21 @@ pub enum Start {
         /// Its rate (rad/s).
         rate: f64,
     },
+    /// In the air with all legs home; its foot touches down where it comes to the ground.
+    Flying(Flight),
     /// Upright, at rest; on the bench the rod retracted under its load.
     Rest,
+}
+
+/// A state in the air; the radius angle, or the travel, is 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flight {
+    /// Lean (rad) and its rate (rad/s).
+    pub lean: (f64, f64),
+    /// Pivot angle (rad) and its rate; height of the axle (m) without a boom.
+    pub pivot: (f64, f64),
+    /// Rate of the radius angle (rad/s); of the travel (m/s) without a boom.
+    pub turn_rate: f64,
 }
 
 /// A robot that jumps.

@@ -1,0 +1,249 @@
+//! The robot runs: strides of every leg, each read as a jump.
+//!
+//! A stride begins just after the touch-down of a leg and ends before the next one. Where that leg
+//! stands alone and is fired, its motion is one of [`super::jump`]: lean and rate at its start are
+//! estimated. `cut.rs` finds these strides in the measured columns and counts the others.
+
+mod cut;
+
+use super::{Firings, unknown};
+use crate::experiment::{Experiment, Sort};
+use crate::kind::{Cause, Channel, Kind, Log, Parameter, Proposal, Terms};
+use crate::layout::TICK;
+use crate::plausible::{ANGLES, Check, RATES, SUPPLY as SUPPLIED};
+use crate::spec::{
+    Column, INCLINE, LEAP_ON, LOGGED, OUTPUT, Problem, RATE, Rest, SUPPLY, Source, Spec, Still,
+    Synthesis, TILT, TURN_ON, counting, lively, noisy, optional, required, without,
+};
+use cut::Cut;
+use saltus_robot::Robot;
+
+/// The kind.
+pub(super) const SPEC: Spec = Spec {
+    sort: Sort::Run,
+    id: "run",
+    description: "The robot runs: many strides, every leg",
+    robot: Some("rats-run"),
+    valve: false,
+    rest: [Rest::Keep; 2],
+    channels: &[
+        output("valve_1"),
+        output("valve_2"),
+        output("valve_3"),
+        output("valve_4"),
+        output("valve_5"),
+        output("valve_6"),
+        output("valve_7"),
+        output("valve_8"),
+        output("valve_9"),
+        output("valve_10"),
+        output("valve_11"),
+        output("valve_12"),
+        lively("wheel_angle_rad", TURN_ON),
+        without(lively("pivot_angle_rad", TILT)),
+        without(lively("radius_angle_rad", TURN_ON)),
+        without(lively("wheel_rate_rad_s", RATE)),
+        without(lively("x_m", LEAP_ON)),
+        without(lively("y_m", LEAP_ON)),
+    ],
+    settings: &[
+        required("supply_pressure_gauge_pa", SUPPLY),
+        optional("slope_rad", INCLINE),
+    ],
+    least: 100,
+    longest: 1000.0,
+    // The ticks of the valves are read off the rows.
+    most_rows: 200_000,
+    in_full: true,
+    checks: &[
+        SUPPLIED,
+        Check {
+            name: "wheel_rate_rad_s",
+            sizes: |view| view.mean_rates(),
+            what: "the slope of wheel_angle_rad",
+            allowed: (0.5, 2.0),
+            strict: false,
+            units: RATES,
+        },
+        Check {
+            name: "pivot_angle_rad",
+            sizes: |view| view.highest_pivot(),
+            what: "the pivot angle at which the robot hops as high as a leg is long",
+            allowed: (-1.0, 4.0),
+            strict: false,
+            units: ANGLES,
+        },
+    ],
+    model: |data, robot| {
+        Ok(Box::new(Strides::new(
+            data,
+            robot.ok_or(Problem::NoRobot)?,
+        )?))
+    },
+    synthesis: Synthesis {
+        instruments: &[
+            counting("wheel_angle_rad", std::f64::consts::TAU / 800.0),
+            counting("pivot_angle_rad", std::f64::consts::TAU / 1600.0),
+            counting("radius_angle_rad", std::f64::consts::TAU / 1600.0),
+            noisy("wheel_rate_rad_s", 0.1),
+        ],
+        runs: 1,
+        // The simulation says how long they are.
+        lay_out: |layout, runs, _| {
+            (0..runs).for_each(|_| layout.add(&[], 3, TICK, Vec::new()));
+        },
+        source: Source::Robot,
+    },
+    ..LOGGED
+};
+
+/// The output of a valve.
+const fn output(name: &'static str) -> Column {
+    Column {
+        still: Still::Usual,
+        ..without(lively(name, OUTPUT))
+    }
+}
+
+/// Strides of a running robot.
+#[derive(Clone, Debug)]
+pub struct Strides {
+    /// Each as a jump.
+    firings: Firings,
+    /// What was added to the lean of each to give the wheel's angle (rad).
+    bases: Vec<f64>,
+    /// What each that begins in the air is guessed to begin with.
+    guesses: Vec<Option<[f64; 5]>>,
+    /// Channel of the wheel's angle, and of the radius angle or the travel.
+    wheel: Option<usize>,
+    place: Option<usize>,
+    notes: Vec<String>,
+}
+
+impl Strides {
+    /// The strides of an experiment with what the operator believes is `robot`.
+    ///
+    /// # Errors
+    /// [`Problem`] where data and robot do not go together, or there are too few strides.
+    pub fn new(experiment: &Experiment, robot: &Robot) -> Result<Strides, Problem> {
+        let Cut {
+            strides,
+            bases,
+            guesses,
+            notes,
+        } = cut::cut(experiment, robot)?;
+        let aloft = guesses.iter().map(Option::is_some).collect();
+        let firings = Firings::of_strides(&strides, aloft, robot)?;
+        let channel = |names: &[&str]| {
+            firings
+                .channels()
+                .iter()
+                .position(|own| names.contains(&own.name.as_str()))
+        };
+        Ok(Strides {
+            wheel: channel(&["wheel_angle_rad"]),
+            place: channel(&["radius_angle_rad", "x_m"]),
+            firings,
+            bases,
+            guesses,
+            notes,
+        })
+    }
+
+    /// Index of the foot's place among the unknowns of a stride: the last one.
+    fn foot(&self, unknowns: &[f64]) -> f64 {
+        let last = unknowns.last().filter(|_| self.place.is_some());
+        last.copied().unwrap_or(0.0)
+    }
+}
+
+impl Kind for Strides {
+    fn channels(&self) -> &[Channel] {
+        self.firings.channels()
+    }
+
+    fn logs(&self) -> &[Log] {
+        self.firings.logs()
+    }
+
+    /// Lean and rate of a stride that begins on its foot, and where that stands; of one that begins in
+    /// the air lean, pivot and place with their rates.
+    fn unknowns(&self, run: usize) -> Vec<Parameter> {
+        let Some([lean, rate, above, climb, turn_rate]) = self.guesses[run] else {
+            let mut all = self.firings.unknowns(run);
+            all.truncate(2);
+            if self.place.is_some() {
+                let foot = -self.firings.start_turn(all[0].neutral);
+                all.push(unknown("start_place", foot, (foot - 3.0, foot + 3.0), 1e-3));
+            }
+            return all;
+        };
+        let free = |name: &str, x: f64, most: f64, scale: f64| {
+            unknown(name, x, (x - most, x + most), scale)
+        };
+        let mut all = vec![
+            free("start_lean_rad", lean, 1.0, 1e-3),
+            free("start_rate_rad_s", rate, 20.0, 0.02),
+            free("start_above", above, 0.3, 1e-3),
+            free("start_climb", climb, 3.0, 1e-2),
+            free("start_turn_rate", turn_rate, 10.0, 1e-2),
+        ];
+        if self.place.is_some() {
+            all.push(free("start_place", 0.0, 3.0, 1e-3));
+        }
+        all
+    }
+
+    fn causes(&self) -> &[Cause] {
+        self.firings.causes()
+    }
+
+    fn listed(&self) -> usize {
+        self.firings.listed()
+    }
+
+    fn trust(&self) -> f64 {
+        self.firings.trust()
+    }
+
+    fn least_effect(&self, cause: usize) -> f64 {
+        self.firings.least_effect(cause)
+    }
+
+    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+        let mut all = self.firings.predict(run, terms, unknowns)?;
+        let sensors = self.firings.sensors(terms);
+        let gain = |channel: Option<usize>| channel.map_or(1.0, |k| sensors[k][0]);
+        // What the encoder's scale makes of the turns before this stride.
+        let turned = (gain(self.wheel) - 1.0) * self.bases[run];
+        let foot = gain(self.place) * self.foot(unknowns);
+        for (value, reading) in all.iter_mut().zip(&self.logs()[run].readings) {
+            if Some(reading.channel) == self.wheel {
+                *value += turned;
+            } else if Some(reading.channel) == self.place {
+                *value += foot;
+            }
+        }
+        Some(all)
+    }
+
+    fn phases(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Vec<(&'static str, f64)> {
+        self.firings.phases(run, terms, unknowns)
+    }
+
+    fn robot(&self, terms: &Terms) -> Option<Robot> {
+        self.firings.robot(terms)
+    }
+
+    fn stronger(&self) -> String {
+        "runs at several speeds, valve opening times and supply pressures".into()
+    }
+
+    fn proposals(&self) -> Vec<Proposal> {
+        self.firings.proposals()
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+}
