@@ -8,6 +8,7 @@ mod cut;
 
 use super::{Firings, unknown};
 use crate::experiment::{Experiment, Sort};
+use crate::fit;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Proposal, Terms};
 use crate::layout::TICK;
 use crate::plausible::{ANGLES, Check, RATES, SUPPLY as SUPPLIED};
@@ -15,7 +16,8 @@ use crate::spec::{
     Column, INCLINE, LEAP_ON, LOGGED, OUTPUT, Problem, RATE, Rest, SUPPLY, Source, Spec, Still,
     Synthesis, TILT, TURN_ON, counting, lively, noisy, optional, required, without,
 };
-use cut::Cut;
+use cut::{Cut, Unfit};
+use saltus_numeric::statistics::median;
 use saltus_robot::Robot;
 
 /// The kind.
@@ -105,6 +107,11 @@ const fn output(name: &'static str) -> Column {
     }
 }
 
+/// Logarithm of the rms of a stride's residuals, in terms of the median stride's, from which on it is
+/// unlike the others; and the same in terms of the median of such differences.
+const UNLIKE: f64 = 0.25;
+const SPREADS: f64 = 6.0;
+
 /// Strides of a running robot.
 #[derive(Clone, Debug)]
 pub struct Strides {
@@ -126,14 +133,16 @@ impl Strides {
     /// # Errors
     /// [`Problem`] where data and robot do not go together, or there are too few strides.
     pub fn new(experiment: &Experiment, robot: &Robot) -> Result<Strides, Problem> {
-        let Cut {
-            strides,
-            bases,
-            guesses,
-            notes,
-        } = cut::cut(experiment, robot)?;
+        let cut = cut::cut(experiment, robot)?;
+        let tried = Strides::of(&cut, robot)?;
+        Strides::of(&cut.fit(&tried.unfit())?, robot)
+    }
+
+    fn of(cut: &Cut, robot: &Robot) -> Result<Strides, Problem> {
+        let strides = cut.strides();
+        let guesses: Vec<Option<[f64; 5]>> = strides.iter().map(|stride| stride.guess).collect();
         let aloft = guesses.iter().map(Option::is_some).collect();
-        let firings = Firings::of_strides(&strides, aloft, robot)?;
+        let firings = Firings::of_strides(&cut.experiment(), aloft, robot)?;
         let channel = |names: &[&str]| {
             firings
                 .channels()
@@ -144,10 +153,52 @@ impl Strides {
             wheel: channel(&["wheel_angle_rad"]),
             place: channel(&["radius_angle_rad", "x_m"]),
             firings,
-            bases,
+            bases: strides.iter().map(|stride| stride.base).collect(),
             guesses,
-            notes,
+            notes: cut.notes(),
         })
+    }
+
+    /// Why a stride is not fitted, if it is not: the model has no such motion, or leaves far more of
+    /// it than of the others, as of one in which somebody pushed. Where a quarter of the strides or
+    /// more are unlike the others, they are what is to be explained.
+    fn unfit(&self) -> Vec<Option<Unfit>> {
+        let runs = 0..self.logs().len();
+        let left: Vec<Option<f64>> = runs.map(|run| self.left(run)).collect();
+        let mut known: Vec<f64> = left.iter().flatten().map(|x| x.ln()).collect();
+        if known.is_empty() {
+            return vec![Some(Unfit::NoMotion); left.len()];
+        }
+        let middle = median(&mut known);
+        let mut apart: Vec<f64> = known.iter().map(|x| (x - middle).abs()).collect();
+        let most = middle + UNLIKE.max(SPREADS * median(&mut apart));
+        let odd = known.iter().filter(|x| **x > most).count();
+        let are_odd = 4 * odd < known.len();
+        let of = |left: Option<f64>| match left {
+            None => Some(Unfit::NoMotion),
+            Some(left) if are_odd && left.ln() > most => Some(Unfit::Unlike),
+            Some(_) => None,
+        };
+        left.into_iter().map(of).collect()
+    }
+
+    /// The greatest rms of the residuals (σ) of a channel of a stride, fitted alone and without a
+    /// cause; none where the model has no such motion.
+    fn left(&self, run: usize) -> Option<f64> {
+        let fit = fit::fit_none(self, &[run])?;
+        let said = self.predict(run, &fit.terms, &fit.unknowns[run])?;
+        let mut sums = vec![(0.0, 0.0); self.channels().len()];
+        for (reading, said) in self.logs()[run].readings.iter().zip(said) {
+            let sum: &mut (f64, f64) = &mut sums[reading.channel];
+            let left = (reading.value - said) / self.channels()[reading.channel].noise;
+            sum.0 += reading.weight * left * left;
+            sum.1 += reading.weight;
+        }
+        let rms = sums
+            .iter()
+            .filter(|sum| sum.1 > 0.0)
+            .map(|sum| (sum.0 / sum.1).sqrt());
+        Some(rms.fold(1e-3, f64::max))
     }
 
     /// Index of the foot's place among the unknowns of a stride: the last one.

@@ -244,6 +244,10 @@ fn setup(robot: Robot, seconds: f64, seed: u64, draw: &mut Random) -> Option<(Se
             (setup, format!("fixed {firing_angle:.2} rad"))
         }
     };
+    if (seed / 2) % 4 < 2 {
+        // As the command has it for a law over the rate.
+        setup.zone = -0.3;
+    }
     setup.seed = seed;
     Some((setup, words))
 }

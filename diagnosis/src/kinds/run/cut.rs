@@ -14,7 +14,7 @@ use crate::rig::{Rig, Start};
 use crate::spec::Problem;
 
 /// Most strides that are fitted: more take longer and hardly tell more.
-const MOST: usize = 24;
+const MOST: usize = 16;
 /// Fewest strides from which a cause can be told from a single odd stride.
 const LEAST: usize = 4;
 /// Time (s) after a touch-down in which its impact is over, and before the next one.
@@ -27,6 +27,8 @@ const BEFORE: f64 = 0.3;
 /// Longest flight (s) with which a stride begins, and its fewest rows.
 const FLIES: f64 = 0.05;
 const LEAST_ROWS: usize = 10;
+/// Least time (s) for which a foot stands before its leg is fired, in a stride that begins on it.
+const STANDS: f64 = 0.03;
 /// Height (m) that counts as none, whatever the instruments.
 const NEAR: f64 = 2e-3;
 /// A leg that is home by the model may be late by this factor.
@@ -34,15 +36,14 @@ const LATE: f64 = 1.5;
 
 /// The strides of an experiment.
 pub(super) struct Cut {
-    /// Each as a run of kind jump.
-    pub(super) strides: Experiment,
-    /// Wheel angle less lean (rad) of each.
-    pub(super) bases: Vec<f64>,
-    /// Of each that begins in the air: lean and its rate, pivot and its rate, rate of the radius
-    /// angle.
-    pub(super) guesses: Vec<Option<[f64; 5]>>,
-    /// How many strides there are, how many of them are used, and why the others are not.
-    pub(super) notes: Vec<String>,
+    /// How many firings there are.
+    firings: usize,
+    /// Those that can be read as jumps.
+    strides: Vec<Stride>,
+    /// How many cannot, by reason.
+    unfit: BTreeMap<Unfit, usize>,
+    /// An experiment of kind jump without runs.
+    empty: Experiment,
 }
 
 /// A stride within a run.
@@ -58,15 +59,19 @@ struct Window {
 }
 
 /// A stride with its run of kind jump.
-struct Stride {
-    run: Run,
-    base: f64,
-    guess: Option<[f64; 5]>,
+#[derive(Clone, Debug)]
+pub(super) struct Stride {
+    pub(super) run: Run,
+    /// Wheel angle less lean (rad).
+    pub(super) base: f64,
+    /// Where it begins in the air: lean and its rate, pivot (or height) and its rate, rate of the
+    /// radius angle (or the travel).
+    pub(super) guess: Option<[f64; 5]>,
 }
 
 /// Why a stride is no jump.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Unfit {
+pub(super) enum Unfit {
     Cut,
     Backwards,
     NotHome,
@@ -74,6 +79,8 @@ enum Unfit {
     TwoFeet,
     OtherOut,
     Short,
+    NoMotion,
+    Unlike,
 }
 
 impl Unfit {
@@ -86,6 +93,8 @@ impl Unfit {
             Unfit::TwoFeet => "two feet are down",
             Unfit::OtherOut => "another leg may be out and on the ground",
             Unfit::Short => "the next touch-down comes too soon",
+            Unfit::NoMotion => "the model has no such motion",
+            Unfit::Unlike => "it is unlike the others, as if pushed",
         }
     }
 }
@@ -124,34 +133,84 @@ pub(super) fn cut(experiment: &Experiment, robot: &Robot) -> Result<Cut, Problem
             }
         }
     }
-    let left_out: Vec<String> = unfit
-        .iter()
-        .map(|(why, count)| format!("{count}: {}", why.reason()))
-        .collect();
-    let left_out = left_out.join("; ");
-    if found.len() < LEAST {
-        return Err(Problem::FewStrides {
-            firings: all,
-            fit: found.len(),
-            least: LEAST,
-            reasons: left_out,
-        });
-    }
     let fit = found.len();
-    let used: Vec<Stride> = evenly(found, MOST);
-    let mut notes = vec![format!(
-        "{all} firings, of which {fit} can be read as jumps, of which {} are used",
-        used.len()
-    )];
-    if !left_out.is_empty() {
-        notes.push(format!("firings left out, {left_out}"));
+    let empty = cutter.experiment(Vec::new());
+    let cut = Cut {
+        firings: all,
+        strides: evenly(found, 2 * MOST),
+        unfit,
+        empty,
+    };
+    cut.enough(fit)?;
+    Ok(cut)
+}
+
+impl Cut {
+    /// The strides that are tried: twice as many as are used, at most.
+    pub(super) fn strides(&self) -> &[Stride] {
+        &self.strides
     }
-    Ok(Cut {
-        bases: used.iter().map(|stride| stride.base).collect(),
-        guesses: used.iter().map(|stride| stride.guess).collect(),
-        strides: cutter.experiment(used.into_iter().map(|stride| stride.run).collect()),
-        notes,
-    })
+
+    /// The strides as runs of kind jump.
+    pub(super) fn experiment(&self) -> Experiment {
+        Experiment {
+            runs: self
+                .strides
+                .iter()
+                .map(|stride| stride.run.clone())
+                .collect(),
+            ..self.empty.clone()
+        }
+    }
+
+    /// Those of the strides that are fit, evenly spaced where they are more than are used; `why` says
+    /// of each why it is not.
+    ///
+    /// # Errors
+    /// [`Problem::FewStrides`]
+    pub(super) fn fit(mut self, why: &[Option<Unfit>]) -> Result<Cut, Problem> {
+        for why in why.iter().flatten() {
+            *self.unfit.entry(*why).or_default() += 1;
+        }
+        let mut whys = why.iter();
+        self.strides
+            .retain(|_| whys.next().is_some_and(Option::is_none));
+        self.strides = evenly(self.strides, MOST);
+        let fit = self.strides.len();
+        self.enough(fit)?;
+        Ok(self)
+    }
+
+    fn enough(&self, fit: usize) -> Result<(), Problem> {
+        if fit >= LEAST {
+            return Ok(());
+        }
+        Err(Problem::FewStrides {
+            firings: self.firings,
+            fit,
+            least: LEAST,
+            reasons: self.left_out(),
+        })
+    }
+
+    fn left_out(&self) -> String {
+        let reason = |(why, count): (&Unfit, &usize)| format!("{count}: {}", why.reason());
+        self.unfit.iter().map(reason).collect::<Vec<_>>().join("; ")
+    }
+
+    /// How many firings there are, how many are used, and why the others are not.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let left_out: usize = self.unfit.values().sum();
+        let (all, used) = (self.firings, self.strides.len());
+        let mut notes = vec![format!(
+            "{used} strides of {all} firings are used, evenly chosen of {} that can be read",
+            all - left_out
+        )];
+        if left_out > 0 {
+            notes.push(format!("firings left out, {}", self.left_out()));
+        }
+        notes
+    }
 }
 
 /// So many of `all` at most, evenly spaced.
@@ -552,7 +611,7 @@ impl<'a> Cutter<'a> {
         if above(row.min(at)).abs() > self.near || self.lean(track, at, leg).abs() > 1.2 {
             return Err(Unfit::InTheAir);
         }
-        if track.time[row] > firing.open + self.robot.leg.delay {
+        if track.time[row] > firing.open - STANDS {
             return Err(Unfit::InTheAir);
         }
         Ok((row, None))
