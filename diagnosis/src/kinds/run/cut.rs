@@ -14,7 +14,7 @@ use crate::rig::{Rig, Start};
 use crate::spec::Problem;
 
 /// Most strides that are fitted: more take longer and hardly tell more.
-const MOST: usize = 16;
+const MOST: usize = 12;
 /// Fewest strides from which a cause can be told from a single odd stride.
 const LEAST: usize = 4;
 /// Time (s) after a touch-down in which its impact is over, and before the next one.
@@ -24,9 +24,12 @@ const SEEN: f64 = 0.04;
 /// Longest stride (s) after its command, and before it.
 const LONGEST: f64 = 0.6;
 const BEFORE: f64 = 0.3;
-/// Longest flight (s) with which a stride begins, and its fewest rows.
+/// Longest flight (s) with which a stride begins, and the shortest, of so many rows at least.
 const FLIES: f64 = 0.05;
-const LEAST_ROWS: usize = 10;
+const LEAST_FLIGHT: f64 = 0.01;
+const LEAST_ROWS: usize = 3;
+/// Time (s) about a firing that says which way the wheel turns.
+const AROUND: f64 = 0.01;
 /// Least time (s) for which a foot stands before its leg is fired, in a stride that begins on it.
 const STANDS: f64 = 0.03;
 /// Height (m) that counts as none, whatever the instruments.
@@ -513,14 +516,18 @@ impl<'a> Cutter<'a> {
     ) -> Result<Window, Unfit> {
         let firing = firings[k];
         let at = track.row(firing.open);
-        if at < 10 || at + 10 >= track.time.len() {
+        let (early, late) = (
+            track.row(firing.open - AROUND),
+            track.row(firing.open + AROUND),
+        );
+        if early == 0 || late + 1 >= track.time.len() {
             return Err(Unfit::Cut);
         }
         let leg = firing.leg;
         let turned = track.wheel[at] - leg as f64 * self.pitch() - *drift;
         let base = leg as f64 * self.pitch() + TAU * (turned / TAU).round();
         *drift = track.wheel[at] - base;
-        if track.wheel[at + 5] <= track.wheel[at - 5] {
+        if track.wheel[late] <= track.wheel[early] {
             return Err(Unfit::Backwards);
         }
         if self.extensions(&firings[..k], firing.open)[leg] > 0.0 {
@@ -585,7 +592,10 @@ impl<'a> Cutter<'a> {
         while first > clear && flies(first - 1) && track.time[last] - track.time[first] < FLIES {
             first -= 1;
         }
-        if flies(last) && last >= first + LEAST_ROWS {
+        let is_long = |first: usize| {
+            last >= first + LEAST_ROWS && track.time[last] - track.time[first] > LEAST_FLIGHT
+        };
+        if flies(last) && is_long(first) {
             // Not just after it has left the ground.
             let left = first > clear && !flies(first - 1);
             let first = if left {
@@ -593,7 +603,7 @@ impl<'a> Cutter<'a> {
             } else {
                 first
             };
-            if last >= first + LEAST_ROWS {
+            if is_long(first) {
                 return Ok((first, Some(last)));
             }
         }
