@@ -3,6 +3,8 @@
 mod proposals;
 mod terms;
 
+use std::sync::Arc;
+
 use saltus_numeric::statistics::median;
 use saltus_robot::{Drive, GaugePressure, Robot};
 use terms::{Effect, Sensor};
@@ -12,7 +14,7 @@ use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::Proposal;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::noise;
-use crate::rig::{Course, Extra, Flight, Pose, Rig, Start};
+use crate::rig::{Course, Extra, Flight, Others, Pose, Rig, Start};
 use crate::spec::Problem;
 
 /// Firings of a robot, or of one of its legs.
@@ -31,8 +33,8 @@ pub struct Firings {
     /// Whether the radius angle, or the travel, is 0 where the axle starts, and not where the foot
     /// stands.
     from_axle: bool,
-    /// Of strides of a run, which of them begin in the air.
-    aloft: Option<Vec<bool>>,
+    /// Of strides of a run, which of them begin in the air, and their other legs.
+    aloft: Option<Vec<(bool, Arc<Others>)>>,
 }
 
 /// What the operator did.
@@ -157,7 +159,7 @@ impl Firings {
     /// [`Problem`] where the data and the robot do not go together.
     pub(super) fn of_strides(
         strides: &Experiment,
-        aloft: Vec<bool>,
+        aloft: Vec<(bool, Arc<Others>)>,
         robot: &Robot,
     ) -> Result<Firings, Problem> {
         let mut firings = Firings::new(strides, robot)?;
@@ -287,7 +289,8 @@ impl Firings {
                 Some(end),
             ),
             _ => {
-                let is_aloft = self.aloft.as_ref().is_some_and(|aloft| aloft[run]);
+                let stride = self.aloft.as_ref().map(|aloft| aloft[run].clone());
+                let (is_aloft, others) = stride.unwrap_or_default();
                 let start = if is_aloft {
                     Start::Flying(Flight {
                         lean: (unknowns[0], unknowns[1]),
@@ -300,9 +303,12 @@ impl Firings {
                         rate: unknowns[1],
                     }
                 };
-                Rig::new(&robot)
-                    .with(extra)
-                    .jump(start, setting.open, setting.shut, Some(end))
+                Rig::new(&robot).with(extra).beside(others).jump(
+                    start,
+                    setting.open,
+                    setting.shut,
+                    Some(end),
+                )
             }
         }
     }

@@ -6,9 +6,11 @@
 
 mod cut;
 
+use std::sync::Arc;
+
 use super::{Firings, unknown};
 use crate::experiment::{Experiment, Sort};
-use crate::fit;
+use crate::fit::{self, DIFFERENCE};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Proposal, Terms};
 use crate::layout::TICK;
 use crate::plausible::{ANGLES, Check, RATES, SUPPLY as SUPPLIED};
@@ -141,7 +143,8 @@ impl Strides {
     fn of(cut: &Cut, robot: &Robot) -> Result<Strides, Problem> {
         let strides = cut.strides();
         let guesses: Vec<Option<[f64; 5]>> = strides.iter().map(|stride| stride.guess).collect();
-        let aloft = guesses.iter().map(Option::is_some).collect();
+        let others = strides.iter().map(|stride| Arc::clone(&stride.others));
+        let aloft = guesses.iter().map(Option::is_some).zip(others).collect();
         let firings = Firings::of_strides(&cut.experiment(), aloft, robot)?;
         let channel = |names: &[&str]| {
             firings
@@ -160,8 +163,8 @@ impl Strides {
     }
 
     /// Why a stride is not fitted, if it is not: the model has no such motion, or leaves far more of
-    /// it than of the others, as of one in which somebody pushed. Where a quarter of the strides or
-    /// more are unlike the others, they are what is to be explained.
+    /// it than of the others, as of one in which somebody pushed. Where more than a third of the strides
+    /// are unlike the others, they are what is to be explained.
     fn unfit(&self) -> Vec<Option<Unfit>> {
         let runs = 0..self.logs().len();
         let left: Vec<Option<f64>> = runs.map(|run| self.left(run)).collect();
@@ -173,7 +176,7 @@ impl Strides {
         let mut apart: Vec<f64> = known.iter().map(|x| (x - middle).abs()).collect();
         let most = middle + UNLIKE.max(SPREADS * median(&mut apart));
         let odd = known.iter().filter(|x| **x > most).count();
-        let are_odd = 4 * odd < known.len();
+        let are_odd = 3 * odd <= known.len();
         let of = |left: Option<f64>| match left {
             None => Some(Unfit::NoMotion),
             Some(left) if are_odd && left.ln() > most => Some(Unfit::Unlike),
@@ -186,7 +189,16 @@ impl Strides {
     /// cause; none where the model has no such motion.
     fn left(&self, run: usize) -> Option<f64> {
         let fit = fit::fit_none(self, &[run])?;
-        let said = self.predict(run, &fit.terms, &fit.unknowns[run])?;
+        let own = &fit.unknowns[run];
+        // Around it there is a motion, too.
+        for (k, unknown) in self.unknowns(run).iter().enumerate() {
+            for step in [-1.0, -DIFFERENCE, DIFFERENCE, 1.0] {
+                let mut moved = own.clone();
+                moved[k] += step * unknown.scale;
+                self.predict(run, &fit.terms, &moved)?;
+            }
+        }
+        let said = self.predict(run, &fit.terms, own)?;
         let mut sums = vec![(0.0, 0.0); self.channels().len()];
         for (reading, said) in self.logs()[run].readings.iter().zip(said) {
             let sum: &mut (f64, f64) = &mut sums[reading.channel];

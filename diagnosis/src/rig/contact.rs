@@ -35,6 +35,8 @@ pub(super) struct Modes {
     pub(super) foot: Foot,
     pub(super) axle: Axle,
     pub(super) is_leg_held: bool,
+    /// What other legs that are out add to the wheel's moment of inertia (kg m²), and its rate.
+    pub(super) others: (f64, f64),
 }
 
 /// Accelerations and what causes them.
@@ -166,6 +168,7 @@ impl Machine {
             foot: Foot::Stands,
             axle: self.axle_at(rate),
             is_leg_held: true,
+            others: (0.0, 0.0),
         };
         let answer = rigid.solve(&start.0, &start.1, 0.0, modes)?;
         self.sunk(lean, rate, answer.ground[0].max(0.0) / stiffness)
@@ -231,7 +234,12 @@ impl Machine {
             return Some(self.lift(load, push, modes.is_leg_held));
         }
         let f = self.frame(q, v);
-        let Equations { mass, mut force } = self.assemble(&f, q, v);
+        let Equations {
+            mut mass,
+            mut force,
+        } = self.assemble(&f, q, v);
+        mass[(LEAN, LEAN)] += modes.others.0;
+        force[LEAN] -= modes.others.1 * v[LEAN];
         force[LEG] += push;
         if let Axle::Turns(way) = modes.axle {
             force[LEAN] -= way * self.axle_friction;
@@ -373,12 +381,14 @@ impl Machine {
 
     /// Velocities after the impulse of a foot that comes down, and what the foot does then. The
     /// impact is inelastic, with Coulomb friction along the travel and across it. The leg is held
-    /// where it is home; else the impulse pushes it in. Soft ground takes no impulse.
+    /// where it is home; else the impulse pushes it in. `others` is what other legs add to the wheel's
+    /// moment of inertia (kg m²). Soft ground takes no impulse.
     pub(super) fn touched_down(
         &self,
         q: &Coordinates,
         v: &Coordinates,
         is_home: bool,
+        others: f64,
     ) -> Option<(Coordinates, Foot)> {
         if self.floor.soft.is_some() {
             return Some((*v, Foot::Stands));
@@ -388,9 +398,12 @@ impl Machine {
             foot: Foot::Flies,
             axle: Axle::Turns(0.0),
             is_leg_held: is_home,
+            others: (others, 0.0),
         };
         let held = self.held(modes);
-        let factor = factor(self.assemble(&f, q, v).mass, held)?;
+        let mut mass = self.assemble(&f, q, v).mass;
+        mass[(LEAN, LEAN)] += others;
+        let factor = factor(mass, held)?;
         let (touch, across) = self.touch_and_across(&f, q, v);
         let touch = Touch {
             bias: [0.0; 2],
@@ -437,6 +450,7 @@ impl Machine {
             foot: Foot::Flies,
             axle: Axle::Turns(0.0),
             is_leg_held: false,
+            others: (0.0, 0.0),
         };
         let answer = factor(mass, self.held(modes))?.solve(&unit);
         Some(v - answer * (v[LEG] / answer[LEG]))
@@ -486,6 +500,7 @@ mod tests {
             foot,
             axle: Axle::Turns(1.0),
             is_leg_held: false,
+            others: (0.0, 0.0),
         }
     }
 

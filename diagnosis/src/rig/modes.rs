@@ -158,7 +158,12 @@ impl Run<'_> {
         let machine = &self.rig.machine;
         let is_home = self.mode.leg == Slide::Latched
             || (self.mode.leg == Slide::Held && self.state.q[LEG] <= 0.0);
-        let (v, foot) = machine.touched_down(&self.state.q, &self.state.v, is_home)?;
+        let (v, foot) = machine.touched_down(
+            &self.state.q,
+            &self.state.v,
+            is_home,
+            self.rig.others.at(self.state.time).0,
+        )?;
         self.state.v = v;
         self.mode.foot = foot;
         if !is_home {

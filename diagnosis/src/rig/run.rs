@@ -425,6 +425,7 @@ impl<'a> Run<'a> {
             foot: self.mode.foot,
             axle: self.mode.axle,
             is_leg_held,
+            others: self.rig.others.at(s.time),
         };
         let answer = self.rig.machine.solve(&s.q, &s.v, force, modes)?;
         Some(Look { answer, rate, dry })

@@ -174,7 +174,13 @@ fn telemetry_is_a_folder_with_readings() {
     names.sort();
     assert_eq!(
         names,
-        ["cycles.csv", "experiment.toml", "robot.toml", "run.csv", "settings.toml"]
+        [
+            "cycles.csv",
+            "experiment.toml",
+            "robot.toml",
+            "run.csv",
+            "settings.toml"
+        ]
     );
     let read = |name: &str| std::fs::read_to_string(folder.path(name)).unwrap();
     let (header, logged) = rows(&read("logs/cycles.csv"));

@@ -56,19 +56,20 @@ fn spoil(folder: &Folder, change: impl Fn(&mut Vec<String>, &mut Vec<Vec<String>
 
 #[test]
 fn what_is_no_run_is_named() {
-    let check = |name: &str, change: &dyn Fn(&mut Vec<String>, &mut Vec<Vec<String>>), words: &[&str]| {
-        let folder = Folder::new(&format!("strides-{name}"));
-        folder.done(
-            "run --gait smooth --seconds 1 --telemetry logs --format json",
-            0,
-        );
-        spoil(&folder, change);
-        let run = folder.run(&["diagnose", "logs"]);
-        assert_eq!(run.code, Some(2), "{name}: {}", run.out);
-        for word in words {
-            assert!(run.err.contains(word), "{name}: {}", run.err);
-        }
-    };
+    let check =
+        |name: &str, change: &dyn Fn(&mut Vec<String>, &mut Vec<Vec<String>>), words: &[&str]| {
+            let folder = Folder::new(&format!("strides-{name}"));
+            folder.done(
+                "run --gait smooth --seconds 1 --telemetry logs --format json",
+                0,
+            );
+            spoil(&folder, change);
+            let run = folder.run(&["diagnose", "logs"]);
+            assert_eq!(run.code, Some(2), "{name}: {}", run.out);
+            for word in words {
+                assert!(run.err.contains(word), "{name}: {}", run.err);
+            }
+        };
     check(
         "missing",
         &|header, cells| {
@@ -94,7 +95,10 @@ fn what_is_no_run_is_named() {
                 row[1..6].fill("0".into());
             }
         },
-        &["run.csv: valve_1 to valve_5 never turn from 0 to 1", "no leg is fired"],
+        &[
+            "run.csv: valve_1 to valve_5 never turn from 0 to 1",
+            "no leg is fired",
+        ],
     );
     check(
         "half",
@@ -110,7 +114,10 @@ fn what_is_no_run_is_named() {
                 }
             }
         },
-        &["wheel_angle_rad jumps from 4.", "must count on through every turn"],
+        &[
+            "wheel_angle_rad jumps from 4.",
+            "must count on through every turn",
+        ],
     );
     check(
         "few",
@@ -131,10 +138,16 @@ fn synthetic_runs_have_the_effect_that_is_asked_for() {
         "diagnose --inject encoder-scale=wheel_rate_rad_s:1.1 --kind run --out logs",
         0,
     );
-    assert!(text.contains("Hidden: encoder-scale of wheel_rate_rad_s"), "{text}");
+    assert!(
+        text.contains("Hidden: encoder-scale of wheel_rate_rad_s"),
+        "{text}"
+    );
     let said = diagnosis(&folder);
     let causes = said["causes"].as_array().unwrap();
-    assert!(causes.iter().any(|cause| cause["id"] == "encoder-scale"), "{said}");
+    assert!(
+        causes.iter().any(|cause| cause["id"] == "encoder-scale"),
+        "{said}"
+    );
 }
 
 #[test]

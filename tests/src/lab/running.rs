@@ -170,12 +170,15 @@ pub fn causes() -> impl Iterator<Item = &'static str> {
 /// A log of `seconds` (s) in which `hidden` is hidden, if anything; all of it follows from `seed`.
 /// None where the robot with the effect does not run.
 ///
-/// Without an effect the robot is drawn around `rats-run`, and the operator knows it.
+/// Without an effect the robot is drawn around `rats-run`, with dry friction from 1 to 4 N, and the
+/// operator knows it.
 pub fn make(hidden: Option<&str>, seconds: f64, seed: u64) -> Option<Trial> {
     let rats = Robot::builtin("rats-run")?;
     let mut draw = Random::new(seed, 5);
     let known = Draw {
         across: rats.ground.across_friction,
+        // With more friction legs stay out until they are pushed in, and hardly a stride is read.
+        friction: [1.0, 4.0],
         ..Draw::default()
     };
     let usize_of = |x: u64| usize::try_from(x).ok();

@@ -5,18 +5,19 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use saltus_robot::Robot;
 
 use crate::experiment::{Experiment, Run, Sort};
 use crate::noise;
-use crate::rig::{Rig, Start};
+use crate::rig::{Others, Rig, Start};
 use crate::spec::Problem;
 
 /// Most strides that are fitted: more take longer and hardly tell more.
 const MOST: usize = 12;
 /// Fewest strides from which a cause can be told from a single odd stride.
-const LEAST: usize = 4;
+const LEAST: usize = 6;
 /// Time (s) after a touch-down in which its impact is over, and before the next one.
 const MARGIN: f64 = 4e-3;
 /// Least time (s) of a stride after its command: the valve's delay, and some extension.
@@ -35,7 +36,7 @@ const STANDS: f64 = 0.03;
 /// Height (m) that counts as none, whatever the instruments.
 const NEAR: f64 = 2e-3;
 /// A leg that is home by the model may be late by this factor.
-const LATE: f64 = 1.5;
+const LATE: f64 = 1.2;
 
 /// The strides of an experiment.
 pub(super) struct Cut {
@@ -70,6 +71,8 @@ pub(super) struct Stride {
     /// Where it begins in the air: lean and its rate, pivot (or height) and its rate, rate of the
     /// radius angle (or the travel).
     pub(super) guess: Option<[f64; 5]>,
+    /// Its other legs, by what is believed of them.
+    pub(super) others: Arc<Others>,
 }
 
 /// Why a stride is no jump.
@@ -82,6 +85,7 @@ pub(super) enum Unfit {
     TwoFeet,
     OtherOut,
     Short,
+    Misses,
     NoMotion,
     Unlike,
 }
@@ -96,6 +100,7 @@ impl Unfit {
             Unfit::TwoFeet => "two feet are down",
             Unfit::OtherOut => "another leg may be out and on the ground",
             Unfit::Short => "the next touch-down comes too soon",
+            Unfit::Misses => "its foot does not reach the ground, or hardly",
             Unfit::NoMotion => "the model has no such motion",
             Unfit::Unlike => "it is unlike the others, as if pushed",
         }
@@ -131,6 +136,7 @@ pub(super) fn cut(experiment: &Experiment, robot: &Robot) -> Result<Cut, Problem
                     run: track.run(run, firings[k], &window),
                     base: window.base,
                     guess: cutter.guess(&track, run, &window),
+                    others: Arc::new(cutter.others(&track, &firings, k, &window)),
                 }),
                 Err(why) => *unfit.entry(why).or_default() += 1,
             }
@@ -384,6 +390,18 @@ fn measured(experiment: &Experiment) -> impl Iterator<Item = usize> + '_ {
     (0..experiment.columns.len()).filter(move |k| is_kept(&experiment.columns[*k]))
 }
 
+/// A leg that is fired once, as it is believed to move.
+#[derive(Clone, Debug)]
+struct Out {
+    /// How long (s) it is out after its valve shut; infinite where nothing pulls it in.
+    after: f64,
+    /// Its extension (m) from the command on, a step from each to the next.
+    extensions: Vec<f64>,
+}
+
+/// Time (s) between extensions.
+const STEP: f64 = 2e-3;
+
 /// What is believed of the robot, and what its instruments can tell.
 struct Cutter<'a> {
     experiment: &'a Experiment,
@@ -395,8 +413,8 @@ struct Cutter<'a> {
     arm: Option<f64>,
     /// Height (m) that counts as none.
     near: f64,
-    /// For each valve opening time (in 0.1 ms) how long (s) a leg is out after its valve shut.
-    out: BTreeMap<u64, f64>,
+    /// For each valve opening time (in 0.1 ms) how a leg goes out and comes home.
+    out: BTreeMap<u64, Out>,
 }
 
 impl<'a> Cutter<'a> {
@@ -466,38 +484,80 @@ impl<'a> Cutter<'a> {
         track.height[row] - length * self.lean(track, row, leg).cos() - foot
     }
 
-    /// How long (s) a leg is out after its valve shut, which was open for `opening` (s); infinite
-    /// where nothing pulls it in.
-    fn out(&mut self, opening: f64) -> f64 {
+    /// How a leg moves whose valve is open for `opening` (s).
+    fn out(&mut self, opening: f64) -> &Out {
         // Whole steps of 0.1 ms.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let key = (opening.max(0.0) * 1e4).round() as u64;
-        if let Some(known) = self.out.get(&key) {
-            return *known;
-        }
-        let start = Start::Rolling {
-            lean: 0.0,
-            rate: 6.0,
-        };
-        let course = Rig::new(self.robot).jump(start, 0.0, opening, Some(opening + 0.5));
-        let home = course.and_then(|course| {
-            let step = |n: u32| opening + 2e-3 * f64::from(n);
-            let mut place = 0;
-            let is_home = |time: &f64| {
-                course.at(*time, &mut place).extension.0 < 1e-4 * self.robot.leg.stroke
+        let robot = self.robot;
+        self.out.entry(key).or_insert_with(|| {
+            let start = Start::Rolling {
+                lean: 0.0,
+                rate: 6.0,
             };
-            (10..250).map(step).find(is_home)
-        });
-        let out = home.map_or(f64::INFINITY, |home| LATE * (home - opening));
-        self.out.insert(key, out);
-        out
+            let times = (0..300).map(|n: u32| STEP * f64::from(n));
+            let course = Rig::new(robot).jump(start, 0.0, opening, Some(0.6));
+            let extensions: Vec<f64> = course.map_or_else(Vec::new, |course| {
+                let mut place = 0;
+                times
+                    .map(|time| course.at(time, &mut place).extension.0)
+                    .collect()
+            });
+            let last_out = extensions
+                .iter()
+                .rposition(|d| *d > 1e-4 * robot.leg.stroke);
+            let after = match last_out {
+                Some(last) if last + 1 < extensions.len() => {
+                    LATE * (STEP * last as f64 - opening).max(0.0)
+                }
+                None => 0.0,
+                Some(_) => f64::INFINITY,
+            };
+            Out { after, extensions }
+        })
+    }
+
+    /// What the legs but that of firing `k` add to the wheel's moment of inertia in a stride.
+    fn others(
+        &mut self,
+        track: &Track<'_>,
+        firings: &[Firing],
+        k: usize,
+        window: &Window,
+    ) -> Others {
+        let (start, end) = (track.time[window.from], track.time[window.to]);
+        let body = self.robot.leg.body;
+        let mut inertia = Vec::new();
+        let mut time = start;
+        while time < end + STEP {
+            let mut latest: BTreeMap<usize, Firing> = BTreeMap::new();
+            let earlier = firings
+                .iter()
+                .filter(|f| f.open <= time && f.leg != firings[k].leg);
+            latest.extend(earlier.map(|f| (f.leg, *f)));
+            let mut sum = 0.0;
+            for firing in latest.values() {
+                let out = &self.out(firing.shut - firing.open).extensions;
+                // An index.
+                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+                let place = ((time - firing.open) / STEP) as usize;
+                let d = out.get(place).or(out.last()).copied().unwrap_or(0.0);
+                sum += body.mass * ((body.center + d).powi(2) - body.center.powi(2));
+            }
+            inertia.push(sum);
+            time += STEP;
+        }
+        Others {
+            step: STEP,
+            inertia,
+        }
     }
 
     /// How far (m) each leg may be out at `time`.
     fn extensions(&mut self, firings: &[Firing], time: f64) -> Vec<f64> {
         let mut all = vec![0.0; self.robot.body.legs as usize];
         for firing in firings.iter().filter(|f| f.open <= time) {
-            let is_out = time < firing.shut + self.out(firing.shut - firing.open);
+            let is_out = time < firing.shut + self.out(firing.shut - firing.open).after;
             if is_out {
                 all[firing.leg] = self.robot.leg.stroke;
             }
@@ -730,6 +790,13 @@ impl<'a> Cutter<'a> {
         let last = track.row(track.time[end] - MARGIN);
         if track.time[last] < firing.open + SEEN {
             return Err(Unfit::Short);
+        }
+        // A leg that pushes in the air tells little of what drives it.
+        let stroke = self.robot.leg.stroke;
+        let moves = track.row(firing.open + self.robot.leg.delay);
+        let deepest = (moves..=last).map(|row| self.clearance(track, row, leg, stroke));
+        if deepest.fold(f64::INFINITY, f64::min) > -self.near {
+            return Err(Unfit::Misses);
         }
         Ok(last)
     }
