@@ -23,6 +23,8 @@ pub enum Sort {
     Vessel,
     /// A part, or the robot with its legs retracted, swinging about a fixed axis.
     Pendulum,
+    /// The robot runs: many strides, every leg.
+    Run,
 }
 
 /// Runs of one kind, with what is known of their noise.

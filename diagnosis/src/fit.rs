@@ -20,7 +20,7 @@ const GOOD: f64 = 0.7;
 /// Starts of a cause from which steps are made.
 const MOST_STARTS: usize = 4;
 /// Step of a difference quotient, in terms of a parameter's scale.
-const DIFFERENCE: f64 = 1e-3;
+pub(crate) const DIFFERENCE: f64 = 1e-3;
 
 /// Which readings count: for each run, one flag for each reading; none: all of them.
 pub(crate) type Mask = Option<Vec<Vec<bool>>>;

@@ -297,6 +297,11 @@ pub trait Kind: Sync {
         "runs in which it shows more".into()
     }
 
+    /// What of the data is used, and what is not.
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Experiments that were not done and could tell causes apart.
     fn proposals(&self) -> Vec<Proposal> {
         Vec::new()

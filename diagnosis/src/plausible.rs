@@ -185,6 +185,26 @@ impl View<'_> {
         }
     }
 
+    /// Mean rate (rad/s) of the gyro over a run, and of the wheel's angle; none of a wheel that turns
+    /// less than once.
+    pub(crate) fn mean_rates(&self) -> Option<(f64, f64)> {
+        let gyro = self.column("wheel_rate_rad_s")?;
+        let angle = self.column("wheel_angle_rad")?;
+        let rates: Vec<f64> = gyro.iter().copied().filter(|x| x.is_finite()).collect();
+        let mut angles = (self.run.time.iter().zip(angle)).filter(|(_, x)| x.is_finite());
+        let (first, last) = (angles.next()?, angles.next_back()?);
+        let turned = last.1 - first.1;
+        let mean = rates.iter().sum::<f64>() / rates.len().max(1) as f64;
+        (turned.abs() > std::f64::consts::TAU).then_some((mean, turned / (last.0 - first.0)))
+    }
+
+    /// Greatest pivot angle (rad) but for a few rows, and that of a hop as high as the wheel's radius.
+    pub(crate) fn highest_pivot(&self) -> Option<(f64, f64)> {
+        let robot = self.robot?;
+        let highest = quantile(self.column("pivot_angle_rad")?, 0.95)?;
+        Some((highest, (robot.body.radius / robot.boom?.length).min(1.0)))
+    }
+
     /// Gauge pressure (Pa) of the supply, as the operator set it or as the robot has it.
     pub(crate) fn supply(&self) -> Option<f64> {
         self.setting("supply_pressure_gauge_pa")

@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use saltus_robot::Robot;
 pub use saltus_robot::domain::Domain;
 use saltus_robot::units::{
-    ANGLE, ANGULAR_RATE, AREA as SQUARE, FORCE as NEWTON, LENGTH, MASS, PRESSURE, Quantity,
+    ANGLE, ANGULAR_RATE, AREA as SQUARE, FORCE as NEWTON, LENGTH, MASS, NUMBER, PRESSURE, Quantity,
     TEMPERATURE as KELVIN, TIME, Unit, VOLUME as CUBE,
 };
 
@@ -27,6 +27,75 @@ pub enum Problem {
     NotPneumatic {
         /// Its name.
         robot: String,
+    },
+    /// A run has not one valve for each leg.
+    #[error(
+        "robot {robot} has {legs} legs: column {column} is {is}; a run has valve_1 to valve_{legs}"
+    )]
+    Valves {
+        /// Its name.
+        robot: String,
+        /// Its legs.
+        legs: usize,
+        /// The column.
+        column: String,
+        /// What it is.
+        is: &'static str,
+    },
+    /// The output of a valve that is none.
+    #[error("{run}: {column} is {value} at {time} s: must be 0 or 1")]
+    Output {
+        /// The run.
+        run: String,
+        /// The column.
+        column: String,
+        /// What it says.
+        value: f64,
+        /// When (s).
+        time: f64,
+    },
+    /// A run in which no leg is fired.
+    #[error("{run}: valve_1 to valve_{last} never turn from 0 to 1 and back: no leg is fired")]
+    NeverFires {
+        /// The run.
+        run: String,
+        /// How many valves there are.
+        last: usize,
+    },
+    /// A wheel angle that begins anew.
+    #[error(
+        "{run}: wheel_angle_rad jumps from {before:.4} to {after:.4} rad at {time} s: it must count \
+         on through every turn"
+    )]
+    Wraps {
+        /// The run.
+        run: String,
+        /// When (s).
+        time: f64,
+        /// The angle (rad) before.
+        before: f64,
+        /// The angle (rad) after.
+        after: f64,
+    },
+    /// A run without the height of its axle.
+    #[error(
+        "a run needs wheel_angle_rad, and the height of the axle: pivot_angle_rad of a robot on a boom, or y_m"
+    )]
+    NoHeight,
+    /// Too few strides.
+    #[error(
+        "{fit} of {firings} firings can be read as jumps: must be {least} at least; left out are \
+         {reasons}"
+    )]
+    FewStrides {
+        /// Firings.
+        firings: usize,
+        /// Those that can be read.
+        fit: usize,
+        /// Fewest.
+        least: usize,
+        /// Why the others cannot.
+        reasons: String,
     },
     /// A column is about a boom.
     #[error(
@@ -79,6 +148,10 @@ pub struct Spec {
     pub least: usize,
     /// Longest time (s) that a run can take.
     pub longest: f64,
+    /// Most rows that are kept of a run.
+    pub most_rows: usize,
+    /// Whether a run with more rows is refused, and not thinned.
+    pub in_full: bool,
     /// Sizes that tell a wrong unit or a sign turned round.
     pub checks: &'static [Check],
     /// What a report calls a phase of a run.
@@ -287,6 +360,23 @@ pub(crate) const TURN: (Quantity, Domain) = (
         .called("an angle")
         .because(", not degrees"),
 );
+/// Of a wheel and a boom that go round and round.
+pub(crate) const TURN_ON: (Quantity, Domain) = (
+    ANGLE,
+    Domain::within(1e5)
+        .called("an angle")
+        .because(", not degrees"),
+);
+pub(crate) const LEAP_ON: (Quantity, Domain) = (LENGTH, Domain::within(1e5).called("a length"));
+pub(crate) const INCLINE: (Quantity, Domain) = (
+    ANGLE,
+    Domain::within(1.0)
+        .called("an angle")
+        .because(", not degrees"),
+);
+/// Of a valve: 0 or 1.
+pub(crate) const OUTPUT: (Quantity, Domain) =
+    (NUMBER, Domain::at_least(0.0).up_to(1.0).called("0 or 1"));
 pub(crate) const YAW: (Quantity, Domain) = (
     ANGLE,
     Domain::within(2.0 * PI)
@@ -365,6 +455,8 @@ pub(crate) const LOGGED: Spec = Spec {
     instants: &[],
     least: 10,
     longest: 100.0,
+    most_rows: 4000,
+    in_full: false,
     checks: &[],
     phase: |phase| phase,
     model: |_, _| Err(Problem::NoRobot),

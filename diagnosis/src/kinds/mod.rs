@@ -8,6 +8,7 @@ mod jump;
 mod outcomes;
 mod pendulum;
 mod robot;
+mod run;
 mod slide;
 mod stroke;
 mod vessel;
@@ -15,6 +16,7 @@ mod vessel;
 pub use flight::Flights;
 pub use pendulum::Pendulums;
 pub use robot::Firings;
+pub use run::Strides;
 pub use slide::Slides;
 pub use stroke::Strokes;
 pub use vessel::Vessels;
@@ -53,6 +55,7 @@ kinds! {
     Slide: slide;
     Vessel: vessel;
     Pendulum: pendulum;
+    Run: run;
 }
 
 impl Sort {

@@ -3,6 +3,8 @@
 mod proposals;
 mod terms;
 
+use std::sync::Arc;
+
 use saltus_numeric::statistics::median;
 use saltus_robot::{Drive, GaugePressure, Robot};
 use terms::{Effect, Sensor};
@@ -12,7 +14,7 @@ use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::Proposal;
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
 use crate::noise;
-use crate::rig::{Course, Extra, Pose, Rig, Start};
+use crate::rig::{Course, Extra, Flight, Others, Pose, Rig, Start};
 use crate::spec::Problem;
 
 /// Firings of a robot, or of one of its legs.
@@ -31,6 +33,8 @@ pub struct Firings {
     /// Whether the radius angle, or the travel, is 0 where the axle starts, and not where the foot
     /// stands.
     from_axle: bool,
+    /// Of strides of a run, which of them begin in the air, and their other legs.
+    aloft: Option<Vec<(bool, Arc<Others>)>>,
 }
 
 /// What the operator did.
@@ -38,6 +42,8 @@ pub struct Firings {
 struct Setting {
     load: f64,
     supply: Option<f64>,
+    /// Slope of the ground (rad) that the operator knows, uphill forward positive.
+    slope: f64,
     open: f64,
     shut: f64,
     /// Approach rate (rad/s), firing angle (rad) and valve opening (s) of each row of an outcome.
@@ -140,9 +146,46 @@ impl Firings {
             listed,
             effects,
             from_axle: false,
+            aloft: None,
         };
         firings.from_axle = firings.starts_at_axle();
         Ok(firings)
+    }
+
+    /// Strides of a run as jumps, of which some begin in the air: none has a zero of its radius angle
+    /// or travel, or begins with its log.
+    ///
+    /// # Errors
+    /// [`Problem`] where the data and the robot do not go together.
+    pub(super) fn of_strides(
+        strides: &Experiment,
+        aloft: Vec<(bool, Arc<Others>)>,
+        robot: &Robot,
+    ) -> Result<Firings, Problem> {
+        let mut firings = Firings::new(strides, robot)?;
+        firings.aloft = Some(aloft);
+        firings.from_axle = false;
+        let is_none = |effect: &Effect| match effect {
+            Effect::Sensor(_, Sensor::HeldDelay) => true,
+            Effect::Sensor(channel, Sensor::Offset) => {
+                matches!(firings.columns[*channel], Column::Turn | Column::Travel)
+            }
+            _ => false,
+        };
+        let is_there: Vec<bool> = firings.effects.iter().map(|e| !is_none(e)).collect();
+        let listed = is_there[..firings.listed].iter().filter(|is| **is).count();
+        let mut keep = is_there.iter();
+        firings.effects.retain(|_| *keep.next().unwrap_or(&true));
+        let mut keep = is_there.iter();
+        firings.causes.retain(|_| *keep.next().unwrap_or(&true));
+        firings.listed = listed;
+        Ok(firings)
+    }
+
+    /// Radius angle (rad), or travel (m), of the axle from its foot at a lean (rad).
+    pub(super) fn start_turn(&self, lean: f64) -> f64 {
+        let is_angle = self.columns.contains(&Column::Turn);
+        self.robot.body.radius * lean.sin() / if is_angle { self.arm() } else { 1.0 }
     }
 
     /// Whether the radius angle, or else the travel, starts nearer to 0 than where the axle is with
@@ -192,6 +235,7 @@ impl Firings {
             cylinder.supply = GaugePressure(supply);
         }
         self.switch_on(&mut robot, &mut load, terms);
+        robot.ground.slope += setting.slope;
         (robot, load)
     }
 
@@ -245,13 +289,26 @@ impl Firings {
                 Some(end),
             ),
             _ => {
-                let start = Start::Rolling {
-                    lean: unknowns[0],
-                    rate: unknowns[1],
+                let stride = self.aloft.as_ref().map(|aloft| aloft[run].clone());
+                let (is_aloft, others) = stride.unwrap_or_default();
+                let start = if is_aloft {
+                    Start::Flying(Flight {
+                        lean: (unknowns[0], unknowns[1]),
+                        pivot: (unknowns[2], unknowns[3]),
+                        turn_rate: unknowns[4],
+                    })
+                } else {
+                    Start::Rolling {
+                        lean: unknowns[0],
+                        rate: unknowns[1],
+                    }
                 };
-                Rig::new(&robot)
-                    .with(extra)
-                    .jump(start, setting.open, setting.shut, Some(end))
+                Rig::new(&robot).with(extra).beside(others).jump(
+                    start,
+                    setting.open,
+                    setting.shut,
+                    Some(end),
+                )
             }
         }
     }
@@ -272,7 +329,7 @@ impl Firings {
     }
 
     /// Gain, offset, delay and delay from a held first value of each channel.
-    fn sensors(&self, terms: &Terms) -> Vec<[f64; 4]> {
+    pub(super) fn sensors(&self, terms: &Terms) -> Vec<[f64; 4]> {
         let mut all = vec![[1.0, 0.0, 0.0, 0.0]; self.channels.len()];
         for (k, effect) in self.effects.iter().enumerate() {
             if let Effect::Sensor(channel, what) = effect {
@@ -372,6 +429,7 @@ fn setting(run: &Run, asked: &[Option<usize>; 3]) -> Setting {
     Setting {
         load: of("load_mass_kg").unwrap_or(1.0),
         supply: of("supply_pressure_gauge_pa"),
+        slope: of("slope_rad").unwrap_or(0.0),
         open,
         shut: shut.unwrap_or(1e6),
         asked: rows,
@@ -456,7 +514,10 @@ impl Kind for Firings {
         }
         let course = self.course(run, terms, unknowns)?;
         let sensors = self.sensors(terms);
-        let gyro = unknowns.get(GYRO).copied().unwrap_or(1.0);
+        let gyro = match self.aloft {
+            Some(_) => -1.0,
+            None => unknowns.get(GYRO).copied().unwrap_or(1.0),
+        };
         let from = if self.from_axle {
             course.at(0.0, &mut 0).turn.0
         } else {

@@ -3,6 +3,7 @@
 
 use nalgebra::{Cholesky, Const};
 
+use super::Flight;
 use super::bodies::V3;
 use super::machine::{
     BEND, Coordinates, Equations, Frame, LEAN, LEG, Machine, N, PIVOT, Square, TURN,
@@ -34,6 +35,8 @@ pub(super) struct Modes {
     pub(super) foot: Foot,
     pub(super) axle: Axle,
     pub(super) is_leg_held: bool,
+    /// What other legs that are out add to the wheel's moment of inertia (kg m²), and its rate.
+    pub(super) others: (f64, f64),
 }
 
 /// Accelerations and what causes them.
@@ -165,9 +168,19 @@ impl Machine {
             foot: Foot::Stands,
             axle: self.axle_at(rate),
             is_leg_held: true,
+            others: (0.0, 0.0),
         };
         let answer = rigid.solve(&start.0, &start.1, 0.0, modes)?;
         self.sunk(lean, rate, answer.ground[0].max(0.0) / stiffness)
+    }
+
+    /// The robot in the air, its legs home.
+    pub(super) fn aloft(&self, flight: &Flight) -> (Coordinates, Coordinates) {
+        let (mut q, mut v) = (Coordinates::zeros(), Coordinates::zeros());
+        (q[LEAN], v[LEAN]) = flight.lean;
+        (q[PIVOT], v[PIVOT]) = flight.pivot;
+        v[TURN] = flight.turn_rate;
+        (q, v)
     }
 
     /// The same with its foot `sag` (m) deep in the ground.
@@ -221,7 +234,12 @@ impl Machine {
             return Some(self.lift(load, push, modes.is_leg_held));
         }
         let f = self.frame(q, v);
-        let Equations { mass, mut force } = self.assemble(&f, q, v);
+        let Equations {
+            mut mass,
+            mut force,
+        } = self.assemble(&f, q, v);
+        mass[(LEAN, LEAN)] += modes.others.0;
+        force[LEAN] -= modes.others.1 * v[LEAN];
         force[LEG] += push;
         if let Axle::Turns(way) = modes.axle {
             force[LEAN] -= way * self.axle_friction;
@@ -273,25 +291,38 @@ impl Machine {
     }
 
     fn touch(&self, f: &Frame, q: &Coordinates, v: &Coordinates) -> Touch {
+        self.touch_and_across(f, q, v).0
+    }
+
+    /// The foot on the ground, and the constraint row across the travel.
+    fn touch_and_across(
+        &self,
+        f: &Frame,
+        q: &Coordinates,
+        v: &Coordinates,
+    ) -> (Touch, Coordinates) {
         let place = self.place(f, q);
         let columns = self.columns(f, &place.point, true);
         let row = |way: &V3| Coordinates::from_fn(|k, _| columns[k].dot(way));
         let speed = |way: &V3| (0..N).map(|k| columns[k].dot(way) * v[k]).sum::<f64>();
         let (normal, along) = (row(&place.normal), row(&place.along));
         let mut push = normal;
+        let mut sideways = Coordinates::zeros();
         if self.floor.across > 0.0 && self.boom.is_some() {
             let across = place.normal.cross(&place.along);
+            sideways = row(&across);
             let share = -self.floor.across * (speed(&across) / ACROSS_SPEED).clamp(-1.0, 1.0);
-            push += row(&across) * share;
+            push += sideways * share;
         }
         let spring = |(k, c): (f64, f64)| -k * place.gap - c * speed(&place.normal);
-        Touch {
+        let touch = Touch {
             spring: self.floor.soft.map(spring),
             normal,
             along,
             push,
             bias: self.bias(f, v, &place, &columns),
-        }
+        };
+        (touch, sideways)
     }
 
     /// Accelerations (m/s²) of the contact point along normal and travel where all accelerations of
@@ -348,6 +379,65 @@ impl Machine {
         }
     }
 
+    /// Velocities after the impulse of a foot that comes down, and what the foot does then. The
+    /// impact is inelastic, with Coulomb friction along the travel and across it. The leg is held
+    /// where it is home; else the impulse pushes it in. `others` is what other legs add to the wheel's
+    /// moment of inertia (kg m²). Soft ground takes no impulse.
+    pub(super) fn touched_down(
+        &self,
+        q: &Coordinates,
+        v: &Coordinates,
+        is_home: bool,
+        others: f64,
+    ) -> Option<(Coordinates, Foot)> {
+        if self.floor.soft.is_some() {
+            return Some((*v, Foot::Stands));
+        }
+        let f = self.frame(q, v);
+        let modes = Modes {
+            foot: Foot::Flies,
+            axle: Axle::Turns(0.0),
+            is_leg_held: is_home,
+            others: (others, 0.0),
+        };
+        let held = self.held(modes);
+        let mut mass = self.assemble(&f, q, v).mass;
+        mass[(LEAN, LEAN)] += others;
+        let factor = factor(mass, held)?;
+        let (touch, across) = self.touch_and_across(&f, q, v);
+        let touch = Touch {
+            bias: [0.0; 2],
+            ..touch
+        };
+        let by_along = factor.solve(&without(touch.along, held));
+        let hit = |share: f64| {
+            let push = touch.normal + across * share;
+            let by_normal = factor.solve(&without(push, held));
+            let answers = [&by_normal, &by_along];
+            let mut foot = Foot::Stands;
+            let mut impulse = self.ground(&touch, v, answers, foot);
+            if impulse[1].abs() > self.floor.friction.0 * impulse[0] {
+                foot = Foot::Slips(-impulse[1].signum());
+                impulse = self.ground(&touch, v, answers, foot);
+            }
+            (v + by_normal * impulse[0] + by_along * impulse[1], foot)
+        };
+        let most = if self.boom.is_some() {
+            self.floor.across
+        } else {
+            0.0
+        };
+        let way = across.dot(v).signum();
+        let full = hit(-way * most);
+        if most == 0.0 || across.dot(&full.0) * way >= 0.0 {
+            return Some(full);
+        }
+        // Friction stops the motion across the travel before it is used up.
+        let stops = |share: f64| across.dot(&hit(-way * share).0) * way > 0.0;
+        let (low, high) = saltus_numeric::root::bisect(0.0, most, 40, stops);
+        Some(hit(-way * 0.5 * (low + high)))
+    }
+
     /// Velocities after the impulse that stops the leg in its stroke, with foot and axle free.
     pub(super) fn stop_leg(&self, q: &Coordinates, v: &Coordinates) -> Option<Coordinates> {
         if self.is_bench() {
@@ -360,6 +450,7 @@ impl Machine {
             foot: Foot::Flies,
             axle: Axle::Turns(0.0),
             is_leg_held: false,
+            others: (0.0, 0.0),
         };
         let answer = factor(mass, self.held(modes))?.solve(&unit);
         Some(v - answer * (v[LEG] / answer[LEG]))
@@ -409,6 +500,7 @@ mod tests {
             foot,
             axle: Axle::Turns(1.0),
             is_leg_held: false,
+            others: (0.0, 0.0),
         }
     }
 

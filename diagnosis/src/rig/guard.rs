@@ -4,6 +4,8 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Guard {
     Lift,
+    /// A foot in the air comes down.
+    Land,
     /// A leg without mass has nothing left to push with: its foot leaves the ground.
     Slack,
     Slip,

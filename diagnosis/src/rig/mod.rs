@@ -14,6 +14,8 @@
 //! | `run.rs` | steps from event to event |
 //! | `course.rs` | the result: states at knots, and what sensors would read between them |
 
+use std::sync::Arc;
+
 mod bodies;
 mod contact;
 mod course;
@@ -62,8 +64,45 @@ pub enum Start {
         /// Its rate (rad/s).
         rate: f64,
     },
+    /// In the air with all legs home; its foot touches down where it comes to the ground.
+    Flying(Flight),
     /// Upright, at rest; on the bench the rod retracted under its load.
     Rest,
+}
+
+/// A state in the air; the radius angle, or the travel, is 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flight {
+    /// Lean (rad) and its rate (rad/s).
+    pub lean: (f64, f64),
+    /// Pivot angle (rad) and its rate; height of the axle (m) without a boom.
+    pub pivot: (f64, f64),
+    /// Rate of the radius angle (rad/s); of the travel (m/s) without a boom.
+    pub turn_rate: f64,
+}
+
+/// What the legs that are out, beside the one that jumps, add to the wheel's moment of inertia about
+/// its axle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Others {
+    /// Time (s) from one value to the next, of which the first is at 0.
+    pub step: f64,
+    /// The moment (kg m²).
+    pub inertia: Vec<f64>,
+}
+
+impl Others {
+    /// The moment (kg m²) at a time (s), and its rate; between the values it is a line.
+    fn at(&self, time: f64) -> (f64, f64) {
+        let place = (time / self.step).max(0.0);
+        // An index.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let k = place as usize;
+        match self.inertia.get(k..k + 2) {
+            Some([a, b]) => (a + (place - k as f64) * (b - a), (b - a) / self.step),
+            _ => (self.inertia.last().copied().unwrap_or(0.0), 0.0),
+        }
+    }
 }
 
 /// A robot that jumps.
@@ -75,6 +114,7 @@ pub struct Rig {
     /// 1/√T of the supplied gas (1/√K).
     per_root: f64,
     extra: Extra,
+    others: Arc<Others>,
 }
 
 /// End (s) of a jump that does not land.
@@ -93,7 +133,14 @@ impl Rig {
             leg: Leg::new(robot, |_, x| x),
             massless: robot.leg.body.mass == 0.0,
             extra: Extra::default(),
+            others: Arc::default(),
         }
+    }
+
+    /// The rig with other legs that are out.
+    #[must_use]
+    pub fn beside(self, others: Arc<Others>) -> Rig {
+        Rig { others, ..self }
     }
 
     /// One upright leg of `robot` on the bench, which moves nothing but a dead load (kg). At the

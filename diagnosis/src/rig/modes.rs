@@ -23,10 +23,13 @@ impl Run<'_> {
     }
 
     fn guard_foot(&self, s: &State, look: &Look, guards: &mut Guards) {
+        let machine = &self.rig.machine;
         if self.mode.foot == Foot::Flies {
+            if self.touches_down {
+                guards.push((Guard::Land, machine.contact(&s.q, &s.v).0));
+            }
             return;
         }
-        let machine = &self.rig.machine;
         let [normal, along] = look.answer.ground;
         guards.push((Guard::Lift, normal));
         let moves = matches!(self.mode.leg, Slide::Moves(_));
@@ -104,6 +107,7 @@ impl Run<'_> {
         }
         match guard {
             Guard::Lift | Guard::Slack => self.leave(),
+            Guard::Land => self.land()?,
             Guard::Slip => self.mode.foot = Foot::Slips(-look.answer.ground[1].signum()),
             Guard::Grip => self.mode.foot = Foot::Stands,
             Guard::Extend => {
@@ -147,6 +151,26 @@ impl Run<'_> {
             self.state.v[LEG] = 0.0;
             self.record();
         }
+    }
+
+    /// The foot comes down; a leg that is out is pushed in by the impulse.
+    fn land(&mut self) -> Option<()> {
+        let machine = &self.rig.machine;
+        let is_home = self.mode.leg == Slide::Latched
+            || (self.mode.leg == Slide::Held && self.state.q[LEG] <= 0.0);
+        let (v, foot) = machine.touched_down(
+            &self.state.q,
+            &self.state.v,
+            is_home,
+            self.rig.others.at(self.state.time).0,
+        )?;
+        self.state.v = v;
+        self.mode.foot = foot;
+        if !is_home {
+            self.slide(if v[LEG] < 0.0 { -1.0 } else { 1.0 });
+        }
+        self.mode.axle = machine.axle_at(v[LEAN]);
+        Some(())
     }
 
     /// The leg begins to move this way.

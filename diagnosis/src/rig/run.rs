@@ -106,16 +106,20 @@ pub(super) struct Run<'a> {
     pub(super) course: Course,
     pub(super) events: usize,
     pub(super) landed: bool,
+    /// Whether a foot in the air touches down where it comes to the ground.
+    pub(super) touches_down: bool,
 }
 
 impl<'a> Run<'a> {
     pub(super) fn new(rig: &'a Rig, start: Start) -> Option<Run<'a>> {
         let machine = &rig.machine;
-        let (lean, rate) = match start {
-            Start::Rolling { lean, rate } => (lean, rate),
-            Start::Rest => (0.0, 0.0),
+        let (q, v) = match start {
+            Start::Rolling { lean, rate } => machine.stand(lean, rate)?,
+            Start::Flying(flight) => machine.aloft(&flight),
+            Start::Rest => machine.stand(0.0, 0.0)?,
         };
-        let (q, v) = machine.stand(lean, rate)?;
+        let rate = v[LEAN];
+        let lands = matches!(start, Start::Flying(_));
         let (piece, gas) = match rig.leg.chamber() {
             Some(chamber) => {
                 let piece = Piece::new(chamber, false, chamber.ambient, 0.0, false);
@@ -123,7 +127,7 @@ impl<'a> Run<'a> {
             }
             None => (None, 0.0),
         };
-        let foot = if machine.is_bench() {
+        let foot = if machine.is_bench() || lands {
             Foot::Flies
         } else {
             Foot::Stands
@@ -146,6 +150,7 @@ impl<'a> Run<'a> {
             },
             events: 0,
             landed: false,
+            touches_down: lands,
         };
         run.record();
         Some(run)
@@ -420,6 +425,7 @@ impl<'a> Run<'a> {
             foot: self.mode.foot,
             axle: self.mode.axle,
             is_leg_held,
+            others: self.rig.others.at(s.time),
         };
         let answer = self.rig.machine.solve(&s.q, &s.v, force, modes)?;
         Some(Look { answer, rate, dry })

@@ -24,6 +24,7 @@ mod plots;
 mod power;
 mod run;
 mod slips;
+mod strides;
 mod tables;
 mod valves;
 mod verify;

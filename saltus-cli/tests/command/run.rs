@@ -172,9 +172,18 @@ fn telemetry_is_a_folder_with_readings() {
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
     names.sort();
-    assert_eq!(names, ["experiment.toml", "robot.toml", "run.csv"]);
+    assert_eq!(
+        names,
+        [
+            "cycles.csv",
+            "experiment.toml",
+            "robot.toml",
+            "run.csv",
+            "settings.toml"
+        ]
+    );
     let read = |name: &str| std::fs::read_to_string(folder.path(name)).unwrap();
-    let (header, logged) = rows(&read("logs/run.csv"));
+    let (header, logged) = rows(&read("logs/cycles.csv"));
     let (plain, motion) = rows(&read("run.csv"));
     assert_eq!(header[..plain.len()], plain[..]);
     assert_eq!((logged.len(), motion.len()), (500, 500));
@@ -191,14 +200,25 @@ fn telemetry_is_a_folder_with_readings() {
         .position(|it| it == "wheel_encoder_counts")
         .unwrap();
     assert_eq!(logged[0][wheel], "80");
-    let manifest = read("logs/experiment.toml");
+    let (columns, measured) = rows(&read("logs/run.csv"));
+    let boom = "pivot_angle_rad,radius_angle_rad";
+    let valves = "valve_1,valve_2,valve_3,valve_4,valve_5";
+    assert_eq!(
+        columns.join(","),
+        format!("time_s,{valves},wheel_angle_rad,wheel_rate_rad_s,{boom}")
+    );
+    let angle: f64 = measured[0][6].parse().unwrap();
+    assert!((angle - 36f64.to_radians()).abs() < 1e-12, "{angle}");
+    let texts = read("logs/experiment.toml") + &read("logs/settings.toml");
     for key in [
         "kind = \"run\"",
         "file = \"run.csv\"",
+        "supply_pressure_gauge_pa = 827370.",
+        "pivot_angle_rad = 0.003926",
         "taps = [0.5, 0.5]",
         "period_s = 0.001",
     ] {
-        assert!(manifest.contains(key), "{manifest}");
+        assert!(texts.contains(key), "{texts}");
     }
     // The robot runs again as it is written.
     let again = json(

@@ -44,8 +44,6 @@ use lines::Hash;
 use manifest::Manifest;
 use run::Reading;
 
-/// Most rows that are kept of a run.
-const MOST_ROWS: usize = 4000;
 /// Most rows that are kept of all runs: 20 MB a column or so. Where there are more than 500 runs,
 /// each keeps fewer.
 const MOST_ROWS_OF_ALL: usize = 2_000_000;
@@ -122,7 +120,7 @@ pub fn read(folder: &Path, progress: &dyn Fn(usize)) -> Result<Folder, Error> {
     let bytes = manifest::bytes(folder)?;
     let manifest = manifest::parse(&bytes, folder)?;
     present(folder, &manifest)?;
-    let most = (MOST_ROWS_OF_ALL / manifest.runs.len()).min(MOST_ROWS);
+    let most = (MOST_ROWS_OF_ALL / manifest.runs.len()).min(manifest.spec.most_rows);
     let mut hashes = BTreeMap::new();
     let mut readings: Vec<Reading> = Vec::new();
     for listed in &manifest.runs {

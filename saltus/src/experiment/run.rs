@@ -125,6 +125,8 @@ struct Log<'a> {
     resting: (Vec<Option<f64>>, usize),
     /// Rows before and after a motion that starts and ends at once.
     cut: usize,
+    /// Most rows that are kept.
+    most: usize,
     hash: Hash,
     /// Rows without a channel that they need: how many, and the first one's line and column.
     left_out: Option<(usize, u64, &'static str)>,
@@ -151,6 +153,7 @@ impl<'a> Log<'a> {
             motion,
             resting: (Vec::new(), 0),
             cut: 0,
+            most,
             left_out: None,
             hash: Hash::default(),
             header,
@@ -402,6 +405,14 @@ impl<'a> Log<'a> {
                 format!("{rows} rows")
             };
             let reason = format!("{rows}{part}: a run of kind {id} needs {least} at least");
+            return Err(Error::content(self.source.file, reason));
+        }
+        if self.source.spec.in_full && self.kept.stride > 1 {
+            let reason = format!(
+                "{rows} rows: a run of kind {id} is read row by row, and may have {}; valid_from_s \
+                 and valid_to_s keep a part",
+                self.most
+            );
             return Err(Error::content(self.source.file, reason));
         }
         Ok(())

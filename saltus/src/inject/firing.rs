@@ -5,7 +5,7 @@
 
 use saltus_diagnosis::kinds::{self, Problem};
 use saltus_diagnosis::layout::{Draw, Layout, TICK, round, supply};
-use saltus_diagnosis::{Experiment, Sort, Terms};
+use saltus_diagnosis::{Cause, Experiment, Kind, Sort, Terms};
 use saltus_robot::{Drive, GaugePressure, Robot};
 use saltus_sim_check::{Firing, Launch, Rig, Settings, Shot};
 
@@ -183,28 +183,27 @@ fn hidden(experiment: &Experiment, robot: &Robot, terms: &Terms) -> Result<Robot
     Ok(robot)
 }
 
+/// Gain, offset and delay (s) of a column.
+pub(super) fn sensor(model: &dyn Kind, column: &str, terms: &Terms) -> [f64; 3] {
+    let one = |id: &str, none: f64| {
+        let is_it = |c: &Cause| c.id == id && c.column.as_deref() == Some(column);
+        let cause = model.causes().iter().position(is_it);
+        cause.map_or(none, |cause| terms.get(cause, 0))
+    };
+    [
+        one("encoder-scale", 1.0),
+        one("sensor-offset", 0.0),
+        one("sensor-delay", 0.0),
+    ]
+}
+
 /// Gain, offset and delay (s) of each column.
 struct Sensors(Vec<[f64; 3]>);
 
 impl Sensors {
     fn new(experiment: &Experiment, robot: &Robot, terms: &Terms) -> Result<Sensors, Problem> {
         let model = kinds::build(experiment, Some(robot))?;
-        let of = |column: &String| {
-            let one = |id: &str, none: f64| {
-                let is_it =
-                    |c: &saltus_diagnosis::Cause| c.id == id && c.column.as_ref() == Some(column);
-                model
-                    .causes()
-                    .iter()
-                    .position(is_it)
-                    .map_or(none, |cause| terms.get(cause, 0))
-            };
-            [
-                one("encoder-scale", 1.0),
-                one("sensor-offset", 0.0),
-                one("sensor-delay", 0.0),
-            ]
-        };
+        let of = |column: &String| sensor(model.as_ref(), column, terms);
         Ok(Sensors(experiment.columns.iter().map(of).collect()))
     }
 

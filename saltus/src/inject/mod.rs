@@ -1,7 +1,7 @@
 //! Synthetic data with hidden effects: what `saltus diagnose` can be tried on before there are
 //! measurements.
 //!
-//! Hops, jumps and outcomes are motions of the multi-body simulation; the other kinds are what the
+//! Hops, jumps, outcomes and runs are motions of the multi-body simulation; the other kinds are what the
 //! model of their kind says of rows that are laid out here. Noise and counts are those of real
 //! instruments, and the experiment says them.
 //!
@@ -20,6 +20,7 @@
 
 mod effect;
 mod firing;
+mod running;
 
 use saltus_diagnosis::kinds::{self, Problem};
 use saltus_diagnosis::layout::{Draw, Layout};
@@ -147,7 +148,10 @@ pub enum Error {
 /// # Errors
 /// [`Error`] where kind and robot do not go together.
 pub fn known(kind: Sort, robot: Option<&Robot>) -> Result<String, Error> {
-    let layout = Layout::new(kind, true, Some(1), &mut Draw::new(0));
+    let mut layout = Layout::new(kind, true, Some(1), &mut Draw::new(0));
+    if let (Sort::Run, Some(robot)) = (kind, robot) {
+        running::fill(&mut layout, robot, robot, 0)?;
+    }
     Ok(effect::known(
         kinds::build(&layout.experiment, robot)?.as_ref(),
     ))
@@ -171,6 +175,10 @@ pub fn make(request: &Request<'_>) -> Result<Made, Error> {
     let on_boom = effects.iter().any(|effect| effect.id == "counterweight");
     let runs = runs.or(Some(asked.len()).filter(|count| *count > 0));
     let mut layout = Layout::new(kind, on_boom, runs, &mut draw);
+    if let (Sort::Run, Some(robot)) = (kind, robot) {
+        // Which strides there are says a run without an effect.
+        running::fill(&mut layout, robot, robot, seed)?;
+    }
     let model = kinds::build(&layout.experiment, robot)?;
     let mut terms = Terms::off(model.causes());
     let mut truth: Vec<Truth> = Vec::new();
@@ -197,6 +205,17 @@ pub fn make(request: &Request<'_>) -> Result<Made, Error> {
         truth.push(found);
     }
     match kind.spec().synthesis.source {
+        Source::Robot if kind == Sort::Run => {
+            let robot = robot.ok_or(Problem::NoRobot)?;
+            let hidden = model.robot(&terms).ok_or(Problem::NoRobot)?;
+            running::fill(&mut layout, robot, &hidden, seed)?;
+            let sensor = |column: &str| firing::sensor(model.as_ref(), column, &terms);
+            running::sensed(&mut layout.experiment, sensor);
+            return Ok(Made {
+                experiment: layout.experiment,
+                truth,
+            });
+        }
         Source::Robot => {
             let robot = robot.ok_or(Problem::NoRobot)?;
             firing::fill(&mut layout, robot, &terms, asked, &mut draw)?;

@@ -276,6 +276,7 @@ impl Diagnose {
         } = study;
         let note = |name: String| format!("known {name} is not used: no cause of this kind has it");
         folder.notes.extend(unused.into_iter().map(note));
+        folder.notes.extend(kind.notes());
         let asked = steps::Asked {
             folders: self.folders.clone(),
             robot: self.robot.clone(),

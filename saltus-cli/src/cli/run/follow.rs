@@ -38,7 +38,8 @@ pub(super) struct Follower<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Kept {
     pub(super) rows: Option<Rows>,
-    pub(super) telemetry: Option<Rows>,
+    /// Every cycle, and what is measured in it.
+    pub(super) telemetry: Option<[Rows; 2]>,
     pub(super) film: Option<Film>,
 }
 
@@ -187,7 +188,7 @@ impl Run for Follower<'_> {
         if let Some(rows) = &mut self.kept.rows {
             rows.push(row);
         }
-        if let Some(rows) = &mut self.kept.telemetry {
+        for rows in self.kept.telemetry.iter_mut().flatten() {
             rows.push(row);
         }
         if let Some(line) = &mut self.line {
@@ -218,7 +219,11 @@ impl Run for Follower<'_> {
     }
 
     fn goes_on(&mut self) -> bool {
-        let open = |rows: &Option<Rows>| rows.as_ref().is_none_or(Rows::is_open);
-        !self.interrupt.came() && open(&self.kept.rows) && open(&self.kept.telemetry)
+        let mut files = self
+            .kept
+            .rows
+            .iter()
+            .chain(self.kept.telemetry.iter().flatten());
+        !self.interrupt.came() && files.all(Rows::is_open)
     }
 }

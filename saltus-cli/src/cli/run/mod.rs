@@ -104,6 +104,16 @@ pub(crate) struct Run {
     #[arg(long, value_name = "FOLDER", help_heading = "Robot and output")]
     telemetry: Option<PathBuf>,
 
+    /// Robot that the telemetry names, where it is another than the one that runs: a built-in one or
+    /// a TOML file
+    #[arg(
+        long,
+        value_name = "NAME|FILE",
+        requires = "telemetry",
+        help_heading = "Robot and output"
+    )]
+    believed: Option<String>,
+
     /// Robot: a built-in one (rats-planar, rats-boom, rats-run, spring-hopper, table-hopper) or a TOML file
     #[arg(
         long,
@@ -174,8 +184,9 @@ periodic gaits with period, speed, gas and Floquet multipliers, each with its er
 share of starts on one foot that run, on three grids; the frontier of speed against gas. All but the energy is of an ideal controller \
 without sensors and without --disturb. It takes half a minute on one core, or some seconds with `quick`. Text or JSON; with --robots the frontier is of drawn robots.
 
---telemetry writes experiment.toml, the robot, and run.csv: the columns of CSV, and the counts of encoders, gyros and \
-accelerometers.";
+--telemetry writes a folder of data of kind `run` that `saltus diagnose` reads: experiment.toml, the robot, and run.csv with \
+what is measured (docs/logs.md). Beside it are cycles.csv, the columns of CSV and the counts of encoders, gyros and \
+accelerometers, and settings.toml. With --believed the folder names another robot than the one that ran.";
 
 impl Run {
     pub(crate) fn run(self) -> Result<Status, CliError> {
@@ -271,6 +282,7 @@ impl Run {
         let mut follower = Follower::new(setup.sensors().period, &interrupt, &progress);
         follower.held = Held::all(&chosen.speeds, setup.seconds);
         let telemetry = self.telemetry.as_deref().map(Telemetry::open).transpose()?;
+        let believed = self.believed(setup)?;
         self.open(&mut follower, setup, telemetry.as_ref())?;
         let summary = run(setup, &mut follower).map_err(|error| refused(error, &setup.robot))?;
         let kept = follower.kept();
@@ -284,7 +296,7 @@ impl Run {
         };
         let files = self.files(&report, kept.rows, kept.film)?;
         if let (Some(folder), Some(rows)) = (telemetry, kept.telemetry) {
-            folder.publish(rows, &report)?;
+            folder.publish(rows, &report, &believed)?;
         }
         if interrupt.came() {
             let at = digits(summary.time, 6);
@@ -302,6 +314,22 @@ impl Run {
         })
     }
 
+    /// The robot that the telemetry says has run.
+    fn believed(&self, setup: &Setup) -> Result<Robot, CliError> {
+        let Some(name) = &self.believed else {
+            return Ok(setup.robot.clone());
+        };
+        let believed = robot(name, &[])?;
+        if believed.body.legs == setup.robot.body.legs {
+            return Ok(believed);
+        }
+        let allowed = format!(
+            "a robot with {} legs, as many as run",
+            setup.robot.body.legs
+        );
+        Err(CliError::flag("--believed", name, allowed))
+    }
+
     /// Opens what `follower` writes and keeps.
     fn open(
         &self,
@@ -314,7 +342,9 @@ impl Run {
             let rows = Rows::open("--out", self.output.out(), Columns::Motion, legs)?;
             follower.kept.rows = Some(rows);
         }
-        follower.kept.telemetry = telemetry.map(|folder| folder.rows(legs)).transpose()?;
+        follower.kept.telemetry = telemetry
+            .map(|folder| folder.rows(&setup.robot))
+            .transpose()?;
         follower.line = self.plot.is_set().then(Thinned::new);
         follower.kept.film = (self.animate.is_some()).then(|| Film::new(setup));
         Ok(())

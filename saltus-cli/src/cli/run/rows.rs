@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 
-use saltus::gait::Row;
+use saltus::Robot;
+use saltus::gait::{Logger, Row};
 
 use crate::error::CliError;
 use crate::output::{Stream, full};
@@ -29,6 +30,8 @@ enum Sink {
 #[derive(Debug)]
 pub(super) struct Rows {
     columns: Columns,
+    /// What makes rows of measured data, in the place of the columns.
+    logger: Option<Logger>,
     sink: Sink,
     line: String,
     /// What went wrong first.
@@ -47,14 +50,31 @@ impl Rows {
             Some(path) => Sink::File(Stream::open(flag, path)?),
             None => Sink::Screen(io::BufWriter::new(io::stdout())),
         };
+        Ok(Rows::with(columns, None, sink, columns.header(legs)))
+    }
+
+    /// What the instruments of `robot` measure, to the file at `path`, which `flag` names.
+    pub(super) fn measured(
+        flag: &'static str,
+        path: &Path,
+        robot: &Robot,
+    ) -> Result<Rows, CliError> {
+        let logger = Logger::new(robot);
+        let header = format!("time_s,{}", logger.columns().join(","));
+        let sink = Sink::File(Stream::open(flag, path)?);
+        Ok(Rows::with(Columns::Motion, Some(logger), sink, header))
+    }
+
+    fn with(columns: Columns, logger: Option<Logger>, sink: Sink, header: String) -> Rows {
         let mut rows = Rows {
             columns,
+            logger,
             sink,
-            line: columns.header(legs),
+            line: header,
             failed: None,
         };
         rows.send();
-        Ok(rows)
+        rows
     }
 
     /// Whether somebody still reads them.
@@ -64,9 +84,25 @@ impl Rows {
 
     /// Writes a cycle.
     pub(super) fn push(&mut self, row: &Row<'_>) {
-        self.line.clear();
-        self.columns.write(row, &mut self.line);
-        self.send();
+        let Some(mut logger) = self.logger.take() else {
+            self.line.clear();
+            self.columns.write(row, &mut self.line);
+            self.send();
+            return;
+        };
+        logger.log(row, |time, values| {
+            self.line.clear();
+            self.line.push_str(&full(time));
+            for value in values {
+                self.line.push(',');
+                // What is not measured is an empty cell.
+                if value.is_finite() {
+                    self.line.push_str(&full(*value));
+                }
+            }
+            self.send();
+        });
+        self.logger = Some(logger);
     }
 
     fn send(&mut self) {

@@ -1,11 +1,14 @@
-//! Every cycle of a run as a folder of measured data: `experiment.toml`, the robot, `run.csv`.
+//! A run as a folder of measured data of kind `run`: `experiment.toml`, the robot as it is believed,
+//! `run.csv` with what is measured; beside it every cycle, and how the run was set.
 
 use std::fmt::Write as _;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use saltus::gait::instruments;
+use saltus::Robot;
+use saltus::gait::{Logger, instruments};
+use saltus::robot::Drive;
 use saltus::temporary::{self, Temporary};
 
 use super::report::Report;
@@ -14,6 +17,8 @@ use crate::error::CliError;
 use crate::output::{Files, full};
 
 const ROWS: &str = "run.csv";
+const CYCLES: &str = "cycles.csv";
+const SETTINGS: &str = "settings.toml";
 const ROBOT: &str = "robot.toml";
 const MANIFEST: &str = "experiment.toml";
 
@@ -52,25 +57,42 @@ impl Telemetry {
             .ok_or_else(|| CliError::write(&self.folder, io::Error::from(io::ErrorKind::NotFound)))
     }
 
-    /// Where the cycles go.
-    pub(super) fn rows(&self, legs: usize) -> Result<Rows, CliError> {
-        let path = self.staged()?.join(ROWS);
-        Rows::open("--telemetry", Some(&path), Columns::Telemetry, legs)
+    /// Where the cycles of `robot` go, and what is measured in them.
+    pub(super) fn rows(&self, robot: &Robot) -> Result<[Rows; 2], CliError> {
+        let legs = robot.body.legs as usize;
+        let staged = self.staged()?;
+        let cycles = staged.join(CYCLES);
+        Ok([
+            Rows::open("--telemetry", Some(&cycles), Columns::Telemetry, legs)?,
+            Rows::measured("--telemetry", &staged.join(ROWS), robot)?,
+        ])
     }
 
     /// Puts all files in their place, the manifest last.
-    pub(super) fn publish(mut self, rows: Rows, report: &Report<'_>) -> Result<(), CliError> {
+    ///
+    /// The data name `believed`, which need not be the robot that ran.
+    pub(super) fn publish(
+        mut self,
+        rows: [Rows; 2],
+        report: &Report<'_>,
+        believed: &Robot,
+    ) -> Result<(), CliError> {
         let staged = self.staged()?.to_owned();
         let mut files = Files::default();
-        if let Some(stream) = rows.finish()? {
-            files.written(stream)?;
+        for rows in rows {
+            if let Some(stream) = rows.finish()? {
+                files.written(stream)?;
+            }
         }
-        let robot = report.setup.robot.to_toml().into_bytes();
-        files.add("--telemetry", &staged.join(ROBOT), robot);
-        let manifest = manifest(report).into_bytes();
-        files.add("--telemetry", &staged.join(MANIFEST), manifest);
+        for (name, text) in [
+            (ROBOT, believed.to_toml()),
+            (SETTINGS, settings(report)),
+            (MANIFEST, manifest(report, believed)),
+        ] {
+            files.add("--telemetry", &staged.join(name), text.into_bytes());
+        }
         files.write()?;
-        for name in [ROWS, ROBOT, MANIFEST] {
+        for name in [ROWS, CYCLES, ROBOT, SETTINGS, MANIFEST] {
             let place = self.folder.join(name);
             fs::rename(staged.join(name), &place)
                 .map_err(|error| CliError::write(&place, error))?;
@@ -90,21 +112,46 @@ impl Drop for Telemetry {
     }
 }
 
-/// The text of `experiment.toml`.
-fn manifest(report: &Report<'_>) -> String {
-    let setup = report.setup;
-    let sensors = setup.sensors();
-    let one = instruments(&sensors);
-    let quoted = |text: &str| serde_json::Value::from(text).to_string();
+/// The text of `experiment.toml`: what an operator knows who believes that `believed` runs.
+fn manifest(report: &Report<'_>, believed: &Robot) -> String {
+    let robot = &report.setup.robot;
     let mut text = format!(
         "# {}\nkind = \"run\"\nrobot = \"{ROBOT}\"\n",
         report.title().replace(['\n', '\r'], " ")
     );
+    let columns = Logger::new(robot).columns();
+    let sizes = |pick: fn((Option<f64>, Option<f64>)) -> Option<f64>| {
+        let of = |column: &String| {
+            let size = pick(Logger::errors(robot, column))?;
+            Some(format!("{column} = {}\n", float(size)))
+        };
+        columns.iter().filter_map(of).collect::<String>()
+    };
+    for (table, lines) in [("noise", sizes(|e| e.0)), ("resolution", sizes(|e| e.1))] {
+        if !lines.is_empty() {
+            // Writing to a string does not fail.
+            let _ = write!(text, "[{table}]\n{lines}");
+        }
+    }
+    let _ = write!(text, "[[run]]\nfile = \"{ROWS}\"\n");
+    if let Drive::Pneumatic(cylinder) = &believed.leg.drive {
+        let supply = float(cylinder.supply.0);
+        let _ = writeln!(text, "supply_pressure_gauge_pa = {supply}");
+    }
+    text
+}
+
+/// The text of `settings.toml`: how the run was set, and the size of each count of `cycles.csv`.
+fn settings(report: &Report<'_>) -> String {
+    let setup = report.setup;
+    let sensors = setup.sensors();
+    let one = instruments(&sensors);
+    let quoted = |text: &str| serde_json::Value::from(text).to_string();
+    let mut text = String::new();
     let mut key = |name: &str, value: String| {
         // Writing to a string does not fail.
         let _ = writeln!(text, "{name} = {value}");
     };
-    key("[[run]]\nfile", quoted(ROWS));
     key("gait", quoted(report.chosen.kind.name()));
     key("backwards", (!setup.forwards).to_string());
     key("zone_rad", float(setup.zone));
@@ -115,7 +162,7 @@ fn manifest(report: &Report<'_>) -> String {
     let disturbed = report.disturbances.iter().map(|typed| quoted(&typed.text));
     let disturbed: Vec<String> = disturbed.collect();
     key("disturbances", format!("[{}]", disturbed.join(", ")));
-    key("[run.one_count]\nwheel_encoder_rad", float(one.wheel));
+    key("[one_count]\nwheel_encoder_rad", float(one.wheel));
     key("radius_encoder_rad", float(one.radius));
     key("pivot_encoder_rad", float(one.pivot));
     key("fine_gyro_rad_s", float(one.fine_gyro));
