@@ -13,6 +13,7 @@ mod map;
 mod parkour;
 mod plan;
 mod proof;
+mod refused;
 mod run;
 mod simulate;
 mod table;

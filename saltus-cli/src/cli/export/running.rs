@@ -7,8 +7,9 @@ use saltus::gait::{Centre, Lines, Program, Quest, Setup};
 
 use crate::cli::best::{self, goal};
 use crate::cli::common::note_valve;
+use crate::cli::refused::refused;
+use crate::cli::run::Aim;
 use crate::cli::run::values::{Knots, knots};
-use crate::cli::run::{Aim, refused};
 use crate::error::CliError;
 use crate::quantity;
 
