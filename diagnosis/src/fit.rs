@@ -10,7 +10,7 @@ use crate::policy::POLICY;
 /// loss).
 const HUBER: f64 = POLICY.huber;
 /// Most steps of a fit.
-const STEPS: usize = 40;
+pub(crate) const STEPS: usize = 40;
 /// Fall of the loss below which a fit is done.
 const DONE: f64 = 1e-2;
 /// The same as a part of the loss beyond that of noise.
@@ -41,7 +41,7 @@ pub struct Fit {
 
 impl Fit {
     /// Nothing wrong, and the unknowns at their first guesses.
-    fn first(kind: &dyn Kind) -> Fit {
+    pub(crate) fn first(kind: &dyn Kind) -> Fit {
         let first = |run| kind.unknowns(run).iter().map(|p| p.neutral).collect();
         Fit {
             causes: Vec::new(),

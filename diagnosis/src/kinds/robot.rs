@@ -313,6 +313,11 @@ impl Firings {
         }
     }
 
+    /// When (s) the foot of a stride that begins in the air comes down.
+    pub(super) fn lands(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<f64> {
+        self.course(run, terms, unknowns)?.lands
+    }
+
     /// What a sensor of `column` makes of the pose, or of the outcome.
     fn sensed(&self, column: Column, pose: &Pose, gyro: f64) -> f64 {
         match column {

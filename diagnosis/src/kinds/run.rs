@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use super::{Firings, unknown};
 use crate::experiment::{Experiment, Sort};
-use crate::fit::{self, DIFFERENCE};
+use crate::fit::{self, DIFFERENCE, Fit, STEPS};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Proposal, Terms};
 use crate::layout::TICK;
 use crate::plausible::{ANGLES, Check, RATES, SUPPLY as SUPPLIED};
@@ -114,6 +114,12 @@ const fn output(name: &'static str) -> Column {
 const UNLIKE: f64 = 0.25;
 const SPREADS: f64 = 6.0;
 
+/// Indices of height and climb among the unknowns of a stride that begins in the air.
+const ABOVE: usize = 2;
+const CLIMB: usize = 3;
+/// By how much other starts of its fit differ: of a height or lean (rad), and of a climb (rad/s).
+const SHIFTS: [f64; 2] = [4e-3, 0.15];
+
 /// Strides of a running robot.
 #[derive(Clone, Debug)]
 pub struct Strides {
@@ -123,6 +129,8 @@ pub struct Strides {
     bases: Vec<f64>,
     /// What each that begins in the air is guessed to begin with.
     guesses: Vec<Option<[f64; 5]>>,
+    /// The unknowns of each as it is fitted alone, once it is.
+    found: Vec<Option<Vec<f64>>>,
     /// Channel of the wheel's angle, and of the radius angle or the travel.
     wheel: Option<usize>,
     place: Option<usize>,
@@ -135,9 +143,49 @@ impl Strides {
     /// # Errors
     /// [`Problem`] where data and robot do not go together, or there are too few strides.
     pub fn new(experiment: &Experiment, robot: &Robot) -> Result<Strides, Problem> {
-        let cut = cut::cut(experiment, robot)?;
+        let mut cut = cut::cut(experiment, robot)?;
+        let first = Strides::of(&cut, robot)?;
+        let alone = first.each_alone();
+        cut.without_impacts(&first.landings(&alone));
+        cut.start_from(&alone);
         let tried = Strides::of(&cut, robot)?;
-        Strides::of(&cut.fit(&tried.unfit())?, robot)
+        let alone = tried.each_alone();
+        cut.start_from(&alone);
+        Strides::of(&cut.fit(&tried.unfit(&alone))?, robot)
+    }
+
+    /// Each stride fitted alone and without a cause; none where the model has no such motion.
+    fn each_alone(&self) -> Vec<Option<Fit>> {
+        (0..self.logs().len()).map(|run| self.alone(run)).collect()
+    }
+
+    /// A stride fitted alone, from several starts: heights in counts hardly tell when its foot comes
+    /// down, and a fit stays on the side of that on which it began.
+    fn alone(&self, run: usize) -> Option<Fit> {
+        let first = fit::fit_none(self, &[run]);
+        let shifts: &[(usize, f64)] = match self.guesses[run] {
+            Some(_) => &[(ABOVE, -1.0), (ABOVE, 1.0), (CLIMB, -1.0), (CLIMB, 1.0)],
+            None => &[(0, -1.0), (0, 1.0)],
+        };
+        let from = |(k, way): &(usize, f64)| {
+            let mut from = Fit::first(self);
+            from.unknowns[run][*k] += way * SHIFTS[usize::from(*k == CLIMB)];
+            fit::refit(self, from, &[run], &None, STEPS)
+        };
+        let others = shifts.iter().filter_map(from);
+        first
+            .into_iter()
+            .chain(others)
+            .min_by(|a, b| a.loss.total_cmp(&b.loss))
+    }
+
+    /// When (s, from its first row) the foot of each stride comes down.
+    fn landings(&self, alone: &[Option<Fit>]) -> Vec<Option<f64>> {
+        let of = |(run, fit): (usize, &Option<Fit>)| {
+            let fit = fit.as_ref()?;
+            self.firings.lands(run, &fit.terms, &fit.unknowns[run])
+        };
+        alone.iter().enumerate().map(of).collect()
     }
 
     fn of(cut: &Cut, robot: &Robot) -> Result<Strides, Problem> {
@@ -158,6 +206,7 @@ impl Strides {
             firings,
             bases: strides.iter().map(|stride| stride.base).collect(),
             guesses,
+            found: strides.iter().map(|stride| stride.found.clone()).collect(),
             notes: cut.notes(),
         })
     }
@@ -165,9 +214,9 @@ impl Strides {
     /// Why a stride is not fitted, if it is not: the model has no such motion, or leaves far more of
     /// it than of the others, as of one in which somebody pushed. Where more than a third of the strides
     /// are unlike the others, they are what is to be explained.
-    fn unfit(&self) -> Vec<Option<Unfit>> {
-        let runs = 0..self.logs().len();
-        let left: Vec<Option<f64>> = runs.map(|run| self.left(run)).collect();
+    fn unfit(&self, alone: &[Option<Fit>]) -> Vec<Option<Unfit>> {
+        let left = |(run, fit): (usize, &Option<Fit>)| self.left(run, fit.as_ref()?);
+        let left: Vec<Option<f64>> = alone.iter().enumerate().map(left).collect();
         let mut known: Vec<f64> = left.iter().flatten().map(|x| x.ln()).collect();
         if known.is_empty() {
             return vec![Some(Unfit::NoMotion); left.len()];
@@ -185,10 +234,9 @@ impl Strides {
         left.into_iter().map(of).collect()
     }
 
-    /// The greatest rms of the residuals (σ) of a channel of a stride, fitted alone and without a
-    /// cause; none where the model has no such motion.
-    fn left(&self, run: usize) -> Option<f64> {
-        let fit = fit::fit_none(self, &[run])?;
+    /// The greatest rms of the residuals (σ) of a channel of a stride that is fitted alone; none
+    /// where there is no motion beside that.
+    fn left(&self, run: usize, fit: &Fit) -> Option<f64> {
         let own = &fit.unknowns[run];
         // Around it there is a motion, too.
         for (k, unknown) in self.unknowns(run).iter().enumerate() {
@@ -213,25 +261,8 @@ impl Strides {
         Some(rms.fold(1e-3, f64::max))
     }
 
-    /// Index of the foot's place among the unknowns of a stride: the last one.
-    fn foot(&self, unknowns: &[f64]) -> f64 {
-        let last = unknowns.last().filter(|_| self.place.is_some());
-        last.copied().unwrap_or(0.0)
-    }
-}
-
-impl Kind for Strides {
-    fn channels(&self) -> &[Channel] {
-        self.firings.channels()
-    }
-
-    fn logs(&self) -> &[Log] {
-        self.firings.logs()
-    }
-
-    /// Lean and rate of a stride that begins on its foot, and where that stands; of one that begins in
-    /// the air lean, pivot and place with their rates.
-    fn unknowns(&self, run: usize) -> Vec<Parameter> {
+    /// The unknowns of a stride at what its columns tell of them.
+    fn guessed(&self, run: usize) -> Vec<Parameter> {
         let Some([lean, rate, above, climb, turn_rate]) = self.guesses[run] else {
             let mut all = self.firings.unknowns(run);
             all.truncate(2);
@@ -253,6 +284,32 @@ impl Kind for Strides {
         ];
         if self.place.is_some() {
             all.push(free("start_place", 0.0, 3.0, 1e-3));
+        }
+        all
+    }
+
+    /// Index of the foot's place among the unknowns of a stride: the last one.
+    fn foot(&self, unknowns: &[f64]) -> f64 {
+        let last = unknowns.last().filter(|_| self.place.is_some());
+        last.copied().unwrap_or(0.0)
+    }
+}
+
+impl Kind for Strides {
+    fn channels(&self) -> &[Channel] {
+        self.firings.channels()
+    }
+
+    fn logs(&self) -> &[Log] {
+        self.firings.logs()
+    }
+
+    /// Lean and rate of a stride that begins on its foot, and where that stands; of one that begins in
+    /// the air lean, pivot and place with their rates.
+    fn unknowns(&self, run: usize) -> Vec<Parameter> {
+        let mut all = self.guessed(run);
+        for (unknown, found) in all.iter_mut().zip(self.found[run].iter().flatten()) {
+            unknown.neutral = *found;
         }
         all
     }

@@ -17,6 +17,8 @@ pub struct Course {
     pub breaks_away: Option<f64>,
     /// When (s) the foot leaves the ground.
     pub leaves: Option<f64>,
+    /// When (s) the foot of a robot that starts in the air first comes down.
+    pub lands: Option<f64>,
 }
 
 /// A state on a course.

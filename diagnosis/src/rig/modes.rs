@@ -156,6 +156,7 @@ impl Run<'_> {
     /// The foot comes down; a leg that is out is pushed in by the impulse.
     fn land(&mut self) -> Option<()> {
         let machine = &self.rig.machine;
+        self.course.lands.get_or_insert(self.state.time);
         let is_home = self.mode.leg == Slide::Latched
             || (self.mode.leg == Slide::Held && self.state.q[LEG] <= 0.0);
         let (v, foot) = machine.touched_down(

@@ -10,14 +10,15 @@ use std::sync::Arc;
 use saltus_robot::Robot;
 
 use crate::experiment::{Experiment, Run, Sort};
+use crate::fit::Fit;
 use crate::noise;
-use crate::rig::{Others, Rig, Start};
+use crate::rig::{Flight, Others, Rig, Start};
 use crate::spec::Problem;
 
 /// Most strides that are fitted: more take longer and hardly tell more.
 const MOST: usize = 12;
 /// Fewest strides from which a cause can be told from a single odd stride.
-const LEAST: usize = 6;
+const LEAST: usize = 4;
 /// Time (s) after a touch-down in which its impact is over, and before the next one.
 const MARGIN: f64 = 4e-3;
 /// Least time (s) of a stride after its command: the valve's delay, and some extension.
@@ -73,6 +74,8 @@ pub(super) struct Stride {
     pub(super) guess: Option<[f64; 5]>,
     /// Its other legs, by what is believed of them.
     pub(super) others: Arc<Others>,
+    /// Its unknowns as it is fitted alone.
+    pub(super) found: Option<Vec<f64>>,
 }
 
 /// Why a stride is no jump.
@@ -137,6 +140,7 @@ pub(super) fn cut(experiment: &Experiment, robot: &Robot) -> Result<Cut, Problem
                     base: window.base,
                     guess: cutter.guess(&track, run, &window),
                     others: Arc::new(cutter.others(&track, &firings, k, &window)),
+                    found: None,
                 }),
                 Err(why) => *unfit.entry(why).or_default() += 1,
             }
@@ -158,6 +162,34 @@ impl Cut {
     /// The strides that are tried: twice as many as are used, at most.
     pub(super) fn strides(&self) -> &[Stride] {
         &self.strides
+    }
+
+    /// Each stride starts from where it is fitted alone.
+    pub(super) fn start_from(&mut self, alone: &[Option<Fit>]) {
+        for (run, (stride, fit)) in self.strides.iter_mut().zip(alone).enumerate() {
+            stride.found = fit.as_ref().map(|fit| fit.unknowns[run].clone());
+        }
+    }
+
+    /// Takes out the rates that the gyro read about each landing (s, from the first row of its
+    /// stride). The rate jumps there: a millisecond, by which heights in counts cannot tell when a
+    /// foot comes down, makes of its reading an error of many standard deviations.
+    pub(super) fn without_impacts(&mut self, landings: &[Option<f64>]) {
+        let column = |name: &String| name == "wheel_rate_rad_s";
+        let Some(rate) = self.empty.columns.iter().position(column) else {
+            return;
+        };
+        for (stride, landing) in self.strides.iter_mut().zip(landings) {
+            let Run { time, values, .. } = &mut stride.run;
+            let Some((landing, first)) = landing.zip(time.first().copied()) else {
+                continue;
+            };
+            for (time, value) in time.iter().zip(&mut values[rate]) {
+                if (time - first - landing).abs() < MARGIN {
+                    *value = f64::NAN;
+                }
+            }
+        }
     }
 
     /// The strides as runs of kind jump.
@@ -399,8 +431,81 @@ struct Out {
     extensions: Vec<f64>,
 }
 
-/// Time (s) between extensions.
+/// Time (s) between extensions, and their number.
 const STEP: f64 = 2e-3;
+const STEPS: u32 = 300;
+
+/// The state in which a leg is fired.
+#[derive(Clone, Copy, Debug)]
+struct Fired {
+    /// Lean (rad) of the leg, and its rate (rad/s).
+    lean: f64,
+    rate: f64,
+    /// Height (m) of its foot above the ground.
+    above: f64,
+}
+
+impl Fired {
+    /// In whole steps, with the valve's opening time (0.5 ms).
+    fn key(&self, firing: Firing) -> [i64; 4] {
+        let opening = firing.shut - firing.open;
+        // Whole numbers.
+        #[allow(clippy::cast_possible_truncation)]
+        let whole = |x: f64, step: f64| (x / step).round() as i64;
+        [
+            whole(self.lean, 0.05),
+            whole(self.rate, 0.5),
+            whole(self.above, 2e-3),
+            whole(opening.max(0.0), 5e-4),
+        ]
+    }
+
+    /// The start of the motion of `robot`.
+    fn start(&self, robot: &Robot) -> Start {
+        let foot = robot.foot.radius;
+        let height = foot + (robot.body.radius - foot) * self.lean.cos() + self.above;
+        let (pivot, turn_rate) = match robot.boom {
+            Some(boom) => (
+                ((height - robot.body.radius) / boom.length).asin(),
+                self.rate * robot.body.radius / boom.length,
+            ),
+            None => (height, self.rate * robot.body.radius),
+        };
+        Start::Flying(Flight {
+            lean: (self.lean, self.rate),
+            pivot: (pivot, 0.0),
+            turn_rate,
+        })
+    }
+}
+
+impl Out {
+    fn new(robot: &Robot, state: &Fired, opening: f64) -> Out {
+        let times = (0..STEPS).map(|n| STEP * f64::from(n));
+        let until = STEP * f64::from(STEPS);
+        // With gravity it would fall back onto the one foot that there is.
+        let mut floats = robot.clone();
+        floats.environment.gravity = 0.0;
+        let course = Rig::new(&floats).jump(state.start(robot), 0.0, opening, Some(until));
+        let extensions: Vec<f64> = course.map_or_else(Vec::new, |course| {
+            let mut place = 0;
+            times
+                .map(|time| course.at(time, &mut place).extension.0)
+                .collect()
+        });
+        let last_out = extensions
+            .iter()
+            .rposition(|d| *d > 1e-4 * robot.leg.stroke);
+        let after = match last_out {
+            Some(last) if last + 1 < extensions.len() => {
+                LATE * (STEP * last as f64 - opening).max(0.0)
+            }
+            None if !extensions.is_empty() => 0.0,
+            _ => f64::INFINITY,
+        };
+        Out { after, extensions }
+    }
+}
 
 /// What is believed of the robot, and what its instruments can tell.
 struct Cutter<'a> {
@@ -413,8 +518,8 @@ struct Cutter<'a> {
     arm: Option<f64>,
     /// Height (m) that counts as none.
     near: f64,
-    /// For each valve opening time (in 0.1 ms) how a leg goes out and comes home.
-    out: BTreeMap<u64, Out>,
+    /// For each state in which a leg is fired how it goes out and comes home.
+    out: BTreeMap<[i64; 4], Out>,
 }
 
 impl<'a> Cutter<'a> {
@@ -484,37 +589,33 @@ impl<'a> Cutter<'a> {
         track.height[row] - length * self.lean(track, row, leg).cos() - foot
     }
 
-    /// How a leg moves whose valve is open for `opening` (s).
-    fn out(&mut self, opening: f64) -> &Out {
-        // Whole steps of 0.1 ms.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let key = (opening.max(0.0) * 1e4).round() as u64;
+    /// How the leg of `firing` moves: as it is believed to from the state that the robot has as its
+    /// valve opens. The faster the wheel turns, the later a leg comes home; the spin may hold it out.
+    fn out(&mut self, track: &Track<'_>, firing: Firing) -> &Out {
+        let state = self.state(track, firing);
+        let key = state.key(firing);
         let robot = self.robot;
-        self.out.entry(key).or_insert_with(|| {
-            let start = Start::Rolling {
-                lean: 0.0,
-                rate: 6.0,
-            };
-            let times = (0..300).map(|n: u32| STEP * f64::from(n));
-            let course = Rig::new(robot).jump(start, 0.0, opening, Some(0.6));
-            let extensions: Vec<f64> = course.map_or_else(Vec::new, |course| {
-                let mut place = 0;
-                times
-                    .map(|time| course.at(time, &mut place).extension.0)
-                    .collect()
-            });
-            let last_out = extensions
-                .iter()
-                .rposition(|d| *d > 1e-4 * robot.leg.stroke);
-            let after = match last_out {
-                Some(last) if last + 1 < extensions.len() => {
-                    LATE * (STEP * last as f64 - opening).max(0.0)
-                }
-                None => 0.0,
-                Some(_) => f64::INFINITY,
-            };
-            Out { after, extensions }
-        })
+        self.out
+            .entry(key)
+            .or_insert_with(|| Out::new(robot, &state, firing.shut - firing.open))
+    }
+
+    /// The state (rounded) in which a leg is fired.
+    fn state(&self, track: &Track<'_>, firing: Firing) -> Fired {
+        let at = track.row(firing.open).min(track.time.len() - 1);
+        let early = track.row(firing.open - AROUND);
+        let late = track.row(firing.open + AROUND).min(track.time.len() - 1);
+        let over = (track.time[late] - track.time[early]).max(1e-9);
+        let slope = |column: &[f64]| (column[late] - column[early]) / over;
+        let round = |x: f64, step: f64| (x / step).round() * step;
+        let lean = self.lean(track, at, firing.leg);
+        let lowest =
+            self.robot.foot.radius + (self.robot.body.radius - self.robot.foot.radius) * lean.cos();
+        Fired {
+            lean: round(lean, 0.05),
+            rate: round(slope(&track.wheel), 0.5),
+            above: round((track.height[at] - lowest).clamp(0.0, 0.5), 2e-3),
+        }
     }
 
     /// What the legs but that of firing `k` add to the wheel's moment of inertia in a stride.
@@ -537,7 +638,7 @@ impl<'a> Cutter<'a> {
             latest.extend(earlier.map(|f| (f.leg, *f)));
             let mut sum = 0.0;
             for firing in latest.values() {
-                let out = &self.out(firing.shut - firing.open).extensions;
+                let out = &self.out(track, *firing).extensions;
                 // An index.
                 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
                 let place = ((time - firing.open) / STEP) as usize;
@@ -554,10 +655,10 @@ impl<'a> Cutter<'a> {
     }
 
     /// How far (m) each leg may be out at `time`.
-    fn extensions(&mut self, firings: &[Firing], time: f64) -> Vec<f64> {
+    fn extensions(&mut self, track: &Track<'_>, firings: &[Firing], time: f64) -> Vec<f64> {
         let mut all = vec![0.0; self.robot.body.legs as usize];
         for firing in firings.iter().filter(|f| f.open <= time) {
-            let is_out = time < firing.shut + self.out(firing.shut - firing.open).after;
+            let is_out = time < firing.shut + self.out(track, *firing).after;
             if is_out {
                 all[firing.leg] = self.robot.leg.stroke;
             }
@@ -590,7 +691,7 @@ impl<'a> Cutter<'a> {
         if track.wheel[late] <= track.wheel[early] {
             return Err(Unfit::Backwards);
         }
-        if self.extensions(&firings[..k], firing.open)[leg] > 0.0 {
+        if self.extensions(track, &firings[..k], firing.open)[leg] > 0.0 {
             return Err(Unfit::NotHome);
         }
         let clear = self.clear(track, &firings[..k], leg, (at, firing))?;
@@ -619,7 +720,7 @@ impl<'a> Cutter<'a> {
         }
         while first > 0 && track.time[first - 1] > firing.open - BEFORE {
             let row = first - 1;
-            let is_home = self.extensions(before, track.time[row])[leg] == 0.0;
+            let is_home = self.extensions(track, before, track.time[row])[leg] == 0.0;
             if !is_home || self.other(track, before, leg, row).is_some() {
                 return Ok(track.row(track.time[first] + MARGIN).min(at));
             }
@@ -743,7 +844,7 @@ impl<'a> Cutter<'a> {
         leg: usize,
         row: usize,
     ) -> Option<Unfit> {
-        let extensions = self.extensions(before, track.time[row]);
+        let extensions = self.extensions(track, before, track.time[row]);
         let legs = 0..extensions.len();
         let mut others = legs.filter(|other| *other != leg);
         let touches = |other: usize, d: f64| {
