@@ -8,7 +8,7 @@
 use std::sync::OnceLock;
 
 use saltus::gait::{
-    Disturbance, Draw, Footfall, Program, Row, Run, Setup, Smooth, What, When, drawn_robot, run,
+    Disturbance, Draw, Footfall, Lines, Program, Row, Run, Setup, Smooth, What, When, drawn_robot, run,
     speed_law,
 };
 use saltus_diagnosis::{Experiment, Run as Measured, Sort};
@@ -162,6 +162,9 @@ const EFFECTS: &[(&str, [Change; 2])] = &[
     ),
 ];
 
+/// How many gaits there are: each two seeds the next one.
+const GAITS: u64 = 5;
+
 /// Ids of the effects that can be hidden.
 pub fn causes() -> impl Iterator<Item = &'static str> {
     EFFECTS.iter().map(|(id, _)| *id)
@@ -216,14 +219,15 @@ pub fn make(hidden: Option<&str>, seconds: f64, seed: u64) -> Option<Trial> {
     })
 }
 
-/// How the robot runs: by the smooth law, at a speed, or under one firing angle after a push.
+/// How the robot runs: by a smooth law, at a speed, under one firing angle after a push, or by a
+/// closed loop.
 fn setup(robot: Robot, seconds: f64, seed: u64, draw: &mut Random) -> Option<(Setup, String)> {
     static LAW: OnceLock<Option<Vec<[f64; 3]>>> = OnceLock::new();
     let law = || {
         LAW.get_or_init(|| speed_law(&Robot::builtin("rats-run")?, 1).ok())
             .clone()
     };
-    let (mut setup, words) = match (seed / 2) % 4 {
+    let (mut setup, words) = match (seed / 2) % GAITS {
         0 => {
             let setup = Setup::new(robot, Smooth::QUICK.program(), seconds);
             (setup, "smooth".to_owned())
@@ -237,6 +241,15 @@ fn setup(robot: Robot, seconds: f64, seed: u64, draw: &mut Random) -> Option<(Se
             let setup = Setup::holding(&robot, law()?, &[[0.0, speed]], seconds).ok()?;
             (setup, format!("{speed:.2} m/s"))
         }
+        4 => {
+            let lines = Lines::One {
+                first: draw.between(0.3, 0.4),
+                last: draw.between(-0.15, -0.05),
+                at: draw.between(9.0, 12.0),
+            };
+            let setup = Setup::new(robot, Program::ClosedLoop(lines), seconds);
+            (setup, "closed loop".to_owned())
+        }
         _ => {
             let firing_angle = draw.between(0.0, 0.2);
             let mut setup = Setup::new(robot, Program::Fixed { firing_angle }, seconds);
@@ -247,7 +260,7 @@ fn setup(robot: Robot, seconds: f64, seed: u64, draw: &mut Random) -> Option<(Se
             (setup, format!("fixed {firing_angle:.2} rad"))
         }
     };
-    if (seed / 2) % 4 < 2 {
+    if matches!((seed / 2) % GAITS, 0 | 1 | 4) {
         // As the command has it for a law over the rate.
         setup.zone = -0.3;
     }

@@ -16,7 +16,7 @@ use crate::rig::{Flight, Others, Rig, Start};
 use crate::spec::Problem;
 
 /// Most strides that are fitted: more take longer and hardly tell more.
-const MOST: usize = 12;
+const MOST: usize = 8;
 /// Fewest strides from which a cause can be told from a single odd stride.
 const LEAST: usize = 4;
 /// Time (s) after a touch-down in which its impact is over, and before the next one.
@@ -34,6 +34,9 @@ const LEAST_ROWS: usize = 3;
 const AROUND: f64 = 0.01;
 /// Least time (s) for which a foot stands before its leg is fired, in a stride that begins on it.
 const STANDS: f64 = 0.03;
+/// Greatest centripetal acceleration of the axle, in terms of gravity along the leg, at which a foot
+/// surely stays on the ground: it leaves at 1.
+const STAYS: f64 = 0.8;
 /// Height (m) that counts as none, whatever the instruments.
 const NEAR: f64 = 2e-3;
 /// A leg that is home by the model may be late by this factor.
@@ -85,6 +88,7 @@ pub(super) enum Unfit {
     Backwards,
     NotHome,
     InTheAir,
+    Hops,
     TwoFeet,
     OtherOut,
     Short,
@@ -100,6 +104,7 @@ impl Unfit {
             Unfit::Backwards => "the robot rolls backwards",
             Unfit::NotHome => "its leg may not be home again at its touch-down",
             Unfit::InTheAir => "its leg is not seen to stand or to fly as it is fired",
+            Unfit::Hops => "it rolls so fast that its foot may not stay on the ground",
             Unfit::TwoFeet => "two feet are down",
             Unfit::OtherOut => "another leg may be out and on the ground",
             Unfit::Short => "the next touch-down comes too soon",
@@ -785,7 +790,19 @@ impl<'a> Cutter<'a> {
         if track.time[row] > firing.open - STANDS {
             return Err(Unfit::InTheAir);
         }
+        if !self.stays(track, leg, row) {
+            return Err(Unfit::Hops);
+        }
         Ok((row, None))
+    }
+
+    /// Whether the foot of `leg` stays on the ground as the axle rolls over it from a row on: whether
+    /// gravity holds the axle on its circle.
+    fn stays(&self, track: &Track<'_>, leg: usize, row: usize) -> bool {
+        let later = track.row(track.time[row] + STANDS).min(track.time.len() - 1);
+        let rate = (track.wheel[later] - track.wheel[row]) / (track.time[later] - track.time[row]);
+        let held = self.robot.axle_gravity() * self.lean(track, row, leg).cos();
+        rate.powi(2) * self.robot.body.radius < STAYS * held
     }
 
     /// What a window that begins in the air is guessed to begin with: lean and its rate, pivot (or
