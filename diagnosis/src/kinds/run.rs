@@ -5,6 +5,10 @@
 //! estimated. `cut.rs` finds these strides in the measured columns and counts the others.
 
 mod cut;
+mod cutter;
+mod legs;
+mod start;
+mod track;
 
 use std::sync::Arc;
 

@@ -8,8 +8,8 @@
 use std::sync::OnceLock;
 
 use saltus::gait::{
-    Disturbance, Draw, Footfall, Lines, Program, Row, Run, Setup, Smooth, What, When, drawn_robot, run,
-    speed_law,
+    Disturbance, Draw, Footfall, Lines, Program, Row, Run, Setup, Smooth, What, When, drawn_robot,
+    run, speed_law,
 };
 use saltus_diagnosis::{Experiment, Run as Measured, Sort};
 use saltus_robot::{Robot, resolve};
