@@ -116,6 +116,8 @@ pub type Build = fn(&Experiment, Option<&Robot>) -> Result<Box<dyn Kind>, Proble
 
 /// One kind of experiment. All of it stands in the kind's own file in `kinds`.
 #[derive(Debug)]
+// Independent facts of a kind, none of which is a state.
+#[allow(clippy::struct_excessive_bools)]
 pub struct Spec {
     /// Which it is.
     pub sort: Sort,

@@ -175,7 +175,7 @@ impl Machine {
     }
 
     /// The robot in the air, its legs home.
-    pub(super) fn aloft(&self, flight: &Flight) -> (Coordinates, Coordinates) {
+    pub(super) fn aloft(flight: &Flight) -> (Coordinates, Coordinates) {
         let (mut q, mut v) = (Coordinates::zeros(), Coordinates::zeros());
         (q[LEAN], v[LEAN]) = flight.lean;
         (q[PIVOT], v[PIVOT]) = flight.pivot;

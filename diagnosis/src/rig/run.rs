@@ -5,7 +5,7 @@ use saltus_pneumatics::{Flow, Piece, Switches};
 use super::contact::{Answer, Axle, Foot, Modes};
 use super::course::{Course, Knot};
 use super::guard::{Guard, Guards, TINY};
-use super::machine::{Coordinates, LEAN, LEG};
+use super::machine::{Coordinates, LEAN, LEG, Machine};
 use super::{Rig, Start};
 
 /// Step sizes (s): on soft ground, while the chamber fills, while the leg moves, before it is
@@ -115,7 +115,7 @@ impl<'a> Run<'a> {
         let machine = &rig.machine;
         let (q, v) = match start {
             Start::Rolling { lean, rate } => machine.stand(lean, rate)?,
-            Start::Flying(flight) => machine.aloft(&flight),
+            Start::Flying(flight) => Machine::aloft(&flight),
             Start::Rest => machine.stand(0.0, 0.0)?,
         };
         let rate = v[LEAN];

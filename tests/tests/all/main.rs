@@ -12,6 +12,7 @@ mod planar;
 mod reference;
 mod routes;
 mod slip;
+mod strides;
 mod terms;
 mod thesis;
 mod verdicts;

@@ -28,7 +28,6 @@ const MOST: usize = 8;
 const LEAST: usize = 4;
 /// Time (s) after a touch-down in which its impact is over, and before the next one.
 pub(super) const MARGIN: f64 = 4e-3;
-
 /// The strides of an experiment.
 pub(super) struct Cut {
     /// How many firings there are.

@@ -106,7 +106,9 @@ impl Cutter<'_> {
         // Without the fall, it is a line.
         let fall = 0.5 * self.robot.axle_gravity() / self.arm.unwrap_or(1.0);
         let mut pivot = column(name)?;
-        pivot.iter_mut().for_each(|(t, x)| *x += fall * *t * *t);
+        for (t, x) in &mut pivot {
+            *x += fall * *t * *t;
+        }
         let (climb, above) = line(&pivot)?;
         let reach = self.robot.boom.map_or(1.0, |boom| boom.length);
         let turn = column("radius_angle_rad").or_else(|| column("x_m"));
