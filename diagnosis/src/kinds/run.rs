@@ -1,8 +1,10 @@
 //! The robot runs: strides of every leg, each read as a jump.
 //!
-//! A stride begins just after the touch-down of a leg and ends before the next one. Where that leg
-//! stands alone and is fired, its motion is one of [`super::jump`]: lean and rate at its start are
-//! estimated. `cut.rs` finds these strides in the measured columns and counts the others.
+//! A stride begins just after the touch-down of a leg, or in the flight before it, and ends before the
+//! next one. Its motion is one of [`super::jump`], of which lean and rate at its start are estimated,
+//! and height, climb and speed where it begins in the air. `cut.rs` and the files that it names find
+//! these strides in the measured columns and count the others. Each is fitted alone first, from several
+//! starts.
 
 mod cut;
 mod cutter;
