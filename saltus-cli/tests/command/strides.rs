@@ -56,29 +56,31 @@ fn spoil(folder: &Folder, change: impl Fn(&mut Vec<String>, &mut Vec<Vec<String>
     folder.write("logs/run.csv", &(lines.join("\n") + "\n"));
 }
 
+/// What spoils header and cells of a log.
+type Change = dyn Fn(&mut Vec<String>, &mut Vec<Vec<String>>);
+
 #[test]
 fn what_is_no_run_is_named() {
-    let check =
-        |name: &str, change: &dyn Fn(&mut Vec<String>, &mut Vec<Vec<String>>), words: &[&str]| {
-            let folder = Folder::new(&format!("strides-{name}"));
-            folder.done(
-                "run --gait smooth --seconds 1.7 --telemetry logs --format json",
-                0,
-            );
-            spoil(&folder, change);
-            let run = folder.run(&["diagnose", "logs"]);
-            assert_eq!(run.code, Some(2), "{name}: {}", run.out);
-            for word in words {
-                assert!(run.err.contains(word), "{name}: {}", run.err);
-            }
-        };
+    let check = |name: &str, change: &Change, words: &[&str]| {
+        let folder = Folder::new(&format!("strides-{name}"));
+        folder.done(
+            "run --gait smooth --seconds 1.7 --telemetry logs --format json",
+            0,
+        );
+        spoil(&folder, change);
+        let run = folder.run(&["diagnose", "logs"]);
+        assert_eq!(run.code, Some(2), "{name}: {}", run.out);
+        for word in words {
+            assert!(run.err.contains(word), "{name}: {}", run.err);
+        }
+    };
     check(
         "missing",
         &|header, cells| {
             header.remove(5);
-            cells.iter_mut().for_each(|row| {
+            for row in cells {
                 row.remove(5);
-            });
+            }
         },
         &["rats-run has 5 legs", "valve_5 is missing"],
     );
@@ -86,7 +88,9 @@ fn what_is_no_run_is_named() {
         "many",
         &|header, cells| {
             header.push("valve_6".into());
-            cells.iter_mut().for_each(|row| row.push("0".into()));
+            for row in cells {
+                row.push("0".into());
+            }
         },
         &["rats-run has 5 legs", "valve_6 is one too many"],
     );
