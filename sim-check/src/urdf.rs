@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use nalgebra::Matrix3;
 use saltus_robot::Robot;
 
 use crate::SimError;
@@ -106,12 +107,18 @@ impl Writer<'_> {
 
     fn link(&mut self, index: usize) {
         let body = &self.rig.mechanism.tree.bodies()[index];
-        let (mass, center) = (body.mass.max(LEAST_MASS), vector(&body.center));
-        let i = bodily(&body.inertia);
         self.xml.open("link", &[("name", plain(&body.name))]);
+        self.inertial(body.mass, &body.center, &body.inertia);
+        self.shapes(index);
+        self.xml.close("link");
+    }
+
+    fn inertial(&mut self, mass: f64, center: &Vec3, inertia: &Matrix3<f64>) {
+        let i = bodily(inertia);
         self.xml.open("inertial", &[]);
-        self.xml.leaf("origin", &[("xyz", center)]);
-        self.xml.leaf("mass", &[("value", number(mass))]);
+        self.xml.leaf("origin", &[("xyz", vector(center))]);
+        let mass = number(mass.max(LEAST_MASS));
+        self.xml.leaf("mass", &[("value", mass)]);
         let moments = [
             ("ixx", i[(0, 0)]),
             ("ixy", i[(0, 1)]),
@@ -123,8 +130,6 @@ impl Writer<'_> {
         let moments = moments.map(|(key, x)| (key, number(x)));
         self.xml.leaf("inertia", &moments);
         self.xml.close("inertial");
-        self.shapes(index);
-        self.xml.close("link");
     }
 
     fn shapes(&mut self, index: usize) {
@@ -230,6 +235,8 @@ impl Writer<'_> {
         let name = foot_frame(leg);
         let (seen, touches) = (radius.max(0.03 * rig.radius), radius);
         self.xml.open("link", &[("name", name.clone())]);
+        // Without it, MuJoCo gives the sphere the mass of water.
+        self.inertial(0.0, &Vec3::zeros(), &Matrix3::zeros());
         for (use_, radius) in [("visual", seen), ("collision", touches)] {
             self.xml.open(use_, &[]);
             self.geometry("sphere", &[("radius", number(radius))]);
@@ -265,7 +272,7 @@ fn missing(robot: &Robot) -> [Option<String>; 7] {
             .map(|_| "the stiffness of the boom, which bends at the joint in its middle".into()),
         (robot.environment.drag > 0.0).then(|| "the drag of the air".into()),
         Some(format!(
-            "links without mass: travel and height, or the turn of the boom, have {LEAST_MASS} kg"
+            "links without mass, such as feet, have {LEAST_MASS} kg"
         )),
     ]
 }
