@@ -78,7 +78,7 @@ def main():
             worst = compare(binary, robot, pathlib.Path(folder))
             misses += worst > NEAR
             print(f"{' '.join(robot):60} differs by {worst:.1e} {'ok' if worst <= NEAR else 'MISS'}")
-    return misses > 0
+    return int(misses > 0)
 
 
 if __name__ == "__main__":
