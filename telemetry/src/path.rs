@@ -32,6 +32,16 @@ pub enum Index {
     Name(String),
 }
 
+impl Field {
+    /// The field `name`, which is no list.
+    pub fn named(name: &str) -> Field {
+        Field {
+            name: name.into(),
+            index: None,
+        }
+    }
+}
+
 impl FromStr for Path {
     type Err = Error;
 

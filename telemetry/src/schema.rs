@@ -129,6 +129,13 @@ impl Schema {
         Ok(schema)
     }
 
+    /// Names of the fields of a message that are one number each.
+    pub fn numbers(&self) -> Vec<&str> {
+        let fields = self.layouts[0].fields.iter();
+        let is_number = |f: &&Slot| matches!(f.kind, Kind::Number(_)) && f.count == Count::One;
+        fields.filter(is_number).map(|f| f.name.as_str()).collect()
+    }
+
     /// Refuses types that hold themselves.
     fn depth(
         &self,

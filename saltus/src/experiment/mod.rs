@@ -22,6 +22,7 @@ mod instant;
 mod join;
 mod lines;
 mod manifest;
+mod mcap;
 mod plan;
 mod run;
 mod thin;
