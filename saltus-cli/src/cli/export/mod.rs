@@ -88,8 +88,14 @@ impl Export {
         match self.target {
             Target::C(command) => command.run(),
             Target::Rust(command) => command.run(),
-            Target::Mjcf(command) => written(sim_check::mjcf(&command.robot.robot()?)?, command.out.as_deref()),
-            Target::Urdf(command) => written(sim_check::urdf(&command.robot.robot()?)?, command.out.as_deref()),
+            Target::Mjcf(command) => written(
+                sim_check::mjcf(&command.robot.robot()?)?,
+                command.out.as_deref(),
+            ),
+            Target::Urdf(command) => written(
+                sim_check::urdf(&command.robot.robot()?)?,
+                command.out.as_deref(),
+            ),
         }
     }
 }

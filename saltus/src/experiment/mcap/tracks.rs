@@ -232,8 +232,12 @@ impl<'a> Joint<'a> {
             }
         }
         let held = self.held();
-        held.iter().for_each(|(t, column)| self.switch(*t, *column));
-        held.iter().for_each(|(t, column)| self.hold(*t, *column));
+        for (t, column) in &held {
+            self.switch(*t, *column);
+        }
+        for (t, column) in &held {
+            self.hold(*t, *column);
+        }
     }
 
     /// The columns that hold their value, each with its track.
