@@ -6,7 +6,7 @@ mod family;
 mod report;
 mod text;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use saltus::lagrangian::{Batch, FINE};
