@@ -4,6 +4,7 @@
 //! [`Setup`] says which robot runs how; [`run`] runs it, and gives every cycle to a closure.
 
 pub mod analysis;
+mod box_table;
 mod cast;
 mod crossing;
 mod drawn;
@@ -19,6 +20,7 @@ mod speed;
 mod surroundings;
 mod world;
 
+pub use box_table::{BoxTable, Choice};
 pub use cast::instruments;
 pub use crossing::{Crossed, Crossing, CrossingPlan};
 pub use drawn::{Draw, Ensemble, drawn_robot};
@@ -28,7 +30,7 @@ pub use logged::{Logged, Logger};
 pub use optimal::{Level, Optimal, Quest, optimal};
 pub use run::{Ending, Footfall, Obstacle, Row, Run, Setup, Summary, run};
 pub use search::{Search, search};
-pub use sensed::{BoxTable, Choice, Faced, Sensed};
+pub use sensed::{Faced, Sensed};
 pub use sensors::{Ranging, Sensing};
 pub use speed::speed_law;
 pub use surroundings::{Disturbance, Surroundings, What, When};

@@ -40,9 +40,10 @@ impl Logger {
     /// The columns after the time; each ends with its unit but the valves, which are 0 or 1.
     pub fn columns(&self) -> Vec<String> {
         let valves = (1..=self.legs).map(|leg| format!("valve_{leg}"));
-        let boom: &[&str] = match self.on_boom {
-            true => &["pivot_angle_rad", "radius_angle_rad"],
-            false => &[],
+        let boom: &[&str] = if self.on_boom {
+            &["pivot_angle_rad", "radius_angle_rad"]
+        } else {
+            &[]
         };
         let measured = ["wheel_angle_rad", "wheel_rate_rad_s"];
         let names = measured.iter().chain(boom).map(|name| (*name).to_owned());

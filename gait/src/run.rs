@@ -10,10 +10,10 @@ use saltus_controller::run::{
 use saltus_robot::{Robot, Sensors};
 use saltus_sim_check::{Contact, Happening, Ledger, Rig, Stepping, Surface};
 
+use crate::box_table::BoxTable;
 use crate::cast::instruments;
 use crate::error::require;
 use crate::law::Compiled;
-use crate::sensed::BoxTable;
 use crate::sensors::Ranging;
 use crate::surroundings::{Disturbance, Surroundings};
 use crate::world::World;

@@ -94,6 +94,9 @@ pub struct Others {
 impl Others {
     /// The moment (kg m²) at a time (s), and its rate; between the values it is a line.
     fn at(&self, time: f64) -> (f64, f64) {
+        if self.inertia.is_empty() {
+            return (0.0, 0.0);
+        }
         let place = (time / self.step).max(0.0);
         // An index.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]

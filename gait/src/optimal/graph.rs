@@ -176,7 +176,7 @@ impl<'a> Explorer<'a, '_> {
     fn wait(&mut self, walker: &mut Walker<'a>, parent: Option<(usize, Pick)>) -> Key {
         let key = key(walker, self.level.size);
         let (time, left) = (walker.time, walker.left());
-        let arrival = time + walker.to_go();
+        let arrival = time + walker.time_left();
         let better = self
             .waiting
             .get(&key)
@@ -229,7 +229,7 @@ impl<'a> Explorer<'a, '_> {
                 }
                 After::Entry(mut child) => {
                     let to = self.wait(&mut child, Some((me, pick)));
-                    Some((child.time - next.time, Some((to, child.to_go()))))
+                    Some((child.time - next.time, Some((to, child.time_left()))))
                 }
             });
         }

@@ -116,7 +116,7 @@ impl<'a> Walker<'a> {
     }
 
     /// Time (s) for what is left at the present speed.
-    pub(super) fn to_go(&mut self) -> f64 {
+    pub(super) fn time_left(&mut self) -> f64 {
         self.left() / self.measures()[3].max(SLOWEST)
     }
 

@@ -4,9 +4,9 @@ use rand_pcg::Pcg64;
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
 
-use super::table::BEYOND;
-use super::{BoxTable, Sensed};
+use super::Sensed;
 use crate::GaitError;
+use crate::box_table::{BEYOND, BoxTable};
 use crate::drawn::drawn_robot;
 use crate::run::{Footfall, Row, Run, Setup, run};
 

@@ -5,7 +5,6 @@ mod faced;
 mod profile;
 mod solve;
 mod strides;
-mod table;
 
 use std::f64::consts::TAU;
 
@@ -14,6 +13,7 @@ use rand_pcg::Pcg64;
 use saltus_controller::run::Stall;
 use saltus_robot::Robot;
 
+use crate::box_table::{BoxTable, ZONE, counted};
 use crate::drawn::Draw;
 use crate::error::require;
 use crate::run::{Obstacle, Setup};
@@ -21,8 +21,6 @@ use crate::{GaitError, Smooth};
 
 pub use faced::Faced;
 use strides::Stride;
-use table::ZONE;
-pub use table::{BoxTable, Choice};
 
 /// Boxes at any distance, for one robot and those drawn around it.
 #[derive(Clone, Debug)]
@@ -142,15 +140,4 @@ fn between(random: &mut Pcg64, from: f64, to: f64) -> f64 {
 /// A whole number from 0 to below `count`, evenly drawn.
 fn below(random: &mut Pcg64, count: usize) -> usize {
     counted((between(random, 0.0, 1.0) * count as f64).floor()).min(count.saturating_sub(1))
-}
-
-/// The count nearest to `x`, 0 for what is less.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-fn counted(x: f64) -> usize {
-    x.round().max(0.0) as usize
-}
-
-/// The cell of width `wide` in which `x` lies, the first for what is less.
-fn floor(x: f64, wide: f64) -> usize {
-    counted((x / wide).floor())
 }

@@ -4,8 +4,7 @@ use std::f64::consts::TAU;
 
 use saltus_robot::Robot;
 
-use super::table::{COLUMNS, NEAREST, WIDTH};
-use super::{counted, floor};
+use crate::box_table::{COLUMNS, NEAREST, WIDTH, counted, floor};
 use crate::run::Row;
 
 /// Least height (m) of the robot above each place, from the entry of a leg into the zone on.

@@ -3,9 +3,10 @@
 use saltus_numeric::parallel;
 
 use super::Sensed;
-use super::counted;
 use super::strides::Stride;
-use super::table::{BoxTable, CHOICES, COLUMNS, FIRST_LEAP, HEIGHTS, ROWS, WIDTH, row_of};
+use crate::box_table::{
+    BoxTable, CHOICES, COLUMNS, FIRST_LEAP, HEIGHTS, ROWS, WIDTH, counted, row_of,
+};
 
 /// Sweeps over all cells; a run has fewer strides.
 const SWEEPS: usize = 25;

@@ -5,10 +5,11 @@ use saltus_numeric::parallel;
 use saltus_robot::Robot;
 
 use super::profile::Profile;
-use super::table::{
-    ALL, ANGLES, BoxTable, CHOICES, Choice, FIRST_LEAP, LEAP_ANGLES, LEAP_OPEN, TIMES, row_of,
+use super::{Sensed, below, between};
+use crate::box_table::{
+    ALL, ANGLES, BoxTable, CHOICES, Choice, FIRST_LEAP, LEAP_ANGLES, LEAP_OPEN, TIMES, floor,
+    row_of,
 };
-use super::{Sensed, below, between, floor};
 use crate::drawn::drawn_robot;
 use crate::run::{Footfall, Row, Run, Setup, run};
 use crate::{GaitError, Program};

@@ -126,6 +126,7 @@ fn rats_run_is_rats_boom_that_runs() {
     expected.sensors = Some(Sensors {
         gyro_noise: 0.1,
         accelerometer_radius: 0.05,
+        range_noise: 0.01,
         ..Sensors::default()
     });
     assert_eq!(robot, expected);

@@ -2,7 +2,7 @@
 
 use saltus::gait::{GaitError, Optimal, Program, Quest, Setup, optimal};
 
-use super::run::refused;
+use super::refused::refused;
 use crate::error::CliError;
 use crate::output::{digits, print};
 use crate::progress::Progress;

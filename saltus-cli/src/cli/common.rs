@@ -15,13 +15,17 @@ use crate::output::{Files, Format, message, reachable};
 use crate::plot::{Drawing, PlotFile};
 use crate::progress::Progress;
 
+/// The robot where none is named.
+const USUAL: &str = "rats-planar";
+
 /// Which robot.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Robot and output")]
 pub(crate) struct RobotFlags {
     /// Robot: a built-in one (rats-planar, rats-boom, rats-run, spring-hopper, table-hopper) or a TOML file
-    #[arg(long, value_name = "NAME|FILE", default_value = "rats-planar")]
-    robot: String,
+    /// [default: rats-planar]
+    #[arg(long, value_name = "NAME|FILE")]
+    robot: Option<String>,
 
     /// Override a parameter of the robot by its dotted key, as in leg.stroke_m=0.05; may be
     /// repeated
@@ -32,7 +36,12 @@ pub(crate) struct RobotFlags {
 impl RobotFlags {
     /// The robot with its overrides.
     pub(crate) fn robot(&self) -> Result<Robot, CliError> {
-        robot(&self.robot, &self.overrides)
+        self.robot_or(USUAL)
+    }
+
+    /// The robot with its overrides, the built-in `usual` where none is named.
+    pub(crate) fn robot_or(&self, usual: &str) -> Result<Robot, CliError> {
+        robot(self.robot.as_deref().unwrap_or(usual), &self.overrides)
     }
 
     /// The robot with its overrides, for the planar model: says what of it that model leaves out.
@@ -72,7 +81,8 @@ impl PlantFlags {
             (None, true) => Ok(None),
             (None, false) => {
                 let all = [common.overrides.as_slice(), &self.plant_overrides].concat();
-                robot(&common.robot, &all).map(Some)
+                let named = common.robot.as_deref().unwrap_or(USUAL);
+                robot(named, &all).map(Some)
             }
         }
     }

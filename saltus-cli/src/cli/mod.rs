@@ -14,6 +14,7 @@ mod parkour;
 mod plan;
 mod proof;
 mod recorded;
+mod refused;
 mod run;
 mod simulate;
 mod table;

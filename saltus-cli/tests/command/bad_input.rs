@@ -81,8 +81,8 @@ const CASES: &[(&str, &[&str])] = &[
         &["--gait <GAIT>", "--distance <LENGTHS>"],
     ),
     (
-        "export c --gait fixed --law one --out x",
-        &["--law", "--gait closed-loop"],
+        "export c --gait fixed --lines one --out x",
+        &["--lines", "--gait closed-loop"],
     ),
     (
         "export c --distance 0.6 --zone 0 --out x",

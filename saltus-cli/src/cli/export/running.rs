@@ -7,8 +7,9 @@ use saltus::gait::{Centre, Lines, Program, Quest, Setup};
 
 use crate::cli::best::{self, goal};
 use crate::cli::common::note_valve;
-use crate::cli::run::values::{Knots, knots};
-use crate::cli::run::{Aim, refused};
+use crate::cli::refused::refused;
+use crate::cli::run::Aim;
+use crate::cli::run::values::{Knots, Taps, knots, taps};
 use crate::error::CliError;
 use crate::quantity;
 
@@ -33,7 +34,7 @@ enum Kind {
 
 /// Lines of a closed loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Law {
+enum LinesKind {
     /// One line from rest to 13.3 rad/s
     One,
     /// Two lines that meet at 5 rad/s; the first falls by 0.01 rad for each rad/s
@@ -53,8 +54,8 @@ pub(super) struct RunningFlags {
     gait: Option<Kind>,
 
     /// Lines of `closed-loop` [default: two]
-    #[arg(long, value_enum, value_name = "LAW")]
-    law: Option<Law>,
+    #[arg(long, value_enum)]
+    lines: Option<LinesKind>,
 
     /// Firing angle (rad) of `fixed` [default: 0.1]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
@@ -88,6 +89,10 @@ pub(super) struct RunningFlags {
     /// for `fixed`, `open-loop` and `speed`, -0.3 for the others]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
     zone: Option<f64>,
+
+    /// Weights of the filter on the rate, the newest first, divided by their sum [default: a mean of five]
+    #[arg(long, value_name = "WEIGHTS", value_parser = taps, allow_hyphen_values = true)]
+    taps: Option<Taps>,
 }
 
 impl Kind {
@@ -157,6 +162,9 @@ impl RunningFlags {
             Kind::ClosedLoop | Kind::Curve | Kind::Smooth | Kind::Optimal => -0.3,
         };
         setup.zone = self.zone.unwrap_or(begins);
+        if let Some(taps) = &self.taps {
+            setup.taps.clone_from(&taps.0);
+        }
         Ok(setup)
     }
 
@@ -172,8 +180,8 @@ impl RunningFlags {
     fn meant(&self, valve_open: Option<f64>) -> Result<(), CliError> {
         use Kind::{ClosedLoop, Curve, Fixed, OpenLoop, Optimal, Smooth, Speed};
         let all = [Fixed, OpenLoop, ClosedLoop, Curve, Smooth, Speed, Optimal];
-        let given: [(&'static str, bool, &[Kind]); 9] = [
-            ("--law", self.law.is_some(), &[ClosedLoop]),
+        let given: [(&'static str, bool, &[Kind]); 10] = [
+            ("--lines", self.lines.is_some(), &[ClosedLoop]),
             ("--firing-angle", self.firing_angle.is_some(), &[Fixed]),
             ("--from", self.from.is_some(), &[OpenLoop, ClosedLoop]),
             ("--to", self.to.is_some(), &[OpenLoop, ClosedLoop]),
@@ -182,6 +190,7 @@ impl RunningFlags {
             ("--goal", self.goal.is_some(), &[Optimal]),
             ("--refinements", self.refinements.is_some(), &[Optimal]),
             ("--zone", self.zone.is_some(), &all),
+            ("--taps", self.taps.is_some(), &all),
         ];
         for (flag, is_given, kinds) in given {
             if is_given && !self.gait.is_some_and(|gait| kinds.contains(&gait)) {
@@ -205,7 +214,7 @@ impl RunningFlags {
     fn program(&self, gait: Kind) -> Result<Program, CliError> {
         let first = self.from.unwrap_or(0.35);
         let (last, at) = (self.to.unwrap_or(-0.1), 13.3);
-        Ok(match (gait, self.law) {
+        Ok(match (gait, self.lines) {
             (Kind::Curve, _) => {
                 let knots = self.knots.as_ref().ok_or(CliError::Missing {
                     flag: "--knots",
@@ -226,16 +235,16 @@ impl RunningFlags {
                 slope: 2.1,
                 centre: Centre::Seconds(3.0),
             },
-            (Kind::ClosedLoop, Some(Law::One)) => {
+            (Kind::ClosedLoop, Some(LinesKind::One)) => {
                 Program::ClosedLoop(Lines::One { first, last, at })
             }
-            (Kind::ClosedLoop, law) => Program::ClosedLoop(Lines::Two {
+            (Kind::ClosedLoop, lines) => Program::ClosedLoop(Lines::Two {
                 first,
                 slope: -0.01,
                 switch: 5.0,
                 last,
                 at,
-                jumps: law == Some(Law::Jump),
+                jumps: lines == Some(LinesKind::Jump),
             }),
         })
     }

@@ -57,7 +57,7 @@ Examples:
   saltus export c --distance 0.6 --newton 2 --out firmware/src
   saltus export c --distance 0.3:0.8:11 --plant rats-boom --out firmware/src
   saltus export c --distance 0.4:0.7:7 --valve-open 60ms --valve-range 30ms:60ms --real double --out firmware/src
-  saltus export c --gait closed-loop --robot rats-run --out firmware/src
+  saltus export c --gait closed-loop --out firmware/src
 
 The files are saltus_controller.h and saltus_controller.c, or with --gait saltus_running.h, saltus_running.c and running_tables.h.
 
@@ -172,7 +172,7 @@ impl C {
     fn write<R: Number>(&self) -> Result<Status, CliError> {
         let open = self.flags.terms.valve_open();
         let threads = self.flags.threads.count().get();
-        let robot = || self.flags.robot.robot();
+        let robot = || self.flags.robot.robot_or("rats-run");
         match self.running.written::<R>(robot, open, threads)? {
             Written::Unasked => {}
             Written::Unreached => return Ok(Status::No),

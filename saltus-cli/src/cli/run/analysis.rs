@@ -15,9 +15,10 @@ use serde_json::{Value, json};
 
 use super::Run;
 use super::disturb::Typed;
-use super::gait::{Chosen, Kind, refused};
+use super::gait::{Chosen, Kind};
 use super::report::{head, joined};
 use crate::cli::Status;
+use crate::cli::refused::refused;
 use crate::error::CliError;
 use crate::output::{self, Files, Format, digits, message};
 use crate::progress::Progress;

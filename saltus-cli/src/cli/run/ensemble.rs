@@ -6,9 +6,10 @@ use serde_json::{Value, json};
 
 use super::Run;
 use super::disturb::Typed;
-use super::gait::{Chosen, refused};
+use super::gait::Chosen;
 use super::report::{head, joined};
 use crate::cli::Status;
+use crate::cli::refused::refused;
 use crate::error::CliError;
 use crate::output::{self, Cell, Files, Format, Table, digits};
 use crate::progress::Progress;

@@ -4,13 +4,14 @@ use std::f64::consts::TAU;
 
 use clap::{Args, ValueEnum};
 use saltus::Robot;
-use saltus::gait::{Centre, GaitError, Lines, Optimal, Program, Quest, Smooth, speed_law};
+use saltus::gait::{Centre, Lines, Optimal, Program, Quest, Smooth, speed_law};
 use saltus::numeric::parallel::available;
 
 use super::values::{
     Knots, Speeds, Taps, knots, rate, shift, slope, speeds, steepness, taps, top_rate,
 };
 use crate::cli::best::goal;
+use crate::cli::refused::refused;
 use crate::error::CliError;
 use crate::output::digits;
 use crate::quantity;
@@ -497,37 +498,6 @@ impl GaitFlags {
             Program::Curve(knots) => format!("curve of {} knots", knots.len()),
             _ => self.gait.name().to_owned(),
         }
-    }
-}
-
-/// What the library refuses, as what the user typed.
-pub(crate) fn refused(error: GaitError, robot: &Robot) -> CliError {
-    let name = &robot.name;
-    match error {
-        GaitError::Input {
-            name: what,
-            value,
-            allowed,
-        } => {
-            let flag = match what.as_str() {
-                "legs" => {
-                    let reason = format!("body.legs = {value}: must be {allowed}");
-                    return CliError::content(name, reason);
-                }
-                "start of the active zone (rad)" => "--zone",
-                "length of the run (s)" => "--seconds",
-                "taps of the filter" | "sum of the filter's taps" => "--taps",
-                "valve opening time (s)" => "--valve-open",
-                "firing angle (rad)" => "--first-slope, --switch",
-                "rate of a law's knot (rad/s)" | "knots of a law" => "--knots",
-                "length of the boom (m)" | "speeds measured (m/s)" => "--gait speed",
-                "B (1/s)" => "--steepness",
-                "C" => "--shift",
-                _ => "--disturb",
-            };
-            CliError::flag(flag, format!("({what} = {value})"), allowed)
-        }
-        _ => CliError::content(name, error),
     }
 }
 

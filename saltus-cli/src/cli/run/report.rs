@@ -197,7 +197,9 @@ impl Report<'_> {
         let flown = self.summary.time_to_mark.map_or_else(
             || format!("{mark} m not reached"),
             |time| {
-                let off = digits(100.0 * (time / found.time - 1.0), 2);
+                let off = 100.0 * (time / found.time - 1.0);
+                // Adding 0 makes −0 0.
+                let off = (10.0 * off).round() / 10.0 + 0.0;
                 format!(
                     "{mark} m in {} s, {off} % over what is predicted",
                     short(time)

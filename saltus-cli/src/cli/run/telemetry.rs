@@ -120,16 +120,18 @@ fn manifest(report: &Report<'_>, believed: &Robot) -> String {
         report.title().replace(['\n', '\r'], " ")
     );
     let columns = Logger::new(robot).columns();
-    let sizes = |pick: fn((Option<f64>, Option<f64>)) -> Option<f64>| {
-        let of = |column: &String| {
-            let size = pick(Logger::errors(robot, column))?;
-            Some(format!("{column} = {}\n", float(size)))
-        };
-        columns.iter().filter_map(of).collect::<String>()
-    };
-    for (table, lines) in [("noise", sizes(|e| e.0)), ("resolution", sizes(|e| e.1))] {
+    let (mut noise, mut resolution) = (String::new(), String::new());
+    for column in &columns {
+        let (sigma, count) = Logger::errors(robot, column);
+        for (lines, size) in [(&mut noise, sigma), (&mut resolution, count)] {
+            if let Some(size) = size {
+                // Writing to a string does not fail.
+                let _ = writeln!(lines, "{column} = {}", float(size));
+            }
+        }
+    }
+    for (table, lines) in [("noise", noise), ("resolution", resolution)] {
         if !lines.is_empty() {
-            // Writing to a string does not fail.
             let _ = write!(text, "[{table}]\n{lines}");
         }
     }

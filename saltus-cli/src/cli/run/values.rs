@@ -13,7 +13,7 @@ pub(super) struct Speeds(pub(super) Vec<[f64; 2]>);
 
 /// Weights of a filter.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Taps(pub(super) Vec<f64>);
+pub(crate) struct Taps(pub(crate) Vec<f64>);
 
 /// A number as it is, with what is allowed.
 fn plain(text: &str, allowed: &'static str, legal: impl Fn(f64) -> bool) -> Result<f64, String> {
@@ -127,7 +127,7 @@ pub(super) fn speeds(text: &str) -> Result<Speeds, String> {
 }
 
 /// Parser of a flag.
-pub(super) fn taps(text: &str) -> Result<Taps, String> {
+pub(crate) fn taps(text: &str) -> Result<Taps, String> {
     let number = |part: &str| plain(part, "a number", |_| true);
     let taps = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
     if taps.len() > 16 {

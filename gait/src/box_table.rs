@@ -3,8 +3,6 @@
 use saltus_controller::Axis;
 use saltus_controller::run::Ahead;
 
-use super::{counted, floor};
-
 /// What a leg does: it fires at a lean (rad), its valve opens for a time (s). With a time of 0 it does
 /// not fire.
 pub type Choice = [f64; 2];
@@ -32,19 +30,19 @@ pub struct BoxTable {
 }
 
 /// Firing angles (rad) and valve opening times (s) of legs that drive the robot.
-pub(super) const ANGLES: [f64; 6] = [-0.4, -0.1, 0.1, 0.2, 0.3, 0.45];
-pub(super) const TIMES: [f64; 3] = [0.025, 0.042, 0.065];
+pub(crate) const ANGLES: [f64; 6] = [-0.4, -0.1, 0.1, 0.2, 0.3, 0.45];
+pub(crate) const TIMES: [f64; 3] = [0.025, 0.042, 0.065];
 /// Firing angles (rad) of a jump, and its valve opening time (s): past the end of the stroke.
-pub(super) const LEAP_ANGLES: [f64; 7] = [-0.5, -0.42, -0.34, -0.26, -0.18, -0.1, 0.05];
-pub(super) const LEAP_OPEN: f64 = 0.1;
+pub(crate) const LEAP_ANGLES: [f64; 7] = [-0.5, -0.42, -0.34, -0.26, -0.18, -0.1, 0.05];
+pub(crate) const LEAP_OPEN: f64 = 0.1;
 /// The first choice: the leg does not fire.
 const IDLE: Choice = [0.6, 0.0];
 /// The first choice that is a jump, and how many there are in all.
-pub(super) const FIRST_LEAP: usize = 1 + ANGLES.len() * TIMES.len();
-pub(super) const CHOICES: usize = FIRST_LEAP + LEAP_ANGLES.len();
+pub(crate) const FIRST_LEAP: usize = 1 + ANGLES.len() * TIMES.len();
+pub(crate) const CHOICES: usize = FIRST_LEAP + LEAP_ANGLES.len();
 
 /// All that a leg can do, jumps last.
-pub(super) static ALL: [Choice; CHOICES] = {
+pub(crate) static ALL: [Choice; CHOICES] = {
     let mut all = [IDLE; CHOICES];
     let mut k = 0;
     while k < ANGLES.len() * TIMES.len() {
@@ -60,27 +58,27 @@ pub(super) static ALL: [Choice; CHOICES] = {
 };
 
 /// Where the active zone begins (rad): a jump's leg fires well before it is upright.
-pub(super) const ZONE: f64 = -0.5;
+pub(crate) const ZONE: f64 = -0.5;
 /// Cells of the rate: from the first rate, so wide (rad/s), so many.
-pub(super) const RATES: (f64, f64, usize) = (-0.5, 1.0, 17);
+pub(crate) const RATES: (f64, f64, usize) = (-0.5, 1.0, 17);
 /// Cells of the axle's height above that of a robot that stands: so wide (m), so many.
-pub(super) const HEIGHTS: (f64, usize) = (0.02, 5);
+pub(crate) const HEIGHTS: (f64, usize) = (0.02, 5);
 /// Cells of both.
-pub(super) const ROWS: usize = RATES.2 * HEIGHTS.1;
+pub(crate) const ROWS: usize = RATES.2 * HEIGHTS.1;
 /// Width of a cell of the distance (m); the nearest distance at which a leg may still fire, and how
 /// many cells there are from there on.
-pub(super) const WIDTH: f64 = 0.025;
-pub(super) const NEAREST: f64 = 0.2;
-pub(super) const COLUMNS: usize = 72;
+pub(crate) const WIDTH: f64 = 0.025;
+pub(crate) const NEAREST: f64 = 0.2;
+pub(crate) const COLUMNS: usize = 72;
 /// Way (m) beyond a box after which it is behind.
-pub(super) const BEYOND: f64 = 0.3;
+pub(crate) const BEYOND: f64 = 0.3;
 /// By how much (m) a reading of the range sensor may differ from what is known.
 const SAME: f64 = 0.3;
 /// Least weight of a reading.
 const LEAST_WEIGHT: f64 = 0.05;
 
 /// The cell of a rate (rad/s) and a height (m) above the stand.
-pub(super) fn row_of(rate: f64, height: f64) -> usize {
+pub(crate) fn row_of(rate: f64, height: f64) -> usize {
     let (first, wide, rows) = RATES;
     let row = floor(rate - first, wide).min(rows - 1);
     row * HEIGHTS.1 + floor(height, HEIGHTS.0).min(HEIGHTS.1 - 1)
@@ -95,7 +93,7 @@ fn passing(length: f64) -> (f64, usize) {
 
 impl BoxTable {
     /// A table of the choices `best`, for each row and column; nearer than these no leg fires.
-    pub(super) fn new(best: &[usize], (height, length): (f64, f64), room: f64) -> BoxTable {
+    pub(crate) fn new(best: &[usize], (height, length): (f64, f64), room: f64) -> BoxTable {
         let (behind, before) = passing(length);
         let row = |row: &[usize]| {
             let known = row.iter().map(|choice| u8::try_from(*choice).unwrap_or(0));
@@ -133,4 +131,15 @@ impl BoxTable {
             first_leap: u8::try_from(FIRST_LEAP).unwrap_or(u8::MAX),
         }
     }
+}
+
+/// The count nearest to `x`, 0 for what is less.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+pub(crate) fn counted(x: f64) -> usize {
+    x.round().max(0.0) as usize
+}
+
+/// The cell of width `wide` in which `x` lies, the first for what is less.
+pub(crate) fn floor(x: f64, wide: f64) -> usize {
+    counted((x / wide).floor())
 }
