@@ -3,6 +3,7 @@
 //! the numbers that stand in it. Without arguments, those of a file of the tests.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::error::Error;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write};
@@ -40,12 +41,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         if here.is_empty() {
             return Ok(());
         }
-        if !selections.contains_key(&channel.id) {
-            let fields: Vec<&[Field]> = here.iter().map(|k| &paths[*k].fields[..]).collect();
-            let selection = channel.layout()?.select(&fields)?;
-            selections.insert(channel.id, (selection, here));
-        }
-        let (selection, here) = &selections[&channel.id];
+        let (selection, here) = match selections.entry(channel.id) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(place) => {
+                let fields: Vec<&[Field]> = here.iter().map(|k| &paths[*k].fields[..]).collect();
+                place.insert((channel.layout()?.select(&fields)?, here))
+            }
+        };
         let mut found = vec![f64::NAN; here.len()];
         selection.find(data, &mut found)?;
         let mut cells = vec![String::new(); paths.len()];

@@ -208,17 +208,21 @@ def injected(binary, folder):
         alike(binary, *places)
 
 
-def alike(binary, csv_folder, mcap_folder):
-    """Whether the diagnoses of two folders differ in nothing but names and hashes."""
-    said = []
-    for folder, end in [(csv_folder, ".csv"), (mcap_folder, ".mcap")]:
-        text = command(binary, "diagnose", folder, "--format", "json", codes=(0, 1))
-        answer = json.loads(text.replace(str(folder), "FOLDER").replace(end, ""))
-        answer["data"].pop("hash")
-        notes = answer["data"].pop("notes")
-        said.append(answer)
-    expect(said[0] == said[1], f"{mcap_folder.name}: the diagnosis differs from that of the CSV files")
-    print(f"{mcap_folder.name}: the diagnosis is that of the CSV files; notes: {notes}")
+def answer(binary, folder, end):
+    """The diagnosis of a folder without names and hashes, and its notes."""
+    text = command(binary, "diagnose", folder, "--format", "json", codes=(0, 1))
+    found = json.loads(text.replace(str(folder), "FOLDER").replace(end, ""))
+    found["data"].pop("hash")
+    return found, found["data"].pop("notes")
+
+
+def alike(binary, csv_folder, *mcap_folders):
+    """Whether the diagnoses of folders differ in nothing but names and hashes."""
+    expected, _ = answer(binary, csv_folder, ".csv")
+    for folder in mcap_folders:
+        found, notes = answer(binary, folder, ".mcap")
+        expect(found == expected, f"{folder.name}: the diagnosis differs from that of the CSV files")
+        print(f"{folder.name}: the diagnosis is that of the CSV files; notes: {notes}")
 
 
 def theirs(binary, folder):
@@ -256,7 +260,7 @@ def converted(binary, folder):
     """A run as a rosbag2 of standard messages, and its diagnosis."""
     telemetry = folder / "ticks"
     # Valves switch at whole cycles, so that all times are whole ns.
-    words = ["run", "--gait", "fixed", "--firing-angle", "0", "--valve-open", "40ms", "--seconds", "3"]
+    words = ["run", "--gait", "fixed", "--seconds", "4", "--disturb", "torque=5@0.5:0.7s"]
     command(binary, *words, "--telemetry", telemetry, codes=(0, 1))
     rows, place, store = table(telemetry / "run.csv"), folder / "bag", fixtures.STORE
     for clock, late in [("header", fixtures.LATE), ("log", 0)]:
@@ -300,7 +304,7 @@ def converted(binary, folder):
         mapping = ", ".join(f'{name} = "{path}"' for name, path in paths.items())
         text = (telemetry / "experiment.toml").read_text().replace("run.csv", "run.mcap")
         (target / "experiment.toml").write_text(f'{text}clock = "{clock}"\ncolumns = {{ {mapping} }}\n')
-        alike(binary, telemetry, target)
+    alike(binary, telemetry, folder / "ticks-header", folder / "ticks-log")
 
 
 def main():
