@@ -127,9 +127,22 @@ def rosbag2(path, count=40, **compressed):
         shutil.copy(next(place.glob("*.mcap")), path)
 
 
+def idl(path):
+    """A message whose definition is not of ros2msg."""
+    with open(path, "wb") as out:
+        writer = McapWriter(out)
+        writer.start(profile="ros2", library="fixtures")
+        text = "module std_msgs { module msg { struct UInt8 { uint8 data; }; }; };"
+        channel = writer.register_channel("/valve", "cdr", writer.register_schema(VALVE, "ros2idl", text.encode()))
+        writer.add_message(channel, START, bytes([0, 1, 0, 0, 1]), START)
+        writer.finish()
+
+
 def all_files(folder, count=40):
-    """Every file, by its name."""
+    """Every file that Saltus reads; one that it does not is in the folder `foreign`."""
     folder = pathlib.Path(folder)
+    (folder / "foreign").mkdir(exist_ok=True)
+    idl(folder / "foreign/ros2idl.mcap")
     for name, compression in [("none", CompressionType.NONE), ("zstd", CompressionType.ZSTD), ("lz4", CompressionType.LZ4)]:
         official(folder / f"{name}.mcap", compression, count)
     unindexed(folder / "unindexed.mcap", count)
