@@ -215,6 +215,7 @@ fn every_command_in_the_documents_runs() {
         include_str!("../../../docs/model.md"),
         include_str!("../../../docs/running.md"),
         include_str!("../../../docs/thesis.md"),
+        include_str!("../../../docs/viewers.md"),
     ];
     let folder = furnished("documents");
     let mut done: Vec<Vec<String>> = Vec::new();
