@@ -262,49 +262,48 @@ def converted(binary, folder):
     # Valves switch at whole cycles, so that all times are whole ns.
     words = ["run", "--gait", "fixed", "--seconds", "4", "--disturb", "torque=5@0.5:0.7s"]
     command(binary, *words, "--telemetry", telemetry, codes=(0, 1))
-    rows, place, store = table(telemetry / "run.csv"), folder / "bag", fixtures.STORE
-    for clock, late in [("header", fixtures.LATE), ("log", 0)]:
-        target = folder / f"ticks-{clock}"
-        target.mkdir()
-        bag = folder / f"bag-{clock}"
-        with Bag(bag, version=9, storage_plugin=StoragePlugin.MCAP) as out:
-            of = {}
+    rows, store = table(telemetry / "run.csv"), fixtures.STORE
+    target = folder / "ticks-mcap"
+    target.mkdir()
+    bag = folder / "bag"
+    with Bag(bag, version=9, storage_plugin=StoragePlugin.MCAP) as out:
+        of = {}
 
-            def write(topic, name, ns, contents):
-                if topic not in of:
-                    of[topic] = out.add_connection(topic, name, typestore=store)
-                out.write(of[topic], ns + late, store.serialize_cdr(fixtures.made(name, contents), name))
+        def write(topic, name, ns, contents):
+            if topic not in of:
+                of[topic] = out.add_connection(topic, name, typestore=store)
+            out.write(of[topic], ns + fixtures.LATE, store.serialize_cdr(fixtures.made(name, contents), name))
 
-            before = {}
-            for row in rows:
-                ns = fixtures.START + round(float(row["time_s"]) * 1e9)
-                header = {"stamp": fixtures.stamp(ns), "frame_id": ""}
-                for k in range(1, 6):
-                    now = int(row[f"valve_{k}"])
-                    if before.get(k, 0) != now:
-                        contents = {"header": header, "point": {"x": now, "y": 0, "z": 0}}
-                        write(f"/valve_{k}", "geometry_msgs/msg/PointStamped", ns, contents)
-                    before[k] = now
-                if not row["wheel_angle_rad"]:
-                    continue
-                x = {name: float(row[name]) for name in COLUMNS}
-                names = {"boom": "pivot", "boom_turn": "radius", "wheel": "wheel"}
-                joints = {"header": header, "name": list(names), "velocity": [], "effort": []}
-                joints["position"] = [x[f"{name}_angle_rad"] for name in names.values()]
-                write("/joint_states", fixtures.JOINTS, ns, joints)
-                zero = {"x": 0, "y": 0, "z": 0}
-                imu = {"header": header, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}, "linear_acceleration": zero}
-                imu["angular_velocity"] = {"x": 0, "y": x["wheel_rate_rad_s"], "z": 0}
-                for name in ["orientation", "angular_velocity", "linear_acceleration"]:
-                    imu[f"{name}_covariance"] = [0.0] * 9
-                write("/imu", fixtures.IMU, ns, imu)
-        (target / "run.mcap").write_bytes(next(bag.glob("*.mcap")).read_bytes())
-        (target / "robot.toml").write_bytes((telemetry / "robot.toml").read_bytes())
-        paths = COLUMNS | {f"valve_{k}": f"/valve_{k}.point.x" for k in range(1, 6) if f"/valve_{k}" in of}
-        mapping = ", ".join(f'{name} = "{path}"' for name, path in paths.items())
-        text = (telemetry / "experiment.toml").read_text().replace("run.csv", "run.mcap")
-        (target / "experiment.toml").write_text(f'{text}clock = "{clock}"\ncolumns = {{ {mapping} }}\n')
-    alike(binary, telemetry, folder / "ticks-header", folder / "ticks-log")
+        before = {}
+        for row in rows:
+            ns = fixtures.START + round(float(row["time_s"]) * 1e9)
+            header = {"stamp": fixtures.stamp(ns), "frame_id": ""}
+            for k in range(1, 6):
+                now = int(row[f"valve_{k}"])
+                if before.get(k, 0) != now:
+                    contents = {"header": header, "point": {"x": now, "y": 0, "z": 0}}
+                    write(f"/valve_{k}", "geometry_msgs/msg/PointStamped", ns, contents)
+                before[k] = now
+            if not row["wheel_angle_rad"]:
+                continue
+            x = {name: float(row[name]) for name in COLUMNS}
+            names = {"boom": "pivot", "boom_turn": "radius", "wheel": "wheel"}
+            joints = {"header": header, "name": list(names), "velocity": [], "effort": []}
+            joints["position"] = [x[f"{name}_angle_rad"] for name in names.values()]
+            write("/joint_states", fixtures.JOINTS, ns, joints)
+            zero = {"x": 0, "y": 0, "z": 0}
+            imu = {"header": header, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}, "linear_acceleration": zero}
+            imu["angular_velocity"] = {"x": 0, "y": x["wheel_rate_rad_s"], "z": 0}
+            for name in ["orientation", "angular_velocity", "linear_acceleration"]:
+                imu[f"{name}_covariance"] = [0.0] * 9
+            write("/imu", fixtures.IMU, ns, imu)
+    (target / "run.mcap").write_bytes(next(bag.glob("*.mcap")).read_bytes())
+    (target / "robot.toml").write_bytes((telemetry / "robot.toml").read_bytes())
+    paths = COLUMNS | {f"valve_{k}": f"/valve_{k}.point.x" for k in range(1, 6) if f"/valve_{k}" in of}
+    mapping = ", ".join(f'{name} = "{path}"' for name, path in paths.items())
+    text = (telemetry / "experiment.toml").read_text().replace("run.csv", "run.mcap")
+    (target / "experiment.toml").write_text(f'{text}clock = "header"\ncolumns = {{ {mapping} }}\n')
+    alike(binary, telemetry, target)
 
 
 def main():

@@ -4,6 +4,8 @@
 //! A file becomes the text that a CSV file with the same numbers has. What follows is then the same
 //! for both, and so are the answers.
 
+mod tracks;
+
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -17,8 +19,6 @@ use super::manifest::{Listed, LogClock};
 use crate::recording::MEASURED;
 
 use tracks::{Track, joined};
-
-mod tracks;
 
 /// Most messages of a topic: a row of each is kept in memory.
 const MOST: usize = 10_000_000;

@@ -336,6 +336,59 @@ fn damaged_and_foreign_files_are_told_by_name() {
     );
 }
 
+/// Bytes changed, left out and put in, with the checksums left out so that the damage gets through.
+#[test]
+fn no_damage_breaks_the_reader() {
+    let folder = Folder::new("mcap-mutated");
+    slide(&folder, SLIDE);
+    let whole = std::fs::read(folder.path("a.mcap")).unwrap();
+    let official = std::fs::read(files().join("unindexed.mcap")).unwrap();
+    let mut state = 0x1234_5678_9abc_def1_u64;
+    let mut random = move |below: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        usize::try_from(state).unwrap() % below
+    };
+    let mut read_well = 0;
+    for round in 0..200 {
+        let mut bytes = if round % 2 == 0 {
+            whole.clone()
+        } else {
+            official.clone()
+        };
+        // No checksum of the data section, whose end says it, and none of the chunk: it follows
+        // opcode, length, two times and a size.
+        let end = bytes
+            .windows(9)
+            .position(|b| b == [15, 4, 0, 0, 0, 0, 0, 0, 0]);
+        bytes[end.unwrap() + 9..][..4].fill(0);
+        if round % 2 == 0 {
+            let chunk = bytes.iter().position(|b| *b == 6).unwrap();
+            bytes[chunk + 33..][..4].fill(0);
+        }
+        for _ in 0..=random(3) {
+            let at = 100 + random(bytes.len() - 200);
+            bytes[at] = u8::try_from(random(256)).unwrap();
+        }
+        folder.write("a.mcap", &bytes);
+        let keys = if round % 2 == 0 {
+            SLIDE.to_owned()
+        } else {
+            "columns = { force_n = \"/imu.angular_velocity.y\", position_m = \
+             \"/joint_states.position[leg1]\" }"
+                .to_owned()
+        };
+        let text = format!("kind = \"slide\"\n[[run]]\nfile = \"a.mcap\"\n{keys}\n");
+        folder.write("experiment.toml", text);
+        match read(&folder.path("."), &|_| ()) {
+            Ok(_) => read_well += 1,
+            Err(error) => assert!(error.to_string().contains("a.mcap"), "{error}"),
+        }
+    }
+    assert!(read_well > 20, "{read_well}");
+}
+
 #[test]
 fn of_a_file_that_is_cut_off_what_is_whole_is_read() {
     let folder = Folder::new("mcap-cut");

@@ -56,7 +56,9 @@ impl Track {
             #[allow(clippy::cast_possible_truncation)]
             let [seconds, rest] =
                 [self.found[look.columns], self.found[look.columns + 1]].map(|x| x as i64);
-            self.stamps.push(seconds * 1_000_000_000 + rest);
+            // Other types than those of ROS may hold anything.
+            let stamp = seconds.saturating_mul(1_000_000_000).saturating_add(rest);
+            self.stamps.push(stamp);
         }
         self.values.extend(&self.found[..look.columns]);
         Ok(())
@@ -109,6 +111,11 @@ fn line(text: &mut Vec<u8>, time: Option<i64>, row: &[f64]) {
         let _ = (!x.is_nan()).then(|| write!(text, "{x:?}"));
     }
     text.push(b'\n');
+}
+
+/// Time (ns) from a message to the next.
+fn step(two: &[(i64, usize)]) -> i64 {
+    two[1].0.saturating_sub(two[0].0)
 }
 
 /// Whether a column holds its value until it is told another.
@@ -255,7 +262,7 @@ impl<'a> Joint<'a> {
     fn interpolate(&mut self, t: usize, column: usize, times: &[i64]) -> usize {
         let (track, order) = (&self.tracks[t].1, self.orders[t].clone());
         let place = self.first[t] + column;
-        let mut steps: Vec<i64> = order.windows(2).map(|two| two[1].0 - two[0].0).collect();
+        let mut steps: Vec<i64> = order.windows(2).map(step).collect();
         steps.sort_unstable();
         let longest = steps
             .get(steps.len() / 2)
@@ -265,9 +272,10 @@ impl<'a> Joint<'a> {
             let after = order.partition_point(|(t, _)| t < time);
             let x = match (order.get(after.wrapping_sub(1)), order.get(after)) {
                 (_, Some((t, message))) if t == time => track.value(*message, column),
-                (Some((t0, a)), Some((t1, b))) if t1 - t0 <= longest => {
+                (Some((t0, a)), Some((t1, b))) if t1.saturating_sub(*t0) <= longest => {
                     made += 1;
-                    let share = (time - t0) as f64 / (t1 - t0) as f64;
+                    let part = time.saturating_sub(*t0) as f64;
+                    let share = part / t1.saturating_sub(*t0) as f64;
                     let (a, b) = (track.value(*a, column), track.value(*b, column));
                     a + share * (b - a)
                 }
