@@ -28,6 +28,7 @@ import numpy
 from mcap.reader import make_reader
 from mcap_ros2.reader import read_ros2_messages
 from rosbags.highlevel import AnyReader
+from rosbags.interfaces import QosDurability
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Bag
 
@@ -118,6 +119,8 @@ def decoded(path):
     expect(crcs == summary.statistics.message_count == sum(counts.values()), f"{path.name}: messages are missing")
     others = {}
     with AnyReader([path]) as bag:
+        durability = {one.durability for c in bag.connections for one in c.ext.offered_qos_profiles}
+        expect(durability == {QosDurability.TRANSIENT_LOCAL}, f"{path.name}: offered as {durability}")
         for connection, ns, data in bag.messages():
             others.setdefault(connection.topic, []).append((ns, plain(bag.deserialize(data, connection.msgtype))))
     for topic, messages in topics.items():
