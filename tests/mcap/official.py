@@ -155,6 +155,52 @@ def is_measured(messages, rows, what):
         expect(all(map(same, found, column(rows, name))), f"{what}: {name} is not that of the CSV file")
 
 
+def turned(q, v):
+    """The vector v, which is given in axes that a unit quaternion turns."""
+    u = numpy.array([q["x"], q["y"], q["z"]])
+    return v + 2 * numpy.cross(u, numpy.cross(u, v) + q["w"] * v)
+
+
+def vector(message):
+    return numpy.array([message["x"], message["y"], message["z"]])
+
+
+def place(message, frame, point=(0.0, 0.0, 0.0)):
+    """Where a point (m) of a frame is in the world, by the transforms of a message on /tf."""
+    of = {one["child_frame_id"]: one for one in message["transforms"]}
+    point = numpy.array(point)
+    while frame != "world":
+        one = of[frame]["transform"]
+        point = vector(one["translation"]) + turned(one["rotation"], point)
+        frame = of[frame]["header"]["frame_id"]
+    return point
+
+
+def stands(binary, folder):
+    """A robot at rest: its feet are on the ground, which bears its weight; the sensor feels gravity."""
+    file = folder / "rest.mcap"
+    # It stands until the first leg that fires moves, its delay and the filling of its chamber later.
+    rest = 5_000_000  # ns
+    words = ["run", "--robot", "rats-planar", "--gait", "fixed", "--seconds", "0.1"]
+    command(binary, *words, "--mcap", file, codes=(0, 1))
+    topics, _ = decoded(file)
+    frames = dict(topics["/tf"])
+    weight = {}
+    for ns, message in topics["/ground_reaction"]:
+        if ns > rest:
+            break
+        foot = message["header"]["frame_id"]
+        up = place(frames[ns], foot, vector(message["wrench"]["force"])) - place(frames[ns], foot)
+        weight[ns] = weight.get(ns, 0.0) + up[2]
+        expect(abs(place(frames[ns], foot)[2]) < 1e-6, f"rest: {foot} is off the ground")
+    found = list(weight.values())
+    expect(len(found) == 6, f"rest: forces at {len(found)} instants")
+    expect(max(abs(f / (2.75 * 9.80665) - 1) for f in found) < 1e-6, f"rest: the ground bears {found} N")
+    force = [vector(m["linear_acceleration"]) for ns, m in topics["/imu"] if ns <= rest]
+    mean = numpy.linalg.norm(numpy.mean(force, axis=0))
+    expect(abs(mean - 9.80665) < 0.2, f"rest: the sensor feels {mean} m/s2")
+
+
 def run(binary, folder):
     words = ["run", "--gait", "closed-loop", "--seconds", "2", "--robot", "rats-run"]
     file = twice(binary, folder, "run", *words)
@@ -176,6 +222,9 @@ def run(binary, folder):
     for k in range(5):
         found = [message["pressure_pa"][k] for _, message in legs]
         expect(all(map(same, found, column(cycles, f"pressure_{k}_pa"))), f"run: pressure {k} is not that of cycles.csv")
+    heights = [place(message, "wheel")[2] for _, message in topics["/tf"]]
+    differs = max(abs(h - float(row["height_m"])) for h, row in zip(heights, cycles))
+    expect(differs < 1e-12, f"run: by /tf the axle is {differs} m off its height")
     # The sensor's rate is what the instruments measured: rows of the cycles, not those in which a valve shuts.
     rate = [x for x in column(table(telemetry / "run.csv"), "wheel_rate_rad_s") if not math.isnan(x)]
     found = [message["angular_velocity"]["y"] for _, message in topics["/imu"]]
@@ -185,6 +234,24 @@ def run(binary, folder):
     return telemetry
 
 
+COURSE = """
+jumps = 3
+approach_rate_rad_s = 5.5
+goal_from_x_m = 1.9
+goal_to_x_m = 2.3
+clearance_m = 0.005
+friction_coefficient = 0.8
+[[obstacle]]
+front_x_m = 0.35
+width_m = 0.15
+height_m = 0.12
+[[obstacle]]
+front_x_m = 1.2
+width_m = 0.15
+height_m = 0.12
+"""
+
+
 def jumps(binary, folder):
     words = ["simulate", "--omega", "5", "--alpha-f", "-0.1"]
     topics, _ = decoded(twice(binary, folder, "simulate", *words))
@@ -192,9 +259,26 @@ def jumps(binary, folder):
     events = {message["msg"]: ns for ns, message in topics["/events"]}
     for event, name in [("fire", "t_fire_s"), ("lift-off", "t_liftoff_s")]:
         expect(abs(events[event] - 1e9 * float(row[name])) <= 1, f"simulate: {event} at {events[event]} ns")
-    words = ["verify", ROOT / "saltus/examples/box.toml", "--clearance", "0", "--samples", "5"]
+    axle = [place(message, "wheel") for _, message in topics["/tf"]]
+    # Between two samples, 1 ms apart, a flight rises by less than g (0.5 ms)^2 / 2.
+    expect(abs(max(p[2] for p in axle) - float(row["apex_m"])) < 2e-6, "simulate: the apex by /tf is another")
+    expect(abs(axle[-1][0] - float(row["land_rs_m"])) < 1e-9, "simulate: the landing by /tf is another")
+    course = folder / "course.toml"
+    course.write_text(COURSE)
+    words = ["verify", course, "--clearance", "0", "--samples", "0", "--restart", "--tolerance", "1"]
     topics, _ = decoded(twice(binary, folder, "verify", *words, codes=(0, 1)))
-    expect(len(topics["/course"][0][1]["markers"]) == 2, "verify: the course has another number of boxes")
+    expect(len(topics["/course"][0][1]["markers"]) == 3, "verify: the course has another number of boxes")
+    rows = list(csv.DictReader(command(binary, *words, "--format", "csv", codes=(0, 1)).splitlines()))
+    # Each jump begins at a whole second.
+    starts = [ns for ns, message in topics["/events"] if message["msg"].startswith("jump ")]
+    expect(len(rows) == 3 == len(starts), f"verify: {len(rows)} jumps begin at {starts}")
+    expect(all(ns % 10**9 == 0 for ns in starts), f"verify: jumps begin at {starts}")
+    for row, begin, end in zip(rows, starts, starts[1:] + [math.inf]):
+        axle = [place(message, "wheel") for ns, message in topics["/tf"] if begin <= ns < end]
+        expect(abs(max(p[2] for p in axle) - float(row["apex_m"])) < 2e-6, f"verify: the apex by /tf is another: {row}")
+        # On a box the last sample is up to 1 ms before the landing; on the ground it is the landing.
+        near = 1e-9 if row is rows[-1] else 1e-3 * 4
+        expect(abs(axle[-1][0] - float(row["land_x_m"])) < near, f"verify: the landing by /tf is another: {row}")
 
 
 def injected(binary, folder):
@@ -316,6 +400,7 @@ def main():
     expect(not definitions.differing(), f"definitions differ from rosbags': {definitions.differing()}")
     with tempfile.TemporaryDirectory() as place:
         folder = pathlib.Path(place)
+        stands(binary, folder)
         run(binary, folder)
         jumps(binary, folder)
         injected(binary, folder)

@@ -70,7 +70,7 @@ impl<W: Write> Recording<W> {
                 sensed: None,
             })?;
         }
-        let end = samples.last().map_or(0.0, |sample| sample.time);
+        let end = end(report, samples.len(), flown.landing_height);
         if report.apex.is_finite() && report.landing_at.is_finite() {
             self.event(flown.start + end, "landing")?;
         }
@@ -182,6 +182,18 @@ fn until_landing(report: &Report, height: f64) -> &[Sample] {
     let above = |sample: &&Sample| sample.axle[1] >= height - NEAR;
     let down = samples[top..].iter().take_while(above).count();
     &samples[..top + down]
+}
+
+/// When (s) the axle comes down to `height` (m): after `count` samples, of which the last is above it.
+fn end(report: &Report, count: usize, height: f64) -> f64 {
+    let Some(last) = report.samples[..count].last() else {
+        return 0.0;
+    };
+    let rest = report.samples.get(count).map_or(0.0, |next| {
+        let share = (height - last.axle[1]) / (next.axle[1] - last.axle[1]);
+        share * (next.time - last.time)
+    });
+    last.time + rest
 }
 
 /// What the planar model knows, as coordinates and velocities of a rig.
