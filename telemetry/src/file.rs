@@ -325,6 +325,8 @@ fn filled(source: &mut impl Read, place: &mut [u8]) -> io::Result<usize> {
 fn foreign(bytes: &[u8]) -> Error {
     let found = if bytes.is_empty() {
         "nothing: it is empty".into()
+    } else if bytes.starts_with(&[0x28, 0xb5, 0x2f, 0xfd]) {
+        "zstd: a file that is compressed as a whole is unpacked by `zstd -d`".into()
     } else if bytes.starts_with(b"SQLite") || mcap::MAGIC.starts_with(bytes) && bytes.len() < 8 {
         match bytes.first() {
             Some(b'S') => {

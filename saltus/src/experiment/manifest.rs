@@ -262,6 +262,10 @@ fn runs(root: &mut Section, spec: &Spec, of_all: &Mapping) -> Result<Vec<Listed>
             columns
         };
         run.clock = clock.or(of_all.1);
+        if run.clock.is_some() && run.columns.is_empty() {
+            let reason = "clock: must stand beside columns; other files have a column of times";
+            return Err(Error::content(place, reason));
+        }
         if !seen.insert(run.file.clone()) {
             let reason = format!("{} is listed twice", one_line(&run.file));
             return Err(Error::Duplicate { place, reason });

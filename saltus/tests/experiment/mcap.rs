@@ -293,6 +293,8 @@ fn what_a_file_lacks_is_said_with_what_it_has() {
         &format!("{SLIDE}\nclock = \"sun\""),
         &["clock", "\"header\" or \"log\""],
     );
+    let words = ["experiment.toml:2", "clock: must stand beside columns"];
+    check("clock = \"log\"", &words);
     check(&both("/joint_states.position[elbow]"), &["position_m"]);
     let folder = Folder::new("mcap-clock");
     bench(&folder);

@@ -484,7 +484,7 @@ fn what_is_odd_is_noted() {
         },
         "read, notes [\"c.csv: not read, as experiment.toml does not list it\", \"d.CSV: not \
          read, as experiment.toml does not list it\", \"e.csv: not read, as experiment.toml does \
-         not list it\", \"experiment.toml: 2 more CSV files are not listed\"]",
+         not list it\", \"experiment.toml: 2 more CSV or MCAP files are not listed\"]",
     );
     check(
         "unused",
