@@ -8,10 +8,10 @@ use crate::{good, laid, rows, said};
 /// A kind, a file of its good folder, what is replaced in it by what (once), and what is said then.
 #[rustfmt::skip] // One case a line.
 const SPOILED: &[(&str, &str, &str, &str, &str)] = &[
-    ("bench", "experiment.toml", "kind = \"bench\"\n", "", "DATA/experiment.toml: missing key kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, in quotes"),
-    ("bench", "experiment.toml", "\"bench\"", "\"banch\"", "DATA/experiment.toml:1: kind = \"banch\": must be one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, in quotes"),
+    ("bench", "experiment.toml", "kind = \"bench\"\n", "", "DATA/experiment.toml: missing key kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, run, in quotes"),
+    ("bench", "experiment.toml", "\"bench\"", "\"banch\"", "DATA/experiment.toml:1: kind = \"banch\": must be one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, run, in quotes"),
     ("bench", "experiment.toml", "\"bench\"", "7", "DATA/experiment.toml:1: kind = 7: must be one \
-        of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, in quotes"),
+        of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, run, in quotes"),
     ("bench", "experiment.toml", "\"bench\"", "\"toss\"", "DATA/experiment.toml: kind = \"toss\": tosses are read by the multi-body simulation's example tosses, not here"),
     ("bench", "experiment.toml", "kind", "knid", "DATA/experiment.toml:1: unknown key knid; the \
         nearest known key is kind"),
@@ -349,7 +349,7 @@ fn check_files(cases: Vec<(&str, &str, Vec<u8>, &str)>) {
 fn spoiled_manifests_are_refused() {
     check_files(vec![
         ("empty-manifest", "experiment.toml", Vec::new(), "DATA/experiment.toml: missing key \
-            kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, in quotes"),
+            kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, run, in quotes"),
         ("no-runs", "experiment.toml", b"kind = 'flight'".to_vec(), "DATA/experiment.toml: \
             missing key run: a table [[run]] for each file"),
         ("empty-runs", "experiment.toml", b"kind = 'flight'\nrun = []".to_vec(), "DATA/experiment.toml: missing key run: a table [[run]] for each file"),
