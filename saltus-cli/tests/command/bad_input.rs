@@ -73,7 +73,7 @@ const CASES: &[(&str, &[&str])] = &[
     ("completions csh", &["invalid value 'csh'", "bash"]),
     ("completions", &["<SHELL>"]),
     ("export", &["Usage: saltus export"]),
-    ("export urdf", &["unrecognized subcommand 'urdf'"]),
+    ("export sdf", &["unrecognized subcommand 'sdf'"]),
     ("export c --distance 0.6", &["--out <DIR>"]),
     ("export c --out x", &["--distance <LENGTHS>"]),
     (
