@@ -128,7 +128,7 @@ fn the_page_of_runs_shows_what_commands_print() {
 /// for something else.
 fn named(document: &str) -> Vec<Vec<String>> {
     const COMMANDS: &str =
-        "simulate table law map plan verify run diagnose fit parkour export c rust mjcf urdf";
+        "simulate table law map plan verify run jump diagnose fit parkour export c rust mjcf urdf";
     let in_blocks = document.lines().filter_map(|line| {
         let line = line.strip_prefix("$ ").unwrap_or(line);
         line.trim_start().strip_prefix("saltus ")
