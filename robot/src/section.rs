@@ -230,6 +230,17 @@ impl Section {
         all
     }
 
+    /// Every key that is left, each a text of which `read` makes something; what it must be is `allowed`.
+    pub fn texts<T>(
+        &mut self,
+        allowed: &str,
+        read: impl Fn(&str) -> Option<T>,
+    ) -> Vec<(String, T)> {
+        let keys: Vec<String> = self.entries.keys().cloned().collect();
+        let text = |key: String| Some((key.clone(), self.text_as(&key, allowed, &read)?));
+        keys.into_iter().filter_map(text).collect()
+    }
+
     /// The numbers (SI) of the list `key`; messages count its items from 1.
     fn items(
         &mut self,

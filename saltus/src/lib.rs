@@ -44,6 +44,7 @@ pub mod input;
 pub mod on_plant;
 pub mod parkour;
 pub mod power;
+pub mod recording;
 pub mod replan;
 pub mod robust;
 pub mod running;
@@ -67,6 +68,7 @@ pub use saltus_planner as planner;
 pub use saltus_pneumatics as pneumatics;
 pub use saltus_robot as robot;
 pub use saltus_sim_check as sim_check;
+pub use saltus_telemetry as telemetry;
 
 pub use saltus_ballistic::{DragFlight, Flight, FlightError};
 pub use saltus_lagrangian::{Launch, LiftOff, Outcome, Stance, StanceError, Trace};

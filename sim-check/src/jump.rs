@@ -43,6 +43,8 @@ pub struct Sample {
     pub slip: [f64; 2],
     /// All coordinates.
     pub coordinates: Vec<f64>,
+    /// All velocities.
+    pub velocities: Vec<f64>,
 }
 
 /// What happened in a jump.
@@ -313,6 +315,7 @@ impl Recorder<'_> {
             force: foot.map_or([0.0; 3], |c| c.parts.into()),
             slip: foot.map_or([0.0; 2], |c| c.slip),
             coordinates: q.to_vec(),
+            velocities: v.to_vec(),
         };
         self.samples.push(sample);
     }

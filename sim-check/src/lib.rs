@@ -18,6 +18,8 @@ mod sim;
 mod spatial;
 mod step;
 mod tree;
+mod urdf;
+mod xml;
 
 pub use contact::{ContactPoint, Friction, Material, Surface, Travel};
 pub use error::SimError;
@@ -32,3 +34,4 @@ pub use sim::{
 };
 pub use spatial::{Inertia, Motion, Vec3, Wrench};
 pub use tree::{Body, Joint, Placement, Pose, Tree};
+pub use urdf::{foot_frame, link, urdf};

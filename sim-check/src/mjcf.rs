@@ -1,8 +1,5 @@
 //! A robot for MuJoCo: the bodies, joints, feet and ground of its [`Rig`] as an MJCF file.
 
-use std::fmt::Write;
-
-use nalgebra::Matrix3;
 use saltus_robot::{Drive, ReturnSpring, Robot};
 
 use crate::SimError;
@@ -10,6 +7,7 @@ use crate::contact::{ContactPoint, Surface};
 use crate::rig::Rig;
 use crate::spatial::Vec3;
 use crate::tree::Joint;
+use crate::xml::{Attribute, POINT, Xml, bodily, number, numbers, plain, positive_or, vector};
 
 /// Friction coefficient that stands for one that is infinite.
 ///
@@ -21,12 +19,6 @@ const NO_SLIP: f64 = 2.0;
 /// Least friction coefficient across the travel: with less beside one along it, MuJoCo's solver
 /// chatters between pushing and not.
 const LEAST_FRICTION: f64 = 1e-3;
-
-/// Radius (m) of the sphere that stands for a foot that is a point.
-const POINT: f64 = 1e-5;
-
-/// Least moment of inertia (kg m²): MuJoCo takes none that is 0.
-const LEAST_INERTIA: f64 = 1e-12;
 
 /// Time constant (s) and damping ratio of constraints: MuJoCo lengthens the first to two of its
 /// steps.
@@ -66,11 +58,6 @@ pub fn mjcf(robot: &Robot) -> Result<String, SimError> {
     writer.keyframe()?;
     writer.xml.close("mujoco");
     Ok(writer.xml.text)
-}
-
-/// A part's name, without what is awkward to type.
-fn plain(name: &str) -> String {
-    name.replace('\'', "").replace(' ', "_")
 }
 
 struct Writer<'a> {
@@ -240,8 +227,7 @@ impl Writer<'_> {
 
     fn inertial(&mut self, index: usize) {
         let body = &self.rig.mechanism.tree.bodies()[index];
-        let lacking = LEAST_INERTIA - body.inertia.symmetric_eigenvalues().min();
-        let i = body.inertia + Matrix3::identity() * lacking.max(0.0);
+        let i = bodily(&body.inertia);
         let off = [i[(0, 1)], i[(0, 2)], i[(1, 2)]];
         let diagonal = i.diagonal();
         // MuJoCo finds the axes of a full matrix with round-off that a disc, two of whose moments
@@ -374,7 +360,7 @@ impl Writer<'_> {
             along.clone()
         };
         self.xml.open("contact", &[]);
-        for point in &self.rig.mechanism.points {
+        for point in feet(self.rig) {
             self.xml.leaf(
                 "pair",
                 &[
@@ -458,7 +444,7 @@ impl Writer<'_> {
             "gyro",
             &[("name", "axle_gyro".into()), ("site", "axle".into())],
         );
-        for point in &self.rig.mechanism.points {
+        for point in feet(self.rig) {
             let site = plain(&point.name);
             self.xml.leaf(
                 "touch",
@@ -476,6 +462,12 @@ impl Writer<'_> {
         self.xml.close("keyframe");
         Ok(())
     }
+}
+
+/// What touches the ground: rods and struts touch obstacles alone.
+fn feet(rig: &Rig) -> impl Iterator<Item = &ContactPoint> {
+    let points = rig.mechanism.points.iter();
+    points.filter(|point| point.bar.is_none())
 }
 
 /// What of `robot` the file does not say, or says otherwise, a line each.
@@ -569,107 +561,6 @@ fn missing_of_running(robot: &Robot) -> [Option<String>; 2] {
             .sensors
             .map(|_| "sensors: read the state and add steps and noise outside".into()),
     ]
-}
-
-/// `x`, or if that is 0 what stands for it.
-fn positive_or(x: f64, other: f64) -> f64 {
-    if x > 0.0 { x } else { other }
-}
-
-fn number(x: f64) -> String {
-    // Written -0, it would be read so too; but nobody wants to see it.
-    if x == 0.0 { "0".into() } else { format!("{x}") }
-}
-
-fn numbers(list: &[f64]) -> String {
-    list.iter()
-        .map(|x| number(*x))
-        .collect::<Vec<_>>()
-        .join(" ")
-}
-
-fn vector(v: &Vec3) -> String {
-    numbers(v.as_slice())
-}
-
-/// Key and value of an XML element.
-type Attribute = (&'static str, String);
-
-/// XML as it is written.
-#[derive(Default)]
-struct Xml {
-    text: String,
-    depth: usize,
-}
-
-impl Xml {
-    fn line(&mut self, text: &str) {
-        let indent = 2 * self.depth;
-        let _ = writeln!(self.text, "{:indent$}{text}", "");
-    }
-
-    fn open(&mut self, name: &str, attributes: &[(&str, String)]) {
-        self.line(&format!("<{name}{}>", listed(attributes)));
-        self.depth += 1;
-    }
-
-    fn close(&mut self, name: &str) {
-        self.depth -= 1;
-        self.line(&format!("</{name}>"));
-    }
-
-    fn leaf(&mut self, name: &str, attributes: &[(&str, String)]) {
-        self.line(&format!("<{name}{}/>", listed(attributes)));
-    }
-
-    fn comment(&mut self, lines: &[&str]) {
-        // Two dashes end a comment.
-        let text = lines
-            .iter()
-            .map(|line| allowed(line))
-            .collect::<Vec<_>>()
-            .join("\n     ");
-        let text = text.replace("--", "- -").replace("--", "- -");
-        self.line(&format!("<!-- {text} -->"));
-    }
-}
-
-fn listed(attributes: &[(&str, String)]) -> String {
-    let mut text = String::new();
-    for (key, value) in attributes {
-        let _ = write!(text, " {key}=\"{}\"", escaped(value));
-    }
-    text
-}
-
-/// `text` without the characters that XML has no way to write.
-fn allowed(text: &str) -> String {
-    text.chars()
-        .map(|c| {
-            if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') {
-                ' '
-            } else {
-                c
-            }
-        })
-        .collect()
-}
-
-fn escaped(text: &str) -> String {
-    let entities = [
-        ('&', "&amp;"),
-        ('<', "&lt;"),
-        ('>', "&gt;"),
-        ('"', "&quot;"),
-    ];
-    let mut out = String::new();
-    for c in allowed(text).chars() {
-        match entities.iter().find(|(e, _)| *e == c) {
-            Some((_, entity)) => out.push_str(entity),
-            None => out.push(c),
-        }
-    }
-    out
 }
 
 #[cfg(test)]

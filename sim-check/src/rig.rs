@@ -340,6 +340,21 @@ impl Rig {
         (near.distance - point.radius, speeds)
     }
 
+    /// A force (N) on the foot of leg `leg` in world axes, of its `parts` along the ground's normal,
+    /// along the travel and across it.
+    ///
+    /// # Panics
+    /// For a leg that is not there, and coordinates that are not the rig's.
+    pub fn force_on_foot(&self, leg: usize, q: &[f64], parts: [f64; 3]) -> Vec3 {
+        let pose = self.pose_at(q);
+        let point = &self.mechanism.points[leg];
+        let center = pose.frames[point.body].point(&point.center);
+        let near = self.mechanism.surfaces[0].proximity(&center);
+        let place = center - near.normal * point.radius;
+        let (along, across) = self.mechanism.travel.directions(&place, &near.normal);
+        near.normal * parts[0] + along * parts[1] + across * parts[2]
+    }
+
     /// Gap (m) between foot 0 and the ground, and where it is nearest.
     fn foot(&self, q: &[f64]) -> (f64, Vec3) {
         self.foot_of(0, q)

@@ -4,7 +4,7 @@
 //! Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5 (Newton–Euler) and 6
 //! (composite bodies), with every quantity in world axes about one origin.
 
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion};
 use saltus_robot::bodies::RigidBody;
 
 use crate::SimError;
@@ -44,6 +44,14 @@ impl Placement {
             rotation: self.rotation * inner.rotation,
             position: self.position + self.rotation * inner.position,
         }
+    }
+
+    /// Its axes as a unit quaternion x, y, z, w.
+    pub fn quaternion(&self) -> [f64; 4] {
+        let rotation = Rotation3::from_matrix_unchecked(self.rotation);
+        UnitQuaternion::from_rotation_matrix(&rotation)
+            .coords
+            .into()
     }
 
     /// A point (m) of this frame in its surroundings.

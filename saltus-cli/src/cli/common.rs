@@ -343,22 +343,23 @@ impl OutputFlags {
         option: &PlotOption,
         drawing: impl FnOnce() -> Result<Drawing, CliError>,
     ) -> Result<(), CliError> {
-        self.write_with(report, option, drawing, None)
+        let none: Option<(&'static str, &Path, String)> = None;
+        self.write_with(report, option, drawing, none)
     }
 
     /// As [`write_with_plot`](Self::write_with_plot), with more files: the flag, the name and the
-    /// text of each.
-    pub(crate) fn write_with<'a>(
+    /// contents of each.
+    pub(crate) fn write_with<'a, T: Into<Vec<u8>>>(
         &self,
         report: String,
         option: &PlotOption,
         drawing: impl FnOnce() -> Result<Drawing, CliError>,
-        more: impl IntoIterator<Item = (&'static str, &'a Path, String)>,
+        more: impl IntoIterator<Item = (&'static str, &'a Path, T)>,
     ) -> Result<(), CliError> {
         let mut files = Files::default();
         option.add_to(&mut files, drawing)?;
-        for (flag, path, text) in more {
-            files.add(flag, path, text.into_bytes());
+        for (flag, path, contents) in more {
+            files.add(flag, path, contents.into());
         }
         files.report(self.out.as_deref(), report);
         files.check()?;

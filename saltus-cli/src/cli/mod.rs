@@ -13,6 +13,7 @@ mod map;
 mod parkour;
 mod plan;
 mod proof;
+mod recorded;
 mod refused;
 mod run;
 mod simulate;
@@ -59,6 +60,7 @@ Examples:
   saltus parkour instances.json --out plans.json
   saltus export c --distance 0.3:0.8:11 --out firmware/src
   saltus export mjcf --robot rats-boom --out rats-boom.xml
+  saltus export urdf --robot rats-boom --out rats-boom.urdf
 
 Exit codes: 0 done, 1 the answer is no, 2 bad input.
 `saltus help COMMAND` explains a command and its output.";

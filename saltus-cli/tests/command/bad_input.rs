@@ -73,7 +73,7 @@ const CASES: &[(&str, &[&str])] = &[
     ("completions csh", &["invalid value 'csh'", "bash"]),
     ("completions", &["<SHELL>"]),
     ("export", &["Usage: saltus export"]),
-    ("export urdf", &["unrecognized subcommand 'urdf'"]),
+    ("export sdf", &["unrecognized subcommand 'sdf'"]),
     ("export c --distance 0.6", &["--out <DIR>"]),
     ("export c --out x", &["--distance <LENGTHS>"]),
     (
@@ -90,7 +90,7 @@ const CASES: &[(&str, &[&str])] = &[
     ),
     (
         "export c --gait fixed --firing-angle 1.4 --out x",
-        &["rats-planar", "firing angle (rad) = 1.4", "zone"],
+        &["rats-run", "firing angle (rad) = 1.4", "zone"],
     ),
     (
         "export c --gait fixed --set body.legs=2 --out x",

@@ -361,7 +361,14 @@ fn help_has_examples_and_every_shell_is_completed() {
             assert!(help.contains(word), "{command}: {word}");
         }
     }
-    for command in ["diagnose", "fit", "export c", "export rust", "export mjcf"] {
+    for command in [
+        "diagnose",
+        "fit",
+        "export c",
+        "export rust",
+        "export mjcf",
+        "export urdf",
+    ] {
         let help = folder.done(&format!("{command} --help"), 0);
         assert!(help.contains("Example"), "{command}");
     }

@@ -128,7 +128,7 @@ fn the_page_of_runs_shows_what_commands_print() {
 /// for something else.
 fn named(document: &str) -> Vec<Vec<String>> {
     const COMMANDS: &str =
-        "simulate table law map plan verify run diagnose fit parkour export c rust mjcf";
+        "simulate table law map plan verify run jump diagnose fit parkour export c rust mjcf urdf";
     let in_blocks = document.lines().filter_map(|line| {
         let line = line.strip_prefix("$ ").unwrap_or(line);
         line.trim_start().strip_prefix("saltus ")
@@ -215,6 +215,7 @@ fn every_command_in_the_documents_runs() {
         include_str!("../../../docs/model.md"),
         include_str!("../../../docs/running.md"),
         include_str!("../../../docs/thesis.md"),
+        include_str!("../../../docs/viewers.md"),
     ];
     let folder = furnished("documents");
     let mut done: Vec<Vec<String>> = Vec::new();

@@ -22,6 +22,7 @@ mod overwrites;
 mod plant;
 mod plots;
 mod power;
+mod recorded;
 mod run;
 mod slips;
 mod strides;

@@ -61,6 +61,7 @@ fn no_command_overwrites_what_it_reads() {
             "--out",
         ),
         ("export mjcf --robot robot.toml --out robot.toml", "--out"),
+        ("export urdf --robot robot.toml --out robot.toml", "--out"),
         ("fit d --robot-out d/experiment.toml", "--robot-out"),
         ("fit d --out d/run-01.csv", "--out"),
         ("diagnose d --out d/run-02.csv", "--out"),

@@ -1,7 +1,7 @@
 //! Lines of a file of any length, in constant memory.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Cursor, Read};
 use std::path::Path;
 
 use super::error::{Error, shown};
@@ -13,9 +13,8 @@ const LONGEST: usize = 1 << 16;
 ///
 /// A row is a line here, which is less than CSV allows and all that numbers need: no open quote
 /// swallows the rest of a file, and lines are counted as an editor counts them.
-#[derive(Debug)]
 pub(super) struct Lines {
-    source: BufReader<File>,
+    source: Box<dyn BufRead>,
     file: String,
     number: u64,
     buffer: Vec<u8>,
@@ -29,13 +28,22 @@ impl Lines {
         if !file.metadata().map_err(failed)?.is_file() {
             return Err(Error::content(shown(path), "is not a file"));
         }
-        let source = BufReader::with_capacity(1 << 16, file);
-        Ok(Lines {
+        let source = Box::new(BufReader::with_capacity(1 << 16, file));
+        Ok(Lines::from(source, shown(path)))
+    }
+
+    /// Lines of a `text` that was made of the file `file`.
+    pub(super) fn of(text: Vec<u8>, file: &str) -> Lines {
+        Lines::from(Box::new(Cursor::new(text)), file.into())
+    }
+
+    fn from(source: Box<dyn BufRead>, file: String) -> Lines {
+        Lines {
             source,
-            file: shown(path),
+            file,
             number: 0,
             buffer: Vec::new(),
-        })
+        }
     }
 
     /// The next line that is not blank, with its number from 1.

@@ -5,12 +5,13 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
-use saltus_diagnosis::spec::{Setting, Spec, power, stem};
+use saltus_diagnosis::spec::{Meaning, Setting, Spec, power, stem};
 use saltus_diagnosis::{Known, Sort};
 use saltus_robot::RobotError;
 use saltus_robot::domain::Domain;
 use saltus_robot::section::Section;
 use saltus_robot::units::TIME;
+use saltus_telemetry::Path as LogPath;
 
 use super::error::{Error, one_line, shown};
 use super::instant::{self, Instant};
@@ -48,9 +49,22 @@ pub(super) struct Listed {
     /// The part of it that counts, from and to these instants; none: from its first row, to its
     /// last.
     pub(super) window: [Option<Instant>; 2],
+    /// Of an MCAP file that is not ours: where each column is.
+    pub(super) columns: BTreeMap<String, LogPath>,
+    /// Its clock, where the operator says which one.
+    pub(super) clock: Option<LogClock>,
     pub(super) settings: BTreeMap<String, f64>,
     /// When what happened, by its key.
     pub(super) instants: Vec<(&'static str, Instant)>,
+}
+
+/// Which times of an MCAP file count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LogClock {
+    /// Those in the headers of the messages: when they were measured.
+    Header,
+    /// Those of the log: when they were written down.
+    Log,
 }
 
 /// The bytes of the file in `folder`.
@@ -104,6 +118,8 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Manifest, Error> {
         "resolution",
         "known",
         "rig",
+        "columns",
+        "clock",
         "run",
     ])?;
     let spec = kind(&mut root)?;
@@ -123,7 +139,10 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Manifest, Error> {
         noise: sizes(&mut root, "noise", spec),
         resolution: sizes(&mut root, "resolution", spec),
         known: known(&mut root),
-        runs: runs(&mut root, spec)?,
+        runs: {
+            let mapping = mapping(&mut root, spec)?;
+            runs(&mut root, spec, &mapping)?
+        },
     };
     Ok(root.finish(manifest)?)
 }
@@ -183,7 +202,49 @@ pub(super) fn known(root: &mut Section) -> Vec<Known> {
     read.into_iter().flatten().map(known).collect()
 }
 
-fn runs(root: &mut Section, spec: &Spec) -> Result<Vec<Listed>, Error> {
+/// Where the columns of MCAP files are, and which clock counts.
+type Mapping = (BTreeMap<String, LogPath>, Option<LogClock>);
+
+/// The table `columns` and the key `clock`, of a run or of all that have none of their own.
+fn mapping(s: &mut Section, spec: &Spec) -> Result<Mapping, Error> {
+    const PATH: &str = "a topic and fields in quotes, as in \"/imu.angular_velocity.y\" or \
+        \"/joint_states.position[leg_1]\"";
+    const CLOCK: [(&str, LogClock); 2] = [("header", LogClock::Header), ("log", LogClock::Log)];
+    let place = s.place().to_string();
+    let columns = s.optional_table("columns", |mut table| {
+        let columns = table.texts(PATH, |text| text.parse::<LogPath>().ok());
+        table.finish(columns)
+    });
+    let named = |text: &str| {
+        CLOCK
+            .iter()
+            .find(|(name, _)| *name == text)
+            .map(|(_, c)| *c)
+    };
+    let clock = if s.has("clock") {
+        s.text_as("clock", "\"header\" or \"log\"", named)
+    } else {
+        None
+    };
+    let columns: BTreeMap<String, LogPath> = columns.into_iter().flatten().collect();
+    for name in columns.keys() {
+        match spec.meaning(name) {
+            Some(Meaning::Time(_)) => {
+                let reason =
+                    format!("columns.{name}: the times are those of the messages: see clock");
+                return Err(Error::content(place, reason));
+            }
+            Some(_) => {}
+            None => {
+                let known: Vec<&str> = spec.columns();
+                return Err(Error::unknown(place, "column", name, &known));
+            }
+        }
+    }
+    Ok((columns, clock))
+}
+
+fn runs(root: &mut Section, spec: &Spec, of_all: &Mapping) -> Result<Vec<Listed>, Error> {
     let tables = root.tables("run", MOST_RUNS);
     if tables.is_empty() {
         root.missing(&["run"], "a table [[run]] for each file");
@@ -191,9 +252,20 @@ fn runs(root: &mut Section, spec: &Spec) -> Result<Vec<Listed>, Error> {
     root.stop_at_problem()?;
     let mut seen = BTreeSet::new();
     let mut runs = Vec::new();
-    for table in tables {
+    for mut table in tables {
         let place = table.place().to_string();
-        let run = listed(table, spec)?;
+        let (columns, clock) = mapping(&mut table, spec)?;
+        let mut run = listed(table, spec)?;
+        run.columns = if columns.is_empty() {
+            of_all.0.clone()
+        } else {
+            columns
+        };
+        run.clock = clock.or(of_all.1);
+        if run.clock.is_some() && run.columns.is_empty() {
+            let reason = "clock: must stand beside columns; other files have a column of times";
+            return Err(Error::content(place, reason));
+        }
         if !seen.insert(run.file.clone()) {
             let reason = format!("{} is listed twice", one_line(&run.file));
             return Err(Error::Duplicate { place, reason });
@@ -209,6 +281,8 @@ fn listed(mut s: Section, spec: &Spec) -> Result<Listed, RobotError> {
     let run = Listed {
         file: s.text_as("file", allowed, within).unwrap_or_default(),
         window: if spec.timed { valid(&mut s) } else { [None; 2] },
+        columns: BTreeMap::new(),
+        clock: None,
         settings: set(&mut s, spec.settings),
         instants: spec
             .instants

@@ -22,6 +22,7 @@ mod instant;
 mod join;
 mod lines;
 mod manifest;
+mod mcap;
 mod plan;
 mod run;
 mod thin;
@@ -37,7 +38,7 @@ pub use plan::{Plan, PlanError};
 use saltus_diagnosis::plausible::implausible;
 pub use saltus_diagnosis::{Experiment, Known, Run, Sort};
 use saltus_robot::{Robot, RobotError};
-pub use write::{write, write_with};
+pub use write::{write, write_from, write_with};
 
 use error::{one_line, shown};
 use lines::Hash;
@@ -336,19 +337,18 @@ fn odd(manifest: &Manifest, columns: &[String]) -> Vec<String> {
     notes
 }
 
-/// Notes of CSV files in the folder that are no runs.
+/// Notes of CSV and MCAP files in the folder that are no runs.
 fn unlisted(folder: &Path, manifest: &Manifest) -> Vec<String> {
     let listed: std::collections::BTreeSet<&str> =
         manifest.runs.iter().map(|run| run.file.as_str()).collect();
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
-    let is_csv = |name: &str| {
-        Path::new(name)
-            .extension()
-            .is_some_and(|end| end.eq_ignore_ascii_case("csv"))
+    let is_run = |name: &str| {
+        let end = Path::new(name).extension();
+        end.is_some_and(|end| end.eq_ignore_ascii_case("csv") || end.eq_ignore_ascii_case("mcap"))
     };
     let mut others: Vec<String> = names
-        .filter(|name| is_csv(name) && !listed.contains(name.as_str()))
+        .filter(|name| is_run(name) && !listed.contains(name.as_str()))
         .map(|name| one_line(&name))
         .collect();
     others.sort();
@@ -361,7 +361,7 @@ fn unlisted(folder: &Path, manifest: &Manifest) -> Vec<String> {
         .collect();
     if more > 0 {
         notes.push(format!(
-            "{}: {more} more CSV files are not listed",
+            "{}: {more} more CSV or MCAP files are not listed",
             manifest::NAME
         ));
     }

@@ -14,6 +14,7 @@ use super::idle::Motion;
 use super::instant::{self, Instant};
 use super::lines::{Hash, Lines};
 use super::manifest::{Listed, Manifest};
+use super::mcap;
 use super::thin::Thinned;
 use super::valve::Valve;
 use saltus_diagnosis::spec::Rest;
@@ -77,12 +78,13 @@ fn rows<'a>(
     motion: Option<Motion>,
     progress: &dyn Fn(usize),
 ) -> Result<Log<'a>, Error> {
-    let mut lines = Lines::open(source.path)?;
+    let (mut lines, odd) = source.lines()?;
     let Some((line, text)) = lines.next()? else {
         return Err(Error::content(source.file, "is empty"));
     };
     let header = Header::read(text, &format!("{}:{line}", source.file), source.spec)?;
     let mut log = Log::new(*source, header, most, motion);
+    log.odd = odd;
     while let Some((line, text)) = lines.next()? {
         log.row(line, text)?;
         if log.rows.is_multiple_of(PACE) {
@@ -102,6 +104,23 @@ struct Source<'a> {
     listed: &'a Listed,
     spec: &'static Spec,
     rig: &'a BTreeMap<String, f64>,
+}
+
+impl Source<'_> {
+    /// The lines of a CSV file, or those that say the same as an MCAP file, with what is odd about
+    /// it.
+    fn lines(&self) -> Result<(Lines, Vec<String>), Error> {
+        if !mcap::is_meant(self.path, self.listed)? {
+            return Ok((Lines::open(self.path)?, Vec::new()));
+        }
+        let table = mcap::table(self.path, self.listed, self.spec)?;
+        let name = one_line(&self.listed.file);
+        let notes = table
+            .notes
+            .into_iter()
+            .map(|note| format!("{name}: {note}"));
+        Ok((Lines::of(table.text, self.file), notes.collect()))
+    }
 }
 
 /// A run so far.
@@ -128,6 +147,8 @@ struct Log<'a> {
     /// Most rows that are kept.
     most: usize,
     hash: Hash,
+    /// What is odd about the file.
+    odd: Vec<String>,
     /// Rows without a channel that they need: how many, and the first one's line and column.
     left_out: Option<(usize, u64, &'static str)>,
 }
@@ -155,6 +176,7 @@ impl<'a> Log<'a> {
             cut: 0,
             most,
             left_out: None,
+            odd: Vec::new(),
             hash: Hash::default(),
             header,
         }
@@ -421,7 +443,7 @@ impl<'a> Log<'a> {
     /// What is odd about the rows.
     fn notes(&self) -> Vec<String> {
         let name = &self.name;
-        let mut notes = Vec::new();
+        let mut notes = self.odd.clone();
         if let Some((rows, line, column)) = self.left_out {
             let word = if rows == 1 { "row" } else { "rows" };
             let first = format!("the first at line {line}");

@@ -8,8 +8,10 @@ use std::path::Path;
 use super::error::{Error, one_line, shown};
 use super::manifest::{NAME, within};
 use super::{Experiment, Run};
+use crate::recording::{self, Origin, Recording};
 use crate::temporary::{self, Temporary};
 use saltus_diagnosis::spec::Spec;
+use saltus_telemetry as telemetry;
 
 /// Writes `experiment` into a folder that is new or empty, so that [`read`](super::read()) gives it
 /// back; the times of a run then count from its first row.
@@ -35,6 +37,26 @@ pub fn write_with(
     experiment: &Experiment,
     robot: Option<&str>,
     more: &[(&str, String)],
+) -> Result<(), Error> {
+    let origin = Origin {
+        command: "",
+        seed: None,
+        robot: None,
+    };
+    write_from(folder, experiment, robot, more, &origin)
+}
+
+/// As [`write_with()`]; a run whose file ends in `.mcap` becomes an MCAP file, which says the `origin`
+/// of the data.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_from(
+    folder: &Path,
+    experiment: &Experiment,
+    robot: Option<&str>,
+    more: &[(&str, String)],
+    origin: &Origin<'_>,
 ) -> Result<(), Error> {
     let spec = experiment.kind.spec();
     for run in &experiment.runs {
@@ -62,7 +84,7 @@ pub fn write_with(
                 .chain(runs)
                 .chain([NAME])
                 .collect();
-            fill(staged.path(), experiment, robot, more, spec)
+            fill(staged.path(), (experiment, robot), (more, origin), spec)
                 .and_then(|()| publish(staged.path(), folder, &names))
         });
     if written.is_err() && is_new {
@@ -75,17 +97,24 @@ pub fn write_with(
 /// Writes all files into `folder`.
 fn fill(
     folder: &Path,
-    experiment: &Experiment,
-    robot: Option<&str>,
-    more: &[(&str, String)],
+    (experiment, robot): (&Experiment, Option<&str>),
+    (more, origin): (&[(&str, String)], &Origin<'_>),
     spec: &Spec,
 ) -> Result<(), Error> {
     for (name, text) in more {
         whole(&folder.join(name), |out| out.write_all(text.as_bytes()))?;
     }
     for run in &experiment.runs {
-        whole(&folder.join(&run.name), |out| {
-            rows(out, run, experiment, spec)
+        let path = folder.join(&run.name);
+        let is_mcap = path
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("mcap"));
+        whole(&path, |out| {
+            if is_mcap {
+                recorded(out, run, experiment, (spec, origin))
+            } else {
+                rows(out, run, experiment, spec)
+            }
         })?;
     }
     whole(&folder.join(NAME), |out| {
@@ -187,32 +216,70 @@ fn set(text: &mut String, run: &Run, is_meant: impl Fn(&str) -> bool, spec: &Spe
 
 /// Header and rows of a run. Numbers have the digits that give them back.
 fn rows(out: &mut dyn Write, run: &Run, experiment: &Experiment, spec: &Spec) -> io::Result<()> {
-    let mut names: Vec<&str> = Vec::new();
-    names.extend(spec.timed.then_some("time_s"));
-    names.extend(spec.valve.then_some("valve"));
-    names.extend(experiment.columns.iter().map(String::as_str));
-    writeln!(out, "{}", names.join(","))?;
-    let (open, closed) = run.valve.unwrap_or((f64::INFINITY, None));
-    let closed = closed.unwrap_or(f64::INFINITY);
-    for (time, row) in instants(run, spec, [open, closed]) {
-        let mut cells: Vec<String> = Vec::new();
-        cells.extend(spec.timed.then(|| format!("{time:?}")));
-        cells.extend(
-            spec.valve
-                .then(|| u8::from(time >= open && time < closed).to_string()),
-        );
-        let value = |column: &Vec<f64>| row.map_or(f64::NAN, |row| column[row]);
-        let cell = |value: f64| {
+    writeln!(out, "{}", names(experiment, spec).join(","))?;
+    for (time, values) in cells(run, spec) {
+        let valve = spec.valve.then(|| format!("{}", values[0]));
+        let measured = &values[usize::from(spec.valve)..];
+        let cell = |value: &f64| {
             if value.is_nan() {
                 String::new()
             } else {
                 format!("{value:?}")
             }
         };
-        cells.extend(run.values.iter().map(value).map(cell));
-        writeln!(out, "{}", cells.join(","))?;
+        let time = spec.timed.then(|| format!("{time:?}"));
+        let all = time.into_iter().chain(valve);
+        let all: Vec<String> = all.chain(measured.iter().map(cell)).collect();
+        writeln!(out, "{}", all.join(","))?;
     }
     Ok(())
+}
+
+/// The same as an MCAP file.
+fn recorded(
+    out: &mut dyn Write,
+    run: &Run,
+    experiment: &Experiment,
+    (spec, origin): (&Spec, &Origin<'_>),
+) -> io::Result<()> {
+    let mut record = || -> Result<(), recording::Error> {
+        let mut recording = Recording::new(&mut *out, origin)?;
+        recording.columns(names(experiment, spec))?;
+        for (time, values) in cells(run, spec) {
+            let all = spec.timed.then_some(time).into_iter().chain(values);
+            recording.row(time, all)?;
+        }
+        recording.finish().map(|_| ())
+    };
+    record().map_err(|error| match error {
+        recording::Error::File(telemetry::Error::Io(error)) => error,
+        other => io::Error::other(other.to_string()),
+    })
+}
+
+/// Names of the columns.
+fn names<'e>(experiment: &'e Experiment, spec: &Spec) -> Vec<&'e str> {
+    let mut names: Vec<&str> = Vec::new();
+    names.extend(spec.timed.then_some("time_s"));
+    names.extend(spec.valve.then_some("valve"));
+    names.extend(experiment.columns.iter().map(String::as_str));
+    names
+}
+
+/// Every row with its time (s): the valve, where there is one, and what was measured, NaN where
+/// nothing was.
+fn cells<'r>(run: &'r Run, spec: &Spec) -> impl Iterator<Item = (f64, Vec<f64>)> + use<'r> {
+    let (open, closed) = run.valve.unwrap_or((f64::INFINITY, None));
+    let closed = closed.unwrap_or(f64::INFINITY);
+    let has_valve = spec.valve;
+    instants(run, spec, [open, closed])
+        .into_iter()
+        .map(move |(time, row)| {
+            let valve = f64::from(u8::from(time >= open && time < closed));
+            let value = |column: &Vec<f64>| row.map_or(f64::NAN, |row| column[row]);
+            let valve = has_valve.then_some(valve).into_iter();
+            (time, valve.chain(run.values.iter().map(value)).collect())
+        })
 }
 
 /// Times (s) of all rows in order, each with its row; those at which the valve switches are among

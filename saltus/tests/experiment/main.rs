@@ -4,6 +4,7 @@
 
 mod damage;
 mod folder;
+mod mcap;
 mod rig;
 mod spoiled;
 mod written;

@@ -8,10 +8,10 @@ use crate::{good, laid, rows, said};
 /// A kind, a file of its good folder, what is replaced in it by what (once), and what is said then.
 #[rustfmt::skip] // One case a line.
 const SPOILED: &[(&str, &str, &str, &str, &str)] = &[
-    ("bench", "experiment.toml", "kind = \"bench\"\n", "", "DATA/experiment.toml: missing key kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, in quotes"),
-    ("bench", "experiment.toml", "\"bench\"", "\"banch\"", "DATA/experiment.toml:1: kind = \"banch\": must be one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, in quotes"),
+    ("bench", "experiment.toml", "kind = \"bench\"\n", "", "DATA/experiment.toml: missing key kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, run, in quotes"),
+    ("bench", "experiment.toml", "\"bench\"", "\"banch\"", "DATA/experiment.toml:1: kind = \"banch\": must be one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, run, in quotes"),
     ("bench", "experiment.toml", "\"bench\"", "7", "DATA/experiment.toml:1: kind = 7: must be one \
-        of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, in quotes"),
+        of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, run, in quotes"),
     ("bench", "experiment.toml", "\"bench\"", "\"toss\"", "DATA/experiment.toml: kind = \"toss\": tosses are read by the multi-body simulation's example tosses, not here"),
     ("bench", "experiment.toml", "kind", "knid", "DATA/experiment.toml:1: unknown key knid; the \
         nearest known key is kind"),
@@ -53,7 +53,7 @@ const SPOILED: &[(&str, &str, &str, &str, &str)] = &[
     ("flight", "experiment.toml", "mass_kg = 0.05", "valid_from_s = 0.9", "DATA/a.csv: 3 rows \
         from valid_from_s to valid_to_s: a run of kind flight needs 5 at least"),
     ("flight", "experiment.toml", "mass_kg = 0.05", "valid_from_s = 0.9\nvalid_to_s = 0.2", "DATA/experiment.toml:5: run 1.valid_to_s = 0.2: must be a time from -1e14 to 1e14 s, after valid_from_s = 0.9"),
-    ("outcomes", "experiment.toml", "file = \"a.csv\"\n", "file = \"a.csv\"\nvalid_from_s = 1\n", "DATA/experiment.toml:5: unknown key run 1.valid_from_s; the nearest known key is run 1.file"),
+    ("outcomes", "experiment.toml", "file = \"a.csv\"\n", "file = \"a.csv\"\nvalid_from_s = 1\n", "DATA/experiment.toml:5: unknown key run 1.valid_from_s; the nearest known key is run 1.columns"),
     ("bench", "a.csv", "time_s", "time_min", "DATA/a.csv:1: unknown column time_min; the nearest \
         known column is time_s"),
     ("bench", "a.csv", "pressure_pa", "presure_pa", "DATA/a.csv:1: unknown column presure_pa; the \
@@ -349,7 +349,7 @@ fn check_files(cases: Vec<(&str, &str, Vec<u8>, &str)>) {
 fn spoiled_manifests_are_refused() {
     check_files(vec![
         ("empty-manifest", "experiment.toml", Vec::new(), "DATA/experiment.toml: missing key \
-            kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, in quotes"),
+            kind: one of bench, hop, jump, flight, outcomes, stroke, slide, vessel, pendulum, run, in quotes"),
         ("no-runs", "experiment.toml", b"kind = 'flight'".to_vec(), "DATA/experiment.toml: \
             missing key run: a table [[run]] for each file"),
         ("empty-runs", "experiment.toml", b"kind = 'flight'\nrun = []".to_vec(), "DATA/experiment.toml: missing key run: a table [[run]] for each file"),
@@ -484,7 +484,7 @@ fn what_is_odd_is_noted() {
         },
         "read, notes [\"c.csv: not read, as experiment.toml does not list it\", \"d.CSV: not \
          read, as experiment.toml does not list it\", \"e.csv: not read, as experiment.toml does \
-         not list it\", \"experiment.toml: 2 more CSV files are not listed\"]",
+         not list it\", \"experiment.toml: 2 more CSV or MCAP files are not listed\"]",
     );
     check(
         "unused",

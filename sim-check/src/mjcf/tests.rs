@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
+use crate::xml::LEAST_INERTIA;
 
 const BUILT_IN: [&str; 5] = [
     "rats-planar",
@@ -161,6 +162,31 @@ fn bodies_are_those_of_the_rig() {
         "body.imbalance_mm=2",
         "body.imbalance_angle_deg=30",
     ]);
+}
+
+#[test]
+fn pairs_and_sensors_name_shapes_that_are_there() {
+    for name in BUILT_IN {
+        let found = elements(&mjcf(&robot(name, &[])).unwrap());
+        let of = |kinds: &[&str], key: &str| -> Vec<String> {
+            let meant = found
+                .iter()
+                .filter(|(kind, _)| kinds.contains(&kind.as_str()));
+            let values = meant.filter_map(|(_, all)| attribute(all, key));
+            values.map(str::to_owned).collect()
+        };
+        let (shapes, sites) = (of(&["geom"], "name"), of(&["site"], "name"));
+        let pairs = of(&["pair"], "geom2");
+        assert!(
+            !pairs.is_empty() && pairs.iter().all(|x| shapes.contains(x)),
+            "{name}: {pairs:?}"
+        );
+        let touched = of(&["touch"], "site");
+        assert!(
+            touched.len() == pairs.len() && touched.iter().all(|x| sites.contains(x)),
+            "{name}"
+        );
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// Which of our crates each crate may use. A crate that is not here may not exist.
-const MAY_USE: [(&str, &[&str]); 14] = [
+const MAY_USE: [(&str, &[&str]); 15] = [
     ("numeric", &[]),
     ("robot", &["numeric"]),
     ("pneumatics", &["numeric", "robot"]),
@@ -27,6 +27,8 @@ const MAY_USE: [(&str, &[&str]); 14] = [
         "gait",
         &["numeric", "robot", "planner", "sim-check", "controller"],
     ),
+    // It knows files and messages, and no robot.
+    ("telemetry", &[]),
     ("saltus", ALL),
     // The command knows the library alone.
     ("saltus-cli", &["saltus"]),
@@ -46,17 +48,21 @@ const ALL: &[&str] = &[
     "diagnosis",
     "controller",
     "gait",
+    "telemetry",
     "saltus",
 ];
 
 /// Crates of others that only some of ours may know; the tests may know any.
-const KNOWN_TO: [(&str, &[&str]); 10] = [
+const KNOWN_TO: [(&str, &[&str]); 13] = [
     ("clarabel", &["planner"]),
     ("clap", &["saltus-cli"]),
     ("clap_complete", &["saltus-cli"]),
     ("csv", &["robot", "saltus-cli"]),
+    ("lz4_flex", &["telemetry"]),
+    ("mcap", &["telemetry"]),
     ("plotters", &["saltus-cli"]),
     ("png", &["saltus-cli"]),
+    ("ruzstd", &["telemetry"]),
     ("serde", &["saltus-cli"]),
     ("serde_json", &["robot", "saltus", "saltus-cli"]),
     ("signal-hook", &["saltus-cli"]),
@@ -64,7 +70,7 @@ const KNOWN_TO: [(&str, &[&str]); 10] = [
 ];
 
 /// Crates that read and write files and talk to a person; the others compute.
-const SHELLS: [&str; 4] = ["robot", "saltus", "saltus-cli", "tests"];
+const SHELLS: [&str; 5] = ["robot", "telemetry", "saltus", "saltus-cli", "tests"];
 
 /// What the source of a crate that computes does not say.
 const INPUT_OUTPUT: [&str; 8] = [

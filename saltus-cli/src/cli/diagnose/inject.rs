@@ -7,11 +7,13 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use saltus::diagnosis::Sort;
 use saltus::experiment;
 use saltus::inject::{self, Effect, Made, Request, Truth};
+use saltus::recording::Origin;
 use serde_json::{Map, Value, json};
 
 use super::Diagnose;
 use crate::cli::Status;
 use crate::cli::common::robot;
+use crate::cli::recorded::command as asked_for;
 use crate::error::CliError;
 use crate::output::{self, Files, Format, digits};
 
@@ -34,6 +36,10 @@ pub(super) struct InjectFlags {
     /// Runs that are made, of outcomes jumps [default: as many as is usual of the kind]
     #[arg(long, value_name = "COUNT", requires = "inject", conflicts_with_all = ["folders", "power"], value_parser = clap::value_parser!(u16).range(1..=500))]
     runs: Option<u16>,
+
+    /// Write the runs that are made as MCAP files in place of CSV
+    #[arg(long, requires = "inject", conflicts_with_all = ["folders", "power"])]
+    mcap: bool,
 }
 
 /// Reads the kinds by their names, with what they are for the help.
@@ -73,7 +79,7 @@ impl InjectFlags {
             .map(|name| robot(name, &command.overrides))
             .transpose()?;
         let effects = self.effects()?;
-        let made = inject::make(&Request {
+        let mut made = inject::make(&Request {
             kind: self.kind,
             robot: robot.as_ref(),
             effects: &effects,
@@ -92,7 +98,18 @@ impl InjectFlags {
             .map(|robot| (OWN, robot.to_toml()))
             .into_iter()
             .collect();
-        experiment::write_with(folder, &made.experiment, listed, &more)?;
+        let words = asked_for();
+        let origin = Origin {
+            command: &words,
+            seed: Some(command.seed),
+            robot: robot.as_ref(),
+        };
+        if self.mcap {
+            for run in &mut made.experiment.runs {
+                run.name = format!("{}.mcap", run.name.trim_end_matches(".csv"));
+            }
+        }
+        experiment::write_from(folder, &made.experiment, listed, &more, &origin)?;
         let mut files = Files::default();
         files.report(
             None,

@@ -179,7 +179,7 @@ With --inject there is nothing to diagnose: data are made with effects hidden in
 what they are; the folder does not. CAUSE is an id, VALUE its parameter in the unit of its name, several with commas; of a sensor \
 COLUMN:VALUE. A CAUSE that the kind does not have is answered with a list of those that it has.
 
-docs/logs.md has the format of the data: columns, units, zeros and signs, keys, and an example of each kind.
+Runs are CSV or MCAP files (of rosbag2, too, by a mapping of topics to columns). docs/logs.md has the format of the data: columns, units, zeros and signs, keys, and an example of each kind.
 
 The exit code is 0 if nothing is wrong, 1 if something is, or if the data scatter ten times as much as their stated noise.";
 

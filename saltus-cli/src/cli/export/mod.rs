@@ -3,7 +3,7 @@
 mod running;
 mod tables;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use saltus::sim_check;
@@ -13,7 +13,7 @@ use super::common::RobotFlags;
 use crate::error::CliError;
 use crate::output::Files;
 
-/// Write the robot for another program: a controller in C or Rust, or a MuJoCo model
+/// Write the robot for another program: a controller in C or Rust, a MuJoCo model, or URDF
 #[derive(Args, Debug)]
 pub(crate) struct Export {
     #[command(subcommand)]
@@ -25,12 +25,25 @@ enum Target {
     C(tables::C),
     Rust(tables::Rust),
     Mjcf(Mjcf),
+    Urdf(Urdf),
 }
 
 /// Write the robot as MJCF, the model files of the simulator MuJoCo
 #[derive(Args, Debug)]
 #[command(after_help = "`saltus export mjcf --help` explains the file.", after_long_help = MJCF_HELP)]
 struct Mjcf {
+    #[command(flatten)]
+    robot: RobotFlags,
+
+    /// Write to this file instead of standard output
+    #[arg(long, short, value_name = "FILE", help_heading = "Robot and output")]
+    out: Option<PathBuf>,
+}
+
+/// Write the robot as URDF, for RViz, Foxglove, Drake, Pinocchio and others
+#[derive(Args, Debug)]
+#[command(after_help = "`saltus export urdf --help` explains the file.", after_long_help = URDF_HELP)]
+struct Urdf {
     #[command(flatten)]
     robot: RobotFlags,
 
@@ -57,22 +70,40 @@ sensors JOINT_position, JOINT_velocity, axle_position, axle_velocity, axle_gyro,
 The gas in the legs is not in the file: MuJoCo has no such law, and the motor's force is set by its user. \
 A comment at the head of the file lists what else of this robot MuJoCo does not express.";
 
+const URDF_HELP: &str = "\
+Examples:
+  saltus export urdf --robot rats-boom --out rats-boom.urdf
+  python -m mujoco.viewer --mjcf=rats-boom.urdf
+
+The file has the bodies of the multi-body simulation, in SI units and radians: a link and a joint for each, and a \
+fixed link foot_K at the tip of each leg. Joints are those of `saltus export mjcf`, in the order and with the signs of \
+the simulation's coordinates: travel and height of the axle (m), or boom_turn and boom (rad; and its bend), then wheel \
+(the lean, rad), then leg_0 to leg_N (extension, m). Masses, moments of inertia, damping and dry friction are there.
+
+URDF has no drives, no ground, no springs and no latches. A comment at the head of the file lists what of this robot \
+is missing. docs/viewers.md shows the file in viewers, and says why robots are not read from URDF.";
+
 impl Export {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         match self.target {
             Target::C(command) => command.run(),
             Target::Rust(command) => command.run(),
-            Target::Mjcf(command) => command.run(),
+            Target::Mjcf(command) => written(
+                sim_check::mjcf(&command.robot.robot()?)?,
+                command.out.as_deref(),
+            ),
+            Target::Urdf(command) => written(
+                sim_check::urdf(&command.robot.robot()?)?,
+                command.out.as_deref(),
+            ),
         }
     }
 }
 
-impl Mjcf {
-    fn run(self) -> Result<Status, CliError> {
-        let model = sim_check::mjcf(&self.robot.robot()?)?;
-        let mut files = Files::default();
-        files.report(self.out.as_deref(), model);
-        files.write()?;
-        Ok(Status::Done)
-    }
+/// Writes `text` to the file `out`, or to the screen.
+fn written(text: String, out: Option<&Path>) -> Result<Status, CliError> {
+    let mut files = Files::default();
+    files.report(out, text);
+    files.write()?;
+    Ok(Status::Done)
 }

@@ -6,6 +6,7 @@ use saltus::gait::{Footfall, Row, Run};
 
 use super::film::Film;
 use super::held::Held;
+use super::recorder::Recorder;
 use super::rows::Rows;
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
@@ -41,6 +42,7 @@ pub(super) struct Kept {
     /// Every cycle, and what is measured in it.
     pub(super) telemetry: Option<[Rows; 2]>,
     pub(super) film: Option<Film>,
+    pub(super) recorder: Option<Recorder>,
 }
 
 /// The last cycle.
@@ -199,6 +201,9 @@ impl Run for Follower<'_> {
         if let Some(film) = &mut self.kept.film {
             film.push(row, speed);
         }
+        if let Some(recorder) = &mut self.kept.recorder {
+            recorder.row(row);
+        }
         if row.time >= self.told + 1.0 {
             self.told += 1.0;
             self.progress.advance(1);
@@ -212,10 +217,13 @@ impl Run for Follower<'_> {
         if let Some(film) = &mut self.kept.film {
             film.touch_down(footfall);
         }
+        if let Some(recorder) = &mut self.kept.recorder {
+            recorder.footfall(footfall);
+        }
     }
 
     fn asks_contacts(&mut self, _: f64) -> bool {
-        self.kept.film.as_ref().is_some_and(Film::is_due)
+        self.kept.recorder.is_some() || self.kept.film.as_ref().is_some_and(Film::is_due)
     }
 
     fn goes_on(&mut self) -> bool {
@@ -224,6 +232,8 @@ impl Run for Follower<'_> {
             .rows
             .iter()
             .chain(self.kept.telemetry.iter().flatten());
-        !self.interrupt.came() && files.all(Rows::is_open)
+        let recorder = self.kept.recorder.as_ref();
+        let is_open = files.all(Rows::is_open) && recorder.is_none_or(Recorder::is_open);
+        !self.interrupt.came() && is_open
     }
 }

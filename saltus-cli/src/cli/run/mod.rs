@@ -9,6 +9,7 @@ mod follow;
 mod gait;
 mod held;
 mod page;
+mod recorder;
 mod report;
 mod rows;
 mod telemetry;
@@ -25,6 +26,7 @@ use saltus::sim_check::Stepping;
 use super::Status;
 use super::best;
 use super::common::{OutputFlags, PlotOption, Threads, note_valve, page_file, robot};
+use super::recorded::McapOption;
 use super::refused::refused;
 use crate::error::CliError;
 use crate::interrupt::Interrupt;
@@ -38,6 +40,7 @@ use follow::{Follower, Thinned};
 pub(crate) use gait::Aim;
 use gait::{Chosen, GaitFlags};
 use held::Held;
+use recorder::Recorder;
 use rows::{Columns, Rows};
 use telemetry::Telemetry;
 
@@ -79,7 +82,7 @@ pub(crate) struct Run {
 
     /// Draw so many robots around this one and run each: legs' friction and spring, supply and
     /// ground friction vary
-    #[arg(long, value_name = "COUNT", value_parser = robots, allow_hyphen_values = true, conflicts_with_all = ["plot", "animate", "telemetry"])]
+    #[arg(long, value_name = "COUNT", value_parser = robots, allow_hyphen_values = true, conflicts_with_all = ["plot", "animate", "telemetry", "mcap"])]
     robots: Option<NonZeroUsize>,
 
     /// Friction coefficient across the travel of the robots that are drawn
@@ -88,7 +91,7 @@ pub(crate) struct Run {
 
     /// Analyse the gait of `fixed`: energy, periodic gaits, starts that run, speed against gas;
     /// with --robots over so many drawn robots [default without a value: full]
-    #[arg(long, value_enum, value_name = "EFFORT", num_args = 0..=1, default_missing_value = "full", conflicts_with_all = ["plot", "animate", "telemetry"])]
+    #[arg(long, value_enum, value_name = "EFFORT", num_args = 0..=1, default_missing_value = "full", conflicts_with_all = ["plot", "animate", "telemetry", "mcap"])]
     analyse: Option<Depth>,
 
     #[command(flatten)]
@@ -100,6 +103,9 @@ pub(crate) struct Run {
     /// Write a page that plays the run, of 60 s at most, in a browser
     #[arg(long, value_name = "FILE.html", value_parser = page_file, help_heading = "Robot and output")]
     animate: Option<PathBuf>,
+
+    #[command(flatten)]
+    mcap: McapOption,
 
     /// Write every cycle's readings, outputs and truths into this new or empty folder
     #[arg(long, value_name = "FOLDER", help_heading = "Robot and output")]
@@ -184,6 +190,8 @@ runs with its 95 % interval (Wilson); CSV has a row a robot. It does not depend 
 periodic gaits with period, speed, gas and Floquet multipliers, each with its error; rolling without drive, in closed form; the \
 share of starts on one foot that run, on three grids; the frontier of speed against gas. All but the energy is of an ideal controller \
 without sensors and without --disturb. It takes half a minute on one core, or some seconds with `quick`. Text or JSON; with --robots the frontier is of drawn robots.
+
+--mcap writes the motion every cycle as it is computed, and in /measured the columns of --telemetry; docs/viewers.md lists the topics.
 
 --telemetry writes a folder of data of kind `run` that `saltus diagnose` reads: experiment.toml, the robot, and run.csv with \
 what is measured (docs/logs.md). Beside it are cycles.csv, the columns of CSV and the counts of encoders, gyros and \
@@ -295,7 +303,11 @@ impl Run {
             disturbances: &self.disturb,
             interrupted: interrupt.came(),
         };
-        let files = self.files(&report, kept.rows, kept.film)?;
+        let mut files = self.files(&report, kept.rows, kept.film)?;
+        if let Some(recorder) = kept.recorder {
+            files.written(recorder.finish()?)?;
+            files.check()?;
+        }
         if let (Some(folder), Some(rows)) = (telemetry, kept.telemetry) {
             folder.publish(rows, &report, &believed)?;
         }
@@ -346,6 +358,9 @@ impl Run {
         follower.kept.telemetry = telemetry
             .map(|folder| folder.rows(&setup.robot))
             .transpose()?;
+        if let Some(path) = self.mcap.path() {
+            follower.kept.recorder = Some(Recorder::open(path, setup)?);
+        }
         follower.line = self.plot.is_set().then(Thinned::new);
         follower.kept.film = (self.animate.is_some()).then(|| Film::new(setup));
         Ok(())
@@ -395,10 +410,12 @@ impl Run {
                 return Err(CliError::flag("--animate", "", allowed));
             }
         }
+        self.mcap.ready()?;
         let out = self.output.out().filter(|out| *out != Path::new("-"));
         let mut files = Files::default();
         files.extend(out.map(|out| ("--out", out)));
         files.extend(self.animate.as_deref().map(|page| ("--animate", page)));
+        files.extend(self.mcap.path().map(|file| ("--mcap", file)));
         files.extend(self.plot.path().map(|plot| ("--plot", plot)));
         files.check()
     }

@@ -9,10 +9,12 @@ mod text;
 use std::path::PathBuf;
 
 use clap::Args;
+use saltus::lagrangian::{Batch, FINE};
 use saltus::{Launch, Robot, StanceError};
 
 use super::Status;
 use super::common::{Common, PlotOption, Threads, note_valve};
+use super::recorded::{Beside, McapOption};
 use super::terms::{StartLean, VALVE_OPEN, start_lean};
 use crate::error::CliError;
 use crate::output::Format;
@@ -56,6 +58,9 @@ pub(crate) struct Simulate {
     threads: Threads,
 
     #[command(flatten)]
+    mcap: McapOption,
+
+    #[command(flatten)]
     plot: PlotOption,
 
     #[command(flatten)]
@@ -89,6 +94,9 @@ JSON: {\"command\": \"simulate\", \"robot\": NAME, \"jumps\": [{the columns, nul
 friction_needed_time_s} (friction_needed is null where the ground would have to pull) and \"energy\" \
 {drive_j, losses_j, kinetic_j, potential_j}.
 
+--mcap writes one jump, with its stance as it was integrated and its flight every 1 ms, the leg as it is at lift-off; \
+docs/viewers.md lists the topics.
+
 Rows of a table that are out of reach have no firing angle; a batch leaves them out.
 
 A jump that does not take off is an answer: the exit code is 0.";
@@ -105,6 +113,11 @@ impl Simulate {
                 launches.len()
             );
             return Err(CliError::flag("--plot", "", allowed));
+        }
+        self.mcap.ready()?;
+        if self.mcap.path().is_some() && launches.len() != 1 {
+            let allowed = format!("used with one jump, not {}", launches.len());
+            return Err(CliError::flag("--mcap", "", allowed));
         }
         let detail = compute::Detail {
             stance: self.batch.is_none(),
@@ -125,8 +138,27 @@ impl Simulate {
             Format::Text => text::text(&answers, &robot),
         };
         let drawing = || Ok(Drawing::Trajectories(family::family(&answers, &robot)));
-        self.common.write_with_plot(report, &self.plot, drawing)?;
+        let mcap = self.recorded(&answers, &robot)?;
+        self.common.write_with(report, &self.plot, drawing, mcap)?;
         Ok(Status::Done)
+    }
+
+    /// The jump as an MCAP file, if one is asked for.
+    fn recorded(
+        &self,
+        answers: &[compute::Answer],
+        robot: &Robot,
+    ) -> Result<Option<Beside<'_>>, CliError> {
+        let [answer] = answers else {
+            return Ok(None);
+        };
+        let launch = &answer.jump.launch;
+        let trace = Batch::new(robot, FINE).stance().trace(launch);
+        let trace = trace.map_err(|source| self.failed(launch, None, source))?;
+        self.mcap.recorded(robot, None, |recording| {
+            recording.course(&[])?;
+            recording.planned(&trace, answer.jump.flight.as_ref(), launch.valve_open)
+        })
     }
 
     /// The launches, and the lines of the batch on which they stand.

@@ -1,5 +1,6 @@
 //! A verification as a page to watch.
 
+use saltus::recording::{self, Block, Recording};
 use saltus::sim_check::SimError;
 use saltus::verify::{Demand, Flown, Judgement, Outcome, RunJump};
 
@@ -12,12 +13,9 @@ use crate::plot::ground::Part;
 /// Most jumps of a page, each of some hundred kilobytes.
 const MOST: usize = 12;
 
-/// The page: runs without errors, evenly chosen where they are many, and of the others the worst.
-/// What could not be simulated is not shown.
-pub(in crate::cli) fn html(
-    outcomes: &[Outcome],
-    context: &Context<'_>,
-) -> Result<String, SimError> {
+/// The runs to show: those without errors, evenly chosen where they are many, and of the others the
+/// worst.
+fn chosen<'o>(outcomes: &'o [Outcome], context: &Context<'_>) -> Vec<&'o Outcome> {
     let nominal: Vec<&Outcome> = outcomes.iter().filter(|o| !o.trial.has_errors()).collect();
     let most = (MOST / context.subject.jumps().max(1)).max(2);
     let step = nominal.len().div_ceil(most - 1).max(1);
@@ -27,8 +25,49 @@ pub(in crate::cli) fn html(
             .cmp(&!b.passes())
             .then(miss(a).total_cmp(&miss(b)))
     });
+    nominal.into_iter().step_by(step).chain(worst).collect()
+}
+
+/// Puts the same runs into a recording, jump after jump, each from a whole second on.
+pub(super) fn record(
+    recording: &mut Recording<Vec<u8>>,
+    outcomes: &[Outcome],
+    context: &Context<'_>,
+) -> Result<(), recording::Error> {
+    let obstacles = outcomes[0].trial.route.demands.obstacles.iter();
+    let block = |[front, back, top]: &[f64; 3]| Block {
+        front: *front,
+        back: *back,
+        top: *top,
+    };
+    recording.course(&obstacles.map(block).collect::<Vec<_>>())?;
+    let mut start = 0.0;
+    for outcome in chosen(outcomes, context) {
+        for one in outcome.jumps() {
+            let Some(flown) = one.attempt.flown() else {
+                continue;
+            };
+            let verdict = verdict(&one, flown);
+            recording.event(start, &format!("{}: {verdict}", name(&one, context)))?;
+            let how = recording::Flown {
+                start,
+                foot: one.attempt.foot,
+                valve_open: one.attempt.launch.valve_open,
+                landing_height: one.stage().landing_height,
+            };
+            start = recording.jump(&flown.report, &how)?.floor() + 1.0;
+        }
+    }
+    Ok(())
+}
+
+/// The page. What could not be simulated is not shown.
+pub(in crate::cli) fn html(
+    outcomes: &[Outcome],
+    context: &Context<'_>,
+) -> Result<String, SimError> {
     let mut jumps = Vec::new();
-    for outcome in nominal.into_iter().step_by(step).chain(worst) {
+    for outcome in chosen(outcomes, context) {
         run(outcome, context, &mut jumps)?;
     }
     let demands = &outcomes[0].trial.route.demands;
@@ -94,11 +133,8 @@ fn run(
     Ok(())
 }
 
-fn jump(
-    one: &RunJump<'_>,
-    flown: &Flown,
-    context: &Context<'_>,
-) -> Result<animation::Jump, SimError> {
+/// What a jump is called.
+fn name(one: &RunJump<'_>, context: &Context<'_>) -> String {
     let RunJump {
         trial,
         number,
@@ -119,9 +155,19 @@ fn jump(
     if trial.has_errors() {
         name += ", with errors: the worst run";
     }
+    name.replace('-', "−")
+}
+
+fn jump(
+    one: &RunJump<'_>,
+    flown: &Flown,
+    context: &Context<'_>,
+) -> Result<animation::Jump, SimError> {
+    let RunJump { trial, attempt, .. } = one;
+    let stage = one.stage();
     // The path is drawn from where the foot stands, the plan from where it should.
     let asked = Asked {
-        name: name.replace('-', "−"),
+        name: name(one, context),
         verdict: verdict(one, flown),
         passed: attempt.passes(),
         planned: planned(one, context)

@@ -20,6 +20,7 @@ use saltus::verify::{Outcome, Plant, Starts, Trial, Verdict, Verification};
 use self::subject::SubjectFlags;
 use super::Status;
 use super::common::{Common, PlantFlags, PlotOption, Threads, page_file};
+use super::recorded::{Beside, McapOption};
 use crate::error::CliError;
 use crate::output::Format;
 use crate::progress::Progress;
@@ -95,6 +96,9 @@ pub(crate) struct Verify {
     animate: Option<PathBuf>,
 
     #[command(flatten)]
+    mcap: McapOption,
+
+    #[command(flatten)]
     plot: PlotOption,
 
     #[command(flatten)]
@@ -163,6 +167,8 @@ words)}], \"advice\": [what to do], \"groups\": [{\"errors\", \"friction_coeffic
 \"land_error_mean_m\", \"land_error_sd_m\", \"miss_rms_m\", \"miss_greatest_m\", \"apex_error_mean_m\", \
 \"clearance_least_m\", …}], \"rows\": [{the columns}]}.
 
+--mcap writes the jumps that --animate shows, one after the other, each from a whole second on; docs/viewers.md lists the topics.
+
 With --fixed-step the integrator takes steps of one length, as a controller or a learner would; every jump is then simulated with error \
 control as well, and the report says how far the two differ (JSON: \"step_cost\").
 
@@ -177,6 +183,7 @@ const LEAST_DRAWN: usize = 200;
 impl Verify {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.common.ready(&self.plot)?;
+        self.mcap.ready()?;
         let robot = self.common.robot()?;
         let plant = Plant::new(self.plant()?, self.accuracy);
         plant
@@ -242,19 +249,32 @@ impl Verify {
             Format::Json => report::json(&outcomes, &verdict, &scene),
             Format::Text => report::text(&outcomes, &verdict, &scene),
         };
-        let page = self.animate.as_deref().map(|file| {
-            let html = animation::html(&outcomes, &scene);
-            html.map(|html| ("--animate", file, html))
-                .map_err(|error| CliError::content(file.display(), error))
-        });
+        let more = self.beside(&outcomes, &scene)?;
         let drawing = || Ok(drawing::sheet(&outcomes, &verdict, &scene));
-        self.common
-            .write_with(report, &self.plot, drawing, page.transpose()?)?;
+        self.common.write_with(report, &self.plot, drawing, more)?;
         Ok(if verdict.passes {
             Status::Done
         } else {
             Status::No
         })
+    }
+
+    /// The page and the recording, where they are asked for.
+    fn beside(
+        &self,
+        outcomes: &[Outcome],
+        scene: &context::Context<'_>,
+    ) -> Result<Vec<Beside<'_>>, CliError> {
+        let mut files = Vec::new();
+        if let Some(file) = self.animate.as_deref() {
+            let html = animation::html(outcomes, scene)
+                .map_err(|error| CliError::content(file.display(), error))?;
+            files.push(("--animate", file, html.into_bytes()));
+        }
+        let (robot, seed) = (scene.plant.robot(), Some(self.seed));
+        let record = |recording: &mut _| animation::record(recording, outcomes, scene);
+        files.extend(self.mcap.recorded(robot, seed, record)?);
+        Ok(files)
     }
 
     /// The robot that jumps.

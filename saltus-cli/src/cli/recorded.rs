@@ -1,0 +1,130 @@
+//! Motions as MCAP files: `--mcap FILE`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use saltus::Robot;
+use saltus::recording::{Error, Origin, Recording};
+use saltus::telemetry;
+
+use crate::error::CliError;
+use crate::output::reachable;
+
+/// Flags with a value that do not change what is computed.
+const WITHOUT_EFFECT: [&str; 8] = [
+    "--mcap",
+    "--out",
+    "-o",
+    "--plot",
+    "--animate",
+    "--telemetry",
+    "--threads",
+    "--format",
+];
+
+/// A file beside the report: the flag that names it, its path and its contents.
+pub(crate) type Beside<'a> = (&'static str, &'a Path, Vec<u8>);
+
+/// Where a motion goes as MCAP.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct McapOption {
+    /// Write the motion as an MCAP file, for Foxglove, PlotJuggler, rerun and ROS 2
+    #[arg(long, value_name = "FILE.mcap", value_parser = file, help_heading = "Robot and output")]
+    mcap: Option<PathBuf>,
+}
+
+impl McapOption {
+    /// The file, if one is asked for.
+    pub(crate) fn path(&self) -> Option<&Path> {
+        self.mcap.as_deref()
+    }
+
+    /// Refuses a file in a folder that is not there, before long work.
+    pub(crate) fn ready(&self) -> Result<(), CliError> {
+        self.path().map_or(Ok(()), reachable)
+    }
+
+    /// What `fill` records of `robot`, if a file is asked for: flag, file and bytes.
+    pub(crate) fn recorded(
+        &self,
+        robot: &Robot,
+        seed: Option<u64>,
+        fill: impl FnOnce(&mut Recording<Vec<u8>>) -> Result<(), Error>,
+    ) -> Result<Option<Beside<'_>>, CliError> {
+        let Some(path) = self.path() else {
+            return Ok(None);
+        };
+        let command = command();
+        let origin = Origin {
+            command: &command,
+            seed,
+            robot: Some(robot),
+        };
+        let record = || {
+            let mut recording = Recording::new(Vec::new(), &origin)?;
+            recording.robot(robot)?;
+            fill(&mut recording)?;
+            recording.finish()
+        };
+        let bytes = record().map_err(|error| unrecorded(path, error))?;
+        Ok(Some(("--mcap", path, bytes)))
+    }
+}
+
+/// Why nothing was recorded in the file at `path`.
+pub(crate) fn unrecorded(path: &Path, error: Error) -> CliError {
+    match error {
+        Error::File(telemetry::Error::Io(source)) => CliError::write(path, source),
+        other => CliError::content(path.display(), other),
+    }
+}
+
+/// What was asked for, without the flags that have no effect on the answer.
+pub(crate) fn command() -> String {
+    let words = std::env::args_os().skip(1);
+    let words = words.map(|word| word.to_string_lossy().into_owned());
+    let words: Vec<String> = words.collect();
+    format!("saltus {}", effective(&words).join(" "))
+}
+
+fn effective(words: &[String]) -> Vec<&str> {
+    let mut kept = Vec::new();
+    let mut words = words.iter().map(String::as_str).peekable();
+    while let Some(word) = words.next() {
+        let flag = word.split_once('=').map_or(word, |(flag, _)| flag);
+        if !WITHOUT_EFFECT.contains(&flag) {
+            kept.push(word);
+        } else if flag == word {
+            // Beside --inject, --mcap has no value.
+            words.next_if(|value| word != "--mcap" || file(value).is_ok());
+        }
+    }
+    kept
+}
+
+/// Parser of a flag.
+fn file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_log = path
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("mcap"));
+    if is_log {
+        Ok(path)
+    } else {
+        Err("the name must end in .mcap".into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_is_told_without_its_files() {
+        let words = ["run", "--mcap", "a.mcap", "--seed", "2", "--plot=a.svg"];
+        let words = words.map(str::to_owned);
+        assert_eq!(effective(&words), ["run", "--seed", "2"]);
+        let words = ["diagnose", "--mcap", "--inject", "none"].map(str::to_owned);
+        assert_eq!(effective(&words), ["diagnose", "--inject", "none"]);
+    }
+}
