@@ -54,7 +54,7 @@ pub mod verify;
 
 /// The snippets of README.md.
 #[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
+#[doc = include_str!("../README.md")]
 pub struct Readme;
 
 pub use saltus_ballistic as ballistic;
