@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::common::Folder;
-use crate::documents::{check_steps, commands, furnished, Step};
+use crate::documents::{Step, check_steps, commands, furnished};
 
 fn docs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs")
