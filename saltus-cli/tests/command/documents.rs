@@ -12,7 +12,7 @@ pub(crate) enum Step {
     Command { line: String, prints: Vec<String> },
 }
 
-fn steps(document: &str) -> Vec<Step> {
+pub(crate) fn steps(document: &str) -> Vec<Step> {
     let mut steps = Vec::new();
     let mut before = "";
     let mut lines = document.lines();

@@ -1,19 +1,25 @@
 //! The pages of `docs/` with blocks ```` ```console ````: what they show is what the command prints.
 //!
 //! `SALTUS_WRITE_PAGES=1 cargo test -p saltus-cli pages` writes into the pages what is printed now,
-//! but for blocks with `...`.
+//! but for commands of which `...` leaves something out.
 
 use std::path::{Path, PathBuf};
 
 use crate::common::Folder;
-use crate::documents::{Step, check_steps, commands, furnished};
+use crate::documents::{Step, check_steps, commands, furnished, steps};
 
 fn docs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs")
 }
 
-/// The page `text` with each block that leaves nothing out as it is printed in `folder`.
+/// The page `text` with each command of which nothing is left out as it prints in `folder`. The
+/// files that the page gives are written first.
 fn written(text: &str, folder: &Folder) -> String {
+    for step in steps(text) {
+        if let Step::File { name, text } = step {
+            std::fs::write(folder.path(&name), text).expect("the file can be written");
+        }
+    }
     let mut lines = text.lines();
     let mut page = Vec::new();
     while let Some(line) = lines.next() {
@@ -22,14 +28,13 @@ fn written(text: &str, folder: &Folder) -> String {
             continue;
         }
         let block: Vec<&str> = lines.by_ref().take_while(|line| *line != "```").collect();
-        let leaves_out = block.contains(&"...");
         for step in commands(&block) {
             let Step::Command { line, prints } = step else {
                 continue;
             };
             let run = folder.run(&line.split_whitespace().collect::<Vec<_>>());
             page.push(format!("$ saltus {line}"));
-            if leaves_out {
+            if prints.iter().any(|line| line == "...") {
                 page.extend(prints);
             } else {
                 page.extend(run.out.lines().map(|line| line.trim_end().to_owned()));
