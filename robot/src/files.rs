@@ -8,23 +8,20 @@ use crate::RobotError;
 
 /// Built-in robots: name and robot file.
 pub(crate) const ROBOTS: [(&str, &str); 5] = [
-    ("rats-planar", include_str!("../../robots/rats-planar.toml")),
-    ("rats-boom", include_str!("../../robots/rats-boom.toml")),
-    ("rats-run", include_str!("../../robots/rats-run.toml")),
+    ("rats-planar", include_str!("../robots/rats-planar.toml")),
+    ("rats-boom", include_str!("../robots/rats-boom.toml")),
+    ("rats-run", include_str!("../robots/rats-run.toml")),
     (
         "spring-hopper",
-        include_str!("../../robots/spring-hopper.toml"),
+        include_str!("../robots/spring-hopper.toml"),
     ),
-    (
-        "table-hopper",
-        include_str!("../../robots/table-hopper.toml"),
-    ),
+    ("table-hopper", include_str!("../robots/table-hopper.toml")),
 ];
 
 /// Files that built-in robots name.
 const TABLES: [(&str, &str); 1] = [(
     "table-hopper-force.csv",
-    include_str!("../../robots/table-hopper-force.csv"),
+    include_str!("../robots/table-hopper-force.csv"),
 )];
 
 /// Greatest size of a file (MiB): some hundred thousand rows of a force table.

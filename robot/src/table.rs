@@ -296,7 +296,7 @@ mod tests {
 
     use super::*;
 
-    const SOUND: &str = include_str!("../../robots/table-hopper-force.csv");
+    const SOUND: &str = include_str!("../robots/table-hopper-force.csv");
     const STROKE: f64 = 0.05;
 
     fn read(text: &str) -> Result<ForceTable, RobotError> {

@@ -53,11 +53,6 @@ pub mod study;
 pub mod temporary;
 pub mod verify;
 
-/// The snippets of README.md.
-#[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
-pub struct Readme;
-
 pub use saltus_ballistic as ballistic;
 pub use saltus_controller as controller;
 pub use saltus_diagnosis as diagnosis;

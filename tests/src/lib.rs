@@ -9,3 +9,12 @@ pub mod oracle;
 pub mod reference;
 pub mod robots;
 pub mod verdict;
+
+/// The Rust of the documents.
+#[cfg(doctest)]
+mod documents {
+    #[doc = include_str!("../../README.md")]
+    struct Readme;
+    #[doc = include_str!("../../docs/start.md")]
+    struct Start;
+}

@@ -141,8 +141,8 @@ fn sound_files() -> Vec<String> {
     let mut files: Vec<String> = Robot::builtin_names()
         .map(|name| Robot::builtin(name).expect("built in").to_toml())
         .collect();
-    files.push(include_str!("../../../robots/rats-planar.toml").into());
-    files.push(include_str!("../../../robots/spring-hopper.toml").into());
+    files.push(include_str!("../../robots/rats-planar.toml").into());
+    files.push(include_str!("../../robots/spring-hopper.toml").into());
     files
 }
 

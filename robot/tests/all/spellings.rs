@@ -293,7 +293,7 @@ fn a_force_table_is_a_set_of_rows() {
 #[test]
 fn the_examples_of_the_readme_are_sound() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
-    let readme = include_str!("../../../robots/README.md");
+    let readme = include_str!("../../robots/README.md");
     let examples: Vec<&str> = readme
         .split("```toml\n")
         .skip(1)

@@ -7,12 +7,12 @@
 use crate::common::Folder;
 
 /// What a document asks for, in its order.
-enum Step {
+pub(crate) enum Step {
     File { name: String, text: String },
     Command { line: String, prints: Vec<String> },
 }
 
-fn steps(document: &str) -> Vec<Step> {
+pub(crate) fn steps(document: &str) -> Vec<Step> {
     let mut steps = Vec::new();
     let mut before = "";
     let mut lines = document.lines();
@@ -40,7 +40,7 @@ fn file_name(line: &str) -> Option<String> {
     Some(name.to_owned())
 }
 
-fn commands(block: &[&str]) -> Vec<Step> {
+pub(crate) fn commands(block: &[&str]) -> Vec<Step> {
     let mut all = Vec::new();
     for line in block {
         match (line.strip_prefix("$ saltus "), all.last_mut()) {
@@ -96,9 +96,13 @@ fn are_close_numbers(a: &str, b: &str) -> bool {
 
 /// Runs what `document` shows in a folder of its own.
 fn check(name: &str, document: &str) {
-    let folder = Folder::new(name);
+    check_steps(document, &Folder::new(name), 6);
+}
+
+/// Runs the steps of `document`, at least `least`, in `folder`.
+pub(crate) fn check_steps(document: &str, folder: &Folder, least: usize) {
     let steps = steps(document);
-    assert!(steps.len() > 5, "{name} shows hardly anything");
+    assert!(steps.len() >= least, "{} steps", steps.len());
     for step in steps {
         match step {
             Step::File { name, text } => std::fs::write(folder.path(&name), text).unwrap(),
@@ -158,7 +162,7 @@ fn named(document: &str) -> Vec<Vec<String>> {
 }
 
 /// A folder with the files that the documents' commands read.
-fn furnished(name: &str) -> Folder {
+pub(crate) fn furnished(name: &str) -> Folder {
     let folder = Folder::new(name);
     let places = [
         "saltus/examples",

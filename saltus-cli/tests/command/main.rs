@@ -19,6 +19,7 @@ mod meaning;
 mod misleading;
 mod optimal;
 mod overwrites;
+mod pages;
 mod plant;
 mod plots;
 mod power;

@@ -1,14 +1,12 @@
 //! Tables as C: a header and a source.
 
+use saltus_controller::c_source::{CONTROLLER as SOURCE, CONTROLLER_HEADER as HEADER};
 use saltus_controller::qp::HalfPlane;
 use saltus_controller::{Axis, Input, Obstacle, Reason, Timing};
 
 use super::numbers::Number;
 use super::tables::{Nodes, Tables};
 use super::vectors::{Chosen, Decided, Looked, Solved};
-
-const HEADER: &str = include_str!("../../../controller/c/saltus_controller.h");
-const SOURCE: &str = include_str!("../../../controller/c/saltus_controller.c");
 
 /// Vectors of the self-test: firing angles, decisions, take-offs, programs.
 const VECTORS: [usize; 4] = [20, 40, 10, 10];

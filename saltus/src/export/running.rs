@@ -1,15 +1,13 @@
 //! What decides on a running robot, as C: the code, and the robot's constants.
 
 use saltus_controller::Axis;
+use saltus_controller::c_source::{RUNNING as SOURCE, RUNNING_HEADER as HEADER};
 use saltus_controller::run::{Gait, Hold, Law, Leap};
 use saltus_gait::{GaitError, Setup};
 
 use super::c::{comment, fill, number_words};
 use super::fingerprint;
 use super::numbers::Number;
-
-const HEADER: &str = include_str!("../../../controller/c/saltus_running.h");
-const SOURCE: &str = include_str!("../../../controller/c/saltus_running.c");
 
 /// What is written for a running robot.
 #[derive(Clone, Debug, PartialEq, Eq)]

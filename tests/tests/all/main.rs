@@ -4,6 +4,7 @@ mod architecture;
 mod boom;
 mod controller;
 mod diagnosis;
+mod documents;
 mod hardened;
 mod lab;
 mod laws;

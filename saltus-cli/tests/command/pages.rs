@@ -1,0 +1,93 @@
+//! The pages of `docs/` with blocks ```` ```console ````: what they show is what the command prints.
+//!
+//! `SALTUS_WRITE_PAGES=1 cargo test -p saltus-cli pages` writes into the pages what is printed now,
+//! but for commands of which `...` leaves something out.
+
+use std::path::{Path, PathBuf};
+
+use crate::common::Folder;
+use crate::documents::{Step, check_steps, commands, furnished, steps};
+
+fn docs() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs")
+}
+
+/// The page `text` with each command of which nothing is left out as it prints in `folder`. The
+/// files that the page gives are written first.
+fn written(text: &str, folder: &Folder) -> String {
+    for step in steps(text) {
+        if let Step::File { name, text } = step {
+            std::fs::write(folder.path(&name), text).expect("the file can be written");
+        }
+    }
+    let mut lines = text.lines();
+    let mut page = Vec::new();
+    while let Some(line) = lines.next() {
+        page.push(line.to_owned());
+        if line != "```console" {
+            continue;
+        }
+        let block: Vec<&str> = lines.by_ref().take_while(|line| *line != "```").collect();
+        for step in commands(&block) {
+            let Step::Command { line, prints } = step else {
+                continue;
+            };
+            let run = folder.run(&line.split_whitespace().collect::<Vec<_>>());
+            page.push(format!("$ saltus {line}"));
+            if prints.iter().any(|line| line == "...") {
+                page.extend(prints);
+            } else {
+                page.extend(run.out.lines().map(|line| line.trim_end().to_owned()));
+            }
+        }
+        page.push("```".to_owned());
+    }
+    page.join("\n") + "\n"
+}
+
+/// Checks a page, or writes it anew where that is asked for.
+fn check(file: &str) {
+    let path = docs().join(file);
+    let text = std::fs::read_to_string(&path).expect("the page is there");
+    let name = file.replace(['/', '.'], "-");
+    if std::env::var_os("SALTUS_WRITE_PAGES").is_some() {
+        let folder = furnished(&format!("write-{name}"));
+        std::fs::write(&path, written(&text, &folder)).expect("the page can be written");
+    } else {
+        check_steps(&text, &furnished(&name), 1);
+    }
+}
+
+#[test]
+fn the_first_page_shows_what_commands_print() {
+    check("start.md");
+}
+
+#[test]
+fn the_page_for_your_robot_shows_what_commands_print() {
+    check("your-robot.md");
+}
+
+/// Each command has a page, which shows all of its help and an example.
+#[test]
+fn each_command_has_a_page_that_shows_what_it_prints() {
+    let help = Folder::new("commands").run(&["--help"]).out;
+    let names: Vec<&str> = help
+        .lines()
+        .skip_while(|line| *line != "Commands:")
+        .skip(1)
+        .take_while(|line| !line.is_empty())
+        .filter(|line| !line.starts_with("   "))
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|name| *name != "help")
+        .collect();
+    assert!(names.len() > 10, "{names:?}");
+    for name in names {
+        let file = format!("commands/{name}.md");
+        let page = std::fs::read_to_string(docs().join(&file))
+            .unwrap_or_else(|error| panic!("docs/{file}: {error}"));
+        let asks = format!("$ saltus {name} --help");
+        assert!(page.contains(&asks), "docs/{file} does not show {asks}");
+        check(&file);
+    }
+}
