@@ -9,8 +9,10 @@
 mod cut;
 mod cutter;
 mod legs;
+mod out;
 mod start;
 mod track;
+mod unfit;
 
 use std::sync::Arc;
 
@@ -24,9 +26,10 @@ use crate::spec::{
     Column, INCLINE, LEAP_ON, LOGGED, OUTPUT, Problem, RATE, Rest, SUPPLY, Source, Spec, Still,
     Synthesis, TILT, TURN_ON, counting, lively, noisy, optional, required, without,
 };
-use cut::{Cut, Unfit};
+use cut::Cut;
 use saltus_numeric::statistics::median;
 use saltus_robot::Robot;
+use unfit::Unfit;
 
 /// The kind.
 pub(super) const SPEC: Spec = Spec {

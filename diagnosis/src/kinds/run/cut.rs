@@ -6,8 +6,9 @@
 //! | file | content |
 //! | --- | --- |
 //! | `track.rs` | firings, and what is measured row by row |
-//! | `legs.rs` | how legs that were fired are believed to move |
-//! | `cutter.rs` | where a stride begins and ends, or why it cannot be read |
+//! | `out.rs`, `legs.rs` | how legs that were fired are believed to move: one, and all of a run |
+//! | `cutter.rs` | where a stride begins and ends |
+//! | `unfit.rs` | why it cannot be read |
 //! | `start.rs` | whether it begins on its foot or in the air, and with what |
 
 use std::collections::BTreeMap;
@@ -16,7 +17,8 @@ use std::sync::Arc;
 use saltus_robot::Robot;
 
 use super::cutter::Cutter;
-use super::track::{Track, firings, valves};
+use super::track::{MARGIN, firings, valves};
+use super::unfit::Unfit;
 use crate::experiment::{Experiment, Run};
 use crate::fit::Fit;
 use crate::rig::Others;
@@ -26,8 +28,7 @@ use crate::spec::Problem;
 const MOST: usize = 8;
 /// Fewest strides from which a cause can be told from a single odd stride.
 const LEAST: usize = 4;
-/// Time (s) after a touch-down in which its impact is over, and before the next one.
-pub(super) const MARGIN: f64 = 4e-3;
+
 /// The strides of an experiment.
 pub(super) struct Cut {
     /// How many firings there are.
@@ -55,40 +56,6 @@ pub(super) struct Stride {
     pub(super) found: Option<Vec<f64>>,
 }
 
-/// Why a stride is no jump.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Unfit {
-    Cut,
-    Backwards,
-    NotHome,
-    InTheAir,
-    Hops,
-    TwoFeet,
-    OtherOut,
-    Short,
-    Misses,
-    NoMotion,
-    Unlike,
-}
-
-impl Unfit {
-    fn reason(self) -> &'static str {
-        match self {
-            Unfit::Cut => "the log begins or ends within it",
-            Unfit::Backwards => "the robot rolls backwards",
-            Unfit::NotHome => "its leg may not be home again at its touch-down",
-            Unfit::InTheAir => "its leg is not seen to stand or to fly as it is fired",
-            Unfit::Hops => "it rolls so fast that its foot may not stay on the ground",
-            Unfit::TwoFeet => "two feet are down",
-            Unfit::OtherOut => "another leg may be out and on the ground",
-            Unfit::Short => "the next touch-down comes too soon",
-            Unfit::Misses => "its foot does not reach the ground, or hardly",
-            Unfit::NoMotion => "the model has no such motion",
-            Unfit::Unlike => "it is unlike the others, as if pushed",
-        }
-    }
-}
-
 /// The strides of `experiment` with what is believed to be `robot`.
 ///
 /// # Errors
@@ -100,7 +67,7 @@ pub(super) fn cut(experiment: &Experiment, robot: &Robot) -> Result<Cut, Problem
     let mut unfit: BTreeMap<Unfit, usize> = BTreeMap::new();
     let mut all = 0;
     for run in &experiment.runs {
-        let track = Track::new(experiment, run, &cutter)?;
+        let track = cutter.track(run)?;
         let firings = firings(run, &valves)?;
         let mut drift = 0.0;
         for k in 0..firings.len() {

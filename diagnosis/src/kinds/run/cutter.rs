@@ -5,9 +5,9 @@ use std::f64::consts::{PI, TAU};
 
 use saltus_robot::Robot;
 
-use super::cut::{MARGIN, Unfit};
-use super::legs::Out;
-use super::track::{Firing, Track, Window, measured};
+use super::out::Out;
+use super::track::{Firing, MARGIN, Track, Window, measured};
+use super::unfit::Unfit;
 use crate::experiment::{Experiment, Run, Sort};
 use crate::noise;
 use crate::spec::Problem;
@@ -77,6 +77,44 @@ impl<'a> Cutter<'a> {
             resolution: of(&own.resolution),
             runs,
         }
+    }
+
+    /// What is measured in `run`.
+    ///
+    /// # Errors
+    /// [`Problem::Wraps`] where the wheel's angle begins anew.
+    pub(super) fn track(&self, run: &Run) -> Result<Track<'a>, Problem> {
+        let mut track = Track {
+            experiment: self.experiment,
+            time: Vec::new(),
+            wheel: Vec::new(),
+            height: Vec::new(),
+        };
+        let mut last: Option<(f64, f64)> = None;
+        for (row, &time) in run.time.iter().enumerate() {
+            let wheel = run.values[self.wheel][row];
+            if wheel.is_nan() {
+                continue;
+            }
+            // Faster than any wheel turns.
+            let most = PI.max(100.0 * last.map_or(0.0, |(before, _)| time - before));
+            if let Some((_, before)) = last.filter(|(_, w)| (wheel - w).abs() > most) {
+                return Err(Problem::Wraps {
+                    run: run.name.clone(),
+                    time,
+                    before,
+                    after: wheel,
+                });
+            }
+            last = Some((time, wheel));
+            let height = self.height(run.values[self.above][row]);
+            if height.is_finite() {
+                track.time.push(time);
+                track.wheel.push(wheel);
+                track.height.push(height);
+            }
+        }
+        Ok(track)
     }
 
     /// Height (m) of the axle.

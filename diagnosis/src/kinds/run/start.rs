@@ -1,8 +1,8 @@
 //! Where a stride begins: on its foot, or in the air before that comes down.
 
-use super::cut::{MARGIN, Unfit};
 use super::cutter::Cutter;
-use super::track::{Firing, Track, Window};
+use super::track::{Firing, MARGIN, Track, Window};
+use super::unfit::Unfit;
 use crate::experiment::Run;
 
 /// Longest flight (s) with which a stride begins, and the shortest, of so many rows at least.

@@ -1,12 +1,12 @@
 //! What is measured in a run: its firings, and the wheel and the height row by row.
 
-use std::f64::consts::PI;
-
 use saltus_robot::Robot;
 
-use super::cutter::Cutter;
 use crate::experiment::{Experiment, Run};
 use crate::spec::Problem;
+
+/// Time (s) after a touch-down in which its impact is over, and before the next one.
+pub(super) const MARGIN: f64 = 4e-3;
 
 /// A stride within a run.
 #[derive(Clone, Copy, Debug)]
@@ -105,44 +105,6 @@ pub(super) struct Track<'a> {
 }
 
 impl Track<'_> {
-    pub(super) fn new<'a>(
-        experiment: &'a Experiment,
-        run: &Run,
-        cutter: &Cutter<'_>,
-    ) -> Result<Track<'a>, Problem> {
-        let mut track = Track {
-            experiment,
-            time: Vec::new(),
-            wheel: Vec::new(),
-            height: Vec::new(),
-        };
-        let mut last: Option<(f64, f64)> = None;
-        for (row, &time) in run.time.iter().enumerate() {
-            let wheel = run.values[cutter.wheel][row];
-            if wheel.is_nan() {
-                continue;
-            }
-            // Faster than any wheel turns.
-            let most = PI.max(100.0 * last.map_or(0.0, |(before, _)| time - before));
-            if let Some((_, before)) = last.filter(|(_, w)| (wheel - w).abs() > most) {
-                return Err(Problem::Wraps {
-                    run: run.name.clone(),
-                    time,
-                    before,
-                    after: wheel,
-                });
-            }
-            last = Some((time, wheel));
-            let height = cutter.height(run.values[cutter.above][row]);
-            if height.is_finite() {
-                track.time.push(time);
-                track.wheel.push(wheel);
-                track.height.push(height);
-            }
-        }
-        Ok(track)
-    }
-
     /// The row at `time`, or the next one.
     pub(super) fn row(&self, time: f64) -> usize {
         self.time.partition_point(|t| *t < time - 1e-9)
