@@ -89,6 +89,19 @@ pub fn resolve_from(
     read(&text, name_or_path, Files { place, opened }, overrides)
 }
 
+/// As [`resolve`], from the `text` of a robot file, which messages call `name`; what it names is
+/// below the working folder.
+///
+/// # Errors
+/// As [`resolve`].
+pub fn resolve_text(text: &str, name: &str, overrides: &[String]) -> Result<Robot, RobotError> {
+    let files = Files {
+        place: files::Place::BuiltIn,
+        opened: &|_| (),
+    };
+    read(text, name, files, overrides)
+}
+
 impl Robot {
     /// The thesis' planar robot without its boom: `rats-planar`.
     ///

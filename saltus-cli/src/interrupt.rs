@@ -1,4 +1,5 @@
-//! Ctrl-C: the first one asks for the best answer so far, the second ends the command.
+//! Ctrl-C: the first one asks for the best answer so far, the second ends the command. In another
+//! program its flag does.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,6 +9,7 @@ use signal_hook::consts::SIGINT;
 use signal_hook::flag;
 
 use crate::error::CliError;
+use crate::session;
 
 /// Exit code of a command that SIGINT ends, as shells report it.
 const EXIT: i32 = 128 + SIGINT;
@@ -19,6 +21,9 @@ pub(crate) struct Interrupt(Arc<AtomicBool>);
 impl Interrupt {
     /// Listens from now on.
     pub(crate) fn listen() -> Result<Interrupt, CliError> {
+        if let Some(stop) = session::stop() {
+            return Ok(Interrupt(stop));
+        }
         let came = Arc::new(AtomicBool::new(false));
         // In this order: the first signal finds the flag down and raises it, the second finds it
         // up.

@@ -6,6 +6,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use crate::session::{self, Stop};
+
 /// How long work may take unseen.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Time between two looks at the counter.
@@ -19,6 +21,8 @@ pub(crate) struct Progress {
     note: Arc<Mutex<String>>,
     ended: Arc<AtomicBool>,
     watcher: Mutex<Option<JoinHandle<()>>>,
+    /// Ends the work, where another program may.
+    stop: Option<Stop>,
 }
 
 impl Progress {
@@ -31,22 +35,28 @@ impl Progress {
         let note = Arc::new(Mutex::new(String::new()));
         let seen = (Arc::clone(&done), Arc::clone(&note), Arc::clone(&ended));
         let watch = move || watch(what, total, (&seen.0, &seen.1), &seen.2);
-        let watcher = can_rewrite_lines().then(|| std::thread::spawn(watch));
+        let stop = session::stop();
+        // Another program shows what it likes.
+        let shows = stop.is_none() && can_rewrite_lines();
+        let watcher = shows.then(|| std::thread::spawn(watch));
         Progress {
             done,
             note,
             ended,
             watcher: Mutex::new(watcher),
+            stop,
         }
     }
 
     /// Counts `parts` more as done.
     pub(crate) fn advance(&self, parts: usize) {
+        session::obey(self.stop.as_ref());
         self.done.fetch_add(parts, Ordering::Relaxed);
     }
 
     /// Says how far work is that has no parts to count.
     pub(crate) fn note(&self, note: &str) {
+        session::obey(self.stop.as_ref());
         note.clone_into(&mut self.note.lock().unwrap_or_else(PoisonError::into_inner));
     }
 }

@@ -1,6 +1,5 @@
 //! What every command takes: the robot, and where the answer goes.
 
-use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -14,6 +13,7 @@ use crate::input;
 use crate::output::{Files, Format, message, reachable};
 use crate::plot::{Drawing, PlotFile};
 use crate::progress::Progress;
+use crate::session;
 
 /// The robot where none is named.
 const USUAL: &str = "rats-planar";
@@ -121,7 +121,10 @@ const MOST_LEGS: u32 = 1000;
 /// The robot `name`, built in or in a file, with `overrides`; what looks like a slip of unit is
 /// said.
 pub(crate) fn robot(name: &str, overrides: &[String]) -> Result<Robot, CliError> {
-    let mut robot = saltus::robot::resolve_from(name, overrides, &input::note)?;
+    let mut robot = match session::robot_file(name) {
+        Some(text) => saltus::robot::resolve_text(&text, name, overrides)?,
+        None => saltus::robot::resolve_from(name, overrides, &input::note)?,
+    };
     // Titles are one line.
     let words = robot
         .name
@@ -154,12 +157,10 @@ pub(crate) fn read_folders(folders: &[PathBuf]) -> Result<Folder, CliError> {
 /// if its leg has no valve.
 pub(crate) fn note_valve(robot: &Robot, given: Option<&str>) {
     if let (Some(given), false) = (given, robot.leg.drive.has_valve()) {
-        // Where stderr is closed, nobody reads notes.
-        let _ = writeln!(
-            std::io::stderr(),
+        message(&format!(
             "note: the leg of {} has no valve: {given} has no effect",
             robot.name
-        );
+        ));
     }
 }
 

@@ -28,6 +28,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use crate::error::CliError;
+use crate::session;
 
 /// Plans the jumps of legged robots.
 ///
@@ -38,7 +39,7 @@ use crate::error::CliError;
 /// wheel touches (--start-lean and --landing-height count them elsewhere).
 #[derive(Debug, Parser)]
 #[command(name = "saltus", version, propagate_version = true, after_help = AFTER_HELP)]
-struct Cli {
+pub(crate) struct Cli {
     #[command(subcommand)]
     command: Command,
 }
@@ -93,6 +94,13 @@ pub(crate) enum Status {
     Interrupted,
 }
 
+impl Cli {
+    /// Runs the command that was parsed.
+    pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.command.run()
+    }
+}
+
 impl Command {
     fn run(self) -> Result<Status, CliError> {
         match self {
@@ -114,8 +122,11 @@ impl Command {
 }
 
 /// Parses the command line, runs its command and says how it went.
-pub(crate) fn main() -> ExitCode {
-    match Cli::parse().command.run() {
+pub fn main() -> ExitCode {
+    let words = std::env::args_os().skip(1);
+    let words = words.map(|word| word.to_string_lossy().into_owned());
+    session::with(|session| session.words = words.collect());
+    match Cli::parse().run() {
         Ok(Status::Done) => ExitCode::SUCCESS,
         Ok(Status::No) => ExitCode::FAILURE,
         Ok(Status::Interrupted) => ExitCode::from(130),

@@ -9,6 +9,7 @@ use saltus::telemetry;
 
 use crate::error::CliError;
 use crate::output::reachable;
+use crate::session;
 
 /// Flags with a value that do not change what is computed.
 const WITHOUT_EFFECT: [&str; 8] = [
@@ -81,9 +82,7 @@ pub(crate) fn unrecorded(path: &Path, error: Error) -> CliError {
 
 /// What was asked for, without the flags that have no effect on the answer.
 pub(crate) fn command() -> String {
-    let words = std::env::args_os().skip(1);
-    let words = words.map(|word| word.to_string_lossy().into_owned());
-    let words: Vec<String> = words.collect();
+    let words = session::with(|session| session.words.clone());
     format!("saltus {}", effective(&words).join(" "))
 }
 

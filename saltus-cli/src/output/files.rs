@@ -1,15 +1,15 @@
 //! Files that appear whole or not at all.
 
-use std::collections::BTreeSet;
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
 
 use saltus::temporary::Temporary;
 
 use crate::error::CliError;
-use crate::input::{self, Identity};
+use crate::identity::Identity;
+use crate::input;
+use crate::session::Screen;
 
 /// A file to write.
 #[derive(Debug)]
@@ -144,25 +144,14 @@ pub(crate) fn reachable(path: &Path) -> Result<(), CliError> {
 
 /// Prints `text`; that nobody reads on is no error.
 pub(crate) fn print(text: &str) -> Result<(), CliError> {
-    let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match Screen
+        .write_all(text.as_bytes())
+        .and_then(|()| Screen.flush())
+    {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(CliError::write(Path::new("standard output"), error))
         }
         _ => Ok(()),
-    }
-}
-
-/// Says something beside the answer, on standard error: once, however often it is said.
-pub(crate) fn message(text: &str) {
-    static SAID: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
-    if SAID
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .insert(text.to_owned())
-    {
-        // Where standard error is closed, nobody wants to know.
-        let _ = writeln!(io::stderr(), "{text}");
     }
 }
 

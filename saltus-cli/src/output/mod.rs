@@ -9,9 +9,11 @@ use std::path::Path;
 
 use clap::ValueEnum;
 
-pub(crate) use files::{Files, Stream, message, print, reachable};
+pub(crate) use files::{Files, Stream, print, reachable};
 pub(crate) use number::{digits, full};
 pub(crate) use table::{Cell, Table};
+
+pub(crate) use crate::session::tell as message;
 
 /// Format of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

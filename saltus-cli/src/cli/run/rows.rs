@@ -9,6 +9,7 @@ use saltus::gait::{Logger, Row};
 
 use crate::error::CliError;
 use crate::output::{Stream, full};
+use crate::session::Screen;
 
 /// What a cycle is written with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +24,7 @@ pub(super) enum Columns {
 #[derive(Debug)]
 enum Sink {
     File(Stream),
-    Screen(io::BufWriter<io::Stdout>),
+    Screen(io::BufWriter<Screen>),
 }
 
 /// Rows on their way to a file or to the screen.
@@ -48,7 +49,7 @@ impl Rows {
     ) -> Result<Rows, CliError> {
         let sink = match path.filter(|path| *path != Path::new("-")) {
             Some(path) => Sink::File(Stream::open(flag, path)?),
-            None => Sink::Screen(io::BufWriter::new(io::stdout())),
+            None => Sink::Screen(io::BufWriter::new(Screen)),
         };
         Ok(Rows::with(columns, None, sink, columns.header(legs)))
     }
