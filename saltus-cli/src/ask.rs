@@ -1,4 +1,4 @@
-//! The command from another program, which gives it words and robots and takes its answer.
+//! The command from another program, which gives it words and files and takes its answer.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -33,8 +33,8 @@ pub enum Refused {
 
 /// Runs `words`, the command line without the program's name, on this thread.
 ///
-/// `robots` are robot files by name: where a flag names one of these, it is taken in the place of a
-/// file. Work looks at `stop` many times a second, and ends soon after it is raised; files that it
+/// `files` are robots, courses and tables by name: where a word names one of these, it is taken in
+/// the place of a file. Work looks at `stop` many times a second, and ends soon after it is raised; files that it
 /// was to write are then not there.
 ///
 /// # Errors
@@ -51,11 +51,11 @@ pub enum Refused {
 /// ```
 pub fn ask(
     words: &[String],
-    robots: BTreeMap<String, String>,
+    files: BTreeMap<String, String>,
     stop: Stop,
 ) -> Result<Answer, Refused> {
     let embedded = Embedded {
-        robots,
+        files,
         stop,
         ..Embedded::default()
     };

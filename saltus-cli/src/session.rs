@@ -33,8 +33,8 @@ pub(crate) struct Session {
 /// A command in another program.
 #[derive(Debug, Default)]
 pub(crate) struct Embedded {
-    /// Robot files by the name that the words have for them.
-    pub(crate) robots: BTreeMap<String, String>,
+    /// Robots, courses and tables by the name that the words have for these files.
+    pub(crate) files: BTreeMap<String, String>,
     /// What would be printed.
     pub(crate) screen: Vec<u8>,
     /// What was said beside it, in order.
@@ -63,9 +63,9 @@ pub(crate) fn obey(stop: Option<&Stop>) {
     }
 }
 
-/// The text of the robot file that the words call `name`.
-pub(crate) fn robot_file(name: &str) -> Option<String> {
-    with(|session| session.embedded.as_ref()?.robots.get(name).cloned())
+/// The text of the file that the words call `name`, where another program gave it.
+pub(crate) fn file(name: &str) -> Option<String> {
+    with(|session| session.embedded.as_ref()?.files.get(name).cloned())
 }
 
 /// Says something beside the answer, on standard error: once, however often it is said.

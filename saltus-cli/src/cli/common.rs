@@ -121,7 +121,7 @@ const MOST_LEGS: u32 = 1000;
 /// The robot `name`, built in or in a file, with `overrides`; what looks like a slip of unit is
 /// said.
 pub(crate) fn robot(name: &str, overrides: &[String]) -> Result<Robot, CliError> {
-    let mut robot = match session::robot_file(name) {
+    let mut robot = match session::file(name) {
         Some(text) => saltus::robot::resolve_text(&text, name, overrides)?,
         None => saltus::robot::resolve_from(name, overrides, &input::note)?,
     };

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// Which of our crates each crate may use. A crate that is not here may not exist.
-const MAY_USE: [(&str, &[&str]); 15] = [
+const MAY_USE: [(&str, &[&str]); 16] = [
     ("numeric", &[]),
     ("robot", &["numeric"]),
     ("pneumatics", &["numeric", "robot"]),
@@ -32,6 +32,8 @@ const MAY_USE: [(&str, &[&str]); 15] = [
     ("saltus", ALL),
     // The command knows the library alone.
     ("saltus-cli", &["saltus"]),
+    // Verbs of the command as functions, and jumps of the library.
+    ("python", &["saltus", "saltus-cli"]),
     ("tests", ALL),
     ("bench", ALL),
 ];
@@ -53,7 +55,7 @@ const ALL: &[&str] = &[
 ];
 
 /// Crates of others that only some of ours may know; the tests may know any.
-const KNOWN_TO: [(&str, &[&str]); 13] = [
+const KNOWN_TO: [(&str, &[&str]); 15] = [
     ("clarabel", &["planner"]),
     ("clap", &["saltus-cli"]),
     ("clap_complete", &["saltus-cli"]),
@@ -61,12 +63,14 @@ const KNOWN_TO: [(&str, &[&str]); 13] = [
     ("lz4_flex", &["telemetry"]),
     ("mcap", &["telemetry"]),
     ("plotters", &["saltus-cli"]),
+    ("numpy", &["python"]),
     ("png", &["saltus-cli"]),
+    ("pyo3", &["python"]),
     ("ruzstd", &["telemetry"]),
     ("serde", &["saltus-cli"]),
     ("serde_json", &["robot", "saltus", "saltus-cli"]),
     ("signal-hook", &["saltus-cli"]),
-    ("toml", &["robot", "saltus"]),
+    ("toml", &["robot", "saltus", "python"]),
 ];
 
 /// Crates that read and write files and talk to a person; the others compute.

@@ -1,0 +1,42 @@
+"""Plans the jumps of legged robots, proves its plans, and names what a simulation gets wrong.
+
+    >>> import saltus
+    >>> saltus.jump("rats-planar", 5.0, -0.1).apex_m
+    0.5561...
+
+Every verb of the command `saltus` is a function here, with the same numbers to the last bit. Units
+are in the names: `omega_rad_s` is a rate in rad/s.
+"""
+
+from ._saltus import SaltusError, __version__
+from .answers import Answer, Columns
+from .jumps import OUTCOMES, Jump, Robot, jump, jumps
+from .verbs import diagnose, export, fit, inject, jump_over, law, map, parkour, plan, power, run, simulate, table, verify
+from .sweeps import sweep
+
+__all__ = [
+    "OUTCOMES",
+    "Answer",
+    "Columns",
+    "Jump",
+    "Robot",
+    "SaltusError",
+    "__version__",
+    "diagnose",
+    "export",
+    "fit",
+    "inject",
+    "jump",
+    "jump_over",
+    "jumps",
+    "law",
+    "map",
+    "parkour",
+    "plan",
+    "power",
+    "run",
+    "simulate",
+    "sweep",
+    "table",
+    "verify",
+]

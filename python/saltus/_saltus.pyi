@@ -1,0 +1,162 @@
+"""What is written in Rust: robots, jumps, and the command in this process."""
+
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Jump", "Robot", "SaltusError", "__version__", "command", "jump", "jumps", "to_toml"]
+
+__version__: str
+
+class SaltusError(ValueError):
+    """Bad input. The text names what is wrong, its value and what is allowed."""
+
+@final
+class Robot:
+    """A robot: what a robot file describes. It cannot be changed; `replace` gives another.
+
+    `robot` is the name of a built-in robot or the path of a TOML file; `set` has overrides as in
+    `["leg.stroke_m=0.05"]`.
+    """
+
+    def __new__(cls, robot: str = "rats-planar", *, set: list[str] = ...) -> Robot: ...
+    @classmethod
+    def from_toml(cls, text: str, *, name: str = "robot.toml", set: list[str] = ...) -> Robot:
+        """The robot of a robot file's text; messages call it `name`."""
+
+    @classmethod
+    def from_dict(cls, robot: dict[str, Any], *, set: list[str] = ...) -> Robot:
+        """The robot of a dictionary like that of `to_dict`."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def toml(self) -> str:
+        """Its robot file in SI units, which stands alone and reads back to the last bit."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Its robot file as a dictionary."""
+
+    def replace(self, set: list[str]) -> Robot:
+        """A copy with overrides, as in `["leg.stroke_m=0.05"]`."""
+
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, tuple[str]]: ...
+
+@final
+class Jump:
+    """One jump. What is at lift-off or after it is None without a flight."""
+
+    @property
+    def omega_rad_s(self) -> float:
+        """Approach rate (rad/s)."""
+
+    @property
+    def start_lean_rad(self) -> float:
+        """Lean at which the stance starts (rad)."""
+
+    @property
+    def alpha_f_rad(self) -> float:
+        """Firing angle (rad)."""
+
+    @property
+    def valve_open_s(self) -> float:
+        """Valve opening time (s); without effect for a spring."""
+
+    @property
+    def outcome(self) -> str:
+        """One of `OUTCOMES`; the first two fly."""
+
+    @property
+    def t_fire_s(self) -> float | None:
+        """Time of the firing (s) from the start of the stance; None if the leg does not fire."""
+
+    @property
+    def t_liftoff_s(self) -> float | None:
+        """Time of the lift-off (s)."""
+
+    @property
+    def phi_rad(self) -> float | None:
+        """Lean at lift-off (rad)."""
+
+    @property
+    def omega_liftoff_rad_s(self) -> float | None:
+        """Lean rate at lift-off (rad/s)."""
+
+    @property
+    def d_m(self) -> float | None:
+        """Extension of the leg at lift-off (m)."""
+
+    @property
+    def d_dot_m_s(self) -> float | None:
+        """Rate of extension at lift-off (m/s)."""
+
+    @property
+    def pressure_pa(self) -> float | None:
+        """Pressure in the chamber at lift-off (Pa, absolute)."""
+
+    @property
+    def x_m(self) -> float | None:
+        """Place of the wheel's centre at lift-off, forward of the foot (m)."""
+
+    @property
+    def y_m(self) -> float | None:
+        """Height of the wheel's centre at lift-off (m)."""
+
+    @property
+    def vx_m_s(self) -> float | None:
+        """Forward speed at lift-off (m/s)."""
+
+    @property
+    def vy_m_s(self) -> float | None:
+        """Upward speed at lift-off (m/s)."""
+
+    @property
+    def apex_m(self) -> float | None:
+        """Greatest height of the wheel's centre (m)."""
+
+    @property
+    def land_rs_m(self) -> float | None:
+        """Distance from the foot to where the wheel touches level ground (m)."""
+
+    @property
+    def land_0_m(self) -> float | None:
+        """Distance at which the centre comes down to height 0 (m): the thesis' reading."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of this by name."""
+
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, tuple[Any, ...]]: ...
+    def _repr_html_(self) -> str: ...
+
+def jump(
+    robot: Robot,
+    omega_rad_s: float,
+    alpha_f_rad: float,
+    *,
+    valve_open_s: float = 0.1,
+    start_lean_rad: float | None = None,
+) -> Jump:
+    """One jump; `saltus.jump` also takes a robot by its name."""
+
+def jumps(
+    robot: Robot, launches: list[NDArray[np.float64]], threads: int
+) -> tuple[NDArray[np.uint8], list[NDArray[np.float64]]]:
+    """Many jumps: rates, firing angles, valve times and leans in; outcomes and columns out."""
+
+def command(words: list[str], files: dict[str, str] = ...) -> tuple[bool, str, list[str]]:
+    """Runs the command with these words: whether the answer is yes, the report, the messages.
+
+    `files` has the text of robots, courses and tables by the name that the words have for them.
+    """
+
+def to_toml(table: dict[str, Any]) -> str:
+    """A dictionary as the text of a TOML file."""

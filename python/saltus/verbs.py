@@ -1,0 +1,386 @@
+"""The verbs of the command, each as a function.
+
+An argument is the flag of the same name, with its unit: `omega_rad_s` is `--omega`, and
+`saltus help VERB` says more of each. `robot` is a `Robot`, the name of a built-in one or a file;
+`set` overrides its parameters, as in `{"leg.stroke_m": 0.05}`. Numbers keep every digit. What is
+written to files (`plot`, `mcap`, …) appears whole or not at all.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from ._saltus import SaltusError
+from ._words import Place, ask, words_of
+from .answers import Answer, Columns
+from .frames import Data, folders_of
+from .jumps import RobotLike
+
+PathLike = str | os.PathLike[str]
+Overrides = Mapping[str, Any] | Sequence[str]
+Span = tuple[float, float]
+
+
+def simulate(
+    *,
+    omega_rad_s: ArrayLike,
+    alpha_f_rad: ArrayLike,
+    valve_open_s: ArrayLike | None = None,
+    start_lean_rad: float | str | None = None,
+    threads: int | None = None,
+    mcap: PathLike | None = None,
+    plot: PathLike | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+) -> Answer:
+    """Jumps with every combination of the given values, each with what the ground bears and where its
+    energy goes. For many jumps `jumps` is quicker."""
+    return ask("simulate", (), locals())
+
+
+def table(
+    *,
+    omega_rad_s: ArrayLike,
+    distance_m: ArrayLike | None = None,
+    clearance_m: ArrayLike | None = None,
+    obstacle_m: tuple[float, float, float] | None = None,
+    landing_height_m: float | str | None = None,
+    valve_open_s: float | None = None,
+    start_lean_rad: float | str | None = None,
+    firing_angles_rad: Span | None = None,
+    plant: RobotLike | None = None,
+    plant_set: Overrides = (),
+    threads: int | None = None,
+    plot: PathLike | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+) -> Answer:
+    """The firing angles that reach distances, or keep clearances over an obstacle, over approach rates.
+
+    `answer.yes` is true if every row is feasible."""
+    return ask("table", (), locals())
+
+
+def law(
+    *,
+    omega_rad_s: ArrayLike,
+    distance_m: ArrayLike | None = None,
+    clearance_m: ArrayLike | None = None,
+    obstacle_m: tuple[float, float, float] | None = None,
+    landing_height_m: float | str | None = None,
+    valve_open_s: float | None = None,
+    start_lean_rad: float | str | None = None,
+    firing_angles_rad: Span | None = None,
+    tolerance_m: float | None = None,
+    plant: RobotLike | None = None,
+    plant_set: Overrides = (),
+    threads: int | None = None,
+    plot: PathLike | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+) -> Answer:
+    """The linear law α_f = A ω + B that reaches a distance or a clearance."""
+    return ask("law", (), locals())
+
+
+def map(
+    *,
+    omega_rad_s: ArrayLike,
+    alpha_f_rad: ArrayLike,
+    landing_height_m: float | str | None = None,
+    valve_open_s: float | None = None,
+    start_lean_rad: float | str | None = None,
+    friction: bool = False,
+    plant: RobotLike | None = None,
+    plant_set: Overrides = (),
+    threads: int | None = None,
+    plot: PathLike | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+) -> Answer:
+    """Distance and apex over approach rates and firing angles. `friction` adds what each stance needs."""
+    return ask("map", (), locals())
+
+
+def plan(
+    course: Place,
+    *,
+    plant: RobotLike | None = None,
+    plant_set: Overrides = (),
+    share: float | None = None,
+    samples: int | None = None,
+    seed: int | None = None,
+    friction: ArrayLike | None = None,
+    no_slip: bool = False,
+    threads: int | None = None,
+    plot: PathLike | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+) -> Answer:
+    """The plan of a course: a TOML file, or a dictionary with the same keys.
+
+    With `share` it holds in that share of runs with errors drawn. An infeasible course is an answer:
+    see `answer.status` and `answer.nearest`."""
+    arguments = locals()
+    return ask("plan", (course,), {name: value for name, value in arguments.items() if name != "course"})
+
+
+def verify(
+    subject: Place | None = None,
+    *,
+    correct: bool = False,
+    law: tuple[float, float] | None = None,
+    omega_rad_s: ArrayLike | None = None,
+    distance_m: float | None = None,
+    obstacle_m: tuple[float, float, float] | None = None,
+    landing_height_m: float | str | None = None,
+    valve_open_s: float | None = None,
+    start_lean_rad: float | str | None = None,
+    restart: bool = False,
+    plant: RobotLike | None = None,
+    plant_set: Overrides = (),
+    friction: ArrayLike | None = None,
+    samples: int | None = None,
+    scatter: float | None = None,
+    seed: int | None = None,
+    tolerance_m: float | None = None,
+    clearance_m: float | None = None,
+    share: float | None = None,
+    accuracy: float | None = None,
+    fixed_step_s: float | None = None,
+    threads: int | None = None,
+    animate: PathLike | None = None,
+    mcap: PathLike | None = None,
+    plot: PathLike | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+) -> Answer:
+    """Flies a course (file or dictionary), a table (.csv) or a law in the multi-body simulation, with
+    errors drawn. `answer.yes` is true if it passes; `answer.rows` has each jump."""
+    arguments = {name: value for name, value in locals().items() if name != "subject"}
+    return ask("verify", () if subject is None else (subject,), arguments)
+
+
+def run(
+    *,
+    gait: str | None = None,
+    firing_angle_rad: float | None = None,
+    valve_open_s: float | None = None,
+    from_rad: float | None = None,
+    to_rad: float | None = None,
+    steepness_per_s: float | None = None,
+    shift: float | None = None,
+    centre: str | None = None,
+    lines: str | None = None,
+    switch_rad_s: float | None = None,
+    first_slope_s: float | None = None,
+    top_rate_rad_s: float | None = None,
+    knots: Sequence[tuple[float, float, float]] | None = None,
+    aim: str | None = None,
+    speed: Sequence[Span] | None = None,
+    distance_m: float | None = None,
+    refinements: int | None = None,
+    zone_rad: float | None = None,
+    direction: str | None = None,
+    taps: ArrayLike | None = None,
+    seconds: float | None = None,
+    disturb: Sequence[str] = (),
+    step_s: float | None = None,
+    exact: bool = False,
+    seed: int | None = None,
+    robots: int | None = None,
+    drawn_across: float | None = None,
+    analyse: bool | str = False,
+    telemetry: PathLike | None = None,
+    believed: RobotLike | None = None,
+    rows: bool = False,
+    threads: int | None = None,
+    animate: PathLike | None = None,
+    mcap: PathLike | None = None,
+    plot: PathLike | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+) -> Answer:
+    """A run of a robot whose legs are fired in turn. A stall is an answer: `answer.yes` is false.
+
+    `knots` are (rate, angle, time), `speed` (time, speed in m/s). With `rows` the answer has a row
+    for each cycle, as `--format csv` does (one robot, no analysis)."""
+    arguments = {name: value for name, value in locals().items() if name != "rows"}
+    if not rows:
+        return ask("run", (), arguments)
+    if telemetry is not None:
+        answer = ask("run", (), arguments)
+        return Answer(answer.json, answer.yes, answer.messages, Columns.of_csv(Path(telemetry, "cycles.csv")))
+    with tempfile.TemporaryDirectory(prefix="saltus-") as folder:
+        answer = ask("run", (), {**arguments, "telemetry": Path(folder, "run")})
+        return Answer(answer.json, answer.yes, answer.messages, Columns.of_csv(Path(folder, "run", "cycles.csv")))
+
+
+def jump_over(
+    obstacle: str,
+    *,
+    legs: int | None = None,
+    constant: bool = False,
+    sought_on: int | None = None,
+    generations: int | None = None,
+    runs: int | None = None,
+    rounds: int | None = None,
+    room: float | None = None,
+    greatest_psi: tuple[float, float, int] | None = None,
+    robots: int | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+    plot: PathLike | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+) -> Answer:
+    """A jump over a box out of a run: the verb `saltus jump`. `obstacle` is HEIGHTxLENGTH@FRONT in m,
+    as in "0.1x0.21@1:6"."""
+    return ask("jump", (), locals())
+
+
+def diagnose(
+    data: Data,
+    *,
+    experiment: Mapping[str, Any] | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+    extend: PathLike | None = None,
+    report: PathLike | None = None,
+    plot: PathLike | None = None,
+    false_alarms: float | None = None,
+    model_error: float | None = None,
+    known: Mapping[str, Any] | Sequence[str] = (),
+    most: int | None = None,
+    seed: int | None = None,
+    replan: Place | None = None,
+    plant: RobotLike | None = None,
+    plant_set: Overrides = (),
+    samples: int | None = None,
+) -> Answer:
+    """What a simulation gets wrong about measured data.
+
+    `data` is a folder, several, or a frame of a run (a mapping of arrays, a data frame of pandas or
+    polars), or several frames; then `experiment` has the keys of experiment.toml, as in
+    `{"kind": "bench", "robot": "rats-planar", "runs": [{"load_mass_kg": 2.2, …}]}`. `known` has
+    values with standard deviations, as in `{"gravity": (9.81, 0.02)}`. `answer.yes` is true if
+    nothing is wrong; `answer.causes` names what is."""
+    arguments = {name: value for name, value in locals().items() if name not in ("data", "experiment")}
+    with folders_of(data, experiment) as folders:
+        return ask("diagnose", folders, arguments)
+
+
+def power(
+    plan_file: PathLike,
+    *,
+    effect: Mapping[str, Any] | Sequence[str] = (),
+    propose: int | None = None,
+    false_alarms: float | None = None,
+    model_error: float | None = None,
+    most: int | None = None,
+    seed: int | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+    plot: PathLike | None = None,
+) -> Answer:
+    """What a planned experiment can tell: how often a diagnosis would name each effect."""
+    return ask("diagnose", (), locals())
+
+
+def inject(
+    effects: Mapping[str, Any] | Sequence[str] | str,
+    *,
+    out: PathLike,
+    kind: str | None = None,
+    runs: int | None = None,
+    mcap: bool = False,
+    seed: int | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+) -> Answer:
+    """Data with hidden effects, as a folder: `inject({"coulomb-friction": 25}, out="synthetic")`; "none"
+    for none."""
+    return ask("diagnose", (), locals())
+
+
+def fit(
+    data: Data,
+    *,
+    experiment: Mapping[str, Any] | None = None,
+    parameters: Sequence[str] | None = None,
+    robot_out: PathLike | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+) -> Answer:
+    """Parameters of a leg from benchtop firings, with standard errors. `data` as for `diagnose`."""
+    arguments = {name: value for name, value in locals().items() if name not in ("data", "experiment")}
+    with folders_of(data, experiment) as folders:
+        return ask("fit", folders, arguments)
+
+
+def parkour(
+    instances: PathLike,
+    *,
+    courses: Sequence[str] = (),
+    robot: str | None = None,
+    set: Overrides = (),
+    plot: PathLike | None = None,
+) -> Answer:
+    """Plans of a one-leg hopper over the courses of a JSON file."""
+    arguments = locals()
+    return ask("parkour", (instances,), {name: value for name, value in arguments.items() if name != "instances"})
+
+
+def export(
+    what: str,
+    *,
+    out: PathLike | None = None,
+    distance_m: ArrayLike | None = None,
+    omega_rad_s: ArrayLike | None = None,
+    alpha_f_rad: ArrayLike | None = None,
+    landing_height_m: float | str | None = None,
+    valve_open_s: float | None = None,
+    start_lean_rad: float | str | None = None,
+    valve_range_s: Span | None = None,
+    effort: float | None = None,
+    newton: int | None = None,
+    period_s: float | None = None,
+    extra_delay_s: float | None = None,
+    tolerance_m: float | None = None,
+    real: str | None = None,
+    gait: str | None = None,
+    lines: str | None = None,
+    firing_angle_rad: float | None = None,
+    from_rad: float | None = None,
+    to_rad: float | None = None,
+    knots: Sequence[tuple[float, float, float]] | None = None,
+    aim: str | None = None,
+    goal_m: float | None = None,
+    refinements: int | None = None,
+    zone_rad: float | None = None,
+    taps: ArrayLike | None = None,
+    plant: RobotLike | None = None,
+    plant_set: Overrides = (),
+    threads: int | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+) -> str:
+    """The robot for another program: `what` is "c", "rust", "mjcf" or "urdf". Gives the text that the
+    command prints: the model where `out` is not given, else a report.
+
+    A controller (c, rust) needs `out`, a folder or a file. It raises `SaltusError` if no cell of the
+    tables can be used.
+    """
+    arguments = {name: value for name, value in locals().items() if name != "what"}
+    if what not in ("c", "rust", "mjcf", "urdf"):
+        raise SaltusError(f"what = {what!r}: c, rust, mjcf or urdf")
+    yes, report, _ = words_of(f"export {what}", (), arguments, ())
+    if not yes:
+        raise SaltusError(report)
+    return report

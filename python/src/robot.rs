@@ -1,0 +1,110 @@
+//! Robots.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::OnceLock;
+
+use pyo3::types::{PyAnyMethods, PyDict, PyType};
+use pyo3::{Bound, PyAny, PyResult, Python, pyclass, pymethods};
+use saltus::lagrangian::{Batch, FINE};
+use saltus::robot::{resolve, resolve_text};
+
+use crate::error::bad;
+use crate::toml_value;
+
+/// A robot: what a robot file describes.
+#[pyclass(frozen, module = "saltus._saltus")]
+pub(crate) struct Robot {
+    pub(crate) model: saltus::Robot,
+    toml: String,
+    batch: OnceLock<Batch>,
+}
+
+impl Robot {
+    fn of(model: saltus::Robot) -> Robot {
+        Robot {
+            toml: model.to_toml(),
+            model,
+            batch: OnceLock::new(),
+        }
+    }
+
+    /// What computes its jumps, to all digits.
+    pub(crate) fn batch(&self) -> &Batch {
+        self.batch.get_or_init(|| Batch::new(&self.model, FINE))
+    }
+}
+
+#[pymethods]
+impl Robot {
+    #[new]
+    #[pyo3(signature = (robot = "rats-planar", *, set = Vec::new()))]
+    fn new(robot: &str, set: Vec<String>) -> PyResult<Robot> {
+        resolve(robot, &set).map(Robot::of).map_err(bad)
+    }
+
+    #[classmethod]
+    #[pyo3(signature = (text, *, name = "robot.toml", set = Vec::new()))]
+    fn from_toml(
+        _: &Bound<'_, PyType>,
+        text: &str,
+        name: &str,
+        set: Vec<String>,
+    ) -> PyResult<Robot> {
+        resolve_text(text, name, &set).map(Robot::of).map_err(bad)
+    }
+
+    #[classmethod]
+    #[pyo3(signature = (robot, *, set = Vec::new()))]
+    fn from_dict(
+        _: &Bound<'_, PyType>,
+        robot: &Bound<'_, PyDict>,
+        set: Vec<String>,
+    ) -> PyResult<Robot> {
+        let text = toml_value::to_toml(robot)?;
+        resolve_text(&text, "robot", &set)
+            .map(Robot::of)
+            .map_err(bad)
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.model.name
+    }
+
+    #[getter]
+    fn toml(&self) -> &str {
+        &self.toml
+    }
+
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        toml_value::to_dict(py, &self.toml)
+    }
+
+    fn replace(&self, set: Vec<String>) -> PyResult<Robot> {
+        resolve_text(&self.toml, &self.model.name, &set)
+            .map(Robot::of)
+            .map_err(bad)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        let from_toml = py.get_type::<Robot>().getattr("from_toml")?;
+        Ok((from_toml, (self.toml.clone(),)))
+    }
+
+    fn __eq__(&self, other: &Robot) -> bool {
+        self.toml == other.toml
+    }
+
+    fn __hash__(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        self.toml.hash(&mut hasher);
+        hasher.finish()
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Robot({:?}, {} legs, {} kg)",
+            self.model.name, self.model.body.legs, self.model.body.mass
+        )
+    }
+}
