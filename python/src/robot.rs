@@ -16,7 +16,8 @@ use crate::toml_value;
 pub(crate) struct Robot {
     pub(crate) model: saltus::Robot,
     toml: String,
-    batch: OnceLock<Batch>,
+    /// Behind a pointer: Python aligns objects to 16 bytes, and lanes need 64.
+    batch: OnceLock<Box<Batch>>,
 }
 
 impl Robot {
@@ -30,7 +31,8 @@ impl Robot {
 
     /// What computes its jumps, to all digits.
     pub(crate) fn batch(&self) -> &Batch {
-        self.batch.get_or_init(|| Batch::new(&self.model, FINE))
+        self.batch
+            .get_or_init(|| Box::new(Batch::new(&self.model, FINE)))
     }
 }
 
