@@ -1,8 +1,8 @@
 """Plans the jumps of legged robots, proves its plans, and names what a simulation gets wrong.
 
     >>> import saltus
-    >>> saltus.jump("rats-planar", 5.0, -0.1).apex_m
-    0.5561...
+    >>> round(saltus.jump("rats-planar", 5.0, -0.1).apex_m, 3)
+    0.556
 
 Every verb of the command `saltus` is a function here, with the same numbers to the last bit. Units
 are in the names: `omega_rad_s` is a rate in rad/s.
@@ -10,7 +10,7 @@ are in the names: `omega_rad_s` is a rate in rad/s.
 
 from ._saltus import SaltusError, __version__
 from .answers import Answer, Columns
-from .jumps import OUTCOMES, Jump, Robot, jump, jumps
+from .jumps import OUTCOMES, Jump, Robot, flight, jump, jumps
 from .verbs import diagnose, export, fit, inject, jump_over, law, map, parkour, plan, power, run, simulate, table, verify
 from .sweeps import sweep
 
@@ -25,6 +25,7 @@ __all__ = [
     "diagnose",
     "export",
     "fit",
+    "flight",
     "inject",
     "jump",
     "jump_over",

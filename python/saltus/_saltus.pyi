@@ -5,7 +5,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Jump", "Robot", "SaltusError", "__version__", "command", "jump", "jumps", "to_toml"]
+__all__ = ["Jump", "Robot", "SaltusError", "__version__", "command", "flight", "jump", "jumps", "to_toml"]
 
 __version__: str
 
@@ -151,6 +151,11 @@ def jumps(
     robot: Robot, launches: list[NDArray[np.float64]], threads: int
 ) -> tuple[NDArray[np.uint8], list[NDArray[np.float64]]]:
     """Many jumps: rates, firing angles, valve times and leans in; outcomes and columns out."""
+
+def flight(
+    robot: Robot, jump: Jump, points: int, height: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Times and places of the wheel's centre in the flight after a jump."""
 
 def command(words: list[str], files: dict[str, str] = ...) -> tuple[bool, str, list[str]]:
     """Runs the command with these words: whether the answer is yes, the report, the messages.

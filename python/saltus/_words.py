@@ -13,6 +13,8 @@ from . import _saltus
 from ._saltus import Robot, SaltusError
 from .answers import Answer
 
+__all__ = ["Place", "ask", "flag_of", "words_of"]
+
 UNIT = re.compile(r"_(rad_s|m_s|per_s|rad|deg|psi|s|m)$")
 """What the name of an argument says beside the flag: `omega_rad_s` is `--omega`."""
 
@@ -22,8 +24,6 @@ REPEATED = {"set", "plant_set", "disturb", "known", "effect", "effects", "course
 """Arguments whose flag stands once for each item."""
 OTHER = {"courses": "course", "effects": "inject", "plan_file": "power"}
 """Arguments that are not called like their flag."""
-
-
 
 Place = str | os.PathLike[str] | Mapping[str, Any]
 """A file, or a course as a dictionary."""
@@ -111,7 +111,7 @@ def word(argument: str, value: Any) -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, os.PathLike):
-        return os.fspath(value)
+        return str(os.fspath(value))
     if isinstance(value, (tuple, list, np.ndarray)) or hasattr(value, "__array__"):
         between = ":" if argument in SPANS else ","
         rows = one_dimension(argument, value)

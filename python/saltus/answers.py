@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import html
+import importlib
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["Answer", "Columns"]
+
 SHOWN = 10
 
 
@@ -19,7 +22,7 @@ class Columns(Mapping[str, NDArray[Any]]):
     """Columns of equal length by name, as NumPy arrays that cannot be written to.
 
     The names are those of the command's CSV, with units. Where there is no number there is NaN.
-    `pandas.DataFrame(columns)` and `polars.DataFrame(dict(columns))` take it as it is.
+    `columns.to_pandas()` is a data frame, and `polars.DataFrame(dict(columns))`, too.
     """
 
     __slots__ = ("_arrays",)
@@ -87,9 +90,7 @@ class Columns(Mapping[str, NDArray[Any]]):
 
     def to_pandas(self) -> Any:
         """A data frame of pandas."""
-        import pandas
-
-        return pandas.DataFrame(self._arrays)
+        return importlib.import_module("pandas").DataFrame(self._arrays)
 
 
 class Answer(Mapping[str, Any]):
@@ -189,7 +190,7 @@ class Answer(Mapping[str, Any]):
         return self.rows.to_pandas()
 
 
-ROWS = ("rows", "jumps", "laws", "plans", "cells", "parameters", "causes", "effects", "robots")
+ROWS = ("rows", "jumps", "laws", "spots", "plans", "runs", "greatest", "parameters", "causes", "effects")
 """Keys of answers that have rows, the one that says most first."""
 
 

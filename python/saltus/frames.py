@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from ._saltus import SaltusError, to_toml
+from ._saltus import Robot, SaltusError, to_toml
+
+__all__ = ["Data", "folders_of"]
 
 Data = str | os.PathLike[str] | Mapping[str, Any] | Sequence[Any] | Any
 """A folder, several, a frame of a run, or several frames: mappings of arrays, or data frames."""
@@ -46,7 +48,7 @@ def write(folder: Path, frames: Sequence[Any], experiment: Mapping[str, Any]) ->
         raise SaltusError(f"experiment.runs: {len(runs)} of them: one for each of the {len(frames)} frames")
     head = {key: value for key, value in experiment.items() if key not in ("run", "runs")}
     robot = head.get("robot")
-    if hasattr(robot, "toml"):
+    if isinstance(robot, Robot):
         (folder / "robot.toml").write_text(robot.toml, encoding="utf-8")
         head["robot"] = "robot.toml"
     names = [f"run-{number:02}.csv" for number in range(1, len(frames) + 1)]

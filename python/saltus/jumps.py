@@ -11,7 +11,7 @@ from . import _saltus
 from ._saltus import Jump, Robot, SaltusError
 from .answers import Columns
 
-__all__ = ["OUTCOMES", "Jump", "Robot", "RobotLike", "jump", "jumps", "robot_of"]
+__all__ = ["OUTCOMES", "Jump", "Robot", "RobotLike", "flight", "jump", "jumps", "robot_of"]
 
 OUTCOMES = ("stroke", "force", "stall", "no-break-away", "early-lift-off", "fall-back")
 """How a stance ends: lift-off at the end of the stroke, or because the force fell to 0; then those
@@ -92,6 +92,19 @@ def jumps(
     # Arrays of the caller are not made read-only.
     own = {name: array.copy() if any(np.shares_memory(array, it) for it in arrays.values()) else array for name, array in head.items()}
     return Columns({**own, "outcome": np.array(OUTCOMES)[codes], **dict(zip(NUMBERS, columns))})
+
+
+def flight(robot: RobotLike, jump: Jump, *, points: int = 101, land_height_m: float | None = None) -> Columns:
+    """The flight after a jump: `t_s` from lift-off, and `x_m`, `y_m` of the wheel's centre from the foot.
+
+    It ends where the centre comes down to `land_height_m`, by default the wheel's radius. Raises
+    `SaltusError` for a jump that does not take off, and for a height above its apex.
+    """
+    chosen = robot_of(robot)
+    height = chosen.to_dict()["body"]["wheel_radius_m"] if land_height_m is None else land_height_m
+    count = count_of("points", points, 101)
+    t, x, y = _saltus.flight(chosen, jump, count, float(numbers("land_height_m", height)))
+    return Columns({"t_s": t, "x_m": x, "y_m": y})
 
 
 def numbers(name: str, value: ArrayLike) -> NDArray[np.float64]:

@@ -10,6 +10,8 @@ from typing import Any, TypeVar
 
 from ._saltus import SaltusError
 
+__all__ = ["seed_of", "sweep"]
+
 T = TypeVar("T")
 
 RETRIES = 3

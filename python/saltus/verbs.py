@@ -22,6 +22,23 @@ from .answers import Answer, Columns
 from .frames import Data, folders_of
 from .jumps import RobotLike
 
+__all__ = [
+    "diagnose",
+    "export",
+    "fit",
+    "inject",
+    "jump_over",
+    "law",
+    "map",
+    "parkour",
+    "plan",
+    "power",
+    "run",
+    "simulate",
+    "table",
+    "verify",
+]
+
 PathLike = str | os.PathLike[str]
 Overrides = Mapping[str, Any] | Sequence[str]
 Span = tuple[float, float]
@@ -287,7 +304,6 @@ def power(
     seed: int | None = None,
     robot: RobotLike | None = None,
     set: Overrides = (),
-    plot: PathLike | None = None,
 ) -> Answer:
     """What a planned experiment can tell: how often a diagnosis would name each effect."""
     return ask("diagnose", (), locals())
@@ -341,6 +357,7 @@ def export(
     what: str,
     *,
     out: PathLike | None = None,
+    name: str | None = None,
     distance_m: ArrayLike | None = None,
     omega_rad_s: ArrayLike | None = None,
     alpha_f_rad: ArrayLike | None = None,
@@ -378,7 +395,7 @@ def export(
     tables can be used.
     """
     arguments = {name: value for name, value in locals().items() if name != "what"}
-    if what not in ("c", "rust", "mjcf", "urdf"):
+    if not isinstance(what, str) or what not in ("c", "rust", "mjcf", "urdf"):
         raise SaltusError(f"what = {what!r}: c, rust, mjcf or urdf")
     yes, report, _ = words_of(f"export {what}", (), arguments, ())
     if not yes:

@@ -251,7 +251,7 @@ pub(crate) fn jump(
 pub(crate) fn jumps<'py>(
     py: Python<'py>,
     robot: &Bound<'py, Robot>,
-    launches: [PyReadonlyArray1<'py, f64>; 4],
+    launches: Vec<PyReadonlyArray1<'py, f64>>,
     threads: usize,
 ) -> PyResult<Arrays<'py>> {
     let launches = read(&launches)?;
@@ -305,7 +305,7 @@ fn part(robot: &Robot, launches: &[Launch]) -> Result<Part, (usize, Launch, Stan
 }
 
 /// The launches of columns: rate, firing angle, valve time, lean.
-fn read(columns: &[PyReadonlyArray1<'_, f64>; 4]) -> PyResult<Vec<Launch>> {
+fn read(columns: &[PyReadonlyArray1<'_, f64>]) -> PyResult<Vec<Launch>> {
     let columns: PyResult<Vec<&[f64]>> = columns
         .iter()
         .map(|column| column.as_slice().map_err(bad))
@@ -334,17 +334,7 @@ fn row(robot: &Robot, end: &LiftOff) -> (Outcome, [f64; COLUMNS]) {
         row[0] = end.time_fire;
         return (end.outcome, row);
     }
-    let robot = &robot.model;
-    let flight = DragFlight {
-        vacuum: Flight {
-            x,
-            y,
-            vx,
-            vy,
-            gravity: robot.axle_gravity(),
-        },
-        drag: robot.environment.drag,
-    };
+    let flight = flight_of(&robot.model, [x, y, vx, vy]);
     let land = |height| flight.range_to_height(height).unwrap_or(f64::NAN);
     let row = [
         end.time_fire,
@@ -359,10 +349,52 @@ fn row(robot: &Robot, end: &LiftOff) -> (Outcome, [f64; COLUMNS]) {
         vx,
         vy,
         flight.apex_height(),
-        land(robot.body.radius),
+        land(robot.model.body.radius),
         land(0.0),
     ];
     (end.outcome, row)
+}
+
+/// The flight after a lift-off at this place (m) with these speeds (m/s).
+fn flight_of(robot: &saltus::Robot, [x, y, vx, vy]: [f64; 4]) -> DragFlight<f64> {
+    DragFlight {
+        vacuum: Flight {
+            x,
+            y,
+            vx,
+            vy,
+            gravity: robot.axle_gravity(),
+        },
+        drag: robot.environment.drag,
+    }
+}
+
+/// The flight after a jump, from lift-off until the wheel's centre comes down to `height`: times
+/// from lift-off, and places.
+#[pyfunction]
+pub(crate) fn flight<'py>(
+    py: Python<'py>,
+    robot: &Robot,
+    jump: &Jump,
+    points: usize,
+    height: f64,
+) -> PyResult<[Bound<'py, PyArray1<f64>>; 3]> {
+    let (Some(x), Some(y), Some(vx), Some(vy)) = (jump.x_m, jump.y_m, jump.vx_m_s, jump.vy_m_s)
+    else {
+        return Err(bad(format_args!(
+            "outcome {:?}: a jump that takes off",
+            jump.outcome
+        )));
+    };
+    let flight = flight_of(&robot.model, [x, y, vx, vy]);
+    let end = flight.time_to_height(height).map_err(bad)?;
+    let mut columns: [Vec<f64>; 3] = std::array::from_fn(|_| Vec::with_capacity(points));
+    for (t, x, y) in flight.samples(0.0, end, points) {
+        for (column, number) in columns.iter_mut().zip([t, x, y]) {
+            column.push(number);
+        }
+    }
+    Ok(columns.map(|column| PyArray1::from_vec(py, column)))
 }
 
 /// Why a jump cannot be computed.

@@ -19,7 +19,7 @@ mod _saltus {
     #[pymodule_export]
     use crate::error::SaltusError;
     #[pymodule_export]
-    use crate::jump::{Jump, jump, jumps};
+    use crate::jump::{Jump, flight, jump, jumps};
     #[pymodule_export]
     use crate::robot::Robot;
     #[pymodule_export]

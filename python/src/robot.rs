@@ -1,10 +1,12 @@
 //! Robots.
 
+use std::fmt::Display;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::OnceLock;
 
 use pyo3::types::{PyAnyMethods, PyDict, PyType};
-use pyo3::{Bound, PyAny, PyResult, Python, pyclass, pymethods};
+use pyo3::{Bound, PyAny, PyErr, PyResult, Python, pyclass, pymethods};
+
 use saltus::lagrangian::{Batch, FINE};
 use saltus::robot::{resolve, resolve_text};
 
@@ -41,7 +43,7 @@ impl Robot {
     #[new]
     #[pyo3(signature = (robot = "rats-planar", *, set = Vec::new()))]
     fn new(robot: &str, set: Vec<String>) -> PyResult<Robot> {
-        resolve(robot, &set).map(Robot::of).map_err(bad)
+        resolve(robot, &set).map(Robot::of).map_err(refused)
     }
 
     #[classmethod]
@@ -52,7 +54,9 @@ impl Robot {
         name: &str,
         set: Vec<String>,
     ) -> PyResult<Robot> {
-        resolve_text(text, name, &set).map(Robot::of).map_err(bad)
+        resolve_text(text, name, &set)
+            .map(Robot::of)
+            .map_err(refused)
     }
 
     #[classmethod]
@@ -65,7 +69,7 @@ impl Robot {
         let text = toml_value::to_toml(robot)?;
         resolve_text(&text, "robot", &set)
             .map(Robot::of)
-            .map_err(bad)
+            .map_err(refused)
     }
 
     #[getter]
@@ -85,7 +89,7 @@ impl Robot {
     fn replace(&self, set: Vec<String>) -> PyResult<Robot> {
         resolve_text(&self.toml, &self.model.name, &set)
             .map(Robot::of)
-            .map_err(bad)
+            .map_err(refused)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
@@ -109,4 +113,9 @@ impl Robot {
             self.model.name, self.model.body.legs, self.model.body.mass
         )
     }
+}
+
+/// What is wrong with a robot, with the argument in the place of the command's flag.
+fn refused(error: impl Display) -> PyErr {
+    bad(error.to_string().replace("--set ", "set "))
 }

@@ -82,6 +82,9 @@ fn value_of(value: &Bound<'_, PyAny>, name: &str, depth: usize) -> PyResult<Valu
     }
     // Numbers of NumPy, then lists, tuples and arrays.
     if let Ok(number) = value.extract() {
+        return Ok(Value::Integer(number));
+    }
+    if let Ok(number) = value.extract() {
         return Ok(Value::Float(number));
     }
     let items = value.try_iter().map_err(|_| {

@@ -9,7 +9,7 @@ use saltus::temporary::Temporary;
 use crate::error::CliError;
 use crate::identity::Identity;
 use crate::input;
-use crate::session::Screen;
+use crate::session::{self, Screen};
 
 /// A file to write.
 #[derive(Debug)]
@@ -86,7 +86,7 @@ impl Files {
     /// Writes all files under temporary names beside their places, then renames them, then prints.
     ///
     /// Whatever fails, no file is there in part; no file that the command has read is overwritten,
-    /// and none is written twice.
+    /// none is written twice, and none appears after the command was stopped.
     pub(crate) fn write(self) -> Result<(), CliError> {
         self.check()?;
         let staged = self
@@ -97,6 +97,7 @@ impl Files {
                 Content::Written(staged) => Ok(staged),
             })
             .collect::<Result<Vec<_>, _>>()?;
+        session::obey(session::stop().as_ref());
         for file in staged {
             file.publish()?;
         }

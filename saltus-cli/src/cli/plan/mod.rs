@@ -153,7 +153,7 @@ robot's [errors]), target_x_m and off_target_m (landing less target; last jump),
 
 JSON: {\"command\": \"plan\", \"robot\": NAME, \"course\": FILE, \"status\": \
 holds-in-the-planar-model, fails-in-the-planar-model (with --plant: holds-on-the-plant, fails-on-the-plant), infeasible or undecided, \"cost\": …, \"bound\" (no plan \
-costs less), \"complete\" (whether the search ran to its end), \"interrupted\", \"jumps\": [{the columns}], \"checks\": [{\"jump\", \"what\", \
+costs less), \"complete\" (whether the search ran to its end), \"interrupted\", \"obstacles\": [{\"front_x_m\", \"width_m\", \"height_m\"}], \"jumps\": [{the columns}], \"checks\": [{\"jump\", \"what\", \
 \"value\", \"least\", \"greatest\" (null: no limit), \"holds\"}], \"nearest\": [{\"jump\", \"limit\", \
 \"amount_m\"}], \"try_jumps\"}: the limits by which the nearest course with a plan differs (an obstacle is lower \
 by the amount, a ground is longer, the goal moves, forward if positive), and with how many jumps there is a plan. fails-in-the-planar-model: flown ten times finer \

@@ -2,7 +2,7 @@
 
 use saltus::Robot;
 use saltus::course::ANYWHERE;
-use saltus::planner::course::{Relief, Span};
+use saltus::planner::course::{Obstacle, Relief, Span};
 use saltus::planner::{
     Check, CorrectedFlight, Correction, Crossing, CrossingAnswer, CrossingPlan, PlannedJump,
 };
@@ -269,6 +269,7 @@ impl Report<'_> {
             "bound": plan.map(|plan| plan.search.bound),
             "complete": complete,
             "interrupted": self.interrupted,
+            "obstacles": self.obstacles_json(),
             "jumps": self.table(robot).json(),
             "checks": checks,
             "nearest": nearest,
@@ -284,6 +285,18 @@ impl Report<'_> {
             });
         }
         output::json(&document)
+    }
+
+    fn obstacles_json(&self) -> Vec<Value> {
+        let obstacles = self.crossing.course.obstacles.iter();
+        let json = |it: &Obstacle| {
+            json!({
+                "front_x_m": it.span().low,
+                "width_m": it.width,
+                "height_m": it.height,
+            })
+        };
+        obstacles.map(json).collect()
     }
 
     /// The plan in words.
