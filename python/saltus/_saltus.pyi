@@ -148,7 +148,7 @@ def jump(
     """One jump; `saltus.jump` also takes a robot by its name."""
 
 def jumps(
-    robot: Robot, launches: list[NDArray[np.float64]], threads: int
+    robot: Robot, launches: list[NDArray[np.float64]], threads: int, tolerance: float
 ) -> tuple[NDArray[np.uint8], list[NDArray[np.float64]]]:
     """Many jumps: rates, firing angles, valve times and leans in; outcomes and columns out."""
 

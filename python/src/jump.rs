@@ -6,6 +6,7 @@ use std::sync::atomic::Ordering;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::types::{PyAnyMethods, PyDict, PyDictMethods};
 use pyo3::{Bound, PyAny, PyResult, Python, pyclass, pyfunction, pymethods};
+use saltus::lagrangian::Batch;
 use saltus::numeric::parallel::in_chunks;
 use saltus::{DragFlight, Flight, Launch, LiftOff, Outcome, StanceError};
 
@@ -253,16 +254,18 @@ pub(crate) fn jumps<'py>(
     robot: &Bound<'py, Robot>,
     launches: Vec<PyReadonlyArray1<'py, f64>>,
     threads: usize,
+    tolerance: f64,
 ) -> PyResult<Arrays<'py>> {
     let launches = read(&launches)?;
     let robot = robot.clone().unbind();
     let count = launches.len();
     let parts = detached(py, move |stop| {
         let robot = robot.get();
+        let batch = robot.batch_within(tolerance);
         in_chunks(&launches, SIDE_BY_SIDE, threads.max(1), |chunk| {
             let go = !stop.load(Ordering::Relaxed);
             if go {
-                part(robot, chunk)
+                part(robot, &batch, chunk)
             } else {
                 Ok(Part::default())
             }
@@ -291,9 +294,13 @@ struct Part {
     columns: [Vec<f64>; COLUMNS],
 }
 
-fn part(robot: &Robot, launches: &[Launch]) -> Result<Part, (usize, Launch, StanceError)> {
+fn part(
+    robot: &Robot,
+    batch: &Batch,
+    launches: &[Launch],
+) -> Result<Part, (usize, Launch, StanceError)> {
     let mut part = Part::default();
-    for (at, end) in robot.batch().jumps(launches).into_iter().enumerate() {
+    for (at, end) in batch.jumps(launches).into_iter().enumerate() {
         let end = end.map_err(|source| (at, launches[at], source))?;
         let (outcome, numbers) = row(robot, &end);
         part.outcomes.push(outcome as u8);

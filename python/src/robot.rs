@@ -1,5 +1,6 @@
 //! Robots.
 
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::OnceLock;
@@ -35,6 +36,15 @@ impl Robot {
     pub(crate) fn batch(&self) -> &Batch {
         self.batch
             .get_or_init(|| Box::new(Batch::new(&self.model, FINE)))
+    }
+
+    /// The same with an error tolerance.
+    pub(crate) fn batch_within(&self, tolerance: f64) -> Cow<'_, Batch> {
+        if tolerance.total_cmp(&FINE).is_eq() {
+            Cow::Borrowed(self.batch())
+        } else {
+            Cow::Owned(Batch::new(&self.model, tolerance))
+        }
     }
 }
 
