@@ -1,8 +1,8 @@
-"""Writes the page of the Python reference from the stub of the package.
+"""Writes the page of the Python reference from the package's stub and typed sources.
 
-    python3 site/python_reference.py python/saltus/_saltus.pyi > python.md
+    python3 site/python_reference.py python/saltus > python.md
 
-Names, signatures and docstrings, in the order of the stub. The standard library alone.
+Names, signatures and docstrings of what is public. The standard library alone.
 """
 
 import ast
@@ -12,11 +12,28 @@ from pathlib import Path
 
 HEAD = """# Python reference
 
-<!-- Written by site/python_reference.py from the stub: do not edit. -->
+<!-- Written by site/python_reference.py from the package: do not edit. -->
 
-`pip install saltus` gives the module `saltus`. This page lists its names, with their types, from the
-stub that type checkers read. `help(saltus.table)` shows the same in Python.
+`pip install saltus` gives the module `saltus`. [Python and sweeps](../python.md) shows what it is for. This page
+lists its names with their types, as type checkers see them. `help(saltus.table)` shows the same in Python.
+
+Names used below: `RobotLike` is a `Robot`, the name of a built-in robot, or the path of a robot file. `Place` is the
+path of a course, or a dictionary with its keys. `Overrides` is a dictionary as in `{"leg.stroke_m": 0.05}`, or a list
+of texts as in `["leg.stroke_mm=50"]`. `Span` is a pair of numbers. `Data` is described at `diagnose`.
+
+All errors of input are `saltus.SaltusError`, a `ValueError`.
 """
+
+SECTIONS = [
+    ("Jumps", "jumps.py", ["jump", "jumps", "flight"], ""),
+    ("Verbs of the command", "verbs.py", None, ""),
+    ("Sweeps", "sweeps.py", ["sweep"], ""),
+    ("Plots", "plot.py", None, "plot."),
+    ("Models of MuJoCo", "from_mujoco.py", ["convert"], "from_mujoco."),
+    ("Robots and jumps", "_saltus.pyi", ["Robot", "Jump", "SaltusError"], ""),
+    ("Answers", "answers.py", ["Answer", "Columns"], ""),
+]
+"""Heading, file, names (None: those of its `__all__`), and what stands before them."""
 
 
 def signature(node: ast.FunctionDef | ast.AsyncFunctionDef) -> str:
@@ -77,29 +94,37 @@ def members(body: list[ast.stmt]) -> list[str]:
     lines += [""] if lines else []
     for node in body:
         plain = isinstance(node, ast.FunctionDef) and not decorated(node, "property")
-        if plain and (not node.name.startswith("_") or node.name == "__init__"):
+        if plain and (not node.name.startswith("_") or node.name == "__new__"):
             lines += block(signature(node)) + doc(node)
     return lines
 
 
-def page(stub: ast.Module) -> str:
-    """The page of a stub."""
+def public(module: ast.Module) -> list[str]:
+    """The names in `__all__`."""
+    for node in module.body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
+            return ast.literal_eval(node.value)
+    return []
+
+
+def page(package: Path) -> str:
+    """The page of a package."""
     lines = [HEAD]
-    functions = [node for node in stub.body if isinstance(node, ast.FunctionDef) and not node.name.startswith("_")]
-    classes = [node for node in stub.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_")]
-    lines += ["## Functions", ""] if functions else []
-    seen = ""
-    for node in functions:
-        # Overloads stand under one heading.
-        lines += [] if node.name == seen else [f"### {node.name}", ""]
-        seen = node.name
-        lines += block(signature(node)) + doc(node)
-    lines += ["## Classes", ""] if classes else []
-    for node in classes:
-        bases = ", ".join(ast.unparse(base) for base in node.bases)
-        lines += [f"### {node.name}", ""] + ([f"A `{bases}`.", ""] if bases else []) + doc(node) + members(node.body)
+    for heading, file, names, before in SECTIONS:
+        module = ast.parse((package / file).read_text(encoding="utf-8"))
+        nodes = {node.name: node for node in module.body if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+        lines += [f"## {heading}", ""]
+        listed = public(module)
+        for name in names or [name for name in nodes if name in listed]:
+            node = nodes[name]
+            lines += [f"### {before}{name}", ""]
+            if isinstance(node, ast.FunctionDef):
+                lines += block(signature(node)) + doc(node)
+            else:
+                bases = ", ".join(ast.unparse(base) for base in node.bases)
+                lines += ([f"A `{bases}`.", ""] if bases else []) + doc(node) + members(node.body)
     return "\n".join(lines).rstrip() + "\n"
 
 
 if __name__ == "__main__":
-    sys.stdout.write(page(ast.parse(Path(sys.argv[1]).read_text(encoding="utf-8"))))
+    sys.stdout.write(page(Path(sys.argv[1])))

@@ -34,8 +34,8 @@ NUMBERS = (
     "land_0_m",
 )
 
-FINE, FINEST, COARSEST = 1e-12, 1e-13, 1e-4
-"""Tolerances of the integrator: that of the command, and the limits."""
+FINEST, COARSEST = 1e-13, 1e-4
+"""Limits of the integrator's tolerance; that of the command is 1e-12."""
 
 RobotLike = Robot | str | os.PathLike[str]
 """A robot, the name of a built-in one, or the path of a robot file."""
@@ -72,7 +72,7 @@ def jumps(
     valve_open_s: ArrayLike = 0.1,
     start_lean_rad: ArrayLike | None = None,
     threads: int | None = None,
-    tolerance: float = FINE,
+    tolerance: float = 1e-12,
 ) -> Columns:
     """Many jumps at once: the arguments are numbers or arrays, broadcast as NumPy does.
 

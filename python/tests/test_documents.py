@@ -11,8 +11,10 @@ from conftest import ROOT
 FLAGS = doctest.ELLIPSIS | doctest.IGNORE_EXCEPTION_DETAIL
 
 
-def test_readme() -> None:
-    failed, tried = doctest.testfile(str(ROOT / "python" / "README.md"), module_relative=False, optionflags=FLAGS)
+@pytest.mark.parametrize("page", ["python/README.md", "docs/python.md"])
+def test_pages(page: str) -> None:
+    pytest.importorskip("matplotlib").use("Agg")
+    failed, tried = doctest.testfile(str(ROOT / page), module_relative=False, optionflags=FLAGS)
     assert tried > 10 and failed == 0
 
 
