@@ -11,11 +11,11 @@ from conftest import ROOT
 FLAGS = doctest.ELLIPSIS | doctest.IGNORE_EXCEPTION_DETAIL
 
 
-@pytest.mark.parametrize("page", ["python/README.md", "docs/python.md"])
+@pytest.mark.parametrize("page", ["README.md", "python/README.md", "docs/python.md"])
 def test_pages(page: str) -> None:
     pytest.importorskip("matplotlib").use("Agg")
     failed, tried = doctest.testfile(str(ROOT / page), module_relative=False, optionflags=FLAGS)
-    assert tried > 10 and failed == 0
+    assert tried > 2 and failed == 0
 
 
 @pytest.mark.parametrize("name", ["saltus", "saltus.plot"])
