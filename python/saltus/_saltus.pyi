@@ -1,6 +1,7 @@
 """What is written in Rust: robots, jumps, and the command in this process."""
 
-from typing import Any, final
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +9,8 @@ from numpy.typing import NDArray
 __all__ = ["Jump", "Robot", "SaltusError", "__version__", "command", "flight", "jump", "jumps", "to_toml"]
 
 __version__: str
+
+_Overrides: TypeAlias = Mapping[str, Any] | Sequence[str]
 
 class SaltusError(ValueError):
     """Bad input. The text names what is wrong, its value and what is allowed."""
@@ -17,16 +20,16 @@ class Robot:
     """A robot: what a robot file describes. It cannot be changed; `replace` gives another.
 
     `robot` is the name of a built-in robot or the path of a TOML file; `set` has overrides as in
-    `["leg.stroke_m=0.05"]`.
+    `{"leg.stroke_m": 0.05}` or `["leg.stroke_mm=50"]`.
     """
 
-    def __new__(cls, robot: str = "rats-planar", *, set: list[str] = ...) -> Robot: ...
+    def __new__(cls, robot: str = "rats-planar", *, set: _Overrides | None = ...) -> Robot: ...
     @classmethod
-    def from_toml(cls, text: str, *, name: str = "robot.toml", set: list[str] = ...) -> Robot:
+    def from_toml(cls, text: str, *, name: str = "robot.toml", set: _Overrides | None = ...) -> Robot:
         """The robot of a robot file's text; messages call it `name`."""
 
     @classmethod
-    def from_dict(cls, robot: dict[str, Any], *, set: list[str] = ...) -> Robot:
+    def from_dict(cls, robot: dict[str, Any], *, set: _Overrides | None = ...) -> Robot:
         """The robot of a dictionary like that of `to_dict`."""
 
     @property
@@ -40,8 +43,8 @@ class Robot:
     def to_dict(self) -> dict[str, Any]:
         """Its robot file as a dictionary."""
 
-    def replace(self, set: list[str]) -> Robot:
-        """A copy with overrides, as in `["leg.stroke_m=0.05"]`."""
+    def replace(self, set: _Overrides) -> Robot:
+        """A copy with overrides."""
 
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from . import _saltus
-from ._saltus import Robot, SaltusError
+from ._saltus import SaltusError
 from .answers import Answer
+from .jumps import robot_of
 
 __all__ = ["Place", "ask", "flag_of", "words_of"]
 
@@ -22,6 +23,8 @@ SPANS = {"firing_angles_rad", "valve_range_s", "greatest_psi"}
 """Arguments whose parts have colons between them."""
 REPEATED = {"set", "plant_set", "disturb", "known", "effect", "effects", "courses"}
 """Arguments whose flag stands once for each item."""
+ROBOTS = {"robot", "plant", "believed"}
+"""Arguments that may be a robot."""
 OTHER = {"courses": "course", "effects": "inject", "plan_file": "power"}
 """Arguments that are not called like their flag."""
 
@@ -55,7 +58,8 @@ def words_of(
             continue
         if value is True:
             words.append(flag)
-        elif isinstance(value, Robot):
+        elif argument in ROBOTS and not isinstance(value, (str, os.PathLike)):
+            value = robot_of(value, argument)
             name = value.name if value.name not in files else f"{value.name} ({argument})"
             files[name] = value.toml
             words.append(f"{flag}={name}")
@@ -66,8 +70,12 @@ def words_of(
     places = []
     for place in positional:
         if isinstance(place, Mapping):
+            if isinstance(place, Answer):
+                raise SaltusError(f"an answer of saltus.{place.get('command')}: a course, as a file or a dictionary, or a file of a table")
             files["course.toml"] = _saltus.to_toml(dict(place))
             place = "course.toml"
+        if not isinstance(place, (str, os.PathLike)):
+            raise SaltusError(f"{place!r}: the path of a file, or a dictionary with its keys")
         places.append(os.fspath(place))
     if places:
         words += ["--", *places]
@@ -139,7 +147,7 @@ def number(argument: str, value: Any) -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise SaltusError(f"{argument} = {value!r}: a number")
+        raise SaltusError(f"{argument} = {value!r}: a number, or a text as in the command")
     return repr(int(value) if isinstance(value, (int, np.integer)) else float(value))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -36,7 +37,17 @@ def folders_of(data: Data, experiment: Mapping[str, Any] | None) -> Iterator[lis
         folder = Path(place, "data")
         folder.mkdir()
         write(folder, items, experiment)
-        yield [str(folder)]
+        try:
+            yield [str(folder)]
+        except SaltusError as error:
+            raise SaltusError(with_frames(str(error), folder)) from None
+
+
+def with_frames(text: str, folder: Path) -> str:
+    """A message with frames and rows in the place of files and lines."""
+    text = text.replace(f"{folder}{os.sep}", "").replace(str(folder), "data")
+    text = re.sub(r"run-(\d+)\.csv:(\d+)", lambda it: f"data[{int(it[1]) - 1}], row {int(it[2]) - 2}", text)
+    return re.sub(r"run-(\d+)\.csv", lambda it: f"data[{int(it[1]) - 1}]", text).replace("experiment.toml", "experiment")
 
 
 def write(folder: Path, frames: Sequence[Any], experiment: Mapping[str, Any]) -> None:

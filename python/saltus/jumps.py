@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,13 +39,19 @@ NUMBERS = (
 FINEST, COARSEST = 1e-13, 1e-4
 """Limits of the integrator's tolerance; that of the command is 1e-12."""
 
-RobotLike = Robot | str | os.PathLike[str]
-"""A robot, the name of a built-in one, or the path of a robot file."""
+RobotLike = Robot | str | os.PathLike[str] | Mapping[str, Any]
+"""A robot, the name of a built-in one, the path of a robot file, or a dictionary like that of `Robot.to_dict`."""
 
 
-def robot_of(robot: RobotLike) -> Robot:
+def robot_of(robot: RobotLike, argument: str = "robot") -> Robot:
     """The robot that is meant."""
-    return robot if isinstance(robot, Robot) else Robot(os.fspath(robot))
+    if isinstance(robot, Robot):
+        return robot
+    if isinstance(robot, Mapping):
+        return Robot.from_dict(dict(robot))
+    if not isinstance(robot, (str, os.PathLike)):
+        raise SaltusError(f"{argument} = {robot!r}: a Robot, a name, a file or a dictionary")
+    return Robot(os.fspath(robot))
 
 
 def jump(

@@ -5,7 +5,7 @@ use std::fmt::Display;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::OnceLock;
 
-use pyo3::types::{PyAnyMethods, PyDict, PyType};
+use pyo3::types::{PyAnyMethods, PyDict, PyDictMethods, PyType};
 use pyo3::{Bound, PyAny, PyErr, PyResult, Python, pyclass, pymethods};
 
 use saltus::lagrangian::{Batch, FINE};
@@ -51,33 +51,35 @@ impl Robot {
 #[pymethods]
 impl Robot {
     #[new]
-    #[pyo3(signature = (robot = "rats-planar", *, set = Vec::new()))]
-    fn new(robot: &str, set: Vec<String>) -> PyResult<Robot> {
-        resolve(robot, &set).map(Robot::of).map_err(refused)
-    }
-
-    #[classmethod]
-    #[pyo3(signature = (text, *, name = "robot.toml", set = Vec::new()))]
-    fn from_toml(
-        _: &Bound<'_, PyType>,
-        text: &str,
-        name: &str,
-        set: Vec<String>,
-    ) -> PyResult<Robot> {
-        resolve_text(text, name, &set)
+    #[pyo3(signature = (robot = "rats-planar", *, set = None))]
+    fn new(robot: &str, set: Option<&Bound<'_, PyAny>>) -> PyResult<Robot> {
+        resolve(robot, &overrides(set)?)
             .map(Robot::of)
             .map_err(refused)
     }
 
     #[classmethod]
-    #[pyo3(signature = (robot, *, set = Vec::new()))]
+    #[pyo3(signature = (text, *, name = "robot.toml", set = None))]
+    fn from_toml(
+        _: &Bound<'_, PyType>,
+        text: &str,
+        name: &str,
+        set: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Robot> {
+        resolve_text(text, name, &overrides(set)?)
+            .map(Robot::of)
+            .map_err(refused)
+    }
+
+    #[classmethod]
+    #[pyo3(signature = (robot, *, set = None))]
     fn from_dict(
         _: &Bound<'_, PyType>,
         robot: &Bound<'_, PyDict>,
-        set: Vec<String>,
+        set: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Robot> {
         let text = toml_value::to_toml(robot)?;
-        resolve_text(&text, "robot", &set)
+        resolve_text(&text, "robot", &overrides(set)?)
             .map(Robot::of)
             .map_err(refused)
     }
@@ -96,8 +98,8 @@ impl Robot {
         toml_value::to_dict(py, &self.toml)
     }
 
-    fn replace(&self, set: Vec<String>) -> PyResult<Robot> {
-        resolve_text(&self.toml, &self.model.name, &set)
+    fn replace(&self, set: &Bound<'_, PyAny>) -> PyResult<Robot> {
+        resolve_text(&self.toml, &self.model.name, &overrides(Some(set))?)
             .map(Robot::of)
             .map_err(refused)
     }
@@ -128,4 +130,26 @@ impl Robot {
 /// What is wrong with a robot, with the argument in the place of the command's flag.
 fn refused(error: impl Display) -> PyErr {
     bad(error.to_string().replace("--set ", "set "))
+}
+
+/// Overrides as the command has them: of a dictionary, a text, or several texts.
+fn overrides(set: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
+    let Some(set) = set else { return Ok(vec![]) };
+    if let Ok(text) = set.extract() {
+        return Ok(vec![text]);
+    }
+    let given = || {
+        bad(format_args!(
+            "set = {set}: a dictionary, a text or a list of texts"
+        ))
+    };
+    let Ok(table) = set.cast::<PyDict>() else {
+        return set.extract().map_err(|_| given());
+    };
+    let items = table.iter().map(|(key, value)| {
+        let key: String = key.extract().map_err(|_| given())?;
+        let value = value.str()?.to_string();
+        Ok(format!("{key}={value}"))
+    });
+    items.collect()
 }

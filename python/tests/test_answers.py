@@ -46,6 +46,9 @@ def test_robots_are_values() -> None:
     assert saltus.Robot.from_dict(ROBOT.to_dict()) == ROBOT
     assert ROBOT.to_dict()["boom"]["mass_kg"] == 0.6
     assert ROBOT != saltus.Robot("rats-boom")
+    assert ROBOT == saltus.Robot("rats-boom", set={"boom.mass_kg": np.float64(0.6)}) == saltus.Robot("rats-boom", set="boom.mass_kg=0.6")
+    assert saltus.jump(ROBOT.to_dict(), 5.0, -0.1) == saltus.jump(ROBOT, 5.0, -0.1)
+    assert saltus.table(omega_rad_s=5, distance_m=0.5, robot=ROBOT.to_dict()) == saltus.table(omega_rad_s=5, distance_m=0.5, robot=ROBOT)
     with pytest.raises(AttributeError):
         ROBOT.name = "other"  # type: ignore[misc]
 

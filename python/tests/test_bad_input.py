@@ -18,6 +18,11 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: saltus.Robot.from_dict({"name": "x", "body": {1: 2}}), "keys are texts"),
     (lambda: saltus.Robot.from_dict({"name": "x", "body": {"mass_kg": object()}}), r"body\.mass_kg"),
     (lambda: saltus.Robot.from_dict({"name": "x", "legs": 2**70}), "legs: .*64 bits"),
+    (lambda: saltus.Robot("rats-planar", set=3), "set = 3: a dictionary, a text or a list of texts"),  # type: ignore[arg-type]
+    (lambda: saltus.jump(5.0, 5.0, 0.0), "robot = 5.0: a Robot, a name, a file or a dictionary"),  # type: ignore[arg-type]
+    (lambda: saltus.table(omega_rad_s=5, distance_m=0.6, plant=3), "plant = 3: a Robot"),  # type: ignore[arg-type]
+    (lambda: saltus.verify(saltus.plan({"approach_rate_rad_s": 5.0, "target_x_m": 0.9})), "an answer of saltus.plan: a course"),
+    (lambda: saltus.plan(3), "3: the path of a file"),  # type: ignore[arg-type]
     (lambda: saltus.jump("rats-planar", math.nan, 0.0), "omega_rad_s NaN"),
     (lambda: saltus.jump("rats-planar", 5.0, math.inf), "alpha_f_rad inf"),
     (lambda: saltus.jump("rats-planar", 5.0, 0.0, valve_open_s=-1.0), "valve_open_s -1"),

@@ -68,4 +68,5 @@ def test_bad_frames_are_refused(bench: Path) -> None:
     refused(str(bench), "is for frames")
     late = first[time].copy()
     late[3] = late[2]
-    refused({**first, time: late}, "run-01.csv:5")
+    refused(first, "^experiment:.*load_mass", {**one, "runs": [{}]})
+    refused({**first, time: late}, r"data\[0\], row 3")
