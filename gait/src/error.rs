@@ -55,9 +55,14 @@ pub(crate) fn require(
     if holds {
         return Ok(());
     }
-    Err(GaitError::Input {
+    Err(refused(name, value, allowed))
+}
+
+/// The error of a number that is outside its domain.
+pub(crate) fn refused(name: &str, value: f64, allowed: impl Into<String>) -> GaitError {
+    GaitError::Input {
         name: name.into(),
         value,
         allowed: allowed.into(),
-    })
+    }
 }

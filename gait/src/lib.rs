@@ -10,6 +10,7 @@ mod crossing;
 mod drawn;
 mod error;
 mod law;
+pub mod learn;
 mod logged;
 mod optimal;
 mod run;

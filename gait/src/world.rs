@@ -77,6 +77,11 @@ impl<'a> World<'a> {
         &mut self.sim
     }
 
+    /// The simulation, to look at.
+    pub fn looked_at(&self) -> &Sim<'a> {
+        &self.sim
+    }
+
     /// Energy (J) that no entry of the ledger explains since the start.
     pub fn residual(&self) -> f64 {
         self.sim.ledger().residual(&self.start)

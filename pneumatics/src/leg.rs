@@ -124,6 +124,11 @@ impl<S: Scalar> Leg<S> {
         !matches!(self.drive, Drive::Spring(..))
     }
 
+    /// Time (s) from a command to the drive's answer.
+    pub fn delay(&self) -> S {
+        self.delay
+    }
+
     /// When (s) the drive begins and ends to push for a command at the time `at` (s) of the valve
     /// opening time `opening` (s); none: it does not end. A command shorter than the valve's least
     /// pulse is one of no time.

@@ -6,7 +6,7 @@ from typing import Any, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Jump", "Robot", "SaltusError", "__version__", "command", "flight", "jump", "jumps", "to_toml"]
+__all__ = ["Episodes", "Jump", "Robot", "SaltusError", "__version__", "command", "flight", "jump", "jumps", "to_toml"]
 
 __version__: str
 
@@ -139,6 +139,39 @@ class Jump:
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]: ...
     def _repr_html_(self) -> str: ...
+
+@final
+class Episodes:
+    """Episodes of a task, which go on side by side: what `saltus.env` is made of."""
+
+    def __new__(
+        cls,
+        task: str,
+        robot: Robot,
+        count: int,
+        threads: int,
+        reward: list[tuple[str, float | None, float]],
+        steps: int | None,
+        draw: bool,
+    ) -> Episodes: ...
+    @property
+    def observed(self) -> list[tuple[str, str, float, float]]:
+        """What is observed: name, unit, least and greatest value."""
+
+    @property
+    def choices(self) -> int:
+        """How many actions there are."""
+
+    def start(self, which: list[int], seeds: list[int]) -> NDArray[np.float64]:
+        """Begins episodes, and gives their observations."""
+
+    def step(
+        self, actions: NDArray[np.int64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_]]:
+        """An action in each: observations, rewards, terminated, truncated. A negative one leaves an episode as it is."""
+
+    def outcome(self, k: int) -> dict[str, Any]:
+        """What an episode has come to."""
 
 def jump(
     robot: Robot,

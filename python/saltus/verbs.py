@@ -29,6 +29,7 @@ __all__ = [
     "inject",
     "jump_over",
     "law",
+    "learn",
     "map",
     "parkour",
     "plan",
@@ -260,6 +261,36 @@ def jump_over(
     """A jump over a box out of a run: the verb `saltus jump`. `obstacle` is HEIGHTxLENGTH@FRONT in m,
     as in "0.1x0.21@1:6"."""
     return ask("jump", (), locals())
+
+
+def learn(
+    task: str,
+    *,
+    algorithm: str | None = None,
+    alpha: float | None = None,
+    gamma: float | None = None,
+    lambda_: float | None = None,
+    replacing: bool = False,
+    epsilon: float | None = None,
+    decay: float | None = None,
+    reward: Mapping[str, float] | Sequence[str] = (),
+    episodes: int | None = None,
+    steps: int | None = None,
+    seeds: int | None = None,
+    seed: int | None = None,
+    draw: bool = False,
+    resume: PathLike | None = None,
+    threads: int | None = None,
+    plot: PathLike | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+) -> Answer:
+    """A table of values that learns to run: `task` is "run-legs", "climb" or "run-zone".
+
+    `reward` has coefficients, as in `{"rate": 1, "gas": 100}`. `answer.policy` is what `resume` goes on from,
+    once `answer.json` is in a file. For learners of your own see `saltus.env`."""
+    arguments = {name: value for name, value in locals().items() if name != "task"}
+    return ask("learn", (task,), arguments)
 
 
 def diagnose(

@@ -7,6 +7,7 @@
 
 mod command;
 mod detached;
+mod episodes;
 mod error;
 mod jump;
 mod robot;
@@ -16,6 +17,8 @@ mod toml_value;
 mod _saltus {
     #[pymodule_export]
     use crate::command::command;
+    #[pymodule_export]
+    use crate::episodes::Episodes;
     #[pymodule_export]
     use crate::error::SaltusError;
     #[pymodule_export]

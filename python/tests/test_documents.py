@@ -11,7 +11,7 @@ from conftest import ROOT
 FLAGS = doctest.ELLIPSIS | doctest.IGNORE_EXCEPTION_DETAIL
 
 
-@pytest.mark.parametrize("page", ["README.md", "python/README.md", "docs/python.md"])
+@pytest.mark.parametrize("page", ["README.md", "python/README.md", "docs/python.md", "docs/learning.md"])
 def test_pages(page: str) -> None:
     pytest.importorskip("matplotlib").use("Agg")
     failed, tried = doctest.testfile(str(ROOT / page), module_relative=False, optionflags=FLAGS)

@@ -53,6 +53,10 @@ CALLS: dict[str, tuple[Callable[[], saltus.Answer], list[str]]] = {
         lambda: saltus.jump_over("0.02x0.1@1:3", runs=2, rounds=1, robots=2),
         "jump --obstacle 0.02x0.1@1:3 --runs 2 --rounds 1 --robots 2".split(),
     ),
+    "learn": (
+        lambda: saltus.learn("run-zone", episodes=2, seeds=2, lambda_=0.8, reward={"rate": 1, "threshold:2": 0.5}),
+        "learn run-zone --episodes 2 --seeds 2 --lambda 0.8 --reward rate=1 --reward threshold:2=0.5".split(),
+    ),
     "parkour": (lambda: saltus.parkour(PARKOUR, courses=["static-00"]), ["parkour", str(PARKOUR), "--course", "static-00"]),
 }
 
@@ -148,6 +152,7 @@ FUNCTIONS: dict[str, list[Any]] = {
     "verify": [saltus.verify],
     "run": [saltus.run],
     "jump": [saltus.jump_over],
+    "learn": [saltus.learn],
     "diagnose": [saltus.diagnose],
     "fit": [saltus.fit],
     "parkour": [saltus.parkour],

@@ -74,6 +74,9 @@ pub(crate) enum CliError {
     /// A planned experiment.
     #[error(transparent)]
     Plan(#[from] saltus::experiment::PlanError),
+    /// What was learnt before.
+    #[error(transparent)]
+    Policy(#[from] saltus::learning::PolicyError),
     /// Synthetic data.
     #[error("--inject {0}")]
     Inject(#[from] saltus::inject::Error),

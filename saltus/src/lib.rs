@@ -41,6 +41,7 @@ pub mod export;
 pub mod fit;
 pub mod inject;
 pub mod input;
+pub mod learning;
 pub mod on_plant;
 pub mod parkour;
 pub mod power;

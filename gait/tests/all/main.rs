@@ -3,6 +3,7 @@
 mod basin;
 mod energy;
 mod frontier;
+mod learn;
 mod optimal;
 mod passive;
 mod periodic;

@@ -8,6 +8,7 @@ mod export;
 mod fit;
 mod jump;
 mod law;
+mod learn;
 mod limits;
 mod map;
 mod parkour;
@@ -56,6 +57,7 @@ Examples:
   saltus verify course.toml --plant rats-boom --friction 0.3:1:8
   saltus run --gait closed-loop --seconds 5 --plot run.svg
   saltus jump --obstacle 0.16x0.21@1.3
+  saltus learn run-zone --out policy.json --plot curve.svg
   saltus diagnose logs/monday --report monday.html
   saltus fit bench/monday --robot-out fitted.toml
   saltus parkour instances.json --out plans.json
@@ -76,6 +78,7 @@ enum Command {
     Verify(verify::Verify),
     Run(run::Run),
     Jump(jump::Jump),
+    Learn(learn::Learn),
     Diagnose(diagnose::Diagnose),
     Fit(fit::Fit),
     Parkour(parkour::Parkour),
@@ -112,6 +115,7 @@ impl Command {
             Command::Verify(command) => command.run(),
             Command::Run(command) => command.run(),
             Command::Jump(command) => command.run(),
+            Command::Learn(command) => command.run(),
             Command::Diagnose(command) => command.run(),
             Command::Fit(command) => command.run(),
             Command::Parkour(command) => command.run(),

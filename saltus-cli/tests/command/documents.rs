@@ -122,6 +122,12 @@ fn the_tutorial_shows_what_commands_print() {
 }
 
 #[test]
+fn the_page_of_learning_shows_what_commands_print() {
+    let page = include_str!("../../../docs/learning.md");
+    check_steps(page, &Folder::new("learning"), 2);
+}
+
+#[test]
 fn the_page_of_runs_shows_what_commands_print() {
     check("running", include_str!("../../../docs/running.md"));
 }

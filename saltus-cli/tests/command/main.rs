@@ -14,6 +14,7 @@ mod documents;
 mod folder;
 mod inject;
 mod jump;
+mod learn;
 mod logs;
 mod meaning;
 mod misleading;

@@ -346,14 +346,7 @@ impl<'a> Sim<'a> {
     /// [`SimError::Input`] for a leg that is not there, or an opening time that is not a finite
     /// number ≥ 0.
     pub fn fire(&mut self, leg: usize, opening: f64) -> Result<(), SimError> {
-        let legs = self.layout.legs;
-        if leg >= legs {
-            return Err(SimError::Input {
-                name: "leg".into(),
-                value: leg as f64,
-                allowed: "the number of a leg",
-            });
-        }
+        self.require_leg(leg)?;
         if !(opening >= 0.0 && opening.is_finite()) {
             let name = "valve opening time (s)".into();
             return Err(SimError::Input {
@@ -367,9 +360,37 @@ impl<'a> Sim<'a> {
         let ends = ends.map(|ends| (ends, leg, false));
         self.commands
             .extend([(begins, leg, true)].into_iter().chain(ends));
+        self.sort_commands();
+        Ok(())
+    }
+
+    /// Commands the valve of leg `leg` to open, or to close, now: its drive answers after its delay. For
+    /// a controller that says in each cycle which valve is open.
+    ///
+    /// # Errors
+    /// [`SimError::Input`] for a leg that is not there.
+    pub fn switch(&mut self, leg: usize, on: bool) -> Result<(), SimError> {
+        self.require_leg(leg)?;
+        let at = self.time + self.machine.mechanism.legs[leg].leg.delay();
+        self.commands.push((at, leg, on));
+        self.sort_commands();
+        Ok(())
+    }
+
+    fn require_leg(&self, leg: usize) -> Result<(), SimError> {
+        if leg < self.layout.legs {
+            return Ok(());
+        }
+        Err(SimError::Input {
+            name: "leg".into(),
+            value: leg as f64,
+            allowed: "the number of a leg",
+        })
+    }
+
+    fn sort_commands(&mut self) {
         self.commands
             .sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.cmp(&b.2)));
-        Ok(())
     }
 
     /// Goes on until `until` (s), or until a watch comes to 0 from above, whichever is first.

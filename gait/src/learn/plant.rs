@@ -1,0 +1,235 @@
+//! The robot that learns, in its surroundings, and an episode's motion of it.
+
+use std::sync::Arc;
+
+use rand_pcg::Pcg64;
+use saltus_robot::{Robot, Sensors};
+use saltus_sim_check::{Rig, Stepping, Surface};
+use self_cell::self_cell;
+
+use crate::run::Obstacle;
+use crate::surroundings::{Disturbance, Surroundings};
+use crate::{Draw, GaitError, World, drawn_robot};
+
+use super::process::Outcome;
+
+/// Which robot learns, and where.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    /// The robot.
+    pub robot: Robot,
+    /// How each episode's robot is drawn around it; none: it is the robot itself.
+    pub draw: Option<Draw>,
+    /// What disturbs.
+    pub disturbances: Vec<Disturbance>,
+    /// Boxes on the ground.
+    pub obstacles: Vec<Obstacle>,
+    /// The leg behind the two on which it starts; none: drawn for each episode.
+    pub rear: Option<usize>,
+}
+
+impl Plant {
+    /// `robot` alone on level ground, on its first two legs.
+    pub fn new(robot: Robot) -> Plant {
+        Plant {
+            robot,
+            draw: None,
+            disturbances: Vec::new(),
+            obstacles: Vec::new(),
+            rear: Some(0),
+        }
+    }
+
+    pub(super) fn sensors(&self) -> Sensors {
+        self.robot.sensors.unwrap_or_default()
+    }
+
+    fn surroundings(&self, robot: &Robot) -> Result<Surroundings, GaitError> {
+        let plain = Rig::new(robot, &[])?;
+        let across = |o: &Obstacle| plain.box_across(o.front, o.length, o.height);
+        self.obstacles
+            .iter()
+            .try_for_each(|o| o.check(robot.body.radius))?;
+        let boxes: Vec<Surface> = self.obstacles.iter().map(across).collect();
+        Surroundings::new(robot, &boxes, &self.disturbances)
+    }
+
+    /// What every episode has in common, where no robot is drawn.
+    pub(super) fn ready(&self) -> Result<Option<Arc<Surroundings>>, GaitError> {
+        match self.draw {
+            Some(_) => Ok(None),
+            None => Ok(Some(Arc::new(self.surroundings(&self.robot)?))),
+        }
+    }
+
+    /// The robot at rest, at the begin of the episode of `seed`.
+    pub(super) fn start(
+        &self,
+        ready: Option<&Arc<Surroundings>>,
+        seed: u64,
+    ) -> Result<Body, GaitError> {
+        let surroundings = match (ready, &self.draw) {
+            (Some(ready), _) => Arc::clone(ready),
+            (None, Some(draw)) => {
+                let robot = drawn_robot(&self.robot, draw, seed, 0)?;
+                Arc::new(self.surroundings(&robot)?)
+            }
+            (None, None) => Arc::new(self.surroundings(&self.robot)?),
+        };
+        let legs = self.robot.body.legs as usize;
+        let mut random = Pcg64::new(u128::from(seed), 0x1ea7);
+        let rear = match self.rear {
+            Some(rear) => rear % legs,
+            None => super::tabular::below(legs, &mut random),
+        };
+        Body::new(surroundings, self.sensors(), rear, random)
+    }
+}
+
+self_cell!(
+    /// A world and what it is in.
+    struct Held {
+        owner: Arc<Surroundings>,
+        #[covariant]
+        dependent: World,
+    }
+);
+
+/// A robot in motion.
+pub(super) struct Body {
+    held: Held,
+    legs: usize,
+    /// Lean and travel at the start.
+    start: [f64; 2],
+    /// The leg whose valve is commanded to be open.
+    open: Option<usize>,
+    firings: usize,
+}
+
+/// Where a robot is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Motion {
+    pub(super) time: f64,
+    /// Lean of leg 0 (rad), counted on through every turn.
+    pub(super) lean: f64,
+    pub(super) rate: f64,
+    /// Angle and rate of the boom's pivot; height and its rate of a robot without a boom.
+    pub(super) pivot: [f64; 2],
+    /// Travel and height of the axle (m) and their rates.
+    pub(super) axle: [f64; 2],
+    pub(super) axle_rates: [f64; 2],
+}
+
+impl Body {
+    fn new(
+        surroundings: Arc<Surroundings>,
+        sensors: Sensors,
+        rear: usize,
+        random: Pcg64,
+    ) -> Result<Body, GaitError> {
+        let q = surroundings.rig.rest(rear)?;
+        let v = vec![0.0; surroundings.rig.mechanism.tree.velocities()];
+        let legs = surroundings.rig.mechanism.legs.len();
+        let held = Held::try_new(surroundings, |surroundings| {
+            World::new(surroundings, sensors, Stepping::USUAL, (&q, &v), random)
+        })?;
+        let mut body = Body {
+            held,
+            legs,
+            start: [0.0; 2],
+            open: None,
+            firings: 0,
+        };
+        let motion = body.motion();
+        body.start = [motion.lean, motion.axle[0]];
+        Ok(body)
+    }
+
+    pub(super) fn legs(&self) -> usize {
+        self.legs
+    }
+
+    pub(super) fn motion(&self) -> Motion {
+        let world = self.held.borrow_dependent();
+        let (rig, sim) = (world.rig(), world.looked_at());
+        let (q, v) = (sim.coordinates(), sim.velocities());
+        let (axle, axle_rates) = (rig.axle(q), rig.axle_rates(q, v));
+        let pivot = match rig.boom {
+            Some(_) => [q[1], v[1]],
+            None => [axle[1], axle_rates[1]],
+        };
+        Motion {
+            time: sim.time(),
+            lean: q[rig.lean_coordinate()],
+            rate: v[rig.lean_velocity()],
+            pivot,
+            axle,
+            axle_rates,
+        }
+    }
+
+    /// Has the valve of `leg` open, and every other one closed, until told otherwise.
+    pub(super) fn open(&mut self, leg: Option<usize>) -> Result<(), GaitError> {
+        if self.open == leg {
+            return Ok(());
+        }
+        if leg.is_some() {
+            self.firings += 1;
+        }
+        let before = std::mem::replace(&mut self.open, leg);
+        self.held.with_dependent_mut(|_, world| {
+            before.map_or(Ok(()), |leg| world.sim().switch(leg, false))?;
+            leg.map_or(Ok(()), |leg| world.sim().switch(leg, true))
+        })?;
+        Ok(())
+    }
+
+    /// Goes on by a cycle of the sensors.
+    pub(super) fn go_on(&mut self) -> Result<(), GaitError> {
+        self.fire(None)
+    }
+
+    /// The same, and fires a leg for an opening time (s) at its beginning.
+    pub(super) fn fire(&mut self, fire: Option<(usize, f64)>) -> Result<(), GaitError> {
+        self.firings += usize::from(fire.is_some());
+        self.held
+            .with_dependent_mut(|_, world| world.go_on(fire, |_| ()))
+    }
+
+    /// Does something with the world.
+    pub(super) fn with<T>(&mut self, act: impl FnOnce(&mut World<'_>) -> T) -> T {
+        self.held.with_dependent_mut(|_, world| act(world))
+    }
+
+    /// Gas from the supply so far (kg).
+    pub(super) fn gas(&self) -> f64 {
+        let sim = self.held.borrow_dependent().looked_at();
+        (0..self.legs).map(|leg| sim.account(leg).supplied).sum()
+    }
+
+    /// Angle (rad) and travel (m) since the start.
+    pub(super) fn since_start(&self, motion: &Motion) -> [f64; 2] {
+        [motion.lean - self.start[0], motion.axle[0] - self.start[1]]
+    }
+
+    pub(super) fn outcome(&self, arrived: Option<f64>) -> Outcome {
+        let motion = self.motion();
+        let [angle, travel] = self.since_start(&motion);
+        Outcome {
+            time: motion.time,
+            angle,
+            travel,
+            arrived,
+            gas: self.gas(),
+            firings: self.firings,
+        }
+    }
+}
+
+/// An angle from -π to π.
+pub(super) fn wrapped(angle: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    let turned = (angle + PI).rem_euclid(TAU) - PI;
+    // Where round-off makes a whole turn of a little less than nothing.
+    if turned < PI { turned } else { -PI }
+}

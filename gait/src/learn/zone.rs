@@ -1,0 +1,223 @@
+//! One decision at 200 Hz: whether the leg in the active zone fires. The stand-in for the thesis' robot.
+//!
+//! Source: thesis 6.3.2.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use saltus_controller::run::{Readings, Signals};
+use saltus_robot::Sensors;
+
+use crate::GaitError;
+use crate::cast::instruments;
+use crate::error::require;
+use crate::surroundings::Surroundings;
+
+use super::plant::{Body, Plant, wrapped};
+use super::process::{Act, Actions, Axis, Environment, Episode, Outcome, Step};
+use super::reward::{Reward, Stepped};
+
+/// Rate (rad/s) below which a robot counts as standing when its time is over.
+const STANDS: f64 = 0.5;
+/// Weights of the rate's filter, as of `saltus run`.
+pub(super) const TAPS: [f64; 5] = [0.2; 5];
+
+/// What the robot measures is what the learner sees: the wheel's encoder and the filtered gyro.
+pub struct Zone {
+    plant: Plant,
+    ready: Option<Arc<Surroundings>>,
+    reward: Reward,
+    task: Task,
+    observed: Vec<Axis>,
+    actions: Actions,
+}
+
+/// What of a [`Zone`] may differ from the thesis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Task {
+    /// Time between two decisions (s).
+    pub period: f64,
+    /// Most time (s).
+    pub seconds: f64,
+    /// Travel (m) that is the goal.
+    pub goal: f64,
+    /// Where the active zone begins (rad).
+    pub zone: f64,
+}
+
+impl Task {
+    pub(super) fn check(&self) -> Result<(), GaitError> {
+        let named = [
+            ("time between two decisions (s)", self.period),
+            ("time of an episode (s)", self.seconds),
+            ("goal (m)", self.goal),
+        ];
+        named.into_iter().try_for_each(|(name, value)| {
+            let sound = value > 0.0 && value <= 1e3;
+            require(sound, name, value, "above 0, at most 1000")
+        })
+    }
+}
+
+impl Default for Task {
+    fn default() -> Task {
+        Task {
+            period: 0.005,
+            seconds: 1.8,
+            goal: 1.6,
+            zone: -0.3,
+        }
+    }
+}
+
+impl Zone {
+    /// `plant`, rewarded by `reward`.
+    ///
+    /// # Errors
+    /// [`GaitError`] for a robot that cannot run, and for times that are not above 0.
+    pub fn new(plant: Plant, reward: Reward, task: Task) -> Result<Zone, GaitError> {
+        task.check()?;
+        let axis = |name, unit, low, high| Axis {
+            name,
+            unit,
+            low,
+            high,
+        };
+        Ok(Zone {
+            ready: plant.ready()?,
+            reward,
+            task,
+            observed: vec![
+                axis("wheel_angle", "rad", -PI, PI),
+                axis("wheel_rate", "rad_s", -60.0, 60.0),
+            ],
+            actions: Actions::Choices(vec!["none".into(), "the leg in the active zone".into()]),
+            plant,
+        })
+    }
+}
+
+/// The whole number nearest to `x`, from 1.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn count(x: f64) -> usize {
+    (x.round() as usize).max(1)
+}
+
+impl Environment for Zone {
+    fn observed(&self) -> &[Axis] {
+        &self.observed
+    }
+
+    fn actions(&self) -> &Actions {
+        &self.actions
+    }
+
+    fn start(&self, seed: u64) -> Result<Box<dyn Episode>, GaitError> {
+        let body = self.plant.start(self.ready.as_ref(), seed)?;
+        let sensors = self.plant.sensors();
+        let mut episode = InZone {
+            body,
+            signals: Signals::new(instruments(&sensors), &TAPS),
+            sensors,
+            reward: self.reward.clone(),
+            observation: [0.0; 2],
+            lean: 0.0,
+            cycles: count(self.task.period / self.plant.sensors().period),
+            left: count(self.task.seconds / self.task.period),
+            goal: self.task.goal,
+            zone: self.task.zone,
+            gas: 0.0,
+            arrived: None,
+        };
+        episode.sense();
+        Ok(Box::new(episode))
+    }
+}
+
+struct InZone {
+    body: Body,
+    signals: Signals<'static, f64>,
+    sensors: Sensors,
+    reward: Reward,
+    observation: [f64; 2],
+    /// Lean of leg 0 by the encoder (rad).
+    lean: f64,
+    cycles: usize,
+    left: usize,
+    goal: f64,
+    zone: f64,
+    gas: f64,
+    arrived: Option<f64>,
+}
+
+impl InZone {
+    fn sense(&mut self) {
+        let readings: Readings = self.body.with(|world| world.read().readings);
+        self.lean = TAU * f64::from(readings.wheel) / self.sensors.wheel_counts.round();
+        self.observation = [wrapped(self.lean), self.signals.rate(&readings)];
+    }
+
+    /// The leg whose lean is in the active zone, which is as wide as the pitch.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    fn leg_in_zone(&self) -> usize {
+        let legs = self.body.legs();
+        let pitch = TAU / legs as f64;
+        // Leg k leans by the lean of leg 0 less k pitches.
+        let passed = ((self.lean - self.zone) / pitch).floor();
+        passed.rem_euclid(legs as f64) as usize % legs
+    }
+}
+
+impl Episode for InZone {
+    fn observation(&self) -> &[f64] {
+        &self.observation
+    }
+
+    fn step(&mut self, act: Act<'_>) -> Result<Step, GaitError> {
+        let fires = act.choice(2)? == 1;
+        require(
+            self.left > 0,
+            "steps left",
+            0.0,
+            "1 or more: the episode is over",
+        )?;
+        let leg = fires.then(|| self.leg_in_zone());
+        self.body.open(leg)?;
+        for _ in 0..self.cycles {
+            self.body.go_on()?;
+            self.sense();
+        }
+        self.left -= 1;
+        let motion = self.body.motion();
+        let [_, travel] = self.body.since_start(&motion);
+        let arrived = travel >= self.goal;
+        if arrived {
+            self.arrived = Some(motion.time);
+            self.left = 0;
+        }
+        let over = self.left == 0;
+        let gas = if self.reward.needs_gas() {
+            self.body.gas()
+        } else {
+            0.0
+        };
+        let reward = self.reward.of(&Stepped {
+            rate: self.observation[1],
+            speed: motion.axle_rates[0],
+            seconds: self.cycles as f64 * self.sensors.period,
+            gas: gas - self.gas,
+            arrived,
+            stalled: over && !arrived && motion.rate.abs() < STANDS,
+        });
+        self.gas = gas;
+        Ok(Step {
+            reward,
+            terminated: arrived,
+            truncated: over && !arrived,
+        })
+    }
+
+    fn outcome(&self) -> Outcome {
+        self.body.outcome(self.arrived)
+    }
+}

@@ -1,0 +1,180 @@
+"""Robots that learn, as environments of Gymnasium: `pip install saltus[gym]`.
+
+    >>> import gymnasium, saltus.env
+    >>> env = gymnasium.make("Saltus/RunZone-v0")
+    >>> observation, info = env.reset(seed=1)
+    >>> observation, reward, terminated, truncated, info = env.step(1)
+    >>> sorted(info)
+    ['angle_rad', 'arrived_s', 'firings', 'gas_kg', 'time_s', 'travel_m']
+
+`Saltus/RunLegs-v0`, `Saltus/Climb-v0` and `Saltus/RunZone-v0` are the tasks of `saltus learn`. `gymnasium.make_vec`
+gives `VectorTask`, whose episodes run on threads of Rust.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, SupportsFloat
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._saltus import Episodes, SaltusError
+from .jumps import RobotLike, count_of, robot_of
+
+try:
+    import gymnasium
+    from gymnasium.vector import AutoresetMode, VectorEnv
+except ImportError:
+    raise SaltusError("saltus.env needs Gymnasium: pip install saltus[gym]") from None
+
+__all__ = ["IDS", "TaskEnv", "VectorTask"]
+
+IDS = {"Saltus/RunLegs-v0": "run-legs", "Saltus/Climb-v0": "climb", "Saltus/RunZone-v0": "run-zone"}
+"""Environments and their tasks."""
+
+Observation = NDArray[np.float64]
+Reward = Mapping[str, float] | None
+"""Terms with coefficients, as in `{"rate": 1, "threshold:2": 1}`; None: those of the thesis."""
+
+
+def terms_of(reward: Reward) -> list[tuple[str, float | None, float]]:
+    """Terms with their numbers."""
+    terms: list[tuple[str, float | None, float]] = []
+    for name, by in (reward or {}).items():
+        term, colon, number = name.partition(":")
+        try:
+            terms.append((term, float(number) if colon else None, float(by)))
+        except (TypeError, ValueError):
+            raise SaltusError(f"reward {name!r} = {by!r}: a number, as in {{'threshold:2': 1}}") from None
+    return terms
+
+
+def spaces_of(episodes: Episodes) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Discrete[np.int64]]:
+    """What is observed, and what can be done."""
+    low, high = (np.array([axis[k] for axis in episodes.observed]) for k in (2, 3))
+    return gymnasium.spaces.Box(low, high, dtype=np.float64), gymnasium.spaces.Discrete(episodes.choices)
+
+
+class TaskEnv(gymnasium.Env[Observation, np.int64]):
+    """A robot with a task. Observations are in the order and units of `axes`."""
+
+    metadata: dict[str, Any] = {"render_modes": []}
+
+    def __init__(
+        self,
+        task: str = "run-zone",
+        *,
+        robot: RobotLike = "rats-run",
+        reward: Reward = None,
+        steps: int | None = None,
+        draw: bool = False,
+    ) -> None:
+        self._episodes = Episodes(task, robot_of(robot), 1, 1, terms_of(reward), steps, draw)
+        self.observation_space, self.action_space = spaces_of(self._episodes)
+        self.axes = [f"{name}_{unit}" for name, unit, _, _ in self._episodes.observed]
+        """Names of what is observed, with units."""
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
+        """Begins an episode. The seed is that of all that follow, until another is given."""
+        super().reset(seed=seed)
+        observation = self._clipped(self._episodes.start([0], [drawn(self.np_random)])[0])
+        return observation, self._episodes.outcome(0)
+
+    def step(self, action: np.int64 | int) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
+        """Does an action, one of `action_space`."""
+        if not self.action_space.contains(np.int64(action) if isinstance(action, int) else action):
+            raise SaltusError(f"action = {action!r}: one of {self.action_space}")
+        observed, rewards, terminated, truncated = self._episodes.step(np.array([action], dtype=np.int64))
+        return self._clipped(observed[0]), float(rewards[0]), bool(terminated[0]), bool(truncated[0]), self._episodes.outcome(0)
+
+    def _clipped(self, observation: Observation) -> Observation:
+        return np.clip(observation, self.observation_space.low, self.observation_space.high)  # type: ignore[attr-defined]
+
+
+class VectorTask(VectorEnv[Observation, NDArray[np.int64], NDArray[np.float64]]):
+    """Many robots with the same task, on threads of Rust. Robot k does what the `TaskEnv` of seed `seed + k` does."""
+
+    metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+
+    def __init__(
+        self,
+        task: str = "run-zone",
+        num_envs: int = 1,
+        *,
+        threads: int | None = None,
+        robot: RobotLike = "rats-run",
+        reward: Reward = None,
+        steps: int | None = None,
+        draw: bool = False,
+    ) -> None:
+        import os
+
+        self.num_envs = count_of("num_envs", num_envs, 1)
+        used = count_of("threads", threads, os.cpu_count() or 1)
+        self._episodes = Episodes(task, robot_of(robot), self.num_envs, used, terms_of(reward), steps, draw)
+        self.single_observation_space, self.single_action_space = spaces_of(self._episodes)
+        self.observation_space = gymnasium.vector.utils.batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = gymnasium.vector.utils.batch_space(self.single_action_space, self.num_envs)
+        self._random: list[np.random.Generator] = []
+        self._over = np.zeros(self.num_envs, dtype=np.bool_)
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begins all episodes."""
+        if isinstance(seed, (int, np.integer)):
+            seed = [int(seed) + k for k in range(self.num_envs)]
+        if seed is not None or not self._random:
+            seeds = [None] * self.num_envs if seed is None else list(seed)
+            self._random = [gymnasium.utils.seeding.np_random(it)[0] for it in seeds]
+        self._over[:] = False
+        return self._clipped(self._start(range(self.num_envs))), {}
+
+    def step(
+        self, actions: NDArray[np.int64]
+    ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        """An action for each robot. One whose episode is over begins the next in place of it, with reward 0."""
+        given = np.asarray(actions)
+        allowed = self.single_action_space.n  # type: ignore[attr-defined]
+        if given.shape != (self.num_envs,) or given.dtype.kind not in "iu" or ((given < 0) | (given >= allowed)).any():
+            raise SaltusError(f"actions = {given!r}: {self.num_envs} whole numbers from 0 to {allowed - 1}")
+        acting = np.where(self._over, -1, given).astype(np.int64)
+        observed, rewards, terminated, truncated = self._episodes.step(acting)
+        begun = np.flatnonzero(self._over)
+        if len(begun):
+            observed[begun] = self._start(begun.tolist())
+        self._over = terminated | truncated
+        return self._clipped(observed), rewards, terminated, truncated, {}
+
+    def outcomes(self) -> list[dict[str, Any]]:
+        """What each episode has come to."""
+        return [self._episodes.outcome(k) for k in range(self.num_envs)]
+
+    def _start(self, which: Sequence[int] | range) -> Observation:
+        return self._episodes.start(list(which), [drawn(self._random[k]) for k in which])
+
+    def _clipped(self, observation: Observation) -> Observation:
+        space = self.single_observation_space
+        return np.clip(observation, space.low, space.high)  # type: ignore[attr-defined]
+
+
+def drawn(random: np.random.Generator) -> int:
+    """The seed of an episode."""
+    return int(random.integers(2**63))
+
+
+def _register() -> None:
+    for name, task in IDS.items():
+        if name not in gymnasium.registry:
+            gymnasium.register(
+                id=name,
+                entry_point="saltus.env:TaskEnv",
+                vector_entry_point="saltus.env:VectorTask",
+                kwargs={"task": task},
+                disable_env_checker=True,
+                order_enforce=False,
+            )
+
+
+_register()

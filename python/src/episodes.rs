@@ -1,0 +1,207 @@
+//! Robots that learn, in episodes that go on side by side.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use pyo3::types::{PyDict, PyDictMethods};
+use pyo3::{Bound, PyResult, Python, pyclass, pymethods};
+use saltus::gait::Draw;
+use saltus::gait::GaitError;
+use saltus::gait::learn::{Act, Environment, Episode, Reward, Step, Term};
+use saltus::learning::Task;
+use saltus::numeric::parallel::map_on;
+
+use crate::error::bad;
+use crate::robot::Robot;
+
+/// Observations, rewards, and which are terminated and truncated.
+type Stepped<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<bool>>,
+    Bound<'py, PyArray1<bool>>,
+);
+
+/// Episodes of a task, each of its own.
+#[pyclass(frozen, module = "saltus._saltus")]
+pub(crate) struct Episodes {
+    environment: Arc<dyn Environment>,
+    running: Vec<Mutex<Option<Box<dyn Episode>>>>,
+    threads: usize,
+}
+
+#[pymethods]
+impl Episodes {
+    #[new]
+    fn new(
+        task: &str,
+        robot: &Robot,
+        count: usize,
+        threads: usize,
+        reward: Vec<(String, Option<f64>, f64)>,
+        steps: Option<usize>,
+        draw: bool,
+    ) -> PyResult<Episodes> {
+        let known = Task::ALL.into_iter().find(|it| it.name() == task);
+        let known = known.ok_or_else(|| {
+            let names = Task::ALL.map(Task::name).join(", ");
+            bad(format_args!("task = {task:?}: one of {names}"))
+        })?;
+        let mut settings = known.settings(robot.model.clone(), known.algorithm());
+        if !reward.is_empty() {
+            settings.reward = Reward(reward.iter().map(term).collect::<PyResult<_>>()?);
+        }
+        settings.steps = steps.unwrap_or(settings.steps);
+        settings.plant.draw = draw.then(|| Draw::around(&settings.plant.robot));
+        let environment = settings.environment().map_err(bad)?;
+        Ok(Episodes {
+            environment: Arc::from(environment),
+            running: (0..count).map(|_| Mutex::new(None)).collect(),
+            threads,
+        })
+    }
+
+    /// What is observed: name, unit, least and greatest value.
+    #[getter]
+    fn observed(&self) -> Vec<(&'static str, &'static str, f64, f64)> {
+        let axes = self.environment.observed().iter();
+        axes.map(|it| (it.name, it.unit, it.low, it.high)).collect()
+    }
+
+    /// Names of the actions.
+    #[getter]
+    fn choices(&self) -> usize {
+        self.environment.actions().choices().unwrap_or(0)
+    }
+
+    /// Begins the episodes `which` with `seeds`, and gives their observations.
+    fn start<'py>(
+        &self,
+        py: Python<'py>,
+        which: Vec<usize>,
+        seeds: Vec<u64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        if which.len() != seeds.len() || which.iter().any(|k| *k >= self.running.len()) {
+            return Err(bad("a seed for each of the episodes there are"));
+        }
+        let observed = py.detach(|| {
+            let pairs: Vec<(usize, u64)> = which.into_iter().zip(seeds).collect();
+            let one = |k: usize| -> Result<Vec<f64>, GaitError> {
+                let (place, seed) = pairs[k];
+                let episode = self.environment.start(seed)?;
+                let observation = episode.observation().to_vec();
+                *self.running[place]
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner) = Some(episode);
+                Ok(observation)
+            };
+            let all = map_on(self.threads, pairs.len(), one);
+            all.into_iter().collect::<Result<Vec<_>, _>>()
+        });
+        self.array(py, observed.map_err(bad)?)
+    }
+
+    /// Does an action in each episode; those whose action is negative stay as they are.
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        actions: PyReadonlyArray1<'py, i64>,
+    ) -> PyResult<Stepped<'py>> {
+        let actions = actions.as_slice().map_err(bad)?.to_vec();
+        if actions.len() != self.running.len() {
+            let (given, count) = (actions.len(), self.running.len());
+            return Err(bad(format_args!("actions: shape ({given},): ({count},)")));
+        }
+        let stepped = py.detach(|| {
+            let one = |k: usize| self.one(k, actions[k]);
+            let all = map_on(self.threads, actions.len(), one);
+            all.into_iter().collect::<Result<Vec<_>, _>>()
+        });
+        let stepped = stepped.map_err(bad)?;
+        let (mut observed, mut steps) = (Vec::new(), Vec::new());
+        for (observation, step) in stepped {
+            observed.push(observation);
+            steps.push(step);
+        }
+        let of = |part: fn(&Step) -> bool| steps.iter().map(part).collect::<Vec<_>>();
+        let rewards: Vec<f64> = steps.iter().map(|step| step.reward).collect();
+        Ok((
+            self.array(py, observed)?,
+            rewards.into_pyarray(py),
+            of(|step| step.terminated).into_pyarray(py),
+            of(|step| step.truncated).into_pyarray(py),
+        ))
+    }
+
+    /// What episode `k` has come to.
+    fn outcome<'py>(&self, py: Python<'py>, k: usize) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        let Some(running) = self.running.get(k) else {
+            return Err(bad(format_args!(
+                "episode {k}: one of {}",
+                self.running.len()
+            )));
+        };
+        let running = running.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(episode) = running.as_ref() {
+            let it = episode.outcome();
+            dict.set_item("time_s", it.time)?;
+            dict.set_item("angle_rad", it.angle)?;
+            dict.set_item("travel_m", it.travel)?;
+            dict.set_item("arrived_s", it.arrived)?;
+            dict.set_item("gas_kg", it.gas)?;
+            dict.set_item("firings", it.firings)?;
+        }
+        Ok(dict)
+    }
+}
+
+impl Episodes {
+    fn one(&self, k: usize, action: i64) -> Result<(Vec<f64>, Step), GaitError> {
+        let mut running = self.running[k]
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let missing = || GaitError::Input {
+            name: "episode".into(),
+            value: k as f64,
+            allowed: "begun by `reset` before `step`".into(),
+        };
+        let episode = running.as_mut().ok_or_else(missing)?;
+        let step = match usize::try_from(action) {
+            Ok(action) => episode.step(Act::Choice(action))?,
+            Err(_) => Step {
+                reward: 0.0,
+                terminated: false,
+                truncated: false,
+            },
+        };
+        Ok((episode.observation().to_vec(), step))
+    }
+
+    fn array<'py>(
+        &self,
+        py: Python<'py>,
+        rows: Vec<Vec<f64>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let shape = [rows.len(), self.environment.observed().len()];
+        PyArray1::from_vec(py, rows.concat()).reshape(shape)
+    }
+}
+
+/// A term of a reward by its name, its number, and its coefficient.
+fn term((name, number, by): &(String, Option<f64>, f64)) -> PyResult<(Term, f64)> {
+    let term = match (name.as_str(), number) {
+        ("threshold", Some(rate)) => Term::Threshold(*rate),
+        ("speed", Some(speed)) => Term::Speed(*speed),
+        ("rate", None) => Term::Rate,
+        ("time", None) => Term::Time,
+        ("gas", None) => Term::Gas,
+        ("stall", None) => Term::Stall,
+        ("arrival", None) => Term::Arrival,
+        _ => {
+            let allowed = "threshold:RATE, rate, time, gas, speed:SPEED, stall or arrival";
+            return Err(bad(format_args!("reward {name}: {allowed}")));
+        }
+    };
+    Ok((term, *by))
+}

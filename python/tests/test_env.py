@@ -1,0 +1,122 @@
+"""Environments of Gymnasium: its own checks pass, many are as one, and seeds give the same."""
+
+from __future__ import annotations
+
+import pickle
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+gymnasium = pytest.importorskip("gymnasium")
+
+import saltus  # noqa: E402
+import saltus.env  # noqa: E402
+
+
+@pytest.mark.parametrize("name", saltus.env.IDS)
+def test_gymnasium_finds_nothing_wrong(name: str) -> None:
+    from gymnasium.utils.env_checker import check_env
+
+    env = gymnasium.make(name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped, skip_render_check=True)
+
+
+def episode(env: Any, seed: int, steps: int) -> list[Any]:
+    random = np.random.default_rng(seed)
+    rows = [env.reset(seed=seed)[0].tolist()]
+    for _ in range(steps):
+        observation, reward, terminated, truncated, info = env.step(int(random.integers(env.action_space.n)))
+        rows.append((observation.tolist(), reward, terminated, truncated, info["travel_m"]))
+        if terminated or truncated:
+            rows.append(env.reset()[0].tolist())
+    return rows
+
+
+def test_seeds_give_the_same_episodes() -> None:
+    env = saltus.env.TaskEnv("run-zone", draw=True)
+    one, again, other = episode(env, 1, 400), episode(env, 1, 400), episode(env, 2, 400)
+    assert one == again != other
+
+
+def test_many_are_as_one() -> None:
+    many = gymnasium.make_vec("Saltus/RunZone-v0", num_envs=5, threads=2, draw=True, steps=60)
+    assert many.metadata["autoreset_mode"] is gymnasium.vector.AutoresetMode.NEXT_STEP
+    ones = [saltus.env.TaskEnv("run-zone", draw=True, steps=60) for _ in range(5)]
+    together = many.reset(seed=7)[0]
+    alone = [env.reset(seed=7 + k)[0] for k, env in enumerate(ones)]
+    assert np.array_equal(together, alone)
+    random = np.random.default_rng(1)
+    over = [False] * 5
+    for _ in range(150):
+        actions = random.integers(2, size=5)
+        observed, rewards, terminated, truncated, _ = many.step(actions)
+        for k, env in enumerate(ones):
+            if over[k]:
+                row: tuple[Any, ...] = (env.reset()[0], 0.0, False, False)
+            else:
+                row = env.step(int(actions[k]))[:4]
+            over[k] = row[2] or row[3]
+            assert np.array_equal(observed[k], row[0])
+            assert (rewards[k], terminated[k], truncated[k]) == row[1:]
+
+
+def test_threads_do_not_matter() -> None:
+    def run(threads: int) -> list[Any]:
+        many = saltus.env.VectorTask("run-legs", 6, threads=threads)
+        rows = [many.reset(seed=3)[0].tolist()]
+        for k in range(50):
+            rows.append([part.tolist() for part in many.step(np.full(6, k % 6))[:4]])
+        return rows
+
+    assert run(1) == run(3)
+
+
+def test_bad_input_is_named() -> None:
+    env = saltus.env.TaskEnv("run-zone")
+    with pytest.raises(saltus.SaltusError, match="begun by `reset`"):
+        env.step(0)
+    env.reset(seed=1)
+    for action in (2, -1, 0.5, "fire", None):
+        with pytest.raises(saltus.SaltusError, match="action = "):
+            env.step(action)
+    for call, text in (
+        (lambda: saltus.env.TaskEnv("run"), "task = \"run\": one of run-legs"),
+        (lambda: saltus.env.TaskEnv(reward={"speed": 1}), "reward speed"),
+        (lambda: saltus.env.TaskEnv(reward={"rate": "much"}), "reward 'rate' = 'much'"),
+        (lambda: saltus.env.TaskEnv(robot="nobody"), "nobody"),
+        (lambda: saltus.env.TaskEnv(steps=0), "steps"),
+        (lambda: saltus.env.VectorTask("run-zone", 0), "num_envs = 0"),
+        (lambda: saltus.env.VectorTask("run-zone", 2).step(np.array([0, 1])), "begun by `reset`"),
+    ):
+        with pytest.raises(saltus.SaltusError, match=text):
+            call()
+    many = saltus.env.VectorTask("run-zone", 2)
+    many.reset(seed=1)
+    for actions in ([0], [0, 2], [0.0, 1.0], np.zeros((2, 1), dtype=np.int64)):
+        with pytest.raises(saltus.SaltusError, match="actions = "):
+            many.step(actions)
+
+
+def test_after_the_end_there_is_no_step() -> None:
+    env = saltus.env.TaskEnv("run-zone", steps=2)
+    env.reset(seed=1)
+    env.step(0)
+    assert env.step(0)[3]
+    with pytest.raises(saltus.SaltusError, match="the episode is over"):
+        env.step(0)
+
+
+def test_the_reward_is_what_was_asked_for() -> None:
+    env = saltus.env.TaskEnv("run-legs", reward={"threshold:-100": 2, "time": 1})
+    env.reset(seed=1)
+    assert env.step(0)[1] == 1.0
+
+
+def test_learn_and_environments_are_the_same_robot() -> None:
+    answer = saltus.learn("run-zone", episodes=3, seeds=1)
+    assert answer.policy["tables"][0]["curve"][0][1] <= 360
+    assert pickle.loads(pickle.dumps(answer)) == answer

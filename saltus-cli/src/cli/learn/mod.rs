@@ -1,0 +1,313 @@
+//! `saltus learn`: tables of values that learn to run.
+
+mod report;
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::{Args, ValueEnum};
+use saltus::gait::Draw;
+use saltus::gait::learn::{Algorithm, Reward, Term, Traces};
+use saltus::learning::{Learnt, PolicyFile, Settings, Task, learn};
+
+use self::report::Report;
+use super::Status;
+use super::common::{OutputFlags, PlotOption, RobotFlags, Threads};
+use crate::error::CliError;
+use crate::input;
+use crate::interrupt::Interrupt;
+use crate::output::{Files, Format};
+use crate::progress::Progress;
+
+/// Let a table of values learn to run, by the experiments of chapter 6 of the thesis
+#[derive(Args, Debug)]
+#[command(after_help = "`saltus learn --help` explains the tasks and the output.", after_long_help = LONG_HELP)]
+pub(crate) struct Learn {
+    /// What is learnt
+    #[arg(value_enum)]
+    task: TaskName,
+
+    /// What learns [default: that of the thesis for the task]
+    #[arg(long, value_enum)]
+    algorithm: Option<AlgorithmName>,
+
+    /// Learning rate α, from 0 to 1 [default: 1, with traces 0.8]
+    #[arg(long, value_name = "NUMBER", value_parser = unit, allow_negative_numbers = true)]
+    alpha: Option<f64>,
+
+    /// Discount γ of a step, from 0 to 1 [default: 0.3]
+    #[arg(long, value_name = "NUMBER", value_parser = unit, allow_negative_numbers = true)]
+    gamma: Option<f64>,
+
+    /// Decay λ of traces, from 0 to 1 [default: 0.9]
+    #[arg(long, value_name = "NUMBER", value_parser = unit, allow_negative_numbers = true)]
+    lambda: Option<f64>,
+
+    /// A visit makes a trace 1; without, it adds 1, as in the thesis
+    #[arg(long)]
+    replacing: bool,
+
+    /// Share of random actions in the first episode [default: 1, run-zone 0.95]
+    #[arg(long, value_name = "SHARE", value_parser = unit, allow_negative_numbers = true)]
+    epsilon: Option<f64>,
+
+    /// Factor of this share from one episode to the next [default: 0.99, with traces 0.95]
+    #[arg(long, value_name = "NUMBER", value_parser = unit, allow_negative_numbers = true)]
+    decay: Option<f64>,
+
+    /// A part of the reward and its coefficient, as in rate=1, threshold:2=1; may be repeated
+    #[arg(long, value_name = "TERM=COEFFICIENT", value_parser = term)]
+    reward: Vec<(Term, f64)>,
+
+    /// Episodes [default: 1000, with traces 100; climb 500; run-zone 40]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    episodes: Option<u32>,
+
+    /// Steps of an episode at most [default: run-legs 1000, climb 2000, run-zone 360]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    steps: Option<u32>,
+
+    /// Seeds, each of which learns alone
+    #[arg(long, value_name = "COUNT", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    seeds: u32,
+
+    /// The first seed
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+
+    /// Draw each episode's robot around the given one, as `saltus run --robots` does
+    #[arg(long)]
+    draw: bool,
+
+    /// Go on from this file, which `saltus learn --out` wrote as JSON
+    #[arg(long, value_name = "FILE.json")]
+    resume: Option<PathBuf>,
+
+    #[command(flatten)]
+    threads: Threads,
+
+    #[command(flatten)]
+    robot: RobotFlags,
+
+    #[command(flatten)]
+    plot: PlotOption,
+
+    #[command(flatten)]
+    output: OutputFlags,
+}
+
+const LONG_HELP: &str = "\
+Examples:
+  saltus learn run-zone --algorithm sarsa-lambda --episodes 40 --seeds 30 --out policy.json --plot curve.svg
+  saltus learn run-legs --algorithm q --alpha 0.3 --gamma 1
+  saltus learn run-legs --reward rate=1 --set leg.valve_delay_ms=0
+  saltus learn run-zone --resume policy.json --episodes 80 --out policy.json
+
+Tasks, of the robot on its boom (rats-run), from rest on two legs:
+  run-legs  each millisecond one valve is open, or none; 1 s; states of table 6.1: angle and rate of the wheel, angle and \
+rate of the boom's pivot (the pivot's two steps meet at -0.95 rad, where it never comes)
+  climb     the same before a box 21 cm high and long, 0.5 m away; 2 s; it ends when a foot stands on the box
+  run-zone  each 5 ms the leg in the active zone has its valve open, or not; what the encoder and the filtered gyro say, in the \
+states of table 6.3; pulses under 5 ms do nothing; 1.6 m, or 1.8 s
+
+Algorithms: sarsa (6.2.2), q (6.2.3), sarsa-lambda (6.2.4), q-lambda (6.2.5; a trace ends where an action is not greedy). Actions \
+are random with probability epsilon, which fades from episode to episode; of equal values one is drawn. The defaults are those \
+of tables 6.2 and 6.4 as printed. With gamma 0.3 at 1 kHz a learner looks 1.4 ms ahead, while a valve takes 10 ms: \
+--alpha 0.3 --gamma 1 interchanges the two columns.
+
+Rewards, summed over the terms given (default: run-legs threshold:2=1; climb rate=1 and arrival=10000; run-zone rate=1), for each step: \
+threshold:RATE (1 where the wheel is faster than RATE in rad/s, else -1), rate (of the wheel, rad/s), time (-1 for each second), gas (-1 for each kg), speed:SPEED (minus the \
+distance from SPEED in m/s); at the end: stall (-1 where the robot stands), arrival (1 at the goal).
+
+Each seed learns alone. What it learnt is scored in an episode without exploration, which is not learnt from. The answer has the mean of the middle \
+half of the seeds with its 95 % interval (bootstrap), and the seed that did best.
+
+CSV, a row for each seed: seed, episodes, reward (of the scored episode), angle_rad, travel_m, arrived_s (empty: the goal was not reached), \
+time_s, firings, gas_kg, outside (share of the steps of learning in which a number was outside the states' ranges), \
+episodes_to_90_percent (until the mean of ten episodes has 90 % of the last tenth's angle or travel; empty: the robot did not learn to run).
+
+JSON: {\"command\": \"learn\", \"task\", \"robot\", \"episodes\", \"seeds\", \"interrupted\", \"score\": {\"name\", \"mean_of_middle_half\", \"interval_95\", \"best\"}, \
+\"arrived\": {\"count\", \"of\", \"interval_95\"}, \"episodes_to_90_percent\", \"rows\": [{the columns}], \"curve\": [{\"episode\", \"mean_of_middle_half\", \"low\", \"high\"}], \
+\"best_seed\", \"policy\": {the settings, \"tables\", \"checksum\"}}. The policy is what --resume goes on from.
+
+Ctrl-C ends learning after the episodes that run; the answer is then of what was learnt, with exit code 130, and can be resumed. A robot that learns \
+nothing is an answer: the exit code is 0. The answer depends on the seeds alone, not on --threads, nor on whether it was resumed.";
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum TaskName {
+    RunLegs,
+    Climb,
+    RunZone,
+}
+
+impl From<TaskName> for Task {
+    fn from(name: TaskName) -> Task {
+        match name {
+            TaskName::RunLegs => Task::RunLegs,
+            TaskName::Climb => Task::Climb,
+            TaskName::RunZone => Task::RunZone,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum AlgorithmName {
+    Sarsa,
+    Q,
+    SarsaLambda,
+    QLambda,
+}
+
+impl From<AlgorithmName> for Algorithm {
+    fn from(name: AlgorithmName) -> Algorithm {
+        match name {
+            AlgorithmName::Sarsa => Algorithm::Sarsa,
+            AlgorithmName::Q => Algorithm::Q,
+            AlgorithmName::SarsaLambda => Algorithm::SarsaLambda,
+            AlgorithmName::QLambda => Algorithm::QLambda,
+        }
+    }
+}
+
+/// Parser of a flag.
+fn unit(text: &str) -> Result<f64, String> {
+    match text.trim().parse() {
+        Ok(x) if (0.0..=1.0).contains(&x) => Ok(x),
+        _ => Err("must be a number from 0 to 1".into()),
+    }
+}
+
+/// Parser of a flag.
+fn term(text: &str) -> Result<(Term, f64), String> {
+    const ALLOWED: &str = "must be TERM=COEFFICIENT with threshold:RATE, rate, time, gas, speed:SPEED, stall or arrival, as in rate=1";
+    let finite = |text: &str| {
+        text.trim()
+            .parse()
+            .ok()
+            .filter(|x: &f64| x.is_finite() && x.abs() <= 1e9)
+    };
+    let (name, by) = text.split_once('=').ok_or(ALLOWED)?;
+    let by = finite(by).ok_or("the coefficient must be a number from -1e9 to 1e9")?;
+    let (name, number) = match name.split_once(':') {
+        Some((name, number)) => (name, Some(finite(number).ok_or(ALLOWED)?)),
+        None => (name, None),
+    };
+    let term = match (name.trim(), number) {
+        ("threshold", Some(rate)) => Term::Threshold(rate),
+        ("speed", Some(speed)) => Term::Speed(speed),
+        ("rate", None) => Term::Rate,
+        ("time", None) => Term::Time,
+        ("gas", None) => Term::Gas,
+        ("stall", None) => Term::Stall,
+        ("arrival", None) => Term::Arrival,
+        _ => return Err(ALLOWED.into()),
+    };
+    Ok((term, by))
+}
+
+impl Learn {
+    pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.output.check()?;
+        self.output.ready(&self.plot)?;
+        let settings = self.settings()?;
+        let seeds = (self.seed, self.seeds as usize);
+        let before = self.before(&settings, seeds)?;
+        let mut files = Files::default();
+        files.extend(self.output.out().map(|out| ("--out", out)));
+        files.check()?;
+        let interrupt = Interrupt::listen()?;
+        let learnt = self.learn(&settings, seeds, before.as_ref(), &interrupt)?;
+        let report = Report {
+            settings: &settings,
+            learnt: &learnt,
+            interrupted: interrupt.came(),
+        };
+        let text = match self.output.format() {
+            Format::Json => report.json(),
+            Format::Csv => report.table().csv(),
+            Format::Text => report.text(),
+        };
+        self.output
+            .write_with_plot(text, &self.plot, || Ok(report.drawing()))?;
+        Ok(if report.interrupted {
+            Status::Interrupted
+        } else {
+            Status::Done
+        })
+    }
+
+    fn settings(&self) -> Result<Settings, CliError> {
+        let robot = self.robot.robot_or("rats-run")?;
+        if self.draw && robot.leg.cylinder().is_none() {
+            let allowed = "used with a robot with pneumatic legs, whose supply is drawn";
+            return Err(CliError::flag("--draw", "", allowed));
+        }
+        let task = Task::from(self.task);
+        let algorithm = self.algorithm.map_or(task.algorithm(), Algorithm::from);
+        let mut settings = task.settings(robot, algorithm);
+        if self.draw {
+            settings.plant.draw = Some(Draw::around(&settings.plant.robot));
+        }
+        let rates = &mut settings.rates;
+        rates.alpha = self.alpha.unwrap_or(rates.alpha);
+        rates.gamma = self.gamma.unwrap_or(rates.gamma);
+        rates.lambda = self.lambda.unwrap_or(rates.lambda);
+        if self.replacing {
+            rates.traces = Traces::Replacing;
+        }
+        let schedule = &mut settings.schedule;
+        schedule.epsilon = self.epsilon.unwrap_or(schedule.epsilon);
+        schedule.decay = self.decay.unwrap_or(schedule.decay);
+        schedule.episodes = self
+            .episodes
+            .map_or(schedule.episodes, |count| count as usize);
+        settings.steps = self.steps.map_or(settings.steps, |count| count as usize);
+        if !self.reward.is_empty() {
+            settings.reward = Reward(self.reward.clone());
+        }
+        Ok(settings)
+    }
+
+    /// What is gone on from.
+    fn before(
+        &self,
+        settings: &Settings,
+        seeds: (u64, usize),
+    ) -> Result<Option<PolicyFile>, CliError> {
+        let Some(file) = &self.resume else {
+            return Ok(None);
+        };
+        // It may be replaced by what it becomes.
+        if self.output.out() != Some(file) {
+            input::note(file);
+        }
+        let policy = PolicyFile::load(file)?;
+        policy.is_of(settings, seeds, &file.display().to_string())?;
+        Ok(Some(policy))
+    }
+
+    fn learn(
+        &self,
+        settings: &Settings,
+        seeds: (u64, usize),
+        before: Option<&PolicyFile>,
+        interrupt: &Interrupt,
+    ) -> Result<Learnt, CliError> {
+        let done = before.map_or(0, |file| {
+            file.tables.iter().map(|table| table.curve.len()).sum()
+        });
+        let total = (seeds.1 * settings.schedule.episodes).saturating_sub(done);
+        let progress = Progress::new("episodes", total);
+        let stopped = AtomicBool::new(false);
+        let goes_on = || {
+            progress.advance(1);
+            if interrupt.came() {
+                stopped.store(true, Ordering::Relaxed);
+            }
+            !stopped.load(Ordering::Relaxed)
+        };
+        let threads = self.threads.count().get();
+        learn(settings, seeds, before, threads, &goes_on)
+            .map_err(|error| CliError::content(&settings.plant.robot.name, error))
+    }
+}

@@ -1,0 +1,281 @@
+//! What all seeds learnt, in words, rows, JSON and a curve.
+
+use std::fmt::Write;
+
+use saltus::gait::learn::{Outcome, Score};
+use saltus::learning::{Interval, Learnt, PolicyFile, Pupil, Settings, Task, interquartile};
+use saltus::running::Share;
+use serde_json::{Value, json};
+
+use crate::output::{self, Cell, Table, digits};
+use crate::plot::Drawing;
+use crate::plot::curves::{Curve, Curves};
+
+const COLUMNS: &[&str] = &[
+    "seed",
+    "episodes",
+    "reward",
+    "angle_rad",
+    "travel_m",
+    "arrived_s",
+    "time_s",
+    "firings",
+    "gas_kg",
+    "outside",
+    "episodes_to_90_percent",
+];
+/// Episodes over which a curve is a mean.
+const SMOOTH: usize = 10;
+/// Share of the final score that counts as learnt.
+const LEARNT: f64 = 0.9;
+/// Angle (rad) or travel (m) above which a robot has moved at all.
+const MOVES: f64 = 0.1;
+
+pub(super) struct Report<'a> {
+    pub(super) settings: &'a Settings,
+    pub(super) learnt: &'a Learnt,
+    pub(super) interrupted: bool,
+}
+
+impl Report<'_> {
+    /// Name, unit and value of what an episode is judged by.
+    fn judged(&self, outcome: &Outcome) -> (&'static str, &'static str, f64) {
+        match self.settings.task {
+            Task::RunLegs => ("angle", "rad", outcome.angle),
+            Task::Climb | Task::RunZone => ("travel", "m", outcome.travel),
+        }
+    }
+
+    fn figures(&self) -> Vec<f64> {
+        let pupils = self.learnt.pupils.iter();
+        pupils
+            .map(|pupil| self.judged(&pupil.score.outcome).2)
+            .collect()
+    }
+
+    fn arrived(&self) -> Share {
+        Share {
+            count: self.learnt.arrived(),
+            of: self.learnt.pupils.len(),
+        }
+    }
+
+    fn times(&self) -> Vec<f64> {
+        let pupils = self.learnt.pupils.iter();
+        pupils
+            .filter_map(|pupil| pupil.score.outcome.arrived)
+            .collect()
+    }
+
+    /// Episodes until a seed has 90 % of its final score.
+    fn until_learnt(&self, pupil: &Pupil) -> Option<usize> {
+        let figure = |score: &Score| self.judged(&score.outcome).2;
+        let curve: Vec<f64> = pupil.curve.iter().map(figure).collect();
+        let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len().max(1) as f64;
+        let last = mean(&curve[curve.len() - curve.len().div_ceil(10)..]);
+        if last < MOVES {
+            return None;
+        }
+        let windows = curve.windows(SMOOTH.min(curve.len().max(1)));
+        let first = windows.map(mean).position(|level| level >= LEARNT * last)?;
+        Some(first + SMOOTH.min(curve.len()))
+    }
+
+    pub(super) fn table(&self) -> Table {
+        let mut table = Table::new(COLUMNS);
+        for pupil in &self.learnt.pupils {
+            let outcome = &pupil.score.outcome;
+            let steps: usize = pupil.curve.iter().map(|score| score.steps).sum();
+            let outside: usize = pupil.curve.iter().map(|score| score.outside).sum();
+            table.push(vec![
+                Cell::Count(usize::try_from(pupil.seed).unwrap_or(usize::MAX)),
+                Cell::Count(pupil.curve.len()),
+                pupil.score.total.into(),
+                outcome.angle.into(),
+                outcome.travel.into(),
+                outcome.arrived.into(),
+                outcome.time.into(),
+                Cell::Count(outcome.firings),
+                outcome.gas.into(),
+                (outside as f64 / steps.max(1) as f64).into(),
+                self.until_learnt(pupil).map_or(Cell::Empty, Cell::Count),
+            ]);
+        }
+        table
+    }
+
+    /// Of each episode the mean of the middle half over the seeds, with its interval.
+    fn curve(&self) -> Vec<Interval> {
+        let episodes = self.learnt.pupils.iter().map(|pupil| pupil.curve.len());
+        let shown = |episode: usize| {
+            let pupils = self.learnt.pupils.iter();
+            let scores = pupils.filter_map(|pupil| pupil.curve.get(episode));
+            let values: Vec<f64> = scores.map(|score| self.judged(&score.outcome).2).collect();
+            interquartile(&values)
+        };
+        (0..episodes.min().unwrap_or(0)).filter_map(shown).collect()
+    }
+
+    fn waits(&self) -> Vec<f64> {
+        let pupils = self.learnt.pupils.iter();
+        let counts = pupils.filter_map(|pupil| self.until_learnt(pupil));
+        counts.map(|count| count as f64).collect()
+    }
+
+    pub(super) fn text(&self) -> String {
+        let s = self.settings;
+        let (rates, schedule) = (&s.rates, &s.schedule);
+        let short = |x: f64| digits(x, 4);
+        let mut text = format!(
+            "{}: {} by {}, {} episodes, {} seeds\n",
+            s.plant.robot.name,
+            s.task.name(),
+            s.algorithm.name(),
+            schedule.episodes,
+            self.learnt.pupils.len()
+        );
+        let mut line = |name: &str, says: String| {
+            let _ = writeln!(text, "  {name:<24} {says}");
+        };
+        let traces = if s.algorithm.has_traces() {
+            format!(", lambda {}", short(rates.lambda))
+        } else {
+            String::new()
+        };
+        line(
+            "alpha, gamma",
+            format!("{}, {}{traces}", short(rates.alpha), short(rates.gamma)),
+        );
+        line(
+            "exploration",
+            format!(
+                "{}, times {} an episode",
+                short(schedule.epsilon),
+                short(schedule.decay)
+            ),
+        );
+        let said = |interval: Option<Interval>, unit: &str| match interval {
+            Some(Interval {
+                value,
+                interval: [low, high],
+            }) => format!(
+                "{} {unit} (95 %: {} to {})",
+                short(value),
+                short(low),
+                short(high)
+            ),
+            None => "–".into(),
+        };
+        let (name, unit, _) = self.judged(&Outcome::default());
+        line(
+            &format!("{name} learnt"),
+            said(interquartile(&self.figures()), unit),
+        );
+        if let Some(best) = self.learnt.best(s) {
+            let (.., value) = self.judged(&best.score.outcome);
+            line(
+                "best",
+                format!("{} {unit}, seed {}", short(value), best.seed),
+            );
+        }
+        if s.task != Task::RunLegs {
+            let share = self.arrived();
+            let [low, high] = share.interval().map(|x| digits(100.0 * x, 3));
+            let goal = format!("{} of {} (95 %: {low} to {high} %)", share.count, share.of);
+            line("reach the goal", goal);
+            line("time to the goal", said(interquartile(&self.times()), "s"));
+        }
+        line(
+            "episodes to 90 % of it",
+            said(interquartile(&self.waits()), ""),
+        );
+        if self.interrupted {
+            line(
+                "interrupted",
+                "by Ctrl-C: of the episodes that were done".into(),
+            );
+        }
+        text
+    }
+
+    pub(super) fn json(&self) -> String {
+        let s = self.settings;
+        let (name, unit, _) = self.judged(&Outcome::default());
+        let interval = |it: Option<Interval>| {
+            it.map_or(
+                Value::Null,
+                |it| json!({ "mean_of_middle_half": it.value, "interval_95": it.interval }),
+            )
+        };
+        let best = self.learnt.best(s);
+        let arrived = self.arrived();
+        let curve: Vec<Value> = self
+            .curve()
+            .iter()
+            .enumerate()
+            .map(|(episode, it)| {
+                let [low, high] = it.interval;
+                json!({ "episode": episode + 1, "mean_of_middle_half": it.value, "low": low, "high": high })
+            })
+            .collect();
+        output::json(&json!({
+            "command": "learn",
+            "task": s.task.name(),
+            "robot": s.plant.robot.name,
+            "algorithm": s.algorithm.name(),
+            "episodes": s.schedule.episodes,
+            "seeds": self.learnt.pupils.len(),
+            "interrupted": self.interrupted,
+            "score": { "name": format!("{name}_{unit}"), "learnt": interval(interquartile(&self.figures())),
+                "best": best.map(|best| self.judged(&best.score.outcome).2) },
+            "arrived": { "count": arrived.count, "of": arrived.of, "interval_95": arrived.interval() },
+            "time_to_the_goal_s": interval(interquartile(&self.times())),
+            "episodes_to_90_percent": interval(interquartile(&self.waits())),
+            "best_seed": best.map(|best| best.seed),
+            "rows": self.table().json(),
+            "curve": curve,
+            "policy": PolicyFile::of(s, self.learnt).json(),
+        }))
+    }
+
+    /// The curve with its band.
+    pub(super) fn drawing(&self) -> Drawing {
+        let curve = self.curve();
+        let line = |label: &str, of: fn(&Interval) -> f64| Curve {
+            label: label.into(),
+            points: curve
+                .iter()
+                .enumerate()
+                .map(|(episode, it)| ((episode + 1) as f64, Some(of(it))))
+                .collect(),
+            late: Vec::new(),
+        };
+        let band = |label: &str, of: fn(&Interval) -> f64| {
+            let mut band = line(label, of);
+            band.late = std::mem::take(&mut band.points);
+            band
+        };
+        let s = self.settings;
+        Drawing::Curves(Curves {
+            title: format!(
+                "{}: {} by {}, {} seeds: mean of the middle half, 95 % interval thin",
+                s.plant.robot.name,
+                s.task.name(),
+                s.algorithm.name(),
+                self.learnt.pupils.len()
+            ),
+            x: "episode",
+            y: match s.task {
+                Task::RunLegs => "angle in the episode (rad)",
+                Task::Climb | Task::RunZone => "travel in the episode (m)",
+            },
+            lines: vec![
+                band("", |it| it.interval[0]),
+                line("mean", |it| it.value),
+                band("", |it| it.interval[1]),
+            ],
+            late: "thin: 95 % interval",
+            empty: "no episode".into(),
+        })
+    }
+}

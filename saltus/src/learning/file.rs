@@ -1,0 +1,314 @@
+//! What was learnt, as a file: the settings, the table and the curve of each seed, and a checksum over all.
+
+use std::path::Path;
+
+use saltus_gait::learn::{Outcome, Score, Term, Traces};
+use serde_json::{Map, Value, json};
+
+use super::{Learnt, Settings};
+use crate::input::{self, InputError};
+
+/// Greatest size of a file (MiB).
+const LIMIT_MIB: u64 = 1024;
+
+/// A file that is no policy, or not the one that is meant.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PolicyError {
+    /// It cannot be read.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// It is no file of `saltus learn`.
+    #[error("{file}: {key}: {reason}; a file that `saltus learn --out` wrote as JSON is wanted")]
+    Content {
+        /// The file.
+        file: String,
+        /// What in it.
+        key: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// It was changed after it was written, or cut short.
+    #[error(
+        "{file}: checksum = {found}: its contents give {made}; it was damaged or changed by hand"
+    )]
+    Damaged {
+        /// The file.
+        file: String,
+        /// The checksum in it.
+        found: String,
+        /// That of its contents.
+        made: String,
+    },
+    /// It was learnt otherwise.
+    #[error("{file}: {key} = {theirs}: must be {ours}, as asked for")]
+    Other {
+        /// The file.
+        file: String,
+        /// What differs.
+        key: String,
+        /// Its value in the file.
+        theirs: String,
+        /// That of the command.
+        ours: String,
+    },
+}
+
+/// What one seed learnt.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Held {
+    /// Its seed.
+    pub seed: u64,
+    /// Its table, by state and then action.
+    pub values: Vec<f64>,
+    /// The score of every episode.
+    pub curve: Vec<Score>,
+}
+
+/// A file of what was learnt.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolicyFile {
+    /// The settings.
+    head: Map<String, Value>,
+    /// What each seed learnt.
+    pub tables: Vec<Held>,
+}
+
+impl Settings {
+    /// The settings as they stand in a file.
+    fn head(&self) -> Map<String, Value> {
+        let bins = self.bins.axes().iter();
+        let bins: Vec<Value> = bins
+            .map(|bin| json!({ "from": bin.from, "to": bin.to, "steps": bin.count }))
+            .collect();
+        let reward: Vec<Value> = self
+            .reward
+            .0
+            .iter()
+            .map(|(term, by)| json!([name(*term), by]))
+            .collect();
+        let head = json!({
+            "saltus_version": env!("CARGO_PKG_VERSION"),
+            "task": self.task.name(),
+            "robot": self.plant.robot.name,
+            "robot_toml": self.plant.robot.to_toml(),
+            "draws_robots": self.plant.draw.is_some(),
+            "algorithm": self.algorithm.name(),
+            "alpha": self.rates.alpha,
+            "gamma": self.rates.gamma,
+            "lambda": self.rates.lambda,
+            "traces": match self.rates.traces {
+                Traces::Accumulating => "accumulating",
+                Traces::Replacing => "replacing",
+            },
+            "epsilon": self.schedule.epsilon,
+            "decay": self.schedule.decay,
+            "reward": reward,
+            "steps": self.steps,
+            "states": bins,
+        });
+        match head {
+            Value::Object(head) => head,
+            _ => Map::new(),
+        }
+    }
+}
+
+/// A term with its number.
+fn name(term: Term) -> String {
+    match term {
+        Term::Threshold(rate) => format!("threshold={rate}"),
+        Term::Speed(speed) => format!("speed={speed}"),
+        Term::Rate => "rate".into(),
+        Term::Time => "time".into(),
+        Term::Gas => "gas".into(),
+        Term::Stall => "stall".into(),
+        Term::Arrival => "arrival".into(),
+    }
+}
+
+impl PolicyFile {
+    /// What `learnt` came to under `settings`.
+    pub fn of(settings: &Settings, learnt: &Learnt) -> PolicyFile {
+        let tables = learnt.pupils.iter().map(|pupil| Held {
+            seed: pupil.seed,
+            values: pupil.table.values().to_vec(),
+            curve: pupil.curve.clone(),
+        });
+        PolicyFile {
+            head: settings.head(),
+            tables: tables.collect(),
+        }
+    }
+
+    /// The document, with its checksum. Values of 0 are left out.
+    pub fn json(&self) -> Value {
+        let tables: Vec<Value> = self.tables.iter().map(table_json).collect();
+        let mut document = self.head.clone();
+        document.insert("tables".into(), Value::Array(tables));
+        let sum = checksum(&document);
+        document.insert("checksum".into(), json!(sum));
+        Value::Object(document)
+    }
+
+    /// Reads the file at `path`.
+    ///
+    /// # Errors
+    /// [`PolicyError`] for what is no such file, and for one that was damaged.
+    pub fn load(path: &Path) -> Result<PolicyFile, PolicyError> {
+        PolicyFile::parse(&input::text(path, LIMIT_MIB)?, &path.display().to_string())
+    }
+
+    /// Reads `text`; messages call it `file`.
+    ///
+    /// # Errors
+    /// As [`load`](PolicyFile::load).
+    pub fn parse(text: &str, file: &str) -> Result<PolicyFile, PolicyError> {
+        let wrong = |key: &str, reason: String| PolicyError::Content {
+            file: file.into(),
+            key: key.into(),
+            reason,
+        };
+        let document: Value =
+            serde_json::from_str(text).map_err(|error| wrong("JSON", error.to_string()))?;
+        // The report of the command has it beside what it says.
+        let policy = document.get("policy").cloned().unwrap_or(document);
+        let Value::Object(mut document) = policy else {
+            return Err(wrong("JSON", "is no object".into()));
+        };
+        let found = document.remove("checksum");
+        let found = found.ok_or_else(|| wrong("checksum", "is missing".into()))?;
+        let made = checksum(&document);
+        if found != json!(made) {
+            return Err(PolicyError::Damaged {
+                file: file.into(),
+                found: found.to_string(),
+                made,
+            });
+        }
+        let tables = document.remove("tables");
+        let states = document.get("states").and_then(Value::as_array);
+        let states = states.map(|all| {
+            let count = |bin: &Value| bin.get("steps").and_then(Value::as_u64).unwrap_or(0);
+            all.iter().map(count).product::<u64>()
+        });
+        let (Some(Value::Array(tables)), Some(states)) = (tables, states) else {
+            return Err(wrong("tables", "is missing".into()));
+        };
+        let tables = tables.iter().enumerate().map(|(k, table)| {
+            held(table, states)
+                .ok_or_else(|| wrong(&format!("tables[{k}]"), "cannot be read".into()))
+        });
+        Ok(PolicyFile {
+            tables: tables.collect::<Result<_, _>>()?,
+            head: document,
+        })
+    }
+
+    /// Whether it was learnt under `settings`, from `seed` on, by so many `seeds`; only the number of episodes may differ.
+    ///
+    /// # Errors
+    /// [`PolicyError::Other`] for what differs; `file` is its name.
+    pub fn is_of(
+        &self,
+        settings: &Settings,
+        (seed, seeds): (u64, usize),
+        file: &str,
+    ) -> Result<(), PolicyError> {
+        let other = |key: &str, theirs: String, ours: String| PolicyError::Other {
+            file: file.into(),
+            key: key.into(),
+            theirs: input::cut(&theirs),
+            ours: input::cut(&ours),
+        };
+        for (key, ours) in settings.head() {
+            let theirs = self.head.get(&key).unwrap_or(&Value::Null);
+            if *theirs != ours {
+                return Err(other(&key, theirs.to_string(), ours.to_string()));
+            }
+        }
+        let count = self.tables.len();
+        if count != seeds {
+            return Err(other("seeds", count.to_string(), seeds.to_string()));
+        }
+        match self.tables.first() {
+            Some(first) if first.seed != seed => {
+                Err(other("seed", first.seed.to_string(), seed.to_string()))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn checksum(document: &Map<String, Value>) -> String {
+    let text = Value::Object(document.clone()).to_string();
+    format!("{:08x}", crc32fast::hash(text.as_bytes()))
+}
+
+fn table_json(held: &Held) -> Value {
+    let values = held.values.iter().enumerate();
+    let values: Vec<Value> = values
+        .filter(|(_, value)| **value != 0.0)
+        .map(|(place, value)| json!([place, value]))
+        .collect();
+    let curve: Vec<Value> = held.curve.iter().map(score_json).collect();
+    json!({ "seed": held.seed, "table_size": held.values.len(), "values": values, "curve": curve })
+}
+
+fn score_json(score: &Score) -> Value {
+    let Outcome {
+        time,
+        angle,
+        travel,
+        arrived,
+        gas,
+        firings,
+    } = score.outcome;
+    json!([
+        score.total,
+        score.steps,
+        score.outside,
+        time,
+        angle,
+        travel,
+        arrived,
+        gas,
+        firings
+    ])
+}
+
+fn held(table: &Value, states: u64) -> Option<Held> {
+    let size = table.get("table_size")?.as_u64()?;
+    if states == 0 || size == 0 || size % states != 0 || size > 1 << 27 {
+        return None;
+    }
+    let mut values = vec![0.0; usize::try_from(size).ok()?];
+    for pair in table.get("values")?.as_array()? {
+        let place = usize::try_from(pair.get(0)?.as_u64()?).ok()?;
+        *values.get_mut(place)? = pair.get(1)?.as_f64()?;
+    }
+    let curve = table.get("curve")?.as_array()?.iter().map(score);
+    Some(Held {
+        seed: table.get("seed")?.as_u64()?,
+        values,
+        curve: curve.collect::<Option<_>>()?,
+    })
+}
+
+fn score(row: &Value) -> Option<Score> {
+    let number = |k: usize| row.get(k)?.as_f64();
+    let count = |k: usize| usize::try_from(row.get(k)?.as_u64()?).ok();
+    Some(Score {
+        total: number(0)?,
+        steps: count(1)?,
+        outside: count(2)?,
+        outcome: Outcome {
+            time: number(3)?,
+            angle: number(4)?,
+            travel: number(5)?,
+            arrived: number(6),
+            gas: number(7)?,
+            firings: count(8)?,
+        },
+    })
+}
