@@ -50,7 +50,7 @@ def terms_of(reward: Reward) -> list[tuple[str, float | None, float]]:
     return terms
 
 
-def spaces_of(episodes: Episodes) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Discrete[np.int64]]:
+def spaces_of(episodes: Episodes) -> tuple[Any, Any]:
     """What is observed, and what can be done."""
     low, high = (np.array([axis[k] for axis in episodes.observed]) for k in (2, 3))
     return gymnasium.spaces.Box(low, high, dtype=np.float64), gymnasium.spaces.Discrete(episodes.choices)
@@ -92,7 +92,7 @@ class TaskEnv(gymnasium.Env[Observation, np.int64]):
         return np.clip(observation, self.observation_space.low, self.observation_space.high)  # type: ignore[attr-defined]
 
 
-class VectorTask(VectorEnv[Observation, NDArray[np.int64], NDArray[np.float64]]):
+class VectorTask(VectorEnv[Observation, NDArray[np.int64], NDArray[Any]]):
     """Many robots with the same task, on threads of Rust. Robot k does what the `TaskEnv` of seed `seed + k` does."""
 
     metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
@@ -114,6 +114,7 @@ class VectorTask(VectorEnv[Observation, NDArray[np.int64], NDArray[np.float64]])
         used = count_of("threads", threads, os.cpu_count() or 1)
         self._episodes = Episodes(task, robot_of(robot), self.num_envs, used, terms_of(reward), steps, draw)
         self.single_observation_space, self.single_action_space = spaces_of(self._episodes)
+        self._choices = self._episodes.choices
         self.observation_space = gymnasium.vector.utils.batch_space(self.single_observation_space, self.num_envs)
         self.action_space = gymnasium.vector.utils.batch_space(self.single_action_space, self.num_envs)
         self._random: list[np.random.Generator] = []
@@ -126,17 +127,17 @@ class VectorTask(VectorEnv[Observation, NDArray[np.int64], NDArray[np.float64]])
         if isinstance(seed, (int, np.integer)):
             seed = [int(seed) + k for k in range(self.num_envs)]
         if seed is not None or not self._random:
-            seeds = [None] * self.num_envs if seed is None else list(seed)
+            seeds: list[int | None] = [None] * self.num_envs if seed is None else [*seed]
             self._random = [gymnasium.utils.seeding.np_random(it)[0] for it in seeds]
         self._over[:] = False
         return self._clipped(self._start(range(self.num_envs))), {}
 
     def step(
         self, actions: NDArray[np.int64]
-    ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+    ) -> tuple[Observation, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """An action for each robot. One whose episode is over begins the next in place of it, with reward 0."""
         given = np.asarray(actions)
-        allowed = self.single_action_space.n  # type: ignore[attr-defined]
+        allowed = self._choices
         if given.shape != (self.num_envs,) or given.dtype.kind not in "iu" or ((given < 0) | (given >= allowed)).any():
             raise SaltusError(f"actions = {given!r}: {self.num_envs} whole numbers from 0 to {allowed - 1}")
         acting = np.where(self._over, -1, given).astype(np.int64)

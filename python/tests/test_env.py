@@ -88,7 +88,7 @@ def test_bad_input_is_named() -> None:
         (lambda: saltus.env.TaskEnv(reward={"speed": 1}), "reward speed"),
         (lambda: saltus.env.TaskEnv(reward={"rate": "much"}), "reward 'rate' = 'much'"),
         (lambda: saltus.env.TaskEnv(robot="nobody"), "nobody"),
-        (lambda: saltus.env.TaskEnv(steps=0), "steps"),
+        (lambda: saltus.env.TaskEnv(steps=0), "time of an episode"),
         (lambda: saltus.env.VectorTask("run-zone", 0), "num_envs = 0"),
         (lambda: saltus.env.VectorTask("run-zone", 2).step(np.array([0, 1])), "begun by `reset`"),
     ):
@@ -111,7 +111,7 @@ def test_after_the_end_there_is_no_step() -> None:
 
 
 def test_the_reward_is_what_was_asked_for() -> None:
-    env = saltus.env.TaskEnv("run-legs", reward={"threshold:-100": 2, "time": 1})
+    env = saltus.env.TaskEnv("run-legs", reward={"threshold:-100": 2, "time": 1000})
     env.reset(seed=1)
     assert env.step(0)[1] == 1.0
 

@@ -75,7 +75,7 @@ pub(crate) struct Learn {
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
 
-    /// Draw each episode's robot around the given one, as `saltus run --robots` does
+    /// Draw the robot of each episode around the given one, as `saltus run` with --robots does
     #[arg(long)]
     draw: bool,
 
