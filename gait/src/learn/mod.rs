@@ -5,6 +5,7 @@
 //! 6.2.2 to 6.2.5. [`train`] brings them together.
 
 mod bins;
+mod few;
 mod legs;
 mod plant;
 mod process;
@@ -15,6 +16,7 @@ mod training;
 mod zone;
 
 pub use bins::{Bin, Bins};
+pub use few::{Bayes, Evolution, Learner};
 pub use legs::Legs;
 pub use plant::Plant;
 pub use process::{Act, Actions, Axis, Environment, Episode, Outcome, Step};
