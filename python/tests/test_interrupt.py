@@ -6,7 +6,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +28,14 @@ LONG: dict[str, Callable[[Path, Path], object]] = {
     "diagnose": lambda at, bench: saltus.diagnose(bench, false_alarms=0.001, report=at),
     "power": lambda at, bench: saltus.power(bench.parent / "plan.toml", effect={"coulomb-friction": 25}),
 }
+
+
+@pytest.fixture(autouse=True)
+def heard() -> Iterator[None]:
+    """Ctrl-C is heard, even where a shell has started the tests in its background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.parametrize("name", LONG)
