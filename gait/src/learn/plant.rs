@@ -186,14 +186,8 @@ impl Body {
 
     /// Goes on by a cycle of the sensors.
     pub(super) fn go_on(&mut self) -> Result<(), GaitError> {
-        self.fire(None)
-    }
-
-    /// The same, and fires a leg for an opening time (s) at its beginning.
-    pub(super) fn fire(&mut self, fire: Option<(usize, f64)>) -> Result<(), GaitError> {
-        self.firings += usize::from(fire.is_some());
         self.held
-            .with_dependent_mut(|_, world| world.go_on(fire, |_| ()))
+            .with_dependent_mut(|_, world| world.go_on(None, |_| ()))
     }
 
     /// Does something with the world.

@@ -20,7 +20,7 @@ use super::reward::{Reward, Stepped};
 /// Rate (rad/s) below which a robot counts as standing when its time is over.
 const STANDS: f64 = 0.5;
 /// Weights of the rate's filter, as of `saltus run`.
-pub(super) const TAPS: [f64; 5] = [0.2; 5];
+const TAPS: [f64; 5] = [0.2; 5];
 
 /// What the robot measures is what the learner sees: the wheel's encoder and the filtered gyro.
 pub struct Zone {
@@ -46,7 +46,7 @@ pub struct Task {
 }
 
 impl Task {
-    pub(super) fn check(&self) -> Result<(), GaitError> {
+    fn check(&self) -> Result<(), GaitError> {
         let named = [
             ("time between two decisions (s)", self.period),
             ("time of an episode (s)", self.seconds),

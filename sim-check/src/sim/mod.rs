@@ -365,7 +365,8 @@ impl<'a> Sim<'a> {
     }
 
     /// Commands the valve of leg `leg` to open, or to close, now: its drive answers after its delay. For
-    /// a controller that says in each cycle which valve is open.
+    /// a controller that says in each cycle which valve is open. A valve's least pulse has no part here: how
+    /// long the command will last is not known yet.
     ///
     /// # Errors
     /// [`SimError::Input`] for a leg that is not there.
