@@ -38,13 +38,12 @@ Reward = Mapping[str, float] | None
 """Terms with coefficients, as in `{"rate": 1, "threshold:2": 1}`; None: those of the thesis."""
 
 
-def terms_of(reward: Reward) -> list[tuple[str, float | None, float]]:
-    """Terms with their numbers."""
-    terms: list[tuple[str, float | None, float]] = []
+def terms_of(reward: Reward) -> list[tuple[str, float]]:
+    """Terms with their coefficients."""
+    terms: list[tuple[str, float]] = []
     for name, by in (reward or {}).items():
-        term, colon, number = name.partition(":")
         try:
-            terms.append((term, float(number) if colon else None, float(by)))
+            terms.append((name, float(by)))
         except (TypeError, ValueError):
             raise SaltusError(f"reward {name!r} = {by!r}: a number, as in {{'threshold:2': 1}}") from None
     return terms

@@ -38,7 +38,7 @@ impl Episodes {
         robot: &Robot,
         count: usize,
         threads: usize,
-        reward: Vec<(String, Option<f64>, f64)>,
+        reward: Vec<(String, f64)>,
         steps: Option<usize>,
         draw: bool,
     ) -> PyResult<Episodes> {
@@ -188,20 +188,9 @@ impl Episodes {
     }
 }
 
-/// A term of a reward by its name, its number, and its coefficient.
-fn term((name, number, by): &(String, Option<f64>, f64)) -> PyResult<(Term, f64)> {
-    let term = match (name.as_str(), number) {
-        ("threshold", Some(rate)) => Term::Threshold(*rate),
-        ("speed", Some(speed)) => Term::Speed(*speed),
-        ("rate", None) => Term::Rate,
-        ("time", None) => Term::Time,
-        ("gas", None) => Term::Gas,
-        ("stall", None) => Term::Stall,
-        ("arrival", None) => Term::Arrival,
-        _ => {
-            let allowed = "threshold:RATE, rate, time, gas, speed:SPEED, stall or arrival";
-            return Err(bad(format_args!("reward {name}: {allowed}")));
-        }
-    };
+/// A term of a reward and its coefficient.
+fn term((name, by): &(String, f64)) -> PyResult<(Term, f64)> {
+    let term = Term::written(name);
+    let term = term.ok_or_else(|| bad(format_args!("reward {name}: {}", Term::WRITTEN)))?;
     Ok((term, *by))
 }

@@ -9,12 +9,9 @@ use crate::GaitError;
 use crate::error::require;
 use crate::surroundings::Surroundings;
 
-use super::plant::{Body, Motion, Plant, wrapped};
+use super::plant::{Body, End, Ledger, Motion, Plant, wrapped};
 use super::process::{Act, Actions, Axis, Environment, Episode, Outcome, Step};
-use super::reward::{Reward, Stepped};
-
-/// Rate (rad/s) below which a robot counts as standing when its time is over.
-const STANDS: f64 = 0.5;
+use super::reward::Reward;
 
 /// Each cycle of the sensors one valve is open, or none. From rest, for so many steps; with boxes on the
 /// way the episode ends on the first of them.
@@ -70,28 +67,26 @@ impl Environment for Legs {
         let body = self.plant.start(self.ready.as_ref(), seed)?;
         let motion = body.motion();
         let first = self.plant.obstacles.first();
+        let legs = f64::from(self.plant.robot.body.legs);
+        let stands = self.plant.robot.body.radius * (PI / legs).cos();
         Ok(Box::new(OnLegs {
             observation: seen(&motion),
             body,
-            reward: self.reward.clone(),
+            ledger: Ledger::new(self.reward.clone()),
             period: self.plant.sensors().period,
             left: self.steps,
-            gas: 0.0,
-            arrived: None,
-            top: first.map(|o| [o.front, o.front + o.length, o.height]),
+            top: first.map(|o| [o.front, o.front + o.length, o.height + stands]),
         }))
     }
 }
 
 struct OnLegs {
     body: Body,
-    reward: Reward,
+    ledger: Ledger,
     period: f64,
     observation: [f64; 4],
     left: usize,
-    gas: f64,
-    arrived: Option<f64>,
-    /// Where the box begins and ends, and how high it is.
+    /// Where the box begins and ends, and the height of the axle of a robot that stands on two legs there.
     top: Option<[f64; 3]>,
 }
 
@@ -107,51 +102,30 @@ impl Episode for OnLegs {
 
     fn step(&mut self, act: Act<'_>) -> Result<Step, GaitError> {
         let choice = act.choice(1 + self.body.legs())?;
-        require(
-            self.left > 0,
-            "steps left",
-            0.0,
-            "1 or more: the episode is over",
-        )?;
+        self.ledger.require_open()?;
         self.body.open(choice.checked_sub(1))?;
-        self.body.go_on()?;
+        self.body.go_on(None)?;
         self.left -= 1;
         let motion = self.body.motion();
         self.observation = seen(&motion);
-        let gas = if self.reward.needs_gas() {
-            self.body.gas()
+        let end = if self.is_on_the_box(&motion) {
+            End::Arrived
+        } else if self.left == 0 {
+            End::Late
         } else {
-            0.0
+            End::Open
         };
-        let arrived = self.is_on_the_box(&motion);
-        if arrived {
-            self.arrived = Some(motion.time);
-            self.left = 0;
-        }
-        let over = self.left == 0;
-        let reward = self.reward.of(&Stepped {
-            rate: motion.rate,
-            speed: motion.axle_rates[0],
-            seconds: self.period,
-            gas: gas - self.gas,
-            arrived,
-            stalled: over && !arrived && motion.rate.abs() < STANDS,
-        });
-        self.gas = gas;
-        Ok(Step {
-            reward,
-            terminated: arrived,
-            truncated: over && !arrived,
-        })
+        let step = (motion.rate, self.period);
+        Ok(self.ledger.close(&self.body, step, end))
     }
 
     fn outcome(&self) -> Outcome {
-        self.body.outcome(self.arrived)
+        self.body.outcome(self.ledger.arrived())
     }
 }
 
 impl OnLegs {
-    /// Whether a foot stands on the box, and the axle is over it.
+    /// Whether a foot is on the box, and the axle over it, as high as on two legs.
     fn is_on_the_box(&mut self, motion: &Motion) -> bool {
         let [travel, up] = motion.axle;
         let over = |[front, back, height]: [f64; 3]| (front..back).contains(&travel) && up > height;

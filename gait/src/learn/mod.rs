@@ -6,20 +6,24 @@
 
 mod bins;
 mod few;
+mod gridded;
 mod legs;
 mod plant;
 mod process;
 mod reward;
+mod stride;
 mod tabular;
 mod training;
 mod zone;
 
 pub use bins::{Bin, Bins};
 pub use few::{Bayes, Evolution, Learner};
+pub use gridded::Gridded;
 pub use legs::Legs;
 pub use plant::Plant;
 pub use process::{Act, Actions, Axis, Environment, Episode, Outcome, Step};
 pub use reward::{Reward, Term};
+pub use stride::Stride;
 pub use tabular::{Algorithm, Rates, Seen, Tabular, Traces};
 pub use training::{Schedule, Score, Training, greedy, train};
 pub use zone::{Task, Zone};

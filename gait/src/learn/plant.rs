@@ -4,14 +4,19 @@ use std::sync::Arc;
 
 use rand_pcg::Pcg64;
 use saltus_robot::{Robot, Sensors};
-use saltus_sim_check::{Rig, Stepping, Surface};
+use saltus_sim_check::{Rig, SimError, Stepping, Surface};
 use self_cell::self_cell;
 
+use crate::error::require;
 use crate::run::Obstacle;
 use crate::surroundings::{Disturbance, Surroundings};
 use crate::{Draw, GaitError, World, drawn_robot};
 
-use super::process::Outcome;
+use super::process::{Outcome, Step};
+use super::reward::{Reward, Stepped};
+
+/// Rate (rad/s) below which a robot counts as standing when its time is over.
+const STANDS: f64 = 0.5;
 
 /// Which robot learns, and where.
 #[derive(Clone, Debug)]
@@ -104,6 +109,8 @@ pub(super) struct Body {
     /// The leg whose valve is commanded to be open.
     open: Option<usize>,
     firings: usize,
+    /// Whether its contacts have no solution.
+    broken: bool,
 }
 
 /// Where a robot is.
@@ -139,6 +146,7 @@ impl Body {
             start: [0.0; 2],
             open: None,
             firings: 0,
+            broken: false,
         };
         let motion = body.motion();
         body.start = [motion.lean, motion.axle[0]];
@@ -184,10 +192,25 @@ impl Body {
         Ok(())
     }
 
-    /// Goes on by a cycle of the sensors.
-    pub(super) fn go_on(&mut self) -> Result<(), GaitError> {
-        self.held
-            .with_dependent_mut(|_, world| world.go_on(None, |_| ()))
+    /// Goes on by a cycle of the sensors, at whose begin a leg fires for an opening time (s), if any.
+    pub(super) fn go_on(&mut self, fire: Option<(usize, f64)>) -> Result<(), GaitError> {
+        self.firings += usize::from(fire.is_some());
+        let gone = self
+            .held
+            .with_dependent_mut(|_, world| world.go_on(fire, |_| ()));
+        match gone {
+            // What a learner tries may be a motion without a solution: then its episode ends there.
+            Err(GaitError::Sim(SimError::Inconsistent { .. } | SimError::TooManyEvents { .. })) => {
+                self.broken = true;
+            }
+            other => other?,
+        }
+        Ok(())
+    }
+
+    /// Whether its motion cannot go on.
+    pub(super) fn is_broken(&self) -> bool {
+        self.broken
     }
 
     /// Does something with the world.
@@ -216,6 +239,80 @@ impl Body {
             arrived,
             gas: self.gas(),
             firings: self.firings,
+            broken: self.broken,
+        }
+    }
+}
+
+/// How a step ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// The episode goes on.
+    Open,
+    /// At the goal.
+    Arrived,
+    /// Where the robot stands.
+    Stalled,
+    /// The time is over.
+    Late,
+}
+
+/// What an episode has come to, and what its steps are worth.
+pub(super) struct Ledger {
+    reward: Reward,
+    gas: f64,
+    arrived: Option<f64>,
+    over: bool,
+}
+
+impl Ledger {
+    pub(super) fn new(reward: Reward) -> Ledger {
+        Ledger {
+            reward,
+            gas: 0.0,
+            arrived: None,
+            over: false,
+        }
+    }
+
+    /// When the goal was reached (s).
+    pub(super) fn arrived(&self) -> Option<f64> {
+        self.arrived
+    }
+
+    /// An error after the end of the episode.
+    pub(super) fn require_open(&self) -> Result<(), GaitError> {
+        let allowed = "1 or more: the episode is over";
+        require(!self.over, "steps left", 0.0, allowed)
+    }
+
+    /// Closes a step of so many `seconds`; `rate` is that of the wheel (rad/s) as it is rewarded.
+    pub(super) fn close(&mut self, body: &Body, (rate, seconds): (f64, f64), end: End) -> Step {
+        let motion = body.motion();
+        let gas = if self.reward.needs_gas() {
+            body.gas()
+        } else {
+            0.0
+        };
+        self.over = end != End::Open || body.is_broken();
+        if end == End::Arrived {
+            self.arrived = Some(motion.time);
+        }
+        let ends_standing = end == End::Late && motion.rate.abs() < STANDS;
+        let reward = self.reward.of(&Stepped {
+            rate,
+            speed: motion.axle_rates[0],
+            seconds,
+            gas: gas - self.gas,
+            arrived: end == End::Arrived,
+            stalled: end == End::Stalled || ends_standing,
+        });
+        self.gas = gas;
+        let terminated = matches!(end, End::Arrived | End::Stalled);
+        Step {
+            reward,
+            terminated,
+            truncated: self.over && !terminated,
         }
     }
 }

@@ -95,6 +95,8 @@ pub struct Outcome {
     pub gas: f64,
     /// Firings.
     pub firings: usize,
+    /// Whether it ended where the contacts of rigid bodies have no solution.
+    pub broken: bool,
 }
 
 /// A robot with a task.

@@ -1,5 +1,7 @@
 //! What is rewarded.
 
+use std::fmt::{Display, Formatter};
+
 /// A part of a reward, for each step unless it says otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Term {
@@ -11,6 +13,10 @@ pub enum Term {
     ///
     /// Source: thesis 6.1.
     Rate,
+    /// The speed of the axle (m/s).
+    ///
+    /// Source: thesis 6.3.1, before a box.
+    Travel,
     /// -1 for each second: the less time to the goal, the better.
     Time,
     /// -1 for each kilogram of gas from the supply.
@@ -21,6 +27,49 @@ pub enum Term {
     Stall,
     /// 1 at the end where the goal was reached.
     Arrival,
+}
+
+impl Term {
+    /// How the terms are written.
+    pub const WRITTEN: &'static str =
+        "threshold:RATE, rate, travel, time, gas, speed:SPEED, stall or arrival";
+
+    /// The term that is written so, as in `rate` and `threshold:2`.
+    pub fn written(text: &str) -> Option<Term> {
+        let (name, number) = match text.split_once(':') {
+            Some((name, number)) => {
+                let number = number.trim().parse().ok().filter(|x: &f64| x.is_finite());
+                (name, Some(number?))
+            }
+            None => (text, None),
+        };
+        Some(match (name.trim(), number) {
+            ("threshold", Some(rate)) => Term::Threshold(rate),
+            ("speed", Some(speed)) => Term::Speed(speed),
+            ("rate", None) => Term::Rate,
+            ("travel", None) => Term::Travel,
+            ("time", None) => Term::Time,
+            ("gas", None) => Term::Gas,
+            ("stall", None) => Term::Stall,
+            ("arrival", None) => Term::Arrival,
+            _ => return None,
+        })
+    }
+}
+
+impl Display for Term {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Term::Threshold(rate) => write!(f, "threshold:{rate}"),
+            Term::Speed(speed) => write!(f, "speed:{speed}"),
+            Term::Rate => f.write_str("rate"),
+            Term::Travel => f.write_str("travel"),
+            Term::Time => f.write_str("time"),
+            Term::Gas => f.write_str("gas"),
+            Term::Stall => f.write_str("stall"),
+            Term::Arrival => f.write_str("arrival"),
+        }
+    }
 }
 
 /// What a step was, for its reward.
@@ -55,6 +104,7 @@ impl Reward {
                 }
             }
             Term::Rate => step.rate,
+            Term::Travel => step.speed,
             Term::Time => -step.seconds,
             Term::Gas => -step.gas,
             Term::Speed(wanted) => -(step.speed - wanted).abs(),
@@ -66,5 +116,32 @@ impl Reward {
 
     pub(crate) fn needs_gas(&self) -> bool {
         self.0.iter().any(|(term, _)| *term == Term::Gas)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn terms_are_read_as_they_are_written() {
+        let all = "threshold:2 rate travel time gas speed:-1.5 stall arrival";
+        for text in all.split(' ') {
+            assert_eq!(
+                Term::written(text).map(|term| term.to_string()).as_deref(),
+                Some(text)
+            );
+        }
+        for text in [
+            "",
+            "threshold",
+            "rate:1",
+            "speed:nan",
+            "speed:inf",
+            "speed:x",
+            "way",
+        ] {
+            assert_eq!(Term::written(text), None, "{text}");
+        }
     }
 }

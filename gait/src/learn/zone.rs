@@ -13,14 +13,12 @@ use crate::cast::instruments;
 use crate::error::require;
 use crate::surroundings::Surroundings;
 
-use super::plant::{Body, Plant, wrapped};
+use super::plant::{Body, End, Ledger, Plant, wrapped};
 use super::process::{Act, Actions, Axis, Environment, Episode, Outcome, Step};
-use super::reward::{Reward, Stepped};
+use super::reward::Reward;
 
-/// Rate (rad/s) below which a robot counts as standing when its time is over.
-const STANDS: f64 = 0.5;
 /// Weights of the rate's filter, as of `saltus run`.
-const TAPS: [f64; 5] = [0.2; 5];
+pub(super) const TAPS: [f64; 5] = [0.2; 5];
 
 /// What the robot measures is what the learner sees: the wheel's encoder and the filtered gyro.
 pub struct Zone {
@@ -46,7 +44,7 @@ pub struct Task {
 }
 
 impl Task {
-    fn check(&self) -> Result<(), GaitError> {
+    pub(super) fn check(&self) -> Result<(), GaitError> {
         let named = [
             ("time between two decisions (s)", self.period),
             ("time of an episode (s)", self.seconds),
@@ -119,15 +117,13 @@ impl Environment for Zone {
             body,
             signals: Signals::new(instruments(&sensors), &TAPS),
             sensors,
-            reward: self.reward.clone(),
+            ledger: Ledger::new(self.reward.clone()),
             observation: [0.0; 2],
             lean: 0.0,
             cycles: count(self.task.period / self.plant.sensors().period),
             left: count(self.task.seconds / self.task.period),
             goal: self.task.goal,
             zone: self.task.zone,
-            gas: 0.0,
-            arrived: None,
         };
         episode.sense();
         Ok(Box::new(episode))
@@ -138,7 +134,7 @@ struct InZone {
     body: Body,
     signals: Signals<'static, f64>,
     sensors: Sensors,
-    reward: Reward,
+    ledger: Ledger,
     observation: [f64; 2],
     /// Lean of leg 0 by the encoder (rad).
     lean: f64,
@@ -146,8 +142,6 @@ struct InZone {
     left: usize,
     goal: f64,
     zone: f64,
-    gas: f64,
-    arrived: Option<f64>,
 }
 
 impl InZone {
@@ -175,49 +169,31 @@ impl Episode for InZone {
 
     fn step(&mut self, act: Act<'_>) -> Result<Step, GaitError> {
         let fires = act.choice(2)? == 1;
-        require(
-            self.left > 0,
-            "steps left",
-            0.0,
-            "1 or more: the episode is over",
-        )?;
+        self.ledger.require_open()?;
         let leg = fires.then(|| self.leg_in_zone());
         self.body.open(leg)?;
         for _ in 0..self.cycles {
-            self.body.go_on()?;
+            self.body.go_on(None)?;
+            if self.body.is_broken() {
+                break;
+            }
             self.sense();
         }
         self.left -= 1;
-        let motion = self.body.motion();
-        let [_, travel] = self.body.since_start(&motion);
-        let arrived = travel >= self.goal;
-        if arrived {
-            self.arrived = Some(motion.time);
-            self.left = 0;
-        }
-        let over = self.left == 0;
-        let gas = if self.reward.needs_gas() {
-            self.body.gas()
+        let [_, travel] = self.body.since_start(&self.body.motion());
+        let end = if travel >= self.goal {
+            End::Arrived
+        } else if self.left == 0 {
+            End::Late
         } else {
-            0.0
+            End::Open
         };
-        let reward = self.reward.of(&Stepped {
-            rate: self.observation[1],
-            speed: motion.axle_rates[0],
-            seconds: self.cycles as f64 * self.sensors.period,
-            gas: gas - self.gas,
-            arrived,
-            stalled: over && !arrived && motion.rate.abs() < STANDS,
-        });
-        self.gas = gas;
-        Ok(Step {
-            reward,
-            terminated: arrived,
-            truncated: over && !arrived,
-        })
+        let seconds = self.cycles as f64 * self.sensors.period;
+        let step = (self.observation[1], seconds);
+        Ok(self.ledger.close(&self.body, step, end))
     }
 
     fn outcome(&self) -> Outcome {
-        self.body.outcome(self.arrived)
+        self.body.outcome(self.ledger.arrived())
     }
 }

@@ -4,6 +4,7 @@ mod basin;
 mod energy;
 mod frontier;
 mod learn;
+mod learn_tasks;
 mod optimal;
 mod passive;
 mod periodic;

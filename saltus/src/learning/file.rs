@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use saltus_gait::learn::{Outcome, Score, Term, Traces};
+use saltus_gait::learn::{Outcome, Score, Traces};
 use serde_json::{Map, Value, json};
 
 use super::{Learnt, Settings};
@@ -85,7 +85,7 @@ impl Settings {
             .reward
             .0
             .iter()
-            .map(|(term, by)| json!([name(*term), by]))
+            .map(|(term, by)| json!([term.to_string(), by]))
             .collect();
         let head = json!({
             "saltus_version": env!("CARGO_PKG_VERSION"),
@@ -111,19 +111,6 @@ impl Settings {
             Value::Object(head) => head,
             _ => Map::new(),
         }
-    }
-}
-
-/// A term with its number.
-fn name(term: Term) -> String {
-    match term {
-        Term::Threshold(rate) => format!("threshold={rate}"),
-        Term::Speed(speed) => format!("speed={speed}"),
-        Term::Rate => "rate".into(),
-        Term::Time => "time".into(),
-        Term::Gas => "gas".into(),
-        Term::Stall => "stall".into(),
-        Term::Arrival => "arrival".into(),
     }
 }
 
@@ -263,6 +250,7 @@ fn score_json(score: &Score) -> Value {
         arrived,
         gas,
         firings,
+        broken,
     } = score.outcome;
     json!([
         score.total,
@@ -273,7 +261,8 @@ fn score_json(score: &Score) -> Value {
         travel,
         arrived,
         gas,
-        firings
+        firings,
+        broken
     ])
 }
 
@@ -309,6 +298,7 @@ fn score(row: &Value) -> Option<Score> {
             arrived: number(6),
             gas: number(7)?,
             firings: count(8)?,
+            broken: row.get(9)?.as_bool()?,
         },
     })
 }

@@ -67,7 +67,7 @@ impl Task {
                 if traces { 100 } else { 1000 },
                 1000,
             ),
-            Task::Climb => (vec![(Term::Rate, 1.0), (Term::Arrival, 1e4)], 500, 2000),
+            Task::Climb => (vec![(Term::Travel, 1.0), (Term::Arrival, 1e4)], 500, 2000),
             Task::RunZone => (vec![(Term::Rate, 1.0)], 40, 360),
         };
         match self {
@@ -149,6 +149,30 @@ impl Settings {
         }
     }
 
+    /// How far an episode came: the angle (rad) for `run-legs`, the travel (m) for the others.
+    pub fn way(&self, outcome: &Outcome) -> f64 {
+        match self.task {
+            Task::RunLegs => outcome.angle,
+            Task::Climb | Task::RunZone => outcome.travel,
+        }
+    }
+
+    /// Episodes until the mean [`way`](Settings::way) of ten has 90 % of that of the last tenth of `curve`; none for a
+    /// robot that did not learn to run.
+    pub fn episodes_to_90_percent(&self, curve: &[Score]) -> Option<usize> {
+        let ways: Vec<f64> = curve.iter().map(|it| self.way(&it.outcome)).collect();
+        let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len().max(1) as f64;
+        let last = mean(&ways[ways.len() - ways.len().div_ceil(10)..]);
+        if last < MOVES {
+            return None;
+        }
+        let width = SMOOTH.min(ways.len().max(1));
+        let mut means = ways.windows(width).map(mean);
+        means
+            .position(|level| level >= LEARNT * last)
+            .map(|first| first + width)
+    }
+
     /// What an episode is judged by, the more the better: the angle (rad) for `run-legs`, the time left (s) for
     /// the others, with the travel (m) where the goal was not reached.
     pub fn figure(&self, outcome: &Outcome) -> f64 {
@@ -161,6 +185,13 @@ impl Settings {
         }
     }
 }
+
+/// Episodes over which a score is a mean.
+const SMOOTH: usize = 10;
+/// Share of the final score that counts as learnt.
+const LEARNT: f64 = 0.9;
+/// Angle (rad) or travel (m) above which a robot has moved at all.
+const MOVES: f64 = 0.1;
 
 /// What one seed learnt.
 #[derive(Clone, Debug)]

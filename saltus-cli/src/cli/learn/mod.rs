@@ -179,30 +179,17 @@ fn unit(text: &str) -> Result<f64, String> {
 
 /// Parser of a flag.
 fn term(text: &str) -> Result<(Term, f64), String> {
-    const ALLOWED: &str = "must be TERM=COEFFICIENT with threshold:RATE, rate, time, gas, speed:SPEED, stall or arrival, as in rate=1";
-    let finite = |text: &str| {
-        text.trim()
-            .parse()
-            .ok()
-            .filter(|x: &f64| x.is_finite() && x.abs() <= 1e9)
+    let wanted = || {
+        format!(
+            "must be TERM=COEFFICIENT with {}, as in rate=1",
+            Term::WRITTEN
+        )
     };
-    let (name, by) = text.split_once('=').ok_or(ALLOWED)?;
-    let by = finite(by).ok_or("the coefficient must be a number from -1e9 to 1e9")?;
-    let (name, number) = match name.split_once(':') {
-        Some((name, number)) => (name, Some(finite(number).ok_or(ALLOWED)?)),
-        None => (name, None),
-    };
-    let term = match (name.trim(), number) {
-        ("threshold", Some(rate)) => Term::Threshold(rate),
-        ("speed", Some(speed)) => Term::Speed(speed),
-        ("rate", None) => Term::Rate,
-        ("time", None) => Term::Time,
-        ("gas", None) => Term::Gas,
-        ("stall", None) => Term::Stall,
-        ("arrival", None) => Term::Arrival,
-        _ => return Err(ALLOWED.into()),
-    };
-    Ok((term, by))
+    let (name, by) = text.split_once('=').ok_or_else(wanted)?;
+    let by = by.trim().parse().ok();
+    let by = by.filter(|x: &f64| x.is_finite() && x.abs() <= 1e9);
+    let by = by.ok_or("the coefficient must be a number from -1e9 to 1e9")?;
+    Ok((Term::written(name).ok_or_else(wanted)?, by))
 }
 
 impl Learn {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use saltus::gait::learn::{Outcome, Score};
+use saltus::gait::learn::Outcome;
 use saltus::learning::{Interval, Learnt, PolicyFile, Pupil, Settings, Task, interquartile};
 use saltus::running::Share;
 use serde_json::{Value, json};
@@ -24,13 +24,6 @@ const COLUMNS: &[&str] = &[
     "outside",
     "episodes_to_90_percent",
 ];
-/// Episodes over which a curve is a mean.
-const SMOOTH: usize = 10;
-/// Share of the final score that counts as learnt.
-const LEARNT: f64 = 0.9;
-/// Angle (rad) or travel (m) above which a robot has moved at all.
-const MOVES: f64 = 0.1;
-
 pub(super) struct Report<'a> {
     pub(super) settings: &'a Settings,
     pub(super) learnt: &'a Learnt,
@@ -40,10 +33,11 @@ pub(super) struct Report<'a> {
 impl Report<'_> {
     /// Name, unit and value of what an episode is judged by.
     fn judged(&self, outcome: &Outcome) -> (&'static str, &'static str, f64) {
-        match self.settings.task {
-            Task::RunLegs => ("angle", "rad", outcome.angle),
-            Task::Climb | Task::RunZone => ("travel", "m", outcome.travel),
-        }
+        let (name, unit) = match self.settings.task {
+            Task::RunLegs => ("angle", "rad"),
+            Task::Climb | Task::RunZone => ("travel", "m"),
+        };
+        (name, unit, self.settings.way(outcome))
     }
 
     fn figures(&self) -> Vec<f64> {
@@ -67,18 +61,8 @@ impl Report<'_> {
             .collect()
     }
 
-    /// Episodes until a seed has 90 % of its final score.
     fn until_learnt(&self, pupil: &Pupil) -> Option<usize> {
-        let figure = |score: &Score| self.judged(&score.outcome).2;
-        let curve: Vec<f64> = pupil.curve.iter().map(figure).collect();
-        let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len().max(1) as f64;
-        let last = mean(&curve[curve.len() - curve.len().div_ceil(10)..]);
-        if last < MOVES {
-            return None;
-        }
-        let windows = curve.windows(SMOOTH.min(curve.len().max(1)));
-        let first = windows.map(mean).position(|level| level >= LEARNT * last)?;
-        Some(first + SMOOTH.min(curve.len()))
+        self.settings.episodes_to_90_percent(&pupil.curve)
     }
 
     pub(super) fn table(&self) -> Table {
