@@ -54,12 +54,7 @@ fn start(robot: Robot, program: Program, seed: u64) -> Result<(f64, usize), Gait
 }
 
 fn law(x: &[f64]) -> Program {
-    let scaled: Vec<f64> = x
-        .iter()
-        .zip(Smooth::BOUNDS)
-        .map(|(x, [low, high])| low + x * (high - low))
-        .collect();
-    Smooth::from(&scaled[..]).program()
+    Smooth::within_bounds(x).program()
 }
 
 /// What one seed learnt: after each start the time of the best law, and the strides so far.

@@ -185,14 +185,28 @@ impl Smooth {
         [2.0, 20.0],
     ];
 
+    /// α_f (rad) and t_v (s) at a rate (rad/s).
+    pub fn at(&self, rate: f64) -> [f64; 2] {
+        let of =
+            |[first, last, half]: [f64; 3]| last + (first - last) / (1.0 + (rate / half).powi(2));
+        [of(self.firing_angle), of(self.valve_open)]
+    }
+
+    /// The law whose parameters are at these parts, from 0 to 1, of their [`BOUNDS`](Smooth::BOUNDS).
+    pub fn within_bounds(parts: &[f64]) -> Smooth {
+        let scaled = parts.iter().zip(Smooth::BOUNDS);
+        let scaled: Vec<f64> = scaled
+            .map(|(x, [low, high])| low + x * (high - low))
+            .collect();
+        Smooth::from(&scaled[..])
+    }
+
     /// The law as a curve of straight lines between rates 0.5 rad/s apart.
     pub fn program(&self) -> Program {
-        let at = |[first, last, half]: [f64; 3], rate: f64| {
-            last + (first - last) / (1.0 + (rate / half).powi(2))
-        };
         let knot = |k: u32| {
             let rate = 0.5 * f64::from(k);
-            [rate, at(self.firing_angle, rate), at(self.valve_open, rate)]
+            let [angle, open] = self.at(rate);
+            [rate, angle, open]
         };
         Program::Curve((0..=80).map(knot).collect())
     }

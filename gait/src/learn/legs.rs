@@ -13,6 +13,9 @@ use super::plant::{Body, End, Ledger, Motion, Plant, wrapped};
 use super::process::{Act, Actions, Axis, Environment, Episode, Outcome, Step};
 use super::reward::Reward;
 
+/// Time since a firing (s) from which on it does not matter.
+const LONG_AGO: f64 = 1.0;
+
 /// Each cycle of the sensors one valve is open, or none. From rest, for so many steps; with boxes on the
 /// way the episode ends on the first of them.
 pub struct Legs {
@@ -47,6 +50,9 @@ impl Legs {
                 axis("wheel_rate", "rad_s", -60.0, 60.0),
                 axis("pivot_angle", "rad", -PI, PI),
                 axis("pivot_rate", "rad_s", -60.0, 60.0),
+                axis("extension", "m", 0.0, 1.0),
+                axis("pressure", "Pa", 0.0, 1e8),
+                axis("since_fired", "s", 0.0, LONG_AGO),
             ],
             actions: Actions::Choices(std::iter::once("none".into()).chain(names).collect()),
             plant,
@@ -65,12 +71,11 @@ impl Environment for Legs {
 
     fn start(&self, seed: u64) -> Result<Box<dyn Episode>, GaitError> {
         let body = self.plant.start(self.ready.as_ref(), seed)?;
-        let motion = body.motion();
         let first = self.plant.obstacles.first();
-        let legs = f64::from(self.plant.robot.body.legs);
-        let stands = self.plant.robot.body.radius * (PI / legs).cos();
+        let pitch_half = PI / f64::from(self.plant.robot.body.legs);
+        let stands = self.plant.robot.body.radius * pitch_half.cos();
         Ok(Box::new(OnLegs {
-            observation: seen(&motion),
+            observation: seen(&body),
             body,
             ledger: Ledger::new(self.reward.clone()),
             period: self.plant.sensors().period,
@@ -84,15 +89,27 @@ struct OnLegs {
     body: Body,
     ledger: Ledger,
     period: f64,
-    observation: [f64; 4],
+    observation: [f64; 7],
     left: usize,
     /// Where the box begins and ends, and the height of the axle of a robot that stands on two legs there.
     top: Option<[f64; 3]>,
 }
 
-fn seen(motion: &Motion) -> [f64; 4] {
+/// Angles and rates of wheel and pivot; extension, pressure and time since its last firing of the leg that is below.
+fn seen(body: &Body) -> [f64; 7] {
+    let motion = body.motion();
     let [angle, rate] = motion.pivot;
-    [wrapped(motion.lean), motion.rate, angle, rate]
+    let [extension, pressure, since] = body.leg_below(&motion);
+    let since = since.min(LONG_AGO);
+    [
+        wrapped(motion.lean),
+        motion.rate,
+        angle,
+        rate,
+        extension,
+        pressure,
+        since,
+    ]
 }
 
 impl Episode for OnLegs {
@@ -107,7 +124,7 @@ impl Episode for OnLegs {
         self.body.go_on(None)?;
         self.left -= 1;
         let motion = self.body.motion();
-        self.observation = seen(&motion);
+        self.observation = seen(&self.body);
         let end = if self.is_on_the_box(&motion) {
             End::Arrived
         } else if self.left == 0 {

@@ -109,6 +109,8 @@ pub(super) struct Body {
     /// The leg whose valve is commanded to be open.
     open: Option<usize>,
     firings: usize,
+    /// When each leg was last fired (s).
+    fired: Vec<f64>,
     /// Whether its contacts have no solution.
     broken: bool,
 }
@@ -146,6 +148,7 @@ impl Body {
             start: [0.0; 2],
             open: None,
             firings: 0,
+            fired: vec![f64::NEG_INFINITY; legs],
             broken: false,
         };
         let motion = body.motion();
@@ -181,9 +184,7 @@ impl Body {
         if self.open == leg {
             return Ok(());
         }
-        if leg.is_some() {
-            self.firings += 1;
-        }
+        self.note(leg);
         let before = std::mem::replace(&mut self.open, leg);
         self.held.with_dependent_mut(|_, world| {
             before.map_or(Ok(()), |leg| world.sim().switch(leg, false))?;
@@ -194,7 +195,7 @@ impl Body {
 
     /// Goes on by a cycle of the sensors, at whose begin a leg fires for an opening time (s), if any.
     pub(super) fn go_on(&mut self, fire: Option<(usize, f64)>) -> Result<(), GaitError> {
-        self.firings += usize::from(fire.is_some());
+        self.note(fire.map(|(leg, _)| leg));
         let gone = self
             .held
             .with_dependent_mut(|_, world| world.go_on(fire, |_| ()));
@@ -206,6 +207,24 @@ impl Body {
             other => other?,
         }
         Ok(())
+    }
+
+    fn note(&mut self, fired: Option<usize>) {
+        if let Some(leg) = fired {
+            self.firings += 1;
+            self.fired[leg] = self.held.borrow_dependent().looked_at().time();
+        }
+    }
+
+    /// Of the leg that is nearest to upright below the axle: extension (m), pressure (Pa), time since it was fired (s).
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    pub(super) fn leg_below(&self, motion: &Motion) -> [f64; 3] {
+        let pitch = std::f64::consts::TAU / self.legs as f64;
+        let leg = (motion.lean / pitch).round().rem_euclid(self.legs as f64) as usize % self.legs;
+        let world = self.held.borrow_dependent();
+        let (rig, sim) = (world.rig(), world.looked_at());
+        let extension = sim.coordinates()[rig.extension_coordinate(leg)];
+        [extension, sim.pressure(leg), motion.time - self.fired[leg]]
     }
 
     /// Whether its motion cannot go on.
@@ -261,6 +280,7 @@ pub(super) enum End {
 pub(super) struct Ledger {
     reward: Reward,
     gas: f64,
+    travel: f64,
     arrived: Option<f64>,
     over: bool,
 }
@@ -270,6 +290,7 @@ impl Ledger {
         Ledger {
             reward,
             gas: 0.0,
+            travel: 0.0,
             arrived: None,
             over: false,
         }
@@ -289,6 +310,7 @@ impl Ledger {
     /// Closes a step of so many `seconds`; `rate` is that of the wheel (rad/s) as it is rewarded.
     pub(super) fn close(&mut self, body: &Body, (rate, seconds): (f64, f64), end: End) -> Step {
         let motion = body.motion();
+        let [_, travel] = body.since_start(&motion);
         let gas = if self.reward.needs_gas() {
             body.gas()
         } else {
@@ -302,12 +324,13 @@ impl Ledger {
         let reward = self.reward.of(&Stepped {
             rate,
             speed: motion.axle_rates[0],
+            way: travel - self.travel,
             seconds,
             gas: gas - self.gas,
             arrived: end == End::Arrived,
             stalled: end == End::Stalled || ends_standing,
         });
-        self.gas = gas;
+        (self.gas, self.travel) = (gas, travel);
         let terminated = matches!(end, End::Arrived | End::Stalled);
         Step {
             reward,

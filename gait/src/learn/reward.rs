@@ -13,9 +13,9 @@ pub enum Term {
     ///
     /// Source: thesis 6.1.
     Rate,
-    /// The speed of the axle (m/s).
+    /// The way of the axle (m): in steps of one length proportional to its speed, as in the thesis before a box.
     ///
-    /// Source: thesis 6.3.1, before a box.
+    /// Source: thesis 6.3.1.
     Travel,
     /// -1 for each second: the less time to the goal, the better.
     Time,
@@ -79,6 +79,8 @@ pub(crate) struct Stepped {
     pub rate: f64,
     /// Speed of the axle (m/s), forwards.
     pub speed: f64,
+    /// Way of the axle (m) in it.
+    pub way: f64,
     /// How long it took (s).
     pub seconds: f64,
     /// Gas that came from the supply (kg).
@@ -104,7 +106,7 @@ impl Reward {
                 }
             }
             Term::Rate => step.rate,
-            Term::Travel => step.speed,
+            Term::Travel => step.way,
             Term::Time => -step.seconds,
             Term::Gas => -step.gas,
             Term::Speed(wanted) => -(step.speed - wanted).abs(),

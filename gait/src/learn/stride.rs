@@ -27,23 +27,31 @@ const SPEED_OVER: f64 = 0.02;
 const LONGEST: f64 = 0.1;
 
 /// Each time another leg enters the active zone the learner says at which lean it fires, and how long its valve is
-/// open. The robot observes by its encoders and its filtered gyro.
+/// open. The robot observes by its encoders and its filtered gyro; of a box on its way it knows where it is.
 pub struct Stride {
     plant: Plant,
     ready: Option<Arc<Surroundings>>,
     reward: Reward,
     task: Task,
+    strides: usize,
     observed: Vec<Axis>,
     actions: Actions,
 }
 
 impl Stride {
-    /// `plant`, rewarded by `reward`.
+    /// `plant`, rewarded by `reward`, for so many `strides` at most.
     ///
     /// # Errors
-    /// [`GaitError`] for a robot that cannot run, and for times that are not above 0.
-    pub fn new(plant: Plant, reward: Reward, task: Task) -> Result<Stride, GaitError> {
+    /// [`GaitError`] for a robot that cannot run, for times that are not above 0, and for no strides.
+    pub fn new(
+        plant: Plant,
+        reward: Reward,
+        task: Task,
+        strides: usize,
+    ) -> Result<Stride, GaitError> {
         task.check()?;
+        let count = strides as f64;
+        require(strides > 0, "steps of an episode", count, "1 or more")?;
         let pitch = TAU / f64::from(plant.robot.body.legs);
         let axis = |name, unit, low, high| Axis {
             name,
@@ -51,16 +59,21 @@ impl Stride {
             low,
             high,
         };
+        let mut observed = vec![
+            axis("wheel_rate", "rad_s", -60.0, 60.0),
+            axis("lean", "rad", task.zone, task.zone + pitch),
+            axis("speed", "m_s", -20.0, 20.0),
+            axis("pivot_angle", "rad", -1.0, 1.0),
+        ];
+        if !plant.obstacles.is_empty() {
+            observed.push(axis("box_distance", "m", -1e3, 1e3));
+        }
         Ok(Stride {
             ready: plant.ready()?,
             reward,
             task,
-            observed: vec![
-                axis("wheel_rate", "rad_s", -60.0, 60.0),
-                axis("lean", "rad", task.zone, task.zone + pitch),
-                axis("speed", "m_s", -20.0, 20.0),
-                axis("pivot_angle", "rad", -1.0, 1.0),
-            ],
+            strides,
+            observed,
             actions: Actions::Values(vec![
                 axis("firing_angle", "rad", task.zone, task.zone + pitch),
                 axis("valve_open", "s", 0.0, LONGEST),
@@ -91,7 +104,9 @@ impl Environment for Stride {
             ledger: Ledger::new(self.reward.clone()),
             task: self.task,
             pitch,
-            observation: [0.0; 4],
+            left: self.strides,
+            front: self.plant.obstacles.first().map(|o| o.front),
+            observation: Vec::new(),
             wheel: 0.0,
             travelled: VecDeque::new(),
             stands: 0.0,
@@ -110,7 +125,11 @@ struct InStride {
     ledger: Ledger,
     task: Task,
     pitch: f64,
-    observation: [f64; 4],
+    /// Strides left.
+    left: usize,
+    /// Where the box begins (m).
+    front: Option<f64>,
+    observation: Vec<f64>,
     /// Lean of leg 0 by the encoder (rad), counted on.
     wheel: f64,
     /// Travel by the boom's encoder (m), of the last cycles.
@@ -136,7 +155,10 @@ impl InStride {
         let speed = (travel - first) / (cycles * self.sensors.period);
         let lean = self.wheel - self.passed() * self.pitch;
         let pivot = turn(readings.pivot, self.sensors.pivot_counts);
-        self.observation = [rate, lean, speed, pivot];
+        self.observation.clear();
+        self.observation.extend([rate, lean, speed, pivot]);
+        self.observation
+            .extend(self.front.map(|front| front - travel));
     }
 
     /// The firing angle (rad) and the valve opening time (s) of an action.
@@ -205,7 +227,13 @@ impl Episode for InStride {
             waits &= !fires;
             self.body.go_on(fires.then_some((leg, opening)))?;
             let end = self.goes_on();
-            if end != End::Open || self.body.is_broken() || self.passed() != passed {
+            let entered = self.passed() != passed;
+            if end != End::Open || self.body.is_broken() || entered {
+                self.left -= 1;
+                let end = match end {
+                    End::Open if self.left == 0 => End::Late,
+                    end => end,
+                };
                 let motion = self.body.motion();
                 let step = (motion.rate, motion.time - began);
                 return Ok(self.ledger.close(&self.body, step, end));

@@ -86,7 +86,8 @@ impl Rates {
 /// Traces below this share of a new one are dropped: their part of a value is below round-off.
 const FADED: f64 = 1e-18;
 
-/// A table of values Q(s, a), and how it learns.
+/// Values Q(s, a), and how they are learnt: the sum over the states in which the robot is, one in a table, and one in
+/// each tiling of a linear approximation.
 #[derive(Clone, Debug)]
 pub struct Tabular {
     algorithm: Algorithm,
@@ -101,15 +102,15 @@ pub struct Tabular {
 
 /// What came of an action, and what comes next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
-    /// State before.
-    pub state: usize,
+pub struct Seen<'s> {
+    /// States before, one in each tiling.
+    pub states: &'s [usize],
     /// What was done.
     pub action: usize,
     /// What it gave.
     pub reward: f64,
-    /// State after, and what is going to be done there; none after the end.
-    pub next: Option<(usize, usize)>,
+    /// States after, and what is going to be done there; none after the end.
+    pub next: Option<(&'s [usize], usize)>,
 }
 
 impl Tabular {
@@ -154,27 +155,41 @@ impl Tabular {
         Ok(self)
     }
 
-    /// Values of the actions in a state.
-    pub fn of(&self, state: usize) -> &[f64] {
-        &self.values[state * self.actions..(state + 1) * self.actions]
+    /// Value of an action in `states`, one in each tiling.
+    pub fn value(&self, states: &[usize], action: usize) -> f64 {
+        let one = |state: &usize| self.values[state * self.actions + action];
+        states.iter().map(one).sum()
     }
 
-    /// The best action in a state; of several, one at random.
-    pub fn greedy(&self, state: usize, random: &mut Pcg64) -> usize {
-        let values = self.of(state);
-        let best = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let count = values.iter().filter(|value| **value >= best).count();
+    fn greatest(&self, states: &[usize]) -> f64 {
+        let values = (0..self.actions).map(|action| self.value(states, action));
+        values.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The best action in `states`; of several, one at random.
+    pub fn greedy(&self, states: &[usize], random: &mut Pcg64) -> usize {
+        let best = self.greatest(states);
+        let is_best = |action: &usize| self.value(states, *action) >= best;
+        let count = (0..self.actions).filter(is_best).count();
         let chosen = if count > 1 { below(count, random) } else { 0 };
-        let mut best_ones = (0..values.len()).filter(|k| values[*k] >= best);
-        best_ones.nth(chosen).unwrap_or(0)
+        (0..self.actions).filter(is_best).nth(chosen).unwrap_or(0)
+    }
+
+    /// The best action in `states`; of several, the first: what a robot does with a table that it was given.
+    pub fn best(&self, states: &[usize]) -> usize {
+        let best = self.greatest(states);
+        let mut actions = 0..self.actions;
+        actions
+            .find(|action| self.value(states, *action) >= best)
+            .unwrap_or(0)
     }
 
     /// An action: with probability `epsilon` any one, else the best.
-    pub fn choose(&self, state: usize, epsilon: f64, random: &mut Pcg64) -> usize {
+    pub fn choose(&self, states: &[usize], epsilon: f64, random: &mut Pcg64) -> usize {
         if epsilon > 0.0 && unit(random) < epsilon {
             below(self.actions, random)
         } else {
-            self.greedy(state, random)
+            self.greedy(states, random)
         }
     }
 
@@ -186,27 +201,31 @@ impl Tabular {
     }
 
     /// Learns from a step.
-    pub fn learn(&mut self, seen: &Seen) {
+    pub fn learn(&mut self, seen: &Seen<'_>) {
         let Rates { alpha, gamma, .. } = self.rates;
-        let place = seen.state * self.actions + seen.action;
-        let greatest = |state: usize| self.of(state).iter().copied().fold(f64::MIN, f64::max);
         let after = seen
             .next
-            .map_or(0.0, |(state, action)| match self.algorithm {
-                Algorithm::Sarsa | Algorithm::SarsaLambda => self.of(state)[action],
-                Algorithm::Q | Algorithm::QLambda => greatest(state),
+            .map_or(0.0, |(states, action)| match self.algorithm {
+                Algorithm::Sarsa | Algorithm::SarsaLambda => self.value(states, action),
+                Algorithm::Q | Algorithm::QLambda => self.greatest(states),
             });
-        let delta = seen.reward + gamma * after - self.values[place];
+        let delta = seen.reward + gamma * after - self.value(seen.states, seen.action);
+        // Each tiling takes its part of the step.
+        let step = alpha / seen.states.len() as f64 * delta;
+        let place = |state: &usize| state * self.actions + seen.action;
         if !self.algorithm.has_traces() {
-            self.values[place] += alpha * delta;
+            for place in seen.states.iter().map(place) {
+                self.values[place] += step;
+            }
             return;
         }
-        self.visit(place);
-        self.credit(alpha * delta);
+        for state in seen.states {
+            self.visit(state * self.actions + seen.action);
+        }
+        self.credit(step);
         // Watkins: what follows an action that is not greedy says nothing of the best policy.
-        let is_greedy = |(state, action): (usize, usize)| {
-            let values = self.of(state);
-            values.iter().all(|value| *value <= values[action])
+        let is_greedy = |(states, action): (&[usize], usize)| {
+            self.value(states, action) >= self.greatest(states)
         };
         if self.algorithm == Algorithm::QLambda && !seen.next.is_some_and(is_greedy) {
             self.begin();

@@ -6,7 +6,7 @@ use crate::GaitError;
 use crate::error::require;
 
 use super::bins::Bins;
-use super::process::{Act, Environment, Outcome};
+use super::process::{Act, Environment, Episode, Outcome};
 use super::tabular::{Algorithm, Rates, Seen, Tabular};
 
 /// How exploration fades.
@@ -67,6 +67,12 @@ impl Training<'_> {
         choices.ok_or_else(|| crate::error::refused("actions", f64::NAN, "choices, for a table"))
     }
 
+    /// The seed with which the environment starts an episode of a learner's seed.
+    pub fn start_of((seed, episode): (u64, usize)) -> u64 {
+        seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            .wrapping_add(episode as u64)
+    }
+
     /// The table before learning.
     ///
     /// # Errors
@@ -103,7 +109,7 @@ pub fn train(
     Ok(())
 }
 
-/// An episode without exploration or learning.
+/// An episode without exploration or learning: in each state the best action, of equal ones the first.
 ///
 /// # Errors
 /// As [`train`].
@@ -123,35 +129,36 @@ fn one(
     epsilon: Option<f64>,
 ) -> Result<Score, GaitError> {
     let mut random = Pcg64::new(u128::from(seed), 2 * episode as u128);
-    let start = seed
-        .wrapping_mul(0x9e37_79b9_7f4a_7c15)
-        .wrapping_add(episode as u64);
+    let start = Training::start_of((seed, episode));
     let mut running = training.environment.start(start)?;
-    let share = epsilon.unwrap_or(0.0);
-    let mut score = Score::default();
-    let look = |observation: &[f64], score: &mut Score| {
-        let (state, outside) = training.bins.state(observation);
-        score.outside += usize::from(outside);
-        state
+    let mut choose = |table: &Tabular, states: &[usize]| match epsilon {
+        Some(share) => table.choose(states, share, &mut random),
+        None => table.best(states),
     };
+    let mut score = Score::default();
+    let (mut states, mut next) = (Vec::new(), Vec::new());
     table.begin();
-    let mut state = look(running.observation(), &mut score);
-    let mut action = table.choose(state, share, &mut random);
+    let look = |running: &dyn Episode, states: &mut Vec<usize>| {
+        usize::from(training.bins.states_of(running.observation(), states))
+    };
+    score.outside += look(running.as_ref(), &mut states);
+    let mut action = choose(table, &states);
     loop {
         let step = running.step(Act::Choice(action))?;
         score.total += step.reward;
         score.steps += 1;
-        let next = look(running.observation(), &mut score);
-        let after = table.choose(next, share, &mut random);
+        score.outside += look(running.as_ref(), &mut next);
+        let after = choose(table, &next);
         if epsilon.is_some() {
             table.learn(&Seen {
-                state,
+                states: &states,
                 action,
                 reward: step.reward,
-                next: (!step.terminated).then_some((next, after)),
+                next: (!step.terminated).then_some((&next, after)),
             });
         }
-        (state, action) = (next, after);
+        std::mem::swap(&mut states, &mut next);
+        action = after;
         if step.is_over() {
             score.outcome = running.outcome();
             return Ok(score);

@@ -165,7 +165,10 @@ fn a_random_walk_has_its_values() -> Result<(), GaitError> {
         });
         let tables: Vec<Tabular> = tables.collect::<Result<_, GaitError>>()?;
         for state in 1..6 {
-            let values: Vec<f64> = tables.iter().map(|table| table.of(state)[0]).collect();
+            let values: Vec<f64> = tables
+                .iter()
+                .map(|table| table.value(&[state], 0))
+                .collect();
             let (value, error) = mean(&values);
             let exact = state as f64 / 6.0;
             assert!(
@@ -351,11 +354,14 @@ fn traces_that_are_listed_give_the_values_of_a_full_table() -> Result<(), GaitEr
             for step in 0..3000 {
                 let reward = draw(5.0) as f64 - 2.0;
                 let next = (step % 50 != 49).then(|| (draw(12.0), draw(3.0)));
+                let after = next.map(|(state, action)| ([state], action));
                 table.learn(&Seen {
-                    state,
+                    states: &[state],
                     action,
                     reward,
-                    next,
+                    next: after
+                        .as_ref()
+                        .map(|(states, action)| (&states[..], *action)),
                 });
                 // As the thesis writes it, over all states and actions.
                 let best = |row: &[f64; 3]| row.iter().copied().fold(f64::MIN, f64::max);

@@ -115,11 +115,14 @@ fn rewards_are_what_the_episode_came_to() -> Result<(), GaitError> {
     assert!((time + outcome.time).abs() < 1e-9 && (outcome.time - 0.4).abs() < 1e-9);
     let (gas, outcome) = total(Term::Gas)?;
     assert!(outcome.gas > 0.0 && (gas + outcome.gas).abs() < 1e-12);
+    let (way, outcome) = total(Term::Travel)?;
+    assert!((way - outcome.travel).abs() < 1e-12);
     // Rates summed over 1 ms are angles, and speeds ways.
     let (rates, outcome) = total(Term::Rate)?;
     assert!((1e-3 * rates - outcome.angle).abs() < 0.02 * outcome.angle.abs());
-    let (speeds, outcome) = total(Term::Travel)?;
-    assert!((1e-3 * speeds - outcome.travel).abs() < 0.02 * outcome.travel.abs());
+    let (speeds, outcome) = total(Term::Speed(-100.0))?;
+    let way = -1e-3 * speeds - 100.0 * outcome.time;
+    assert!((way - outcome.travel).abs() < 0.02 * outcome.travel.abs());
     Ok(())
 }
 
@@ -208,7 +211,7 @@ fn strides_are_those_of_the_robots_controller() -> Result<(), GaitError> {
         seconds: 2.5,
         ..Task::default()
     };
-    let stride = Stride::new(Plant::new(quiet), rate(), task)?;
+    let stride = Stride::new(Plant::new(quiet), rate(), task, 99)?;
     let mut episode = stride.start(1)?;
     let over = |step: Step| step.is_over();
     while !over(episode.step(Act::Values(&[0.4, 0.05]))?) {}
@@ -222,8 +225,37 @@ fn strides_are_those_of_the_robots_controller() -> Result<(), GaitError> {
 }
 
 #[test]
+fn a_box_on_the_way_is_seen_and_in_the_way() -> Result<(), GaitError> {
+    let task = Task {
+        goal: 1.2,
+        seconds: 2.0,
+        ..Task::default()
+    };
+    let outcome = |height: f64| {
+        let stride = Stride::new(before(height, 0.21), rate(), task, 99)?;
+        assert_eq!(stride.observed().len(), 5);
+        let mut episode = stride.start(1)?;
+        assert!((episode.observation()[4] - 0.5).abs() < 0.01);
+        loop {
+            let step = episode.step(Act::Values(&[0.4, 0.05]))?;
+            let (seen, came) = (episode.observation()[4], episode.outcome().travel);
+            assert!((seen + came - 0.5).abs() < 0.01, "{seen} {came}");
+            if step.is_over() {
+                return Ok::<Outcome, GaitError>(episode.outcome());
+            }
+        }
+    };
+    assert!(outcome(0.01)?.arrived.is_some());
+    assert!(outcome(0.35)?.arrived.is_none());
+    // A single stride.
+    let short = Stride::new(plant(0), rate(), Task::default(), 1)?;
+    assert!(short.start(1)?.step(Act::Values(&[0.4, 0.05]))?.truncated);
+    Ok(())
+}
+
+#[test]
 fn choices_on_a_grid_are_values() -> Result<(), GaitError> {
-    let stride = || Stride::new(plant(0), rate(), Task::default());
+    let stride = || Stride::new(plant(0), rate(), Task::default(), 99);
     let grid = Gridded::new(Box::new(stride()?), &[3, 2])?;
     assert_eq!(grid.actions().choices(), Some(6));
     let Actions::Values(axes) = stride()?.actions().clone() else {
@@ -248,7 +280,7 @@ fn choices_on_a_grid_are_values() -> Result<(), GaitError> {
 
 #[test]
 fn what_cannot_be_done_is_refused() -> Result<(), GaitError> {
-    let stride = Stride::new(plant(0), rate(), Task::default())?;
+    let stride = Stride::new(plant(0), rate(), Task::default(), 99)?;
     let mut episode = stride.start(1)?;
     for bad in [
         [-0.31, 0.05],

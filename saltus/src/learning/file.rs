@@ -59,7 +59,7 @@ pub enum PolicyError {
 pub struct Held {
     /// Its seed.
     pub seed: u64,
-    /// Its table, by state and then action.
+    /// Its table, by state and then action, or the six parameters of its law.
     pub values: Vec<f64>,
     /// The score of every episode.
     pub curve: Vec<Score>,
@@ -93,7 +93,7 @@ impl Settings {
             "robot": self.plant.robot.name,
             "robot_toml": self.plant.robot.to_toml(),
             "draws_robots": self.plant.draw.is_some(),
-            "algorithm": self.algorithm.name(),
+            "algorithm": self.method.name(),
             "alpha": self.rates.alpha,
             "gamma": self.rates.gamma,
             "lambda": self.rates.lambda,
@@ -106,6 +106,7 @@ impl Settings {
             "reward": reward,
             "steps": self.steps,
             "states": bins,
+            "tilings": self.bins.tilings(),
         });
         match head {
             Value::Object(head) => head,
@@ -119,7 +120,7 @@ impl PolicyFile {
     pub fn of(settings: &Settings, learnt: &Learnt) -> PolicyFile {
         let tables = learnt.pupils.iter().map(|pupil| Held {
             seed: pupil.seed,
-            values: pupil.table.values().to_vec(),
+            values: pupil.policy.values(),
             curve: pupil.curve.clone(),
         });
         PolicyFile {
@@ -174,17 +175,11 @@ impl PolicyFile {
             });
         }
         let tables = document.remove("tables");
-        let states = document.get("states").and_then(Value::as_array);
-        let states = states.map(|all| {
-            let count = |bin: &Value| bin.get("steps").and_then(Value::as_u64).unwrap_or(0);
-            all.iter().map(count).product::<u64>()
-        });
-        let (Some(Value::Array(tables)), Some(states)) = (tables, states) else {
+        let Some(Value::Array(tables)) = tables else {
             return Err(wrong("tables", "is missing".into()));
         };
         let tables = tables.iter().enumerate().map(|(k, table)| {
-            held(table, states)
-                .ok_or_else(|| wrong(&format!("tables[{k}]"), "cannot be read".into()))
+            held(table).ok_or_else(|| wrong(&format!("tables[{k}]"), "cannot be read".into()))
         });
         Ok(PolicyFile {
             tables: tables.collect::<Result<_, _>>()?,
@@ -266,9 +261,9 @@ fn score_json(score: &Score) -> Value {
     ])
 }
 
-fn held(table: &Value, states: u64) -> Option<Held> {
+fn held(table: &Value) -> Option<Held> {
     let size = table.get("table_size")?.as_u64()?;
-    if states == 0 || size == 0 || size % states != 0 || size > 1 << 27 {
+    if size == 0 || size > 1 << 27 {
         return None;
     }
     let mut values = vec![0.0; usize::try_from(size).ok()?];

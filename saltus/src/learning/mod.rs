@@ -1,20 +1,23 @@
 //! Robots that learn to run: the experiments of chapter 6 of the thesis, over many seeds.
 //!
-//! [`Task::settings`] has what the thesis says of each. [`learn`] trains one table for each seed; [`Learnt`]
-//! has their curves and scores, and [`PolicyFile`] the table as a file.
+//! [`Task::settings`] has what the thesis says of each. [`learn`] lets each seed learn alone; [`Learnt`] has their
+//! curves, scores and policies, and [`PolicyFile`] is the file of them.
 
 mod file;
+mod policy;
+mod pupil;
 mod summary;
 
 pub use file::{PolicyError, PolicyFile};
+pub use policy::Policy;
+pub use pupil::{Learnt, Pupil, learn};
 pub use summary::{Interval, interquartile};
 
 use saltus_gait::learn::{
-    Algorithm, Bins, Environment, Legs, Outcome, Plant, Rates, Reward, Schedule, Score, Tabular,
-    Task as Course, Term, Traces, Training, Zone, greedy, train,
+    Algorithm, Bin, Bins, Environment, Gridded, Legs, Outcome, Plant, Rates, Reward, Schedule,
+    Score, Stride, Task as Course, Term, Traces, Training, Zone,
 };
 use saltus_gait::{GaitError, Obstacle};
-use saltus_numeric::parallel;
 use saltus_robot::Robot;
 
 /// What is to be learnt.
@@ -26,6 +29,42 @@ pub enum Task {
     Climb,
     /// Whether the leg in the active zone fires, by what the robot measures: thesis 6.3.2.
     RunZone,
+    /// At which lean the next leg fires and for how long: thesis 8.3.2.
+    RunStride,
+    /// The same, with a box on the way.
+    JumpStride,
+}
+
+/// What learns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Values of states and actions.
+    Values(Algorithm),
+    /// The smooth law's six numbers, by Bayesian optimisation.
+    Bayes,
+    /// The smooth law's six numbers, by CMA-ES.
+    Evolution,
+}
+
+impl Method {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Values(algorithm) => algorithm.name(),
+            Method::Bayes => "bayes",
+            Method::Evolution => "cma-es",
+        }
+    }
+
+    /// Whether it has traces.
+    pub fn has_traces(self) -> bool {
+        matches!(self, Method::Values(algorithm) if algorithm.has_traces())
+    }
+
+    /// Whether it seeks a law in place of values.
+    pub fn seeks_a_law(self) -> bool {
+        !matches!(self, Method::Values(_))
+    }
 }
 
 /// The box of the thesis (m).
@@ -34,10 +73,27 @@ const BOX: Obstacle = Obstacle {
     length: 0.21,
     height: 0.21,
 };
+/// The box of `jump-stride`.
+const LOWER: Obstacle = Obstacle {
+    front: 1.0,
+    length: 0.21,
+    height: 0.1,
+};
+
+/// Firing angles and valve opening times among which a table chooses in a stride.
+const GRID: [usize; 2] = [6, 3];
+/// Longest time (s) of a run by strides.
+const LONGEST: f64 = 3.0;
 
 impl Task {
     /// Every task.
-    pub const ALL: [Task; 3] = [Task::RunLegs, Task::Climb, Task::RunZone];
+    pub const ALL: [Task; 5] = [
+        Task::RunLegs,
+        Task::Climb,
+        Task::RunZone,
+        Task::RunStride,
+        Task::JumpStride,
+    ];
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -45,61 +101,124 @@ impl Task {
             Task::RunLegs => "run-legs",
             Task::Climb => "climb",
             Task::RunZone => "run-zone",
+            Task::RunStride => "run-stride",
+            Task::JumpStride => "jump-stride",
         }
     }
 
-    /// The algorithm of the thesis.
-    pub fn algorithm(self) -> Algorithm {
+    /// What learns it where nothing else is asked for: in the thesis, and where it has none, what needs the fewest starts.
+    pub fn method(self) -> Method {
         match self {
-            Task::RunLegs | Task::Climb => Algorithm::Q,
-            Task::RunZone => Algorithm::SarsaLambda,
+            Task::RunLegs | Task::Climb => Method::Values(Algorithm::Q),
+            Task::RunZone => Method::Values(Algorithm::SarsaLambda),
+            Task::RunStride => Method::Bayes,
+            Task::JumpStride => Method::Values(Algorithm::SarsaLambda),
         }
     }
 
-    /// The settings of the thesis, for `robot`: tables 6.1 to 6.4 as printed.
-    pub fn settings(self, robot: Robot, algorithm: Algorithm) -> Settings {
-        let traces = algorithm.has_traces();
-        let mut plant = Plant::new(robot);
-        let decay = if traces { 0.95 } else { 0.99 };
-        let (reward, episodes, steps) = match self {
-            Task::RunLegs => (
-                vec![(Term::Threshold(2.0), 1.0)],
-                if traces { 100 } else { 1000 },
-                1000,
-            ),
-            Task::Climb => (vec![(Term::Travel, 1.0), (Term::Arrival, 1e4)], 500, 2000),
+    /// Whether a decision is a firing angle and a valve opening time.
+    pub fn is_by_stride(self) -> bool {
+        matches!(self, Task::RunStride | Task::JumpStride)
+    }
+
+    /// Terms of the reward, episodes, and steps of an episode.
+    fn usual(self, method: Method) -> (Vec<(Term, f64)>, usize, usize) {
+        let traces = method.has_traces();
+        let sought = method.seeks_a_law();
+        match self {
+            Task::RunLegs => {
+                let episodes = if traces { 100 } else { 1000 };
+                (vec![(Term::Threshold(2.0), 1.0)], episodes, 1000)
+            }
+            Task::Climb => (vec![(Term::Travel, 1.0), (Term::Arrival, 10.0)], 500, 2000),
             Task::RunZone => (vec![(Term::Rate, 1.0)], 40, 360),
+            Task::RunStride => {
+                let reward = vec![(Term::Travel, 1.0), (Term::Time, 1.0), (Term::Stall, 3.0)];
+                (reward, if sought { 60 } else { 500 }, 60)
+            }
+            Task::JumpStride => {
+                let reward = vec![(Term::Travel, 1.0), (Term::Arrival, 3.0)];
+                (reward, if sought { 200 } else { 2000 }, 60)
+            }
+        }
+    }
+
+    fn rates(self, method: Method) -> Rates {
+        let traces = method.has_traces();
+        // A stride is long: what comes of it is in the next ones, and tables are small.
+        let [alpha, gamma] = match (self.is_by_stride(), traces) {
+            (true, _) => [0.2, 1.0],
+            (false, true) => [0.8, 0.3],
+            (false, false) => [1.0, 0.3],
         };
+        Rates {
+            alpha,
+            gamma,
+            lambda: 0.9,
+            traces: Traces::Accumulating,
+        }
+    }
+
+    fn bins(self) -> Bins {
+        let bin = |from, to, count| Bin { from, to, count };
         match self {
-            Task::RunLegs => {}
+            Task::RunLegs | Task::Climb => Bins::of_table_6_1(),
+            Task::RunZone => Bins::of_table_6_3(),
+            // Rate, lean, speed, height; distance of the box.
+            Task::RunStride | Task::JumpStride => {
+                let mut axes = vec![
+                    bin(-5.0, 20.0, 20),
+                    bin(-0.3, 1.0, 2),
+                    bin(0.0, 4.0, 1),
+                    bin(-0.2, 0.2, 1),
+                ];
+                if self == Task::JumpStride {
+                    axes.push(bin(-0.2, 2.0, 11));
+                }
+                // Few steps within their limits.
+                Bins::new(axes).unwrap_or_else(|_| Bins::of_table_6_3())
+            }
+        }
+    }
+
+    /// The settings of the thesis for `robot`, tables 6.1 to 6.4 as printed; of its own, where it has none.
+    pub fn settings(self, robot: Robot, method: Method) -> Settings {
+        let mut plant = Plant::new(robot);
+        let (reward, episodes, steps) = self.usual(method);
+        match self {
+            Task::RunLegs | Task::RunStride => {}
             Task::Climb => plant.obstacles = vec![BOX],
+            Task::JumpStride => plant.obstacles = vec![LOWER],
             // Thesis 6.3.2: pulses of 1 ms did not move the valves.
             Task::RunZone => plant.robot.leg.least_pulse = plant.robot.leg.least_pulse.max(0.005),
         }
         Settings {
             task: self,
             plant,
-            algorithm,
-            rates: Rates {
-                alpha: if traces { 0.8 } else { 1.0 },
-                gamma: 0.3,
-                lambda: 0.9,
-                traces: Traces::Accumulating,
-            },
+            method,
+            rates: self.rates(method),
             schedule: Schedule {
                 epsilon: if self == Task::RunZone { 0.95 } else { 1.0 },
-                decay,
+                decay: if method.has_traces() && !self.is_by_stride() {
+                    0.95
+                } else {
+                    0.99
+                },
                 episodes,
             },
-            bins: match self {
-                Task::RunLegs | Task::Climb => Bins::of_table_6_1(),
-                Task::RunZone => Bins::of_table_6_3(),
-            },
+            bins: self.bins(),
             reward: Reward(reward),
             steps,
         }
     }
 }
+
+/// Episodes over which a score is a mean.
+const SMOOTH: usize = 10;
+/// Share of the final score that counts as learnt.
+const LEARNT: f64 = 0.9;
+/// Angle (rad) or travel (m) above which a robot has moved at all.
+const MOVES: f64 = 0.1;
 
 /// What learns what, and how.
 #[derive(Clone, Debug)]
@@ -109,7 +228,7 @@ pub struct Settings {
     /// The robot and what is around it.
     pub plant: Plant,
     /// What learns.
-    pub algorithm: Algorithm,
+    pub method: Method,
     /// Its numbers.
     pub rates: Rates,
     /// How it explores, and how long.
@@ -123,27 +242,48 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Its robot with its task.
+    /// Its robot with its task; a stride's decision is numbers.
     ///
     /// # Errors
     /// [`GaitError`] for a robot that cannot run.
     pub fn environment(&self) -> Result<Box<dyn Environment>, GaitError> {
         let (plant, reward) = (self.plant.clone(), self.reward.clone());
+        let usual = Course::default();
         Ok(match self.task {
             Task::RunLegs | Task::Climb => Box::new(Legs::new(plant, reward, self.steps)?),
             Task::RunZone => {
-                let usual = Course::default();
                 let seconds = self.steps as f64 * usual.period;
                 Box::new(Zone::new(plant, reward, Course { seconds, ..usual })?)
+            }
+            Task::RunStride | Task::JumpStride => {
+                let radius = plant.robot.body.radius;
+                let past = plant.obstacles.first();
+                let past = past.map(|it| it.front + it.length + radius);
+                let course = Course {
+                    seconds: LONGEST,
+                    goal: past.unwrap_or(usual.goal),
+                    ..usual
+                };
+                Box::new(Stride::new(plant, reward, course, self.steps)?)
             }
         })
     }
 
-    fn training<'e>(&self, environment: &'e dyn Environment) -> Training<'e> {
+    /// The same for a table, which chooses: a stride's decision is one on a grid.
+    fn chosen(&self) -> Result<Box<dyn Environment>, GaitError> {
+        let environment = self.environment()?;
+        Ok(if self.task.is_by_stride() {
+            Box::new(Gridded::new(environment, &GRID)?)
+        } else {
+            environment
+        })
+    }
+
+    fn training<'e>(&self, environment: &'e dyn Environment, algorithm: Algorithm) -> Training<'e> {
         Training {
             environment,
             bins: self.bins.clone(),
-            algorithm: self.algorithm,
+            algorithm,
             rates: self.rates,
             schedule: self.schedule,
         }
@@ -153,7 +293,7 @@ impl Settings {
     pub fn way(&self, outcome: &Outcome) -> f64 {
         match self.task {
             Task::RunLegs => outcome.angle,
-            Task::Climb | Task::RunZone => outcome.travel,
+            _ => outcome.travel,
         }
     }
 
@@ -178,102 +318,10 @@ impl Settings {
     pub fn figure(&self, outcome: &Outcome) -> f64 {
         match self.task {
             Task::RunLegs => outcome.angle,
-            Task::Climb | Task::RunZone => match outcome.arrived {
+            _ => match outcome.arrived {
                 Some(time) => 100.0 - time,
                 None => outcome.travel,
             },
         }
-    }
-}
-
-/// Episodes over which a score is a mean.
-const SMOOTH: usize = 10;
-/// Share of the final score that counts as learnt.
-const LEARNT: f64 = 0.9;
-/// Angle (rad) or travel (m) above which a robot has moved at all.
-const MOVES: f64 = 0.1;
-
-/// What one seed learnt.
-#[derive(Clone, Debug)]
-pub struct Pupil {
-    /// Its seed.
-    pub seed: u64,
-    /// The score of every episode.
-    pub curve: Vec<Score>,
-    /// What it came to without exploration.
-    pub score: Score,
-    /// Its table.
-    pub table: Tabular,
-}
-
-/// What all seeds learnt.
-#[derive(Clone, Debug)]
-pub struct Learnt {
-    /// Each seed, in order.
-    pub pupils: Vec<Pupil>,
-}
-
-/// Episode of the trials without exploration: one that no training has.
-const TRIAL: usize = 1 << 40;
-
-/// Learns with `seeds` seeds from `first` on, on so many `threads`: the same for any number of them. `goes_on` is asked
-/// after each episode, and ends all where it says so; then the tables are those of the episodes done.
-///
-/// `before` has the tables and the number of episodes from which it goes on.
-///
-/// # Errors
-/// [`GaitError`] for numbers that cannot be, and for a motion that cannot go on.
-pub fn learn(
-    settings: &Settings,
-    (first, seeds): (u64, usize),
-    before: Option<&PolicyFile>,
-    threads: usize,
-    goes_on: &(impl Fn() -> bool + Sync),
-) -> Result<Learnt, GaitError> {
-    let environment = settings.environment()?;
-    let training = settings.training(environment.as_ref());
-    let one = |k: usize| {
-        let seed = first.wrapping_add(k as u64);
-        let mut table = training.table()?;
-        let mut curve = Vec::new();
-        if let Some(held) = before.and_then(|file| file.tables.get(k)) {
-            table = table.with_values(held.values.clone())?;
-            curve.clone_from(&held.curve);
-        }
-        let from = curve.len();
-        train(&training, &mut table, (seed, from), |_, score, _| {
-            curve.push(*score);
-            goes_on()
-        })?;
-        let score = greedy(&training, &table, (seed, TRIAL))?;
-        Ok(Pupil {
-            seed,
-            curve,
-            score,
-            table,
-        })
-    };
-    let pupils: Result<Vec<_>, GaitError> =
-        parallel::map_on(threads, seeds, one).into_iter().collect();
-    Ok(Learnt { pupils: pupils? })
-}
-
-impl Learnt {
-    /// The one that did best without exploration, the first of several.
-    pub fn best(&self, settings: &Settings) -> Option<&Pupil> {
-        let figure = |pupil: &Pupil| settings.figure(&pupil.score.outcome);
-        self.pupils.iter().reduce(|best, pupil| {
-            if figure(pupil) > figure(best) {
-                pupil
-            } else {
-                best
-            }
-        })
-    }
-
-    /// Those that reached the goal without exploration.
-    pub fn arrived(&self) -> usize {
-        let scores = self.pupils.iter().map(|pupil| pupil.score.outcome);
-        scores.filter(|outcome| outcome.arrived.is_some()).count()
     }
 }

@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, ValueEnum};
 use saltus::gait::Draw;
-use saltus::gait::learn::{Algorithm, Reward, Term, Traces};
-use saltus::learning::{Learnt, PolicyFile, Settings, Task, learn};
+use saltus::gait::learn::{Algorithm, Bin, Bins, Reward, Term, Traces};
+use saltus::learning::{Learnt, Method, PolicyFile, Settings, Task, learn};
 
 use self::report::Report;
 use super::Status;
@@ -31,11 +31,11 @@ pub(crate) struct Learn {
     #[arg(long, value_enum)]
     algorithm: Option<AlgorithmName>,
 
-    /// Learning rate α, from 0 to 1 [default: 1, with traces 0.8]
+    /// Learning rate α, from 0 to 1 [default: 1, with traces 0.8; by strides 0.2]
     #[arg(long, value_name = "NUMBER", value_parser = unit, allow_negative_numbers = true)]
     alpha: Option<f64>,
 
-    /// Discount γ of a step, from 0 to 1 [default: 0.3]
+    /// Discount γ of a step, from 0 to 1 [default: 0.3; by strides 1]
     #[arg(long, value_name = "NUMBER", value_parser = unit, allow_negative_numbers = true)]
     gamma: Option<f64>,
 
@@ -59,11 +59,19 @@ pub(crate) struct Learn {
     #[arg(long, value_name = "TERM=COEFFICIENT", value_parser = term)]
     reward: Vec<(Term, f64)>,
 
-    /// Episodes [default: 1000, with traces 100; climb 500; run-zone 40]
+    /// The steps of a number that is observed, in SI units, as in wheel_rate=-5:20:25; 1 step leaves it out; may be repeated
+    #[arg(long, value_name = "NAME=FROM:TO:COUNT", value_parser = steps_of)]
+    state: Vec<(String, Bin)>,
+
+    /// Tables that are shifted against each other, whose values are summed [default: 1]
+    #[arg(long, value_name = "COUNT")]
+    tilings: Option<u32>,
+
+    /// Episodes [default: 1000, with traces 100; climb 500; run-zone 40; run-stride 500, of a law 60; jump-stride 2000, of a law 200]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     episodes: Option<u32>,
 
-    /// Steps of an episode at most [default: run-legs 1000, climb 2000, run-zone 360]
+    /// Steps of an episode at most [default: run-legs 1000, climb 2000, run-zone 360, by strides 60]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     steps: Option<u32>,
 
@@ -101,25 +109,33 @@ Examples:
   saltus learn run-zone --algorithm sarsa-lambda --episodes 40 --seeds 30 --out policy.json --plot curve.svg
   saltus learn run-legs --algorithm q --alpha 0.3 --gamma 1
   saltus learn run-legs --reward rate=1 --set leg.valve_delay_ms=0
+  saltus learn run-stride --algorithm bayes --episodes 60
+  saltus learn run-legs --tilings 8 --state wheel_angle=-3.15:3.15:10 --state wheel_rate=-10:21:10
   saltus learn run-zone --resume policy.json --episodes 80 --out policy.json
 
-Tasks, of the robot on its boom (rats-run), from rest on two legs:
-  run-legs  each millisecond one valve is open, or none; 1 s; states of table 6.1: angle and rate of the wheel, angle and \
-rate of the boom's pivot (the pivot's two steps meet at -0.95 rad, where it never comes)
-  climb     the same before a box 21 cm high and long, 0.5 m away; 2 s; it ends when a foot stands on the box
-  run-zone  each 5 ms the leg in the active zone has its valve open, or not; what the encoder and the filtered gyro say, in the \
-states of table 6.3; pulses under 5 ms do nothing; 1.6 m, or 1.8 s
+Tasks, of the robot on its boom (rats-run), from rest on two legs. What is observed stands in brackets: --state gives its steps.
+  run-legs     each millisecond one valve is open, or none; for 1 s. [wheel_angle, wheel_rate, pivot_angle, pivot_rate, in the \
+states of table 6.1; extension, pressure and since_fired of the leg below, with 1 step each]
+  climb        the same before a box 21 cm high and long, 0.5 m away; for 2 s, or until a foot is on the box and the axle over it, \
+as high as on two legs
+  run-zone     each 5 ms the valve of the leg in the active zone is open, or not; to 1.6 m, or for 1.8 s. [wheel_angle by the encoder, \
+wheel_rate by the filtered gyro, in the states of table 6.3]
+  run-stride   as each leg enters the active zone, its firing angle and valve opening time; to 1.6 m, or for 3 s. [wheel_rate, lean of that leg, \
+speed, pivot_angle] Tables choose among 6 angles and 3 times
+  jump-stride  the same over a box 10 cm high and 21 cm long, 1 m away, until the axle is a wheel's radius behind it. [box_distance, too]
 
 Algorithms: sarsa (6.2.2), q (6.2.3), sarsa-lambda (6.2.4), q-lambda (6.2.5; a trace ends where an action is not greedy). Actions \
 are random with probability epsilon, which fades from episode to episode; of equal values one is drawn. The defaults are those \
 of tables 6.2 and 6.4 as printed. With gamma 0.3 at 1 kHz a learner looks 1.4 ms ahead, while a valve takes 10 ms: \
---alpha 0.3 --gamma 1 interchanges the two columns.
+--alpha 0.3 --gamma 1 interchanges the two columns. With --tilings each table holds a part of a value (tile coding). \
+bayes (Bayesian optimisation) and cma-es learn no table, but the six numbers of the smooth law (`saltus run --gait smooth`), a run for each try.
 
-Rewards, summed over the terms given (default: run-legs threshold:2=1; climb rate=1 and arrival=10000; run-zone rate=1), for each step: \
-threshold:RATE (1 where the wheel is faster than RATE in rad/s, else -1), rate (of the wheel, rad/s), time (-1 for each second), gas (-1 for each kg), speed:SPEED (minus the \
-distance from SPEED in m/s); at the end: stall (-1 where the robot stands), arrival (1 at the goal).
+Rewards, summed over the terms given, for each step: threshold:RATE (1 where the wheel is faster than RATE in rad/s, else -1), \
+rate (of the wheel, rad/s), travel (way in m), time (-1 for each second), gas (-1 for each kg), speed:SPEED (minus the \
+distance from SPEED in m/s); at the end: stall (-1 where the robot stands), arrival (1 at the goal). The default: run-legs threshold:2=1; \
+climb travel=1 and arrival=10; run-zone rate=1; run-stride travel=1, time=1 and stall=3; jump-stride travel=1 and arrival=3.
 
-Each seed learns alone. What it learnt is scored in an episode without exploration, which is not learnt from. The answer has the mean of the middle \
+Each seed learns alone. What it learnt is scored in an episode without exploration, which is not learnt from; there, of equal values the first counts. The answer has the mean of the middle \
 half of the seeds with its 95 % interval (bootstrap), and the seed that did best.
 
 CSV, a row for each seed: seed, episodes, reward (of the scored episode), angle_rad, travel_m, arrived_s (empty: the goal was not reached), \
@@ -138,6 +154,8 @@ enum TaskName {
     RunLegs,
     Climb,
     RunZone,
+    RunStride,
+    JumpStride,
 }
 
 impl From<TaskName> for Task {
@@ -146,6 +164,8 @@ impl From<TaskName> for Task {
             TaskName::RunLegs => Task::RunLegs,
             TaskName::Climb => Task::Climb,
             TaskName::RunZone => Task::RunZone,
+            TaskName::RunStride => Task::RunStride,
+            TaskName::JumpStride => Task::JumpStride,
         }
     }
 }
@@ -156,16 +176,20 @@ enum AlgorithmName {
     Q,
     SarsaLambda,
     QLambda,
+    Bayes,
+    CmaEs,
 }
 
-impl From<AlgorithmName> for Algorithm {
-    fn from(name: AlgorithmName) -> Algorithm {
-        match name {
+impl From<AlgorithmName> for Method {
+    fn from(name: AlgorithmName) -> Method {
+        Method::Values(match name {
             AlgorithmName::Sarsa => Algorithm::Sarsa,
             AlgorithmName::Q => Algorithm::Q,
             AlgorithmName::SarsaLambda => Algorithm::SarsaLambda,
             AlgorithmName::QLambda => Algorithm::QLambda,
-        }
+            AlgorithmName::Bayes => return Method::Bayes,
+            AlgorithmName::CmaEs => return Method::Evolution,
+        })
     }
 }
 
@@ -175,6 +199,23 @@ fn unit(text: &str) -> Result<f64, String> {
         Ok(x) if (0.0..=1.0).contains(&x) => Ok(x),
         _ => Err("must be a number from 0 to 1".into()),
     }
+}
+
+/// Parser of a flag.
+fn steps_of(text: &str) -> Result<(String, Bin), String> {
+    const WANTED: &str = "must be NAME=FROM:TO:COUNT, as in wheel_rate=-5:20:25";
+    let (name, steps) = text.split_once('=').ok_or(WANTED)?;
+    let parts: Vec<&str> = steps.split(':').map(str::trim).collect();
+    let [from, to, count] = parts[..] else {
+        return Err(WANTED.into());
+    };
+    let number = |text: &str| text.parse().ok().filter(|x: &f64| x.is_finite());
+    let bin = Bin {
+        from: number(from).ok_or(WANTED)?,
+        to: number(to).ok_or(WANTED)?,
+        count: count.parse().map_err(|_| WANTED)?,
+    };
+    Ok((name.trim().into(), bin))
 }
 
 /// Parser of a flag.
@@ -230,8 +271,12 @@ impl Learn {
             return Err(CliError::flag("--draw", "", allowed));
         }
         let task = Task::from(self.task);
-        let algorithm = self.algorithm.map_or(task.algorithm(), Algorithm::from);
-        let mut settings = task.settings(robot, algorithm);
+        let method = self.algorithm.map_or(task.method(), Method::from);
+        if method.seeks_a_law() && !task.is_by_stride() {
+            let allowed = "used with run-stride or jump-stride, where a law says the firing angle";
+            return Err(CliError::flag("--algorithm", method.name(), allowed));
+        }
+        let mut settings = task.settings(robot, method);
         if self.draw {
             settings.plant.draw = Some(Draw::around(&settings.plant.robot));
         }
@@ -249,10 +294,31 @@ impl Learn {
             .episodes
             .map_or(schedule.episodes, |count| count as usize);
         settings.steps = self.steps.map_or(settings.steps, |count| count as usize);
+        settings.bins = self.bins(&settings)?;
         if !self.reward.is_empty() {
             settings.reward = Reward(self.reward.clone());
         }
         Ok(settings)
+    }
+
+    /// The states of a table.
+    fn bins(&self, settings: &Settings) -> Result<Bins, CliError> {
+        let robot = &settings.plant.robot.name;
+        let wrong = |error| CliError::content(robot, error);
+        let environment = settings.environment().map_err(wrong)?;
+        let observed: Vec<&str> = environment.observed().iter().map(|it| it.name).collect();
+        let mut axes = settings.bins.axes().to_vec();
+        for (name, bin) in &self.state {
+            let Some(place) = observed.iter().position(|it| it == name) else {
+                let allowed = format!("one of {}", observed.join(", "));
+                return Err(CliError::flag("--state", name, allowed));
+            };
+            axes[place] = *bin;
+        }
+        let bins = Bins::new(axes).map_err(|error| CliError::content("--state", error))?;
+        let tilings = self.tilings.unwrap_or(1) as usize;
+        bins.tiled(tilings)
+            .map_err(|error| CliError::content("--tilings", error))
     }
 
     /// What is gone on from.

@@ -3,7 +3,9 @@
 use std::fmt::Write;
 
 use saltus::gait::learn::Outcome;
-use saltus::learning::{Interval, Learnt, PolicyFile, Pupil, Settings, Task, interquartile};
+use saltus::learning::{
+    Interval, Learnt, Policy, PolicyFile, Pupil, Settings, Task, interquartile,
+};
 use saltus::running::Share;
 use serde_json::{Value, json};
 
@@ -35,7 +37,7 @@ impl Report<'_> {
     fn judged(&self, outcome: &Outcome) -> (&'static str, &'static str, f64) {
         let (name, unit) = match self.settings.task {
             Task::RunLegs => ("angle", "rad"),
-            Task::Climb | Task::RunZone => ("travel", "m"),
+            _ => ("travel", "m"),
         };
         (name, unit, self.settings.way(outcome))
     }
@@ -114,30 +116,32 @@ impl Report<'_> {
             "{}: {} by {}, {} episodes, {} seeds\n",
             s.plant.robot.name,
             s.task.name(),
-            s.algorithm.name(),
+            s.method.name(),
             schedule.episodes,
             self.learnt.pupils.len()
         );
         let mut line = |name: &str, says: String| {
             let _ = writeln!(text, "  {name:<24} {says}");
         };
-        let traces = if s.algorithm.has_traces() {
-            format!(", lambda {}", short(rates.lambda))
-        } else {
-            String::new()
-        };
-        line(
-            "alpha, gamma",
-            format!("{}, {}{traces}", short(rates.alpha), short(rates.gamma)),
-        );
-        line(
-            "exploration",
-            format!(
-                "{}, times {} an episode",
-                short(schedule.epsilon),
-                short(schedule.decay)
-            ),
-        );
+        if !s.method.seeks_a_law() {
+            let traces = if s.method.has_traces() {
+                format!(", lambda {}", short(rates.lambda))
+            } else {
+                String::new()
+            };
+            line(
+                "alpha, gamma",
+                format!("{}, {}{traces}", short(rates.alpha), short(rates.gamma)),
+            );
+            line(
+                "exploration",
+                format!(
+                    "{}, times {} an episode",
+                    short(schedule.epsilon),
+                    short(schedule.decay)
+                ),
+            );
+        }
         let said = |interval: Option<Interval>, unit: &str| match interval {
             Some(Interval {
                 value,
@@ -161,6 +165,19 @@ impl Report<'_> {
                 "best",
                 format!("{} {unit}, seed {}", short(value), best.seed),
             );
+        }
+        let law = self.learnt.best(s).map(|best| &best.policy);
+        if let Some(Policy::Law(law)) = law {
+            let says = |[rest, speed, half]: [f64; 3], unit: &str| {
+                format!(
+                    "{} {unit} at rest, {} {unit} at speed, half way at {} rad/s",
+                    short(rest),
+                    short(speed),
+                    short(half)
+                )
+            };
+            line("its firing angle", says(law.firing_angle, "rad"));
+            line("its valve opening", says(law.valve_open, "s"));
         }
         if s.task != Task::RunLegs {
             let share = self.arrived();
@@ -206,7 +223,7 @@ impl Report<'_> {
             "command": "learn",
             "task": s.task.name(),
             "robot": s.plant.robot.name,
-            "algorithm": s.algorithm.name(),
+            "algorithm": s.method.name(),
             "episodes": s.schedule.episodes,
             "seeds": self.learnt.pupils.len(),
             "interrupted": self.interrupted,
@@ -245,13 +262,13 @@ impl Report<'_> {
                 "{}: {} by {}, {} seeds: mean of the middle half, 95 % interval thin",
                 s.plant.robot.name,
                 s.task.name(),
-                s.algorithm.name(),
+                s.method.name(),
                 self.learnt.pupils.len()
             ),
             x: "episode",
             y: match s.task {
                 Task::RunLegs => "angle in the episode (rad)",
-                Task::Climb | Task::RunZone => "travel in the episode (m)",
+                _ => "travel in the episode (m)",
             },
             lines: vec![
                 band("", |it| it.interval[0]),

@@ -1,0 +1,86 @@
+//! What was learnt, and what it does.
+
+use saltus_gait::learn::{Act, Actions, Environment, Score, Tabular, Training, greedy};
+use saltus_gait::{GaitError, Smooth};
+
+use super::{Method, Settings};
+
+/// What a robot does.
+#[derive(Clone, Debug)]
+pub enum Policy {
+    /// In each state the action of the greatest value.
+    Table(Tabular),
+    /// Firing angles by a law.
+    Law(Smooth),
+}
+
+impl Policy {
+    /// Its numbers: the values by state and then action, or the six parameters of the law.
+    pub fn values(&self) -> Vec<f64> {
+        match self {
+            Policy::Table(table) => table.values().to_vec(),
+            Policy::Law(law) => [law.firing_angle, law.valve_open].concat(),
+        }
+    }
+
+    /// The policy of these `values`, learnt under `settings`.
+    ///
+    /// # Errors
+    /// [`GaitError`] for another number of values than the settings have.
+    pub fn of(settings: &Settings, values: &[f64]) -> Result<Policy, GaitError> {
+        Ok(match settings.method {
+            Method::Values(algorithm) => {
+                let environment = settings.chosen()?;
+                let training = settings.training(environment.as_ref(), algorithm);
+                Policy::Table(training.table()?.with_values(values.to_vec())?)
+            }
+            _ => Policy::Law(Smooth::from(values)),
+        })
+    }
+
+    /// An episode of the task of `settings` without exploration; what is drawn in it is drawn by `seed`.
+    ///
+    /// # Errors
+    /// [`GaitError`] for a robot that cannot run, and for a motion that cannot go on.
+    pub fn trial(&self, settings: &Settings, seed: (u64, usize)) -> Result<Score, GaitError> {
+        match (self, settings.method) {
+            (Policy::Table(table), Method::Values(algorithm)) => {
+                let environment = settings.chosen()?;
+                let training = settings.training(environment.as_ref(), algorithm);
+                greedy(&training, table, seed)
+            }
+            (Policy::Table(_), _) => Ok(Score::default()),
+            (Policy::Law(law), _) => {
+                let environment = settings.environment()?;
+                by_law(environment.as_ref(), law, Training::start_of(seed))
+            }
+        }
+    }
+}
+
+/// An episode in which each stride is fired by `law`.
+pub(super) fn by_law(
+    environment: &dyn Environment,
+    law: &Smooth,
+    seed: u64,
+) -> Result<Score, GaitError> {
+    let mut running = environment.start(seed)?;
+    let mut score = Score::default();
+    let Actions::Values(axes) = environment.actions() else {
+        return Ok(score);
+    };
+    loop {
+        let rate = running.observation().first().copied().unwrap_or(0.0);
+        let mut firing = law.at(rate);
+        for (x, axis) in firing.iter_mut().zip(axes) {
+            *x = x.clamp(axis.low, axis.high);
+        }
+        let step = running.step(Act::Values(&firing))?;
+        score.total += step.reward;
+        score.steps += 1;
+        if step.is_over() {
+            score.outcome = running.outcome();
+            return Ok(score);
+        }
+    }
+}

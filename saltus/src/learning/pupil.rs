@@ -1,0 +1,167 @@
+//! Seeds that learn, each alone.
+
+use saltus_gait::learn::{Bayes, Evolution, Learner, Score, Training, greedy, train};
+use saltus_gait::{GaitError, Smooth};
+use saltus_numeric::parallel;
+
+use super::policy::by_law;
+use super::{Method, Policy, PolicyFile, Settings};
+
+/// What one seed learnt.
+#[derive(Clone, Debug)]
+pub struct Pupil {
+    /// Its seed.
+    pub seed: u64,
+    /// The score of every episode.
+    pub curve: Vec<Score>,
+    /// What it came to without exploration.
+    pub score: Score,
+    /// What it does.
+    pub policy: Policy,
+}
+
+/// What all seeds learnt.
+#[derive(Clone, Debug)]
+pub struct Learnt {
+    /// Each seed, in order.
+    pub pupils: Vec<Pupil>,
+}
+
+/// Episode of the trials without exploration: one that no training has.
+const TRIAL: usize = 1 << 40;
+/// Where a law is begun, as a part of each parameter's range, and how far CMA-ES looks at first.
+const MIDDLE: [f64; 6] = [0.5; 6];
+const SPREAD: f64 = 0.2;
+
+/// Learns with `seeds` seeds from `first` on, on so many `threads`: the same for any number of them. `goes_on` is asked
+/// after each episode, and ends all where it says so; then the policies are those of the episodes done.
+///
+/// `before` has the policies and the number of episodes from which it goes on.
+///
+/// # Errors
+/// [`GaitError`] for numbers that cannot be, and for a motion that cannot go on.
+pub fn learn(
+    settings: &Settings,
+    (first, seeds): (u64, usize),
+    before: Option<&PolicyFile>,
+    threads: usize,
+    goes_on: &(impl Fn() -> bool + Sync),
+) -> Result<Learnt, GaitError> {
+    let one = |k: usize| {
+        let seed = first.wrapping_add(k as u64);
+        let held = before.and_then(|file| file.tables.get(k));
+        let past = held.map(|held| (&held.values[..], &held.curve[..]));
+        match settings.method {
+            Method::Values(_) => by_values(settings, seed, past, goes_on),
+            Method::Bayes => {
+                let mut learner = Bayes::new(MIDDLE.to_vec(), seed);
+                by_tries(settings, seed, past, &mut learner, goes_on)
+            }
+            Method::Evolution => {
+                let mut learner = Evolution::new(MIDDLE.to_vec(), SPREAD, seed);
+                by_tries(settings, seed, past, &mut learner, goes_on)
+            }
+        }
+    };
+    let pupils: Result<Vec<_>, GaitError> =
+        parallel::map_on(threads, seeds, one).into_iter().collect();
+    Ok(Learnt { pupils: pupils? })
+}
+
+/// Values and curve of the episodes before.
+type Past<'p> = Option<(&'p [f64], &'p [Score])>;
+
+fn by_values(
+    settings: &Settings,
+    seed: u64,
+    past: Past<'_>,
+    goes_on: &impl Fn() -> bool,
+) -> Result<Pupil, GaitError> {
+    let Method::Values(algorithm) = settings.method else {
+        return Err(GaitError::Input {
+            name: "method".into(),
+            value: f64::NAN,
+            allowed: "one that learns values".into(),
+        });
+    };
+    let environment = settings.chosen()?;
+    let training = settings.training(environment.as_ref(), algorithm);
+    let mut table = training.table()?;
+    let mut curve = Vec::new();
+    if let Some((values, before)) = past {
+        table = table.with_values(values.to_vec())?;
+        curve = before.to_vec();
+    }
+    let from = curve.len();
+    train(&training, &mut table, (seed, from), |_, score, _| {
+        curve.push(*score);
+        goes_on()
+    })?;
+    let score = greedy(&training, &table, (seed, TRIAL))?;
+    Ok(Pupil {
+        seed,
+        curve,
+        score,
+        policy: Policy::Table(table),
+    })
+}
+
+fn by_tries(
+    settings: &Settings,
+    seed: u64,
+    past: Past<'_>,
+    learner: &mut dyn Learner,
+    goes_on: &impl Fn() -> bool,
+) -> Result<Pupil, GaitError> {
+    let environment = settings.environment()?;
+    let run = |x: &[f64], episode: usize| {
+        let law = Smooth::within_bounds(x);
+        by_law(
+            environment.as_ref(),
+            &law,
+            Training::start_of((seed, episode)),
+        )
+    };
+    let mut curve = past.map_or_else(Vec::new, |(_, curve)| curve.to_vec());
+    // What it asked before, it asks again.
+    for score in &curve {
+        let x = learner.ask();
+        learner.tell(&x, score.total);
+    }
+    for episode in curve.len()..settings.schedule.episodes {
+        let x = learner.ask();
+        let score = run(&x, episode)?;
+        learner.tell(&x, score.total);
+        curve.push(score);
+        if !goes_on() {
+            break;
+        }
+    }
+    let best = learner.best();
+    Ok(Pupil {
+        seed,
+        score: run(&best, TRIAL)?,
+        curve,
+        policy: Policy::Law(Smooth::within_bounds(&best)),
+    })
+}
+
+impl Learnt {
+    /// The one that did best without exploration, the first of several.
+    pub fn best(&self, settings: &Settings) -> Option<&Pupil> {
+        let figure = |pupil: &Pupil| settings.figure(&pupil.score.outcome);
+        self.pupils.iter().reduce(|best, pupil| {
+            if figure(pupil) > figure(best) {
+                pupil
+            } else {
+                best
+            }
+        })
+    }
+
+    /// Those that reached the goal without exploration.
+    pub fn arrived(&self) -> usize {
+        let scores = self.pupils.iter().map(|pupil| pupil.score.outcome);
+        scores.filter(|outcome| outcome.arrived.is_some()).count()
+    }
+}
