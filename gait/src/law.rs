@@ -5,6 +5,7 @@ use saltus_controller::run::{Knot, Law, Policy};
 
 use crate::GaitError;
 use crate::error::require;
+use crate::learnt::Learnt;
 
 /// How a robot's firing angle is found.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +38,8 @@ pub enum Program {
     Curve(Vec<[f64; 3]>),
     /// A table over the rate at which a leg enters the zone, and how many legs came before it.
     Policy(Table),
+    /// A table that was learnt; setup's filter, first firings, speeds and jumps have no part in it.
+    Learnt(Learnt),
 }
 
 /// A table of firings: lines between its nodes over the rate of entry, level beyond; a row for each
@@ -320,6 +323,11 @@ impl Program {
                     open_time(*open)?;
                 }
                 Ok(Compiled::Policy(table.clone()))
+            }
+            Program::Learnt(learnt) => {
+                learnt.check()?;
+                // Without knots no leg is fired but by what was learnt.
+                Ok(Compiled::Knots(Vec::new()))
             }
         }
     }

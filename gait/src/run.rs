@@ -14,6 +14,8 @@ use crate::box_table::BoxTable;
 use crate::cast::instruments;
 use crate::error::require;
 use crate::law::Compiled;
+use crate::learnt::Deciding;
+use crate::senses::Senses;
 use crate::sensors::Ranging;
 use crate::surroundings::{Disturbance, Surroundings};
 use crate::world::World;
@@ -422,6 +424,8 @@ struct Loop<'a, 's, F> {
     setup: &'s Setup,
     world: World<'a>,
     runner: Runner<'s, f64>,
+    /// What decides in place of the runner.
+    learnt: Option<Deciding<'s>>,
     follower: &'s mut F,
     boxes: Vec<Surface>,
     ranging: Ranging,
@@ -455,12 +459,21 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         let (rear, wheel) = find_stand(setup, &mut world, gait)?;
         let period = gait.period;
         let runner = Runner::new(*gait, rear, wheel, setup.forwards);
+        let learnt = match &setup.program {
+            Program::Learnt(learnt) => {
+                let senses = Senses::new(&setup.robot, setup.zone);
+                let Stall { rate, time, .. } = setup.stall;
+                Some(Deciding::new(learnt, senses, (legs, period), [rate, time]))
+            }
+            _ => None,
+        };
         let ledger = world.sim().ledger();
         let stored = (0..legs).map(|leg| world.sim().stored_gas(leg)).sum();
         Ok(Loop {
             setup,
             world,
             runner,
+            learnt,
             follower,
             boxes,
             ranging: Ranging::new(setup.sensors(), setup.seed),
@@ -527,15 +540,22 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
                     self.runner.sense(distance);
                 }
             }
-            let action = self.runner.step(&now.readings);
+            let action = match &mut self.learnt {
+                Some(learnt) => learnt.step(&now, &self.world),
+                None => self.runner.step(&now.readings),
+            };
             self.tell(now.time, now.readings, action);
             if self.late.len() == lately {
                 self.late.pop_front();
             }
             let travel = self.travel();
             self.late.push_back(travel);
-            let fire = action.leg.map(|leg| (leg as usize, action.valve_open));
-            self.summary.firings += usize::from(fire.is_some());
+            self.summary.firings += usize::from(action.leg.is_some());
+            let mut fire = action.leg.map(|leg| (leg as usize, action.valve_open));
+            if let Some(valve) = self.learnt.as_ref().and_then(Deciding::valve) {
+                self.world.open(valve)?;
+                fire = None;
+            }
             let summary = &mut self.summary;
             let rig = self.world.rig();
             let mut fell = Vec::new();

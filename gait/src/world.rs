@@ -18,6 +18,20 @@ pub struct Cycle {
     pub readings: Readings,
 }
 
+/// Where a robot is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Motion {
+    pub(crate) time: f64,
+    /// Lean of leg 0 (rad), counted on through every turn.
+    pub(crate) lean: f64,
+    pub(crate) rate: f64,
+    /// Angle and rate of the boom's pivot; height and its rate of a robot without a boom.
+    pub(crate) pivot: [f64; 2],
+    /// Travel and height of the axle (m) and their rates.
+    pub(crate) axle: [f64; 2],
+    pub(crate) axle_rates: [f64; 2],
+}
+
 /// A robot in motion, whose legs are all free to move. A clone goes on from the same state, to the bit.
 #[derive(Clone)]
 pub struct World<'a> {
@@ -29,6 +43,8 @@ pub struct World<'a> {
     cycles: u64,
     /// A command that waits for the next cycle: leg and opening time (s).
     waiting: Option<(usize, f64)>,
+    /// The leg whose valve is commanded to be open until another command.
+    open: Option<usize>,
     start: Ledger,
 }
 
@@ -63,6 +79,7 @@ impl<'a> World<'a> {
             sensors,
             cycles: 0,
             waiting: None,
+            open: None,
             start,
         })
     }
@@ -82,6 +99,25 @@ impl<'a> World<'a> {
         &self.sim
     }
 
+    /// Where it is.
+    pub(crate) fn motion(&self) -> Motion {
+        let (rig, sim) = (self.rig(), &self.sim);
+        let (q, v) = (sim.coordinates(), sim.velocities());
+        let (axle, axle_rates) = (rig.axle(q), rig.axle_rates(q, v));
+        let pivot = match rig.boom {
+            Some(_) => [q[1], v[1]],
+            None => [axle[1], axle_rates[1]],
+        };
+        Motion {
+            time: sim.time(),
+            lean: q[rig.lean_coordinate()],
+            rate: v[rig.lean_velocity()],
+            pivot,
+            axle,
+            axle_rates,
+        }
+    }
+
     /// Energy (J) that no entry of the ledger explains since the start.
     pub fn residual(&self) -> f64 {
         self.sim.ledger().residual(&self.start)
@@ -94,6 +130,21 @@ impl<'a> World<'a> {
             time: self.sim.time(),
             readings: self.sensing.read(&self.surroundings.rig, q, v),
         }
+    }
+
+    /// Has the valve of `leg` open, and every other one closed, until told otherwise.
+    ///
+    /// # Errors
+    /// [`GaitError::Sim`] for a leg that is not there.
+    pub fn open(&mut self, leg: Option<usize>) -> Result<(), GaitError> {
+        if self.open == leg {
+            return Ok(());
+        }
+        if let Some(before) = std::mem::replace(&mut self.open, leg) {
+            self.sim.switch(before, false)?;
+        }
+        leg.map_or(Ok(()), |leg| self.sim.switch(leg, true))?;
+        Ok(())
     }
 
     /// Fires `fire`, a leg and its valve opening time (s), if any, in this cycle or the next, as the

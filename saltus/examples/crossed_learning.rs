@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Seeds and episodes; 2 and 3 where nothing is given. With 30 and 1000 it takes about 200 minutes of one core, and
-//! prints each row as soon as it is there. A third and fourth number are the first row, from 0, and how many.
+//! prints each row as soon as it is there; `broken` counts the episodes in which the motion of rigid bodies could not be
+//! computed to the end. A third and fourth number are the first row, from 0, and how many.
 
 use std::io::Write;
 
@@ -111,9 +112,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "Angle (rad) in 1 s without exploration; episodes to 90 % of the last tenth's angle.\n"
     );
     println!(
-        "| row | algorithm | alpha, gamma | reward | delay (ms) | decay | {TRACES} episodes | {episodes} episodes | best | run | episodes to 90 % |"
+        "| row | algorithm | alpha, gamma | reward | delay (ms) | decay | {TRACES} episodes | {episodes} episodes | best | run | episodes to 90 % | broken |"
     );
-    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     for (number, row) in rows().into_iter().enumerate().skip(first).take(count) {
         let mut settings = row.settings(&robot);
         settings.schedule.episodes = TRACES.min(episodes);
@@ -125,8 +126,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let waits = learnt.pupils.iter();
         let waits = waits.filter_map(|pupil| settings.episodes_to_90_percent(&pupil.curve));
         let waits: Vec<f64> = waits.map(|count| count as f64).collect();
+        let curves = learnt.pupils.iter().flat_map(|pupil| &pupil.curve);
+        let broken = curves.filter(|score| score.outcome.broken).count();
         println!(
-            "| {number} | {} | {}, {} | {} | {} | {} | {} | {} | {:.2} | {} of {seeds} | {} |",
+            "| {number} | {} | {}, {} | {} | {} | {} | {} | {} | {:.2} | {} of {seeds} | {} | {broken} |",
             row.algorithm.name(),
             settings.rates.alpha,
             settings.rates.gamma,

@@ -1,5 +1,7 @@
 //! One state of several numbers, by steps along each.
 
+use saltus_controller::run::Steps;
+
 use crate::GaitError;
 use crate::error::require;
 
@@ -19,16 +21,17 @@ pub struct Bin {
 
 impl Bin {
     /// The step in which `x` is, and whether `x` is outside and was taken to the nearest.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     pub fn of(&self, x: f64) -> (usize, bool) {
-        let place = (x - self.from) / (self.to - self.from) * self.count as f64;
-        let last = self.count - 1;
-        if place < 0.0 || place.is_nan() {
-            (0, true)
-        } else if place < self.count as f64 {
-            ((place as usize).min(last), false)
-        } else {
-            (last, x > self.to)
+        let inside = (self.from..=self.to).contains(&x);
+        (self.steps().of(x), !inside)
+    }
+
+    /// The same steps, as a robot has them.
+    pub fn steps(&self) -> Steps<f64> {
+        Steps {
+            from: self.from,
+            to: self.to,
+            count: u16::try_from(self.count).unwrap_or(u16::MAX),
         }
     }
 
@@ -61,7 +64,8 @@ impl Bins {
     pub fn new(axes: Vec<Bin>) -> Result<Bins, GaitError> {
         for bin in &axes {
             let count = bin.count as f64;
-            require(bin.count > 0, "steps of a state", count, "1 or more")?;
+            let sound = (1..=usize::from(u16::MAX)).contains(&bin.count);
+            require(sound, "steps of a state", count, "from 1 to 65535")?;
             let (from, to) = (bin.from, bin.to);
             let allowed = format!("a finite number above {from}");
             let sound = from.is_finite() && to.is_finite() && to > from;
@@ -192,7 +196,7 @@ mod tests {
         }
         assert!(Bins::new(vec![bin(1.0, 0.0, 3)]).is_err());
         assert!(Bins::new(vec![bin(0.0, 1.0, 0)]).is_err());
-        assert!(Bins::new(vec![bin(0.0, 1.0, 1 << 20); 2]).is_err());
+        assert!(Bins::new(vec![bin(0.0, 1.0, 1 << 15); 2]).is_err());
         Ok(())
     }
 

@@ -7,14 +7,13 @@ use std::sync::Arc;
 
 use crate::GaitError;
 use crate::error::require;
+use crate::senses::LONG_AGO;
 use crate::surroundings::Surroundings;
+use crate::world::Motion;
 
-use super::plant::{Body, End, Ledger, Motion, Plant, wrapped};
+use super::plant::{Body, End, Ledger, Plant};
 use super::process::{Act, Actions, Axis, Environment, Episode, Outcome, Step};
 use super::reward::Reward;
-
-/// Time since a firing (s) from which on it does not matter.
-const LONG_AGO: f64 = 1.0;
 
 /// Each cycle of the sensors one valve is open, or none. From rest, for so many steps; with boxes on the
 /// way the episode ends on the first of them.
@@ -75,7 +74,7 @@ impl Environment for Legs {
         let pitch_half = PI / f64::from(self.plant.robot.body.legs);
         let stands = self.plant.robot.body.radius * pitch_half.cos();
         Ok(Box::new(OnLegs {
-            observation: seen(&body),
+            observation: body.truth(),
             body,
             ledger: Ledger::new(self.reward.clone()),
             period: self.plant.sensors().period,
@@ -95,23 +94,6 @@ struct OnLegs {
     top: Option<[f64; 3]>,
 }
 
-/// Angles and rates of wheel and pivot; extension, pressure and time since its last firing of the leg that is below.
-fn seen(body: &Body) -> [f64; 7] {
-    let motion = body.motion();
-    let [angle, rate] = motion.pivot;
-    let [extension, pressure, since] = body.leg_below(&motion);
-    let since = since.min(LONG_AGO);
-    [
-        wrapped(motion.lean),
-        motion.rate,
-        angle,
-        rate,
-        extension,
-        pressure,
-        since,
-    ]
-}
-
 impl Episode for OnLegs {
     fn observation(&self) -> &[f64] {
         &self.observation
@@ -124,7 +106,7 @@ impl Episode for OnLegs {
         self.body.go_on(None)?;
         self.left -= 1;
         let motion = self.body.motion();
-        self.observation = seen(&self.body);
+        self.observation = self.body.truth();
         let end = if self.is_on_the_box(&motion) {
             End::Arrived
         } else if self.left == 0 {

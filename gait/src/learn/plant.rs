@@ -9,7 +9,9 @@ use self_cell::self_cell;
 
 use crate::error::require;
 use crate::run::Obstacle;
+use crate::senses::truth;
 use crate::surroundings::{Disturbance, Surroundings};
+use crate::world::Motion;
 use crate::{Draw, GaitError, World, drawn_robot};
 
 use super::process::{Outcome, Step};
@@ -115,20 +117,6 @@ pub(super) struct Body {
     broken: bool,
 }
 
-/// Where a robot is.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Motion {
-    pub(super) time: f64,
-    /// Lean of leg 0 (rad), counted on through every turn.
-    pub(super) lean: f64,
-    pub(super) rate: f64,
-    /// Angle and rate of the boom's pivot; height and its rate of a robot without a boom.
-    pub(super) pivot: [f64; 2],
-    /// Travel and height of the axle (m) and their rates.
-    pub(super) axle: [f64; 2],
-    pub(super) axle_rates: [f64; 2],
-}
-
 impl Body {
     fn new(
         surroundings: Arc<Surroundings>,
@@ -161,22 +149,7 @@ impl Body {
     }
 
     pub(super) fn motion(&self) -> Motion {
-        let world = self.held.borrow_dependent();
-        let (rig, sim) = (world.rig(), world.looked_at());
-        let (q, v) = (sim.coordinates(), sim.velocities());
-        let (axle, axle_rates) = (rig.axle(q), rig.axle_rates(q, v));
-        let pivot = match rig.boom {
-            Some(_) => [q[1], v[1]],
-            None => [axle[1], axle_rates[1]],
-        };
-        Motion {
-            time: sim.time(),
-            lean: q[rig.lean_coordinate()],
-            rate: v[rig.lean_velocity()],
-            pivot,
-            axle,
-            axle_rates,
-        }
+        self.held.borrow_dependent().motion()
     }
 
     /// Has the valve of `leg` open, and every other one closed, until told otherwise.
@@ -185,12 +158,8 @@ impl Body {
             return Ok(());
         }
         self.note(leg);
-        let before = std::mem::replace(&mut self.open, leg);
-        self.held.with_dependent_mut(|_, world| {
-            before.map_or(Ok(()), |leg| world.sim().switch(leg, false))?;
-            leg.map_or(Ok(()), |leg| world.sim().switch(leg, true))
-        })?;
-        Ok(())
+        self.open = leg;
+        self.with(|world| world.open(leg))
     }
 
     /// Goes on by a cycle of the sensors, at whose begin a leg fires for an opening time (s), if any.
@@ -201,9 +170,11 @@ impl Body {
             .with_dependent_mut(|_, world| world.go_on(fire, |_| ()));
         match gone {
             // What a learner tries may be a motion without a solution: then its episode ends there.
-            Err(GaitError::Sim(SimError::Inconsistent { .. } | SimError::TooManyEvents { .. })) => {
-                self.broken = true;
-            }
+            Err(GaitError::Sim(
+                SimError::Inconsistent { .. }
+                | SimError::TooManyEvents { .. }
+                | SimError::Diverged { .. },
+            )) => self.broken = true,
             other => other?,
         }
         Ok(())
@@ -216,15 +187,9 @@ impl Body {
         }
     }
 
-    /// Of the leg that is nearest to upright below the axle: extension (m), pressure (Pa), time since it was fired (s).
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    pub(super) fn leg_below(&self, motion: &Motion) -> [f64; 3] {
-        let pitch = std::f64::consts::TAU / self.legs as f64;
-        let leg = (motion.lean / pitch).round().rem_euclid(self.legs as f64) as usize % self.legs;
-        let world = self.held.borrow_dependent();
-        let (rig, sim) = (world.rig(), world.looked_at());
-        let extension = sim.coordinates()[rig.extension_coordinate(leg)];
-        [extension, sim.pressure(leg), motion.time - self.fired[leg]]
+    /// What no sensor says.
+    pub(super) fn truth(&self) -> [f64; 7] {
+        truth(self.held.borrow_dependent(), &self.fired)
     }
 
     /// Whether its motion cannot go on.
@@ -338,12 +303,4 @@ impl Ledger {
             truncated: self.over && !terminated,
         }
     }
-}
-
-/// An angle from -π to π.
-pub(super) fn wrapped(angle: f64) -> f64 {
-    use std::f64::consts::{PI, TAU};
-    let turned = (angle + PI).rem_euclid(TAU) - PI;
-    // Where round-off makes a whole turn of a little less than nothing.
-    if turned < PI { turned } else { -PI }
 }

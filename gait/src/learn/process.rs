@@ -95,7 +95,7 @@ pub struct Outcome {
     pub gas: f64,
     /// Firings.
     pub firings: usize,
-    /// Whether it ended where the contacts of rigid bodies have no solution.
+    /// Whether it ended where the motion of rigid bodies could not be computed further.
     pub broken: bool,
 }
 

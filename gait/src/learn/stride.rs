@@ -2,27 +2,21 @@
 //!
 //! Source: thesis 8.3.2, which recommends to learn firing angles in place of legs.
 
-use std::collections::VecDeque;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use saltus_controller::run::Signals;
-use saltus_robot::Sensors;
-
 use crate::GaitError;
-use crate::cast::instruments;
 use crate::error::{refused, require};
+use crate::senses::Senses;
 use crate::surroundings::Surroundings;
 
 use super::plant::{Body, End, Ledger, Plant};
 use super::process::{Act, Actions, Axis, Environment, Episode, Outcome, Step};
 use super::reward::Reward;
-use super::zone::{TAPS, Task};
+use super::zone::Task;
 
 /// Rate (rad/s) below which, and time (s) after which a robot has stalled.
 const STALLS: (f64, f64) = (0.5, 0.4);
-/// Time (s) over which the encoder of the boom gives a speed.
-const SPEED_OVER: f64 = 0.02;
 /// Longest opening of the valve (s).
 const LONGEST: f64 = 0.1;
 
@@ -94,21 +88,16 @@ impl Environment for Stride {
 
     fn start(&self, seed: u64) -> Result<Box<dyn Episode>, GaitError> {
         let body = self.plant.start(self.ready.as_ref(), seed)?;
-        let sensors = self.plant.sensors();
-        let pitch = TAU / body.legs() as f64;
         let mut episode = InStride {
+            senses: Senses::new(&self.plant.robot, self.task.zone),
+            period: self.plant.sensors().period,
+            pitch: TAU / body.legs() as f64,
             body,
-            signals: Signals::new(instruments(&sensors), &TAPS),
-            sensors,
-            reach: self.plant.robot.boom.map_or(0.0, |boom| boom.length),
             ledger: Ledger::new(self.reward.clone()),
             task: self.task,
-            pitch,
             left: self.strides,
             front: self.plant.obstacles.first().map(|o| o.front),
             observation: Vec::new(),
-            wheel: 0.0,
-            travelled: VecDeque::new(),
             stands: 0.0,
         };
         episode.sense();
@@ -118,22 +107,16 @@ impl Environment for Stride {
 
 struct InStride {
     body: Body,
-    signals: Signals<'static, f64>,
-    sensors: Sensors,
-    /// Length of the boom (m).
-    reach: f64,
+    senses: Senses,
+    period: f64,
+    pitch: f64,
     ledger: Ledger,
     task: Task,
-    pitch: f64,
     /// Strides left.
     left: usize,
     /// Where the box begins (m).
     front: Option<f64>,
     observation: Vec<f64>,
-    /// Lean of leg 0 by the encoder (rad), counted on.
-    wheel: f64,
-    /// Travel by the boom's encoder (m), of the last cycles.
-    travelled: VecDeque<f64>,
     /// How long it has stood (s).
     stands: f64,
 }
@@ -141,24 +124,8 @@ struct InStride {
 impl InStride {
     fn sense(&mut self) {
         let readings = self.body.with(|world| world.read().readings);
-        let turn = |count: i32, of: f64| TAU * f64::from(count) / of.round();
-        self.wheel = turn(readings.wheel, self.sensors.wheel_counts);
-        let rate = self.signals.rate(&readings);
-        let travel = self.reach * turn(readings.radius, self.sensors.radius_counts);
-        self.travelled.push_back(travel);
-        let span = SPEED_OVER / self.sensors.period;
-        while self.travelled.len() as f64 > span + 1.0 {
-            self.travelled.pop_front();
-        }
-        let cycles = (self.travelled.len() - 1).max(1) as f64;
-        let first = self.travelled.front().copied().unwrap_or(travel);
-        let speed = (travel - first) / (cycles * self.sensors.period);
-        let lean = self.wheel - self.passed() * self.pitch;
-        let pivot = turn(readings.pivot, self.sensors.pivot_counts);
-        self.observation.clear();
-        self.observation.extend([rate, lean, speed, pivot]);
-        self.observation
-            .extend(self.front.map(|front| front - travel));
+        self.senses.take(&readings);
+        self.senses.in_stride(self.front, &mut self.observation);
     }
 
     /// The firing angle (rad) and the valve opening time (s) of an action.
@@ -180,9 +147,9 @@ impl InStride {
     /// Reads the sensors after a cycle, and says whether the episode is over.
     fn goes_on(&mut self) -> End {
         self.sense();
-        let still = self.observation[0].abs() < STALLS.0;
+        let still = self.senses.rate().abs() < STALLS.0;
         self.stands = if still {
-            self.stands + self.sensors.period
+            self.stands + self.period
         } else {
             0.0
         };
@@ -198,18 +165,6 @@ impl InStride {
             End::Open
         }
     }
-
-    /// How many legs have entered the zone.
-    fn passed(&self) -> f64 {
-        ((self.wheel - self.task.zone) / self.pitch).floor()
-    }
-
-    /// The leg in the zone.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    fn leg(&self) -> usize {
-        let legs = self.body.legs();
-        self.passed().rem_euclid(legs as f64) as usize % legs
-    }
 }
 
 impl Episode for InStride {
@@ -220,14 +175,15 @@ impl Episode for InStride {
     fn step(&mut self, act: Act<'_>) -> Result<Step, GaitError> {
         let (angle, opening) = self.asked(act)?;
         self.ledger.require_open()?;
-        let (passed, leg, began) = (self.passed(), self.leg(), self.body.motion().time);
+        let (passed, leg) = (self.senses.passed(), self.senses.leg());
+        let began = self.body.motion().time;
         let mut waits = opening > 0.0;
         loop {
-            let fires = waits && self.observation[1] >= angle;
+            let fires = waits && self.senses.lean() >= angle;
             waits &= !fires;
             self.body.go_on(fires.then_some((leg, opening)))?;
             let end = self.goes_on();
-            let entered = self.passed() != passed;
+            let entered = self.senses.passed() != passed;
             if end != End::Open || self.body.is_broken() || entered {
                 self.left -= 1;
                 let end = match end {

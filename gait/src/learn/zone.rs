@@ -2,23 +2,17 @@
 //!
 //! Source: thesis 6.3.2.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
-use saltus_controller::run::{Readings, Signals};
-use saltus_robot::Sensors;
-
 use crate::GaitError;
-use crate::cast::instruments;
 use crate::error::require;
+use crate::senses::Senses;
 use crate::surroundings::Surroundings;
 
-use super::plant::{Body, End, Ledger, Plant, wrapped};
+use super::plant::{Body, End, Ledger, Plant};
 use super::process::{Act, Actions, Axis, Environment, Episode, Outcome, Step};
 use super::reward::Reward;
-
-/// Weights of the rate's filter, as of `saltus run`.
-pub(super) const TAPS: [f64; 5] = [0.2; 5];
 
 /// What the robot measures is what the learner sees: the wheel's encoder and the filtered gyro.
 pub struct Zone {
@@ -112,18 +106,16 @@ impl Environment for Zone {
 
     fn start(&self, seed: u64) -> Result<Box<dyn Episode>, GaitError> {
         let body = self.plant.start(self.ready.as_ref(), seed)?;
-        let sensors = self.plant.sensors();
+        let period = self.plant.sensors().period;
         let mut episode = InZone {
             body,
-            signals: Signals::new(instruments(&sensors), &TAPS),
-            sensors,
+            senses: Senses::new(&self.plant.robot, self.task.zone),
             ledger: Ledger::new(self.reward.clone()),
             observation: [0.0; 2],
-            lean: 0.0,
-            cycles: count(self.task.period / self.plant.sensors().period),
+            period,
+            cycles: count(self.task.period / period),
             left: count(self.task.seconds / self.task.period),
             goal: self.task.goal,
-            zone: self.task.zone,
         };
         episode.sense();
         Ok(Box::new(episode))
@@ -132,33 +124,20 @@ impl Environment for Zone {
 
 struct InZone {
     body: Body,
-    signals: Signals<'static, f64>,
-    sensors: Sensors,
+    senses: Senses,
     ledger: Ledger,
     observation: [f64; 2],
-    /// Lean of leg 0 by the encoder (rad).
-    lean: f64,
+    period: f64,
     cycles: usize,
     left: usize,
     goal: f64,
-    zone: f64,
 }
 
 impl InZone {
     fn sense(&mut self) {
-        let readings: Readings = self.body.with(|world| world.read().readings);
-        self.lean = TAU * f64::from(readings.wheel) / self.sensors.wheel_counts.round();
-        self.observation = [wrapped(self.lean), self.signals.rate(&readings)];
-    }
-
-    /// The leg whose lean is in the active zone, which is as wide as the pitch.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    fn leg_in_zone(&self) -> usize {
-        let legs = self.body.legs();
-        let pitch = TAU / legs as f64;
-        // Leg k leans by the lean of leg 0 less k pitches.
-        let passed = ((self.lean - self.zone) / pitch).floor();
-        passed.rem_euclid(legs as f64) as usize % legs
+        let readings = self.body.with(|world| world.read().readings);
+        self.senses.take(&readings);
+        self.observation = self.senses.in_zone();
     }
 }
 
@@ -170,7 +149,7 @@ impl Episode for InZone {
     fn step(&mut self, act: Act<'_>) -> Result<Step, GaitError> {
         let fires = act.choice(2)? == 1;
         self.ledger.require_open()?;
-        let leg = fires.then(|| self.leg_in_zone());
+        let leg = fires.then(|| self.senses.leg());
         self.body.open(leg)?;
         for _ in 0..self.cycles {
             self.body.go_on(None)?;
@@ -188,7 +167,7 @@ impl Episode for InZone {
         } else {
             End::Open
         };
-        let seconds = self.cycles as f64 * self.sensors.period;
+        let seconds = self.cycles as f64 * self.period;
         let step = (self.observation[1], seconds);
         Ok(self.ledger.close(&self.body, step, end))
     }

@@ -1,10 +1,12 @@
 //! The robot in the tasks of learning: which way is forwards, which leg fires, what is the goal.
 
 use saltus_gait::learn::{
-    Act, Actions, Environment, Episode, Gridded, Legs, Outcome, Plant, Reward, Step, Stride, Task,
-    Term, Zone,
+    Act, Actions, Bin, Bins, Environment, Episode, Gridded, Legs, Outcome, Plant, Reward, Step,
+    Stride, Task, Term, Zone,
 };
-use saltus_gait::{Footfall, GaitError, Obstacle, Row, Run, Setup, Smooth, run};
+use saltus_gait::{
+    Decides, Footfall, GaitError, Learnt, Obstacle, Program, Row, Run, Setup, Smooth, run,
+};
 use saltus_robot::Robot;
 
 fn robot() -> Robot {
@@ -200,18 +202,14 @@ fn strides_are_those_of_the_robots_controller() -> Result<(), GaitError> {
         firing_angle: [0.4, 0.4, 5.0],
         valve_open: [0.05, 0.05, 5.0],
     };
-    let mut quiet = robot();
-    if let Some(sensors) = &mut quiet.sensors {
-        sensors.gyro_noise = 0.0;
-    }
-    let mut setup = Setup::new(quiet.clone(), law.program(), 2.5);
+    let mut setup = Setup::new(quiet(), law.program(), 2.5);
     setup.zone = -0.3;
     let by_controller = run(&setup, &mut Until(0.0))?.time_to_1_6_m;
     let task = Task {
         seconds: 2.5,
         ..Task::default()
     };
-    let stride = Stride::new(Plant::new(quiet), rate(), task, 99)?;
+    let stride = Stride::new(Plant::new(quiet()), rate(), task, 99)?;
     let mut episode = stride.start(1)?;
     let over = |step: Step| step.is_over();
     while !over(episode.step(Act::Values(&[0.4, 0.05]))?) {}
@@ -297,5 +295,100 @@ fn what_cannot_be_done_is_refused() -> Result<(), GaitError> {
     assert!(episode.step(Act::Choice(6)).is_err());
     assert!(episode.step(Act::Choice(0))?.truncated);
     assert!(episode.step(Act::Choice(0)).is_err());
+    Ok(())
+}
+
+/// A robot whose gyro is exact.
+fn quiet() -> Robot {
+    let mut quiet = robot();
+    if let Some(sensors) = &mut quiet.sensors {
+        sensors.gyro_noise = 0.0;
+    }
+    quiet
+}
+
+/// Travel (m) of a run by `learnt` for so many seconds, and its firings.
+fn travel_by(learnt: Learnt, seconds: f64) -> Result<(f64, usize), GaitError> {
+    let mut setup = Setup::new(quiet(), Program::Learnt(learnt), seconds);
+    setup.zone = -0.3;
+    let summary = run(&setup, &mut ())?;
+    Ok((summary.travel, summary.firings))
+}
+
+/// A table without any sense, over `bins`, of so many choices.
+fn table(bins: &Bins, count: usize, decides: Decides) -> Learnt {
+    let choices = (0..bins.states()).map(|state| (1 + state * 7 + state / 31) % count);
+    Learnt {
+        axes: bins.axes().iter().map(Bin::steps).collect(),
+        choices: choices
+            .map(|choice| u8::try_from(choice).unwrap_or(0))
+            .collect(),
+        decides,
+    }
+}
+
+/// An episode by a table, and its travel.
+fn episode_by(task: &dyn Environment, learnt: &Learnt) -> Result<Outcome, GaitError> {
+    let mut episode = task.start(1)?;
+    loop {
+        let choice = learnt.choice(episode.observation());
+        if episode.step(Act::Choice(usize::from(choice)))?.is_over() {
+            return Ok(episode.outcome());
+        }
+    }
+}
+
+#[test]
+fn a_table_runs_as_it_was_learnt() -> Result<(), GaitError> {
+    let learnt = table(&Bins::of_table_6_1(), 6, Decides::Legs);
+    let task = legs(Plant::new(quiet()), rate(), 700);
+    let ours = episode_by(&task, &learnt)?;
+    let (travel, _) = travel_by(learnt, 0.7)?;
+    assert!(
+        ours.travel.abs() > 0.01 && (travel - ours.travel).abs() < 1e-9,
+        "{travel} {ours:?}"
+    );
+
+    let period = Task::default().period;
+    let learnt = table(&Bins::of_table_6_3(), 2, Decides::Zone { period });
+    let course = Task {
+        seconds: 0.7,
+        ..Task::default()
+    };
+    let ours = episode_by(&Zone::new(Plant::new(quiet()), rate(), course)?, &learnt)?;
+    let (travel, _) = travel_by(learnt, 0.7)?;
+    assert!(
+        ours.travel.abs() > 0.01 && (travel - ours.travel).abs() < 1e-9,
+        "{travel} {ours:?}"
+    );
+
+    let bin = |from, to, count| Bin { from, to, count };
+    let bins = Bins::new(vec![
+        bin(-5.0, 20.0, 20),
+        bin(-0.3, 1.0, 5),
+        bin(0.0, 4.0, 7),
+        bin(-0.2, 0.2, 3),
+    ])?;
+    let firings: Vec<[f64; 2]> = (0..6).map(|k| [0.1 * f64::from(k), 0.05]).collect();
+    let stride = Stride::new(Plant::new(quiet()), rate(), course, 99)?;
+    let decides = Decides::Stride {
+        firings: firings.clone(),
+        front: None,
+    };
+    let learnt = table(&bins, 6, decides);
+    let mut episode = stride.start(1)?;
+    loop {
+        let choice = learnt.choice(episode.observation());
+        if episode
+            .step(Act::Values(&firings[usize::from(choice)]))?
+            .is_over()
+        {
+            break;
+        }
+    }
+    let ours = episode.outcome();
+    let (travel, fired) = travel_by(learnt, 0.7)?;
+    assert!((travel - ours.travel).abs() < 1e-9, "{travel} {ours:?}");
+    assert!(fired == ours.firings && fired > 0, "{fired} {ours:?}");
     Ok(())
 }

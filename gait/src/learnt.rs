@@ -1,0 +1,180 @@
+//! A table that was learnt, as what decides in a run.
+
+use saltus_controller::run::{Action, Choices, Steps};
+
+use crate::error::require;
+use crate::senses::{Senses, truth};
+use crate::world::Cycle;
+use crate::{GaitError, World};
+
+/// A table of choices, and what they are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Learnt {
+    /// Steps of each number that is observed.
+    pub axes: Vec<Steps<f64>>,
+    /// The choice in each state.
+    pub choices: Vec<u8>,
+    /// What is chosen.
+    pub decides: Decides,
+}
+
+/// What a table chooses.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Decides {
+    /// In each cycle which leg's valve is open: 0 none, k leg k - 1. It knows what only a simulation does.
+    Legs,
+    /// In each period whether the valve of the leg in the zone is open.
+    Zone {
+        /// The period (s).
+        period: f64,
+    },
+    /// As a leg enters the zone, which of these firing angles (rad) and valve opening times (s) it has.
+    Stride {
+        /// The firings to choose from.
+        firings: Vec<[f64; 2]>,
+        /// Where the box begins (m) whose distance is known.
+        front: Option<f64>,
+    },
+}
+
+impl Learnt {
+    /// The choice where `observed` is.
+    pub fn choice(&self, observed: &[f64]) -> u8 {
+        let table = Choices {
+            axes: &self.axes,
+            choices: &self.choices,
+        };
+        table.at(observed).unwrap_or(0)
+    }
+
+    pub(crate) fn check(&self) -> Result<(), GaitError> {
+        let states: usize = self.axes.iter().map(|it| usize::from(it.count)).product();
+        let given = self.choices.len();
+        let allowed = format!("{states}, the states");
+        require(given == states, "choices", given as f64, allowed)?;
+        if let Decides::Zone { period } = self.decides {
+            let sound = period > 0.0 && period <= 1.0;
+            require(sound, "period of decisions (s)", period, "above 0 to 1 s")?;
+        }
+        Ok(())
+    }
+}
+
+/// A table that decides, cycle after cycle.
+#[derive(Clone, Debug)]
+pub(crate) struct Deciding<'l> {
+    learnt: &'l Learnt,
+    senses: Senses,
+    period: f64,
+    cycles: usize,
+    /// Legs that had entered the zone at the last decision of a stride, and its firing until it has been.
+    stride: Option<f64>,
+    firing: Option<[f64; 2]>,
+    /// When the valve of each leg last opened (s).
+    fired: Vec<f64>,
+    /// The leg whose valve is to be open.
+    open: Option<usize>,
+    /// Cycles for which the robot has stood still, and the rate (rad/s) and the time (s) of a stall.
+    still: usize,
+    stall: [f64; 2],
+    observed: Vec<f64>,
+}
+
+impl<'l> Deciding<'l> {
+    /// `learnt`, with the `senses` of a robot with so many `legs` and a cycle of `period` (s); standing below a rate
+    /// (rad/s) for a time (s) is a `stall`.
+    pub(crate) fn new(
+        learnt: &'l Learnt,
+        senses: Senses,
+        (legs, period): (usize, f64),
+        stall: [f64; 2],
+    ) -> Deciding<'l> {
+        Deciding {
+            learnt,
+            senses,
+            period,
+            cycles: 0,
+            stride: None,
+            firing: None,
+            fired: vec![f64::NEG_INFINITY; legs],
+            open: None,
+            still: 0,
+            stall,
+            observed: Vec::new(),
+        }
+    }
+
+    /// A cycle: what is fired now. The opening time of a valve that is chosen period by period is that of one period.
+    pub(crate) fn step(&mut self, now: &Cycle, world: &World<'_>) -> Action<f64> {
+        self.senses.take(&now.readings);
+        let fire = match &self.learnt.decides {
+            Decides::Legs => {
+                let seen = truth(world, &self.fired);
+                let leg = usize::from(self.learnt.choice(&seen)).checked_sub(1);
+                let leg = leg.filter(|leg| *leg < self.fired.len());
+                self.opens(leg, now.time).map(|leg| (leg, self.period))
+            }
+            Decides::Zone { period } => self.by_zone(*period, now.time),
+            Decides::Stride { firings, front } => self.by_stride(firings, *front),
+        };
+        self.cycles += 1;
+        let rate = self.senses.rate();
+        let stands = rate.abs() < self.stall[0];
+        self.still = if stands { self.still + 1 } else { 0 };
+        let name = |leg: usize| u32::try_from(leg).unwrap_or(u32::MAX);
+        Action {
+            leg: fire.map(|(leg, _)| name(leg)),
+            valve_open: fire.map_or(0.0, |(_, open)| open),
+            in_zone: name(self.senses.leg()),
+            lean: self.senses.lean(),
+            rate,
+            firing_angle: self.firing.map_or(std::f64::consts::PI, |[angle, _]| angle),
+            stalled: self.still as f64 * self.period >= self.stall[1],
+        }
+    }
+
+    /// The leg whose valve is to be open now, if any, where that is what is chosen; else each firing says how long.
+    pub(crate) fn valve(&self) -> Option<Option<usize>> {
+        match self.learnt.decides {
+            Decides::Legs | Decides::Zone { .. } => Some(self.open),
+            Decides::Stride { .. } => None,
+        }
+    }
+
+    /// Has the valve of `leg` open from now on; the leg, where it was not.
+    fn opens(&mut self, leg: Option<usize>, now: f64) -> Option<usize> {
+        let before = std::mem::replace(&mut self.open, leg);
+        let leg = leg.filter(|_| leg != before)?;
+        self.fired[leg] = now;
+        Some(leg)
+    }
+
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    fn by_zone(&mut self, period: f64, now: f64) -> Option<(usize, f64)> {
+        let every = ((period / self.period).round() as usize).max(1);
+        if !self.cycles.is_multiple_of(every) {
+            return None;
+        }
+        let opens = self.learnt.choice(&self.senses.in_zone()) == 1;
+        let leg = opens.then(|| self.senses.leg());
+        self.opens(leg, now).map(|leg| (leg, period))
+    }
+
+    fn by_stride(&mut self, firings: &[[f64; 2]], front: Option<f64>) -> Option<(usize, f64)> {
+        let passed = self.senses.passed();
+        if self.stride != Some(passed) {
+            self.stride = Some(passed);
+            let mut observed = std::mem::take(&mut self.observed);
+            self.senses.in_stride(front, &mut observed);
+            let choice = usize::from(self.learnt.choice(&observed));
+            self.observed = observed;
+            self.firing = firings.get(choice).copied().filter(|[_, open]| *open > 0.0);
+        }
+        let [angle, open] = self.firing?;
+        if self.senses.lean() < angle {
+            return None;
+        }
+        self.firing = None;
+        Some((self.senses.leg(), open))
+    }
+}
