@@ -72,20 +72,24 @@ emulated() {
 }
 emulated -DDECISIONS="$decisions" controller/firmware/{main,drill}.c "$tables/saltus_controller.c" >"$build/emulated.txt"
 emulated -DCYCLES="$cycles" controller/firmware/running.c "$build/saltus_running.c" >"$build/running.txt"
-sed -n 's/^# //p' "$build/emulated.txt" "$build/running.txt"
+emulated -DSTATES="$cycles" controller/firmware/policy.c >"$build/policy.txt"
+sed -n 's/^# //p' "$build/emulated.txt" "$build/running.txt" "$build/policy.txt"
 
 # The same in Rust on this machine.
 cargo run --quiet --release --locked -p saltus-controller --example drill -- "$decisions" >"$build/rust.txt"
 { echo 'self-test: 0'; cat "$build/rust.txt"; } >"$build/expected.txt"
 cargo run --quiet --release --locked -p saltus-controller --example running_drill -- "$cycles" >"$build/rust_running.txt"
 grep -v '^#' "$build/running.txt" | diff - "$build/rust_running.txt" || { printf 'running on a Cortex-M4F and in Rust disagrees\n' >&2; exit 1; }
+cargo run --quiet --release --locked -p saltus-controller --example policy_drill -- "$cycles" >"$build/rust_policy.txt"
+grep -v '^#' "$build/policy.txt" | diff - "$build/rust_policy.txt" || { printf 'a learnt table on a Cortex-M4F and in Rust disagrees\n' >&2; exit 1; }
 grep -v '^#' "$build/emulated.txt" | diff - "$build/expected.txt" || { printf 'Cortex-M4F and Rust disagree\n' >&2; exit 1; }
-cat "$build/rust.txt" "$build/rust_running.txt"
+cat "$build/rust.txt" "$build/rust_running.txt" "$build/rust_policy.txt"
 printf 'the same to the bit on Cortex-M4F and in Rust on this machine\n'
 
 # Bounds that hold for every input seen.
-worst() { sed -n "s/^# $1: instructions median [0-9]*, worst \([0-9]*\)$/\1/p" "$build/emulated.txt" "$build/running.txt"; }
+worst() { sed -n "s/^# $1: instructions median [0-9]*, worst \([0-9]*\)$/\1/p" "$build/emulated.txt" "$build/running.txt" "$build/policy.txt"; }
 median() { sed -n "s/^# $1: instructions median \([0-9]*\),.*$/\1/p" "$build/emulated.txt"; }
 [ "$(worst decisions)" -lt 2000 ] || { printf 'a decision took 2000 instructions or more\n' >&2; exit 1; }
 [ "$(worst decisions)" -le $((3 * $(median decisions))) ] || { printf 'the worst decision took over 3 times the median\n' >&2; exit 1; }
 [ "$(worst cycles)" -lt 3000 ] || { printf 'a cycle of running took 3000 instructions or more\n' >&2; exit 1; }
+[ "$(worst choices)" -le 500 ] || { printf 'a choice took more than 500 instructions\n' >&2; exit 1; }

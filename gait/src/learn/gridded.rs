@@ -46,6 +46,11 @@ impl Gridded {
             choices,
         })
     }
+
+    /// The values of each choice.
+    pub fn choices(&self) -> &[Vec<f64>] {
+        &self.choices
+    }
 }
 
 impl Environment for Gridded {

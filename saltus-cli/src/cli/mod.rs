@@ -9,6 +9,7 @@ mod fit;
 mod jump;
 mod law;
 mod learn;
+mod learned;
 mod limits;
 mod map;
 mod parkour;

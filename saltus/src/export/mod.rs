@@ -17,6 +17,7 @@
 
 mod c;
 mod layout;
+mod learnt;
 mod numbers;
 mod plant;
 mod request;
@@ -25,6 +26,7 @@ mod rust;
 mod tables;
 mod vectors;
 
+pub use learnt::LearntTable;
 pub use numbers::Number;
 pub use plant::planner;
 pub use request::{ExportError, Request};

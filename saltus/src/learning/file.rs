@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
-use saltus_gait::learn::{Outcome, Score, Traces};
+use saltus_gait::Draw;
+use saltus_gait::learn::{Bin, Bins, Outcome, Reward, Score, Term, Traces};
+use saltus_robot::Robot;
 use serde_json::{Map, Value, json};
 
-use super::{Learnt, Settings};
+use super::{Learnt, Method, Settings, Task};
 use crate::input::{self, InputError};
 
 /// Greatest size of a file (MiB).
@@ -63,6 +65,8 @@ pub struct Held {
     pub values: Vec<f64>,
     /// The score of every episode.
     pub curve: Vec<Score>,
+    /// What it came to without exploration.
+    pub score: Score,
 }
 
 /// A file of what was learnt.
@@ -122,6 +126,7 @@ impl PolicyFile {
             seed: pupil.seed,
             values: pupil.policy.values(),
             curve: pupil.curve.clone(),
+            score: pupil.score,
         });
         PolicyFile {
             head: settings.head(),
@@ -187,6 +192,94 @@ impl PolicyFile {
         })
     }
 
+    /// The settings under which it was learnt.
+    ///
+    /// # Errors
+    /// [`PolicyError::Content`] for what is missing or is not what this version writes; `file` is its name.
+    pub fn settings(&self, file: &str) -> Result<Settings, PolicyError> {
+        let wrong = |key: &str, reason: String| PolicyError::Content {
+            file: file.into(),
+            key: key.into(),
+            reason,
+        };
+        let missing = |key: &str| wrong(key, "is missing, or is not what it must be".into());
+        let text = |key: &str| {
+            let value = self.head.get(key).and_then(Value::as_str);
+            value.ok_or_else(|| missing(key))
+        };
+        let version = text("saltus_version")?;
+        if version != env!("CARGO_PKG_VERSION") {
+            let ours = env!("CARGO_PKG_VERSION");
+            return Err(PolicyError::Other {
+                file: file.into(),
+                key: "saltus_version".into(),
+                theirs: version.into(),
+                ours: ours.into(),
+            });
+        }
+        let name = text("task")?;
+        let task = Task::ALL.into_iter().find(|it| it.name() == name);
+        let task = task.ok_or_else(|| missing("task"))?;
+        let name = text("algorithm")?;
+        let method = Method::all().find(|it| it.name() == name);
+        let method = method.ok_or_else(|| missing("algorithm"))?;
+        let robot = Robot::parse(text("robot_toml")?, file, Path::new("."));
+        let robot = robot.map_err(|error| wrong("robot_toml", error.to_string()))?;
+        let mut settings = task.settings(robot, method);
+        let states = self.states().ok_or_else(|| missing("states"))?;
+        let tilings = self.head.get("tilings").and_then(Value::as_u64);
+        let tilings = tilings.and_then(|it| usize::try_from(it).ok());
+        let tilings = tilings.ok_or_else(|| missing("tilings"))?;
+        let bins = Bins::new(states).and_then(|bins| bins.tiled(tilings));
+        settings.bins = bins.map_err(|error| wrong("states", error.to_string()))?;
+        settings.reward = self.reward().ok_or_else(|| missing("reward"))?;
+        let steps = self.head.get("steps").and_then(Value::as_u64);
+        let steps = steps.and_then(|it| usize::try_from(it).ok());
+        settings.steps = steps.ok_or_else(|| missing("steps"))?;
+        let draws = self.head.get("draws_robots").and_then(Value::as_bool);
+        if draws.ok_or_else(|| missing("draws_robots"))? {
+            settings.plant.draw = Some(Draw::around(&settings.plant.robot));
+        }
+        Ok(settings)
+    }
+
+    fn states(&self) -> Option<Vec<Bin>> {
+        let bin = |it: &Value| {
+            Some(Bin {
+                from: it.get("from")?.as_f64()?,
+                to: it.get("to")?.as_f64()?,
+                count: usize::try_from(it.get("steps")?.as_u64()?).ok()?,
+            })
+        };
+        self.head
+            .get("states")?
+            .as_array()?
+            .iter()
+            .map(bin)
+            .collect()
+    }
+
+    fn reward(&self) -> Option<Reward> {
+        let term = |it: &Value| Some((Term::written(it.get(0)?.as_str()?)?, it.get(1)?.as_f64()?));
+        let terms = self.head.get("reward")?.as_array()?.iter().map(term);
+        terms.collect::<Option<_>>().map(Reward)
+    }
+
+    /// What the seed `seed` learnt, or without one the seed that did best.
+    pub fn held(&self, settings: &Settings, seed: Option<u64>) -> Option<&Held> {
+        let figure = |held: &Held| settings.figure(&held.score.outcome);
+        match seed {
+            Some(seed) => self.tables.iter().find(|held| held.seed == seed),
+            None => self.tables.iter().reduce(|best, held| {
+                if figure(held) > figure(best) {
+                    held
+                } else {
+                    best
+                }
+            }),
+        }
+    }
+
     /// Whether it was learnt under `settings`, from `seed` on, by so many `seeds`; only the number of episodes may differ.
     ///
     /// # Errors
@@ -234,7 +327,8 @@ fn table_json(held: &Held) -> Value {
         .map(|(place, value)| json!([place, value]))
         .collect();
     let curve: Vec<Value> = held.curve.iter().map(score_json).collect();
-    json!({ "seed": held.seed, "table_size": held.values.len(), "values": values, "curve": curve })
+    json!({ "seed": held.seed, "table_size": held.values.len(), "values": values, "curve": curve,
+        "score": score_json(&held.score) })
 }
 
 fn score_json(score: &Score) -> Value {
@@ -276,6 +370,7 @@ fn held(table: &Value) -> Option<Held> {
         seed: table.get("seed")?.as_u64()?,
         values,
         curve: curve.collect::<Option<_>>()?,
+        score: score(table.get("score")?)?,
     })
 }
 

@@ -8,7 +8,7 @@ mod policy;
 mod pupil;
 mod summary;
 
-pub use file::{PolicyError, PolicyFile};
+pub use file::{Held, PolicyError, PolicyFile};
 pub use policy::Policy;
 pub use pupil::{Learnt, Pupil, learn};
 pub use summary::{Interval, interquartile};
@@ -47,6 +47,12 @@ pub enum Method {
 }
 
 impl Method {
+    /// Every one.
+    pub fn all() -> impl Iterator<Item = Method> {
+        let values = Algorithm::ALL.into_iter().map(Method::Values);
+        values.chain([Method::Bayes, Method::Evolution])
+    }
+
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
@@ -271,12 +277,16 @@ impl Settings {
 
     /// The same for a table, which chooses: a stride's decision is one on a grid.
     fn chosen(&self) -> Result<Box<dyn Environment>, GaitError> {
-        let environment = self.environment()?;
         Ok(if self.task.is_by_stride() {
-            Box::new(Gridded::new(environment, &GRID)?)
+            Box::new(self.grid()?)
         } else {
-            environment
+            self.environment()?
         })
+    }
+
+    /// The firings among which a table chooses.
+    fn grid(&self) -> Result<Gridded, GaitError> {
+        Gridded::new(self.environment()?, &GRID)
     }
 
     fn training<'e>(&self, environment: &'e dyn Environment, algorithm: Algorithm) -> Training<'e> {

@@ -1,9 +1,10 @@
 //! What was learnt, and what it does.
 
 use saltus_gait::learn::{Act, Actions, Environment, Score, Tabular, Training, greedy};
-use saltus_gait::{GaitError, Smooth};
+use saltus_gait::learn::{Bin, Task as Course};
+use saltus_gait::{Decides, GaitError, Learnt, Program, Smooth};
 
-use super::{Method, Settings};
+use super::{Method, Settings, Task};
 
 /// What a robot does.
 #[derive(Clone, Debug)]
@@ -35,6 +36,52 @@ impl Policy {
                 Policy::Table(training.table()?.with_values(values.to_vec())?)
             }
             _ => Policy::Law(Smooth::from(values)),
+        })
+    }
+
+    /// What a robot runs by, in the task of `settings`.
+    ///
+    /// # Errors
+    /// [`GaitError::Input`] for a table of several tilings, which is no table of choices.
+    pub fn program(&self, settings: &Settings) -> Result<Program, GaitError> {
+        match self {
+            Policy::Law(law) => Ok(law.program()),
+            Policy::Table(table) => Ok(Program::Learnt(Policy::learnt(table, settings)?)),
+        }
+    }
+
+    /// The choices of a table.
+    fn learnt(table: &Tabular, settings: &Settings) -> Result<Learnt, GaitError> {
+        let bins = &settings.bins;
+        let tilings = bins.tilings();
+        if tilings > 1 {
+            return Err(GaitError::Input {
+                name: "tilings".into(),
+                value: tilings as f64,
+                allowed: "1, for a table of choices".into(),
+            });
+        }
+        // A task has at most 255 choices.
+        let choice = |state: usize| u8::try_from(table.best(&[state])).unwrap_or(u8::MAX);
+        let decides = match settings.task {
+            Task::RunLegs | Task::Climb => Decides::Legs,
+            Task::RunZone => Decides::Zone {
+                period: Course::default().period,
+            },
+            Task::RunStride | Task::JumpStride => Decides::Stride {
+                firings: settings
+                    .grid()?
+                    .choices()
+                    .iter()
+                    .map(|it| [it[0], it[1]])
+                    .collect(),
+                front: settings.plant.obstacles.first().map(|it| it.front),
+            },
+        };
+        Ok(Learnt {
+            axes: bins.axes().iter().map(Bin::steps).collect(),
+            choices: (0..bins.states()).map(choice).collect(),
+            decides,
         })
     }
 

@@ -1,5 +1,6 @@
 //! `saltus export`: a robot, or what it is to do, as other programs take it.
 
+mod policy;
 mod running;
 mod tables;
 
@@ -24,6 +25,7 @@ pub(crate) struct Export {
 enum Target {
     C(tables::C),
     Rust(tables::Rust),
+    Policy(policy::Policy),
     Mjcf(Mjcf),
     Urdf(Urdf),
 }
@@ -88,6 +90,7 @@ impl Export {
         match self.target {
             Target::C(command) => command.run(),
             Target::Rust(command) => command.run(),
+            Target::Policy(command) => command.run(),
             Target::Mjcf(command) => written(
                 sim_check::mjcf(&command.robot.robot()?)?,
                 command.out.as_deref(),

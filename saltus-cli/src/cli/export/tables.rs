@@ -95,7 +95,7 @@ The exit code is 1 if no cell can be used.";
 
 /// Which numbers a controller computes with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum RealType {
+pub(super) enum RealType {
     /// 32 bits: float, f32.
     Float,
     /// 64 bits: double, f64.
@@ -374,7 +374,7 @@ fn ends(text: &str) -> Result<(f64, f64), String> {
 }
 
 /// Parser of a flag.
-fn identifier(text: &str) -> Result<String, String> {
+pub(super) fn identifier(text: &str) -> Result<String, String> {
     let mut letters = text.chars();
     let starts = letters.next().is_some_and(|c| c.is_ascii_uppercase());
     let goes_on = letters.all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_');

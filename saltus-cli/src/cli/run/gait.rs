@@ -1,16 +1,19 @@
 //! How a robot runs: the flags of its gait.
 
 use std::f64::consts::TAU;
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use saltus::Robot;
-use saltus::gait::{Centre, Lines, Optimal, Program, Quest, Smooth, speed_law};
+use saltus::gait::learn::Task as Course;
+use saltus::gait::{Centre, Lines, Obstacle, Optimal, Program, Quest, Smooth, speed_law};
 use saltus::numeric::parallel::available;
 
 use super::values::{
     Knots, Speeds, Taps, knots, rate, shift, slope, speeds, steepness, taps, top_rate,
 };
 use crate::cli::best::goal;
+use crate::cli::learned::Learned;
 use crate::cli::refused::refused;
 use crate::error::CliError;
 use crate::output::digits;
@@ -33,6 +36,9 @@ pub(super) enum Kind {
     Speed,
     /// The least time from rest to a distance, by dynamic programming, as a table
     Optimal,
+    /// What was learnt
+    #[value(skip)]
+    Policy,
 }
 
 /// What a smooth law is best at.
@@ -64,6 +70,7 @@ impl Kind {
             Kind::Smooth => "smooth",
             Kind::Speed => "speed",
             Kind::Optimal => "optimal",
+            Kind::Policy => "policy",
         }
     }
 }
@@ -104,6 +111,14 @@ pub(super) struct GaitFlags {
     /// How the firing angle is found
     #[arg(long, value_enum, default_value = "closed-loop")]
     gait: Kind,
+
+    /// What `saltus learn --out` wrote, in place of a gait: its best seed runs, on its robot where --robot names no other
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["gait", "zone", "taps", "direction", "valve_open"])]
+    policy: Option<PathBuf>,
+
+    /// The seed of the policy that runs [default: the one that did best]
+    #[arg(long, value_name = "SEED", requires = "policy")]
+    policy_seed: Option<u64>,
 
     /// Firing angle α_f (rad) of `fixed` [default: 0.1]
     #[arg(long, visible_alias = "alpha-f", value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
@@ -204,6 +219,40 @@ pub(super) struct Chosen {
     pub(super) words: String,
     /// The best policy that was found.
     pub(super) best: Option<Optimal>,
+    /// The boxes of what was learnt.
+    pub(super) obstacles: Vec<Obstacle>,
+}
+
+impl Learned {
+    /// What `robot` is to do.
+    pub(super) fn chosen(&self, robot: &Robot) -> Result<Chosen, CliError> {
+        let settings = &self.settings;
+        let (own, legs) = (self.robot().body.legs, robot.body.legs);
+        if own != legs {
+            let reason =
+                format!("body.legs = {legs}: must be {own}, as the policy was learnt with");
+            return Err(CliError::content(&robot.name, reason));
+        }
+        let program = self.policy.program(settings);
+        let words = format!(
+            "{} by {}, as seed {} learnt it",
+            settings.task.name(),
+            settings.method.name(),
+            self.seed
+        );
+        Ok(Chosen {
+            kind: Kind::Policy,
+            program: program.map_err(|error| CliError::content("--policy", error))?,
+            valve_open: 0.04,
+            zone: Course::default().zone,
+            forwards: true,
+            taps: vec![0.2; 5],
+            speeds: Vec::new(),
+            words,
+            best: None,
+            obstacles: settings.plant.obstacles.clone(),
+        })
+    }
 }
 
 impl Chosen {
@@ -233,7 +282,7 @@ impl GaitFlags {
         let half = 0.5 * TAU / f64::from(legs);
         let zone = self.zone.unwrap_or(match self.gait {
             Kind::Fixed | Kind::OpenLoop | Kind::Speed => 0.0,
-            Kind::ClosedLoop | Kind::Curve | Kind::Smooth | Kind::Optimal => (-0.3_f64).max(-half),
+            _ => (-0.3_f64).max(-half),
         });
         if zone.abs() > half {
             let half = digits(half, 4);
@@ -249,7 +298,9 @@ impl GaitFlags {
         self.within(&program, robot, zone)?;
         let open = format!("valve open {} ms", digits(valve_open * 1e3, 4));
         let words = match self.gait {
-            Kind::Curve | Kind::Smooth | Kind::Speed | Kind::Optimal => self.words(&program),
+            Kind::Curve | Kind::Smooth | Kind::Speed | Kind::Optimal | Kind::Policy => {
+                self.words(&program)
+            }
             _ => format!("{}, {open}", self.words(&program)),
         };
         Ok(Chosen {
@@ -262,7 +313,14 @@ impl GaitFlags {
             speeds: self.speed.clone().map_or_else(Vec::new, |speeds| speeds.0),
             words,
             best: None,
+            obstacles: Vec::new(),
         })
+    }
+
+    /// What was learnt, where that is to run.
+    pub(super) fn learned(&self) -> Result<Option<Learned>, CliError> {
+        let load = |path: &PathBuf| Learned::load(path, self.policy_seed);
+        self.policy.as_ref().map(load).transpose()
     }
 
     /// The flags that only some gaits have: which, what was given, which gaits.
@@ -378,7 +436,7 @@ impl GaitFlags {
                 Program::Curve(knots.0.clone())
             }
             Kind::Smooth => self.aim.unwrap_or(Aim::Quick).law().program(),
-            Kind::Optimal => Program::Fixed { firing_angle: zone },
+            Kind::Optimal | Kind::Policy => Program::Fixed { firing_angle: zone },
             Kind::Speed => {
                 if self.speed.is_none() {
                     return Err(CliError::Missing {
@@ -415,7 +473,7 @@ impl GaitFlags {
                 };
                 knots.iter().map(|knot| (flag, knot[1])).collect()
             }
-            Program::Policy(..) => Vec::new(),
+            Program::Policy(..) | Program::Learnt(..) => Vec::new(),
         };
         for (flag, angle) in angles {
             if !(zone..zone + pitch).contains(&angle) {

@@ -21,11 +21,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use saltus::Robot;
 use saltus::gait::{Ending, Program, Setup, When, run};
+use saltus::robot::resolve_text;
 use saltus::sim_check::Stepping;
 
 use super::Status;
 use super::best;
 use super::common::{OutputFlags, PlotOption, Threads, note_valve, page_file, robot};
+use super::learned::Learned;
 use super::recorded::McapOption;
 use super::refused::refused;
 use crate::error::CliError;
@@ -122,13 +124,9 @@ pub(crate) struct Run {
     believed: Option<String>,
 
     /// Robot: a built-in one (rats-planar, rats-boom, rats-run, spring-hopper, table-hopper) or a TOML file
-    #[arg(
-        long,
-        value_name = "NAME|FILE",
-        default_value = "rats-run",
-        help_heading = "Robot and output"
-    )]
-    robot: String,
+    /// [default: rats-run, with --policy the one that learnt it]
+    #[arg(long, value_name = "NAME|FILE", help_heading = "Robot and output")]
+    robot: Option<String>,
 
     /// Override a parameter of the robot by its dotted key, as in leg.stroke_m=0.05; may be
     /// repeated
@@ -200,8 +198,12 @@ accelerometers, and settings.toml. With --believed the folder names another robo
 impl Run {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.output.check()?;
-        let robot = robot(&self.robot, &self.overrides)?;
-        let mut chosen = self.gait.chosen(&robot)?;
+        let learned = self.gait.learned()?;
+        let robot = self.run_robot(learned.as_ref())?;
+        let mut chosen = match &learned {
+            Some(learned) => learned.chosen(&robot)?,
+            None => self.gait.chosen(&robot)?,
+        };
         note_valve(&robot, self.gait.valve_flag());
         disturb::check(&self.disturb, &robot)?;
         self.note_what_never_comes(&chosen);
@@ -226,6 +228,18 @@ impl Run {
         self.one(&setup, &chosen)
     }
 
+    /// The robot that runs.
+    fn run_robot(&self, learned: Option<&Learned>) -> Result<Robot, CliError> {
+        match (&self.robot, learned) {
+            (None, Some(learned)) if self.overrides.is_empty() => Ok(learned.robot().clone()),
+            (None, Some(learned)) => {
+                let own = learned.robot();
+                Ok(resolve_text(&own.to_toml(), &own.name, &self.overrides)?)
+            }
+            (name, _) => robot(name.as_deref().unwrap_or("rats-run"), &self.overrides),
+        }
+    }
+
     fn setup(&self, robot: &Robot, chosen: &Chosen) -> Result<Setup, CliError> {
         let mut setup = match &chosen.program {
             Program::Curve(law) if !chosen.speeds.is_empty() => {
@@ -239,6 +253,7 @@ impl Run {
         setup.forwards = chosen.forwards;
         setup.taps.clone_from(&chosen.taps);
         setup.disturbances = self.disturb.iter().map(|typed| typed.disturbance).collect();
+        setup.obstacles.clone_from(&chosen.obstacles);
         setup.seed = self.seed;
         setup.stepping = match (self.exact, self.step) {
             (true, _) => Stepping::Adaptive,
