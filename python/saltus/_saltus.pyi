@@ -150,7 +150,7 @@ class Episodes:
         robot: Robot,
         count: int,
         threads: int,
-        reward: list[tuple[str, float | None, float]],
+        reward: list[tuple[str, float]],
         steps: int | None,
         draw: bool,
     ) -> Episodes: ...
@@ -160,7 +160,11 @@ class Episodes:
 
     @property
     def choices(self) -> int:
-        """How many actions there are."""
+        """How many actions there are; 0 where actions are numbers."""
+
+    @property
+    def chosen(self) -> list[tuple[str, str, float, float]]:
+        """What is chosen where actions are numbers: name, unit, least and greatest value."""
 
     def start(self, which: list[int], seeds: list[int]) -> NDArray[np.float64]:
         """Begins episodes, and gives their observations."""
@@ -169,6 +173,11 @@ class Episodes:
         self, actions: NDArray[np.int64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_]]:
         """An action in each: observations, rewards, terminated, truncated. A negative one leaves an episode as it is."""
+
+    def step_by(
+        self, actions: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_]]:
+        """The same with rows of numbers; a row without numbers leaves an episode as it is."""
 
     def outcome(self, k: int) -> dict[str, Any]:
         """What an episode has come to."""

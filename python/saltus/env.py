@@ -5,9 +5,10 @@
     >>> observation, info = env.reset(seed=1)
     >>> observation, reward, terminated, truncated, info = env.step(1)
     >>> sorted(info)
-    ['angle_rad', 'arrived_s', 'firings', 'gas_kg', 'time_s', 'travel_m']
+    ['angle_rad', 'arrived_s', 'broken', 'firings', 'gas_kg', 'time_s', 'travel_m']
 
-`Saltus/RunLegs-v0`, `Saltus/Climb-v0` and `Saltus/RunZone-v0` are the tasks of `saltus learn`. `gymnasium.make_vec`
+`Saltus/RunLegs-v0`, `Saltus/Climb-v0`, `Saltus/RunZone-v0`, `Saltus/RunStride-v0` and `Saltus/JumpStride-v0` are the tasks of `saltus learn`.
+By stride an action is two numbers from -1 to 1: firing angle and valve opening time, from the least to the greatest. `gymnasium.make_vec`
 gives `VectorTask`, whose episodes run on threads of Rust.
 """
 
@@ -30,7 +31,13 @@ except ImportError:
 
 __all__ = ["IDS", "TaskEnv", "VectorTask"]
 
-IDS = {"Saltus/RunLegs-v0": "run-legs", "Saltus/Climb-v0": "climb", "Saltus/RunZone-v0": "run-zone"}
+IDS = {
+    "Saltus/RunLegs-v0": "run-legs",
+    "Saltus/Climb-v0": "climb",
+    "Saltus/RunZone-v0": "run-zone",
+    "Saltus/RunStride-v0": "run-stride",
+    "Saltus/JumpStride-v0": "jump-stride",
+}
 """Environments and their tasks."""
 
 Observation = NDArray[np.float64]
@@ -52,10 +59,43 @@ def terms_of(reward: Reward) -> list[tuple[str, float]]:
 def spaces_of(episodes: Episodes) -> tuple[Any, Any]:
     """What is observed, and what can be done."""
     low, high = (np.array([axis[k] for axis in episodes.observed]) for k in (2, 3))
-    return gymnasium.spaces.Box(low, high, dtype=np.float64), gymnasium.spaces.Discrete(episodes.choices)
+    observed = gymnasium.spaces.Box(low, high, dtype=np.float64)
+    if episodes.choices:
+        return observed, gymnasium.spaces.Discrete(episodes.choices)
+    return observed, gymnasium.spaces.Box(-1.0, 1.0, (len(episodes.chosen),), dtype=np.float64)
 
 
-class TaskEnv(gymnasium.Env[Observation, np.int64]):
+class _Task:
+    """A task's episodes, and its actions as Rust has them."""
+
+    def __init__(
+        self, task: str, count: int, threads: int, robot: RobotLike, reward: Reward, steps: int | None, draw: bool
+    ) -> None:
+        self.episodes = Episodes(task, robot_of(robot), count, threads, terms_of(reward), steps, draw)
+        self.count = count
+        self.choices = self.episodes.choices
+        self._low, self._high = (np.array([axis[k] for axis in self.episodes.chosen]) for k in (2, 3))
+
+    def step(self, actions: Any, stays: NDArray[np.bool_]) -> Any:
+        """An action for each episode but those that stay as they are."""
+        given = np.asarray(actions)
+        if self.choices:
+            if given.shape != (self.count,) or given.dtype.kind not in "iu" or ((given < 0) | (given >= self.choices)).any():
+                raise SaltusError(f"actions = {given!r}: {self.count} whole numbers from 0 to {self.choices - 1}")
+            return self.episodes.step(np.where(stays, -1, given).astype(np.int64))
+        width = len(self._low)
+        if given.shape != (self.count, width) or given.dtype.kind not in "iuf" or not (np.abs(given) <= 1.0).all():
+            raise SaltusError(f"actions = {given!r}: {self.count} rows of {width} numbers from -1 to 1")
+        values = self._low + (given.astype(np.float64) + 1.0) / 2.0 * (self._high - self._low)
+        values = np.clip(values, self._low, self._high)
+        values[stays] = np.nan
+        return self.episodes.step_by(np.ascontiguousarray(values))
+
+
+_ACTS = np.zeros(1, dtype=np.bool_)
+
+
+class TaskEnv(gymnasium.Env[Observation, Any]):
     """A robot with a task. Observations are in the order and units of `axes`."""
 
     metadata: dict[str, Any] = {"render_modes": []}
@@ -69,10 +109,13 @@ class TaskEnv(gymnasium.Env[Observation, np.int64]):
         steps: int | None = None,
         draw: bool = False,
     ) -> None:
-        self._episodes = Episodes(task, robot_of(robot), 1, 1, terms_of(reward), steps, draw)
+        self._task = _Task(task, 1, 1, robot, reward, steps, draw)
+        self._episodes = self._task.episodes
         self.observation_space, self.action_space = spaces_of(self._episodes)
         self.axes = [f"{name}_{unit}" for name, unit, _, _ in self._episodes.observed]
         """Names of what is observed, with units."""
+        self.actions = [f"{name}_{unit}" for name, unit, _, _ in self._episodes.chosen]
+        """Names of what is chosen, with units, where actions are numbers."""
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
         """Begins an episode. The seed is that of all that follow, until another is given."""
@@ -80,18 +123,21 @@ class TaskEnv(gymnasium.Env[Observation, np.int64]):
         observation = self._clipped(self._episodes.start([0], [drawn(self.np_random)])[0])
         return observation, self._episodes.outcome(0)
 
-    def step(self, action: np.int64 | int) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
+    def step(self, action: Any) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
         """Does an action, one of `action_space`."""
-        if not self.action_space.contains(np.int64(action) if isinstance(action, int) else action):
-            raise SaltusError(f"action = {action!r}: one of {self.action_space}")
-        observed, rewards, terminated, truncated = self._episodes.step(np.array([action], dtype=np.int64))
+        try:
+            observed, rewards, terminated, truncated = self._task.step(np.asarray(action)[np.newaxis], _ACTS)
+        except SaltusError as error:
+            if str(error).startswith("actions = "):
+                raise SaltusError(f"action = {action!r}: one of {self.action_space}") from None
+            raise
         return self._clipped(observed[0]), float(rewards[0]), bool(terminated[0]), bool(truncated[0]), self._episodes.outcome(0)
 
     def _clipped(self, observation: Observation) -> Observation:
         return np.clip(observation, self.observation_space.low, self.observation_space.high)  # type: ignore[attr-defined]
 
 
-class VectorTask(VectorEnv[Observation, NDArray[np.int64], NDArray[Any]]):
+class VectorTask(VectorEnv[Observation, NDArray[Any], NDArray[Any]]):
     """Many robots with the same task, on threads of Rust. Robot k does what the `TaskEnv` of seed `seed + k` does."""
 
     metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
@@ -111,9 +157,9 @@ class VectorTask(VectorEnv[Observation, NDArray[np.int64], NDArray[Any]]):
 
         self.num_envs = count_of("num_envs", num_envs, 1)
         used = count_of("threads", threads, os.cpu_count() or 1)
-        self._episodes = Episodes(task, robot_of(robot), self.num_envs, used, terms_of(reward), steps, draw)
+        self._task = _Task(task, self.num_envs, used, robot, reward, steps, draw)
+        self._episodes = self._task.episodes
         self.single_observation_space, self.single_action_space = spaces_of(self._episodes)
-        self._choices = self._episodes.choices
         self.observation_space = gymnasium.vector.utils.batch_space(self.single_observation_space, self.num_envs)
         self.action_space = gymnasium.vector.utils.batch_space(self.single_action_space, self.num_envs)
         self._random: list[np.random.Generator] = []
@@ -132,15 +178,10 @@ class VectorTask(VectorEnv[Observation, NDArray[np.int64], NDArray[Any]]):
         return self._clipped(self._start(range(self.num_envs))), {}
 
     def step(
-        self, actions: NDArray[np.int64]
+        self, actions: NDArray[Any]
     ) -> tuple[Observation, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """An action for each robot. One whose episode is over begins the next in place of it, with reward 0."""
-        given = np.asarray(actions)
-        allowed = self._choices
-        if given.shape != (self.num_envs,) or given.dtype.kind not in "iu" or ((given < 0) | (given >= allowed)).any():
-            raise SaltusError(f"actions = {given!r}: {self.num_envs} whole numbers from 0 to {allowed - 1}")
-        acting = np.where(self._over, -1, given).astype(np.int64)
-        observed, rewards, terminated, truncated = self._episodes.step(acting)
+        observed, rewards, terminated, truncated = self._task.step(actions, self._over)
         begun = np.flatnonzero(self._over)
         if len(begun):
             observed[begun] = self._start(begun.tolist())

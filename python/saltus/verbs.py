@@ -188,6 +188,8 @@ def verify(
 def run(
     *,
     gait: str | None = None,
+    policy: PathLike | None = None,
+    policy_seed: int | None = None,
     firing_angle_rad: float | None = None,
     valve_open_s: float | None = None,
     from_rad: float | None = None,
@@ -227,7 +229,7 @@ def run(
 ) -> Answer:
     """A run of a robot whose legs are fired in turn. A stall is an answer: `answer.yes` is false.
 
-    `knots` are (rate, angle, time), `speed` (time, speed in m/s). With `rows` the answer has a row
+    `policy` is a file that `saltus learn --out` wrote. `knots` are (rate, angle, time), `speed` (time, speed in m/s). With `rows` the answer has a row
     for each cycle, as `--format csv` does (one robot, no analysis)."""
     arguments = {name: value for name, value in locals().items() if name != "rows"}
     if not rows:
@@ -274,6 +276,8 @@ def learn(
     epsilon: float | None = None,
     decay: float | None = None,
     reward: Mapping[str, float] | Sequence[str] = (),
+    state: Mapping[str, tuple[float, float, int]] | Sequence[str] = (),
+    tilings: int | None = None,
     episodes: int | None = None,
     steps: int | None = None,
     seeds: int | None = None,
@@ -285,9 +289,10 @@ def learn(
     robot: RobotLike | None = None,
     set: Overrides = (),
 ) -> Answer:
-    """A table of values that learns to run: `task` is "run-legs", "climb" or "run-zone".
+    """A robot that learns: `task` is "run-legs", "climb", "run-zone", "run-stride" or "jump-stride".
 
-    `reward` has coefficients, as in `{"rate": 1, "gas": 100}`. `answer.policy` is what `resume` goes on from,
+    `reward` has coefficients, as in `{"rate": 1, "gas": 100}`; `state` has from, to and number of the steps of what is
+    observed, as in `{"wheel_rate": (-5, 20, 25)}`. `answer.policy` is what `resume` goes on from,
     once `answer.json` is in a file. For learners of your own see `saltus.env`."""
     arguments = {name: value for name, value in locals().items() if name != "task"}
     return ask("learn", (task,), arguments)
@@ -432,3 +437,17 @@ def export(
     if not yes:
         raise SaltusError(report)
     return report
+
+
+def export_policy(
+    policy: PathLike,
+    *,
+    out: PathLike,
+    language: str | None = None,
+    policy_seed: int | None = None,
+    real: str | None = None,
+    name: str | None = None,
+) -> str:
+    """What was learnt, for a controller: `language` is "c" or "rust". Gives what heads the files in the folder `out`."""
+    arguments = {name: value for name, value in locals().items() if name != "policy"}
+    return words_of("export policy", (policy,), arguments, ())[1]

@@ -2,12 +2,15 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    PyUntypedArrayMethods,
+};
 use pyo3::types::{PyDict, PyDictMethods};
 use pyo3::{Bound, PyResult, Python, pyclass, pymethods};
 use saltus::gait::Draw;
 use saltus::gait::GaitError;
-use saltus::gait::learn::{Act, Environment, Episode, Reward, Step, Term};
+use saltus::gait::learn::{Act, Actions, Environment, Episode, Reward, Step, Term};
 use saltus::learning::Task;
 use saltus::numeric::parallel::map_on;
 
@@ -47,7 +50,7 @@ impl Episodes {
             let names = Task::ALL.map(Task::name).join(", ");
             bad(format_args!("task = {task:?}: one of {names}"))
         })?;
-        let mut settings = known.settings(robot.model.clone(), known.algorithm());
+        let mut settings = known.settings(robot.model.clone(), known.method());
         if !reward.is_empty() {
             settings.reward = Reward(reward.iter().map(term).collect::<PyResult<_>>()?);
         }
@@ -72,6 +75,18 @@ impl Episodes {
     #[getter]
     fn choices(&self) -> usize {
         self.environment.actions().choices().unwrap_or(0)
+    }
+
+    /// What is chosen where actions are numbers: name, unit, least and greatest value.
+    #[getter]
+    fn chosen(&self) -> Vec<(&'static str, &'static str, f64, f64)> {
+        match self.environment.actions() {
+            Actions::Values(axes) => axes
+                .iter()
+                .map(|it| (it.name, it.unit, it.low, it.high))
+                .collect(),
+            Actions::Choices(_) => Vec::new(),
+        }
     }
 
     /// Begins the episodes `which` with `seeds`, and gives their observations.
@@ -108,29 +123,26 @@ impl Episodes {
         actions: PyReadonlyArray1<'py, i64>,
     ) -> PyResult<Stepped<'py>> {
         let actions = actions.as_slice().map_err(bad)?.to_vec();
-        if actions.len() != self.running.len() {
-            let (given, count) = (actions.len(), self.running.len());
-            return Err(bad(format_args!("actions: shape ({given},): ({count},)")));
-        }
-        let stepped = py.detach(|| {
-            let one = |k: usize| self.one(k, actions[k]);
-            let all = map_on(self.threads, actions.len(), one);
-            all.into_iter().collect::<Result<Vec<_>, _>>()
-        });
-        let stepped = stepped.map_err(bad)?;
-        let (mut observed, mut steps) = (Vec::new(), Vec::new());
-        for (observation, step) in stepped {
-            observed.push(observation);
-            steps.push(step);
-        }
-        let of = |part: fn(&Step) -> bool| steps.iter().map(part).collect::<Vec<_>>();
-        let rewards: Vec<f64> = steps.iter().map(|step| step.reward).collect();
-        Ok((
-            self.array(py, observed)?,
-            rewards.into_pyarray(py),
-            of(|step| step.terminated).into_pyarray(py),
-            of(|step| step.truncated).into_pyarray(py),
-        ))
+        self.all(py, actions.len(), |k| {
+            let choice = usize::try_from(actions[k]).ok();
+            self.one(k, choice.map(Act::Choice))
+        })
+    }
+
+    /// The same with numbers; episodes whose numbers are none stay as they are.
+    fn step_by<'py>(
+        &self,
+        py: Python<'py>,
+        actions: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Stepped<'py>> {
+        let rows = actions.shape()[0];
+        let actions = actions.as_slice().map_err(bad)?.to_vec();
+        let width = actions.len() / rows.max(1);
+        self.all(py, rows, |k| {
+            let values = &actions[k * width..(k + 1) * width];
+            let acts = values.iter().any(|x| !x.is_nan());
+            self.one(k, acts.then_some(Act::Values(values)))
+        })
     }
 
     /// What episode `k` has come to.
@@ -151,13 +163,44 @@ impl Episodes {
             dict.set_item("arrived_s", it.arrived)?;
             dict.set_item("gas_kg", it.gas)?;
             dict.set_item("firings", it.firings)?;
+            dict.set_item("broken", it.broken)?;
         }
         Ok(dict)
     }
 }
 
 impl Episodes {
-    fn one(&self, k: usize, action: i64) -> Result<(Vec<f64>, Step), GaitError> {
+    /// Does `one` in each of so many episodes, which must be all.
+    fn all<'py>(
+        &self,
+        py: Python<'py>,
+        given: usize,
+        one: impl Fn(usize) -> Result<(Vec<f64>, Step), GaitError> + Sync,
+    ) -> PyResult<Stepped<'py>> {
+        let count = self.running.len();
+        if given != count {
+            return Err(bad(format_args!("actions: {given} rows: {count}")));
+        }
+        let stepped = py.detach(|| {
+            let all = map_on(self.threads, count, &one);
+            all.into_iter().collect::<Result<Vec<_>, _>>()
+        });
+        let (mut observed, mut steps) = (Vec::new(), Vec::new());
+        for (observation, step) in stepped.map_err(bad)? {
+            observed.push(observation);
+            steps.push(step);
+        }
+        let of = |part: fn(&Step) -> bool| steps.iter().map(part).collect::<Vec<_>>();
+        let rewards: Vec<f64> = steps.iter().map(|step| step.reward).collect();
+        Ok((
+            self.array(py, observed)?,
+            rewards.into_pyarray(py),
+            of(|step| step.terminated).into_pyarray(py),
+            of(|step| step.truncated).into_pyarray(py),
+        ))
+    }
+
+    fn one(&self, k: usize, act: Option<Act<'_>>) -> Result<(Vec<f64>, Step), GaitError> {
         let mut running = self.running[k]
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
@@ -167,14 +210,12 @@ impl Episodes {
             allowed: "begun by `reset` before `step`".into(),
         };
         let episode = running.as_mut().ok_or_else(missing)?;
-        let step = match usize::try_from(action) {
-            Ok(action) => episode.step(Act::Choice(action))?,
-            Err(_) => Step {
-                reward: 0.0,
-                terminated: false,
-                truncated: false,
-            },
+        let stays = Step {
+            reward: 0.0,
+            terminated: false,
+            truncated: false,
         };
+        let step = act.map_or(Ok(stays), |act| episode.step(act))?;
         Ok((episode.observation().to_vec(), step))
     }
 

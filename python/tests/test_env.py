@@ -25,40 +25,49 @@ def test_gymnasium_finds_nothing_wrong(name: str) -> None:
         check_env(env.unwrapped, skip_render_check=True)
 
 
+def drawn(space: Any, random: np.random.Generator, count: int) -> Any:
+    """Actions of a space."""
+    if isinstance(space, gymnasium.spaces.Discrete):
+        return random.integers(space.n, size=count)
+    return random.uniform(-1.0, 1.0, size=(count, *space.shape))
+
+
 def episode(env: Any, seed: int, steps: int) -> list[Any]:
     random = np.random.default_rng(seed)
     rows = [env.reset(seed=seed)[0].tolist()]
     for _ in range(steps):
-        observation, reward, terminated, truncated, info = env.step(int(random.integers(env.action_space.n)))
+        observation, reward, terminated, truncated, info = env.step(drawn(env.action_space, random, 1)[0])
         rows.append((observation.tolist(), reward, terminated, truncated, info["travel_m"]))
         if terminated or truncated:
             rows.append(env.reset()[0].tolist())
     return rows
 
 
-def test_seeds_give_the_same_episodes() -> None:
-    env = saltus.env.TaskEnv("run-zone", draw=True)
+@pytest.mark.parametrize("task", ["run-zone", "run-stride"])
+def test_seeds_give_the_same_episodes(task: str) -> None:
+    env = saltus.env.TaskEnv(task, draw=True)
     one, again, other = episode(env, 1, 400), episode(env, 1, 400), episode(env, 2, 400)
     assert one == again != other
 
 
-def test_many_are_as_one() -> None:
-    many = gymnasium.make_vec("Saltus/RunZone-v0", num_envs=5, threads=2, draw=True, steps=60)
+@pytest.mark.parametrize("name", ["Saltus/RunZone-v0", "Saltus/RunStride-v0", "Saltus/JumpStride-v0"])
+def test_many_are_as_one(name: str) -> None:
+    many = gymnasium.make_vec(name, num_envs=5, threads=2, draw=True, steps=60)
     assert many.metadata["autoreset_mode"] is gymnasium.vector.AutoresetMode.NEXT_STEP
-    ones = [saltus.env.TaskEnv("run-zone", draw=True, steps=60) for _ in range(5)]
+    ones = [saltus.env.TaskEnv(saltus.env.IDS[name], draw=True, steps=60) for _ in range(5)]
     together = many.reset(seed=7)[0]
     alone = [env.reset(seed=7 + k)[0] for k, env in enumerate(ones)]
     assert np.array_equal(together, alone)
     random = np.random.default_rng(1)
     over = [False] * 5
     for _ in range(150):
-        actions = random.integers(2, size=5)
+        actions = drawn(many.single_action_space, random, 5)
         observed, rewards, terminated, truncated, _ = many.step(actions)
         for k, env in enumerate(ones):
             if over[k]:
                 row: tuple[Any, ...] = (env.reset()[0], 0.0, False, False)
             else:
-                row = env.step(int(actions[k]))[:4]
+                row = env.step(actions[k])[:4]
             over[k] = row[2] or row[3]
             assert np.array_equal(observed[k], row[0])
             assert (rewards[k], terminated[k], truncated[k]) == row[1:]
@@ -99,6 +108,33 @@ def test_bad_input_is_named() -> None:
     for actions in ([0], [0, 2], [0.0, 1.0], np.zeros((2, 1), dtype=np.int64)):
         with pytest.raises(saltus.SaltusError, match="actions = "):
             many.step(actions)
+
+
+def test_numbers_outside_the_space_are_named() -> None:
+    env = saltus.env.TaskEnv("run-stride")
+    env.reset(seed=1)
+    for action in ([0.0], [1.1, 0.0], [float("nan"), 0.0], 1, "fire", None, [[0.0, 0.0]]):
+        with pytest.raises(saltus.SaltusError, match="action = "):
+            env.step(action)
+    assert env.actions == ["firing_angle_rad", "valve_open_s"]
+    many = saltus.env.VectorTask("run-stride", 2)
+    many.reset(seed=1)
+    with pytest.raises(saltus.SaltusError, match="2 rows of 2 numbers"):
+        many.step(np.zeros((2, 3)))
+
+
+def test_a_stride_is_that_of_its_numbers() -> None:
+    env = saltus.env.TaskEnv("run-stride")
+    env.reset(seed=1)
+    # In the middle of the ranges: the leg on which it stands fires, and it runs.
+    info: dict[str, Any] = {}
+    for _ in range(2):
+        *_, info = env.step([0.1, 0.0])
+    assert info["firings"] >= 1 and info["travel_m"] > 0.1
+    # The least opening time is none: no leg fires.
+    env.reset(seed=1)
+    observed, _, terminated, _, info = env.step([0.1, -1.0])
+    assert terminated and info["firings"] == 0 and abs(observed[0]) < 0.5
 
 
 def test_after_the_end_there_is_no_step() -> None:

@@ -57,6 +57,14 @@ CALLS: dict[str, tuple[Callable[[], saltus.Answer], list[str]]] = {
         lambda: saltus.learn("run-zone", episodes=2, seeds=2, lambda_=0.8, reward={"rate": 1, "threshold:2": 0.5}),
         "learn run-zone --episodes 2 --seeds 2 --lambda 0.8 --reward rate=1 --reward threshold:2=0.5".split(),
     ),
+    "learn a law": (
+        lambda: saltus.learn("run-stride", algorithm="bayes", episodes=3, seeds=1),
+        "learn run-stride --algorithm bayes --episodes 3 --seeds 1".split(),
+    ),
+    "learn in tilings": (
+        lambda: saltus.learn("run-zone", episodes=2, seeds=1, tilings=4, state={"wheel_rate": (-5, 20, 8)}),
+        "learn run-zone --episodes 2 --seeds 1 --tilings 4 --state wheel_rate=-5:20:8".split(),
+    ),
     "parkour": (lambda: saltus.parkour(PARKOUR, courses=["static-00"]), ["parkour", str(PARKOUR), "--course", "static-00"]),
 }
 
@@ -97,6 +105,16 @@ def test_inject_writes_the_files_of_the_command(command: Command, tmp_path: Path
     assert names == sorted(file.name for file in (tmp_path / "shell").iterdir())
     for name in names:
         assert (tmp_path / "python" / name).read_bytes() == (tmp_path / "shell" / name).read_bytes(), name
+
+
+def test_what_was_learnt_runs_and_is_exported(command: Command, tmp_path: Path) -> None:
+    policy = tmp_path / "policy.json"
+    policy.write_text(saltus.learn("run-zone", episodes=6, seeds=2).json)
+    answer = saltus.run(policy=policy, seconds=1, policy_seed=2)
+    assert answer.json == command("run", "--policy", str(policy), *"--seconds 1 --policy-seed 2 --format json".split()).out
+    about = saltus.export_policy(policy, out=tmp_path / "python", language="rust", name="ZONE")
+    assert command("export", "policy", str(policy), *"--as rust --name ZONE --out".split(), tmp_path / "shell").out == about
+    assert (tmp_path / "python" / "policy.rs").read_bytes() == (tmp_path / "shell" / "policy.rs").read_bytes()
 
 
 @pytest.mark.parametrize("what", ["mjcf", "urdf"])
@@ -158,6 +176,7 @@ FUNCTIONS: dict[str, list[Any]] = {
     "parkour": [saltus.parkour],
     "export c": [saltus.export],
     "export rust": [saltus.export],
+    "export policy": [saltus.export_policy],
     "export mjcf": [saltus.export],
     "export urdf": [saltus.export],
 }
