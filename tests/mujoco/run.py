@@ -3,7 +3,7 @@
 
     python3 -m venv target/mujoco && target/mujoco/bin/pip install -r tests/mujoco/requirements.txt
     cargo build --release -p saltus-cli
-    target/mujoco/bin/python tests/mujoco/run.py check            # or speeds, ensemble, touch_downs, bench
+    target/mujoco/bin/python tests/mujoco/run.py check            # or speeds, ensemble, touch_downs, policy, bench
 
 The bodies come from `saltus export mjcf`, the numbers of the legs from the robot's file; nothing else is Saltus'. All legs are free
 sliders with end stops at 0 and the stroke, dry and viscous friction, a return spring, and a chamber each. The chambers are
@@ -42,6 +42,7 @@ import mujoco
 import numpy as np
 
 import running
+from policy import compare
 from running import GAITS, RATIO, READING, ROOT, STEP, TICK, WINDOW, Controller, Gas, Leg, Runner
 from running import drawn, export, rats_run, run, spring
 from touchdown import COORDINATES, STATES, answer_columns, touch_down
@@ -171,6 +172,11 @@ def against(options):
         print(f"row {theirs['row']}: leg {ours['leg']} and {theirs['leg']}; {theirs['switches'] or 'no switch of contact'}")
     unnamed = sum(not theirs["switches"] for _, theirs in others)
     return int(len(others) > 0.1 * len(pairs) or unnamed > 0)
+
+
+def policy(options):
+    """Time to 1.6 m of what `saltus learn` learnt, here and in Saltus; exit code 1 where the medians are more than 10 % apart."""
+    return compare(options)
 
 
 def states(options):
@@ -371,6 +377,10 @@ def parser():
     touch.add_argument("states", type=pathlib.Path, metavar="STATES.csv")
     touch.add_argument("--robot", type=pathlib.Path, help="robot file; the default is rats-boom as it runs")
     touch.add_argument("--out", type=pathlib.Path, help="write to this file instead of standard output")
+    learnt = add(policy)
+    learnt.add_argument("policy", type=pathlib.Path, metavar="POLICY.json", help="of `saltus learn run-zone` or `run-stride`")
+    learnt.add_argument("--starts", type=int, default=30)
+    learnt.add_argument("--across", type=float, default=0.0, help="friction coefficient across the travel, in both")
     some = add(states)
     some.add_argument("--count", type=int, default=10)
     some.add_argument("--seed", type=int, default=1)
