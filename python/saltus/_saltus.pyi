@@ -179,6 +179,12 @@ class Episodes:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_]]:
         """The same with rows of numbers; a row without numbers leaves an episode as it is."""
 
+    def choose(self, k: int, choice: int) -> tuple[NDArray[np.float64], float, bool, bool, dict[str, Any]]:
+        """A choice in episode `k` alone."""
+
+    def choose_by(self, k: int, values: list[float]) -> tuple[NDArray[np.float64], float, bool, bool, dict[str, Any]]:
+        """The same with numbers."""
+
     def outcome(self, k: int) -> dict[str, Any]:
         """What an episode has come to."""
 

@@ -86,13 +86,14 @@ class _Task:
         width = len(self._low)
         if given.shape != (self.count, width) or given.dtype.kind not in "iuf" or not (np.abs(given) <= 1.0).all():
             raise SaltusError(f"actions = {given!r}: {self.count} rows of {width} numbers from -1 to 1")
-        values = self._low + (given.astype(np.float64) + 1.0) / 2.0 * (self._high - self._low)
-        values = np.clip(values, self._low, self._high)
+        values = self.values(given)
         values[stays] = np.nan
         return self.episodes.step_by(np.ascontiguousarray(values))
 
-
-_ACTS = np.zeros(1, dtype=np.bool_)
+    def values(self, given: NDArray[Any]) -> NDArray[np.float64]:
+        """Numbers from -1 to 1 as values."""
+        values = self._low + (given.astype(np.float64) + 1.0) / 2.0 * (self._high - self._low)
+        return np.clip(values, self._low, self._high)
 
 
 class TaskEnv(gymnasium.Env[Observation, Any]):
@@ -120,21 +121,18 @@ class TaskEnv(gymnasium.Env[Observation, Any]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
         """Begins an episode. The seed is that of all that follow, until another is given."""
         super().reset(seed=seed)
-        observation = self._clipped(self._episodes.start([0], [drawn(self.np_random)])[0])
-        return observation, self._episodes.outcome(0)
+        return self._episodes.start([0], [drawn(self.np_random)])[0], self._episodes.outcome(0)
 
     def step(self, action: Any) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
         """Does an action, one of `action_space`."""
-        try:
-            observed, rewards, terminated, truncated = self._task.step(np.asarray(action)[np.newaxis], _ACTS)
-        except SaltusError as error:
-            if str(error).startswith("actions = "):
-                raise SaltusError(f"action = {action!r}: one of {self.action_space}") from None
-            raise
-        return self._clipped(observed[0]), float(rewards[0]), bool(terminated[0]), bool(truncated[0]), self._episodes.outcome(0)
-
-    def _clipped(self, observation: Observation) -> Observation:
-        return np.clip(observation, self.observation_space.low, self.observation_space.high)  # type: ignore[attr-defined]
+        if self._task.choices:
+            if isinstance(action, (int, np.integer)) and 0 <= action < self._task.choices:
+                return self._episodes.choose(0, int(action))
+        else:
+            given = np.asarray(action)
+            if given.shape == self.action_space.shape and given.dtype.kind in "iuf" and (np.abs(given) <= 1.0).all():
+                return self._episodes.choose_by(0, self._task.values(given).tolist())
+        raise SaltusError(f"action = {action!r}: one of {self.action_space}")
 
 
 class VectorTask(VectorEnv[Observation, NDArray[Any], NDArray[Any]]):
@@ -175,7 +173,7 @@ class VectorTask(VectorEnv[Observation, NDArray[Any], NDArray[Any]]):
             seeds: list[int | None] = [None] * self.num_envs if seed is None else [*seed]
             self._random = [gymnasium.utils.seeding.np_random(it)[0] for it in seeds]
         self._over[:] = False
-        return self._clipped(self._start(range(self.num_envs))), {}
+        return self._start(range(self.num_envs)), {}
 
     def step(
         self, actions: NDArray[Any]
@@ -186,7 +184,7 @@ class VectorTask(VectorEnv[Observation, NDArray[Any], NDArray[Any]]):
         if len(begun):
             observed[begun] = self._start(begun.tolist())
         self._over = terminated | truncated
-        return self._clipped(observed), rewards, terminated, truncated, {}
+        return observed, rewards, terminated, truncated, {}
 
     def outcomes(self) -> list[dict[str, Any]]:
         """What each episode has come to."""
@@ -194,10 +192,6 @@ class VectorTask(VectorEnv[Observation, NDArray[Any], NDArray[Any]]):
 
     def _start(self, which: Sequence[int] | range) -> Observation:
         return self._episodes.start(list(which), [drawn(self._random[k]) for k in which])
-
-    def _clipped(self, observation: Observation) -> Observation:
-        space = self.single_observation_space
-        return np.clip(observation, space.low, space.high)  # type: ignore[attr-defined]
 
 
 def drawn(random: np.random.Generator) -> int:

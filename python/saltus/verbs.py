@@ -285,6 +285,8 @@ def learn(
     draw: bool = False,
     resume: PathLike | None = None,
     threads: int | None = None,
+    animate: PathLike | None = None,
+    shown: Sequence[int] | None = None,
     plot: PathLike | None = None,
     robot: RobotLike | None = None,
     set: Overrides = (),

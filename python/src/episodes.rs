@@ -6,11 +6,12 @@ use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
     PyUntypedArrayMethods,
 };
+use pyo3::intern;
 use pyo3::types::{PyDict, PyDictMethods};
 use pyo3::{Bound, PyResult, Python, pyclass, pymethods};
 use saltus::gait::Draw;
 use saltus::gait::GaitError;
-use saltus::gait::learn::{Act, Actions, Environment, Episode, Reward, Step, Term};
+use saltus::gait::learn::{Act, Actions, Environment, Episode, Outcome, Reward, Step, Term};
 use saltus::learning::Task;
 use saltus::numeric::parallel::map_on;
 
@@ -31,7 +32,26 @@ pub(crate) struct Episodes {
     environment: Arc<dyn Environment>,
     running: Vec<Mutex<Option<Box<dyn Episode>>>>,
     threads: usize,
+    /// Least and greatest value of what is observed.
+    bounds: Vec<[f64; 2]>,
 }
+
+/// What is observed, within its space.
+fn clipped(episode: &dyn Episode, bounds: &[[f64; 2]]) -> Vec<f64> {
+    let observed = episode.observation().iter().zip(bounds);
+    observed
+        .map(|(x, [low, high])| x.clamp(*low, *high))
+        .collect()
+}
+
+/// What an episode alone gives.
+type One<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    f64,
+    bool,
+    bool,
+    Bound<'py, PyDict>,
+);
 
 #[pymethods]
 impl Episodes {
@@ -57,7 +77,9 @@ impl Episodes {
         settings.steps = steps.unwrap_or(settings.steps);
         settings.plant.draw = draw.then(|| Draw::around(&settings.plant.robot));
         let environment = settings.environment().map_err(bad)?;
+        let axes = environment.observed().iter();
         Ok(Episodes {
+            bounds: axes.map(|axis| [axis.low, axis.high]).collect(),
             environment: Arc::from(environment),
             running: (0..count).map(|_| Mutex::new(None)).collect(),
             threads,
@@ -104,7 +126,7 @@ impl Episodes {
             let one = |k: usize| -> Result<Vec<f64>, GaitError> {
                 let (place, seed) = pairs[k];
                 let episode = self.environment.start(seed)?;
-                let observation = episode.observation().to_vec();
+                let observation = clipped(episode.as_ref(), &self.bounds);
                 *self.running[place]
                     .lock()
                     .unwrap_or_else(PoisonError::into_inner) = Some(episode);
@@ -145,28 +167,41 @@ impl Episodes {
         })
     }
 
+    /// A choice in episode `k` alone: its observation, reward, whether it is terminated or truncated, and what it has come to.
+    fn choose<'py>(&self, py: Python<'py>, k: usize, choice: usize) -> PyResult<One<'py>> {
+        self.alone(py, k, Act::Choice(choice))
+    }
+
+    /// The same with numbers.
+    fn choose_by<'py>(&self, py: Python<'py>, k: usize, values: Vec<f64>) -> PyResult<One<'py>> {
+        self.alone(py, k, Act::Values(&values))
+    }
+
     /// What episode `k` has come to.
     fn outcome<'py>(&self, py: Python<'py>, k: usize) -> PyResult<Bound<'py, PyDict>> {
-        let dict = PyDict::new(py);
         let Some(running) = self.running.get(k) else {
-            return Err(bad(format_args!(
-                "episode {k}: one of {}",
-                self.running.len()
-            )));
+            let count = self.running.len();
+            return Err(bad(format_args!("episode {k}: one of {count}")));
         };
         let running = running.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(episode) = running.as_ref() {
-            let it = episode.outcome();
-            dict.set_item("time_s", it.time)?;
-            dict.set_item("angle_rad", it.angle)?;
-            dict.set_item("travel_m", it.travel)?;
-            dict.set_item("arrived_s", it.arrived)?;
-            dict.set_item("gas_kg", it.gas)?;
-            dict.set_item("firings", it.firings)?;
-            dict.set_item("broken", it.broken)?;
+        match running.as_ref() {
+            Some(episode) => told(py, &episode.outcome()),
+            None => Ok(PyDict::new(py)),
         }
-        Ok(dict)
     }
+}
+
+/// An outcome as a dictionary.
+fn told<'py>(py: Python<'py>, it: &Outcome) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item(intern!(py, "time_s"), it.time)?;
+    dict.set_item(intern!(py, "angle_rad"), it.angle)?;
+    dict.set_item(intern!(py, "travel_m"), it.travel)?;
+    dict.set_item(intern!(py, "arrived_s"), it.arrived)?;
+    dict.set_item(intern!(py, "gas_kg"), it.gas)?;
+    dict.set_item(intern!(py, "firings"), it.firings)?;
+    dict.set_item(intern!(py, "broken"), it.broken)?;
+    Ok(dict)
 }
 
 impl Episodes {
@@ -200,6 +235,24 @@ impl Episodes {
         ))
     }
 
+    fn alone<'py>(&self, py: Python<'py>, k: usize, act: Act<'_>) -> PyResult<One<'py>> {
+        if k >= self.running.len() {
+            return Err(bad(format_args!(
+                "episode {k}: one of {}",
+                self.running.len()
+            )));
+        }
+        let done = py.detach(|| self.one(k, Some(act)));
+        let (observation, step) = done.map_err(bad)?;
+        Ok((
+            PyArray1::from_vec(py, observation),
+            step.reward,
+            step.terminated,
+            step.truncated,
+            self.outcome(py, k)?,
+        ))
+    }
+
     fn one(&self, k: usize, act: Option<Act<'_>>) -> Result<(Vec<f64>, Step), GaitError> {
         let mut running = self.running[k]
             .lock()
@@ -216,7 +269,7 @@ impl Episodes {
             truncated: false,
         };
         let step = act.map_or(Ok(stays), |act| episode.step(act))?;
-        Ok((episode.observation().to_vec(), step))
+        Ok((clipped(episode.as_ref(), &self.bounds), step))
     }
 
     fn array<'py>(

@@ -13,6 +13,7 @@ pub(crate) use of_report::{Asked, sizes};
 /// The page; the scene takes the place of [`PLACE`].
 const TEMPLATE: &str = include_str!("../../assets/animation.html");
 const RUN_TEMPLATE: &str = include_str!("../../assets/run.html");
+const SIDE_BY_SIDE: &str = include_str!("../../assets/side_by_side.html");
 const PLACE: &str = "@SCENE@";
 /// What both pages look like, in the place of [`STYLE_PLACE`].
 const STYLE: &str = include_str!("../../assets/animation.css");
@@ -149,6 +150,22 @@ pub(crate) fn page(scene: &Scene) -> String {
 /// A run as one HTML page that needs nothing else: `scene` has what its script reads.
 pub(crate) fn run_page(scene: Value) -> String {
     filled(RUN_TEMPLATE, scene)
+}
+
+/// Pages side by side, each below its caption.
+pub(crate) fn side_by_side(title: &str, pages: &[(String, String)]) -> String {
+    let text = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;");
+    let frame = |(caption, page): &(String, String)| {
+        let page = page.replace('&', "&amp;").replace('"', "&quot;");
+        let caption = text(caption);
+        format!(
+            "<figure><figcaption>{caption}</figcaption><iframe title=\"{}\" srcdoc=\"{page}\"></iframe></figure>",
+            caption.replace('"', "&quot;")
+        )
+    };
+    let frames: Vec<String> = pages.iter().map(frame).collect();
+    let page = SIDE_BY_SIDE.replace("@TITLE@", &text(title));
+    page.replacen("@FRAMES@", &frames.join("\n"), 1)
 }
 
 fn filled(template: &str, scene: Value) -> String {

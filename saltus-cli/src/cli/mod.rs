@@ -5,6 +5,7 @@ mod common;
 mod completions;
 mod diagnose;
 mod export;
+mod film;
 mod fit;
 mod jump;
 mod law;

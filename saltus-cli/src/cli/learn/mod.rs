@@ -1,5 +1,6 @@
 //! `saltus learn`: tables of values that learn to run.
 
+mod page;
 mod report;
 
 use std::path::PathBuf;
@@ -12,11 +13,11 @@ use saltus::learning::{Learnt, Method, PolicyFile, Settings, Task, learn};
 
 use self::report::Report;
 use super::Status;
-use super::common::{OutputFlags, PlotOption, RobotFlags, Threads};
+use super::common::{OutputFlags, PlotOption, RobotFlags, Threads, page_file};
 use crate::error::CliError;
 use crate::input;
 use crate::interrupt::Interrupt;
-use crate::output::{Files, Format};
+use crate::output::{Files, Format, reachable};
 use crate::progress::Progress;
 
 /// Let a table of values learn to run, by the experiments of chapter 6 of the thesis
@@ -100,6 +101,14 @@ pub(crate) struct Learn {
     #[command(flatten)]
     plot: PlotOption,
 
+    /// Write a page that plays what the best seed had learnt after some episodes, side by side, without exploration
+    #[arg(long, value_name = "FILE.html", value_parser = page_file, help_heading = "Robot and output")]
+    animate: Option<PathBuf>,
+
+    /// After which episodes, for --animate [default: 1, 4, 11 and all]
+    #[arg(long, value_name = "COUNTS", value_delimiter = ',', requires = "animate", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    shown: Vec<u32>,
+
     #[command(flatten)]
     output: OutputFlags,
 }
@@ -110,6 +119,7 @@ Examples:
   saltus learn run-legs --algorithm q --alpha 0.3 --gamma 1
   saltus learn run-legs --reward rate=1 --set leg.valve_delay_ms=0
   saltus learn run-stride --algorithm bayes --episodes 60
+  saltus learn run-zone --animate zone.html --shown 1,4,11
   saltus learn run-legs --tilings 8 --state wheel_angle=-3.15:3.15:10 --state wheel_rate=-10:21:10
   saltus learn run-zone --resume policy.json --episodes 80 --out policy.json
 
@@ -242,7 +252,15 @@ impl Learn {
         let before = self.before(&settings, seeds)?;
         let mut files = Files::default();
         files.extend(self.output.out().map(|out| ("--out", out)));
+        files.extend(self.animate.as_deref().map(|page| ("--animate", page)));
         files.check()?;
+        if let Some(page) = &self.animate {
+            reachable(page)?;
+            if settings.bins.tilings() > 1 {
+                let allowed = "left out with --tilings, whose tables cannot be played";
+                return Err(CliError::flag("--animate", page.display(), allowed));
+            }
+        }
         let interrupt = Interrupt::listen()?;
         let learnt = self.learn(&settings, seeds, before.as_ref(), &interrupt)?;
         let report = Report {
@@ -255,8 +273,12 @@ impl Learn {
             Format::Csv => report.table().csv(),
             Format::Text => report.text(),
         };
+        let page = match &self.animate {
+            Some(path) => Some(("--animate", path.as_path(), self.page(&settings, &learnt)?)),
+            None => None,
+        };
         self.output
-            .write_with_plot(text, &self.plot, || Ok(report.drawing()))?;
+            .write_with(text, &self.plot, || Ok(report.drawing()), page)?;
         Ok(if report.interrupted {
             Status::Interrupted
         } else {
@@ -299,6 +321,24 @@ impl Learn {
             settings.reward = Reward(self.reward.clone());
         }
         Ok(settings)
+    }
+
+    /// What the best seed had learnt after some episodes.
+    fn page(&self, settings: &Settings, learnt: &Learnt) -> Result<String, CliError> {
+        let Some(best) = learnt.best(settings) else {
+            return Ok(String::new());
+        };
+        let done = best.curve.len();
+        let mut shown: Vec<usize> = if self.shown.is_empty() {
+            vec![1, 4, 11, done]
+        } else {
+            self.shown.iter().map(|count| *count as usize).collect()
+        };
+        shown.retain(|count| *count <= done);
+        shown.sort_unstable();
+        shown.dedup();
+        page::html(settings, best, &shown)
+            .map_err(|error| CliError::content(&settings.plant.robot.name, error))
     }
 
     /// The states of a table.

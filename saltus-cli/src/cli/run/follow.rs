@@ -4,10 +4,10 @@ use std::collections::VecDeque;
 
 use saltus::gait::{Footfall, Row, Run};
 
-use super::film::Film;
 use super::held::Held;
 use super::recorder::Recorder;
 use super::rows::Rows;
+use crate::cli::film::Film;
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
 

@@ -4,12 +4,24 @@ use saltus::gait::{Footfall, Row, Setup};
 use saltus::sim_check::Contact;
 use serde_json::{Value, json};
 
+use crate::animation::{run_page, sizes};
+
+/// What a page says of its run.
+#[derive(Clone, Debug)]
+pub(crate) struct About<'a> {
+    pub(crate) title: String,
+    pub(crate) ended: String,
+    /// Whether it ran to the end.
+    pub(crate) ran: bool,
+    pub(crate) disturbances: Vec<&'a str>,
+}
+
 /// Most frames of a page.
 const MOST: u64 = 6000;
 
 /// What the page shows, a number for each frame and leg.
 #[derive(Clone, Debug)]
-pub(super) struct Film {
+pub(crate) struct Film {
     legs: usize,
     delay: f64,
     /// Cycles from a frame to the next.
@@ -40,7 +52,7 @@ const NAMES: [&str; 8] = [
 ];
 
 impl Film {
-    pub(super) fn new(setup: &Setup) -> Film {
+    pub(crate) fn new(setup: &Setup) -> Film {
         let legs = setup.robot.body.legs as usize;
         // At most 60 s of cycles.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
@@ -62,11 +74,11 @@ impl Film {
     }
 
     /// Whether the next row becomes a frame.
-    pub(super) fn is_due(&self) -> bool {
+    pub(crate) fn is_due(&self) -> bool {
         self.cycle.is_multiple_of(self.every)
     }
 
-    pub(super) fn push(&mut self, row: &Row<'_>, speed: f64) {
+    pub(crate) fn push(&mut self, row: &Row<'_>, speed: f64) {
         let action = &row.action;
         if let Some(leg) = action.leg {
             self.firings.push((row.time, action.valve_open, leg));
@@ -96,12 +108,39 @@ impl Film {
         self.cycle += 1;
     }
 
-    pub(super) fn touch_down(&mut self, footfall: &Footfall) {
+    pub(crate) fn touch_down(&mut self, footfall: &Footfall) {
         self.touch_downs.push((footfall.time, footfall.leg));
     }
 
+    /// The page that plays it.
+    pub(crate) fn page(self, setup: &Setup, about: &About<'_>) -> String {
+        let robot = &setup.robot;
+        let [hub, rod] = sizes(robot);
+        let mut scene = self.value();
+        let more = json!({
+            "robot": robot.name,
+            "title": about.title,
+            "ended": about.ended,
+            "ran": about.ran,
+            "wheel_radius_m": robot.body.radius,
+            "hub_radius_m": hub,
+            "rod_length_m": rod,
+            "stroke_m": robot.leg.stroke,
+            "slope_rad": robot.ground.slope,
+            "ambient_pa": robot.environment.ambient.0,
+            "has_gas": robot.leg.cylinder().is_some(),
+            "zone_rad": setup.zone,
+            "forwards": setup.forwards,
+            "disturbances": about.disturbances,
+        });
+        if let (Value::Object(scene), Value::Object(more)) = (&mut scene, more) {
+            scene.extend(more);
+        }
+        run_page(scene)
+    }
+
     /// The frames, as the page's script reads them.
-    pub(super) fn value(self) -> Value {
+    fn value(self) -> Value {
         let mut value = json!({
             "legs": self.legs,
             "valve_delay_s": self.delay,
