@@ -283,6 +283,7 @@ def learn(
     seeds: int | None = None,
     seed: int | None = None,
     draw: bool = False,
+    disturb: Sequence[str] = (),
     resume: PathLike | None = None,
     threads: int | None = None,
     animate: PathLike | None = None,

@@ -152,6 +152,38 @@ def test_the_reward_is_what_was_asked_for() -> None:
     assert env.step(0)[1] == 1.0
 
 
+def learnt(seed: int) -> Any:
+    return saltus.learn("run-zone", episodes=3, seeds=1, seed=seed).policy["tables"][0]
+
+
+def test_a_seed_learns_the_same_alone_and_in_other_processes() -> None:
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    together = saltus.learn("run-zone", episodes=3, seeds=3, seed=4, threads=2).policy["tables"]
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        assert list(pool.map(learnt, (4, 5, 6))) == together
+
+
+def test_a_seed_is_the_same_episode_as_in_rust() -> None:
+    # The first try of every law is the middle of its ranges.
+    table = saltus.learn("run-stride", episodes=1, seeds=1, seed=7).policy["tables"][0]
+    at = lambda first, last, half, rate: last + (first - last) / (1 + (rate / half) ** 2)  # noqa: E731
+    episodes = saltus._saltus.Episodes("run-stride", saltus.Robot("rats-run"), 1, 1, [], None, False)
+    # The seed of episode 0 of the learner with seed 7.
+    observed = episodes.start([0], [7 * 0x9E3779B97F4A7C15 % 2**64])[0]
+    over = False
+    while not over:
+        rate = observed[0]
+        firing = [at(0.35, 0.05, 11.0, rate), at(0.06, 0.06, 11.0, rate)]
+        observed, _, terminated, truncated, info = episodes.choose_by(0, firing)
+        over = terminated or truncated
+    _, _, _, time, angle, travel, arrived, gas, firings, broken = table["curve"][0]
+    assert (info["time_s"], info["arrived_s"], info["firings"], info["broken"]) == (time, arrived, firings, broken)
+    assert info["travel_m"] == pytest.approx(travel, abs=1e-9) and info["gas_kg"] == pytest.approx(gas, rel=1e-9)
+    assert info["angle_rad"] == pytest.approx(angle, abs=1e-9)
+
+
 def test_learn_and_environments_are_the_same_robot() -> None:
     answer = saltus.learn("run-zone", episodes=3, seeds=1)
     assert answer.policy["tables"][0]["curve"][0][1] <= 360

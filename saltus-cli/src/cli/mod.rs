@@ -4,6 +4,7 @@ mod best;
 mod common;
 mod completions;
 mod diagnose;
+mod disturb;
 mod export;
 mod film;
 mod fit;

@@ -36,6 +36,169 @@ fn learning_is_resumed_without_loss() {
 }
 
 #[test]
+fn laws_and_tilings_are_resumed_without_loss() {
+    let folder = Folder::new("learn-resumed-laws");
+    for (name, how, few) in [
+        ("law", "run-stride --algorithm bayes --seeds 2", 4),
+        (
+            "disturbed",
+            "run-zone --seeds 1 --disturb torque=-5@0.5:0.7s --disturb friction=0.5@0.2:0.9m --draw",
+            3,
+        ),
+        ("evolution", "run-stride --algorithm cma-es --seeds 2", 7),
+        (
+            "tilings",
+            "run-zone --tilings 3 --state wheel_rate=-5:20:7 --seeds 2",
+            2,
+        ),
+    ] {
+        let part = format!("{name}.json");
+        folder.done(&format!("learn {how} --episodes 9 --out whole.json"), 0);
+        folder.done(&format!("learn {how} --episodes {few} --out {part}"), 0);
+        folder.done(
+            &format!("learn {how} --episodes 9 --resume {part} --out {part}"),
+            0,
+        );
+        assert_eq!(folder.read("whole.json"), folder.read(&part), "{name}");
+    }
+}
+
+#[test]
+fn strides_are_learnt_in_few_starts() {
+    let folder = Folder::new("learn-strides");
+    let answer = json(&folder.done("learn run-stride --seeds 3 --episodes 20 --format json", 0));
+    assert_eq!(answer["algorithm"], "bayes");
+    // Where it begins takes 1.54 s, and the least time known is 1.376 s.
+    let time = answer["time_to_the_goal_s"]["mean_of_middle_half"]
+        .as_f64()
+        .unwrap();
+    assert!((1.37..1.5).contains(&time), "{time}");
+    let text = folder.done("learn run-stride --seeds 1 --episodes 3", 0);
+    assert!(
+        text.contains("its firing angle") && text.contains("its valve opening"),
+        "{text}"
+    );
+}
+
+#[test]
+fn what_was_learnt_runs_again() {
+    let folder = Folder::new("learn-run");
+    let learnt = folder.done("learn run-stride --seeds 2 --episodes 12 --out law.json", 0);
+    assert!(learnt.is_empty(), "{learnt}");
+    let answer = json(&folder.read("law.json"));
+    let best = answer["best_seed"].as_u64().unwrap();
+    let rows = answer["rows"].as_array().unwrap();
+    let row = rows
+        .iter()
+        .find(|row| row["seed"].as_u64() == Some(best))
+        .unwrap();
+    let learnt = row["arrived_s"].as_f64().unwrap();
+    let ran = json(&folder.done("run --policy law.json --seconds 2 --format json", 0));
+    let time = ran["time_to_1_6_m_s"].as_f64().unwrap();
+    // Its law looks at the rate in each cycle, that of learning as a leg enters the zone.
+    assert!((time / learnt - 1.0).abs() < 0.05, "{time} {learnt}");
+
+    folder.done("learn run-zone --seeds 2 --episodes 4 --out zone.json", 0);
+    let text = folder.done(
+        "run --policy zone.json --policy-seed 2 --seconds 1 --animate run.html",
+        0,
+    );
+    assert!(
+        text.contains("run-zone by sarsa-lambda, as seed 2 learnt it"),
+        "{text}"
+    );
+    assert!(folder.read("run.html").contains("run-zone by sarsa-lambda"));
+    let disturbed =
+        "learn run-zone --seeds 1 --episodes 2 --disturb slope=2@0:1s --out tilted.json";
+    folder.done(disturbed, 0);
+    let tilted = json(&folder.read("tilted.json"))["policy"]["disturbances"][0].clone();
+    assert_eq!(
+        (&tilted["what"], &tilted["to_s"]),
+        (&"slope_rad".into(), &1.0.into())
+    );
+    folder.done("run --policy tilted.json --seconds 0.5", 0);
+    let drawn = folder.done("run --policy law.json --seconds 2 --robots 3", 0);
+    assert!(drawn.contains("3 drawn robots"), "{drawn}");
+    let heavier = folder.done("run --policy law.json --set body.mass_kg=3 --seconds 2", 0);
+    assert!(
+        heavier.contains("rats-run: run-stride by bayes"),
+        "{heavier}"
+    );
+}
+
+#[test]
+fn episodes_are_played_side_by_side() {
+    let folder = Folder::new("learn-page");
+    folder.done(&format!("{QUICK} --animate page.html --shown 1,3,99"), 0);
+    let page = folder.read("page.html");
+    assert_eq!(page.matches("<iframe").count(), 2);
+    assert!(page.contains("after 1 episodes") && page.contains("after 3 episodes"));
+}
+
+#[test]
+fn a_learnt_table_is_exported() {
+    let folder = Folder::new("learn-export");
+    folder.done("learn run-zone --seeds 2 --episodes 6 --out zone.json", 0);
+    let about = folder.done("export policy zone.json --out c --real double", 0);
+    assert!(
+        about.contains("wheel_angle (rad), wheel_rate (rad/s)"),
+        "{about}"
+    );
+    assert!(about.contains("Asked each 5 ms"), "{about}");
+    let header = folder.read("c/saltus_policy.h");
+    assert!(header.contains("saltus_policy_choices[961]") && header.contains("typedef double"));
+    folder.done(
+        "export policy zone.json --as rust --name ZONE --out rust",
+        0,
+    );
+    assert!(
+        folder
+            .read("rust/policy.rs")
+            .contains("pub const ZONE: Choices<'static, f32>")
+    );
+    folder.done(
+        "learn run-stride --algorithm q --seeds 1 --episodes 3 --out q.json",
+        0,
+    );
+    folder.done("export policy q.json --out strides", 0);
+    assert!(
+        folder
+            .read("strides/saltus_policy.h")
+            .contains("saltus_policy_firings[18][2]")
+    );
+    folder.done("learn run-stride --seeds 1 --episodes 2 --out law.json", 0);
+    folder.done("export policy law.json --out law", 0);
+    assert!(
+        folder.read("law/running_tables.h").contains("SALTUS")
+            || !folder.read("law/saltus_running.c").is_empty()
+    );
+    // The choices in the file are those of the values: where nothing was learnt, the first.
+    let policy = json(&folder.read("zone.json"))["policy"].clone();
+    let best = json(&folder.read("zone.json"))["best_seed"].clone();
+    let tables = policy["tables"].as_array().unwrap();
+    let table = tables.iter().find(|table| table["seed"] == best).unwrap();
+    let mut values = vec![0.0; 961 * 2];
+    for pair in table["values"].as_array().unwrap() {
+        let place = usize::try_from(pair[0].as_u64().unwrap()).unwrap();
+        values[place] = pair[1].as_f64().unwrap();
+    }
+    let begin = header
+        .split("saltus_policy_choices[961] = {")
+        .nth(1)
+        .unwrap();
+    let listed = begin.split('}').next().unwrap();
+    let choices: Vec<&str> = listed
+        .split(',')
+        .map(str::trim)
+        .filter(|it| !it.is_empty())
+        .collect();
+    assert_eq!(choices.len(), 961);
+    for (pair, choice) in values.chunks(2).zip(choices) {
+        assert_eq!(choice, if pair[1] > pair[0] { "1" } else { "0" });
+    }
+}
+
+#[test]
 fn a_row_tells_of_each_seed() {
     let folder = Folder::new("learn-rows");
     let (header, rows) = rows(&folder.done(
@@ -65,6 +228,11 @@ fn bad_input_is_named() {
         whole.replacen("\"gamma\": 0.3", "\"gamma\": 0.4", 1),
     );
     folder.write("empty.json", "{}");
+    folder.done("learn run-stride --seeds 1 --episodes 1 --out law.json", 0);
+    folder.done(
+        "learn run-zone --tilings 2 --seeds 1 --episodes 1 --out tilings.json",
+        0,
+    );
     for (line, said) in [
         ("learn", "<TASK>"),
         ("learn jump", "run-legs"),
@@ -78,6 +246,57 @@ fn bad_input_is_named() {
         ("learn run-zone --reward pace=1", "threshold:RATE"),
         ("learn run-zone --reward rate=nan", "from -1e9 to 1e9"),
         ("learn run-zone --algorithm ppo", "q-lambda"),
+        (
+            "learn run-zone --disturb wind=3@0:1s",
+            "slope, force, torque",
+        ),
+        (
+            "learn run-zone --algorithm bayes",
+            "run-stride or jump-stride",
+        ),
+        (
+            "learn run-zone --tilings 0",
+            "tilings = 0: must be from 1 to 64",
+        ),
+        (
+            "learn run-zone --state pace=0:1:2",
+            "wheel_angle, wheel_rate",
+        ),
+        (
+            "learn run-zone --state wheel_rate=0:1",
+            "NAME=FROM:TO:COUNT",
+        ),
+        ("learn run-zone --state wheel_rate=1:0:5", "above 1"),
+        ("learn run-zone --state wheel_rate=0:1:0", "from 1 to 65535"),
+        (
+            "learn run-zone --state wheel_rate=0:1:60000 --state wheel_angle=0:1:60000",
+            "at most",
+        ),
+        ("learn run-zone --shown 1", "--animate"),
+        (
+            "learn run-zone --tilings 2 --animate page.html",
+            "left out with --tilings",
+        ),
+        ("run --policy none.json", "none.json"),
+        ("run --policy short.json", "short.json: JSON"),
+        ("run --policy changed.json", "damaged or changed"),
+        ("run --policy policy.json --policy-seed 9", "one of 1, 2, 3"),
+        ("run --policy policy.json --gait fixed", "--gait"),
+        (
+            "run --policy policy.json --set body.legs=7",
+            "body.legs = 7: must be 5",
+        ),
+        ("run --policy-seed 1", "--policy"),
+        ("export policy empty.json --out c", "checksum: is missing"),
+        ("export policy policy.json", "--out"),
+        (
+            "export policy law.json --as rust --out c",
+            "which is no table",
+        ),
+        (
+            "export policy tilings.json --out c",
+            "tilings = 2: must be 1",
+        ),
         ("learn run-zone --robot spring-hopper --draw", "pneumatic"),
         (
             "learn run-zone --out no/policy.json",

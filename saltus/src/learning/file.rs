@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use saltus_gait::Draw;
 use saltus_gait::learn::{Bin, Bins, Outcome, Reward, Score, Term, Traces};
+use saltus_gait::{Disturbance, Draw, What, When};
 use saltus_robot::Robot;
 use serde_json::{Map, Value, json};
 
@@ -97,6 +97,7 @@ impl Settings {
             "robot": self.plant.robot.name,
             "robot_toml": self.plant.robot.to_toml(),
             "draws_robots": self.plant.draw.is_some(),
+            "disturbances": self.plant.disturbances.iter().map(disturbance_json).collect::<Vec<_>>(),
             "algorithm": self.method.name(),
             "alpha": self.rates.alpha,
             "gamma": self.rates.gamma,
@@ -236,6 +237,9 @@ impl PolicyFile {
         let steps = self.head.get("steps").and_then(Value::as_u64);
         let steps = steps.and_then(|it| usize::try_from(it).ok());
         settings.steps = steps.ok_or_else(|| missing("steps"))?;
+        let disturbances = self.head.get("disturbances").and_then(Value::as_array);
+        let disturbances = disturbances.and_then(|all| all.iter().map(disturbance).collect());
+        settings.plant.disturbances = disturbances.ok_or_else(|| missing("disturbances"))?;
         let draws = self.head.get("draws_robots").and_then(Value::as_bool);
         if draws.ok_or_else(|| missing("draws_robots"))? {
             settings.plant.draw = Some(Draw::around(&settings.plant.robot));
@@ -313,6 +317,40 @@ impl PolicyFile {
             _ => Ok(()),
         }
     }
+}
+
+fn disturbance_json(it: &Disturbance) -> Value {
+    let (what, value) = match it.what {
+        What::Slope(x) => ("slope_rad", x),
+        What::Force(x) => ("force_n", x),
+        What::Torque(x) => ("torque_n_m", x),
+        What::Supply(x) => ("supply_pa", x),
+        What::Friction(x) => ("friction", x),
+    };
+    match it.when {
+        When::Time(from, to) => json!({ "what": what, "value": value, "from_s": from, "to_s": to }),
+        When::Place(from, to) => {
+            json!({ "what": what, "value": value, "from_m": from, "to_m": to })
+        }
+    }
+}
+
+fn disturbance(value: &Value) -> Option<Disturbance> {
+    let number = |key: &str| value.get(key).and_then(Value::as_f64);
+    let make: fn(f64) -> What = match value.get("what")?.as_str()? {
+        "slope_rad" => What::Slope,
+        "force_n" => What::Force,
+        "torque_n_m" => What::Torque,
+        "supply_pa" => What::Supply,
+        "friction" => What::Friction,
+        _ => return None,
+    };
+    let when = match number("from_s") {
+        Some(from) => When::Time(from, number("to_s")?),
+        None => When::Place(number("from_m")?, number("to_m")?),
+    };
+    let what = make(number("value")?);
+    Some(Disturbance { when, what })
 }
 
 fn checksum(document: &Map<String, Value>) -> String {

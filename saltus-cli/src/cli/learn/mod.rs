@@ -14,6 +14,7 @@ use saltus::learning::{Learnt, Method, PolicyFile, Settings, Task, learn};
 use self::report::Report;
 use super::Status;
 use super::common::{OutputFlags, PlotOption, RobotFlags, Threads, page_file};
+use super::disturb::{self, Typed};
 use crate::error::CliError;
 use crate::input;
 use crate::interrupt::Interrupt;
@@ -32,11 +33,11 @@ pub(crate) struct Learn {
     #[arg(long, value_enum)]
     algorithm: Option<AlgorithmName>,
 
-    /// Learning rate α, from 0 to 1 [default: 1, with traces 0.8; by strides 0.2]
+    /// Learning rate α, from 0 to 1 [default: 1, with traces 0.8, by strides 0.2]
     #[arg(long, value_name = "NUMBER", value_parser = unit, allow_negative_numbers = true)]
     alpha: Option<f64>,
 
-    /// Discount γ of a step, from 0 to 1 [default: 0.3; by strides 1]
+    /// Discount γ of a step, from 0 to 1 [default: 0.3, by strides 1]
     #[arg(long, value_name = "NUMBER", value_parser = unit, allow_negative_numbers = true)]
     gamma: Option<f64>,
 
@@ -44,7 +45,7 @@ pub(crate) struct Learn {
     #[arg(long, value_name = "NUMBER", value_parser = unit, allow_negative_numbers = true)]
     lambda: Option<f64>,
 
-    /// A visit makes a trace 1; without, it adds 1, as in the thesis
+    /// Set a trace to 1 at each visit; else 1 is added to it, as in the thesis
     #[arg(long)]
     replacing: bool,
 
@@ -52,7 +53,7 @@ pub(crate) struct Learn {
     #[arg(long, value_name = "SHARE", value_parser = unit, allow_negative_numbers = true)]
     epsilon: Option<f64>,
 
-    /// Factor of this share from one episode to the next [default: 0.99, with traces 0.95]
+    /// Factor of this share from one episode to the next [default: 0.99, with traces 0.95 where valves are learnt]
     #[arg(long, value_name = "NUMBER", value_parser = unit, allow_negative_numbers = true)]
     decay: Option<f64>,
 
@@ -87,6 +88,10 @@ pub(crate) struct Learn {
     /// Draw the robot of each episode around the given one, as `saltus run` with --robots does
     #[arg(long)]
     draw: bool,
+
+    /// What changes in each episode, as in torque=5@0.5:0.7s: see `saltus run --help`; may be repeated
+    #[arg(long, value_name = "WHAT=VALUE@FROM:TO", value_parser = disturb::disturb, allow_hyphen_values = true)]
+    disturb: Vec<Typed>,
 
     /// Go on from this file, which `saltus learn --out` wrote as JSON
     #[arg(long, value_name = "FILE.json")]
@@ -149,8 +154,8 @@ Each seed learns alone. What it learnt is scored in an episode without explorati
 half of the seeds with its 95 % interval (bootstrap), and the seed that did best.
 
 CSV, a row for each seed: seed, episodes, reward (of the scored episode), angle_rad, travel_m, arrived_s (empty: the goal was not reached), \
-time_s, firings, gas_kg, outside (share of the steps of learning in which a number was outside the states' ranges), \
-episodes_to_90_percent (until the mean of ten episodes has 90 % of the last tenth's angle or travel; empty: the robot did not learn to run).
+time_s, firings, gas_kg, outside (share of the steps of learning in which a number was outside the states' ranges), broken (episodes that ended because the \
+motion could not be computed further), episodes_to_90_percent (until the mean of ten episodes has 90 % of the last tenth's angle or travel; empty: the robot did not learn to run).
 
 JSON: {\"command\": \"learn\", \"task\", \"robot\", \"episodes\", \"seeds\", \"interrupted\", \"score\": {\"name\", \"mean_of_middle_half\", \"interval_95\", \"best\"}, \
 \"arrived\": {\"count\", \"of\", \"interval_95\"}, \"episodes_to_90_percent\", \"rows\": [{the columns}], \"curve\": [{\"episode\", \"mean_of_middle_half\", \"low\", \"high\"}], \
@@ -299,6 +304,9 @@ impl Learn {
             return Err(CliError::flag("--algorithm", method.name(), allowed));
         }
         let mut settings = task.settings(robot, method);
+        disturb::check(&self.disturb, &settings.plant.robot)?;
+        let disturbances = self.disturb.iter().map(|typed| typed.disturbance);
+        settings.plant.disturbances = disturbances.collect();
         if self.draw {
             settings.plant.draw = Some(Draw::around(&settings.plant.robot));
         }

@@ -24,6 +24,7 @@ const COLUMNS: &[&str] = &[
     "firings",
     "gas_kg",
     "outside",
+    "broken",
     "episodes_to_90_percent",
 ];
 pub(super) struct Report<'a> {
@@ -84,6 +85,7 @@ impl Report<'_> {
                 Cell::Count(outcome.firings),
                 outcome.gas.into(),
                 (outside as f64 / steps.max(1) as f64).into(),
+                Cell::Count(broken(pupil)),
                 self.until_learnt(pupil).map_or(Cell::Empty, Cell::Count),
             ]);
         }
@@ -190,6 +192,13 @@ impl Report<'_> {
             "episodes to 90 % of it",
             said(interquartile(&self.waits()), ""),
         );
+        let lost: usize = self.learnt.pupils.iter().map(broken).sum();
+        if lost > 0 {
+            let all: usize = self.learnt.pupils.iter().map(|it| it.curve.len()).sum();
+            let says =
+                format!("{lost} of {all} episodes, where the motion could not be computed further");
+            line("ended early", says);
+        }
         if self.interrupted {
             line(
                 "interrupted",
@@ -279,4 +288,10 @@ impl Report<'_> {
             empty: "no episode".into(),
         })
     }
+}
+
+/// Episodes of learning that ended because the motion could not be computed further.
+fn broken(pupil: &Pupil) -> usize {
+    let curve = pupil.curve.iter();
+    curve.filter(|score| score.outcome.broken).count()
 }

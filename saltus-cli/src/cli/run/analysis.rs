@@ -14,10 +14,10 @@ use saltus::gait::{Draw, Ending, GaitError, Setup};
 use serde_json::{Value, json};
 
 use super::Run;
-use super::disturb::Typed;
 use super::gait::{Chosen, Kind};
 use super::report::{head, joined};
 use crate::cli::Status;
+use crate::cli::disturb::Typed;
 use crate::cli::refused::refused;
 use crate::error::CliError;
 use crate::output::{self, Files, Format, digits, message};

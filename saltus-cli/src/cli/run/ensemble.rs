@@ -5,10 +5,10 @@ use saltus::running::{RUNS_FROM, Share, Together, each};
 use serde_json::{Value, json};
 
 use super::Run;
-use super::disturb::Typed;
 use super::gait::Chosen;
 use super::report::{head, joined};
 use crate::cli::Status;
+use crate::cli::disturb::Typed;
 use crate::cli::refused::refused;
 use crate::error::CliError;
 use crate::output::{self, Cell, Files, Format, Table, digits};

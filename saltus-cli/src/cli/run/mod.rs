@@ -1,7 +1,6 @@
 //! `saltus run`: a robot that runs, under the controller that is flashed.
 
 mod analysis;
-mod disturb;
 mod ensemble;
 mod figure;
 mod follow;
@@ -26,6 +25,7 @@ use saltus::sim_check::Stepping;
 use super::Status;
 use super::best;
 use super::common::{OutputFlags, PlotOption, Threads, note_valve, page_file, robot};
+use super::disturb::{self, Typed};
 use super::film::Film;
 use super::learned::Learned;
 use super::recorded::McapOption;
@@ -36,7 +36,6 @@ use crate::output::{Files, Format, digits, message, reachable};
 use crate::progress::Progress;
 use crate::quantity::{self, Quantity, QuantityError};
 use analysis::Depth;
-use disturb::Typed;
 use follow::{Follower, Thinned};
 pub(crate) use gait::Aim;
 use gait::{Chosen, GaitFlags};

@@ -7,10 +7,10 @@ use saltus::running::exergy_of_gas;
 use saltus::sim_check::Stepping;
 use serde_json::{Value, json};
 
-use super::disturb::Typed;
 use super::follow::{Follower, OUT};
 use super::gait::Chosen;
 use crate::cli::best::predicted;
+use crate::cli::disturb::Typed;
 use crate::output::{self, digits};
 
 /// A run and what it came to.

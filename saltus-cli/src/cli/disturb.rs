@@ -84,7 +84,7 @@ impl Sort {
 }
 
 /// Parser of the flag.
-pub(super) fn disturb(text: &str) -> Result<Typed, String> {
+pub(crate) fn disturb(text: &str) -> Result<Typed, String> {
     let shape = || {
         format!(
             "{:?} must be WHAT=VALUE@FROM:TO, as in torque=5@0.5:0.7s or slope=3@2:4m",
