@@ -48,7 +48,7 @@ fn observed<R: Real>(steps: &Steps<R>, words: &mut Words) -> R {
             let of = |count: u16| R::of(f64::from(count));
             steps.from + width * of(border) / of(steps.count)
         }
-        2 => R::ZERO / R::ZERO,
+        2 => R::of(f64::NAN),
         _ => {
             let out = width / R::of(10.0);
             words.between(steps.from - out, steps.to + out)

@@ -133,12 +133,14 @@ impl<'l> Deciding<'l> {
         }
     }
 
-    /// The leg whose valve is to be open now, if any, where that is what is chosen; else each firing says how long.
-    pub(crate) fn valve(&self) -> Option<Option<usize>> {
-        match self.learnt.decides {
-            Decides::Legs | Decides::Zone { .. } => Some(self.open),
-            Decides::Stride { .. } => None,
-        }
+    /// Whether it says which valve is open; else each firing says for how long.
+    pub(crate) fn holds_valves(&self) -> bool {
+        matches!(self.learnt.decides, Decides::Legs | Decides::Zone { .. })
+    }
+
+    /// The leg whose valve is to be open now, if any.
+    pub(crate) fn open(&self) -> Option<usize> {
+        self.open
     }
 
     /// Has the valve of `leg` open from now on; the leg, where it was not.

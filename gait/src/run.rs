@@ -552,8 +552,8 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             self.late.push_back(travel);
             self.summary.firings += usize::from(action.leg.is_some());
             let mut fire = action.leg.map(|leg| (leg as usize, action.valve_open));
-            if let Some(valve) = self.learnt.as_ref().and_then(Deciding::valve) {
-                self.world.open(valve)?;
+            if let Some(learnt) = self.learnt.as_ref().filter(|it| it.holds_valves()) {
+                self.world.open(learnt.open())?;
                 fire = None;
             }
             let summary = &mut self.summary;

@@ -107,9 +107,10 @@ impl Place {
     /// The same of a program of the controller.
     fn runs(&self, program: &Program, count: usize) -> Result<Vec<Option<f64>>, Failed> {
         let one = |k: usize| {
-            let robot = match self.draws {
-                true => drawn_robot(&self.robot, &Draw::around(&self.robot), HELD_OUT, k)?,
-                false => self.robot.clone(),
+            let robot = if self.draws {
+                drawn_robot(&self.robot, &Draw::around(&self.robot), HELD_OUT, k)?
+            } else {
+                self.robot.clone()
             };
             let mut setup = Setup::new(robot, program.clone(), LONGEST);
             setup.zone = -0.3;
@@ -229,17 +230,8 @@ fn anew(way: &Way, robot: &Robot, seeds: usize) -> Result<(), Failed> {
     Ok(())
 }
 
-fn main() -> Result<(), Failed> {
-    let given: Vec<usize> = std::env::args()
-        .skip(1)
-        .map(|it| it.parse())
-        .collect::<Result<_, _>>()?;
-    let [seeds, trials] = match given[..] {
-        [seeds, trials] => [seeds, trials],
-        _ => [2, 3],
-    };
-    let short = seeds < 5;
-    let robot = saltus::resolve("rats-run", &[])?;
+/// All ways, or a short version of them.
+fn ways(short: bool) -> Vec<Way> {
     let values = Method::Values;
     let stride = |name, method, draws, episodes| Way {
         name,
@@ -255,7 +247,7 @@ fn main() -> Result<(), Failed> {
         draws,
         episodes: 40,
     };
-    let ways = [
+    vec![
         stride("law, bayes", Method::Bayes, false, 60),
         stride(
             "law, bayes, learnt on drawn robots",
@@ -272,7 +264,20 @@ fn main() -> Result<(), Failed> {
         ),
         zone("run-zone, sarsa-lambda", false),
         zone("run-zone, sarsa-lambda, learnt on drawn robots", true),
-    ];
+    ]
+}
+
+fn main() -> Result<(), Failed> {
+    let given: Vec<usize> = std::env::args()
+        .skip(1)
+        .map(|it| it.parse())
+        .collect::<Result<_, _>>()?;
+    let [seeds, trials] = match given[..] {
+        [seeds, trials] => [seeds, trials],
+        _ => [2, 3],
+    };
+    let robot = saltus::resolve("rats-run", &[])?;
+    let ways = ways(seeds < 5);
     let places = places()?;
     let header: Vec<&str> = places.iter().map(|it| it.name).collect();
     println!("| | {} |", header.join(" | "));

@@ -92,9 +92,10 @@ fn main() -> Result<(), Failed> {
             })
         };
         let names: Vec<&str> = seen.iter().map(|axis| SEEN[*axis].0).collect();
-        let name = match names.is_empty() {
-            true => "table 6.1".into(),
-            false => format!("8 tilings of {}", names.join(", ")),
+        let name = if names.is_empty() {
+            "table 6.1".into()
+        } else {
+            format!("8 tilings of {}", names.join(", "))
         };
         println!(
             "| {name} | {} | {} | {:.2} | {} |",

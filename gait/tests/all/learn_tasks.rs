@@ -259,7 +259,7 @@ fn choices_on_a_grid_are_values() -> Result<(), GaitError> {
     let Actions::Values(axes) = stride()?.actions().clone() else {
         panic!("a stride has values");
     };
-    let middle = (axes[0].low + axes[0].high) / 2.0;
+    let middle = f64::midpoint(axes[0].low, axes[0].high);
     let mut values = stride()?.start(5)?;
     let mut choices = grid.start(5)?;
     for _ in 0..4 {

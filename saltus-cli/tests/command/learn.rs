@@ -217,6 +217,105 @@ fn a_row_tells_of_each_seed() {
     assert!(folder.read("climb.svg").contains("travel in the episode"));
 }
 
+/// What is refused, and what is said of it.
+const REFUSED: &[(&str, &str)] = &[
+    ("learn", "<TASK>"),
+    ("learn jump", "run-legs"),
+    ("learn run-zone --alpha 1.1", "from 0 to 1"),
+    ("learn run-zone --epsilon nan", "from 0 to 1"),
+    ("learn run-zone --gamma -0.1", "from 0 to 1"),
+    ("learn run-zone --episodes 0", "--episodes"),
+    ("learn run-zone --seeds 0", "--seeds"),
+    ("learn run-zone --steps 0", "--steps"),
+    ("learn run-zone --reward rate", "TERM=COEFFICIENT"),
+    ("learn run-zone --reward pace=1", "threshold:RATE"),
+    ("learn run-zone --reward rate=nan", "from -1e9 to 1e9"),
+    ("learn run-zone --algorithm ppo", "q-lambda"),
+    (
+        "learn run-zone --disturb wind=3@0:1s",
+        "slope, force, torque",
+    ),
+    (
+        "learn run-zone --algorithm bayes",
+        "run-stride or jump-stride",
+    ),
+    (
+        "learn run-zone --tilings 0",
+        "tilings = 0: must be from 1 to 64",
+    ),
+    (
+        "learn run-zone --state pace=0:1:2",
+        "wheel_angle, wheel_rate",
+    ),
+    (
+        "learn run-zone --state wheel_rate=0:1",
+        "NAME=FROM:TO:COUNT",
+    ),
+    ("learn run-zone --state wheel_rate=1:0:5", "above 1"),
+    ("learn run-zone --state wheel_rate=0:1:0", "from 1 to 65535"),
+    (
+        "learn run-zone --state wheel_rate=0:1:60000 --state wheel_angle=0:1:60000",
+        "at most",
+    ),
+    ("learn run-zone --shown 1", "--animate"),
+    (
+        "learn run-zone --tilings 2 --animate page.html",
+        "left out with --tilings",
+    ),
+    ("run --policy none.json", "none.json"),
+    ("run --policy short.json", "short.json: JSON"),
+    ("run --policy changed.json", "damaged or changed"),
+    ("run --policy policy.json --policy-seed 9", "one of 1, 2, 3"),
+    ("run --policy policy.json --gait fixed", "--gait"),
+    (
+        "run --policy policy.json --set body.legs=7",
+        "body.legs = 7: must be 5",
+    ),
+    ("run --policy-seed 1", "--policy"),
+    ("export policy empty.json --out c", "checksum: is missing"),
+    ("export policy policy.json", "--out"),
+    (
+        "export policy law.json --as rust --out c",
+        "which is no table",
+    ),
+    (
+        "export policy tilings.json --out c",
+        "tilings = 2: must be 1",
+    ),
+    ("learn run-zone --robot spring-hopper --draw", "pneumatic"),
+    (
+        "learn run-zone --out no/policy.json",
+        "its folder is not there",
+    ),
+    ("learn run-zone --resume none.json", "none.json"),
+    ("learn run-zone --resume empty.json", "checksum: is missing"),
+    (
+        "learn run-zone --seeds 3 --resume short.json",
+        "short.json: JSON",
+    ),
+    (
+        "learn run-zone --seeds 3 --resume changed.json",
+        "damaged or changed",
+    ),
+    (
+        "learn run-zone --resume policy.json",
+        "seeds = 3: must be 30",
+    ),
+    (
+        "learn run-zone --seeds 3 --seed 2 --resume policy.json",
+        "seed = 1: must be 2",
+    ),
+    (
+        "learn run-zone --seeds 3 --alpha 0.5 --resume policy.json",
+        "alpha = 0.8: must be 0.5",
+    ),
+    ("learn run-legs --seeds 3 --resume policy.json", "must be"),
+    (
+        "learn run-zone --seeds 3 --set body.mass_kg=3 --resume policy.json",
+        "robot_toml",
+    ),
+];
+
 #[test]
 fn bad_input_is_named() {
     let folder = Folder::new("learn-bad");
@@ -233,103 +332,7 @@ fn bad_input_is_named() {
         "learn run-zone --tilings 2 --seeds 1 --episodes 1 --out tilings.json",
         0,
     );
-    for (line, said) in [
-        ("learn", "<TASK>"),
-        ("learn jump", "run-legs"),
-        ("learn run-zone --alpha 1.1", "from 0 to 1"),
-        ("learn run-zone --epsilon nan", "from 0 to 1"),
-        ("learn run-zone --gamma -0.1", "from 0 to 1"),
-        ("learn run-zone --episodes 0", "--episodes"),
-        ("learn run-zone --seeds 0", "--seeds"),
-        ("learn run-zone --steps 0", "--steps"),
-        ("learn run-zone --reward rate", "TERM=COEFFICIENT"),
-        ("learn run-zone --reward pace=1", "threshold:RATE"),
-        ("learn run-zone --reward rate=nan", "from -1e9 to 1e9"),
-        ("learn run-zone --algorithm ppo", "q-lambda"),
-        (
-            "learn run-zone --disturb wind=3@0:1s",
-            "slope, force, torque",
-        ),
-        (
-            "learn run-zone --algorithm bayes",
-            "run-stride or jump-stride",
-        ),
-        (
-            "learn run-zone --tilings 0",
-            "tilings = 0: must be from 1 to 64",
-        ),
-        (
-            "learn run-zone --state pace=0:1:2",
-            "wheel_angle, wheel_rate",
-        ),
-        (
-            "learn run-zone --state wheel_rate=0:1",
-            "NAME=FROM:TO:COUNT",
-        ),
-        ("learn run-zone --state wheel_rate=1:0:5", "above 1"),
-        ("learn run-zone --state wheel_rate=0:1:0", "from 1 to 65535"),
-        (
-            "learn run-zone --state wheel_rate=0:1:60000 --state wheel_angle=0:1:60000",
-            "at most",
-        ),
-        ("learn run-zone --shown 1", "--animate"),
-        (
-            "learn run-zone --tilings 2 --animate page.html",
-            "left out with --tilings",
-        ),
-        ("run --policy none.json", "none.json"),
-        ("run --policy short.json", "short.json: JSON"),
-        ("run --policy changed.json", "damaged or changed"),
-        ("run --policy policy.json --policy-seed 9", "one of 1, 2, 3"),
-        ("run --policy policy.json --gait fixed", "--gait"),
-        (
-            "run --policy policy.json --set body.legs=7",
-            "body.legs = 7: must be 5",
-        ),
-        ("run --policy-seed 1", "--policy"),
-        ("export policy empty.json --out c", "checksum: is missing"),
-        ("export policy policy.json", "--out"),
-        (
-            "export policy law.json --as rust --out c",
-            "which is no table",
-        ),
-        (
-            "export policy tilings.json --out c",
-            "tilings = 2: must be 1",
-        ),
-        ("learn run-zone --robot spring-hopper --draw", "pneumatic"),
-        (
-            "learn run-zone --out no/policy.json",
-            "its folder is not there",
-        ),
-        ("learn run-zone --resume none.json", "none.json"),
-        ("learn run-zone --resume empty.json", "checksum: is missing"),
-        (
-            "learn run-zone --seeds 3 --resume short.json",
-            "short.json: JSON",
-        ),
-        (
-            "learn run-zone --seeds 3 --resume changed.json",
-            "damaged or changed",
-        ),
-        (
-            "learn run-zone --resume policy.json",
-            "seeds = 3: must be 30",
-        ),
-        (
-            "learn run-zone --seeds 3 --seed 2 --resume policy.json",
-            "seed = 1: must be 2",
-        ),
-        (
-            "learn run-zone --seeds 3 --alpha 0.5 --resume policy.json",
-            "alpha = 0.8: must be 0.5",
-        ),
-        ("learn run-legs --seeds 3 --resume policy.json", "must be"),
-        (
-            "learn run-zone --seeds 3 --set body.mass_kg=3 --resume policy.json",
-            "robot_toml",
-        ),
-    ] {
+    for (line, said) in REFUSED {
         let words: Vec<&str> = line.split_whitespace().collect();
         let run = folder.run(&words);
         assert_eq!(run.code, Some(2), "{line}: {}", run.err);

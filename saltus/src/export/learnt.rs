@@ -85,11 +85,7 @@ impl LearntTable {
 
     /// A constant for the crate saltus-controller, of this name.
     pub fn rust<R: Number>(&self, name: &str) -> String {
-        let about: String = self
-            .about
-            .iter()
-            .map(|line| format!("//! {line}\n"))
-            .collect();
+        let about = format!("//! {}\n", self.about.join("\n//! "));
         let steps = self.steps::<R>(|from, to, count| {
             let (from, to) = (from.digits(), to.digits());
             format!("        Steps {{ from: {from}, to: {to}, count: {count} }},\n")

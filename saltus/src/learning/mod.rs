@@ -117,8 +117,7 @@ impl Task {
         match self {
             Task::RunLegs | Task::Climb => Method::Values(Algorithm::Q),
             Task::RunZone => Method::Values(Algorithm::SarsaLambda),
-            Task::RunStride => Method::Bayes,
-            Task::JumpStride => Method::Values(Algorithm::SarsaLambda),
+            Task::RunStride | Task::JumpStride => Method::Bayes,
         }
     }
 

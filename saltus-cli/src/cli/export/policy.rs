@@ -20,15 +20,15 @@ use crate::output::Files;
 pub(super) struct Policy {
     /// What `saltus learn --out` wrote as JSON
     #[arg(value_name = "POLICY.json")]
-    policy: PathBuf,
+    learnt: PathBuf,
 
     /// The language
     #[arg(long = "as", value_enum, default_value_t = Language::C)]
     language: Language,
 
     /// The seed whose policy is written [default: the one that did best]
-    #[arg(long, value_name = "SEED")]
-    policy_seed: Option<u64>,
+    #[arg(long = "policy-seed", value_name = "SEED")]
+    seed: Option<u64>,
 
     /// Numbers to compute with
     #[arg(long, value_enum, default_value_t = RealType::Float)]
@@ -73,8 +73,8 @@ impl Policy {
     }
 
     fn write<R: Number>(&self) -> Result<Status, CliError> {
-        let name = self.policy.display().to_string();
-        let learned = Learned::load(&self.policy, self.policy_seed)?;
+        let name = self.learnt.display().to_string();
+        let learned = Learned::load(&self.learnt, self.seed)?;
         let wrong = |error| CliError::content(&name, error);
         let table = LearntTable::new(&learned.policy, &learned.settings, learned.seed);
         let (texts, about) = match table.map_err(wrong)? {

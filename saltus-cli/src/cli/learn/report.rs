@@ -112,74 +112,25 @@ impl Report<'_> {
 
     pub(super) fn text(&self) -> String {
         let s = self.settings;
-        let (rates, schedule) = (&s.rates, &s.schedule);
-        let short = |x: f64| digits(x, 4);
-        let mut text = format!(
-            "{}: {} by {}, {} episodes, {} seeds\n",
-            s.plant.robot.name,
-            s.task.name(),
-            s.method.name(),
-            schedule.episodes,
-            self.learnt.pupils.len()
-        );
-        let mut line = |name: &str, says: String| {
-            let _ = writeln!(text, "  {name:<24} {says}");
+        let mut lines = self.means();
+        let mut line = |name: &'static str, says: String| lines.push((name, says));
+        let (way, unit, _) = self.judged(&Outcome::default());
+        let learnt = if way == "angle" {
+            "angle learnt"
+        } else {
+            "travel learnt"
         };
-        if !s.method.seeks_a_law() {
-            let traces = if s.method.has_traces() {
-                format!(", lambda {}", short(rates.lambda))
-            } else {
-                String::new()
-            };
-            line(
-                "alpha, gamma",
-                format!("{}, {}{traces}", short(rates.alpha), short(rates.gamma)),
-            );
-            line(
-                "exploration",
-                format!(
-                    "{}, times {} an episode",
-                    short(schedule.epsilon),
-                    short(schedule.decay)
-                ),
-            );
-        }
-        let said = |interval: Option<Interval>, unit: &str| match interval {
-            Some(Interval {
-                value,
-                interval: [low, high],
-            }) => format!(
-                "{} {unit} (95 %: {} to {})",
-                short(value),
-                short(low),
-                short(high)
-            ),
-            None => "–".into(),
-        };
-        let (name, unit, _) = self.judged(&Outcome::default());
-        line(
-            &format!("{name} learnt"),
-            said(interquartile(&self.figures()), unit),
-        );
+        line(learnt, said(interquartile(&self.figures()), unit));
         if let Some(best) = self.learnt.best(s) {
             let (.., value) = self.judged(&best.score.outcome);
             line(
                 "best",
                 format!("{} {unit}, seed {}", short(value), best.seed),
             );
-        }
-        let law = self.learnt.best(s).map(|best| &best.policy);
-        if let Some(Policy::Law(law)) = law {
-            let says = |[rest, speed, half]: [f64; 3], unit: &str| {
-                format!(
-                    "{} {unit} at rest, {} {unit} at speed, half way at {} rad/s",
-                    short(rest),
-                    short(speed),
-                    short(half)
-                )
-            };
-            line("its firing angle", says(law.firing_angle, "rad"));
-            line("its valve opening", says(law.valve_open, "s"));
+            if let Policy::Law(law) = &best.policy {
+                line("its firing angle", by_rate(law.firing_angle, "rad"));
+                line("its valve opening", by_rate(law.valve_open, "s"));
+            }
         }
         if s.task != Task::RunLegs {
             let share = self.arrived();
@@ -200,12 +151,47 @@ impl Report<'_> {
             line("ended early", says);
         }
         if self.interrupted {
-            line(
-                "interrupted",
-                "by Ctrl-C: of the episodes that were done".into(),
-            );
+            let says = "by Ctrl-C: of the episodes that were done";
+            line("interrupted", says.into());
+        }
+        let mut text = format!(
+            "{}: {} by {}, {} episodes, {} seeds\n",
+            s.plant.robot.name,
+            s.task.name(),
+            s.method.name(),
+            s.schedule.episodes,
+            self.learnt.pupils.len()
+        );
+        for (name, says) in lines {
+            let _ = writeln!(text, "  {name:<24} {says}");
         }
         text
+    }
+
+    /// The numbers of what learns.
+    fn means(&self) -> Vec<(&'static str, String)> {
+        let s = self.settings;
+        if s.method.seeks_a_law() {
+            return Vec::new();
+        }
+        let (rates, schedule) = (&s.rates, &s.schedule);
+        let traces = if s.method.has_traces() {
+            format!(", lambda {}", short(rates.lambda))
+        } else {
+            String::new()
+        };
+        let exploration = format!(
+            "{}, times {} an episode",
+            short(schedule.epsilon),
+            short(schedule.decay)
+        );
+        vec![
+            (
+                "alpha, gamma",
+                format!("{}, {}{traces}", short(rates.alpha), short(rates.gamma)),
+            ),
+            ("exploration", exploration),
+        ]
     }
 
     pub(super) fn json(&self) -> String {
@@ -294,4 +280,34 @@ impl Report<'_> {
 fn broken(pupil: &Pupil) -> usize {
     let curve = pupil.curve.iter();
     curve.filter(|score| score.outcome.broken).count()
+}
+
+fn short(x: f64) -> String {
+    digits(x, 4)
+}
+
+/// A value with its interval.
+fn said(interval: Option<Interval>, unit: &str) -> String {
+    interval.map_or_else(
+        || "–".into(),
+        |it| {
+            let [low, high] = it.interval;
+            format!(
+                "{} {unit} (95 %: {} to {})",
+                short(it.value),
+                short(low),
+                short(high)
+            )
+        },
+    )
+}
+
+/// A number of the smooth law.
+fn by_rate([rest, speed, half]: [f64; 3], unit: &str) -> String {
+    format!(
+        "{} {unit} at rest, {} {unit} at speed, half way at {} rad/s",
+        short(rest),
+        short(speed),
+        short(half)
+    )
 }
