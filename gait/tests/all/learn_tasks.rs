@@ -182,6 +182,22 @@ fn a_foot_on_the_box_ends_the_climb_and_nothing_else_does() -> Result<(), GaitEr
     Ok(())
 }
 
+#[test]
+fn no_valve_commands_throw_the_robot_about() -> Result<(), GaitError> {
+    // Found by a learner: in the last of these milliseconds a step that was tried anew, longer, began with the acceleration
+    // of an impulse in a short one, and the wheel turned at 22 rad/s.
+    const COMMANDS: &str = "35555555555555110001133005005545555555555115555555255552555533333333315533335555555511414222\
+                            22222414100";
+    let task = legs(before(0.21, 0.21), rate(), COMMANDS.len());
+    let mut episode = task.start(1)?;
+    for command in COMMANDS.bytes() {
+        episode.step(Act::Choice(usize::from(command - b'0')))?;
+        let rate = episode.observation()[1];
+        assert!(rate.abs() < 3.0, "{rate} rad/s");
+    }
+    Ok(())
+}
+
 /// Ends a run where it has come so far.
 struct Until(f64);
 

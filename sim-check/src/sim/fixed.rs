@@ -22,6 +22,8 @@ pub(super) struct Fixed {
     /// Mean acceleration of the last part, all velocities; none after a jump.
     acceleration: Vec<f64>,
     is_known: bool,
+    /// How long that part was (s).
+    span: f64,
     /// That of the part being tried.
     next_acceleration: Vec<f64>,
     middle: Vec<f64>,
@@ -49,6 +51,7 @@ impl Fixed {
             cuts: 0,
             acceleration: vec![0.0; layout.velocities],
             is_known: false,
+            span: 0.0,
             next_acceleration: vec![0.0; layout.velocities],
             middle: vec![0.0; layout.size()],
             pieces: vec![None; layout.legs],
@@ -123,6 +126,8 @@ impl Sim<'_> {
 
     /// Steps by `h` into `next`, and leaves the machine half way.
     fn try_fixed(&mut self, fixed: &mut Fixed, h: f64) -> Result<(), SimError> {
+        // In a short part an impulse is a great acceleration, which tells nothing of a longer one.
+        fixed.is_known &= fixed.span >= 0.5 * h;
         if !fixed.is_known {
             fixed.acceleration.fill(0.0);
         }
@@ -165,7 +170,7 @@ impl Sim<'_> {
                 break;
             }
             fixed.acceleration.copy_from_slice(&fixed.next_acceleration);
-            fixed.is_known = true;
+            (fixed.is_known, fixed.span) = (true, h);
         }
         self.finish_step(fixed, h)
     }
@@ -530,7 +535,7 @@ impl Sim<'_> {
             .tree
             .normalize(&mut self.y[..self.layout.coordinates]);
         std::mem::swap(&mut fixed.acceleration, &mut fixed.next_acceleration);
-        // In a short part an impulse is a great acceleration, which tells nothing of the next.
+        fixed.span = h;
         fixed.is_known &= h >= 0.5 * fixed.h;
     }
 
