@@ -93,7 +93,8 @@ class _Task:
     def values(self, given: NDArray[Any]) -> NDArray[np.float64]:
         """Numbers from -1 to 1 as values."""
         values = self._low + (given.astype(np.float64) + 1.0) / 2.0 * (self._high - self._low)
-        return np.clip(values, self._low, self._high)
+        clipped: NDArray[np.float64] = np.clip(values, self._low, self._high)
+        return clipped
 
 
 class TaskEnv(gymnasium.Env[Observation, Any]):
