@@ -34,6 +34,11 @@ pub(crate) struct RobotFlags {
 }
 
 impl RobotFlags {
+    /// Whether a robot is named, or changed.
+    pub(crate) fn are_given(&self) -> bool {
+        self.robot.is_some() || !self.overrides.is_empty()
+    }
+
     /// The robot with its overrides.
     pub(crate) fn robot(&self) -> Result<Robot, CliError> {
         self.robot_or(USUAL)

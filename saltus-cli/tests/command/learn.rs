@@ -31,7 +31,9 @@ fn learning_is_resumed_without_loss() {
     let folder = Folder::new("learn-resumed");
     folder.done(&format!("{QUICK} --out whole.json"), 0);
     folder.done("learn run-zone --seeds 3 --episodes 2 --out part.json", 0);
-    folder.done(&format!("{QUICK} --resume part.json --out part.json"), 0);
+    // Settings and seeds are those of the file.
+    let more = "learn run-zone --episodes 4 --resume part.json --out part.json";
+    folder.done(more, 0);
     assert_eq!(folder.read("whole.json"), folder.read("part.json"));
 }
 
@@ -129,10 +131,10 @@ fn what_was_learnt_runs_again() {
 #[test]
 fn episodes_are_played_side_by_side() {
     let folder = Folder::new("learn-page");
-    folder.done(&format!("{QUICK} --animate page.html --shown 1,3,99"), 0);
+    folder.done(&format!("{QUICK} --animate page.html --shown 1,3"), 0);
     let page = folder.read("page.html");
     assert_eq!(page.matches("<iframe").count(), 2);
-    assert!(page.contains("after 1 episodes") && page.contains("after 3 episodes"));
+    assert!(page.contains("after 1 episode:") && page.contains("after 3 episodes"));
 }
 
 #[test]
@@ -298,8 +300,8 @@ const REFUSED: &[(&str, &str)] = &[
         "damaged or changed",
     ),
     (
-        "learn run-zone --resume policy.json",
-        "seeds = 3: must be 30",
+        "learn run-zone --seeds 4 --resume policy.json",
+        "seeds = 3: must be 4",
     ),
     (
         "learn run-zone --seeds 3 --seed 2 --resume policy.json",
@@ -309,10 +311,27 @@ const REFUSED: &[(&str, &str)] = &[
         "learn run-zone --seeds 3 --alpha 0.5 --resume policy.json",
         "alpha = 0.8: must be 0.5",
     ),
-    ("learn run-legs --seeds 3 --resume policy.json", "must be"),
+    (
+        "learn run-legs --resume policy.json",
+        "run-legs: must be run-zone, which policy.json",
+    ),
+    (
+        "learn run-zone --episodes 4 --resume policy.json",
+        "above 4, the episodes in policy.json",
+    ),
+    ("learn run-stride --alpha 0.3", "which learns no table"),
+    ("learn run-stride --tilings 3", "which learns no table"),
+    (
+        "learn run-zone --algorithm q --lambda 0.5",
+        "which has no traces",
+    ),
+    (
+        "learn run-zone --episodes 3 --animate a.html --shown 1,4",
+        "at most 3",
+    ),
     (
         "learn run-zone --seeds 3 --set body.mass_kg=3 --resume policy.json",
-        "robot_toml",
+        "mass_kg = 2.75: must be mass_kg = 3",
     ),
 ];
 

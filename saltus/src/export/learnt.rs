@@ -1,7 +1,7 @@
 //! A table that was learnt, as C or Rust.
 
 use saltus_controller::c_source::POLICY as HEADER;
-use saltus_gait::learn::{Actions, Axis};
+use saltus_gait::learn::{Actions, Axis, Task};
 use saltus_gait::{Decides, GaitError};
 
 use super::c::{comment, fill, number_words};
@@ -137,20 +137,41 @@ fn unit(axis: &Axis) -> String {
     axis.unit.replace('_', "/")
 }
 
+/// What a wheel's angle and rate are.
+const LEAN: &str = "The wheel's angle is the lean of leg 0, 0 upright, positive forwards, from -pi to pi; its rate the mean of five readings.";
+
+fn zone() -> String {
+    let from = Task::default().zone;
+    format!(
+        "The leg in the active zone leans from {from} rad to a pitch of the legs more; leg k leans by the angle less k pitches."
+    )
+}
+
 /// What the choices are.
 fn choices(decides: &Decides, actions: &Actions) -> Vec<String> {
     match (decides, actions) {
-        (Decides::Zone { period }, _) => vec![format!(
-            "Asked each {} ms. Choices: 0 no valve is open; 1 the valve of the leg in the active zone is open until asked again.",
-            1e3 * period
-        )],
+        (Decides::Zone { period }, _) => vec![
+            format!(
+                "Asked each {} ms. Choices: 0 no valve is open; 1 the valve of the leg in the active zone is open until asked again.",
+                1e3 * period
+            ),
+            LEAN.into(),
+            zone(),
+        ],
         (Decides::Stride { .. }, _) => vec![
-            "Asked as a leg enters the active zone. A choice is a firing angle and a valve opening time, listed below.".into(),
+            "Asked as a leg enters the active zone. A choice is a firing angle (rad), at which lean that leg fires, and a valve".into(),
+            "opening time (s), listed below; the leg does not fire where that is 0. The speed is a mean over 20 ms.".into(),
+            LEAN.into(),
+            zone(),
         ],
         (Decides::Legs, Actions::Choices(names)) => {
             let named = names.iter().enumerate();
             let named: Vec<String> = named.map(|(k, name)| format!("{k} {name}")).collect();
-            vec![format!("Asked each cycle. Choices, whose valve is open: {}.", named.join(", "))]
+            vec![
+                format!("Asked each cycle. Choices, whose valve is open: {}.", named.join(", ")),
+                LEAN.into(),
+                "An observed number with one step has no part in the choice.".into(),
+            ]
         }
         (Decides::Legs, Actions::Values(_)) => Vec::new(),
     }

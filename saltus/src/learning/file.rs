@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use saltus_gait::learn::{Bin, Bins, Outcome, Reward, Score, Term, Traces};
+use saltus_gait::learn::{Bin, Bins, Outcome, Rates, Reward, Score, Term, Traces};
 use saltus_gait::{Disturbance, Draw, What, When};
 use saltus_robot::Robot;
 use serde_json::{Map, Value, json};
@@ -237,6 +237,22 @@ impl PolicyFile {
         let steps = self.head.get("steps").and_then(Value::as_u64);
         let steps = steps.and_then(|it| usize::try_from(it).ok());
         settings.steps = steps.ok_or_else(|| missing("steps"))?;
+        let number = |key: &str| {
+            let value = self.head.get(key).and_then(Value::as_f64);
+            value.ok_or_else(|| missing(key))
+        };
+        settings.rates = Rates {
+            alpha: number("alpha")?,
+            gamma: number("gamma")?,
+            lambda: number("lambda")?,
+            traces: match text("traces")? {
+                "accumulating" => Traces::Accumulating,
+                "replacing" => Traces::Replacing,
+                _ => return Err(missing("traces")),
+            },
+        };
+        settings.schedule.epsilon = number("epsilon")?;
+        settings.schedule.decay = number("decay")?;
         let disturbances = self.head.get("disturbances").and_then(Value::as_array);
         let disturbances = disturbances.and_then(|all| all.iter().map(disturbance).collect());
         settings.plant.disturbances = disturbances.ok_or_else(|| missing("disturbances"))?;
@@ -303,7 +319,8 @@ impl PolicyFile {
         for (key, ours) in settings.head() {
             let theirs = self.head.get(&key).unwrap_or(&Value::Null);
             if *theirs != ours {
-                return Err(other(&key, theirs.to_string(), ours.to_string()));
+                let [theirs, ours] = first_difference(theirs, &ours);
+                return Err(other(&key, theirs, ours));
             }
         }
         let count = self.tables.len();
@@ -317,6 +334,24 @@ impl PolicyFile {
             _ => Ok(()),
         }
     }
+}
+
+/// The first line of a text, or the first item of a list, in which two values differ; or the values.
+fn first_difference(theirs: &Value, ours: &Value) -> [String; 2] {
+    let parts = |value: &Value| match value {
+        Value::String(text) => text.lines().map(str::to_owned).collect(),
+        Value::Array(items) => items.iter().map(Value::to_string).collect(),
+        other => vec![other.to_string()],
+    };
+    let (theirs, ours): (Vec<String>, Vec<String>) = (parts(theirs), parts(ours));
+    let none = || "nothing".to_owned();
+    let differs = (0..theirs.len().max(ours.len())).find(|k| theirs.get(*k) != ours.get(*k));
+    let at = |parts: &[String]| {
+        differs
+            .and_then(|k| parts.get(k).cloned())
+            .unwrap_or_else(none)
+    };
+    [at(&theirs), at(&ours)]
 }
 
 fn disturbance_json(it: &Disturbance) -> Value {

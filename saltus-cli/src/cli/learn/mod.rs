@@ -21,9 +21,13 @@ use crate::interrupt::Interrupt;
 use crate::output::{Files, Format, reachable};
 use crate::progress::Progress;
 
-/// Let a table of values learn to run, by the experiments of chapter 6 of the thesis
+/// Let a robot learn to run: valves as in chapter 6 of the thesis, or firing angles
 #[derive(Args, Debug)]
-#[command(after_help = "`saltus learn --help` explains the tasks and the output.", after_long_help = LONG_HELP)]
+#[command(
+    after_help = "`saltus learn --help` explains the tasks and the output.",
+    after_long_help = LONG_HELP,
+    mut_arg("robot", |robot| robot.help("Robot that runs: a built-in one with feet that can slip (rats-run) or a TOML file [default: rats-run]"))
+)]
 pub(crate) struct Learn {
     /// What is learnt
     #[arg(value_enum)]
@@ -77,13 +81,13 @@ pub(crate) struct Learn {
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     steps: Option<u32>,
 
-    /// Seeds, each of which learns alone
-    #[arg(long, value_name = "COUNT", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    seeds: u32,
+    /// Seeds, each of which learns alone [default: 30]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    seeds: Option<u32>,
 
-    /// The first seed
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
-    seed: u64,
+    /// The first seed [default: 1]
+    #[arg(long, value_name = "SEED")]
+    seed: Option<u64>,
 
     /// Draw the robot of each episode around the given one, as `saltus run` with --robots does
     #[arg(long)]
@@ -93,7 +97,7 @@ pub(crate) struct Learn {
     #[arg(long, value_name = "WHAT=VALUE@FROM:TO", value_parser = disturb::disturb, allow_hyphen_values = true)]
     disturb: Vec<Typed>,
 
-    /// Go on from this file, which `saltus learn --out` wrote as JSON
+    /// Go on from this file, which `saltus learn --out` wrote as JSON, with its settings and its robot, to more --episodes
     #[arg(long, value_name = "FILE.json")]
     resume: Option<PathBuf>,
 
@@ -142,7 +146,7 @@ speed, pivot_angle] Tables choose among 6 angles and 3 times
 Algorithms: sarsa (6.2.2), q (6.2.3), sarsa-lambda (6.2.4), q-lambda (6.2.5; a trace ends where an action is not greedy). Actions \
 are random with probability epsilon, which fades from episode to episode; of equal values one is drawn. The defaults are those \
 of tables 6.2 and 6.4 as printed. With gamma 0.3 at 1 kHz a learner looks 1.4 ms ahead, while a valve takes 10 ms: \
---alpha 0.3 --gamma 1 interchanges the two columns. With --tilings each table holds a part of a value (tile coding). \
+--alpha 0.3 --gamma 1 interchanges the two columns. With --tilings each table holds a part of a value (tile coding); such a policy is scored, but cannot be run, played or exported. \
 bayes (Bayesian optimisation) and cma-es learn no table, but the six numbers of the smooth law (`saltus run --gait smooth`), a run for each try.
 
 Rewards, summed over the terms given, for each step: threshold:RATE (1 where the wheel is faster than RATE in rad/s, else -1), \
@@ -150,12 +154,13 @@ rate (of the wheel, rad/s), travel (way in m), time (-1 for each second), gas (-
 distance from SPEED in m/s); at the end: stall (-1 where the robot stands), arrival (1 at the goal). The default: run-legs threshold:2=1; \
 climb travel=1 and arrival=10; run-zone rate=1; run-stride travel=1, time=1 and stall=3; jump-stride travel=1 and arrival=3.
 
-Each seed learns alone. What it learnt is scored in an episode without exploration, which is not learnt from; there, of equal values the first counts. The answer has the mean of the middle \
+Each seed learns alone. What it learnt is scored without exploration: in five episodes that differ by noise and drawn robots, of which the one in the middle counts (in run-legs and climb, where nothing is drawn, in one). \
+There, of equal values the first counts. The answer has the mean of the middle \
 half of the seeds with its 95 % interval (bootstrap), and the seed that did best.
 
 CSV, a row for each seed: seed, episodes, reward (of the scored episode), angle_rad, travel_m, arrived_s (empty: the goal was not reached), \
 time_s, firings, gas_kg, outside (share of the steps of learning in which a number was outside the states' ranges), broken (episodes that ended because the \
-motion could not be computed further), episodes_to_90_percent (until the mean of ten episodes has 90 % of the last tenth's angle or travel; empty: the robot did not learn to run).
+motion could not be computed further), episodes_to_90_percent (until the mean of ten episodes has 90 % of the last tenth's angle or travel; empty: the robot did not learn to run, or less than 20 episodes).
 
 JSON: {\"command\": \"learn\", \"task\", \"robot\", \"episodes\", \"seeds\", \"interrupted\", \"score\": {\"name\", \"mean_of_middle_half\", \"interval_95\", \"best\"}, \
 \"arrived\": {\"count\", \"of\", \"interval_95\"}, \"episodes_to_90_percent\", \"rows\": [{the columns}], \"curve\": [{\"episode\", \"mean_of_middle_half\", \"low\", \"high\"}], \
@@ -248,26 +253,73 @@ fn term(text: &str) -> Result<(Term, f64), String> {
     Ok((Term::written(name).ok_or_else(wanted)?, by))
 }
 
+/// What is gone on from.
+struct Before {
+    policy: PolicyFile,
+    settings: Settings,
+    /// The file.
+    name: String,
+}
+
+impl Before {
+    /// Its settings, if they are of `task`.
+    fn settings(&self, task: Task) -> Result<Settings, CliError> {
+        let theirs = self.settings.task;
+        if theirs == task {
+            return Ok(self.settings.clone());
+        }
+        let allowed = format!("{}, which {} was learnt in", theirs.name(), self.name);
+        Err(CliError::flag("TASK", task.name(), allowed))
+    }
+
+    /// The first seed, and how many there are.
+    fn seeds(&self) -> (u64, usize) {
+        let tables = &self.policy.tables;
+        (tables.first().map_or(1, |held| held.seed), tables.len())
+    }
+
+    /// Refuses settings other than those of the file, and no more episodes than it has.
+    fn goes_on(&self, settings: &Settings, seeds: (u64, usize)) -> Result<(), CliError> {
+        self.policy.is_of(settings, seeds, &self.name)?;
+        let done = self.policy.tables.iter().map(|held| held.curve.len());
+        let (done, asked) = (done.min().unwrap_or(0), settings.schedule.episodes);
+        if asked > done {
+            return Ok(());
+        }
+        let allowed = format!("above {done}, the episodes in {}", self.name);
+        Err(CliError::flag("--episodes", asked, allowed))
+    }
+}
+
 impl Learn {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.output.check()?;
         self.output.ready(&self.plot)?;
-        let settings = self.settings()?;
-        let seeds = (self.seed, self.seeds as usize);
-        let before = self.before(&settings, seeds)?;
+        let before = self.before()?;
+        let settings = self.settings(before.as_ref())?;
+        let seeds = self.seeds(before.as_ref());
+        if let Some(before) = &before {
+            before.goes_on(&settings, seeds)?;
+        }
         let mut files = Files::default();
         files.extend(self.output.out().map(|out| ("--out", out)));
         files.extend(self.animate.as_deref().map(|page| ("--animate", page)));
         files.check()?;
         if let Some(page) = &self.animate {
             reachable(page)?;
+            let all = settings.schedule.episodes;
+            if let Some(count) = self.shown.iter().find(|count| **count as usize > all) {
+                let allowed = format!("at most {all}, the episodes");
+                return Err(CliError::flag("--shown", count, allowed));
+            }
             if settings.bins.tilings() > 1 {
                 let allowed = "left out with --tilings, whose tables cannot be played";
                 return Err(CliError::flag("--animate", page.display(), allowed));
             }
         }
         let interrupt = Interrupt::listen()?;
-        let learnt = self.learn(&settings, seeds, before.as_ref(), &interrupt)?;
+        let policy = before.as_ref().map(|before| &before.policy);
+        let learnt = self.learn(&settings, seeds, policy, &interrupt)?;
         let report = Report {
             settings: &settings,
             learnt: &learnt,
@@ -291,22 +343,40 @@ impl Learn {
         })
     }
 
-    fn settings(&self) -> Result<Settings, CliError> {
-        let robot = self.robot.robot_or("rats-run")?;
+    /// The first seed, and how many there are.
+    fn seeds(&self, before: Option<&Before>) -> (u64, usize) {
+        let (first, count) = before.map_or((1, 30), |before| before.seeds());
+        let count = self.seeds.map_or(count, |count| count as usize);
+        (self.seed.unwrap_or(first), count)
+    }
+
+    /// The settings of the task, or of what is gone on from, with what the flags change.
+    fn settings(&self, before: Option<&Before>) -> Result<Settings, CliError> {
+        let task = Task::from(self.task);
+        let mut settings = match before {
+            Some(before) => before.settings(task)?,
+            None => {
+                let method = self.algorithm.map_or(task.method(), Method::from);
+                task.settings(self.robot.robot_or("rats-run")?, method)
+            }
+        };
+        if before.is_some() {
+            settings.method = self.algorithm.map_or(settings.method, Method::from);
+            if self.robot.are_given() {
+                settings.plant.robot = self.robot.robot_or("rats-run")?;
+            }
+        }
+        self.are_meant(&settings)?;
+        let robot = &settings.plant.robot;
         if self.draw && robot.leg.cylinder().is_none() {
             let allowed = "used with a robot with pneumatic legs, whose supply is drawn";
             return Err(CliError::flag("--draw", "", allowed));
         }
-        let task = Task::from(self.task);
-        let method = self.algorithm.map_or(task.method(), Method::from);
-        if method.seeks_a_law() && !task.is_by_stride() {
-            let allowed = "used with run-stride or jump-stride, where a law says the firing angle";
-            return Err(CliError::flag("--algorithm", method.name(), allowed));
+        if !self.disturb.is_empty() {
+            disturb::check(&self.disturb, robot)?;
+            let disturbances = self.disturb.iter().map(|typed| typed.disturbance);
+            settings.plant.disturbances = disturbances.collect();
         }
-        let mut settings = task.settings(robot, method);
-        disturb::check(&self.disturb, &settings.plant.robot)?;
-        let disturbances = self.disturb.iter().map(|typed| typed.disturbance);
-        settings.plant.disturbances = disturbances.collect();
         if self.draw {
             settings.plant.draw = Some(Draw::around(&settings.plant.robot));
         }
@@ -324,7 +394,9 @@ impl Learn {
             .episodes
             .map_or(schedule.episodes, |count| count as usize);
         settings.steps = self.steps.map_or(settings.steps, |count| count as usize);
-        settings.bins = self.bins(&settings)?;
+        if !self.state.is_empty() || self.tilings.is_some() {
+            settings.bins = self.bins(&settings)?;
+        }
         if !self.reward.is_empty() {
             settings.reward = Reward(self.reward.clone());
         }
@@ -342,7 +414,9 @@ impl Learn {
         } else {
             self.shown.iter().map(|count| *count as usize).collect()
         };
-        shown.retain(|count| *count <= done);
+        if self.shown.is_empty() {
+            shown.retain(|count| *count <= done);
+        }
         shown.sort_unstable();
         shown.dedup();
         page::html(settings, best, &shown)
@@ -361,30 +435,70 @@ impl Learn {
                 let allowed = format!("one of {}", observed.join(", "));
                 return Err(CliError::flag("--state", name, allowed));
             };
+            let alone = Bins::new(vec![*bin]);
+            alone.map_err(|error| CliError::content(&format!("--state {name}"), error))?;
             axes[place] = *bin;
         }
         let bins = Bins::new(axes).map_err(|error| CliError::content("--state", error))?;
-        let tilings = self.tilings.unwrap_or(1) as usize;
+        let tilings = self
+            .tilings
+            .map_or(settings.bins.tilings(), |count| count as usize);
         bins.tiled(tilings)
             .map_err(|error| CliError::content("--tilings", error))
     }
 
+    /// Refuses flags that have no part in what is learnt, or by what.
+    fn are_meant(&self, settings: &Settings) -> Result<(), CliError> {
+        let (task, method) = (settings.task, settings.method);
+        if method.seeks_a_law() && !task.is_by_stride() {
+            let allowed = "used with run-stride or jump-stride, where a law says the firing angle";
+            return Err(CliError::flag("--algorithm", method.name(), allowed));
+        }
+        let of_values = [
+            ("--alpha", self.alpha.is_some()),
+            ("--gamma", self.gamma.is_some()),
+            ("--epsilon", self.epsilon.is_some()),
+            ("--decay", self.decay.is_some()),
+            ("--state", !self.state.is_empty()),
+            ("--tilings", self.tilings.is_some()),
+        ];
+        let of_traces = [
+            ("--lambda", self.lambda.is_some()),
+            ("--replacing", self.replacing),
+        ];
+        let given = |flags: &[(&'static str, bool)]| {
+            let given = flags.iter().find(|(_, is_given)| *is_given);
+            given.map(|(flag, _)| *flag)
+        };
+        let name = method.name();
+        if let Some(flag) = given(&of_values).filter(|_| method.seeks_a_law()) {
+            let allowed = format!("left out with --algorithm {name}, which learns no table");
+            return Err(CliError::flag(flag, "", allowed));
+        }
+        if let Some(flag) = given(&of_traces).filter(|_| !method.has_traces()) {
+            let allowed = format!("left out with --algorithm {name}, which has no traces");
+            return Err(CliError::flag(flag, "", allowed));
+        }
+        Ok(())
+    }
+
     /// What is gone on from.
-    fn before(
-        &self,
-        settings: &Settings,
-        seeds: (u64, usize),
-    ) -> Result<Option<PolicyFile>, CliError> {
-        let Some(file) = &self.resume else {
+    fn before(&self) -> Result<Option<Before>, CliError> {
+        let Some(path) = &self.resume else {
             return Ok(None);
         };
         // It may be replaced by what it becomes.
-        if self.output.out() != Some(file) {
-            input::note(file);
+        if self.output.out() != Some(path) {
+            input::note(path);
         }
-        let policy = PolicyFile::load(file)?;
-        policy.is_of(settings, seeds, &file.display().to_string())?;
-        Ok(Some(policy))
+        let name = path.display().to_string();
+        let policy = PolicyFile::load(path)?;
+        let settings = policy.settings(&name)?;
+        Ok(Some(Before {
+            policy,
+            settings,
+            name,
+        }))
     }
 
     fn learn(

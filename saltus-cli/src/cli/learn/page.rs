@@ -40,6 +40,10 @@ impl Run for Filmed {
     }
 }
 
+fn episodes_of(count: usize) -> String {
+    format!("{count} episode{}", if count == 1 { "" } else { "s" })
+}
+
 /// The page: what `pupil`'s seed had learnt after each of `episodes`.
 pub(super) fn html(
     settings: &Settings,
@@ -66,12 +70,12 @@ pub(super) fn html(
         let summary = run(&setup, &mut filmed)?;
         let came = digits(summary.travel, 3);
         let about = About {
-            title: format!("{} after {count} episodes", settings.task.name()),
+            title: format!("{} after {}", settings.task.name(), episodes_of(count)),
             ended: format!("{came} m in {SECONDS} s"),
             ran: true,
             disturbances: Vec::new(),
         };
-        let caption = format!("after {count} episodes: {came} m in {SECONDS} s");
+        let caption = format!("after {}: {came} m in {SECONDS} s", episodes_of(count));
         pages.push((caption, filmed.film.page(&setup, &about)));
     }
     let title = format!(

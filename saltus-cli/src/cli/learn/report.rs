@@ -122,7 +122,11 @@ impl Report<'_> {
         };
         line(learnt, said(interquartile(&self.figures()), unit));
         if let Some(best) = self.learnt.best(s) {
-            let (.., value) = self.judged(&best.score.outcome);
+            let outcome = &best.score.outcome;
+            let (value, unit) = match outcome.arrived {
+                Some(time) if s.task != Task::RunLegs => (time, "s"),
+                _ => (self.judged(outcome).2, unit),
+            };
             line(
                 "best",
                 format!("{} {unit}, seed {}", short(value), best.seed),
@@ -154,12 +158,17 @@ impl Report<'_> {
             let says = "by Ctrl-C: of the episodes that were done";
             line("interrupted", says.into());
         }
+        let all = s.schedule.episodes;
+        let episodes = if self.interrupted {
+            format!("{} of {all}", self.done())
+        } else {
+            all.to_string()
+        };
         let mut text = format!(
-            "{}: {} by {}, {} episodes, {} seeds\n",
+            "{}: {} by {}, {episodes} episodes, {} seeds\n",
             s.plant.robot.name,
             s.task.name(),
             s.method.name(),
-            s.schedule.episodes,
             self.learnt.pupils.len()
         );
         for (name, says) in lines {
@@ -168,11 +177,20 @@ impl Report<'_> {
         text
     }
 
+    /// Episodes that every seed has done.
+    fn done(&self) -> usize {
+        let done = self.learnt.pupils.iter().map(|it| it.curve.len());
+        done.min().unwrap_or(0)
+    }
+
     /// The numbers of what learns.
     fn means(&self) -> Vec<(&'static str, String)> {
         let s = self.settings;
+        let terms = s.reward.0.iter();
+        let terms: Vec<String> = terms.map(|(term, by)| format!("{term}={by}")).collect();
+        let reward = ("reward", terms.join(", "));
         if s.method.seeks_a_law() {
-            return Vec::new();
+            return vec![reward];
         }
         let (rates, schedule) = (&s.rates, &s.schedule);
         let traces = if s.method.has_traces() {
@@ -186,6 +204,7 @@ impl Report<'_> {
             short(schedule.decay)
         );
         vec![
+            reward,
             (
                 "alpha, gamma",
                 format!("{}, {}{traces}", short(rates.alpha), short(rates.gamma)),
@@ -219,7 +238,7 @@ impl Report<'_> {
             "task": s.task.name(),
             "robot": s.plant.robot.name,
             "algorithm": s.method.name(),
-            "episodes": s.schedule.episodes,
+            "episodes": self.done(),
             "seeds": self.learnt.pupils.len(),
             "interrupted": self.interrupted,
             "score": { "name": format!("{name}_{unit}"), "learnt": interval(interquartile(&self.figures())),
@@ -283,7 +302,8 @@ fn broken(pupil: &Pupil) -> usize {
 }
 
 fn short(x: f64) -> String {
-    digits(x, 4)
+    // What a robot at rest is moved by round-off is nothing.
+    digits(if x.abs() < 1e-9 { 0.0 } else { x }, 4)
 }
 
 /// A value with its interval.
