@@ -345,7 +345,7 @@ impl Learn {
 
     /// The first seed, and how many there are.
     fn seeds(&self, before: Option<&Before>) -> (u64, usize) {
-        let (first, count) = before.map_or((1, 30), |before| before.seeds());
+        let (first, count) = before.map_or((1, 30), Before::seeds);
         let count = self.seeds.map_or(count, |count| count as usize);
         (self.seed.unwrap_or(first), count)
     }
@@ -353,19 +353,18 @@ impl Learn {
     /// The settings of the task, or of what is gone on from, with what the flags change.
     fn settings(&self, before: Option<&Before>) -> Result<Settings, CliError> {
         let task = Task::from(self.task);
-        let mut settings = match before {
-            Some(before) => before.settings(task)?,
-            None => {
-                let method = self.algorithm.map_or(task.method(), Method::from);
-                task.settings(self.robot.robot_or("rats-run")?, method)
-            }
-        };
-        if before.is_some() {
+        let robot = || self.robot.robot_or("rats-run");
+        let mut settings = if let Some(before) = before {
+            let mut settings = before.settings(task)?;
             settings.method = self.algorithm.map_or(settings.method, Method::from);
             if self.robot.are_given() {
-                settings.plant.robot = self.robot.robot_or("rats-run")?;
+                settings.plant.robot = robot()?;
             }
-        }
+            settings
+        } else {
+            let method = self.algorithm.map_or(task.method(), Method::from);
+            task.settings(robot()?, method)
+        };
         self.are_meant(&settings)?;
         let robot = &settings.plant.robot;
         if self.draw && robot.leg.cylinder().is_none() {
@@ -436,7 +435,7 @@ impl Learn {
                 return Err(CliError::flag("--state", name, allowed));
             };
             let alone = Bins::new(vec![*bin]);
-            alone.map_err(|error| CliError::content(&format!("--state {name}"), error))?;
+            alone.map_err(|error| CliError::content(format!("--state {name}"), error))?;
             axes[place] = *bin;
         }
         let bins = Bins::new(axes).map_err(|error| CliError::content("--state", error))?;
