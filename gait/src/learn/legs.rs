@@ -33,25 +33,19 @@ impl Legs {
     /// [`GaitError`] for a robot that cannot run, and for no steps.
     pub fn new(plant: Plant, reward: Reward, steps: usize) -> Result<Legs, GaitError> {
         require(steps > 0, "steps of an episode", steps as f64, "1 or more")?;
-        let axis = |name, unit, low, high| Axis {
-            name,
-            unit,
-            low,
-            high,
-        };
         let names = (0..plant.robot.body.legs).map(|leg| format!("leg {leg}"));
         Ok(Legs {
             ready: plant.ready()?,
             reward,
             steps,
             observed: vec![
-                axis("wheel_angle", "rad", -PI, PI),
-                axis("wheel_rate", "rad_s", -60.0, 60.0),
-                axis("pivot_angle", "rad", -PI, PI),
-                axis("pivot_rate", "rad_s", -60.0, 60.0),
-                axis("extension", "m", 0.0, 1.0),
-                axis("pressure", "Pa", 0.0, 1e8),
-                axis("since_fired", "s", 0.0, LONG_AGO),
+                Axis::new("wheel_angle", "rad", -PI, PI),
+                Axis::new("wheel_rate", "rad_s", -60.0, 60.0),
+                Axis::new("pivot_angle", "rad", -PI, PI),
+                Axis::new("pivot_rate", "rad_s", -60.0, 60.0),
+                Axis::new("extension", "m", 0.0, 1.0),
+                Axis::new("pressure", "Pa", 0.0, 1e8),
+                Axis::new("since_fired", "s", 0.0, LONG_AGO),
             ],
             actions: Actions::Choices(std::iter::once("none".into()).chain(names).collect()),
             plant,

@@ -16,6 +16,18 @@ pub struct Axis {
     pub high: f64,
 }
 
+impl Axis {
+    /// The quantity `name` in `unit`, from `low` to `high`.
+    pub const fn new(name: &'static str, unit: &'static str, low: f64, high: f64) -> Axis {
+        Axis {
+            name,
+            unit,
+            low,
+            high,
+        }
+    }
+}
+
 /// What can be done in a step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Actions {

@@ -47,20 +47,14 @@ impl Stride {
         let count = strides as f64;
         require(strides > 0, "steps of an episode", count, "1 or more")?;
         let pitch = TAU / f64::from(plant.robot.body.legs);
-        let axis = |name, unit, low, high| Axis {
-            name,
-            unit,
-            low,
-            high,
-        };
         let mut observed = vec![
-            axis("wheel_rate", "rad_s", -60.0, 60.0),
-            axis("lean", "rad", task.zone, task.zone + pitch),
-            axis("speed", "m_s", -20.0, 20.0),
-            axis("pivot_angle", "rad", -1.0, 1.0),
+            Axis::new("wheel_rate", "rad_s", -60.0, 60.0),
+            Axis::new("lean", "rad", task.zone, task.zone + pitch),
+            Axis::new("speed", "m_s", -20.0, 20.0),
+            Axis::new("pivot_angle", "rad", -1.0, 1.0),
         ];
         if !plant.obstacles.is_empty() {
-            observed.push(axis("box_distance", "m", -1e3, 1e3));
+            observed.push(Axis::new("box_distance", "m", -1e3, 1e3));
         }
         Ok(Stride {
             ready: plant.ready()?,
@@ -69,8 +63,8 @@ impl Stride {
             strides,
             observed,
             actions: Actions::Values(vec![
-                axis("firing_angle", "rad", task.zone, task.zone + pitch),
-                axis("valve_open", "s", 0.0, LONGEST),
+                Axis::new("firing_angle", "rad", task.zone, task.zone + pitch),
+                Axis::new("valve_open", "s", 0.0, LONGEST),
             ]),
             plant,
         })

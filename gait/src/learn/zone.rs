@@ -69,19 +69,13 @@ impl Zone {
     /// [`GaitError`] for a robot that cannot run, and for times that are not above 0.
     pub fn new(plant: Plant, reward: Reward, task: Task) -> Result<Zone, GaitError> {
         task.check()?;
-        let axis = |name, unit, low, high| Axis {
-            name,
-            unit,
-            low,
-            high,
-        };
         Ok(Zone {
             ready: plant.ready()?,
             reward,
             task,
             observed: vec![
-                axis("wheel_angle", "rad", -PI, PI),
-                axis("wheel_rate", "rad_s", -60.0, 60.0),
+                Axis::new("wheel_angle", "rad", -PI, PI),
+                Axis::new("wheel_rate", "rad_s", -60.0, 60.0),
             ],
             actions: Actions::Choices(vec!["none".into(), "the leg in the active zone".into()]),
             plant,

@@ -96,12 +96,21 @@ impl Policy {
                 let training = settings.training(environment.as_ref(), algorithm);
                 greedy(&training, table, seed)
             }
-            (Policy::Table(_), _) => Ok(Score::default()),
+            (Policy::Table(_), _) => Err(no_part("a table", "learnt by an algorithm of values")),
             (Policy::Law(law), _) => {
                 let environment = settings.environment()?;
                 by_law(environment.as_ref(), law, Training::start_of(seed))
             }
         }
+    }
+}
+
+/// The error of a policy in a task that has no part for it.
+fn no_part(name: &str, allowed: &str) -> GaitError {
+    GaitError::Input {
+        name: name.into(),
+        value: f64::NAN,
+        allowed: allowed.into(),
     }
 }
 
@@ -114,7 +123,7 @@ pub(super) fn by_law(
     let mut running = environment.start(seed)?;
     let mut score = Score::default();
     let Actions::Values(axes) = environment.actions() else {
-        return Ok(score);
+        return Err(no_part("a law", "run in a task whose actions are numbers"));
     };
     loop {
         let rate = running.observation().first().copied().unwrap_or(0.0);
