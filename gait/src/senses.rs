@@ -16,6 +16,9 @@ const SPEED_OVER: f64 = 0.02;
 /// Time (s) since a firing from which on it does not matter.
 pub(crate) const LONG_AGO: f64 = 1.0;
 
+/// How many numbers [`truth`] has.
+pub(crate) const SEEN: usize = 8;
+
 /// An angle from -π to π.
 pub(crate) fn wrapped(angle: f64) -> f64 {
     let turned = (angle + PI).rem_euclid(TAU) - PI;
@@ -113,9 +116,10 @@ impl Senses {
 }
 
 /// What no sensor says, and the simulation does: angles and rates of wheel and pivot (of a robot without a boom height
-/// and its rate); extension, pressure and time since it was `fired` (s) of the leg that is nearest to upright below.
+/// and its rate); extension, pressure and time since it was `fired` (s) of the leg that is nearest to upright below;
+/// time (s).
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-pub(crate) fn truth(world: &World<'_>, fired: &[f64]) -> [f64; 7] {
+pub(crate) fn truth(world: &World<'_>, fired: &[f64]) -> [f64; SEEN] {
     let motion = world.motion();
     let [angle, rate] = motion.pivot;
     let legs = fired.len() as f64;
@@ -129,5 +133,6 @@ pub(crate) fn truth(world: &World<'_>, fired: &[f64]) -> [f64; 7] {
         sim.coordinates()[rig.extension_coordinate(leg)],
         sim.pressure(leg),
         (motion.time - fired[leg]).min(LONG_AGO),
+        motion.time,
     ]
 }

@@ -16,7 +16,7 @@ use saltus::numeric::parallel::available;
 type Failed = Box<dyn std::error::Error>;
 
 /// Of each number that is observed: the steps where it is seen.
-const SEEN: [(&str, Bin); 7] = {
+const SEEN: [(&str, Bin); 8] = {
     const fn bin(from: f64, to: f64, count: usize) -> Bin {
         Bin { from, to, count }
     }
@@ -31,6 +31,7 @@ const SEEN: [(&str, Bin); 7] = {
         ("extension", bin(0.0, 0.06, 3)),
         ("pressure", bin(1e5, 9.3e5, 3)),
         ("time since firing", bin(0.0, 0.1, 4)),
+        ("time", bin(0.0, 1.0, 1)),
     ]
 };
 

@@ -96,7 +96,7 @@ impl Bins {
     }
 
     /// Of table 6.1 of the thesis: wheel angle, rate, pivot angle, pivot rate; of the leg below, extension, pressure
-    /// and time since it fired, which the thesis leaves out.
+    /// and time since it fired; time. The thesis leaves out all from the extension on.
     ///
     /// The third never changes: the pivot stays within 0.12 rad, and its two steps meet at -0.95 rad.
     pub fn of_table_6_1() -> Bins {
@@ -111,6 +111,7 @@ impl Bins {
                 bin(0.0, 0.1, 1),
                 bin(0.0, 1e6, 1),
                 bin(0.0, 0.1, 1),
+                bin(0.0, 2.0, 1),
             ],
             tilings: 1,
         }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::GaitError;
 use crate::error::require;
-use crate::senses::LONG_AGO;
+use crate::senses::{LONG_AGO, SEEN};
 use crate::surroundings::Surroundings;
 use crate::world::Motion;
 
@@ -46,6 +46,7 @@ impl Legs {
                 Axis::new("extension", "m", 0.0, 1.0),
                 Axis::new("pressure", "Pa", 0.0, 1e8),
                 Axis::new("since_fired", "s", 0.0, LONG_AGO),
+                Axis::new("time", "s", 0.0, 1e4),
             ],
             actions: Actions::Choices(std::iter::once("none".into()).chain(names).collect()),
             plant,
@@ -82,7 +83,7 @@ struct OnLegs {
     body: Body,
     ledger: Ledger,
     period: f64,
-    observation: [f64; 7],
+    observation: [f64; SEEN],
     left: usize,
     /// Where the box begins and ends, and the height of the axle of a robot that stands on two legs there.
     top: Option<[f64; 3]>,

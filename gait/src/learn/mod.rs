@@ -5,6 +5,7 @@
 //! 6.2.2 to 6.2.5. [`train`] brings them together.
 
 mod bins;
+mod climbing;
 mod few;
 mod gridded;
 mod legs;
@@ -17,6 +18,7 @@ mod training;
 mod zone;
 
 pub use bins::{Bin, Bins};
+pub use climbing::hill_climb;
 pub use few::{Bayes, Evolution, Learner};
 pub use gridded::Gridded;
 pub use legs::Legs;

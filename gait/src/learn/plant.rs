@@ -9,7 +9,7 @@ use self_cell::self_cell;
 
 use crate::error::require;
 use crate::run::Obstacle;
-use crate::senses::truth;
+use crate::senses::{SEEN, truth};
 use crate::surroundings::{Disturbance, Surroundings};
 use crate::world::Motion;
 use crate::{Draw, GaitError, World, drawn_robot};
@@ -188,7 +188,7 @@ impl Body {
     }
 
     /// What no sensor says.
-    pub(super) fn truth(&self) -> [f64; 7] {
+    pub(super) fn truth(&self) -> [f64; SEEN] {
         truth(self.held.borrow_dependent(), &self.fired)
     }
 

@@ -155,6 +155,13 @@ impl Tabular {
         Ok(self)
     }
 
+    /// Makes `action` the best in `state`: its value is 1, that of the others 0.
+    pub(super) fn prefer(&mut self, state: usize, action: usize) {
+        let values = &mut self.values[state * self.actions..][..self.actions];
+        values.fill(0.0);
+        values[action] = 1.0;
+    }
+
     /// Value of an action in `states`, one in each tiling.
     pub fn value(&self, states: &[usize], action: usize) -> f64 {
         let one = |state: &usize| self.values[state * self.actions + action];

@@ -20,6 +20,14 @@ pub struct Schedule {
     pub episodes: usize,
 }
 
+impl Schedule {
+    /// Share of random actions in an episode.
+    pub(super) fn share(&self, episode: usize) -> f64 {
+        let exponent = i32::try_from(episode).unwrap_or(i32::MAX);
+        self.epsilon * self.decay.powi(exponent)
+    }
+}
+
 /// What is trained, and how.
 #[derive(Clone)]
 pub struct Training<'e> {
@@ -49,7 +57,8 @@ pub struct Score {
 }
 
 impl Training<'_> {
-    fn check(&self) -> Result<usize, GaitError> {
+    /// How many choices there are.
+    pub(super) fn check(&self) -> Result<usize, GaitError> {
         let Schedule {
             epsilon,
             decay,
@@ -99,8 +108,7 @@ pub fn train(
 ) -> Result<(), GaitError> {
     training.check()?;
     for episode in from..training.schedule.episodes {
-        let exponent = i32::try_from(episode).unwrap_or(i32::MAX);
-        let epsilon = training.schedule.epsilon * training.schedule.decay.powi(exponent);
+        let epsilon = training.schedule.share(episode);
         let score = one(training, table, (seed, episode), Some(epsilon))?;
         if !scored(episode, &score, table) {
             break;

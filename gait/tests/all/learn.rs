@@ -7,7 +7,7 @@ use rand_pcg::Pcg64;
 use saltus_gait::GaitError;
 use saltus_gait::learn::{
     Act, Actions, Algorithm, Axis, Bin, Bins, Environment, Episode, Outcome, Rates, Schedule, Seen,
-    Step, Tabular, Traces, Training, greedy, train,
+    Step, Tabular, Traces, Training, greedy, hill_climb, train,
 };
 
 /// From a state and an action: the next state, the reward, and whether it is the end.
@@ -411,6 +411,55 @@ fn learning_goes_on_where_it_was_left() -> Result<(), GaitError> {
     let mut again = training.table()?.with_values(parts.values().to_vec())?;
     train(&training, &mut again, (3, 17), |_, _, _| true)?;
     assert_eq!(whole.values(), again.values());
+    Ok(())
+}
+
+/// Twelve locks in a row, each opened by one of four actions; any other ends the episode.
+fn locks(state: usize, action: usize, _: &mut Pcg64) -> (usize, f64, bool) {
+    if action == (3 * state + 1) % 4 {
+        (state + 1, 1.0, state == 11)
+    } else {
+        (state, 0.0, true)
+    }
+}
+
+#[test]
+fn hill_climbing_opens_all_locks_and_goes_on_where_it_was_left() -> Result<(), GaitError> {
+    const NONE: f64 = f64::NEG_INFINITY;
+    let task = Numbered::new((13, 4), 0, locks);
+    let of_all = Schedule {
+        epsilon: 0.1,
+        decay: 1.0,
+        episodes: 1500,
+    };
+    let training = task.training(Algorithm::Q, rates(0.0, 0.0, 0.0), of_all);
+    for seed in 0..5 {
+        let mut table = training.table()?;
+        let mut totals = Vec::new();
+        hill_climb(&training, &mut table, (seed, 0), NONE, |_, score| {
+            totals.push(score.total);
+            true
+        })?;
+        assert_eq!(greedy(&training, &table, (seed, 0))?.total, 12.0);
+        // The first table is drawn: a lock opens once in four.
+        assert!(totals[0] < 6.0, "{totals:?}");
+
+        let mut again = training.table()?;
+        let mut best = NONE;
+        hill_climb(&training, &mut again, (seed, 0), NONE, |episode, score| {
+            best = best.max(score.total);
+            episode < 40
+        })?;
+        let mut again = training.table()?.with_values(again.values().to_vec())?;
+        hill_climb(&training, &mut again, (seed, 41), best, |_, _| true)?;
+        assert_eq!(table.values(), again.values());
+    }
+    let tiled = Training {
+        bins: task.bins().tiled(2)?,
+        ..training
+    };
+    let mut table = tiled.table()?;
+    assert!(hill_climb(&tiled, &mut table, (1, 0), NONE, |_, _| true).is_err());
     Ok(())
 }
 

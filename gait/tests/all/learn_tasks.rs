@@ -198,6 +198,37 @@ fn no_valve_commands_throw_the_robot_about() -> Result<(), GaitError> {
     Ok(())
 }
 
+#[test]
+fn a_robot_that_jams_on_a_box_stays_where_it_is() -> Result<(), GaitError> {
+    // Found by learners, a valve for each 50 ms: between box and ground feet slip and legs slide at once, and a way out of a
+    // penetration of micrometres that held all of them was metres long.
+    const COMMANDS: [&str; 4] = [
+        "4133043114144510412320354542025055140155",
+        "0132035404004551321531311205245510040023",
+        "5453351400431011121410403045042423333323",
+        "4503410133055413113430243315115450504042",
+    ];
+    for commands in COMMANDS {
+        let mut episode = legs(before(0.21, 0.21), rate(), 2000).start(1)?;
+        let mut last = episode.outcome();
+        for command in commands.bytes() {
+            for _ in 0..50 {
+                episode.step(Act::Choice(usize::from(command - b'0')))?;
+                let now = episode.outcome();
+                let way = now.travel - last.travel;
+                assert!(
+                    way.abs() < 0.02,
+                    "{way} m in 1 ms, at {} s: {commands}",
+                    now.time
+                );
+                last = now;
+            }
+        }
+        assert!(!last.broken && last.travel.abs() < 0.6, "{last:?}");
+    }
+    Ok(())
+}
+
 /// Ends a run where it has come so far.
 struct Until(f64);
 

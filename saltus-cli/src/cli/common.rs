@@ -206,6 +206,12 @@ pub(crate) struct OutputFlags {
     out: Option<PathBuf>,
 }
 
+/// Parser of a flag.
+pub(crate) fn seed(text: &str) -> Result<u64, String> {
+    let wrong = |_| format!("must be a whole number from 0 to {}", u64::MAX);
+    text.trim().parse().map_err(wrong)
+}
+
 /// The option of commands with much to compute.
 #[derive(Args, Debug)]
 pub(crate) struct Threads {

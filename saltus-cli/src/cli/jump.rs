@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use self::margin::{Margin, Passage};
 use self::sensed::Learning;
 use super::Status;
-use super::common::{OutputFlags, PlotOption, Threads, robot};
+use super::common::{OutputFlags, PlotOption, Threads, robot, seed};
 use crate::error::{CliError, cut};
 use crate::output::{Files, Format, digits};
 use crate::progress::Progress;
@@ -51,7 +51,7 @@ pub(crate) struct Jump {
     robots: u16,
 
     /// Seed of the robots and of the search
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    #[arg(long, value_name = "SEED", default_value_t = 1, value_parser = seed)]
     seed: u64,
 
     #[command(flatten)]

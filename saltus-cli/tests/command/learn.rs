@@ -49,6 +49,11 @@ fn laws_and_tilings_are_resumed_without_loss() {
         ),
         ("evolution", "run-stride --algorithm cma-es --seeds 2", 7),
         (
+            "climbing",
+            "climb --algorithm hill-climbing --steps 400 --seeds 2",
+            5,
+        ),
+        (
             "tilings",
             "run-zone --tilings 3 --state wheel_rate=-5:20:7 --seeds 2",
             2,
@@ -275,7 +280,12 @@ const REFUSED: &[(&str, &str)] = &[
         "body.legs = 7: must be 5",
     ),
     ("run --policy-seed 1", "--policy"),
-    ("export policy empty.json --out c", "checksum: is missing"),
+    ("export policy empty.json --out c", "policy: is missing"),
+    (
+        "export policy policy.json --out c --name RUN",
+        "which has no constant",
+    ),
+    ("export policy policy.json --out empty.json", "a folder"),
     ("export policy policy.json", "--out"),
     (
         "export policy law.json --as rust --out c",
@@ -291,7 +301,7 @@ const REFUSED: &[(&str, &str)] = &[
         "its folder is not there",
     ),
     ("learn run-zone --resume none.json", "none.json"),
-    ("learn run-zone --resume empty.json", "checksum: is missing"),
+    ("learn run-zone --resume empty.json", "policy: is missing"),
     (
         "learn run-zone --seeds 3 --resume short.json",
         "short.json: JSON",
@@ -320,8 +330,18 @@ const REFUSED: &[(&str, &str)] = &[
         "learn run-zone --episodes 4 --resume policy.json",
         "above 4, the episodes in policy.json",
     ),
-    ("learn run-stride --alpha 0.3", "which learns no table"),
-    ("learn run-stride --tilings 3", "which learns no table"),
+    ("learn run-stride --alpha 0.3", "which learns no values"),
+    ("learn run-stride --tilings 3", "which learns no values"),
+    ("learn run-stride --epsilon 0.3", "which learns no table"),
+    (
+        "learn climb --algorithm hill-climbing --gamma 0.9",
+        "which learns no values",
+    ),
+    (
+        "learn climb --algorithm hill-climbing --replacing",
+        "which has no traces",
+    ),
+    ("learn climb --seed 1.5", "a whole number from 0 to"),
     (
         "learn run-zone --algorithm q --lambda 0.5",
         "which has no traces",

@@ -171,7 +171,12 @@ impl PolicyFile {
             return Err(wrong("JSON", "is no object".into()));
         };
         let found = document.remove("checksum");
-        let found = found.ok_or_else(|| wrong("checksum", "is missing".into()))?;
+        let missing = if document.contains_key("tables") {
+            "checksum"
+        } else {
+            "policy"
+        };
+        let found = found.ok_or_else(|| wrong(missing, "is missing".into()))?;
         let made = checksum(&document);
         if found != json!(made) {
             return Err(PolicyError::Damaged {

@@ -40,6 +40,8 @@ pub enum Task {
 pub enum Method {
     /// Values of states and actions.
     Values(Algorithm),
+    /// A choice for each state, by changes that are kept where an episode is no worse.
+    HillClimbing,
     /// The smooth law's six numbers, by Bayesian optimisation.
     Bayes,
     /// The smooth law's six numbers, by CMA-ES.
@@ -50,13 +52,14 @@ impl Method {
     /// Every one.
     pub fn all() -> impl Iterator<Item = Method> {
         let values = Algorithm::ALL.into_iter().map(Method::Values);
-        values.chain([Method::Bayes, Method::Evolution])
+        values.chain([Method::HillClimbing, Method::Bayes, Method::Evolution])
     }
 
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Method::Values(algorithm) => algorithm.name(),
+            Method::HillClimbing => "hill-climbing",
             Method::Bayes => "bayes",
             Method::Evolution => "cma-es",
         }
@@ -67,9 +70,14 @@ impl Method {
         matches!(self, Method::Values(algorithm) if algorithm.has_traces())
     }
 
-    /// Whether it seeks a law in place of values.
+    /// Whether it learns values, with a learning rate and a discount.
+    pub fn has_values(self) -> bool {
+        matches!(self, Method::Values(_))
+    }
+
+    /// Whether it seeks a law in place of a table.
     pub fn seeks_a_law(self) -> bool {
-        !matches!(self, Method::Values(_))
+        matches!(self, Method::Bayes | Method::Evolution)
     }
 }
 
@@ -164,9 +172,41 @@ impl Task {
         }
     }
 
-    fn bins(self) -> Bins {
+    fn schedule(self, method: Method, episodes: usize) -> Schedule {
+        let [epsilon, decay] = match method {
+            Method::HillClimbing => [0.3, 1.0],
+            _ => [
+                if self == Task::RunZone { 0.95 } else { 1.0 },
+                if method.has_traces() && !self.is_by_stride() {
+                    0.95
+                } else {
+                    0.99
+                },
+            ],
+        };
+        Schedule {
+            epsilon,
+            decay,
+            episodes,
+        }
+    }
+
+    fn bins(self, method: Method) -> Bins {
         let bin = |from, to, count| Bin { from, to, count };
+        // Few steps within their limits.
+        let sound = |axes| Bins::new(axes).unwrap_or_else(|_| Bins::of_table_6_3());
         match self {
+            Task::Climb if method == Method::HillClimbing => {
+                let mut axes = Bins::of_table_6_1().axes().to_vec();
+                for axis in &mut axes {
+                    axis.count = 1;
+                }
+                // The time is the last.
+                if let Some(time) = axes.last_mut() {
+                    *time = bin(0.0, 2.0, 40);
+                }
+                sound(axes)
+            }
             Task::RunLegs | Task::Climb => Bins::of_table_6_1(),
             Task::RunZone => Bins::of_table_6_3(),
             // Rate, lean, speed, height; distance of the box.
@@ -180,8 +220,7 @@ impl Task {
                 if self == Task::JumpStride {
                     axes.push(bin(-0.2, 2.0, 11));
                 }
-                // Few steps within their limits.
-                Bins::new(axes).unwrap_or_else(|_| Bins::of_table_6_3())
+                sound(axes)
             }
         }
     }
@@ -200,16 +239,8 @@ impl Task {
             plant,
             method,
             rates: self.rates(method),
-            schedule: Schedule {
-                epsilon: if self == Task::RunZone { 0.95 } else { 1.0 },
-                decay: if method.has_traces() && !self.is_by_stride() {
-                    0.95
-                } else {
-                    0.99
-                },
-                episodes,
-            },
-            bins: self.bins(),
+            schedule: self.schedule(method, episodes),
+            bins: self.bins(method),
             reward: Reward(reward),
             steps,
         }
@@ -286,7 +317,12 @@ impl Settings {
         Gridded::new(self.environment()?, &GRID)
     }
 
-    fn training<'e>(&self, environment: &'e dyn Environment, algorithm: Algorithm) -> Training<'e> {
+    fn training<'e>(&self, environment: &'e dyn Environment) -> Training<'e> {
+        // Without values none of them learns.
+        let algorithm = match self.method {
+            Method::Values(algorithm) => algorithm,
+            _ => Algorithm::Q,
+        };
         Training {
             environment,
             bins: self.bins.clone(),

@@ -30,12 +30,12 @@ impl Policy {
     /// [`GaitError`] for another number of values than the settings have.
     pub fn of(settings: &Settings, values: &[f64]) -> Result<Policy, GaitError> {
         Ok(match settings.method {
-            Method::Values(algorithm) => {
+            Method::Values(_) | Method::HillClimbing => {
                 let environment = settings.chosen()?;
-                let training = settings.training(environment.as_ref(), algorithm);
+                let training = settings.training(environment.as_ref());
                 Policy::Table(training.table()?.with_values(values.to_vec())?)
             }
-            _ => Policy::Law(Smooth::from(values)),
+            Method::Bayes | Method::Evolution => Policy::Law(Smooth::from(values)),
         })
     }
 
@@ -90,14 +90,12 @@ impl Policy {
     /// # Errors
     /// [`GaitError`] for a robot that cannot run, and for a motion that cannot go on.
     pub fn trial(&self, settings: &Settings, seed: (u64, usize)) -> Result<Score, GaitError> {
-        match (self, settings.method) {
-            (Policy::Table(table), Method::Values(algorithm)) => {
+        match self {
+            Policy::Table(table) => {
                 let environment = settings.chosen()?;
-                let training = settings.training(environment.as_ref(), algorithm);
-                greedy(&training, table, seed)
+                greedy(&settings.training(environment.as_ref()), table, seed)
             }
-            (Policy::Table(_), _) => Err(no_part("a table", "learnt by an algorithm of values")),
-            (Policy::Law(law), _) => {
+            Policy::Law(law) => {
                 let environment = settings.environment()?;
                 by_law(environment.as_ref(), law, Training::start_of(seed))
             }

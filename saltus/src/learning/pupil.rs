@@ -1,6 +1,6 @@
 //! Seeds that learn, each alone.
 
-use saltus_gait::learn::{Bayes, Evolution, Learner, Score, Training, greedy, train};
+use saltus_gait::learn::{Bayes, Evolution, Learner, Score, Training, greedy, hill_climb, train};
 use saltus_gait::{GaitError, Smooth};
 use saltus_numeric::parallel;
 
@@ -54,7 +54,7 @@ pub fn learn(
         let held = before.and_then(|file| file.tables.get(k));
         let past = held.map(|held| (&held.values[..], &held.curve[..]));
         match settings.method {
-            Method::Values(_) => by_values(settings, seed, past, goes_on),
+            Method::Values(_) | Method::HillClimbing => by_table(settings, seed, past, goes_on),
             Method::Bayes => {
                 let mut learner = Bayes::new(MIDDLE.to_vec(), seed);
                 by_tries(settings, seed, past, &mut learner, goes_on)
@@ -73,37 +73,37 @@ pub fn learn(
 /// Values and curve of the episodes before.
 type Past<'p> = Option<(&'p [f64], &'p [Score])>;
 
-fn by_values(
+fn by_table(
     settings: &Settings,
     seed: u64,
     past: Past<'_>,
     goes_on: &impl Fn() -> bool,
 ) -> Result<Pupil, GaitError> {
-    let Method::Values(algorithm) = settings.method else {
-        return Err(GaitError::Input {
-            name: "method".into(),
-            value: f64::NAN,
-            allowed: "one that learns values".into(),
-        });
-    };
     let environment = settings.chosen()?;
-    let training = settings.training(environment.as_ref(), algorithm);
+    let training = settings.training(environment.as_ref());
     let mut table = training.table()?;
     let mut curve = Vec::new();
     if let Some((values, before)) = past {
         table = table.with_values(values.to_vec())?;
         curve = before.to_vec();
     }
-    let from = curve.len();
-    train(&training, &mut table, (seed, from), |_, score, _| {
+    let from = (seed, curve.len());
+    let best = curve.iter().map(|score| score.total);
+    let best = best.fold(f64::NEG_INFINITY, f64::max);
+    let mut scored = |score: &Score| {
         curve.push(*score);
         goes_on()
-    })?;
+    };
+    if settings.method.has_values() {
+        train(&training, &mut table, from, |_, score, _| scored(score))?;
+    } else {
+        hill_climb(&training, &mut table, from, best, |_, score| scored(score))?;
+    }
     let trial = |k| greedy(&training, &table, (seed, TRIAL + k));
     Ok(Pupil {
         seed,
-        curve,
         score: middle(settings, trial)?,
+        curve,
         policy: Policy::Table(table),
     })
 }

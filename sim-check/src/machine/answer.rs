@@ -89,7 +89,8 @@ impl Machine<'_> {
         self.problem.b.clone_from(&self.speeds);
         self.problem.solve();
         self.jump(y);
-        self.close_gaps(y);
+        self.seek_way_out();
+        self.take_way_out(y);
         for (body, joint) in mode.joints.iter().enumerate() {
             if let (JointMode::Held(stop), Some(_)) = (joint, self.dof[body]) {
                 self.put_at_stop(y, body, *stop);
@@ -114,8 +115,9 @@ impl Machine<'_> {
         }
     }
 
-    /// Moves `y` out of the rigid contacts' penetration, of a problem whose rows are all held.
-    pub(super) fn close_gaps(&mut self, y: &mut [f64]) {
+    /// Seeks what moves the rigid contacts out of their penetration, and says how many times the greatest of these
+    /// (m) the greatest coordinate (m or rad) moves.
+    pub(super) fn seek_way_out(&mut self) -> f64 {
         for (r, owner) in self.owners.iter().enumerate() {
             self.problem.b[r] = match owner {
                 Owner::Normal(c) => self
@@ -128,6 +130,12 @@ impl Machine<'_> {
         }
         self.problem.solve();
         self.change_by_impulses();
+        let greatest = |of: &[f64]| of.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        greatest(&self.change) / greatest(&self.problem.b).max(f64::MIN_POSITIVE)
+    }
+
+    /// Moves `y` by the way out that was sought.
+    pub(super) fn take_way_out(&mut self, y: &mut [f64]) {
         self.welded
             .tree
             .coordinate_rates(&self.q, &self.change, &mut self.rates);

@@ -15,6 +15,8 @@ use crate::mode::{JointMode, Mode, Stop};
 
 /// Part of a row's own mobility by which it gives way.
 const SHARING: f64 = 1e-9;
+/// Ways out of the ground (m or rad) so many times the greatest penetration (m) are none.
+const FAR: f64 = 100.0;
 /// Square of the angle (rad) by which a foot on compliant ground swings in a step that resolves it.
 const RESOLVED: f64 = 0.1;
 
@@ -298,6 +300,24 @@ impl Machine<'_> {
         }
     }
 
+    /// Elements that slip or slide.
+    fn moving_elements(&self) -> impl Iterator<Item = usize> {
+        let elements = self.problem.elements.iter().enumerate();
+        elements
+            .filter(|(_, e)| e.grip != Grip::Held)
+            .map(|(i, _)| i)
+    }
+
+    /// Takes away what an element can hold by.
+    fn free_element(&mut self, i: usize) {
+        let e = &mut self.problem.elements[i];
+        e.grip = Grip::High;
+        match &mut e.bounds {
+            Bounds::Between(low, high) => (*low, *high) = (0.0, 0.0),
+            Bounds::Friction { normal, limit, .. } => (*normal, *limit) = (None, 0.0),
+        }
+    }
+
     /// Corrects the positions of `y`, at the end of the step, by what the rigid contacts that hold
     /// were off by in its middle, where that is more than `slack` (m). The problem is used up.
     pub(crate) fn correct_step(&mut self, y: &mut [f64], slack: f64) {
@@ -310,7 +330,19 @@ impl Machine<'_> {
         if self.mechanism.material.compliance.is_some() || is_near || lets_go {
             return;
         }
+        let moving: Vec<usize> = self.moving_elements().collect();
         self.hold_rows();
-        self.close_gaps(y);
+        let mut far = self.seek_way_out();
+        if far > FAR {
+            // With feet and legs held that slip and slide, there can be no way out but a far one.
+            for i in moving {
+                self.free_element(i);
+            }
+            far = self.seek_way_out();
+        }
+        // What is jammed stays where it is.
+        if far <= FAR {
+            self.take_way_out(y);
+        }
     }
 }

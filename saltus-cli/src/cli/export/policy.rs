@@ -10,6 +10,7 @@ use saltus::learning;
 
 use super::tables::{RealType, identifier};
 use crate::cli::Status;
+use crate::cli::common::seed;
 use crate::cli::learned::Learned;
 use crate::error::CliError;
 use crate::output::Files;
@@ -27,16 +28,16 @@ pub(super) struct Policy {
     language: Language,
 
     /// The seed whose policy is written [default: the one that did best]
-    #[arg(long = "policy-seed", value_name = "SEED")]
+    #[arg(long = "policy-seed", value_name = "SEED", value_parser = seed)]
     seed: Option<u64>,
 
     /// Numbers to compute with
     #[arg(long, value_enum, default_value_t = RealType::Float)]
     real: RealType,
 
-    /// Name of the constant in Rust
-    #[arg(long, value_name = "NAME", value_parser = identifier, default_value = "POLICY")]
-    name: String,
+    /// Name of the constant in Rust [default: POLICY]
+    #[arg(long, value_name = "NAME", value_parser = identifier)]
+    name: Option<String>,
 
     /// Write the files into this folder, which is made if it is not there
     #[arg(long, short, value_name = "DIR", help_heading = "Robot and output")]
@@ -66,6 +67,14 @@ enum Language {
 
 impl Policy {
     pub(super) fn run(self) -> Result<Status, CliError> {
+        if let (Some(name), Language::C) = (&self.name, self.language) {
+            let allowed = "left out with --as c, which has no constant to name";
+            return Err(CliError::flag("--name", name, allowed));
+        }
+        if self.out.exists() && !self.out.is_dir() {
+            let allowed = "a folder, into which the files are written";
+            return Err(CliError::flag("--out", self.out.display(), allowed));
+        }
         match self.real {
             RealType::Float => self.write::<f32>(),
             RealType::Double => self.write::<f64>(),
@@ -81,7 +90,10 @@ impl Policy {
             Some(table) => {
                 let text = match self.language {
                     Language::C => ("saltus_policy.h", table.c::<R>()),
-                    Language::Rust => ("policy.rs", table.rust::<R>(&self.name)),
+                    Language::Rust => (
+                        "policy.rs",
+                        table.rust::<R>(self.name.as_deref().unwrap_or("POLICY")),
+                    ),
                 };
                 (vec![text], table.about)
             }

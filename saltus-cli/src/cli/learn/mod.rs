@@ -13,7 +13,7 @@ use saltus::learning::{Learnt, Method, PolicyFile, Settings, Task, learn};
 
 use self::report::Report;
 use super::Status;
-use super::common::{OutputFlags, PlotOption, RobotFlags, Threads, page_file};
+use super::common::{OutputFlags, PlotOption, RobotFlags, Threads, page_file, seed};
 use super::disturb::{self, Typed};
 use crate::error::CliError;
 use crate::input;
@@ -53,11 +53,11 @@ pub(crate) struct Learn {
     #[arg(long)]
     replacing: bool,
 
-    /// Share of random actions in the first episode [default: 1, run-zone 0.95]
+    /// Share of random actions in the first episode; of hill-climbing, of choices that are drawn anew [default: 1, run-zone 0.95, hill-climbing 0.3]
     #[arg(long, value_name = "SHARE", value_parser = unit, allow_negative_numbers = true)]
     epsilon: Option<f64>,
 
-    /// Factor of this share from one episode to the next [default: 0.99, with traces 0.95 where valves are learnt]
+    /// Factor of this share from one episode to the next [default: 0.99, with traces 0.95 where valves are learnt, hill-climbing 1]
     #[arg(long, value_name = "NUMBER", value_parser = unit, allow_negative_numbers = true)]
     decay: Option<f64>,
 
@@ -86,7 +86,7 @@ pub(crate) struct Learn {
     seeds: Option<u32>,
 
     /// The first seed [default: 1]
-    #[arg(long, value_name = "SEED")]
+    #[arg(long, value_name = "SEED", value_parser = seed)]
     seed: Option<u64>,
 
     /// Draw the robot of each episode around the given one, as `saltus run` with --robots does
@@ -127,6 +127,7 @@ Examples:
   saltus learn run-zone --algorithm sarsa-lambda --episodes 40 --seeds 30 --out policy.json --plot curve.svg
   saltus learn run-legs --algorithm q --alpha 0.3 --gamma 1
   saltus learn run-legs --reward rate=1 --set leg.valve_delay_ms=0
+  saltus learn climb --algorithm hill-climbing --animate climb.html
   saltus learn run-stride --algorithm bayes --episodes 60
   saltus learn run-zone --animate zone.html --shown 1,4,11
   saltus learn run-legs --tilings 8 --state wheel_angle=-3.15:3.15:10 --state wheel_rate=-10:21:10
@@ -134,7 +135,7 @@ Examples:
 
 Tasks, of the robot on its boom (rats-run), from rest on two legs. What is observed stands in brackets: --state gives its steps.
   run-legs     each millisecond one valve is open, or none; for 1 s. [wheel_angle, wheel_rate, pivot_angle, pivot_rate, in the \
-states of table 6.1; extension, pressure and since_fired of the leg below, with 1 step each]
+states of table 6.1; extension, pressure and since_fired of the leg below, and time, with 1 step each]
   climb        the same before a box 21 cm high and long, 0.5 m away; for 2 s, or until a foot is on the box and the axle over it, \
 as high as on two legs
   run-zone     each 5 ms the valve of the leg in the active zone is open, or not; to 1.6 m, or for 1.8 s. [wheel_angle by the encoder, \
@@ -147,6 +148,8 @@ Algorithms: sarsa (6.2.2), q (6.2.3), sarsa-lambda (6.2.4), q-lambda (6.2.5; a t
 are random with probability epsilon, which fades from episode to episode; of equal values one is drawn. The defaults are those \
 of tables 6.2 and 6.4 as printed. With gamma 0.3 at 1 kHz a learner looks 1.4 ms ahead, while a valve takes 10 ms: \
 --alpha 0.3 --gamma 1 interchanges the two columns. With --tilings each table holds a part of a value (tile coding); such a policy is scored, but cannot be run, played or exported. \
+hill-climbing learns no values: it draws the choices of three states in ten anew in each episode, and keeps them where the \
+episode's reward is not less; in climb it knows the time alone, in steps of 50 ms. \
 bayes (Bayesian optimisation) and cma-es learn no table, but the six numbers of the smooth law (`saltus run --gait smooth`), a run for each try.
 
 Rewards, summed over the terms given, for each step: threshold:RATE (1 where the wheel is faster than RATE in rad/s, else -1), \
@@ -196,6 +199,7 @@ enum AlgorithmName {
     Q,
     SarsaLambda,
     QLambda,
+    HillClimbing,
     Bayes,
     CmaEs,
 }
@@ -207,6 +211,7 @@ impl From<AlgorithmName> for Method {
             AlgorithmName::Q => Algorithm::Q,
             AlgorithmName::SarsaLambda => Algorithm::SarsaLambda,
             AlgorithmName::QLambda => Algorithm::QLambda,
+            AlgorithmName::HillClimbing => return Method::HillClimbing,
             AlgorithmName::Bayes => return Method::Bayes,
             AlgorithmName::CmaEs => return Method::Evolution,
         })
@@ -456,10 +461,12 @@ impl Learn {
         let of_values = [
             ("--alpha", self.alpha.is_some()),
             ("--gamma", self.gamma.is_some()),
+            ("--tilings", self.tilings.is_some()),
+        ];
+        let of_tables = [
             ("--epsilon", self.epsilon.is_some()),
             ("--decay", self.decay.is_some()),
             ("--state", !self.state.is_empty()),
-            ("--tilings", self.tilings.is_some()),
         ];
         let of_traces = [
             ("--lambda", self.lambda.is_some()),
@@ -470,7 +477,11 @@ impl Learn {
             given.map(|(flag, _)| *flag)
         };
         let name = method.name();
-        if let Some(flag) = given(&of_values).filter(|_| method.seeks_a_law()) {
+        if let Some(flag) = given(&of_values).filter(|_| !method.has_values()) {
+            let allowed = format!("left out with --algorithm {name}, which learns no values");
+            return Err(CliError::flag(flag, "", allowed));
+        }
+        if let Some(flag) = given(&of_tables).filter(|_| method.seeks_a_law()) {
             let allowed = format!("left out with --algorithm {name}, which learns no table");
             return Err(CliError::flag(flag, "", allowed));
         }

@@ -154,6 +154,10 @@ impl Report<'_> {
                 format!("{lost} of {all} episodes, where the motion could not be computed further");
             line("ended early", says);
         }
+        if s.plant.robot.ground.static_friction.is_infinite() {
+            let says = "its feet never slip, and of two legs that stand so none can push: give ground.static_friction";
+            line("note", says.into());
+        }
         if self.interrupted {
             let says = "by Ctrl-C: of the episodes that were done";
             line("interrupted", says.into());
@@ -165,11 +169,13 @@ impl Report<'_> {
             all.to_string()
         };
         let mut text = format!(
-            "{}: {} by {}, {episodes} episodes, {} seeds\n",
+            "{}: {} by {}, {episodes} episode{}, {} seed{}\n",
             s.plant.robot.name,
             s.task.name(),
             s.method.name(),
-            self.learnt.pupils.len()
+            plural(all),
+            self.learnt.pupils.len(),
+            plural(self.learnt.pupils.len())
         );
         for (name, says) in lines {
             let _ = writeln!(text, "  {name:<24} {says}");
@@ -198,6 +204,10 @@ impl Report<'_> {
         } else {
             String::new()
         };
+        if !s.method.has_values() {
+            let says = format!("{} of the choices an episode", short(schedule.epsilon));
+            return vec![reward, ("drawn anew", says)];
+        }
         let exploration = format!(
             "{}, times {} an episode",
             short(schedule.epsilon),
@@ -330,4 +340,8 @@ fn by_rate([rest, speed, half]: [f64; 3], unit: &str) -> String {
         short(speed),
         short(half)
     )
+}
+
+fn plural(count: usize) -> &'static str {
+    if count == 1 { "" } else { "s" }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use saltus::gait::{Footfall, Row, Run};
+use saltus::gait::{Footfall, Obstacle, Row, Run, Setup};
 
 use super::held::Held;
 use super::recorder::Recorder;
@@ -27,6 +27,8 @@ pub(super) struct Follower<'a> {
     pub(super) stalls: Stalls,
     /// Commanded speeds.
     pub(super) held: Vec<Held>,
+    /// Boxes on the way.
+    pub(super) boxes: Vec<OnTheWay>,
     /// Touch-downs of legs that were still out.
     pub(super) out_at_touch_down: usize,
     interrupt: &'a Interrupt,
@@ -63,6 +65,42 @@ pub(super) struct Stalls {
     pub(super) count: usize,
     pub(super) first: Option<[f64; 2]>,
     now: bool,
+}
+
+/// A box, and what the axle did above it.
+#[derive(Clone, Debug)]
+pub(super) struct OnTheWay {
+    pub(super) obstacle: Obstacle,
+    /// A wheel's radius (m).
+    radius: f64,
+    /// When the axle was first above it (s), and its greatest height there (m).
+    pub(super) over: Option<[f64; 2]>,
+    /// When the axle was a radius behind it (s).
+    pub(super) passed: Option<f64>,
+}
+
+impl OnTheWay {
+    pub(super) fn all(setup: &Setup) -> Vec<OnTheWay> {
+        let one = |obstacle: &Obstacle| OnTheWay {
+            obstacle: *obstacle,
+            radius: setup.robot.body.radius,
+            over: None,
+            passed: None,
+        };
+        setup.obstacles.iter().map(one).collect()
+    }
+
+    fn note(&mut self, row: &Row<'_>) {
+        let [travel, up] = row.axle;
+        let back = self.obstacle.front + self.obstacle.length;
+        if (self.obstacle.front..=back).contains(&travel) {
+            let [_, highest] = self.over.get_or_insert([row.time, up]);
+            *highest = highest.max(up);
+        }
+        if travel >= back + self.radius {
+            self.passed.get_or_insert(row.time);
+        }
+    }
 }
 
 /// The speed (m/s) as a mean.
@@ -142,6 +180,7 @@ impl<'a> Follower<'a> {
             last: None,
             stalls: Stalls::default(),
             held: Vec::new(),
+            boxes: Vec::new(),
             out_at_touch_down: 0,
             interrupt,
             progress,
@@ -187,6 +226,7 @@ impl Run for Follower<'_> {
         self.held
             .iter_mut()
             .for_each(|held| held.note(time, travel));
+        self.boxes.iter_mut().for_each(|it| it.note(row));
         if let Some(rows) = &mut self.kept.rows {
             rows.push(row);
         }

@@ -13,6 +13,7 @@ use super::values::{
     Knots, Speeds, Taps, knots, rate, shift, slope, speeds, steepness, taps, top_rate,
 };
 use crate::cli::best::goal;
+use crate::cli::common::seed;
 use crate::cli::learned::Learned;
 use crate::cli::refused::refused;
 use crate::error::CliError;
@@ -117,7 +118,7 @@ pub(super) struct GaitFlags {
     policy: Option<PathBuf>,
 
     /// The seed of the policy that runs [default: the one that did best]
-    #[arg(long, value_name = "SEED", requires = "policy")]
+    #[arg(long, value_name = "SEED", requires = "policy", value_parser = seed)]
     policy_seed: Option<u64>,
 
     /// Firing angle α_f (rad) of `fixed` [default: 0.1]

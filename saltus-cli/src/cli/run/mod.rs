@@ -24,7 +24,7 @@ use saltus::sim_check::Stepping;
 
 use super::Status;
 use super::best;
-use super::common::{OutputFlags, PlotOption, Threads, note_valve, page_file, robot};
+use super::common::{OutputFlags, PlotOption, Threads, note_valve, page_file, robot, seed};
 use super::disturb::{self, Typed};
 use super::film::Film;
 use super::learned::Learned;
@@ -36,7 +36,7 @@ use crate::output::{Files, Format, digits, message, reachable};
 use crate::progress::Progress;
 use crate::quantity::{self, Quantity, QuantityError};
 use analysis::Depth;
-use follow::{Follower, Thinned};
+use follow::{Follower, OnTheWay, Thinned};
 pub(crate) use gait::Aim;
 use gait::{Chosen, GaitFlags};
 use held::Held;
@@ -76,6 +76,7 @@ pub(crate) struct Run {
         long,
         value_name = "SEED",
         default_value_t = 1,
+        value_parser = seed,
         allow_hyphen_values = true
     )]
     seed: u64,
@@ -303,6 +304,7 @@ impl Run {
         let progress = Progress::new("simulated seconds", self.seconds.ceil() as usize);
         let mut follower = Follower::new(setup.sensors().period, &interrupt, &progress);
         follower.held = Held::all(&chosen.speeds, setup.seconds);
+        follower.boxes = OnTheWay::all(setup);
         let telemetry = self.telemetry.as_deref().map(Telemetry::open).transpose()?;
         let believed = self.believed(setup)?;
         self.open(&mut follower, setup, telemetry.as_ref())?;

@@ -7,7 +7,7 @@ use saltus::running::exergy_of_gas;
 use saltus::sim_check::Stepping;
 use serde_json::{Value, json};
 
-use super::follow::{Follower, OUT};
+use super::follow::{Follower, OUT, OnTheWay};
 use super::gait::Chosen;
 use crate::cli::best::predicted;
 use crate::cli::disturb::Typed;
@@ -176,6 +176,7 @@ impl Report<'_> {
             .time_to_1_6_m
             .map(|t| format!("reached at {} s", short(t)));
         lines.extend(time.map(|words| ("1.6 m", words)));
+        lines.extend(self.follower.boxes.iter().map(|it| ("box", on_the_way(it))));
         lines.extend(self.best().into_iter().flatten());
         lines
     }
@@ -353,6 +354,7 @@ impl Report<'_> {
             "reached_3_2_m_s_s": s.reached_3_2,
             "speed_at_1_6_s_m_s": s.speed_at_1_6,
             "time_to_1_6_m_s": s.time_to_1_6_m,
+            "boxes": self.follower.boxes.iter().map(box_json).collect::<Vec<_>>(),
             "firings": s.firings,
             "touch_downs": s.touch_downs,
             "touch_downs_of_legs_out": self.follower.out_at_touch_down,
@@ -452,4 +454,29 @@ fn times(count: usize) -> String {
     } else {
         format!("{count} times")
     }
+}
+
+/// What the axle did above a box.
+fn on_the_way(it: &OnTheWay) -> String {
+    let o = &it.obstacle;
+    let size = format!("{} m high, from {} m on", short(o.height), short(o.front));
+    let over = it.over.map_or("not reached".into(), |[since, up]| {
+        format!(
+            "the axle over it at {} s, up to {} m high",
+            short(since),
+            short(up)
+        )
+    });
+    let passed = it
+        .passed
+        .map(|time| format!("; passed at {} s", short(time)));
+    format!("{size}: {over}{}", passed.unwrap_or_default())
+}
+
+fn box_json(it: &OnTheWay) -> Value {
+    let o = &it.obstacle;
+    json!({
+        "front_m": o.front, "length_m": o.length, "height_m": o.height,
+        "over_s": it.over.map(|[since, _]| since), "highest_m": it.over.map(|[_, up]| up), "passed_s": it.passed,
+    })
 }
