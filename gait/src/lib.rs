@@ -19,6 +19,7 @@ mod search;
 mod sensed;
 mod senses;
 mod sensors;
+pub mod space;
 mod speed;
 mod surroundings;
 mod world;

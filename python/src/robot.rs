@@ -24,12 +24,17 @@ pub(crate) struct Robot {
 }
 
 impl Robot {
-    fn of(model: saltus::Robot) -> Robot {
-        Robot {
+    /// The robot `model`, which moves in its plane, as every jump does.
+    fn of(model: saltus::Robot) -> PyResult<Robot> {
+        if model.space.is_some() {
+            let says = format!("{}: body.shape = sphere: must be wheel", model.name);
+            return Err(refused(says));
+        }
+        Ok(Robot {
             toml: model.to_toml(),
             model,
             batch: OnceLock::new(),
-        }
+        })
     }
 
     /// What computes its jumps, to all digits.
@@ -54,8 +59,8 @@ impl Robot {
     #[pyo3(signature = (robot = "rats-planar", *, set = None))]
     fn new(robot: &str, set: Option<&Bound<'_, PyAny>>) -> PyResult<Robot> {
         resolve(robot, &overrides(set)?)
-            .map(Robot::of)
             .map_err(refused)
+            .and_then(Robot::of)
     }
 
     #[classmethod]
@@ -67,8 +72,8 @@ impl Robot {
         set: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Robot> {
         resolve_text(text, name, &overrides(set)?)
-            .map(Robot::of)
             .map_err(refused)
+            .and_then(Robot::of)
     }
 
     #[classmethod]
@@ -80,8 +85,8 @@ impl Robot {
     ) -> PyResult<Robot> {
         let text = toml_value::to_toml(robot)?;
         resolve_text(&text, "robot", &overrides(set)?)
-            .map(Robot::of)
             .map_err(refused)
+            .and_then(Robot::of)
     }
 
     #[getter]
@@ -100,8 +105,8 @@ impl Robot {
 
     fn replace(&self, set: &Bound<'_, PyAny>) -> PyResult<Robot> {
         resolve_text(&self.toml, &self.model.name, &overrides(Some(set))?)
-            .map(Robot::of)
             .map_err(refused)
+            .and_then(Robot::of)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {

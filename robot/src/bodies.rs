@@ -3,7 +3,9 @@
 //! The axes of a boom have y along it, away from its base. Those of the wheel are x forward, y
 //! along the axle and z up at lean 0; its legs share them.
 
+use crate::Space;
 use crate::model::{Boom, Robot};
+use crate::space::dot;
 
 /// Mass of a leg without mass relative to that of the robot, where equations of motion need one:
 /// what it does is below 1e-6 of anything.
@@ -55,8 +57,15 @@ impl Boom {
 }
 
 impl Robot {
-    /// The direction from the axle to the foot of leg `k`: down at lean 0, and on forwards.
+    /// The direction from the axle to the foot of leg `k`: down at lean 0, and on forwards; in space that of
+    /// [`Space::directions`](crate::Space::directions).
+    ///
+    /// # Panics
+    /// In space for a leg that is not there.
     pub fn leg_direction(&self, k: u32) -> [f64; 3] {
+        if let Some(space) = &self.space {
+            return space.directions.vectors()[k as usize];
+        }
         let angle = std::f64::consts::TAU * f64::from(k) / f64::from(self.body.legs);
         [angle.sin(), 0.0, -angle.cos()]
     }
@@ -74,6 +83,41 @@ impl Robot {
             mass: part.mass,
             center: u.map(|x| x * part.center),
             inertia: std::array::from_fn(|i| std::array::from_fn(|j| moment(i, j))),
+        }
+    }
+
+    /// The body of a robot in space without its legs and without the mass `lent` (kg) to them, which is taken from its centre
+    /// of mass.
+    pub fn core(&self, space: &Space, lent: f64) -> RigidBody {
+        let mass = self.wheel_mass() - lent;
+        let [xx, yy, zz, xy, xz, yz] = space.inertia;
+        let mut inertia = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+        // About where the legs meet, less the legs; and about the centre of mass.
+        let mut take = |mass: f64, at: [f64; 3]| {
+            let square = dot(&at, &at);
+            for (i, row) in inertia.iter_mut().enumerate() {
+                for (j, x) in row.iter_mut().enumerate() {
+                    let round = if i == j { square } else { 0.0 };
+                    *x -= mass * (round - at[i] * at[j]);
+                }
+            }
+        };
+        take(mass, space.center);
+        let rods: Vec<RigidBody> = (0..self.body.legs).map(|k| self.leg_rod(k)).collect();
+        for rod in &rods {
+            take(rod.mass, rod.center);
+        }
+        for rod in &rods {
+            for (row, of_rod) in inertia.iter_mut().zip(&rod.inertia) {
+                for (x, part) in row.iter_mut().zip(of_rod) {
+                    *x -= part;
+                }
+            }
+        }
+        RigidBody {
+            mass,
+            center: space.center,
+            inertia,
         }
     }
 

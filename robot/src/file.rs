@@ -6,6 +6,7 @@
 use crate::document::Node;
 use crate::domain::Domain;
 use crate::files::Files;
+use crate::in_space;
 use crate::section::Section;
 use crate::table::force_table;
 use crate::terms::SUPPLY;
@@ -19,7 +20,7 @@ pub(crate) fn robot(document: Node, files: Files) -> Result<Robot, RobotError> {
         ..Robot::default()
     };
     let (body, mut leg, environment) = (s.table("body"), s.table("leg"), s.table("environment"));
-    for part in ["errors", "foot", "ground"] {
+    for part in ["errors", "foot"] {
         s.optional_table(part, |s| table(s, part, &mut robot));
     }
     s.optional_table("sensors", |s| {
@@ -28,13 +29,19 @@ pub(crate) fn robot(document: Node, files: Files) -> Result<Robot, RobotError> {
     });
     // What may stand there depends on the body.
     let (boom, struts) = (s.optional_table("boom", Ok), s.optional_table("struts", Ok));
+    let (legs, ground) = (s.optional_table("legs", Ok), s.optional_table("ground", Ok));
     s.finish(())?;
+    let place = body.place().clone();
 
     table(environment, "environment", &mut robot)?;
-    table(body, "body", &mut robot)?;
+    body_and_legs(body, legs, &mut robot)?;
+    if let Some(s) = ground {
+        table(s, "ground", &mut robot)?;
+    }
     robot.leg.drive = drive(&mut leg)?;
     read_leg(leg, &mut robot, files)?;
     if let Some(mut s) = boom {
+        in_space::refuse(&s, &robot)?;
         robot.boom = Some(Boom::default());
         terms(&mut s, "boom", &mut robot);
         s.optional_table("counterweight", |s| {
@@ -43,22 +50,42 @@ pub(crate) fn robot(document: Node, files: Files) -> Result<Robot, RobotError> {
         s.finish(())?;
     }
     if let Some(s) = struts {
+        in_space::refuse(&s, &robot)?;
         table(s, "struts", &mut robot)?;
     }
+    in_space::check(&robot, &place)?;
     Ok(robot)
+}
+
+/// Reads the tables of the body and of the legs' directions.
+fn body_and_legs(
+    mut body: Section,
+    legs: Option<Section>,
+    robot: &mut Robot,
+) -> Result<(), RobotError> {
+    let shapes = [("wheel", false), ("sphere", true)];
+    let is_sphere = body.has("shape") && body.choice("shape", &shapes, "wheel or sphere");
+    if is_sphere {
+        let legs = legs.unwrap_or_else(|| body.beside("legs"));
+        return in_space::read(body, legs, robot);
+    }
+    robot.body.legs = body.count("legs");
+    if let Some(mut legs) = legs {
+        let allowed = "left out for a wheel, whose legs are evenly spaced: body.legs";
+        legs.refuse_key("directions", allowed);
+        legs.finish(())?;
+    }
+    table(body, "body", robot)
 }
 
 /// Reads the table `path` of `robot`, which has nothing but terms.
 fn table(mut s: Section, path: &str, robot: &mut Robot) -> Result<(), RobotError> {
-    if path == "body" {
-        robot.body.legs = s.count("legs");
-    }
     terms(&mut s, path, robot);
     s.finish(())
 }
 
 /// Reads the terms of the table `path` that `robot` has.
-fn terms(s: &mut Section, path: &str, robot: &mut Robot) {
+pub(crate) fn terms(s: &mut Section, path: &str, robot: &mut Robot) {
     for &term in Term::ALL {
         if term.spec().section() == path && term.applies(robot) {
             read(s, term, robot);

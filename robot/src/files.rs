@@ -7,10 +7,11 @@ use std::path::Path;
 use crate::RobotError;
 
 /// Built-in robots: name and robot file.
-pub(crate) const ROBOTS: [(&str, &str); 5] = [
+pub(crate) const ROBOTS: [(&str, &str); 6] = [
     ("rats-planar", include_str!("../robots/rats-planar.toml")),
     ("rats-boom", include_str!("../robots/rats-boom.toml")),
     ("rats-run", include_str!("../robots/rats-run.toml")),
+    ("rats-twelve", include_str!("../robots/rats-twelve.toml")),
     (
         "spring-hopper",
         include_str!("../robots/spring-hopper.toml"),

@@ -215,7 +215,7 @@ mod tests {
         for name in Robot::builtin_names() {
             let robot = Robot::builtin(name).expect("built in");
             let beyond: &[&str] = match name {
-                "rats-run" => &["foot.radius_m", "ground.static_friction"],
+                "rats-run" | "rats-twelve" => &["foot.radius_m", "ground.static_friction"],
                 _ => &[],
             };
             assert_eq!(robot.implausible(), vec![], "{name}");

@@ -25,9 +25,11 @@ mod error;
 mod file;
 mod files;
 mod implausible;
+mod in_space;
 mod launch;
 mod model;
 pub mod section;
+pub mod space;
 mod table;
 pub mod terms;
 pub mod units;
@@ -41,6 +43,7 @@ use files::{Files, ROBOTS, read_text};
 pub use implausible::Implausible;
 pub use launch::{Launch, LiftOff, Outcome};
 pub use model::*;
+pub use space::Space;
 pub use terms::Term;
 
 /// The robot `name_or_path`, built in or in a file, with each of `overrides` applied in turn.

@@ -2,7 +2,7 @@
 
 use saltus_numeric::Scalar;
 
-use crate::Term;
+use crate::{Space, Term};
 
 /// Absolute pressure (Pa), > 0. Gauge pressures are [`GaugePressure`]; the two never mix without an
 /// ambient pressure.
@@ -36,7 +36,9 @@ pub struct Robot {
     pub body: Body,
     /// The leg that jumps.
     pub leg: Leg,
-    /// The boom that holds the axle; none: the robot moves freely in its plane.
+    /// What it has that moves freely in space; none: it moves in its plane.
+    pub space: Option<Space>,
+    /// The boom that holds the axle; none: the robot moves freely in its plane, or in space.
     pub boom: Option<Boom>,
     /// The bars between the tubes of neighbouring legs, if there are any.
     pub struts: Option<Struts>,
@@ -116,11 +118,11 @@ impl Robot {
 pub struct Body {
     /// Mass m (kg), > 0; of it, the legs' part is [`Leg::body`].
     pub mass: f64,
-    /// Moment of inertia I about the wheel's centre (kg m²), ≥ 0.
+    /// Moment of inertia I about the wheel's centre (kg m²), ≥ 0; in space the mean about three axes.
     pub inertia: f64,
     /// Foot to wheel centre with the leg retracted, r_s (m), > 0; also the wheel's radius.
     pub radius: f64,
-    /// Legs, evenly spaced around the wheel, ≥ 1.
+    /// Legs, evenly spaced around the wheel, or in space as [`Space::directions`] says, ≥ 1.
     pub legs: u32,
     /// Distance of the wheel's centre of mass from the axle (m), ≥ 0.
     pub imbalance: f64,

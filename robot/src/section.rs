@@ -55,6 +55,11 @@ impl Section {
         Section::new(String::new(), document::parse_json(text, file)?)
     }
 
+    /// Its dotted key.
+    pub(crate) fn path(&self) -> &str {
+        &self.path
+    }
+
     /// Where the table begins.
     pub fn place(&self) -> &Place {
         &self.place
@@ -239,6 +244,23 @@ impl Section {
         let keys: Vec<String> = self.entries.keys().cloned().collect();
         let text = |key: String| Some((key.clone(), self.text_as(&key, allowed, &read)?));
         keys.into_iter().filter_map(text).collect()
+    }
+
+    /// Three finite numbers `stem` (SI), if given.
+    pub(crate) fn vector(&mut self, stem: &str, quantity: Quantity) -> Option<[f64; 3]> {
+        let meaning = [(stem, Domain::FINITE)];
+        let (key, _, unit, node) = self.spelled(&meaning, quantity)?;
+        match &node.value {
+            Value::Array(items) if items.len() == 3 => {
+                let items = items.clone();
+                let numbers = self.items(&key, items, (unit, quantity, Domain::FINITE));
+                numbers.try_into().ok()
+            }
+            _ => {
+                self.refuse(self.dotted(&key), node, "a list of three numbers".into());
+                None
+            }
+        }
     }
 
     /// The numbers (SI) of the list `key`; messages count its items from 1.
@@ -527,6 +549,33 @@ impl Section {
     pub(crate) fn gives(&self, stem: &str, quantity: Quantity) -> bool {
         let (keys, _) = spellings(&[(stem, Domain::FINITE)], quantity);
         keys.iter().any(|key| self.entries.contains_key(key))
+    }
+
+    /// An empty table `key` beside this one: each of its keys is missing.
+    pub(crate) fn beside(&self, key: &str) -> Section {
+        Section {
+            path: key.into(),
+            place: self.place.clone(),
+            entries: Table::new(),
+            known: Vec::new(),
+            problem: None,
+        }
+    }
+
+    /// What `read` makes of the value of `key`, if given; its error is what would be allowed.
+    pub(crate) fn read_as<T>(
+        &mut self,
+        key: &str,
+        read: impl FnOnce(&Value) -> Result<T, String>,
+    ) -> Option<T> {
+        let node = self.take(key)?;
+        match read(&node.value) {
+            Ok(value) => Some(value),
+            Err(allowed) => {
+                self.refuse(self.dotted(key), node, allowed);
+                None
+            }
+        }
     }
 
     fn take(&mut self, key: &str) -> Option<Node> {

@@ -2,6 +2,7 @@
 
 use std::fmt::{self, Formatter};
 
+use crate::in_space;
 use crate::terms::SECTIONS;
 use crate::{Drive, ForceTable, Robot, Term};
 
@@ -41,7 +42,10 @@ impl fmt::Display for RobotFile<'_> {
 /// Writes the table `name`, unless nothing of it is there or on.
 fn write_section(f: &mut Formatter<'_>, name: &str, robot: &Robot) -> fmt::Result {
     let first = match name {
-        "body" => format!("legs = {}\n", robot.body.legs),
+        "body" => robot.space.as_ref().map_or_else(
+            || format!("legs = {}\n", robot.body.legs),
+            in_space::body_lines,
+        ),
         "leg" => format!("kind = {}\n", quoted(kind(&robot.leg.drive))),
         _ => String::new(),
     };
@@ -53,6 +57,9 @@ fn write_section(f: &mut Formatter<'_>, name: &str, robot: &Robot) -> fmt::Resul
     let stands = name == "sensors" && robot.sensors.is_some();
     if stands || !first.is_empty() || !lines.is_empty() {
         write!(f, "\n[{name}]\n{first}{lines}")?;
+    }
+    if let ("body", Some(space)) = (name, &robot.space) {
+        return in_space::write_legs(f, space);
     }
     match &robot.leg.drive {
         Drive::Table(table) if name == "leg" => write_table(f, table),

@@ -1,9 +1,11 @@
 //! A robot for MuJoCo: the bodies, joints, feet and ground of its [`Rig`] as an MJCF file.
 
+use saltus_robot::space::rests;
 use saltus_robot::{Drive, ReturnSpring, Robot};
 
 use crate::SimError;
 use crate::contact::{ContactPoint, Surface};
+use crate::error::require;
 use crate::rig::Rig;
 use crate::spatial::Vec3;
 use crate::tree::Joint;
@@ -82,7 +84,9 @@ impl Writer<'_> {
             robot.name,
             env!("CARGO_PKG_VERSION")
         )]);
-        let coordinates = if self.rig.boom.is_some() {
+        let coordinates = if self.robot.space.is_some() {
+            "Coordinates: where the legs meet (m), attitude (a unit quaternion w, x, y, z), then each leg's extension (m)."
+        } else if self.rig.boom.is_some() {
             "Coordinates: turn (rad, forward) and pivot (rad, up) of the boom, then lean of leg_0 \
              (rad), then each leg's extension."
         } else {
@@ -454,8 +458,23 @@ impl Writer<'_> {
         self.xml.close("sensor");
     }
 
+    /// A robot in space on the first feet on which it stands.
+    fn stand_on_feet(&self, directions: &[[f64; 3]]) -> Result<Vec<f64>, SimError> {
+        let rests = rests(directions);
+        let legs = directions.len() as f64;
+        let allowed = "those of a robot that stands on three of them";
+        require(!rests.is_empty(), "legs", legs, allowed)?;
+        let rest = &rests[0];
+        // Any heading but straight down.
+        let ahead = directions[rest.legs[0]];
+        self.rig.stand_on(rest, &ahead)
+    }
+
     fn keyframe(&mut self) -> Result<(), SimError> {
-        let (q, _) = self.rig.stand(0.0, 0.0)?;
+        let q = match &self.robot.space {
+            Some(space) => self.stand_on_feet(&space.directions.vectors())?,
+            None => self.rig.stand(0.0, 0.0)?.0,
+        };
         self.xml.open("keyframe", &[]);
         self.xml
             .leaf("key", &[("name", "stand".into()), ("qpos", numbers(&q))]);

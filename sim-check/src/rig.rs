@@ -3,7 +3,8 @@
 use nalgebra::Matrix3;
 use saltus_pneumatics::Leg;
 use saltus_robot::bodies::{MASSLESS, RigidBody};
-use saltus_robot::{Robot, Struts};
+use saltus_robot::space::Rest;
+use saltus_robot::{Robot, Space, Struts};
 
 use crate::SimError;
 use crate::contact::{ContactPoint, Friction, Material, Surface, Travel};
@@ -16,7 +17,8 @@ use crate::tree::{Body, Joint, Placement, Pose, Tree};
 ///
 /// Coordinates: travel x (m) and height z (m) of the axle, or with a boom its radius angle ψ (rad,
 /// forward) and pivot angle θ (rad, up; and the bend of a flexible one); then the lean φ of the
-/// first leg (rad), then each leg's extension (m).
+/// first leg (rad), then each leg's extension (m). Of a robot that moves freely in space: where its legs meet (m), its
+/// attitude as a unit quaternion w, x, y, z, then each leg's extension; what is said of a lean or an axle is not of it.
 #[derive(Clone, Debug)]
 pub struct Rig {
     /// The mechanism.
@@ -39,11 +41,17 @@ impl Rig {
     pub fn new(robot: &Robot, obstacles: &[Surface]) -> Result<Rig, SimError> {
         let mut tree = Tree::default();
         let mut joints = Vec::new();
-        let carrier = match &robot.boom {
-            Some(boom) => add_boom(&mut tree, &mut joints, boom, robot.body.radius)?,
-            None => add_plane(&mut tree, &mut joints)?,
+        let wheel = match (&robot.space, &robot.boom) {
+            (Some(space), _) => add_core(&mut tree, robot, space)?,
+            (None, Some(boom)) => {
+                let carrier = add_boom(&mut tree, &mut joints, boom, robot.body.radius)?;
+                add_wheel(&mut tree, robot, carrier)?
+            }
+            (None, None) => {
+                let carrier = add_plane(&mut tree, &mut joints)?;
+                add_wheel(&mut tree, robot, carrier)?
+            }
         };
-        let wheel = add_wheel(&mut tree, robot, carrier)?;
         joints.push(JointParts {
             friction: robot.body.axle_friction,
             ..JointParts::default()
@@ -51,7 +59,6 @@ impl Rig {
         let legs = add_legs(&mut tree, robot, wheel)?;
         joints.resize(tree.bodies().len(), JointParts::default());
 
-        let leg = Leg::new(robot, |_, x| x);
         let massless = robot.leg.body.mass == 0.0;
         // Heights are above the ground, tilted or not.
         let (across, along) = robot.ground.tilt.sin_cos();
@@ -60,9 +67,10 @@ impl Rig {
         mechanism.joints = joints;
         mechanism.legs = legs
             .iter()
-            .map(|&body| LegPart {
+            .enumerate()
+            .map(|(k, &body)| LegPart {
                 body,
-                leg: leg.clone(),
+                leg: own_leg(robot, k),
                 massless,
             })
             .collect();
@@ -322,6 +330,42 @@ impl Rig {
         Ok(q)
     }
 
+    /// A robot in space at rest on the feet of `legs`, three or more that make a face of the hull of all, retracted, on
+    /// level ground, with the direction `ahead` (body axes) of it along the travel: coordinates.
+    ///
+    /// # Errors
+    /// [`SimError::Input`] for a robot that is not in space, and for legs on which it does not stand.
+    pub fn stand_on(&self, rest: &Rest, ahead: &[f64; 3]) -> Result<Vec<f64>, SimError> {
+        let tree = &self.mechanism.tree;
+        let is_free = matches!(tree.bodies()[self.wheel].joint, Joint::Free);
+        let joint = self.wheel as f64;
+        require(
+            is_free,
+            "body of a robot in space",
+            joint,
+            "one that moves freely",
+        )?;
+        let (down, ahead) = (Vec3::from(rest.down), Vec3::from(*ahead));
+        let level = ahead - down * ahead.dot(&down);
+        let length = level.norm();
+        require(length > 1e-9, "heading's level part", length, "above 0")?;
+        let (forward, up) = (level / length, -down);
+        let left = up.cross(&forward);
+        // Its rows are the world's axes in the body's.
+        let rotation = Matrix3::from_rows(&[forward.transpose(), left.transpose(), up.transpose()]);
+        let [x, y, z, w] = Placement {
+            rotation,
+            position: Vec3::zeros(),
+        }
+        .quaternion();
+        let mut q = vec![0.0; tree.coordinates()];
+        let first = tree.coordinate_of(self.wheel);
+        let foot = self.mechanism.points[0].radius;
+        q[first + 2] = rest.height * (self.radius - foot) + foot;
+        q[first + 3..first + 7].copy_from_slice(&[w, x, y, z]);
+        Ok(q)
+    }
+
     /// Gap (m) between the foot of leg `leg` and the ground, and the speeds (m/s) of the foot along
     /// the ground's normal, along the travel and across it, where it is nearest.
     ///
@@ -395,6 +439,31 @@ fn link(name: &str, parent: Option<usize>, joint: Joint, at: Vec3) -> Body {
         center: Vec3::zeros(),
         inertia: Matrix3::zeros(),
     }
+}
+
+/// Leg `k` of `robot`.
+fn own_leg(robot: &Robot, k: usize) -> Leg<f64> {
+    if robot
+        .space
+        .as_ref()
+        .is_none_or(|space| space.legs.is_empty())
+    {
+        return Leg::new(robot, |_, x| x);
+    }
+    let mut own = robot.clone();
+    own.leg = robot.own_leg(k);
+    Leg::new(&own, |_, x| x)
+}
+
+/// The body of a robot in space, which moves freely.
+fn add_core(tree: &mut Tree, robot: &Robot, space: &Space) -> Result<usize, SimError> {
+    let lent = if robot.leg.body.mass == 0.0 {
+        f64::from(robot.body.legs) * MASSLESS * robot.body.mass
+    } else {
+        0.0
+    };
+    let core = robot.core(space, lent);
+    tree.add(link("body", None, Joint::Free, Vec3::zeros()).of(&core))
 }
 
 fn add_plane(tree: &mut Tree, joints: &mut Vec<JointParts>) -> Result<usize, SimError> {
@@ -514,11 +583,19 @@ fn bars(robot: &Robot, struts: &Struts, wheel: usize, legs: &[usize]) -> Vec<Con
 
 fn material(robot: &Robot) -> Material {
     let ground = &robot.ground;
-    Material {
-        friction: Friction::Axes {
-            along: (ground.static_friction, ground.kinetic_friction),
+    let along = (ground.static_friction, ground.kinetic_friction);
+    let friction = match robot.space {
+        Some(_) => Friction::Cone {
+            standing: along.0,
+            slipping: along.1,
+        },
+        None => Friction::Axes {
+            along,
             across: (ground.across_friction, ground.across_friction),
         },
+    };
+    Material {
+        friction,
         restitution: ground.restitution,
         compliance: ground
             .stiffness

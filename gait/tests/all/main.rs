@@ -11,6 +11,7 @@ mod periodic;
 mod report;
 mod rest;
 mod sensed;
+mod space;
 mod stride;
 
 use saltus_gait::{Disturbance, Program, Setup, What, When};

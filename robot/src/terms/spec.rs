@@ -228,7 +228,20 @@ impl Term {
 
     /// Whether `robot` has the part that it belongs to.
     pub fn applies(self, robot: &Robot) -> bool {
-        (self.spec().lens.has)(robot)
+        (self.spec().lens.has)(robot) && (robot.space.is_none() || !self.is_of_a_plane())
+    }
+
+    /// Whether it belongs to a robot in its plane alone: a wheel on an axle, and what is across its way. A robot in space
+    /// has six numbers of its inertia, and its centre of mass, elsewhere.
+    fn is_of_a_plane(self) -> bool {
+        matches!(
+            self,
+            Term::Inertia
+                | Term::Imbalance
+                | Term::ImbalanceAngle
+                | Term::AxleFriction
+                | Term::AcrossFriction
+        )
     }
 
     /// Its value in `robot` (SI); none where the part that it belongs to is not there, or off.

@@ -688,7 +688,7 @@ fn complaint_about(path: &str) -> String {
 #[test]
 fn files_that_are_no_robot_files() {
     let folder = Folder::new("files");
-    let no_robot = "no such robot or file; built in are rats-planar, rats-boom, rats-run, \
+    let no_robot = "no such robot or file; built in are rats-planar, rats-boom, rats-run, rats-twelve, \
                     spring-hopper, table-hopper";
     assert_eq!(complaint_about("ratz"), format!("ratz: {no_robot}"));
     assert_eq!(complaint_about(""), format!(": {no_robot}"));

@@ -49,6 +49,11 @@ impl RobotFlags {
         robot(self.robot.as_deref().unwrap_or(usual), &self.overrides)
     }
 
+    /// The robot with its overrides, which may move in space.
+    pub(crate) fn any_robot(&self) -> Result<Robot, CliError> {
+        any_robot(self.robot.as_deref().unwrap_or(USUAL), &self.overrides)
+    }
+
     /// The robot with its overrides, for the planar model: says what of it that model leaves out.
     pub(crate) fn planned_robot(&self) -> Result<Robot, CliError> {
         let robot = self.robot()?;
@@ -123,9 +128,20 @@ impl PlantFlags {
 /// Most legs of a wheel: each is a body of the simulation.
 const MOST_LEGS: u32 = 1000;
 
-/// The robot `name`, built in or in a file, with `overrides`; what looks like a slip of unit is
+/// The robot `name`, built in or in a file, with `overrides`, which moves in its plane; what looks like a slip of unit is
 /// said.
 pub(crate) fn robot(name: &str, overrides: &[String]) -> Result<Robot, CliError> {
+    let robot = any_robot(name, overrides)?;
+    if robot.space.is_some() {
+        let reason = "body.shape = sphere: must be wheel; of a robot in space there is only its model for other programs \
+                      (saltus export mjcf, saltus export urdf)";
+        return Err(CliError::content(name, reason));
+    }
+    Ok(robot)
+}
+
+/// The same, which may move in space.
+pub(crate) fn any_robot(name: &str, overrides: &[String]) -> Result<Robot, CliError> {
     let mut robot = match session::file(name) {
         Some(text) => saltus::robot::resolve_text(&text, name, overrides)?,
         None => saltus::robot::resolve_from(name, overrides, &input::note)?,

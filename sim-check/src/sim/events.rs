@@ -20,9 +20,11 @@ impl Sim<'_> {
                 let (p, s) = pair(self, c);
                 self.log(Happening::TouchDown(p, s));
                 self.mode.contacts[c].closed = true;
+                self.together.clear();
                 self.join(c);
                 let restitution = self.machine.mechanism.material.restitution;
                 self.impact(Some(Owner::Normal(c)), restitution)?;
+                self.together.clear();
                 self.settle(None)?;
             }
             Guard::Lift(c) => {
@@ -198,6 +200,25 @@ impl Sim<'_> {
     }
 
     pub(super) fn reach_stop(&mut self, body: usize, stop: Stop) -> Result<(), SimError> {
+        let x = self.y[self.machine.mechanism.tree.coordinate_of(body)];
+        self.put_to_rest(body, stop);
+        let at = self.y[self.machine.mechanism.tree.coordinate_of(body)];
+        let reach = self.together(x - at);
+        // Of legs that are each other's mirror image the first would else meet its stop alone.
+        for other in 0..self.mode.joints.len() {
+            if let Some(stop) = self.meets_stop(other, reach) {
+                self.log(Happening::EndStop(other));
+                self.put_to_rest(other, stop);
+            }
+        }
+        let before = self.impacts;
+        self.impact(Some(Owner::Joint(body)), 0.0)?;
+        self.stops += self.impacts - before;
+        self.settle(None)
+    }
+
+    /// Puts the joint of `body` at its stop.
+    fn put_to_rest(&mut self, body: usize, stop: Stop) {
         let (low, high) = self.machine.mechanism.stops(body);
         self.y[self.machine.mechanism.tree.coordinate_of(body)] =
             if stop == Stop::Low { low } else { high };
@@ -205,10 +226,27 @@ impl Sim<'_> {
         if stop == Stop::High {
             self.pick_up(body);
         }
-        let before = self.impacts;
-        self.impact(Some(Owner::Joint(body)), 0.0)?;
-        self.stops += self.impacts - before;
-        self.settle(None)
+    }
+
+    /// The stop that the joint of `body` meets now, within `reach` (m), faster than what rests.
+    fn meets_stop(&self, body: usize, reach: f64) -> Option<Stop> {
+        let JointMode::Sliding(_) = self.mode.joints[body] else {
+            return None;
+        };
+        if !self.machine.moves(body) {
+            return None;
+        }
+        let (low, high) = self.machine.stops(body);
+        let x = self.y[self.machine.mechanism.tree.coordinate_of(body)];
+        let speed = self.machine.joint_speed(&self.y, body);
+        let slow = self.settings.rest_speed;
+        if (x - low).abs() <= reach && speed < -slow {
+            Some(Stop::Low)
+        } else if (high - x).abs() <= reach && speed > slow {
+            Some(Stop::High)
+        } else {
+            None
+        }
     }
 
     /// The foot of a leg that is stopped in its stroke leaves soft ground that it cannot slip on:
@@ -328,7 +366,8 @@ impl Sim<'_> {
         }
         for r in 0..self.machine.problem.rows {
             let owner = self.machine.owners[r];
-            if matches!(owner, Owner::Normal(_)) && hit == Some(owner) {
+            let hits = hit == Some(owner) || self.together.contains(&owner);
+            if matches!(owner, Owner::Normal(_)) && hits {
                 let w = self.machine.problem.b[r];
                 if w < -self.rest_speed() {
                     self.machine.problem.b[r] += restitution * w;
@@ -350,24 +389,43 @@ impl Sim<'_> {
         Ok(())
     }
 
+    /// Way (m) to a contact or a stop that is met at the instant of another: twice as far as that one is past it, and in
+    /// fixed steps what a step's errors leave.
+    fn together(&self, past: f64) -> f64 {
+        let errors = match self.settings.stepping {
+            Stepping::Adaptive => 1e-13,
+            Stepping::Fixed(_) => 1e-9,
+        };
+        2.0 * past.abs() + errors
+    }
+
     /// Where contact `c` closes more slowly than the rest speed: closes those that are as slow and
-    /// as good as closed.
+    /// as good as closed. Where it is faster: those that close at the same instant, as two feet of a robot that is
+    /// its own mirror image do. One after the other, the first would take the whole impact.
     fn join(&mut self, c: usize) {
         let slow = self.settings.rest_speed;
         if self.machine.mechanism.material.compliance.is_some() || !self.touching {
             return;
         }
         self.machine.place(&self.y);
-        if self.machine.lie(c).speeds.x < -slow {
-            return;
-        }
+        let closing = self.machine.lie(c);
+        let is_fast = closing.speeds.x < -slow;
+        let reach = self.together(closing.gap);
         for other in 0..self.mode.contacts.len() {
             let lies = self.machine.lie(other);
-            let near = lies.gap <= self.settings.penetration && lies.speeds.x.abs() < slow;
+            let speed = lies.speeds.x;
+            let near = if is_fast {
+                lies.gap <= reach && speed < -slow
+            } else {
+                lies.gap <= self.settings.penetration && speed.abs() < slow
+            };
             if near && !self.mode.contacts[other].closed {
                 let (p, s) = self.machine.pairs[other];
                 self.log(Happening::TouchDown(p, s));
                 self.mode.contacts[other].closed = true;
+                if is_fast {
+                    self.together.push(Owner::Normal(other));
+                }
             }
         }
     }

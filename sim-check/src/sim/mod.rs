@@ -15,7 +15,7 @@ use self::fixed::Fixed;
 use self::guards::Guard;
 use self::start::{check_start, first_mode};
 use crate::SimError;
-use crate::machine::{Layout, Machine, OUTSIDE};
+use crate::machine::{Layout, Machine, OUTSIDE, Owner};
 use crate::mechanism::Mechanism;
 use crate::mode::{JointMode, Mode};
 use crate::step::Stages;
@@ -149,6 +149,8 @@ pub struct Sim<'a> {
     /// Each contact's gap (m) at the start of a step where it is below [`JUST_LEFT`], else 0: a
     /// point in the air touches from there.
     floors: Vec<f64>,
+    /// Contacts that close at the same instant as the one that is closing.
+    together: Vec<Owner>,
     /// Events since time moved on.
     burst: (f64, usize),
 }
@@ -248,6 +250,7 @@ impl<'a> Sim<'a> {
                 Stepping::Fixed(h) => Some(Fixed::new(h, layout)),
             },
             floors: Vec::new(),
+            together: Vec::new(),
             burst: (0.0, 0),
         })
     }

@@ -92,11 +92,11 @@ impl Export {
             Target::Rust(command) => command.run(),
             Target::Policy(command) => command.run(),
             Target::Mjcf(command) => written(
-                sim_check::mjcf(&command.robot.robot()?)?,
+                sim_check::mjcf(&command.robot.any_robot()?)?,
                 command.out.as_deref(),
             ),
             Target::Urdf(command) => written(
-                sim_check::urdf(&command.robot.robot()?)?,
+                sim_check::urdf(&command.robot.any_robot()?)?,
                 command.out.as_deref(),
             ),
         }
