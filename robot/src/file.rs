@@ -7,9 +7,9 @@ use crate::document::Node;
 use crate::domain::Domain;
 use crate::files::Files;
 use crate::in_space;
+use crate::reading::terms;
 use crate::section::Section;
 use crate::table::force_table;
-use crate::terms::SUPPLY;
 use crate::{Boom, Cylinder, Drive, ForceTable, Gas, Robot, RobotError, Sensors, Term};
 
 /// The robot that `document` describes; files that it names are found in `files`.
@@ -65,6 +65,7 @@ fn body_and_legs(
 ) -> Result<(), RobotError> {
     let shapes = [("wheel", false), ("sphere", true)];
     let is_sphere = body.has("shape") && body.choice("shape", &shapes, "wheel or sphere");
+    body.stop_at_problem()?;
     if is_sphere {
         let legs = legs.unwrap_or_else(|| body.beside("legs"));
         return in_space::read(body, legs, robot);
@@ -82,46 +83,6 @@ fn body_and_legs(
 fn table(mut s: Section, path: &str, robot: &mut Robot) -> Result<(), RobotError> {
     terms(&mut s, path, robot);
     s.finish(())
-}
-
-/// Reads the terms of the table `path` that `robot` has.
-pub(crate) fn terms(s: &mut Section, path: &str, robot: &mut Robot) {
-    for &term in Term::ALL {
-        if term.spec().section() == path && term.applies(robot) {
-            read(s, term, robot);
-        }
-    }
-}
-
-/// Reads one term.
-fn read(s: &mut Section, term: Term, robot: &mut Robot) {
-    let (spec, stem, domain) = (term.spec(), term.stem(robot), term.domain(robot));
-    if spec.key == SUPPLY {
-        let ambient = robot.environment.ambient.0;
-        let ways = [
-            (stem, domain),
-            ("supply_pressure_absolute", Domain::at_least(ambient)),
-        ];
-        let (way, pressure) = s.one_of(&ways, spec.quantity);
-        term.set(
-            robot,
-            if way == 0 {
-                pressure
-            } else {
-                pressure - ambient
-            },
-        );
-        return;
-    }
-    let value = match term.off(robot) {
-        None => Some(s.number(stem, spec.quantity, domain)),
-        Some(off) => s
-            .optional(stem, spec.quantity, domain)
-            .or(term.of(robot).map(|_| off)),
-    };
-    if let Some(value) = value {
-        term.set(robot, value);
-    }
 }
 
 /// What pushes the leg `s`, with its numbers still unknown.

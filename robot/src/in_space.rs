@@ -4,7 +4,7 @@ use std::fmt::{self, Formatter, Write};
 
 use crate::document::{Node, Value};
 use crate::domain::Domain;
-use crate::file::terms;
+use crate::reading::terms;
 use crate::section::Section;
 use crate::space::{Directions, Factors, MOST, dot, minus, norm, rests};
 use crate::units::{INERTIA, LENGTH, NUMBER};

@@ -28,6 +28,7 @@ mod implausible;
 mod in_space;
 mod launch;
 mod model;
+mod reading;
 pub mod section;
 pub mod space;
 mod table;
