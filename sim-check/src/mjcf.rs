@@ -411,7 +411,12 @@ impl Writer<'_> {
 
     fn sensors(&mut self) {
         let tree = &self.rig.mechanism.tree;
-        let joints: Vec<String> = tree.bodies().iter().map(|body| plain(&body.name)).collect();
+        // What moves freely is measured at the axle.
+        let bodies = tree
+            .bodies()
+            .iter()
+            .filter(|body| body.joint != Joint::Free);
+        let joints: Vec<String> = bodies.map(|body| plain(&body.name)).collect();
         self.xml.open("sensor", &[]);
         for joint in joints {
             self.xml.leaf(
@@ -439,6 +444,16 @@ impl Writer<'_> {
                 sensor,
                 &[
                     ("name", name),
+                    ("objtype", "site".into()),
+                    ("objname", "axle".into()),
+                ],
+            );
+        }
+        if self.robot.space.is_some() {
+            self.xml.leaf(
+                "framequat",
+                &[
+                    ("name", "axle_attitude".into()),
                     ("objtype", "site".into()),
                     ("objname", "axle".into()),
                 ],

@@ -76,10 +76,15 @@ impl Writer<'_> {
             "{}, written by saltus {version} (saltus export urdf).",
             self.robot.name
         )]);
+        let joints = if self.robot.space.is_some() {
+            "Joints: body (floating: where the legs meet, and the attitude); leg_K (extension)."
+        } else {
+            "Joints: travel and height of the axle, or turn and pivot of the boom; wheel (the lean of \
+             leg_0); leg_K (extension)."
+        };
         self.xml.comment(&[
             "SI units and radians; x is the travel, z is up, lean is forward positive.",
-            "Joints: travel and height of the axle, or turn and pivot of the boom; wheel (the lean of \
-             leg_0); leg_K (extension).",
+            joints,
         ]);
         let mut lines = vec!["What URDF does not express:".to_owned()];
         let said = missing(self.robot);

@@ -242,3 +242,18 @@ fn what_is_not_expressed_is_said() {
             .contains("legs without mass")
     );
 }
+
+#[test]
+fn a_robot_in_space_moves_freely_and_stands_on_three_feet() {
+    let robot = saltus_robot::resolve("rats-twelve", &[]).expect("sound");
+    let text = mjcf(&robot).expect("bodies");
+    assert!(text.contains("<freejoint name=\"body\""));
+    // MuJoCo has no sensor of a free joint.
+    assert!(!text.contains("jointpos name=\"body_position\""));
+    assert!(text.contains("framequat name=\"axle_attitude\""));
+    assert_eq!(text.matches("type=\"slide\"").count(), 12);
+    let key = text.lines().find(|line| line.contains("<key name"));
+    let qpos = key.and_then(|line| line.split("qpos=\"").nth(1));
+    let numbers = qpos.map_or(0, |text| text.trim_end_matches("\"/>").split(' ').count());
+    assert_eq!(numbers, 19);
+}
