@@ -10,7 +10,7 @@
 use std::path::Path;
 
 use saltus::chart::{COLORS, Chart, Ink};
-use saltus::gait::learn::{Algorithm, Score};
+use saltus::gait::learn::{Algorithm, Bin, Score};
 use saltus::gait::{Footfall, Lines, Program, Row, Run, Setup, Smooth, run};
 use saltus::learning::{Learnt, Method, Settings, Task, interquartile, learn};
 use saltus::numeric::parallel::available;
@@ -236,7 +236,43 @@ fn zone(folder: &Path, seeds: usize) -> Result<Program, Failed> {
         map.title("states in which the leg in the active zone fires");
         write(folder, "policy-run-zone", &map)?;
     }
+    value_map(folder, &settings, &best.policy.values())?;
     Ok(program)
+}
+
+/// The greatest value in each state that was visited, in five shades of equally many states.
+fn value_map(folder: &Path, settings: &Settings, values: &[f64]) -> Result<(), Failed> {
+    const SHADES: [&str; 5] = ["#c6dbef", "#9ecae1", "#6baed6", "#3182bd", "#08519c"];
+    let [angle, rate] = settings.bins.axes() else {
+        return Err("two axes".into());
+    };
+    let visited: Vec<(usize, f64)> = values
+        .chunks(2)
+        .map(|pair| pair[0].max(pair[1]))
+        .enumerate()
+        .filter(|(state, _)| values[2 * state] != 0.0 || values[2 * state + 1] != 0.0)
+        .collect();
+    let mut sorted: Vec<f64> = visited.iter().map(|(_, value)| *value).collect();
+    sorted.sort_by(f64::total_cmp);
+    let x = ("wheel angle (rad)", (angle.from, angle.to));
+    let mut map = Chart::new(SIZE, x, ("wheel rate (rad/s)", (rate.from, rate.to)));
+    let edge =
+        |axis: &Bin, k: usize| axis.from + (axis.to - axis.from) * k as f64 / axis.count as f64;
+    for (state, value) in &visited {
+        let below = sorted.partition_point(|other| other < value);
+        let shade = SHADES[(SHADES.len() * below / sorted.len()).min(SHADES.len() - 1)];
+        let (i, j) = (state / rate.count, state % rate.count);
+        let low = (edge(angle, i), edge(rate, j));
+        let high = (edge(angle, i + 1), edge(rate, j + 1));
+        map.block(Ink::Solid(shade), low, high);
+    }
+    for (k, shade) in SHADES.iter().enumerate() {
+        let at = |part: usize| sorted[(part * (sorted.len() - 1)) / SHADES.len()];
+        let says = format!("{:.1} to {:.1}", at(k), at(k + 1));
+        map.key(Ink::Solid(shade), &says);
+    }
+    map.title("greatest value in each state that was visited");
+    write(folder, "values-run-zone", &map)
 }
 
 /// Figure 6.7: travel and speed of what was learnt beside the closed loop.
