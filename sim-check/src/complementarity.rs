@@ -82,6 +82,11 @@ const GUESSES: usize = 15;
 
 /// The same where friction is in discs: whose direction a guess follows slowly.
 const FEW_GUESSES: usize = 4;
+/// What moves more slowly (m/s) at the end of a step may have been sought in vain: it stands.
+const CREEP: f64 = 1e-6;
+/// Sweeps of Gauss–Seidel iteration, and before another start of Newton's method.
+const SWEEPS: usize = 20_000;
+const FEW_SWEEPS: usize = 100;
 /// Steps of Newton's method on projections, and what part of the greatest force its last may be.
 const STEPS: usize = 40;
 const SETTLED: f64 = 1e-13;
@@ -320,18 +325,18 @@ impl Problem {
     /// Finds the grips that obey every law, from those given; false where there are none.
     pub(crate) fn resolve(&mut self) -> bool {
         let pivots = self.is_polyhedral(f64::is_finite);
-        self.resolve_by(pivots)
+        self.resolve_by(pivots, 0.0)
     }
 
     /// As [`resolve`](Self::resolve), for the impulses of a step: there is an answer for friction
     /// however rough, so that friction without a limit is one that is very rough.
     pub(crate) fn resolve_step(&mut self) -> bool {
         let pivots = self.is_polyhedral(|_| true);
-        self.resolve_by(pivots)
+        self.resolve_by(pivots, CREEP)
     }
 
-    /// The same, with pivots where guesses go round in circles, if `pivots`.
-    fn resolve_by(&mut self, pivots: bool) -> bool {
+    /// The same, with pivots where guesses go round in circles, if `pivots`; what moves up to `creep` stands.
+    fn resolve_by(&mut self, pivots: bool, creep: f64) -> bool {
         let in_discs = |e: &Element| e.rows() == 2;
         let has_discs = self.elements.iter().any(in_discs);
         let guesses = if has_discs { FEW_GUESSES } else { GUESSES };
@@ -341,26 +346,32 @@ impl Problem {
                 return self.force.iter().all(|f| f.is_finite());
             }
         }
-        if pivots && self.pivot() && self.obeys() {
+        if pivots && self.pivot() && self.obeys(creep) {
             return true;
         }
-        if has_discs && self.project() && self.obeys() {
-            return true;
+        self.force.clear();
+        self.force.resize(self.rows, 0.0);
+        for sweeps in [0, FEW_SWEEPS] {
+            if has_discs {
+                self.sweep(sweeps);
+                if self.project() && self.obeys(creep) {
+                    return true;
+                }
+            }
         }
         // Near the onset of slip iteration is slow: what it has found counts if it obeys the laws.
-        self.relax();
-        self.obeys()
+        self.relax(creep);
+        self.obeys(creep)
     }
 
     /// Newton's method on λ = P(λ − ρ w), where P takes each force to the nearest within its bounds: the law of every
-    /// row at once, discs of friction with the slope of their edge. Whether it comes to an answer, whose grips it sets.
+    /// row at once, discs of friction with the slope of their edge. From the present forces. Whether it comes to an answer,
+    /// whose grips it sets.
     ///
     /// Source: Alart and Curnier, A mixed formulation for frictional contact problems prone to Newton like solution methods,
     /// Comput. Methods Appl. Mech. Eng. 92 (1991).
     fn project(&mut self) -> bool {
         let m = self.rows;
-        self.force.clear();
-        self.force.resize(m, 0.0);
         for _ in 0..STEPS {
             self.set_motion();
             self.system.clear();
@@ -634,10 +645,19 @@ impl Problem {
     }
 
     /// Projected Gauss–Seidel iteration, then the grips that its solution has.
-    fn relax(&mut self) {
-        self.force.clear();
-        self.force.resize(self.rows, 0.0);
-        for _ in 0..20_000 {
+    fn relax(&mut self, creep: f64) {
+        self.force.fill(0.0);
+        self.sweep(SWEEPS);
+        self.set_motion();
+        let still = (1e3 * self.still()).max(creep);
+        for i in 0..self.elements.len() {
+            self.elements[i].grip = self.grip_by_motion(&self.elements[i], still);
+        }
+    }
+
+    /// Projected Gauss–Seidel iteration from the present forces, at most so many `times`.
+    fn sweep(&mut self, times: usize) {
+        for _ in 0..times {
             let mut change = 0.0_f64;
             for i in 0..self.elements.len() {
                 change = change.max(self.relax_element(self.elements[i]));
@@ -646,11 +666,6 @@ impl Problem {
             if change <= 1e-13 * size + 1e-300 {
                 break;
             }
-        }
-        self.set_motion();
-        let still = 1e3 * self.still();
-        for i in 0..self.elements.len() {
-            self.elements[i].grip = self.grip_by_motion(&self.elements[i], still);
         }
     }
 
@@ -702,9 +717,9 @@ impl Problem {
         }
     }
 
-    /// Whether the present forces and motions obey every law, up to round-off of an iteration.
-    fn obeys(&self) -> bool {
-        let still = 1e4 * self.still();
+    /// Whether the present forces and motions obey every law, up to round-off of an iteration; what moves up to `creep` stands.
+    fn obeys(&self, creep: f64) -> bool {
+        let still = (1e4 * self.still()).max(creep);
         let slack = 1e-8 * self.force.iter().fold(0.0_f64, |s, x| s.max(x.abs())) + 1e-12;
         self.elements.iter().all(|e| {
             if self.is_idle(e) {

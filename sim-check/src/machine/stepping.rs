@@ -291,9 +291,13 @@ impl Machine<'_> {
                         works[at + 1] += lost;
                     }
                 }
-                // The spring keeps its part.
-                (Owner::Normal(_), Some((_, damping))) => {
-                    works[CONTACT_LOSS] += h * damping * speed * speed;
+                (Owner::Normal(c), Some((stiffness, _))) => {
+                    // The spring keeps its part, as long as it touches.
+                    let touch = self.touches.iter().find(|touch| touch.contact == c);
+                    let before = touch.map_or(0.0, |t| t.gap - 0.5 * h * t.speeds.x);
+                    let depths = [before, before + h * speed].map(|gap| gap.min(0.0));
+                    let kept = 0.5 * stiffness * (depths[1] * depths[1] - depths[0] * depths[0]);
+                    works[CONTACT_LOSS] += lost - kept;
                 }
                 _ => works[CONTACT_LOSS] += lost,
             }

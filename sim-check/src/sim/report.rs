@@ -124,7 +124,8 @@ impl Sim<'_> {
                     let point = &mechanism.points[p];
                     let center = pose.frames[point.body].point(&point.center);
                     let gap = mechanism.surfaces[s].proximity(&center).distance - point.radius;
-                    0.5 * stiffness * gap * gap
+                    let depth = gap.min(0.0);
+                    0.5 * stiffness * depth * depth
                 })
                 .sum::<f64>();
         }
