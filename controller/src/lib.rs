@@ -30,6 +30,7 @@
 #![forbid(unsafe_code)]
 
 mod axis;
+pub mod ball;
 pub mod c_source;
 mod curve;
 mod decide;

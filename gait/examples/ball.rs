@@ -5,7 +5,7 @@
 //! ```
 
 type Failed = Box<dyn std::error::Error>;
-use saltus_gait::space::{Roll, Rolled, roll};
+use saltus_gait::space::{Gait, Roll, Rolled, roll};
 use saltus_sim_check::Stepping;
 
 fn go(overrides: &[&str], change: impl FnOnce(&mut Roll)) -> Result<Rolled, Failed> {
@@ -20,7 +20,9 @@ fn main() -> Result<(), Failed> {
     for (force, open) in [(250, 0.05), (200, 0.03), (150, 0.05), (100, 0.05)] {
         for step in [1e-3, 5e-4, 2.5e-4] {
             let rolled = go(&[&format!("leg.force_n={force}")], |setup| {
-                setup.valve_open = open;
+                if let Gait::Disc(fires) = &mut setup.gait {
+                    fires.valve_open = open;
+                }
                 setup.stepping = Stepping::Fixed(step);
             })?;
             println!("{force} N, {open} s, step {step}: {rolled:?}");

@@ -84,12 +84,32 @@ const GUESSES: usize = 15;
 const FEW_GUESSES: usize = 4;
 /// What moves more slowly (m/s) at the end of a step may have been sought in vain: it stands.
 const CREEP: f64 = 1e-6;
-/// Sweeps of Gauss–Seidel iteration, and before another start of Newton's method.
-const SWEEPS: usize = 20_000;
-const FEW_SWEEPS: usize = 100;
 /// Steps of Newton's method on projections, and what part of the greatest force its last may be.
 const STEPS: usize = 40;
 const SETTLED: f64 = 1e-13;
+/// Least part of a step that a damped one is cut to.
+const LEAST_PART: f64 = 1e-4;
+
+/// How Newton's method on projections steps.
+struct Steps {
+    /// ρ over the reciprocal of a row's own mobility.
+    scale: f64,
+    /// Whether a step that takes the forces farther from the laws is cut.
+    is_damped: bool,
+}
+
+impl Steps {
+    /// Whole steps, which most often come to an answer at once.
+    const BOLD: Steps = Steps {
+        scale: 0.1,
+        is_damped: false,
+    };
+    /// Damped ones, which do so for feet at the edge of slipping that squeeze the ground between them.
+    const SAFE: Steps = Steps {
+        scale: 100.0,
+        is_damped: true,
+    };
+}
 
 /// Friction coefficient of what has no limit, where it needs one.
 const ROUGHEST: f64 = 1e3;
@@ -340,21 +360,24 @@ impl Problem {
         let in_discs = |e: &Element| e.rows() == 2;
         let has_discs = self.elements.iter().any(in_discs);
         let guesses = if has_discs { FEW_GUESSES } else { GUESSES };
-        for _ in 0..guesses {
-            self.solve();
-            if !self.correct() {
-                return self.force.iter().all(|f| f.is_finite());
+        for round in 0..=usize::from(has_discs) {
+            if round == 1 {
+                // Feet that crept to rest: the way they moved says nothing any more.
+                self.elements.iter_mut().for_each(|e| e.grip = Grip::Held);
+            }
+            for _ in 0..guesses {
+                self.solve();
+                if !self.correct() {
+                    return self.force.iter().all(|f| f.is_finite());
+                }
             }
         }
         if pivots && self.pivot() && self.obeys(creep) {
             return true;
         }
-        self.force.clear();
-        self.force.resize(self.rows, 0.0);
-        for sweeps in [0, FEW_SWEEPS] {
-            if has_discs {
-                self.sweep(sweeps);
-                if self.project() && self.obeys(creep) {
+        if has_discs {
+            for way in [Steps::BOLD, Steps::SAFE] {
+                if self.project(&way) && self.obeys(creep) {
                     return true;
                 }
             }
@@ -365,33 +388,37 @@ impl Problem {
     }
 
     /// Newton's method on λ = P(λ − ρ w), where P takes each force to the nearest within its bounds: the law of every
-    /// row at once, discs of friction with the slope of their edge. From the present forces. Whether it comes to an answer,
-    /// whose grips it sets.
+    /// row at once, discs of friction with the slope of their edge. Whether it comes to an answer, whose grips it sets.
     ///
     /// Source: Alart and Curnier, A mixed formulation for frictional contact problems prone to Newton like solution methods,
     /// Comput. Methods Appl. Mech. Eng. 92 (1991).
-    fn project(&mut self) -> bool {
+    fn project(&mut self, way: &Steps) -> bool {
         let m = self.rows;
+        self.force.clear();
+        self.force.resize(m, 0.0);
+        let mut error = self.state_laws(way.scale);
+        let (mut before, mut step) = (vec![0.0; m], vec![0.0; m]);
         for _ in 0..STEPS {
-            self.set_motion();
-            self.system.clear();
-            self.system.resize(m * m, 0.0);
-            self.right.clear();
-            self.right.resize(m, 0.0);
-            for i in 0..self.elements.len() {
-                self.state_projection(self.elements[i]);
-            }
-            let size = self.force.iter().fold(0.0_f64, |s, x| s.max(x.abs()));
+            before.copy_from_slice(&self.force);
             linear::solve(&mut self.system, m, &mut self.right);
-            let step = self.right.iter().fold(0.0_f64, |s, x| s.max(x.abs()));
-            if !step.is_finite() {
+            step.copy_from_slice(&self.right);
+            if !step.iter().all(|x| x.is_finite()) {
                 return false;
             }
-            for (force, change) in self.force.iter_mut().zip(&self.right) {
-                *force += change;
+            let was = error;
+            let mut part = 1.0;
+            loop {
+                for k in 0..m {
+                    self.force[k] = before[k] + part * step[k];
+                }
+                error = self.state_laws(way.scale);
+                if !way.is_damped || error < (1.0 - 0.1 * part) * was || part < LEAST_PART {
+                    break;
+                }
+                part *= 0.5;
             }
-            if step <= SETTLED * size + f64::MIN_POSITIVE {
-                self.set_motion();
+            let greatest = |x: &[f64]| x.iter().fold(0.0_f64, |s, x| s.max(x.abs()));
+            if part * greatest(&step) <= SETTLED * greatest(&before) + f64::MIN_POSITIVE {
                 let still = self.still();
                 for i in 0..self.elements.len() {
                     self.elements[i].grip = self.grip_by_motion(&self.elements[i], still);
@@ -402,10 +429,25 @@ impl Problem {
         false
     }
 
-    /// The linear equations of one element for the next step of [`project`](Self::project).
-    fn state_projection(&mut self, e: Element) {
+    /// The linear equations for the next step of [`project`](Self::project), with motions at the present forces; how far
+    /// these are from obeying every law.
+    fn state_laws(&mut self, scale: f64) -> f64 {
         let m = self.rows;
-        let share = |k: usize| 1.0 / self.a[k * m + k];
+        self.set_motion();
+        self.system.clear();
+        self.system.resize(m * m, 0.0);
+        self.right.clear();
+        self.right.resize(m, 0.0);
+        for i in 0..self.elements.len() {
+            self.state_projection(self.elements[i], scale);
+        }
+        self.right.iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
+
+    /// The linear equations of one element for the next step of [`project`](Self::project).
+    fn state_projection(&mut self, e: Element, scale: f64) {
+        let m = self.rows;
+        let share = |k: usize| scale / self.a[k * m + k];
         if e.rows() == 1 {
             let limit = self.limit(&e);
             let (low, high, normal) = match e.bounds {
@@ -647,17 +689,7 @@ impl Problem {
     /// Projected Gauss–Seidel iteration, then the grips that its solution has.
     fn relax(&mut self, creep: f64) {
         self.force.fill(0.0);
-        self.sweep(SWEEPS);
-        self.set_motion();
-        let still = (1e3 * self.still()).max(creep);
-        for i in 0..self.elements.len() {
-            self.elements[i].grip = self.grip_by_motion(&self.elements[i], still);
-        }
-    }
-
-    /// Projected Gauss–Seidel iteration from the present forces, at most so many `times`.
-    fn sweep(&mut self, times: usize) {
-        for _ in 0..times {
+        for _ in 0..20_000 {
             let mut change = 0.0_f64;
             for i in 0..self.elements.len() {
                 change = change.max(self.relax_element(self.elements[i]));
@@ -666,6 +698,11 @@ impl Problem {
             if change <= 1e-13 * size + 1e-300 {
                 break;
             }
+        }
+        self.set_motion();
+        let still = (1e3 * self.still()).max(creep);
+        for i in 0..self.elements.len() {
+            self.elements[i].grip = self.grip_by_motion(&self.elements[i], still);
         }
     }
 

@@ -1,36 +1,77 @@
 //! A robot with legs all around, which rolls as a disc on those near one plane through its middle.
 //!
-//! It knows its attitude and rates exactly. Source: thesis 7.2 and 7.3.
+//! Source: thesis 7.2 and 7.3.
 
+mod balance;
 mod disc;
+mod drawn;
+mod sensing;
 
-pub use disc::{Facing, Rolling};
+pub use balance::{Extra, Stable};
+pub use disc::Facing;
+pub use drawn::{DrawnBalls, drawn_ball};
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use saltus_controller::ball::{
+    Balancer, Estimate, Estimator, Firing, Lying, Rotation, Sight, Tracker,
+};
 use saltus_robot::Robot;
 use saltus_robot::space::{Rest, discs, rests};
 use saltus_sim_check::{Rig, Settings, Sim, Stepping, Vec3};
 
 use crate::error::require;
+use crate::law::Compiled;
 use crate::{GaitError, Program};
+use sensing::{Senses, estimator};
 
 /// How a robot rolls from rest.
 #[derive(Clone, Debug)]
 pub struct Roll {
     /// The robot, in space.
     pub robot: Robot,
-    /// Firing angle of the station in the active zone; twins fire as one leg.
-    pub program: Program,
-    /// Valve opening time t_v (s), where the program says none.
-    pub valve_open: f64,
-    /// Lean (rad) at which a station enters the active zone. It stays there until the next one does.
-    pub zone: f64,
+    /// Which leg fires when.
+    pub gait: Gait,
+    /// What it knows of its motion.
+    pub knows: Knows,
     /// Where it begins.
     pub start: Start,
     /// How long (s).
     pub seconds: f64,
     /// Steps of the simulation.
     pub stepping: Stepping,
+}
+
+/// Which leg fires when.
+#[derive(Clone, Debug)]
+pub enum Gait {
+    /// The thesis' rolling disc: twins fire as one leg, and nothing keeps it in its plane.
+    ///
+    /// Source: thesis 7.2.2.
+    Disc(Fires),
+    /// What the station on the ground does, and twins that keep the disc upright and its course.
+    ///
+    /// Source: thesis 7.3.
+    Stable(Stable),
+}
+
+/// Firing angles of the station in the active zone.
+#[derive(Clone, Debug)]
+pub struct Fires {
+    /// The firing angle.
+    pub program: Program,
+    /// Valve opening time t_v (s), where the program says none.
+    pub valve_open: f64,
+    /// Lean (rad) at which a station enters the active zone. It stays there until the next one does.
+    pub zone: f64,
+}
+
+/// What a robot knows of its motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Knows {
+    /// All of it.
+    Truth,
+    /// What its sensors say, whose noise is drawn from this seed.
+    Sensors(u64),
 }
 
 /// On which feet a robot stands at first, which way it goes, and how far it is off.
@@ -60,13 +101,17 @@ pub struct Ball {
     /// Angular velocity (rad/s), the world's axes.
     pub spin: [f64; 3],
     /// How it lies to its plane.
-    pub rolling: Rolling,
+    pub rolling: Lying<f64>,
     /// Stations that have come into the zone.
-    pub passed: i64,
+    pub passed: i32,
     /// Legs that fire now.
-    pub fired: Vec<usize>,
+    pub fired: Vec<Firing<f64>>,
+    /// Feet on the ground: bit k is leg k's.
+    pub touching: u64,
     /// Extension of each leg (m).
     pub extensions: Vec<f64>,
+    /// What it takes its motion for, by its sensors.
+    pub estimate: Option<Estimate<f64>>,
 }
 
 /// Where a robot left its plane.
@@ -107,16 +152,20 @@ impl Roll {
     ///
     /// Source: thesis 7.2.2, which runs "from rest" by the α_f of 5.1.
     pub fn new(robot: Robot, seconds: f64) -> Roll {
+        let program = Program::OpenLoop {
+            first: 0.5,
+            last: 0.0,
+            slope: 2.1,
+            centre: crate::Centre::Printed(3.0),
+        };
         Roll {
             robot,
-            program: Program::OpenLoop {
-                first: 0.5,
-                last: 0.0,
-                slope: 2.1,
-                centre: crate::Centre::Printed(3.0),
-            },
-            valve_open: 0.05,
-            zone: -0.3,
+            gait: Gait::Disc(Fires {
+                program,
+                valve_open: 0.05,
+                zone: -0.3,
+            }),
+            knows: Knows::Truth,
             start: Start::default(),
             seconds,
             stepping: Stepping::USUAL,
@@ -124,7 +173,7 @@ impl Roll {
     }
 
     /// The rest and the disc of its start.
-    fn facing(&self) -> Result<(Rest, Facing), GaitError> {
+    pub(crate) fn facing(&self) -> Result<(Rest, Facing), GaitError> {
         let space = self.robot.space.as_ref();
         let is_in_space = space.is_some();
         let legs = f64::from(self.robot.body.legs);
@@ -154,6 +203,13 @@ impl Roll {
     }
 }
 
+/// What decides.
+enum Decides<'a> {
+    /// A law, with whether the station in the zone waits for its angle.
+    Disc(&'a Compiled, bool),
+    Stable(Box<Balancer<'a, f64>>, &'a Stable),
+}
+
 /// Runs `roll`, and gives each cycle to `row`, which says whether it goes on.
 ///
 /// # Errors
@@ -161,10 +217,24 @@ impl Roll {
 pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, GaitError> {
     roll.check()?;
     let (rest, facing) = roll.facing()?;
-    let compiled = roll
-        .program
-        .compile(roll.valve_open, (roll.zone, facing.widest()))?;
-    let law = compiled.law();
+    let (zone, compiled) = match &roll.gait {
+        Gait::Disc(fires) => {
+            let span = (fires.zone, facing.widest());
+            (
+                fires.zone,
+                Some(fires.program.compile(fires.valve_open, span)?),
+            )
+        }
+        Gait::Stable(stable) => (stable.balance(&roll.robot)?.zone, None),
+    };
+    let mut decides = match (&roll.gait, &compiled) {
+        (Gait::Stable(stable), _) => {
+            let balancer = Balancer::new(stable.balance(&roll.robot)?, facing.plane());
+            Decides::Stable(Box::new(balancer), stable)
+        }
+        (Gait::Disc(_), Some(law)) => Decides::Disc(law, true),
+        (Gait::Disc(_), None) => return Ok(Rolled::default()),
+    };
     let rig = Rig::new(&roll.robot, &[])?;
     let (q, v) = placed(&rig, roll.start, rig.stand_on(&rest, &facing.ahead(&rest))?);
     let settings = Settings {
@@ -176,22 +246,23 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
     let mut sim = Sim::new(&rig.mechanism, &q, &v, settings)?;
     sim.release_legs()?;
     let start = sim.ledger();
+    let directions = roll.robot.space.as_ref().map(|it| it.directions.vectors());
+    let directions = directions.unwrap_or_default();
+    let mut sensed = Sensed::new(roll, &directions, attitude(&q));
     let period = roll.robot.sensors.unwrap_or_default().period;
-    let mut facing = facing.at(roll.zone);
+    let mut tracker = Tracker::new(facing.plane(), zone);
     let mut rolled = Rolled::default();
-    let mut waits = true;
     let mut cycles = 0_u64;
     loop {
-        let (mut ball, entered) = look(&rig, &sim, &mut facing);
-        waits |= entered;
-        let [angle, open] = law.at(ball.time, ball.rolling.rate, ball.rolling.rate, 0);
-        if waits && ball.rolling.lean >= angle && open > 0.0 {
-            waits = false;
-            ball.fired = facing.station().to_vec();
-        }
+        let (mut ball, entered) = look(&rig, &sim, &mut tracker);
+        ball.estimate = sensed.as_mut().map(|sensed| sensed.take(&ball));
+        ball.fired = decides.fire(&ball, entered, &tracker);
         rolled.note(&ball);
-        for leg in &ball.fired {
-            sim.fire(*leg, open)?;
+        for Firing { leg, open } in &ball.fired {
+            sim.fire(*leg as usize, *open)?;
+            if let Some(sensed) = &mut sensed {
+                sensed.estimator.fired(*leg);
+            }
         }
         if !row(&ball) || ball.time >= roll.seconds - 1e-9 {
             rolled.residual = sim.ledger().residual(&start);
@@ -203,22 +274,114 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
     }
 }
 
+impl Decides<'_> {
+    /// The legs that fire in the cycle of `ball`, whose station in the zone `entered` it now.
+    fn fire(&mut self, ball: &Ball, entered: bool, tracker: &Tracker<'_, f64>) -> Vec<Firing<f64>> {
+        match self {
+            Decides::Disc(compiled, waits) => {
+                *waits |= entered;
+                let rate = ball.rolling.rate;
+                let [angle, open] = compiled.law().at(ball.time, rate, rate, 0);
+                let fires = *waits && ball.rolling.lean >= angle && open > 0.0;
+                let Some(station) = tracker.station().filter(|_| fires) else {
+                    return Vec::new();
+                };
+                *waits = false;
+                let [left, right] = station.legs;
+                let legs = if left == right {
+                    vec![left]
+                } else {
+                    vec![left, right]
+                };
+                legs.into_iter().map(|leg| Firing { leg, open }).collect()
+            }
+            Decides::Stable(balancer, stable) => {
+                let truth = Estimate {
+                    attitude: Rotation(ball.attitude),
+                    spin: ball.spin,
+                    velocity: ball.velocity,
+                    place: ball.place,
+                };
+                let known = ball.estimate.unwrap_or(truth);
+                let [aside, aside_rate] = stable.aside(&known);
+                let sight = Sight {
+                    attitude: known.attitude,
+                    spin: known.spin,
+                    aside,
+                    aside_rate,
+                    course: stable.line,
+                    touching: ball.touching,
+                    extra: stable.extra.map_or(0.0, |extra| extra.at(ball.passed)),
+                };
+                let (_, fired) = balancer.step(&sight);
+                fired.into_iter().flatten().collect()
+            }
+        }
+    }
+}
+
+/// What a robot with sensors makes of them.
+struct Sensed<'a> {
+    senses: Senses,
+    estimator: Estimator<'a, f64>,
+}
+
+impl<'a> Sensed<'a> {
+    /// That of `roll`, if it has to go by its sensors. At rest it knows its attitude, but for its heading: that is what
+    /// it calls forwards.
+    fn new(
+        roll: &Roll,
+        directions: &'a [[f64; 3]],
+        attitude: UnitQuaternion<f64>,
+    ) -> Option<Sensed<'a>> {
+        let Knows::Sensors(seed) = roll.knows else {
+            return None;
+        };
+        let yaw = UnitQuaternion::from_axis_angle(&Vec3::z_axis(), -roll.start.yaw);
+        let believed = yaw * attitude;
+        Some(Sensed {
+            senses: Senses::new(&roll.robot, attitude, seed),
+            estimator: estimator(&roll.robot, directions, quaternion(&believed)),
+        })
+    }
+
+    fn take(&mut self, ball: &Ball) -> Estimate<f64> {
+        let [w, x, y, z] = ball.attitude;
+        let attitude = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+        // The first reading is of the rest.
+        let readings = self
+            .senses
+            .read(attitude, Vector3::from(ball.velocity), ball.touching);
+        self.estimator.take(&readings);
+        *self.estimator.estimate()
+    }
+}
+
+fn quaternion(q: &UnitQuaternion<f64>) -> Rotation<f64> {
+    Rotation([q.w, q.i, q.j, q.k])
+}
+
 /// Where the robot of `sim` is; and whether another station has entered the zone.
-fn look(rig: &Rig, sim: &Sim<'_>, facing: &mut Facing) -> (Ball, bool) {
+fn look(rig: &Rig, sim: &Sim<'_>, tracker: &mut Tracker<'_, f64>) -> (Ball, bool) {
     let (q, v) = (sim.coordinates(), sim.velocities());
-    let spin = Vector3::new(v[3], v[4], v[5]);
-    let (rolling, entered) = facing.look(&attitude(q), &spin);
+    let spin = [v[3], v[4], v[5]];
+    let attitude = [q[3], q[4], q[5], q[6]];
+    let (rolling, entered) = tracker.look(&Rotation(attitude), &spin);
     let extension = |leg: usize| q[rig.extension_coordinate(leg)];
+    let touches = |leg: &usize| rig.foot_motion(*leg, q, v).0 <= 0.0;
+    let touching = (0..rig.legs.len()).filter(touches);
     let ball = Ball {
         time: sim.time(),
         place: [q[0], q[1], q[2]],
-        attitude: [q[3], q[4], q[5], q[6]],
+        attitude,
         velocity: [v[0], v[1], v[2]],
-        spin: spin.into(),
+        spin,
         rolling,
-        passed: facing.passed(),
+        passed: tracker.passed(),
         fired: Vec::new(),
+        touching: touching.fold(0, |bits, leg| bits | 1 << leg),
         extensions: (0..rig.legs.len()).map(extension).collect(),
+        estimate: None,
     };
     (ball, entered)
 }

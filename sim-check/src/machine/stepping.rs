@@ -10,11 +10,15 @@
 
 use super::{CONTACT_LOSS, JOINT_LOSS, Machine, Owner, STANDING, Touch};
 use crate::complementarity::{Bounds, Element, Grip};
+use crate::contact::Friction;
 use crate::linear::{backward, cholesky, forward};
 use crate::mode::{JointMode, Mode, Stop};
 
 /// Part of a row's own mobility by which it gives way.
 const SHARING: f64 = 1e-9;
+/// The same of friction in a cone: three feet that squeeze the ground between them are not held by round-off. A foot that
+/// is pushed by 100 N creeps by 10 nm/s.
+const CREEPING: f64 = 1e-8;
 /// Ways out of the ground (m or rad) so many times the greatest penetration (m) are none.
 const FAR: f64 = 100.0;
 /// Square of the angle (rad) by which a foot on compliant ground swings in a step that resolves it.
@@ -212,6 +216,7 @@ impl Machine<'_> {
         }
         self.problem.a.clear();
         self.problem.a.resize(m * m, 0.0);
+        let in_cones = matches!(self.mechanism.material.friction, Friction::Cone { .. });
         for r in 0..m {
             let row = &self.reduced[r * n..(r + 1) * n];
             for c in 0..=r {
@@ -222,7 +227,11 @@ impl Machine<'_> {
             }
             // Rows that say the same, as two feet and two legs that hold do, would else share their
             // impulse by round-off.
-            self.problem.a[r * m + r] *= 1.0 + SHARING;
+            let sharing = match self.owners[r] {
+                Owner::Tangent(..) if in_cones => CREEPING,
+                _ => SHARING,
+            };
+            self.problem.a[r * m + r] *= 1.0 + sharing;
             let free: f64 = row.iter().zip(&self.free).map(|(a, b)| a * b).sum();
             let jacobian = &self.jacobian[r * n..(r + 1) * n];
             let before: f64 = jacobian.iter().zip(&self.start).map(|(a, b)| a * b).sum();

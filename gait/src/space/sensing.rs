@@ -1,0 +1,106 @@
+//! What the sensors of a ball say.
+
+use nalgebra::{UnitQuaternion, Vector3};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use saltus_controller::ball::{Estimator, Feet, Filter, Inertial, Rotation, Scales};
+use saltus_robot::{Robot, Sensors};
+
+use crate::cast::{instruments, most_counts, whole};
+
+/// The sensors of a ball, read a cycle at a time: gyros and accelerometers where the legs meet, switches in the feet.
+#[derive(Clone, Debug)]
+pub(super) struct Senses {
+    sensors: Sensors,
+    gravity: f64,
+    random: Pcg64,
+    /// Attitude and velocity (m/s) a cycle ago.
+    before: (UnitQuaternion<f64>, Vector3<f64>),
+}
+
+impl Senses {
+    /// The sensors of `robot`, which is at rest with this `attitude`; their noise is drawn from `seed`.
+    pub(super) fn new(robot: &Robot, attitude: UnitQuaternion<f64>, seed: u64) -> Senses {
+        Senses {
+            sensors: robot.sensors.unwrap_or_default(),
+            gravity: robot.environment.gravity,
+            random: Pcg64::new(u128::from(seed), 0xba11),
+            before: (attitude, Vector3::zeros()),
+        }
+    }
+
+    /// What they say a period after they were last read; gyros and accelerometers give its mean.
+    pub(super) fn read(
+        &mut self,
+        attitude: UnitQuaternion<f64>,
+        velocity: Vector3<f64>,
+        touching: u64,
+    ) -> Inertial {
+        let s = self.sensors;
+        let (was, slower) = std::mem::replace(&mut self.before, (attitude, velocity));
+        let turned = (was.inverse() * attitude).scaled_axis();
+        let middle = was * UnitQuaternion::new(turned * 0.5);
+        let pull = (velocity - slower) / s.period + Vector3::z() * self.gravity;
+        let spin = turned / s.period;
+        let force = middle.inverse() * pull;
+        let mut read = |x: &Vector3<f64>, bias: f64, noise: f64, range: f64| {
+            std::array::from_fn(|k| {
+                let draw: f64 = StandardNormal.sample(&mut self.random);
+                let most = most_counts(s.converter_bits);
+                let x = (x[k] + bias + noise * draw) / range * most;
+                whole(x.clamp(-most, most))
+            })
+        };
+        let mut gyro = |range| read(&spin, s.gyro_bias, s.gyro_noise, range);
+        let (fine_gyro, coarse_gyro) = (gyro(s.fine_gyro_range), gyro(s.coarse_gyro_range));
+        let mut meter = |range| read(&force, s.accelerometer_bias, s.accelerometer_noise, range);
+        Inertial {
+            fine_gyro,
+            coarse_gyro,
+            fine_accelerometer: meter(s.fine_accelerometer_range),
+            coarse_accelerometer: meter(s.coarse_accelerometer_range),
+            touching,
+        }
+    }
+}
+
+/// How fast (1/s) the velocity follows a standing foot, and (1/(m s)) the vertical.
+const BY_FOOT: f64 = 40.0;
+const TILT: f64 = 0.05;
+/// For how long (s) a foot must stand to be believed, and for how long it is not once its leg was fired.
+const SETTLES: f64 = 0.01;
+const RETURNS: f64 = 0.25;
+
+/// What makes the motion of `robot` of its readings; it is at rest with this `attitude`, its legs along `directions`.
+pub(super) fn estimator<'a>(
+    robot: &Robot,
+    directions: &'a [[f64; 3]],
+    attitude: Rotation<f64>,
+) -> Estimator<'a, f64> {
+    let sensors = robot.sensors.unwrap_or_default();
+    let scale = instruments(&sensors);
+    let most = most_counts(sensors.converter_bits);
+    let filter = Filter {
+        period: sensors.period,
+        gravity: robot.environment.gravity,
+        bias: [sensors.gyro_bias; 3],
+        by_foot: BY_FOOT,
+        tilt: TILT,
+        settles: SETTLES,
+        returns: RETURNS,
+    };
+    let scales = Scales {
+        fine_gyro: scale.fine_gyro,
+        coarse_gyro: scale.coarse_gyro,
+        fine_accelerometer: scale.fine_accelerometer,
+        coarse_accelerometer: sensors.coarse_accelerometer_range / most,
+        limit: scale.fine_limit,
+    };
+    let radius = robot.foot.radius;
+    let feet = Feet {
+        directions,
+        reach: robot.body.radius - radius,
+        radius,
+    };
+    Estimator::new(filter, scales, feet, attitude)
+}
