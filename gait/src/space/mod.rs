@@ -123,7 +123,9 @@ pub struct Left {
     pub travel: f64,
     /// Way to the left (m).
     pub aside: f64,
-    /// Rate of roll (rad/s), to the right.
+    /// Roll (rad), to the right.
+    pub roll: f64,
+    /// Its rate (rad/s).
     pub roll_rate: f64,
 }
 
@@ -138,6 +140,8 @@ pub struct Rolled {
     pub aside: f64,
     /// Where it left its plane, if it did.
     pub left: Option<Left>,
+    /// Where it fell, if it did: the disc leaned by more than [`FALLS`].
+    pub fell: Option<Left>,
     /// Firings, of twins one.
     pub firings: usize,
     /// Energy (J) that no entry of the ledger explains.
@@ -146,6 +150,8 @@ pub struct Rolled {
 
 /// Rate of roll (rad/s), and way to a side (m), from which on a robot has left its plane.
 const LEAVES: (f64, f64) = (6.0, 0.25);
+/// Roll (rad) from which on a robot has fallen: no leg of its disc holds it any more.
+pub const FALLS: f64 = 0.8;
 
 impl Roll {
     /// `robot` from its first rest, with the firing angle of 5.1.3 over time, for so many `seconds`.
@@ -392,18 +398,25 @@ impl Rolled {
         let [travel, side, _] = ball.place;
         (self.time, self.travel) = (ball.time, travel);
         self.firings += usize::from(!ball.fired.is_empty());
+        let Lying {
+            roll, roll_rate, ..
+        } = ball.rolling;
+        let here = Left {
+            time: ball.time,
+            travel,
+            aside: side,
+            roll,
+            roll_rate,
+        };
+        if roll.abs() > FALLS {
+            self.fell.get_or_insert(here);
+        }
         if self.left.is_some() {
             return;
         }
         self.aside = self.aside.max(side.abs());
-        let roll_rate = ball.rolling.roll_rate;
         if roll_rate.abs() > LEAVES.0 || side.abs() > LEAVES.1 {
-            self.left = Some(Left {
-                time: ball.time,
-                travel,
-                aside: side,
-                roll_rate,
-            });
+            self.left = Some(here);
         }
     }
 }

@@ -37,6 +37,10 @@ pub(super) enum Kind {
     Speed,
     /// The least time from rest to a distance, by dynamic programming, as a table
     Optimal,
+    /// A robot in space rolls on the legs near one plane, by the firing angle of `open-loop`: twins fire as one leg
+    Disc,
+    /// The same on the legs that touch, kept in its plane and on its line by twins that open for different times
+    DiscStable,
     /// What was learnt
     #[value(skip)]
     Policy,
@@ -71,6 +75,8 @@ impl Kind {
             Kind::Smooth => "smooth",
             Kind::Speed => "speed",
             Kind::Optimal => "optimal",
+            Kind::Disc => "disc",
+            Kind::DiscStable => "disc-stable",
             Kind::Policy => "policy",
         }
     }
@@ -109,98 +115,106 @@ pub(super) enum Direction {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Gait")]
 pub(super) struct GaitFlags {
-    /// How the firing angle is found
-    #[arg(long, value_enum, default_value = "closed-loop")]
-    gait: Kind,
+    /// How the firing angle is found [default: closed-loop; disc-stable for a robot in space]
+    #[arg(long, value_enum)]
+    pub(super) gait: Option<Kind>,
+
+    /// Heading (rad) of the line of `disc-stable`, to the left of the first heading [default: 0]
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
+    pub(super) heading: Option<f64>,
+
+    /// A robot in space knows its motion exactly, in place of what its sensors say
+    #[arg(long)]
+    pub(super) truth: bool,
 
     /// What `saltus learn --out` wrote, in place of a gait: its best seed runs, on its robot where --robot names no other
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["gait", "zone", "taps", "direction", "valve_open"])]
-    policy: Option<PathBuf>,
+    pub(super) policy: Option<PathBuf>,
 
     /// The seed of the policy that runs [default: the one that did best]
     #[arg(long, value_name = "SEED", requires = "policy", value_parser = seed)]
-    policy_seed: Option<u64>,
+    pub(super) policy_seed: Option<u64>,
 
     /// Firing angle α_f (rad) of `fixed` [default: 0.1]
     #[arg(long, visible_alias = "alpha-f", value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
-    firing_angle: Option<f64>,
+    pub(super) firing_angle: Option<f64>,
 
     /// Valve opening time t_v (s), as in 40ms [default: 0.04]
     #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
-    valve_open: Option<f64>,
+    pub(super) valve_open: Option<f64>,
 
     /// Firing angle (rad) at rest, of `open-loop` and `closed-loop` [default: 0.35, less where legs
     /// are close]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
-    from: Option<f64>,
+    pub(super) from: Option<f64>,
 
     /// Firing angle (rad) in the end [default: 0 for `open-loop`, -0.1 for `closed-loop`]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
-    to: Option<f64>,
+    pub(super) to: Option<f64>,
 
     /// B (1/s) of `open-loop`: how steeply the angle changes [default: 2.1]
     #[arg(long, value_name = "B", value_parser = steepness, allow_hyphen_values = true)]
-    steepness: Option<f64>,
+    pub(super) steepness: Option<f64>,
 
     /// C of `open-loop`, a number or seconds [default: 3]
     #[arg(long, value_name = "C", value_parser = shift, allow_hyphen_values = true)]
-    shift: Option<f64>,
+    pub(super) shift: Option<f64>,
 
     /// How C is read [default: seconds]
     #[arg(long, value_enum)]
-    centre: Option<Reading>,
+    pub(super) centre: Option<Reading>,
 
     /// Lines of `closed-loop` [default: two]
     #[arg(long, value_enum)]
-    lines: Option<LinesKind>,
+    pub(super) lines: Option<LinesKind>,
 
     /// Rate ω_s (rad/s) at which the second line begins [default: 5]
     #[arg(long, value_name = "RATE", value_parser = rate, allow_hyphen_values = true)]
-    switch: Option<f64>,
+    pub(super) switch: Option<f64>,
 
     /// Slope of the first of two lines (s, that is rad for each rad/s) [default: -0.01]
     #[arg(long, value_name = "SLOPE", value_parser = slope, allow_hyphen_values = true)]
-    first_slope: Option<f64>,
+    pub(super) first_slope: Option<f64>,
 
     /// Rate ω_f (rad/s) at which the last angle is reached [default: 13.3, which is 3.2 m/s]
     #[arg(long, value_name = "RATE", value_parser = top_rate, allow_hyphen_values = true)]
-    top_rate: Option<f64>,
+    pub(super) top_rate: Option<f64>,
 
     /// Knots of `curve`, RATE:ANGLE:TIME with commas between them; straight lines between knots
     #[arg(long, value_name = "RATE:ANGLE:TIME,…", value_parser = knots, allow_hyphen_values = true)]
-    knots: Option<Knots>,
+    pub(super) knots: Option<Knots>,
 
     /// What the law of `smooth` is best at [default: quick]
     #[arg(long, value_enum)]
-    aim: Option<Aim>,
+    pub(super) aim: Option<Aim>,
 
     /// Speeds of `speed`, TIME:SPEED in s and m/s: each is held from its time on, a negative one
     /// backwards, as in 0:1.5,4:3,8:-1. Needs a robot on a boom, whose encoder measures the way
     #[arg(long, value_name = "TIME:SPEED,…", value_parser = speeds, allow_hyphen_values = true)]
-    speed: Option<Speeds>,
+    pub(super) speed: Option<Speeds>,
 
     /// Distance (m) of `optimal`, from rest [default: 1.6]
     #[arg(long, value_name = "LENGTH", value_parser = goal, allow_hyphen_values = true)]
-    distance: Option<f64>,
+    pub(super) distance: Option<f64>,
 
     /// Levels of `optimal`, each with cells and choices half as coarse as the one before, 1 to 4
     /// [default: 3]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(1..=4))]
-    refinements: Option<u8>,
+    pub(super) refinements: Option<u8>,
 
     /// Lean z₀ (rad) at which the active zone begins; it is one pitch of the legs wide [default: 0
     /// for `fixed`, `open-loop` and `speed`, -0.3 for the others, but at most half a pitch]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
-    zone: Option<f64>,
+    pub(super) zone: Option<f64>,
 
     /// Which way the robot runs
     #[arg(long, value_enum, default_value = "forwards")]
-    direction: Direction,
+    pub(super) direction: Direction,
 
     /// Weights of the rate's filter: of the newest reading, then of those before it; at most 16. They
     /// are divided by their sum
     #[arg(long, value_name = "WEIGHTS", value_parser = taps, default_value = "0.2,0.2,0.2,0.2,0.2", allow_hyphen_values = true)]
-    taps: Taps,
+    pub(super) taps: Taps,
 }
 
 /// What the flags give.
@@ -267,6 +281,11 @@ impl Chosen {
 }
 
 impl GaitFlags {
+    /// The gait of a robot in its plane.
+    fn own(&self) -> Kind {
+        self.gait.unwrap_or(Kind::ClosedLoop)
+    }
+
     /// The flag of the valve, where it is given.
     pub(super) fn valve_flag(&self) -> Option<&'static str> {
         self.valve_open.map(|_| "--valve-open")
@@ -274,6 +293,18 @@ impl GaitFlags {
 
     /// What the flags give for `robot`.
     pub(super) fn chosen(&self, robot: &Robot) -> Result<Chosen, CliError> {
+        if let kind @ (Kind::Disc | Kind::DiscStable) = self.own() {
+            let allowed = "used with a robot in space, whose body.shape is sphere";
+            return Err(CliError::flag("--gait", kind.name(), allowed));
+        }
+        let in_space = [
+            ("--heading", self.heading.is_some()),
+            ("--truth", self.truth),
+        ];
+        if let Some((flag, _)) = in_space.into_iter().find(|(_, given)| *given) {
+            let allowed = "used with a robot in space, whose body.shape is sphere";
+            return Err(CliError::flag(flag, "", allowed));
+        }
         self.meant()?;
         let legs = robot.body.legs;
         if !(3..=12).contains(&legs) {
@@ -281,7 +312,7 @@ impl GaitFlags {
             return Err(CliError::content(&robot.name, reason));
         }
         let half = 0.5 * TAU / f64::from(legs);
-        let zone = self.zone.unwrap_or(match self.gait {
+        let zone = self.zone.unwrap_or(match self.own() {
             Kind::Fixed | Kind::OpenLoop | Kind::Speed => 0.0,
             _ => (-0.3_f64).max(-half),
         });
@@ -298,14 +329,14 @@ impl GaitFlags {
         let program = self.program(robot, zone)?;
         self.within(&program, robot, zone)?;
         let open = format!("valve open {} ms", digits(valve_open * 1e3, 4));
-        let words = match self.gait {
+        let words = match self.own() {
             Kind::Curve | Kind::Smooth | Kind::Speed | Kind::Optimal | Kind::Policy => {
                 self.words(&program)
             }
             _ => format!("{}, {open}", self.words(&program)),
         };
         Ok(Chosen {
-            kind: self.gait,
+            kind: self.own(),
             program,
             valve_open,
             zone,
@@ -346,12 +377,12 @@ impl GaitFlags {
             ("--refinements", self.refinements.is_some(), &[Optimal]),
         ];
         for (flag, is_given, kinds) in given {
-            if is_given && !kinds.contains(&self.gait) {
+            if is_given && !kinds.contains(&self.own()) {
                 let names: Vec<&str> = kinds.iter().map(|kind| kind.name()).collect();
                 let allowed = format!(
                     "used with --gait {}, not {}",
                     names.join(" or "),
-                    self.gait.name()
+                    self.own().name()
                 );
                 return Err(CliError::flag(flag, "", allowed));
             }
@@ -365,13 +396,13 @@ impl GaitFlags {
                 return Err(CliError::flag(flag, "", allowed));
             }
         }
-        let has_times = matches!(self.gait, Curve | Smooth | Speed | Optimal);
+        let has_times = matches!(self.own(), Curve | Smooth | Speed | Optimal);
         if has_times && self.valve_open.is_some() {
-            let name = self.gait.name();
+            let name = self.own().name();
             let allowed = format!("left out with --gait {name}, whose law says the time");
             return Err(CliError::flag("--valve-open", "", allowed));
         }
-        if self.gait == Speed && self.direction == Direction::Backwards {
+        if self.own() == Speed && self.direction == Direction::Backwards {
             let allowed = "left out with --gait speed, whose speeds have signs";
             return Err(CliError::flag("--direction", "backwards", allowed));
         }
@@ -381,7 +412,7 @@ impl GaitFlags {
     /// What is to be sought for `optimal`.
     pub(super) fn quest(&self) -> Option<Quest> {
         let usual = Quest::default();
-        (self.gait == Kind::Optimal).then(|| Quest {
+        (self.own() == Kind::Optimal).then(|| Quest {
             distance: self.distance.unwrap_or(usual.distance),
             levels: self.refinements.map_or(usual.levels, usize::from),
         })
@@ -393,7 +424,7 @@ impl GaitFlags {
         // The legs of a robot that has many are closer than the thesis' angle.
         let pitch = TAU / f64::from(robot.body.legs);
         let first = self.from.unwrap_or(0.35_f64.min(0.9 * (zone + pitch)));
-        Ok(match self.gait {
+        Ok(match self.own() {
             Kind::Fixed => Program::Fixed {
                 firing_angle: self.firing_angle.unwrap_or(0.1),
             },
@@ -437,7 +468,9 @@ impl GaitFlags {
                 Program::Curve(knots.0.clone())
             }
             Kind::Smooth => self.aim.unwrap_or(Aim::Quick).law().program(),
-            Kind::Optimal | Kind::Policy => Program::Fixed { firing_angle: zone },
+            Kind::Optimal | Kind::Policy | Kind::Disc | Kind::DiscStable => {
+                Program::Fixed { firing_angle: zone }
+            }
             Kind::Speed => {
                 if self.speed.is_none() {
                     return Err(CliError::Missing {
@@ -467,7 +500,7 @@ impl GaitFlags {
                 ends.into_iter().chain(knots).collect()
             }
             Program::Curve(knots) => {
-                let flag = match self.gait {
+                let flag = match self.own() {
                     Kind::Smooth => "--gait smooth",
                     Kind::Speed => "--gait speed",
                     _ => "--knots",
@@ -497,7 +530,7 @@ impl GaitFlags {
     fn words(&self, program: &Program) -> String {
         let short = |x: f64| digits(x, 4);
         match program {
-            _ if self.gait == Kind::Optimal => {
+            _ if self.own() == Kind::Optimal => {
                 let quest = self.quest().unwrap_or_default();
                 format!("optimal over {} m", short(quest.distance))
             }
@@ -542,20 +575,20 @@ impl GaitFlags {
                 short(*at),
                 short(*switch)
             ),
-            Program::Curve(_) if self.gait == Kind::Smooth => format!(
+            Program::Curve(_) if self.own() == Kind::Smooth => format!(
                 "smooth, {}",
                 match self.aim.unwrap_or(Aim::Quick) {
                     Aim::Quick => "quick from rest",
                     Aim::Sparing => "sparing of gas",
                 }
             ),
-            Program::Curve(law) if self.gait == Kind::Speed => format!(
+            Program::Curve(law) if self.own() == Kind::Speed => format!(
                 "speed, by a law measured from {} to {} m/s",
                 short(law.get(1).map_or(0.0, |knot| knot[0])),
                 short(law.last().map_or(0.0, |knot| knot[0]))
             ),
             Program::Curve(knots) => format!("curve of {} knots", knots.len()),
-            _ => self.gait.name().to_owned(),
+            _ => self.own().name().to_owned(),
         }
     }
 }

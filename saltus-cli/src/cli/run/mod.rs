@@ -1,6 +1,7 @@
 //! `saltus run`: a robot that runs, under the controller that is flashed.
 
 mod analysis;
+mod ball;
 mod ensemble;
 mod figure;
 mod follow;
@@ -24,7 +25,9 @@ use saltus::sim_check::Stepping;
 
 use super::Status;
 use super::best;
-use super::common::{OutputFlags, PlotOption, Threads, note_valve, page_file, robot, seed};
+use super::common::{
+    OutputFlags, PlotOption, Threads, any_robot, note_valve, page_file, robot, seed,
+};
 use super::disturb::{self, Typed};
 use super::film::Film;
 use super::learned::Learned;
@@ -122,7 +125,7 @@ pub(crate) struct Run {
     )]
     believed: Option<String>,
 
-    /// Robot: a built-in one (rats-planar, rats-boom, rats-run, spring-hopper, table-hopper) or a TOML file
+    /// Robot: a built-in one (rats-planar, rats-boom, rats-run, rats-twelve, spring-hopper, table-hopper) or a TOML file
     /// [default: rats-run, with --policy the one that learnt it]
     #[arg(long, value_name = "NAME|FILE", help_heading = "Robot and output")]
     robot: Option<String>,
@@ -151,6 +154,8 @@ Examples:
   saltus run --gait optimal --seconds 2 --distance 1.6 --refinements 2
   saltus run --gait closed-loop --seconds 9 --robots 40 --seed 7
   saltus run --gait fixed --seconds 3 --disturb torque=5@0.5:0.7s --analyse quick
+  saltus run --robot rats-twelve --gait disc --seconds 5
+  saltus run --robot rats-twelve --gait disc-stable --heading 30deg --seconds 20 --robots 100
 
 The robot stands on two feet, finds out by its accelerometer which ones, and runs: the leg whose lean lies in the \
 active zone fires, once an entry, as soon as it leans by the firing angle. docs/running.md describes gaits, sensors and \
@@ -188,6 +193,11 @@ periodic gaits with period, speed, gas and Floquet multipliers, each with its er
 share of starts on one foot that run, on three grids; the frontier of speed against gas. All but the energy is of an ideal controller \
 without sensors and without --disturb. It takes half a minute on one core, or some seconds with `quick`. Text or JSON; with --robots the frontier is of drawn robots.
 
+A robot in space, such as rats-twelve, rolls as a disc on the legs near one plane: docs/space.md. By `disc-stable` it goes \
+by its sensors unless --truth is given, and ends where it has fallen or stands, with exit code 1. Its CSV has attitudes as unit \
+quaternions from the body's axes to the world's, and what the sensors make of them; with --robots forces of legs, centre of mass and \
+friction are drawn.
+
 --mcap writes the motion every cycle as it is computed, and in /measured the columns of --telemetry; docs/viewers.md lists the topics.
 
 --telemetry writes a folder of data of kind `run` that `saltus diagnose` reads: experiment.toml, the robot, and run.csv with \
@@ -199,6 +209,9 @@ impl Run {
         self.output.check()?;
         let learned = self.gait.learned()?;
         let robot = self.run_robot(learned.as_ref())?;
+        if robot.space.is_some() {
+            return self.ball(&robot);
+        }
         let mut chosen = match &learned {
             Some(learned) => learned.chosen(&robot)?,
             None => self.gait.chosen(&robot)?,
@@ -235,7 +248,7 @@ impl Run {
                 let own = learned.robot();
                 Ok(resolve_text(&own.to_toml(), &own.name, &self.overrides)?)
             }
-            (name, _) => robot(name.as_deref().unwrap_or("rats-run"), &self.overrides),
+            (name, _) => any_robot(name.as_deref().unwrap_or("rats-run"), &self.overrides),
         }
     }
 

@@ -66,6 +66,22 @@ impl Rows {
         Ok(Rows::with(Columns::Motion, Some(logger), sink, header))
     }
 
+    /// Rows of another kind under `header`, which are sent as lines.
+    pub(super) fn lines(path: Option<&Path>, header: String) -> Result<Rows, CliError> {
+        let sink = match path.filter(|path| *path != Path::new("-")) {
+            Some(path) => Sink::File(Stream::open("--out", path)?),
+            None => Sink::Screen(io::BufWriter::new(Screen)),
+        };
+        Ok(Rows::with(Columns::Motion, None, sink, header))
+    }
+
+    /// Sends the line that `write` makes.
+    pub(super) fn line(&mut self, write: impl FnOnce(&mut String)) {
+        self.line.clear();
+        write(&mut self.line);
+        self.send();
+    }
+
     fn with(columns: Columns, logger: Option<Logger>, sink: Sink, header: String) -> Rows {
         let mut rows = Rows {
             columns,
