@@ -3,6 +3,9 @@
 //! ```text
 //! cargo run --release -p saltus-gait --example balls -- 100 sensors
 //! ```
+//!
+//! The second word is `sensors`, `truth`, or `blind`, where twins correct nothing. After it may come the scatter of forces,
+//! the radius (m) within which the centre of mass lies, and friction from and to.
 
 type Failed = Box<dyn std::error::Error>;
 use saltus_gait::space::{Ball, DrawnBalls, Gait, Knows, Roll, Stable, drawn_ball, roll};
@@ -70,10 +73,18 @@ fn main() -> Result<(), Failed> {
     let robots: usize = word(0).parse().unwrap_or(20);
     let mut setup = Roll::new(saltus_robot::resolve("rats-twelve", &[])?, LONG);
     setup.stepping = Stepping::Fixed(1e-3);
-    setup.gait = Gait::Stable(Stable::default());
-    if word(1) == "sensors" {
-        setup.knows = Knows::Sensors(1);
+    let mut stable = Stable::default();
+    match word(1) {
+        "sensors" => setup.knows = Knows::Sensors(1),
+        // Twins fire alike, whatever is off.
+        "blind" => {
+            let s = &mut stable.steer;
+            (s.roll, s.roll_rate, s.heading, s.heading_rate) = (0.0, 0.0, 0.0, 0.0);
+            (s.aside, s.aside_rate, s.sum) = (0.0, 0.0, 0.0);
+        }
+        _ => {}
     }
+    setup.gait = Gait::Stable(stable);
     let number = |k: usize, default: f64| word(k).parse().unwrap_or(default);
     let usual = DrawnBalls::default();
     let draw = DrawnBalls {

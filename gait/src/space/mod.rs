@@ -134,9 +134,9 @@ pub struct Left {
 pub struct Rolled {
     /// How long it ran (s).
     pub time: f64,
-    /// Travel (m) along the first heading.
+    /// Travel (m) along the heading with which it set out.
     pub travel: f64,
-    /// Greatest way (m) to a side until it left its plane.
+    /// Greatest way (m) across it until it left its plane.
     pub aside: f64,
     /// Where it left its plane, if it did.
     pub left: Option<Left>,
@@ -263,7 +263,7 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
         let (mut ball, entered) = look(&rig, &sim, &mut tracker);
         ball.estimate = sensed.as_mut().map(|sensed| sensed.take(&ball));
         ball.fired = decides.fire(&ball, entered, &tracker);
-        rolled.note(&ball);
+        rolled.note(&ball, roll.start.yaw);
         for Firing { leg, open } in &ball.fired {
             sim.fire(*leg as usize, *open)?;
             if let Some(sensed) = &mut sensed {
@@ -393,9 +393,10 @@ fn look(rig: &Rig, sim: &Sim<'_>, tracker: &mut Tracker<'_, f64>) -> (Ball, bool
 }
 
 impl Rolled {
-    /// Takes a cycle into account.
-    fn note(&mut self, ball: &Ball) {
-        let [travel, side, _] = ball.place;
+    /// Takes a cycle into account of a robot that set out along `heading` (rad).
+    fn note(&mut self, ball: &Ball, heading: f64) {
+        let ([x, y, _], (sine, cosine)) = (ball.place, heading.sin_cos());
+        let (travel, side) = (cosine * x + sine * y, cosine * y - sine * x);
         (self.time, self.travel) = (ball.time, travel);
         self.firings += usize::from(!ball.fired.is_empty());
         let Lying {

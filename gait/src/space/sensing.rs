@@ -66,9 +66,9 @@ impl Senses {
 
 /// How fast (1/s) the velocity follows a standing foot, and (1/(m s)) the vertical.
 const BY_FOOT: f64 = 40.0;
-const TILT: f64 = 0.05;
+const TILT: f64 = 0.1;
 /// For how long (s) a foot must stand to be believed, and for how long it is not once its leg was fired.
-const SETTLES: f64 = 0.01;
+const SETTLES: f64 = 0.03;
 const RETURNS: f64 = 0.25;
 
 /// What makes the motion of `robot` of its readings; it is at rest with this `attitude`, its legs along `directions`.

@@ -132,6 +132,12 @@ fn the_page_of_runs_shows_what_commands_print() {
     check("running", include_str!("../../../docs/running.md"));
 }
 
+#[test]
+fn the_page_of_robots_in_space_shows_what_commands_print() {
+    let page = include_str!("../../../docs/space.md");
+    check_steps(page, &Folder::new("space"), 3);
+}
+
 /// The commands that a document names in its sentences, tables and blocks, as their words.
 ///
 /// Not those without arguments, which only name a command, nor forms, whose words in capitals stand
@@ -224,6 +230,7 @@ fn every_command_in_the_documents_runs() {
         include_str!("../../../docs/logs.md"),
         include_str!("../../../docs/model.md"),
         include_str!("../../../docs/running.md"),
+        include_str!("../../../docs/space.md"),
         include_str!("../../../docs/thesis.md"),
         include_str!("../../../docs/viewers.md"),
     ];

@@ -4,6 +4,7 @@
 
 mod answers;
 mod bad_input;
+mod ball;
 mod clock;
 mod commands;
 mod common;
