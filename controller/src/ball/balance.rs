@@ -214,7 +214,9 @@ impl<'a, R: Real> Balancer<'a, R> {
     fn sum_up(&mut self, lying: &Lying<R>, sight: &Sight<R>) {
         let most = R::of(MOST_SUM);
         let off = wrapped(lying.heading - sight.course) + R::of(BY_ASIDE) * sight.aside;
-        self.sum = (self.sum + off).lesser(most).greater(-most);
+        if off.is_finite() {
+            self.sum = (self.sum + off).lesser(most).greater(-most);
+        }
     }
 }
 

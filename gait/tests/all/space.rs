@@ -332,3 +332,88 @@ fn drawn_balls_are_the_same_for_any_number_and_refused_by_name() -> Result<(), G
     );
     Ok(())
 }
+
+/// A disc of two radii that rolls down a slope without firing: about each foot by the conservation of energy, onto the next
+/// one by that of angular momentum about it.
+#[test]
+fn unfired_it_rolls_down_a_slope_as_the_closed_form_says() -> Result<(), GaitError> {
+    let slope = 0.25_f64;
+    let robot = twelve(&[
+        &format!("ground.slope_deg={}", -slope.to_degrees()),
+        "ground.static_friction=50",
+        "ground.kinetic_friction=50",
+        "foot.radius_mm=0",
+    ]);
+    let mut rig = Rig::new(&robot, &[])?;
+    rig.mechanism.material.compliance = None;
+    let facing = first_facing();
+    let disc = facing.disc();
+    let (lean, rate) = (0.1, 3.0);
+    // The first station's leg down along the slope's normal, turned by the lean.
+    let body = Matrix3::from_columns(&[
+        Vector3::from(disc.ahead),
+        Vector3::from(disc.axis),
+        -Vector3::from(disc.first),
+    ]);
+    let attitude = UnitQuaternion::new(Vector3::y() * (slope + lean))
+        * UnitQuaternion::from_matrix(&body.transpose());
+    let mut q = vec![0.0; rig.mechanism.tree.coordinates()];
+    q[3..7].copy_from_slice(&[attitude.w, attitude.i, attitude.j, attitude.k]);
+    let foot = attitude * Vector3::from(disc.first) * 0.24;
+    q[..3].copy_from_slice((-foot).as_slice());
+    let mut v = vec![0.0; rig.mechanism.tree.velocities()];
+    let spin = Vector3::y() * rate;
+    v[..3].copy_from_slice(spin.cross(&-foot).as_slice());
+    v[3..6].copy_from_slice(spin.as_slice());
+    let settings = Settings {
+        stepping: Stepping::Adaptive,
+        accounts: true,
+        ..Settings::default()
+    };
+    let mut sim = Sim::new(&rig.mechanism, &q, &v, settings)?;
+    // Energies between impacts, each once.
+    let mut seen: Vec<f64> = Vec::new();
+    for k in 1..2000 {
+        sim.run(1e-3 * f64::from(k), &[])?;
+        let ledger = sim.ledger();
+        let energy = ledger.kinetic + ledger.potential;
+        if seen.last().is_none_or(|last| (energy - last).abs() > 1e-6) {
+            seen.push(energy);
+        }
+        if seen.len() > 9 {
+            break;
+        }
+    }
+    let (mass, inertia, gravity) = (
+        robot.body.mass,
+        0.08390313333333332,
+        robot.environment.gravity,
+    );
+    let weight = mass * gravity;
+    let (sine, cosine) = slope.sin_cos();
+    let stations = &disc.stations;
+    let (mut x, mut theta, mut omega) = (0.0, lean, rate);
+    let mut expected = Vec::new();
+    for k in 0..9 {
+        let (here, next) = (&stations[k % 6], &stations[(k + 1) % 6]);
+        let (a, b) = (0.24 * here.reach, 0.24 * next.reach);
+        let gap = (next.angle - here.angle).rem_euclid(TAU);
+        let height = |x: f64, theta: f64| a * theta.cos() * cosine - (x + a * theta.sin()) * sine;
+        let about = inertia + mass * a * a;
+        expected.push(0.5 * about * omega * omega + weight * height(x, theta));
+        // a cos θ = b cos(gap − θ): the foot of the next station is on the slope.
+        let at = (a - b * gap.cos()).atan2(b * gap.sin());
+        let squared = omega * omega + 2.0 * weight * (height(x, theta) - height(x, at)) / about;
+        let before = squared.sqrt();
+        omega = before * (inertia + mass * a * b * gap.cos()) / (inertia + mass * b * b);
+        x += a * at.sin() + b * (gap - at).sin();
+        theta = at - gap;
+    }
+    // Where heights count from is open.
+    let offset = seen[0] - expected[0];
+    for (seen, expected) in seen.iter().zip(&expected) {
+        assert!((seen - offset - expected).abs() < 1e-6, "{seen} {expected}");
+    }
+    assert!(seen.len() > 6, "{seen:?}");
+    Ok(())
+}

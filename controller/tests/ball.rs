@@ -1,0 +1,216 @@
+//! A rolling ball: whatever is given it answers, and its estimate follows what turns it.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use proptest::prelude::*;
+use saltus_controller::Real;
+use saltus_controller::ball::{
+    Balance, Balancer, Estimator, Feet, Filter, Inertial, Plane, Rotation, Scales, Sight, Station,
+    Steer,
+};
+
+const STATIONS: [Station<f32>; 3] = [
+    Station {
+        legs: [0, 0],
+        angle: 0.0,
+    },
+    Station {
+        legs: [1, 2],
+        angle: 2.0,
+    },
+    Station {
+        legs: [3, 63],
+        angle: 4.0,
+    },
+];
+
+fn plane() -> Plane<'static, f32> {
+    Plane {
+        axis: [0.0, 1.0, 0.0],
+        first: [0.0, 0.0, -1.0],
+        ahead: [1.0, 0.0, 0.0],
+        stations: &STATIONS,
+    }
+}
+
+fn balance() -> Balance<f32> {
+    Balance {
+        period: 1e-3,
+        zone: -0.3,
+        angles: [0.4, 0.3],
+        opens: [0.012, 0.006],
+        by_rate: [0.004, 0.002],
+        rate: 5.0,
+        first: [0.03, 0.01],
+        slow: 1.0,
+        stall: 0.3,
+        least: 5e-4,
+        steer: Steer {
+            roll: 0.01,
+            roll_rate: 0.004,
+            heading: -0.002,
+            heading_rate: 0.0,
+            aside: -0.001,
+            aside_rate: 0.0,
+            sum: 1e-4,
+            most: 0.004,
+            lead: 0.01,
+            from: 0.2,
+            rest: 0.015,
+        },
+    }
+}
+
+/// Any bits at all, or a number of a usual size.
+fn any_number() -> impl Strategy<Value = f32> {
+    prop_oneof![any::<u32>().prop_map(f32::from_bits), -10.0_f32..10.0]
+}
+
+prop_compose! {
+    fn any_sight()(
+        q in prop::array::uniform4(any_number()),
+        spin in prop::array::uniform3(any_number()),
+        aside in any_number(),
+        aside_rate in any_number(),
+        course in any_number(),
+        touching in any::<u64>(),
+    ) -> Sight<f32> {
+        Sight { attitude: Rotation(q), spin, aside, aside_rate, course, touching, extra: 0.0 }
+    }
+}
+
+proptest! {
+    #[test]
+    fn whatever_is_seen_what_fires_opens_for_a_time(sights in prop::collection::vec(any_sight(), 1..40)) {
+        let mut balancer = Balancer::new(balance(), plane());
+        for sight in &sights {
+            let (_, fired) = balancer.step(sight);
+            for firing in fired.into_iter().flatten() {
+                prop_assert!(firing.leg < 64 && firing.open >= 5e-4, "{firing:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn twins_push_back_what_leans(roll in -0.2_f32..0.2) {
+        prop_assume!(roll.abs() > 0.02);
+        // The twins of the second station, 0.35 rad past upright, both on the ground.
+        let turn = |axis: [f64; 3], angle: f64| {
+            let (sine, cosine) = (0.5 * angle).sin_cos();
+            Rotation([cosine, axis[0] * sine, axis[1] * sine, axis[2] * sine].map(f32::of))
+        };
+        let rolled = turn([1.0, 0.0, 0.0], f64::from(roll)).after(&turn([0.0, 1.0, 0.0], 2.35));
+        let sight = Sight {
+            attitude: rolled,
+            spin: [0.0, 5.0, 0.0],
+            aside: 0.0,
+            aside_rate: 0.0,
+            course: 0.0,
+            touching: 0b110,
+            extra: 0.0,
+        };
+        let (lying, fired) = Balancer::new(balance(), plane()).step(&sight);
+        prop_assert!((lying.roll - roll).abs() < 1e-5 && (lying.lean - 0.35).abs() < 1e-5, "{lying:?}");
+        let open = fired.map(|firing| firing.map_or(0.0, |firing| firing.open));
+        // To the right: the right one, which is the second, pushes longer.
+        prop_assert!((open[1] - open[0]) * roll > 0.0, "{fired:?}");
+    }
+}
+
+fn estimator<R: Real>(directions: &[[R; 3]]) -> Estimator<'_, R> {
+    let filter = Filter {
+        period: R::of(1e-3),
+        gravity: R::of(9.8),
+        bias: [R::ZERO; 3],
+        by_foot: R::of(40.0),
+        tilt: R::of(0.1),
+        settles: R::of(0.03),
+        returns: R::of(0.25),
+    };
+    let scales = Scales {
+        fine_gyro: R::of(1e-4),
+        coarse_gyro: R::of(1e-3),
+        fine_accelerometer: R::of(1e-3),
+        coarse_accelerometer: R::of(1e-2),
+        limit: 32_000,
+    };
+    let feet = Feet {
+        directions,
+        reach: R::of(0.233),
+        radius: R::of(0.007),
+    };
+    Estimator::new(filter, scales, feet, Rotation::NONE)
+}
+
+#[test]
+fn a_ball_that_stands_knows_that_it_does() {
+    let down = [[0.0_f64, 0.0, -1.0]];
+    let mut known = estimator(&down);
+    let readings = Inertial {
+        fine_accelerometer: [0, 0, 9800],
+        touching: 1,
+        ..Inertial::default()
+    };
+    for _ in 0..60_000 {
+        known.take(&readings);
+    }
+    let e = known.estimate();
+    assert!((e.attitude.0[0] - 1.0).abs() < 1e-12, "{e:?}");
+    assert!(
+        e.place.iter().chain(&e.velocity).all(|x| x.abs() < 1e-9),
+        "{e:?}"
+    );
+}
+
+#[test]
+fn it_turns_as_its_gyros_say_and_the_coarse_ones_beyond_the_fine() {
+    // 3.2 rad/s is the end of the fine ones; 2 and 20 rad/s about z, in free fall.
+    for (fine, coarse, rate) in [(20_000, 2_000, 2.0), (32_000, 20_000, 20.0)] {
+        let mut known = estimator::<f64>(&[]);
+        let readings = Inertial {
+            fine_gyro: [0, 0, fine],
+            coarse_gyro: [0, 0, coarse],
+            ..Inertial::default()
+        };
+        for _ in 0..1000 {
+            known.take(&readings);
+        }
+        let e = known.estimate();
+        let (sine, cosine) = (0.5 * rate % TAU).sin_cos();
+        let [w, x, y, z] = e.attitude.0;
+        let off = (w - cosine).abs().min((w + cosine).abs());
+        assert!(off < 1e-9 && x.abs() < 1e-12 && y.abs() < 1e-12, "{e:?}");
+        assert!((z.abs() - f64::abs(sine)).abs() < 1e-9, "{e:?}");
+        assert!((e.velocity[2] + 9.8).abs() < 1e-9 && (e.place[2] + 4.9).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn single_precision_follows_double() {
+    let (down, single) = ([[0.0, 0.0, -1.0]], [[0.0_f32, 0.0, -1.0]]);
+    let (mut double, mut short) = (estimator(&down), estimator(&single));
+    for k in 0..20_000_i32 {
+        let wave = |period: f64, most: f64| {
+            let x = most * (TAU * f64::from(k) / period + FRAC_PI_2).sin();
+            // Counts of a converter.
+            #[allow(clippy::cast_possible_truncation)]
+            let counts = x as i32;
+            counts
+        };
+        let readings = Inertial {
+            fine_gyro: [
+                wave(700.0, 9_000.0),
+                wave(1100.0, 20_000.0),
+                wave(900.0, 5_000.0),
+            ],
+            fine_accelerometer: [wave(500.0, 3_000.0), 0, 9_800],
+            touching: u64::from(k % 400 < 200),
+            ..Inertial::default()
+        };
+        double.take(&readings);
+        short.take(&readings);
+    }
+    let (a, b) = (double.estimate().attitude.0, short.estimate().attitude.0);
+    let dot: f64 = a.iter().zip(&b).map(|(a, b)| a * f64::from(*b)).sum();
+    assert!((dot.abs() - 1.0).abs() < 1e-6, "{a:?} {b:?}");
+}
