@@ -2,7 +2,7 @@
 
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
-use saltus_controller::ball::{Balance, Estimate, Steer};
+use saltus_controller::ball::{Balance, Steer};
 use saltus_robot::Robot;
 
 use crate::GaitError;
@@ -23,7 +23,7 @@ pub struct Stable {
     pub first: [f64; 2],
     /// What the twins do.
     pub steer: Steer<f64>,
-    /// The heading of the line (rad), to the left of the first heading; it begins where the robot does.
+    /// The heading of the line (rad), to the left of the first heading; it begins where the robot has turned to it.
     pub line: f64,
     /// What twins do on top.
     pub extra: Option<Extra>,
@@ -79,11 +79,50 @@ impl Stable {
             },
         })
     }
+}
 
-    /// How far (m) it is to the left of the line, and its rate (m/s).
-    pub(super) fn aside(&self, known: &Estimate<f64>) -> [f64; 2] {
-        let (sine, cosine) = self.line.sin_cos();
-        [known.place, known.velocity].map(|it| cosine * it[1] - sine * it[0])
+/// How fast (rad/s) the course is turned to the line.
+const SLEW: f64 = 0.1;
+
+/// The course: first it turns, then there is a line.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Course {
+    line: f64,
+    /// The course now (rad).
+    now: f64,
+    /// Where the line begins (m); none while it turns.
+    start: Option<[f64; 2]>,
+}
+
+impl Course {
+    /// To the line of `stable`, from the first heading.
+    pub(super) fn new(stable: &Stable) -> Course {
+        Course {
+            line: stable.line,
+            now: 0.0,
+            start: None,
+        }
+    }
+
+    /// The course (rad) a cycle of `period` (s) later, at `place` (m).
+    pub(super) fn turn(&mut self, period: f64, place: &[f64; 3]) -> f64 {
+        let most = SLEW * period;
+        self.now += (self.line - self.now).clamp(-most, most);
+        if self.start.is_none() && (self.line - self.now).abs() <= most {
+            self.start = Some([place[0], place[1]]);
+        }
+        self.now
+    }
+
+    /// How far (m) `place` is to the left of the line, and the rate of that (m/s) at `velocity`.
+    pub(super) fn aside(&self, place: &[f64; 3], velocity: &[f64; 3]) -> [f64; 2] {
+        let (sine, cosine) = self.now.sin_cos();
+        let across = |x: f64, y: f64| cosine * y - sine * x;
+        let far = |[x, y]: [f64; 2]| across(place[0] - x, place[1] - y);
+        [
+            self.start.map_or(0.0, far),
+            across(velocity[0], velocity[1]),
+        ]
     }
 }
 

@@ -7,6 +7,7 @@ mod disc;
 mod drawn;
 mod sensing;
 
+use balance::Course;
 pub use balance::{Extra, Stable};
 pub use disc::Facing;
 pub use drawn::{DrawnBalls, drawn_ball};
@@ -104,6 +105,8 @@ pub struct Ball {
     pub rolling: Lying<f64>,
     /// Stations that have come into the zone.
     pub passed: i32,
+    /// Way (m) to the left of the line that it follows; 0 while it turns to it, and where it follows none.
+    pub aside: f64,
     /// Legs that fire now.
     pub fired: Vec<Firing<f64>>,
     /// Feet on the ground: bit k is leg k's.
@@ -193,6 +196,14 @@ impl Roll {
         require(rest < rests.len(), "rest", rest as f64, allowed)?;
         let rest = rests[rest].clone();
         let ways = Facing::all(&rest, &discs);
+        let allowed =
+            "such that a plane with four legs or more stands upright on the first feet that stand";
+        require(
+            !ways.is_empty(),
+            "legs.directions",
+            ways.len() as f64,
+            allowed,
+        )?;
         let allowed = format!("below {}, the ways open from this rest", ways.len());
         require(way < ways.len(), "way", way as f64, allowed)?;
         Ok((rest, ways[way].clone()))
@@ -213,7 +224,7 @@ impl Roll {
 enum Decides<'a> {
     /// A law, with whether the station in the zone waits for its angle.
     Disc(&'a Compiled, bool),
-    Stable(Box<Balancer<'a, f64>>, &'a Stable),
+    Stable(Box<Balancer<'a, f64>>, Course, &'a Stable),
 }
 
 /// Runs `roll`, and gives each cycle to `row`, which says whether it goes on.
@@ -236,7 +247,7 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
     let mut decides = match (&roll.gait, &compiled) {
         (Gait::Stable(stable), _) => {
             let balancer = Balancer::new(stable.balance(&roll.robot)?, facing.plane());
-            Decides::Stable(Box::new(balancer), stable)
+            Decides::Stable(Box::new(balancer), Course::new(stable), stable)
         }
         (Gait::Disc(_), Some(law)) => Decides::Disc(law, true),
         (Gait::Disc(_), None) => return Ok(Rolled::default()),
@@ -262,7 +273,7 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
     loop {
         let (mut ball, entered) = look(&rig, &sim, &mut tracker);
         ball.estimate = sensed.as_mut().map(|sensed| sensed.take(&ball));
-        ball.fired = decides.fire(&ball, entered, &tracker);
+        ball.fired = decides.fire(&mut ball, entered, &tracker, period);
         rolled.note(&ball, roll.start.yaw);
         for Firing { leg, open } in &ball.fired {
             sim.fire(*leg as usize, *open)?;
@@ -281,8 +292,14 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
 }
 
 impl Decides<'_> {
-    /// The legs that fire in the cycle of `ball`, whose station in the zone `entered` it now.
-    fn fire(&mut self, ball: &Ball, entered: bool, tracker: &Tracker<'_, f64>) -> Vec<Firing<f64>> {
+    /// The legs that fire in the cycle of `ball`, of `period` (s), whose station in the zone `entered` it now.
+    fn fire(
+        &mut self,
+        ball: &mut Ball,
+        entered: bool,
+        tracker: &Tracker<'_, f64>,
+        period: f64,
+    ) -> Vec<Firing<f64>> {
         match self {
             Decides::Disc(compiled, waits) => {
                 *waits |= entered;
@@ -301,7 +318,7 @@ impl Decides<'_> {
                 };
                 legs.into_iter().map(|leg| Firing { leg, open }).collect()
             }
-            Decides::Stable(balancer, stable) => {
+            Decides::Stable(balancer, course, stable) => {
                 let truth = Estimate {
                     attitude: Rotation(ball.attitude),
                     spin: ball.spin,
@@ -309,13 +326,15 @@ impl Decides<'_> {
                     place: ball.place,
                 };
                 let known = ball.estimate.unwrap_or(truth);
-                let [aside, aside_rate] = stable.aside(&known);
+                let heading = course.turn(period, &known.place);
+                let [aside, aside_rate] = course.aside(&known.place, &known.velocity);
+                ball.aside = course.aside(&ball.place, &ball.velocity)[0];
                 let sight = Sight {
                     attitude: known.attitude,
                     spin: known.spin,
                     aside,
                     aside_rate,
-                    course: stable.line,
+                    course: heading,
                     touching: ball.touching,
                     extra: stable.extra.map_or(0.0, |extra| extra.at(ball.passed)),
                 };
@@ -384,6 +403,7 @@ fn look(rig: &Rig, sim: &Sim<'_>, tracker: &mut Tracker<'_, f64>) -> (Ball, bool
         spin,
         rolling,
         passed: tracker.passed(),
+        aside: 0.0,
         fired: Vec::new(),
         touching: touching.fold(0, |bits, leg| bits | 1 << leg),
         extensions: (0..rig.legs.len()).map(extension).collect(),

@@ -44,6 +44,8 @@ const COLUMNS: &[&str] = &[
 struct Came {
     rolled: Rolled,
     aside: f64,
+    /// Heading (rad) at the end.
+    heading: f64,
     /// Since when (s) no station came any more.
     stands: Option<f64>,
     /// Whether it came [`FAR`] along its line before it was [`WIDE`] aside of it.
@@ -171,10 +173,19 @@ impl Run {
             "most aside of its line",
             format!("{} m", digits(came.aside, 3)),
         );
-        let left = rolled
-            .left
-            .map_or_else(|| "never".into(), |left| leaving(&left));
-        line("left its plane", left);
+        if self.gait.is_thesis() {
+            let left = rolled
+                .left
+                .map_or_else(|| "never".into(), |left| leaving(&left));
+            line("left its plane", left);
+        } else {
+            let heading = digits(came.heading, 3);
+            let wanted = digits(self.gait.heading.unwrap_or(0.0), 3);
+            line(
+                "heading at the end",
+                format!("{heading} rad, line {wanted} rad"),
+            );
+        }
         line("firings", rolled.firings.to_string());
         line(
             "energy unexplained",
@@ -196,6 +207,10 @@ impl Run {
             "robot": robot.name,
             "gait": self.gait.rolling().name(),
             "by_sensors": !(self.gait.truth || self.gait.is_thesis()),
+            "seconds": self.seconds,
+            "seed": self.seed,
+            "line_rad": self.gait.heading.unwrap_or(0.0),
+            "heading_rad": came.heading,
             "ending": came.ending(),
             "time_s": rolled.time,
             "travel_m": rolled.travel,
@@ -308,7 +323,11 @@ fn follow(setup: &Roll, mut goes_on: impl FnMut(&Ball) -> ControlFlow<()>) -> Ou
     came.rolled = roll(setup, |ball| {
         let [x, y, _] = ball.place;
         let (sine, cosine) = line.sin_cos();
-        came.aside = came.aside.max((cosine * y - sine * x).abs());
+        came.aside = came.aside.max(match &setup.gait {
+            Gait::Stable(_) => ball.aside.abs(),
+            Gait::Disc(_) => y.abs(),
+        });
+        came.heading = ball.rolling.heading;
         came.is_far |= came.aside <= WIDE && cosine * x + sine * y >= FAR;
         if ball.passed > last.0 {
             last = (ball.passed, ball.time);
@@ -460,6 +479,9 @@ fn refused(error: GaitError, robot: &Robot) -> CliError {
             allowed,
         } => {
             let flag = match name.as_str() {
+                "legs.directions" => {
+                    return CliError::content(&robot.name, format!("{name}: must be {allowed}"));
+                }
                 "time (s)" => "--seconds",
                 "valve opening time (s)" => "--valve-open",
                 "firing angle (rad)" => "--from, --to",
