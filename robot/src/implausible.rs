@@ -215,7 +215,12 @@ mod tests {
         for name in Robot::builtin_names() {
             let robot = Robot::builtin(name).expect("built in");
             let beyond: &[&str] = match name {
-                "rats-run" | "rats-twelve" => &["foot.radius_m", "ground.static_friction"],
+                "rats-run" => &["foot.radius_m", "ground.static_friction"],
+                "rats-twelve" => &[
+                    "foot.radius_m",
+                    "ground.static_friction",
+                    "ground.stiffness_n_per_m",
+                ],
                 _ => &[],
             };
             assert_eq!(robot.implausible(), vec![], "{name}");
