@@ -44,6 +44,7 @@ fn balance() -> Balance<f32> {
         first: [0.03, 0.01],
         slow: 1.0,
         stall: 0.3,
+        lead: 0.01,
         least: 5e-4,
         steer: Steer {
             roll: 0.01,
@@ -54,7 +55,6 @@ fn balance() -> Balance<f32> {
             aside_rate: 0.0,
             sum: 1e-4,
             most: 0.004,
-            lead: 0.01,
             from: 0.2,
             rest: 0.015,
         },
@@ -75,7 +75,7 @@ prop_compose! {
         course in any_number(),
         touching in any::<u64>(),
     ) -> Sight<f32> {
-        Sight { attitude: Rotation(q), spin, aside, aside_rate, course, touching, extra: 0.0 }
+        Sight { attitude: Rotation(q), spin, aside, aside_rate, course, touching }
     }
 }
 
@@ -107,7 +107,6 @@ proptest! {
             aside_rate: 0.0,
             course: 0.0,
             touching: 0b110,
-            extra: 0.0,
         };
         let (lying, fired) = Balancer::new(balance(), plane()).step(&sight);
         prop_assert!((lying.roll - roll).abs() < 1e-5 && (lying.lean - 0.35).abs() < 1e-5, "{lying:?}");
@@ -117,7 +116,7 @@ proptest! {
     }
 }
 
-fn estimator<R: Real>(directions: &[[R; 3]]) -> Estimator<'_, R> {
+fn estimator<R: Real>(directions: &[[R; 3]], attitude: Rotation<R>) -> Estimator<'_, R> {
     let filter = Filter {
         period: R::of(1e-3),
         gravity: R::of(9.8),
@@ -139,13 +138,13 @@ fn estimator<R: Real>(directions: &[[R; 3]]) -> Estimator<'_, R> {
         reach: R::of(0.233),
         radius: R::of(0.007),
     };
-    Estimator::new(filter, scales, feet, Rotation::NONE)
+    Estimator::new(filter, scales, feet, (attitude, [R::ZERO; 3]))
 }
 
 #[test]
 fn a_ball_that_stands_knows_that_it_does() {
     let down = [[0.0_f64, 0.0, -1.0]];
-    let mut known = estimator(&down);
+    let mut known = estimator(&down, Rotation::NONE);
     let readings = Inertial {
         fine_accelerometer: [0, 0, 9800],
         touching: 1,
@@ -162,11 +161,40 @@ fn a_ball_that_stands_knows_that_it_does() {
     );
 }
 
+/// What it takes for the vertical is off at first: standing, its foot and its accelerometers tell.
+#[test]
+fn a_ball_that_stands_finds_the_vertical() {
+    let down = [[0.0_f64, 0.0, -1.0]];
+    let readings = Inertial {
+        fine_accelerometer: [0, 0, 9800],
+        touching: 1,
+        ..Inertial::default()
+    };
+    for axis in [[0.05, 0.0, 0.0], [0.0, -0.05, 0.0], [0.03, 0.04, 0.0]] {
+        let mut known = estimator(&down, Rotation::small(&axis));
+        let off = |e: &Estimator<'_, f64>| {
+            let [_, x, y, _] = e.estimate().attitude.0;
+            2.0 * x.hypot(y)
+        };
+        assert!((off(&known) - 0.05).abs() < 1e-4);
+        for _ in 0..200_000 {
+            known.take(&readings);
+        }
+        // It falls by e in 41 s: v = g δ/40 while the foot draws it back, and δ falls by 0.1 v.
+        let expected = 0.05 * (-200.0 * 0.1 * 9.8 / 40.0_f64).exp();
+        assert!(
+            (off(&known) - expected).abs() < 0.1 * expected,
+            "{} {expected}",
+            off(&known)
+        );
+    }
+}
+
 #[test]
 fn it_turns_as_its_gyros_say_and_the_coarse_ones_beyond_the_fine() {
     // 3.2 rad/s is the end of the fine ones; 2 and 20 rad/s about z, in free fall.
     for (fine, coarse, rate) in [(20_000, 2_000, 2.0), (32_000, 20_000, 20.0)] {
-        let mut known = estimator::<f64>(&[]);
+        let mut known = estimator::<f64>(&[], Rotation::NONE);
         let readings = Inertial {
             fine_gyro: [0, 0, fine],
             coarse_gyro: [0, 0, coarse],
@@ -188,7 +216,10 @@ fn it_turns_as_its_gyros_say_and_the_coarse_ones_beyond_the_fine() {
 #[test]
 fn single_precision_follows_double() {
     let (down, single) = ([[0.0, 0.0, -1.0]], [[0.0_f32, 0.0, -1.0]]);
-    let (mut double, mut short) = (estimator(&down), estimator(&single));
+    let (mut double, mut short) = (
+        estimator(&down, Rotation::NONE),
+        estimator(&single, Rotation::NONE),
+    );
     for k in 0..20_000_i32 {
         let wave = |period: f64, most: f64| {
             let x = most * (TAU * f64::from(k) / period + FRAC_PI_2).sin();

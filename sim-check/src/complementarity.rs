@@ -71,6 +71,9 @@ pub(crate) struct Problem {
     pub motion: Vec<f64>,
     system: Vec<f64>,
     right: Vec<f64>,
+    /// Forces before a step of Newton's method, and the step.
+    before: Vec<f64>,
+    step: Vec<f64>,
     held: Vec<usize>,
     /// Each row's force: a constant, and a multiple of another row's.
     known: Vec<Known>,
@@ -84,28 +87,28 @@ const GUESSES: usize = 15;
 const FEW_GUESSES: usize = 4;
 /// What moves more slowly (m/s) at the end of a step may have been sought in vain: it stands.
 const CREEP: f64 = 1e-6;
-/// Steps of Newton's method on projections, and what part of the greatest force its last may be.
-const STEPS: usize = 40;
+/// Most steps of Newton's method on projections, and what part of the greatest force its last may be.
+const MOST_STEPS: usize = 40;
 const SETTLED: f64 = 1e-13;
 /// Least part of a step that a damped one is cut to.
 const LEAST_PART: f64 = 1e-4;
 
 /// How Newton's method on projections steps.
-struct Steps {
+struct Newton {
     /// ρ over the reciprocal of a row's own mobility.
     scale: f64,
     /// Whether a step that takes the forces farther from the laws is cut.
     is_damped: bool,
 }
 
-impl Steps {
+impl Newton {
     /// Whole steps, which most often come to an answer at once.
-    const BOLD: Steps = Steps {
+    const BOLD: Newton = Newton {
         scale: 0.1,
         is_damped: false,
     };
     /// Damped ones, which do so for feet at the edge of slipping that squeeze the ground between them.
-    const SAFE: Steps = Steps {
+    const SAFE: Newton = Newton {
         scale: 100.0,
         is_damped: true,
     };
@@ -376,7 +379,7 @@ impl Problem {
             return true;
         }
         if has_discs {
-            for way in [Steps::BOLD, Steps::SAFE] {
+            for way in [Newton::BOLD, Newton::SAFE] {
                 if self.project(&way) && self.obeys(creep) {
                     return true;
                 }
@@ -392,24 +395,23 @@ impl Problem {
     ///
     /// Source: Alart and Curnier, A mixed formulation for frictional contact problems prone to Newton like solution methods,
     /// Comput. Methods Appl. Mech. Eng. 92 (1991).
-    fn project(&mut self, way: &Steps) -> bool {
+    fn project(&mut self, way: &Newton) -> bool {
         let m = self.rows;
         self.force.clear();
         self.force.resize(m, 0.0);
         let mut error = self.state_laws(way.scale);
-        let (mut before, mut step) = (vec![0.0; m], vec![0.0; m]);
-        for _ in 0..STEPS {
-            before.copy_from_slice(&self.force);
+        for _ in 0..MOST_STEPS {
+            self.before.clone_from(&self.force);
             linear::solve(&mut self.system, m, &mut self.right);
-            step.copy_from_slice(&self.right);
-            if !step.iter().all(|x| x.is_finite()) {
+            self.step.clone_from(&self.right);
+            if !self.step.iter().all(|x| x.is_finite()) {
                 return false;
             }
             let was = error;
             let mut part = 1.0;
             loop {
                 for k in 0..m {
-                    self.force[k] = before[k] + part * step[k];
+                    self.force[k] = self.before[k] + part * self.step[k];
                 }
                 error = self.state_laws(way.scale);
                 if !way.is_damped || error < (1.0 - 0.1 * part) * was || part < LEAST_PART {
@@ -418,7 +420,7 @@ impl Problem {
                 part *= 0.5;
             }
             let greatest = |x: &[f64]| x.iter().fold(0.0_f64, |s, x| s.max(x.abs()));
-            if part * greatest(&step) <= SETTLED * greatest(&before) + f64::MIN_POSITIVE {
+            if part * greatest(&self.step) <= SETTLED * greatest(&self.before) + f64::MIN_POSITIVE {
                 let still = self.still();
                 for i in 0..self.elements.len() {
                     self.elements[i].grip = self.grip_by_motion(&self.elements[i], still);
@@ -851,6 +853,59 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig { rng_seed: proptest::test_runner::RngSeed::Fixed(1), failure_persistence: None, ..ProptestConfig::with_cases(500) })]
+
+        /// Three feet that can squeeze the ground between them: their forces are not unique, but there are some, and they
+        /// obey the laws.
+        #[test]
+        fn three_feet_that_squeeze_the_ground_find_forces(
+            feet in prop::collection::vec(-0.2..0.2_f64, 6),
+            spread in 0.1..0.3_f64,
+            push in prop::array::uniform6(-1.0..1.0_f64),
+            limit in 0.05..1.5_f64,
+            slide in prop::array::uniform3(-1.0..1.0_f64),
+        ) {
+            // Rows of a unit mass with unit inertia: up, along and across at three feet below its middle.
+            let place = |k: usize| {
+                let angle = 2.1 * k as f64;
+                [spread * angle.cos() + 0.3 * feet[2 * k], spread * angle.sin() + 0.3 * feet[2 * k + 1], -0.2]
+            };
+            let rows: Vec<[f64; 6]> = (0..9)
+                .map(|r| {
+                    let [x, y, z] = place(r / 3);
+                    match r % 3 {
+                        0 => [0.0, 0.0, 1.0, y, -x, 0.0],
+                        1 => [1.0, 0.0, 0.0, 0.0, z, -y],
+                        _ => [0.0, 1.0, 0.0, -z, 0.0, x],
+                    }
+                })
+                .collect();
+            let dot = |a: &[f64; 6], b: &[f64; 6]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            // Feet give way a little, as in a step.
+            let a = (0..81)
+                .map(|k| dot(&rows[k / 9], &rows[k % 9]) * if k / 9 == k % 9 { 1.0 + 1e-8 } else { 1.0 })
+                .collect();
+            // It is pressed onto the ground, and slides or hardly does.
+            let motion = [0.01 * slide[0], 0.01 * slide[1], -1.0, 0.1 * push[3], 0.1 * push[4], slide[2]];
+            let b = rows.iter().map(|row| dot(row, &motion)).collect();
+            let elements = [0, 3, 6]
+                .into_iter()
+                .flat_map(|row| [
+                    Element { row, bounds: Bounds::Between(0.0, f64::INFINITY), grip: Grip::Held },
+                    Element {
+                        row: row + 1,
+                        bounds: Bounds::Friction { normal: Some(row), limit, rows: 2 },
+                        grip: Grip::Along([1.0, 0.0]),
+                    },
+                ])
+                .collect();
+            let mut p = Problem { rows: 9, a, b, elements, ..Problem::default() };
+            prop_assert!(p.resolve_step());
+            for n in [0, 3, 6] {
+                let (f, w) = (p.force[n], p.motion[n]);
+                prop_assert!(f >= -1e-9 && w >= -1e-5 && (f * w).abs() < 1e-5, "normal {f} {w}");
+                prop_assert!(p.force[n + 1].hypot(p.force[n + 2]) <= limit * f + 1e-7);
+            }
+        }
 
         /// Whatever the masses and the pushes: contact forces obey Signorini's and Coulomb's laws.
         /// Low friction, so that rigid bodies always have an answer.

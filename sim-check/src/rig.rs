@@ -366,6 +366,20 @@ impl Rig {
         Ok(q)
     }
 
+    /// Gap (m) between each leg's foot and the ground, at coordinates `q`.
+    ///
+    /// # Panics
+    /// For coordinates that are not the rig's.
+    pub fn foot_gaps(&self, q: &[f64]) -> Vec<f64> {
+        let pose = self.pose_at(q);
+        let gap = |leg: usize| {
+            let point = &self.mechanism.points[leg];
+            let center = pose.frames[point.body].point(&point.center);
+            self.mechanism.surfaces[0].proximity(&center).distance - point.radius
+        };
+        (0..self.legs.len()).map(gap).collect()
+    }
+
     /// Gap (m) between the foot of leg `leg` and the ground, and the speeds (m/s) of the foot along
     /// the ground's normal, along the travel and across it, where it is nearest.
     ///

@@ -27,6 +27,8 @@ pub struct Balance<R> {
     pub slow: R,
     /// For how long (s) it may turn more slowly than half of that before the station in the zone may fire again.
     pub stall: R,
+    /// How long (s) a leg takes from its command until it pushes.
+    pub lead: R,
     /// Shortest opening time (s); what would open for less does not fire.
     pub least: R,
     /// What the twins do.
@@ -52,8 +54,6 @@ pub struct Steer<R> {
     pub sum: R,
     /// Most (s), either way.
     pub most: R,
-    /// How long (s) a leg takes from its command until it pushes.
-    pub lead: R,
     /// Lean (rad) of the twins from which on each that is on the ground fires for what it lacks, again and again.
     pub from: R,
     /// Shortest time (s) from one of these firings to the next of the same twin.
@@ -75,8 +75,6 @@ pub struct Sight<R> {
     pub course: R,
     /// Feet on the ground: bit k is leg k's.
     pub touching: u64,
-    /// By how much longer (s) the right twin's valve opens on top of all feedback: to find out what it does.
-    pub extra: R,
 }
 
 /// A leg to fire now.
@@ -199,14 +197,14 @@ impl<'a, R: Real> Balancer<'a, R> {
     #[inline]
     fn difference(&self, lying: &Lying<R>, sight: &Sight<R>) -> R {
         let s = &self.balance.steer;
-        let more = s.roll * (lying.roll + s.lead * lying.roll_rate)
+        let more = s.roll * (lying.roll + self.balance.lead * lying.roll_rate)
             + s.roll_rate * lying.roll_rate
             + s.heading * wrapped(lying.heading - sight.course)
             + s.heading_rate * lying.heading_rate
             + s.aside * sight.aside
             + s.aside_rate * sight.aside_rate
             + s.sum * self.sum;
-        more.lesser(s.most).greater(-s.most) + sight.extra
+        more.lesser(s.most).greater(-s.most)
     }
 
     /// Adds up how far off the line the twins were.

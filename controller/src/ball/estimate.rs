@@ -57,9 +57,9 @@ pub struct Filter<R> {
     pub by_foot: R,
     /// How fast (1/(m s)) the vertical follows what that leaves.
     pub tilt: R,
-    /// For how long (s) a foot must be pressed before it is believed, and for how long (s) after its leg was fired it is not.
+    /// For how long (s) a foot must be pressed before it is believed.
     pub settles: R,
-    /// The same after a firing.
+    /// For how long (s) it is not believed after its leg was fired: it must be home again.
     pub returns: R,
 }
 
@@ -72,7 +72,7 @@ pub struct Estimate<R> {
     pub spin: [R; 3],
     /// Velocity of the place where the legs meet (m/s).
     pub velocity: [R; 3],
-    /// Way of that place since the start (m): along the first heading, to its left, up.
+    /// Where that place is (m), the world's axes.
     pub place: [R; 3],
 }
 
@@ -92,12 +92,12 @@ pub struct Estimator<'a, R> {
 }
 
 impl<'a, R: Real> Estimator<'a, R> {
-    /// A ball at rest with this `attitude`.
+    /// A ball at rest with this `attitude`, its legs meeting at `place` (m).
     pub fn new(
         filter: Filter<R>,
         scales: Scales<R>,
         feet: Feet<'a, R>,
-        attitude: Rotation<R>,
+        (attitude, place): (Rotation<R>, [R; 3]),
     ) -> Estimator<'a, R> {
         Estimator {
             filter,
@@ -107,7 +107,7 @@ impl<'a, R: Real> Estimator<'a, R> {
                 attitude: attitude.unit(),
                 spin: [R::ZERO; 3],
                 velocity: [R::ZERO; 3],
-                place: [R::ZERO; 3],
+                place,
             },
             pressed: [0; MOST],
             fired: [u16::MAX; MOST],
@@ -204,7 +204,7 @@ impl<'a, R: Real> Estimator<'a, R> {
         let part = f.period / R::of_count(count);
         let e = &mut self.estimate;
         e.velocity = plus(&e.velocity, part * f.by_foot, &off);
-        // A velocity that is too small to the left means that gravity pulls there: the vertical leans too far to it.
+        // A foot that says more velocity to the left than was integrated: the ball leans more to the left than was believed.
         let tilt = part * f.tilt;
         let vector = [-off[1] * tilt, off[0] * tilt, R::ZERO];
         e.attitude = Rotation::small(&vector).after(&e.attitude).unit();

@@ -1,7 +1,5 @@
 //! The rolling disc that is kept in its plane.
 
-use rand_distr::{Distribution, Uniform};
-use rand_pcg::Pcg64;
 use saltus_controller::ball::{Balance, Steer};
 use saltus_robot::Robot;
 
@@ -25,8 +23,6 @@ pub struct Stable {
     pub steer: Steer<f64>,
     /// The heading of the line (rad), to the left of the first heading; it begins where the robot has turned to it.
     pub line: f64,
-    /// What twins do on top.
-    pub extra: Option<Extra>,
 }
 
 impl Stable {
@@ -43,7 +39,6 @@ impl Stable {
             first,
             steer,
             line,
-            extra: _,
         } = self.clone();
         let steered = [
             steer.roll,
@@ -52,8 +47,11 @@ impl Stable {
             steer.heading_rate,
             steer.aside,
             steer.aside_rate,
+            steer.sum,
+            steer.from,
+            steer.rest,
         ];
-        let finite = [by_rate[0], by_rate[1], rate, line, steer.sum];
+        let finite = [by_rate[0], by_rate[1], rate, line];
         for x in angles.into_iter().chain(steered).chain(finite) {
             let allowed = "a finite number";
             require(x.is_finite(), "numbers of a stable gait", x, allowed)?;
@@ -73,10 +71,8 @@ impl Stable {
             slow: SLOW,
             stall: STALL,
             least: LEAST,
-            steer: Steer {
-                lead: robot.leg.delay,
-                ..steer
-            },
+            lead: robot.leg.delay,
+            steer,
         })
     }
 }
@@ -95,10 +91,10 @@ pub(super) struct Course {
 }
 
 impl Course {
-    /// To the line of `stable`, from the first heading.
-    pub(super) fn new(stable: &Stable) -> Course {
+    /// To a line of this heading (rad), from the first heading.
+    pub(super) fn new(line: f64) -> Course {
         Course {
-            line: stable.line,
+            line,
             now: 0.0,
             start: None,
         }
@@ -123,25 +119,6 @@ impl Course {
             self.start.map_or(0.0, far),
             across(velocity[0], velocity[1]),
         ]
-    }
-}
-
-/// What twins do on top of all feedback, to find out what it does: drawn anew for each station.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Extra {
-    /// Greatest difference (s).
-    pub most: f64,
-    /// Seed.
-    pub seed: u64,
-}
-
-impl Extra {
-    /// By how much longer (s) the right twin's valve opens at the station that came as number `passed`.
-    pub(super) fn at(&self, passed: i32) -> f64 {
-        let number = u128::from(passed.unsigned_abs());
-        let mut random = Pcg64::new(u128::from(self.seed), 2 * number + 1);
-        let unit = Uniform::new_inclusive(-1.0, 1.0).map(|uniform| uniform.sample(&mut random));
-        self.most * unit.unwrap_or(0.0)
     }
 }
 
@@ -171,12 +148,48 @@ impl Default for Stable {
                 aside_rate: -0.00105,
                 sum: 0.00025,
                 most: 0.00419,
-                lead: 0.0,
                 from: 0.37116,
                 rest: 0.01728,
             },
             line: 0.0,
-            extra: None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_course_turns_slowly_and_its_line_begins_there() {
+        for line in [0.5, -0.3] {
+            let mut course = Course::new(line);
+            let mut turned = 0.0;
+            for k in 0..10_000 {
+                let time = 1e-3 * f64::from(k);
+                let next = course.turn(1e-3, &[time, 0.0, 0.2]);
+                assert!((next - turned).abs() <= SLEW * 1e-3 + 1e-12);
+                if (next - line).abs() > 1e-3 {
+                    assert_eq!(course.aside(&[time, 0.0, 0.2], &[1.0, 0.0, 0.0])[0], 0.0);
+                }
+                turned = next;
+            }
+            assert!((turned - line).abs() < 1e-12);
+            // The line begins after |line|/0.1 s, so many metres ahead; a metre farther on is on it, and left of it is left.
+            let start = 10.0 * line.abs();
+            let (sine, cosine) = line.sin_cos();
+            let at = |far: f64, left: f64| {
+                [
+                    start + far * cosine - left * sine,
+                    far * sine + left * cosine,
+                    0.2,
+                ]
+            };
+            let [aside, rate] = course.aside(&at(1.0, 0.4), &[-sine, cosine, 0.0]);
+            assert!(
+                (aside - 0.4).abs() < 2e-3 && (rate - 1.0).abs() < 1e-12,
+                "{aside} {rate}"
+            );
         }
     }
 }

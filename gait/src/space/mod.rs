@@ -8,7 +8,7 @@ mod drawn;
 mod sensing;
 
 use balance::Course;
-pub use balance::{Extra, Stable};
+pub use balance::Stable;
 pub use disc::Facing;
 pub use drawn::{DrawnBalls, drawn_ball};
 
@@ -117,7 +117,7 @@ pub struct Ball {
     pub estimate: Option<Estimate<f64>>,
 }
 
-/// Where a robot left its plane.
+/// How a robot was when it left its plane, or fell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Left {
     /// When (s).
@@ -143,7 +143,7 @@ pub struct Rolled {
     pub aside: f64,
     /// Where it left its plane, if it did.
     pub left: Option<Left>,
-    /// Where it fell, if it did: the disc leaned by more than [`FALLS`].
+    /// Where it fell, if it did: its disc leaned by more than [`FALLS`].
     pub fell: Option<Left>,
     /// Firings, of twins one.
     pub firings: usize,
@@ -223,8 +223,8 @@ impl Roll {
 /// What decides.
 enum Decides<'a> {
     /// A law, with whether the station in the zone waits for its angle.
-    Disc(&'a Compiled, bool),
-    Stable(Box<Balancer<'a, f64>>, Course, &'a Stable),
+    Disc(Compiled, bool),
+    Stable(Box<Balancer<'a, f64>>, Course),
 }
 
 /// Runs `roll`, and gives each cycle to `row`, which says whether it goes on.
@@ -234,29 +234,23 @@ enum Decides<'a> {
 pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, GaitError> {
     roll.check()?;
     let (rest, facing) = roll.facing()?;
-    let (zone, compiled) = match &roll.gait {
+    let (zone, mut decides) = match &roll.gait {
         Gait::Disc(fires) => {
             let span = (fires.zone, facing.widest());
-            (
-                fires.zone,
-                Some(fires.program.compile(fires.valve_open, span)?),
-            )
+            let law = fires.program.compile(fires.valve_open, span)?;
+            (fires.zone, Decides::Disc(law, true))
         }
-        Gait::Stable(stable) => (stable.balance(&roll.robot)?.zone, None),
-    };
-    let mut decides = match (&roll.gait, &compiled) {
-        (Gait::Stable(stable), _) => {
-            let balancer = Balancer::new(stable.balance(&roll.robot)?, facing.plane());
-            Decides::Stable(Box::new(balancer), Course::new(stable), stable)
+        Gait::Stable(stable) => {
+            let balance = stable.balance(&roll.robot)?;
+            let balancer = Box::new(Balancer::new(balance, facing.plane()));
+            let course = Course::new(stable.line);
+            (balance.zone, Decides::Stable(balancer, course))
         }
-        (Gait::Disc(_), Some(law)) => Decides::Disc(law, true),
-        (Gait::Disc(_), None) => return Ok(Rolled::default()),
     };
     let rig = Rig::new(&roll.robot, &[])?;
     let (q, v) = placed(&rig, roll.start, rig.stand_on(&rest, &facing.ahead(&rest))?);
     let settings = Settings {
         stepping: roll.stepping,
-        accounts: true,
         most_steps: usize::MAX,
         ..Settings::default()
     };
@@ -265,7 +259,7 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
     let start = sim.ledger();
     let directions = roll.robot.space.as_ref().map(|it| it.directions.vectors());
     let directions = directions.unwrap_or_default();
-    let mut sensed = Sensed::new(roll, &directions, attitude(&q));
+    let mut sensed = Sensed::new(roll, &directions, &q);
     let period = roll.robot.sensors.unwrap_or_default().period;
     let mut tracker = Tracker::new(facing.plane(), zone);
     let mut rolled = Rolled::default();
@@ -318,7 +312,7 @@ impl Decides<'_> {
                 };
                 legs.into_iter().map(|leg| Firing { leg, open }).collect()
             }
-            Decides::Stable(balancer, course, stable) => {
+            Decides::Stable(balancer, course) => {
                 let truth = Estimate {
                     attitude: Rotation(ball.attitude),
                     spin: ball.spin,
@@ -336,7 +330,6 @@ impl Decides<'_> {
                     aside_rate,
                     course: heading,
                     touching: ball.touching,
-                    extra: stable.extra.map_or(0.0, |extra| extra.at(ball.passed)),
                 };
                 let (_, fired) = balancer.step(&sight);
                 fired.into_iter().flatten().collect()
@@ -352,38 +345,26 @@ struct Sensed<'a> {
 }
 
 impl<'a> Sensed<'a> {
-    /// That of `roll`, if it has to go by its sensors. At rest it knows its attitude, but for its heading: that is what
-    /// it calls forwards.
-    fn new(
-        roll: &Roll,
-        directions: &'a [[f64; 3]],
-        attitude: UnitQuaternion<f64>,
-    ) -> Option<Sensed<'a>> {
+    /// That of `roll`, if it has to go by its sensors. At rest at coordinates `q` it knows how and where it is.
+    fn new(roll: &Roll, directions: &'a [[f64; 3]], q: &[f64]) -> Option<Sensed<'a>> {
         let Knows::Sensors(seed) = roll.knows else {
             return None;
         };
-        let yaw = UnitQuaternion::from_axis_angle(&Vec3::z_axis(), -roll.start.yaw);
-        let believed = yaw * attitude;
+        let start = (Rotation([q[3], q[4], q[5], q[6]]), [q[0], q[1], q[2]]);
         Some(Sensed {
-            senses: Senses::new(&roll.robot, attitude, seed),
-            estimator: estimator(&roll.robot, directions, quaternion(&believed)),
+            senses: Senses::new(&roll.robot, attitude(q), seed),
+            estimator: estimator(&roll.robot, directions, start),
         })
     }
 
     fn take(&mut self, ball: &Ball) -> Estimate<f64> {
         let [w, x, y, z] = ball.attitude;
         let attitude = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-        // The first reading is of the rest.
-        let readings = self
-            .senses
-            .read(attitude, Vector3::from(ball.velocity), ball.touching);
+        let velocity = Vector3::from(ball.velocity);
+        let readings = self.senses.read(attitude, velocity, ball.touching);
         self.estimator.take(&readings);
         *self.estimator.estimate()
     }
-}
-
-fn quaternion(q: &UnitQuaternion<f64>) -> Rotation<f64> {
-    Rotation([q.w, q.i, q.j, q.k])
 }
 
 /// Where the robot of `sim` is; and whether another station has entered the zone.
@@ -393,8 +374,8 @@ fn look(rig: &Rig, sim: &Sim<'_>, tracker: &mut Tracker<'_, f64>) -> (Ball, bool
     let attitude = [q[3], q[4], q[5], q[6]];
     let (rolling, entered) = tracker.look(&Rotation(attitude), &spin);
     let extension = |leg: usize| q[rig.extension_coordinate(leg)];
-    let touches = |leg: &usize| rig.foot_motion(*leg, q, v).0 <= 0.0;
-    let touching = (0..rig.legs.len()).filter(touches);
+    let gaps = rig.foot_gaps(q);
+    let touching = (0..gaps.len()).filter(|leg| gaps[*leg] <= 0.0);
     let ball = Ball {
         time: sim.time(),
         place: [q[0], q[1], q[2]],
@@ -455,7 +436,6 @@ fn placed(rig: &Rig, start: Start, mut q: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
     let turned = yaw * roll * attitude(&q);
     q[3..7].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
     let v = vec![0.0; rig.mechanism.tree.velocities()];
-    let gaps = (0..rig.legs.len()).map(|leg| rig.foot_motion(leg, &q, &v).0);
-    q[2] -= gaps.fold(f64::INFINITY, f64::min);
+    q[2] -= rig.foot_gaps(&q).into_iter().fold(f64::INFINITY, f64::min);
     (q, v)
 }

@@ -71,11 +71,12 @@ const TILT: f64 = 0.1;
 const SETTLES: f64 = 0.03;
 const RETURNS: f64 = 0.25;
 
-/// What makes the motion of `robot` of its readings; it is at rest with this `attitude`, its legs along `directions`.
+/// What makes the motion of `robot`, whose legs point along `directions`, of its readings; it is at rest at `start`:
+/// attitude and place (m).
 pub(super) fn estimator<'a>(
     robot: &Robot,
     directions: &'a [[f64; 3]],
-    attitude: Rotation<f64>,
+    start: (Rotation<f64>, [f64; 3]),
 ) -> Estimator<'a, f64> {
     let sensors = robot.sensors.unwrap_or_default();
     let scale = instruments(&sensors);
@@ -102,5 +103,5 @@ pub(super) fn estimator<'a>(
         reach: robot.body.radius - radius,
         radius,
     };
-    Estimator::new(filter, scales, feet, attitude)
+    Estimator::new(filter, scales, feet, start)
 }

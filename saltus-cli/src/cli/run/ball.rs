@@ -103,6 +103,12 @@ impl Run {
         })
         .map_err(|error| refused(error, robot))?;
         drop(progress);
+        if interrupt.came() {
+            let at = digits(came.rolled.time, 6);
+            message(&format!(
+                "interrupted at {at} s: the answer is of the run up to there"
+            ));
+        }
         let mut files = Files::default();
         match (rows, self.output.format()) {
             (Some(rows), _) => {
