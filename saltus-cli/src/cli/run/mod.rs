@@ -194,9 +194,12 @@ share of starts on one foot that run, on three grids; the frontier of speed agai
 without sensors and without --disturb. It takes half a minute on one core, or some seconds with `quick`. Text or JSON; with --robots the frontier is of drawn robots.
 
 A robot in space, such as rats-twelve, rolls as a disc on the legs near one plane: docs/space.md. By `disc-stable` it goes \
-by its sensors unless --truth is given, and ends where it has fallen or stands, with exit code 1. Its CSV has attitudes as unit \
-quaternions from the body's axes to the world's, and what the sensors make of them; with --robots forces of legs, centre of mass and \
-friction are drawn.
+by its sensors unless --truth is given, and ends where it has fallen or stands, with exit code 1. With --robots forces of legs, centre \
+of mass and friction are drawn. Its CSV has a row a cycle: time_s, x_m, y_m, z_m (where its legs meet), quaternion_w to quaternion_z \
+(from the body's axes to the world's), vx_m_s to vz_m_s, spin_x_rad_s to spin_z_rad_s, lean_rad (of the leg or twins in the zone), \
+rate_rad_s, roll_rad, roll_rate_rad_s, heading_rad, stations_passed, feet_on_ground (how many), fired_leg, valve_open_s, fired_twin, \
+twin_valve_open_s (empty where none fires), what its sensors make of place and attitude, estimated_x_m to estimated_quaternion_z \
+(empty without sensors), and extension_N_m of each leg.
 
 --mcap writes the motion every cycle as it is computed, and in /measured the columns of --telemetry; docs/viewers.md lists the topics.
 
