@@ -11,10 +11,12 @@
 
 mod balance;
 mod estimate;
+mod pilot;
 mod plane;
 mod rotation;
 
 pub use balance::{Balance, Balancer, Firing, Sight, Steer};
 pub use estimate::{Estimate, Estimator, Feet, Filter, Inertial, Scales};
+pub use pilot::{Lead, Pilot, View};
 pub use plane::{Lying, Plane, Station, Tracker};
 pub use rotation::Rotation;

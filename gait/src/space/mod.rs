@@ -6,15 +6,19 @@ mod balance;
 mod disc;
 mod drawn;
 mod sensing;
+mod steer;
 
 use balance::Course;
 pub use balance::Stable;
 pub use disc::Facing;
 pub use drawn::{DrawnBalls, drawn_ball};
+pub use steer::Steered;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
 use saltus_controller::ball::{
-    Balancer, Estimate, Estimator, Firing, Lying, Rotation, Sight, Tracker,
+    Balancer, Estimate, Estimator, Firing, Lying, Pilot, Plane, Rotation, Sight, Tracker, View,
 };
 use saltus_robot::Robot;
 use saltus_robot::space::{Rest, discs, rests};
@@ -53,6 +57,10 @@ pub enum Gait {
     ///
     /// Source: thesis 7.3.
     Stable(Stable),
+    /// The same along a path: it chooses its plane wherever it lies, and goes on from there after a fall.
+    ///
+    /// Source: thesis 7.2.1 and 8.3.2.
+    Steered(Steered),
 }
 
 /// Firing angles of the station in the active zone.
@@ -86,6 +94,33 @@ pub struct Start {
     pub roll: f64,
     /// Turn (rad) of the robot with its disc about the vertical, to the left.
     pub yaw: f64,
+    /// How it was thrown down instead, its lowest foot on the ground.
+    pub thrown: Option<Thrown>,
+}
+
+/// How a robot comes onto the ground that fell, or was thrown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thrown {
+    /// Attitude: a unit quaternion w, x, y, z.
+    pub attitude: [f64; 4],
+    /// Angular velocity (rad/s), the world's axes.
+    pub spin: [f64; 3],
+}
+
+impl Thrown {
+    /// Number `k` of those drawn from `seed`: any attitude as likely as any other, and spins of up to `most` (rad/s) about
+    /// any axis, uniform in their ball.
+    pub fn drawn(seed: u64, k: usize, most: f64) -> Thrown {
+        let mut random = Pcg64::new(u128::from(seed), 0x7ba1 + k as u128);
+        let mut normal = || StandardNormal.sample(&mut random);
+        let attitude = Quaternion::new(normal(), normal(), normal(), normal()).normalize();
+        let axis = Vector3::new(normal(), normal(), normal()).normalize();
+        let part: f64 = rand_distr::OpenClosed01.sample(&mut random);
+        Thrown {
+            attitude: [attitude.w, attitude.i, attitude.j, attitude.k],
+            spin: (most * part.cbrt() * axis).into(),
+        }
+    }
 }
 
 /// A cycle of a robot that rolls.
@@ -107,6 +142,8 @@ pub struct Ball {
     pub passed: i32,
     /// Way (m) to the left of the line that it follows; 0 while it turns to it, and where it follows none.
     pub aside: f64,
+    /// How it is led along its path.
+    pub led: Led,
     /// Legs that fire now.
     pub fired: Vec<Firing<f64>>,
     /// Feet on the ground: bit k is leg k's.
@@ -115,6 +152,17 @@ pub struct Ball {
     pub extensions: Vec<f64>,
     /// What it takes its motion for, by its sensors.
     pub estimate: Option<Estimate<f64>>,
+}
+
+/// How a robot is led along a path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Led {
+    /// The plane in which it rolls, by its number; none while it comes to rest.
+    pub plane: Option<usize>,
+    /// How many times it has set out.
+    pub starts: u32,
+    /// How many points of the path it has come to.
+    pub reached: usize,
 }
 
 /// How a robot was when it left its plane, or fell.
@@ -212,7 +260,18 @@ impl Roll {
     fn check(&self) -> Result<(), GaitError> {
         let sound = self.seconds > 0.0 && self.seconds <= 1e5;
         require(sound, "time (s)", self.seconds, "above 0, at most 100000")?;
-        let Start { roll, yaw, .. } = self.start;
+        let Start {
+            roll, yaw, thrown, ..
+        } = self.start;
+        if let Some(Thrown { attitude, spin }) = thrown {
+            let length = attitude.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let is_unit = (length - 1.0).abs() < 1e-9;
+            require(is_unit, "length of a quaternion", length, "1")?;
+            for x in spin {
+                let sound = x.abs() <= 100.0;
+                require(sound, "spin (rad/s)", x, "from -100 to 100 rad/s")?;
+            }
+        }
         for (name, x) in [("roll (rad)", roll), ("yaw (rad)", yaw)] {
             require(x.abs() <= 1.0, name, x, "from -1 to 1")?;
         }
@@ -225,6 +284,7 @@ enum Decides<'a> {
     /// A law, with whether the station in the zone waits for its angle.
     Disc(Compiled, bool),
     Stable(Box<Balancer<'a, f64>>, Course),
+    Steered(Box<Pilot<'a, f64>>),
 }
 
 /// Runs `roll`, and gives each cycle to `row`, which says whether it goes on.
@@ -234,6 +294,10 @@ enum Decides<'a> {
 pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, GaitError> {
     roll.check()?;
     let (rest, facing) = roll.facing()?;
+    let directions = roll.robot.space.as_ref().map(|it| it.directions.vectors());
+    let directions = directions.unwrap_or_default();
+    let facings = Facing::every(&discs(&directions));
+    let planes: Vec<Plane<'_, f64>> = facings.iter().map(Facing::plane).collect();
     let (zone, mut decides) = match &roll.gait {
         Gait::Disc(fires) => {
             let span = (fires.zone, facing.widest());
@@ -246,6 +310,11 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
             let course = Course::new(stable.line);
             (balance.zone, Decides::Stable(balancer, course))
         }
+        Gait::Steered(steered) => {
+            let lead = steered.lead(&roll.robot)?;
+            let pilot = Box::new(Pilot::new(lead, &planes, &steered.path));
+            (lead.balance.zone, Decides::Steered(pilot))
+        }
     };
     let rig = Rig::new(&roll.robot, &[])?;
     let (q, v) = placed(&rig, roll.start, rig.stand_on(&rest, &facing.ahead(&rest))?);
@@ -257,17 +326,30 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
     let mut sim = Sim::new(&rig.mechanism, &q, &v, settings)?;
     sim.release_legs()?;
     let start = sim.ledger();
-    let directions = roll.robot.space.as_ref().map(|it| it.directions.vectors());
-    let directions = directions.unwrap_or_default();
     let mut sensed = Sensed::new(roll, &directions, &q);
     let period = roll.robot.sensors.unwrap_or_default().period;
     let mut tracker = Tracker::new(facing.plane(), zone);
     let mut rolled = Rolled::default();
     let mut cycles = 0_u64;
+    let (mut before, mut led) = (0, Led::default());
     loop {
         let (mut ball, entered) = look(&rig, &sim, &mut tracker);
+        ball.passed += before;
+        ball.led = led;
         ball.estimate = sensed.as_mut().map(|sensed| sensed.take(&ball));
         ball.fired = decides.fire(&mut ball, entered, &tracker, period);
+        if let Decides::Steered(pilot) = &decides {
+            if let Some(plane) = pilot.plane().filter(|_| led.starts != pilot.starts()) {
+                before += tracker.passed().max(0);
+                tracker = Tracker::new(planes[plane], zone);
+            }
+            ball.led = Led {
+                plane: pilot.plane(),
+                starts: pilot.starts(),
+                reached: pilot.reached(),
+            };
+            led = ball.led;
+        }
         rolled.note(&ball, roll.start.yaw);
         for Firing { leg, open } in &ball.fired {
             sim.fire(*leg as usize, *open)?;
@@ -311,6 +393,23 @@ impl Decides<'_> {
                     vec![left, right]
                 };
                 legs.into_iter().map(|leg| Firing { leg, open }).collect()
+            }
+            Decides::Steered(pilot) => {
+                let truth = Estimate {
+                    attitude: Rotation(ball.attitude),
+                    spin: ball.spin,
+                    velocity: ball.velocity,
+                    place: ball.place,
+                };
+                let known = ball.estimate.unwrap_or(truth);
+                let view = View {
+                    attitude: known.attitude,
+                    spin: known.spin,
+                    place: [known.place[0], known.place[1]],
+                    velocity: [known.velocity[0], known.velocity[1]],
+                    touching: ball.touching,
+                };
+                pilot.step(&view).into_iter().flatten().collect()
             }
             Decides::Stable(balancer, course) => {
                 let truth = Estimate {
@@ -385,6 +484,7 @@ fn look(rig: &Rig, sim: &Sim<'_>, tracker: &mut Tracker<'_, f64>) -> (Ball, bool
         rolling,
         passed: tracker.passed(),
         aside: 0.0,
+        led: Led::default(),
         fired: Vec::new(),
         touching: touching.fold(0, |bits, leg| bits | 1 << leg),
         extensions: (0..rig.legs.len()).map(extension).collect(),
@@ -435,7 +535,11 @@ fn placed(rig: &Rig, start: Start, mut q: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
     let yaw = UnitQuaternion::from_axis_angle(&Vec3::z_axis(), start.yaw);
     let turned = yaw * roll * attitude(&q);
     q[3..7].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
-    let v = vec![0.0; rig.mechanism.tree.velocities()];
+    let mut v = vec![0.0; rig.mechanism.tree.velocities()];
+    if let Some(thrown) = start.thrown {
+        q[3..7].copy_from_slice(&thrown.attitude);
+        v[3..6].copy_from_slice(&thrown.spin);
+    }
     q[2] -= rig.foot_gaps(&q).into_iter().fold(f64::INFINITY, f64::min);
     (q, v)
 }

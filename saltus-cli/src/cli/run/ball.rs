@@ -321,7 +321,7 @@ type Outcome = Result<Came, GaitError>;
 fn follow(setup: &Roll, mut goes_on: impl FnMut(&Ball) -> ControlFlow<()>) -> Outcome {
     let line = match &setup.gait {
         Gait::Stable(stable) => stable.line,
-        Gait::Disc(_) => 0.0,
+        Gait::Disc(_) | Gait::Steered(_) => 0.0,
     };
     let is_stable = matches!(setup.gait, Gait::Stable(_));
     let mut came = Came::default();
@@ -331,7 +331,7 @@ fn follow(setup: &Roll, mut goes_on: impl FnMut(&Ball) -> ControlFlow<()>) -> Ou
         let (sine, cosine) = line.sin_cos();
         came.aside = came.aside.max(match &setup.gait {
             Gait::Stable(_) => ball.aside.abs(),
-            Gait::Disc(_) => y.abs(),
+            Gait::Disc(_) | Gait::Steered(_) => y.abs(),
         });
         came.heading = ball.rolling.heading;
         came.is_far |= came.aside <= WIDE && cosine * x + sine * y >= FAR;
