@@ -58,7 +58,7 @@ impl Trial {
                 vec![[TURNS, 0.0], [TURNS + far[0], far[1]]]
             }
             Trial::Path => {
-                let side = if k % 2 == 0 { 10.0 } else { -10.0 };
+                let side = if k.is_multiple_of(2) { 10.0 } else { -10.0 };
                 vec![[10.0, 0.0], [10.0, side], [0.0, side], [0.0, 0.0]]
             }
         }
@@ -67,7 +67,11 @@ impl Trial {
 
 /// The turn (rad) of ball `k`.
 fn turn(k: usize) -> f64 {
-    if k % 2 == 0 { FRAC_PI_3 } else { -FRAC_PI_3 }
+    if k.is_multiple_of(2) {
+        FRAC_PI_3
+    } else {
+        -FRAC_PI_3
+    }
 }
 
 /// How far (m) `place` is from a path that begins at the origin.
