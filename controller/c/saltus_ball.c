@@ -128,13 +128,13 @@ void saltus_estimator_start(saltus_estimator *e, const saltus_senses *senses, co
         e->estimate.place[k] = place[k];
     }
     for (int k = 0; k < SALTUS_MOST_FEET; k++) {
-        e->pressed[k] = 0;
-        e->fired[k] = UINT16_MAX;
+        e->feet[k].pressed = 0;
+        e->feet[k].fired = UINT16_MAX;
     }
 }
 
 void saltus_estimator_fired(saltus_estimator *e, int32_t leg) {
-    if (leg >= 0 && leg < SALTUS_MOST_FEET) e->fired[leg] = 0;
+    if (leg >= 0 && leg < SALTUS_MOST_FEET) e->feet[leg].fired = 0;
 }
 
 /* The readings of three axes: the fine one, where it is not at its end. */
@@ -154,13 +154,13 @@ static void stand(saltus_estimator *e, uint64_t touching) {
     saltus_real off[3] = {R(0.0), R(0.0), R(0.0)};
     uint32_t count = 0, legs = feet->count < SALTUS_MOST_FEET ? feet->count : SALTUS_MOST_FEET;
     for (uint32_t k = 0; k < legs; k++) {
-        e->fired[k] = next16(e->fired[k]);
+        e->feet[k].fired = next16(e->feet[k].fired);
         if (!(touching >> k & 1)) {
-            e->pressed[k] = 0;
+            e->feet[k].pressed = 0;
             continue;
         }
-        e->pressed[k] = next16(e->pressed[k]);
-        int settled = (saltus_real)e->pressed[k] * f->period > f->settles, is_home = (saltus_real)e->fired[k] * f->period > f->returns;
+        e->feet[k].pressed = next16(e->feet[k].pressed);
+        int settled = (saltus_real)e->feet[k].pressed * f->period > f->settles, is_home = (saltus_real)e->feet[k].fired * f->period > f->returns;
         if (!settled || !is_home) continue;
         /* A sphere that rolls on the ground: where it touches, it does not move. */
         saltus_real arm[3], still[3];

@@ -67,7 +67,7 @@ typedef struct {
 typedef struct {
     const saltus_senses *senses;
     saltus_estimate estimate;
-    uint16_t pressed[SALTUS_MOST_FEET], fired[SALTUS_MOST_FEET];
+    struct { uint16_t pressed, fired; } feet[SALTUS_MOST_FEET];
 } saltus_estimator;
 
 /* A leg in a plane, or two of which each is the mirror image of the other. */
