@@ -230,7 +230,11 @@ impl Tumble {
     fn read(&mut self, draw: &mut Draw, readings: &mut Inertial) {
         if draw.one_in(300) {
             for wanted in &mut self.wanted {
-                *wanted = if draw.one_in(4) { 0 } else { draw.up_to(40_000) };
+                *wanted = if draw.one_in(4) {
+                    0
+                } else {
+                    draw.up_to(40_000)
+                };
             }
         }
         let shock = if draw.one_in(100) { 32_767 } else { 800 };

@@ -190,12 +190,14 @@ const SAME: f64 = 1e-10;
 fn check(run: &Run, k: usize, seen: &Seen<f64>) -> Result<(), String> {
     let ball = &run.balls[k];
     if ball.estimate != Some(seen.estimate) {
-        return Err(format!("cycle {k}: {:?}, not {:?}", seen.estimate, ball.estimate));
+        return Err(format!(
+            "cycle {k}: {:?}, not {:?}",
+            seen.estimate, ball.estimate
+        ));
     }
     let fired: Vec<Firing<f64>> = seen.firings.iter().flatten().copied().collect();
-    let same = |(a, b): (&Firing<f64>, &Firing<f64>)| {
-        a.leg == b.leg && (a.open - b.open).abs() < SAME
-    };
+    let same =
+        |(a, b): (&Firing<f64>, &Firing<f64>)| a.leg == b.leg && (a.open - b.open).abs() < SAME;
     if fired.len() != ball.fired.len() || !fired.iter().zip(&ball.fired).all(same) {
         return Err(format!("cycle {k}: fires {fired:?}, not {:?}", ball.fired));
     }

@@ -140,16 +140,17 @@ fn balance<R: Number>(b: &Balance<R>) -> String {
 
 /// How many planes, their stations, and the planes.
 fn planes<R: Number>(planes: &[FlashedPlane<R>]) -> (usize, String, String) {
-    let station = |Station { legs: [left, right], angle }: &Station<R>| {
-        format!("    {{{{{left}, {right}}}, {}}},\n", angle.c())
-    };
+    let station =
+        |Station {
+             legs: [left, right],
+             angle,
+         }: &Station<R>| { format!("    {{{{{left}, {right}}}, {}}},\n", angle.c()) };
     let (mut stations, mut rows) = (String::new(), String::new());
     for (k, plane) in planes.iter().enumerate() {
         let count = plane.stations.len();
         let all: String = plane.stations.iter().map(station).collect();
-        stations += &format!(
-            "static const saltus_station ball_stations_{k}[{count}] = {{\n{all}}};\n"
-        );
+        stations +=
+            &format!("static const saltus_station ball_stations_{k}[{count}] = {{\n{all}}};\n");
         let axes = plane.axes.map(|axis| format!("{{{}}}", list(&axis)));
         rows += &format!("    {{{}, ball_stations_{k}, {count}}},\n", axes.join(", "));
     }

@@ -179,11 +179,9 @@ impl RunningFlags {
         };
         let begins = match gait {
             Kind::Fixed | Kind::OpenLoop | Kind::Speed => 0.0,
-            Kind::ClosedLoop
-            | Kind::Curve
-            | Kind::Smooth
-            | Kind::Optimal
-            | Kind::DiscStable => -0.3,
+            Kind::ClosedLoop | Kind::Curve | Kind::Smooth | Kind::Optimal | Kind::DiscStable => {
+                -0.3
+            }
         };
         setup.zone = self.zone.unwrap_or(begins);
         if let Some(taps) = &self.taps {
