@@ -35,6 +35,8 @@ static saltus_real number(uint32_t count) { return (saltus_real)(int32_t)(count 
 /* Whole numbers that go round. */
 static int32_t round_to(uint32_t x) { return x <= INT32_MAX ? (int32_t)x : -(int32_t)~x - 1; }
 
+static int32_t minus(int32_t x) { return round_to(0u - (uint32_t)x); }
+
 /* Counts on, up to the greatest number. */
 static uint16_t next16(uint16_t x) { return x == UINT16_MAX ? x : (uint16_t)(x + 1); }
 
@@ -119,6 +121,38 @@ static saltus_real angle_of(saltus_real y, saltus_real x) {
     return y < 0 ? -angle : angle;
 }
 
+void saltus_at_rest_take(saltus_at_rest *rest, const saltus_scales *scales, const saltus_inertial *readings) {
+    if (rest->count >= 250) return;
+    int32_t limit = scales->limit;
+    for (int k = 0; k < 3; k++) {
+        int32_t reading = readings->fine_accelerometer[k], turns = readings->fine_gyro[k];
+        if (reading >= limit || reading <= minus(limit)) rest->is_saturated = 1;
+        rest->sums[k] = round_to((uint32_t)rest->sums[k] + (uint32_t)reading);
+        if (turns < 0) turns = minus(turns);
+        if (turns > rest->fastest) rest->fastest = turns;
+    }
+    rest->count++;
+}
+
+enum saltus_rest_status saltus_attitude(const saltus_at_rest *rest, const saltus_senses *senses, saltus_rotation *attitude) {
+    const saltus_scales *scales = &senses->scales;
+    if (rest->count < 100) return SALTUS_REST_ASK_LATER;
+    if (rest->is_saturated) return SALTUS_REST_SATURATED;
+    if ((saltus_real)rest->fastest * scales->fine_gyro > R(0.8)) return SALTUS_REST_MOVING;
+    saltus_real count = scales->fine_accelerometer / (saltus_real)rest->count;
+    saltus_real x = (saltus_real)rest->sums[0] * count, y = (saltus_real)rest->sums[1] * count, z = (saltus_real)rest->sums[2] * count;
+    saltus_real length = SQRT(x * x + y * y + z * z), gravity = senses->filter.gravity, off = R(0.15) * gravity;
+    if (!(length - gravity >= -off && length - gravity <= off)) return SALTUS_REST_MOVING;
+    /* The shortest turn from up in the body's axes to the world's; with its head down, half a turn about x before. */
+    saltus_rotation q = {length + z, y, -x, R(0.0)};
+    if (!(z >= 0)) {
+        saltus_rotation half_turn = {R(0.0), R(1.0), R(0.0), R(0.0)}, shortest = {length - z, -y, -x, R(0.0)};
+        q = after(&shortest, &half_turn);
+    }
+    *attitude = unit(&q);
+    return SALTUS_REST_OK;
+}
+
 void saltus_estimator_start(saltus_estimator *e, const saltus_senses *senses, const saltus_rotation *attitude, const saltus_real place[3]) {
     e->senses = senses;
     e->estimate.attitude = unit(attitude);
@@ -139,7 +173,7 @@ void saltus_estimator_fired(saltus_estimator *e, int32_t leg) {
 
 /* The readings of three axes: the fine one, where it is not at its end. */
 static void read(int32_t limit, const int32_t fine[3], const int32_t coarse[3], saltus_real fine_unit, saltus_real coarse_unit, saltus_real out[3]) {
-    int32_t least = round_to(0u - (uint32_t)limit);
+    int32_t least = minus(limit);
     for (int k = 0; k < 3; k++) {
         int is_fine = fine[k] < limit && fine[k] > least;
         out[k] = is_fine ? (saltus_real)fine[k] * fine_unit : (saltus_real)coarse[k] * coarse_unit;
@@ -215,29 +249,29 @@ static const saltus_station *station_of(const saltus_tracker *t) {
 /* The disc has turned by `angle` (rad, whole turns left out) from where its first station points down; whether another station has entered
  * the zone. */
 static int follow(saltus_tracker *t, saltus_real angle) {
-    saltus_real whole = R(TWO_PI), turn = angle - t->zone;
+    saltus_real whole = R(TWO_PI), turned = angle - t->zone;
     for (int k = 0; k < 3; k++) {
-        if (turn < 0) {
-            turn = turn + whole;
-        } else if (turn >= whole) {
-            turn = turn - whole;
+        if (turned < 0) {
+            turned = turned + whole;
+        } else if (turned >= whole) {
+            turned = turned - whole;
         }
     }
     int32_t before = passed(t);
     int is_first = !t->is_seen;
     if (!is_first) {
         saltus_real half = R(0.5 * TWO_PI);
-        if (turn - t->turn > half) {
+        if (turned - t->turn > half) {
             t->turns = round_to((uint32_t)t->turns - 1u);
-        } else if (t->turn - turn > half) {
+        } else if (t->turn - turned > half) {
             t->turns = round_to((uint32_t)t->turns + 1u);
         }
     }
     t->is_seen = 1;
-    t->turn = turn;
+    t->turn = turned;
     t->station = 0;
     for (uint32_t k = 0; k < t->plane->count; k++) {
-        if (t->plane->stations[k].angle <= turn) t->station = k;
+        if (t->plane->stations[k].angle <= turned) t->station = k;
     }
     return is_first || passed(t) > before;
 }

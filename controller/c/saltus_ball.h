@@ -155,6 +155,23 @@ typedef struct {
     uint16_t since[2];
 } saltus_balancer;
 
+/* Whether a ball can tell how it lies. */
+enum saltus_rest_status {
+    SALTUS_REST_OK = 0,
+    SALTUS_REST_ASK_LATER = 1, /* too few readings yet */
+    SALTUS_REST_MOVING = 2,    /* it turns, or something shakes it */
+    SALTUS_REST_SATURATED = 3  /* an accelerometer is at its end */
+};
+
+/* The mean of the accelerometers at rest; all 0 is without readings. */
+typedef struct { int32_t sums[3], count, fastest; int is_saturated; } saltus_at_rest;
+
+/* Takes a cycle's readings; beyond 250, no more. */
+void saltus_at_rest_take(saltus_at_rest *rest, const saltus_scales *scales, const saltus_inertial *readings);
+
+/* How a ball lies at rest: upright by gravity, along any heading. */
+enum saltus_rest_status saltus_attitude(const saltus_at_rest *rest, const saltus_senses *senses, saltus_rotation *attitude);
+
 /* Starts a ball at rest with this attitude, its legs meeting at `place` (m). `senses` lives as long as the estimator. */
 void saltus_estimator_start(saltus_estimator *estimator, const saltus_senses *senses, const saltus_rotation *attitude, const saltus_real place[3]);
 

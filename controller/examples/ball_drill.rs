@@ -4,8 +4,8 @@
 
 use saltus_controller::Real;
 use saltus_controller::ball::{
-    Balance, Balancer, Estimate, Estimator, Feet, Filter, Firing, Inertial, Lying, Plane, Rotation,
-    Scales, Sight, Station, Steer,
+    AtRest, Balance, Balancer, Estimate, Estimator, Feet, Filter, Firing, Inertial, Lying, Plane,
+    Rotation, Scales, Sight, Station, Steer,
 };
 
 /// Cycles of a run.
@@ -163,19 +163,12 @@ impl<R: Real> Drawn<R> {
     }
 
     fn estimator(&self, start: (Rotation<R>, [R; 3])) -> Estimator<'_, R> {
-        let scales = Scales {
-            fine_gyro: R::of(0.00030521),
-            coarse_gyro: R::of(0.00079897),
-            fine_accelerometer: R::of(0.00059856),
-            coarse_accelerometer: R::of(0.014964),
-            limit: 32111,
-        };
         let feet = Feet {
             directions: &self.directions,
             reach: R::of(0.233),
             radius: R::of(0.007),
         };
-        Estimator::new(self.filter, scales, feet, start)
+        Estimator::new(self.filter, scales(), feet, start)
     }
 
     fn balancer(&self) -> Balancer<'_, R> {
@@ -188,6 +181,16 @@ impl<R: Real> Drawn<R> {
             stations,
         };
         Balancer::new(self.balance, plane)
+    }
+}
+
+fn scales<R: Real>() -> Scales<R> {
+    Scales {
+        fine_gyro: R::of(0.00030521),
+        coarse_gyro: R::of(0.00079897),
+        fine_accelerometer: R::of(0.00059856),
+        coarse_accelerometer: R::of(0.014964),
+        limit: 32111,
     }
 }
 
@@ -281,14 +284,39 @@ fn see<R: Real>(draw: &mut Draw, e: &Estimate<R>, course: R, touching: u64) -> S
     sight
 }
 
+/// How a ball lies, by what its sensors say at rest or while it is moved; any attitude where it cannot tell.
+fn lie<R: Real>(draw: &mut Draw, hash: &mut Hash, knew: &mut u32) -> Rotation<R> {
+    let noise = if draw.one_in(4) { 8000 } else { 300 };
+    let far = if draw.one_in(9) { 99 } else { 200 };
+    let mut up: [i32; 3] = std::array::from_fn(|_| draw.up_to(16_000));
+    // Of a third of them the length is that of gravity for sure.
+    if draw.one_in(3) {
+        let z = if up[2] < 0 { -16_000 } else { 16_000 };
+        up = [up[0] / 8, up[1] / 8, z];
+    }
+    let (mut rest, mut readings) = (AtRest::new(), Inertial::default());
+    for _ in 0..far {
+        for (k, up) in up.iter().enumerate() {
+            readings.fine_accelerometer[k] = up + draw.up_to(noise);
+            let most = if draw.one_in(4000) { 3000 } else { 300 };
+            readings.fine_gyro[k] = draw.up_to(most);
+        }
+        rest.take(&scales::<R>(), &readings);
+    }
+    let answer = rest.attitude(&scales::<R>(), R::of(9.80665));
+    hash.word(answer.map_or_else(|unsettled| unsettled as u32, |_| 0));
+    *knew += u32::from(answer.is_ok());
+    let half = R::of(0.5);
+    answer.unwrap_or(Rotation([half, half, -half, half]))
+}
+
 fn drill<R: Bits>(cycles: u32) {
     let (mut draw, mut hash, mut fired) = (Draw(1), Hash(2_166_136_261), 0);
-    let mut tumble = Tumble::default();
+    let (mut tumble, mut knew) = (Tumble::default(), 0);
     for _ in 0..cycles / RUN {
         let drawn = Drawn::<R>::new(&mut draw);
-        let upright = draw.between(-1.0, 1.0);
-        let place @ [x, y, z] = draw.vector();
-        let mut estimator = drawn.estimator((Rotation([upright, x, y, z]), place));
+        let attitude = lie(&mut draw, &mut hash, &mut knew);
+        let mut estimator = drawn.estimator((attitude, draw.vector()));
         let mut balancer = drawn.balancer();
         let course = draw.between(-3.0, 3.0);
         let mut readings = Inertial::default();
@@ -308,6 +336,8 @@ fn drill<R: Bits>(cycles: u32) {
         "balls: {cycles} calls, {fired} answered, hash {:08x}",
         hash.0
     );
+    let runs = cycles / RUN;
+    println!("knew how it lay in {knew} of {runs} runs");
 }
 
 fn main() {

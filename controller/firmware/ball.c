@@ -178,6 +178,35 @@ static void mix(const saltus_estimate *e, const saltus_lying *l, const saltus_fi
     }
 }
 
+/* How a ball lies, by what its sensors say at rest or while it is moved; any attitude where it cannot tell. */
+static uint32_t knew;
+
+static saltus_rotation lie(void) {
+    saltus_at_rest rest = {{0, 0, 0}, 0, 0, 0};
+    saltus_inertial r;
+    memset(&r, 0, sizeof r);
+    int32_t up[3], noise = one_in(4) ? 8000 : 300, far = one_in(9) ? 99 : 200;
+    for (int k = 0; k < 3; k++) up[k] = up_to(16000);
+    /* Of a third of them the length is that of gravity for sure. */
+    if (one_in(3)) {
+        up[0] /= 8;
+        up[1] /= 8;
+        up[2] = up[2] < 0 ? -16000 : 16000;
+    }
+    for (int32_t cycles = 0; cycles < far; cycles++) {
+        for (int k = 0; k < 3; k++) {
+            r.fine_accelerometer[k] = up[k] + up_to(noise);
+            r.fine_gyro[k] = up_to(one_in(4000) ? 3000 : 300);
+        }
+        saltus_at_rest_take(&rest, &senses.scales, &r);
+    }
+    saltus_rotation attitude = {N(0.5), N(0.5), N(-0.5), N(0.5)};
+    enum saltus_rest_status status = saltus_attitude(&rest, &senses, &attitude);
+    mix_word((uint32_t)status);
+    knew += status == SALTUS_REST_OK;
+    return attitude;
+}
+
 static void cycle(saltus_estimator *e, saltus_balancer *b, const saltus_inertial *r, const saltus_sight *sight, saltus_lying *l, saltus_firing f[2]) {
     saltus_estimator_take(e, r);
     saltus_balancer_step(b, sight, l, f);
@@ -214,12 +243,9 @@ int main(void) {
         draw_senses();
         draw_plane();
         draw_balance();
-        saltus_rotation attitude = {between(N(-1.0), N(1.0)), N(0.0), N(0.0), N(0.0)};
+        saltus_rotation attitude = lie();
         saltus_real place[3];
         vector(place);
-        attitude.x = place[0];
-        attitude.y = place[1];
-        attitude.z = place[2];
         saltus_estimator_start(&estimator, &senses, &attitude, place);
         saltus_balancer_start(&balancer, &balance, &plane);
         saltus_real course = between(N(-3.0), N(3.0));
@@ -239,6 +265,7 @@ int main(void) {
         }
     }
     report("balls", CYCLES, fired, hash);
+    printf("knew how it lay in %lu of %lu runs\n", (unsigned long)knew, (unsigned long)(CYCLES / RUN));
 #ifdef __arm__
     printf("# stack of a ball's cycle: at most %lu bytes\n", (unsigned long)most);
     printf("# memory of a ball: %lu bytes\n", (unsigned long)(sizeof(saltus_estimator) + sizeof(saltus_balancer)));
