@@ -10,7 +10,7 @@ use saltus_controller::ball::{
 
 /// Cycles of a run.
 const RUN: u32 = 1000;
-const LEGS: usize = 12;
+const LEGS: u32 = 12;
 const STATIONS: usize = 6;
 
 /// Inputs, the same on every machine.
@@ -47,12 +47,10 @@ impl Draw {
 
     /// What is no number, or has no bound.
     fn odd<R: Real>(&mut self) -> R {
-        R::of(if self.one_in(2) {
-            f64::NAN
-        } else if self.one_in(2) {
-            f64::INFINITY
-        } else {
-            f64::NEG_INFINITY
+        R::of(match self.word() % 4 {
+            0 | 1 => f64::NAN,
+            2 => f64::INFINITY,
+            _ => f64::NEG_INFINITY,
         })
     }
 }
@@ -94,7 +92,9 @@ impl Hash {
             } else {
                 vec![0x7FC0_0000]
             };
-            words.into_iter().for_each(|word| self.word(word));
+            for word in words {
+                self.word(word);
+            }
         }
     }
 
@@ -121,7 +121,7 @@ impl Hash {
 
 /// A ball with any legs, plane and gains.
 struct Drawn<R> {
-    directions: [[R; 3]; LEGS],
+    directions: [[R; 3]; LEGS as usize],
     filter: Filter<R>,
     stations: Vec<Station<R>>,
     axes: [[R; 3]; 3],
@@ -144,7 +144,7 @@ impl<R: Real> Drawn<R> {
         let mut angle = R::ZERO;
         let mut stations: Vec<Station<R>> = Vec::new();
         for _ in 0..STATIONS {
-            let leg = draw.word() % LEGS as u32;
+            let leg = draw.word() % LEGS;
             let is_single = draw.one_in(2);
             let other = if is_single { leg } else { draw.word() % 70 };
             let legs = [leg, other];

@@ -48,7 +48,9 @@ fn main() -> Result<(), Failed> {
         .into_iter()
         .collect::<Result<_, _>>()?;
     let mut sum = Known::default();
-    all.iter().for_each(|known| sum.add(known));
+    for known in &all {
+        sum.add(known);
+    }
     println!(
         "{robots} drawn balls, {seconds} s each, gyros read {bias} rad/s at rest, which is removed"
     );

@@ -1,5 +1,7 @@
 //! What decides on a ball, as C: the code, and the robot's constants.
 
+use std::fmt::Write as _;
+
 use saltus_controller::ball::{Balance, Station};
 use saltus_controller::c_source::{BALL as SOURCE, BALL_HEADER as HEADER};
 use saltus_gait::GaitError;
@@ -149,10 +151,14 @@ fn planes<R: Number>(planes: &[FlashedPlane<R>]) -> (usize, String, String) {
     for (k, plane) in planes.iter().enumerate() {
         let count = plane.stations.len();
         let all: String = plane.stations.iter().map(station).collect();
-        stations +=
-            &format!("static const saltus_station ball_stations_{k}[{count}] = {{\n{all}}};\n");
         let axes = plane.axes.map(|axis| format!("{{{}}}", list(&axis)));
-        rows += &format!("    {{{}, ball_stations_{k}, {count}}},\n", axes.join(", "));
+        let axes = axes.join(", ");
+        // Writing to a string does not fail.
+        let _ = writeln!(
+            stations,
+            "static const saltus_station ball_stations_{k}[{count}] = {{\n{all}}};"
+        );
+        let _ = writeln!(rows, "    {{{axes}, ball_stations_{k}, {count}}},");
     }
     (planes.len(), stations, rows)
 }

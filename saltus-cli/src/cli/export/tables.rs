@@ -83,7 +83,7 @@ With --gait, saltus_runner_step says each cycle whether a leg fires, from the co
 feet the robot stands. running_tables.h has the constants: law, zone, legs, and what a count is, from the robot's [sensors]. Numbers and \
 compilers are as above; the valve opens for 40 ms unless --valve-open says otherwise. docs/controller.md has a program.
 
-With --gait disc-stable, saltus_estimator_take makes attitude, rates and way of a robot in space of its gyros, accelerometers and foot \
+With --gait disc-stable, of rats-twelve unless --robot names another, saltus_estimator_take makes attitude, rates and way of a robot in space of its gyros, accelerometers and foot \
 switches, and saltus_balancer_step says each cycle which legs fire. ball_tables.h has the constants: ball_senses, ball_balance, and all \
 planes in which the robot can roll, ball_planes. Angles of stations are rounded to 1e-12 rad, so that the files are the same on every \
 machine. docs/space.md has a program.
