@@ -5,6 +5,8 @@
 mod balance;
 mod disc;
 mod drawn;
+mod flashed;
+mod known;
 mod sensing;
 mod steer;
 
@@ -12,6 +14,8 @@ use balance::Course;
 pub use balance::Stable;
 pub use disc::Facing;
 pub use drawn::{DrawnBalls, drawn_ball};
+pub use flashed::{Flashed, FlashedPlane, Hearing};
+pub use known::Known;
 pub use steer::Steered;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -22,7 +26,7 @@ use saltus_controller::ball::{
 };
 use saltus_robot::Robot;
 use saltus_robot::space::{Rest, discs, rests};
-use saltus_sim_check::{Rig, Settings, Sim, Stepping, Vec3};
+use saltus_sim_check::{Event, Happening, Rig, Settings, Sim, Stepping, Vec3};
 
 use crate::error::require;
 use crate::law::Compiled;
@@ -146,6 +150,8 @@ pub struct Ball {
     pub led: Led,
     /// Legs that fire now.
     pub fired: Vec<Firing<f64>>,
+    /// Feet that came onto the ground since the cycle before: each leg, and when (s).
+    pub touched: Vec<(usize, f64)>,
     /// Feet on the ground: bit k is leg k's.
     pub touching: u64,
     /// Extension of each leg (m).
@@ -332,10 +338,14 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
     let mut rolled = Rolled::default();
     let mut cycles = 0_u64;
     let (mut before, mut led) = (0, Led::default());
+    let mut touched = Vec::new();
     loop {
         let (mut ball, entered) = look(&rig, &sim, &mut tracker);
         ball.passed += before;
         ball.led = led;
+        ball.touched = std::mem::take(&mut touched);
+        ball.touched
+            .retain(|(point, _)| *point < ball.extensions.len());
         ball.estimate = sensed.as_mut().map(|sensed| sensed.take(&ball));
         ball.fired = decides.fire(&mut ball, entered, &tracker, period);
         if let Decides::Steered(pilot) = &decides {
@@ -363,7 +373,7 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
         }
         cycles += 1;
         sim.run(cycles as f64 * period, &[])?;
-        sim.drain_events();
+        touched.extend(sim.drain_events().filter_map(touch_down));
     }
 }
 
@@ -466,6 +476,14 @@ impl<'a> Sensed<'a> {
     }
 }
 
+/// The point that came onto the ground in `event` and when (s), if one did; the first points are the feet, leg by leg.
+fn touch_down(event: Event) -> Option<(usize, f64)> {
+    match event.what {
+        Happening::TouchDown(point, _) => Some((point, event.time)),
+        _ => None,
+    }
+}
+
 /// Where the robot of `sim` is; and whether another station has entered the zone.
 fn look(rig: &Rig, sim: &Sim<'_>, tracker: &mut Tracker<'_, f64>) -> (Ball, bool) {
     let (q, v) = (sim.coordinates(), sim.velocities());
@@ -486,6 +504,7 @@ fn look(rig: &Rig, sim: &Sim<'_>, tracker: &mut Tracker<'_, f64>) -> (Ball, bool
         aside: 0.0,
         led: Led::default(),
         fired: Vec::new(),
+        touched: Vec::new(),
         touching: touching.fold(0, |bits, leg| bits | 1 << leg),
         extensions: (0..rig.legs.len()).map(extension).collect(),
         estimate: None,
