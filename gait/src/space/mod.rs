@@ -14,7 +14,7 @@ pub use drawn::{DrawnBalls, drawn_ball};
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use saltus_controller::ball::{
-    Balancer, Estimate, Estimator, Firing, Lying, Rotation, Sight, Tracker,
+    Balancer, Estimate, Estimator, Firing, Lying, Rotation, Scales, Sight, Tracker,
 };
 use saltus_robot::Robot;
 use saltus_robot::space::{Rest, discs, rests};
@@ -23,7 +23,7 @@ use saltus_sim_check::{Rig, Settings, Sim, Stepping, Vec3};
 use crate::error::require;
 use crate::law::Compiled;
 use crate::{GaitError, Program};
-use sensing::{Senses, estimator};
+use sensing::{Senses, estimator, scales};
 
 /// How a robot rolls from rest.
 #[derive(Clone, Debug)]
@@ -40,6 +40,8 @@ pub struct Roll {
     pub seconds: f64,
     /// Steps of the simulation.
     pub stepping: Stepping,
+    /// Every how many cycles the forces on the feet are told, which cost about a step; 0: never.
+    pub forces_every: u64,
 }
 
 /// Which leg fires when.
@@ -113,6 +115,14 @@ pub struct Ball {
     pub touching: u64,
     /// Extension of each leg (m).
     pub extensions: Vec<f64>,
+    /// Its rate (m/s).
+    pub extension_rates: Vec<f64>,
+    /// Force of the ground (N, the world's axes) on feet, each with its leg, where [`Roll::forces_every`] asks for them.
+    pub forces: Vec<(usize, [f64; 3])>,
+    /// Axis of its disc, a unit vector in the body's axes: to the left of the way it rolls.
+    pub axis: [f64; 3],
+    /// What its sensors say, if it goes by them: rates (rad/s) about the body's axes, specific force (m/s²) along them.
+    pub sensed: Option<[[f64; 3]; 2]>,
     /// What it takes its motion for, by its sensors.
     pub estimate: Option<Estimate<f64>>,
 }
@@ -178,6 +188,7 @@ impl Roll {
             start: Start::default(),
             seconds,
             stepping: Stepping::USUAL,
+            forces_every: 0,
         }
     }
 
@@ -266,7 +277,13 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
     let mut cycles = 0_u64;
     loop {
         let (mut ball, entered) = look(&rig, &sim, &mut tracker);
-        ball.estimate = sensed.as_mut().map(|sensed| sensed.take(&ball));
+        if roll.forces_every > 0 && cycles.is_multiple_of(roll.forces_every) {
+            ball.forces = on_feet(&mut sim, ball.extensions.len());
+        }
+        if let Some(sensed) = &mut sensed {
+            let (readings, estimate) = sensed.take(&ball);
+            (ball.sensed, ball.estimate) = (Some(readings), Some(estimate));
+        }
         ball.fired = decides.fire(&mut ball, entered, &tracker, period);
         rolled.note(&ball, roll.start.yaw);
         for Firing { leg, open } in &ball.fired {
@@ -341,6 +358,7 @@ impl Decides<'_> {
 /// What a robot with sensors makes of them.
 struct Sensed<'a> {
     senses: Senses,
+    scales: Scales<f64>,
     estimator: Estimator<'a, f64>,
 }
 
@@ -353,17 +371,19 @@ impl<'a> Sensed<'a> {
         let start = (Rotation([q[3], q[4], q[5], q[6]]), [q[0], q[1], q[2]]);
         Some(Sensed {
             senses: Senses::new(&roll.robot, attitude(q), seed),
+            scales: scales(&roll.robot.sensors.unwrap_or_default()),
             estimator: estimator(&roll.robot, directions, start),
         })
     }
 
-    fn take(&mut self, ball: &Ball) -> Estimate<f64> {
+    fn take(&mut self, ball: &Ball) -> ([[f64; 3]; 2], Estimate<f64>) {
         let [w, x, y, z] = ball.attitude;
         let attitude = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
         let velocity = Vector3::from(ball.velocity);
         let readings = self.senses.read(attitude, velocity, ball.touching);
         self.estimator.take(&readings);
-        *self.estimator.estimate()
+        let said = [self.scales.rate(&readings), self.scales.force(&readings)];
+        (said, *self.estimator.estimate())
     }
 }
 
@@ -373,7 +393,9 @@ fn look(rig: &Rig, sim: &Sim<'_>, tracker: &mut Tracker<'_, f64>) -> (Ball, bool
     let spin = [v[3], v[4], v[5]];
     let attitude = [q[3], q[4], q[5], q[6]];
     let (rolling, entered) = tracker.look(&Rotation(attitude), &spin);
+    let tree = &rig.mechanism.tree;
     let extension = |leg: usize| q[rig.extension_coordinate(leg)];
+    let extension_rate = |leg: usize| v[tree.velocity_of(rig.legs[leg])];
     let gaps = rig.foot_gaps(q);
     let touching = (0..gaps.len()).filter(|leg| gaps[*leg] <= 0.0);
     let ball = Ball {
@@ -388,9 +410,22 @@ fn look(rig: &Rig, sim: &Sim<'_>, tracker: &mut Tracker<'_, f64>) -> (Ball, bool
         fired: Vec::new(),
         touching: touching.fold(0, |bits, leg| bits | 1 << leg),
         extensions: (0..rig.legs.len()).map(extension).collect(),
+        extension_rates: (0..rig.legs.len()).map(extension_rate).collect(),
+        forces: Vec::new(),
+        axis: tracker.plane().axis,
+        sensed: None,
         estimate: None,
     };
     (ball, entered)
+}
+
+/// Force of the ground (N, the world's axes) on the feet of `legs` legs that touch it, each with its leg.
+fn on_feet(sim: &mut Sim<'_>, legs: usize) -> Vec<(usize, [f64; 3])> {
+    let contacts = sim.contacts().into_iter();
+    let on_feet = contacts.filter(|contact| contact.point < legs);
+    on_feet
+        .map(|contact| (contact.point, contact.force.into()))
+        .collect()
 }
 
 impl Rolled {

@@ -79,8 +79,6 @@ pub(super) fn estimator<'a>(
     start: (Rotation<f64>, [f64; 3]),
 ) -> Estimator<'a, f64> {
     let sensors = robot.sensors.unwrap_or_default();
-    let scale = instruments(&sensors);
-    let most = most_counts(sensors.converter_bits);
     let filter = Filter {
         period: sensors.period,
         gravity: robot.environment.gravity,
@@ -90,18 +88,24 @@ pub(super) fn estimator<'a>(
         settles: SETTLES,
         returns: RETURNS,
     };
-    let scales = Scales {
-        fine_gyro: scale.fine_gyro,
-        coarse_gyro: scale.coarse_gyro,
-        fine_accelerometer: scale.fine_accelerometer,
-        coarse_accelerometer: sensors.coarse_accelerometer_range / most,
-        limit: scale.fine_limit,
-    };
     let radius = robot.foot.radius;
     let feet = Feet {
         directions,
         reach: robot.body.radius - radius,
         radius,
     };
-    Estimator::new(filter, scales, feet, start)
+    Estimator::new(filter, scales(&sensors), feet, start)
+}
+
+/// What a count of `sensors` is.
+pub(super) fn scales(sensors: &Sensors) -> Scales<f64> {
+    let scale = instruments(sensors);
+    Scales {
+        fine_gyro: scale.fine_gyro,
+        coarse_gyro: scale.coarse_gyro,
+        fine_accelerometer: scale.fine_accelerometer,
+        coarse_accelerometer: sensors.coarse_accelerometer_range
+            / most_counts(sensors.converter_bits),
+        limit: scale.fine_limit,
+    }
 }
