@@ -111,6 +111,11 @@ impl Body {
         &self.rig
     }
 
+    /// Where frames go.
+    pub(super) fn transforms_topic(&self) -> Topic {
+        self.topics.transforms
+    }
+
     pub(super) fn write<W: Write>(
         &mut self,
         writer: &mut Writer<W>,

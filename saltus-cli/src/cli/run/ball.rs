@@ -1,5 +1,8 @@
 //! A robot in space, which rolls as a disc.
 
+mod beside;
+mod film;
+
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 
@@ -22,6 +25,7 @@ use crate::error::CliError;
 use crate::interrupt::Interrupt;
 use crate::output::{self, Cell, Files, Format, Table, digits, full, message};
 use crate::progress::Progress;
+use beside::Beside;
 
 /// How far (m) a drawn robot has to come, and within which way (m) of its line.
 const FAR: f64 = 30.0;
@@ -59,7 +63,7 @@ impl Run {
     /// Runs the robot in space that the flags name.
     pub(super) fn ball(&self, robot: &Robot) -> Result<Status, CliError> {
         self.meant_for_a_ball()?;
-        let setup = Roll {
+        let mut setup = Roll {
             gait: self.gait.rolls()?,
             knows: if self.gait.truth || self.gait.is_thesis() {
                 Knows::Truth
@@ -85,16 +89,19 @@ impl Run {
             Format::Csv => Some(Rows::lines(self.output.out(), header(robot))?),
             _ => None,
         };
+        let (page, mcap) = (self.animate.as_deref(), self.mcap.path());
+        let mut beside = Beside::open(page, mcap, self.seed, &mut setup)?;
         let mut whole = 0.0;
         let came = follow(&setup, |ball| {
             if let Some(rows) = &mut rows {
                 rows.line(|text| write(ball, text));
             }
+            beside.push(ball);
             if ball.time >= whole + 1.0 {
                 whole += 1.0;
                 progress.advance(1);
             }
-            let is_read = rows.as_ref().is_none_or(Rows::is_open);
+            let is_read = rows.as_ref().is_none_or(Rows::is_open) && beside.is_open();
             if interrupt.came() || !is_read {
                 ControlFlow::Break(())
             } else {
@@ -124,6 +131,9 @@ impl Run {
             }
             (None, _) => files.report(self.output.out(), self.text(robot, &came)),
         }
+        let ended = came.failure().unwrap_or_else(|| "rolled to the end".into());
+        let said = (self.head(robot), ended, came.failure().is_none());
+        beside.add_to(&mut files, &setup, said)?;
         files.write()?;
         Ok(match (interrupt.came(), came.failure()) {
             (true, _) => Status::Interrupted,
@@ -139,9 +149,7 @@ impl Run {
             ("--disturb", !self.disturb.is_empty()),
             ("--analyse", self.analyse.is_some()),
             ("--plot", self.plot.is_set()),
-            ("--animate", self.animate.is_some()),
             ("--believed", self.believed.is_some()),
-            ("--mcap", self.mcap.path().is_some()),
             ("--telemetry", self.telemetry.is_some()),
             ("--drawn-across", self.drawn_across != 0.0),
         ];
