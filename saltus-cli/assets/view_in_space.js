@@ -61,17 +61,17 @@ function viewInSpace(canvas, colors) {
     "in vec3 n; in vec3 where; uniform vec4 color; uniform vec3 light, eye; uniform float flatly; out vec4 shown;\n" +
     "void main() {\n" +
     "  vec3 m = normalize(n), v = normalize(eye - where); if (dot(m, v) < 0.0) m = -m;\n" +
-    "  float lit = 0.58 + 0.42 * max(dot(m, light), 0.0) - 0.12 * max(-m.z, 0.0);\n" +
+    "  float lit = 0.72 + 0.3 * max(dot(m, light), 0.0) - 0.14 * max(-m.z, 0.0);\n" +
     "  float gloss = 0.18 * pow(max(dot(reflect(-light, m), v), 0.0), 24.0);\n" +
     "  shown = vec4(mix(color.rgb * lit + gloss, color.rgb, flatly), color.a);\n" +
     "}");
   // The ground has a line each 0.5 m, a thicker one each 5 m, and fades into the paper.
   const ground = program(
-    "in vec3 place; uniform mat4 sight; uniform vec3 middle; uniform float slope; out vec2 xy; out float far;\n" +
-    "void main() { vec3 at = vec3(middle.xy + place.xy * 60.0, 0.0); at.z = at.x * slope; xy = at.xy; far = length(place.xy) * 60.0; gl_Position = sight * vec4(at, 1.0); }",
-    "in vec2 xy; in float far; uniform vec4 color, line, paper; out vec4 shown;\n" +
+    "in vec3 place; uniform mat4 sight; uniform vec3 middle; uniform float slope; out vec2 xy, from;\n" +
+    "void main() { from = place.xy * 60.0; vec3 at = vec3(middle.xy + from, 0.0); at.z = at.x * slope; xy = at.xy; gl_Position = sight * vec4(at, 1.0); }",
+    "in vec2 xy, from; uniform vec4 color, line, paper; out vec4 shown;\n" +
     "float grid(float step, float width) { vec2 p = xy / step, d = fwidth(p); vec2 near = abs(fract(p - 0.5) - 0.5) / max(d, 1e-6) - width; vec2 lies = clamp(1.0 - near, 0.0, 1.0) * clamp(1.5 - 3.0 * d, 0.0, 1.0); return max(lies.x, lies.y); }\n" +
-    "void main() { vec3 c = mix(color.rgb, line.rgb, max(0.45 * grid(0.5, 0.0), 0.9 * grid(5.0, 0.6))); shown = vec4(mix(c, paper.rgb, smoothstep(8.0, 45.0, far)), 1.0); }");
+    "void main() { vec3 c = mix(color.rgb, line.rgb, max(0.45 * grid(0.5, 0.0), 0.9 * grid(5.0, 0.6))); shown = vec4(mix(c, paper.rgb, smoothstep(6.0, 45.0, length(from))), 1.0); }");
   // A ribbon on the ground; `normal` has the length along it (m) for dashes.
   const ribbon = program(
     "in vec3 place; in vec3 normal; uniform mat4 sight; out float along; void main() { along = normal.x; gl_Position = sight * vec4(place, 1.0); }",

@@ -40,7 +40,7 @@ pub struct Roll {
     pub seconds: f64,
     /// Steps of the simulation.
     pub stepping: Stepping,
-    /// Every how many cycles the forces on the feet are told, which cost about a step; 0: never.
+    /// Every how many cycles the forces on the feet are told; 0: never.
     pub forces_every: u64,
 }
 
@@ -117,7 +117,8 @@ pub struct Ball {
     pub extensions: Vec<f64>,
     /// Its rate (m/s).
     pub extension_rates: Vec<f64>,
-    /// Force of the ground (N, the world's axes) on feet, each with its leg, where [`Roll::forces_every`] asks for them.
+    /// Force of the ground (N, the world's axes) on feet, each with its leg, where [`Roll::forces_every`] asks for them: its
+    /// mean since they were told before, in [adaptive](Stepping::Adaptive) steps what it is now.
     pub forces: Vec<(usize, [f64; 3])>,
     /// Axis of its disc, a unit vector in the body's axes: to the left of the way it rolls.
     pub axis: [f64; 3],
@@ -267,6 +268,9 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
     };
     let mut sim = Sim::new(&rig.mechanism, &q, &v, settings)?;
     sim.release_legs()?;
+    if roll.forces_every > 0 {
+        sim.keep_impulses();
+    }
     let start = sim.ledger();
     let directions = roll.robot.space.as_ref().map(|it| it.directions.vectors());
     let directions = directions.unwrap_or_default();
@@ -278,7 +282,8 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
     loop {
         let (mut ball, entered) = look(&rig, &sim, &mut tracker);
         if roll.forces_every > 0 && cycles.is_multiple_of(roll.forces_every) {
-            ball.forces = on_feet(&mut sim, ball.extensions.len());
+            let span = roll.forces_every as f64 * period;
+            ball.forces = on_feet(&mut sim, ball.extensions.len(), span);
         }
         if let Some(sensed) = &mut sensed {
             let (readings, estimate) = sensed.take(&ball);
@@ -419,13 +424,15 @@ fn look(rig: &Rig, sim: &Sim<'_>, tracker: &mut Tracker<'_, f64>) -> (Ball, bool
     (ball, entered)
 }
 
-/// Force of the ground (N, the world's axes) on the feet of `legs` legs that touch it, each with its leg.
-fn on_feet(sim: &mut Sim<'_>, legs: usize) -> Vec<(usize, [f64; 3])> {
-    let contacts = sim.contacts().into_iter();
-    let on_feet = contacts.filter(|contact| contact.point < legs);
-    on_feet
-        .map(|contact| (contact.point, contact.force.into()))
-        .collect()
+/// Force of the ground (N, the world's axes) on the feet of `legs` legs, each with its leg: its mean over the last `span` (s),
+/// or what it is now where steps have no fixed length.
+fn on_feet(sim: &mut Sim<'_>, legs: usize, span: f64) -> Vec<(usize, [f64; 3])> {
+    let forces: Vec<(usize, Vec3)> = match sim.impulses() {
+        Some(impulses) => impulses.into_iter().map(|(p, x)| (p, x / span)).collect(),
+        None => sim.contacts().iter().map(|c| (c.point, c.force)).collect(),
+    };
+    let on_feet = forces.into_iter().filter(|(point, _)| *point < legs);
+    on_feet.map(|(leg, force)| (leg, force.into())).collect()
 }
 
 impl Rolled {
