@@ -71,7 +71,7 @@ function viewInSpace(canvas, colors) {
     "void main() { from = place.xy * 60.0; vec3 at = vec3(middle.xy + from, 0.0); at.z = at.x * slope; xy = at.xy; gl_Position = sight * vec4(at, 1.0); }",
     "in vec2 xy, from; uniform vec4 color, line, paper; out vec4 shown;\n" +
     "float grid(float step, float width) { vec2 p = xy / step, d = fwidth(p); vec2 near = abs(fract(p - 0.5) - 0.5) / max(d, 1e-6) - width; vec2 lies = clamp(1.0 - near, 0.0, 1.0) * clamp(1.5 - 3.0 * d, 0.0, 1.0); return max(lies.x, lies.y); }\n" +
-    "void main() { vec3 c = mix(color.rgb, line.rgb, max(0.45 * grid(0.5, 0.0), 0.9 * grid(5.0, 0.6))); shown = vec4(mix(c, paper.rgb, smoothstep(6.0, 45.0, length(from))), 1.0); }");
+    "void main() { vec3 c = mix(color.rgb, line.rgb, max(0.4 * grid(0.5, 0.0), 0.7 * grid(5.0, 0.5))); shown = vec4(mix(c, paper.rgb, smoothstep(6.0, 45.0, length(from))), 1.0); }");
   // A ribbon on the ground; `normal` has the length along it (m) for dashes.
   const ribbon = program(
     "in vec3 place; in vec3 normal; uniform mat4 sight; out float along; void main() { along = normal.x; gl_Position = sight * vec4(place, 1.0); }",
@@ -109,11 +109,16 @@ function viewInSpace(canvas, colors) {
       }
     return shape(places, normals, indices);
   }
-  const round = [];
-  for (let k = 0; k <= 16; k++) { const a = Math.PI * (k / 16 - 0.5); round.push([Math.cos(a), Math.sin(a), Math.cos(a), Math.sin(a)]); }
+  function roundShape(rows) {
+    const line = [];
+    for (let k = 0; k <= rows; k++) { const a = Math.PI * (k / rows - 0.5); line.push([Math.cos(a), Math.sin(a), Math.cos(a), Math.sin(a)]); }
+    return turnedShape(line, 2 * rows - 4);
+  }
   const shapes = {
-    ball: turnedShape(round, 28),
-    rod: turnedShape([[0, 0, 0, -1], [1, 0, 0, -1], [1, 0, 1, 0], [1, 1, 1, 0], [1, 1, 0, 1], [0, 1, 0, 1]], 16),
+    ball: roundShape(16),
+    // Feet are small, and many.
+    foot: roundShape(7),
+    rod: turnedShape([[0, 0, 0, -1], [1, 0, 0, -1], [1, 0, 1, 0], [1, 1, 1, 0], [1, 1, 0, 1], [0, 1, 0, 1]], 10),
     cone: turnedShape([[0, 0, 0, -1], [1, 0, 0, -1], [1, 0, 0.8, 0.6], [0, 1, 0.8, 0.6]], 16),
     ring: turnedShape([[0.9, 0, 0, 1], [1, 0, 0, 1]], 64),
     plate: turnedShape([[0, 0, 0, 1], [1, 0, 0, 1]], 64),
@@ -158,7 +163,7 @@ function viewInSpace(canvas, colors) {
       if (top > robot.hub) list.push([shapes.rod, along(leg.direction, top - robot.hub, 1.9 * robot.rodRadius, sum(robot.place, leg.direction, robot.hub)), ghost ?? open ?? colors.metal]);
       const from = Math.max(robot.hub, top + leg.extension);
       list.push([shapes.rod, along(leg.direction, robot.radius + leg.extension - from, robot.rodRadius, sum(robot.place, leg.direction, from)), ghost ?? open ?? colors.ink]);
-      list.push([shapes.ball, ballAt(sum(tip, leg.direction, -robot.footRadius), robot.footRadius), ghost ?? leg.color]);
+      list.push([shapes.foot, ballAt(sum(tip, leg.direction, -robot.footRadius), robot.footRadius), ghost ?? leg.color]);
     }
     return list;
   }
@@ -210,8 +215,17 @@ function viewInSpace(canvas, colors) {
     gl.depthMask(true);
   }
 
+  // Where pictures take too long, as without a graphics card, they get fewer pixels: 30 a second are wanted.
+  let sharpness = 1, usual = 0;
+  const SLOW = 1 / 33, BLURRED = 0.4;
+  /** Notes that a picture took so long (s). */
+  function took(seconds) {
+    usual = usual ? usual + 0.15 * (Math.min(seconds, 0.3) - usual) : seconds;
+    if (usual > SLOW && sharpness > BLURRED) { sharpness = Math.max(BLURRED, 0.85 * sharpness); usual = 0.7 * SLOW; }
+  }
+
   function fit() {
-    const ratio = Math.min(devicePixelRatio || 1, 2), width = Math.max(1, Math.round(canvas.clientWidth * ratio)), height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    const ratio = sharpness * Math.min(devicePixelRatio || 1, 2), width = Math.max(1, Math.round(canvas.clientWidth * ratio)), height = Math.max(1, Math.round(canvas.clientHeight * ratio));
     if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
   }
 
@@ -276,14 +290,18 @@ function viewInSpace(canvas, colors) {
   }
 
   return {
-    camera, draw, addRibbon,
+    camera, draw, addRibbon, took,
     setSlope: tangent => { slope = tangent; },
-    /** Waits until all that was drawn is there, and gives the picture's pixels, red, green, blue, alpha. */
+    /** The picture's pixels, red, green, blue, alpha: in the task that has drawn it. */
     pixels: () => {
       const all = new Uint8Array(4 * canvas.width * canvas.height);
       gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, all);
       return all;
     },
-    fault: () => gl.getError(),
+    /** Waits until all that was drawn is there; an error of WebGL, 0 if there was none. */
+    finish: () => {
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+      return gl.getError();
+    },
   };
 }
