@@ -5,12 +5,14 @@
 mod balance;
 mod disc;
 mod drawn;
+mod measured;
 mod sensing;
 
 use balance::Course;
 pub use balance::Stable;
 pub use disc::Facing;
 pub use drawn::{DrawnBalls, drawn_ball};
+pub use measured::Measured;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use saltus_controller::ball::{

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use saltus_gait::space::{Ball, Roll};
+use saltus_gait::space::{Ball, Measured, Roll};
 use saltus_telemetry::{Definition, Topic, message};
 
 use super::body::{Moment, Sensed, WORLD};
@@ -18,8 +18,7 @@ pub struct Rolling<W: Write> {
     disc: Topic,
     estimate: Topic,
     legs: usize,
-    /// Until when (s) the valve of each leg is commanded open.
-    open_until: Vec<f64>,
+    measured: Measured,
     /// Feet on the ground in the last cycle.
     stood: u64,
     coordinates: Vec<f64>,
@@ -53,18 +52,6 @@ fn estimate() -> Definition {
     Definition::own("saltus_msgs/msg/Estimate", fields)
 }
 
-/// Names of the columns of `/measured` for a robot with so many legs, the time first.
-fn columns(legs: usize) -> Vec<String> {
-    let mut names = vec!["time_s".to_owned()];
-    for (what, unit) in [("rate", "rad_s"), ("force", "m_s2")] {
-        names.extend(["x", "y", "z"].map(|axis| format!("{what}_{axis}_{unit}")));
-    }
-    for what in ["contact", "valve"] {
-        names.extend((1..=legs).map(|leg| format!("{what}_{leg}")));
-    }
-    names
-}
-
 impl<W: Write> Rolling<W> {
     /// Of a run as `setup` says, into a recording that has nothing yet. The run has to tell the forces on the feet in every
     /// cycle: [`Roll::forces_every`] is 1.
@@ -75,14 +62,15 @@ impl<W: Write> Rolling<W> {
         let legs = setup.robot.body.legs as usize;
         recording.robot(&setup.robot)?;
         recording.course(&[])?;
-        let columns = columns(legs);
+        let measured = Measured::new(legs);
+        let columns = measured.columns();
         recording.columns(columns.iter().map(String::as_str))?;
         Ok(Rolling {
             disc: recording.writer.channel("/disc", &disc())?,
             estimate: recording.writer.channel("/estimate", &estimate())?,
             recording,
             legs,
-            open_until: vec![f64::NEG_INFINITY; legs],
+            measured,
             stood: u64::MAX,
             coordinates: Vec::new(),
             velocities: Vec::new(),
@@ -97,9 +85,6 @@ impl<W: Write> Rolling<W> {
         for firing in &ball.fired {
             let text = format!("fire leg {} for {:.1} ms", firing.leg, 1e3 * firing.open);
             self.recording.event(ball.time, &text)?;
-            if let Some(until) = self.open_until.get_mut(firing.leg as usize) {
-                *until = until.max(ball.time + firing.open);
-            }
         }
         let came_down = ball.touching & !self.stood;
         self.stood = ball.touching;
@@ -107,25 +92,11 @@ impl<W: Write> Rolling<W> {
             let text = format!("touch-down of leg {leg}");
             self.recording.event(ball.time, &text)?;
         }
-        self.measured(ball)?;
+        let measured = self.measured.row(ball);
+        self.recording.row(ball.time, measured)?;
         self.moment(ball)?;
         self.lying(ball)?;
         self.estimate(ball)
-    }
-
-    /// Whether the valve of each leg is commanded open at `time` (s).
-    fn valves(&self, time: f64) -> Vec<bool> {
-        self.open_until.iter().map(|until| time < *until).collect()
-    }
-
-    /// What the sensors say; nothing where the robot has no use for them.
-    fn measured(&mut self, ball: &Ball) -> Result<(), Error> {
-        let inertial = ball.sensed.unwrap_or([[f64::NAN; 3]; 2]);
-        let touching = (0..self.legs).map(|leg| f64::from(ball.touching >> leg & 1 == 1));
-        let valves = self.valves(ball.time).into_iter().map(f64::from);
-        let row = std::iter::once(ball.time).chain(inertial.concat());
-        self.recording
-            .row(ball.time, row.chain(touching).chain(valves))
     }
 
     fn moment(&mut self, ball: &Ball) -> Result<(), Error> {
@@ -144,7 +115,7 @@ impl<W: Write> Rolling<W> {
             velocities: &self.velocities,
             base: 0.0,
             pressures: &[],
-            valves: &self.valves(ball.time),
+            valves: &self.measured.valves(ball.time),
             slip: f64::NAN,
             forces: &ball.forces,
             sensed: ball.sensed.map(|[rate, force]| Sensed { rate, force }),

@@ -25,7 +25,7 @@ use crate::error::CliError;
 use crate::interrupt::Interrupt;
 use crate::output::{self, Cell, Files, Format, Table, digits, full, message};
 use crate::progress::Progress;
-use beside::Beside;
+use beside::{Beside, Places, Said};
 
 /// How far (m) a drawn robot has to come, and within which way (m) of its line.
 const FAR: f64 = 30.0;
@@ -86,11 +86,15 @@ impl Run {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let progress = Progress::new("simulated seconds", self.seconds.ceil() as usize);
         let mut rows = match self.output.format() {
-            Format::Csv => Some(Rows::lines(self.output.out(), header(robot))?),
+            Format::Csv => Some(Rows::lines("--out", self.output.out(), header(robot))?),
             _ => None,
         };
-        let (page, mcap) = (self.animate.as_deref(), self.mcap.path());
-        let mut beside = Beside::open(page, mcap, self.seed, &mut setup)?;
+        let places = Places {
+            animate: self.animate.as_deref(),
+            mcap: self.mcap.path(),
+            telemetry: self.telemetry.as_deref(),
+        };
+        let mut beside = Beside::open(places, self.seed, &mut setup)?;
         let mut whole = 0.0;
         let came = follow(&setup, |ball| {
             if let Some(rows) = &mut rows {
@@ -131,8 +135,12 @@ impl Run {
             }
             (None, _) => files.report(self.output.out(), self.text(robot, &came)),
         }
-        let ended = came.failure().unwrap_or_else(|| "rolled to the end".into());
-        let said = (self.head(robot), ended, came.failure().is_none());
+        let said = Said {
+            title: self.head(robot),
+            ended: came.failure().unwrap_or_else(|| "rolled to the end".into()),
+            rolled: came.failure().is_none(),
+            gait: self.gait.rolling().name(),
+        };
         beside.add_to(&mut files, &setup, said)?;
         files.write()?;
         Ok(match (interrupt.came(), came.failure()) {
@@ -150,7 +158,6 @@ impl Run {
             ("--analyse", self.analyse.is_some()),
             ("--plot", self.plot.is_set()),
             ("--believed", self.believed.is_some()),
-            ("--telemetry", self.telemetry.is_some()),
             ("--drawn-across", self.drawn_across != 0.0),
         ];
         match given.into_iter().find(|(_, is_given)| *is_given) {

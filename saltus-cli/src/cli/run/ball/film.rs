@@ -186,3 +186,6 @@ fn force_on(forces: &[(usize, [f64; 3])], leg: usize) -> [f64; 3] {
         std::array::from_fn(|k| sum[k] + force[k])
     })
 }
+
+#[cfg(test)]
+mod tests;
