@@ -89,12 +89,7 @@ impl Run {
             Format::Csv => Some(Rows::lines("--out", self.output.out(), header(robot))?),
             _ => None,
         };
-        let places = Places {
-            animate: self.animate.as_deref(),
-            mcap: self.mcap.path(),
-            telemetry: self.telemetry.as_deref(),
-        };
-        let mut beside = Beside::open(places, self.seed, &mut setup)?;
+        let mut beside = Beside::open(self.beside(), self.seed, &mut setup)?;
         let mut whole = 0.0;
         let came = follow(&setup, |ball| {
             if let Some(rows) = &mut rows {
@@ -135,19 +130,32 @@ impl Run {
             }
             (None, _) => files.report(self.output.out(), self.text(robot, &came)),
         }
-        let said = Said {
-            title: self.head(robot),
-            ended: came.failure().unwrap_or_else(|| "rolled to the end".into()),
-            rolled: came.failure().is_none(),
-            gait: self.gait.rolling().name(),
-        };
-        beside.add_to(&mut files, &setup, said)?;
+        beside.add_to(&mut files, &setup, self.said(robot, &came))?;
         files.write()?;
         Ok(match (interrupt.came(), came.failure()) {
             (true, _) => Status::Interrupted,
             (false, None) => Status::Done,
             (false, Some(_)) => Status::No,
         })
+    }
+
+    /// Where what is beside the report goes.
+    fn beside(&self) -> Places<'_> {
+        Places {
+            animate: self.animate.as_deref(),
+            mcap: self.mcap.path(),
+            telemetry: self.telemetry.as_deref(),
+        }
+    }
+
+    /// What is said there of a run.
+    fn said(&self, robot: &Robot, came: &Came) -> Said<'_> {
+        Said {
+            title: self.head(robot),
+            ended: came.failure().unwrap_or_else(|| "rolled to the end".into()),
+            rolled: came.failure().is_none(),
+            gait: self.gait.rolling().name(),
+        }
     }
 
     /// Refuses what only a robot in its plane does.
