@@ -142,13 +142,13 @@ function viewInSpace(canvas, colors) {
   const along = (d, length, radius, at) => { const [u, v] = across(d); return frame(times(u, radius), times(v, radius), times(d, length), at); };
   const ballAt = (at, radius) => frame([radius, 0, 0], [0, radius, 0], [0, 0, radius], at);
 
-  /** What falls on the ground along the light, lifted by 1.5 mm. */
+  /** What falls on the ground along the light. */
   function shadowOf() {
-    const n = unit([-slope, 0, 1]), d = dot(n, light), lift = 0.0015, m = new Float32Array(16);
+    const n = unit([-slope, 0, 1]), d = dot(n, light), m = new Float32Array(16);
     for (let column = 0; column < 4; column++)
       for (let row = 0; row < 3; row++) {
         const same = row === column ? 1 : 0;
-        m[4 * column + row] = column < 3 ? same - light[row] * n[column] / d : n[row] * lift;
+        m[4 * column + row] = column < 3 ? same - light[row] * n[column] / d : 0;
       }
     m[15] = 1;
     return m;
@@ -175,16 +175,32 @@ function viewInSpace(canvas, colors) {
     gl.enable(gl.STENCIL_TEST);
     gl.stencilFunc(gl.EQUAL, 0, 255);
     gl.stencilOp(gl.KEEP, gl.KEEP, gl.INCR);
-    gl.depthMask(false);
     for (const [it, model] of list) paint(it, product(fall, model), shade, 1);
-    gl.depthMask(true);
     gl.disable(gl.STENCIL_TEST);
+  }
+
+  function useSolid() {
+    gl.useProgram(solid.it);
+    gl.uniformMatrix4fv(solid.at.sight, false, sight);
+    gl.uniform3fv(solid.at.light, light);
+    gl.uniform3fv(solid.at.eye, eye);
+  }
+
+  function drawGround() {
+    gl.useProgram(ground.it);
+    gl.uniformMatrix4fv(ground.at.sight, false, sight);
+    gl.uniform3fv(ground.at.middle, camera.target);
+    gl.uniform1f(ground.at.slope, slope);
+    gl.uniform4fv(ground.at.color, colors.ground);
+    gl.uniform4fv(ground.at.line, colors.turf);
+    gl.uniform4fv(ground.at.paper, colors.paper);
+    gl.bindVertexArray(shapes.square.array);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
   }
 
   function drawRibbons(k) {
     gl.useProgram(ribbon.it);
     gl.uniformMatrix4fv(ribbon.at.sight, false, sight);
-    gl.depthMask(false);
     for (const one of ribbons) {
       if (one.hidden) continue;
       const count = one.whole ? one.it.count : Math.min(one.it.count, 2 * (k + 1));
@@ -193,7 +209,6 @@ function viewInSpace(canvas, colors) {
       gl.bindVertexArray(one.it.array);
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, count);
     }
-    gl.depthMask(true);
   }
 
   function drawArrows(robot) {
@@ -202,8 +217,9 @@ function viewInSpace(canvas, colors) {
       if (size === 0) continue;
       const d = times(leg.force, 1 / size), length = 0.3 * Math.sqrt(size / robot.mostForce), head = Math.min(0.045, 0.5 * length);
       const foot = sum(robot.place, leg.direction, robot.radius + leg.extension);
-      paint(shapes.rod, along(d, length - head, 0.0055, foot), colors.force);
-      paint(shapes.cone, along(d, head, 0.016, sum(foot, d, length - head)), colors.force);
+      // Thicker than a rod, along which most forces are, and seen through, as its colour says whether its valve is open.
+      paint(shapes.rod, along(d, length - head, 1.3 * robot.rodRadius, foot), [...colors.accent.slice(0, 3), 0.55]);
+      paint(shapes.cone, along(d, head, 2.6 * robot.rodRadius, sum(foot, d, length - head)), [...colors.accent.slice(0, 3), 0.8]);
     }
   }
 
@@ -239,25 +255,21 @@ function viewInSpace(canvas, colors) {
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(...colors.paper);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT | gl.STENCIL_BUFFER_BIT);
-    gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-    gl.useProgram(ground.it);
-    gl.uniformMatrix4fv(ground.at.sight, false, sight);
-    gl.uniform3fv(ground.at.middle, target);
-    gl.uniform1f(ground.at.slope, slope);
-    gl.uniform4fv(ground.at.color, colors.ground);
-    gl.uniform4fv(ground.at.line, colors.turf);
-    gl.uniform4fv(ground.at.paper, colors.paper);
-    gl.bindVertexArray(shapes.square.array);
-    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    // What lies on the ground is painted upon it without depths, which at a slant are too coarse for a millimetre; then the
+    // ground gets its depth, for what reaches below it.
+    gl.disable(gl.DEPTH_TEST);
+    drawGround();
     drawRibbons(scene.k);
-    gl.useProgram(solid.it);
-    gl.uniformMatrix4fv(solid.at.sight, false, sight);
-    gl.uniform3fv(solid.at.light, light);
-    gl.uniform3fv(solid.at.eye, eye);
+    useSolid();
     const list = parts(scene.robot);
     drawShadow(list);
+    gl.enable(gl.DEPTH_TEST);
+    gl.colorMask(false, false, false, false);
+    drawGround();
+    gl.colorMask(true, true, true, true);
+    useSolid();
     solids(list, 0);
     drawArrows(scene.robot);
     if (scene.ghost) {
@@ -270,7 +282,7 @@ function viewInSpace(canvas, colors) {
   }
 
   /** A ribbon of `width` (m) through `places`, x and y of each point, on the ground. */
-  function addRibbon(places, { width, color, lift, dash = 0, whole = false }) {
+  function addRibbon(places, { width, color, dash = 0, whole = false }) {
     const points = places.length / 2, at = [], lengths = [];
     let length = 0, left = [0, 1];
     for (let k = 0; k < points; k++) {
@@ -280,7 +292,7 @@ function viewInSpace(canvas, colors) {
       if (k > 0) length += Math.hypot(x - places[2 * k - 2], y - places[2 * k - 1]);
       for (const side of [-0.5, 0.5]) {
         const [u, v] = [x + side * width * left[0], y + side * width * left[1]];
-        at.push(u, v, slope * u + lift);
+        at.push(u, v, slope * u);
         lengths.push(length, 0, 0);
       }
     }
