@@ -7,6 +7,7 @@ mod disc;
 mod drawn;
 mod flashed;
 mod known;
+mod measured;
 mod sensing;
 mod steer;
 
@@ -16,13 +17,15 @@ pub use disc::Facing;
 pub use drawn::{DrawnBalls, drawn_ball};
 pub use flashed::{Flashed, FlashedPlane, Hearing};
 pub use known::Known;
+pub use measured::Measured;
 pub use steer::Steered;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use saltus_controller::ball::{
-    Balancer, Estimate, Estimator, Firing, Lying, Pilot, Plane, Rotation, Sight, Tracker, View,
+    Balancer, Estimate, Estimator, Firing, Lying, Pilot, Plane, Rotation, Scales, Sight, Tracker,
+    View,
 };
 use saltus_robot::Robot;
 use saltus_robot::space::{Rest, discs, rests};
@@ -31,7 +34,7 @@ use saltus_sim_check::{Event, Happening, Rig, Settings, Sim, Stepping, Vec3};
 use crate::error::require;
 use crate::law::Compiled;
 use crate::{GaitError, Program};
-use sensing::{Senses, estimator};
+use sensing::{Senses, estimator, scales};
 
 /// How a robot rolls from rest.
 #[derive(Clone, Debug)]
@@ -48,6 +51,8 @@ pub struct Roll {
     pub seconds: f64,
     /// Steps of the simulation.
     pub stepping: Stepping,
+    /// Every how many cycles the forces on the feet are told; 0: never.
+    pub forces_every: u64,
 }
 
 /// Which leg fires when.
@@ -156,6 +161,15 @@ pub struct Ball {
     pub touching: u64,
     /// Extension of each leg (m).
     pub extensions: Vec<f64>,
+    /// Its rate (m/s).
+    pub extension_rates: Vec<f64>,
+    /// Force of the ground (N, the world's axes) on feet, each with its leg, where [`Roll::forces_every`] asks for them: its
+    /// mean since they were told before, in [adaptive](Stepping::Adaptive) steps what it is now.
+    pub forces: Vec<(usize, [f64; 3])>,
+    /// Axis of its disc, a unit vector in the body's axes: to the left of the way it rolls.
+    pub axis: [f64; 3],
+    /// What its sensors say, if it goes by them: rates (rad/s) about the body's axes, specific force (m/s²) along them.
+    pub sensed: Option<[[f64; 3]; 2]>,
     /// What it takes its motion for, by its sensors.
     pub estimate: Option<Estimate<f64>>,
 }
@@ -232,6 +246,7 @@ impl Roll {
             start: Start::default(),
             seconds,
             stepping: Stepping::USUAL,
+            forces_every: 0,
         }
     }
 
@@ -331,6 +346,9 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
     };
     let mut sim = Sim::new(&rig.mechanism, &q, &v, settings)?;
     sim.release_legs()?;
+    if roll.forces_every > 0 {
+        sim.keep_impulses();
+    }
     let start = sim.ledger();
     let mut sensed = Sensed::new(roll, &directions, &q);
     let period = roll.robot.sensors.unwrap_or_default().period;
@@ -343,23 +361,23 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
         let (mut ball, entered) = look(&rig, &sim, &mut tracker);
         ball.passed += before;
         ball.led = led;
+        touched.retain(|(point, _)| *point < rig.legs.len());
         ball.touched = std::mem::take(&mut touched);
-        ball.touched
-            .retain(|(point, _)| *point < ball.extensions.len());
-        ball.estimate = sensed.as_mut().map(|sensed| sensed.take(&ball));
-        ball.fired = decides.fire(&mut ball, entered, &tracker, period);
-        if let Decides::Steered(pilot) = &decides {
-            if let Some(plane) = pilot.plane().filter(|_| led.starts != pilot.starts()) {
-                before += tracker.passed().max(0);
-                tracker = Tracker::new(planes[plane], zone);
-            }
-            ball.led = Led {
-                plane: pilot.plane(),
-                starts: pilot.starts(),
-                reached: pilot.reached(),
-            };
-            led = ball.led;
+        if roll.forces_every > 0 && cycles.is_multiple_of(roll.forces_every) {
+            let span = roll.forces_every as f64 * period;
+            ball.forces = on_feet(&mut sim, ball.extensions.len(), span);
         }
+        if let Some(sensed) = &mut sensed {
+            let (readings, estimate) = sensed.take(&ball);
+            (ball.sensed, ball.estimate) = (Some(readings), Some(estimate));
+        }
+        ball.fired = decides.fire(&mut ball, entered, &tracker, period);
+        if let Some(plane) = decides.leads(&mut ball.led) {
+            before += tracker.passed().max(0);
+            tracker = Tracker::new(planes[plane], zone);
+            ball.axis = planes[plane].axis;
+        }
+        led = ball.led;
         rolled.note(&ball, roll.start.yaw);
         for Firing { leg, open } in &ball.fired {
             sim.fire(*leg as usize, *open)?;
@@ -378,6 +396,20 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
 }
 
 impl Decides<'_> {
+    /// Notes how it is led; the plane, by its number, in which it has set out in this cycle.
+    fn leads(&self, led: &mut Led) -> Option<usize> {
+        let Decides::Steered(pilot) = self else {
+            return None;
+        };
+        let sets_out = led.starts != pilot.starts();
+        *led = Led {
+            plane: pilot.plane(),
+            starts: pilot.starts(),
+            reached: pilot.reached(),
+        };
+        led.plane.filter(|_| sets_out)
+    }
+
     /// The legs that fire in the cycle of `ball`, of `period` (s), whose station in the zone `entered` it now.
     fn fire(
         &mut self,
@@ -450,6 +482,7 @@ impl Decides<'_> {
 /// What a robot with sensors makes of them.
 struct Sensed<'a> {
     senses: Senses,
+    scales: Scales<f64>,
     estimator: Estimator<'a, f64>,
 }
 
@@ -462,17 +495,19 @@ impl<'a> Sensed<'a> {
         let start = (Rotation([q[3], q[4], q[5], q[6]]), [q[0], q[1], q[2]]);
         Some(Sensed {
             senses: Senses::new(&roll.robot, attitude(q), seed),
+            scales: scales(&roll.robot.sensors.unwrap_or_default()),
             estimator: estimator(&roll.robot, directions, start),
         })
     }
 
-    fn take(&mut self, ball: &Ball) -> Estimate<f64> {
+    fn take(&mut self, ball: &Ball) -> ([[f64; 3]; 2], Estimate<f64>) {
         let [w, x, y, z] = ball.attitude;
         let attitude = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
         let velocity = Vector3::from(ball.velocity);
         let readings = self.senses.read(attitude, velocity, ball.touching);
         self.estimator.take(&readings);
-        *self.estimator.estimate()
+        let said = [self.scales.rate(&readings), self.scales.force(&readings)];
+        (said, *self.estimator.estimate())
     }
 }
 
@@ -490,7 +525,9 @@ fn look(rig: &Rig, sim: &Sim<'_>, tracker: &mut Tracker<'_, f64>) -> (Ball, bool
     let spin = [v[3], v[4], v[5]];
     let attitude = [q[3], q[4], q[5], q[6]];
     let (rolling, entered) = tracker.look(&Rotation(attitude), &spin);
+    let tree = &rig.mechanism.tree;
     let extension = |leg: usize| q[rig.extension_coordinate(leg)];
+    let extension_rate = |leg: usize| v[tree.velocity_of(rig.legs[leg])];
     let gaps = rig.foot_gaps(q);
     let touching = (0..gaps.len()).filter(|leg| gaps[*leg] <= 0.0);
     let ball = Ball {
@@ -507,9 +544,24 @@ fn look(rig: &Rig, sim: &Sim<'_>, tracker: &mut Tracker<'_, f64>) -> (Ball, bool
         touched: Vec::new(),
         touching: touching.fold(0, |bits, leg| bits | 1 << leg),
         extensions: (0..rig.legs.len()).map(extension).collect(),
+        extension_rates: (0..rig.legs.len()).map(extension_rate).collect(),
+        forces: Vec::new(),
+        axis: tracker.plane().axis,
+        sensed: None,
         estimate: None,
     };
     (ball, entered)
+}
+
+/// Force of the ground (N, the world's axes) on the feet of `legs` legs, each with its leg: its mean over the last `span` (s),
+/// or what it is now where steps have no fixed length.
+fn on_feet(sim: &mut Sim<'_>, legs: usize, span: f64) -> Vec<(usize, [f64; 3])> {
+    let forces: Vec<(usize, Vec3)> = match sim.impulses() {
+        Some(impulses) => impulses.into_iter().map(|(p, x)| (p, x / span)).collect(),
+        None => sim.contacts().iter().map(|c| (c.point, c.force)).collect(),
+    };
+    let on_feet = forces.into_iter().filter(|(point, _)| *point < legs);
+    on_feet.map(|(leg, force)| (leg, force.into())).collect()
 }
 
 impl Rolled {

@@ -539,3 +539,45 @@ fn what_is_no_path_is_refused() {
     });
     assert!(roll(&setup, |_| true).is_err());
 }
+
+/// Forces on feet, told every cycle or every fifth one, are those of one and the same run, and over a run by sensors they bear
+/// the weight.
+#[test]
+fn forces_on_feet_bear_the_weight() -> Result<(), GaitError> {
+    let told = |every: u64| -> Result<(Vec<Ball>, [f64; 3]), GaitError> {
+        let mut setup = Roll::new(twelve(&[]), 2.0);
+        setup.gait = Gait::Stable(Stable::default());
+        setup.knows = Knows::Sensors(1);
+        setup.forces_every = every;
+        let (mut balls, mut sum) = (Vec::new(), [0.0; 3]);
+        roll(&setup, |ball| {
+            for (leg, force) in &ball.forces {
+                assert!(*leg < 12 && force[0].hypot(force[1]) <= force[2] * (1.0 + 1e-6) + 1e-9);
+                for k in 0..3 {
+                    sum[k] += force[k] * every as f64 * 1e-3;
+                }
+            }
+            let mut ball = ball.clone();
+            ball.forces.clear();
+            balls.push(ball);
+            true
+        })?;
+        Ok((balls, sum))
+    };
+    let ((none, nothing), (each, all), (fifth, mean)) = (told(0)?, told(1)?, told(5)?);
+    assert!(none == each && none == fifth, "asking changes the run");
+    assert_eq!(nothing, [0.0; 3]);
+    // 3.6 kg; it comes to 1.1 m/s, and falls and rises by less than 1 m/s.
+    let weight = 3.6 * 9.80665 * 2.0;
+    for sum in [all, mean] {
+        assert!(
+            (sum[2] - weight).abs() < 3.6 && (0.0..3.6 * 2.5).contains(&sum[0]),
+            "{sum:?}"
+        );
+    }
+    assert!(
+        (0..3).all(|k| (all[k] - mean[k]).abs() < 1e-9),
+        "{all:?} {mean:?}"
+    );
+    Ok(())
+}
