@@ -37,6 +37,12 @@ impl Quantity {
         allowed: "an angle strictly between -pi/2 and pi/2 rad",
         legal: |x| x.abs() < std::f64::consts::FRAC_PI_2,
     };
+    /// Heading (rad).
+    pub(crate) const HEADING: Quantity = Quantity {
+        allowed: "an angle from -pi to pi rad",
+        legal: |x| x.abs() <= std::f64::consts::PI,
+        ..Quantity::ANGLE
+    };
     /// Time (s).
     pub(crate) const TIME: Quantity = Quantity {
         suffixes: &[("ms", Scale::Over(1e3)), ("s", Scale::Times(1.0))],
@@ -177,6 +183,11 @@ impl QuantityError {
 /// Parser of a flag.
 pub(crate) fn angle(text: &str) -> Result<f64, QuantityError> {
     Quantity::ANGLE.parse(text)
+}
+
+/// Parser of a flag.
+pub(crate) fn heading(text: &str) -> Result<f64, QuantityError> {
+    Quantity::HEADING.parse(text)
 }
 
 /// Parser of a flag.
