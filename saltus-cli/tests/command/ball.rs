@@ -362,7 +362,7 @@ const CASES: &[(&str, &[&str])] = &[
     ),
     (
         "--robot rats-twelve --heading 181deg",
-        &["--heading 181deg", "from -pi to pi rad"],
+        &["--heading", "181deg", "from -pi to pi rad"],
     ),
     ("--path p.csv", &["--path", "a robot in space"]),
     ("--gait recover", &["--gait recover", "a robot in space"]),
