@@ -21,7 +21,7 @@ pub(crate) fn steps(document: &str) -> Vec<Step> {
             let block: Vec<&str> = lines.by_ref().take_while(|line| *line != "```").collect();
             match language {
                 "console" => steps.extend(commands(&block)),
-                "toml" => steps.extend(file_name(before).map(|name| Step::File {
+                "toml" | "csv" => steps.extend(file_name(before).map(|name| Step::File {
                     name,
                     text: block.join("\n"),
                 })),
@@ -199,6 +199,7 @@ pub(crate) fn furnished(name: &str) -> Folder {
         let file = file.unwrap();
         std::fs::copy(file.path(), folder.path(drops).join(file.file_name())).unwrap();
     }
+    std::fs::write(folder.path("points.csv"), "x_m,y_m\n3,0\n").unwrap();
     let readme = include_str!("../../../README.md");
     let spring = readme.split("```toml\n").nth(1).unwrap();
     std::fs::write(
