@@ -1,6 +1,8 @@
 //! A robot for MuJoCo: the bodies, joints, feet and ground of its [`Rig`] as an MJCF file.
 
-use saltus_robot::space::rests;
+mod rubber;
+
+use saltus_robot::space::{Factors, rests};
 use saltus_robot::{Drive, ReturnSpring, Robot};
 
 use crate::SimError;
@@ -21,6 +23,9 @@ const NO_SLIP: f64 = 2.0;
 /// Least friction coefficient across the travel: with less beside one along it, MuJoCo's solver
 /// chatters between pushing and not.
 const LEAST_FRICTION: f64 = 1e-3;
+
+/// Time step (s).
+const STEP: f64 = 1e-4;
 
 /// Time constant (s) and damping ratio of constraints: MuJoCo lengthens the first to two of its
 /// steps.
@@ -118,18 +123,19 @@ impl Writer<'_> {
                 ("inertiafromgeom", "false".into()),
             ],
         );
-        self.xml.leaf(
-            "option",
-            &[
-                ("timestep", "0.0001".into()),
-                ("integrator", "implicitfast".into()),
-                ("cone", "elliptic".into()),
-                // At its default of 1e-8 the solver gives up while two coefficients of friction are
-                // far apart.
-                ("tolerance", "1e-15".into()),
-                ("gravity", vector(&self.rig.mechanism.gravity)),
-            ],
-        );
+        let mut option = vec![
+            ("timestep", number(STEP)),
+            ("integrator", "implicitfast".into()),
+            ("cone", "elliptic".into()),
+            // At its default of 1e-8 the solver gives up while two coefficients of friction are
+            // far apart.
+            ("tolerance", "1e-15".into()),
+            ("gravity", vector(&self.rig.mechanism.gravity)),
+        ];
+        if self.rig.mechanism.material.compliance.is_some() {
+            option.push(("impratio", number(rubber::FRICTION_STIFFER)));
+        }
+        self.xml.leaf("option", &option);
         self.xml.open("default", &[]);
         let solver = [("solref", REFERENCE.into()), ("solimp", IMPEDANCE.into())];
         self.xml.leaf(
@@ -274,8 +280,9 @@ impl Writer<'_> {
         }
         let parts = &rig.mechanism.joints[index];
         let (mut damping, mut dry, mut spring) = (parts.damping, parts.friction, parts.spring);
-        if let Some(leg) = rig.mechanism.legs.iter().find(|leg| leg.body == index) {
-            let of = &self.robot.leg;
+        let leg = rig.mechanism.legs.iter().position(|leg| leg.body == index);
+        if let Some(k) = leg {
+            let (leg, of) = (&rig.mechanism.legs[k], self.robot.own_leg(k));
             attributes.push(("range", numbers(&[0.0, leg.leg.stroke])));
             (damping, dry) = (of.viscous_friction, of.coulomb_friction);
             if let Some(s) = of.return_spring.filter(|s| s.stiffness > 0.0) {
@@ -365,14 +372,19 @@ impl Writer<'_> {
         };
         self.xml.open("contact", &[]);
         for point in feet(self.rig) {
-            self.xml.leaf(
-                "pair",
-                &[
-                    ("geom1", "ground".into()),
-                    ("geom2", plain(&point.name)),
-                    ("friction", format!("{across} {along} 0 0 0")),
-                ],
-            );
+            let mut pair = vec![
+                ("geom1", "ground".into()),
+                ("geom2", plain(&point.name)),
+                ("friction", format!("{across} {along} 0 0 0")),
+            ];
+            if let Some(law) = self.rig.mechanism.material.compliance {
+                pair.extend(rubber::pair(
+                    law,
+                    rubber::mobility(self.rig, point.body),
+                    STEP,
+                ));
+            }
+            self.xml.leaf("pair", &pair);
         }
         self.xml.close("contact");
     }
@@ -527,7 +539,7 @@ fn missing(robot: &Robot) -> Vec<String> {
 }
 
 /// The same of its legs.
-fn missing_of_leg(robot: &Robot) -> [Option<String>; 5] {
+fn missing_of_leg(robot: &Robot) -> [Option<String>; 6] {
     let leg = &robot.leg;
     let drive = match &leg.drive {
         Drive::Pneumatic(_) => {
@@ -539,6 +551,7 @@ fn missing_of_leg(robot: &Robot) -> [Option<String>; 5] {
     let constant = |spring: &ReturnSpring| spring.stiffness == 0.0 && spring.preload > 0.0;
     [
         Some(drive.into()),
+        scatter(robot),
         seal.map(|c| format!("seal friction of {} N/Pa", c.seal_friction)),
         leg.return_spring.filter(constant).map(|spring| {
             format!(
@@ -554,6 +567,17 @@ fn missing_of_leg(robot: &Robot) -> [Option<String>; 5] {
                 .into()
         }),
     ]
+}
+
+/// How the drives of its legs differ.
+fn scatter(robot: &Robot) -> Option<String> {
+    let legs = &robot.space.as_ref()?.legs;
+    let list = |of: fn(&Factors) -> f64| numbers(&legs.iter().map(of).collect::<Vec<f64>>());
+    let forces = list(|leg| leg.force);
+    let delays = list(|leg| leg.delay);
+    (!legs.is_empty()).then(|| {
+        format!("legs that differ: forces times {forces}, and delays times {delays}, leg by leg")
+    })
 }
 
 /// The same of its feet, what they stand on, and the air.
@@ -577,9 +601,11 @@ fn missing_of_ground(robot: &Robot) -> [Option<String>; 8] {
             .then(|| format!("feet that are points: they are spheres of radius {POINT} m")),
         (ground.restitution > 0.0)
             .then(|| format!("a foot's restitution of {}", ground.restitution)),
-        ground
-            .stiffness
-            .map(|_| "the stiffness of the ground (N/m)".into()),
+        ground.stiffness.map(|_| {
+            "feet of rubber that stand creep, by twice the time step times how fast the place of \
+             contact accelerates; with another time step, scale solreffriction by its inverse"
+                .into()
+        }),
         (robot.environment.drag > 0.0)
             .then(|| format!("air drag of {} 1/m", robot.environment.drag)),
     ]

@@ -42,6 +42,8 @@ typedef struct {
 /* Base of the boom; a robot without one has its base infinitely far away. */
 static int has_boom;
 static double base[3];
+/* Part of a foot's depth in the ground by which its place of contact is above its lowest point; MuJoCo's own is half. */
+static double above = 0.5;
 
 /* Mass flow (kg/s) through `area` from the pressure `up` to `down`; negative if `down` is greater. */
 static double flow(const Gas *g, double up, double down, double area) {
@@ -92,7 +94,7 @@ static int sphere_on_plane(const mjModel *m, mjData *d, mjPreContact *con, int p
     con->dist = dist;
     for (int i = 0; i < 3; i++) {
         con->normal[i] = frame[3 * i + 2];
-        con->pos[i] = at[i] - con->normal[i] * (radius + dist / 2);
+        con->pos[i] = at[i] - con->normal[i] * (radius + above * dist);
         con->tangent[i] = has_boom ? at[i] - base[i] : i == 1;
     }
     con->tangent[2] = 0;
@@ -123,6 +125,12 @@ void prepare(mjModel *m, Layout *l, double step, double ratio, double tolerance)
     int boom = mj_name2id(m, mjOBJ_BODY, "boom");
     has_boom = boom >= 0;
     if (has_boom) memcpy(base, m->body_pos + 3 * boom, sizeof base);
+    mjCOLLISIONFUNC[mjGEOM_PLANE][mjGEOM_SPHERE] = sphere_on_plane;
+}
+
+/* For a robot in space: its feet touch the ground at `part` of their depth above their lowest points. */
+void touch_at(double part) {
+    above = part;
     mjCOLLISIONFUNC[mjGEOM_PLANE][mjGEOM_SPHERE] = sphere_on_plane;
 }
 

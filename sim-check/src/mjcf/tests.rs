@@ -257,3 +257,58 @@ fn a_robot_in_space_moves_freely_and_stands_on_three_feet() {
     let numbers = qpos.map_or(0, |text| text.trim_end_matches("\"/>").split(' ').count());
     assert_eq!(numbers, 19);
 }
+
+#[test]
+fn feet_of_rubber_are_springs_and_dampers() {
+    let found = elements(&mjcf(&robot("rats-twelve", &[])).unwrap());
+    let is_foot = |(kind, all): &&(String, Vec<(String, String)>)| {
+        kind == "pair" && attribute(all, "geom2").is_some()
+    };
+    // Along a rod nothing but itself resists. Across it the sphere does with all legs, each of them by its parts across its
+    // own slide: 12 - 4 of 12, as the squares of the cosines add up to 12/3 along any axis. It turns too.
+    let (sphere, rod, reach, inertia) = (3.0, 0.05, 0.19, 0.08390313333333332);
+    let across = 1.0 / (sphere + 8.0 * rod) + reach * reach / inertia;
+    let mobility = (1.0 / rod + 2.0 * across) / 3.0;
+    let feet: Vec<_> = found.iter().filter(is_foot).collect();
+    assert_eq!(feet.len(), 12);
+    for (_, all) in feet {
+        let law = parsed(attribute(all, "solref").unwrap());
+        for (given, number) in law.iter().zip([50_000.0, 850.0]) {
+            let expected = -number * mobility * (1.0 - 1e-4);
+            assert!((given / expected - 1.0).abs() < 1e-12, "{law:?}");
+        }
+    }
+    // A rigid ground has none of it.
+    let rigid = mjcf(&robot("rats-run", &[])).unwrap();
+    assert!(!rigid.contains("impratio") && !rigid.contains("solreffriction=\"-"));
+}
+
+#[test]
+fn each_leg_has_its_own_friction() {
+    let factors = "legs.friction_factors=[1,2,3,4,5,6,7,8,9,10,11,12]";
+    let robot = robot(
+        "rats-twelve",
+        &[factors, "leg.viscous_friction_n_s_per_m=0.5"],
+    );
+    let found = elements(&mjcf(&robot).unwrap());
+    let slides = found
+        .iter()
+        .filter(|(_, all)| attribute(all, "type") == Some("slide"));
+    let friction = |key: &'static str| {
+        let all = slides
+            .clone()
+            .map(move |(_, all)| attribute(all, key).unwrap());
+        all.map(|x| x.parse().unwrap()).collect::<Vec<f64>>()
+    };
+    let expected: Vec<f64> = (1..=12).map(f64::from).collect();
+    assert_eq!(friction("frictionloss"), expected);
+    assert_eq!(
+        friction("damping"),
+        expected.iter().map(|x| 0.5 * x).collect::<Vec<f64>>()
+    );
+    let said = missing(&robot).join("\n");
+    assert!(
+        said.contains("legs that differ: forces times 1 1"),
+        "{said}"
+    );
+}
