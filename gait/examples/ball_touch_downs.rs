@@ -104,6 +104,7 @@ fn rolling(robot: &Robot, rig: &Rig, stable: bool, random: &mut Random) -> Resul
         way: random.below(6),
         roll: random.between(-0.03, 0.03),
         yaw: random.between(-0.5, 0.5),
+        thrown: None,
     };
     let legs = robot.body.legs as usize;
     // Of each leg: its latest opening until the state is taken, if that is not over then, or its next one.

@@ -3,7 +3,7 @@
 
     python3 -m venv target/mujoco && target/mujoco/bin/pip install -r tests/mujoco/requirements.txt
     cargo build --release -p saltus-cli
-    target/mujoco/bin/python tests/mujoco/run.py check            # or speeds, ensemble, touch_downs, policy, bench
+    target/mujoco/bin/python tests/mujoco/run.py check            # or speeds, ensemble, touch_downs, ball, policy, bench
 
 The bodies come from `saltus export mjcf`, the numbers of the legs from the robot's file; nothing else is Saltus'. All legs are free
 sliders with end stops at 0 and the stroke, dry and viscous friction, a return spring, and a chamber each. The chambers are
@@ -41,6 +41,7 @@ import tomllib
 import mujoco
 import numpy as np
 
+import ball as in_space
 import running
 from policy import compare
 from running import GAITS, RATIO, READING, ROOT, STEP, TICK, WINDOW, Controller, Gas, Leg, Runner
@@ -345,6 +346,13 @@ def check(options):
     return 1 if wrong else 0
 
 
+def ball(options):
+    return in_space.touch_downs(options)
+
+
+ball.__doc__ = in_space.touch_downs.__doc__
+
+
 def parser():
     formatter = argparse.RawDescriptionHelpFormatter
     top = argparse.ArgumentParser(description=__doc__, formatter_class=formatter)
@@ -381,6 +389,12 @@ def parser():
     learnt.add_argument("policy", type=pathlib.Path, metavar="POLICY.json", help="of `saltus learn run-zone` or `run-stride`")
     learnt.add_argument("--starts", type=int, default=30)
     learnt.add_argument("--across", type=float, default=0.0, help="friction coefficient across the travel, in both")
+    rolls = add(ball)
+    rolls.add_argument("--example", default=str(ROOT / "target/release/examples/ball_touch_downs"), help="the example of this name, built")
+    rolls.add_argument("--count", type=int, default=200)
+    rolls.add_argument("--seed", type=int, default=1)
+    rolls.add_argument("--ours-step", type=float, default=2.5e-5, help="time step of Saltus (s)")
+    rolls.add_argument("--ball-step", type=float, default=2.5e-5, help="time step of MuJoCo (s)")
     some = add(states)
     some.add_argument("--count", type=int, default=10)
     some.add_argument("--seed", type=int, default=1)
