@@ -5,6 +5,7 @@
 mod balance;
 mod disc;
 mod drawn;
+pub mod jump;
 mod sensing;
 
 use balance::Course;
