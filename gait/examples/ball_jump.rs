@@ -1,55 +1,37 @@
 //! scratch
 type Failed = Box<dyn std::error::Error>;
-use saltus_gait::space::jump::{Command, Stance, Standing, fly};
+use saltus_gait::space::jump::{Planner, fly, landed};
 use saltus_gait::space::{DrawnBalls, drawn_ball};
 
 fn main() -> Result<(), Failed> {
     let robot = saltus_robot::resolve("rats-twelve", &[])?;
-    let standing = Standing::on(&robot, 0)?;
-    println!("{standing:?}");
-    let legs = &standing.rest.legs;
-    let sets: Vec<Vec<Command>> = vec![
-        vec![(0, 0.0, 0.05)],
-        vec![(1, 0.0, 0.05)],
-        vec![(0, 0.0, 0.02)],
-        vec![(0, 0.0, 0.05), (1, 0.0, 0.05)],
-        vec![(0, 0.0, 0.03), (1, 0.0, 0.02)],
-        vec![(0, 0.0, 0.05), (1, 0.0, 0.05), (2, 0.0, 0.05)],
-        vec![(0, 0.0, 0.05), (1, 0.0, 0.05), (2, 0.0, 0.01)],
-        vec![(0, 0.0, 0.05), (1, 0.01, 0.05)],
-        vec![(0, 0.0, 0.05), (1, 0.02, 0.05)],
-    ]
-    .into_iter()
-    .map(|set: Vec<(usize, f64, f64)>| {
-        set.into_iter().map(|(k, at, open)| Command { leg: legs[k], at, open }).collect()
-    })
-    .collect();
-    for mu in [0.6, 0.8, 1.0, 1.2] {
-        let mut own = robot.clone();
-        own.ground.static_friction = mu;
-        own.ground.kinetic_friction = mu;
-        for set in &sets {
-            let words: Vec<String> = set.iter().map(|c| format!("{}@{}:{}", c.leg, c.at, c.open)).collect();
-            println!("mu {mu} {}", words.join(" "));
+    let draw = DrawnBalls::default();
+    let now = std::time::Instant::now();
+    let planner = Planner::new(&robot, 0, &draw, (10, 1), 1)?;
+    println!("known {} in {:?}", planner.known().count(), now.elapsed());
+    let mut most = [0.0_f64; 24];
+    for [x, y] in planner.known() {
+        let k = ((y.atan2(x).to_degrees() + 360.0) / 15.0).round() as usize % 24;
+        most[k] = most[k].max(x.hypot(y));
+    }
+    println!("{most:.3?}");
+    for heading in [0.0_f64, 15.0, 30.0, 45.0, 60.0, 180.0] {
+        for distance in [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8] {
             let now = std::time::Instant::now();
-            let model = Stance::new(&own)?.jump(standing.place, saltus(&standing), set);
-            let t1 = now.elapsed();
-            let now = std::time::Instant::now();
-            let flown = fly(&own, &standing, set, 0.0, |_| {})?;
-            let t2 = now.elapsed();
-            let f = |v: [f64; 3]| format!("{:7.3} {:7.3} {:7.3}", v[0], v[1], v[2]);
-            if let Some((l, t)) = model {
-                println!("  model {:.4} v {} w {} | land {:.3} {} apex {:.3} {t1:?}", l.time, f(l.velocity), f(l.spin), t.time, f(t.place), t.apex);
+            let (s, c) = heading.to_radians().sin_cos();
+            let target = [distance * c, distance * s];
+            let plan = planner.to(target, 1)?;
+            let time = now.elapsed();
+            let mut good = 0;
+            for k in 0..50 {
+                let own = drawn_ball(&robot, &draw, 77, k)?;
+                let flown = fly(&own, planner.standing(), &plan.commands, 0.0, |_| {})?;
+                let miss = landed(&flown).map_or(1.0, |at| (at[0] - target[0]).hypot(at[1] - target[1]));
+                good += usize::from(miss < 0.1);
             }
-            if let (Some(l), Some(t)) = (flown.lift, flown.touch) {
-                println!("  sim   {:.4} v {} w {} | land {:.3} {} apex {:.3} {t2:?}", l.time, f(l.velocity), f(l.spin), t.time, f(t.place), t.apex);
-            }
+            let words: Vec<String> = plan.commands.iter().map(|c| format!("{}@{:.0}:{:.1}", c.leg, c.at * 1e3, c.open * 1e3)).collect();
+            println!("{heading:4} {distance} miss {:.4} scatter {:.4} good {good}/50 {time:.2?} {}", plan.miss, plan.scatter, words.join(" "));
         }
     }
-    let _ = drawn_ball(&robot, &DrawnBalls::default(), 1, 0)?;
     Ok(())
-}
-fn saltus(s: &Standing) -> nalgebra::UnitQuaternion<f64> {
-    let [w, x, y, z] = s.attitude;
-    nalgebra::UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z))
 }

@@ -5,9 +5,11 @@
 //! Source: thesis 8.3.2, which leaves jumps in space to the future.
 
 mod fly;
+mod plan;
 mod stance;
 
-pub use fly::{Flown, Standing, fly};
+pub use fly::{Cycle, Flown, Standing, fly};
+pub use plan::{JumpPlan, Planner, landed};
 pub use stance::Stance;
 
 /// A leg to fire.

@@ -1,0 +1,303 @@
+//! Which legs fire when, and for how long, to come down at a place.
+
+use saltus_numeric::parallel;
+use saltus_robot::Robot;
+
+use super::super::{DrawnBalls, drawn_ball};
+use super::fly::{Flown, Standing, fly};
+use super::stance::Stance;
+use super::{Command, Touch};
+use crate::GaitError;
+use crate::error::require;
+use crate::search::{Search, search};
+
+/// Plans jumps of a robot from rest.
+///
+/// Firings are sought in the stance model for a few drawn robots at once, so that the place of landing depends little on the
+/// forces of the legs and on friction. Then the same robots jump in the simulation, and the plan aims aside of the target by
+/// as much as they came down aside of it.
+#[derive(Clone, Debug)]
+pub struct Planner {
+    robot: Robot,
+    standing: Standing,
+    /// The model of the robot as its file says, and its legs that stand.
+    model: Stance,
+    drawn: Vec<(Robot, Stance)>,
+    /// Firings from which to begin, and where they land in the model (m).
+    known: Vec<(Vec<f64>, [f64; 2])>,
+    seed: u64,
+}
+
+/// A jump to a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JumpPlan {
+    /// The firings.
+    pub commands: Vec<Command>,
+    /// How the robot of the file comes down in the stance model, and in the simulation.
+    pub modelled: Option<Touch>,
+    /// The jump in the simulation.
+    pub flown: Flown,
+    /// Root mean square of the misses (m) in the simulation of the robots that it was sought on.
+    pub scatter: f64,
+    /// Miss (m) of the robot of the file in the simulation.
+    pub miss: f64,
+}
+
+/// Opening times (s) and moments (s) from which the search begins.
+const OPENS: [f64; 6] = [0.0, 0.01, 0.015, 0.022, 0.032, 0.05];
+const MOMENTS: [f64; 3] = [0.0, 0.01, 0.02];
+/// Greatest of both (s).
+const MOST_OPEN: f64 = 0.06;
+const LATEST: f64 = 0.03;
+/// A shorter opening (s) does not fire.
+const SHORTEST: f64 = 0.004;
+/// What a robot counts as missing (m) that does not jump.
+const STAYS: f64 = 1.0;
+/// How many known firings are tried on all drawn robots, and from how many of them the search begins.
+const TRIED: usize = 16;
+const BEGUN: usize = 2;
+/// How often the plan is corrected by where the simulation lands, and when (m) that is enough.
+const CORRECTIONS: usize = 3;
+const NEAR: f64 = 5e-3;
+
+impl Planner {
+    /// For `robot` at rest on the feet of rest `rest`; plans are sought on so many robots `sought_on`, drawn by `draw` from
+    /// `seed`.
+    ///
+    /// # Errors
+    /// [`GaitError::Input`] for a robot that is not in space, a rest that is not there, legs that are not of constant force.
+    pub fn new(
+        robot: &Robot,
+        rest: usize,
+        draw: &DrawnBalls,
+        (sought_on, seed): (usize, u64),
+        threads: usize,
+    ) -> Result<Planner, GaitError> {
+        let allowed = "from 1 to 100";
+        let sound = (1..=100).contains(&sought_on);
+        require(sound, "robots to seek on", sought_on as f64, allowed)?;
+        let standing = Standing::on(robot, rest)?;
+        let model = Stance::new(robot)?;
+        let drawn = (0..sought_on).map(|k| {
+            let mut own = drawn_ball(robot, draw, seed, k)?;
+            // Spread evenly, as they are few.
+            let part = (k as f64 + 0.5) / sought_on as f64;
+            let friction = draw.friction[0] + part * (draw.friction[1] - draw.friction[0]);
+            own.ground.static_friction = friction;
+            own.ground.kinetic_friction = friction;
+            let model = Stance::new(&own)?;
+            Ok((own, model))
+        });
+        let drawn = drawn.collect::<Result<_, GaitError>>()?;
+        let mut planner = Planner {
+            robot: robot.clone(),
+            standing,
+            model,
+            drawn,
+            known: Vec::new(),
+            seed,
+        };
+        let all = planner.beginnings();
+        let lands = parallel::map_on(threads, all.len(), |k| planner.lands(&all[k]));
+        let both = all.into_iter().zip(lands);
+        planner.known = both.filter_map(|(x, at)| Some((x, at?))).collect();
+        Ok(planner)
+    }
+
+    /// How it stands.
+    pub fn standing(&self) -> &Standing {
+        &self.standing
+    }
+
+    /// Every leg that stands with each opening time and moment of the tables.
+    fn beginnings(&self) -> Vec<Vec<f64>> {
+        let feet = self.feet().len();
+        let mut all: Vec<Vec<f64>> = vec![Vec::new()];
+        for _ in 0..feet {
+            all = all
+                .iter()
+                .flat_map(|x| {
+                    let with = |open: f64, at: f64| [x.as_slice(), &[open, at]].concat();
+                    let fired = OPENS[1..]
+                        .iter()
+                        .flat_map(move |open| MOMENTS.iter().map(move |at| with(*open, *at)));
+                    std::iter::once(with(0.0, 0.0)).chain(fired).collect::<Vec<_>>()
+                })
+                .collect();
+        }
+        let begins_at_once = |x: &Vec<f64>| {
+            let pairs = x.chunks(2).filter(|pair| pair[0] > 0.0);
+            pairs.map(|pair| pair[1]).fold(f64::INFINITY, f64::min) == 0.0
+        };
+        all.retain(begins_at_once);
+        all
+    }
+
+    /// The feet that it fires: at most three of those on which it stands.
+    fn feet(&self) -> &[usize] {
+        let legs = &self.standing.rest.legs;
+        &legs[..legs.len().min(3)]
+    }
+
+    /// The firings of the numbers `x`: opening time and moment of each foot.
+    fn commands(&self, x: &[f64]) -> Vec<Command> {
+        let period = self.robot.sensors.unwrap_or_default().period;
+        let fires = |open: f64| open >= SHORTEST;
+        let pairs = || x.chunks(2).filter(|pair| fires(pair[0]));
+        let first = pairs().map(|pair| pair[1]).fold(f64::INFINITY, f64::min);
+        let legs = self.feet().iter().zip(x.chunks(2));
+        let fired = legs.filter(|(_, pair)| fires(pair[0]));
+        fired
+            .map(|(leg, pair)| Command {
+                leg: *leg,
+                // A controller fires at the beginning of a cycle.
+                at: ((pair[1] - first) / period).round() * period,
+                open: pair[0],
+            })
+            .collect()
+    }
+
+    fn lands(&self, x: &[f64]) -> Option<[f64; 2]> {
+        lands(&self.model, &self.standing, &self.commands(x))
+    }
+
+    /// Root mean square (m) of the misses of the drawn robots in the model.
+    fn misses(&self, x: &[f64], aim: [f64; 2]) -> f64 {
+        let commands = self.commands(x);
+        let squares = self.drawn.iter().map(|(_, model)| {
+            let at = lands(model, &self.standing, &commands);
+            at.map_or(STAYS, |at| far(at, aim)).powi(2)
+        });
+        mean(squares).sqrt()
+    }
+
+    /// Firings that land at `aim` (m) in the model.
+    fn seek(&self, aim: [f64; 2], threads: usize) -> Vec<f64> {
+        let mut order: Vec<(usize, f64)> = (self.known.iter())
+            .map(|(_, at)| far(*at, aim))
+            .enumerate()
+            .collect();
+        order.sort_by(|a, b| a.1.total_cmp(&b.1));
+        order.truncate(TRIED);
+        let tried = parallel::map_on(threads, order.len(), |k| {
+            self.misses(&self.known[order[k].0].0, aim)
+        });
+        for (entry, miss) in order.iter_mut().zip(tried) {
+            entry.1 = miss;
+        }
+        order.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let bounds: Vec<[f64; 2]> = (0..self.feet().len())
+            .flat_map(|_| [[0.0, MOST_OPEN], [0.0, LATEST]])
+            .collect();
+        let mut best: (Vec<f64>, f64) = (Vec::new(), f64::NEG_INFINITY);
+        for (place, _) in order.iter().take(BEGUN) {
+            let sought = Search {
+                bounds: bounds.clone(),
+                start: self.known[*place].0.clone(),
+                spread: 0.06,
+                candidates: 24,
+                best: 6,
+                generations: 10,
+                seed: self.seed,
+            };
+            let score = |x: &[f64]| -self.misses(x, aim);
+            let found = search(&sought, threads, score, |_, _, _| {});
+            if found.1 > best.1 {
+                best = found;
+            }
+        }
+        best.0
+    }
+
+    /// The jump to `target` (m), from the middle of the feet on which the robot stands.
+    ///
+    /// It is the nearest that was found where the target is out of reach: [`JumpPlan::miss`] says how near.
+    ///
+    /// # Errors
+    /// [`GaitError::Input`] for a target that is not finite, [`GaitError::Sim`] for a motion that cannot go on.
+    pub fn to(&self, target: [f64; 2], threads: usize) -> Result<JumpPlan, GaitError> {
+        for (name, x) in [("target x (m)", target[0]), ("target y (m)", target[1])] {
+            require(x.abs() <= 100.0, name, x, "from -100 to 100 m")?;
+        }
+        let mut aim = target;
+        let mut best: Option<JumpPlan> = None;
+        for _ in 0..CORRECTIONS {
+            let x = self.seek(aim, threads);
+            let commands = self.commands(&x);
+            let flown = parallel::map_on(threads, self.drawn.len(), |k| {
+                fly(&self.drawn[k].0, &self.standing, &commands, 0.0, |_| {})
+            });
+            let flown = flown.into_iter().collect::<Result<Vec<_>, _>>()?;
+            let places: Vec<[f64; 2]> = flown.iter().filter_map(landed).collect();
+            let lost = (flown.len() - places.len()) as f64 * STAYS.powi(2);
+            let squares: f64 = places.iter().map(|at| far(*at, target).powi(2)).sum();
+            let scatter = ((squares + lost) / flown.len() as f64).sqrt();
+            if best.as_ref().is_none_or(|best| scatter < best.scatter) {
+                best = Some(self.flown(commands, scatter, target)?);
+            }
+            if places.is_empty() {
+                break;
+            }
+            let middle = |k: usize| mean(places.iter().map(|at| at[k]));
+            let off = [target[0] - middle(0), target[1] - middle(1)];
+            if off[0].hypot(off[1]) < NEAR {
+                break;
+            }
+            aim = [aim[0] + off[0], aim[1] + off[1]];
+        }
+        match best {
+            Some(best) => Ok(best),
+            None => self.flown(Vec::new(), f64::INFINITY, target),
+        }
+    }
+
+    /// The robot of the file jumps by `commands`.
+    fn flown(
+        &self,
+        commands: Vec<Command>,
+        scatter: f64,
+        target: [f64; 2],
+    ) -> Result<JumpPlan, GaitError> {
+        let Standing { place, .. } = self.standing;
+        let attitude = self.standing.turned();
+        let modelled = self.model.jump(place, attitude, &commands);
+        let flown = fly(&self.robot, &self.standing, &commands, 0.0, |_| {})?;
+        let miss = landed(&flown).map_or(f64::INFINITY, |at| far(at, target));
+        Ok(JumpPlan {
+            commands,
+            modelled: modelled.map(|(_, touch)| touch),
+            flown,
+            scatter,
+            miss,
+        })
+    }
+
+    /// Where the first firings land in the model (m): the extent of what can be reached.
+    pub fn known(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.known.iter().map(|(_, at)| *at)
+    }
+}
+
+/// Where a jump comes down (m).
+pub fn landed(flown: &Flown) -> Option<[f64; 2]> {
+    flown.touch.map(|touch| [touch.place[0], touch.place[1]])
+}
+
+fn lands(model: &Stance, standing: &Standing, commands: &[Command]) -> Option<[f64; 2]> {
+    let (_, touch) = model.jump(standing.place, standing.turned(), commands)?;
+    Some([touch.place[0], touch.place[1]])
+}
+
+/// Distance (m) between two places.
+pub(super) fn far(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0_f64);
+    for value in values {
+        sum += value;
+        count += 1.0;
+    }
+    sum / count.max(1.0)
+}
