@@ -7,7 +7,7 @@ fn main() -> Result<(), Failed> {
     let robot = saltus_robot::resolve("rats-twelve", &[])?;
     let draw = DrawnBalls::default();
     let now = std::time::Instant::now();
-    let planner = Planner::new(&robot, 0, &draw, (10, 1), 1)?;
+    let planner = Planner::new(&robot, 0, &draw, (16, 1), 1)?;
     println!("known {} in {:?}", planner.known().count(), now.elapsed());
     let mut most = [0.0_f64; 24];
     for [x, y] in planner.known() {
@@ -15,8 +15,8 @@ fn main() -> Result<(), Failed> {
         most[k] = most[k].max(x.hypot(y));
     }
     println!("{most:.3?}");
-    for heading in [0.0_f64, 15.0, 30.0, 45.0, 60.0, 180.0] {
-        for distance in [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8] {
+    for heading in [0.0_f64, 20.0, 60.0] {
+        for distance in [0.4, 0.5] {
             let now = std::time::Instant::now();
             let (s, c) = heading.to_radians().sin_cos();
             let target = [distance * c, distance * s];
@@ -27,10 +27,16 @@ fn main() -> Result<(), Failed> {
                 let own = drawn_ball(&robot, &draw, 77, k)?;
                 let flown = fly(&own, planner.standing(), &plan.commands, 0.0, |_| {})?;
                 let miss = landed(&flown).map_or(1.0, |at| (at[0] - target[0]).hypot(at[1] - target[1]));
+                if miss > 0.06 {
+                    let t = flown.touch.unwrap_or_default();
+                    let l = flown.lift.unwrap_or_default();
+                    println!("    {k} mu {:.3} miss {miss:.3} lift {:.3} v {:.3?} w {:.3?} touch {:.3} {:.3?} forces {:.3?}", own.ground.static_friction, l.time, l.velocity, l.spin, t.time, t.place,
+                        planner.standing().rest.legs.iter().map(|k| own.space.as_ref().map_or(0.0, |s| s.legs[*k].force)).collect::<Vec<_>>());
+                }
                 good += usize::from(miss < 0.1);
             }
             let words: Vec<String> = plan.commands.iter().map(|c| format!("{}@{:.0}:{:.1}", c.leg, c.at * 1e3, c.open * 1e3)).collect();
-            println!("{heading:4} {distance} miss {:.4} scatter {:.4} good {good}/50 {time:.2?} {}", plan.miss, plan.scatter, words.join(" "));
+            println!("{heading:4} {distance} miss {:.4} scatter {:.4} off {:.4} good {good}/50 {time:.2?} {}", plan.miss, plan.scatter, plan.off, words.join(" "));
         }
     }
     Ok(())

@@ -5,10 +5,13 @@
 //! Source: thesis 8.3.2, which leaves jumps in space to the future.
 
 mod fly;
+mod hull;
+mod over;
 mod plan;
 mod stance;
 
 pub use fly::{Cycle, Flown, Standing, fly};
+pub use over::{Leap, ON, Over, Passed};
 pub use plan::{JumpPlan, Planner, landed};
 pub use stance::Stance;
 

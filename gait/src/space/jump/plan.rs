@@ -37,8 +37,11 @@ pub struct JumpPlan {
     pub modelled: Option<Touch>,
     /// The jump in the simulation.
     pub flown: Flown,
-    /// Root mean square of the misses (m) in the simulation of the robots that it was sought on.
+    /// Fourth root of the mean fourth power of the misses (m) in the simulation of the robots that it was sought on: the
+    /// greatest of them count most.
     pub scatter: f64,
+    /// How far (m) the mean of where they come down is from the target.
+    pub off: f64,
     /// Miss (m) of the robot of the file in the simulation.
     pub miss: f64,
 }
@@ -54,8 +57,10 @@ const SHORTEST: f64 = 0.004;
 /// What a robot counts as missing (m) that does not jump.
 const STAYS: f64 = 1.0;
 /// How many known firings are tried on all drawn robots, and from how many of them the search begins.
-const TRIED: usize = 16;
-const BEGUN: usize = 2;
+const TRIED: usize = 200;
+const BEGUN: usize = 3;
+/// Generations of the first search, and of one that begins with what was found before.
+const GENERATIONS: [usize; 2] = [12, 6];
 /// How often the plan is corrected by where the simulation lands, and when (m) that is enough.
 const CORRECTIONS: usize = 3;
 const NEAR: f64 = 5e-3;
@@ -161,23 +166,24 @@ impl Planner {
         lands(&self.model, &self.standing, &self.commands(x))
     }
 
-    /// Root mean square (m) of the misses of the drawn robots in the model.
+    /// Misses of the drawn robots in the model, as one number (m).
     fn misses(&self, x: &[f64], aim: [f64; 2]) -> f64 {
         let commands = self.commands(x);
-        let squares = self.drawn.iter().map(|(_, model)| {
+        together(self.drawn.iter().map(|(_, model)| {
             let at = lands(model, &self.standing, &commands);
-            at.map_or(STAYS, |at| far(at, aim)).powi(2)
-        });
-        mean(squares).sqrt()
+            at.map_or(STAYS, |at| far(at, aim))
+        }))
     }
 
-    /// Firings that land at `aim` (m) in the model.
-    fn seek(&self, aim: [f64; 2], threads: usize) -> Vec<f64> {
+    /// Firings from which to begin to seek those that land at `aim` (m): of the known ones that land near it, those that miss
+    /// it least on all drawn robots.
+    fn starts(&self, aim: [f64; 2], threads: usize) -> Vec<Vec<f64>> {
+        let by_second = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0));
         let mut order: Vec<(usize, f64)> = (self.known.iter())
             .map(|(_, at)| far(*at, aim))
             .enumerate()
             .collect();
-        order.sort_by(|a, b| a.1.total_cmp(&b.1));
+        order.sort_by(by_second);
         order.truncate(TRIED);
         let tried = parallel::map_on(threads, order.len(), |k| {
             self.misses(&self.known[order[k].0].0, aim)
@@ -185,19 +191,31 @@ impl Planner {
         for (entry, miss) in order.iter_mut().zip(tried) {
             entry.1 = miss;
         }
-        order.sort_by(|a, b| a.1.total_cmp(&b.1));
+        order.sort_by(by_second);
+        let best = order.iter().take(BEGUN);
+        best.map(|(place, _)| self.known[*place].0.clone()).collect()
+    }
+
+    /// Firings that land at `aim` (m) in the model, sought from each of `starts`.
+    fn seek(
+        &self,
+        aim: [f64; 2],
+        starts: &[Vec<f64>],
+        generations: usize,
+        threads: usize,
+    ) -> Vec<f64> {
         let bounds: Vec<[f64; 2]> = (0..self.feet().len())
             .flat_map(|_| [[0.0, MOST_OPEN], [0.0, LATEST]])
             .collect();
         let mut best: (Vec<f64>, f64) = (Vec::new(), f64::NEG_INFINITY);
-        for (place, _) in order.iter().take(BEGUN) {
+        for start in starts {
             let sought = Search {
                 bounds: bounds.clone(),
-                start: self.known[*place].0.clone(),
-                spread: 0.06,
-                candidates: 24,
+                start: start.clone(),
+                spread: 0.08,
+                candidates: 32,
                 best: 6,
-                generations: 10,
+                generations,
                 seed: self.seed,
             };
             let score = |x: &[f64]| -self.misses(x, aim);
@@ -221,33 +239,33 @@ impl Planner {
         }
         let mut aim = target;
         let mut best: Option<JumpPlan> = None;
+        let mut starts = self.starts(target, threads);
+        let mut generations = GENERATIONS[0];
         for _ in 0..CORRECTIONS {
-            let x = self.seek(aim, threads);
+            let x = self.seek(aim, &starts, generations, threads);
+            (starts, generations) = (vec![x.clone()], GENERATIONS[1]);
             let commands = self.commands(&x);
             let flown = parallel::map_on(threads, self.drawn.len(), |k| {
                 fly(&self.drawn[k].0, &self.standing, &commands, 0.0, |_| {})
             });
             let flown = flown.into_iter().collect::<Result<Vec<_>, _>>()?;
             let places: Vec<[f64; 2]> = flown.iter().filter_map(landed).collect();
-            let lost = (flown.len() - places.len()) as f64 * STAYS.powi(2);
-            let squares: f64 = places.iter().map(|at| far(*at, target).powi(2)).sum();
-            let scatter = ((squares + lost) / flown.len() as f64).sqrt();
-            if best.as_ref().is_none_or(|best| scatter < best.scatter) {
-                best = Some(self.flown(commands, scatter, target)?);
-            }
-            if places.is_empty() {
-                break;
-            }
+            let miss = |flown: &Flown| landed(flown).map_or(STAYS, |at| far(at, target));
+            let scatter = together(flown.iter().map(miss));
             let middle = |k: usize| mean(places.iter().map(|at| at[k]));
             let off = [target[0] - middle(0), target[1] - middle(1)];
-            if off[0].hypot(off[1]) < NEAR {
+            let length = off[0].hypot(off[1]);
+            if best.as_ref().is_none_or(|best| scatter < best.scatter) {
+                best = Some(self.flown(commands, (scatter, length), target)?);
+            }
+            if places.is_empty() || length < NEAR {
                 break;
             }
             aim = [aim[0] + off[0], aim[1] + off[1]];
         }
         match best {
             Some(best) => Ok(best),
-            None => self.flown(Vec::new(), f64::INFINITY, target),
+            None => self.flown(Vec::new(), (STAYS, STAYS), target),
         }
     }
 
@@ -255,7 +273,7 @@ impl Planner {
     fn flown(
         &self,
         commands: Vec<Command>,
-        scatter: f64,
+        (scatter, off): (f64, f64),
         target: [f64; 2],
     ) -> Result<JumpPlan, GaitError> {
         let Standing { place, .. } = self.standing;
@@ -268,6 +286,7 @@ impl Planner {
             modelled: modelled.map(|(_, touch)| touch),
             flown,
             scatter,
+            off,
             miss,
         })
     }
@@ -291,6 +310,11 @@ fn lands(model: &Stance, standing: &Standing, commands: &[Command]) -> Option<[f
 /// Distance (m) between two places.
 pub(super) fn far(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// Misses (m) as one number, of which the greatest count most.
+fn together(misses: impl Iterator<Item = f64>) -> f64 {
+    mean(misses.map(|miss| miss.powi(4))).sqrt().sqrt()
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {

@@ -14,10 +14,10 @@ use crate::error::{refused, require};
 type Vec3 = Vector3<f64>;
 
 /// Step (s) on the ground, and in flight.
-const STEP: f64 = 2.5e-4;
-const FLIGHT_STEP: f64 = 4e-3;
+const STEP: f64 = 4e-4;
+const FLIGHT_STEP: f64 = 1e-2;
 /// Speed (m/s) of a foot from which on nearly all of the friction acts.
-const CREEP: f64 = 0.03;
+const CREEP: f64 = 0.05;
 /// Rubber of feet that the robot's file calls rigid (N/m, N s/m).
 const STIFF: (f64, f64) = (2e5, 1700.0);
 /// Least part of an axial force that the ground's normal takes, where friction would wedge the leg.
@@ -331,9 +331,7 @@ impl Stance {
                 add(&push);
             }
         }
-        let rotation = state.attitude.to_rotation_matrix();
-        let inertia = rotation.matrix() * self.inertia * rotation.matrix().transpose();
-        let inverse = rotation.matrix() * self.inverse * rotation.matrix().transpose();
+        let [inertia, inverse] = self.inertias(state);
         Rates {
             velocity: state.velocity,
             spin: state.spin,
@@ -392,16 +390,18 @@ impl Stance {
 
     /// Flies from `state` at the time `now` (s) until a foot comes down.
     fn fly(&self, mut state: State, mut now: f64) -> Option<Touch> {
-        let mut apex = self.middle(&state).z;
+        let rise = state.velocity.z.max(0.0).powi(2) / (2.0 * self.gravity);
+        let apex = self.middle(&state).z + rise;
         let end = now + LONGEST_FLIGHT;
         let mut step = FLIGHT_STEP;
         while now < end {
-            let before = state;
-            self.step(&mut state, step, &mut []);
-            if self.lowest(&state) > 0.0 {
+            let next = self.coast(&state, step);
+            if self.lowest(&next) > 0.0 {
+                state = next;
                 now += step;
-                apex = apex.max(self.middle(&state).z);
-            } else if step < 1e-7 {
+            } else if step > 1e-6 {
+                step *= 0.5;
+            } else {
                 return Some(Touch {
                     time: now,
                     place: self.middle(&state).into(),
@@ -409,11 +409,36 @@ impl Stance {
                     spin: state.spin.into(),
                     apex,
                 });
-            } else {
-                (state, step) = (before, 0.5 * step);
             }
         }
         None
+    }
+
+    /// `state` a time `span` (s) later in flight: a parabola, and Euler's equations by the rule of the midpoint.
+    fn coast(&self, state: &State, span: f64) -> State {
+        let turn = |state: &State| {
+            let [inertia, inverse] = self.inertias(state);
+            -inverse * state.spin.cross(&(inertia * state.spin))
+        };
+        let half = 0.5 * span;
+        let middle = State {
+            attitude: UnitQuaternion::from_scaled_axis(state.spin * half) * state.attitude,
+            spin: state.spin + turn(state) * half,
+            ..*state
+        };
+        let fall = Vec3::z() * self.gravity;
+        State {
+            place: state.place + state.velocity * span - fall * (half * span),
+            attitude: UnitQuaternion::from_scaled_axis(middle.spin * span) * state.attitude,
+            velocity: state.velocity - fall * span,
+            spin: state.spin + turn(&middle) * span,
+        }
+    }
+
+    /// The inertia (kg m²) in the world's axes, and its inverse.
+    fn inertias(&self, state: &State) -> [Matrix3<f64>; 2] {
+        let rotation = *state.attitude.to_rotation_matrix().matrix();
+        [self.inertia, self.inverse].map(|it| rotation * it * rotation.transpose())
     }
 }
 
