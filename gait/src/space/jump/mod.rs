@@ -11,7 +11,7 @@ mod plan;
 mod stance;
 
 pub use fly::{Cycle, Flown, Standing, fly};
-pub use over::{Leap, ON, Over, Passed};
+pub use over::{Leap, ON, Over, Passed, SPEED};
 pub use plan::{JumpPlan, Planner, landed};
 pub use stance::Stance;
 

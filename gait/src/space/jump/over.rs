@@ -16,15 +16,22 @@ use crate::GaitError;
 /// When a robot that rolls jumps. Of two numbers the first is of single legs, the second of twins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leap {
-    /// Distance (m) to the box's front, from where the legs meet, from which on a station jumps that is on the ground.
+    /// Distance (m) to the box's front, from where the legs meet, from which on a station jumps, at a speed of [`SPEED`].
     pub from: [f64; 2],
-    /// Lean (rad) at which it fires there.
+    /// Lean (rad) at which it fires at that distance and speed.
     pub lean: [f64; 2],
     /// How much more it leans (rad) for each metre nearer to the box.
     pub nearer: [f64; 2],
     /// Valve opening times (s).
     pub open: [f64; 2],
+    /// How much farther (m) from the box it jumps, and how much more it leans (rad), for each m/s faster.
+    pub by_speed: [f64; 2],
+    /// Rate (rad/s) at which it runs up.
+    pub rate: f64,
 }
+
+/// The speed (m/s) for which [`Leap::from`] and [`Leap::lean`] stand.
+pub const SPEED: f64 = 1.1;
 
 /// A run over a box.
 #[derive(Clone, Debug)]
@@ -75,10 +82,9 @@ const LONGEST: f64 = 25.0;
 const STANDS: f64 = 2.0;
 /// Half the width (m) of the box.
 const WIDE: f64 = 10.0;
-/// Clearance (m) beyond which more is worth nothing, what being clear at all is worth (m), and what running on.
+/// Clearance (m) beyond which more is worth nothing, and what being clear at all is worth (m).
 const ENOUGH: f64 = 0.05;
 const CLEAR: f64 = 0.1;
-const GOES_ON: f64 = 0.02;
 
 impl Over {
     /// A box `height` high and `length` long (m) with its front between `fronts` (m), for robots around `robot` with sensors.
@@ -124,7 +130,8 @@ impl Over {
         from + (to - from) * (0.6180339887498949 * k as f64 + shift).fract()
     }
 
-    /// Robot `k` of those drawn from `seed` jumps as `leap` says; `row` hears of each cycle and of its distance (m) to the box.
+    /// Robot `k` of those drawn from `seed` jumps as `leap` says; `row` hears of each cycle and of its distance (m) to the box,
+    /// and says whether it goes on.
     ///
     /// # Errors
     /// [`GaitError`] for numbers that cannot be, and a motion that cannot go on.
@@ -133,7 +140,7 @@ impl Over {
         leap: &Leap,
         seed: u64,
         k: usize,
-        mut row: impl FnMut(&Ball, f64),
+        mut row: impl FnMut(&Ball, f64) -> bool,
     ) -> Result<Passed, GaitError> {
         self.check()?;
         let mut setup = Roll::new(drawn_ball(&self.robot, &self.draw, seed, k)?, LONGEST);
@@ -155,7 +162,11 @@ impl Over {
         let directions = setup.robot.space.as_ref().map(|it| it.directions.vectors());
         let directions = directions.unwrap_or_default();
         let mut sensed = Sensed::new(&setup, &directions, &q);
-        let balance = self.stable.balance(&setup.robot)?;
+        let run_up = Stable {
+            rate: leap.rate,
+            ..self.stable.clone()
+        };
+        let balance = run_up.balance(&setup.robot)?;
         let mut jumper = Jumper {
             leap: *leap,
             front,
@@ -163,7 +174,7 @@ impl Over {
             phase: Phase::Runs,
             by_twins: false,
             jumped: None,
-            ready: None,
+            decided: None,
         };
         let mut tracker = Tracker::new(facing.plane(), balance.zone);
         let mut balancer = Balancer::new(balance, facing.plane());
@@ -184,17 +195,17 @@ impl Over {
                 }
             }
             let clearance = self.clearance(&rig, &sim, front);
-            row(&ball, clearance);
+            let goes_on = row(&ball, clearance);
             passed.note(&ball, clearance, &jumper);
             if ball.passed > last.0 {
                 last = (ball.passed, ball.time);
             }
-            let beyond = front + self.length + self.robot.body.radius + self.robot.leg.stroke;
+            let beyond = front + self.length + self.robot.body.radius;
             passed.cleared = passed.clearance > 0.0 && ball.place[0] > beyond;
             passed.ran_on = passed.cleared && ball.place[0] > beyond + ON;
             let fell = ball.rolling.roll.abs() > FALLS && ball.touching != 0;
-            let over = passed.ran_on || passed.clearance <= 0.0;
-            if over || fell && passed.cleared || ball.time > last.1 + STANDS || ball.time > LONGEST {
+            let over = passed.ran_on || passed.clearance <= 0.0 || fell && passed.cleared;
+            if over || !goes_on || ball.time > (last.1 + STANDS).min(LONGEST) {
                 return Ok(passed);
             }
             cycles += 1;
@@ -247,23 +258,30 @@ impl Over {
             [-0.25, 0.31],
             [-1.0, 1.0],
             [-1.0, 1.0],
-            [0.01, 0.06],
-            [0.01, 0.06],
+            [0.02, 0.06],
+            [0.02, 0.06],
+            [-0.3, 0.6],
+            [-0.5, 0.5],
+            [4.8, 8.0],
         ];
         let sought = Search {
             bounds,
-            start: vec![0.5, 0.5, 0.1, 0.1, 0.0, 0.0, 0.05, 0.04],
-            spread: 0.2,
+            start: vec![0.45, 0.45, 0.1, 0.13, -0.3, -0.3, 0.052, 0.045, 0.1, -0.1, 5.6],
+            spread: 0.12,
             candidates: 40,
             best: 8,
             generations,
             seed: self.seed,
         };
         // What cannot be run at all is told before it is sought.
-        self.pass(&Leap::of(&sought.start), self.seed, 0, |_, _| {})?;
+        self.pass(&Leap::of(&sought.start), self.seed, 0, |_, _| false)?;
         let score = |x: &[f64]| {
             let leap = Leap::of(x);
-            let worth = |k: usize| self.pass(&leap, self.seed, k, |_, _| {}).map_or(-1.0, |it| it.worth());
+            let worth = |k: usize| {
+                let back = self.front(self.seed, k) + self.length + 2.0 * self.robot.body.radius;
+                let passed = self.pass(&leap, self.seed, k, |ball, _| ball.place[0] < back);
+                passed.map_or(-1.0, |it| it.worth())
+            };
             (0..count).map(worth).sum::<f64>() / count as f64
         };
         let (best, _) = search(&sought, threads, score, told);
@@ -280,7 +298,7 @@ impl Over {
         (count, seed): (usize, u64),
         threads: usize,
     ) -> Result<Vec<Passed>, GaitError> {
-        let all = parallel::map_on(threads, count, |k| self.pass(leap, seed, k, |_, _| {}));
+        let all = parallel::map_on(threads, count, |k| self.pass(leap, seed, k, |_, _| true));
         all.into_iter().collect()
     }
 }
@@ -294,6 +312,8 @@ impl Leap {
             lean: pair(2),
             nearer: pair(4),
             open: pair(6),
+            by_speed: pair(8),
+            rate: x[10],
         }
     }
 }
@@ -310,14 +330,13 @@ impl Passed {
 
     fn worth(&self) -> f64 {
         let clear = if self.cleared { CLEAR } else { 0.0 };
-        let on = if self.ran_on { GOES_ON } else { 0.0 };
         // A robot that does not come to the box has no clearance.
         let near = if self.clearance.is_finite() && self.jumped.is_some() {
             self.clearance.clamp(-0.1, ENOUGH)
         } else {
             -0.1
         };
-        clear + on + near
+        clear + near
     }
 }
 
@@ -338,8 +357,8 @@ struct Jumper {
     phase: Phase,
     by_twins: bool,
     jumped: Option<f64>,
-    /// The station that has jumped already or has been left to the gait.
-    ready: Option<i32>,
+    /// The last station that was left to the gait.
+    decided: Option<i32>,
 }
 
 impl Jumper {
@@ -377,24 +396,27 @@ impl Jumper {
             Phase::Landed => return fired.into_iter().flatten().collect(),
             Phase::Runs => {}
         }
+        let gait = || fired.into_iter().flatten().collect();
         let here = balancer.tracker().passed();
-        let fires = fired.iter().any(Option::is_some);
-        if fires {
-            self.ready = Some(here);
-        }
         let Some(station) = balancer.tracker().station() else {
             return Vec::new();
         };
         let kind = usize::from(station.is_of_twins());
+        let faster = known.velocity[0] - SPEED;
+        let leap = &self.leap;
+        let from = leap.from[kind] + leap.by_speed[0] * faster;
         let far = self.front - known.place[0];
-        let lean = self.leap.lean[kind] + self.leap.nearer[kind] * (self.leap.from[kind] - far);
-        let touch = |leg: u32| ball.touching >> leg & 1 == 1;
-        let stands = station.legs.iter().any(|leg| touch(*leg));
-        let jumps = far <= self.leap.from[kind] && far > 0.0 && lying.lean >= lean && stands;
-        // A station that has pushed already has no stroke left.
-        let is_fresh = self.ready != Some(here) || fires;
-        if !(jumps && is_fresh) {
-            return fired.into_iter().flatten().collect();
+        let lean = leap.lean[kind] + leap.nearer[kind] * (from - far) + leap.by_speed[1] * faster;
+        let touches = |leg: &u32| ball.touching >> *leg & 1 == 1;
+        let stands = station.legs.iter().any(touches);
+        let fires = fired.iter().any(Option::is_some);
+        // A station decides once, where it comes to its lean; one that has pushed has no stroke left.
+        let is_due = stands && self.decided != Some(here) && (lying.lean >= lean || fires);
+        if is_due && !(far <= from && far > 0.0) {
+            self.decided = Some(here);
+        }
+        if !is_due || self.decided == Some(here) {
+            return gait();
         }
         self.phase = Phase::Pushes;
         (self.jumped, self.by_twins) = (Some(far), kind == 1);
