@@ -16,7 +16,7 @@ fn main() -> Result<(), Failed> {
     }
     println!("{most:.3?}");
     for heading in [0.0_f64, 20.0, 60.0] {
-        for distance in [0.4, 0.5] {
+        for distance in [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7] {
             let now = std::time::Instant::now();
             let (s, c) = heading.to_radians().sin_cos();
             let target = [distance * c, distance * s];
@@ -25,17 +25,11 @@ fn main() -> Result<(), Failed> {
             let mut good = 0;
             for k in 0..50 {
                 let own = drawn_ball(&robot, &draw, 77, k)?;
-                let flown = fly(&own, planner.standing(), &plan.commands, 0.0, |_| {})?;
+                let flown = fly(&own, planner.standing(), &plan.jump.by_sensors(k as u64), 0.0, |_| {})?;
                 let miss = landed(&flown).map_or(1.0, |at| (at[0] - target[0]).hypot(at[1] - target[1]));
-                if miss > 0.06 {
-                    let t = flown.touch.unwrap_or_default();
-                    let l = flown.lift.unwrap_or_default();
-                    println!("    {k} mu {:.3} miss {miss:.3} lift {:.3} v {:.3?} w {:.3?} touch {:.3} {:.3?} forces {:.3?}", own.ground.static_friction, l.time, l.velocity, l.spin, t.time, t.place,
-                        planner.standing().rest.legs.iter().map(|k| own.space.as_ref().map_or(0.0, |s| s.legs[*k].force)).collect::<Vec<_>>());
-                }
                 good += usize::from(miss < 0.1);
             }
-            let words: Vec<String> = plan.commands.iter().map(|c| format!("{}@{:.0}:{:.1}", c.leg, c.at * 1e3, c.open * 1e3)).collect();
+            let words: Vec<String> = plan.jump.commands.iter().map(|c| format!("{}@{:.0}:{:.1}", c.leg, c.at * 1e3, c.open * 1e3)).collect();
             println!("{heading:4} {distance} miss {:.4} scatter {:.4} off {:.4} good {good}/50 {time:.2?} {}", plan.miss, plan.scatter, plan.off, words.join(" "));
         }
     }

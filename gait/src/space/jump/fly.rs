@@ -1,11 +1,14 @@
 //! A jump in the multi-body simulation.
 
 use nalgebra::{UnitQuaternion, Vector3};
+use saltus_controller::ball::{Estimator, Rotation};
 use saltus_robot::Robot;
 use saltus_robot::space::{Rest, discs, rests};
 use saltus_sim_check::{Rig, Settings, Sim, Stepping};
 
-use super::super::Facing;
+use super::super::sensing::{Senses, estimator};
+use super::super::{Facing, Knows};
+use super::guide::{Guide, Known};
 use super::stance::quaternion;
 use super::{Command, Lift, Touch};
 use crate::GaitError;
@@ -89,18 +92,40 @@ pub struct Cycle {
 /// Longest time (s) from the last command to the landing.
 const LONGEST: f64 = 3.0;
 
-/// `robot` jumps from `standing` by `commands`, and is followed until it has landed and `after` (s) more; `row` hears of
-/// each step of the loop.
+/// Firings, and what closes their valves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Jump {
+    /// The firings, with the longest opening times.
+    pub commands: Vec<Command>,
+    /// What closes valves before that; none: nothing.
+    pub guide: Option<Guide>,
+    /// What it goes by.
+    pub knows: Knows,
+}
+
+impl Jump {
+    /// The same jump of a robot whose sensors' noise is drawn from `seed`.
+    pub fn by_sensors(&self, seed: u64) -> Jump {
+        Jump {
+            knows: Knows::Sensors(seed),
+            ..self.clone()
+        }
+    }
+}
+
+/// `robot` jumps from `standing` as `jump` says, and is followed until it has landed and `after` (s) more; `row` hears of
+/// each cycle.
 ///
 /// # Errors
 /// [`GaitError`] for commands that cannot be, and a motion that cannot go on.
 pub fn fly(
     robot: &Robot,
     standing: &Standing,
-    commands: &[Command],
+    jump: &Jump,
     after: f64,
     mut row: impl FnMut(&Cycle),
 ) -> Result<Flown, GaitError> {
+    let commands = &jump.commands;
     for command in commands {
         let sound = command.open >= 0.0 && command.open <= 1.0;
         require(sound, "valve opening time (s)", command.open, "from 0 to 1 s")?;
@@ -119,11 +144,14 @@ pub fn fly(
     };
     let mut sim = Sim::new(&rig.mechanism, &q, &v, settings)?;
     sim.release_legs()?;
-    let mut orders: Vec<Command> = commands.to_vec();
+    let mut orders: Vec<Command> = commands.clone();
     orders.sort_by(|a, b| b.at.total_cmp(&a.at));
     let last = |it: &Command| it.at + it.open + robot.own_leg(it.leg).delay;
     let pushed = commands.iter().map(last).fold(0.0, f64::max);
     let period = robot.sensors.unwrap_or_default().period;
+    let directions = robot.space.as_ref().map(|it| it.directions.vectors());
+    let directions = directions.unwrap_or_default();
+    let mut valves = Valves::new(robot, standing, jump, &directions);
     let (mut flown, mut cycles) = (Flown::default(), 0_u64);
     let mut apex = 0.0_f64;
     loop {
@@ -133,6 +161,7 @@ pub fn fly(
             sim.run(next, &[])?;
             while let Some(order) = orders.pop_if(|order| order.at <= sim.time()) {
                 sim.fire(order.leg, order.open)?;
+                valves.fired(order.leg);
             }
             continue;
         }
@@ -141,6 +170,9 @@ pub fn fly(
         cycles += 1;
         let now = seen(&rig, &sim);
         row(&now);
+        for leg in valves.close(&now) {
+            sim.switch(leg, false)?;
+        }
         flown.rests = now.place;
         flown.speed = Vector3::from(now.velocity).norm();
         let is_up = now.touching == 0 && orders.is_empty();
@@ -171,6 +203,75 @@ pub fn fly(
         if now.time >= end || stays {
             return Ok(flown);
         }
+    }
+}
+
+/// What closes valves, by what is known of the motion.
+struct Valves<'a> {
+    guide: Option<Guide>,
+    /// What fires: leg and time (s), and whether it is still to be closed.
+    legs: Vec<(usize, f64)>,
+    open: Vec<bool>,
+    sensed: Option<(Senses, Estimator<'a, f64>)>,
+}
+
+impl<'a> Valves<'a> {
+    fn new(
+        robot: &Robot,
+        standing: &Standing,
+        jump: &Jump,
+        directions: &'a [[f64; 3]],
+    ) -> Valves<'a> {
+        let start = (Rotation(standing.attitude), standing.place);
+        let sensed = match jump.knows {
+            Knows::Truth => None,
+            Knows::Sensors(seed) => Some((
+                Senses::new(robot, standing.turned(), seed),
+                estimator(robot, directions, start),
+            )),
+        };
+        Valves {
+            guide: jump.guide.clone(),
+            legs: jump.commands.iter().map(|it| (it.leg, it.at)).collect(),
+            open: vec![true; jump.commands.len()],
+            sensed,
+        }
+    }
+
+    fn fired(&mut self, leg: usize) {
+        if let (Some((_, estimator)), Ok(leg)) = (&mut self.sensed, u32::try_from(leg)) {
+            estimator.fired(leg);
+        }
+    }
+
+    /// The legs whose valves close in the cycle of `now`.
+    fn close(&mut self, now: &Cycle) -> Vec<usize> {
+        let mut known = Known {
+            attitude: quaternion(now.attitude),
+            place: Vector3::from(now.place),
+            velocity: Vector3::from(now.velocity),
+        };
+        if let Some((senses, estimator)) = &mut self.sensed {
+            estimator.take(&senses.read(known.attitude, known.velocity, now.touching));
+            let estimate = estimator.estimate();
+            known = Known {
+                attitude: quaternion(estimate.attitude.0),
+                place: Vector3::from(estimate.place),
+                velocity: Vector3::from(estimate.velocity),
+            };
+        }
+        let Some(guide) = &mut self.guide else {
+            return Vec::new();
+        };
+        let closes = guide.closes(now.time, &known, &self.legs);
+        let mut closed = Vec::new();
+        for ((is_open, closes), (leg, _)) in self.open.iter_mut().zip(closes).zip(&self.legs) {
+            if *is_open && closes {
+                *is_open = false;
+                closed.push(*leg);
+            }
+        }
+        closed
     }
 }
 

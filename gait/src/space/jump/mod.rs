@@ -5,12 +5,14 @@
 //! Source: thesis 8.3.2, which leaves jumps in space to the future.
 
 mod fly;
+mod guide;
 mod hull;
 mod over;
 mod plan;
 mod stance;
 
-pub use fly::{Cycle, Flown, Standing, fly};
+pub use fly::{Cycle, Flown, Jump, Standing, fly};
+pub use guide::Guide;
 pub use over::{Leap, ON, Over, Passed, SPEED};
 pub use plan::{JumpPlan, Planner, landed};
 pub use stance::Stance;

@@ -3,8 +3,9 @@
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
 
-use super::super::{DrawnBalls, drawn_ball};
-use super::fly::{Flown, Standing, fly};
+use super::super::{DrawnBalls, Knows, drawn_ball};
+use super::fly::{Flown, Jump, Standing, fly};
+use super::guide::Guide;
 use super::stance::Stance;
 use super::{Command, Touch};
 use crate::GaitError;
@@ -14,8 +15,8 @@ use crate::search::{Search, search};
 /// Plans jumps of a robot from rest.
 ///
 /// Firings are sought in the stance model for a few drawn robots at once, so that the place of landing depends little on the
-/// forces of the legs and on friction. Then the same robots jump in the simulation, and the plan aims aside of the target by
-/// as much as they came down aside of it.
+/// forces of the legs and on friction; a [`Guide`] closes their valves. Then the same robots jump in the simulation by their
+/// sensors, and the plan aims aside of the target by as much as they came down aside of it.
 #[derive(Clone, Debug)]
 pub struct Planner {
     robot: Robot,
@@ -31,8 +32,8 @@ pub struct Planner {
 /// A jump to a place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JumpPlan {
-    /// The firings.
-    pub commands: Vec<Command>,
+    /// The firings, and what closes their valves.
+    pub jump: Jump,
     /// How the robot of the file comes down in the stance model, and in the simulation.
     pub modelled: Option<Touch>,
     /// The jump in the simulation.
@@ -49,6 +50,8 @@ pub struct JumpPlan {
 /// Opening times (s) and moments (s) from which the search begins.
 const OPENS: [f64; 6] = [0.0, 0.01, 0.015, 0.022, 0.032, 0.05];
 const MOMENTS: [f64; 3] = [0.0, 0.01, 0.02];
+/// By how much (m) a robot that turns lands higher than it stands.
+const HIGHER: f64 = 0.02;
 /// Greatest of both (s).
 const MOST_OPEN: f64 = 0.06;
 const LATEST: f64 = 0.03;
@@ -163,14 +166,20 @@ impl Planner {
     }
 
     fn lands(&self, x: &[f64]) -> Option<[f64; 2]> {
-        lands(&self.model, &self.standing, &self.commands(x))
+        lands(&self.model, &self.standing, &self.commands(x), None)
+    }
+
+    /// What closes valves on the way to `aim` (m): for a landing as high as the robot stands.
+    fn guide(&self, aim: [f64; 2]) -> Guide {
+        Guide::new(&self.robot, aim, self.standing.place[2] + HIGHER)
     }
 
     /// Misses of the drawn robots in the model, as one number (m).
     fn misses(&self, x: &[f64], aim: [f64; 2]) -> f64 {
         let commands = self.commands(x);
+        let guide = self.guide(aim);
         together(self.drawn.iter().map(|(_, model)| {
-            let at = lands(model, &self.standing, &commands);
+            let at = lands(model, &self.standing, &commands, Some(guide.clone()));
             at.map_or(STAYS, |at| far(at, aim))
         }))
     }
@@ -244,9 +253,10 @@ impl Planner {
         for _ in 0..CORRECTIONS {
             let x = self.seek(aim, &starts, generations, threads);
             (starts, generations) = (vec![x.clone()], GENERATIONS[1]);
-            let commands = self.commands(&x);
+            let jump = self.jump(&x, aim);
             let flown = parallel::map_on(threads, self.drawn.len(), |k| {
-                fly(&self.drawn[k].0, &self.standing, &commands, 0.0, |_| {})
+                let jump = jump.by_sensors(self.seed.wrapping_add(k as u64));
+                fly(&self.drawn[k].0, &self.standing, &jump, 0.0, |_| {})
             });
             let flown = flown.into_iter().collect::<Result<Vec<_>, _>>()?;
             let places: Vec<[f64; 2]> = flown.iter().filter_map(landed).collect();
@@ -256,7 +266,7 @@ impl Planner {
             let off = [target[0] - middle(0), target[1] - middle(1)];
             let length = off[0].hypot(off[1]);
             if best.as_ref().is_none_or(|best| scatter < best.scatter) {
-                best = Some(self.flown(commands, (scatter, length), target)?);
+                best = Some(self.flown(jump, (scatter, length), target)?);
             }
             if places.is_empty() || length < NEAR {
                 break;
@@ -265,24 +275,33 @@ impl Planner {
         }
         match best {
             Some(best) => Ok(best),
-            None => self.flown(Vec::new(), (STAYS, STAYS), target),
+            None => self.flown(self.jump(&[], target), (STAYS, STAYS), target),
         }
     }
 
-    /// The robot of the file jumps by `commands`.
+    fn jump(&self, x: &[f64], aim: [f64; 2]) -> Jump {
+        Jump {
+            commands: self.commands(x),
+            guide: Some(self.guide(aim)),
+            knows: Knows::Sensors(self.seed),
+        }
+    }
+
+    /// The robot of the file jumps as `jump` says.
     fn flown(
         &self,
-        commands: Vec<Command>,
+        jump: Jump,
         (scatter, off): (f64, f64),
         target: [f64; 2],
     ) -> Result<JumpPlan, GaitError> {
         let Standing { place, .. } = self.standing;
         let attitude = self.standing.turned();
-        let modelled = self.model.jump(place, attitude, &commands);
-        let flown = fly(&self.robot, &self.standing, &commands, 0.0, |_| {})?;
+        let guide = jump.guide.clone();
+        let modelled = self.model.jump(place, attitude, &jump.commands, guide);
+        let flown = fly(&self.robot, &self.standing, &jump, 0.0, |_| {})?;
         let miss = landed(&flown).map_or(f64::INFINITY, |at| far(at, target));
         Ok(JumpPlan {
-            commands,
+            jump,
             modelled: modelled.map(|(_, touch)| touch),
             flown,
             scatter,
@@ -302,8 +321,13 @@ pub fn landed(flown: &Flown) -> Option<[f64; 2]> {
     flown.touch.map(|touch| [touch.place[0], touch.place[1]])
 }
 
-fn lands(model: &Stance, standing: &Standing, commands: &[Command]) -> Option<[f64; 2]> {
-    let (_, touch) = model.jump(standing.place, standing.turned(), commands)?;
+fn lands(
+    model: &Stance,
+    standing: &Standing,
+    commands: &[Command],
+    guide: Option<Guide>,
+) -> Option<[f64; 2]> {
+    let (_, touch) = model.jump(standing.place, standing.turned(), commands, guide)?;
     Some([touch.place[0], touch.place[1]])
 }
 

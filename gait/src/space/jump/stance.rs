@@ -7,6 +7,7 @@
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use saltus_robot::{Drive, Robot};
 
+use super::guide::{Guide, Known};
 use super::{Command, Lift, Touch};
 use crate::GaitError;
 use crate::error::{refused, require};
@@ -14,7 +15,7 @@ use crate::error::{refused, require};
 type Vec3 = Vector3<f64>;
 
 /// Step (s) on the ground, and in flight.
-const STEP: f64 = 4e-4;
+const STEP: f64 = 5e-4;
 const FLIGHT_STEP: f64 = 1e-2;
 /// Speed (m/s) of a foot from which on nearly all of the friction acts.
 const CREEP: f64 = 0.05;
@@ -69,6 +70,7 @@ struct Push {
 #[derive(Clone, Copy, Debug)]
 struct Active {
     leg: usize,
+    at: f64,
     begins: f64,
     ends: f64,
     /// Whether it pushes now; and whether it has been.
@@ -139,13 +141,14 @@ impl Stance {
         })
     }
 
-    /// The robot's legs fire by `commands`, from rest at `place` (m), where its legs meet, with this `attitude`; none: it does
-    /// not come off the ground.
+    /// The robot's legs fire by `commands`, from rest at `place` (m), where its legs meet, with this `attitude`, and their valves
+    /// close as `guide` says, or as commanded if that is sooner; none: it does not come off the ground.
     pub fn jump(
         &self,
         place: [f64; 3],
         attitude: UnitQuaternion<f64>,
         commands: &[Command],
+        mut guide: Option<Guide>,
     ) -> Option<(Lift, Touch)> {
         let mut state = State {
             place: Vec3::from(place) + attitude * self.center,
@@ -155,12 +158,22 @@ impl Stance {
         };
         let (mut now, mut active) = (0.0, self.active(commands));
         let last = active.iter().map(|it| it.ends).fold(0.0, f64::max);
+        let mut cycles = 0_u32;
         while active.iter().any(|it| !it.is_over) || self.lowest(&state) <= 0.0 {
             if now > last + LINGERS || !state.place.iter().all(|x| x.is_finite()) {
                 return None;
             }
+            let mut tick = f64::INFINITY;
+            if let Some(guide) = &mut guide {
+                if now >= f64::from(cycles) * guide.period() - 1e-12 {
+                    self.guided(&state, now, guide, &mut active);
+                    cycles += 1;
+                }
+                tick = f64::from(cycles) * guide.period();
+            }
             self.switch(&state, now, &mut active);
             let edges = active.iter().flat_map(|it| [it.begins, it.ends]);
+            let edges = edges.chain([tick]);
             let next = edges.filter(|edge| *edge > now + 1e-12);
             let span = next.fold(now + STEP, f64::min) - now;
             now += self.advance(&mut state, span, &mut active);
@@ -175,11 +188,26 @@ impl Stance {
         Some((lift, touch))
     }
 
+    /// Closes valves at the time `now` (s).
+    fn guided(&self, state: &State, now: f64, guide: &mut Guide, active: &mut [Active]) {
+        let known = Known {
+            attitude: state.attitude,
+            place: self.middle(state),
+            velocity: state.velocity - state.spin.cross(&(state.attitude * self.center)),
+        };
+        let legs: Vec<(usize, f64)> = active.iter().map(|it| (it.leg, it.at)).collect();
+        let closed = guide.closes(now, &known, &legs);
+        for (it, _) in active.iter_mut().zip(closed).filter(|(_, closes)| *closes) {
+            it.ends = it.ends.min(now + self.legs[it.leg].delay);
+        }
+    }
+
     fn active(&self, commands: &[Command]) -> Vec<Active> {
         let one = |command: &Command| {
             let begins = command.at + self.legs[command.leg].delay;
             Active {
                 leg: command.leg,
+                at: command.at,
                 begins,
                 ends: begins + command.open,
                 pushes: false,
