@@ -1,6 +1,6 @@
 //! Over a box out of a run.
 
-use saltus_controller::ball::{Balancer, Estimate, Firing, Rotation, Sight, Tracker};
+use saltus_controller::ball::{Balancer, Estimate, Firing, Rotation, Sight, Station, Tracker};
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
 use saltus_sim_check::{Rig, Settings, Sim, Stepping, Surface, Vec3};
@@ -13,24 +13,25 @@ use crate::run::Obstacle;
 use crate::search::{Search, search};
 use crate::GaitError;
 
-/// When a robot that rolls jumps. Of two numbers the first is of single legs, the second of twins.
+/// When a robot that rolls jumps: as a station comes down, it fires that one and the one on which it rolled, three legs or two
+/// at once. Of three numbers the first is of a single leg after a single one, the second of twins after a single leg, the
+/// third of a single leg after twins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leap {
-    /// Distance (m) to the box's front, from where the legs meet, from which on a station jumps, at a speed of [`SPEED`].
-    pub from: [f64; 2],
-    /// Lean (rad) at which it fires at that distance and speed.
-    pub lean: [f64; 2],
-    /// How much more it leans (rad) for each metre nearer to the box.
-    pub nearer: [f64; 2],
-    /// Valve opening times (s).
-    pub open: [f64; 2],
-    /// How much farther (m) from the box it jumps, and how much more it leans (rad), for each m/s faster.
-    pub by_speed: [f64; 2],
+    /// Distance (m) to the box's front, from where the legs meet, from which on it jumps, at a speed of [`SPEED`]; as it is
+    /// where the gait would fire the station behind.
+    pub from: [f64; 3],
+    /// Valve opening times (s) of the station behind.
+    pub behind: [f64; 3],
+    /// Those of the station that comes down.
+    pub ahead: [f64; 3],
+    /// How much farther (m) from the box it jumps for each m/s faster.
+    pub by_speed: f64,
     /// Rate (rad/s) at which it runs up.
     pub rate: f64,
 }
 
-/// The speed (m/s) for which [`Leap::from`] and [`Leap::lean`] stand.
+/// The speed (m/s) for which [`Leap::from`] stands.
 pub const SPEED: f64 = 1.1;
 
 /// A run over a box.
@@ -61,8 +62,8 @@ pub struct Passed {
     pub front: f64,
     /// Distance (m) to it at the jump, if it jumped.
     pub jumped: Option<f64>,
-    /// Whether twins jumped.
-    pub by_twins: bool,
+    /// Legs that jumped.
+    pub legs: usize,
     /// Least distance (m) between the box and the hull of the feet; 0 or less: it touched it.
     pub clearance: f64,
     /// Whether all of it came to the other side without touching the box.
@@ -172,7 +173,8 @@ impl Over {
             front,
             course: Course::new(self.stable.line),
             phase: Phase::Runs,
-            by_twins: false,
+            stations: facing.plane().stations,
+            legs: 0,
             jumped: None,
             decided: None,
         };
@@ -251,23 +253,14 @@ impl Over {
         told: impl FnMut(usize, f64, &[f64]),
     ) -> Result<Leap, GaitError> {
         self.check()?;
-        let bounds = vec![
-            [0.1, 0.9],
-            [0.1, 0.9],
-            [-0.25, 0.46],
-            [-0.25, 0.31],
-            [-1.0, 1.0],
-            [-1.0, 1.0],
-            [0.02, 0.06],
-            [0.02, 0.06],
-            [-0.3, 0.6],
-            [-0.5, 0.5],
-            [4.8, 8.0],
-        ];
+        let (from, open) = ([0.15, 0.9], [0.0, 0.06]);
+        let (speed, rate) = ([-0.3, 0.8], [4.8, 8.0]);
+        let bounds = vec![from, from, from, open, open, open, open, open, open, speed, rate];
+        let start = [0.55, 0.55, 0.55, 0.055, 0.055, 0.05, 0.02, 0.015, 0.02, 0.2, 5.6];
         let sought = Search {
             bounds,
-            start: vec![0.45, 0.45, 0.1, 0.13, -0.3, -0.3, 0.052, 0.045, 0.1, -0.1, 5.6],
-            spread: 0.12,
+            start: start.to_vec(),
+            spread: 0.15,
             candidates: 40,
             best: 8,
             generations,
@@ -306,24 +299,23 @@ impl Over {
 impl Leap {
     /// That of the numbers of the search.
     fn of(x: &[f64]) -> Leap {
-        let pair = |k: usize| [x[k], x[k + 1]];
+        let three = |k: usize| [x[k], x[k + 1], x[k + 2]];
         Leap {
-            from: pair(0),
-            lean: pair(2),
-            nearer: pair(4),
-            open: pair(6),
-            by_speed: pair(8),
+            from: three(0),
+            behind: three(3),
+            ahead: three(6),
+            by_speed: x[9],
             rate: x[10],
         }
     }
 }
 
 impl Passed {
-    fn note(&mut self, ball: &Ball, clearance: f64, jumper: &Jumper) {
+    fn note(&mut self, ball: &Ball, clearance: f64, jumper: &Jumper<'_>) {
         self.clearance = self.clearance.min(clearance);
         self.apex = self.apex.max(ball.place[2]);
         if self.jumped.is_none() && jumper.jumped.is_some() {
-            (self.jumped, self.by_twins) = (jumper.jumped, jumper.by_twins);
+            (self.jumped, self.legs) = (jumper.jumped, jumper.legs);
             self.speed = ball.velocity[0];
         }
     }
@@ -344,24 +336,29 @@ impl Passed {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
     Runs,
+    /// It has decided at its station of this number, and waits for the next one to come down.
+    Waits(i32),
     /// Its legs push; it is still on the ground.
     Pushes,
     Flies,
     Landed,
 }
 
-struct Jumper {
+struct Jumper<'a> {
     leap: Leap,
     front: f64,
+    stations: &'a [Station<f64>],
     course: Course,
     phase: Phase,
-    by_twins: bool,
+    /// Legs that jumped.
+    legs: usize,
     jumped: Option<f64>,
     /// The last station that was left to the gait.
     decided: Option<i32>,
 }
 
-impl Jumper {
+impl Jumper<'_> {
+    /// The legs that fire in the cycle of `ball`, of `period` (s).
     fn fire(
         &mut self,
         ball: &Ball,
@@ -385,44 +382,75 @@ impl Jumper {
             course: heading,
             touching: ball.touching,
         };
-        let (lying, fired) = balancer.step(&sight);
+        let (_, fired) = balancer.step(&sight);
+        let gait = || fired.into_iter().flatten().collect();
         self.phase = match self.phase {
             Phase::Pushes if ball.touching == 0 => Phase::Flies,
             Phase::Flies if ball.touching != 0 => Phase::Landed,
             phase => phase,
         };
-        match self.phase {
-            Phase::Pushes | Phase::Flies => return Vec::new(),
-            Phase::Landed => return fired.into_iter().flatten().collect(),
-            Phase::Runs => {}
-        }
-        let gait = || fired.into_iter().flatten().collect();
         let here = balancer.tracker().passed();
-        let Some(station) = balancer.tracker().station() else {
-            return Vec::new();
-        };
-        let kind = usize::from(station.is_of_twins());
-        let faster = known.velocity[0] - SPEED;
-        let leap = &self.leap;
-        let from = leap.from[kind] + leap.by_speed[0] * faster;
-        let far = self.front - known.place[0];
-        let lean = leap.lean[kind] + leap.nearer[kind] * (from - far) + leap.by_speed[1] * faster;
-        let touches = |leg: &u32| ball.touching >> *leg & 1 == 1;
-        let stands = station.legs.iter().any(touches);
-        let fires = fired.iter().any(Option::is_some);
-        // A station decides once, where it comes to its lean; one that has pushed has no stroke left.
-        let is_due = stands && self.decided != Some(here) && (lying.lean >= lean || fires);
-        if is_due && !(far <= from && far > 0.0) {
-            self.decided = Some(here);
+        let two = self.here_and_next(balancer.tracker());
+        match (self.phase, two) {
+            (Phase::Landed, _) => gait(),
+            (Phase::Pushes | Phase::Flies, _) | (_, None) => Vec::new(),
+            (Phase::Waits(since), Some(two)) => {
+                if here != since {
+                    // It rolled over the next station, or back, without its foot being seen.
+                    self.phase = Phase::Runs;
+                }
+                let touches = |leg: &u32| ball.touching >> *leg & 1 == 1;
+                if here == since && two[1].legs.iter().any(touches) {
+                    self.leap(two, self.front - known.place[0])
+                } else {
+                    Vec::new()
+                }
+            }
+            (Phase::Runs, Some(two)) => {
+                let fires = fired.iter().any(Option::is_some);
+                if !fires || self.decided == Some(here) {
+                    return gait();
+                }
+                self.decided = Some(here);
+                let far = self.front - known.place[0];
+                let faster = known.velocity[0] - SPEED;
+                let from = self.leap.from[kind(&two)] + self.leap.by_speed * faster;
+                if far > from || far < 0.0 {
+                    return gait();
+                }
+                self.phase = Phase::Waits(here);
+                Vec::new()
+            }
         }
-        if !is_due || self.decided == Some(here) {
-            return gait();
-        }
+    }
+
+    /// Fires both stations, `far` (m) from the box.
+    fn leap(&mut self, two: [Station<f64>; 2], far: f64) -> Vec<Firing<f64>> {
+        let kind = kind(&two);
         self.phase = Phase::Pushes;
-        (self.jumped, self.by_twins) = (Some(far), kind == 1);
-        let open = self.leap.open[kind];
-        let [left, right] = station.legs;
-        let legs = if kind == 1 { vec![left, right] } else { vec![left] };
-        legs.into_iter().map(|leg| Firing { leg, open }).collect()
+        let opens = [self.leap.behind[kind], self.leap.ahead[kind]];
+        let mut firings = Vec::new();
+        for (station, open) in two.iter().zip(opens) {
+            let count = if station.is_of_twins() { 2 } else { 1 };
+            firings.extend(station.legs[..count].iter().map(|leg| Firing { leg: *leg, open }));
+        }
+        (self.jumped, self.legs) = (Some(far), firings.len());
+        firings
+    }
+
+    /// The station in the zone, and the next one.
+    fn here_and_next(&self, tracker: &Tracker<'_, f64>) -> Option<[Station<f64>; 2]> {
+        let here = *tracker.station()?;
+        let place = self.stations.iter().position(|it| it.legs == here.legs)?;
+        Some([here, self.stations[(place + 1) % self.stations.len()]])
+    }
+}
+
+/// Which of three numbers is of these stations.
+fn kind([behind, ahead]: &[Station<f64>; 2]) -> usize {
+    match (behind.is_of_twins(), ahead.is_of_twins()) {
+        (false, false) => 0,
+        (_, true) => 1,
+        (true, false) => 2,
     }
 }
