@@ -3,6 +3,7 @@
 mod basin;
 mod energy;
 mod frontier;
+mod jump_in_space;
 mod learn;
 mod learn_tasks;
 mod optimal;

@@ -9,12 +9,14 @@ mod guide;
 mod hull;
 mod over;
 mod plan;
+mod reach;
 mod stance;
 
 pub use fly::{Cycle, Flown, Jump, Standing, fly};
 pub use guide::Guide;
 pub use over::{Leap, ON, Over, Passed, SPEED};
-pub use plan::{JumpPlan, Planner, landed};
+pub use plan::{JumpPlan, Planner, REACHED, landed};
+pub use reach::Spot;
 pub use stance::Stance;
 
 /// A leg to fire.

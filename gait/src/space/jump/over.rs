@@ -1,6 +1,6 @@
 //! Over a box out of a run.
 
-use saltus_controller::ball::{Balancer, Estimate, Firing, Rotation, Sight, Station, Tracker};
+use saltus_controller::ball::{Balancer, Estimate, Firing, Rotation, Sight, Tracker};
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
 use saltus_sim_check::{Rig, Settings, Sim, Stepping, Surface, Vec3};
@@ -13,25 +13,24 @@ use crate::run::Obstacle;
 use crate::search::{Search, search};
 use crate::GaitError;
 
-/// When a robot that rolls jumps: as a station comes down, it fires that one and the one on which it rolled, three legs or two
-/// at once. Of three numbers the first is of a single leg after a single one, the second of twins after a single leg, the
-/// third of a single leg after twins.
+/// When a robot that rolls jumps. Of two numbers the first is of single legs, the second of twins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leap {
-    /// Distance (m) to the box's front, from where the legs meet, from which on it jumps, at a speed of [`SPEED`]; as it is
-    /// where the gait would fire the station behind.
-    pub from: [f64; 3],
-    /// Valve opening times (s) of the station behind.
-    pub behind: [f64; 3],
-    /// Those of the station that comes down.
-    pub ahead: [f64; 3],
-    /// How much farther (m) from the box it jumps for each m/s faster.
-    pub by_speed: f64,
+    /// Distance (m) to the box's front, from where the legs meet, from which on a station jumps, at a speed of [`SPEED`].
+    pub from: [f64; 2],
+    /// Lean (rad) at which it fires at that distance and speed.
+    pub lean: [f64; 2],
+    /// How much more it leans (rad) for each metre nearer to the box.
+    pub nearer: [f64; 2],
+    /// Valve opening times (s).
+    pub open: [f64; 2],
+    /// How much farther (m) from the box it jumps, and how much more it leans (rad), for each m/s faster.
+    pub by_speed: [f64; 2],
     /// Rate (rad/s) at which it runs up.
     pub rate: f64,
 }
 
-/// The speed (m/s) for which [`Leap::from`] stands.
+/// The speed (m/s) for which [`Leap::from`] and [`Leap::lean`] stand.
 pub const SPEED: f64 = 1.1;
 
 /// A run over a box.
@@ -62,8 +61,8 @@ pub struct Passed {
     pub front: f64,
     /// Distance (m) to it at the jump, if it jumped.
     pub jumped: Option<f64>,
-    /// Legs that jumped.
-    pub legs: usize,
+    /// Whether twins jumped.
+    pub by_twins: bool,
     /// Least distance (m) between the box and the hull of the feet; 0 or less: it touched it.
     pub clearance: f64,
     /// Whether all of it came to the other side without touching the box.
@@ -86,6 +85,8 @@ const WIDE: f64 = 10.0;
 /// Clearance (m) beyond which more is worth nothing, and what being clear at all is worth (m).
 const ENOUGH: f64 = 0.05;
 const CLEAR: f64 = 0.1;
+/// What a robot is worth (m) that goes through the box, or does not come to it.
+const LOST: f64 = -0.25;
 
 impl Over {
     /// A box `height` high and `length` long (m) with its front between `fronts` (m), for robots around `robot` with sensors.
@@ -141,6 +142,17 @@ impl Over {
         leap: &Leap,
         seed: u64,
         k: usize,
+        row: impl FnMut(&Ball, f64) -> bool,
+    ) -> Result<Passed, GaitError> {
+        self.passed(leap, (seed, k), true, row)
+    }
+
+    /// The same, with a box that is solid or one that is only looked at.
+    fn passed(
+        &self,
+        leap: &Leap,
+        (seed, k): (u64, usize),
+        is_solid: bool,
         mut row: impl FnMut(&Ball, f64) -> bool,
     ) -> Result<Passed, GaitError> {
         self.check()?;
@@ -151,7 +163,8 @@ impl Over {
         }
         let front = self.front(seed, k);
         let (rest, facing) = setup.facing()?;
-        let rig = Rig::new(&setup.robot, &[self.surface(front)])?;
+        let solid = is_solid.then(|| self.surface(front));
+        let rig = Rig::new(&setup.robot, solid.as_slice())?;
         let (q, v) = placed(&rig, setup.start, rig.stand_on(&rest, &facing.ahead(&rest))?);
         let settings = Settings {
             stepping: Stepping::USUAL,
@@ -173,8 +186,7 @@ impl Over {
             front,
             course: Course::new(self.stable.line),
             phase: Phase::Runs,
-            stations: facing.plane().stations,
-            legs: 0,
+            by_twins: false,
             jumped: None,
             decided: None,
         };
@@ -206,7 +218,8 @@ impl Over {
             passed.cleared = passed.clearance > 0.0 && ball.place[0] > beyond;
             passed.ran_on = passed.cleared && ball.place[0] > beyond + ON;
             let fell = ball.rolling.roll.abs() > FALLS && ball.touching != 0;
-            let over = passed.ran_on || passed.clearance <= 0.0 || fell && passed.cleared;
+            let touched = is_solid && passed.clearance <= 0.0;
+            let over = passed.ran_on || touched || fell && passed.cleared;
             if over || !goes_on || ball.time > (last.1 + STANDS).min(LONGEST) {
                 return Ok(passed);
             }
@@ -253,14 +266,23 @@ impl Over {
         told: impl FnMut(usize, f64, &[f64]),
     ) -> Result<Leap, GaitError> {
         self.check()?;
-        let (from, open) = ([0.15, 0.9], [0.0, 0.06]);
-        let (speed, rate) = ([-0.3, 0.8], [4.8, 8.0]);
-        let bounds = vec![from, from, from, open, open, open, open, open, open, speed, rate];
-        let start = [0.55, 0.55, 0.55, 0.055, 0.055, 0.05, 0.02, 0.015, 0.02, 0.2, 5.6];
+        let bounds = vec![
+            [0.1, 0.9],
+            [0.1, 0.9],
+            [-0.25, 0.46],
+            [-0.25, 0.31],
+            [-1.0, 1.0],
+            [-1.0, 1.0],
+            [0.02, 0.06],
+            [0.02, 0.06],
+            [-0.3, 0.6],
+            [-0.5, 0.5],
+            [4.8, 8.0],
+        ];
         let sought = Search {
             bounds,
-            start: start.to_vec(),
-            spread: 0.15,
+            start: vec![0.47, 0.5, 0.15, 0.1, -0.3, -0.5, 0.054, 0.046, 0.1, -0.2, 5.6],
+            spread: 0.12,
             candidates: 40,
             best: 8,
             generations,
@@ -272,8 +294,9 @@ impl Over {
             let leap = Leap::of(x);
             let worth = |k: usize| {
                 let back = self.front(self.seed, k) + self.length + 2.0 * self.robot.body.radius;
-                let passed = self.pass(&leap, self.seed, k, |ball, _| ball.place[0] < back);
-                passed.map_or(-1.0, |it| it.worth())
+                let goes_on = |ball: &Ball, _| ball.place[0] < back;
+                let passed = self.passed(&leap, (self.seed, k), false, goes_on);
+                passed.map_or(LOST, |it| it.worth())
             };
             (0..count).map(worth).sum::<f64>() / count as f64
         };
@@ -299,23 +322,24 @@ impl Over {
 impl Leap {
     /// That of the numbers of the search.
     fn of(x: &[f64]) -> Leap {
-        let three = |k: usize| [x[k], x[k + 1], x[k + 2]];
+        let pair = |k: usize| [x[k], x[k + 1]];
         Leap {
-            from: three(0),
-            behind: three(3),
-            ahead: three(6),
-            by_speed: x[9],
+            from: pair(0),
+            lean: pair(2),
+            nearer: pair(4),
+            open: pair(6),
+            by_speed: pair(8),
             rate: x[10],
         }
     }
 }
 
 impl Passed {
-    fn note(&mut self, ball: &Ball, clearance: f64, jumper: &Jumper<'_>) {
+    fn note(&mut self, ball: &Ball, clearance: f64, jumper: &Jumper) {
         self.clearance = self.clearance.min(clearance);
         self.apex = self.apex.max(ball.place[2]);
         if self.jumped.is_none() && jumper.jumped.is_some() {
-            (self.jumped, self.legs) = (jumper.jumped, jumper.legs);
+            (self.jumped, self.by_twins) = (jumper.jumped, jumper.by_twins);
             self.speed = ball.velocity[0];
         }
     }
@@ -324,9 +348,9 @@ impl Passed {
         let clear = if self.cleared { CLEAR } else { 0.0 };
         // A robot that does not come to the box has no clearance.
         let near = if self.clearance.is_finite() && self.jumped.is_some() {
-            self.clearance.clamp(-0.1, ENOUGH)
+            self.clearance.clamp(LOST, ENOUGH)
         } else {
-            -0.1
+            LOST
         };
         clear + near
     }
@@ -336,29 +360,24 @@ impl Passed {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
     Runs,
-    /// It has decided at its station of this number, and waits for the next one to come down.
-    Waits(i32),
     /// Its legs push; it is still on the ground.
     Pushes,
     Flies,
     Landed,
 }
 
-struct Jumper<'a> {
+struct Jumper {
     leap: Leap,
     front: f64,
-    stations: &'a [Station<f64>],
     course: Course,
     phase: Phase,
-    /// Legs that jumped.
-    legs: usize,
+    by_twins: bool,
     jumped: Option<f64>,
     /// The last station that was left to the gait.
     decided: Option<i32>,
 }
 
-impl Jumper<'_> {
-    /// The legs that fire in the cycle of `ball`, of `period` (s).
+impl Jumper {
     fn fire(
         &mut self,
         ball: &Ball,
@@ -382,75 +401,44 @@ impl Jumper<'_> {
             course: heading,
             touching: ball.touching,
         };
-        let (_, fired) = balancer.step(&sight);
-        let gait = || fired.into_iter().flatten().collect();
+        let (lying, fired) = balancer.step(&sight);
         self.phase = match self.phase {
             Phase::Pushes if ball.touching == 0 => Phase::Flies,
             Phase::Flies if ball.touching != 0 => Phase::Landed,
             phase => phase,
         };
+        match self.phase {
+            Phase::Pushes | Phase::Flies => return Vec::new(),
+            Phase::Landed => return fired.into_iter().flatten().collect(),
+            Phase::Runs => {}
+        }
+        let gait = || fired.into_iter().flatten().collect();
         let here = balancer.tracker().passed();
-        let two = self.here_and_next(balancer.tracker());
-        match (self.phase, two) {
-            (Phase::Landed, _) => gait(),
-            (Phase::Pushes | Phase::Flies, _) | (_, None) => Vec::new(),
-            (Phase::Waits(since), Some(two)) => {
-                if here != since {
-                    // It rolled over the next station, or back, without its foot being seen.
-                    self.phase = Phase::Runs;
-                }
-                let touches = |leg: &u32| ball.touching >> *leg & 1 == 1;
-                if here == since && two[1].legs.iter().any(touches) {
-                    self.leap(two, self.front - known.place[0])
-                } else {
-                    Vec::new()
-                }
-            }
-            (Phase::Runs, Some(two)) => {
-                let fires = fired.iter().any(Option::is_some);
-                if !fires || self.decided == Some(here) {
-                    return gait();
-                }
-                self.decided = Some(here);
-                let far = self.front - known.place[0];
-                let faster = known.velocity[0] - SPEED;
-                let from = self.leap.from[kind(&two)] + self.leap.by_speed * faster;
-                if far > from || far < 0.0 {
-                    return gait();
-                }
-                self.phase = Phase::Waits(here);
-                Vec::new()
-            }
+        let Some(station) = balancer.tracker().station() else {
+            return Vec::new();
+        };
+        let kind = usize::from(station.is_of_twins());
+        let faster = known.velocity[0] - SPEED;
+        let leap = &self.leap;
+        let from = leap.from[kind] + leap.by_speed[0] * faster;
+        let far = self.front - known.place[0];
+        let lean = leap.lean[kind] + leap.nearer[kind] * (from - far) + leap.by_speed[1] * faster;
+        let touches = |leg: &u32| ball.touching >> *leg & 1 == 1;
+        let stands = station.legs.iter().any(touches);
+        let fires = fired.iter().any(Option::is_some);
+        // A station decides once, where it comes to its lean; one that has pushed has no stroke left.
+        let is_due = stands && self.decided != Some(here) && (lying.lean >= lean || fires);
+        if is_due && !(far <= from && far > 0.0) {
+            self.decided = Some(here);
         }
-    }
-
-    /// Fires both stations, `far` (m) from the box.
-    fn leap(&mut self, two: [Station<f64>; 2], far: f64) -> Vec<Firing<f64>> {
-        let kind = kind(&two);
+        if !is_due || self.decided == Some(here) {
+            return gait();
+        }
         self.phase = Phase::Pushes;
-        let opens = [self.leap.behind[kind], self.leap.ahead[kind]];
-        let mut firings = Vec::new();
-        for (station, open) in two.iter().zip(opens) {
-            let count = if station.is_of_twins() { 2 } else { 1 };
-            firings.extend(station.legs[..count].iter().map(|leg| Firing { leg: *leg, open }));
-        }
-        (self.jumped, self.legs) = (Some(far), firings.len());
-        firings
-    }
-
-    /// The station in the zone, and the next one.
-    fn here_and_next(&self, tracker: &Tracker<'_, f64>) -> Option<[Station<f64>; 2]> {
-        let here = *tracker.station()?;
-        let place = self.stations.iter().position(|it| it.legs == here.legs)?;
-        Some([here, self.stations[(place + 1) % self.stations.len()]])
-    }
-}
-
-/// Which of three numbers is of these stations.
-fn kind([behind, ahead]: &[Station<f64>; 2]) -> usize {
-    match (behind.is_of_twins(), ahead.is_of_twins()) {
-        (false, false) => 0,
-        (_, true) => 1,
-        (true, false) => 2,
+        (self.jumped, self.by_twins) = (Some(far), kind == 1);
+        let open = self.leap.open[kind];
+        let [left, right] = station.legs;
+        let legs = if kind == 1 { vec![left, right] } else { vec![left] };
+        legs.into_iter().map(|leg| Firing { leg, open }).collect()
     }
 }

@@ -20,6 +20,7 @@ use crate::search::{Search, search};
 #[derive(Clone, Debug)]
 pub struct Planner {
     robot: Robot,
+    draw: DrawnBalls,
     standing: Standing,
     /// The model of the robot as its file says, and its legs that stand.
     model: Stance,
@@ -47,6 +48,16 @@ pub struct JumpPlan {
     pub miss: f64,
 }
 
+/// How far (m) from its target the mean of where robots land may be for it to be reached.
+pub const REACHED: f64 = 0.02;
+
+impl JumpPlan {
+    /// Whether the target is in reach: robots land around it, and not to one side of it.
+    pub fn is_reached(&self) -> bool {
+        self.off <= REACHED
+    }
+}
+
 /// Opening times (s) and moments (s) from which the search begins.
 const OPENS: [f64; 6] = [0.0, 0.01, 0.015, 0.022, 0.032, 0.05];
 const MOMENTS: [f64; 3] = [0.0, 0.01, 0.02];
@@ -57,6 +68,8 @@ const MOST_OPEN: f64 = 0.06;
 const LATEST: f64 = 0.03;
 /// A shorter opening (s) does not fire.
 const SHORTEST: f64 = 0.004;
+/// Farthest target (m) that is sought at all.
+const FARTHEST: f64 = 100.0;
 /// What a robot counts as missing (m) that does not jump.
 const STAYS: f64 = 1.0;
 /// How many known firings are tried on all drawn robots, and from how many of them the search begins.
@@ -99,6 +112,7 @@ impl Planner {
         let drawn = drawn.collect::<Result<_, GaitError>>()?;
         let mut planner = Planner {
             robot: robot.clone(),
+            draw: *draw,
             standing,
             model,
             drawn,
@@ -115,6 +129,18 @@ impl Planner {
     /// How it stands.
     pub fn standing(&self) -> &Standing {
         &self.standing
+    }
+
+    /// Where the feet on which it stands are (m).
+    pub fn feet_places(&self) -> Vec<[f64; 2]> {
+        let directions = self.robot.space.as_ref().map(|it| it.directions.vectors());
+        let directions = directions.unwrap_or_default();
+        let reach = self.robot.body.radius - self.robot.foot.radius;
+        let place = |leg: &usize| {
+            let foot = self.standing.turned() * nalgebra::Vector3::from(directions[*leg]) * reach;
+            [self.standing.place[0] + foot.x, self.standing.place[1] + foot.y]
+        };
+        self.standing.rest.legs.iter().map(place).collect()
     }
 
     /// Every leg that stands with each opening time and moment of the tables.
@@ -244,7 +270,7 @@ impl Planner {
     /// [`GaitError::Input`] for a target that is not finite, [`GaitError::Sim`] for a motion that cannot go on.
     pub fn to(&self, target: [f64; 2], threads: usize) -> Result<JumpPlan, GaitError> {
         for (name, x) in [("target x (m)", target[0]), ("target y (m)", target[1])] {
-            require(x.abs() <= 100.0, name, x, "from -100 to 100 m")?;
+            require(x.abs() <= FARTHEST, name, x, "a finite number from -100 to 100 m")?;
         }
         let mut aim = target;
         let mut best: Option<JumpPlan> = None;
@@ -308,6 +334,16 @@ impl Planner {
             off,
             miss,
         })
+    }
+
+    /// Robot `k` of others, drawn from `seed`, jumps as `plan` says, by its sensors.
+    ///
+    /// # Errors
+    /// [`GaitError`] for a motion that cannot go on.
+    pub fn other(&self, plan: &JumpPlan, seed: u64, k: usize) -> Result<Flown, GaitError> {
+        let robot = drawn_ball(&self.robot, &self.draw, seed, k)?;
+        let jump = plan.jump.by_sensors(seed.wrapping_add(k as u64));
+        fly(&robot, &self.standing, &jump, 0.0, |_| {})
     }
 
     /// Where the first firings land in the model (m): the extent of what can be reached.
