@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The exported C on this machine gives the answers of the Rust code to the bit: over the drill of the firmware, with approach rates that
-# count at the reference lean and at the firing angle; and over the drills of running and of learnt tables, in both
-# types of numbers.
+# count at the reference lean and at the firing angle; and over the drills of running, of learnt tables and of balls, in both
+# types of numbers, with a simulated ball's run.
 #
 #     bash controller/c/check.sh [DECISIONS [CYCLES]]
 #
@@ -39,6 +39,20 @@ for real in float double; do
     cargo run --quiet --release --locked -p saltus-controller --example policy_drill -- "$cycles" "$real" >"$build/rust.txt"
     diff "$build/c.txt" "$build/rust.txt" || { printf 'learnt tables in C and in Rust disagree\n' >&2; exit 1; }
     printf 'learnt tables, %s: ' "$real"
+    cat "$build/rust.txt"
+    cc -std=c99 -O2 -fno-math-errno -Wall -Wextra -Werror -DCYCLES="$cycles" -I"$build" -Icontroller/firmware \
+        controller/firmware/ball.c "$build/saltus_ball.c" -lm -o "$build/ball"
+    "$build/ball" >"$build/c.txt"
+    cargo run --quiet --release --locked -p saltus-controller --example ball_drill -- "$cycles" "$real" >"$build/rust.txt"
+    diff "$build/c.txt" "$build/rust.txt" || { printf 'a ball in C and in Rust disagrees\n' >&2; exit 1; }
+    printf 'a ball, %s: ' "$real"
+    cat "$build/rust.txt"
+    cargo run --quiet --release --locked -p saltus --example ball_replay -- 60 "$real" "$build/replay" >"$build/rust.txt"
+    cc -std=c99 -O2 -fno-math-errno -Wall -Wextra -Werror -I"$build/replay" -Icontroller/firmware controller/firmware/ball_replay.c \
+        "$build/replay/saltus_ball.c" -lm -o "$build/replayed"
+    "$build/replayed" >"$build/c.txt"
+    diff "$build/c.txt" "$build/rust.txt" || { printf 'a simulated ball in C and in Rust disagrees\n' >&2; exit 1; }
+    printf 'a simulated ball, %s: ' "$real"
     cat "$build/rust.txt"
 done
 printf 'the same to the bit in C and in Rust\n'

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The code of a running robot as `saltus export c --gait` and `saltus export policy` write it, without the head that names the robot,
-# and without a policy's table.
+# The code of a running robot and of a ball as `saltus export c --gait`, and that of `saltus export policy`, without the head that names
+# the robot, and without a policy's table.
 #
 #     bash controller/c/filled.sh float|double FOLDER
 set -euo pipefail
@@ -10,6 +10,6 @@ if [ "$1" = float ]; then
 else
     words='s/@REAL@/double/; s/@SUFFIX@/x/; s/@SQRT@/sqrt/; s/@ABS@/fabs/; s/@GREATEST@/DBL_MAX/; s/@GREAT@/6755399441055744.0/; s/@BITS@/uint64_t/'
 fi
-for file in saltus_running.h saltus_running.c saltus_policy.h; do
+for file in saltus_running.h saltus_running.c saltus_ball.h saltus_ball.c saltus_policy.h; do
     sed "s/@HEADER@//; s/@DATA@//; $words" "controller/c/$file" >"$2/$file"
 done

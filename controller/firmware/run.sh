@@ -59,6 +59,7 @@ alone() {
 bash controller/c/filled.sh float "$build"
 alone controller "$tables/saltus_controller.c"
 alone running "$build/saltus_running.c"
+alone ball "$build/saltus_ball.c"
 printf 'no undefined symbol: no allocation, no library\n'
 
 # The drill in the emulator: one instruction takes 64 ns of its time.
@@ -73,7 +74,12 @@ emulated() {
 emulated -DDECISIONS="$decisions" controller/firmware/{main,drill}.c "$tables/saltus_controller.c" >"$build/emulated.txt"
 emulated -DCYCLES="$cycles" controller/firmware/running.c "$build/saltus_running.c" >"$build/running.txt"
 emulated -DSTATES="$cycles" controller/firmware/policy.c >"$build/policy.txt"
-sed -n 's/^# //p' "$build/emulated.txt" "$build/running.txt" "$build/policy.txt"
+emulated -DCYCLES="$cycles" controller/firmware/ball.c "$build/saltus_ball.c" >"$build/ball.txt"
+# Seconds of a simulated run: 26 bytes a cycle, of a megabyte.
+seconds=$((cycles < 30000 ? cycles / 1000 : 30))
+cargo run --quiet --release --locked -p saltus --example ball_replay -- "$seconds" float "$build/replay" >"$build/rust_replay.txt"
+emulated -I"$build/replay" controller/firmware/ball_replay.c "$build/replay/saltus_ball.c" >"$build/replay.txt"
+sed -n 's/^# //p' "$build/replay.txt" "$build/emulated.txt" "$build/running.txt" "$build/policy.txt" "$build/ball.txt"
 
 # The same in Rust on this machine.
 cargo run --quiet --release --locked -p saltus-controller --example drill -- "$decisions" >"$build/rust.txt"
@@ -82,14 +88,18 @@ cargo run --quiet --release --locked -p saltus-controller --example running_dril
 grep -v '^#' "$build/running.txt" | diff - "$build/rust_running.txt" || { printf 'running on a Cortex-M4F and in Rust disagrees\n' >&2; exit 1; }
 cargo run --quiet --release --locked -p saltus-controller --example policy_drill -- "$cycles" >"$build/rust_policy.txt"
 grep -v '^#' "$build/policy.txt" | diff - "$build/rust_policy.txt" || { printf 'a learnt table on a Cortex-M4F and in Rust disagrees\n' >&2; exit 1; }
+cargo run --quiet --release --locked -p saltus-controller --example ball_drill -- "$cycles" >"$build/rust_ball.txt"
+grep -v '^#' "$build/ball.txt" | diff - "$build/rust_ball.txt" || { printf 'a ball on a Cortex-M4F and in Rust disagrees\n' >&2; exit 1; }
+grep -v '^#' "$build/replay.txt" | diff - "$build/rust_replay.txt" || { printf 'a simulated ball on a Cortex-M4F and in Rust disagrees\n' >&2; exit 1; }
 grep -v '^#' "$build/emulated.txt" | diff - "$build/expected.txt" || { printf 'Cortex-M4F and Rust disagree\n' >&2; exit 1; }
-cat "$build/rust.txt" "$build/rust_running.txt" "$build/rust_policy.txt"
+cat "$build/rust.txt" "$build/rust_running.txt" "$build/rust_policy.txt" "$build/rust_ball.txt" "$build/rust_replay.txt"
 printf 'the same to the bit on Cortex-M4F and in Rust on this machine\n'
 
 # Bounds that hold for every input seen.
-worst() { sed -n "s/^# $1: instructions median [0-9]*, worst \([0-9]*\)$/\1/p" "$build/emulated.txt" "$build/running.txt" "$build/policy.txt"; }
+worst() { sed -n "s/^# $1: instructions median [0-9]*, worst \([0-9]*\)$/\1/p" "$build/emulated.txt" "$build/running.txt" "$build/policy.txt" "$build/ball.txt" "$build/replay.txt"; }
 median() { sed -n "s/^# $1: instructions median \([0-9]*\),.*$/\1/p" "$build/emulated.txt"; }
 [ "$(worst decisions)" -lt 2000 ] || { printf 'a decision took 2000 instructions or more\n' >&2; exit 1; }
 [ "$(worst decisions)" -le $((3 * $(median decisions))) ] || { printf 'the worst decision took over 3 times the median\n' >&2; exit 1; }
 [ "$(worst cycles)" -lt 3000 ] || { printf 'a cycle of running took 3000 instructions or more\n' >&2; exit 1; }
+[ "$(worst balls)" -le 8000 ] && [ "$(worst replay)" -le 8000 ] || { printf 'a cycle of a ball took more than 8000 instructions\n' >&2; exit 1; }
 [ "$(worst choices)" -le 500 ] || { printf 'a choice took more than 500 instructions\n' >&2; exit 1; }

@@ -25,12 +25,30 @@ fn main() -> Result<(), Failed> {
             let mut good = 0;
             for k in 0..50 {
                 let own = drawn_ball(&robot, &draw, 77, k)?;
-                let flown = fly(&own, planner.standing(), &plan.jump.by_sensors(k as u64), 0.0, |_| {})?;
-                let miss = landed(&flown).map_or(1.0, |at| (at[0] - target[0]).hypot(at[1] - target[1]));
+                let flown = fly(
+                    &own,
+                    planner.standing(),
+                    &plan.jump.by_sensors(k as u64),
+                    0.0,
+                    |_| {},
+                )?;
+                let miss =
+                    landed(&flown).map_or(1.0, |at| (at[0] - target[0]).hypot(at[1] - target[1]));
                 good += usize::from(miss < 0.1);
             }
-            let words: Vec<String> = plan.jump.commands.iter().map(|c| format!("{}@{:.0}:{:.1}", c.leg, c.at * 1e3, c.open * 1e3)).collect();
-            println!("{heading:4} {distance} miss {:.4} scatter {:.4} off {:.4} good {good}/50 {time:.2?} {}", plan.miss, plan.scatter, plan.off, words.join(" "));
+            let words: Vec<String> = plan
+                .jump
+                .commands
+                .iter()
+                .map(|c| format!("{}@{:.0}:{:.1}", c.leg, c.at * 1e3, c.open * 1e3))
+                .collect();
+            println!(
+                "{heading:4} {distance} miss {:.4} scatter {:.4} off {:.4} good {good}/50 {time:.2?} {}",
+                plan.miss,
+                plan.scatter,
+                plan.off,
+                words.join(" ")
+            );
         }
     }
     Ok(())

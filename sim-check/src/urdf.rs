@@ -140,7 +140,9 @@ impl Writer<'_> {
     fn shapes(&mut self, index: usize) {
         let (rig, robot) = (self.rig, self.robot);
         let mut points = rig.mechanism.points.iter();
-        if index == rig.wheel {
+        if index == rig.wheel && robot.space.is_some() {
+            self.ball(0.5 * rig.radius, "wheel");
+        } else if index == rig.wheel {
             let half = Vec3::y() * (0.05 * rig.radius);
             self.cylinder([-half, half], 0.6 * rig.radius, "wheel");
         } else if let Some(point) = points.find(|point| point.body == index) {
@@ -170,6 +172,14 @@ impl Writer<'_> {
         let place = [("xyz", vector(&(0.5 * (from + to)))), ("rpy", turned)];
         self.xml.leaf("origin", &place);
         self.geometry("cylinder", &shape);
+        self.xml.leaf("material", &[("name", material.into())]);
+        self.xml.close("visual");
+    }
+
+    /// A ball around the origin, as it is seen.
+    fn ball(&mut self, radius: f64, material: &str) {
+        self.xml.open("visual", &[]);
+        self.geometry("sphere", &[("radius", number(radius))]);
         self.xml.leaf("material", &[("name", material.into())]);
         self.xml.close("visual");
     }

@@ -234,6 +234,34 @@ def run(binary, folder):
     return telemetry
 
 
+def ball(binary, folder):
+    """The run of a robot in space: place, attitude and feet by /tf are the numbers of its rows."""
+    words = ["run", "--robot", "rats-twelve", "--seconds", "1"]
+    topics, _ = decoded(twice(binary, folder, "ball", *words))
+    logs = folder / "ball-telemetry"
+    command(binary, *words, "--telemetry", logs)
+    is_measured(topics["/measured"], table(logs / "run.csv"), "ball")
+    cycles = table(logs / "cycles.csv")
+    own = [message for _, message in topics["/tf"] if message["transforms"][0]["child_frame_id"] != "estimate"]
+    guess = [message for _, message in topics["/tf"] if message["transforms"][0]["child_frame_id"] == "estimate"]
+    expect(len(own) == len(guess) == len(cycles), "ball: /tf has another number of cycles")
+    for prefix, messages in [("", own), ("estimated_", guess)]:
+        for field, letters, name in [("translation", "xyz", "{}_m"), ("rotation", "wxyz", "quaternion_{}")]:
+            for letter in letters:
+                found = [message["transforms"][0]["transform"][field][letter] for message in messages]
+                wanted = column(cycles, prefix + name.format(letter))
+                expect(all(map(same, found, wanted)), f"ball: {prefix}{field} {letter} is not that of cycles.csv")
+    # A foot on level ground is as high as it is thick, or pressed in by some millimetres.
+    for message, row in list(zip(own, cycles))[::50]:
+        heights = [place(message, f"foot_{k}")[2] for k in range(12)]
+        # Round-off says whether one that just touches counts.
+        surely, at_most = (sum(height <= 0.007 + slack for height in heights) for slack in (-1e-12, 1e-12))
+        expect(surely <= int(row["feet_on_ground"]) <= at_most, f"ball: by /tf {surely} to {at_most} feet are down: {row['feet_on_ground']}")
+    forces = [vector(message["wrench"]["force"]) for _, message in topics["/ground_reaction"]]
+    expect(forces and all(numpy.linalg.norm(force) < 5e3 for force in forces), "ball: no force, or too great a one")
+    expect(any("touch-down" in message["msg"] for _, message in topics["/events"]), "ball: no foot comes down")
+
+
 COURSE = """
 jumps = 3
 approach_rate_rad_s = 5.5
@@ -402,6 +430,7 @@ def main():
         folder = pathlib.Path(place)
         stands(binary, folder)
         run(binary, folder)
+        ball(binary, folder)
         jumps(binary, folder)
         injected(binary, folder)
         theirs(binary, folder)

@@ -219,7 +219,7 @@ impl<'a, R: Real> Balancer<'a, R> {
 }
 
 /// An angle (rad) of at most a turn and a half, from −π to π.
-fn wrapped<R: Real>(angle: R) -> R {
+pub(super) fn wrapped<R: Real>(angle: R) -> R {
     let half = R::of(core::f64::consts::PI);
     if angle > half {
         angle - (half + half)

@@ -33,6 +33,35 @@ pub struct Scales<R> {
     pub limit: i32,
 }
 
+impl<R: Real> Scales<R> {
+    /// Rates (rad/s) about the body's axes, as the gyros say them.
+    #[inline]
+    pub fn rate(&self, readings: &Inertial) -> [R; 3] {
+        let counts = (&readings.fine_gyro, &readings.coarse_gyro);
+        self.read(counts, self.fine_gyro, self.coarse_gyro)
+    }
+
+    /// Specific force (m/s²) along the body's axes, as the accelerometers say it.
+    #[inline]
+    pub fn force(&self, readings: &Inertial) -> [R; 3] {
+        let counts = (&readings.fine_accelerometer, &readings.coarse_accelerometer);
+        self.read(counts, self.fine_accelerometer, self.coarse_accelerometer)
+    }
+
+    /// Readings of three axes: the fine one of each, unless it is at its end.
+    #[inline]
+    fn read(&self, (fine, coarse): (&[i32; 3], &[i32; 3]), small: R, large: R) -> [R; 3] {
+        let one = |k: usize| {
+            if fine[k] < self.limit && fine[k] > self.limit.wrapping_neg() {
+                R::of_count(fine[k]) * small
+            } else {
+                R::of_count(coarse[k]) * large
+            }
+        };
+        [one(0), one(1), one(2)]
+    }
+}
+
 /// The feet of a ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feet<'a, R> {
@@ -131,12 +160,8 @@ impl<'a, R: Real> Estimator<'a, R> {
     #[inline]
     pub fn take(&mut self, readings: &Inertial) {
         let (f, period) = (self.filter, self.filter.period);
-        let gyro = self.read(&readings.fine_gyro, &readings.coarse_gyro, true);
-        let force = self.read(
-            &readings.fine_accelerometer,
-            &readings.coarse_accelerometer,
-            false,
-        );
+        let gyro = self.scales.rate(readings);
+        let force = self.scales.force(readings);
         let rate = plus(&gyro, -R::ONE, &f.bias);
         let e = &mut self.estimate;
         // Half of the turn, where the mean force acted; then the other half.
@@ -151,25 +176,6 @@ impl<'a, R: Real> Estimator<'a, R> {
         let mean = plus(&before, R::ONE, &e.velocity);
         e.place = plus(&e.place, R::of(0.5) * period, &mean);
         self.stand(readings.touching);
-    }
-
-    /// The readings of three axes: the fine ones, where none is at its end.
-    #[inline]
-    fn read(&self, fine: &[i32; 3], coarse: &[i32; 3], is_gyro: bool) -> [R; 3] {
-        let s = &self.scales;
-        let (small, large) = if is_gyro {
-            (s.fine_gyro, s.coarse_gyro)
-        } else {
-            (s.fine_accelerometer, s.coarse_accelerometer)
-        };
-        let one = |k: usize| {
-            if fine[k] < s.limit && fine[k] > s.limit.wrapping_neg() {
-                R::of_count(fine[k]) * small
-            } else {
-                R::of_count(coarse[k]) * large
-            }
-        };
-        [one(0), one(1), one(2)]
     }
 
     /// What the feet that stand say of velocity and vertical.

@@ -29,6 +29,12 @@ impl Facing {
         all.map(Facing::of).collect()
     }
 
+    /// Every one of `discs`, forwards and backwards.
+    pub fn every(discs: &[Disc]) -> Vec<Facing> {
+        let both = |disc: &Disc| [disc.clone(), backwards(disc)];
+        discs.iter().flat_map(both).map(Facing::of).collect()
+    }
+
     /// `disc`, forwards.
     pub fn of(disc: Disc) -> Facing {
         // A disc has at most 64 legs.

@@ -5,26 +5,37 @@
 mod balance;
 mod disc;
 mod drawn;
+mod flashed;
 pub mod jump;
+mod known;
+mod measured;
 mod sensing;
+mod steer;
 
 use balance::Course;
 pub use balance::Stable;
 pub use disc::Facing;
 pub use drawn::{DrawnBalls, drawn_ball};
+pub use flashed::{Flashed, FlashedPlane, Hearing};
+pub use known::Known;
+pub use measured::Measured;
+pub use steer::Steered;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
 use saltus_controller::ball::{
-    Balancer, Estimate, Estimator, Firing, Lying, Rotation, Sight, Tracker,
+    Balancer, Estimate, Estimator, Firing, Lying, Pilot, Plane, Rotation, Scales, Sight, Tracker,
+    View,
 };
 use saltus_robot::Robot;
 use saltus_robot::space::{Rest, discs, rests};
-use saltus_sim_check::{Rig, Settings, Sim, Stepping, Vec3};
+use saltus_sim_check::{Event, Happening, Rig, Settings, Sim, Stepping, Vec3};
 
 use crate::error::require;
 use crate::law::Compiled;
 use crate::{GaitError, Program};
-use sensing::{Senses, estimator};
+use sensing::{Senses, estimator, scales};
 
 /// How a robot rolls from rest.
 #[derive(Clone, Debug)]
@@ -41,6 +52,8 @@ pub struct Roll {
     pub seconds: f64,
     /// Steps of the simulation.
     pub stepping: Stepping,
+    /// Every how many cycles the forces on the feet are told; 0: never.
+    pub forces_every: u64,
 }
 
 /// Which leg fires when.
@@ -54,6 +67,10 @@ pub enum Gait {
     ///
     /// Source: thesis 7.3.
     Stable(Stable),
+    /// The same along a path: it chooses its plane wherever it lies, and goes on from there after a fall.
+    ///
+    /// Source: thesis 7.2.1 and 8.3.2.
+    Steered(Steered),
 }
 
 /// Firing angles of the station in the active zone.
@@ -87,6 +104,33 @@ pub struct Start {
     pub roll: f64,
     /// Turn (rad) of the robot with its disc about the vertical, to the left.
     pub yaw: f64,
+    /// How it was thrown down instead, its lowest foot on the ground.
+    pub thrown: Option<Thrown>,
+}
+
+/// How a robot comes onto the ground that fell, or was thrown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thrown {
+    /// Attitude: a unit quaternion w, x, y, z.
+    pub attitude: [f64; 4],
+    /// Angular velocity (rad/s), the world's axes.
+    pub spin: [f64; 3],
+}
+
+impl Thrown {
+    /// Number `k` of those drawn from `seed`: any attitude as likely as any other, and spins of up to `most` (rad/s) about
+    /// any axis, uniform in their ball.
+    pub fn drawn(seed: u64, k: usize, most: f64) -> Thrown {
+        let mut random = Pcg64::new(u128::from(seed), 0x7ba1 + k as u128);
+        let mut normal = || StandardNormal.sample(&mut random);
+        let attitude = Quaternion::new(normal(), normal(), normal(), normal()).normalize();
+        let axis = Vector3::new(normal(), normal(), normal()).normalize();
+        let part: f64 = rand_distr::OpenClosed01.sample(&mut random);
+        Thrown {
+            attitude: [attitude.w, attitude.i, attitude.j, attitude.k],
+            spin: (most * part.cbrt() * axis).into(),
+        }
+    }
 }
 
 /// A cycle of a robot that rolls.
@@ -108,14 +152,38 @@ pub struct Ball {
     pub passed: i32,
     /// Way (m) to the left of the line that it follows; 0 while it turns to it, and where it follows none.
     pub aside: f64,
+    /// How it is led along its path.
+    pub led: Led,
     /// Legs that fire now.
     pub fired: Vec<Firing<f64>>,
+    /// Feet that came onto the ground since the cycle before: each leg, and when (s).
+    pub touched: Vec<(usize, f64)>,
     /// Feet on the ground: bit k is leg k's.
     pub touching: u64,
     /// Extension of each leg (m).
     pub extensions: Vec<f64>,
+    /// Its rate (m/s).
+    pub extension_rates: Vec<f64>,
+    /// Force of the ground (N, the world's axes) on feet, each with its leg, where [`Roll::forces_every`] asks for them: its
+    /// mean since they were told before, in [adaptive](Stepping::Adaptive) steps what it is now.
+    pub forces: Vec<(usize, [f64; 3])>,
+    /// Axis of its disc, a unit vector in the body's axes: to the left of the way it rolls.
+    pub axis: [f64; 3],
+    /// What its sensors say, if it goes by them: rates (rad/s) about the body's axes, specific force (m/s²) along them.
+    pub sensed: Option<[[f64; 3]; 2]>,
     /// What it takes its motion for, by its sensors.
     pub estimate: Option<Estimate<f64>>,
+}
+
+/// How a robot is led along a path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Led {
+    /// The plane in which it rolls, by its number; none while it comes to rest.
+    pub plane: Option<usize>,
+    /// How many times it has set out.
+    pub starts: u32,
+    /// How many points of the path it has come to.
+    pub reached: usize,
 }
 
 /// How a robot was when it left its plane, or fell.
@@ -179,6 +247,7 @@ impl Roll {
             start: Start::default(),
             seconds,
             stepping: Stepping::USUAL,
+            forces_every: 0,
         }
     }
 
@@ -213,7 +282,18 @@ impl Roll {
     fn check(&self) -> Result<(), GaitError> {
         let sound = self.seconds > 0.0 && self.seconds <= 1e5;
         require(sound, "time (s)", self.seconds, "above 0, at most 100000")?;
-        let Start { roll, yaw, .. } = self.start;
+        let Start {
+            roll, yaw, thrown, ..
+        } = self.start;
+        if let Some(Thrown { attitude, spin }) = thrown {
+            let length = attitude.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let is_unit = (length - 1.0).abs() < 1e-9;
+            require(is_unit, "length of a quaternion", length, "1")?;
+            for x in spin {
+                let sound = x.abs() <= 100.0;
+                require(sound, "spin (rad/s)", x, "from -100 to 100 rad/s")?;
+            }
+        }
         for (name, x) in [("roll (rad)", roll), ("yaw (rad)", yaw)] {
             require(x.abs() <= 1.0, name, x, "from -1 to 1")?;
         }
@@ -226,6 +306,7 @@ enum Decides<'a> {
     /// A law, with whether the station in the zone waits for its angle.
     Disc(Compiled, bool),
     Stable(Box<Balancer<'a, f64>>, Course),
+    Steered(Box<Pilot<'a, f64>>),
 }
 
 /// Runs `roll`, and gives each cycle to `row`, which says whether it goes on.
@@ -235,6 +316,10 @@ enum Decides<'a> {
 pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, GaitError> {
     roll.check()?;
     let (rest, facing) = roll.facing()?;
+    let directions = roll.robot.space.as_ref().map(|it| it.directions.vectors());
+    let directions = directions.unwrap_or_default();
+    let facings = Facing::every(&discs(&directions));
+    let planes: Vec<Plane<'_, f64>> = facings.iter().map(Facing::plane).collect();
     let (zone, mut decides) = match &roll.gait {
         Gait::Disc(fires) => {
             let span = (fires.zone, facing.widest());
@@ -247,6 +332,11 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
             let course = Course::new(stable.line);
             (balance.zone, Decides::Stable(balancer, course))
         }
+        Gait::Steered(steered) => {
+            let lead = steered.lead(&roll.robot)?;
+            let pilot = Box::new(Pilot::new(lead, &planes, &steered.path));
+            (lead.balance.zone, Decides::Steered(pilot))
+        }
     };
     let rig = Rig::new(&roll.robot, &[])?;
     let (q, v) = placed(&rig, roll.start, rig.stand_on(&rest, &facing.ahead(&rest))?);
@@ -257,18 +347,38 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
     };
     let mut sim = Sim::new(&rig.mechanism, &q, &v, settings)?;
     sim.release_legs()?;
+    if roll.forces_every > 0 {
+        sim.keep_impulses();
+    }
     let start = sim.ledger();
-    let directions = roll.robot.space.as_ref().map(|it| it.directions.vectors());
-    let directions = directions.unwrap_or_default();
     let mut sensed = Sensed::new(roll, &directions, &q);
     let period = roll.robot.sensors.unwrap_or_default().period;
     let mut tracker = Tracker::new(facing.plane(), zone);
     let mut rolled = Rolled::default();
     let mut cycles = 0_u64;
+    let (mut before, mut led) = (0, Led::default());
+    let mut touched = Vec::new();
     loop {
         let (mut ball, entered) = look(&rig, &sim, &mut tracker);
-        ball.estimate = sensed.as_mut().map(|sensed| sensed.take(&ball));
+        ball.passed += before;
+        ball.led = led;
+        touched.retain(|(point, _)| *point < rig.legs.len());
+        ball.touched = std::mem::take(&mut touched);
+        if roll.forces_every > 0 && cycles.is_multiple_of(roll.forces_every) {
+            let span = roll.forces_every as f64 * period;
+            ball.forces = on_feet(&mut sim, ball.extensions.len(), span);
+        }
+        if let Some(sensed) = &mut sensed {
+            let (readings, estimate) = sensed.take(&ball);
+            (ball.sensed, ball.estimate) = (Some(readings), Some(estimate));
+        }
         ball.fired = decides.fire(&mut ball, entered, &tracker, period);
+        if let Some(plane) = decides.leads(&mut ball.led) {
+            before += tracker.passed().max(0);
+            tracker = Tracker::new(planes[plane], zone);
+            ball.axis = planes[plane].axis;
+        }
+        led = ball.led;
         rolled.note(&ball, roll.start.yaw);
         for Firing { leg, open } in &ball.fired {
             sim.fire(*leg as usize, *open)?;
@@ -282,11 +392,25 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
         }
         cycles += 1;
         sim.run(cycles as f64 * period, &[])?;
-        sim.drain_events();
+        touched.extend(sim.drain_events().filter_map(touch_down));
     }
 }
 
 impl Decides<'_> {
+    /// Notes how it is led; the plane, by its number, in which it has set out in this cycle.
+    fn leads(&self, led: &mut Led) -> Option<usize> {
+        let Decides::Steered(pilot) = self else {
+            return None;
+        };
+        let sets_out = led.starts != pilot.starts();
+        *led = Led {
+            plane: pilot.plane(),
+            starts: pilot.starts(),
+            reached: pilot.reached(),
+        };
+        led.plane.filter(|_| sets_out)
+    }
+
     /// The legs that fire in the cycle of `ball`, of `period` (s), whose station in the zone `entered` it now.
     fn fire(
         &mut self,
@@ -312,6 +436,23 @@ impl Decides<'_> {
                     vec![left, right]
                 };
                 legs.into_iter().map(|leg| Firing { leg, open }).collect()
+            }
+            Decides::Steered(pilot) => {
+                let truth = Estimate {
+                    attitude: Rotation(ball.attitude),
+                    spin: ball.spin,
+                    velocity: ball.velocity,
+                    place: ball.place,
+                };
+                let known = ball.estimate.unwrap_or(truth);
+                let view = View {
+                    attitude: known.attitude,
+                    spin: known.spin,
+                    place: [known.place[0], known.place[1]],
+                    velocity: [known.velocity[0], known.velocity[1]],
+                    touching: ball.touching,
+                };
+                pilot.step(&view).into_iter().flatten().collect()
             }
             Decides::Stable(balancer, course) => {
                 let truth = Estimate {
@@ -342,6 +483,7 @@ impl Decides<'_> {
 /// What a robot with sensors makes of them.
 struct Sensed<'a> {
     senses: Senses,
+    scales: Scales<f64>,
     estimator: Estimator<'a, f64>,
 }
 
@@ -354,17 +496,27 @@ impl<'a> Sensed<'a> {
         let start = (Rotation([q[3], q[4], q[5], q[6]]), [q[0], q[1], q[2]]);
         Some(Sensed {
             senses: Senses::new(&roll.robot, attitude(q), seed),
+            scales: scales(&roll.robot.sensors.unwrap_or_default()),
             estimator: estimator(&roll.robot, directions, start),
         })
     }
 
-    fn take(&mut self, ball: &Ball) -> Estimate<f64> {
+    fn take(&mut self, ball: &Ball) -> ([[f64; 3]; 2], Estimate<f64>) {
         let [w, x, y, z] = ball.attitude;
         let attitude = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
         let velocity = Vector3::from(ball.velocity);
         let readings = self.senses.read(attitude, velocity, ball.touching);
         self.estimator.take(&readings);
-        *self.estimator.estimate()
+        let said = [self.scales.rate(&readings), self.scales.force(&readings)];
+        (said, *self.estimator.estimate())
+    }
+}
+
+/// The point that came onto the ground in `event` and when (s), if one did; the first points are the feet, leg by leg.
+fn touch_down(event: Event) -> Option<(usize, f64)> {
+    match event.what {
+        Happening::TouchDown(point, _) => Some((point, event.time)),
+        _ => None,
     }
 }
 
@@ -374,7 +526,9 @@ fn look(rig: &Rig, sim: &Sim<'_>, tracker: &mut Tracker<'_, f64>) -> (Ball, bool
     let spin = [v[3], v[4], v[5]];
     let attitude = [q[3], q[4], q[5], q[6]];
     let (rolling, entered) = tracker.look(&Rotation(attitude), &spin);
+    let tree = &rig.mechanism.tree;
     let extension = |leg: usize| q[rig.extension_coordinate(leg)];
+    let extension_rate = |leg: usize| v[tree.velocity_of(rig.legs[leg])];
     let gaps = rig.foot_gaps(q);
     let touching = (0..gaps.len()).filter(|leg| gaps[*leg] <= 0.0);
     let ball = Ball {
@@ -386,12 +540,29 @@ fn look(rig: &Rig, sim: &Sim<'_>, tracker: &mut Tracker<'_, f64>) -> (Ball, bool
         rolling,
         passed: tracker.passed(),
         aside: 0.0,
+        led: Led::default(),
         fired: Vec::new(),
+        touched: Vec::new(),
         touching: touching.fold(0, |bits, leg| bits | 1 << leg),
         extensions: (0..rig.legs.len()).map(extension).collect(),
+        extension_rates: (0..rig.legs.len()).map(extension_rate).collect(),
+        forces: Vec::new(),
+        axis: tracker.plane().axis,
+        sensed: None,
         estimate: None,
     };
     (ball, entered)
+}
+
+/// Force of the ground (N, the world's axes) on the feet of `legs` legs, each with its leg: its mean over the last `span` (s),
+/// or what it is now where steps have no fixed length.
+fn on_feet(sim: &mut Sim<'_>, legs: usize, span: f64) -> Vec<(usize, [f64; 3])> {
+    let forces: Vec<(usize, Vec3)> = match sim.impulses() {
+        Some(impulses) => impulses.into_iter().map(|(p, x)| (p, x / span)).collect(),
+        None => sim.contacts().iter().map(|c| (c.point, c.force)).collect(),
+    };
+    let on_feet = forces.into_iter().filter(|(point, _)| *point < legs);
+    on_feet.map(|(leg, force)| (leg, force.into())).collect()
 }
 
 impl Rolled {
@@ -436,7 +607,11 @@ fn placed(rig: &Rig, start: Start, mut q: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
     let yaw = UnitQuaternion::from_axis_angle(&Vec3::z_axis(), start.yaw);
     let turned = yaw * roll * attitude(&q);
     q[3..7].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
-    let v = vec![0.0; rig.mechanism.tree.velocities()];
+    let mut v = vec![0.0; rig.mechanism.tree.velocities()];
+    if let Some(thrown) = start.thrown {
+        q[3..7].copy_from_slice(&thrown.attitude);
+        v[3..6].copy_from_slice(&thrown.spin);
+    }
     q[2] -= rig.foot_gaps(&q).into_iter().fold(f64::INFINITY, f64::min);
     (q, v)
 }

@@ -79,9 +79,18 @@ pub(super) fn estimator<'a>(
     start: (Rotation<f64>, [f64; 3]),
 ) -> Estimator<'a, f64> {
     let sensors = robot.sensors.unwrap_or_default();
-    let scale = instruments(&sensors);
-    let most = most_counts(sensors.converter_bits);
-    let filter = Filter {
+    Estimator::new(
+        filter(robot),
+        scales(&sensors),
+        feet(robot, directions),
+        start,
+    )
+}
+
+/// How the sensors of `robot` are weighed.
+pub(super) fn filter(robot: &Robot) -> Filter<f64> {
+    let sensors = robot.sensors.unwrap_or_default();
+    Filter {
         period: sensors.period,
         gravity: robot.environment.gravity,
         bias: [sensors.gyro_bias; 3],
@@ -89,19 +98,28 @@ pub(super) fn estimator<'a>(
         tilt: TILT,
         settles: SETTLES,
         returns: RETURNS,
-    };
-    let scales = Scales {
-        fine_gyro: scale.fine_gyro,
-        coarse_gyro: scale.coarse_gyro,
-        fine_accelerometer: scale.fine_accelerometer,
-        coarse_accelerometer: sensors.coarse_accelerometer_range / most,
-        limit: scale.fine_limit,
-    };
+    }
+}
+
+/// The feet of `robot`, whose legs point along `directions`.
+pub(super) fn feet<'a>(robot: &Robot, directions: &'a [[f64; 3]]) -> Feet<'a, f64> {
     let radius = robot.foot.radius;
-    let feet = Feet {
+    Feet {
         directions,
         reach: robot.body.radius - radius,
         radius,
-    };
-    Estimator::new(filter, scales, feet, start)
+    }
+}
+
+/// What a count of `sensors` is.
+pub(super) fn scales(sensors: &Sensors) -> Scales<f64> {
+    let scale = instruments(sensors);
+    Scales {
+        fine_gyro: scale.fine_gyro,
+        coarse_gyro: scale.coarse_gyro,
+        fine_accelerometer: scale.fine_accelerometer,
+        coarse_accelerometer: sensors.coarse_accelerometer_range
+            / most_counts(sensors.converter_bits),
+        limit: scale.fine_limit,
+    }
 }

@@ -66,12 +66,20 @@ fn three_legs_lift_it_as_the_closed_form_says() -> Result<(), GaitError> {
     let growth = 3.0 * 250.0 / (up * mass) - gravity;
     for open in [0.005, 0.01, 0.015, 0.02, 0.05] {
         let all = [0, 1, 2].map(|foot| (foot, 0.0, open));
-        let jump = model.jump(standing.place, attitude(&standing), &commands(&standing, &all), None);
+        let jump = model.jump(
+            standing.place,
+            attitude(&standing),
+            &commands(&standing, &all),
+            None,
+        );
         let (lift, touch) = jump.expect("it jumps");
         // Until the valve closes, or the feet have come down by the stroke times the cosine.
         let speed = (growth * open).min((2.0 * growth * 0.06 * up).sqrt());
         let within = 0.01 * speed;
-        assert!((lift.velocity[2] - speed).abs() < within, "{open}: {lift:?} {speed}");
+        assert!(
+            (lift.velocity[2] - speed).abs() < within,
+            "{open}: {lift:?} {speed}"
+        );
         assert!(lift.velocity[0].hypot(lift.velocity[1]) < 1e-6, "{lift:?}");
         let apex = lift.place[2] + lift.velocity[2].powi(2) / (2.0 * gravity);
         assert!((touch.apex - apex).abs() < 1e-9, "{touch:?} {apex}");
@@ -89,12 +97,25 @@ fn the_model_flies_a_parabola() -> Result<(), GaitError> {
     let (lift, touch) = jump.expect("it jumps");
     let time = touch.time - lift.time;
     for k in 0..3 {
-        let fall = if k == 2 { robot.environment.gravity } else { 0.0 };
+        let fall = if k == 2 {
+            robot.environment.gravity
+        } else {
+            0.0
+        };
         let there = lift.place[k] + lift.velocity[k] * time - 0.5 * fall * time * time;
-        assert!((there - touch.place[k]).abs() < 1e-9, "{k}: {there} {touch:?}");
-        assert!((lift.spin[k] - touch.spin[k]).abs() < 1e-9, "{lift:?} {touch:?}");
+        assert!(
+            (there - touch.place[k]).abs() < 1e-9,
+            "{k}: {there} {touch:?}"
+        );
+        assert!(
+            (lift.spin[k] - touch.spin[k]).abs() < 1e-9,
+            "{lift:?} {touch:?}"
+        );
     }
-    assert!(time > 0.3 && touch.place[2] > 0.19 && touch.place[2] < 0.24, "{touch:?}");
+    assert!(
+        time > 0.3 && touch.place[2] > 0.19 && touch.place[2] < 0.24,
+        "{touch:?}"
+    );
     Ok(())
 }
 
@@ -120,9 +141,15 @@ fn the_model_lands_where_the_simulation_does() -> Result<(), GaitError> {
             let flown = simulated(&robot, &standing, firings)?;
             let at = landed(&flown).expect("it lands");
             let miss = far([modelled.place[0], modelled.place[1]], at);
-            assert!(miss < 0.05, "{friction} {firings:?}: {modelled:?} {flown:?}");
+            assert!(
+                miss < 0.05,
+                "{friction} {firings:?}: {modelled:?} {flown:?}"
+            );
             let apex = flown.touch.expect("it lands").apex;
-            assert!((modelled.apex - apex).abs() < 0.06, "{friction} {firings:?}: {apex}");
+            assert!(
+                (modelled.apex - apex).abs() < 0.06,
+                "{friction} {firings:?}: {apex}"
+            );
         }
     }
     Ok(())
@@ -135,15 +162,21 @@ fn it_jumps_alike_from_every_rest() -> Result<(), GaitError> {
     for rest in 0..20 {
         let standing = Standing::on(&robot, rest)?;
         for foot in 0..3 {
-            let [x, y] = landed(&simulated(&robot, &standing, &[(foot, 0.0, 0.03)])?).expect("it lands");
+            let [x, y] =
+                landed(&simulated(&robot, &standing, &[(foot, 0.0, 0.03)])?).expect("it lands");
             distances.push(x.hypot(y));
             // Away from that foot: every 120°, and ahead is along one of these or opposite.
             let sixth = y.atan2(x) / std::f64::consts::FRAC_PI_3;
-            assert!((sixth - sixth.round()).abs() < 1e-6, "{rest} {foot}: {x} {y}");
+            assert!(
+                (sixth - sixth.round()).abs() < 1e-6,
+                "{rest} {foot}: {x} {y}"
+            );
         }
     }
     assert!(distances[0] > 0.25, "{distances:?}");
-    let same = distances.iter().all(|distance| (distance - distances[0]).abs() < 1e-6);
+    let same = distances
+        .iter()
+        .all(|distance| (distance - distances[0]).abs() < 1e-6);
     assert!(same, "{distances:?}");
     Ok(())
 }
@@ -221,14 +254,20 @@ fn a_robot_comes_over_a_box_out_of_a_run_and_not_without_a_jump() -> Result<(), 
     let passed = over.try_on(&leap(), (10, 1001), 2)?;
     let cleared = passed.iter().filter(|it| it.cleared).count();
     assert!(cleared >= 7, "{passed:?}");
-    assert!(passed.iter().all(|it| it.cleared == (it.clearance > 0.0)), "{passed:?}");
+    assert!(
+        passed.iter().all(|it| it.cleared == (it.clearance > 0.0)),
+        "{passed:?}"
+    );
     assert_eq!(passed, over.try_on(&leap(), (10, 1001), 1)?);
     // One that does not jump runs into it.
     let mut never = leap();
     never.from = never.from.map(|_| 0.0);
     never.by_speed = never.by_speed.map(|_| 0.0);
     let passed = over.try_on(&never, (4, 1001), 2)?;
-    assert!(passed.iter().all(|it| !it.cleared && it.jumped.is_none()), "{passed:?}");
+    assert!(
+        passed.iter().all(|it| !it.cleared && it.jumped.is_none()),
+        "{passed:?}"
+    );
     Ok(())
 }
 
@@ -239,13 +278,22 @@ fn what_is_no_jump_is_refused() -> Result<(), GaitError> {
         assert!(error.contains(part), "{error}");
     };
     let planner = planner(1)?;
-    says(planner.to([f64::NAN, 0.0], 1).expect_err("refused"), "target x (m)");
-    says(planner.to([0.0, f64::INFINITY], 1).expect_err("refused"), "target y (m)");
+    says(
+        planner.to([f64::NAN, 0.0], 1).expect_err("refused"),
+        "target x (m)",
+    );
+    says(
+        planner.to([0.0, f64::INFINITY], 1).expect_err("refused"),
+        "target y (m)",
+    );
     says(planner.grid(0.0).expect_err("refused"), "spacing");
     says(planner.grid(1e-4).expect_err("refused"), "10000 places");
     let robot = twelve(&[]);
     let draw = DrawnBalls::default();
-    says(Planner::new(&robot, 20, &draw, (4, 1), 1).expect_err("refused"), "below 20");
+    says(
+        Planner::new(&robot, 20, &draw, (4, 1), 1).expect_err("refused"),
+        "below 20",
+    );
     let planar = resolve("rats-run", &[]).expect("sound");
     says(Stance::new(&planar).expect_err("refused"), "body.shape");
     let slope = twelve(&["ground.slope_deg=5"]);
@@ -257,8 +305,17 @@ fn what_is_no_jump_is_refused() -> Result<(), GaitError> {
     };
     let around = Over::new(&robot, obstacle(0.1, 0.2), 3.0).expect_err("refused");
     says(around, "around the robot");
-    says(Over::new(&robot, obstacle(2.0, 0.0), 3.0).expect_err("refused"), "height");
-    says(Over::new(&robot, obstacle(2.0, 0.2), 1.0).expect_err("refused"), "farthest front");
-    says(Over::new(&robot, obstacle(2.0, f64::NAN), 3.0).expect_err("refused"), "height");
+    says(
+        Over::new(&robot, obstacle(2.0, 0.0), 3.0).expect_err("refused"),
+        "height",
+    );
+    says(
+        Over::new(&robot, obstacle(2.0, 0.2), 1.0).expect_err("refused"),
+        "farthest front",
+    );
+    says(
+        Over::new(&robot, obstacle(2.0, f64::NAN), 3.0).expect_err("refused"),
+        "height",
+    );
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! Tests of the analysis of gaits, in one binary: linking is what takes time.
 
+mod ball_known;
 mod basin;
 mod energy;
 mod frontier;

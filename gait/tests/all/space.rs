@@ -7,7 +7,8 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use saltus_controller::ball::{Rotation, Tracker};
 use saltus_gait::space::{
-    Ball, DrawnBalls, Facing, Gait, Knows, Roll, Rolled, Stable, Start, drawn_ball, roll,
+    Ball, DrawnBalls, Facing, Gait, Knows, Roll, Rolled, Stable, Start, Steered, Thrown,
+    drawn_ball, roll,
 };
 use saltus_robot::Robot;
 use saltus_robot::space::{Directions, discs, rests};
@@ -446,5 +447,137 @@ fn unfired_it_rolls_down_a_slope_as_the_closed_form_says() -> Result<(), GaitErr
         assert!((seen - offset - expected).abs() < 1e-6, "{seen} {expected}");
     }
     assert!(seen.len() > 6, "{seen:?}");
+    Ok(())
+}
+
+/// A ball by its sensors, led along `path` from `start`, until it has come to its end.
+fn led(path: &[[f64; 2]], start: Start, k: usize, seconds: f64) -> Result<Ball, GaitError> {
+    let robot = drawn_ball(&twelve(&[]), &DrawnBalls::default(), 5, k)?;
+    let mut setup = Roll::new(robot, seconds);
+    setup.gait = Gait::Steered(Steered::new(path.to_vec()));
+    setup.knows = Knows::Sensors(5 + k as u64);
+    setup.stepping = Stepping::Fixed(1e-3);
+    setup.start = start;
+    let mut last = None;
+    roll(&setup, |ball| {
+        last = Some(ball.clone());
+        ball.led.reached < path.len()
+    })?;
+    Ok(last.expect("at least a cycle"))
+}
+
+#[test]
+fn a_ball_is_led_around_a_corner() -> Result<(), GaitError> {
+    for (k, side) in [(0, 4.0), (1, -4.0)] {
+        let path = [[4.0, 0.0], [4.0, side]];
+        let ball = led(&path, Start::default(), k, 60.0)?;
+        assert_eq!(ball.led.reached, 2, "{ball:?}");
+        let [x, y, _] = ball.place;
+        assert!((x - 4.0).hypot(y - side) < 1.0, "{ball:?}");
+    }
+    Ok(())
+}
+
+#[test]
+fn thrown_down_it_goes_on_where_its_path_leads() -> Result<(), GaitError> {
+    for k in 0..4 {
+        let thrown = Some(Thrown::drawn(5, k, 5.0));
+        let start = Start {
+            thrown,
+            ..Start::default()
+        };
+        let ball = led(&[[5.0, 0.0]], start, k, 40.0)?;
+        assert_eq!(ball.led.reached, 1, "{ball:?}");
+        assert!(ball.place[0] > 4.0 && ball.place[1].abs() < 1.0, "{ball:?}");
+    }
+    Ok(())
+}
+
+/// Any attitude is as likely as any other: the mean of each axis' components vanishes, that of their squares is a third.
+#[test]
+fn balls_are_thrown_at_any_attitude() {
+    let count = 4000;
+    let (mut mean, mut square, mut most) = (Vector3::zeros(), Vector3::zeros(), 0.0_f64);
+    for k in 0..count {
+        let Thrown { attitude, spin } = Thrown::drawn(3, k, 2.0);
+        let [w, x, y, z] = attitude;
+        let turn = UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z));
+        let axis = turn * Vector3::x();
+        mean += axis / count as f64;
+        square += axis.component_mul(&axis) / count as f64;
+        most = most.max(Vector3::from(spin).norm());
+    }
+    // Four standard errors: 0.0091 and 0.0047.
+    assert!(mean.amax() < 0.037, "{mean}");
+    assert!(
+        (square - Vector3::repeat(1.0 / 3.0)).amax() < 0.019,
+        "{square}"
+    );
+    assert!((1.95..=2.0).contains(&most), "{most}");
+}
+
+#[test]
+fn what_is_no_path_is_refused() {
+    let paths: [&[[f64; 2]]; 4] = [
+        &[],
+        &[[f64::NAN, 1.0]],
+        &[[1.0, 0.0], [1.0, 0.0]],
+        &[[0.0, 0.0]],
+    ];
+    for path in paths {
+        let mut setup = Roll::new(twelve(&[]), 1.0);
+        setup.gait = Gait::Steered(Steered::new(path.to_vec()));
+        let Err(GaitError::Input { name, .. }) = roll(&setup, |_| true) else {
+            panic!("{path:?}");
+        };
+        assert!(name.contains("path"), "{name}");
+    }
+    let mut setup = Roll::new(twelve(&[]), 1.0);
+    setup.start.thrown = Some(Thrown {
+        attitude: [0.0; 4],
+        spin: [0.0; 3],
+    });
+    assert!(roll(&setup, |_| true).is_err());
+}
+
+/// Forces on feet, told every cycle or every fifth one, are those of one and the same run, and over a run by sensors they bear
+/// the weight.
+#[test]
+fn forces_on_feet_bear_the_weight() -> Result<(), GaitError> {
+    let told = |every: u64| -> Result<(Vec<Ball>, [f64; 3]), GaitError> {
+        let mut setup = Roll::new(twelve(&[]), 2.0);
+        setup.gait = Gait::Stable(Stable::default());
+        setup.knows = Knows::Sensors(1);
+        setup.forces_every = every;
+        let (mut balls, mut sum) = (Vec::new(), [0.0; 3]);
+        roll(&setup, |ball| {
+            for (leg, force) in &ball.forces {
+                assert!(*leg < 12 && force[0].hypot(force[1]) <= force[2] * (1.0 + 1e-6) + 1e-9);
+                for k in 0..3 {
+                    sum[k] += force[k] * every as f64 * 1e-3;
+                }
+            }
+            let mut ball = ball.clone();
+            ball.forces.clear();
+            balls.push(ball);
+            true
+        })?;
+        Ok((balls, sum))
+    };
+    let ((none, nothing), (each, all), (fifth, mean)) = (told(0)?, told(1)?, told(5)?);
+    assert!(none == each && none == fifth, "asking changes the run");
+    assert_eq!(nothing, [0.0; 3]);
+    // 3.6 kg; it comes to 1.1 m/s, and falls and rises by less than 1 m/s.
+    let weight = 3.6 * 9.80665 * 2.0;
+    for sum in [all, mean] {
+        assert!(
+            (sum[2] - weight).abs() < 3.6 && (0.0..3.6 * 2.5).contains(&sum[0]),
+            "{sum:?}"
+        );
+    }
+    assert!(
+        (0..3).all(|k| (all[k] - mean[k]).abs() < 1e-9),
+        "{all:?} {mean:?}"
+    );
     Ok(())
 }

@@ -1,7 +1,8 @@
 //! Pages to watch in a browser: the jumps of `saltus verify --animate` and the run of `saltus run
-//! --animate`.
+//! --animate`, of a robot in its plane or of one in space.
 
 mod of_report;
+pub(crate) mod packed;
 #[cfg(test)]
 mod tests;
 
@@ -13,11 +14,15 @@ pub(crate) use of_report::{Asked, sizes};
 /// The page; the scene takes the place of [`PLACE`].
 const TEMPLATE: &str = include_str!("../../assets/animation.html");
 const RUN_TEMPLATE: &str = include_str!("../../assets/run.html");
+const BALL_TEMPLATE: &str = include_str!("../../assets/ball.html");
 const SIDE_BY_SIDE: &str = include_str!("../../assets/side_by_side.html");
 const PLACE: &str = "@SCENE@";
-/// What both pages look like, in the place of [`STYLE_PLACE`].
+/// What all pages look like, in the place of [`STYLE_PLACE`].
 const STYLE: &str = include_str!("../../assets/animation.css");
 const STYLE_PLACE: &str = "@STYLE@";
+/// What draws a robot in space, in the place of [`VIEW_PLACE`].
+const VIEW: &str = include_str!("../../assets/view_in_space.js");
+const VIEW_PLACE: &str = "@VIEW@";
 /// Significant digits of a number in the page.
 const DIGITS: usize = 6;
 /// Nothing in a scene is so small (SI) and yet seen.
@@ -150,6 +155,11 @@ pub(crate) fn page(scene: &Scene) -> String {
 /// A run as one HTML page that needs nothing else: `scene` has what its script reads.
 pub(crate) fn run_page(scene: Value) -> String {
     filled(RUN_TEMPLATE, scene)
+}
+
+/// A run of a robot in space as one HTML page that needs nothing else: `scene` has what its script reads.
+pub(crate) fn ball_page(scene: Value) -> String {
+    filled(&BALL_TEMPLATE.replacen(VIEW_PLACE, VIEW, 1), scene)
 }
 
 /// Pages side by side, each below its caption.

@@ -51,7 +51,12 @@ impl RobotFlags {
 
     /// The robot with its overrides, which may move in space.
     pub(crate) fn any_robot(&self) -> Result<Robot, CliError> {
-        any_robot(self.robot.as_deref().unwrap_or(USUAL), &self.overrides)
+        self.any_robot_or(USUAL)
+    }
+
+    /// The same, the built-in `usual` where none is named.
+    pub(crate) fn any_robot_or(&self, usual: &str) -> Result<Robot, CliError> {
+        any_robot(self.robot.as_deref().unwrap_or(usual), &self.overrides)
     }
 
     /// The robot with its overrides, for the planar model: says what of it that model leaves out.

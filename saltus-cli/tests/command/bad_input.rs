@@ -97,6 +97,30 @@ const CASES: &[(&str, &[&str])] = &[
         &["legs = 2", "from 3 to 12"],
     ),
     (
+        "export c --gait disc-stable --robot rats-run --out x",
+        &["rats-run", "legs = 5", "body.shape = \"sphere\""],
+    ),
+    (
+        "export c --gait disc-stable --zone 0 --out x",
+        &["--zone", "--gait fixed"],
+    ),
+    (
+        "export c --gait disc-stable --valve-open 30ms --out x",
+        &["--valve-open", "disc-stable"],
+    ),
+    (
+        "export c --gait disc-stable --distance 0.6 --out x",
+        &["--gait <GAIT>", "--distance <LENGTHS>"],
+    ),
+    (
+        "export c --gait disc-stable --set sensors.period_ms=0 --out x",
+        &["sensors.period_ms = 0"],
+    ),
+    (
+        "export c --gait fixed --robot rats-twelve --out x",
+        &["rats-twelve"],
+    ),
+    (
         "export c --distance 0.3,0.5,0.6 --out x",
         &["--distance [0.3, 0.5, 0.6]", "rising in even steps"],
     ),

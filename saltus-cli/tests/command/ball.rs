@@ -1,5 +1,8 @@
 //! `saltus run` with a robot in space.
 
+use std::collections::BTreeMap;
+
+use saltus::telemetry::{Event, Path, read};
 use serde_json::Value;
 
 use crate::common::{Folder, rows};
@@ -76,6 +79,201 @@ fn a_fall_is_an_answer() {
     assert!(text.contains(ending) && text.contains(" s"), "{text}");
 }
 
+/// Looking changes nothing, and the same command gives the same bytes.
+#[test]
+fn a_page_and_a_recording_change_no_number() {
+    let folder = Folder::new("ball-beside");
+    for line in [
+        "run --robot rats-twelve --seconds 2 --format csv",
+        "run --robot rats-twelve --gait disc --seconds 2 --format csv",
+        "run --robot rats-twelve --seconds 0.3 --exact --format csv",
+    ] {
+        let alone = folder.done(line, 0);
+        for name in ["a", "b"] {
+            let beside = format!("{line} --animate {name}.html --mcap {name}.mcap");
+            assert!(folder.done(&beside, 0) == alone, "{line}");
+        }
+        for ending in ["html", "mcap"] {
+            let [a, b] = ["a", "b"]
+                .map(|name| std::fs::read(folder.path(&format!("{name}.{ending}"))).unwrap());
+            assert!(a == b, "{line}: {ending}");
+        }
+    }
+}
+
+/// The numbers to which each of `paths` leads in a recording.
+fn recorded(bytes: &[u8], paths: &[String]) -> BTreeMap<String, Vec<f64>> {
+    let all: Vec<(String, Path)> = paths
+        .iter()
+        .map(|path| (path.clone(), path.parse().unwrap()))
+        .collect();
+    let mut found: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    let visit = &mut |event: Event<'_>| {
+        if let Event::Message { channel, data, .. } = event {
+            for (name, path) in all.iter().filter(|(_, path)| path.topic == channel.topic) {
+                let mut out = [f64::NAN];
+                channel
+                    .layout()?
+                    .select(&[&path.fields])?
+                    .find(data, &mut out)?;
+                found.entry(name.clone()).or_default().push(out[0]);
+            }
+        }
+        Ok(())
+    };
+    read(bytes, visit).unwrap();
+    found
+}
+
+#[test]
+fn a_recording_has_the_numbers_of_the_rows() {
+    let folder = Folder::new("ball-mcap");
+    let line = "run --robot rats-twelve --seconds 1.5 --format csv --mcap run.mcap";
+    let (header, all) = rows(&folder.done(line, 0));
+    let column = |name: &str| -> Vec<f64> {
+        let at = header.iter().position(|column| column == name).unwrap();
+        all.iter().map(|row| row[at].parse().unwrap()).collect()
+    };
+    let mut pairs = vec![("time_s".to_owned(), "/measured.time_s".to_owned())];
+    let mut pair = |name: &str, path: &str| pairs.push((name.into(), path.into()));
+    for (k, axis) in ["x", "y", "z"].iter().enumerate() {
+        pair(
+            &format!("estimated_{axis}_m"),
+            &format!("/estimate.place_m[{k}]"),
+        );
+    }
+    for (k, axis) in ["w", "x", "y", "z"].iter().enumerate() {
+        pair(
+            &format!("estimated_quaternion_{axis}"),
+            &format!("/estimate.quaternion_wxyz[{k}]"),
+        );
+    }
+    for name in [
+        "lean_rad",
+        "rate_rad_s",
+        "roll_rad",
+        "roll_rate_rad_s",
+        "heading_rad",
+    ] {
+        pair(name, &format!("/disc.{name}"));
+    }
+    pair("stations_passed", "/disc.stations_passed");
+    for leg in 0..12 {
+        pair(
+            &format!("extension_{leg}_m"),
+            &format!("/leg.extension_m[{leg}]"),
+        );
+        pair(
+            &format!("extension_{leg}_m"),
+            &format!("/joint_states.position[leg_{leg}]"),
+        );
+    }
+    let bytes = std::fs::read(folder.path("run.mcap")).unwrap();
+    let paths: Vec<String> = pairs.iter().map(|(_, path)| path.clone()).collect();
+    let found = recorded(&bytes, &paths);
+    for (name, path) in &pairs {
+        let (a, b) = (&found[path], column(name));
+        assert_eq!(a.len(), b.len(), "{path}");
+        let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
+        assert!(a.iter().zip(&b).all(same), "{path}");
+    }
+    // Of the messages on /tf that of the robot comes first in each cycle, then that of its estimate.
+    let transform = "/tf.transforms[0].transform";
+    for (name, part) in [
+        ("x_m", "translation.x"),
+        ("y_m", "translation.y"),
+        ("z_m", "translation.z"),
+        ("quaternion_w", "rotation.w"),
+        ("quaternion_x", "rotation.x"),
+        ("quaternion_y", "rotation.y"),
+        ("quaternion_z", "rotation.z"),
+    ] {
+        let path = format!("{transform}.{part}");
+        let found = recorded(&bytes, std::slice::from_ref(&path));
+        let (truth, estimate) = (column(name), column(&format!("estimated_{name}")));
+        let pairs = found[&path].chunks_exact(2);
+        assert_eq!(pairs.len(), truth.len());
+        for (k, pair) in pairs.enumerate() {
+            assert_eq!(pair, [truth[k], estimate[k]], "{name}");
+        }
+    }
+    let feet: Vec<String> = (1..=12)
+        .map(|leg| format!("/measured.contact_{leg}"))
+        .collect();
+    let feet = recorded(&bytes, &feet);
+    let down = |k: usize| feet.values().map(|foot| foot[k]).sum::<f64>();
+    assert!((0..all.len()).all(|k| down(k) == column("feet_on_ground")[k]));
+}
+
+#[test]
+fn telemetry_of_a_ball_is_a_folder_with_readings() {
+    let folder = Folder::new("ball-telemetry");
+    let line = "run --robot rats-twelve --heading 10deg --seconds 0.5 --seed 4 --format csv --mcap run.mcap";
+    let alone = folder.done(line, 0);
+    assert!(folder.done(&format!("{line} --telemetry logs"), 0) == alone);
+    assert!(folder.read("logs/cycles.csv") == alone);
+    let (header, all) = rows(&folder.read("logs/run.csv"));
+    assert_eq!(header.len(), 1 + 6 + 12 + 12);
+    let bytes = std::fs::read(folder.path("run.mcap")).unwrap();
+    for (k, name) in header.iter().enumerate() {
+        let path = format!("/measured.{name}");
+        let found = &recorded(&bytes, std::slice::from_ref(&path))[&path];
+        let wanted = all.iter().map(|row| row[k].parse::<f64>().unwrap());
+        assert!(found.iter().copied().eq(wanted), "{name}");
+    }
+    // At rest it feels its weight, and in its first hop, from 0.1 s on, nothing: the fine accelerometer counts 0.6 mm/s².
+    let feels = |row: usize| {
+        let parts = (4..7).map(|k| all[row][k].parse::<f64>().unwrap().powi(2));
+        parts.sum::<f64>().sqrt()
+    };
+    assert!((feels(0) - 9.80665).abs() < 0.01 && feels(200) < 0.01);
+    let settings = folder.read("logs/settings.toml");
+    assert!(settings.contains("gait = \"disc-stable\"") && settings.contains("seed = 4"));
+    let again = "run --robot logs/robot.toml --heading 10deg --seconds 0.5 --seed 4 --format csv";
+    assert!(folder.done(again, 0) == alone);
+    let run = folder.run(&["diagnose", "logs"]);
+    assert_eq!(run.code, Some(2), "{}", run.err);
+    let run = folder.run(
+        &"run --robot rats-twelve --telemetry logs"
+            .split(' ')
+            .collect::<Vec<_>>(),
+    );
+    assert_eq!(run.code, Some(2));
+    assert!(run.err.contains("a new or an empty folder"), "{}", run.err);
+}
+
+/// What the valves are commanded is what the rows say is fired.
+#[test]
+fn a_recording_has_the_valves() {
+    let folder = Folder::new("ball-mcap-valves");
+    let line = "run --robot rats-twelve --gait disc --seconds 2 --format csv --mcap run.mcap";
+    let (header, all) = rows(&folder.done(line, 0));
+    let at = |name: &str| header.iter().position(|column| column == name).unwrap();
+    let (fired, twin, open) = (at("fired_leg"), at("fired_twin"), at("valve_open_s"));
+    let bytes = std::fs::read(folder.path("run.mcap")).unwrap();
+    let mut paths: Vec<String> = (0..12)
+        .map(|leg| format!("/leg.valve_open[{leg}]"))
+        .collect();
+    paths.push("/measured.rate_x_rad_s".into());
+    let found = recorded(&bytes, &paths);
+    let mut commanded = 0;
+    for leg in 0..12 {
+        let mut until = f64::NEG_INFINITY;
+        for (k, row) in all.iter().enumerate() {
+            let time: f64 = row[0].parse().unwrap();
+            if [fired, twin].iter().any(|c| row[*c] == leg.to_string()) {
+                until = until.max(time + row[open].parse::<f64>().unwrap());
+                commanded += 1;
+            }
+            let is_open = found[&format!("/leg.valve_open[{leg}]")][k];
+            assert_eq!(is_open == 1.0, time < until, "leg {leg} at {time} s");
+        }
+    }
+    assert!(commanded > 0);
+    // A robot that knows the truth has no use for sensors.
+    assert!(found["/measured.rate_x_rad_s"].iter().all(|x| x.is_nan()));
+}
+
 /// Words after `saltus run`, and what the message must contain.
 const CASES: &[(&str, &[&str])] = &[
     ("--gait disc", &["--gait disc", "a robot in space"]),
@@ -110,16 +308,53 @@ const CASES: &[(&str, &[&str])] = &[
         &["--analyse", "a robot in its plane"],
     ),
     (
-        "--robot rats-twelve --animate x.html",
-        &["--animate", "a robot in its plane"],
+        "--robot rats-twelve --animate x.txt",
+        &["--animate", "the name must end in .html"],
     ),
     (
-        "--robot rats-twelve --mcap x.mcap",
-        &["--mcap", "a robot in its plane"],
+        "--robot rats-twelve --animate x.html --seconds 61",
+        &["--animate", "--seconds 60 at most, not 61"],
     ),
     (
-        "--robot rats-twelve --telemetry x",
-        &["--telemetry", "a robot in its plane"],
+        "--robot rats-twelve --animate no/x.html",
+        &["no/x.html: cannot be written"],
+    ),
+    (
+        "--robot rats-twelve --animate x.html --out x.html --format json",
+        &["--out", "another file than --animate"],
+    ),
+    (
+        "--robot rats-twelve --animate x.html --robots 3",
+        &["--animate", "--robots"],
+    ),
+    ("--robot rats-twelve --mcap x.csv", &["--mcap", ".mcap"]),
+    (
+        "--robot rats-twelve --mcap no/x.mcap",
+        &["no/x.mcap: cannot be written"],
+    ),
+    (
+        "--robot rats-twelve --mcap x.mcap --out x.mcap --format csv",
+        &["--out", "another file"],
+    ),
+    (
+        "--robot rats-twelve --mcap x.mcap --robots 3",
+        &["--mcap", "--robots"],
+    ),
+    (
+        "--robot rats-twelve --mcap x.mcap --set legs.directions=[[1,0,0],[0,1,0],[0,0,1],[-1,0,0]]",
+        &["legs.directions"],
+    ),
+    (
+        "--robot rats-twelve --telemetry x --believed rats-run",
+        &["--believed", "a robot in its plane"],
+    ),
+    (
+        "--robot rats-twelve --telemetry x --robots 3",
+        &["--telemetry", "--robots"],
+    ),
+    (
+        "--robot rats-twelve --telemetry x --gait disc --valve-open 3",
+        &["--valve-open", "from 0 to 1 s"],
     ),
     (
         "--robot rats-twelve --gait disc --valve-open 3",
@@ -135,7 +370,12 @@ const CASES: &[(&str, &[&str])] = &[
 fn what_a_ball_does_not_do_is_refused_by_name() {
     let folder = Folder::new("ball-refused");
     for (line, parts) in CASES {
-        let words = format!("run {line} --seconds 1");
+        let given = if line.contains("--seconds") {
+            ""
+        } else {
+            " --seconds 1"
+        };
+        let words = format!("run {line}{given}");
         let run = folder.run(&words.split_whitespace().collect::<Vec<_>>());
         assert_eq!(run.code, Some(2), "{line}: {}", run.err);
         for part in *parts {

@@ -5,6 +5,7 @@
 mod answers;
 mod bad_input;
 mod ball;
+mod ball_export;
 mod clock;
 mod commands;
 mod common;

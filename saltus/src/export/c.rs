@@ -210,7 +210,7 @@ pub(super) fn fill<'a>(text: &str, names: impl IntoIterator<Item = (&'a str, Str
     names.into_iter().fold(text.to_owned(), put)
 }
 
-fn list<R: Number>(numbers: &[R]) -> String {
+pub(super) fn list<R: Number>(numbers: &[R]) -> String {
     numbers.iter().map(|x| x.c()).collect::<Vec<_>>().join(", ")
 }
 

@@ -1,5 +1,5 @@
 //! The planner's answers as tables for a controller: built, measured against the planner, and
-//! written as C or Rust; and what decides on a running robot, in C.
+//! written as C or Rust; and what decides on a running robot or a ball, in C.
 //!
 //! ```
 //! use saltus::controller::{Sensed, Task};
@@ -15,6 +15,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod ball;
 mod c;
 mod layout;
 mod learnt;
@@ -26,6 +27,7 @@ mod rust;
 mod tables;
 mod vectors;
 
+pub use ball::BallFiles;
 pub use learnt::LearntTable;
 pub use numbers::Number;
 pub use plant::planner;

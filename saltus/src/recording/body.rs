@@ -12,8 +12,6 @@ use super::{Error, nanoseconds};
 
 /// The frame in which everything stands.
 pub(super) const WORLD: &str = "world";
-/// The link on which the inertial sensor sits.
-const SENSOR: &str = "wheel";
 
 /// The robot at an instant.
 #[derive(Clone, Copy, Debug, Default)]
@@ -38,13 +36,13 @@ pub struct Moment<'a> {
     pub sensed: Option<Sensed>,
 }
 
-/// What an inertial sensor on the wheel says.
+/// What an inertial sensor on the wheel, or on a ball's body, says.
 #[derive(Clone, Copy, Debug)]
 pub struct Sensed {
-    /// Rate about the axle (rad/s).
-    pub rate: f64,
-    /// Specific force (m/s²) along the wheel's axes, forwards and up at lean 0.
-    pub force: [f64; 2],
+    /// Rates (rad/s) about the wheel's axes; one that measures about the axle alone says 0 about the others.
+    pub rate: [f64; 3],
+    /// Specific force (m/s²) along them; x forwards and z up at lean 0.
+    pub force: [f64; 3],
 }
 
 /// A robot with the channels that its motion goes to.
@@ -113,6 +111,11 @@ impl Body {
         &self.rig
     }
 
+    /// Where frames go.
+    pub(super) fn transforms_topic(&self) -> Topic {
+        self.topics.transforms
+    }
+
     pub(super) fn write<W: Write>(
         &mut self,
         writer: &mut Writer<W>,
@@ -126,17 +129,23 @@ impl Body {
         message::transforms(out, ns, &transforms);
         writer.write(self.topics.transforms, ns, out.bytes())?;
 
-        let names: Vec<&str> = self.links.iter().map(String::as_str).collect();
+        // A body that moves freely is none of the joints: `/tf` says where it is.
+        let (first, first_rate) = match tree.bodies().first() {
+            Some(body) if body.joint == Joint::Free => (7, 6),
+            _ => (0, 0),
+        };
+        let jointed = self.links.len() - (moment.coordinates.len() - first);
+        let names: Vec<&str> = self.links[jointed..].iter().map(String::as_str).collect();
         let joints = Joints {
             names: &names,
-            position: moment.coordinates,
-            velocity: moment.velocities,
+            position: &moment.coordinates[first..],
+            velocity: &moment.velocities[first_rate..],
             effort: &[],
         };
         message::joint_state(out, ns, &joints);
         writer.write(self.topics.joints, ns, out.bytes())?;
 
-        message::imu(out, ns, SENSOR, &self.imu(moment));
+        message::imu(out, ns, &self.links[self.rig.wheel], &self.imu(moment));
         writer.write(self.topics.imu, ns, out.bytes())?;
 
         self.legs(out, moment);
@@ -155,7 +164,8 @@ impl Body {
     fn transforms(&self, moment: &Moment<'_>) -> Vec<Transform<'_>> {
         let tree = &self.rig.mechanism.tree;
         let bodies = tree.bodies().iter().enumerate().map(|(k, body)| {
-            let q = moment.coordinates[tree.coordinate_of(k)];
+            let first = tree.coordinate_of(k);
+            let q = moment.coordinates[first];
             let mut at = body.placement.position;
             let mut rotation = [0.0, 0.0, 0.0, 1.0];
             match body.joint {
@@ -164,8 +174,11 @@ impl Body {
                     let (sin, cos) = (0.5 * q).sin_cos();
                     rotation = [axis.x * sin, axis.y * sin, axis.z * sin, cos];
                 }
-                // No rig has one.
-                Joint::Free => {}
+                Joint::Free => {
+                    let q = &moment.coordinates[first..first + 7];
+                    at += Vec3::new(q[0], q[1], q[2]);
+                    rotation = [q[4], q[5], q[6], q[3]];
+                }
             }
             if body.parent.is_none() {
                 at.z += moment.base;
@@ -200,9 +213,8 @@ impl Body {
             },
             Some(Sensed { rate, force }) => Imu {
                 orientation,
-                // It measures about the axle alone.
-                angular_velocity: [0.0, rate, 0.0],
-                linear_acceleration: Some([force[0], 0.0, force[1]]),
+                angular_velocity: rate,
+                linear_acceleration: Some(force),
             },
         }
     }

@@ -26,6 +26,7 @@ mod body;
 mod course;
 mod jump;
 mod measured;
+mod rolling;
 mod running;
 
 use std::collections::BTreeMap;
@@ -42,6 +43,7 @@ pub use body::Moment;
 pub use course::Block;
 pub use jump::Flown;
 pub use measured::MEASURED;
+pub use rolling::Rolling;
 pub use running::Running;
 
 /// Why a motion could not be recorded.

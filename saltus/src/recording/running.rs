@@ -86,10 +86,12 @@ impl<W: Write> Running<W> {
 
     fn moment(&mut self, row: &Row<'_>) -> Result<(), Error> {
         let one = &self.instruments;
-        let force = row.readings.fine_accelerometer;
+        let counts = row.readings.fine_accelerometer;
+        let [ahead, up] = counts.map(|count| f64::from(count) * one.fine_accelerometer);
         let sensed = Sensed {
-            rate: Signals::new(*one, &[1.0]).gyro(&row.readings),
-            force: force.map(|count| f64::from(count) * one.fine_accelerometer),
+            // The gyros measure about the axle alone, the accelerometer across it.
+            rate: [0.0, Signals::new(*one, &[1.0]).gyro(&row.readings), 0.0],
+            force: [ahead, 0.0, up],
         };
         // Of the cycle itself; what comes before it are ends of openings.
         let valves = self.rows.last().map_or(&[][..], |(_, values)| values);

@@ -13,6 +13,7 @@ use crate::complementarity::{Bounds, Element, Grip};
 use crate::contact::Friction;
 use crate::linear::{backward, cholesky, forward};
 use crate::mode::{JointMode, Mode, Stop};
+use crate::spatial::Vec3;
 
 /// Part of a row's own mobility by which it gives way.
 const SHARING: f64 = 1e-9;
@@ -309,6 +310,25 @@ impl Machine<'_> {
                     works[CONTACT_LOSS] += lost - kept;
                 }
                 _ => works[CONTACT_LOSS] += lost,
+            }
+        }
+    }
+
+    /// Adds the ground's impulses (N s, world axes) of the step to `impulses`, each with its point.
+    pub(crate) fn tell_impulses(&self, impulses: &mut Vec<(usize, Vec3)>) {
+        for touch in &self.touches {
+            let c = touch.contact;
+            let mut impulse = touch.normal * self.normal_force(c);
+            for axis in 0..2 {
+                let parts = self.force_of(Owner::Tangent(c, axis));
+                for (part, direction) in parts.iter().zip(&[touch.along, touch.across][axis..]) {
+                    impulse += direction * *part;
+                }
+            }
+            let point = self.pairs[c].0;
+            match impulses.iter_mut().find(|(of, _)| *of == point) {
+                Some((_, sum)) => *sum += impulse,
+                None => impulses.push((point, impulse)),
             }
         }
     }

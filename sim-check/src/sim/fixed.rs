@@ -10,6 +10,7 @@ use crate::complementarity::Grip;
 use crate::gas::{Gas, Path};
 use crate::machine::{Layout, Owner, STANDING};
 use crate::mode::{JointMode, Stop};
+use crate::spatial::Vec3;
 
 /// Room for fixed steps, and what one hands to the next.
 #[derive(Clone, Debug)]
@@ -34,6 +35,8 @@ pub(super) struct Fixed {
     rates: Vec<f64>,
     /// Watches at the start.
     watched: Vec<f64>,
+    /// The ground's impulses (N s) on points since they were asked for, where somebody asks.
+    pub(super) impulses: Option<Vec<(usize, Vec3)>>,
 }
 
 /// Events that may cut a step; later ones happen at its end.
@@ -58,6 +61,7 @@ impl Fixed {
             mean: vec![0.0; layout.velocities],
             rates: vec![0.0; layout.coordinates],
             watched: Vec::new(),
+            impulses: None,
         }
     }
 
@@ -524,6 +528,9 @@ impl Sim<'_> {
 
     /// Takes over the step of `h` that was tried.
     fn accept_fixed(&mut self, fixed: &mut Fixed, h: f64) {
+        if let Some(impulses) = &mut fixed.impulses {
+            self.machine.tell_impulses(impulses);
+        }
         std::mem::swap(&mut self.y, &mut self.next);
         // `next` is now the state before.
         let clear = self.gentle(fixed.h);

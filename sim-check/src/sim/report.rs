@@ -42,6 +42,23 @@ impl Sim<'_> {
             .collect()
     }
 
+    /// From now on fixed steps keep the ground's impulses on points for [`impulses`](Self::impulses).
+    pub fn keep_impulses(&mut self) {
+        if let Some(fixed) = &mut self.fixed {
+            fixed.impulses.get_or_insert_default();
+        }
+    }
+
+    /// The ground's impulses (N s, world axes) on points, each with its point, in the fixed steps since the last call; none
+    /// where the steps have no fixed length, or nobody [asked](Self::keep_impulses) for them.
+    ///
+    /// Over the time they are the mean forces. [`contacts`](Self::contacts) has the forces that would hold the present state:
+    /// of several feet that hold a fixed step's motion against each other these can be far greater.
+    pub fn impulses(&mut self) -> Option<Vec<(usize, Vec3)>> {
+        let fixed = self.fixed.as_mut()?;
+        fixed.impulses.as_mut().map(std::mem::take)
+    }
+
     pub(super) fn contact(&self, touch: &Touch) -> Contact {
         let c = touch.contact;
         let normal = touch

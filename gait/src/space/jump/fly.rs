@@ -43,7 +43,9 @@ impl Standing {
         let ways = Facing::all(&rest, &discs(&directions));
         // Without a plane to roll in: away from the first foot.
         let behind = Vector3::from(directions[rest.legs[0]]);
-        let ahead = ways.first().map_or((-behind).into(), |way| way.ahead(&rest));
+        let ahead = ways
+            .first()
+            .map_or((-behind).into(), |way| way.ahead(&rest));
         let rig = Rig::new(robot, &[])?;
         let q = rig.stand_on(&rest, &ahead)?;
         Ok(Standing {
@@ -128,7 +130,12 @@ pub fn fly(
     let commands = &jump.commands;
     for command in commands {
         let sound = command.open >= 0.0 && command.open <= 1.0;
-        require(sound, "valve opening time (s)", command.open, "from 0 to 1 s")?;
+        require(
+            sound,
+            "valve opening time (s)",
+            command.open,
+            "from 0 to 1 s",
+        )?;
         let sound = command.at >= 0.0 && command.at <= 1.0;
         require(sound, "time of a command (s)", command.at, "from 0 to 1 s")?;
     }
@@ -198,7 +205,9 @@ pub fn fly(
             _ => {}
         }
         apex = apex.max(now.place[2]);
-        let end = flown.touch.map_or(pushed + LONGEST, |touch| touch.time + after);
+        let end = flown
+            .touch
+            .map_or(pushed + LONGEST, |touch| touch.time + after);
         let stays = flown.lift.is_none() && now.time > pushed + 0.2;
         if now.time >= end || stays {
             return Ok(flown);

@@ -40,7 +40,11 @@ impl Guide {
     /// For `robot`, to land at `aim` (m) with its legs meeting `height` (m) up.
     pub fn new(robot: &Robot, aim: [f64; 2], height: f64) -> Guide {
         let directions = robot.space.as_ref().map(|it| it.directions.vectors());
-        let directions: Vec<Vec3> = directions.unwrap_or_default().into_iter().map(Vec3::from).collect();
+        let directions: Vec<Vec3> = directions
+            .unwrap_or_default()
+            .into_iter()
+            .map(Vec3::from)
+            .collect();
         Guide {
             aim,
             height,

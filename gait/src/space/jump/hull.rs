@@ -41,7 +41,9 @@ pub(super) fn gap(a: &[Flat], b: &[Flat]) -> f64 {
     }
     let near = |from: &[Flat], to: &[Flat]| {
         let sides = || (0..to.len()).map(|k| (to[k], to[(k + 1) % to.len()]));
-        let all = from.iter().flat_map(|p| sides().map(|side| to_side(p, &side)));
+        let all = from
+            .iter()
+            .flat_map(|p| sides().map(|side| to_side(p, &side)));
         all.fold(f64::INFINITY, f64::min)
     };
     near(a, b).min(near(b, a))

@@ -8,10 +8,10 @@ use saltus_sim_check::{Rig, Settings, Sim, Stepping, Surface, Vec3};
 use super::super::balance::{Course, Stable};
 use super::super::{Ball, DrawnBalls, FALLS, Gait, Knows, Roll, Sensed, drawn_ball, look, placed};
 use super::hull::{Flat, gap, hull};
+use crate::GaitError;
 use crate::error::require;
 use crate::run::Obstacle;
 use crate::search::{Search, search};
-use crate::GaitError;
 
 /// When a robot that rolls jumps. Of two numbers the first is of single legs, the second of twins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,15 +111,31 @@ impl Over {
     fn check(&self) -> Result<(), GaitError> {
         let sound = |x: f64| x > 0.0 && x <= 10.0;
         let allowed = "above 0, at most 10 m";
-        require(sound(self.height), "obstacle's height (m)", self.height, allowed)?;
-        require(sound(self.length), "obstacle's length (m)", self.length, allowed)?;
+        require(
+            sound(self.height),
+            "obstacle's height (m)",
+            self.height,
+            allowed,
+        )?;
+        require(
+            sound(self.length),
+            "obstacle's length (m)",
+            self.length,
+            allowed,
+        )?;
         let [from, to] = self.fronts;
         let least = self.robot.body.radius;
         let name = "obstacle's front (m)";
-        let allowed = format!("from {least}, a leg's length, to 100 m: nearer it is around the robot");
+        let allowed =
+            format!("from {least}, a leg's length, to 100 m: nearer it is around the robot");
         require((least..=100.0).contains(&from), name, from, allowed)?;
         let allowed = format!("from {from} to 100 m");
-        require((from..=100.0).contains(&to), "obstacle's farthest front (m)", to, allowed)?;
+        require(
+            (from..=100.0).contains(&to),
+            "obstacle's farthest front (m)",
+            to,
+            allowed,
+        )?;
         Roll::new(self.robot.clone(), 1.0).facing()?;
         Ok(())
     }
@@ -165,7 +181,11 @@ impl Over {
         let (rest, facing) = setup.facing()?;
         let solid = is_solid.then(|| self.surface(front));
         let rig = Rig::new(&setup.robot, solid.as_slice())?;
-        let (q, v) = placed(&rig, setup.start, rig.stand_on(&rest, &facing.ahead(&rest))?);
+        let (q, v) = placed(
+            &rig,
+            setup.start,
+            rig.stand_on(&rest, &facing.ahead(&rest))?,
+        );
         let settings = Settings {
             stepping: Stepping::USUAL,
             most_steps: usize::MAX,
@@ -251,7 +271,12 @@ impl Over {
             })
             .collect();
         let back = front + self.length;
-        let block = [[front, 0.0], [back, 0.0], [back, self.height], [front, self.height]];
+        let block = [
+            [front, 0.0],
+            [back, 0.0],
+            [back, self.height],
+            [front, self.height],
+        ];
         gap(&hull(&feet), &block) - self.robot.foot.radius
     }
 
@@ -281,7 +306,9 @@ impl Over {
         ];
         let sought = Search {
             bounds,
-            start: vec![0.47, 0.5, 0.15, 0.1, -0.3, -0.5, 0.054, 0.046, 0.1, -0.2, 5.6],
+            start: vec![
+                0.47, 0.5, 0.15, 0.1, -0.3, -0.5, 0.054, 0.046, 0.1, -0.2, 5.6,
+            ],
             spread: 0.12,
             candidates: 40,
             best: 8,
@@ -438,7 +465,11 @@ impl Jumper {
         (self.jumped, self.by_twins) = (Some(far), kind == 1);
         let open = self.leap.open[kind];
         let [left, right] = station.legs;
-        let legs = if kind == 1 { vec![left, right] } else { vec![left] };
+        let legs = if kind == 1 {
+            vec![left, right]
+        } else {
+            vec![left]
+        };
         legs.into_iter().map(|leg| Firing { leg, open }).collect()
     }
 }

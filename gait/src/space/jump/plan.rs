@@ -138,7 +138,10 @@ impl Planner {
         let reach = self.robot.body.radius - self.robot.foot.radius;
         let place = |leg: &usize| {
             let foot = self.standing.turned() * nalgebra::Vector3::from(directions[*leg]) * reach;
-            [self.standing.place[0] + foot.x, self.standing.place[1] + foot.y]
+            [
+                self.standing.place[0] + foot.x,
+                self.standing.place[1] + foot.y,
+            ]
         };
         self.standing.rest.legs.iter().map(place).collect()
     }
@@ -155,7 +158,9 @@ impl Planner {
                     let fired = OPENS[1..]
                         .iter()
                         .flat_map(move |open| MOMENTS.iter().map(move |at| with(*open, *at)));
-                    std::iter::once(with(0.0, 0.0)).chain(fired).collect::<Vec<_>>()
+                    std::iter::once(with(0.0, 0.0))
+                        .chain(fired)
+                        .collect::<Vec<_>>()
                 })
                 .collect();
         }
@@ -213,7 +218,8 @@ impl Planner {
     /// Firings from which to begin to seek those that land at `aim` (m): of the known ones that land near it, those that miss
     /// it least on all drawn robots.
     fn starts(&self, aim: [f64; 2], threads: usize) -> Vec<Vec<f64>> {
-        let by_second = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0));
+        let by_second =
+            |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0));
         let mut order: Vec<(usize, f64)> = (self.known.iter())
             .map(|(_, at)| far(*at, aim))
             .enumerate()
@@ -228,7 +234,8 @@ impl Planner {
         }
         order.sort_by(by_second);
         let best = order.iter().take(BEGUN);
-        best.map(|(place, _)| self.known[*place].0.clone()).collect()
+        best.map(|(place, _)| self.known[*place].0.clone())
+            .collect()
     }
 
     /// Firings that land at `aim` (m) in the model, sought from each of `starts`.
@@ -270,7 +277,12 @@ impl Planner {
     /// [`GaitError::Input`] for a target that is not finite, [`GaitError::Sim`] for a motion that cannot go on.
     pub fn to(&self, target: [f64; 2], threads: usize) -> Result<JumpPlan, GaitError> {
         for (name, x) in [("target x (m)", target[0]), ("target y (m)", target[1])] {
-            require(x.abs() <= FARTHEST, name, x, "a finite number from -100 to 100 m")?;
+            require(
+                x.abs() <= FARTHEST,
+                name,
+                x,
+                "a finite number from -100 to 100 m",
+            )?;
         }
         let mut aim = target;
         let mut best: Option<JumpPlan> = None;

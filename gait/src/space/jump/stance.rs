@@ -125,7 +125,12 @@ impl Stance {
             .collect::<Result<_, _>>()?;
         let ground = &robot.ground;
         let allowed = "0, level ground, for a jump in space";
-        require(ground.slope == 0.0, "ground.slope (rad)", ground.slope, allowed)?;
+        require(
+            ground.slope == 0.0,
+            "ground.slope (rad)",
+            ground.slope,
+            allowed,
+        )?;
         Ok(Stance {
             mass,
             leg_mass,
@@ -137,7 +142,9 @@ impl Stance {
             foot: robot.foot.radius,
             gravity: robot.environment.gravity,
             friction: ground.kinetic_friction.min(1e3),
-            rubber: ground.stiffness.map_or(STIFF, |k| (k, ground.damping.max(1.0))),
+            rubber: ground
+                .stiffness
+                .map_or(STIFF, |k| (k, ground.damping.max(1.0))),
         })
     }
 

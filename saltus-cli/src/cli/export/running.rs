@@ -2,7 +2,8 @@
 
 use clap::{Args, ValueEnum};
 use saltus::Robot;
-use saltus::export::{Number, Running};
+use saltus::export::{BallFiles, Number, Running};
+use saltus::gait::space::Stable;
 use saltus::gait::{Centre, Lines, Program, Quest, Setup};
 
 use crate::cli::best::{self, goal};
@@ -30,6 +31,8 @@ enum Kind {
     Speed,
     /// The least time from rest to a distance, as a table
     Optimal,
+    /// A robot in space kept in its plane, as by `saltus run`
+    DiscStable,
 }
 
 /// Lines of a closed loop.
@@ -105,6 +108,7 @@ impl Kind {
             Kind::Smooth => "smooth",
             Kind::Speed => "speed",
             Kind::Optimal => "optimal",
+            Kind::DiscStable => "disc-stable",
         }
     }
 
@@ -125,6 +129,22 @@ pub(super) enum Written {
 }
 
 impl RunningFlags {
+    /// What is written for a ball, if one is asked for; its valves' times are its gait's own, without `valve_open`.
+    pub(super) fn ball<R: Number>(
+        &self,
+        robot: impl FnOnce() -> Result<Robot, CliError>,
+        valve_open: Option<f64>,
+    ) -> Result<Option<BallFiles>, CliError> {
+        if self.gait != Some(Kind::DiscStable) {
+            return Ok(None);
+        }
+        self.meant(valve_open)?;
+        let robot = robot()?;
+        let written = BallFiles::new::<R>(&robot, &Stable::default());
+        let wrong = |error| CliError::content(&robot.name, error);
+        written.map(Some).map_err(wrong)
+    }
+
     /// What is written for a robot whose valve opens for `valve_open` (s), sought on so many
     /// `threads`.
     pub(super) fn written<R: Number>(
@@ -159,7 +179,9 @@ impl RunningFlags {
         };
         let begins = match gait {
             Kind::Fixed | Kind::OpenLoop | Kind::Speed => 0.0,
-            Kind::ClosedLoop | Kind::Curve | Kind::Smooth | Kind::Optimal => -0.3,
+            Kind::ClosedLoop | Kind::Curve | Kind::Smooth | Kind::Optimal | Kind::DiscStable => {
+                -0.3
+            }
         };
         setup.zone = self.zone.unwrap_or(begins);
         if let Some(taps) = &self.taps {
@@ -223,7 +245,8 @@ impl RunningFlags {
                 Program::Curve(knots.0.clone())
             }
             (Kind::Smooth | Kind::Speed, _) => self.aim.unwrap_or(Aim::Quick).law().program(),
-            (Kind::Optimal, _) => Program::Fixed {
+            // Of a ball nothing of this is used: see `ball`.
+            (Kind::Optimal | Kind::DiscStable, _) => Program::Fixed {
                 firing_angle: self.zone.unwrap_or(-0.3),
             },
             (Kind::Fixed, _) => Program::Fixed {

@@ -58,8 +58,10 @@ Examples:
   saltus export c --distance 0.3:0.8:11 --plant rats-boom --out firmware/src
   saltus export c --distance 0.4:0.7:7 --valve-open 60ms --valve-range 30ms:60ms --real double --out firmware/src
   saltus export c --gait closed-loop --out firmware/src
+  saltus export c --gait disc-stable --robot rats-twelve --out firmware/src
 
-The files are saltus_controller.h and saltus_controller.c, or with --gait saltus_running.h, saltus_running.c and running_tables.h.
+The files are saltus_controller.h and saltus_controller.c, or with --gait saltus_running.h, saltus_running.c and running_tables.h; \
+of a robot in space saltus_ball.h, saltus_ball.c and ball_tables.h.
 
 One distance gives a curve over the approach rate, several, evenly spaced, a table. Beside it stands a map from approach rate and firing \
 angle to the lift-off, for Newton steps, obstacles and take-offs. Every cell is held against the planner's own jumps; \
@@ -80,6 +82,11 @@ link with -lm. -DSALTUS_NO_SELF_TEST leaves the test and its vectors out. What i
 With --gait, saltus_runner_step says each cycle whether a leg fires, from the counts of encoder and gyros, and saltus_rear_leg on which two \
 feet the robot stands. running_tables.h has the constants: law, zone, legs, and what a count is, from the robot's [sensors]. Numbers and \
 compilers are as above; the valve opens for 40 ms unless --valve-open says otherwise. docs/controller.md has a program.
+
+With --gait disc-stable, of rats-twelve unless --robot names another, saltus_estimator_take makes attitude, rates and way of a robot in space of its gyros, accelerometers and foot \
+switches, and saltus_balancer_step says each cycle which legs fire. ball_tables.h has the constants: ball_senses, ball_balance, and all \
+planes in which the robot can roll, ball_planes. Angles of stations are rounded to 1e-12 rad, so that the files are the same on every \
+machine. controller/examples/ball.c is a control loop.
 
 The exit code is 1 if no cell can be used.";
 
@@ -172,6 +179,10 @@ impl C {
     fn write<R: Number>(&self) -> Result<Status, CliError> {
         let open = self.flags.terms.valve_open();
         let threads = self.flags.threads.count().get();
+        let robot = || self.flags.robot.any_robot_or("rats-twelve");
+        if let Some(ball) = self.running.ball::<R>(robot, open)? {
+            return self.files(ball.files, &ball.about);
+        }
         let robot = || self.flags.robot.robot_or("rats-run");
         match self.running.written::<R>(robot, open, threads)? {
             Written::Unasked => {}

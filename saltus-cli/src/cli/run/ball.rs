@@ -1,5 +1,8 @@
 //! A robot in space, which rolls as a disc.
 
+mod beside;
+mod film;
+
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 
@@ -22,6 +25,7 @@ use crate::error::CliError;
 use crate::interrupt::Interrupt;
 use crate::output::{self, Cell, Files, Format, Table, digits, full, message};
 use crate::progress::Progress;
+use beside::{Beside, Places, Said};
 
 /// How far (m) a drawn robot has to come, and within which way (m) of its line.
 const FAR: f64 = 30.0;
@@ -59,7 +63,7 @@ impl Run {
     /// Runs the robot in space that the flags name.
     pub(super) fn ball(&self, robot: &Robot) -> Result<Status, CliError> {
         self.meant_for_a_ball()?;
-        let setup = Roll {
+        let mut setup = Roll {
             gait: self.gait.rolls()?,
             knows: if self.gait.truth || self.gait.is_thesis() {
                 Knows::Truth
@@ -82,19 +86,21 @@ impl Run {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let progress = Progress::new("simulated seconds", self.seconds.ceil() as usize);
         let mut rows = match self.output.format() {
-            Format::Csv => Some(Rows::lines(self.output.out(), header(robot))?),
+            Format::Csv => Some(Rows::lines("--out", self.output.out(), header(robot))?),
             _ => None,
         };
+        let mut beside = Beside::open(self.beside(), self.seed, &mut setup)?;
         let mut whole = 0.0;
         let came = follow(&setup, |ball| {
             if let Some(rows) = &mut rows {
                 rows.line(|text| write(ball, text));
             }
+            beside.push(ball);
             if ball.time >= whole + 1.0 {
                 whole += 1.0;
                 progress.advance(1);
             }
-            let is_read = rows.as_ref().is_none_or(Rows::is_open);
+            let is_read = rows.as_ref().is_none_or(Rows::is_open) && beside.is_open();
             if interrupt.came() || !is_read {
                 ControlFlow::Break(())
             } else {
@@ -124,12 +130,32 @@ impl Run {
             }
             (None, _) => files.report(self.output.out(), self.text(robot, &came)),
         }
+        beside.add_to(&mut files, &setup, self.said(robot, &came))?;
         files.write()?;
         Ok(match (interrupt.came(), came.failure()) {
             (true, _) => Status::Interrupted,
             (false, None) => Status::Done,
             (false, Some(_)) => Status::No,
         })
+    }
+
+    /// Where what is beside the report goes.
+    fn beside(&self) -> Places<'_> {
+        Places {
+            animate: self.animate.as_deref(),
+            mcap: self.mcap.path(),
+            telemetry: self.telemetry.as_deref(),
+        }
+    }
+
+    /// What is said there of a run.
+    fn said(&self, robot: &Robot, came: &Came) -> Said<'_> {
+        Said {
+            title: self.head(robot),
+            ended: came.failure().unwrap_or_else(|| "rolled to the end".into()),
+            rolled: came.failure().is_none(),
+            gait: self.gait.rolling().name(),
+        }
     }
 
     /// Refuses what only a robot in its plane does.
@@ -139,10 +165,7 @@ impl Run {
             ("--disturb", !self.disturb.is_empty()),
             ("--analyse", self.analyse.is_some()),
             ("--plot", self.plot.is_set()),
-            ("--animate", self.animate.is_some()),
             ("--believed", self.believed.is_some()),
-            ("--mcap", self.mcap.path().is_some()),
-            ("--telemetry", self.telemetry.is_some()),
             ("--drawn-across", self.drawn_across != 0.0),
         ];
         match given.into_iter().find(|(_, is_given)| *is_given) {
@@ -321,7 +344,7 @@ type Outcome = Result<Came, GaitError>;
 fn follow(setup: &Roll, mut goes_on: impl FnMut(&Ball) -> ControlFlow<()>) -> Outcome {
     let line = match &setup.gait {
         Gait::Stable(stable) => stable.line,
-        Gait::Disc(_) => 0.0,
+        Gait::Disc(_) | Gait::Steered(_) => 0.0,
     };
     let is_stable = matches!(setup.gait, Gait::Stable(_));
     let mut came = Came::default();
@@ -331,7 +354,7 @@ fn follow(setup: &Roll, mut goes_on: impl FnMut(&Ball) -> ControlFlow<()>) -> Ou
         let (sine, cosine) = line.sin_cos();
         came.aside = came.aside.max(match &setup.gait {
             Gait::Stable(_) => ball.aside.abs(),
-            Gait::Disc(_) => y.abs(),
+            Gait::Disc(_) | Gait::Steered(_) => y.abs(),
         });
         came.heading = ball.rolling.heading;
         came.is_far |= came.aside <= WIDE && cosine * x + sine * y >= FAR;

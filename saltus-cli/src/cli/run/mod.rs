@@ -199,7 +199,9 @@ of mass and friction are drawn. Its CSV has a row a cycle: time_s, x_m, y_m, z_m
 (from the body's axes to the world's), vx_m_s to vz_m_s, spin_x_rad_s to spin_z_rad_s, lean_rad (of the leg or twins in the zone), \
 rate_rad_s, roll_rad, roll_rate_rad_s, heading_rad, stations_passed, feet_on_ground (how many), fired_leg, valve_open_s, fired_twin, \
 twin_valve_open_s (empty where none fires), what its sensors make of place and attitude, estimated_x_m to estimated_quaternion_z \
-(empty without sensors), and extension_N_m of each leg.
+(empty without sensors), and extension_N_m of each leg. Its page (--animate) shows the ball in space, by WebGL, with the estimate of \
+its sensors beside it. Its telemetry is run.csv, with the columns of /measured (rates and specific force along the body's axes, contact \
+and valve of each leg), cycles.csv with the columns of CSV, robot.toml and settings.toml; `saltus diagnose` does not read it.
 
 --mcap writes the motion every cycle as it is computed, and in /measured the columns of --telemetry; docs/viewers.md lists the topics.
 

@@ -66,10 +66,14 @@ impl Rows {
         Ok(Rows::with(Columns::Motion, Some(logger), sink, header))
     }
 
-    /// Rows of another kind under `header`, which are sent as lines.
-    pub(super) fn lines(path: Option<&Path>, header: String) -> Result<Rows, CliError> {
+    /// Rows of another kind under `header`, which are sent as lines; `flag` names the path.
+    pub(super) fn lines(
+        flag: &'static str,
+        path: Option<&Path>,
+        header: String,
+    ) -> Result<Rows, CliError> {
         let sink = match path.filter(|path| *path != Path::new("-")) {
-            Some(path) => Sink::File(Stream::open("--out", path)?),
+            Some(path) => Sink::File(Stream::open(flag, path)?),
             None => Sink::Screen(io::BufWriter::new(Screen)),
         };
         Ok(Rows::with(Columns::Motion, None, sink, header))

@@ -7,6 +7,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use saltus::Robot;
+use saltus::gait::space::{Gait, Knows, Roll};
 use saltus::gait::{Logger, instruments};
 use saltus::robot::Drive;
 use saltus::temporary::{self, Temporary};
@@ -68,15 +69,47 @@ impl Telemetry {
         ])
     }
 
+    /// Where the cycles of a robot in space go, under the header `cycles`, and what is measured in them, under `measured`.
+    pub(super) fn rows_in_space(
+        &self,
+        cycles: String,
+        measured: String,
+    ) -> Result<[Rows; 2], CliError> {
+        let staged = self.staged()?;
+        let open =
+            |name: &str, header| Rows::lines("--telemetry", Some(&staged.join(name)), header);
+        Ok([open(CYCLES, cycles)?, open(ROWS, measured)?])
+    }
+
     /// Puts all files in their place, the manifest last.
     ///
     /// The data name `believed`, which need not be the robot that ran.
     pub(super) fn publish(
-        mut self,
+        self,
         rows: [Rows; 2],
         report: &Report<'_>,
         believed: &Robot,
     ) -> Result<(), CliError> {
+        let texts = [
+            (ROBOT, believed.to_toml()),
+            (SETTINGS, settings(report)),
+            (MANIFEST, manifest(report, believed)),
+        ];
+        self.place(rows, &texts)
+    }
+
+    /// Puts the files of the run of a robot in space in their place, without a manifest: nothing reads it.
+    pub(super) fn publish_in_space(
+        self,
+        rows: [Rows; 2],
+        robot: &Robot,
+        settings: String,
+    ) -> Result<(), CliError> {
+        self.place(rows, &[(ROBOT, robot.to_toml()), (SETTINGS, settings)])
+    }
+
+    /// Puts the rows and then `texts` in their place.
+    fn place(mut self, rows: [Rows; 2], texts: &[(&str, String)]) -> Result<(), CliError> {
         let staged = self.staged()?.to_owned();
         let mut files = Files::default();
         for rows in rows {
@@ -84,15 +117,14 @@ impl Telemetry {
                 files.written(stream)?;
             }
         }
-        for (name, text) in [
-            (ROBOT, believed.to_toml()),
-            (SETTINGS, settings(report)),
-            (MANIFEST, manifest(report, believed)),
-        ] {
-            files.add("--telemetry", &staged.join(name), text.into_bytes());
+        for (name, text) in texts {
+            files.add("--telemetry", &staged.join(name), text.clone().into_bytes());
         }
         files.write()?;
-        for name in [ROWS, CYCLES, ROBOT, SETTINGS, MANIFEST] {
+        for name in [ROWS, CYCLES]
+            .into_iter()
+            .chain(texts.iter().map(|(name, _)| *name))
+        {
             let place = self.folder.join(name);
             fs::rename(staged.join(name), &place)
                 .map_err(|error| CliError::write(&place, error))?;
@@ -175,6 +207,35 @@ fn settings(report: &Report<'_>) -> String {
         "coarse_accelerometer_m_s2",
         float(one.fine_accelerometer * ratio),
     );
+    text
+}
+
+/// The text of `settings.toml` of a robot in space: how the run was set.
+pub(super) fn settings_in_space(setup: &Roll, gait: &str, seed: u64) -> String {
+    let mut text = String::new();
+    let mut key = |name: &str, value: String| {
+        // Writing to a string does not fail.
+        let _ = writeln!(text, "{name} = {value}");
+    };
+    key("gait", serde_json::Value::from(gait).to_string());
+    key("by_sensors", (setup.knows != Knows::Truth).to_string());
+    match &setup.gait {
+        Gait::Stable(stable) => key("line_rad", float(stable.line)),
+        Gait::Steered(steered) => {
+            let points = steered.path.iter();
+            let points: Vec<String> = points
+                .map(|[x, y]| format!("[{}, {}]", float(*x), float(*y)))
+                .collect();
+            key("path_m", format!("[{}]", points.join(", ")));
+        }
+        Gait::Disc(fires) => {
+            key("zone_rad", float(fires.zone));
+            key("valve_open_s", float(fires.valve_open));
+        }
+    }
+    let period = setup.robot.sensors.unwrap_or_default().period;
+    key("period_s", float(period));
+    key("seed", seed.to_string());
     text
 }
 

@@ -1,0 +1,226 @@
+//! What is flashed on a ball: the constants of its estimator and of its balancer.
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use saltus_controller::Real;
+use saltus_controller::ball::{
+    Balance, Balancer, Estimator, Feet, Filter, Inertial, Plane, Rotation, Scales, Station, Steer,
+};
+use saltus_robot::Robot;
+use saltus_robot::space::discs;
+
+use super::balance::Stable;
+use super::disc::Facing;
+use super::sensing::{Senses, feet, filter, scales};
+use crate::GaitError;
+use crate::error::require;
+
+/// The constants of a ball's controller, in numbers `R`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flashed<R> {
+    /// How its sensors are weighed.
+    pub filter: Filter<R>,
+    /// What a count of them is.
+    pub scales: Scales<R>,
+    /// Where its legs point: unit vectors in the body's axes.
+    pub directions: Vec<[R; 3]>,
+    /// From where the legs meet to the middle of a retracted foot (m).
+    pub reach: R,
+    /// Radius of a foot (m).
+    pub radius: R,
+    /// How it rolls, and is kept in its plane.
+    pub balance: Balance<R>,
+    /// The planes in which it can roll, each forwards and then backwards.
+    pub planes: Vec<FlashedPlane<R>>,
+}
+
+/// A plane in which a ball can roll.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlashedPlane<R> {
+    /// Across it, along the leg of its first station, and down a quarter turn later, as in [`Plane`].
+    pub axes: [[R; 3]; 3],
+    /// What comes onto the ground, in its order.
+    pub stations: Vec<Station<R>>,
+}
+
+/// Angles of stations are told to so many of these a radian. An arc tangent is not the same to the last bit on every
+/// machine; what is flashed is.
+const PER_RADIAN: f64 = 1e12;
+
+impl Flashed<f64> {
+    /// What keeps `robot` in its plane by `stable`.
+    ///
+    /// # Errors
+    /// [`GaitError::Input`] for a robot that is not in space or has no plane to roll in, and for numbers that cannot be.
+    pub fn new(robot: &Robot, stable: &Stable) -> Result<Flashed<f64>, GaitError> {
+        let legs = f64::from(robot.body.legs);
+        let directions = robot.space.as_ref().map(|space| space.directions.vectors());
+        let allowed = "of a robot in space: body.shape = \"sphere\"";
+        require(directions.is_some(), "legs", legs, allowed)?;
+        let directions = directions.unwrap_or_default();
+        let planes = Facing::every(&discs(&directions));
+        let planes: Vec<FlashedPlane<f64>> = planes.iter().map(FlashedPlane::of).collect();
+        let allowed = "such that a plane holds four legs or more, and mirrors the others";
+        require(
+            !planes.is_empty(),
+            "legs.directions",
+            planes.len() as f64,
+            allowed,
+        )?;
+        let Feet { reach, radius, .. } = feet(robot, &directions);
+        Ok(Flashed {
+            filter: filter(robot),
+            scales: scales(&robot.sensors.unwrap_or_default()),
+            reach,
+            radius,
+            balance: stable.balance(robot)?,
+            planes,
+            directions,
+        })
+    }
+
+    /// The same in other numbers, each rounded once.
+    pub fn rounded<R: Real>(&self) -> Flashed<R> {
+        let plane = |plane: &FlashedPlane<f64>| FlashedPlane {
+            axes: plane.axes.map(all),
+            stations: plane.stations.iter().map(station).collect(),
+        };
+        Flashed {
+            filter: weighed(&self.filter),
+            scales: counted(&self.scales),
+            directions: self.directions.iter().map(|leg| all(*leg)).collect(),
+            reach: R::of(self.reach),
+            radius: R::of(self.radius),
+            balance: balanced(&self.balance),
+            planes: self.planes.iter().map(plane).collect(),
+        }
+    }
+}
+
+impl<R: Real> Flashed<R> {
+    /// What a ball at rest at `start`, attitude and place (m), knows of its motion.
+    pub fn estimator(&self, start: (Rotation<R>, [R; 3])) -> Estimator<'_, R> {
+        let feet = Feet {
+            directions: &self.directions,
+            reach: self.reach,
+            radius: self.radius,
+        };
+        Estimator::new(self.filter, self.scales, feet, start)
+    }
+
+    /// What keeps it in plane number `plane`; none without it.
+    pub fn balancer(&self, plane: usize) -> Option<Balancer<'_, R>> {
+        let plane = self.planes.get(plane)?.plane();
+        Some(Balancer::new(self.balance, plane))
+    }
+}
+
+impl FlashedPlane<f64> {
+    fn of(facing: &Facing) -> FlashedPlane<f64> {
+        let plane = facing.plane();
+        let rounded = |station: &Station<f64>| Station {
+            angle: (station.angle * PER_RADIAN).round() / PER_RADIAN,
+            ..*station
+        };
+        FlashedPlane {
+            axes: [plane.axis, plane.first, plane.ahead],
+            stations: plane.stations.iter().map(rounded).collect(),
+        }
+    }
+}
+
+impl<R: Copy> FlashedPlane<R> {
+    /// As the controller follows it.
+    pub fn plane(&self) -> Plane<'_, R> {
+        let [axis, first, ahead] = self.axes;
+        let stations = &self.stations;
+        Plane {
+            axis,
+            first,
+            ahead,
+            stations,
+        }
+    }
+}
+
+fn all<R: Real, const N: usize>(numbers: [f64; N]) -> [R; N] {
+    numbers.map(R::of)
+}
+
+fn station<R: Real>(station: &Station<f64>) -> Station<R> {
+    Station {
+        legs: station.legs,
+        angle: R::of(station.angle),
+    }
+}
+
+fn weighed<R: Real>(f: &Filter<f64>) -> Filter<R> {
+    Filter {
+        period: R::of(f.period),
+        gravity: R::of(f.gravity),
+        bias: all(f.bias),
+        by_foot: R::of(f.by_foot),
+        tilt: R::of(f.tilt),
+        settles: R::of(f.settles),
+        returns: R::of(f.returns),
+    }
+}
+
+fn counted<R: Real>(s: &Scales<f64>) -> Scales<R> {
+    Scales {
+        fine_gyro: R::of(s.fine_gyro),
+        coarse_gyro: R::of(s.coarse_gyro),
+        fine_accelerometer: R::of(s.fine_accelerometer),
+        coarse_accelerometer: R::of(s.coarse_accelerometer),
+        limit: s.limit,
+    }
+}
+
+fn balanced<R: Real>(b: &Balance<f64>) -> Balance<R> {
+    let s = &b.steer;
+    Balance {
+        period: R::of(b.period),
+        zone: R::of(b.zone),
+        angles: all(b.angles),
+        opens: all(b.opens),
+        by_rate: all(b.by_rate),
+        rate: R::of(b.rate),
+        first: all(b.first),
+        slow: R::of(b.slow),
+        stall: R::of(b.stall),
+        lead: R::of(b.lead),
+        least: R::of(b.least),
+        steer: Steer {
+            roll: R::of(s.roll),
+            roll_rate: R::of(s.roll_rate),
+            heading: R::of(s.heading),
+            heading_rate: R::of(s.heading_rate),
+            aside: R::of(s.aside),
+            aside_rate: R::of(s.aside_rate),
+            sum: R::of(s.sum),
+            most: R::of(s.most),
+            from: R::of(s.from),
+            rest: R::of(s.rest),
+        },
+    }
+}
+
+/// The sensors of a run beside it: in a run with the same robot and seed, the estimator hears the same.
+#[derive(Clone, Debug)]
+pub struct Hearing(Senses);
+
+impl Hearing {
+    /// The sensors of `robot`, at rest with this `attitude` (w, x, y, z); their noise is drawn from `seed`.
+    pub fn new(robot: &Robot, attitude: [f64; 4], seed: u64) -> Hearing {
+        Hearing(Senses::new(robot, unit(attitude), seed))
+    }
+
+    /// What they say at the next cycle, with this attitude (w, x, y, z), velocity (m/s) and feet on the ground.
+    pub fn read(&mut self, attitude: [f64; 4], velocity: [f64; 3], touching: u64) -> Inertial {
+        let velocity = Vector3::from(velocity);
+        self.0.read(unit(attitude), velocity, touching)
+    }
+}
+
+fn unit([w, x, y, z]: [f64; 4]) -> UnitQuaternion<f64> {
+    UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
+}

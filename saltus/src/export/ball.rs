@@ -1,0 +1,164 @@
+//! What decides on a ball, as C: the code, and the robot's constants.
+
+use std::fmt::Write as _;
+
+use saltus_controller::ball::{Balance, Station};
+use saltus_controller::c_source::{BALL as SOURCE, BALL_HEADER as HEADER};
+use saltus_gait::GaitError;
+use saltus_gait::space::{Flashed, FlashedPlane, Stable};
+use saltus_robot::Robot;
+
+use super::c::{comment, fill, list, number_words};
+use super::fingerprint;
+use super::numbers::Number;
+
+/// What is written for a ball that is kept in its plane.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BallFiles {
+    /// What heads every file.
+    pub about: Vec<String>,
+    /// `saltus_ball.h` and `saltus_ball.c`, in C99 with no other dependency than `math.h`'s square root, and `ball_tables.h` with
+    /// the robot's constants: names and texts.
+    pub files: [(&'static str, String); 3],
+}
+
+impl BallFiles {
+    /// The code that keeps `robot` in its plane by `stable`, with numbers `R`.
+    ///
+    /// # Errors
+    /// [`GaitError`] for a robot that is not in space, and numbers that cannot be.
+    pub fn new<R: Number>(robot: &Robot, stable: &Stable) -> Result<BallFiles, GaitError> {
+        let flashed = Flashed::new(robot, stable)?.rounded::<R>();
+        let about = vec![
+            format!(
+                "What decides on the ball {}, whose file's SHA-256 begins {}.",
+                robot.name.escape_default(),
+                fingerprint(robot)
+            ),
+            format!(
+                "Written by saltus {}; to change it, write it anew. Numbers: {}.",
+                env!("CARGO_PKG_VERSION"),
+                R::C_TYPE
+            ),
+        ];
+        let head = comment(&about);
+        let filled = |text| {
+            let head = ("HEADER", head.clone());
+            fill(text, number_words::<R>().into_iter().chain([head]))
+        };
+        let files = [
+            ("saltus_ball.h", filled(HEADER)),
+            ("saltus_ball.c", filled(SOURCE)),
+            ("ball_tables.h", format!("{head}\n{}", tables(&flashed))),
+        ];
+        Ok(BallFiles { about, files })
+    }
+}
+
+fn tables<R: Number>(ball: &Flashed<R>) -> String {
+    let (legs, directions) = (ball.directions.len(), rows(&ball.directions));
+    let (f, s) = (&ball.filter, &ball.scales);
+    let bias = list(&f.bias);
+    let times = list(&[f.by_foot, f.tilt, f.settles, f.returns]);
+    let (period, gravity) = (f.period.c(), f.gravity.c());
+    let counts = list(&[
+        s.fine_gyro,
+        s.coarse_gyro,
+        s.fine_accelerometer,
+        s.coarse_accelerometer,
+    ]);
+    let (limit, feet) = (s.limit, list(&[ball.reach, ball.radius]));
+    let balance = balance(&ball.balance);
+    let (count, stations, planes) = planes(&ball.planes);
+    format!(
+        "\
+#ifndef BALL_TABLES_H
+#define BALL_TABLES_H
+
+#include \"saltus_ball.h\"
+
+/* Where each leg points, in the body's axes. */
+static const saltus_real ball_directions[{legs}][3] = {{
+{directions}}};
+
+static const saltus_senses ball_senses = {{
+    {{{period}, {gravity}, {{{bias}}}, {times}}}, /* filter */
+    {{{counts}, {limit}}}, /* scales */
+    {{ball_directions, {legs}, {feet}}}, /* feet */
+}};
+
+static const saltus_balance ball_balance = {{
+{balance}}};
+
+/* What comes onto the ground in each plane, in its order: the legs, of twins first the left one, and the angle (rad). */
+{stations}
+#define BALL_PLANES {count}
+
+/* The planes, each forwards and then backwards: across, along the first station's leg, ahead, in the body's axes. */
+static const saltus_plane ball_planes[BALL_PLANES] = {{
+{planes}}};
+
+#endif
+"
+    )
+}
+
+fn rows<R: Number>(vectors: &[[R; 3]]) -> String {
+    let row = |vector: &[R; 3]| format!("    {{{}}},\n", list(vector));
+    vectors.iter().map(row).collect()
+}
+
+fn balance<R: Number>(b: &Balance<R>) -> String {
+    let (pair, s) = (|pair: &[R; 2]| format!("{{{}}}", list(pair)), &b.steer);
+    let steer = [
+        s.roll,
+        s.roll_rate,
+        s.heading,
+        s.heading_rate,
+        s.aside,
+        s.aside_rate,
+        s.sum,
+        s.most,
+        s.from,
+        s.rest,
+    ];
+    let lines = [
+        (b.period.c(), "period"),
+        (b.zone.c(), "zone"),
+        (pair(&b.angles), "angles"),
+        (pair(&b.opens), "opens"),
+        (pair(&b.by_rate), "by_rate"),
+        (b.rate.c(), "rate"),
+        (pair(&b.first), "first"),
+        (
+            list(&[b.slow, b.stall, b.lead, b.least]),
+            "slow, stall, lead, least",
+        ),
+        (format!("{{{}}}", list(&steer)), "steer"),
+    ];
+    let line = |(value, name): (String, &str)| format!("    {value}, /* {name} */\n");
+    lines.map(line).concat()
+}
+
+/// How many planes, their stations, and the planes.
+fn planes<R: Number>(planes: &[FlashedPlane<R>]) -> (usize, String, String) {
+    let station =
+        |Station {
+             legs: [left, right],
+             angle,
+         }: &Station<R>| { format!("    {{{{{left}, {right}}}, {}}},\n", angle.c()) };
+    let (mut stations, mut rows) = (String::new(), String::new());
+    for (k, plane) in planes.iter().enumerate() {
+        let count = plane.stations.len();
+        let all: String = plane.stations.iter().map(station).collect();
+        let axes = plane.axes.map(|axis| format!("{{{}}}", list(&axis)));
+        let axes = axes.join(", ");
+        // Writing to a string does not fail.
+        let _ = writeln!(
+            stations,
+            "static const saltus_station ball_stations_{k}[{count}] = {{\n{all}}};"
+        );
+        let _ = writeln!(rows, "    {{{axes}, ball_stations_{k}, {count}}},");
+    }
+    (planes.len(), stations, rows)
+}
