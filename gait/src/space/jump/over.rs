@@ -220,7 +220,7 @@ impl Over {
         let (mut last, mut cycles) = ((i32::MIN, 0.0), 0_u64);
         loop {
             let (mut ball, _) = look(&rig, &sim, &mut tracker);
-            ball.estimate = sensed.as_mut().map(|sensed| sensed.take(&ball));
+            ball.estimate = sensed.as_mut().map(|sensed| sensed.take(&ball).1);
             ball.fired = jumper.fire(&ball, &mut balancer, balance.period);
             for Firing { leg, open } in &ball.fired {
                 sim.fire(*leg as usize, *open)?;
