@@ -240,7 +240,14 @@ fn closing_valves_by_sensors_makes_robots_land_alike() -> Result<(), GaitError> 
 
 /// A jump that was found for a box of 10 cm.
 fn leap() -> Leap {
-    LEAP
+    Leap {
+        from: [0.4712, 0.5298],
+        lean: [0.0383, 0.1094],
+        nearer: [-0.6187, -0.8331],
+        open: [0.0539, 0.0455],
+        by_speed: [0.1563, -0.0601],
+        rate: 5.4392,
+    }
 }
 
 #[test]

@@ -95,7 +95,7 @@ Examples:
   saltus jump --obstacle 0.16x0.21@1.3 --constant --format json --out box.json
   saltus jump --robot rats-twelve --target 0.3,0.2
   saltus jump --robot rats-twelve --map 0.1 --out map.csv --plot map.svg
-  saltus jump --robot rats-twelve --obstacle 0.21x0.21@2:3.4 --from-run
+  saltus jump --robot rats-twelve --obstacle 0.21x0.21@2.2
 
 FRONT as FROM:TO is a box that the robot senses. At each leg's entry into the active zone a table says whether the leg drives, \
 brakes or jumps, and at which firing angle: by the rate, the height of the axle and the distance to the box, which the range \
@@ -114,9 +114,20 @@ The answer is the share that comes to the other side without touching the box, w
 least clearance that 5 % and half of those that come to the other side have. Exit code 1 if less than 95 % clear it. The search takes \
 about a minute.
 
-A robot in space (rats-twelve) jumps from rest on three feet to --target, or into --heading by --distance. x is ahead, the first way in which `saltus run` would roll from there, y to the left, both from where the legs meet. Which legs fire, when and for how long is sought in a model of the stance for --sought-on drawn robots [default: 16]; valves close as soon as gyros and accelerometers say that the robot will land there. The answer is where the robot of the file lands in the simulation, where it comes to rest, and the share of other robots that land within 10 cm of the target; exit code 1 if that is less than 90 % or the target is out of reach, which is when robots land more than 2 cm to one side of it in the mean. CSV has the jump, a row a cycle. --map does this for all places of a grid; its CSV has a row a place.
+A robot in space (rats-twelve) jumps from rest on three feet to --target, or into --heading by --distance. x is ahead, the first \
+way in which `saltus run` would roll from there, y to the left, both from where the legs meet. Which legs fire, when and for how \
+long is sought in a model of the stance for --sought-on drawn robots [default: 16]; valves close as soon as gyros and \
+accelerometers say that the robot will land there. The answer is where the robot of the file lands in the simulation, where it \
+comes to rest, and the share of other robots that land within 10 cm of the target; exit code 1 if that is less than 90 % or the \
+target is out of reach: robots land more than 2 cm to one side of it in the mean. CSV has the jump, a row a cycle. --map does \
+this for all places of a grid; its CSV has a row a place.
 
-With --from-run a robot in space rolls by its sensors (`saltus run --gait disc-stable`) towards a box that lies across its way and is wider than it; FROM:TO is where its front may be. As a foot comes down, it and the one behind push the robot off. From which distance on, and for how long, is sought for --sought-on robots [default: 12] in --generations [default: 14]. The answer is the share of other robots of which nothing between the feet touches the box; exit code 1 below 80 %. CSV has a row a robot.
+With --obstacle a robot in space rolls by its sensors (`saltus run --gait disc-stable`) to a box that lies across its way and is \
+wider than it, and knows where it is; FROM:TO is where its front may be. The first push decides where the feet come down after it. \
+It is chosen so that twins, two legs side by side, come down where they jump best; they push the robot over the box. From which \
+distance on, at which lean and for how long is sought for --sought-on robots [default: 16] in --generations [default: 6], about \
+three minutes. The answer is the share of other robots of which nothing between the feet touches the box, and of those that go on \
+by 2 m behind it, on their feet again if they fell; exit code 1 if less than 80 % clear it. CSV has a row a robot.
 
 The answer does not depend on --threads.";
 

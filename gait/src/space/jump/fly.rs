@@ -128,17 +128,7 @@ pub fn fly(
     mut row: impl FnMut(&Cycle),
 ) -> Result<Flown, GaitError> {
     let commands = &jump.commands;
-    for command in commands {
-        let sound = command.open >= 0.0 && command.open <= 1.0;
-        require(
-            sound,
-            "valve opening time (s)",
-            command.open,
-            "from 0 to 1 s",
-        )?;
-        let sound = command.at >= 0.0 && command.at <= 1.0;
-        require(sound, "time of a command (s)", command.at, "from 0 to 1 s")?;
-    }
+    check(commands)?;
     let rig = Rig::new(robot, &[])?;
     let mut q = vec![0.0; rig.mechanism.tree.coordinates()];
     q[..3].copy_from_slice(&standing.place);
@@ -213,6 +203,26 @@ pub fn fly(
             return Ok(flown);
         }
     }
+}
+
+fn check(commands: &[Command]) -> Result<(), GaitError> {
+    let allowed = "from 0 to 1 s";
+    for command in commands {
+        let sound = |x: f64| (0.0..=1.0).contains(&x);
+        require(
+            sound(command.open),
+            "valve opening time (s)",
+            command.open,
+            allowed,
+        )?;
+        require(
+            sound(command.at),
+            "time of a command (s)",
+            command.at,
+            allowed,
+        )?;
+    }
+    Ok(())
 }
 
 /// What closes valves, by what is known of the motion.

@@ -7,14 +7,17 @@
 mod fly;
 mod guide;
 mod hull;
+mod leaper;
 mod over;
 mod plan;
 mod reach;
+mod run_up;
 mod stance;
 
 pub use fly::{Cycle, Flown, Jump, Standing, fly};
 pub use guide::Guide;
-pub use over::{Leap, ON, Over, Passed, SPEED};
+pub use leaper::{Leap, SPEED};
+pub use over::{ON, Over, Passed};
 pub use plan::{JumpPlan, Planner, REACHED, landed};
 pub use reach::Spot;
 pub use stance::Stance;

@@ -1,57 +1,39 @@
 //! Over a box out of a run.
 
-use saltus_controller::ball::{Balancer, Estimate, Firing, Rotation, Sight, Tracker};
+use saltus_controller::ball::{Firing, Plane, Tracker};
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
+use saltus_robot::space::discs;
 use saltus_sim_check::{Rig, Settings, Sim, Stepping, Surface, Vec3};
 
-use super::super::balance::{Course, Stable};
-use super::super::{Ball, DrawnBalls, FALLS, Gait, Knows, Roll, Sensed, drawn_ball, look, placed};
+use super::super::balance::Stable;
+use super::super::{
+    Ball, DrawnBalls, Facing, Knows, Roll, Sensed, Steered, drawn_ball, look, placed,
+};
 use super::hull::{Flat, gap, hull};
+use super::leaper::{Leap, Leaper};
+use super::run_up::RunUp;
 use crate::GaitError;
 use crate::error::require;
 use crate::run::Obstacle;
 use crate::search::{Search, search};
 
-/// When a robot that rolls jumps. Of two numbers the first is of single legs, the second of twins.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Leap {
-    /// Distance (m) to the box's front, from where the legs meet, from which on a station jumps, at a speed of [`SPEED`].
-    pub from: [f64; 2],
-    /// Lean (rad) at which it fires at that distance and speed.
-    pub lean: [f64; 2],
-    /// How much more it leans (rad) for each metre nearer to the box.
-    pub nearer: [f64; 2],
-    /// Valve opening times (s).
-    pub open: [f64; 2],
-    /// How much farther (m) from the box it jumps, and how much more it leans (rad), for each m/s faster.
-    pub by_speed: [f64; 2],
-    /// Rate (rad/s) at which it runs up.
-    pub rate: f64,
-}
-
-/// The speed (m/s) for which [`Leap::from`] and [`Leap::lean`] stand.
-pub const SPEED: f64 = 1.1;
-
 /// A run over a box.
+///
+/// The robot rolls by its sensors. It knows where the box is, and chooses its first push so that twins come onto the ground in
+/// front of the box where they jump best.
 #[derive(Clone, Debug)]
 pub struct Over {
-    /// The robot, around which others are drawn.
-    pub robot: Robot,
-    /// How they are drawn.
+    /// How robots are drawn.
     pub draw: DrawnBalls,
-    /// How they run.
-    pub stable: Stable,
-    /// Whether they know their motion by their sensors.
-    pub by_sensors: bool,
-    /// The box: its height and length (m). It is wider than the robot's way.
-    pub height: f64,
-    /// Length (m).
-    pub length: f64,
-    /// Where its front is (m), from where the legs meet at rest: each robot has one of its own between these.
-    pub fronts: [f64; 2],
-    /// Seed of the robots and of the search.
+    /// Seed of the search.
     pub seed: u64,
+    robot: Robot,
+    stable: Stable,
+    obstacle: Obstacle,
+    /// Farthest front (m).
+    farthest: f64,
+    ups: Vec<RunUp>,
 }
 
 /// What became of a robot.
@@ -59,15 +41,15 @@ pub struct Over {
 pub struct Passed {
     /// Where the box's front was (m).
     pub front: f64,
-    /// Distance (m) to it at the jump, if it jumped.
+    /// Valve opening time (s) of its first push.
+    pub first: f64,
+    /// Distance (m) to the box at the jump, if it jumped.
     pub jumped: Option<f64>,
-    /// Whether twins jumped.
-    pub by_twins: bool,
     /// Least distance (m) between the box and the hull of the feet; 0 or less: it touched it.
     pub clearance: f64,
     /// Whether all of it came to the other side without touching the box.
     pub cleared: bool,
-    /// Whether it rolled on by [`ON`] after that.
+    /// Whether it went on by [`ON`] after that, by itself.
     pub ran_on: bool,
     /// Speed (m/s) along its way at the jump.
     pub speed: f64,
@@ -77,9 +59,10 @@ pub struct Passed {
 
 /// Way (m) behind the box after which a robot has run on.
 pub const ON: f64 = 2.0;
-/// Longest run (s), and for how long (s) no station may come before it stands.
-const LONGEST: f64 = 25.0;
+/// Longest run (s), for how long (s) no station may come before it stands, and how long (s) it may take from its jump on.
+const LONGEST: f64 = 60.0;
 const STANDS: f64 = 2.0;
+const GOES_ON: f64 = 15.0;
 /// Half the width (m) of the box.
 const WIDE: f64 = 10.0;
 /// Clearance (m) beyond which more is worth nothing, and what being clear at all is worth (m).
@@ -89,60 +72,55 @@ const CLEAR: f64 = 0.1;
 const LOST: f64 = -0.25;
 
 impl Over {
-    /// A box `height` high and `length` long (m) with its front between `fronts` (m), for robots around `robot` with sensors.
+    /// A box with its front between its own and `farthest` (m), for robots around `robot` with sensors. Their run-ups are
+    /// measured.
     ///
     /// # Errors
-    /// [`GaitError::Input`] for a robot that is not in space, and a box that cannot be, or would be in the robot's place.
-    pub fn new(robot: &Robot, obstacle: Obstacle, farthest: f64) -> Result<Over, GaitError> {
-        let over = Over {
-            robot: robot.clone(),
+    /// [`GaitError::Input`] for a robot that is not in space, or has no twins in its plane, and a box that cannot be, or would
+    /// be in the robot's place.
+    pub fn new(
+        robot: &Robot,
+        obstacle: Obstacle,
+        farthest: f64,
+        threads: usize,
+    ) -> Result<Over, GaitError> {
+        let mut over = Over {
             draw: DrawnBalls::default(),
-            stable: Stable::default(),
-            by_sensors: true,
-            height: obstacle.height,
-            length: obstacle.length,
-            fronts: [obstacle.front, farthest],
             seed: 1,
+            robot: robot.clone(),
+            // From any station, as after a landing.
+            stable: Steered::new(Vec::new()).stable,
+            obstacle,
+            farthest,
+            ups: Vec::new(),
         };
         over.check()?;
+        over.ups = RunUp::measured(robot, &over.stable, &over.draw, farthest, threads)?;
         Ok(over)
     }
 
     fn check(&self) -> Result<(), GaitError> {
-        let sound = |x: f64| x > 0.0 && x <= 10.0;
-        let allowed = "above 0, at most 10 m";
-        require(
-            sound(self.height),
-            "obstacle's height (m)",
-            self.height,
-            allowed,
-        )?;
-        require(
-            sound(self.length),
-            "obstacle's length (m)",
-            self.length,
-            allowed,
-        )?;
-        let [from, to] = self.fronts;
+        let sizes = [
+            ("obstacle's height (m)", self.obstacle.height),
+            ("obstacle's length (m)", self.obstacle.length),
+        ];
+        for (name, x) in sizes {
+            require(x > 0.0 && x <= 10.0, name, x, "above 0, at most 10 m")?;
+        }
+        let (from, to) = (self.obstacle.front, self.farthest);
         let least = self.robot.body.radius;
-        let name = "obstacle's front (m)";
         let allowed =
             format!("from {least}, a leg's length, to 100 m: nearer it is around the robot");
-        require((least..=100.0).contains(&from), name, from, allowed)?;
+        let sound = (least..=100.0).contains(&from);
+        require(sound, "obstacle's front (m)", from, allowed)?;
+        let sound = (from..=100.0).contains(&to);
         let allowed = format!("from {from} to 100 m");
-        require(
-            (from..=100.0).contains(&to),
-            "obstacle's farthest front (m)",
-            to,
-            allowed,
-        )?;
-        Roll::new(self.robot.clone(), 1.0).facing()?;
-        Ok(())
+        require(sound, "obstacle's farthest front (m)", to, allowed)
     }
 
     /// Where robot `k`'s box is (m).
     fn front(&self, seed: u64, k: usize) -> f64 {
-        let [from, to] = self.fronts;
+        let [from, to] = [self.obstacle.front, self.farthest];
         // Evenly in any number of them: the golden section's multiples, shifted by the seed.
         let shift = (seed % 1000) as f64 * 0.0127;
         from + (to - from) * (0.6180339887498949 * k as f64 + shift).fract()
@@ -171,21 +149,21 @@ impl Over {
         is_solid: bool,
         mut row: impl FnMut(&Ball, f64) -> bool,
     ) -> Result<Passed, GaitError> {
-        self.check()?;
-        let mut setup = Roll::new(drawn_ball(&self.robot, &self.draw, seed, k)?, LONGEST);
-        setup.gait = Gait::Stable(self.stable.clone());
-        if self.by_sensors {
-            setup.knows = Knows::Sensors(seed.wrapping_add(k as u64));
-        }
         let front = self.front(seed, k);
+        let mut stable = self.stable.clone();
+        stable.rate = leap.rate;
+        stable.first[0] = RunUp::to(&self.ups, front - leap.aim);
+        let mut setup = Roll::new(drawn_ball(&self.robot, &self.draw, seed, k)?, LONGEST);
+        setup.knows = Knows::Sensors(seed.wrapping_add(k as u64));
         let (rest, facing) = setup.facing()?;
+        let directions = setup.robot.space.as_ref().map(|it| it.directions.vectors());
+        let directions = directions.unwrap_or_default();
+        let facings = Facing::every(&discs(&directions));
+        let planes: Vec<Plane<'_, f64>> = facings.iter().map(Facing::plane).collect();
         let solid = is_solid.then(|| self.surface(front));
         let rig = Rig::new(&setup.robot, solid.as_slice())?;
-        let (q, v) = placed(
-            &rig,
-            setup.start,
-            rig.stand_on(&rest, &facing.ahead(&rest))?,
-        );
+        let ahead = facing.ahead(&rest);
+        let (q, v) = placed(&rig, setup.start, rig.stand_on(&rest, &ahead)?);
         let settings = Settings {
             stepping: Stepping::USUAL,
             most_steps: usize::MAX,
@@ -193,27 +171,21 @@ impl Over {
         };
         let mut sim = Sim::new(&rig.mechanism, &q, &v, settings)?;
         sim.release_legs()?;
-        let directions = setup.robot.space.as_ref().map(|it| it.directions.vectors());
-        let directions = directions.unwrap_or_default();
         let mut sensed = Sensed::new(&setup, &directions, &q);
-        let run_up = Stable {
-            rate: leap.rate,
-            ..self.stable.clone()
-        };
-        let balance = run_up.balance(&setup.robot)?;
-        let mut jumper = Jumper {
-            leap: *leap,
-            front,
-            course: Course::new(self.stable.line),
-            phase: Phase::Runs,
-            by_twins: false,
-            jumped: None,
-            decided: None,
-        };
+        let beyond = front + self.obstacle.length + self.robot.body.radius;
+        let after = Steered::new(vec![[beyond + 2.0 * ON, 0.0]]);
+        let lead = after.lead(&setup.robot)?;
+        let balance = stable.balance(&setup.robot)?;
         let mut tracker = Tracker::new(facing.plane(), balance.zone);
-        let mut balancer = Balancer::new(balance, facing.plane());
+        let mut leaper = Leaper::new(
+            *leap,
+            front,
+            (balance, facing.plane()),
+            (lead, &planes, &after.path),
+        );
         let mut passed = Passed {
             front,
+            first: stable.first[0],
             clearance: f64::INFINITY,
             ..Passed::default()
         };
@@ -221,7 +193,7 @@ impl Over {
         loop {
             let (mut ball, _) = look(&rig, &sim, &mut tracker);
             ball.estimate = sensed.as_mut().map(|sensed| sensed.take(&ball).1);
-            ball.fired = jumper.fire(&ball, &mut balancer, balance.period);
+            ball.fired = leaper.fire(&ball);
             for Firing { leg, open } in &ball.fired {
                 sim.fire(*leg as usize, *open)?;
                 if let Some(sensed) = &mut sensed {
@@ -230,17 +202,17 @@ impl Over {
             }
             let clearance = self.clearance(&rig, &sim, front);
             let goes_on = row(&ball, clearance);
-            passed.note(&ball, clearance, &jumper);
+            passed.note(&ball, clearance, leaper.jumped());
             if ball.passed > last.0 {
                 last = (ball.passed, ball.time);
             }
-            let beyond = front + self.length + self.robot.body.radius;
             passed.cleared = passed.clearance > 0.0 && ball.place[0] > beyond;
             passed.ran_on = passed.cleared && ball.place[0] > beyond + ON;
-            let fell = ball.rolling.roll.abs() > FALLS && ball.touching != 0;
+            let until = leaper
+                .jumped()
+                .map_or(last.1 + STANDS, |(_, time)| time + GOES_ON);
             let touched = is_solid && passed.clearance <= 0.0;
-            let over = passed.ran_on || touched || fell && passed.cleared;
-            if over || !goes_on || ball.time > (last.1 + STANDS).min(LONGEST) {
+            if passed.ran_on || touched || !goes_on || ball.time > until.min(LONGEST) {
                 return Ok(passed);
             }
             cycles += 1;
@@ -252,14 +224,14 @@ impl Over {
     fn surface(&self, front: f64) -> Surface {
         Surface::Block {
             low: Vec3::new(front, -WIDE, 0.0),
-            high: Vec3::new(front + self.length, WIDE, self.height),
+            high: Vec3::new(front + self.obstacle.length, WIDE, self.obstacle.height),
         }
     }
 
     /// Distance (m) between the box and the hull of the feet, seen along the box.
     fn clearance(&self, rig: &Rig, sim: &Sim<'_>, front: f64) -> f64 {
         let (x, reach) = (sim.coordinates()[0], 2.0 * self.robot.body.radius);
-        if x < front - reach || x > front + self.length + reach {
+        if x < front - reach || x > front + self.obstacle.length + reach {
             return f64::INFINITY;
         }
         let pose = sim.pose();
@@ -270,12 +242,12 @@ impl Over {
                 [center.x, center.z]
             })
             .collect();
-        let back = front + self.length;
+        let back = front + self.obstacle.length;
         let block = [
             [front, 0.0],
             [back, 0.0],
-            [back, self.height],
-            [front, self.height],
+            [back, self.obstacle.height],
+            [front, self.obstacle.height],
         ];
         gap(&hull(&feet), &block) - self.robot.foot.radius
     }
@@ -290,25 +262,18 @@ impl Over {
         threads: usize,
         told: impl FnMut(usize, f64, &[f64]),
     ) -> Result<Leap, GaitError> {
-        self.check()?;
-        let bounds = vec![
-            [0.1, 0.9],
-            [0.1, 0.9],
-            [-0.25, 0.46],
-            [-0.25, 0.31],
-            [-1.0, 1.0],
-            [-1.0, 1.0],
-            [0.02, 0.06],
-            [0.02, 0.06],
-            [-0.3, 0.6],
-            [-0.5, 0.5],
-            [4.8, 8.0],
-        ];
         let sought = Search {
-            bounds,
-            start: vec![
-                0.47, 0.5, 0.15, 0.1, -0.3, -0.5, 0.054, 0.046, 0.1, -0.2, 5.6,
+            bounds: vec![
+                [0.25, 0.6],
+                [0.3, 0.9],
+                [-0.25, 0.31],
+                [-1.0, 1.0],
+                [0.02, 0.06],
+                [-0.3, 0.6],
+                [-0.5, 0.5],
+                [4.8, 7.0],
             ],
+            start: vec![0.4, 0.6, 0.1, -0.8, 0.046, 0.15, -0.06, 5.44],
             spread: 0.12,
             candidates: 40,
             best: 8,
@@ -320,7 +285,8 @@ impl Over {
         let score = |x: &[f64]| {
             let leap = Leap::of(x);
             let worth = |k: usize| {
-                let back = self.front(self.seed, k) + self.length + 2.0 * self.robot.body.radius;
+                let back =
+                    self.front(self.seed, k) + self.obstacle.length + 2.0 * self.robot.body.radius;
                 let goes_on = |ball: &Ball, _| ball.place[0] < back;
                 let passed = self.passed(&leap, (self.seed, k), false, goes_on);
                 passed.map_or(LOST, |it| it.worth())
@@ -349,25 +315,24 @@ impl Over {
 impl Leap {
     /// That of the numbers of the search.
     fn of(x: &[f64]) -> Leap {
-        let pair = |k: usize| [x[k], x[k + 1]];
         Leap {
-            from: pair(0),
-            lean: pair(2),
-            nearer: pair(4),
-            open: pair(6),
-            by_speed: pair(8),
-            rate: x[10],
+            aim: x[0],
+            from: x[1],
+            lean: x[2],
+            nearer: x[3],
+            open: x[4],
+            by_speed: [x[5], x[6]],
+            rate: x[7],
         }
     }
 }
 
 impl Passed {
-    fn note(&mut self, ball: &Ball, clearance: f64, jumper: &Jumper) {
+    fn note(&mut self, ball: &Ball, clearance: f64, jumped: Option<(f64, f64)>) {
         self.clearance = self.clearance.min(clearance);
         self.apex = self.apex.max(ball.place[2]);
-        if self.jumped.is_none() && jumper.jumped.is_some() {
-            (self.jumped, self.by_twins) = (jumper.jumped, jumper.by_twins);
-            self.speed = ball.velocity[0];
+        if let (None, Some((far, _))) = (self.jumped, jumped) {
+            (self.jumped, self.speed) = (Some(far), ball.velocity[0]);
         }
     }
 
@@ -380,96 +345,5 @@ impl Passed {
             LOST
         };
         clear + near
-    }
-}
-
-/// What a robot does: run, jump, run on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Phase {
-    Runs,
-    /// Its legs push; it is still on the ground.
-    Pushes,
-    Flies,
-    Landed,
-}
-
-struct Jumper {
-    leap: Leap,
-    front: f64,
-    course: Course,
-    phase: Phase,
-    by_twins: bool,
-    jumped: Option<f64>,
-    /// The last station that was left to the gait.
-    decided: Option<i32>,
-}
-
-impl Jumper {
-    fn fire(
-        &mut self,
-        ball: &Ball,
-        balancer: &mut Balancer<'_, f64>,
-        period: f64,
-    ) -> Vec<Firing<f64>> {
-        let truth = Estimate {
-            attitude: Rotation(ball.attitude),
-            spin: ball.spin,
-            velocity: ball.velocity,
-            place: ball.place,
-        };
-        let known = ball.estimate.unwrap_or(truth);
-        let heading = self.course.turn(period, &known.place);
-        let [aside, aside_rate] = self.course.aside(&known.place, &known.velocity);
-        let sight = Sight {
-            attitude: known.attitude,
-            spin: known.spin,
-            aside,
-            aside_rate,
-            course: heading,
-            touching: ball.touching,
-        };
-        let (lying, fired) = balancer.step(&sight);
-        self.phase = match self.phase {
-            Phase::Pushes if ball.touching == 0 => Phase::Flies,
-            Phase::Flies if ball.touching != 0 => Phase::Landed,
-            phase => phase,
-        };
-        match self.phase {
-            Phase::Pushes | Phase::Flies => return Vec::new(),
-            Phase::Landed => return fired.into_iter().flatten().collect(),
-            Phase::Runs => {}
-        }
-        let gait = || fired.into_iter().flatten().collect();
-        let here = balancer.tracker().passed();
-        let Some(station) = balancer.tracker().station() else {
-            return Vec::new();
-        };
-        let kind = usize::from(station.is_of_twins());
-        let faster = known.velocity[0] - SPEED;
-        let leap = &self.leap;
-        let from = leap.from[kind] + leap.by_speed[0] * faster;
-        let far = self.front - known.place[0];
-        let lean = leap.lean[kind] + leap.nearer[kind] * (from - far) + leap.by_speed[1] * faster;
-        let touches = |leg: &u32| ball.touching >> *leg & 1 == 1;
-        let stands = station.legs.iter().any(touches);
-        let fires = fired.iter().any(Option::is_some);
-        // A station decides once, where it comes to its lean; one that has pushed has no stroke left.
-        let is_due = stands && self.decided != Some(here) && (lying.lean >= lean || fires);
-        if is_due && !(far <= from && far > 0.0) {
-            self.decided = Some(here);
-        }
-        if !is_due || self.decided == Some(here) {
-            return gait();
-        }
-        self.phase = Phase::Pushes;
-        (self.jumped, self.by_twins) = (Some(far), kind == 1);
-        let open = self.leap.open[kind];
-        let [left, right] = station.legs;
-        let legs = if kind == 1 {
-            vec![left, right]
-        } else {
-            vec![left]
-        };
-        legs.into_iter().map(|leg| Firing { leg, open }).collect()
     }
 }

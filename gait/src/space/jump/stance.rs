@@ -381,7 +381,7 @@ impl Stance {
         let along = state.attitude * leg.direction;
         let extension = self.extension(state, it.leg, it.sunk);
         let foot = self.middle(state) + along * (self.reach + extension);
-        let body = self.velocity_at(state, &foot);
+        let body = Stance::velocity_at(state, &foot);
         let speed = -body.z / along.z;
         let at = foot - Vec3::z() * self.foot;
         let slip = body + along * speed - Vec3::z().cross(&state.spin) * -self.foot;
@@ -409,7 +409,7 @@ impl Stance {
             return None;
         }
         let at = foot - Vec3::z() * self.foot;
-        let speed = self.velocity_at(state, &at);
+        let speed = Stance::velocity_at(state, &at);
         let (stiffness, damping) = self.rubber;
         let normal = (stiffness * depth - damping * speed.z).max(0.0);
         Some(Push {
@@ -419,7 +419,7 @@ impl Stance {
         })
     }
 
-    fn velocity_at(&self, state: &State, place: &Vec3) -> Vec3 {
+    fn velocity_at(state: &State, place: &Vec3) -> Vec3 {
         state.velocity + state.spin.cross(&(place - state.place))
     }
 

@@ -6,7 +6,7 @@ use clap::Args;
 use saltus::Robot;
 use saltus::gait::space::DrawnBalls;
 use saltus::gait::space::jump::{
-    Cycle, Flown, JumpPlan, Leap, Over, Passed, Planner, Spot, fly, landed,
+    Cycle, Flown, JumpPlan, Leap, ON, Over, Passed, Planner, SPEED, Spot, fly, landed,
 };
 use saltus::gait::{GaitError, Obstacle};
 use saltus::numeric::parallel;
@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 
 use super::super::Status;
 use super::super::run::in_words;
-use super::Jump;
+use super::{Course, Jump};
 use crate::error::{CliError, cut};
 use crate::output::{self, Cell, Format, Table, digits};
 use crate::plot::Drawing;
@@ -47,16 +47,12 @@ pub(super) struct Ball {
     /// Where the robot can land from rest: jumps to places this far apart (m)
     #[arg(long, value_name = "SPACING", value_parser = distance, allow_hyphen_values = true)]
     map: Option<f64>,
-
-    /// Jump over --obstacle out of a run
-    #[arg(long)]
-    from_run: bool,
 }
 
 /// Robots on which a jump is sought, where no flag says otherwise.
 const SOUGHT_ON: u16 = 16;
 /// Robots, and generations, of the search for a jump out of a run.
-const FROM_RUN: (u16, u16) = (12, 14);
+const FROM_RUN: (u16, u16) = (16, 6);
 /// How near (m) a robot has to land.
 const NEAR: f64 = 0.1;
 /// Shares that are enough: of robots that land near, and of those that clear a box.
@@ -74,7 +70,6 @@ impl Ball {
             ("--heading", self.heading.is_some()),
             ("--rest", self.rest.is_some()),
             ("--map", self.map.is_some()),
-            ("--from-run", self.from_run),
         ];
         match given.into_iter().find(|(_, is_given)| *is_given) {
             Some((flag, _)) => {
@@ -99,42 +94,38 @@ impl Jump {
     /// The jump of the robot in space that the flags name.
     pub(super) fn in_space(&self, robot: &Robot) -> Result<Status, CliError> {
         self.learning.refuse()?;
-        for (flag, is_given) in [("--legs", self.legs.is_some()), ("--constant", self.constant)] {
+        for (flag, is_given) in [
+            ("--legs", self.legs.is_some()),
+            ("--constant", self.constant),
+        ] {
             if is_given {
                 return Err(CliError::flag(flag, "", "used with a robot in its plane"));
             }
         }
-        let place = self.ball.place();
         if self.plot.is_set() && self.ball.map.is_none() {
-            return Err(CliError::flag("--plot", "", "used with --map for a robot in space"));
+            let allowed = "used with --map for a robot in space";
+            return Err(CliError::flag("--plot", "", allowed));
         }
-        let from_rest = u8::from(place.is_some()) + u8::from(self.ball.map.is_some());
-        if self.ball.from_run {
-            if from_rest > 0 || self.ball.rest.is_some() {
-                let allowed = "used without --target, --heading, --map and --rest";
-                return Err(CliError::flag("--from-run", "", allowed));
-            }
-            return self.over(robot);
-        }
-        if self.obstacle.is_some() {
-            let allowed = "used with --from-run for a robot in space";
-            return Err(CliError::flag("--obstacle", "", allowed));
-        }
-        if self.generations.is_some() {
-            let allowed = "used with --from-run for a robot in space";
+        if self.generations.is_some() && self.obstacle.is_none() {
+            let allowed = "used with --obstacle for a robot in space";
             return Err(CliError::flag("--generations", "", allowed));
         }
-        match (place, self.ball.map) {
-            (Some(_), Some(_)) => {
+        match (self.obstacle, self.ball.place(), self.ball.map) {
+            (Some(course), None, None) => self.over(robot, course),
+            (None, Some(target), None) => self.to(robot, target),
+            (None, None, Some(spacing)) => self.map(robot, spacing),
+            (None, None, None) => Err(CliError::Missing {
+                flag: "--target",
+                allowed: "X,Y in m; or --heading with --distance, --map, or --obstacle",
+            }),
+            (Some(_), ..) => {
+                let allowed = "used without --target, --heading and --map for a robot in space";
+                Err(CliError::flag("--obstacle", "", allowed))
+            }
+            _ => {
                 let allowed = "used without --target and --heading";
                 Err(CliError::flag("--map", "", allowed))
             }
-            (None, Some(spacing)) => self.map(robot, spacing),
-            (Some(target), None) => self.to(robot, target),
-            (None, None) => Err(CliError::Missing {
-                flag: "--target",
-                allowed: "X,Y in m; or --heading with --distance, --map, or --obstacle with --from-run",
-            }),
         }
     }
 
@@ -197,14 +188,17 @@ impl Jump {
         let robots = usize::from(self.robots);
         let shares = parallel::map_on(threads, spots.len(), |k| {
             let Spot { target, plan } = &spots[k];
-            let share = plan.is_reached().then(|| {
-                nearby(&planner, plan, *target, (robots, self.others()), 1)
-            });
+            let share = plan
+                .is_reached()
+                .then(|| nearby(&planner, plan, *target, (robots, self.others()), 1));
             progress.advance(1);
             share.transpose()
         });
         drop(progress);
-        let shares: Vec<Option<Share>> = shares.into_iter().collect::<Result<_, _>>().map_err(refused)?;
+        let shares: Vec<Option<Share>> = shares
+            .into_iter()
+            .collect::<Result<_, _>>()
+            .map_err(refused)?;
         let map = Map {
             name: &robot.name,
             spacing,
@@ -223,23 +217,22 @@ impl Jump {
         Ok(if is_yes { Status::Done } else { Status::No })
     }
 
-    fn over(&self, robot: &Robot) -> Result<Status, CliError> {
-        let Some(course) = self.obstacle else {
-            return Err(CliError::Missing {
-                flag: "--obstacle",
-                allowed: "HEIGHTxLENGTH@FRONT in m, as in 0.21x0.21@2, or with FROM:TO as FRONT",
-            });
-        };
-        let refused = |error| over_refused(error, robot);
+    fn over(&self, robot: &Robot, course: Course) -> Result<Status, CliError> {
+        if self.ball.rest.is_some() {
+            return Err(CliError::flag("--rest", "", "used without --obstacle"));
+        }
+        let threads = self.threads.count().get();
+        let refused = |error| refused(error, robot);
         let farthest = course.fronts().map_or(course.front, |fronts| fronts[1]);
         let obstacle = course.at(course.front);
-        let mut over = Over::new(robot, obstacle, farthest).map_err(refused)?;
+        let mut over = Over::new(robot, obstacle, farthest, threads).map_err(refused)?;
         over.seed = self.seed;
         let generations = usize::from(self.generations.unwrap_or(FROM_RUN.1));
         let sought_on = usize::from(self.sought_on.unwrap_or(FROM_RUN.0));
-        let threads = self.threads.count().get();
         let progress = Progress::new("generations", generations);
-        let leap = over.plan((sought_on, generations), threads, |_, _, _| progress.advance(1));
+        let leap = over.plan((sought_on, generations), threads, |_, _, _| {
+            progress.advance(1);
+        });
         drop(progress);
         let leap = leap.map_err(refused)?;
         let robots = usize::from(self.robots);
@@ -315,7 +308,13 @@ impl Answer<'_> {
             let name = format!("firing {}", k + 1);
             let at = digits(1e3 * command.at, 4);
             let open = digits(1e3 * command.open, 4);
-            line(&name, format!("leg {} at {at} ms, valve open for at most {open} ms", command.leg));
+            line(
+                &name,
+                format!(
+                    "leg {} at {at} ms, valve open for at most {open} ms",
+                    command.leg
+                ),
+            );
         }
         for (name, touch) in [
             ("lands by the model", self.plan.modelled),
@@ -457,14 +456,22 @@ impl Map<'_> {
             let _ = writeln!(text, "  {name:<24} {what}");
         };
         let count = self.reached().count();
-        line("in reach", format!("{count} of {} places", self.spots.len()));
+        line(
+            "in reach",
+            format!("{count} of {} places", self.spots.len()),
+        );
         let far = |spot: &Spot| spot.target[0].hypot(spot.target[1]);
-        let farthest = self.reached().map(|(spot, _)| far(spot)).fold(0.0, f64::max);
+        let farthest = self
+            .reached()
+            .map(|(spot, _)| far(spot))
+            .fold(0.0, f64::max);
         line("farthest", format!("{} m", digits(farthest, 4)));
         line("jumps within 10 cm", in_words(&self.together()));
         let enough = self.reached().filter(|(_, share)| share.value() >= ENOUGH);
         line("places with 90 %", format!("{} of {count}", enough.count()));
-        let least = self.reached().min_by(|a, b| a.1.value().total_cmp(&b.1.value()));
+        let least = self
+            .reached()
+            .min_by(|a, b| a.1.value().total_cmp(&b.1.value()));
         if let Some((spot, share)) = least {
             let [x, y] = spot.target.map(|x| digits(x, 4));
             line("least", format!("{} at ({x}, {y}) m", in_words(share)));
@@ -474,7 +481,15 @@ impl Map<'_> {
 
     fn table(&self) -> Table {
         let mut table = Table::new(&[
-            "x_m", "y_m", "is_reached", "mean_off_m", "miss_m", "within_10_cm", "of", "apex_m", "flight_s",
+            "x_m",
+            "y_m",
+            "is_reached",
+            "mean_off_m",
+            "miss_m",
+            "within_10_cm",
+            "of",
+            "apex_m",
+            "flight_s",
             "firings",
         ]);
         for (spot, share) in self.spots.iter().zip(self.shares) {
@@ -487,7 +502,9 @@ impl Map<'_> {
             let lift = plan.flown.lift.map(|lift| lift.time);
             let touch = plan.flown.touch;
             let flight = lift.zip(touch).map(|(lift, touch)| touch.time - lift);
-            let count = |of: fn(&Share) -> usize| share.as_ref().map_or(Cell::Empty, |it| Cell::Count(of(it)));
+            let count = |of: fn(&Share) -> usize| {
+                share.as_ref().map_or(Cell::Empty, |it| Cell::Count(of(it)))
+            };
             table.push(vec![
                 spot.target[0].into(),
                 spot.target[1].into(),
@@ -520,7 +537,8 @@ impl Map<'_> {
         let of = |keeps: &dyn Fn(&Option<Share>) -> bool| {
             let both = self.spots.iter().zip(self.shares);
             let kept = both.filter(|(_, share)| keeps(share));
-            kept.map(|(spot, _)| (spot.target[0], spot.target[1])).collect::<Vec<_>>()
+            kept.map(|(spot, _)| (spot.target[0], spot.target[1]))
+                .collect::<Vec<_>>()
         };
         let enough = |share: &Share| share.value() >= ENOUGH;
         let dots = |label: &str, points, color| Line {
@@ -530,8 +548,16 @@ impl Map<'_> {
             mark: Mark::Dots,
         };
         let lines = vec![
-            dots("90 of 100 robots land within 10 cm", of(&|it| it.as_ref().is_some_and(enough)), GREEN),
-            dots("fewer do", of(&|it| it.as_ref().is_some_and(|it| !enough(it))), BLUE),
+            dots(
+                "90 of 100 robots land within 10 cm",
+                of(&|it| it.as_ref().is_some_and(enough)),
+                GREEN,
+            ),
+            dots(
+                "fewer do",
+                of(&|it| it.as_ref().is_some_and(|it| !enough(it))),
+                BLUE,
+            ),
             dots("out of reach", of(&Option::is_none), GREY),
             dots("feet at rest", self.feet.clone(), INK),
         ];
@@ -567,7 +593,11 @@ impl Crossings<'_> {
     }
 
     fn text(&self) -> String {
-        let Obstacle { front, length, height } = self.obstacle;
+        let Obstacle {
+            front,
+            length,
+            height,
+        } = self.obstacle;
         let mut text = format!(
             "{}: out of a run over a box {} m high and {} m long, its front {} to {} m from the middle at rest\n",
             self.name,
@@ -579,16 +609,44 @@ impl Crossings<'_> {
         let mut line = |name: &str, what: String| {
             let _ = writeln!(text, "  {name:<24} {what}");
         };
-        for (k, stations) in KINDS.iter().enumerate() {
-            let from = digits(self.leap.from[k], 3);
-            let [behind, ahead] = [self.leap.behind[k], self.leap.ahead[k]].map(|x| digits(1e3 * x, 3));
-            line(stations, format!("from {from} m on, {behind} ms behind and {ahead} ms ahead"));
-        }
-        line("for each m/s faster", format!("{} m earlier", digits(self.leap.by_speed, 3)));
-        line("rate of the run-up", format!("{} rad/s", digits(self.leap.rate, 3)));
+        let leap = self.leap;
+        let short = |x: f64| digits(x, 3);
+        line(
+            "first push",
+            format!("so that twins come down {} m before it", short(leap.aim)),
+        );
+        line("rate of the run-up", format!("{} rad/s", short(leap.rate)));
+        let [earlier, later] = leap.by_speed.map(short);
+        line(
+            "twins jump",
+            format!(
+                "from {} m before it on, for {} ms",
+                short(leap.from),
+                short(1e3 * leap.open)
+            ),
+        );
+        line(
+            "at a lean of",
+            format!(
+                "{} rad, and {} rad more for each m nearer",
+                short(leap.lean),
+                short(leap.nearer)
+            ),
+        );
+        line(
+            &format!("for each m/s above {SPEED}"),
+            format!("{earlier} m earlier, {later} rad more"),
+        );
         line("cleared", in_words(&self.share(|it| it.cleared)));
-        line("did not jump", in_words(&self.share(|it| it.jumped.is_none())));
-        line("rolled on for 2 m", in_words(&self.share(|it| it.ran_on)));
+        line(
+            "did not jump",
+            in_words(&self.share(|it| it.jumped.is_none())),
+        );
+        let on = digits(ON, 3);
+        line(
+            &format!("went on for {on} m"),
+            in_words(&self.share(|it| it.ran_on)),
+        );
         let mut apexes: Vec<f64> = self.tried.iter().map(|it| it.apex).collect();
         let apex = saltus::numeric::statistics::median(&mut apexes);
         line("median of the height", format!("{} m", digits(apex, 3)));
@@ -597,14 +655,22 @@ impl Crossings<'_> {
 
     fn table(&self) -> Table {
         let mut table = Table::new(&[
-            "robot", "front_m", "jumped_at_m", "legs", "speed_m_s", "clearance_m", "apex_m", "cleared", "ran_on",
+            "robot",
+            "front_m",
+            "first_valve_open_s",
+            "jumped_at_m",
+            "speed_m_s",
+            "clearance_m",
+            "apex_m",
+            "cleared",
+            "ran_on",
         ]);
         for (k, it) in self.tried.iter().enumerate() {
             table.push(vec![
                 Cell::Count(k),
                 it.front.into(),
+                it.first.into(),
                 it.jumped.into(),
-                Cell::Count(it.legs),
                 it.speed.into(),
                 it.clearance.into(),
                 it.apex.into(),
@@ -616,19 +682,24 @@ impl Crossings<'_> {
     }
 
     fn json(&self, seed: u64) -> Value {
-        let Obstacle { front, length, height } = self.obstacle;
+        let Obstacle {
+            front,
+            length,
+            height,
+        } = self.obstacle;
+        let leap = self.leap;
         json!({
             "command": "jump",
             "robot": self.name,
             "obstacle": {"height_m": height, "length_m": length, "fronts_m": [front, self.farthest]},
-            "jumps": KINDS.iter().enumerate().map(|(k, stations)| json!({
-                "stations": stations,
-                "from_m": self.leap.from[k],
-                "valve_open_behind_s": self.leap.behind[k],
-                "valve_open_ahead_s": self.leap.ahead[k],
-            })).collect::<Vec<_>>(),
-            "from_by_speed_s": self.leap.by_speed,
-            "rate_rad_s": self.leap.rate,
+            "aim_m": leap.aim,
+            "from_m": leap.from,
+            "lean_rad": leap.lean,
+            "lean_by_distance_rad_m": leap.nearer,
+            "valve_open_s": leap.open,
+            "from_by_speed_s": leap.by_speed[0],
+            "lean_by_speed_rad_s_m": leap.by_speed[1],
+            "rate_rad_s": leap.rate,
             "cleared": share(&self.share(|it| it.cleared)),
             "ran_on": share(&self.share(|it| it.ran_on)),
             "robots": self.table().json(),
@@ -637,32 +708,38 @@ impl Crossings<'_> {
     }
 }
 
-/// What the stations behind and ahead are.
-const KINDS: [&str; 3] = ["single, single", "single, twins", "twins, single"];
-
 /// A refusal of the library, in the words of the command.
 fn refused(error: GaitError, robot: &Robot) -> CliError {
     match error {
-        GaitError::Input { name, value, allowed } if name.starts_with("target") => {
+        GaitError::Input {
+            name,
+            value,
+            allowed,
+        } if name.starts_with("target") => {
             CliError::flag("--target", format!("({name} = {value})"), allowed)
         }
-        GaitError::Input { name, value, allowed } if name == "rest" => {
-            CliError::flag("--rest", value, allowed)
-        }
-        GaitError::Input { name, value, allowed } if name.starts_with("spacing") => {
-            CliError::flag("--map", value, allowed)
-        }
-        error => over_refused(error, robot),
+        GaitError::Input {
+            name,
+            value,
+            allowed,
+        } if name == "rest" => CliError::flag("--rest", value, allowed),
+        GaitError::Input {
+            name,
+            value,
+            allowed,
+        } if name.starts_with("spacing") => CliError::flag("--map", value, allowed),
+        error => super::refused(error, robot),
     }
-}
-
-fn over_refused(error: GaitError, robot: &Robot) -> CliError {
-    super::refused(error, robot)
 }
 
 /// Parser of a flag.
 fn place(text: &str) -> Result<[f64; 2], String> {
-    let wrong = || format!("{:?} must be X,Y: two finite numbers in m, from -100 to 100", cut(text));
+    let wrong = || {
+        format!(
+            "{:?} must be X,Y: two finite numbers in m, from -100 to 100",
+            cut(text)
+        )
+    };
     let (x, y) = text.split_once(',').ok_or_else(wrong)?;
     let metres = |part: &str| {
         let number = part.trim().trim_end_matches('m').trim().parse::<f64>().ok();
@@ -673,7 +750,12 @@ fn place(text: &str) -> Result<[f64; 2], String> {
 
 /// Parser of a flag.
 fn heading(text: &str) -> Result<f64, String> {
-    let wrong = || format!("{:?} must be an angle from -2 pi to 2 pi rad, or in deg", cut(text));
+    let wrong = || {
+        format!(
+            "{:?} must be an angle from -2 pi to 2 pi rad, or in deg",
+            cut(text)
+        )
+    };
     let (number, unit) = match text.trim().strip_suffix("deg") {
         Some(number) => (number, 1_f64.to_radians()),
         None => (text.trim().trim_end_matches("rad"), 1.0),

@@ -152,7 +152,7 @@ impl Jump {
     fn greatest(&self, sensed: &Sensed, pressures: &[f64]) -> Result<Status, CliError> {
         self.output.ready(&self.plot)?;
         let mut sensed = sensed.clone();
-        let most = course.height;
+        let most = sensed.heights[0];
         let mut heights = vec![most];
         while heights.last().is_some_and(|last| last - STEP > 0.5 * STEP) {
             heights.push(most - heights.len() as f64 * STEP);

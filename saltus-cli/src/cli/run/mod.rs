@@ -40,6 +40,7 @@ use crate::progress::Progress;
 use crate::quantity::{self, Quantity, QuantityError};
 use analysis::Depth;
 use follow::{Follower, OnTheWay, Thinned};
+pub(crate) use ensemble::in_words;
 pub(crate) use gait::Aim;
 use gait::{Chosen, GaitFlags};
 use held::Held;
