@@ -2,7 +2,7 @@
 
 use nalgebra::{Quaternion, UnitQuaternion};
 use saltus_gait::space::jump::{
-    Command, Flown, Guide, Jump, Leap, Over, Planner, Stance, Standing, Touch, fly, landed,
+    Command, Flown, Guide, Jump, Leap, Over, Passed, Planner, Stance, Standing, Touch, fly, landed,
 };
 use saltus_gait::space::{DrawnBalls, Knows, drawn_ball};
 use saltus_gait::{GaitError, Obstacle};
@@ -121,7 +121,7 @@ fn the_model_flies_a_parabola() -> Result<(), GaitError> {
 
 #[test]
 fn the_model_lands_where_the_simulation_does() -> Result<(), GaitError> {
-    // What the model leaves out, the inertia of a leg that pushes and how its foot comes to the ground, is worth some centimetres.
+    // What the model leaves out, the inertia of a leg that pushes and how its foot comes to the ground, is worth 9 % of the way.
     let firings: [&[(usize, f64, f64)]; 5] = [
         &[(0, 0.0, 0.05)],
         &[(1, 0.0, 0.02)],
@@ -142,7 +142,7 @@ fn the_model_lands_where_the_simulation_does() -> Result<(), GaitError> {
             let at = landed(&flown).expect("it lands");
             let miss = far([modelled.place[0], modelled.place[1]], at);
             assert!(
-                miss < 0.05,
+                miss < 0.02 + 0.08 * at[0].hypot(at[1]),
                 "{friction} {firings:?}: {modelled:?} {flown:?}"
             );
             let apex = flown.touch.expect("it lands").apex;
@@ -238,43 +238,65 @@ fn closing_valves_by_sensors_makes_robots_land_alike() -> Result<(), GaitError> 
     Ok(())
 }
 
-/// A jump that was found for a box of 10 cm.
-fn leap() -> Leap {
-    Leap {
-        from: [0.4712, 0.5298],
-        lean: [0.0383, 0.1094],
-        nearer: [-0.6187, -0.8331],
-        open: [0.0539, 0.0455],
-        by_speed: [0.1563, -0.0601],
-        rate: 5.4392,
-    }
-}
+/// A jump that was found for a box of 21 cm, 2.2 m ahead.
+const LEAP: Leap = Leap {
+    aim: 0.417,
+    from: 0.668,
+    lean: 0.156,
+    nearer: -0.613,
+    open: 0.044,
+    by_speed: [0.182, -0.085],
+    rate: 5.58,
+};
+
+const BOX: Obstacle = Obstacle {
+    front: 2.2,
+    length: 0.21,
+    height: 0.21,
+};
 
 #[test]
-fn a_robot_comes_over_a_box_out_of_a_run_and_not_without_a_jump() -> Result<(), GaitError> {
-    let obstacle = Obstacle {
-        front: 2.0,
-        length: 0.15,
-        height: 0.1,
-    };
-    let over = Over::new(&twelve(&[]), obstacle, 3.4)?;
-    let passed = over.try_on(&leap(), (10, 1001), 2)?;
+fn robots_come_over_a_box_out_of_a_run_and_not_without_a_jump() -> Result<(), GaitError> {
+    let robot = twelve(&[]);
+    let over = Over::new(&robot, BOX, BOX.front, 2)?;
+    let passed = over.try_on(&LEAP, (12, 1001), 2)?;
+    assert_eq!(passed, over.try_on(&LEAP, (12, 1001), 1)?);
     let cleared = passed.iter().filter(|it| it.cleared).count();
-    assert!(cleared >= 7, "{passed:?}");
-    assert!(
-        passed.iter().all(|it| it.cleared == (it.clearance > 0.0)),
-        "{passed:?}"
-    );
-    assert_eq!(passed, over.try_on(&leap(), (10, 1001), 1)?);
-    // One that does not jump runs into it.
-    let mut never = leap();
-    never.from = never.from.map(|_| 0.0);
-    never.by_speed = never.by_speed.map(|_| 0.0);
+    assert!(cleared >= 9, "{passed:?}");
+    for it in &passed {
+        assert!(!it.cleared || it.clearance > 0.0, "{it:?}");
+        // Over the box the middle of a robot is higher than it, and a leg's length in the plane of twins more.
+        assert!(!it.cleared || it.apex > 0.21 + 0.85 * 0.24, "{it:?}");
+    }
+    // After that they go on, on their feet again where they fell.
+    let ran_on = passed.iter().filter(|it| it.ran_on).count();
+    assert!(ran_on + 1 >= cleared, "{passed:?}");
+    // One that never jumps comes to the box, and not over it.
+    let never = Leap { from: 0.0, ..LEAP };
+    let never = Leap {
+        by_speed: [0.0; 2],
+        ..never
+    };
     let passed = over.try_on(&never, (4, 1001), 2)?;
-    assert!(
-        passed.iter().all(|it| !it.cleared && it.jumped.is_none()),
-        "{passed:?}"
-    );
+    let came = |it: &Passed| !it.cleared && it.jumped.is_none() && it.clearance <= 0.0;
+    assert!(passed.iter().all(came), "{passed:?}");
+    Ok(())
+}
+
+/// The first push moves the places of the feet by up to as much as feet of twins are apart: wherever the box is, some jump.
+#[test]
+fn the_first_push_brings_twins_before_a_box_wherever_it_is() -> Result<(), GaitError> {
+    let robot = twelve(&[]);
+    let over = Over::new(&robot, BOX, BOX.front + 1.0, 2)?;
+    let passed = over.try_on(&LEAP, (24, 7), 2)?;
+    let near = |it: &&Passed| it.jumped.is_some_and(|far| (far - LEAP.aim).abs() < 0.2);
+    let count = passed.iter().filter(near).count();
+    // Left to chance it is the share of 0.4 m in the 0.71 m from twins to twins.
+    assert!(count >= 19, "{count}: {passed:?}");
+    let fronts = passed.iter().map(|it| it.front);
+    let least = fronts.clone().fold(f64::INFINITY, f64::min);
+    let most = fronts.fold(0.0, f64::max);
+    assert!(least < 2.3 && most > 3.1, "{least} {most}");
     Ok(())
 }
 
@@ -310,19 +332,23 @@ fn what_is_no_jump_is_refused() -> Result<(), GaitError> {
         length: 0.2,
         height,
     };
-    let around = Over::new(&robot, obstacle(0.1, 0.2), 3.0).expect_err("refused");
+    let around = Over::new(&robot, obstacle(0.1, 0.2), 3.0, 1).expect_err("refused");
     says(around, "around the robot");
     says(
-        Over::new(&robot, obstacle(2.0, 0.0), 3.0).expect_err("refused"),
+        Over::new(&robot, obstacle(2.0, 0.0), 3.0, 1).expect_err("refused"),
         "height",
     );
     says(
-        Over::new(&robot, obstacle(2.0, 0.2), 1.0).expect_err("refused"),
+        Over::new(&robot, obstacle(2.0, 0.2), 1.0, 1).expect_err("refused"),
         "farthest front",
     );
     says(
-        Over::new(&robot, obstacle(2.0, f64::NAN), 3.0).expect_err("refused"),
+        Over::new(&robot, obstacle(2.0, f64::NAN), 3.0, 1).expect_err("refused"),
         "height",
+    );
+    says(
+        Over::new(&planar, obstacle(2.0, 0.1), 3.0, 1).expect_err("refused"),
+        "body.shape",
     );
     Ok(())
 }
