@@ -37,6 +37,18 @@ impl Quantity {
         allowed: "an angle strictly between -pi/2 and pi/2 rad",
         legal: |x| x.abs() < std::f64::consts::FRAC_PI_2,
     };
+    /// Direction on the ground (rad).
+    pub(crate) const HEADING: Quantity = Quantity {
+        suffixes: &[("rad", Scale::Times(1.0)), ("deg", DEGREES)],
+        allowed: "an angle from -2 pi to 2 pi rad",
+        legal: |x| x.abs() <= std::f64::consts::TAU,
+    };
+    /// Place on the ground (m), along one axis.
+    pub(crate) const PLACE: Quantity = Quantity {
+        suffixes: METRES,
+        allowed: "a number from -100 to 100 m",
+        legal: |x| x.abs() <= 100.0,
+    };
     /// Time (s).
     pub(crate) const TIME: Quantity = Quantity {
         suffixes: &[("ms", Scale::Over(1e3)), ("s", Scale::Times(1.0))],
@@ -177,6 +189,11 @@ impl QuantityError {
 /// Parser of a flag.
 pub(crate) fn angle(text: &str) -> Result<f64, QuantityError> {
     Quantity::ANGLE.parse(text)
+}
+
+/// Parser of a flag.
+pub(crate) fn heading(text: &str) -> Result<f64, QuantityError> {
+    Quantity::HEADING.parse(text)
 }
 
 /// Parser of a flag.

@@ -66,7 +66,7 @@ const GOES_ON: f64 = 15.0;
 /// Half the width (m) of the box.
 const WIDE: f64 = 10.0;
 /// Clearance (m) beyond which more is worth nothing, and what being clear at all is worth (m).
-const ENOUGH: f64 = 0.05;
+const ENOUGH: f64 = 0.08;
 const CLEAR: f64 = 0.1;
 /// What a robot is worth (m) that goes through the box, or does not come to it.
 const LOST: f64 = -0.25;

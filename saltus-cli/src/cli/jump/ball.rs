@@ -23,6 +23,7 @@ use crate::plot::line::{Line, Mark};
 use crate::plot::palette::{BLUE, GREEN, GREY, INK};
 use crate::plot::sheet::{Panel, Sheet};
 use crate::progress::Progress;
+use crate::quantity::{self, Quantity};
 
 /// What a robot in space does.
 #[derive(Args, Debug)]
@@ -33,11 +34,11 @@ pub(super) struct Ball {
     target: Option<[f64; 2]>,
 
     /// Jump from rest into this direction (rad), to the left of ahead, by --distance
-    #[arg(long, value_name = "ANGLE", value_parser = heading, allow_hyphen_values = true, requires = "distance", conflicts_with = "target")]
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::heading, allow_hyphen_values = true, requires = "distance", conflicts_with = "target")]
     heading: Option<f64>,
 
     /// How far (m) to jump with --heading
-    #[arg(long, value_name = "M", value_parser = distance, requires = "heading", allow_hyphen_values = true)]
+    #[arg(long, value_name = "M", value_parser = extent, requires = "heading", allow_hyphen_values = true)]
     distance: Option<f64>,
 
     /// Feet on which the robot stands at first, by their number among all that it can stand on [default: 0]
@@ -45,7 +46,7 @@ pub(super) struct Ball {
     rest: Option<u16>,
 
     /// Where the robot can land from rest: jumps to places this far apart (m)
-    #[arg(long, value_name = "SPACING", value_parser = distance, allow_hyphen_values = true)]
+    #[arg(long, value_name = "SPACING", value_parser = extent, allow_hyphen_values = true)]
     map: Option<f64>,
 }
 
@@ -294,7 +295,7 @@ struct Answer<'a> {
 
 impl Answer<'_> {
     fn text(&self) -> String {
-        let [x, y] = self.target.map(|x| digits(x, 4));
+        let [x, y] = self.target.map(short);
         let feet: Vec<String> = self.feet.iter().map(ToString::to_string).collect();
         let feet = feet.join(", ");
         let mut text = format!(
@@ -323,7 +324,7 @@ impl Answer<'_> {
             let what = touch.map_or_else(
                 || "it does not come off the ground".into(),
                 |touch| {
-                    let [x, y, _] = touch.place.map(|x| digits(x, 4));
+                    let [x, y, _] = touch.place.map(short);
                     let time = digits(touch.time, 4);
                     let apex = digits(touch.apex, 4);
                     format!("({x}, {y}) m after {time} s, at most {apex} m high")
@@ -336,7 +337,7 @@ impl Answer<'_> {
             "yes".into()
         } else {
             let nearest = match landed(&self.plan.flown) {
-                Some([x, y]) => format!("({}, {}) m", digits(x, 4), digits(y, 4)),
+                Some([x, y]) => format!("({}, {}) m", short(x), short(y)),
                 None => "where it stands".into(),
             };
             format!("no; the nearest landing that was found is {nearest}")
@@ -349,7 +350,7 @@ impl Answer<'_> {
 
     /// What it does after the landing, in words.
     fn after(&self) -> String {
-        let [x, y, _] = self.whole.rests.map(|x| digits(x, 4));
+        let [x, y, _] = self.whole.rests.map(short);
         if self.whole.speed < RESTS {
             format!("it comes to rest at ({x}, {y}) m")
         } else {
@@ -473,7 +474,7 @@ impl Map<'_> {
             .reached()
             .min_by(|a, b| a.1.value().total_cmp(&b.1.value()));
         if let Some((spot, share)) = least {
-            let [x, y] = spot.target.map(|x| digits(x, 4));
+            let [x, y] = spot.target.map(short);
             line("least", format!("{} at ({x}, {y}) m", in_words(share)));
         }
         text
@@ -734,46 +735,28 @@ fn refused(error: GaitError, robot: &Robot) -> CliError {
 
 /// Parser of a flag.
 fn place(text: &str) -> Result<[f64; 2], String> {
-    let wrong = || {
-        format!(
-            "{:?} must be X,Y: two finite numbers in m, from -100 to 100",
-            cut(text)
-        )
+    let Some((x, y)) = text.split_once(',') else {
+        return Err(format!("{:?} must be X,Y in m, as in 0.3,-0.2", cut(text)));
     };
-    let (x, y) = text.split_once(',').ok_or_else(wrong)?;
-    let metres = |part: &str| {
-        let number = part.trim().trim_end_matches('m').trim().parse::<f64>().ok();
-        number.filter(|x| x.abs() <= 100.0).ok_or_else(wrong)
+    let metres = |part| {
+        Quantity::PLACE
+            .parse(part)
+            .map_err(|error| error.to_string())
     };
     Ok([metres(x)?, metres(y)?])
 }
 
 /// Parser of a flag.
-fn heading(text: &str) -> Result<f64, String> {
-    let wrong = || {
-        format!(
-            "{:?} must be an angle from -2 pi to 2 pi rad, or in deg",
-            cut(text)
-        )
-    };
-    let (number, unit) = match text.trim().strip_suffix("deg") {
-        Some(number) => (number, 1_f64.to_radians()),
-        None => (text.trim().trim_end_matches("rad"), 1.0),
-    };
-    let angle = number.trim().parse::<f64>().map_err(|_| wrong())? * unit;
-    if angle.abs() <= std::f64::consts::TAU {
-        Ok(angle)
-    } else {
-        Err(wrong())
-    }
-}
-
-/// Parser of a flag.
-fn distance(text: &str) -> Result<f64, String> {
-    let metres = crate::quantity::distance(text).map_err(|error| error.to_string())?;
+fn extent(text: &str) -> Result<f64, String> {
+    let metres = quantity::distance(text).map_err(|error| error.to_string())?;
     if metres > 0.0 && metres <= 100.0 {
         Ok(metres)
     } else {
         Err(format!("{metres} m must be above 0, at most 100 m"))
     }
+}
+
+/// A place or speed in words: what is only round-off is 0.
+fn short(x: f64) -> String {
+    digits(if x.abs() < 1e-9 { 0.0 } else { x }, 4)
 }
