@@ -53,7 +53,7 @@ pub(super) struct Ball {
 /// Robots on which a jump is sought, where no flag says otherwise.
 const SOUGHT_ON: u16 = 16;
 /// Robots, and generations, of the search for a jump out of a run.
-const FROM_RUN: (u16, u16) = (12, 4);
+const FROM_RUN: (u16, u16) = (24, 3);
 /// How near (m) a robot has to land.
 const NEAR: f64 = 0.1;
 /// Shares that are enough: of robots that land near, and of those that clear a box.
@@ -562,16 +562,31 @@ impl Map<'_> {
             dots("out of reach", of(&Option::is_none), GREY),
             dots("feet at rest", self.feet.clone(), INK),
         ];
+        let high = |(spot, _): (&Spot, &Share)| {
+            let apex = spot.plan.flown.touch.map(|touch| touch.apex)?;
+            Some((spot.target[0].hypot(spot.target[1]), apex))
+        };
+        let heights = self.reached().filter_map(high).collect();
+        let heights = vec![dots("jumps to places in reach", heights, BLUE)];
         Drawing::Sheet(Sheet {
             title: format!("{}: where it lands from rest", self.name),
             course: None,
-            panels: vec![Panel {
-                title: "landing of the middle".into(),
-                x: "ahead (m)",
-                y: "to the left (m)",
-                lines,
-                least: None,
-            }],
+            panels: vec![
+                Panel {
+                    title: "landing of the middle".into(),
+                    x: "ahead (m)",
+                    y: "to the left (m)",
+                    lines,
+                    least: None,
+                },
+                Panel {
+                    title: "greatest height on the way".into(),
+                    x: "distance (m)",
+                    y: "height of the middle (m)",
+                    lines: heights,
+                    least: None,
+                },
+            ],
         })
     }
 }
