@@ -18,6 +18,12 @@
 #error "Wider intermediate results would change the answers"
 #endif
 
+#ifdef __GNUC__
+#define INLINE static inline __attribute__((always_inline))
+#else
+#define INLINE static inline
+#endif
+
 /* A constant, rounded from double as in Rust. */
 #define R(x) ((saltus_real)(x))
 #define SQRT(x) @SQRT@(x)
@@ -55,7 +61,7 @@ static void add(const saltus_real a[3], saltus_real s, const saltus_real b[3], s
 }
 
 /* v of the first frame in the second. */
-static void turn(const saltus_rotation *q, const saltus_real v[3], saltus_real out[3]) {
+INLINE void turn(const saltus_rotation *q, const saltus_real v[3], saltus_real out[3]) {
     saltus_real u[3] = {q->x, q->y, q->z}, t[3], c[3], w[3];
     cross(u, v, t);
     add(t, R(1.0), t, t);
@@ -390,4 +396,157 @@ void saltus_balancer_step(saltus_balancer *b, const saltus_sight *sight, saltus_
     sum_up(b, lying, sight);
     if (open - more >= p->least) fire(&firings[0], station->legs[0], open - more);
     if (open + more >= p->least) fire(&firings[1], station->legs[1], open + more);
+}
+
+/* Where the path is: the heading of its present piece (rad), how far the ball is to its left (m), how fast it goes to the left of its course (m/s), and
+ * the heading to the place ahead (rad). */
+typedef struct { saltus_real line, left, left_rate, aim; } way;
+
+/* The unit vector along a heading of at most a turn. */
+static void direction(saltus_real heading, saltus_real out[2]) {
+    saltus_real half = heading * R(0.5), s = half * half;
+    saltus_real even = R(0.041666668) + s * (R(-0.0013888889) + s * (R(0.000024801588) + s * R(-0.00000027557319)));
+    saltus_real odd = R(-0.16666667) + s * (R(0.008333334) + s * (R(-0.00019841270) + s * R(0.0000027557319)));
+    saltus_real x = R(1.0) + s * (R(-0.5) + s * even), y = half + half * s * odd;
+    out[0] = x * x - y * y;
+    out[1] = (x + x) * y;
+}
+
+void saltus_pilot_start(saltus_pilot *p, const saltus_lead *lead, const saltus_plane *planes, uint32_t plane_count,
+    const saltus_real (*path)[2], uint32_t path_count) {
+    p->lead = lead;
+    p->planes = planes;
+    p->plane_count = plane_count;
+    p->path = path;
+    p->path_count = path_count;
+    p->next = p->plane = p->still = p->idle = p->attempts = p->starts = 0;
+    p->from[0] = p->from[1] = p->course = R(0.0);
+    p->passed = 0;
+    p->rolls = p->faces = 0;
+}
+
+int32_t saltus_pilot_plane(const saltus_pilot *p) { return p->rolls ? (int32_t)p->plane : -1; }
+
+static saltus_real seconds(const saltus_pilot *p, uint32_t cycles) { return number(cycles) * p->lead->balance->period; }
+
+/* Whether the ball is far from its path, and `heading` leads farther. */
+static int leaves(const saltus_pilot *p, const way *w, saltus_real heading) {
+    return ABS(w->left) - p->lead->astray > 0 && w->left * wrapped(heading - w->line) > 0;
+}
+
+/* Where the path is, past the points that have been reached; whether there is any. */
+static int find(saltus_pilot *p, const saltus_view *view, way *w) {
+    const saltus_lead *l = p->lead;
+    for (int points = 0; points < 8 && p->next < p->path_count; points++) {
+        const saltus_real *to = p->path[p->next];
+        saltus_real piece[2] = {to[0] - p->from[0], to[1] - p->from[1]}, rest[2] = {to[0] - view->place[0], to[1] - view->place[1]};
+        saltus_real length = SQRT(piece[0] * piece[0] + piece[1] * piece[1]);
+        int is_near = rest[0] * rest[0] + rest[1] * rest[1] < l->near * l->near;
+        if (!is_near && length > 0) {
+            saltus_real along[2] = {piece[0] / length, piece[1] / length};
+            saltus_real gone[2] = {view->place[0] - p->from[0], view->place[1] - p->from[1]};
+            saltus_real far = lesser(along[0] * gone[0] + along[1] * gone[1] + l->ahead, length), at[2];
+            direction(p->course, at);
+            w->line = angle_of(along[1], along[0]);
+            w->left = along[0] * gone[1] - along[1] * gone[0];
+            w->left_rate = at[0] * view->velocity[1] - at[1] * view->velocity[0];
+            w->aim = angle_of(p->from[1] + far * along[1] - view->place[1], p->from[0] + far * along[0] - view->place[0]);
+            return 1;
+        }
+        p->from[0] = to[0];
+        p->from[1] = to[1];
+        p->next++;
+    }
+    return 0;
+}
+
+/* Whether it has been still for long enough. */
+static int lies(saltus_pilot *p, const saltus_view *view) {
+    const saltus_lead *l = p->lead;
+    int is_still = l->still * l->still - dot(view->spin, view->spin) > 0;
+    p->still = !is_still ? 0 : p->still == UINT32_MAX ? p->still : p->still + 1;
+    return seconds(p, p->still) > l->rests;
+}
+
+typedef struct { int is_there; uint32_t plane; saltus_real off, heading; } choice;
+
+/* Sets out in the plane that leads most nearly where the path goes; after a start that failed in the next best one, and so on. */
+static void set_out(saltus_pilot *p, const saltus_view *view, const way *w) {
+    choice best[3];
+    for (int place = 0; place < 3; place++) best[place].is_there = 0;
+    const saltus_real upwards[3] = {R(0.0), R(0.0), R(1.0)};
+    saltus_rotation body = back(&view->attitude);
+    saltus_real up[3];
+    turn(&body, upwards, up);
+    for (uint32_t k = 0; k < p->plane_count; k++) {
+        saltus_real axis[3];
+        if (ABS(dot(up, p->planes[k].axis)) > R(0.2)) continue;
+        turn(&view->attitude, p->planes[k].axis, axis);
+        saltus_real heading = angle_of(-axis[0], axis[1]), off = ABS(wrapped(w->aim - heading));
+        if (leaves(p, w, heading) || !(off >= 0)) continue;
+        choice next = {1, k, off, heading};
+        for (int place = 0; place < 3; place++) {
+            if (!best[place].is_there) {
+                best[place] = next;
+                break;
+            }
+            if (best[place].off < next.off) continue;
+            /* As near as one before it: that one counts. */
+            if (best[place].off <= next.off) break;
+            choice was = best[place];
+            best[place] = next;
+            next = was;
+        }
+    }
+    uint32_t which = p->attempts % 3;
+    while (which > 0 && !best[which].is_there) which--;
+    const choice *chosen = &best[which];
+    if (!chosen->is_there) return;
+    p->plane = chosen->plane;
+    p->course = chosen->heading;
+    p->rolls = 1;
+    saltus_balancer_start(&p->balancer, p->lead->balance, &p->planes[p->plane]);
+    p->idle = 0;
+    p->passed = INT32_MIN;
+    p->faces = 0;
+    if (p->starts != UINT32_MAX) p->starts++;
+}
+
+void saltus_pilot_step(saltus_pilot *p, const saltus_view *view, saltus_firing firings[2]) {
+    const saltus_lead *l = p->lead;
+    way w;
+    for (int side = 0; side < 2; side++) {
+        firings[side].leg = -1;
+        firings[side].open = R(0.0);
+    }
+    if (!find(p, view, &w)) {
+        p->rolls = 0;
+        return;
+    }
+    if (!p->rolls && lies(p, view)) set_out(p, view, &w);
+    if (!p->rolls) return;
+    saltus_real most = l->slew * l->balance->period, off = wrapped(w.aim - p->course);
+    p->course = wrapped(p->course + greater(lesser(off, most), -most));
+    saltus_sight sight = {view->attitude, {view->spin[0], view->spin[1], view->spin[2]}, R(0.0), w.left_rate, p->course, view->touching};
+    saltus_lying lying;
+    saltus_firing fired[2];
+    saltus_balancer_step(&p->balancer, &sight, &lying, fired);
+    int32_t stations = passed(&p->balancer.tracker);
+    if (p->idle != UINT32_MAX) p->idle++;
+    if (stations > p->passed) {
+        p->passed = stations;
+        p->idle = 0;
+    }
+    if (p->passed > 6) p->attempts = 0;
+    int is_stuck = seconds(p, p->idle) > l->patience, is_astray = leaves(p, &w, lying.heading);
+    int faces = ABS(wrapped(w.aim - lying.heading)) < l->turn, turns = p->faces && !faces;
+    p->faces = faces;
+    if (ABS(lying.roll) > l->tips || is_stuck || is_astray || turns) {
+        p->rolls = 0;
+        if (is_stuck && p->attempts != UINT32_MAX) p->attempts++;
+        p->still = 0;
+        return;
+    }
+    firings[0] = fired[0];
+    firings[1] = fired[1];
 }

@@ -155,6 +155,41 @@ typedef struct {
     uint16_t since[2];
 } saltus_balancer;
 
+/* How a ball is led along a path. */
+typedef struct {
+    const saltus_balance *balance;
+    saltus_real ahead;    /* how far ahead on the path the place is to which it turns (m) */
+    saltus_real slew;     /* how fast its course is turned (rad/s) */
+    saltus_real tips;     /* roll from which on no leg fires until it lies still (rad) */
+    saltus_real astray;   /* way aside of its path from which on it stops, to choose another plane (m) */
+    saltus_real turn;     /* how far the way to go may be off its heading before it stops, to choose another plane (rad) */
+    saltus_real near;     /* how near it must come to a point of its path (m) */
+    saltus_real still;    /* spin below which it lies still (rad/s) */
+    saltus_real rests;    /* for how long (s) */
+    saltus_real patience; /* for how long no station may come before it tries another plane (s) */
+} saltus_lead;
+
+/* What a cycle of a pilot sees. */
+typedef struct {
+    saltus_rotation attitude;
+    saltus_real spin[3];     /* rad/s, the world's axes */
+    saltus_real place[2];    /* where the legs meet (m): along the first heading, to its left */
+    saltus_real velocity[2]; /* of that place (m/s) */
+    uint64_t touching;       /* feet on the ground: bit k is leg k's */
+} saltus_view;
+
+/* Leads a ball along a path. Its fields are its own. */
+typedef struct {
+    const saltus_lead *lead;
+    const saltus_plane *planes;
+    const saltus_real (*path)[2];
+    uint32_t plane_count, path_count, next, plane, still, idle, attempts, starts;
+    saltus_real from[2], course;
+    saltus_balancer balancer;
+    int32_t passed;
+    int rolls, faces;
+} saltus_pilot;
+
 /* Whether a ball can tell how it lies. */
 enum saltus_rest_status {
     SALTUS_REST_OK = 0,
@@ -186,6 +221,16 @@ void saltus_balancer_start(saltus_balancer *balancer, const saltus_balance *bala
 
 /* A cycle: how the plane lies, and the legs that fire now. */
 void saltus_balancer_step(saltus_balancer *balancer, const saltus_sight *sight, saltus_lying *lying, saltus_firing firings[2]);
+
+/* Starts a ball that begins at the origin, by any of `planes`, through the points of `path` (m). All of them live as long as the pilot. */
+void saltus_pilot_start(saltus_pilot *pilot, const saltus_lead *lead, const saltus_plane *planes, uint32_t plane_count,
+    const saltus_real (*path)[2], uint32_t path_count);
+
+/* A cycle: the legs that fire now. */
+void saltus_pilot_step(saltus_pilot *pilot, const saltus_view *view, saltus_firing firings[2]);
+
+/* The plane in which it rolls, by its number; -1 while it comes to rest. */
+int32_t saltus_pilot_plane(const saltus_pilot *pilot);
 
 #ifdef __cplusplus
 }

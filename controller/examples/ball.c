@@ -1,5 +1,6 @@
 /*
- * The control loop of a ball, after `saltus export c --gait disc-stable --out ball`:
+ * The control loop of a ball, after `saltus export c --gait disc-stable --out ball`, which rolls straight on, or `--gait steer`, which follows
+ * a path of points:
  *
  *     cc -std=c99 -Iball ball.c ball/saltus_ball.c -lm -o ball_loop
  *
@@ -29,6 +30,10 @@ static int read_sensors(saltus_inertial *r) {
     return 1;
 }
 
+#ifdef BALL_LEAD
+/* Through these points (m), from (0, 0). */
+static const saltus_real path[][2] = {{10, 0}, {10, 10}, {0, 10}, {0, 0}};
+#else
 /* Of the planes that stand upright, and in which a single leg would push off, the one that leads most nearly along the x axis; along which
  * heading it leads. Twins are too weak to set out by. */
 static const saltus_plane *choose(const saltus_estimate *e, saltus_real *heading) {
@@ -48,11 +53,11 @@ static const saltus_plane *choose(const saltus_estimate *e, saltus_real *heading
     }
     return best;
 }
+#endif
 
 int main(void) {
     static saltus_at_rest rest;
     static saltus_estimator estimator;
-    static saltus_balancer balancer;
     saltus_inertial readings;
     saltus_rotation attitude;
     const saltus_real origin[3] = {0, 0, 0};
@@ -63,20 +68,35 @@ int main(void) {
         saltus_at_rest_take(&rest, &ball_senses.scales, &readings);
     } while (saltus_attitude(&rest, &ball_senses, &attitude) != SALTUS_REST_OK);
     saltus_estimator_start(&estimator, &ball_senses, &attitude, origin);
+#ifdef BALL_LEAD
+    static saltus_pilot pilot;
+    saltus_pilot_start(&pilot, &ball_lead, ball_planes, BALL_PLANES, path, sizeof path / sizeof path[0]);
+#else
+    static saltus_balancer balancer;
     saltus_real course = 0;
     const saltus_plane *plane = choose(&estimator.estimate, &course);
     if (!plane) return 1;
     saltus_balancer_start(&balancer, &ball_balance, plane);
     const saltus_real ahead = (saltus_real)cos((double)course), left = (saltus_real)sin((double)course);
     printf("way %ld course %.3f\n", (long)(plane - ball_planes), (double)course);
+#endif
     for (; read_sensors(&readings); cycle++) {
         const saltus_estimate *e = &estimator.estimate;
-        saltus_lying lying;
         saltus_firing firings[2];
         saltus_estimator_take(&estimator, &readings);
+#ifdef BALL_LEAD
+        saltus_view view = {e->attitude, {e->spin[0], e->spin[1], e->spin[2]}, {e->place[0], e->place[1]}, {e->velocity[0], e->velocity[1]},
+            readings.touching};
+        int32_t before = saltus_pilot_plane(&pilot);
+        saltus_pilot_step(&pilot, &view, firings);
+        int32_t plane = saltus_pilot_plane(&pilot);
+        if (plane != before && plane >= 0) printf("way %ld\n", (long)plane);
+#else
+        saltus_lying lying;
         saltus_sight sight = {e->attitude, {e->spin[0], e->spin[1], e->spin[2]}, ahead * e->place[1] - left * e->place[0],
             ahead * e->velocity[1] - left * e->velocity[0], course, readings.touching};
         saltus_balancer_step(&balancer, &sight, &lying, firings);
+#endif
         for (int side = 0; side < 2; side++) {
             saltus_estimator_fired(&estimator, firings[side].leg);
             if (firings[side].leg >= 0) printf("%ld leg %ld %.5f\n", cycle, (long)firings[side].leg, (double)firings[side].open);

@@ -4,14 +4,36 @@
 
 use saltus_controller::Real;
 use saltus_controller::ball::{
-    AtRest, Balance, Balancer, Estimate, Estimator, Feet, Filter, Firing, Inertial, Lying, Plane,
-    Rotation, Scales, Sight, Station, Steer,
+    AtRest, Balance, Balancer, Estimate, Estimator, Feet, Filter, Firing, Inertial, Lead, Lying,
+    Pilot, Plane, Rotation, Scales, Sight, Station, Steer, View,
 };
 
 /// Cycles of a run.
 const RUN: u32 = 1000;
 const LEGS: u32 = 12;
 const STATIONS: usize = 6;
+
+const A: f64 = 0.5;
+const B: f64 = 0.809_016_994_374_947_5;
+const C: f64 = 0.309_016_994_374_947_45;
+/// Across the planes of a dodecahedron.
+const AXES: [[f64; 3]; 15] = [
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [A, B, C],
+    [A, B, -C],
+    [A, -B, C],
+    [A, -B, -C],
+    [B, C, A],
+    [B, -C, A],
+    [-B, C, A],
+    [-B, -C, A],
+    [C, A, B],
+    [-C, A, B],
+    [C, A, -B],
+    [-C, A, -B],
+];
 
 /// Inputs, the same on every machine.
 struct Draw(u32);
@@ -126,6 +148,8 @@ struct Drawn<R> {
     stations: Vec<Station<R>>,
     axes: [[R; 3]; 3],
     balance: Balance<R>,
+    path: [[R; 2]; 4],
+    lead: Lead<R>,
 }
 
 impl<R: Real> Drawn<R> {
@@ -153,13 +177,30 @@ impl<R: Real> Drawn<R> {
         }
         stations.truncate(draw.word() as usize % (STATIONS + 1));
         let balance = balance(draw);
+        let path = std::array::from_fn(|_| draw.numbers(-5.0, 5.0));
+        let lead = lead(draw, balance);
         Drawn {
             directions,
             filter,
             stations,
             axes,
             balance,
+            path,
+            lead,
         }
+    }
+
+    fn planes(&self) -> Vec<Plane<'_, R>> {
+        let [_, first, ahead] = self.axes;
+        let stations = &self.stations;
+        let plane = |axis: [R; 3]| Plane {
+            axis,
+            first,
+            ahead,
+            stations,
+        };
+        let both = |axis: &[f64; 3]| [axis.map(R::of), axis.map(|x| -R::of(x))];
+        AXES.iter().flat_map(both).map(plane).collect()
     }
 
     fn estimator(&self, start: (Rotation<R>, [R; 3])) -> Estimator<'_, R> {
@@ -219,6 +260,21 @@ fn balance<R: Real>(draw: &mut Draw) -> Balance<R> {
             from: draw.between(-0.2, 0.5),
             rest: draw.between(0.0, 0.03),
         },
+    }
+}
+
+fn lead<R: Real>(draw: &mut Draw, balance: Balance<R>) -> Lead<R> {
+    Lead {
+        balance,
+        ahead: draw.between(0.0, 3.0),
+        slew: draw.between(0.0, 1.0),
+        tips: draw.between(0.1, 1.5),
+        astray: draw.between(0.0, 20.0),
+        turn: draw.between(0.1, 3.0),
+        near: draw.between(0.0, 1.0),
+        still: draw.between(0.0, 20.0),
+        rests: draw.between(0.0, 0.05),
+        patience: draw.between(0.0, 0.3),
     }
 }
 
@@ -310,34 +366,69 @@ fn lie<R: Real>(draw: &mut Draw, hash: &mut Hash, knew: &mut u32) -> Rotation<R>
     answer.unwrap_or(Rotation([half, half, -half, half]))
 }
 
+/// What a pilot sees.
+fn view<R: Real>(sight: &Sight<R>, now: &Estimate<R>) -> View<R> {
+    View {
+        attitude: sight.attitude,
+        spin: sight.spin,
+        place: [sight.aside, now.place[1]],
+        velocity: [sight.aside_rate, now.velocity[1]],
+        touching: sight.touching,
+    }
+}
+
 fn drill<R: Bits>(cycles: u32) {
     let (mut draw, mut hash, mut fired) = (Draw(1), Hash(2_166_136_261), 0);
     let (mut tumble, mut knew) = (Tumble::default(), 0);
-    for _ in 0..cycles / RUN {
+    let mut starts = 0;
+    for run in 0..cycles / RUN {
         let drawn = Drawn::<R>::new(&mut draw);
         let attitude = lie(&mut draw, &mut hash, &mut knew);
         let mut estimator = drawn.estimator((attitude, draw.vector()));
         let mut balancer = drawn.balancer();
         let course = draw.between(-3.0, 3.0);
+        let planes = drawn.planes();
+        let pilot = Pilot::new(drawn.lead, &planes, &drawn.path);
+        let mut pilot = (run % 2 == 1).then_some(pilot);
+        let none = R::ZERO;
+        let mut lying = Lying {
+            lean: none,
+            rate: none,
+            roll: none,
+            roll_rate: none,
+            heading: none,
+            heading_rate: none,
+        };
         let mut readings = Inertial::default();
         for _ in 0..RUN {
             tumble.read(&mut draw, &mut readings);
             let sight = see(&mut draw, estimator.estimate(), course, readings.touching);
             estimator.take(&readings);
-            let (lying, firings) = balancer.step(&sight);
+            let firings = if let Some(pilot) = &mut pilot {
+                pilot.step(&view(&sight, estimator.estimate()))
+            } else {
+                let (lies, firings) = balancer.step(&sight);
+                lying = lies;
+                firings
+            };
             for firing in firings.iter().flatten() {
                 estimator.fired(firing.leg);
             }
             fired += u32::from(firings.iter().any(Option::is_some));
             hash.cycle(estimator.estimate(), &lying, &firings);
+            if let Some(pilot) = &pilot {
+                let plane = pilot.plane().and_then(|plane| u32::try_from(plane).ok());
+                hash.word(plane.unwrap_or(u32::MAX));
+            }
         }
+        starts += pilot.map_or(0, |pilot| pilot.starts());
     }
     println!(
         "balls: {cycles} calls, {fired} answered, hash {:08x}",
         hash.0
     );
     let runs = cycles / RUN;
-    println!("knew how it lay in {knew} of {runs} runs");
+    println!("knew how it lay in {knew} of {runs} runs, set out {starts} times");
 }
 
 fn main() {

@@ -118,6 +118,43 @@ static void draw_balance(void) {
     s->rest = between(N(0.0), N(0.03));
 }
 
+/* A path, and the planes of a dodecahedron, each forwards and backwards: up to ten of them are upright at a time. */
+#define POINTS 4
+#define PLANES 30
+#define A N(0.5)
+#define B N(0.8090169943749475)
+#define C N(0.30901699437494745)
+static const saltus_real axes[PLANES / 2][3] = {
+    {N(1.0), N(0.0), N(0.0)}, {N(0.0), N(1.0), N(0.0)}, {N(0.0), N(0.0), N(1.0)},
+    {A, B, C}, {A, B, -C}, {A, -B, C}, {A, -B, -C},
+    {B, C, A}, {B, -C, A}, {-B, C, A}, {-B, -C, A},
+    {C, A, B}, {-C, A, B}, {C, A, -B}, {-C, A, -B},
+};
+static saltus_real path[POINTS][2];
+static saltus_plane planes[PLANES];
+static saltus_lead lead;
+
+static void draw_lead(void) {
+    for (int k = 0; k < POINTS; k++) {
+        path[k][0] = between(N(-5.0), N(5.0));
+        path[k][1] = between(N(-5.0), N(5.0));
+    }
+    for (int k = 0; k < PLANES; k++) {
+        planes[k] = plane;
+        for (int i = 0; i < 3; i++) planes[k].axis[i] = k % 2 ? -axes[k / 2][i] : axes[k / 2][i];
+    }
+    lead.balance = &balance;
+    lead.ahead = between(N(0.0), N(3.0));
+    lead.slew = between(N(0.0), N(1.0));
+    lead.tips = between(N(0.1), N(1.5));
+    lead.astray = between(N(0.0), N(20.0));
+    lead.turn = between(N(0.1), N(3.0));
+    lead.near = between(N(0.0), N(1.0));
+    lead.still = between(N(0.0), N(20.0));
+    lead.rests = between(N(0.0), N(0.05));
+    lead.patience = between(N(0.0), N(0.3));
+}
+
 /* What the sensors say: rates that go after others, shocks, and feet that come and go. */
 static int32_t rates[3], wanted[3];
 
@@ -208,29 +245,40 @@ static saltus_rotation lie(void) {
     return attitude;
 }
 
-static void cycle(saltus_estimator *e, saltus_balancer *b, const saltus_inertial *r, const saltus_sight *sight, saltus_lying *l, saltus_firing f[2]) {
+static void cycle(saltus_estimator *e, saltus_balancer *b, saltus_pilot *p, const saltus_inertial *r, const saltus_sight *sight, saltus_lying *l,
+    saltus_firing f[2]) {
     saltus_estimator_take(e, r);
-    saltus_balancer_step(b, sight, l, f);
+    if (p) {
+        const saltus_estimate *now = &e->estimate;
+        saltus_view view = {sight->attitude, {sight->spin[0], sight->spin[1], sight->spin[2]}, {sight->aside, now->place[1]},
+            {sight->aside_rate, now->velocity[1]}, sight->touching};
+        saltus_pilot_step(p, &view, f);
+    } else {
+        saltus_balancer_step(b, sight, l, f);
+    }
     for (int side = 0; side < 2; side++) saltus_estimator_fired(e, f[side].leg);
 }
 
 /* Bytes of the stack that a cycle takes; what is not painted, 256 of them, counts as taken. */
-__attribute__((noinline)) static uint32_t stack_of(const saltus_estimator *e, const saltus_balancer *b, const saltus_inertial *r, const saltus_sight *sight) {
+__attribute__((noinline)) static uint32_t stack_of(const saltus_estimator *e, const saltus_balancer *b, const saltus_pilot *p, const saltus_inertial *r,
+    const saltus_sight *sight) {
+    static saltus_pilot pilot;
     static saltus_lying lying;
     static saltus_firing firings[2];
     static saltus_estimator estimator;
     static saltus_balancer balancer;
     estimator = *e;
     balancer = *b;
+    if (p) pilot = *p;
     uint32_t top;
     paint();
-    cycle(&estimator, &balancer, r, sight, &lying, firings);
+    cycle(&estimator, &balancer, p ? &pilot : NULL, r, sight, &lying, firings);
     return deepest(&top);
 }
 
 int main(void) {
     start_clock();
-    uint32_t from = now(), fired = 0, most = 0;
+    uint32_t from = now(), fired = 0, starts = 0, most = 0;
     overhead = instructions(from, now());
     begin();
     for (uint32_t run = 0; run < CYCLES / RUN; run++) {
@@ -240,36 +288,43 @@ int main(void) {
         saltus_sight sight;
         saltus_lying lying;
         saltus_firing firings[2];
+        static saltus_pilot pilot;
+        saltus_pilot *leads = run % 2 ? &pilot : NULL;
+        memset(&lying, 0, sizeof lying);
         memset(&readings, 0, sizeof readings);
         draw_senses();
         draw_plane();
         draw_balance();
+        draw_lead();
         saltus_rotation attitude = lie();
         saltus_real place[3];
         vector(place);
         saltus_estimator_start(&estimator, &senses, &attitude, place);
         saltus_balancer_start(&balancer, &balance, &plane);
+        saltus_pilot_start(&pilot, &lead, planes, PLANES, (const saltus_real(*)[2])path, POINTS);
         saltus_real course = between(N(-3.0), N(3.0));
         for (uint32_t k = 0; k < RUN; k++) {
             tumble(&readings);
             see(&sight, &estimator.estimate, course);
             sight.touching = readings.touching;
             if (k % 101 == 0) {
-                uint32_t used = stack_of(&estimator, &balancer, &readings, &sight);
+                uint32_t used = stack_of(&estimator, &balancer, leads, &readings, &sight);
                 if (used > most) most = used;
             }
             from = now();
-            cycle(&estimator, &balancer, &readings, &sight, &lying, firings);
+            cycle(&estimator, &balancer, leads, &readings, &sight, &lying, firings);
             count(instructions(from, now()));
             fired += firings[0].leg >= 0 || firings[1].leg >= 0;
             mix(&estimator.estimate, &lying, firings);
+            if (leads) mix_word((uint32_t)saltus_pilot_plane(leads));
         }
+        starts += leads ? pilot.starts : 0;
     }
     report("balls", CYCLES, fired, hash);
-    printf("knew how it lay in %lu of %lu runs\n", (unsigned long)knew, (unsigned long)(CYCLES / RUN));
+    printf("knew how it lay in %lu of %lu runs, set out %lu times\n", (unsigned long)knew, (unsigned long)(CYCLES / RUN), (unsigned long)starts);
 #ifdef __arm__
     printf("# stack of a ball's cycle: at most %lu bytes\n", (unsigned long)most);
-    printf("# memory of a ball: %lu bytes\n", (unsigned long)(sizeof(saltus_estimator) + sizeof(saltus_balancer)));
+    printf("# memory of a ball: %lu bytes\n", (unsigned long)(sizeof(saltus_estimator) + sizeof(saltus_pilot)));
 #else
     (void)most;
 #endif

@@ -74,20 +74,6 @@ fn turn(k: usize) -> f64 {
     }
 }
 
-/// How far (m) `place` is from a path that begins at the origin.
-fn from_path(place: [f64; 3], path: &[[f64; 2]]) -> f64 {
-    let mut from = [0.0; 2];
-    let mut least = f64::INFINITY;
-    for &to in path {
-        let (x, y) = (to[0] - from[0], to[1] - from[1]);
-        let (a, b) = (place[0] - from[0], place[1] - from[1]);
-        let part = ((a * x + b * y) / (x * x + y * y)).clamp(0.0, 1.0);
-        least = least.min((a - part * x).hypot(b - part * y));
-        from = to;
-    }
-    least
-}
-
 /// Runs ball `k`.
 fn run(setup: &Roll, trial: Trial, seed: u64, k: usize) -> Result<Came, Failed> {
     let mut setup = setup.clone();
@@ -103,7 +89,7 @@ fn run(setup: &Roll, trial: Trial, seed: u64, k: usize) -> Result<Came, Failed> 
     let (mut part, mut start) = ([0.0; 2], (0, 0));
     roll(&setup, |ball| {
         came.time = ball.time;
-        came.aside = came.aside.max(from_path(ball.place, &path));
+        came.aside = came.aside.max(ball.aside);
         came.starts = ball.led.starts;
         if ball.led.starts != start.0 {
             start = (ball.led.starts, ball.passed);

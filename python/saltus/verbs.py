@@ -190,6 +190,7 @@ def run(
     *,
     gait: str | None = None,
     heading_rad: float | None = None,
+    path: PathLike | None = None,
     truth: bool = False,
     policy: PathLike | None = None,
     policy_seed: int | None = None,
@@ -233,7 +234,7 @@ def run(
     """A run of a robot whose legs are fired in turn. A stall is an answer: `answer.yes` is false.
 
     `policy` is a file that `saltus learn --out` wrote. `knots` are (rate, angle, time), `speed` (time, speed in m/s). With `rows` the answer has a row
-    for each cycle, as `--format csv` does (one robot in its plane, no analysis). `heading_rad` and `truth` are of a robot in space."""
+    for each cycle, as `--format csv` does (one robot in its plane, no analysis). `heading_rad`, `path` (a CSV file) and `truth` are of a robot in space."""
     arguments = {name: value for name, value in locals().items() if name != "rows"}
     if not rows:
         return ask("run", (), arguments)

@@ -37,11 +37,11 @@ impl Quantity {
         allowed: "an angle strictly between -pi/2 and pi/2 rad",
         legal: |x| x.abs() < std::f64::consts::FRAC_PI_2,
     };
-    /// Direction on the ground (rad).
+    /// Heading (rad).
     pub(crate) const HEADING: Quantity = Quantity {
-        suffixes: &[("rad", Scale::Times(1.0)), ("deg", DEGREES)],
-        allowed: "an angle from -2 pi to 2 pi rad",
-        legal: |x| x.abs() <= std::f64::consts::TAU,
+        allowed: "an angle from -pi to pi rad",
+        legal: |x| x.abs() <= std::f64::consts::PI,
+        ..Quantity::ANGLE
     };
     /// Place on the ground (m), along one axis.
     pub(crate) const PLACE: Quantity = Quantity {

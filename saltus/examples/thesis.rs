@@ -1,5 +1,5 @@
-//! Writes `docs/thesis.md`: chapter 5 of the thesis, running and jumping, and the sensors of chapter
-//! 3, beside what Saltus gets.
+//! Writes `docs/thesis.md`: chapter 5 of the thesis, running and jumping, the sensors of chapter 3 and
+//! the twelve legs of chapter 7, beside what Saltus gets.
 //!
 //! `cargo run --release -p saltus --example thesis`
 //!
@@ -11,6 +11,8 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
+#[path = "thesis/ball.rs"]
+mod ball;
 #[path = "thesis/crossing.rs"]
 mod crossing;
 #[path = "thesis/family.rs"]
@@ -25,6 +27,8 @@ mod limits;
 mod obstacle;
 #[path = "thesis/rig.rs"]
 mod rig;
+#[path = "thesis/rolling.rs"]
+mod rolling;
 #[path = "thesis/runner.rs"]
 mod runner;
 #[path = "thesis/running.rs"]
@@ -54,9 +58,9 @@ fn main() -> Outcome<()> {
     let mut page = format!(
         "<!-- Written by `{COMMAND}`: do not edit. -->\n\n# The thesis beside Saltus\n\nThis page \
          compares chapter 5 of the thesis on the robot RATS with Saltus: the valve times and the \
-         gaits of section 5.1 and the jumps of section 5.2, and before them the sensors of chapter \
-         3. Each figure and number of the thesis stands beside the result of Saltus: for the robot \
-         `rats-planar` where it jumps, and for `rats-run` where it runs. Nothing is tuned to agree. \
+         gaits of section 5.1 and the jumps of section 5.2, before them the sensors of chapter \
+         3, and after them the twelve legs of chapter 7. Each figure and number of the thesis stands beside the result of Saltus: for the robot \
+         `rats-planar` where it jumps, for `rats-run` where it runs, and for `rats-twelve`. Nothing is tuned to agree. \
          [model.md](model.md) describes the model. This command writes the page and its \
          drawings:\n\n    {COMMAND}\n\nOf the thesis' plots, only axes, captions and text were \
          available. A comparison with a curve is therefore a comparison with the ends of its \
@@ -71,6 +75,8 @@ fn main() -> Outcome<()> {
         obstacle::section()?,
         crossing::section()?,
         slip::section()?,
+        ball::section()?,
+        rolling::section()?,
     ] {
         page.push('\n');
         page.push_str(section.text.trim());

@@ -87,6 +87,10 @@ struct Way<R> {
 
 /// Tilt (its sine) of a plane's axis up to which it counts as upright.
 const UPRIGHT: f64 = 0.2;
+/// Among how many planes it changes where starts fail.
+const CHOICES: usize = 3;
+/// Points of the path that it may come to in one cycle.
+const POINTS: u32 = 8;
 /// Stations after which a start has gone well.
 const WENT_WELL: i32 = 6;
 
@@ -187,7 +191,8 @@ impl<'a, R: Real> Pilot<'a, R> {
 
     /// Where the path is, past the points that have been reached; none at its end.
     fn find(&mut self, view: &View<R>) -> Option<Way<R>> {
-        while let Some(&to) = self.path.get(self.next) {
+        for _ in 0..POINTS {
+            let &to = self.path.get(self.next)?;
             let piece = [to[0] - self.from[0], to[1] - self.from[1]];
             let length = (piece[0] * piece[0] + piece[1] * piece[1]).sqrt();
             let rest = [to[0] - view.place[0], to[1] - view.place[1]];
@@ -230,30 +235,35 @@ impl<'a, R: Real> Pilot<'a, R> {
     /// Sets out in the plane that leads most nearly where the path goes; after a start that failed in the next best one, and
     /// so on.
     fn set_out(&mut self, view: &View<R>, way: &Way<R>) {
-        let mut least = -R::ONE;
-        let mut chosen = None;
-        for _ in 0..=self.attempts % 3 {
-            let mut best: Option<(usize, R, R)> = None;
-            for (k, plane) in self.planes.iter().enumerate() {
-                let axis = view.attitude.turn(&plane.axis);
-                if axis[2].magnitude() > R::of(UPRIGHT) {
-                    continue;
-                }
-                let heading = angle(-axis[0], axis[1]);
-                let off = wrapped(way.aim - heading).magnitude();
-                if self.leaves(way, heading) {
-                    continue;
-                }
-                if off > least && best.is_none_or(|(_, nearest, _)| off < nearest) {
-                    best = Some((k, off, heading));
+        // The three that lead most nearly there, each plane looked at once; of equal ones the first.
+        let mut best: [Option<(usize, R, R)>; CHOICES] = [None; CHOICES];
+        let up = view.attitude.back().turn(&[R::ZERO, R::ZERO, R::ONE]);
+        for (k, plane) in self.planes.iter().enumerate() {
+            if dot(&up, &plane.axis).magnitude() > R::of(UPRIGHT) {
+                continue;
+            }
+            let axis = view.attitude.turn(&plane.axis);
+            let heading = angle(-axis[0], axis[1]);
+            let off = wrapped(way.aim - heading).magnitude();
+            if self.leaves(way, heading) || !off.is_at_least_zero() {
+                continue;
+            }
+            let mut next = Some((k, off, heading));
+            for place in &mut best {
+                let Some((_, off, _)) = next else {
+                    break;
+                };
+                match *place {
+                    Some((_, nearer, _)) if nearer < off => {}
+                    // As near as one before it: that one counts.
+                    Some((_, same, _)) if same <= off => break,
+                    _ => core::mem::swap(place, &mut next),
                 }
             }
-            let Some((k, off, heading)) = best else {
-                break;
-            };
-            least = off;
-            chosen = Some((k, heading));
         }
+        let tries = self.attempts as usize % CHOICES;
+        let chosen = best.iter().take(tries + 1).flatten().last();
+        let chosen = chosen.map(|(k, _, heading)| (*k, *heading));
         if let Some((k, heading)) = chosen {
             self.plane = k;
             self.course = heading;

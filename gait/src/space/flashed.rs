@@ -3,7 +3,8 @@
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use saltus_controller::Real;
 use saltus_controller::ball::{
-    Balance, Balancer, Estimator, Feet, Filter, Inertial, Plane, Rotation, Scales, Station, Steer,
+    Balance, Balancer, Estimator, Feet, Filter, Inertial, Lead, Plane, Rotation, Scales, Station,
+    Steer,
 };
 use saltus_robot::Robot;
 use saltus_robot::space::discs;
@@ -11,6 +12,7 @@ use saltus_robot::space::discs;
 use super::balance::Stable;
 use super::disc::Facing;
 use super::sensing::{Senses, feet, filter, scales};
+use super::steer::Steered;
 use crate::GaitError;
 use crate::error::require;
 
@@ -29,6 +31,8 @@ pub struct Flashed<R> {
     pub radius: R,
     /// How it rolls, and is kept in its plane.
     pub balance: Balance<R>,
+    /// How it is led along a path, if it is: the same balance is part of it.
+    pub lead: Option<Lead<R>>,
     /// The planes in which it can roll, each forwards and then backwards.
     pub planes: Vec<FlashedPlane<R>>,
 }
@@ -73,9 +77,20 @@ impl Flashed<f64> {
             reach,
             radius,
             balance: stable.balance(robot)?,
+            lead: None,
             planes,
             directions,
         })
+    }
+
+    /// What leads `robot` along a path as `steered`, whose own path counts only in that it has to be one.
+    ///
+    /// # Errors
+    /// As [`Flashed::new`], and for a path that is none.
+    pub fn steered(robot: &Robot, steered: &Steered) -> Result<Flashed<f64>, GaitError> {
+        let flashed = Flashed::new(robot, &steered.stable)?;
+        let lead = Some(steered.lead(robot)?);
+        Ok(Flashed { lead, ..flashed })
     }
 
     /// The same in other numbers, each rounded once.
@@ -91,6 +106,7 @@ impl Flashed<f64> {
             reach: R::of(self.reach),
             radius: R::of(self.radius),
             balance: balanced(&self.balance),
+            lead: self.lead.as_ref().map(led),
             planes: self.planes.iter().map(plane).collect(),
         }
     }
@@ -201,6 +217,21 @@ fn balanced<R: Real>(b: &Balance<f64>) -> Balance<R> {
             from: R::of(s.from),
             rest: R::of(s.rest),
         },
+    }
+}
+
+fn led<R: Real>(l: &Lead<f64>) -> Lead<R> {
+    Lead {
+        balance: balanced(&l.balance),
+        ahead: R::of(l.ahead),
+        slew: R::of(l.slew),
+        tips: R::of(l.tips),
+        astray: R::of(l.astray),
+        turn: R::of(l.turn),
+        near: R::of(l.near),
+        still: R::of(l.still),
+        rests: R::of(l.rests),
+        patience: R::of(l.patience),
     }
 }
 

@@ -150,7 +150,8 @@ pub struct Ball {
     pub rolling: Lying<f64>,
     /// Stations that have come into the zone.
     pub passed: i32,
-    /// Way (m) to the left of the line that it follows; 0 while it turns to it, and where it follows none.
+    /// Way (m) to the left of the line that it follows; 0 while it turns to it, and where it follows none. Of a path, how far
+    /// off it is.
     pub aside: f64,
     /// How it is led along its path.
     pub led: Led,
@@ -306,7 +307,7 @@ enum Decides<'a> {
     /// A law, with whether the station in the zone waits for its angle.
     Disc(Compiled, bool),
     Stable(Box<Balancer<'a, f64>>, Course),
-    Steered(Box<Pilot<'a, f64>>),
+    Steered(Box<Pilot<'a, f64>>, &'a Steered),
 }
 
 /// Runs `roll`, and gives each cycle to `row`, which says whether it goes on.
@@ -335,7 +336,7 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
         Gait::Steered(steered) => {
             let lead = steered.lead(&roll.robot)?;
             let pilot = Box::new(Pilot::new(lead, &planes, &steered.path));
-            (lead.balance.zone, Decides::Steered(pilot))
+            (lead.balance.zone, Decides::Steered(pilot, steered))
         }
     };
     let rig = Rig::new(&roll.robot, &[])?;
@@ -399,7 +400,7 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
 impl Decides<'_> {
     /// Notes how it is led; the plane, by its number, in which it has set out in this cycle.
     fn leads(&self, led: &mut Led) -> Option<usize> {
-        let Decides::Steered(pilot) = self else {
+        let Decides::Steered(pilot, _) = self else {
             return None;
         };
         let sets_out = led.starts != pilot.starts();
@@ -437,7 +438,7 @@ impl Decides<'_> {
                 };
                 legs.into_iter().map(|leg| Firing { leg, open }).collect()
             }
-            Decides::Steered(pilot) => {
+            Decides::Steered(pilot, steered) => {
                 let truth = Estimate {
                     attitude: Rotation(ball.attitude),
                     spin: ball.spin,
@@ -452,7 +453,9 @@ impl Decides<'_> {
                     velocity: [known.velocity[0], known.velocity[1]],
                     touching: ball.touching,
                 };
-                pilot.step(&view).into_iter().flatten().collect()
+                let fired = pilot.step(&view);
+                ball.aside = steered.off(ball.place, pilot.reached());
+                fired.into_iter().flatten().collect()
             }
             Decides::Stable(balancer, course) => {
                 let truth = Estimate {

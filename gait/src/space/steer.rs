@@ -37,6 +37,9 @@ const RESTS: f64 = 0.3;
 const PATIENCE: f64 = 2.0;
 
 impl Steered {
+    /// Shortest way (m) from a point of a path to the next, and from its start to the first.
+    pub const LEAST_APART: f64 = 0.1;
+
     /// Along `path`; the numbers are for `rats-twelve`, by trials with drawn robots.
     pub fn new(path: Vec<[f64; 2]>) -> Steered {
         let mut stable = Stable::default();
@@ -51,6 +54,27 @@ impl Steered {
             turn: 0.7,
             near: 0.5,
         }
+    }
+
+    /// Straight on, to the left of the first heading by `heading` (rad).
+    pub fn towards(heading: f64) -> Steered {
+        let (y, x) = heading.sin_cos();
+        Steered::new(vec![[MOST * x, MOST * y]])
+    }
+
+    /// How far (m) `place` is off the path by which it has come to `reached` of its points: off the piece that ends at the
+    /// next of them or, while it turns the corner, the one before.
+    pub fn off(&self, place: [f64; 3], reached: usize) -> f64 {
+        let point = |k: usize| k.checked_sub(1).map_or([0.0; 2], |k| self.path[k]);
+        let off = |k: usize| {
+            let (from, to) = (point(k), point(k + 1));
+            let (x, y) = (to[0] - from[0], to[1] - from[1]);
+            let (a, b) = (place[0] - from[0], place[1] - from[1]);
+            let part = ((a * x + b * y) / (x * x + y * y)).clamp(0.0, 1.0);
+            (a - part * x).hypot(b - part * y)
+        };
+        let pieces = reached.saturating_sub(1)..(reached + 1).min(self.path.len());
+        pieces.map(off).fold(f64::INFINITY, f64::min)
     }
 
     /// The controller's constants for `robot`.
@@ -98,13 +122,12 @@ impl Steered {
             }
             let apart = (point[0] - before[0]).hypot(point[1] - before[1]);
             let name = format!("distance (m) from point {k} of the path to point {}", k + 1);
-            require(apart >= LEAST_APART, &name, apart, "0.1 m or more")?;
+            require(apart >= Steered::LEAST_APART, &name, apart, "0.1 m or more")?;
             before = *point;
         }
         Ok(())
     }
 }
 
-/// Farthest that a path leads (m), and shortest way (m) from point to point; point 0 is where it begins.
+/// Farthest that a path leads (m).
 const MOST: f64 = 1e5;
-const LEAST_APART: f64 = 0.1;

@@ -79,6 +79,68 @@ fn a_fall_is_an_answer() {
     assert!(text.contains(ending) && text.contains(" s"), "{text}");
 }
 
+/// A square of 3 m, and back.
+const SQUARE: &str = "x_m,y_m\n3,0\n3,3\n0,3\n0,0\n";
+
+#[test]
+fn a_ball_follows_a_path_and_ends_where_it_ends() {
+    let folder = Folder::new("ball-path");
+    folder.write("square.csv", SQUARE);
+    let line = "run --robot rats-twelve --path square.csv --seconds 90";
+    let all = answer(&folder, line, 0);
+    assert_eq!(all["gait"], "steer");
+    assert_eq!(all["ending"], "arrived");
+    assert_eq!(all["points_reached"], 4);
+    let time = all["time_s"].as_f64().unwrap();
+    let place = |k: usize| all["place_m"][k].as_f64().unwrap();
+    // It comes to within half a metre of the last point by its own reckoning, and it turns three times.
+    assert!(place(0).hypot(place(1)) < 1.0, "{all}");
+    assert!(time > 8.0 && time < 90.0 && all["way_m"].as_f64().unwrap() > 10.0);
+    assert!(all["set_out"].as_u64().unwrap() > 1, "{all}");
+    // Cut short, it says how far it came.
+    let text = folder.done("run --robot rats-twelve --path square.csv --seconds 2", 1);
+    assert!(text.contains("of 4 points reached"), "{text}");
+    let drawn = "run --robot rats-twelve --path square.csv --seconds 3 --robots 3";
+    let one = folder.done(&format!("{drawn} --threads 1"), 0);
+    assert_eq!(one, folder.done(&format!("{drawn} --threads 2"), 0));
+    assert!(one.contains("came to its path's end   0 of 3"), "{one}");
+}
+
+#[test]
+fn a_ball_that_is_thrown_down_runs_again() {
+    let folder = Folder::new("ball-recover");
+    let line = "run --robot rats-twelve --gait recover --seconds 10";
+    let mut places = Vec::new();
+    for seed in 1..=2 {
+        let all = answer(&folder, &format!("{line} --seed {seed}"), 0);
+        assert!(all["rolled_a_turn_s"].as_f64().unwrap() > 0.5, "{all}");
+        places.push(all["place_m"].clone());
+    }
+    // Each seed throws it otherwise.
+    assert!(places[0] != places[1]);
+    let text = folder.done("run --robot rats-twelve --gait recover --seconds 0.3", 1);
+    assert!(text.contains("does not run again in 0.3 s"), "{text}");
+}
+
+#[test]
+fn a_plot_of_a_ball_shows_its_track() {
+    let folder = Folder::new("ball-plot");
+    folder.write("square.csv", SQUARE);
+    for line in [
+        "--gait disc",
+        "--heading 20deg",
+        "--gait steer",
+        "--path square.csv",
+    ] {
+        let line = format!("run --robot rats-twelve {line} --seconds 0.5 --plot track.svg");
+        folder.run(&line.split(' ').collect::<Vec<_>>());
+        let svg = folder.read("track.svg");
+        assert!(svg.contains("From above") && !svg.contains("NaN"), "{line}");
+        assert_eq!(svg.contains("to follow"), !line.contains("disc"), "{line}");
+        std::fs::remove_file(folder.path("track.svg")).unwrap();
+    }
+}
+
 /// Looking changes nothing, and the same command gives the same bytes.
 #[test]
 fn a_page_and_a_recording_change_no_number() {
@@ -281,11 +343,14 @@ const CASES: &[(&str, &[&str])] = &[
     ("--truth", &["--truth", "a robot in space"]),
     (
         "--robot rats-twelve --gait fixed",
-        &["--gait fixed", "disc or disc-stable"],
+        &["--gait fixed", "disc, disc-stable, steer or recover"],
     ),
     (
         "--robot rats-twelve --gait disc --heading 1",
-        &["--heading", "--gait disc-stable, not disc"],
+        &[
+            "--heading",
+            "--gait disc-stable, steer or recover, not disc",
+        ],
     ),
     (
         "--robot rats-twelve --zone 0",
@@ -294,6 +359,25 @@ const CASES: &[(&str, &[&str])] = &[
     (
         "--robot rats-twelve --heading nan",
         &["--heading", "an angle"],
+    ),
+    (
+        "--robot rats-twelve --heading 181deg",
+        &["--heading", "181deg", "from -pi to pi rad"],
+    ),
+    ("--path p.csv", &["--path", "a robot in space"]),
+    ("--gait recover", &["--gait recover", "a robot in space"]),
+    ("--robot rats-twelve --path no.csv", &["no.csv"]),
+    (
+        "--robot rats-twelve --gait disc --path p.csv",
+        &["--path", "--gait steer or recover, not disc"],
+    ),
+    (
+        "--robot rats-twelve --path p.csv --heading 1",
+        &["--path", "--heading"],
+    ),
+    (
+        "--robot rats-twelve --gait steer --zone 0",
+        &["--zone", "--gait disc, not steer"],
     ),
     (
         "--robot rats-twelve --speed 0:1",

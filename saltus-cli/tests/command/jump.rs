@@ -262,7 +262,7 @@ fn bad_input_of_a_ball_is_named_and_leaves_no_file() {
         ("--target 0.3,0 --room 1", "--room"),
         ("--target 0.3,0 --plot a.svg", "--map"),
         ("--heading 1", "--distance"),
-        ("--heading 700deg --distance 1", "-2 pi to 2 pi"),
+        ("--heading 700deg --distance 1", "from -pi to pi"),
         ("--map 0", "above 0"),
         ("--map -0.1", "--map"),
         ("--map 1mm", "not so fine"),

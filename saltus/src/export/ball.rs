@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use saltus_controller::ball::{Balance, Station};
+use saltus_controller::ball::{Balance, Lead, Station};
 use saltus_controller::c_source::{BALL as SOURCE, BALL_HEADER as HEADER};
 use saltus_gait::GaitError;
-use saltus_gait::space::{Flashed, FlashedPlane, Stable};
+use saltus_gait::space::{Flashed, FlashedPlane, Stable, Steered};
 use saltus_robot::Robot;
 
 use super::c::{comment, fill, list, number_words};
@@ -29,6 +29,19 @@ impl BallFiles {
     /// [`GaitError`] for a robot that is not in space, and numbers that cannot be.
     pub fn new<R: Number>(robot: &Robot, stable: &Stable) -> Result<BallFiles, GaitError> {
         let flashed = Flashed::new(robot, stable)?.rounded::<R>();
+        Ok(BallFiles::of(robot, &flashed))
+    }
+
+    /// The code that leads `robot` along a path as `steered`, with numbers `R`. The path itself is no part of it.
+    ///
+    /// # Errors
+    /// As [`BallFiles::new`], and for a path that is none.
+    pub fn steered<R: Number>(robot: &Robot, steered: &Steered) -> Result<BallFiles, GaitError> {
+        let flashed = Flashed::steered(robot, steered)?.rounded::<R>();
+        Ok(BallFiles::of(robot, &flashed))
+    }
+
+    fn of<R: Number>(robot: &Robot, flashed: &Flashed<R>) -> BallFiles {
         let about = vec![
             format!(
                 "What decides on the ball {}, whose file's SHA-256 begins {}.",
@@ -49,9 +62,9 @@ impl BallFiles {
         let files = [
             ("saltus_ball.h", filled(HEADER)),
             ("saltus_ball.c", filled(SOURCE)),
-            ("ball_tables.h", format!("{head}\n{}", tables(&flashed))),
+            ("ball_tables.h", format!("{head}\n{}", tables(flashed))),
         ];
-        Ok(BallFiles { about, files })
+        BallFiles { about, files }
     }
 }
 
@@ -69,6 +82,7 @@ fn tables<R: Number>(ball: &Flashed<R>) -> String {
     ]);
     let (limit, feet) = (s.limit, list(&[ball.reach, ball.radius]));
     let balance = balance(&ball.balance);
+    let lead = ball.lead.as_ref().map(lead).unwrap_or_default();
     let (count, stations, planes) = planes(&ball.planes);
     format!(
         "\
@@ -89,7 +103,7 @@ static const saltus_senses ball_senses = {{
 
 static const saltus_balance ball_balance = {{
 {balance}}};
-
+{lead}
 /* What comes onto the ground in each plane, in its order: the legs, of twins first the left one, and the angle (rad). */
 {stations}
 #define BALL_PLANES {count}
@@ -138,6 +152,25 @@ fn balance<R: Number>(b: &Balance<R>) -> String {
     ];
     let line = |(value, name): (String, &str)| format!("    {value}, /* {name} */\n");
     lines.map(line).concat()
+}
+
+fn lead<R: Number>(l: &Lead<R>) -> String {
+    let lines = [
+        (list(&[l.ahead, l.slew]), "ahead, slew"),
+        (
+            list(&[l.tips, l.astray, l.turn, l.near]),
+            "tips, astray, turn, near",
+        ),
+        (
+            list(&[l.still, l.rests, l.patience]),
+            "still, rests, patience",
+        ),
+    ];
+    let line = |(value, name): (String, &str)| format!("    {value}, /* {name} */\n");
+    let lines = lines.map(line).concat();
+    format!(
+        "\n#define BALL_LEAD\nstatic const saltus_lead ball_lead = {{\n    &ball_balance,\n{lines}}};\n"
+    )
 }
 
 /// How many planes, their stations, and the planes.

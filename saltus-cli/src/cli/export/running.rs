@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 use saltus::Robot;
 use saltus::export::{BallFiles, Number, Running};
-use saltus::gait::space::Stable;
+use saltus::gait::space::{Stable, Steered};
 use saltus::gait::{Centre, Lines, Program, Quest, Setup};
 
 use crate::cli::best::{self, goal};
@@ -33,6 +33,8 @@ enum Kind {
     Optimal,
     /// A robot in space kept in its plane, as by `saltus run`
     DiscStable,
+    /// A robot in space led along a path, as by `saltus run`
+    Steer,
 }
 
 /// Lines of a closed loop.
@@ -109,6 +111,7 @@ impl Kind {
             Kind::Speed => "speed",
             Kind::Optimal => "optimal",
             Kind::DiscStable => "disc-stable",
+            Kind::Steer => "steer",
         }
     }
 
@@ -135,12 +138,16 @@ impl RunningFlags {
         robot: impl FnOnce() -> Result<Robot, CliError>,
         valve_open: Option<f64>,
     ) -> Result<Option<BallFiles>, CliError> {
-        if self.gait != Some(Kind::DiscStable) {
+        let Some(gait @ (Kind::DiscStable | Kind::Steer)) = self.gait else {
             return Ok(None);
-        }
+        };
         self.meant(valve_open)?;
         let robot = robot()?;
-        let written = BallFiles::new::<R>(&robot, &Stable::default());
+        let written = if gait == Kind::Steer {
+            BallFiles::steered::<R>(&robot, &Steered::towards(0.0))
+        } else {
+            BallFiles::new::<R>(&robot, &Stable::default())
+        };
         let wrong = |error| CliError::content(&robot.name, error);
         written.map(Some).map_err(wrong)
     }
@@ -179,9 +186,7 @@ impl RunningFlags {
         };
         let begins = match gait {
             Kind::Fixed | Kind::OpenLoop | Kind::Speed => 0.0,
-            Kind::ClosedLoop | Kind::Curve | Kind::Smooth | Kind::Optimal | Kind::DiscStable => {
-                -0.3
-            }
+            _ => -0.3,
         };
         setup.zone = self.zone.unwrap_or(begins);
         if let Some(taps) = &self.taps {
@@ -246,7 +251,7 @@ impl RunningFlags {
             }
             (Kind::Smooth | Kind::Speed, _) => self.aim.unwrap_or(Aim::Quick).law().program(),
             // Of a ball nothing of this is used: see `ball`.
-            (Kind::Optimal | Kind::DiscStable, _) => Program::Fixed {
+            (Kind::Optimal | Kind::DiscStable | Kind::Steer, _) => Program::Fixed {
                 firing_angle: self.zone.unwrap_or(-0.3),
             },
             (Kind::Fixed, _) => Program::Fixed {

@@ -85,7 +85,8 @@ compilers are as above; the valve opens for 40 ms unless --valve-open says other
 
 With --gait disc-stable, of rats-twelve unless --robot names another, saltus_estimator_take makes attitude, rates and way of a robot in space of its gyros, accelerometers and foot \
 switches, and saltus_balancer_step says each cycle which legs fire. ball_tables.h has the constants: ball_senses, ball_balance, and all \
-planes in which the robot can roll, ball_planes. Angles of stations are rounded to 1e-12 rad, so that the files are the same on every \
+planes in which the robot can roll, ball_planes. With --gait steer also ball_lead, for saltus_pilot_start and saltus_pilot_step, \
+which lead along a path. Angles of stations are rounded to 1e-12 rad, so that the files are the same on every \
 machine. controller/examples/ball.c is a control loop.
 
 The exit code is 1 if no cell can be used.";

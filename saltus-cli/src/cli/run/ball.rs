@@ -1,70 +1,41 @@
 //! A robot in space, which rolls as a disc.
 
 mod beside;
+mod came;
+mod drawn;
+mod figure;
 mod film;
+mod gait;
 
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 
 use saltus::Robot;
-use saltus::gait::space::{
-    Ball, DrawnBalls, FALLS, Fires, Gait, Knows, Left, Roll, Rolled, Stable, drawn_ball, roll,
-};
-use saltus::gait::{Centre, GaitError, Program};
-use saltus::numeric::parallel;
-use saltus::running::Share;
+use saltus::gait::GaitError;
+use saltus::gait::space::{Ball, Knows, Left, Roll, Thrown};
 use saltus::sim_check::Stepping;
 use serde_json::{Value, json};
 
 use super::Run;
-use super::ensemble::in_words;
-use super::gait::{Direction, GaitFlags, Kind, Reading};
 use super::rows::Rows;
 use crate::cli::Status;
 use crate::error::CliError;
 use crate::interrupt::Interrupt;
-use crate::output::{self, Cell, Files, Format, Table, digits, full, message};
+use crate::output::{self, Files, Format, digits, full, message};
 use crate::progress::Progress;
 use beside::{Beside, Places, Said};
+use came::{Aim, Came, follow, leaving};
 
-/// How far (m) a drawn robot has to come, and within which way (m) of its line.
-const FAR: f64 = 30.0;
-const WIDE: f64 = 1.0;
-
-const COLUMNS: &[&str] = &[
-    "robot",
-    "time_s",
-    "travel_m",
-    "most_aside_m",
-    "ending",
-    "fell_s",
-    "fell_roll_rad",
-    "firings",
-    "error",
-];
-
-/// A run, and how far it was aside at most.
-#[derive(Clone, Debug, Default)]
-struct Came {
-    rolled: Rolled,
-    aside: f64,
-    /// Heading (rad) at the end.
-    heading: f64,
-    /// Since when (s) no station came any more.
-    stands: Option<f64>,
-    /// Whether it came [`FAR`] along its line before it was [`WIDE`] aside of it.
-    is_far: bool,
-}
-
-/// For how long (s) no station may come into the zone before a robot counts as standing.
-const STANDS: f64 = 2.0;
+/// Greatest spin (rad/s) of a robot that is thrown down.
+const SPIN: f64 = 5.0;
 
 impl Run {
     /// Runs the robot in space that the flags name.
     pub(super) fn ball(&self, robot: &Robot) -> Result<Status, CliError> {
         self.meant_for_a_ball()?;
+        let (gait, aim) = self.gait.rolls()?;
         let mut setup = Roll {
-            gait: self.gait.rolls()?,
+            gait,
             knows: if self.gait.truth || self.gait.is_thesis() {
                 Knows::Truth
             } else {
@@ -78,8 +49,9 @@ impl Run {
             ..Roll::new(robot.clone(), self.seconds)
         };
         if self.robots.is_some() {
-            return self.many_balls(&setup);
+            return self.many_balls(&setup, aim);
         }
+        setup.start.thrown = self.thrown(aim, 0);
         self.places()?;
         let interrupt = Interrupt::listen()?;
         // A length is at most 100,000 s.
@@ -90,8 +62,10 @@ impl Run {
             _ => None,
         };
         let mut beside = Beside::open(self.beside(), self.seed, &mut setup)?;
+        let mut track = figure::Track::new(self.seconds);
         let mut whole = 0.0;
-        let came = follow(&setup, |ball| {
+        let came = follow(&setup, aim, |ball| {
+            track.push(ball);
             if let Some(rows) = &mut rows {
                 rows.line(|text| write(ball, text));
             }
@@ -130,6 +104,8 @@ impl Run {
             }
             (None, _) => files.report(self.output.out(), self.text(robot, &came)),
         }
+        let drawing = || Ok(figure::drawing(&setup, self.head(robot), &track));
+        self.plot.add_to(&mut files, drawing)?;
         beside.add_to(&mut files, &setup, self.said(robot, &came))?;
         files.write()?;
         Ok(match (interrupt.came(), came.failure()) {
@@ -152,7 +128,7 @@ impl Run {
     fn said(&self, robot: &Robot, came: &Came) -> Said<'_> {
         Said {
             title: self.head(robot),
-            ended: came.failure().unwrap_or_else(|| "rolled to the end".into()),
+            ended: came.words(),
             rolled: came.failure().is_none(),
             gait: self.gait.rolling().name(),
         }
@@ -164,7 +140,6 @@ impl Run {
             ("--policy", self.gait.policy.is_some()),
             ("--disturb", !self.disturb.is_empty()),
             ("--analyse", self.analyse.is_some()),
-            ("--plot", self.plot.is_set()),
             ("--believed", self.believed.is_some()),
             ("--drawn-across", self.drawn_across != 0.0),
         ];
@@ -192,28 +167,33 @@ impl Run {
         let mut line = |name: &str, what: String| {
             let _ = writeln!(text, "  {name:<24} {what}");
         };
-        let ending = came.failure().unwrap_or_else(|| "rolled to the end".into());
-        line("ending", ending);
+        line("ending", came.words());
         line("time", format!("{} s", digits(rolled.time, 6)));
-        line("travel", format!("{} m", digits(rolled.travel, 5)));
-        let speed = rolled.travel / rolled.time.max(f64::MIN_POSITIVE);
+        let way = if came.aim == Aim::Line {
+            line("travel", format!("{} m", digits(rolled.travel, 5)));
+            rolled.travel
+        } else {
+            line("way", format!("{} m", digits(came.way, 5)));
+            came.way
+        };
+        let speed = way / rolled.time.max(f64::MIN_POSITIVE);
         line("mean speed", format!("{} m/s", digits(speed, 4)));
-        line(
-            "most aside of its line",
-            format!("{} m", digits(came.aside, 3)),
-        );
+        let most = format!("most aside of its {}", self.gait.followed());
+        line(&most, format!("{} m", digits(came.aside, 3)));
         if self.gait.is_thesis() {
             let left = rolled
                 .left
                 .map_or_else(|| "never".into(), |left| leaving(&left));
             line("left its plane", left);
-        } else {
+        } else if came.aim == Aim::Line {
             let heading = digits(came.heading, 3);
             let wanted = digits(self.gait.heading.unwrap_or(0.0), 3);
-            line(
-                "heading at the end",
-                format!("{heading} rad, line {wanted} rad"),
-            );
+            let both = format!("{heading} rad, line {wanted} rad");
+            line("heading at the end", both);
+        } else {
+            for (name, what) in came.led_in_words() {
+                line(name, what);
+            }
         }
         line("firings", rolled.firings.to_string());
         line(
@@ -231,7 +211,7 @@ impl Run {
                 "roll_rad": left.roll, "roll_rate_rad_s": left.roll_rate,
             })
         };
-        json!({
+        let mut answer = json!({
             "command": "run",
             "robot": robot.name,
             "gait": self.gait.rolling().name(),
@@ -249,193 +229,22 @@ impl Run {
             "stands_since_s": came.stands,
             "firings": rolled.firings,
             "residual_j": -rolled.residual,
-        })
-    }
-
-    /// Runs drawn balls and reports their shares.
-    fn many_balls(&self, setup: &Roll) -> Result<Status, CliError> {
-        let robots = self.robots.map_or(1, std::num::NonZeroUsize::get);
-        let mut files = Files::default();
-        files.extend(self.output.out().map(|out| ("--out", out)));
-        files.check()?;
-        let draw = DrawnBalls::default();
-        // What is wrong with all of them is bad input, and said before they run.
-        roll(setup, |_| false).map_err(|error| refused(error, &setup.robot))?;
-        let progress = Progress::new("robots", robots);
-        let runs = parallel::map_on(self.threads.count().get(), robots, |k| {
-            let mut own = setup.clone();
-            own.robot = drawn_ball(&setup.robot, &draw, self.seed, k)?;
-            if let Knows::Sensors(seed) = &mut own.knows {
-                *seed = seed.wrapping_add(k as u64);
-            }
-            let came = follow(&own, |_| ControlFlow::Continue(()));
-            progress.advance(1);
-            came
         });
-        drop(progress);
-        let report = match self.output.format() {
-            Format::Csv => table(&runs).csv(),
-            Format::Json => output::json(&self.shares(setup, &draw, &runs)),
-            Format::Text => self.shares_text(setup, &draw, &runs),
-        };
-        self.output.write_report(report)?;
-        Ok(Status::Done)
-    }
-
-    fn shares(&self, setup: &Roll, draw: &DrawnBalls, runs: &[Outcome]) -> Value {
-        let share = |share: Share| json!({ "count": share.count, "of": share.of, "share": share.value(), "interval_95": share.interval() });
-        json!({
-            "command": "run",
-            "robot": setup.robot.name,
-            "gait": self.gait.rolling().name(),
-            "by_sensors": setup.knows != Knows::Truth,
-            "seconds": setup.seconds,
-            "seed": self.seed,
-            "drawn": { "force_factor_standard_deviation": draw.force, "center_of_mass_within_m": draw.center, "friction": draw.friction },
-            "rolled_to_the_end": share(together(runs, |came| came.failure().is_none())),
-            "came_30_m_within_1_m": share(together(runs, |came| came.is_far)),
-            "not_simulated": runs.iter().filter(|run| run.is_err()).count(),
-            "runs": table(runs).json(),
-        })
-    }
-
-    fn shares_text(&self, setup: &Roll, draw: &DrawnBalls, runs: &[Outcome]) -> String {
-        let mut text = self.head(&setup.robot);
-        let _ = writeln!(text, ", {} drawn robots, seed {}", runs.len(), self.seed);
-        let mut line = |name: &str, what: String| {
-            let _ = writeln!(text, "  {name:<24} {what}");
-        };
-        let drawn = format!(
-            "forces of legs ± {} %, centre of mass within {} mm, friction {} to {}",
-            digits(100.0 * draw.force, 3),
-            digits(1e3 * draw.center, 3),
-            draw.friction[0],
-            draw.friction[1]
-        );
-        line("drawn", drawn);
-        let upright = together(runs, |came| came.failure().is_none());
-        line("rolled to the end", in_words(&upright));
-        let far = format!("{FAR} m within {WIDE} m");
-        line(&far, in_words(&together(runs, |came| came.is_far)));
-        let middle = |of: &dyn Fn(&Came) -> f64| {
-            let mut all: Vec<f64> = runs.iter().flatten().map(of).collect();
-            saltus::numeric::statistics::median(&mut all)
-        };
-        line(
-            "median travel",
-            format!("{} m", digits(middle(&|came| came.rolled.travel), 4)),
-        );
-        line(
-            "median way aside",
-            format!("{} m", digits(middle(&|came| came.aside), 3)),
-        );
-        if let Some(Err(error)) = runs.iter().find(|run| run.is_err()) {
-            let count = runs.iter().filter(|run| run.is_err()).count();
-            line("not simulated", format!("{count}, {error}"));
+        if came.aim != Aim::Line {
+            answer["way_m"] = came.way.into();
+            answer["place_m"] = came.place.to_vec().into();
+            answer["points_reached"] = came.led.reached.into();
+            answer["points"] = came.points().into();
+            answer["set_out"] = came.led.starts.into();
+            answer["rolled_a_turn_s"] = came.again.into();
         }
-        text
-    }
-}
-
-/// What became of a drawn robot.
-type Outcome = Result<Came, GaitError>;
-
-/// Rolls until the end, a fall, or as long as `goes_on` says.
-fn follow(setup: &Roll, mut goes_on: impl FnMut(&Ball) -> ControlFlow<()>) -> Outcome {
-    let line = match &setup.gait {
-        Gait::Stable(stable) => stable.line,
-        Gait::Disc(_) | Gait::Steered(_) => 0.0,
-    };
-    let is_stable = matches!(setup.gait, Gait::Stable(_));
-    let mut came = Came::default();
-    let mut last = (i32::MIN, 0.0);
-    came.rolled = roll(setup, |ball| {
-        let [x, y, _] = ball.place;
-        let (sine, cosine) = line.sin_cos();
-        came.aside = came.aside.max(match &setup.gait {
-            Gait::Stable(_) => ball.aside.abs(),
-            Gait::Disc(_) | Gait::Steered(_) => y.abs(),
-        });
-        came.heading = ball.rolling.heading;
-        came.is_far |= came.aside <= WIDE && cosine * x + sine * y >= FAR;
-        if ball.passed > last.0 {
-            last = (ball.passed, ball.time);
-        }
-        let stands = ball.time > last.1 + STANDS;
-        came.stands = stands.then_some(last.1);
-        let ends = is_stable && (stands || ball.rolling.roll.abs() > FALLS);
-        goes_on(ball).is_continue() && !ends
-    })?;
-    Ok(came)
-}
-
-fn together(runs: &[Outcome], did: impl Fn(&Came) -> bool) -> Share {
-    Share {
-        count: runs.iter().flatten().filter(|came| did(came)).count(),
-        of: runs.len(),
-    }
-}
-
-fn table(runs: &[Outcome]) -> Table {
-    let mut table = Table::new(COLUMNS);
-    for (k, run) in runs.iter().enumerate() {
-        let mut row = vec![Cell::Count(k)];
-        match run {
-            Ok(came) => row.extend([
-                came.rolled.time.into(),
-                came.rolled.travel.into(),
-                came.aside.into(),
-                Cell::Word(came.ending()),
-                came.rolled.fell.map(|fell| fell.time).into(),
-                came.rolled.fell.map(|fell| fell.roll).into(),
-                Cell::Count(came.rolled.firings),
-                Cell::Empty,
-            ]),
-            Err(error) => {
-                row.resize(COLUMNS.len() - 1, Cell::Empty);
-                row.push(Cell::Text(error.to_string()));
-            }
-        }
-        table.push(row);
-    }
-    table
-}
-
-impl Came {
-    fn ending(&self) -> &'static str {
-        match (self.rolled.fell, self.stands) {
-            (Some(_), _) => "fell",
-            (None, Some(_)) => "stands",
-            (None, None) => "rolled",
-        }
+        answer
     }
 
-    /// What went wrong, if anything did: when, where, which way.
-    fn failure(&self) -> Option<String> {
-        match (self.rolled.fell, self.stands) {
-            (Some(fell), _) => Some(format!("fell: {}", leaving(&fell))),
-            (None, Some(since)) => Some(format!(
-                "stands since {} s, at {} m",
-                digits(since, 4),
-                digits(self.rolled.travel, 4)
-            )),
-            (None, None) => None,
-        }
+    /// How drawn robot `k` is thrown down, if it is.
+    fn thrown(&self, aim: Aim, k: usize) -> Option<Thrown> {
+        (aim == Aim::Again).then(|| Thrown::drawn(self.seed, k, SPIN))
     }
-}
-
-/// When, where and which way.
-fn leaving(left: &Left) -> String {
-    format!(
-        "at {} s and {} m, {} m to the {}; rolled by {} rad to the {}, {} rad/s",
-        digits(left.time, 4),
-        digits(left.travel, 4),
-        digits(left.aside.abs(), 3),
-        if left.aside < 0.0 { "right" } else { "left" },
-        digits(left.roll.abs(), 3),
-        if left.roll < 0.0 { "left" } else { "right" },
-        digits(left.roll_rate, 3)
-    )
 }
 
 /// The names of the columns, which end with their units.
@@ -523,96 +332,5 @@ fn refused(error: GaitError, robot: &Robot) -> CliError {
             CliError::flag(flag, format!("({name} = {value})"), allowed)
         }
         _ => CliError::content(&robot.name, error),
-    }
-}
-
-impl GaitFlags {
-    /// The gait of a robot in space.
-    fn rolling(&self) -> Kind {
-        self.gait.unwrap_or(Kind::DiscStable)
-    }
-
-    /// Whether it rolls as in the thesis, which knows nothing of sensors.
-    fn is_thesis(&self) -> bool {
-        self.rolling() == Kind::Disc
-    }
-
-    /// How a robot in space rolls.
-    fn rolls(&self) -> Result<Gait, CliError> {
-        let kind = self.rolling();
-        if !matches!(kind, Kind::Disc | Kind::DiscStable) {
-            return Err(CliError::flag(
-                "--gait",
-                kind.name(),
-                "disc or disc-stable, of a robot in space",
-            ));
-        }
-        let of_the_disc = [
-            ("--valve-open", self.valve_open.is_some()),
-            ("--from", self.from.is_some()),
-            ("--to", self.to.is_some()),
-            ("--steepness", self.steepness.is_some()),
-            ("--shift", self.shift.is_some()),
-            ("--centre", self.centre.is_some()),
-            ("--zone", self.zone.is_some()),
-        ];
-        let of_the_stable = [("--heading", self.heading.is_some())];
-        let of_the_plane = [
-            ("--firing-angle", self.firing_angle.is_some()),
-            ("--lines", self.lines.is_some()),
-            ("--switch", self.switch.is_some()),
-            ("--first-slope", self.first_slope.is_some()),
-            ("--top-rate", self.top_rate.is_some()),
-            ("--knots", self.knots.is_some()),
-            ("--aim", self.aim.is_some()),
-            ("--speed", self.speed.is_some()),
-            ("--distance", self.distance.is_some()),
-            ("--refinements", self.refinements.is_some()),
-            ("--direction", self.direction != Direction::Forwards),
-        ];
-        let first = |flags: &[(&'static str, bool)]| {
-            flags
-                .iter()
-                .find(|(_, given)| *given)
-                .map(|(flag, _)| *flag)
-        };
-        if let Some(flag) = first(&of_the_plane) {
-            return Err(in_its_plane(flag));
-        }
-        if kind == Kind::DiscStable {
-            if let Some(flag) = first(&of_the_disc) {
-                return Err(CliError::flag(
-                    flag,
-                    "",
-                    "used with --gait disc, not disc-stable",
-                ));
-            }
-            return Ok(Gait::Stable(Stable {
-                line: self.heading.unwrap_or(0.0),
-                ..Stable::default()
-            }));
-        }
-        if let Some(flag) = first(&of_the_stable) {
-            return Err(CliError::flag(
-                flag,
-                "",
-                "used with --gait disc-stable, not disc",
-            ));
-        }
-        let shift = self.shift.unwrap_or(3.0);
-        let program = Program::OpenLoop {
-            first: self.from.unwrap_or(0.5),
-            last: self.to.unwrap_or(0.0),
-            slope: self.steepness.unwrap_or(2.1),
-            centre: match self.centre.unwrap_or(Reading::Printed) {
-                Reading::Printed => Centre::Printed(shift),
-                Reading::Seconds => Centre::Seconds(shift),
-            },
-        };
-        Ok(Gait::Disc(Fires {
-            program,
-            valve_open: self.valve_open.unwrap_or(0.05),
-            zone: self.zone.unwrap_or(-0.3),
-        }))
     }
 }

@@ -41,6 +41,10 @@ pub(super) enum Kind {
     Disc,
     /// The same on the legs that touch, kept in its plane and on its line by twins that open for different times
     DiscStable,
+    /// A robot in space follows a path by planes that it chooses as it lies, and gets up where it fell
+    Steer,
+    /// The same, thrown down at an attitude and with a spin that are drawn
+    Recover,
     /// What was learnt
     #[value(skip)]
     Policy,
@@ -77,8 +81,18 @@ impl Kind {
             Kind::Optimal => "optimal",
             Kind::Disc => "disc",
             Kind::DiscStable => "disc-stable",
+            Kind::Steer => "steer",
+            Kind::Recover => "recover",
             Kind::Policy => "policy",
         }
+    }
+
+    /// Whether it is one of a robot in space.
+    pub(super) fn is_in_space(self) -> bool {
+        matches!(
+            self,
+            Kind::Disc | Kind::DiscStable | Kind::Steer | Kind::Recover
+        )
     }
 }
 
@@ -115,13 +129,17 @@ pub(super) enum Direction {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Gait")]
 pub(super) struct GaitFlags {
-    /// How the firing angle is found [default: closed-loop; disc-stable for a robot in space]
+    /// How the firing angle is found [default: closed-loop; disc-stable for a robot in space, with --path steer]
     #[arg(long, value_enum)]
     pub(super) gait: Option<Kind>,
 
-    /// Heading (rad) of the line of `disc-stable`, to the left of the first heading [default: 0]
-    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
+    /// Heading (rad) of the line of `disc-stable`, `steer` and `recover`, to the left of the first heading [default: 0]
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::heading, allow_hyphen_values = true)]
     pub(super) heading: Option<f64>,
+
+    /// Path of `steer` and `recover`, from (0, 0): a CSV file with x_m, along the first heading, and y_m, to its left
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "heading")]
+    pub(super) path: Option<PathBuf>,
 
     /// A robot in space knows its motion exactly, in place of what its sensors say
     #[arg(long)]
@@ -293,12 +311,14 @@ impl GaitFlags {
 
     /// What the flags give for `robot`.
     pub(super) fn chosen(&self, robot: &Robot) -> Result<Chosen, CliError> {
-        if let kind @ (Kind::Disc | Kind::DiscStable) = self.own() {
+        let kind = self.own();
+        if kind.is_in_space() {
             let allowed = "used with a robot in space, whose body.shape is sphere";
             return Err(CliError::flag("--gait", kind.name(), allowed));
         }
         let in_space = [
             ("--heading", self.heading.is_some()),
+            ("--path", self.path.is_some()),
             ("--truth", self.truth),
         ];
         if let Some((flag, _)) = in_space.into_iter().find(|(_, given)| *given) {
@@ -468,9 +488,12 @@ impl GaitFlags {
                 Program::Curve(knots.0.clone())
             }
             Kind::Smooth => self.aim.unwrap_or(Aim::Quick).law().program(),
-            Kind::Optimal | Kind::Policy | Kind::Disc | Kind::DiscStable => {
-                Program::Fixed { firing_angle: zone }
-            }
+            Kind::Optimal
+            | Kind::Policy
+            | Kind::Disc
+            | Kind::DiscStable
+            | Kind::Steer
+            | Kind::Recover => Program::Fixed { firing_angle: zone },
             Kind::Speed => {
                 if self.speed.is_none() {
                     return Err(CliError::Missing {

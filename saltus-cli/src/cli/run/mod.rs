@@ -157,6 +157,8 @@ Examples:
   saltus run --gait fixed --seconds 3 --disturb torque=5@0.5:0.7s --analyse quick
   saltus run --robot rats-twelve --gait disc --seconds 5
   saltus run --robot rats-twelve --gait disc-stable --heading 30deg --seconds 20 --robots 100
+  saltus run --robot rats-twelve --path points.csv --seconds 60 --plot track.svg --animate run.html
+  saltus run --robot rats-twelve --gait recover --seconds 10 --seed 3
 
 The robot stands on two feet, finds out by its accelerometer which ones, and runs: the leg whose lean lies in the \
 active zone fires, once an entry, as soon as it leans by the firing angle. docs/running.md describes gaits, sensors and \
@@ -195,7 +197,9 @@ share of starts on one foot that run, on three grids; the frontier of speed agai
 without sensors and without --disturb. It takes half a minute on one core, or some seconds with `quick`. Text or JSON; with --robots the frontier is of drawn robots.
 
 A robot in space, such as rats-twelve, rolls as a disc on the legs near one plane: docs/space.md. By `disc-stable` it goes \
-by its sensors unless --truth is given, and ends where it has fallen or stands, with exit code 1. With --robots forces of legs, centre \
+by its sensors unless --truth is given, and ends where it has fallen or stands, with exit code 1. By `steer` it follows --path, or \
+the line with --heading: it gets up where it fell, and the run ends at the last point; before that, the exit code is 1. By `recover` it \
+is first thrown down, at any attitude with up to 5 rad/s, by --seed. With --robots forces of legs, centre \
 of mass and friction are drawn. Its CSV has a row a cycle: time_s, x_m, y_m, z_m (where its legs meet), quaternion_w to quaternion_z \
 (from the body's axes to the world's), vx_m_s to vz_m_s, spin_x_rad_s to spin_z_rad_s, lean_rad (of the leg or twins in the zone), \
 rate_rad_s, roll_rad, roll_rate_rad_s, heading_rad, stations_passed, feet_on_ground (how many), fired_leg, valve_open_s, fired_twin, \

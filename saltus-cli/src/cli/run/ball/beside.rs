@@ -129,6 +129,10 @@ impl Beside {
                 ended: said.ended,
                 rolled: said.rolled,
                 line: self.line,
+                path: match &setup.gait {
+                    Gait::Steered(steered) => Some(steered.path.clone()),
+                    Gait::Stable(_) | Gait::Disc(_) => None,
+                },
             };
             let html = film.page(&setup.robot, &about);
             files.add("--animate", &path, html.into_bytes());

@@ -16,6 +16,8 @@ pub(super) struct About {
     pub(super) rolled: bool,
     /// Heading (rad) of the line that it follows, if it follows one.
     pub(super) line: Option<f64>,
+    /// Points (m) of the path that it follows, if it follows one.
+    pub(super) path: Option<Vec<[f64; 2]>>,
 }
 
 /// Most frames of a page: 200 in a second of the longest one.
@@ -154,6 +156,7 @@ impl Film {
             "rolled": about.rolled,
             "line_rad": about.line,
             "on_line_m": self.on_line,
+            "path_m": about.path,
             "radius_m": robot.body.radius,
             "rod_length_m": rod,
             "rod_radius_m": robot.leg.body.radius,

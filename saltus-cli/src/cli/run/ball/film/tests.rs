@@ -12,6 +12,7 @@ fn about(title: &str) -> About {
         ended: "rolled to the end".into(),
         rolled: true,
         line: Some(0.0),
+        path: None,
     }
 }
 

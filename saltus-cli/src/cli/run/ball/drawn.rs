@@ -1,0 +1,210 @@
+//! Drawn robots in space, and the shares of them that do what they should.
+
+use std::fmt::Write as _;
+use std::ops::ControlFlow;
+
+use saltus::gait::space::{DrawnBalls, Knows, Roll, drawn_ball, roll};
+use saltus::numeric::parallel;
+use saltus::numeric::statistics::median;
+use saltus::running::Share;
+use serde_json::{Value, json};
+
+use super::came::{Aim, Came, FAR, Outcome, WIDE, follow};
+use super::refused;
+use crate::cli::Status;
+use crate::cli::run::Run;
+use crate::cli::run::ensemble::in_words;
+use crate::error::CliError;
+use crate::output::{self, Cell, Files, Format, Table, digits};
+use crate::progress::Progress;
+
+/// How soon (s) a robot that was thrown down should run again.
+const SOON: f64 = 10.0;
+
+const COLUMNS: &[&str] = &[
+    "robot",
+    "time_s",
+    "travel_m",
+    "most_aside_m",
+    "ending",
+    "fell_s",
+    "fell_roll_rad",
+    "firings",
+    "way_m",
+    "points_reached",
+    "set_out",
+    "rolled_a_turn_s",
+    "error",
+];
+
+/// A share that is told: its key, and its name in words.
+struct Told {
+    key: &'static str,
+    words: String,
+    share: Share,
+}
+
+impl Run {
+    /// Runs drawn balls and reports their shares.
+    pub(super) fn many_balls(&self, setup: &Roll, aim: Aim) -> Result<Status, CliError> {
+        let robots = self.robots.map_or(1, std::num::NonZeroUsize::get);
+        let mut files = Files::default();
+        files.extend(self.output.out().map(|out| ("--out", out)));
+        files.check()?;
+        let draw = DrawnBalls::default();
+        // What is wrong with all of them is bad input, and said before they run.
+        roll(setup, |_| false).map_err(|error| refused(error, &setup.robot))?;
+        let progress = Progress::new("robots", robots);
+        let runs = parallel::map_on(self.threads.count().get(), robots, |k| {
+            let mut own = setup.clone();
+            own.robot = drawn_ball(&setup.robot, &draw, self.seed, k)?;
+            if let Knows::Sensors(seed) = &mut own.knows {
+                *seed = seed.wrapping_add(k as u64);
+            }
+            own.start.thrown = self.thrown(aim, k);
+            let came = follow(&own, aim, |_| ControlFlow::Continue(()));
+            progress.advance(1);
+            came
+        });
+        drop(progress);
+        let report = match self.output.format() {
+            Format::Csv => table(&runs).csv(),
+            Format::Json => output::json(&self.shares(setup, aim, &draw, &runs)),
+            Format::Text => self.shares_text(setup, aim, &draw, &runs),
+        };
+        self.output.write_report(report)?;
+        Ok(Status::Done)
+    }
+
+    fn shares(&self, setup: &Roll, aim: Aim, draw: &DrawnBalls, runs: &[Outcome]) -> Value {
+        let mut answer = json!({
+            "command": "run",
+            "robot": setup.robot.name,
+            "gait": self.gait.rolling().name(),
+            "by_sensors": setup.knows != Knows::Truth,
+            "seconds": setup.seconds,
+            "seed": self.seed,
+            "drawn": { "force_factor_standard_deviation": draw.force, "center_of_mass_within_m": draw.center, "friction": draw.friction },
+        });
+        for Told { key, share, .. } in told(aim, runs) {
+            answer[key] = json!({ "count": share.count, "of": share.of, "share": share.value(), "interval_95": share.interval() });
+        }
+        answer["not_simulated"] = runs.iter().filter(|run| run.is_err()).count().into();
+        answer["runs"] = table(runs).json().into();
+        answer
+    }
+
+    fn shares_text(&self, setup: &Roll, aim: Aim, draw: &DrawnBalls, runs: &[Outcome]) -> String {
+        let mut text = self.head(&setup.robot);
+        let _ = writeln!(text, ", {} drawn robots, seed {}", runs.len(), self.seed);
+        let mut line = |name: &str, what: String| {
+            let _ = writeln!(text, "  {name:<24} {what}");
+        };
+        let drawn = format!(
+            "forces of legs ± {} %, centre of mass within {} mm, friction {} to {}",
+            digits(100.0 * draw.force, 3),
+            digits(1e3 * draw.center, 3),
+            draw.friction[0],
+            draw.friction[1]
+        );
+        line("drawn", drawn);
+        for Told { words, share, .. } in told(aim, runs) {
+            line(&words, in_words(&share));
+        }
+        let middle = |of: &dyn Fn(&Came) -> Option<f64>| {
+            median(&mut runs.iter().flatten().filter_map(of).collect::<Vec<f64>>())
+        };
+        match aim {
+            Aim::Again => {
+                let time = digits(middle(&|came| came.again), 3);
+                line("median until it ran", format!("{time} s"));
+            }
+            Aim::Path(_) => {
+                let time = digits(middle(&|came| Some(came.rolled.time)), 4);
+                line("median time", format!("{time} s"));
+            }
+            Aim::Line | Aim::Led => {
+                let travel = digits(middle(&|came| Some(came.along)), 4);
+                line("median travel", format!("{travel} m"));
+            }
+        }
+        let aside = digits(middle(&|came| Some(came.aside)), 3);
+        line("median way aside", format!("{aside} m"));
+        if let Some(Err(error)) = runs.iter().find(|run| run.is_err()) {
+            let count = runs.iter().filter(|run| run.is_err()).count();
+            line("not simulated", format!("{count}, {error}"));
+        }
+        text
+    }
+}
+
+/// What is told of robots that ran for `aim`.
+fn told(aim: Aim, runs: &[Outcome]) -> [Told; 2] {
+    let share = |did: &dyn Fn(&Came) -> bool| Share {
+        count: runs.iter().flatten().filter(|came| did(came)).count(),
+        of: runs.len(),
+    };
+    let told = |key, words: &str, share| Told {
+        key,
+        words: words.into(),
+        share,
+    };
+    let well = share(&|came| came.failure().is_none());
+    let far = share(&|came| came.is_far);
+    let soon = share(&|came| came.again.is_some_and(|time| time <= SOON));
+    let within = format!("within {WIDE} m of it");
+    let line = format!("{FAR} m within {WIDE} m");
+    match aim {
+        Aim::Path(_) => [
+            told(
+                "came_to_the_end_of_its_path",
+                "came to its path's end",
+                well,
+            ),
+            told("within_1_m_of_its_path", &within, far),
+        ],
+        Aim::Again => [
+            told(
+                "ran_again",
+                "ran again",
+                share(&|came| came.again.is_some()),
+            ),
+            told("ran_again_within_10_s", &format!("within {SOON} s"), soon),
+        ],
+        Aim::Line | Aim::Led => [
+            told("rolled_to_the_end", "rolled to the end", well),
+            told("came_30_m_within_1_m", &line, far),
+        ],
+    }
+}
+
+fn table(runs: &[Outcome]) -> Table {
+    let mut table = Table::new(COLUMNS);
+    for (k, run) in runs.iter().enumerate() {
+        let mut row = vec![Cell::Count(k)];
+        match run {
+            Ok(came) => {
+                row.extend([
+                    came.rolled.time.into(),
+                    came.rolled.travel.into(),
+                    came.aside.into(),
+                    Cell::Word(came.ending()),
+                    came.rolled.fell.map(|fell| fell.time).into(),
+                    came.rolled.fell.map(|fell| fell.roll).into(),
+                    Cell::Count(came.rolled.firings),
+                    came.way.into(),
+                    Cell::Count(came.led.reached),
+                    Cell::Count(came.led.starts as usize),
+                    came.again.into(),
+                    Cell::Empty,
+                ]);
+            }
+            Err(error) => {
+                row.resize(COLUMNS.len() - 1, Cell::Empty);
+                row.push(Cell::Text(error.to_string()));
+            }
+        }
+        table.push(row);
+    }
+    table
+}
