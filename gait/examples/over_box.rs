@@ -1,11 +1,11 @@
 //! rats-twelve out of a run over a box: seeks how its twins jump, and tries it on 100 other robots.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example over_box -- 0.21 2.2 2.2 12 4 100
+//! cargo run --release -p saltus-gait --example over_box -- 0.21 2.2 2.2 16 3 100
 //! ```
 //!
 //! Height (m) of the box, its nearest and farthest front (m), robots to seek on, generations, and other robots; where nothing
-//! is given, 0.21 2.2 2.2 4 1 20.
+//! is given, 0.21 2.2 2.2 2 1 20.
 
 use saltus_gait::Obstacle;
 use saltus_gait::space::jump::Over;
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .map(|x| x.parse())
         .collect::<Result<_, _>>()?;
     let [height, front, farthest, robots, generations, others] = match numbers[..] {
-        [] => [0.21, 2.2, 2.2, 4.0, 1.0, 20.0],
+        [] => [0.21, 2.2, 2.2, 2.0, 1.0, 20.0],
         [a, b, c, d, e, f] => [a, b, c, d, e, f],
         _ => return Err("give six numbers".into()),
     };

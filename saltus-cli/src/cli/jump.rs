@@ -125,7 +125,7 @@ this for all places of a grid; its CSV has a row a place.
 With --obstacle a robot in space rolls by its sensors (`saltus run --gait disc-stable`) to a box that lies across its way and is \
 wider than it, and knows where it is; FROM:TO is where its front may be. The first push decides where the feet come down after it. \
 It is chosen so that twins, two legs side by side, come down where they jump best; they push the robot over the box. From which \
-distance on, at which lean and for how long is sought for --sought-on robots [default: 24] in --generations [default: 3], about \
+distance on, at which lean and for how long is sought for --sought-on robots [default: 16] in --generations [default: 3], about \
 two minutes. The answer is the share of other robots of which nothing between the feet touches the box, and of those that go on \
 by 2 m behind it, on their feet again if they fell; exit code 1 if less than 80 % clear it. CSV has a row a robot.
 

@@ -68,6 +68,8 @@ const WIDE: f64 = 10.0;
 /// Clearance (m) beyond which more is worth nothing, and what being clear at all is worth (m).
 const ENOUGH: f64 = 0.08;
 const CLEAR: f64 = 0.1;
+/// How many times as many robots choose among the best as seek them.
+const JUDGES: usize = 6;
 /// What a robot is worth (m) that goes through the box, or does not come to it.
 const LOST: f64 = -0.25;
 
@@ -252,7 +254,8 @@ impl Over {
         gap(&hull(&feet), &block) - self.robot.foot.radius
     }
 
-    /// Seeks the jump on `count` robots; `told` hears of each generation's score.
+    /// Seeks the jump on `count` robots, and chooses among the best of all generations by others; `told` hears of each
+    /// generation's score.
     ///
     /// # Errors
     /// [`GaitError`] for a robot or a box that cannot be.
@@ -260,7 +263,7 @@ impl Over {
         &self,
         (count, generations): (usize, usize),
         threads: usize,
-        told: impl FnMut(usize, f64, &[f64]),
+        mut told: impl FnMut(usize, f64, &[f64]),
     ) -> Result<Leap, GaitError> {
         let sought = Search {
             bounds: vec![
@@ -284,18 +287,34 @@ impl Over {
         // What cannot be run at all is told before it is sought.
         self.pass(&Leap::of(&sought.start), self.seed, 0, |_, _| false)?;
         let score = |x: &[f64]| {
-            let leap = Leap::of(x);
-            let worth = |k: usize| {
-                let back =
-                    self.front(self.seed, k) + self.obstacle.length + 2.0 * self.robot.body.radius;
-                let goes_on = |ball: &Ball, _| ball.place[0] < back;
-                let passed = self.passed(&leap, (self.seed, k), false, goes_on);
-                passed.map_or(LOST, |it| it.worth())
-            };
-            (0..count).map(worth).sum::<f64>() / count as f64
+            let worth = (0..count).map(|k| self.worth(x, (self.seed, k)));
+            worth.sum::<f64>() / count as f64
         };
-        let (best, _) = search(&sought, threads, score, told);
-        Ok(Leap::of(&best))
+        let mut finalists = vec![sought.start.clone()];
+        search(&sought, threads, score, |k, best, x| {
+            if finalists.iter().all(|it| it != x) {
+                finalists.push(x.to_vec());
+            }
+            told(k, best, x);
+        });
+        // What is best on a few robots is so by luck, too: others decide.
+        let judged = |x: &Vec<f64>| {
+            let seed = self.seed.wrapping_add(1);
+            let all = parallel::map_on(threads, JUDGES * count, |k| self.worth(x, (seed, k)));
+            all.iter().sum::<f64>()
+        };
+        let worths: Vec<f64> = finalists.iter().map(judged).collect();
+        let both = finalists.iter().zip(&worths);
+        let best = both.max_by(|a, b| a.1.total_cmp(b.1));
+        Ok(Leap::of(best.map_or(&sought.start, |(x, _)| x)))
+    }
+
+    /// What robot `k` of those drawn from `seed` is worth (m) that jumps as the numbers `x` say.
+    fn worth(&self, x: &[f64], (seed, k): (u64, usize)) -> f64 {
+        let back = self.front(seed, k) + self.obstacle.length + 2.0 * self.robot.body.radius;
+        let goes_on = |ball: &Ball, _| ball.place[0] < back;
+        let passed = self.passed(&Leap::of(x), (seed, k), false, goes_on);
+        passed.map_or(LOST, |it| it.worth())
     }
 
     /// `count` other robots, drawn from `seed`, jump as `leap` says.

@@ -53,7 +53,7 @@ pub(super) struct Ball {
 /// Robots on which a jump is sought, where no flag says otherwise.
 const SOUGHT_ON: u16 = 16;
 /// Robots, and generations, of the search for a jump out of a run.
-const FROM_RUN: (u16, u16) = (24, 3);
+const FROM_RUN: (u16, u16) = (16, 3);
 /// How near (m) a robot has to land.
 const NEAR: f64 = 0.1;
 /// Shares that are enough: of robots that land near, and of those that clear a box.
