@@ -66,8 +66,8 @@ const GOES_ON: f64 = 15.0;
 /// Half the width (m) of the box.
 const WIDE: f64 = 10.0;
 /// Clearance (m) beyond which more is worth nothing, and what being clear at all is worth (m).
-const ENOUGH: f64 = 0.08;
-const CLEAR: f64 = 0.1;
+const ENOUGH: f64 = 0.05;
+const CLEAR: f64 = 0.4;
 /// How many times as many robots choose among the best as seek them.
 const JUDGES: usize = 6;
 /// What a robot is worth (m) that goes through the box, or does not come to it.
