@@ -28,6 +28,7 @@ __all__ = [
     "fit",
     "inject",
     "jump_over",
+    "jump_to",
     "law",
     "learn",
     "map",
@@ -265,6 +266,26 @@ def jump_over(
 ) -> Answer:
     """A jump over a box out of a run: the verb `saltus jump`. `obstacle` is HEIGHTxLENGTH@FRONT in m,
     as in "0.1x0.21@1:6"."""
+    return ask("jump", (), locals())
+
+
+def jump_to(
+    target_m: tuple[float, float] | None = None,
+    *,
+    heading_rad: float | None = None,
+    distance_m: float | None = None,
+    map_m: float | None = None,
+    rest: int | None = None,
+    sought_on: int | None = None,
+    robots: int | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+    plot: PathLike | None = None,
+    robot: RobotLike = "rats-twelve",
+    set: Overrides = (),
+) -> Answer:
+    """A jump of a robot in space from rest to a place, or with `map_m` the map of such places that far
+    apart: the verb `saltus jump`."""
     return ask("jump", (), locals())
 
 

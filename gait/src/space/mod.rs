@@ -6,6 +6,7 @@ mod balance;
 mod disc;
 mod drawn;
 mod flashed;
+pub mod jump;
 mod known;
 mod measured;
 mod sensing;

@@ -4,6 +4,7 @@ mod ball_known;
 mod basin;
 mod energy;
 mod frontier;
+mod jump_in_space;
 mod learn;
 mod learn_tasks;
 mod optimal;

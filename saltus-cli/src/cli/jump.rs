@@ -1,5 +1,6 @@
 //! `saltus jump`: over a box from rest, or one that is sensed on the way.
 
+mod ball;
 mod margin;
 mod sensed;
 
@@ -9,23 +10,24 @@ use saltus::gait::{Crossed, Crossing, CrossingPlan, Draw, GaitError, Obstacle};
 use saltus::running::Share;
 use serde_json::{Value, json};
 
+use self::ball::Ball;
 use self::margin::{Margin, Passage};
 use self::sensed::Learning;
 use super::Status;
-use super::common::{OutputFlags, PlotOption, Threads, robot, seed};
+use super::common::{OutputFlags, PlotOption, Threads, any_robot, seed};
 use crate::error::{CliError, cut};
 use crate::output::{Files, Format, digits};
 use crate::progress::Progress;
 
 /// Jump over a box: from rest, some legs accelerate and the next one jumps; or out of a run, over a box
-/// that a range sensor sees
+/// that a range sensor sees. A robot in space jumps from rest to a place, or out of a run over a box
 #[derive(Args, Debug)]
 #[command(after_help = "`saltus jump --help` explains the output.", after_long_help = LONG_HELP)]
 pub(crate) struct Jump {
     /// The box: HEIGHTxLENGTH@FRONT (m), its front counted from the axle at rest; with FRONT as FROM:TO
     /// it is anywhere between, and the robot senses it
     #[arg(long, value_name = "HEIGHTxLENGTH@FRONT", value_parser = course, allow_hyphen_values = true)]
-    obstacle: Course,
+    obstacle: Option<Course>,
 
     /// Legs that accelerate before the one that jumps [default: 3]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(1..=6))]
@@ -46,6 +48,9 @@ pub(crate) struct Jump {
     #[command(flatten)]
     learning: Learning,
 
+    #[command(flatten)]
+    ball: Ball,
+
     /// Other drawn robots on which they are tried
     #[arg(long, value_name = "COUNT", default_value = "100", value_parser = clap::value_parser!(u16).range(1..=10000))]
     robots: u16,
@@ -57,7 +62,7 @@ pub(crate) struct Jump {
     #[command(flatten)]
     threads: Threads,
 
-    /// Robot: a built-in one with a boom or without (rats-boom, rats-run) or a TOML file
+    /// Robot: a built-in one with a boom or without (rats-boom, rats-run), one in space (rats-twelve), or a TOML file
     #[arg(
         long,
         value_name = "NAME|FILE",
@@ -88,6 +93,9 @@ Examples:
   saltus jump --obstacle 0.21x0.21@1:6 --greatest 80:200:7 --plot greatest.svg
   saltus jump --obstacle 0.21x0.21@1.3 --set leg.supply_pressure_gauge_psi=160
   saltus jump --obstacle 0.16x0.21@1.3 --constant --format json --out box.json
+  saltus jump --robot rats-twelve --target 0.3,0.2
+  saltus jump --robot rats-twelve --map 0.1 --out map.csv --plot map.svg
+  saltus jump --robot rats-twelve --obstacle 0.21x0.21@2.2
 
 FRONT as FROM:TO is a box that the robot senses. At each leg's entry into the active zone a table says whether the leg drives, \
 brakes or jumps, and at which firing angle: by the rate, the height of the axle and the distance to the box, which the range \
@@ -105,6 +113,21 @@ clearance: the least distance between the box and feet, rods and struts. Then ot
 The answer is the share that comes to the other side without touching the box, with its 95 % interval (Wilson), and the \
 least clearance that 5 % and half of those that come to the other side have. Exit code 1 if less than 95 % clear it. The search takes \
 about a minute.
+
+A robot in space (rats-twelve) jumps from rest on three feet to --target, or into --heading by --distance. x is ahead, the first \
+way in which `saltus run` would roll from there, y to the left, both from where the legs meet. Which legs fire, when and for how \
+long is sought in a model of the stance for --sought-on drawn robots [default: 16]; valves close as soon as gyros and \
+accelerometers say that the robot will land there. The answer is where the robot of the file lands in the simulation, where it \
+comes to rest, and the share of other robots that land within 10 cm of the target; exit code 1 if that is less than 90 % or the \
+target is out of reach: robots land more than 2 cm to one side of it in the mean. CSV has the jump, a row a cycle. --map does \
+this for all places of a grid; its CSV has a row a place.
+
+With --obstacle a robot in space rolls by its sensors (`saltus run --gait disc-stable`) to a box that lies across its way and is \
+wider than it, and knows where it is; FROM:TO is where its front may be. The first push decides where the feet come down after it. \
+It is chosen so that twins, two legs side by side, come down where they jump best; they push the robot over the box. From which \
+distance on, at which lean and for how long is sought for --sought-on robots [default: 16] in --generations [default: 3], about \
+two minutes. The answer is the share of other robots of which nothing between the feet touches the box, and of those that go on \
+by 2 m behind it, on their feet again if they fell; exit code 1 if less than 80 % clear it. CSV has a row a robot.
 
 The answer does not depend on --threads.";
 
@@ -129,6 +152,17 @@ impl Jump {
         let mut files = Files::default();
         files.extend(self.output.out().map(|out| ("--out", out)));
         files.check()?;
+        let robot = any_robot(&self.robot, &self.overrides)?;
+        if robot.space.is_some() {
+            return self.in_space(&robot);
+        }
+        self.ball.refuse()?;
+        let Some(course) = self.obstacle else {
+            return Err(CliError::Missing {
+                flag: "--obstacle",
+                allowed: "HEIGHTxLENGTH@FRONT in m, as in 0.21x0.21@1.3, or with FROM:TO as FRONT",
+            });
+        };
         if self.plot.is_set() && self.learning.finds_one() {
             let allowed = "used with --greatest";
             return Err(CliError::flag("--plot", "", allowed));
@@ -137,21 +171,20 @@ impl Jump {
             let allowed = "text or json";
             return Err(CliError::flag("--format", "csv", allowed));
         }
-        let robot = robot(&self.robot, &self.overrides)?;
         if robot.leg.cylinder().is_none() {
             let allowed = "a robot with pneumatic legs, whose supply is drawn";
             return Err(CliError::flag("--robot", &robot.name, allowed));
         }
-        if let Some(fronts) = self.obstacle.fronts() {
-            return self.sensed(&robot, fronts);
+        match course.fronts() {
+            Some(fronts) => self.sensed(&robot, course, fronts),
+            None => self.at_one_distance(&robot, course),
         }
-        self.at_one_distance(&robot)
     }
 
     /// Over a box at a known distance.
-    fn at_one_distance(&self, robot: &Robot) -> Result<Status, CliError> {
+    fn at_one_distance(&self, robot: &Robot, course: Course) -> Result<Status, CliError> {
         self.learning.refuse()?;
-        let obstacle = self.obstacle.at(self.obstacle.front);
+        let obstacle = course.at(course.front);
         let generations = usize::from(self.generations.unwrap_or(GENERATIONS));
         let crossing = Crossing {
             robot: robot.clone(),

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use super::super::Status;
 use super::super::common::OutputFlags;
 use super::margin::{Margin, Passage};
-use super::{ENOUGH, Jump, refused};
+use super::{Course, ENOUGH, Jump, refused};
 use crate::error::CliError;
 use crate::output::{Files, Format, digits};
 use crate::plot::Drawing;
@@ -82,7 +82,12 @@ impl Learning {
 
 impl Jump {
     /// Over a box whose front is anywhere between two distances (m).
-    pub(super) fn sensed(&self, robot: &Robot, fronts: [f64; 2]) -> Result<Status, CliError> {
+    pub(super) fn sensed(
+        &self,
+        robot: &Robot,
+        course: Course,
+        fronts: [f64; 2],
+    ) -> Result<Status, CliError> {
         for (flag, is_given) in [
             ("--legs", self.legs.is_some()),
             ("--constant", self.constant),
@@ -98,8 +103,8 @@ impl Jump {
         let sensed = Sensed {
             robot: robot.clone(),
             draw: Draw::around(robot),
-            heights: vec![self.obstacle.height],
-            length: self.obstacle.length,
+            heights: vec![course.height],
+            length: course.length,
             fronts,
             room: learning.room.unwrap_or(ROOM),
             law: Smooth::QUICK,
@@ -147,7 +152,7 @@ impl Jump {
     fn greatest(&self, sensed: &Sensed, pressures: &[f64]) -> Result<Status, CliError> {
         self.output.ready(&self.plot)?;
         let mut sensed = sensed.clone();
-        let most = self.obstacle.height;
+        let most = sensed.heights[0];
         let mut heights = vec![most];
         while heights.last().is_some_and(|last| last - STEP > 0.5 * STEP) {
             heights.push(most - heights.len() as f64 * STEP);

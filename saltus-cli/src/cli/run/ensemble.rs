@@ -295,7 +295,7 @@ impl Many<'_> {
     }
 }
 
-pub(super) fn in_words(share: &Share) -> String {
+pub(crate) fn in_words(share: &Share) -> String {
     let percent = |x: f64| digits(100.0 * x, 3);
     let [low, high] = share.interval();
     format!(
