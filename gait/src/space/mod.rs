@@ -11,6 +11,7 @@ mod known;
 mod measured;
 mod sensing;
 mod steer;
+pub mod stride;
 
 use balance::Course;
 pub use balance::Stable;

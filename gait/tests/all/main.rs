@@ -15,6 +15,7 @@ mod rest;
 mod sensed;
 mod space;
 mod stride;
+mod strides_in_space;
 
 use saltus_gait::{Disturbance, Program, Setup, What, When};
 use saltus_robot::{Robot, resolve};
