@@ -8,45 +8,21 @@
 //! The first number is the time step (s), the second how many drawn robots are kept up by the regulator.
 
 type Failed = Box<dyn std::error::Error>;
-use saltus_gait::space::stride::{Cost, LATERAL, Multiplier, OFF, Roller, Slopes, State, Twins};
+use saltus_gait::space::stride::{LATERAL, Multiplier, OFF, Roller, Slopes, State, Twins};
 use saltus_gait::space::{DrawnBalls, Gait, Knows, Roll, Stable, drawn_ball, roll};
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
 use saltus_sim_check::Stepping;
 
-/// Half turns over which costs are a mean.
-const AVERAGED: usize = 10;
 /// How far (m) a robot has to come, and within which way aside (m).
 const FAR: f64 = 30.0;
 const WIDE: f64 = 1.0;
-/// Half turns until a ball has come back to its plane.
-const BACK: usize = 6;
 
 /// Prints what a metre costs.
 fn costs(roller: &Roller, start: &State) -> Result<(), Failed> {
-    let (mut state, mut sum) = (*start, Cost::default());
-    for _ in 0..AVERAGED {
-        let (next, cost) = roller
-            .half_turn(&state, Twins::Apart(0.0))?
-            .ok_or("it stops")?;
-        sum.time += cost.time;
-        sum.way += cost.way;
-        sum.work += cost.work;
-        sum.legs += cost.legs;
-        sum.ground += cost.ground;
-        sum.stops += cost.stops;
-        state = State {
-            in_plane: next.in_plane,
-            ..State::default()
-        };
-    }
+    let sum = roller.costs(start)?.ok_or("it stops")?;
     let a_metre = |x: f64| x / sum.way;
-    println!(
-        "speed {:.3} m/s, half a turn {:.3} s and {:.3} m",
-        sum.way / sum.time,
-        sum.time / AVERAGED as f64,
-        sum.way / AVERAGED as f64
-    );
+    println!("speed {:.3} m/s", sum.way / sum.time);
     println!(
         "a metre: work of the legs {:.2} J; lost in legs {:.2} J, feet and ground {:.2} J, ends of strokes {:.2} J",
         a_metre(sum.work),
@@ -109,31 +85,6 @@ fn falls(roller: &Roller, start: &State, slopes: &Slopes, scale: f64) -> Result<
     Ok(())
 }
 
-/// The greatest roll (rad) from which a plain roll comes back to its plane, by halving; its heading may be another then.
-fn basin(roller: &Roller, start: &State) -> Result<f64, Failed> {
-    let comes_back = |lean: f64| -> Result<bool, Failed> {
-        let mut state = *start;
-        state.lateral[2] = lean;
-        for _ in 0..BACK {
-            match roller.half_turn(&state, Twins::Apart(0.0))? {
-                Some((next, _)) => state = next,
-                None => return Ok(false),
-            }
-        }
-        Ok(state.lateral[2].abs() < 0.1 * lean)
-    };
-    let (mut back, mut falls) = (0.0, 0.1);
-    for _ in 0..12 {
-        let middle = 0.5 * (back + falls);
-        if comes_back(middle)? {
-            back = middle;
-        } else {
-            falls = middle;
-        }
-    }
-    Ok(back)
-}
-
 /// How far (m) `robot` comes within `WIDE`, from a plain roll, by gains for the twins.
 fn kept(robot: &Robot, start: &State, gains: &[f64; LATERAL]) -> Result<f64, Failed> {
     let roller = Roller::new(robot, &Stable::default(), 1e-3)?;
@@ -181,7 +132,7 @@ fn main() -> Result<(), Failed> {
     costs(&roller, &start)?;
     println!(
         "comes back from rolls of up to {:.5} rad",
-        basin(&roller, &start)?
+        roller.basin(&start)?
     );
     for scale in [0.03, 0.1, 0.3, 1.0] {
         told(&roller, &start, scale)?;

@@ -304,7 +304,7 @@ impl Roller {
     /// # Errors
     /// [`GaitError`] for a motion that cannot be computed.
     pub fn periodic(&self) -> Result<Option<State>, GaitError> {
-        let Some(mut state) = self.from_rest()? else {
+        let Some(mut state) = self.after_rest()? else {
             return Ok(None);
         };
         let mut sum = SVector::<f64, IN_PLANE>::zeros();
@@ -320,8 +320,53 @@ impl Roller {
         Ok(Some(State::straight((sum / AVERAGED as f64).into())))
     }
 
+    /// The greatest roll (rad) from which the plain roll `at` comes back to its plane by itself, by halving; it may have another
+    /// heading then.
+    ///
+    /// # Errors
+    /// [`GaitError`] for a motion that cannot be computed.
+    pub fn basin(&self, at: &State) -> Result<f64, GaitError> {
+        let comes_back = |lean: f64| -> Result<bool, GaitError> {
+            let mut state = *at;
+            state.lateral[2] = lean;
+            for _ in 0..BACK {
+                match self.half_turn(&state, Twins::Apart(0.0))? {
+                    Some((next, _)) => state = next,
+                    None => return Ok(false),
+                }
+            }
+            Ok(state.lateral[2].abs() < 0.1 * lean)
+        };
+        let (mut back, mut falls) = (0.0, 0.1);
+        for _ in 0..12 {
+            let middle = 0.5 * (back + falls);
+            if comes_back(middle)? {
+                back = middle;
+            } else {
+                falls = middle;
+            }
+        }
+        Ok(back)
+    }
+
+    /// What ten half turns of the plain roll `at` cost; none where it comes to rest.
+    ///
+    /// # Errors
+    /// [`GaitError`] for a motion that cannot be computed.
+    pub fn costs(&self, at: &State) -> Result<Option<Cost>, GaitError> {
+        let (mut state, mut sum) = (*at, Cost::default());
+        for _ in 0..AVERAGED {
+            let Some((next, cost)) = self.half_turn(&state, Twins::Apart(0.0))? else {
+                return Ok(None);
+            };
+            sum = sum.and(&cost);
+            state = State::straight(next.in_plane);
+        }
+        Ok(Some(sum))
+    }
+
     /// A state of a run from rest, some turns later.
-    fn from_rest(&self) -> Result<Option<State>, GaitError> {
+    fn after_rest(&self) -> Result<Option<State>, GaitError> {
         let mut setup = Roll::new(self.robot.clone(), 6.0);
         (setup.gait, setup.knows) = (Gait::Stable(Stable::default()), Knows::Truth);
         let from = self.facing.plane().stations[self.first].angle;
@@ -528,7 +573,7 @@ fn parted(matrix: &SMatrix<f64, 4, 4>, from: usize, names: &[&'static str; 4]) -
         let complex = matrix.map(|x| Complex::new(x, 0.0))
             - SMatrix::<Complex<f64>, 4, 4>::identity() * *value;
         let svd = complex.svd(false, true);
-        let vector = svd.v_t.map(|v| v.row(3).map(|x| x.norm()));
+        let vector = svd.v_t.map(|v| v.row(3).map(Complex::norm));
         let size = |k: usize| vector.map_or(0.0, |v| v[k]) / OFF[from + k];
         let most = (0..4).max_by(|a, b| size(*a).total_cmp(&size(*b)));
         names[most.unwrap_or(0)]
@@ -573,6 +618,17 @@ impl State {
 }
 
 impl Cost {
+    fn and(self, other: &Cost) -> Cost {
+        Cost {
+            time: self.time + other.time,
+            way: self.way + other.way,
+            work: self.work + other.work,
+            legs: self.legs + other.legs,
+            ground: self.ground + other.ground,
+            stops: self.stops + other.stops,
+        }
+    }
+
     fn between(begin: &Ledger, end: &Ledger) -> Cost {
         let stops = end.stops - begin.stops;
         Cost {
@@ -599,5 +655,7 @@ const FALLEN: f64 = 0.8;
 /// Half turns until a plain roll has settled, and those over which it is averaged.
 const SETTLES: usize = 20;
 const AVERAGED: usize = 10;
+/// Half turns until a ball has come back to its plane.
+const BACK: usize = 6;
 /// Longest half turn (s).
 const LONGEST: f64 = 3.0;

@@ -1,5 +1,6 @@
 //! A robot in space, which rolls as a disc.
 
+mod analysis;
 mod beside;
 mod came;
 mod drawn;
@@ -12,11 +13,12 @@ use std::ops::ControlFlow;
 
 use saltus::Robot;
 use saltus::gait::GaitError;
-use saltus::gait::space::{Ball, Knows, Left, Roll, Thrown};
+use saltus::gait::space::{Ball, Gait, Knows, Left, Roll, Thrown};
 use saltus::sim_check::Stepping;
 use serde_json::{Value, json};
 
 use super::Run;
+use super::gait::Kind;
 use super::rows::Rows;
 use crate::cli::Status;
 use crate::error::CliError;
@@ -34,7 +36,20 @@ impl Run {
     pub(super) fn ball(&self, robot: &Robot) -> Result<Status, CliError> {
         self.meant_for_a_ball()?;
         let (gait, aim) = self.gait.rolls()?;
-        let mut setup = Roll {
+        if let Some(depth) = self.analyse {
+            return self.analysed_ball(robot, depth);
+        }
+        let mut setup = self.rolling(robot, gait);
+        if self.robots.is_some() {
+            return self.many_balls(&setup, aim);
+        }
+        setup.start.thrown = self.thrown(aim, 0);
+        self.one_ball(robot, setup, aim)
+    }
+
+    /// The run of `robot` by `gait`.
+    fn rolling(&self, robot: &Robot, gait: Gait) -> Roll {
+        Roll {
             gait,
             knows: if self.gait.truth || self.gait.is_thesis() {
                 Knows::Truth
@@ -47,11 +62,10 @@ impl Run {
                 (false, None) => Stepping::USUAL,
             },
             ..Roll::new(robot.clone(), self.seconds)
-        };
-        if self.robots.is_some() {
-            return self.many_balls(&setup, aim);
         }
-        setup.start.thrown = self.thrown(aim, 0);
+    }
+
+    fn one_ball(&self, robot: &Robot, mut setup: Roll, aim: Aim) -> Result<Status, CliError> {
         self.places()?;
         let interrupt = Interrupt::listen()?;
         // A length is at most 100,000 s.
@@ -139,7 +153,6 @@ impl Run {
         let given = [
             ("--policy", self.gait.policy.is_some()),
             ("--disturb", !self.disturb.is_empty()),
-            ("--analyse", self.analyse.is_some()),
             ("--believed", self.believed.is_some()),
             ("--drawn-across", self.drawn_across != 0.0),
         ];
@@ -147,6 +160,27 @@ impl Run {
             Some((flag, _)) => Err(in_its_plane(flag)),
             None => Ok(()),
         }
+    }
+
+    /// Refuses what an analysis of a ball does not have.
+    fn can_analyse_a_ball(&self) -> Result<(), CliError> {
+        let given = [
+            ("--robots", self.robots.is_some()),
+            ("--step", self.step.is_some()),
+            ("--exact", self.exact),
+            ("--heading", self.gait.heading.is_some()),
+            ("--truth", self.gait.truth),
+        ];
+        if let Some((flag, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
+            let allowed = "left out with --analyse, of a robot in space";
+            return Err(CliError::flag(flag, "", allowed));
+        }
+        let gait = self.gait.rolling();
+        if gait != Kind::DiscStable {
+            let allowed = "disc-stable with --analyse, of a robot in space";
+            return Err(CliError::flag("--gait", gait.name(), allowed));
+        }
+        Ok(())
     }
 
     /// The robot and its gait in words.

@@ -199,7 +199,8 @@ without sensors and without --disturb. It takes half a minute on one core, or so
 A robot in space, such as rats-twelve, rolls as a disc on the legs near one plane: docs/space.md. By `disc-stable` it goes \
 by its sensors unless --truth is given, and ends where it has fallen or stands, with exit code 1. By `steer` it follows --path, or \
 the line with --heading: it gets up where it fell, and the run ends at the last point; before that, the exit code is 1. By `recover` it \
-is first thrown down, at any attitude with up to 5 rad/s, by --seed. With --robots forces of legs, centre \
+is first thrown down, at any attitude with up to 5 rad/s, by --seed. --analyse tells of `disc-stable` without corrections speed and energy a metre, the \
+multipliers of half a turn, and from how much roll it comes back by itself. With --robots forces of legs, centre \
 of mass and friction are drawn. Its CSV has a row a cycle: time_s, x_m, y_m, z_m (where its legs meet), quaternion_w to quaternion_z \
 (from the body's axes to the world's), vx_m_s to vz_m_s, spin_x_rad_s to spin_z_rad_s, lean_rad (of the leg or twins in the zone), \
 rate_rad_s, roll_rad, roll_rate_rad_s, heading_rad, stations_passed, feet_on_ground (how many), fired_leg, valve_open_s, fired_twin, \
