@@ -175,6 +175,10 @@ impl Run {
             let allowed = "left out with --analyse, of a robot in space";
             return Err(CliError::flag(flag, "", allowed));
         }
+        if self.output.format() == Format::Csv {
+            let allowed = "text or json with --analyse";
+            return Err(CliError::flag("--format", "csv", allowed));
+        }
         let gait = self.gait.rolling();
         if gait != Kind::DiscStable {
             let allowed = "disc-stable with --analyse, of a robot in space";

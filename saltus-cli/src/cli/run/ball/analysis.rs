@@ -13,7 +13,7 @@ use crate::cli::Status;
 use crate::cli::run::Run;
 use crate::cli::run::analysis::Depth;
 use crate::error::CliError;
-use crate::output::{self, Format, digits, message};
+use crate::output::{self, Format, digits};
 
 /// Time steps (s) of a quick and of a full analysis.
 const STEPS: [f64; 2] = [2e-4, 2.5e-5];
@@ -36,22 +36,27 @@ impl Run {
         self.can_analyse_a_ball()?;
         let step = STEPS[usize::from(depth == Depth::Full)];
         let found = analysis(robot, step).map_err(|error| refused(error, robot))?;
-        let Some(found) = found else {
-            message(
-                "the robot does not roll on without its twins' corrections: there is nothing to analyse",
-            );
-            return Ok(Status::No);
+        let status = if found.is_some() {
+            Status::Done
+        } else {
+            Status::No
         };
-        let report = match self.output.format() {
-            Format::Json => output::json(&found.report(robot)),
-            Format::Text => found.text(robot),
-            Format::Csv => {
-                let allowed = "text or json with --analyse";
-                return Err(CliError::flag("--format", "csv", allowed));
-            }
+        let report = match (self.output.format(), found) {
+            (Format::Json, Some(found)) => output::json(&found.report(robot)),
+            (Format::Json, None) => output::json(&json!({
+                "command": "run",
+                "robot": robot.name,
+                "analysis": "plain roll",
+                "rolls_on": false,
+            })),
+            (_, Some(found)) => found.text(robot),
+            (_, None) => format!(
+                "{}: does not roll on by disc-stable with twins alike: there is nothing to analyse\n",
+                robot.name
+            ),
         };
         self.output.write_report(report)?;
-        Ok(Status::Done)
+        Ok(status)
     }
 }
 
@@ -148,6 +153,7 @@ impl Analysis {
             "command": "run",
             "robot": robot.name,
             "analysis": "plain roll",
+            "rolls_on": true,
             "step_s": self.step,
             "speed_m_s": self.cost.way / self.cost.time,
             "energy": energies,
