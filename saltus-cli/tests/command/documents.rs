@@ -173,6 +173,24 @@ fn named(document: &str) -> Vec<Vec<String>> {
         .collect()
 }
 
+/// The same command with fewer robots: whether it can be typed does not hang on how many.
+fn lighter(mut words: Vec<String>) -> Vec<String> {
+    if let Some(k) = words.iter().position(|word| word == "--robots") {
+        words[k + 1] = "2".into();
+    }
+    let has = |what: &str| words.iter().any(|word| word == what);
+    let mut more = "";
+    if words[0] == "jump" && has("rats-twelve") && !has("--sought-on") {
+        more = if has("--obstacle") {
+            "--sought-on 2 --generations 1"
+        } else {
+            "--sought-on 2"
+        };
+    }
+    words.extend(more.split_whitespace().map(str::to_owned));
+    words
+}
+
 /// A folder with the files that the documents' commands read.
 pub(crate) fn furnished(name: &str) -> Folder {
     let folder = Folder::new(name);
@@ -238,7 +256,7 @@ fn every_command_in_the_documents_runs() {
     let folder = furnished("documents");
     let mut done: Vec<Vec<String>> = Vec::new();
     // Blocks come before sentences, and so does what writes a folder before what reads it.
-    for words in documents.into_iter().flat_map(named) {
+    for words in documents.into_iter().flat_map(named).map(lighter) {
         if !done.contains(&words) {
             let run = folder.run(&words.iter().map(String::as_str).collect::<Vec<_>>());
             assert!(matches!(run.code, Some(0 | 1)), "{words:?}: {}", run.err);
