@@ -8,7 +8,7 @@
 //! The first number is the time step (s), the second how many drawn robots are kept up by the regulator.
 
 type Failed = Box<dyn std::error::Error>;
-use saltus_gait::space::stride::{LATERAL, Multiplier, OFF, Roller, Slopes, State, Twins};
+use saltus_gait::space::stride::{LATERAL, Multiplier, OFF, Roller, Slopes, State};
 use saltus_gait::space::{DrawnBalls, Gait, Knows, Roll, Stable, drawn_ball, roll};
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
@@ -55,32 +55,25 @@ fn told(roller: &Roller, start: &State, scale: f64) -> Result<(), Failed> {
     Ok(())
 }
 
-/// Prints by what falls grow, of starts that are off along the vector that grows.
+/// Prints by what falls grow in half a turn, of starts that are off along the vector that grows most.
 fn falls(roller: &Roller, start: &State, slopes: &Slopes, scale: f64) -> Result<(), Failed> {
     let Some((value, right, left)) = slopes.growth() else {
         println!("what grows most turns as it grows");
         return Ok(());
     };
     println!("grows by {value:.2} in half a turn");
-    let mut factors = Vec::new();
-    for sign in [-1.0, 1.0] {
-        for size in [0.5, 0.7, 1.0, 1.4] {
-            let off = right * (sign * size * scale * 0.004 / right[2].abs());
-            let mut state = *start;
-            state.lateral = off.into();
-            if let Some((next, _)) = roller.half_turn(&state, Twins::Apart(0.0))? {
-                let part: f64 = left.iter().zip(next.lateral).map(|(l, x)| l * x).sum();
-                factors.push(part / left.dot(&off));
-            }
+    for roll in [0.0005, 0.001, 0.002, 0.004, 0.008] {
+        let off = right * (scale * roll / right[2].abs());
+        let mut state = *start;
+        state.lateral = off.into();
+        if let Some((next, _)) = roller.half_turn(&state, 0.0)? {
+            let part: f64 = left.iter().zip(next.lateral).map(|(l, x)| l * x).sum();
+            let times = part / left.dot(&off);
+            println!(
+                "  a fall with a roll of {} mrad grows by {times:.2}",
+                1e3 * scale * roll
+            );
         }
-    }
-    factors.sort_by(f64::total_cmp);
-    if let [least, .., most] = factors[..] {
-        let middle = factors[factors.len() / 2];
-        println!(
-            "rolls of 2 to 5.6 mrad, times {scale}, grow by {middle:.2} (median of {}, {least:.2} to {most:.2})",
-            factors.len()
-        );
     }
     Ok(())
 }
@@ -91,8 +84,7 @@ fn kept(robot: &Robot, start: &State, gains: &[f64; LATERAL]) -> Result<f64, Fai
     let mut state = *start;
     while state.along < FAR && state.lateral[0].abs() < WIDE {
         let u: f64 = gains.iter().zip(state.lateral).map(|(k, x)| -k * x).sum();
-        let most = Stable::default().steer.most;
-        let Some((next, _)) = roller.half_turn(&state, Twins::Apart(u.clamp(-most, most)))? else {
+        let Some((next, _)) = roller.half_turn(&state, u)? else {
             break;
         };
         state = next;

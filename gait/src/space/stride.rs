@@ -62,19 +62,11 @@ pub struct Roller {
     robot: Robot,
     rig: Rig,
     facing: Facing,
+    stable: Stable,
     /// The station where the map begins: a single leg.
     first: usize,
     balance: Balance<f64>,
     step: f64,
-}
-
-/// What the twins do.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Twins {
-    /// In this half turn the right one opens longer by this (s), the left one less long.
-    Apart(f64),
-    /// As the gait says, with its line along the x axis.
-    AsSearched,
 }
 
 impl Roller {
@@ -114,13 +106,28 @@ impl Roller {
             singles,
             "one or more",
         )?;
+        let own = stable.balance(robot)?;
+        // Twins open as unlike as the way aside says, which is given, and nothing else corrects.
+        let steer = Steer {
+            roll: 0.0,
+            roll_rate: 0.0,
+            heading: 0.0,
+            heading_rate: 0.0,
+            aside: 1.0,
+            aside_rate: 0.0,
+            sum: 0.0,
+            from: FRAC_PI_2,
+            ..own.steer
+        };
         let balance = Balance {
             period: step,
-            ..stable.balance(robot)?
+            steer,
+            ..own
         };
         Ok(Roller {
             rig: Rig::new(robot, &[])?,
             robot: robot.clone(),
+            stable: stable.clone(),
             first: first.unwrap_or_default(),
             facing,
             balance,
@@ -199,15 +206,12 @@ impl Roller {
         (state, (turn - angle + PI).rem_euclid(TAU) - PI)
     }
 
-    /// Half a turn on from `state`, with what it costs; none if the ball does not come there.
+    /// Half a turn on from `state`, with what it costs; none if the ball does not come there. Of twins the valve of the right one
+    /// opens longer by `apart` (s), that of the left one less long; at most by [`Steer::most`].
     ///
     /// # Errors
     /// [`GaitError`] for a motion that cannot be computed.
-    pub fn half_turn(
-        &self,
-        state: &State,
-        twins: Twins,
-    ) -> Result<Option<(State, Cost)>, GaitError> {
+    pub fn half_turn(&self, state: &State, apart: f64) -> Result<Option<(State, Cost)>, GaitError> {
         let plane = self.facing.plane();
         let from = plane.stations[self.first].angle;
         let (q, v) = self.placed(state, from);
@@ -223,8 +227,7 @@ impl Roller {
         let legs = vec![retracted; self.rig.legs.len()];
         let mut sim = Sim::in_motion(&self.rig.mechanism, &q, &v, &legs, settings)?;
         let begin = sim.ledger();
-        let (balance, apart) = self.with(twins);
-        let mut balancer = Balancer::new(balance, plane);
+        let mut balancer = Balancer::new(self.balance, plane);
         let mut before: Option<(f64, State)> = None;
         let mut cycles = 0_u32;
         while sim.time() < LONGEST {
@@ -244,7 +247,7 @@ impl Roller {
                 return Ok(Some((at, cost)));
             }
             before = Some((past, now));
-            let (_, fired) = balancer.step(&self.sight(&sim, &now, apart));
+            let (_, fired) = balancer.step(&self.sight(&sim, apart));
             for firing in fired.into_iter().flatten() {
                 sim.fire(firing.leg as usize, firing.open)?;
             }
@@ -255,45 +258,16 @@ impl Roller {
         Ok(None)
     }
 
-    /// The gait's numbers where twins do this, and the way aside by which the controller is made to do it.
-    fn with(&self, twins: Twins) -> (Balance<f64>, Option<f64>) {
-        let own = self.balance.steer;
-        let steer = match twins {
-            Twins::AsSearched => own,
-            Twins::Apart(_) => Steer {
-                roll: 0.0,
-                roll_rate: 0.0,
-                heading: 0.0,
-                heading_rate: 0.0,
-                aside: 1.0,
-                aside_rate: 0.0,
-                sum: 0.0,
-                from: FRAC_PI_2,
-                ..own
-            },
-        };
-        let apart = match twins {
-            Twins::AsSearched => None,
-            Twins::Apart(time) => Some(time),
-        };
-        (
-            Balance {
-                steer,
-                ..self.balance
-            },
-            apart,
-        )
-    }
-
-    fn sight(&self, sim: &Sim<'_>, now: &State, apart: Option<f64>) -> Sight<f64> {
+    /// What the controller sees, with twins that open `apart` (s).
+    fn sight(&self, sim: &Sim<'_>, apart: f64) -> Sight<f64> {
         let (q, v) = (sim.coordinates(), sim.velocities());
         let gaps = self.rig.foot_gaps(q);
         let touching = (0..gaps.len()).filter(|leg| gaps[*leg] <= 0.0);
         Sight {
             attitude: Rotation([q[3], q[4], q[5], q[6]]),
             spin: [v[3], v[4], v[5]],
-            aside: apart.unwrap_or(now.lateral[0]),
-            aside_rate: if apart.is_some() { 0.0 } else { v[1] },
+            aside: apart,
+            aside_rate: 0.0,
             course: 0.0,
             touching: touching.fold(0, |bits, leg| bits | 1 << leg),
         }
@@ -309,7 +283,7 @@ impl Roller {
         };
         let mut sum = SVector::<f64, IN_PLANE>::zeros();
         for k in 0..SETTLES + AVERAGED {
-            let Some((next, _)) = self.half_turn(&state, Twins::Apart(0.0))? else {
+            let Some((next, _)) = self.half_turn(&state, 0.0)? else {
                 return Ok(None);
             };
             state = State::straight(next.in_plane);
@@ -320,8 +294,8 @@ impl Roller {
         Ok(Some(State::straight((sum / AVERAGED as f64).into())))
     }
 
-    /// The greatest roll (rad) from which the plain roll `at` comes back to its plane by itself, by halving; it may have another
-    /// heading then.
+    /// The greatest roll (rad), at most [`STEEPEST`], from which the plain roll `at` comes back to its plane by itself, by
+    /// halving; it may have another heading then.
     ///
     /// # Errors
     /// [`GaitError`] for a motion that cannot be computed.
@@ -330,14 +304,14 @@ impl Roller {
             let mut state = *at;
             state.lateral[2] = lean;
             for _ in 0..BACK {
-                match self.half_turn(&state, Twins::Apart(0.0))? {
+                match self.half_turn(&state, 0.0)? {
                     Some((next, _)) => state = next,
                     None => return Ok(false),
                 }
             }
             Ok(state.lateral[2].abs() < 0.1 * lean)
         };
-        let (mut back, mut falls) = (0.0, 0.1);
+        let (mut back, mut falls) = (0.0, STEEPEST);
         for _ in 0..12 {
             let middle = 0.5 * (back + falls);
             if comes_back(middle)? {
@@ -356,7 +330,7 @@ impl Roller {
     pub fn costs(&self, at: &State) -> Result<Option<Cost>, GaitError> {
         let (mut state, mut sum) = (*at, Cost::default());
         for _ in 0..AVERAGED {
-            let Some((next, cost)) = self.half_turn(&state, Twins::Apart(0.0))? else {
+            let Some((next, cost)) = self.half_turn(&state, 0.0)? else {
                 return Ok(None);
             };
             sum = sum.and(&cost);
@@ -368,7 +342,7 @@ impl Roller {
     /// A state of a run from rest, some turns later.
     fn after_rest(&self) -> Result<Option<State>, GaitError> {
         let mut setup = Roll::new(self.robot.clone(), 6.0);
-        (setup.gait, setup.knows) = (Gait::Stable(Stable::default()), Knows::Truth);
+        (setup.gait, setup.knows) = (Gait::Stable(self.stable.clone()), Knows::Truth);
         let from = self.facing.plane().stations[self.first].angle;
         let (mut found, mut before) = (None, 0.0);
         roll(&setup, |ball| {
@@ -384,8 +358,8 @@ impl Roller {
         Ok(found)
     }
 
-    /// How half a turn from `at` changes what is a little off, by central differences of amplitudes up to `scale` times [`OFF`], on as many
-    /// threads as there are; none where one of these half turns does not come to its end.
+    /// How half a turn from `at` changes what is a little off, by central differences of amplitudes up to `scale` times
+    /// [`OFF`], on as many threads as there are; none where one of these half turns does not come to its end.
     ///
     /// A time step decides in which step a foot touches. That makes a saw of the map, whose teeth are as wide as the step. So
     /// differences are taken over ways that are far wider, and a cubic is fitted to several.
@@ -398,13 +372,13 @@ impl Roller {
             let (what, k) = (job / AMPLITUDES, job % AMPLITUDES);
             let size = scale * OFF[what] * (k + 1) as f64 / AMPLITUDES as f64;
             let one = |size: f64| {
-                let (mut state, mut twins) = (*at, 0.0);
+                let (mut state, mut apart) = (*at, 0.0);
                 match what {
                     k if k < IN_PLANE => state.in_plane[k] += size,
                     k if k < IN_PLANE + LATERAL => state.lateral[k - IN_PLANE] += size,
-                    _ => twins = size,
+                    _ => apart = size,
                 }
-                self.half_turn(&state, Twins::Apart(twins))
+                self.half_turn(&state, apart)
             };
             let [Some((more, _)), Some((less, _))] = [one(size)?, one(-size)?] else {
                 return Ok(None);
@@ -655,6 +629,8 @@ const FALLEN: f64 = 0.8;
 /// Half turns until a plain roll has settled, and those over which it is averaged.
 const SETTLES: usize = 20;
 const AVERAGED: usize = 10;
+/// Greatest roll (rad) that is tried.
+pub const STEEPEST: f64 = 0.1;
 /// Half turns until a ball has come back to its plane.
 const BACK: usize = 6;
 /// Longest half turn (s).

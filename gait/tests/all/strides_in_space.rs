@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use saltus_gait::space::Stable;
-use saltus_gait::space::stride::{IN_PLANE, LATERAL, Roller, State, Twins};
+use saltus_gait::space::stride::{IN_PLANE, LATERAL, Roller, State};
 use saltus_robot::{Robot, resolve};
 
 /// Time step (s).
@@ -24,17 +24,9 @@ fn roller() -> (Roller, State) {
 fn half_a_turn_is_the_same_from_the_opposite_leg() {
     let (roller, mut start) = roller();
     start.lateral = [0.1, 0.2, 0.003, 0.01, 0.05, -0.02];
-    let one = roller
-        .half_turn(&start, Twins::Apart(1e-3))
-        .unwrap()
-        .unwrap()
-        .0;
+    let one = roller.half_turn(&start, 1e-3).unwrap().unwrap().0;
     let other = roller.opposite();
-    let two = other
-        .half_turn(&start, Twins::Apart(1e-3))
-        .unwrap()
-        .unwrap()
-        .0;
+    let two = other.half_turn(&start, 1e-3).unwrap().unwrap().0;
     for (a, b) in one
         .in_plane
         .iter()
@@ -46,11 +38,7 @@ fn half_a_turn_is_the_same_from_the_opposite_leg() {
     // So the map of a whole turn is this one twice, and a start mirrored in the plane ends mirrored.
     let mut mirrored = start;
     mirrored.lateral = start.lateral.map(|x| -x);
-    let end = other
-        .half_turn(&mirrored, Twins::Apart(-1e-3))
-        .unwrap()
-        .unwrap()
-        .0;
+    let end = other.half_turn(&mirrored, -1e-3).unwrap().unwrap().0;
     for (a, b) in two.lateral.iter().zip(end.lateral) {
         assert!((a + b).abs() < 1e-7, "{two:?} {end:?}");
     }
@@ -61,10 +49,7 @@ fn a_plain_roll_repeats_and_pays_for_what_it_loses() {
     let (roller, start) = roller();
     let (mut state, mut work, mut lost) = (start, 0.0, 0.0);
     for _ in 0..8 {
-        let (next, cost) = roller
-            .half_turn(&state, Twins::Apart(0.0))
-            .unwrap()
-            .unwrap();
+        let (next, cost) = roller.half_turn(&state, 0.0).unwrap().unwrap();
         work += cost.work;
         lost += cost.legs + cost.ground + cost.stops;
         assert!(next.lateral.iter().all(|x| x.abs() < 1e-9), "{next:?}");
@@ -97,7 +82,7 @@ fn what_does_not_matter_is_neutral_and_small_rolls_come_back() {
         let mut state = start;
         state.lateral[2] = lean;
         for _ in 0..8 {
-            match roller.half_turn(&state, Twins::Apart(0.0)).unwrap() {
+            match roller.half_turn(&state, 0.0).unwrap() {
                 Some((next, _)) if next.lateral[2].abs() < 0.3 => state = next,
                 _ => return f64::INFINITY,
             }
