@@ -249,10 +249,6 @@ impl Many<'_> {
         let all = self.together();
         let setup = &self.ensemble.setup;
         let draw = &self.ensemble.draw;
-        let share = |share: &Share| {
-            let known = (share.of > 0).then(|| share.value());
-            json!({ "count": share.count, "of": share.of, "share": known, "interval_95": share.interval() })
-        };
         let (failures, first_failure) = self.failures();
         let running = |k: usize| {
             let mut value = share(&all.running[k]);
@@ -295,6 +291,13 @@ impl Many<'_> {
     }
 }
 
+/// A share as JSON has it.
+pub(crate) fn share(share: &Share) -> Value {
+    let known = (share.of > 0).then(|| share.value());
+    json!({ "count": share.count, "of": share.of, "share": known, "interval_95": share.interval() })
+}
+
+/// A share in words.
 pub(crate) fn in_words(share: &Share) -> String {
     let percent = |x: f64| digits(100.0 * x, 3);
     let [low, high] = share.interval();

@@ -13,7 +13,7 @@ use super::came::{Aim, Came, FAR, Outcome, WIDE, follow};
 use super::refused;
 use crate::cli::Status;
 use crate::cli::run::Run;
-use crate::cli::run::ensemble::in_words;
+use crate::cli::run::ensemble::{in_words, share};
 use crate::error::CliError;
 use crate::output::{self, Cell, Files, Format, Table, digits};
 use crate::progress::Progress;
@@ -86,8 +86,8 @@ impl Run {
             "seed": self.seed,
             "drawn": { "force_factor_standard_deviation": draw.force, "center_of_mass_within_m": draw.center, "friction": draw.friction },
         });
-        for Told { key, share, .. } in told(aim, runs) {
-            answer[key] = json!({ "count": share.count, "of": share.of, "share": share.value(), "interval_95": share.interval() });
+        for told in told(aim, runs) {
+            answer[told.key] = share(&told.share);
         }
         answer["not_simulated"] = runs.iter().filter(|run| run.is_err()).count().into();
         answer["runs"] = table(runs).json().into();
