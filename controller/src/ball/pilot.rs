@@ -1,6 +1,7 @@
 //! Where a ball goes: along a path, in the plane that leads there; and on from wherever it fell.
 
 use super::balance::{Balance, Balancer, Firing, Sight, wrapped};
+use super::estimate::Estimate;
 use super::plane::Plane;
 use super::rotation::{Rotation, angle, dot};
 use crate::Real;
@@ -46,6 +47,19 @@ pub struct View<R> {
     pub velocity: [R; 2],
     /// Feet on the ground: bit k is leg k's.
     pub touching: u64,
+}
+
+impl<R: Copy> View<R> {
+    /// That of a ball that takes its motion for `known`, with these feet on the ground.
+    pub fn of(known: &Estimate<R>, touching: u64) -> View<R> {
+        View {
+            attitude: known.attitude,
+            spin: known.spin,
+            place: [known.place[0], known.place[1]],
+            velocity: [known.velocity[0], known.velocity[1]],
+            touching,
+        }
+    }
 }
 
 /// Leads a ball along a path, a cycle at a time.

@@ -177,6 +177,18 @@ pub struct Ball {
     pub estimate: Option<Estimate<f64>>,
 }
 
+impl Ball {
+    /// What it takes its motion for: by its sensors, or the truth where it goes by that.
+    fn known(&self) -> Estimate<f64> {
+        self.estimate.unwrap_or(Estimate {
+            attitude: Rotation(self.attitude),
+            spin: self.spin,
+            velocity: self.velocity,
+            place: self.place,
+        })
+    }
+}
+
 /// How a robot is led along a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Led {
@@ -440,32 +452,12 @@ impl Decides<'_> {
                 legs.into_iter().map(|leg| Firing { leg, open }).collect()
             }
             Decides::Steered(pilot, steered) => {
-                let truth = Estimate {
-                    attitude: Rotation(ball.attitude),
-                    spin: ball.spin,
-                    velocity: ball.velocity,
-                    place: ball.place,
-                };
-                let known = ball.estimate.unwrap_or(truth);
-                let view = View {
-                    attitude: known.attitude,
-                    spin: known.spin,
-                    place: [known.place[0], known.place[1]],
-                    velocity: [known.velocity[0], known.velocity[1]],
-                    touching: ball.touching,
-                };
-                let fired = pilot.step(&view);
+                let fired = pilot.step(&View::of(&ball.known(), ball.touching));
                 ball.aside = steered.off(ball.place, pilot.reached());
                 fired.into_iter().flatten().collect()
             }
             Decides::Stable(balancer, course) => {
-                let truth = Estimate {
-                    attitude: Rotation(ball.attitude),
-                    spin: ball.spin,
-                    velocity: ball.velocity,
-                    place: ball.place,
-                };
-                let known = ball.estimate.unwrap_or(truth);
+                let known = ball.known();
                 let heading = course.turn(period, &known.place);
                 let [aside, aside_rate] = course.aside(&known.place, &known.velocity);
                 ball.aside = course.aside(&ball.place, &ball.velocity)[0];

@@ -1,7 +1,7 @@
 //! A ball that rolls up to a box, jumps over it, and goes on.
 
 use saltus_controller::ball::{
-    Balance, Balancer, Estimate, Firing, Lead, Lying, Pilot, Plane, Rotation, Sight, View,
+    Balance, Balancer, Estimate, Firing, Lead, Lying, Pilot, Plane, Sight, View,
 };
 
 use super::super::balance::Course;
@@ -93,21 +93,9 @@ impl<'a> Leaper<'a> {
 
     /// The legs that fire in the cycle of `ball`.
     pub(super) fn fire(&mut self, ball: &Ball) -> Vec<Firing<f64>> {
-        let truth = Estimate {
-            attitude: Rotation(ball.attitude),
-            spin: ball.spin,
-            velocity: ball.velocity,
-            place: ball.place,
-        };
-        let known = ball.estimate.unwrap_or(truth);
+        let known = ball.known();
         if self.phase == Phase::Fell {
-            let view = View {
-                attitude: known.attitude,
-                spin: known.spin,
-                place: [known.place[0], known.place[1]],
-                velocity: [known.velocity[0], known.velocity[1]],
-                touching: ball.touching,
-            };
+            let view = View::of(&known, ball.touching);
             return self.pilot.step(&view).into_iter().flatten().collect();
         }
         let heading = self.course.turn(self.period, &known.place);
