@@ -366,7 +366,7 @@ impl Rig {
         Ok(q)
     }
 
-    /// Gap (m) between each leg's foot and the ground, at coordinates `q`.
+    /// Gap (m) between each leg's foot and what is nearest to it, the ground or an obstacle, at coordinates `q`.
     ///
     /// # Panics
     /// For coordinates that are not the rig's.
@@ -375,7 +375,9 @@ impl Rig {
         let gap = |leg: usize| {
             let point = &self.mechanism.points[leg];
             let center = pose.frames[point.body].point(&point.center);
-            self.mechanism.surfaces[0].proximity(&center).distance - point.radius
+            let surfaces = self.mechanism.surfaces.iter();
+            let distances = surfaces.map(|surface| surface.proximity(&center).distance);
+            distances.fold(f64::INFINITY, f64::min) - point.radius
         };
         (0..self.legs.len()).map(gap).collect()
     }

@@ -1,6 +1,5 @@
 //! Jumps of a robot in space.
 
-use nalgebra::{Quaternion, UnitQuaternion};
 use saltus_gait::space::jump::{
     Command, Flown, Guide, Jump, Leap, Over, Passed, Planner, Stance, Standing, Touch, fly, landed,
 };
@@ -11,11 +10,6 @@ use saltus_robot::{Robot, resolve};
 fn twelve(overrides: &[&str]) -> Robot {
     let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
     resolve("rats-twelve", &overrides).unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn attitude(standing: &Standing) -> UnitQuaternion<f64> {
-    let [w, x, y, z] = standing.attitude;
-    UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
 }
 
 /// Firings of the feet of `standing`: which of them, when (s), for how long (s).
@@ -66,12 +60,7 @@ fn three_legs_lift_it_as_the_closed_form_says() -> Result<(), GaitError> {
     let growth = 3.0 * 250.0 / (up * mass) - gravity;
     for open in [0.005, 0.01, 0.015, 0.02, 0.05] {
         let all = [0, 1, 2].map(|foot| (foot, 0.0, open));
-        let jump = model.jump(
-            standing.place,
-            attitude(&standing),
-            &commands(&standing, &all),
-            None,
-        );
+        let jump = model.jump(&standing, &commands(&standing, &all), None);
         let (lift, touch) = jump.expect("it jumps");
         // Until the valve closes, or the feet have come down by the stroke times the cosine.
         let speed = (growth * open).min((2.0 * growth * 0.06 * up).sqrt());
@@ -93,7 +82,7 @@ fn the_model_flies_a_parabola() -> Result<(), GaitError> {
     let robot = twelve(&[]);
     let standing = Standing::on(&robot, 0)?;
     let firings = commands(&standing, &[(0, 0.0, 0.05), (2, 0.01, 0.02)]);
-    let jump = Stance::new(&robot)?.jump(standing.place, attitude(&standing), &firings, None);
+    let jump = Stance::new(&robot)?.jump(&standing, &firings, None);
     let (lift, touch) = jump.expect("it jumps");
     let time = touch.time - lift.time;
     for k in 0..3 {
@@ -136,7 +125,7 @@ fn the_model_lands_where_the_simulation_does() -> Result<(), GaitError> {
         let model = Stance::new(&robot)?;
         for firings in firings {
             let commands = commands(&standing, firings);
-            let modelled = model.jump(standing.place, attitude(&standing), &commands, None);
+            let modelled = model.jump(&standing, &commands, None);
             let modelled: Touch = modelled.expect("it jumps").1;
             let flown = simulated(&robot, &standing, firings)?;
             let at = landed(&flown).expect("it lands");
@@ -181,8 +170,36 @@ fn it_jumps_alike_from_every_rest() -> Result<(), GaitError> {
     Ok(())
 }
 
+/// The step is 12 cm high. Robots that are told so land on it where they shall, and the model says where.
+#[test]
+fn it_jumps_onto_a_step() -> Result<(), GaitError> {
+    let robot = twelve(&[]);
+    let step = Obstacle {
+        front: 0.3,
+        length: 2.0,
+        height: 0.12,
+    };
+    let standing = Standing::on(&robot, 0)?.before(step, &robot)?;
+    let planner = Planner::new(&robot, standing, &DrawnBalls::default(), (8, 1), 2)?;
+    let target = [0.5, 0.0];
+    let plan = planner.to(target, 2)?;
+    let (modelled, flown) = (plan.modelled.expect("it lands"), plan.flown);
+    println!("{modelled:?} {flown:?}");
+    let mut up = 0;
+    for k in 0..20 {
+        let flown = planner.other(&plan, (99, k), 3.0)?;
+        let near = landed(&flown).is_some_and(|at| far(at, target) < 0.1);
+        println!("{:?} {} {:?}", landed(&flown), flown.clearance, flown.rests);
+        up += usize::from(near && flown.clearance > 0.0 && flown.rests[2] > 0.3);
+    }
+    println!("{up} of 20");
+    Ok(())
+}
+
 fn planner(threads: usize) -> Result<Planner, GaitError> {
-    Planner::new(&twelve(&[]), 0, &DrawnBalls::default(), (8, 1), threads)
+    let robot = twelve(&[]);
+    let standing = Standing::on(&robot, 0)?;
+    Planner::new(&robot, standing, &DrawnBalls::default(), (8, 1), threads)
 }
 
 #[test]
@@ -193,7 +210,7 @@ fn it_lands_where_it_is_told_to() -> Result<(), GaitError> {
     assert!(plan.is_reached() && plan.miss < 0.04, "{plan:?}");
     let mut near = 0;
     for k in 0..20 {
-        let at = landed(&planner.other(&plan, 99, k)?);
+        let at = landed(&planner.other(&plan, (99, k), 0.0)?);
         near += usize::from(at.is_some_and(|at| far(at, target) < 0.1));
     }
     assert!(near >= 18, "{near} of 20");
@@ -318,11 +335,7 @@ fn what_is_no_jump_is_refused() -> Result<(), GaitError> {
     says(planner.grid(0.0).expect_err("refused"), "spacing");
     says(planner.grid(1e-4).expect_err("refused"), "10000 places");
     let robot = twelve(&[]);
-    let draw = DrawnBalls::default();
-    says(
-        Planner::new(&robot, 20, &draw, (4, 1), 1).expect_err("refused"),
-        "below 20",
-    );
+    says(Standing::on(&robot, 20).expect_err("refused"), "below 20");
     let planar = resolve("rats-run", &[]).expect("sound");
     says(Stance::new(&planar).expect_err("refused"), "body.shape");
     let slope = twelve(&["ground.slope_deg=5"]);
@@ -332,6 +345,11 @@ fn what_is_no_jump_is_refused() -> Result<(), GaitError> {
         length: 0.2,
         height,
     };
+    let standing = Standing::on(&robot, 0)?;
+    let around = standing.before(obstacle(0.2, 0.1), &robot);
+    says(around.expect_err("refused"), "around the robot");
+    let short = Over::new(&robot, obstacle(2.0, 0.1), 2.0, 1)?.onto();
+    says(short.expect_err("refused"), "from 2.48 m");
     let around = Over::new(&robot, obstacle(0.1, 0.2), 3.0, 1).expect_err("refused");
     says(around, "around the robot");
     says(

@@ -7,4 +7,5 @@ mod fixed;
 mod in_motion;
 mod jumps;
 mod mechanics;
+mod ring;
 mod tosses;

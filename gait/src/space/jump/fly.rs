@@ -8,13 +8,15 @@ use saltus_sim_check::{Rig, Settings, Sim, Stepping};
 
 use super::super::sensing::{Senses, estimator};
 use super::super::{Facing, Knows};
+use super::block;
 use super::guide::{Guide, Known};
 use super::stance::quaternion;
 use super::{Command, Lift, Touch};
 use crate::GaitError;
 use crate::error::{refused, require};
+use crate::run::Obstacle;
 
-/// On which feet a robot stands, and which way it faces.
+/// On which feet a robot stands, which way it faces, and what is in front of it.
 #[derive(Clone, Debug)]
 pub struct Standing {
     /// The feet.
@@ -23,6 +25,8 @@ pub struct Standing {
     pub place: [f64; 3],
     /// Attitude: a unit quaternion w, x, y, z.
     pub attitude: [f64; 4],
+    /// A box on the ground across the x axis, wider than the robot.
+    pub obstacle: Option<Obstacle>,
 }
 
 impl Standing {
@@ -52,7 +56,26 @@ impl Standing {
             rest,
             place: [q[0], q[1], q[2]],
             attitude: [q[3], q[4], q[5], q[6]],
+            obstacle: None,
         })
+    }
+
+    /// The same `robot` before `obstacle`.
+    ///
+    /// # Errors
+    /// [`GaitError::Input`] for a box that cannot be, or would be where the robot stands.
+    pub fn before(self, obstacle: Obstacle, robot: &Robot) -> Result<Standing, GaitError> {
+        block::check(&obstacle, robot)?;
+        Ok(Standing {
+            obstacle: Some(obstacle),
+            ..self
+        })
+    }
+
+    /// Height (m) of the ground, or of the box, at a place `x` (m) ahead.
+    pub fn floor(&self, x: f64) -> f64 {
+        let under = self.obstacle.filter(|it| block::is_on(it, x));
+        under.map_or(0.0, |it| it.height)
     }
 
     /// Its attitude.
@@ -62,16 +85,32 @@ impl Standing {
 }
 
 /// What became of a jump.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flown {
     /// How it left the ground, if it did.
     pub lift: Option<Lift>,
     /// How it came down.
     pub touch: Option<Touch>,
+    /// Least distance (m) between the box and the hull of the feet before that; 0 or less: it ran against it. Infinite without
+    /// a box.
+    pub clearance: f64,
     /// Where its legs meet in the end (m), and its speed there (m/s).
     pub rests: [f64; 3],
     /// Speed (m/s) there.
     pub speed: f64,
+}
+
+impl Flown {
+    /// That of a robot that has not moved.
+    fn none() -> Flown {
+        Flown {
+            lift: None,
+            touch: None,
+            clearance: f64::INFINITY,
+            rests: [0.0; 3],
+            speed: 0.0,
+        }
+    }
 }
 
 /// A cycle of a jump.
@@ -129,7 +168,8 @@ pub fn fly(
 ) -> Result<Flown, GaitError> {
     let commands = &jump.commands;
     check(commands)?;
-    let rig = Rig::new(robot, &[])?;
+    let solid = standing.obstacle.as_ref().map(block::surface);
+    let rig = Rig::new(robot, solid.as_slice())?;
     let mut q = vec![0.0; rig.mechanism.tree.coordinates()];
     q[..3].copy_from_slice(&standing.place);
     q[3..7].copy_from_slice(&standing.attitude);
@@ -149,7 +189,7 @@ pub fn fly(
     let directions = robot.space.as_ref().map(|it| it.directions.vectors());
     let directions = directions.unwrap_or_default();
     let mut valves = Valves::new(robot, standing, jump, &directions);
-    let (mut flown, mut cycles) = (Flown::default(), 0_u64);
+    let (mut flown, mut cycles) = (Flown::none(), 0_u64);
     let mut apex = 0.0_f64;
     loop {
         let next = orders.last().map_or(f64::INFINITY, |order| order.at);
@@ -193,6 +233,10 @@ pub fn fly(
             }
             (Some(_), None) if now.touching != 0 => flown.lift = None,
             _ => {}
+        }
+        if let (Some(obstacle), None) = (&standing.obstacle, flown.touch) {
+            let near = block::clearance(obstacle, &rig, &sim);
+            flown.clearance = flown.clearance.min(near);
         }
         apex = apex.max(now.place[2]);
         let end = flown

@@ -1,9 +1,10 @@
-//! Jumps of a robot in space: from rest on its feet to a place, and out of a run over a box.
+//! Jumps of a robot in space: from rest on its feet to a place, and out of a run, over a box or onto it.
 //!
 //! A jump is planned with a model of its own ([`Stance`]) and verified in the multi-body simulation ([`fly`]).
 //!
 //! Source: thesis 8.3.2, which leaves jumps in space to the future.
 
+mod block;
 mod fly;
 mod guide;
 mod hull;

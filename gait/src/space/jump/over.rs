@@ -1,16 +1,16 @@
-//! Over a box out of a run.
+//! Over a box out of a run, or onto it.
 
 use saltus_controller::ball::{Firing, Plane, Tracker};
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
 use saltus_robot::space::discs;
-use saltus_sim_check::{Rig, Settings, Sim, Stepping, Surface, Vec3};
+use saltus_sim_check::{Rig, Settings, Sim, Stepping};
 
 use super::super::balance::Stable;
 use super::super::{
     Ball, DrawnBalls, Facing, Knows, Roll, Sensed, Steered, drawn_ball, look, placed,
 };
-use super::hull::{Flat, gap, hull};
+use super::block;
 use super::leaper::{Leap, Leaper};
 use super::run_up::RunUp;
 use crate::GaitError;
@@ -18,7 +18,7 @@ use crate::error::require;
 use crate::run::Obstacle;
 use crate::search::{Search, search};
 
-/// A run over a box.
+/// A run over a box, or up to it and on upon it.
 ///
 /// The robot rolls by its sensors. It knows where the box is, and chooses its first push so that twins come onto the ground in
 /// front of the box where they jump best.
@@ -31,6 +31,8 @@ pub struct Over {
     robot: Robot,
     stable: Stable,
     obstacle: Obstacle,
+    /// Whether it jumps onto the box.
+    is_onto: bool,
     /// Farthest front (m).
     farthest: f64,
     ups: Vec<RunUp>,
@@ -45,9 +47,10 @@ pub struct Passed {
     pub first: f64,
     /// Distance (m) to the box at the jump, if it jumped.
     pub jumped: Option<f64>,
-    /// Least distance (m) between the box and the hull of the feet; 0 or less: it touched it.
+    /// Least distance (m) between the box and the hull of the feet; 0 or less: it touched it. Of a jump onto the box, 1 cm
+    /// more on top of it, where it may land.
     pub clearance: f64,
-    /// Whether all of it came to the other side without touching the box.
+    /// Whether all of it came to the other side without touching the box; or onto it, without touching its front.
     pub cleared: bool,
     /// Whether it went on by [`ON`] after that, by itself.
     pub ran_on: bool,
@@ -63,8 +66,8 @@ pub const ON: f64 = 2.0;
 const LONGEST: f64 = 60.0;
 const STANDS: f64 = 2.0;
 const GOES_ON: f64 = 15.0;
-/// Half the width (m) of the box.
-const WIDE: f64 = 10.0;
+/// How deep (m) into the top of a box a robot may come that lands on it: its feet are of rubber.
+const SINKS: f64 = 0.01;
 /// Clearance (m) beyond which more is worth nothing, and what being clear at all is worth (m).
 const ENOUGH: f64 = 0.05;
 const CLEAR: f64 = 0.4;
@@ -93,6 +96,7 @@ impl Over {
             // From any station, as after a landing.
             stable: Steered::new(Vec::new()).stable,
             obstacle,
+            is_onto: false,
             farthest,
             ups: Vec::new(),
         };
@@ -101,20 +105,24 @@ impl Over {
         Ok(over)
     }
 
+    /// The same onto the box, where the robots go on.
+    ///
+    /// # Errors
+    /// [`GaitError::Input`] for a box that is too short for that.
+    pub fn onto(self) -> Result<Over, GaitError> {
+        let length = self.obstacle.length;
+        let least = 2.0 * self.robot.body.radius + ON;
+        let allowed = format!("from {least} m for a robot that goes on upon it");
+        require(length >= least, "obstacle's length (m)", length, allowed)?;
+        Ok(Over {
+            is_onto: true,
+            ..self
+        })
+    }
+
     fn check(&self) -> Result<(), GaitError> {
-        let sizes = [
-            ("obstacle's height (m)", self.obstacle.height),
-            ("obstacle's length (m)", self.obstacle.length),
-        ];
-        for (name, x) in sizes {
-            require(x > 0.0 && x <= 10.0, name, x, "above 0, at most 10 m")?;
-        }
+        block::check(&self.obstacle, &self.robot)?;
         let (from, to) = (self.obstacle.front, self.farthest);
-        let least = self.robot.body.radius;
-        let allowed =
-            format!("from {least}, a leg's length, to 100 m: nearer it is around the robot");
-        let sound = (least..=100.0).contains(&from);
-        require(sound, "obstacle's front (m)", from, allowed)?;
         let sound = (from..=100.0).contains(&to);
         let allowed = format!("from {from} to 100 m");
         require(sound, "obstacle's farthest front (m)", to, allowed)
@@ -152,6 +160,10 @@ impl Over {
         mut row: impl FnMut(&Ball, f64) -> bool,
     ) -> Result<Passed, GaitError> {
         let front = self.front(seed, k);
+        let obstacle = Obstacle {
+            front,
+            ..self.obstacle
+        };
         let mut stable = self.stable.clone();
         stable.rate = leap.rate;
         stable.first[0] = RunUp::to(&self.ups, front - leap.aim);
@@ -162,7 +174,7 @@ impl Over {
         let directions = directions.unwrap_or_default();
         let facings = Facing::every(&discs(&directions));
         let planes: Vec<Plane<'_, f64>> = facings.iter().map(Facing::plane).collect();
-        let solid = is_solid.then(|| self.surface(front));
+        let solid = is_solid.then(|| block::surface(&obstacle));
         let rig = Rig::new(&setup.robot, solid.as_slice())?;
         let ahead = facing.ahead(&rest);
         let (q, v) = placed(&rig, setup.start, rig.stand_on(&rest, &ahead)?);
@@ -174,7 +186,7 @@ impl Over {
         let mut sim = Sim::new(&rig.mechanism, &q, &v, settings)?;
         sim.release_legs()?;
         let mut sensed = Sensed::new(&setup, &directions, &q);
-        let beyond = front + self.obstacle.length + self.robot.body.radius;
+        let beyond = self.beyond(front);
         let after = Steered::new(vec![[beyond + 2.0 * ON, 0.0]]);
         let lead = after.lead(&setup.robot)?;
         let balance = stable.balance(&setup.robot)?;
@@ -202,14 +214,16 @@ impl Over {
                     sensed.estimator.fired(*leg);
                 }
             }
-            let clearance = self.clearance(&rig, &sim, front);
+            let clearance = self.clearance(&obstacle, &rig, &sim);
             let goes_on = row(&ball, clearance);
             passed.note(&ball, clearance, leaper.jumped());
             if ball.passed > last.0 {
                 last = (ball.passed, ball.time);
             }
-            passed.cleared = passed.clearance > 0.0 && ball.place[0] > beyond;
-            passed.ran_on = passed.cleared && ball.place[0] > beyond + ON;
+            let is_there =
+                ball.place[0] > beyond && (!self.is_onto || ball.place[2] > obstacle.height);
+            passed.cleared = passed.clearance > 0.0 && is_there;
+            passed.ran_on = passed.cleared && is_there && ball.place[0] > beyond + ON;
             let until = leaper
                 .jumped()
                 .map_or(last.1 + STANDS, |(_, time)| time + GOES_ON);
@@ -223,35 +237,24 @@ impl Over {
         }
     }
 
-    fn surface(&self, front: f64) -> Surface {
-        Surface::Block {
-            low: Vec3::new(front, -WIDE, 0.0),
-            high: Vec3::new(front + self.obstacle.length, WIDE, self.obstacle.height),
-        }
+    /// Where (m) all of a robot is on the other side of a box, or has come onto it, whose front is at `front` (m).
+    fn beyond(&self, front: f64) -> f64 {
+        let edge = if self.is_onto {
+            front
+        } else {
+            front + self.obstacle.length
+        };
+        edge + self.robot.body.radius
     }
 
-    /// Distance (m) between the box and the hull of the feet, seen along the box.
-    fn clearance(&self, rig: &Rig, sim: &Sim<'_>, front: f64) -> f64 {
-        let (x, reach) = (sim.coordinates()[0], 2.0 * self.robot.body.radius);
-        if x < front - reach || x > front + self.obstacle.length + reach {
-            return f64::INFINITY;
-        }
-        let pose = sim.pose();
-        let points = rig.mechanism.points.iter();
-        let feet: Vec<Flat> = points
-            .map(|point| {
-                let center = pose.frames[point.body].point(&point.center);
-                [center.x, center.z]
-            })
-            .collect();
-        let back = front + self.obstacle.length;
-        let block = [
-            [front, 0.0],
-            [back, 0.0],
-            [back, self.obstacle.height],
-            [front, self.obstacle.height],
-        ];
-        gap(&hull(&feet), &block) - self.robot.foot.radius
+    /// Distance (m) between `obstacle` and the hull of the feet; see [`Passed::clearance`].
+    fn clearance(&self, obstacle: &Obstacle, rig: &Rig, sim: &Sim<'_>) -> f64 {
+        let sinks = if self.is_onto { SINKS } else { 0.0 };
+        let lower = Obstacle {
+            height: obstacle.height - sinks,
+            ..*obstacle
+        };
+        block::clearance(&lower, rig, sim)
     }
 
     /// Seeks the jump on `count` robots, and chooses among the best of all generations by others; `told` hears of each
@@ -311,9 +314,10 @@ impl Over {
 
     /// What robot `k` of those drawn from `seed` is worth (m) that jumps as the numbers `x` say.
     fn worth(&self, x: &[f64], (seed, k): (u64, usize)) -> f64 {
-        let back = self.front(seed, k) + self.obstacle.length + 2.0 * self.robot.body.radius;
+        let back = self.beyond(self.front(seed, k)) + self.robot.body.radius;
         let goes_on = |ball: &Ball, _| ball.place[0] < back;
-        let passed = self.passed(&Leap::of(x), (seed, k), false, goes_on);
+        // A box over which they fly need not be there, and tells how near they come.
+        let passed = self.passed(&Leap::of(x), (seed, k), self.is_onto, goes_on);
         passed.map_or(LOST, |it| it.worth())
     }
 

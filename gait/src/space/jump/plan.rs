@@ -82,14 +82,13 @@ const CORRECTIONS: usize = 3;
 const NEAR: f64 = 5e-3;
 
 impl Planner {
-    /// For `robot` at rest on the feet of rest `rest`; plans are sought on so many robots `sought_on`, drawn by `draw` from
-    /// `seed`.
+    /// For `robot`, `standing` at rest; plans are sought on so many robots `sought_on`, drawn by `draw` from `seed`.
     ///
     /// # Errors
-    /// [`GaitError::Input`] for a robot that is not in space, a rest that is not there, legs that are not of constant force.
+    /// [`GaitError::Input`] for a robot that is not in space, legs that are not of constant force, and numbers that cannot be.
     pub fn new(
         robot: &Robot,
-        rest: usize,
+        standing: Standing,
         draw: &DrawnBalls,
         (sought_on, seed): (usize, u64),
         threads: usize,
@@ -97,7 +96,6 @@ impl Planner {
         let allowed = "from 1 to 100";
         let sound = (1..=100).contains(&sought_on);
         require(sound, "robots to seek on", sought_on as f64, allowed)?;
-        let standing = Standing::on(robot, rest)?;
         let model = Stance::new(robot)?;
         let drawn = (0..sought_on).map(|k| {
             let mut own = drawn_ball(robot, draw, seed, k)?;
@@ -200,9 +198,10 @@ impl Planner {
         lands(&self.model, &self.standing, &self.commands(x), None)
     }
 
-    /// What closes valves on the way to `aim` (m): for a landing as high as the robot stands.
+    /// What closes valves on the way to `aim` (m): for a landing as high as the robot stands there.
     fn guide(&self, aim: [f64; 2]) -> Guide {
-        Guide::new(&self.robot, aim, self.standing.place[2] + HIGHER)
+        let height = self.standing.place[2] + self.standing.floor(aim[0]);
+        Guide::new(&self.robot, aim, height + HIGHER)
     }
 
     /// Misses of the drawn robots in the model, as one number (m).
@@ -297,8 +296,8 @@ impl Planner {
                 fly(&self.drawn[k].0, &self.standing, &jump, 0.0, |_| {})
             });
             let flown = flown.into_iter().collect::<Result<Vec<_>, _>>()?;
-            let places: Vec<[f64; 2]> = flown.iter().filter_map(landed).collect();
-            let miss = |flown: &Flown| landed(flown).map_or(STAYS, |at| far(at, target));
+            let places: Vec<[f64; 2]> = flown.iter().filter_map(clear).collect();
+            let miss = |flown: &Flown| clear(flown).map_or(STAYS, |at| far(at, target));
             let scatter = together(flown.iter().map(miss));
             let middle = |k: usize| mean(places.iter().map(|at| at[k]));
             let off = [target[0] - middle(0), target[1] - middle(1)];
@@ -332,10 +331,8 @@ impl Planner {
         (scatter, off): (f64, f64),
         target: [f64; 2],
     ) -> Result<JumpPlan, GaitError> {
-        let Standing { place, .. } = self.standing;
-        let attitude = self.standing.turned();
         let guide = jump.guide.clone();
-        let modelled = self.model.jump(place, attitude, &jump.commands, guide);
+        let modelled = self.model.jump(&self.standing, &jump.commands, guide);
         let flown = fly(&self.robot, &self.standing, &jump, 0.0, |_| {})?;
         let miss = landed(&flown).map_or(f64::INFINITY, |at| far(at, target));
         Ok(JumpPlan {
@@ -348,20 +345,30 @@ impl Planner {
         })
     }
 
-    /// Robot `k` of others, drawn from `seed`, jumps as `plan` says, by its sensors.
+    /// Robot `k` of others, drawn from `seed`, jumps as `plan` says, by its sensors, and is followed `after` (s) its landing.
     ///
     /// # Errors
     /// [`GaitError`] for a motion that cannot go on.
-    pub fn other(&self, plan: &JumpPlan, seed: u64, k: usize) -> Result<Flown, GaitError> {
+    pub fn other(
+        &self,
+        plan: &JumpPlan,
+        (seed, k): (u64, usize),
+        after: f64,
+    ) -> Result<Flown, GaitError> {
         let robot = drawn_ball(&self.robot, &self.draw, seed, k)?;
         let jump = plan.jump.by_sensors(seed.wrapping_add(k as u64));
-        fly(&robot, &self.standing, &jump, 0.0, |_| {})
+        fly(&robot, &self.standing, &jump, after, |_| {})
     }
 
     /// Where the first firings land in the model (m): the extent of what can be reached.
     pub fn known(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         self.known.iter().map(|(_, at)| *at)
     }
+}
+
+/// Where a jump comes down (m) that has not run against a box.
+fn clear(flown: &Flown) -> Option<[f64; 2]> {
+    landed(flown).filter(|_| flown.clearance > 0.0)
 }
 
 /// Where a jump comes down (m).
@@ -375,7 +382,7 @@ fn lands(
     commands: &[Command],
     guide: Option<Guide>,
 ) -> Option<[f64; 2]> {
-    let (_, touch) = model.jump(standing.place, standing.turned(), commands, guide)?;
+    let (_, touch) = model.jump(standing, commands, guide)?;
     Some([touch.place[0], touch.place[1]])
 }
 

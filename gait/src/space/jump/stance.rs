@@ -7,10 +7,13 @@
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use saltus_robot::{Drive, Robot};
 
+use super::block;
+use super::fly::Standing;
 use super::guide::{Guide, Known};
 use super::{Command, Lift, Touch};
 use crate::GaitError;
 use crate::error::{refused, require};
+use crate::run::Obstacle;
 
 type Vec3 = Vector3<f64>;
 
@@ -148,17 +151,17 @@ impl Stance {
         })
     }
 
-    /// The robot's legs fire by `commands`, from rest at `place` (m), where its legs meet, with this `attitude`, and their valves
-    /// close as `guide` says, or as commanded if that is sooner; none: it does not come off the ground.
+    /// The robot's legs fire by `commands`, from rest as it is `standing`, and their valves close as `guide` says, or as
+    /// commanded if that is sooner; none: it does not come off the ground.
     pub fn jump(
         &self,
-        place: [f64; 3],
-        attitude: UnitQuaternion<f64>,
+        standing: &Standing,
         commands: &[Command],
         mut guide: Option<Guide>,
     ) -> Option<(Lift, Touch)> {
+        let attitude = standing.turned();
         let mut state = State {
-            place: Vec3::from(place) + attitude * self.center,
+            place: Vec3::from(standing.place) + attitude * self.center,
             attitude,
             velocity: Vec3::zeros(),
             spin: Vec3::zeros(),
@@ -191,7 +194,7 @@ impl Stance {
             velocity: state.velocity.into(),
             spin: state.spin.into(),
         };
-        let touch = self.fly(state, now)?;
+        let touch = self.fly(state, now, standing.obstacle.as_ref())?;
         Some((lift, touch))
     }
 
@@ -236,6 +239,21 @@ impl Stance {
         let height = |leg: &Leg| middle + (state.attitude * leg.direction).z * self.reach;
         let least = self.legs.iter().map(height).fold(f64::INFINITY, f64::min);
         least - self.foot
+    }
+
+    /// Gap (m) between the feet, retracted, and the ground, or the hull of the feet and `obstacle`.
+    fn gap(&self, state: &State, obstacle: Option<&Obstacle>) -> f64 {
+        let Some(obstacle) = obstacle else {
+            return self.lowest(state);
+        };
+        let middle = self.middle(state);
+        let foot = |leg: &Leg| {
+            let foot = middle + state.attitude * leg.direction * self.reach;
+            [foot.x, foot.z]
+        };
+        let feet: Vec<_> = self.legs.iter().map(foot).collect();
+        let near = block::gap(obstacle, &feet) - self.foot;
+        self.lowest(state).min(near)
     }
 
     /// Extension (m) with which the foot of leg `leg` reaches the ground, which gives way by `sunk` (m); infinite for a leg
@@ -423,15 +441,15 @@ impl Stance {
         state.velocity + state.spin.cross(&(place - state.place))
     }
 
-    /// Flies from `state` at the time `now` (s) until a foot comes down.
-    fn fly(&self, mut state: State, mut now: f64) -> Option<Touch> {
+    /// Flies from `state` at the time `now` (s) until a foot touches the ground or `obstacle`.
+    fn fly(&self, mut state: State, mut now: f64, obstacle: Option<&Obstacle>) -> Option<Touch> {
         let rise = state.velocity.z.max(0.0).powi(2) / (2.0 * self.gravity);
         let apex = self.middle(&state).z + rise;
         let end = now + LONGEST_FLIGHT;
         let mut step = FLIGHT_STEP;
         while now < end {
             let next = self.coast(&state, step);
-            if self.lowest(&next) > 0.0 {
+            if self.gap(&next, obstacle) > 0.0 {
                 state = next;
                 now += step;
             } else if step > 1e-6 {

@@ -1,4 +1,4 @@
-//! Jumps of a robot in space: from rest to a place, the map of such places, and out of a run over a box.
+//! Jumps of a robot in space: from rest to a place, the map of such places, and out of a run, over a box or onto it.
 
 mod answer;
 mod crossings;
@@ -8,7 +8,7 @@ use clap::Args;
 use saltus::Robot;
 use saltus::gait::GaitError;
 use saltus::gait::space::DrawnBalls;
-use saltus::gait::space::jump::{Flown, JumpPlan, Over, Planner, Spot, fly, landed};
+use saltus::gait::space::jump::{Flown, JumpPlan, Over, Planner, Spot, Standing, fly, landed};
 use saltus::numeric::parallel;
 use saltus::running::Share;
 
@@ -42,6 +42,10 @@ pub(super) struct Ball {
     #[arg(long, value_name = "NUMBER")]
     rest: Option<u16>,
 
+    /// Jump out of a run onto the box of --obstacle, and go on upon it
+    #[arg(long, requires = "obstacle", conflicts_with_all = ["target", "heading", "map"])]
+    onto: bool,
+
     /// Where the robot can land from rest: jumps to places this far apart (m)
     #[arg(long, value_name = "SPACING", value_parser = extent, allow_hyphen_values = true)]
     map: Option<f64>,
@@ -53,6 +57,8 @@ const SOUGHT_ON: u16 = 16;
 const FROM_RUN: (u16, u16) = (16, 3);
 /// How near (m) a robot has to land.
 const NEAR: f64 = 0.1;
+/// How much lower (m) than it stands a robot on a box may be that is still moving on it.
+const LOWER: f64 = 0.01;
 /// Shares that are enough: of robots that land near, and of those that clear a box.
 const ENOUGH: f64 = 0.9;
 const ENOUGH_OVER: f64 = 0.8;
@@ -67,6 +73,7 @@ impl Ball {
             ("--heading", self.heading.is_some()),
             ("--rest", self.rest.is_some()),
             ("--map", self.map.is_some()),
+            ("--onto", self.onto),
         ];
         match given.into_iter().find(|(_, is_given)| *is_given) {
             Some((flag, _)) => {
@@ -103,23 +110,20 @@ impl Jump {
             let allowed = "used with --map for a robot in space";
             return Err(CliError::flag("--plot", "", allowed));
         }
-        if self.generations.is_some() && self.obstacle.is_none() {
-            let allowed = "used with --obstacle for a robot in space";
+        let from_rest = self.ball.place().is_some() || self.ball.map.is_some();
+        if self.generations.is_some() && (from_rest || self.obstacle.is_none()) {
+            let allowed = "used with --obstacle alone for a robot in space";
             return Err(CliError::flag("--generations", "", allowed));
         }
         match (self.obstacle, self.ball.place(), self.ball.map) {
             (Some(course), None, None) => self.over(robot, course),
-            (None, Some(target), None) => self.to(robot, target),
-            (None, None, Some(spacing)) => self.map(robot, spacing),
+            (_, Some(target), None) => self.to(robot, target),
+            (_, None, Some(spacing)) => self.map(robot, spacing),
             (None, None, None) => Err(CliError::Missing {
                 flag: "--target",
                 allowed: "X,Y in m; or --heading with --distance, --map, or --obstacle",
             }),
-            (Some(_), ..) => {
-                let allowed = "used without --target, --heading and --map for a robot in space";
-                Err(CliError::flag("--obstacle", "", allowed))
-            }
-            _ => {
+            (_, Some(_), Some(_)) => {
                 let allowed = "used without --target and --heading";
                 Err(CliError::flag("--map", "", allowed))
             }
@@ -127,11 +131,21 @@ impl Jump {
     }
 
     fn planner(&self, robot: &Robot) -> Result<Planner, CliError> {
+        let refused = |error| refused(error, robot);
         let rest = usize::from(self.ball.rest.unwrap_or(0));
+        let mut standing = Standing::on(robot, rest).map_err(refused)?;
+        if let Some(course) = self.obstacle {
+            if course.fronts().is_some() {
+                let allowed = "HEIGHTxLENGTH@FRONT with one FRONT for a jump from rest";
+                return Err(CliError::flag("--obstacle", "", allowed));
+            }
+            let obstacle = course.at(course.front);
+            standing = standing.before(obstacle, robot).map_err(refused)?;
+        }
         let sought = (usize::from(self.sought_on.unwrap_or(SOUGHT_ON)), self.seed);
         let draw = DrawnBalls::default();
-        let planner = Planner::new(robot, rest, &draw, sought, self.threads.count().get());
-        planner.map_err(|error| refused(error, robot))
+        let planner = Planner::new(robot, standing, &draw, sought, self.threads.count().get());
+        planner.map_err(refused)
     }
 
     /// Seed of other robots than those of the search.
@@ -147,6 +161,7 @@ impl Jump {
         let robots = usize::from(self.robots);
         let near = nearby(&planner, &plan, target, (robots, self.others()), threads);
         let near = near.map_err(refused)?;
+        let is_yes = plan.is_reached() && near.is_enough();
         let mut cycles = Vec::new();
         let jump = &plan.jump;
         let whole = fly(robot, planner.standing(), jump, AFTER, |cycle| {
@@ -155,7 +170,7 @@ impl Jump {
         let answer = Answer {
             name: &robot.name,
             rest: usize::from(self.ball.rest.unwrap_or(0)),
-            feet: &planner.standing().rest.legs,
+            standing: planner.standing(),
             target,
             plan: &plan,
             whole: whole.map_err(refused)?,
@@ -167,7 +182,6 @@ impl Jump {
             Format::Text => answer.text(),
         };
         self.output.write_report(report)?;
-        let is_yes = plan.is_reached() && near.value() >= ENOUGH;
         Ok(if is_yes { Status::Done } else { Status::No })
     }
 
@@ -185,14 +199,13 @@ impl Jump {
         let robots = usize::from(self.robots);
         let shares = parallel::map_on(threads, spots.len(), |k| {
             let Spot { target, plan } = &spots[k];
-            let share = plan
-                .is_reached()
-                .then(|| nearby(&planner, plan, *target, (robots, self.others()), 1));
+            let near = || nearby(&planner, plan, *target, (robots, self.others()), 1);
+            let share = plan.is_reached().then(near);
             progress.advance(1);
             share.transpose()
         });
         drop(progress);
-        let shares: Vec<Option<Share>> = shares
+        let shares: Vec<Option<Nearby>> = shares
             .into_iter()
             .collect::<Result<_, _>>()
             .map_err(refused)?;
@@ -223,6 +236,9 @@ impl Jump {
         let farthest = course.fronts().map_or(course.front, |fronts| fronts[1]);
         let obstacle = course.at(course.front);
         let mut over = Over::new(robot, obstacle, farthest, threads).map_err(refused)?;
+        if self.ball.onto {
+            over = over.onto().map_err(refused)?;
+        }
         over.seed = self.seed;
         let generations = usize::from(self.generations.unwrap_or(FROM_RUN.1));
         let sought_on = usize::from(self.sought_on.unwrap_or(FROM_RUN.0));
@@ -238,6 +254,7 @@ impl Jump {
         let crossed = Crossings {
             name: &robot.name,
             obstacle,
+            is_onto: self.ball.onto,
             farthest,
             leap: &leap,
             tried: &tried,
@@ -253,22 +270,46 @@ impl Jump {
     }
 }
 
-/// How many other robots land near `target`.
+/// How other robots land.
+struct Nearby {
+    /// Near the target, without having run against a box on the way.
+    near: Share,
+    /// So, and still on the box in the end: if the target is on one.
+    stay: Option<Share>,
+}
+
+impl Nearby {
+    fn is_enough(&self) -> bool {
+        let stay = self.stay.as_ref().map_or(1.0, Share::value);
+        self.near.value() >= ENOUGH && stay >= ENOUGH
+    }
+}
+
+/// How other robots land that jump to `target`.
 fn nearby(
     planner: &Planner,
     plan: &JumpPlan,
     target: [f64; 2],
     (robots, seed): (usize, u64),
     threads: usize,
-) -> Result<Share, GaitError> {
-    let all = parallel::map_on(threads, robots, |k| planner.other(plan, seed, k));
+) -> Result<Nearby, GaitError> {
+    let floor = planner.standing().floor(target[0]);
+    let after = if floor > 0.0 { AFTER } else { 0.0 };
+    let all = parallel::map_on(threads, robots, |k| planner.other(plan, (seed, k), after));
     let all = all.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let is_near = |flown: &&Flown| {
-        landed(flown).is_some_and(|[x, y]| (x - target[0]).hypot(y - target[1]) <= NEAR)
+    let is_near = |flown: &Flown| {
+        let off = |[x, y]: [f64; 2]| (x - target[0]).hypot(y - target[1]);
+        flown.clearance > 0.0 && landed(flown).is_some_and(|at| off(at) <= NEAR)
     };
-    Ok(Share {
-        count: all.iter().filter(is_near).count(),
+    let share = |did: &dyn Fn(&Flown) -> bool| Share {
+        count: all.iter().filter(|flown| did(flown)).count(),
         of: robots,
+    };
+    let least = floor + planner.standing().place[2] - LOWER;
+    let stays = |flown: &Flown| is_near(flown) && flown.rests[2] > least;
+    Ok(Nearby {
+        near: share(&is_near),
+        stay: (floor > 0.0).then(|| share(&stays)),
     })
 }
 

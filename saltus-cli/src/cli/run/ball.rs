@@ -1,6 +1,7 @@
 //! A robot in space, which rolls as a disc.
 
 mod analysis;
+mod bears;
 mod beside;
 mod came;
 mod drawn;
@@ -40,6 +41,9 @@ impl Run {
             return self.analysed_ball(robot, depth);
         }
         let mut setup = self.rolling(robot, gait);
+        if let Some(robots) = self.bears {
+            return self.what_it_bears(&setup, aim, robots.get());
+        }
         if self.robots.is_some() {
             return self.many_balls(&setup, aim);
         }

@@ -2,11 +2,11 @@
 
 use std::fmt::Write as _;
 
-use saltus::gait::space::jump::{Cycle, Flown, JumpPlan, landed};
-use saltus::running::Share;
+use saltus::gait::Obstacle;
+use saltus::gait::space::jump::{Cycle, Flown, JumpPlan, Standing, landed};
 use serde_json::{Value, json};
 
-use super::{AFTER, NEAR, short};
+use super::{AFTER, NEAR, Nearby, short};
 use crate::cli::run::{in_words, share};
 use crate::output::{Cell, Table, digits};
 
@@ -17,17 +17,23 @@ const RESTS: f64 = 0.01;
 pub(super) struct Answer<'a> {
     pub(super) name: &'a str,
     pub(super) rest: usize,
-    pub(super) feet: &'a [usize],
+    pub(super) standing: &'a Standing,
     pub(super) target: [f64; 2],
     pub(super) plan: &'a JumpPlan,
     pub(super) whole: Flown,
-    pub(super) near: Share,
+    pub(super) near: Nearby,
 }
 
 impl Answer<'_> {
     pub(super) fn text(&self) -> String {
         let [x, y] = self.target.map(short);
-        let feet: Vec<String> = self.feet.iter().map(ToString::to_string).collect();
+        let feet: Vec<String> = self
+            .standing
+            .rest
+            .legs
+            .iter()
+            .map(ToString::to_string)
+            .collect();
         let feet = feet.join(", ");
         let mut text = format!(
             "{}: a jump from rest {} on feet {feet} to ({x}, {y}) m\n",
@@ -36,6 +42,9 @@ impl Answer<'_> {
         let mut line = |name: &str, what: String| {
             let _ = writeln!(text, "  {name:<24} {what}");
         };
+        if let Some(obstacle) = &self.standing.obstacle {
+            line("before", a_box(obstacle));
+        }
         for (k, command) in self.plan.jump.commands.iter().enumerate() {
             let name = format!("firing {}", k + 1);
             let at = digits(1e3 * command.at, 4);
@@ -75,7 +84,13 @@ impl Answer<'_> {
         };
         line("in reach", reach);
         let near = format!("within {} cm", digits(100.0 * NEAR, 3));
-        line(&near, format!("{}, other robots", in_words(&self.near)));
+        line(
+            &near,
+            format!("{}, other robots", in_words(&self.near.near)),
+        );
+        if let Some(stay) = &self.near.stay {
+            line("and stay on the box", in_words(stay));
+        }
         text
     }
 
@@ -95,7 +110,10 @@ impl Answer<'_> {
             "command": "jump",
             "robot": self.name,
             "rest": self.rest,
-            "feet": self.feet,
+            "feet": self.standing.rest.legs,
+            "obstacle": self.standing.obstacle.map(|it| json!({
+                "height_m": it.height, "length_m": it.length, "front_m": it.front,
+            })),
             "target_m": self.target,
             "firings": self.plan.jump.commands.iter().map(|command| json!({
                 "leg": command.leg, "at_s": command.at, "valve_open_s": command.open,
@@ -110,10 +128,19 @@ impl Answer<'_> {
             "mean_off_m": self.plan.off,
             "in_the_end_m": self.whole.rests,
             "speed_in_the_end_m_s": self.whole.speed,
-            "within_10_cm": share(&self.near),
+            "clearance_m": finite(self.plan.flown.clearance),
+            "within_10_cm": share(&self.near.near),
+            "stay_on_the_box": self.near.stay.as_ref().map(share),
             "seed": seed,
         })
     }
+}
+
+/// A box in words.
+fn a_box(obstacle: &Obstacle) -> String {
+    let [height, length, front] =
+        [obstacle.height, obstacle.length, obstacle.front].map(|x| digits(x, 4));
+    format!("a box {height} m high and {length} m long, its front at {front} m")
 }
 
 fn finite(x: f64) -> Option<f64> {

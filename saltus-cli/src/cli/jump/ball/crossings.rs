@@ -1,4 +1,4 @@
-//! The report of robots that ran up to a box.
+//! The report of robots that ran up to a box, and jumped over it or onto it.
 
 use std::fmt::Write as _;
 
@@ -14,6 +14,7 @@ use crate::output::{Cell, Table, digits};
 pub(super) struct Crossings<'a> {
     pub(super) name: &'a str,
     pub(super) obstacle: Obstacle,
+    pub(super) is_onto: bool,
     pub(super) farthest: f64,
     pub(super) leap: &'a Leap,
     pub(super) tried: &'a [Passed],
@@ -40,8 +41,9 @@ impl Crossings<'_> {
         } else {
             format!("{front} to {farthest}")
         };
+        let way = if self.is_onto { "onto" } else { "over" };
         let mut text = format!(
-            "{}: out of a run over a box {height} m high and {length} m long, its front {fronts} m from the middle at rest\n",
+            "{}: out of a run {way} a box {height} m high and {length} m long, its front {fronts} m from the middle at rest\n",
             self.name,
         );
         let mut line = |name: &str, what: String| {
@@ -75,7 +77,12 @@ impl Crossings<'_> {
             &format!("for each m/s above {SPEED}"),
             format!("{earlier} m earlier, {later} rad more"),
         );
-        line("cleared", in_words(&self.share(|it| it.cleared)));
+        let cleared = if self.is_onto {
+            "came onto it"
+        } else {
+            "cleared"
+        };
+        line(cleared, in_words(&self.share(|it| it.cleared)));
         line(
             "did not jump",
             in_words(&self.share(|it| it.jumped.is_none())),
@@ -129,6 +136,7 @@ impl Crossings<'_> {
         json!({
             "command": "jump",
             "robot": self.name,
+            "onto": self.is_onto,
             "obstacle": {"height_m": height, "length_m": length, "fronts_m": [front, self.farthest]},
             "aim_m": leap.aim,
             "from_m": leap.from,

@@ -6,7 +6,7 @@ use saltus::gait::space::jump::{Command, Spot};
 use saltus::running::Share;
 use serde_json::{Value, json};
 
-use super::{ENOUGH, short};
+use super::{ENOUGH, Nearby, short};
 use crate::cli::run::{in_words, share};
 use crate::output::{Cell, Table, digits};
 use crate::plot::Drawing;
@@ -19,14 +19,14 @@ pub(super) struct Map<'a> {
     pub(super) name: &'a str,
     pub(super) spacing: f64,
     pub(super) spots: &'a [Spot],
-    pub(super) shares: &'a [Option<Share>],
+    pub(super) shares: &'a [Option<Nearby>],
     pub(super) feet: Vec<(f64, f64)>,
 }
 
 impl Map<'_> {
     /// All jumps to places that are reached.
     pub(super) fn together(&self) -> Share {
-        let all = || self.shares.iter().flatten();
+        let all = || self.shares.iter().flatten().map(|it| &it.near);
         Share {
             count: all().map(|share| share.count).sum(),
             of: all().map(|share| share.of).sum(),
@@ -35,7 +35,7 @@ impl Map<'_> {
 
     fn reached(&self) -> impl Iterator<Item = (&Spot, &Share)> {
         let both = self.spots.iter().zip(self.shares);
-        both.filter_map(|(spot, share)| Some((spot, share.as_ref()?)))
+        both.filter_map(|(spot, share)| Some((spot, &share.as_ref()?.near)))
     }
 
     pub(super) fn text(&self) -> String {
@@ -95,7 +95,8 @@ impl Map<'_> {
             let touch = plan.flown.touch;
             let flight = lift.zip(touch).map(|(lift, touch)| touch.time - lift);
             let count = |of: fn(&Share) -> usize| {
-                share.as_ref().map_or(Cell::Empty, |it| Cell::Count(of(it)))
+                let count = |it: &Nearby| Cell::Count(of(&it.near));
+                share.as_ref().map_or(Cell::Empty, count)
             };
             table.push(vec![
                 spot.target[0].into(),
@@ -126,13 +127,13 @@ impl Map<'_> {
     }
 
     pub(super) fn drawing(&self) -> Drawing {
-        let of = |keeps: &dyn Fn(&Option<Share>) -> bool| {
+        let of = |keeps: &dyn Fn(&Option<Nearby>) -> bool| {
             let both = self.spots.iter().zip(self.shares);
             let kept = both.filter(|(_, share)| keeps(share));
             kept.map(|(spot, _)| (spot.target[0], spot.target[1]))
                 .collect::<Vec<_>>()
         };
-        let enough = |share: &Share| share.value() >= ENOUGH;
+        let enough = |share: &Nearby| share.near.value() >= ENOUGH;
         let dots = |label: &str, points, color| Line {
             label: Some(label.into()),
             points,

@@ -19,7 +19,7 @@ use crate::output::{self, Cell, Files, Format, Table, digits};
 use crate::progress::Progress;
 
 /// How soon (s) a robot that was thrown down should run again.
-const SOON: f64 = 10.0;
+pub(super) const SOON: f64 = 10.0;
 
 const COLUMNS: &[&str] = &[
     "robot",
@@ -38,10 +38,10 @@ const COLUMNS: &[&str] = &[
 ];
 
 /// A share that is told: its key, and its name in words.
-struct Told {
-    key: &'static str,
-    words: String,
-    share: Share,
+pub(super) struct Told {
+    pub(super) key: &'static str,
+    pub(super) words: String,
+    pub(super) share: Share,
 }
 
 impl Run {
@@ -139,7 +139,7 @@ impl Run {
 }
 
 /// What is told of robots that ran for `aim`.
-fn told(aim: Aim, runs: &[Outcome]) -> [Told; 2] {
+pub(super) fn told(aim: Aim, runs: &[Outcome]) -> [Told; 2] {
     let share = |did: &dyn Fn(&Came) -> bool| Share {
         count: runs.iter().flatten().filter(|came| did(came)).count(),
         of: runs.len(),
