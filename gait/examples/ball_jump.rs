@@ -7,7 +7,7 @@
 //! Distance (m) and heading (degrees); where nothing is given, a few of them.
 
 use saltus_gait::space::DrawnBalls;
-use saltus_gait::space::jump::{Planner, landed};
+use saltus_gait::space::jump::{Planner, Standing, landed};
 use saltus_numeric::parallel::{available, map_on};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -21,13 +21,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         _ => return Err("give two numbers".into()),
     };
     let robot = saltus_robot::resolve("rats-twelve", &[])?;
-    let planner = Planner::new(&robot, 0, &DrawnBalls::default(), (16, 1), available())?;
+    let standing = Standing::on(&robot, 0)?;
+    let planner = Planner::new(
+        &robot,
+        standing,
+        &DrawnBalls::default(),
+        (16, 1),
+        available(),
+    )?;
     println!("distance (m), heading (°): miss (m); reached; within 10 cm; firings (leg@ms:ms)");
     for [distance, heading] in all {
         let (sine, cosine) = f64::to_radians(heading).sin_cos();
         let target = [distance * cosine, distance * sine];
         let plan = planner.to(target, available())?;
-        let others = map_on(available(), 50, |k| planner.other(&plan, 77, k));
+        let others = map_on(available(), 50, |k| planner.other(&plan, (77, k), 0.0));
         let mut near = 0;
         for flown in others {
             let miss = landed(&flown?).map(|[x, y]| (x - target[0]).hypot(y - target[1]));

@@ -3,7 +3,7 @@
 
     python3 -m venv target/mujoco && target/mujoco/bin/pip install -r tests/mujoco/requirements.txt
     cargo build --release -p saltus-cli
-    target/mujoco/bin/python tests/mujoco/run.py check            # or speeds, ensemble, touch_downs, ball, policy, bench
+    target/mujoco/bin/python tests/mujoco/run.py check            # or speeds, ensemble, touch_downs, ball, ball_speed, policy, bench
 
 The bodies come from `saltus export mjcf`, the numbers of the legs from the robot's file; nothing else is Saltus'. All legs are free
 sliders with end stops at 0 and the stroke, dry and viscous friction, a return spring, and a chamber each. The chambers are
@@ -353,6 +353,13 @@ def ball(options):
 ball.__doc__ = in_space.touch_downs.__doc__
 
 
+def ball_speed(options):
+    return in_space.speed(options)
+
+
+ball_speed.__doc__ = in_space.speed.__doc__
+
+
 def parser():
     formatter = argparse.RawDescriptionHelpFormatter
     top = argparse.ArgumentParser(description=__doc__, formatter_class=formatter)
@@ -395,6 +402,12 @@ def parser():
     rolls.add_argument("--seed", type=int, default=1)
     rolls.add_argument("--ours-step", type=float, default=2.5e-5, help="time step of Saltus (s)")
     rolls.add_argument("--ball-step", type=float, default=2.5e-5, help="time step of MuJoCo (s)")
+    quick = add(ball_speed)
+    quick.add_argument("--example", default=str(ROOT / "target/release/examples/ball_touch_downs"), help="the example of this name, built")
+    quick.add_argument("--ours", default=str(ROOT / "target/release/examples/ball_speed"), help="the example of this name, built")
+    quick.add_argument("--count", type=int, default=100)
+    quick.add_argument("--seed", type=int, default=1)
+    quick.add_argument("--rounds", type=int, default=5)
     some = add(states)
     some.add_argument("--count", type=int, default=10)
     some.add_argument("--seed", type=int, default=1)

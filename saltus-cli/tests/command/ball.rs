@@ -68,6 +68,46 @@ fn drawn_balls_are_the_same_for_any_number_of_threads() {
 }
 
 #[test]
+fn what_a_ball_bears_is_a_row_for_each_number() {
+    let folder = Folder::new("ball-bears");
+    let line = "run --robot rats-twelve --gait recover --seconds 4 --bears 1 --format csv --plot bears.svg";
+    let text = folder.done(line, 0);
+    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(
+        rows[0],
+        [
+            "imperfection",
+            "value",
+            "count",
+            "of",
+            "share",
+            "low_95",
+            "high_95"
+        ]
+    );
+    assert_eq!(rows.len(), 1 + 6 + 6 + 6 + 7);
+    for row in &rows[1..] {
+        let number = |k: usize| row[k].parse::<f64>().unwrap();
+        assert!(number(2) <= 1.0 && number(3) == 1.0, "{row:?}");
+        assert!(number(5) <= number(4) && number(4) <= number(6), "{row:?}");
+    }
+    // Without any scatter, and without a slope, it is the same robot.
+    let level = rows
+        .iter()
+        .find(|row| row[0] == "slope_rad" && row[1] == "0");
+    assert_eq!(rows[1][2], level.unwrap()[2]);
+    assert!(folder.read("bears.svg").contains("slope"));
+    let words: Vec<&str> = "run --seconds 1 --bears".split(' ').collect();
+    let run = folder.run(&words);
+    assert_eq!(run.code, Some(2), "{}", run.err);
+    assert!(
+        run.err.contains("--bears") && run.err.contains("in space"),
+        "{}",
+        run.err
+    );
+}
+
+#[test]
 fn a_fall_is_an_answer() {
     let folder = Folder::new("ball-fall");
     // So far off its middle that no twins hold it.

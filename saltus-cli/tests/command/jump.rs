@@ -176,6 +176,37 @@ fn a_jump_in_space_lands_near_its_target() {
 }
 
 #[test]
+fn a_ball_jumps_onto_a_box_from_rest() {
+    let folder = Folder::new("jump-onto");
+    let line = "jump --robot rats-twelve --target 0.55,0 --obstacle 0.08x1.5@0.28 --sought-on 4 --robots 10 --format json";
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let run = folder.run(&words);
+    assert!(matches!(run.code, Some(0 | 1)), "{}", run.err);
+    let json: Value = serde_json::from_str(&run.out).unwrap();
+    let number = |value: &Value| value.as_f64().unwrap();
+    assert_eq!(json["obstacle"]["height_m"], 0.08);
+    assert!(number(&json["clearance_m"]) > 0.0, "{json}");
+    // It stands 0.19 m high, and more on the box.
+    let [landed, stands] = ["landed_m", "in_the_end_m"].map(|key| number(&json[key][2]));
+    assert!(landed > 0.26 && stands > 0.26, "{json}");
+    let [near, stay] = ["within_10_cm", "stay_on_the_box"].map(|key| number(&json[key]["count"]));
+    assert!(near >= 7.0 && stay >= 5.0 && stay <= near, "{json}");
+}
+
+#[test]
+fn a_ball_jumps_onto_a_box_out_of_a_run() {
+    let folder = Folder::new("jump-run-onto");
+    let line = "jump --robot rats-twelve --obstacle 0.08x4@2.2 --onto --sought-on 2 --generations 1 --robots 4 --format csv";
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let run = folder.run(&words);
+    assert!(matches!(run.code, Some(0 | 1)), "{}", run.err);
+    let (header, rows) = rows(&run.out);
+    let column = |name: &str| header.iter().position(|column| column == name).unwrap();
+    let up = rows.iter().filter(|row| row[column("cleared")] == "true");
+    assert!(up.count() >= 2, "{rows:?}");
+}
+
+#[test]
 fn a_place_out_of_reach_has_a_nearest_one() {
     let folder = Folder::new("jump-far");
     let text = folder.done(
@@ -256,7 +287,11 @@ fn bad_input_of_a_ball_is_named_and_leaves_no_file() {
         ("--target 0.3", "X,Y"),
         ("--target 0.3,0 --rest 20", "--rest 20: must be below 20"),
         ("--target 0.3,0 --map 0.1", "--map"),
-        ("--target 0.3,0 --obstacle 0.1x0.1@2", "--obstacle"),
+        ("--target 0.5,0 --obstacle 0.1x1@0.3:0.5", "with one FRONT"),
+        ("--target 0.5,0 --obstacle 0.1x1@0.2", "around the robot"),
+        ("--target 0.5,0 --onto", "--obstacle"),
+        ("--target 0.5,0 --obstacle 0.1x3@1 --onto", "--onto"),
+        ("--obstacle 0.1x1@2 --onto", "from 2.48 m"),
         ("--target 0.3,0 --generations 3", "--generations"),
         ("--target 0.3,0 --legs 2", "--legs"),
         ("--target 0.3,0 --room 1", "--room"),
@@ -280,7 +315,7 @@ fn bad_input_of_a_ball_is_named_and_leaves_no_file() {
         assert!(!folder.path("answer.json").exists(), "{line}");
     }
     // These are for a robot in space.
-    for flag in ["--target 0.3,0", "--map 0.2", "--rest 1"] {
+    for flag in ["--target 0.3,0", "--map 0.2", "--rest 1", "--onto"] {
         let line = format!("jump --obstacle 0.1x0.1@1 {flag}");
         let words: Vec<&str> = line.split_whitespace().collect();
         let run = folder.run(&words);
