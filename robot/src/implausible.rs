@@ -88,6 +88,7 @@ impl Robot {
     }
 
     fn body_and_leg(&self, all: &mut Vec<Implausible>) {
+        let foot = self.foot.radius;
         let (mass, radius, inertia) = (self.body.mass, self.body.radius, self.body.inertia);
         let (stroke, delay, width) = (self.leg.stroke, self.leg.delay, 2.0 * radius);
         let rim = mass * radius * radius;
@@ -107,6 +108,7 @@ impl Robot {
             "body.inertia_kg_m2", inertia, inertia > (1.0 + 1e-6) * rim
                 => beyond, "g m², kg mm² or g cm²";
             "leg.stroke_m", stroke, stroke > width => long, "cm or mm";
+            "foot.radius_m", foot, foot > 0.5 * radius => "is more than half of a leg", "mm";
             self.delay_key(), delay, delay > DELAY => "is slow for a valve or latch", "ms";
         }
     }

@@ -39,9 +39,19 @@ pub(crate) fn read(
     space.center = body.vector("center_of_mass", LENGTH).unwrap_or_default();
     robot.body.legs = u32::try_from(count).unwrap_or(u32::MAX);
     robot.body.inertia = space.inertia[..3].iter().sum::<f64>() / 3.0;
+    let (moments, place) = (space.inertia, body.place().clone());
     robot.space = Some(space);
     terms(&mut body, "body", robot);
-    body.finish(())
+    body.finish(())?;
+    if moments[..3].iter().all(|x| *x > 0.0) {
+        return Ok(());
+    }
+    Err(RobotError::NotAllowed {
+        place,
+        key: "body.inertia".into(),
+        value: format!("{moments:?} kg m²"),
+        allowed: "moments of inertia (xx, yy, zz) above 0".into(),
+    })
 }
 
 /// Refuses the table `s` for a robot in space.
@@ -83,11 +93,15 @@ pub(crate) fn check(robot: &Robot, place: &crate::Place) -> Result<(), RobotErro
         |rest: &crate::space::Rest| dot(&center, &rest.down) < rest.height * robot.body.radius;
     if rests.len() < 4 || !rests.iter().all(is_inside) {
         let allowed = "within the feet, so that the robot stands on some of them";
-        return Err(refuse("center of mass", format!("{center:?} m"), allowed));
+        return Err(refuse(
+            "body.center_of_mass",
+            format!("{:?} m, with the legs {center:?} m", space.center),
+            allowed,
+        ));
     }
     if !is_of_a_body(&core.inertia) {
-        let allowed = "that of a body, which is left where all legs are taken off: each moment above 0, and at most the sum of the \
-                       two others about the principal axes";
+        let allowed = "that of a body: about its centre of mass (body.center_of_mass) and without the legs, each moment has to be \
+                       above 0, and at most the sum of the two others about the principal axes";
         return Err(refuse(
             "body.inertia",
             format!("{:?}", space.inertia),

@@ -87,8 +87,7 @@ const GUESSES: usize = 15;
 const FEW_GUESSES: usize = 4;
 /// What moves more slowly (m/s) at the end of a step may have been sought in vain: it stands.
 const CREEP: f64 = 1e-6;
-/// Most steps of Newton's method on projections, and what part of the greatest force its last may be.
-const MOST_STEPS: usize = 40;
+/// What part of the greatest force the last step of Newton's method on projections may be.
 const SETTLED: f64 = 1e-13;
 /// Least part of a step that a damped one is cut to.
 const LEAST_PART: f64 = 1e-4;
@@ -97,6 +96,8 @@ const LEAST_PART: f64 = 1e-4;
 struct Newton {
     /// ρ over the reciprocal of a row's own mobility.
     scale: f64,
+    /// Most steps.
+    most: usize,
     /// Whether a step that takes the forces farther from the laws is cut.
     is_damped: bool,
 }
@@ -105,14 +106,20 @@ impl Newton {
     /// Whole steps, which most often come to an answer at once.
     const BOLD: Newton = Newton {
         scale: 0.1,
+        most: 15,
         is_damped: false,
     };
     /// Damped ones, which do so for feet at the edge of slipping that squeeze the ground between them.
     const SAFE: Newton = Newton {
         scale: 100.0,
+        most: 40,
         is_damped: true,
     };
 }
+
+/// Sweeps of the iteration after which its steps must be shorter by this factor, if they come to an answer.
+const SWEEPS: usize = 100;
+const DRIFT: f64 = 0.95;
 
 /// Friction coefficient of what has no limit, where it needs one.
 const ROUGHEST: f64 = 1e3;
@@ -400,7 +407,7 @@ impl Problem {
         self.force.clear();
         self.force.resize(m, 0.0);
         let mut error = self.state_laws(way.scale);
-        for _ in 0..MOST_STEPS {
+        for _ in 0..way.most {
             self.before.clone_from(&self.force);
             linear::solve(&mut self.system, m, &mut self.right);
             self.step.clone_from(&self.right);
@@ -691,7 +698,8 @@ impl Problem {
     /// Projected Gauss–Seidel iteration, then the grips that its solution has.
     fn relax(&mut self, creep: f64) {
         self.force.fill(0.0);
-        for _ in 0..20_000 {
+        let mut before = f64::INFINITY;
+        for sweep in 1..=20_000 {
             let mut change = 0.0_f64;
             for i in 0..self.elements.len() {
                 change = change.max(self.relax_element(self.elements[i]));
@@ -699,6 +707,13 @@ impl Problem {
             let size = self.force.iter().fold(0.0_f64, |s, x| s.max(x.abs()));
             if change <= 1e-13 * size + 1e-300 {
                 break;
+            }
+            if sweep % SWEEPS == 0 {
+                // Forces that are not unique drift on, and come no nearer to the laws.
+                if change > DRIFT * before {
+                    break;
+                }
+                before = change;
             }
         }
         self.set_motion();

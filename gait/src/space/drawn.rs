@@ -30,6 +30,19 @@ impl Default for DrawnBalls {
     }
 }
 
+impl DrawnBalls {
+    /// The same with friction from 0.6 to 1.2 times that of the ground of `robot`.
+    pub fn around(robot: &Robot) -> DrawnBalls {
+        let usual = DrawnBalls::default();
+        DrawnBalls {
+            friction: usual
+                .friction
+                .map(|part| part * robot.ground.kinetic_friction),
+            ..usual
+        }
+    }
+}
+
 /// Least factor of a force, however it is drawn.
 const LEAST: f64 = 0.05;
 

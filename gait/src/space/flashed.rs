@@ -63,7 +63,7 @@ impl Flashed<f64> {
         let directions = directions.unwrap_or_default();
         let planes = Facing::every(&discs(&directions));
         let planes: Vec<FlashedPlane<f64>> = planes.iter().map(FlashedPlane::of).collect();
-        let allowed = "such that a plane holds four legs or more, and mirrors the others";
+        let allowed = "such that the robot can roll: a plane has to hold four legs or more, and to be the mirror of the other legs";
         require(
             !planes.is_empty(),
             "legs.directions",

@@ -232,6 +232,8 @@ pub struct Rolled {
     pub firings: usize,
     /// Energy (J) that no entry of the ledger explains.
     pub residual: f64,
+    /// Work (J) of the legs.
+    pub work: f64,
 }
 
 /// Rate of roll (rad/s), and way to a side (m), from which on a robot has left its plane.
@@ -280,8 +282,8 @@ impl Roll {
         require(rest < rests.len(), "rest", rest as f64, allowed)?;
         let rest = rests[rest].clone();
         let ways = Facing::all(&rest, &discs);
-        let allowed =
-            "such that a plane with four legs or more stands upright on the first feet that stand";
+        let allowed = "such that the robot can roll: as it stands, a plane that holds four legs or more has to be upright, and to \
+                       be the mirror of the other legs, as those of a dodecahedron are";
         require(
             !ways.is_empty(),
             "legs.directions",
@@ -401,7 +403,9 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
             }
         }
         if !row(&ball) || ball.time >= roll.seconds - 1e-9 {
-            rolled.residual = sim.ledger().residual(&start);
+            let end = sim.ledger();
+            rolled.residual = end.residual(&start);
+            rolled.work = end.drive - start.drive;
             return Ok(rolled);
         }
         cycles += 1;

@@ -348,7 +348,9 @@ fn what_is_no_jump_is_refused() -> Result<(), GaitError> {
     let standing = Standing::on(&robot, 0)?;
     let around = standing.before(obstacle(0.2, 0.1), &robot);
     says(around.expect_err("refused"), "around the robot");
-    let short = Over::new(&robot, obstacle(2.0, 0.1), 2.0, 1)?.onto();
+    let short = Over::onto(&robot, obstacle(2.0, 0.1), 2.0, 1);
+    let near = Over::new(&robot, obstacle(0.3, 0.1), 0.3, 1);
+    says(near.expect_err("refused"), "no first push");
     says(short.expect_err("refused"), "from 2.48 m");
     let around = Over::new(&robot, obstacle(0.1, 0.2), 3.0, 1).expect_err("refused");
     says(around, "around the robot");

@@ -138,8 +138,8 @@ const MOST_LEGS: u32 = 1000;
 pub(crate) fn robot(name: &str, overrides: &[String]) -> Result<Robot, CliError> {
     let robot = any_robot(name, overrides)?;
     if robot.space.is_some() {
-        let reason = "body.shape = sphere: must be wheel for this command; a robot in space rolls by `saltus run`, and its \
-                      model goes to other programs by `saltus export mjcf` and `saltus export urdf`";
+        let reason = "body.shape = sphere: must be wheel for this command; a robot in space rolls by `saltus run` and jumps by \
+                      `saltus jump`; `saltus export mjcf`, `urdf` and `c --gait disc-stable` write it for other programs";
         return Err(CliError::content(name, reason));
     }
     Ok(robot)

@@ -18,6 +18,7 @@ use super::common::{OutputFlags, PlotOption, Threads, any_robot, seed};
 use crate::error::{CliError, cut};
 use crate::output::{Files, Format, digits};
 use crate::progress::Progress;
+use crate::quantity;
 
 /// Jump over a box: from rest, some legs accelerate and the next one jumps; or out of a run, over a box
 /// that a range sensor sees. A robot in space jumps from rest to a place, or out of a run over a box
@@ -25,7 +26,7 @@ use crate::progress::Progress;
 #[command(after_help = "`saltus jump --help` explains the output.", after_long_help = LONG_HELP)]
 pub(crate) struct Jump {
     /// The box: HEIGHTxLENGTH@FRONT (m), its front counted from the axle at rest; with FRONT as FROM:TO
-    /// it is anywhere between, and the robot senses it
+    /// it is anywhere between, and the robot senses it. With --target it lies before a robot in space that jumps from rest
     #[arg(long, value_name = "HEIGHTxLENGTH@FRONT", value_parser = course, allow_hyphen_values = true)]
     obstacle: Option<Course>,
 
@@ -37,11 +38,11 @@ pub(crate) struct Jump {
     #[arg(long)]
     constant: bool,
 
-    /// Drawn robots on which the firings are sought [default: 8]
+    /// Drawn robots on which the firings are sought [default: 8; of a robot in space 16]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1000))]
     sought_on: Option<u16>,
 
-    /// Generations of the search [default: 14]
+    /// Generations of the search [default: 14; of a robot in space 3]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1000))]
     generations: Option<u16>,
 
@@ -95,7 +96,9 @@ Examples:
   saltus jump --obstacle 0.16x0.21@1.3 --constant --format json --out box.json
   saltus jump --robot rats-twelve --target 0.3,0.2
   saltus jump --robot rats-twelve --map 0.1 --out map.csv --plot map.svg
+  saltus jump --robot rats-twelve --target 0.55,0 --obstacle 0.12x1.5@0.28
   saltus jump --robot rats-twelve --obstacle 0.21x0.21@2.2
+  saltus jump --robot rats-twelve --obstacle 0.08x4@2.2 --onto
 
 FRONT as FROM:TO is a box that the robot senses. At each leg's entry into the active zone a table says whether the leg drives, \
 brakes or jumps, and at which firing angle: by the rate, the height of the axle and the distance to the box, which the range \
@@ -120,13 +123,15 @@ long is sought in a model of the stance for --sought-on drawn robots [default: 1
 accelerometers say that the robot will land there. The answer is where the robot of the file lands in the simulation, where it \
 comes to rest, and the share of other robots that land within 10 cm of the target; exit code 1 if that is less than 90 % or the \
 target is out of reach: robots land more than 2 cm to one side of it in the mean. CSV has the jump, a row a cycle. --map does \
-this for all places of a grid; its CSV has a row a place.
+this for all places of a grid; its CSV has a row a place, and --plot, which is for maps alone, draws it. With --obstacle a box \
+lies before the robot, on which the target may be: then a robot has to land near it without having touched the box before, and \
+to be on the box 3 s later. Legs must be of kind constant.
 
 With --obstacle a robot in space rolls by its sensors (`saltus run --gait disc-stable`) to a box that lies across its way and is \
 wider than it, and knows where it is; FROM:TO is where its front may be. The first push decides where the feet come down after it. \
 It is chosen so that twins, two legs side by side, come down where they jump best; they push the robot over the box. From which \
 distance on, at which lean and for how long is sought for --sought-on robots [default: 16] in --generations [default: 3], about \
-two minutes. The answer is the share of other robots of which nothing between the feet touches the box, and of those that go on \
+two minutes. With --onto they jump onto the box, of at least 2.48 m for rats-twelve, and go on upon it. The answer is the share of other robots of which nothing between the feet touches the box, and of those that go on \
 by 2 m behind it, on their feet again if they fell; exit code 1 if less than 80 % clear it. CSV has a row a robot.
 
 The answer does not depend on --threads.";
@@ -374,7 +379,7 @@ fn course(text: &str) -> Result<Course, String> {
     let (size, front) = text.split_once('@').ok_or_else(shape)?;
     let (height, length) = size.split_once('x').ok_or_else(shape)?;
     let metres = |part: &str, what: &str, most: f64| {
-        let number = part.trim().trim_end_matches('m').parse::<f64>().ok();
+        let number = quantity::distance(part.trim()).ok();
         number
             .filter(|x| *x > 0.0 && *x <= most)
             .ok_or_else(|| format!("{what} {:?} must be above 0, at most {most} m", cut(part)))

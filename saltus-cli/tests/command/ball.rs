@@ -82,7 +82,8 @@ fn what_a_ball_bears_is_a_row_for_each_number() {
             "of",
             "share",
             "low_95",
-            "high_95"
+            "high_95",
+            "success"
         ]
     );
     assert_eq!(rows.len(), 1 + 6 + 6 + 6 + 7);

@@ -214,7 +214,7 @@ fn a_place_out_of_reach_has_a_nearest_one() {
         1,
     );
     assert!(
-        text.contains("no; the nearest landing that was found is (0."),
+        text.contains("cm off it in the mean; this robot lands at (0."),
         "{text}"
     );
     assert!(text.contains("0 of 2"), "{text}");

@@ -64,7 +64,7 @@ fn twelve_legs_cost_at_most_four_times_five() -> Result<(), SimError> {
     };
     // The least of many short runs, in turns, is what a busy machine disturbs least.
     let (mut least_few, mut least_many) = (f64::INFINITY, f64::INFINITY);
-    for _ in 0..30 {
+    for _ in 0..100 {
         least_few = least_few.min(seconds(&few, 5)?);
         least_many = least_many.min(seconds(&many, 12)?);
     }

@@ -62,6 +62,8 @@ pub struct Passed {
 
 /// Way (m) behind the box after which a robot has run on.
 pub const ON: f64 = 2.0;
+/// Where twins jump best (m), before a box.
+const JUMPS: f64 = 0.42;
 /// Longest run (s), for how long (s) no station may come before it stands, and how long (s) it may take from its jump on.
 const LONGEST: f64 = 60.0;
 const STANDS: f64 = 2.0;
@@ -89,35 +91,51 @@ impl Over {
         farthest: f64,
         threads: usize,
     ) -> Result<Over, GaitError> {
-        let mut over = Over {
-            draw: DrawnBalls::default(),
-            seed: 1,
-            robot: robot.clone(),
-            // From any station, as after a landing.
-            stable: Steered::new(Vec::new()).stable,
-            obstacle,
-            is_onto: false,
-            farthest,
-            ups: Vec::new(),
-        };
-        over.check()?;
-        over.ups = RunUp::measured(robot, &over.stable, &over.draw, farthest, threads)?;
-        Ok(over)
+        Over::measured((robot, obstacle, false), farthest, threads)
     }
 
     /// The same onto the box, where the robots go on.
     ///
     /// # Errors
-    /// [`GaitError::Input`] for a box that is too short for that.
-    pub fn onto(self) -> Result<Over, GaitError> {
-        let length = self.obstacle.length;
-        let least = 2.0 * self.robot.body.radius + ON;
-        let allowed = format!("from {least} m for a robot that goes on upon it");
+    /// Those, and [`GaitError::Input`] for a box that is too short for that.
+    pub fn onto(
+        robot: &Robot,
+        obstacle: Obstacle,
+        farthest: f64,
+        threads: usize,
+    ) -> Result<Over, GaitError> {
+        let least = 2.0 * robot.body.radius + ON;
+        let (length, allowed) = (
+            obstacle.length,
+            format!("from {least} m for a robot that goes on upon it"),
+        );
         require(length >= least, "obstacle's length (m)", length, allowed)?;
-        Ok(Over {
-            is_onto: true,
-            ..self
-        })
+        Over::measured((robot, obstacle, true), farthest, threads)
+    }
+
+    fn measured(
+        (robot, obstacle, is_onto): (&Robot, Obstacle, bool),
+        farthest: f64,
+        threads: usize,
+    ) -> Result<Over, GaitError> {
+        let mut over = Over {
+            draw: DrawnBalls::around(robot),
+            seed: 1,
+            robot: robot.clone(),
+            // From any station, as after a landing.
+            stable: Steered::new(Vec::new()).stable,
+            obstacle,
+            is_onto,
+            farthest,
+            ups: Vec::new(),
+        };
+        over.check()?;
+        over.ups = RunUp::measured(robot, &over.stable, &over.draw, farthest, threads)?;
+        let front = obstacle.front;
+        let allowed = "farther: no first push brings twins onto the ground where they can jump, 0.25 to 0.6 m before it";
+        let serves = RunUp::serve(&over.ups, front - JUMPS);
+        require(serves, "obstacle's front (m)", front, allowed)?;
+        Ok(over)
     }
 
     fn check(&self) -> Result<(), GaitError> {

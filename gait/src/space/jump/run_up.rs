@@ -30,6 +30,8 @@ const ROBOTS: usize = 4;
 const SEED: u64 = 0x7057;
 /// Farther off (m) than this is as bad.
 const LOST: f64 = 0.36;
+/// A push that brings twins this near (m) serves.
+const SERVES: f64 = 0.25;
 /// Longest run (s) for each metre, and before the first.
 const SLOWEST: f64 = 3.0;
 const STARTS: f64 = 5.0;
@@ -75,6 +77,11 @@ impl RunUp {
             .iter()
             .min_by(|a, b| a.off(place).total_cmp(&b.off(place)));
         best.map_or(FIRST, |it| it.first)
+    }
+
+    /// Whether some first push brings twins near `place` (m).
+    pub(super) fn serve(all: &[RunUp], place: f64) -> bool {
+        all.iter().any(|it| it.off(place) < SERVES * SERVES)
     }
 
     /// Mean square (m²) of how far twins come down off `place` (m).

@@ -145,9 +145,11 @@ impl Stance {
             foot: robot.foot.radius,
             gravity: robot.environment.gravity,
             friction: ground.kinetic_friction.min(1e3),
-            rubber: ground
-                .stiffness
-                .map_or(STIFF, |k| (k, ground.damping.max(1.0))),
+            // Stiffer rubber than that is as good as rigid, and too stiff for the steps.
+            rubber: match ground.stiffness {
+                Some(stiffness) if stiffness < STIFF.0 => (stiffness, ground.damping.max(1.0)),
+                _ => STIFF,
+            },
         })
     }
 
@@ -502,8 +504,9 @@ impl Leg {
     fn new(robot: &Robot, k: usize, direction: &[f64; 3]) -> Result<Leg, GaitError> {
         let leg = robot.own_leg(k);
         let Drive::Constant { force } = leg.drive else {
-            let allowed = "of the kind \"constant\" for a jump in space";
-            return Err(refused("leg.kind of leg", k as f64, allowed));
+            let allowed =
+                "\"constant\" for a jump from rest: no other drive is in the model of the stance";
+            return Err(refused("leg.kind, of leg", k as f64, allowed));
         };
         let spring = leg.return_spring;
         Ok(Leg {

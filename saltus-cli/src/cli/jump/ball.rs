@@ -143,7 +143,7 @@ impl Jump {
             standing = standing.before(obstacle, robot).map_err(refused)?;
         }
         let sought = (usize::from(self.sought_on.unwrap_or(SOUGHT_ON)), self.seed);
-        let draw = DrawnBalls::default();
+        let draw = DrawnBalls::around(robot);
         let planner = Planner::new(robot, standing, &draw, sought, self.threads.count().get());
         planner.map_err(refused)
     }
@@ -215,6 +215,7 @@ impl Jump {
             spots: &spots,
             shares: &shares,
             feet: feet(&planner),
+            obstacle: planner.standing().obstacle,
         };
         let report = match self.output.format() {
             Format::Csv => map.table().csv(),
@@ -235,10 +236,12 @@ impl Jump {
         let refused = |error| refused(error, robot);
         let farthest = course.fronts().map_or(course.front, |fronts| fronts[1]);
         let obstacle = course.at(course.front);
-        let mut over = Over::new(robot, obstacle, farthest, threads).map_err(refused)?;
-        if self.ball.onto {
-            over = over.onto().map_err(refused)?;
-        }
+        let over = if self.ball.onto {
+            Over::onto(robot, obstacle, farthest, threads)
+        } else {
+            Over::new(robot, obstacle, farthest, threads)
+        };
+        let mut over = over.map_err(refused)?;
         over.seed = self.seed;
         let generations = usize::from(self.generations.unwrap_or(FROM_RUN.1));
         let sought_on = usize::from(self.sought_on.unwrap_or(FROM_RUN.0));

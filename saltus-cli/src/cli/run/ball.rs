@@ -27,8 +27,12 @@ use crate::interrupt::Interrupt;
 use crate::output::{self, Files, Format, digits, full, message};
 use crate::progress::Progress;
 use beside::{Beside, Places, Said};
-use came::{Aim, Came, follow, leaving};
+use came::{Aim, Came, FAR, follow, leaving};
 
+/// A robot that is kept in its plane is not faster (m/s).
+const FASTEST: f64 = 1.3;
+/// Part of the legs' work from which on energy that is unexplained is said to be.
+const UNSOUND: f64 = 0.2;
 /// Greatest spin (rad/s) of a robot that is thrown down.
 const SPIN: f64 = 5.0;
 
@@ -47,7 +51,7 @@ impl Run {
         if self.robots.is_some() {
             return self.many_balls(&setup, aim);
         }
-        setup.start.thrown = self.thrown(aim, 0);
+        setup.start.thrown = self.thrown(0);
         self.one_ball(robot, setup, aim)
     }
 
@@ -60,16 +64,13 @@ impl Run {
             } else {
                 Knows::Sensors(self.seed)
             },
-            stepping: match (self.exact, self.step) {
-                (true, _) => Stepping::Adaptive,
-                (false, Some(step)) => Stepping::Fixed(step),
-                (false, None) => Stepping::USUAL,
-            },
+            stepping: self.step.map_or(Stepping::USUAL, Stepping::Fixed),
             ..Roll::new(robot.clone(), self.seconds)
         }
     }
 
     fn one_ball(&self, robot: &Robot, mut setup: Roll, aim: Aim) -> Result<Status, CliError> {
+        self.output.ready(&self.plot)?;
         self.places()?;
         let interrupt = Interrupt::listen()?;
         // A length is at most 100,000 s.
@@ -107,6 +108,13 @@ impl Run {
                 "interrupted at {at} s: the answer is of the run up to there"
             ));
         }
+        let unexplained = came.rolled.residual.abs();
+        if unexplained > UNSOUND * came.rolled.work {
+            let share = digits(100.0 * unexplained / came.rolled.work, 3);
+            message(&format!(
+                "{share} % of the work of the legs are unexplained: the steps are too long for this robot; --step 0.1ms has shorter ones"
+            ));
+        }
         let mut files = Files::default();
         match (rows, self.output.format()) {
             (Some(rows), _) => {
@@ -131,6 +139,18 @@ impl Run {
             (false, None) => Status::Done,
             (false, Some(_)) => Status::No,
         })
+    }
+
+    /// Says so where no robot can come as far as is counted.
+    fn note_a_short_run(&self, setup: &Roll, aim: Aim) {
+        let least = FAR / FASTEST;
+        if matches!(aim, Aim::Line | Aim::Led) && !self.gait.is_thesis() && setup.seconds < least {
+            let seconds = digits(setup.seconds, 4);
+            message(&format!(
+                "--seconds {seconds} is too short to come {FAR} m: robots roll by about 1.1 m/s, and half of those that are led \
+                 take more than 36 s"
+            ));
+        }
     }
 
     /// Where what is beside the report goes.
@@ -159,6 +179,7 @@ impl Run {
             ("--disturb", !self.disturb.is_empty()),
             ("--believed", self.believed.is_some()),
             ("--drawn-across", self.drawn_across != 0.0),
+            ("--exact", self.exact),
         ];
         match given.into_iter().find(|(_, is_given)| *is_given) {
             Some((flag, _)) => Err(in_its_plane(flag)),
@@ -171,7 +192,6 @@ impl Run {
         let given = [
             ("--robots", self.robots.is_some()),
             ("--step", self.step.is_some()),
-            ("--exact", self.exact),
             ("--heading", self.gait.heading.is_some()),
             ("--truth", self.gait.truth),
         ];
@@ -221,7 +241,12 @@ impl Run {
         let speed = way / rolled.time.max(f64::MIN_POSITIVE);
         line("mean speed", format!("{} m/s", digits(speed, 4)));
         let most = format!("most aside of its {}", self.gait.followed());
-        line(&most, format!("{} m", digits(came.aside, 3)));
+        let aside = if came.is_turning() {
+            "its line has not begun: it still turns".into()
+        } else {
+            format!("{} m", digits(came.aside, 3))
+        };
+        line(&most, aside);
         if self.gait.is_thesis() {
             let left = rolled
                 .left
@@ -240,7 +265,7 @@ impl Run {
         line("firings", rolled.firings.to_string());
         line(
             "energy unexplained",
-            format!("{} J", digits(rolled.residual, 3)),
+            format!("{} J", digits(-rolled.residual, 3)),
         );
         text
     }
@@ -265,11 +290,12 @@ impl Run {
             "ending": came.ending(),
             "time_s": rolled.time,
             "travel_m": rolled.travel,
-            "most_aside_m": came.aside,
+            "most_aside_m": (!came.is_turning()).then_some(came.aside),
             "left_its_plane": rolled.left.as_ref().map(place),
             "fell": rolled.fell.as_ref().map(place),
             "stands_since_s": came.stands,
             "firings": rolled.firings,
+            "work_j": rolled.work,
             "residual_j": -rolled.residual,
         });
         if came.aim != Aim::Line {
@@ -284,8 +310,8 @@ impl Run {
     }
 
     /// How drawn robot `k` is thrown down, if it is.
-    fn thrown(&self, aim: Aim, k: usize) -> Option<Thrown> {
-        (aim == Aim::Again).then(|| Thrown::drawn(self.seed, k, SPIN))
+    fn thrown(&self, k: usize) -> Option<Thrown> {
+        (self.gait.rolling() == Kind::Recover).then(|| Thrown::drawn(self.seed, k, SPIN))
     }
 }
 

@@ -161,7 +161,7 @@ pub(super) struct GaitFlags {
     #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
     pub(super) valve_open: Option<f64>,
 
-    /// Firing angle (rad) at rest, of `open-loop` and `closed-loop` [default: 0.35, less where legs
+    /// Firing angle (rad) at rest, of `open-loop` and `closed-loop` [default: 0.35, of `disc` 0.5, less where legs
     /// are close]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
     pub(super) from: Option<f64>,

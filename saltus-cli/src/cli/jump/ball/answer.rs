@@ -73,14 +73,16 @@ impl Answer<'_> {
             line(name, what);
         }
         line("then", self.after());
+        let off = digits(100.0 * self.plan.off, 2);
+        let off = format!("robots land {off} cm off it in the mean");
         let reach = if self.plan.is_reached() {
-            "yes".into()
+            format!("yes: {off}")
         } else {
             let nearest = match landed(&self.plan.flown) {
                 Some([x, y]) => format!("({}, {}) m", short(x), short(y)),
                 None => "where it stands".into(),
             };
-            format!("no; the nearest landing that was found is {nearest}")
+            format!("no: {off}; this robot lands at {nearest}")
         };
         line("in reach", reach);
         let near = format!("within {} cm", digits(100.0 * NEAR, 3));
@@ -111,9 +113,7 @@ impl Answer<'_> {
             "robot": self.name,
             "rest": self.rest,
             "feet": self.standing.rest.legs,
-            "obstacle": self.standing.obstacle.map(|it| json!({
-                "height_m": it.height, "length_m": it.length, "front_m": it.front,
-            })),
+            "obstacle": self.standing.obstacle.as_ref().map(numbers),
             "target_m": self.target,
             "firings": self.plan.jump.commands.iter().map(|command| json!({
                 "leg": command.leg, "at_s": command.at, "valve_open_s": command.open,
@@ -136,8 +136,15 @@ impl Answer<'_> {
     }
 }
 
+/// A box as JSON has it.
+pub(super) fn numbers(obstacle: &Obstacle) -> Value {
+    json!({
+        "height_m": obstacle.height, "length_m": obstacle.length, "front_m": obstacle.front,
+    })
+}
+
 /// A box in words.
-fn a_box(obstacle: &Obstacle) -> String {
+pub(super) fn a_box(obstacle: &Obstacle) -> String {
     let [height, length, front] =
         [obstacle.height, obstacle.length, obstacle.front].map(|x| digits(x, 4));
     format!("a box {height} m high and {length} m long, its front at {front} m")

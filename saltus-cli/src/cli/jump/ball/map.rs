@@ -2,10 +2,12 @@
 
 use std::fmt::Write as _;
 
+use saltus::gait::Obstacle;
 use saltus::gait::space::jump::{Command, Spot};
 use saltus::running::Share;
 use serde_json::{Value, json};
 
+use super::answer::{a_box, numbers};
 use super::{ENOUGH, Nearby, short};
 use crate::cli::run::{in_words, share};
 use crate::output::{Cell, Table, digits};
@@ -21,6 +23,7 @@ pub(super) struct Map<'a> {
     pub(super) spots: &'a [Spot],
     pub(super) shares: &'a [Option<Nearby>],
     pub(super) feet: Vec<(f64, f64)>,
+    pub(super) obstacle: Option<Obstacle>,
 }
 
 impl Map<'_> {
@@ -47,6 +50,9 @@ impl Map<'_> {
         let mut line = |name: &str, what: String| {
             let _ = writeln!(text, "  {name:<24} {what}");
         };
+        if let Some(obstacle) = &self.obstacle {
+            line("before", a_box(obstacle));
+        }
         let count = self.reached().count();
         line(
             "in reach",
@@ -119,6 +125,7 @@ impl Map<'_> {
             "command": "jump",
             "robot": self.name,
             "spacing_m": self.spacing,
+            "obstacle": self.obstacle.as_ref().map(numbers),
             "reached": self.reached().count(),
             "within_10_cm": share(&self.together()),
             "places": self.table().json(),

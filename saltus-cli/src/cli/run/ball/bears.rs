@@ -87,6 +87,7 @@ impl Run {
         robots: usize,
     ) -> Result<Status, CliError> {
         self.output.ready(&self.plot)?;
+        self.note_a_short_run(setup, aim);
         // What is wrong with all of them is bad input, and said before they run.
         roll(setup, |_| false).map_err(|error| refused(error, &setup.robot))?;
         let levels = ALL
@@ -116,7 +117,7 @@ impl Run {
             self.seed
         );
         let report = match self.output.format() {
-            Format::Csv => table(&levels).csv(),
+            Format::Csv => table(&what, &levels).csv(),
             Format::Json => output::json(&self.borne(setup, &what, &levels)),
             Format::Text => text(&head, &what, &levels),
         };
@@ -144,7 +145,7 @@ impl Run {
         if let Knows::Sensors(seed) = &mut own.knows {
             *seed = seed.wrapping_add(k as u64);
         }
-        own.start.thrown = self.thrown(aim, k);
+        own.start.thrown = self.thrown(k);
         // No longer than until it is known whether it succeeds.
         follow(&own, aim, |ball| match is_decided(ball, aim) {
             true => ControlFlow::Break(()),
@@ -192,7 +193,7 @@ fn text(head: &str, what: &Told, levels: &[Level<'_>]) -> String {
     text
 }
 
-fn table(levels: &[Level<'_>]) -> Table {
+fn table(what: &Told, levels: &[Level<'_>]) -> Table {
     let mut table = Table::new(&[
         "imperfection",
         "value",
@@ -201,6 +202,7 @@ fn table(levels: &[Level<'_>]) -> Table {
         "share",
         "low_95",
         "high_95",
+        "success",
     ]);
     for Level { of, value, share } in levels {
         let [low, high] = share.interval();
@@ -212,6 +214,7 @@ fn table(levels: &[Level<'_>]) -> Table {
             share.value().into(),
             low.into(),
             high.into(),
+            Cell::Word(what.key),
         ]);
     }
     table

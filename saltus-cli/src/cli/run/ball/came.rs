@@ -10,8 +10,9 @@ use crate::output::digits;
 /// How far (m) a drawn robot has to come along its line, and within which way (m) of it or of its path.
 pub(super) const FAR: f64 = 30.0;
 pub(super) const WIDE: f64 = 1.0;
-/// For how long (s) no station may come into the zone before a robot counts as standing; of one that is led, which lies still
-/// before it chooses a plane.
+/// A robot stands that has moved by less than this (m) for so long (s), or since the start of a shorter run; of one that is led,
+/// which lies still before it chooses a plane.
+const STILL: f64 = 0.05;
 const STANDS: f64 = 2.0;
 const LIES: f64 = 10.0;
 /// Stations after which a robot that was thrown down runs again: a whole turn.
@@ -41,6 +42,8 @@ enum End {
     Lies,
     /// At rest, since when (s).
     Stands(f64),
+    /// Without having set out: none of its planes leads where it shall go, or it never lay still.
+    Waits,
     /// Before it came through all points of its path: so many.
     OnItsWay(usize),
     /// When its time was over.
@@ -51,6 +54,8 @@ enum End {
 #[derive(Clone, Debug)]
 pub(super) struct Came {
     pub(super) aim: Aim,
+    /// Heading (rad) of its line.
+    line: f64,
     pub(super) rolled: Rolled,
     /// How far (m) it was aside at most.
     pub(super) aside: f64,
@@ -61,7 +66,7 @@ pub(super) struct Came {
     /// How far (m) it came over the ground, and along its line.
     pub(super) way: f64,
     pub(super) along: f64,
-    /// Since when (s) no station came any more.
+    /// Since when (s) it has stood still.
     pub(super) stands: Option<f64>,
     /// Whether it came [`FAR`] along its line, or to the end of its path, before it was [`WIDE`] aside of it.
     pub(super) is_far: bool,
@@ -87,8 +92,9 @@ pub(super) fn follow(
     let (sine, cosine) = line.sin_cos();
     let falls = matches!(setup.gait, Gait::Stable(_));
     let patience = if aim == Aim::Line { STANDS } else { LIES };
-    let mut came = Came::new(aim);
-    let mut last = (i32::MIN, 0.0);
+    let mut came = Came::new(aim, line);
+    // Where (m) it was when (s), before it last moved on.
+    let mut still = ([0.0; 2], 0.0);
     let mut then = [0.0; 2];
     // How often it had set out, and how many stations had come by then.
     let mut out = (0, 0);
@@ -110,11 +116,12 @@ pub(super) fn follow(
         let has_arrived = matches!(aim, Aim::Path(points) if ball.led.reached == points);
         let is_far = has_arrived || came.points().is_none() && came.along >= FAR;
         came.is_far |= is_far && came.aside <= WIDE;
-        if ball.passed > last.0 {
-            last = (ball.passed, ball.time);
+        let (from, since) = still;
+        if (x - from[0]).hypot(y - from[1]) > STILL {
+            still = ([x, y], ball.time);
         }
-        let stands = ball.time > last.1 + patience;
-        came.stands = stands.then_some(last.1);
+        let stands = ball.time > since + patience.min(setup.seconds - 1e-6);
+        came.stands = stands.then_some(since);
         let ends = falls && (stands || ball.rolling.roll.abs() > FALLS);
         goes_on(ball).is_continue() && !ends && !has_arrived
     })?;
@@ -122,9 +129,10 @@ pub(super) fn follow(
 }
 
 impl Came {
-    fn new(aim: Aim) -> Came {
+    fn new(aim: Aim, line: f64) -> Came {
         Came {
             aim,
+            line,
             rolled: Rolled::default(),
             aside: 0.0,
             heading: 0.0,
@@ -136,6 +144,11 @@ impl Came {
             led: Led::default(),
             again: None,
         }
+    }
+
+    /// Whether its course still turned at the end to its line, which begins where it has.
+    pub(super) fn is_turning(&self) -> bool {
+        self.aim == Aim::Line && self.line != 0.0 && self.aside == 0.0
     }
 
     /// Whether it came to the end of its path.
@@ -185,6 +198,7 @@ impl Came {
             (Aim::Line, Some(fell), _) => End::Fell(fell),
             (Aim::Again, _, _) if self.again.is_none() => End::Lies,
             (_, _, Some(since)) => End::Stands(since),
+            (Aim::Led, _, None) if self.led.starts == 0 => End::Waits,
             (Aim::Path(points), _, None) => End::OnItsWay(points),
             _ => End::Rolled,
         }
@@ -196,6 +210,7 @@ impl Came {
             End::Fell(_) => "fell",
             End::Lies => "lies",
             End::Stands(_) => "stands",
+            End::Waits => "waits",
             End::OnItsWay(_) => "on its way",
             End::Rolled => "rolled",
         }
@@ -221,6 +236,7 @@ impl Came {
             End::Fell(fell) => Some(format!("fell: {}", leaving(&fell))),
             End::Lies => Some(format!("does not run again in {time} s: {here}")),
             End::Stands(since) => Some(format!("stands since {} s, {here}", digits(since, 4))),
+            End::Waits => Some(format!("did not set out in {time} s, {here}")),
             End::OnItsWay(points) => Some(format!(
                 "is on its way after {time} s, {here}: {} of {points} points reached",
                 self.led.reached
@@ -232,13 +248,18 @@ impl Came {
 /// When, where and which way.
 pub(super) fn leaving(left: &Left) -> String {
     format!(
-        "at {} s and {} m, {} m to the {}; rolled by {} rad to the {}, {} rad/s",
+        "at {} s and {} m, {} m to the {}; rolled by {} rad to the {}, at {} rad/s to the {}",
         digits(left.time, 4),
         digits(left.travel, 4),
         digits(left.aside.abs(), 3),
         if left.aside < 0.0 { "right" } else { "left" },
         digits(left.roll.abs(), 3),
         if left.roll < 0.0 { "left" } else { "right" },
-        digits(left.roll_rate, 3)
+        digits(left.roll_rate.abs(), 3),
+        if left.roll_rate < 0.0 {
+            "left"
+        } else {
+            "right"
+        }
     )
 }

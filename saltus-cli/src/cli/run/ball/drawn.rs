@@ -51,7 +51,8 @@ impl Run {
         let mut files = Files::default();
         files.extend(self.output.out().map(|out| ("--out", out)));
         files.check()?;
-        let draw = DrawnBalls::default();
+        let draw = DrawnBalls::around(&setup.robot);
+        self.note_a_short_run(setup, aim);
         // What is wrong with all of them is bad input, and said before they run.
         roll(setup, |_| false).map_err(|error| refused(error, &setup.robot))?;
         let progress = Progress::new("robots", robots);
@@ -61,7 +62,7 @@ impl Run {
             if let Knows::Sensors(seed) = &mut own.knows {
                 *seed = seed.wrapping_add(k as u64);
             }
-            own.start.thrown = self.thrown(aim, k);
+            own.start.thrown = self.thrown(k);
             let came = follow(&own, aim, |_| ControlFlow::Continue(()));
             progress.advance(1);
             came
@@ -96,7 +97,8 @@ impl Run {
 
     fn shares_text(&self, setup: &Roll, aim: Aim, draw: &DrawnBalls, runs: &[Outcome]) -> String {
         let mut text = self.head(&setup.robot);
-        let _ = writeln!(text, ", {} drawn robots, seed {}", runs.len(), self.seed);
+        let s = if runs.len() == 1 { "" } else { "s" };
+        let _ = writeln!(text, ", {} drawn robot{s}, seed {}", runs.len(), self.seed);
         let mut line = |name: &str, what: String| {
             let _ = writeln!(text, "  {name:<24} {what}");
         };

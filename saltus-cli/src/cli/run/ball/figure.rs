@@ -98,7 +98,7 @@ pub(super) fn drawing(setup: &Roll, title: String, track: &Track) -> Drawing {
     )];
     let estimated = places(&|row| row.estimated);
     if !estimated.is_empty() {
-        above.push(line(Some("estimate"), RED, Mark::Solid, estimated));
+        above.push(line(Some("estimate"), RED, Mark::Dashed, estimated));
     }
     let farthest = track
         .rows
@@ -155,10 +155,9 @@ fn followed(gait: &Gait, farthest: f64) -> Vec<(f64, f64)> {
     let origin = (0.0, 0.0);
     match gait {
         Gait::Disc(_) => Vec::new(),
-        Gait::Stable(stable) => {
-            let (y, x) = stable.line.sin_cos();
-            vec![origin, (farthest * x, farthest * y)]
-        }
+        // A line of another heading begins where the robot has turned to it.
+        Gait::Stable(stable) if stable.line != 0.0 => Vec::new(),
+        Gait::Stable(_) => vec![origin, (farthest, 0.0)],
         Gait::Steered(steered) => {
             let all = steered.path.iter().map(|[x, y]| {
                 // A line without an end is drawn as far as the robot came.

@@ -102,8 +102,8 @@ impl GaitFlags {
             None => Steered::towards(heading),
         };
         let led = match (kind, self.path.is_some()) {
-            (Kind::Recover, _) => Aim::Again,
             (_, true) => Aim::Path(steered.path.len()),
+            (Kind::Recover, false) => Aim::Again,
             (_, false) => Aim::Led,
         };
         Ok(match kind {
@@ -147,6 +147,7 @@ impl GaitFlags {
             ("--distance", self.distance.is_some()),
             ("--refinements", self.refinements.is_some()),
             ("--direction", self.direction != Direction::Forwards),
+            ("--taps", self.taps.0 != [0.2; 5]),
         ];
         if let Some(flag) = first(&of_the_plane) {
             return Err(in_its_plane(flag));
