@@ -709,13 +709,21 @@ impl Problem {
                 break;
             }
             if sweep % SWEEPS == 0 {
-                // Forces that are not unique drift on, and come no nearer to the laws.
+                // Forces that are not unique drift on, though they obey the laws.
                 if change > DRIFT * before {
-                    break;
+                    self.grip_as_it_moves(creep);
+                    if self.obeys(creep) {
+                        return;
+                    }
                 }
                 before = change;
             }
         }
+        self.grip_as_it_moves(creep);
+    }
+
+    /// The motions, and the grips that they mean; what moves up to `creep` stands.
+    fn grip_as_it_moves(&mut self, creep: f64) {
         self.set_motion();
         let still = (1e3 * self.still()).max(creep);
         for i in 0..self.elements.len() {

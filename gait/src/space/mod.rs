@@ -31,7 +31,7 @@ use saltus_controller::ball::{
 };
 use saltus_robot::Robot;
 use saltus_robot::space::{Rest, discs, rests};
-use saltus_sim_check::{Event, Happening, Rig, Settings, Sim, Stepping, Vec3};
+use saltus_sim_check::{Event, Happening, Ledger, Rig, Settings, Sim, Stepping, Vec3};
 
 use crate::error::require;
 use crate::law::Compiled;
@@ -403,9 +403,7 @@ pub fn roll(roll: &Roll, mut row: impl FnMut(&Ball) -> bool) -> Result<Rolled, G
             }
         }
         if !row(&ball) || ball.time >= roll.seconds - 1e-9 {
-            let end = sim.ledger();
-            rolled.residual = end.residual(&start);
-            rolled.work = end.drive - start.drive;
+            rolled.close(&start, &sim.ledger());
             return Ok(rolled);
         }
         cycles += 1;
@@ -566,6 +564,12 @@ fn on_feet(sim: &mut Sim<'_>, legs: usize, span: f64) -> Vec<(usize, [f64; 3])> 
 }
 
 impl Rolled {
+    /// Takes what the legs did and what is not explained from the ledgers of its start and its end.
+    fn close(&mut self, start: &Ledger, end: &Ledger) {
+        self.residual = end.residual(start);
+        self.work = end.drive - start.drive;
+    }
+
     /// Takes a cycle into account of a robot that set out along `heading` (rad).
     fn note(&mut self, ball: &Ball, heading: f64) {
         let ([x, y, _], (sine, cosine)) = (ball.place, heading.sin_cos());

@@ -101,6 +101,11 @@ pub struct Flown {
 }
 
 impl Flown {
+    /// Takes in how far (m) it is from the box.
+    fn pass(&mut self, clearance: f64) {
+        self.clearance = self.clearance.min(clearance);
+    }
+
     /// That of a robot that has not moved.
     fn none() -> Flown {
         Flown {
@@ -235,8 +240,7 @@ pub fn fly(
             _ => {}
         }
         if let (Some(obstacle), None) = (&standing.obstacle, flown.touch) {
-            let near = block::clearance(obstacle, &rig, &sim);
-            flown.clearance = flown.clearance.min(near);
+            flown.pass(block::clearance(obstacle, &rig, &sim));
         }
         apex = apex.max(now.place[2]);
         let end = flown

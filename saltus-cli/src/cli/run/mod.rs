@@ -207,7 +207,7 @@ by its sensors unless --truth is given, and ends where it has fallen or stands, 
 the line with --heading: it gets up where it fell, and the run ends at the last point; before that, the exit code is 1. By `recover` it \
 is first thrown down, at any attitude with up to 5 rad/s, by --seed. --analyse tells of `disc-stable` without corrections speed and energy a metre, the \
 multipliers of half a turn, and from how much roll it comes back by itself. With --robots forces of legs, centre \
-of mass and friction are drawn. --bears lets one thing be off at a time: the standard deviation of the legs' forces, how far the centre \
+of mass and friction (0.6 to 1.2 times the ground's) are drawn. --bears lets one thing be off at a time: the standard deviation of the legs' forces, how far the centre \
 of mass may be from the middle, friction, the slope of the ground along the first heading; CSV has a row for each number, in SI units, \
 with the share of robots and its 95 % interval (Wilson), and --plot draws them. The CSV of a run has a row a cycle: time_s, x_m, y_m, z_m (where its legs meet), quaternion_w to quaternion_z \
 (from the body's axes to the world's), vx_m_s to vz_m_s, spin_x_rad_s to spin_z_rad_s, lean_rad (of the leg or twins in the zone), \

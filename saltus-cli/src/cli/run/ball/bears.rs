@@ -147,9 +147,12 @@ impl Run {
         }
         own.start.thrown = self.thrown(k);
         // No longer than until it is known whether it succeeds.
-        follow(&own, aim, |ball| match is_decided(ball, aim) {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
+        follow(&own, aim, |ball| {
+            if is_decided(ball, aim) {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         })
     }
 
