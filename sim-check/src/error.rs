@@ -64,9 +64,9 @@ pub enum SimError {
     },
     /// No contact forces agree with Coulomb's law and rigid bodies.
     #[error(
-        "t = {time} s: the contact cannot be solved: on rigid ground with {} no contact forces \
-         obey the laws of motion (Painlevé's paradox); set ground.static_friction to a smaller \
-         number, such as 0.8, or make the ground compliant: ground.stiffness_n_per_m",
+        "t = {time} s: the contact cannot be solved: no forces were found that obey the laws of motion with {}. \
+         On rigid ground there may be none (Painlevé's paradox): set ground.static_friction to a smaller \
+         number, such as 0.8, or make the ground compliant: ground.stiffness_n_per_m. On compliant ground take shorter steps",
         limit_of(*friction)
     )]
     Inconsistent {

@@ -148,7 +148,7 @@ impl Run {
             let seconds = digits(setup.seconds, 4);
             message(&format!(
                 "--seconds {seconds} is too short to come {FAR} m: robots roll by about 1.1 m/s, and half of those that are led \
-                 take more than 36 s"
+                 take more than 38 s"
             ));
         }
     }
