@@ -178,10 +178,16 @@ fn lighter(mut words: Vec<String>) -> Vec<String> {
     if let Some(k) = words.iter().position(|word| word == "--robots") {
         words[k + 1] = "2".into();
     }
+    if let Some(k) = words.iter().position(|word| word == "--bears") {
+        words.insert(k + 1, "1".into());
+        if let Some(k) = words.iter().position(|word| word == "--seconds") {
+            words[k + 1] = "1".into();
+        }
+    }
     let has = |what: &str| words.iter().any(|word| word == what);
     let mut more = "";
     if words[0] == "jump" && has("rats-twelve") && !has("--sought-on") {
-        more = if has("--obstacle") {
+        more = if has("--obstacle") && !has("--target") {
             "--sought-on 2 --generations 1"
         } else {
             "--sought-on 2"
