@@ -33,6 +33,8 @@ use came::{Aim, Came, FAR, follow, leaving};
 const FASTEST: f64 = 1.3;
 /// Part of the legs' work from which on energy that is unexplained is said to be.
 const UNSOUND: f64 = 0.2;
+/// Energy (J) that says nothing, however little the legs did.
+const ROUND_OFF: f64 = 5.0;
 /// Greatest spin (rad/s) of a robot that is thrown down.
 const SPIN: f64 = 5.0;
 
@@ -109,10 +111,10 @@ impl Run {
             ));
         }
         let unexplained = came.rolled.residual.abs();
-        if unexplained > UNSOUND * came.rolled.work {
-            let share = digits(100.0 * unexplained / came.rolled.work, 3);
+        if unexplained > UNSOUND * came.rolled.work + ROUND_OFF {
+            let [part, whole] = [unexplained, came.rolled.work].map(|x| digits(x, 3));
             message(&format!(
-                "{share} % of the work of the legs are unexplained: the steps are too long for this robot; --step 0.1ms has shorter ones"
+                "{part} J are unexplained, the legs did {whole} J of work: the steps are too long for this robot; --step 0.1ms has shorter ones"
             ));
         }
         let mut files = Files::default();

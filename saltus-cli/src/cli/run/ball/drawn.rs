@@ -52,7 +52,6 @@ impl Run {
         files.extend(self.output.out().map(|out| ("--out", out)));
         files.check()?;
         let draw = DrawnBalls::around(&setup.robot);
-        self.note_a_short_run(setup, aim);
         // What is wrong with all of them is bad input, and said before they run.
         roll(setup, |_| false).map_err(|error| refused(error, &setup.robot))?;
         let progress = Progress::new("robots", robots);
