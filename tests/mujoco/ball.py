@@ -298,7 +298,7 @@ def touch_downs(options):
     have to be within 1 % of the speed of each other, and the attitudes within 0.01 rad; the others are listed, each with the first
     switch of contact on its way that only one of the two simulations has.
     """
-    count = 20 if options.fast else options.count
+    count = 12 if options.fast else options.count
     done, bad = [], 0
     with tempfile.TemporaryDirectory() as folder:
         for scattered in (False, True):
