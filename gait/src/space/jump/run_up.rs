@@ -79,9 +79,9 @@ impl RunUp {
         best.map_or(FIRST, |it| it.first)
     }
 
-    /// Whether some first push brings twins near `place` (m).
+    /// Whether some first push brings twins near `place` (m), where they do not stand at rest.
     pub(super) fn serve(all: &[RunUp], place: f64) -> bool {
-        all.iter().any(|it| it.off(place) < SERVES * SERVES)
+        place > SERVES && all.iter().any(|it| it.off(place) < SERVES * SERVES)
     }
 
     /// Mean square (m²) of how far twins come down off `place` (m).

@@ -145,9 +145,11 @@ impl Stance {
             foot: robot.foot.radius,
             gravity: robot.environment.gravity,
             friction: ground.kinetic_friction.min(1e3),
-            // Stiffer rubber than that is as good as rigid, and too stiff for the steps.
+            // Rubber that gives way within less than a step is as good as rigid.
             rubber: match ground.stiffness {
-                Some(stiffness) if stiffness < STIFF.0 => (stiffness, ground.damping.max(1.0)),
+                Some(stiffness) if stiffness * STEP < 2.0 * ground.damping.max(1.0) => {
+                    (stiffness, ground.damping.max(1.0))
+                }
                 _ => STIFF,
             },
         })
