@@ -590,10 +590,11 @@ fn painleves_rod_is_refused_where_no_force_will_do() {
     assert!(refused >= 3, "{refused}");
     let message = rod(2.5, 1.0, 1.0, 0.0).map_err(|e| e.to_string());
     assert!(
-        message.as_ref().is_err_and(|m| m
-            .contains("friction coefficient of 2.5 no contact forces obey")
-            && m.contains("ground.static_friction")
-            && m.contains("ground.stiffness_n_per_m")),
+        message
+            .as_ref()
+            .is_err_and(|m| m.contains("with a friction coefficient of 2.5.")
+                && m.contains("ground.static_friction")
+                && m.contains("ground.stiffness_n_per_m")),
         "{message:?}"
     );
 }
