@@ -14,14 +14,16 @@ mod plan;
 mod reach;
 mod run_up;
 mod stance;
+mod standing;
 
-pub use fly::{Cycle, Flown, Jump, Standing, fly};
+pub use fly::{Cycle, Flown, Jump, fly};
 pub use guide::Guide;
 pub use leaper::{Leap, SPEED};
 pub use over::{ON, Over, Passed};
 pub use plan::{JumpPlan, Planner, REACHED, landed};
 pub use reach::Spot;
 pub use stance::Stance;
+pub use standing::Standing;
 
 /// A leg to fire.
 #[derive(Clone, Copy, Debug, PartialEq)]

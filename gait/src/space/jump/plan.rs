@@ -4,9 +4,10 @@ use saltus_numeric::parallel;
 use saltus_robot::Robot;
 
 use super::super::{DrawnBalls, Knows, drawn_ball};
-use super::fly::{Flown, Jump, Standing, fly};
+use super::fly::{Flown, Jump, fly};
 use super::guide::Guide;
 use super::stance::Stance;
+use super::standing::Standing;
 use super::{Command, Touch};
 use crate::GaitError;
 use crate::error::require;

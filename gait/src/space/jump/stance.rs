@@ -4,12 +4,12 @@
 //! on the ground; the mass of the leg is counted once, where it starts to move with the body. Legs that are not fired stand
 //! as rigid rods on rubber feet.
 
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use saltus_robot::{Drive, Robot};
 
 use super::block;
-use super::fly::Standing;
 use super::guide::{Guide, Known};
+use super::standing::Standing;
 use super::{Command, Lift, Touch};
 use crate::GaitError;
 use crate::error::{refused, require};
@@ -539,9 +539,4 @@ impl State {
             spin: self.spin + rates.turn * span,
         }
     }
-}
-
-/// A unit quaternion of its parts w, x, y, z.
-pub(super) fn quaternion([w, x, y, z]: [f64; 4]) -> UnitQuaternion<f64> {
-    UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
 }
