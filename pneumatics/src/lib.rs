@@ -8,12 +8,16 @@
 
 mod chamber;
 mod leg;
+mod muscle;
 mod orifice;
 mod piece;
+mod supply;
 mod table;
 
 pub use chamber::{Chamber, Flow, GasState, MEGA, Valve, ValveLaw};
 pub use leg::{Drive, Force, Leg, Switches};
+pub use muscle::{Inflated, Muscle};
 pub use orifice::OrificeLaw;
 pub use piece::Piece;
+pub use supply::{Line, Opening, Passage, Stock, Store, Supply, Wall};
 pub use table::ForceSurface;

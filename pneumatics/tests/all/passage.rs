@@ -1,0 +1,142 @@
+//! Orifices and tubes: closed forms of their flow.
+
+use std::f64::consts::PI;
+
+use proptest::prelude::*;
+use saltus_pneumatics::{OrificeLaw, Passage};
+use saltus_robot::Gas;
+
+use crate::{cases, decades, gases, near};
+
+/// Viscosity (Pa s) of air at room temperature.
+const VISCOSITY: f64 = 1.82e-5;
+
+/// Any passage of a robot.
+pub(crate) fn passages(gas: Gas) -> impl Strategy<Value = Passage> {
+    let orifice =
+        decades(1e-8, 1e-4).prop_map(move |area| Passage::Orifice(OrificeLaw::new(gas), area));
+    let sizes = (
+        decades(0.01, 10.0),
+        decades(5e-4, 0.02),
+        0.0..0.02,
+        0.0..5.0,
+    );
+    let drop = (decades(1e4, 4e6), 0.0..1.0, 220.0..400.0);
+    let tube = (sizes, drop).prop_map(
+        move |((length, diameter, rough, ends), (high, ratio, temperature))| {
+            Passage::tube(
+                [length, diameter, rough * diameter],
+                ends,
+                (gas, temperature),
+                [high, ratio * high],
+            )
+        },
+    );
+    // Of sharp bends only: no laminar flow.
+    let bends = decades(1e12, 1e18).prop_map(|b| Passage::Tube(0.0, b));
+    prop_oneof![3 => orifice, 3 => tube, 1 => bends]
+}
+
+#[test]
+fn slow_flow_is_that_of_hagen_and_poiseuille() {
+    let (gas, temperature) = (Gas::AIR, 293.0);
+    let [length, diameter] = [2.0, 5e-4];
+    for fall in [1.0, 10.0, 100.0, 5000.0] {
+        let [high, low] = [1e5 + fall, 1e5];
+        let tube = Passage::tube(
+            [length, diameter, 0.0],
+            1.5,
+            (gas, temperature),
+            [high, low],
+        );
+        // Mean density times π d⁴ Δp/(128 μ l).
+        let density = 0.5 * (high + low) / (gas.constant * temperature);
+        let poiseuille = density * PI * diameter.powi(4) * fall / (128.0 * VISCOSITY * length);
+        let reynolds = 4.0 * poiseuille / (PI * diameter * VISCOSITY);
+        // Turbulence and ends add a factor of 0.05 to that of laminar flow, 64/Re.
+        let tolerance = 0.051 * reynolds / 64.0;
+        assert!(tolerance < 0.03, "Reynolds number {reynolds}");
+        near(tube.flow([high, temperature], low), poiseuille, tolerance);
+    }
+}
+
+/// Friction factor by Haaland.
+fn haaland(reynolds: f64, roughness: f64) -> f64 {
+    let inside = 6.9 / reynolds + (roughness / 3.7).powf(1.11);
+    (-1.8 * inside.log10()).powi(-2)
+}
+
+#[test]
+fn haaland_is_colebrook_to_two_percent() {
+    // The charts' numbers, e.g. White, Fluid Mechanics, fig. 6.13: 0.0309 and 0.0116 (smooth),
+    // and 0.0379 where it is rough through and through.
+    for (reynolds, roughness, factor) in
+        [(1e4, 0.0, 0.0309), (1e6, 0.0, 0.0116), (1e8, 0.01, 0.0379)]
+    {
+        near(haaland(reynolds, roughness), factor, 0.02);
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(300))]
+
+    #[test]
+    fn fast_flow_is_that_of_darcy_and_weisbach(
+        gas in gases(),
+        (length, diameter) in (decades(0.01, 10.0), decades(5e-4, 0.02)),
+        rough in 0.0..0.02,
+        ends in 0.0..5.0,
+        temperature in 220.0..400.0,
+        high in decades(1e4, 4e6),
+        ratio in 0.0..1.0,
+    ) {
+        let low = ratio * high;
+        let tube = Passage::tube(
+            [length, diameter, rough * diameter], ends, (gas, temperature), [high, low]);
+        let flow = tube.flow([high, temperature], low);
+        let area = 0.25 * PI * diameter * diameter;
+        let reynolds = flow * diameter / (area * VISCOSITY);
+        // P₁² − P₂² of a laminar and of a turbulent flow: ∫ ρ dp = f (l/d) G²/2.
+        let specific = gas.constant * temperature;
+        let laminar = 64.0 / reynolds * length / diameter;
+        let turbulent = haaland(reynolds.max(2300.0), rough) * length / diameter + ends;
+        let fall = (laminar + turbulent) * (flow / area).powi(2) * specific;
+        // Its own rounds towards the friction factor.
+        prop_assert!((fall / (high * high - low * low) - 1.0).abs() < 1e-9);
+        // Far from the border of turbulence the laminar part no longer matters.
+        if reynolds > 3e5 {
+            let alone = area * ((high * high - low * low) / (turbulent * specific)).sqrt();
+            prop_assert!((flow / alone - 1.0).abs() < 0.015, "{flow} kg/s, {alone} kg/s");
+        }
+    }
+
+    #[test]
+    fn a_share_of_a_passage_lets_that_share_through(
+        passage in gases().prop_flat_map(passages),
+        share in decades(1e-3, 1e3),
+        up in decades(1e4, 4e6),
+        ratio in 0.0..1.0,
+        temperature in 220.0..400.0,
+    ) {
+        let low = ratio * up;
+        let whole = passage.flow([up, temperature], low);
+        let part = passage.times(share).flow([up, temperature], low);
+        prop_assert!((part / whole / share - 1.0).abs() < 1e-13, "{part} kg/s of {whole} kg/s");
+    }
+
+    #[test]
+    fn the_lower_the_pressure_beyond_the_more_flows(
+        passage in gases().prop_flat_map(passages),
+        up in decades(1e4, 4e6),
+        ratio in 0.0..1.0,
+        less in 0.0..1.0,
+        temperature in 220.0..400.0,
+    ) {
+        let flow = |down: f64| passage.flow([up, temperature], down);
+        prop_assert_eq!(flow(up), 0.0);
+        prop_assert!(flow(ratio * up) > 0.0);
+        // To round-off.
+        prop_assert!(flow(less * ratio * up) >= flow(ratio * up) * (1.0 - 1e-14));
+        prop_assert!(flow(0.0).is_finite());
+    }
+}
