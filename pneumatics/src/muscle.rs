@@ -4,8 +4,8 @@
 //! virtual work, as gas that expands at constant pressure does the work of the force:
 //! f dx = p dV, so that V(x) = V₀ + ∫ f/p dx.
 //!
-//! Source: the force law by Ha et al. for the jumping robot of `GTDynamics`; virtual work as in Chou
-//! and Hannaford, IEEE Trans. Robotics and Automation 12 (1996), p. 90.
+//! Source: the force law is that of the jumping robot of `GTDynamics` (its `SmoothActuatorFactor`); virtual
+//! work as in Chou and Hannaford, IEEE Trans. Robotics and Automation 12 (1996), p. 90.
 
 /// A muscle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,11 +14,12 @@ pub struct Muscle {
     pub volume: f64,
     /// Force at its full length for each pascal (N/Pa), > 0.
     pub force: f64,
-    /// By how much the force falls there with the contraction, for each pascal (N/(Pa m)), ≥ 0.
+    /// By how much the force falls there with the contraction, for each pascal (N/(Pa m)), ≥ 0; times
+    /// the free contraction it is at most 3 times `force`, or the muscle would push near its end.
     pub slope: f64,
     /// Contraction (m) at which the force is 0: coefficients of a polynomial in the pressure (Pa).
     pub reach: [f64; 5],
-    /// Pressure (Pa, gauge) from which the polynomial does not rise further, and is kept as it is.
+    /// Pressure (Pa, gauge) above which the free contraction stays as it is: polynomials fall there.
     pub most: f64,
 }
 
@@ -26,7 +27,8 @@ pub struct Muscle {
 const LEAST: f64 = 1.0;
 
 impl Muscle {
-    /// The pressure up to which the polynomial `reach` rises, up to `most` (Pa).
+    /// The pressure (Pa) up to which the polynomial `reach` (m) rises, to a thousandth of `most`, which
+    /// it is at most.
     pub fn rising_to(reach: [f64; 5], most: f64) -> f64 {
         const POINTS: u32 = 1000;
         let at = |k: u32| most * f64::from(k) / f64::from(POINTS);

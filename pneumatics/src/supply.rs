@@ -16,12 +16,12 @@ use crate::orifice::OrificeLaw;
 /// Dynamic viscosity (Pa s) of air at room temperature; that of carbon dioxide is a fifth lower.
 const VISCOSITY: f64 = 1.82e-5;
 
-/// What a volume holds.
+/// What a volume holds; both are above 0 there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Store {
-    /// Mass (kg), > 0.
+    /// Mass (kg).
     pub mass: f64,
-    /// Internal energy (J), > 0.
+    /// Internal energy (J).
     pub energy: f64,
 }
 
@@ -41,14 +41,16 @@ pub enum Passage {
     /// An orifice: its law, and its effective area (m²).
     Orifice(OrificeLaw, f64),
     /// A tube in which P₁² − P₂² = a ṁ + b ṁ²: a (Pa² s/kg) of laminar flow, b (Pa² s²/kg²) of
-    /// turbulent flow and of the ends.
+    /// turbulent flow and of the ends; one of them is above 0. The gas has the temperature that both
+    /// were computed for, whatever flows in.
     Tube(f64, f64),
 }
 
 impl Passage {
     /// A tube of this length, diameter and roughness (m), in which `gas` at `temperature` (K) flows
     /// from `high` to `low` (Pa) at most: its friction factor is that of this flow. `ends` is the
-    /// loss of its ends and bends, in dynamic pressures.
+    /// loss of its ends and bends, in dynamic pressures. Length and diameter are above 0, roughness and
+    /// `ends` not below, and `high` is above `low`.
     pub fn tube(
         [length, diameter, roughness]: [f64; 3],
         ends: f64,
@@ -148,7 +150,7 @@ pub struct Stock {
     pub lines: Vec<Store>,
     /// Pressure (Pa) of the manifold.
     pub manifold: f64,
-    /// Gone to the atmosphere: mass (kg), and enthalpy (J).
+    /// Gone to the atmosphere: mass (kg), and enthalpy (J) as its energy; below 0 where more came in.
     pub vented: Store,
     /// Heat (J) from the walls.
     pub heat: f64,
@@ -191,6 +193,15 @@ impl Supply {
         self.gas.constant / (self.gas.heat_ratio - 1.0)
     }
 
+    /// Volume (m³) that the store of the tank is of.
+    fn tank_size(&self) -> f64 {
+        if self.tank.is_finite() {
+            self.tank
+        } else {
+            1.0
+        }
+    }
+
     /// What a volume (m³) holds at a pressure (Pa) and temperature (K).
     pub fn store(&self, volume: f64, [pressure, temperature]: [f64; 2]) -> Store {
         Store {
@@ -210,13 +221,8 @@ impl Supply {
     /// The tank at a pressure and temperature (Pa, K), and lines of these volumes (m³) at each of
     /// theirs. Of an infinite tank the store is what one cubic metre of it holds.
     pub fn stock(&self, tank: [f64; 2], lines: &[(f64, [f64; 2])]) -> Stock {
-        let size = if self.tank.is_finite() {
-            self.tank
-        } else {
-            1.0
-        };
         Stock {
-            tank: self.store(size, tank),
+            tank: self.store(self.tank_size(), tank),
             lines: lines
                 .iter()
                 .map(|(volume, state)| self.store(*volume, *state))
@@ -230,18 +236,14 @@ impl Supply {
 
     /// Pressure (Pa) and temperature (K) in the tank.
     pub fn tank_state(&self, stock: &Stock) -> [f64; 2] {
-        let size = if self.tank.is_finite() {
-            self.tank
-        } else {
-            1.0
-        };
-        self.state(stock.tank, size)
+        self.state(stock.tank, self.tank_size())
     }
 
     /// Goes on by `h` (s) with the volumes (m³) of the lines at the start, in the middle and at the
     /// end, and the valves as they are in the middle: the midpoint rule, and heat from the walls
     /// implicitly, so that a wall without resistance is no special case. Errors fall with the
-    /// square of `h`.
+    /// square of `h`. In a step no volume may lose or gain more than a small part of its gas: far
+    /// longer steps give numbers below 0 or NaN.
     pub fn advance(&self, stock: &mut Stock, h: f64, volumes: [&[f64]; 3], valves: &[Opening]) {
         let first = self.rates(stock, volumes[0], valves);
         let mut middle = stock.clone();
@@ -354,7 +356,7 @@ impl Supply {
     /// Pressure (Pa) of the manifold, at which as much flows in from the tank as out to the lines;
     /// `near` is where the search starts.
     fn manifold(&self, near: f64, tank: [f64; 2], lines: &[LineRates], valves: &[Opening]) -> f64 {
-        /// Most take 2 to 10; one in 20 000 of the drawn cases of the tests takes 43.
+        /// Far more than a search takes.
         const ROUNDS: usize = 100;
         let Some(outlet) = self.outlet else {
             return tank[0];
