@@ -15,6 +15,15 @@ pub(crate) const CHECKED: usize = 5;
 /// A state of the stance: see [`index`].
 pub(crate) type State<S> = [S; WIDTH];
 
+/// A state with the gas of a tank: a [`State`], and what [`index`] has beyond it.
+pub(crate) type Wide<S> = [S; WIDE];
+
+/// Numbers in a [`Wide`] state.
+pub(crate) const WIDE: usize = 13;
+
+/// Its components whose error is controlled; time among them has none, in steps of time.
+pub(crate) const WIDE_CHECKED: usize = 9;
+
 /// Where each quantity is in a [`State`].
 pub(crate) mod index {
     /// Lean φ (rad).
@@ -30,20 +39,35 @@ pub(crate) mod index {
     pub(crate) const GAS: usize = 4;
     /// Time (s).
     pub(crate) const TIME: usize = 5;
+    /// Mass in the chamber, in the feed's unit; [`GAS`] is then its pressure (MPa).
+    pub(crate) const MASS: usize = 6;
+    /// Pressure (MPa) of the tank.
+    pub(crate) const TANK: usize = 7;
+    /// Mass in the tank, in the feed's unit.
+    pub(crate) const TANK_MASS: usize = 8;
+    /// Mass (kg) gone to the atmosphere, and its enthalpy (J).
+    pub(crate) const VENTED: usize = 9;
+    pub(crate) const VENTED_HEAT: usize = 10;
+    /// Heat (J) from walls, to chamber and tank.
+    pub(crate) const HEAT: usize = 11;
+    /// Work (J) of the gas.
+    pub(crate) const WORK: usize = 12;
 }
 use index::TIME;
 
 /// A phase of the stance: smooth dynamics in time, and the guards that end it.
-pub(crate) trait Phase<S: Single, const M: usize>: Derivative<S, WIDTH> {
+pub(crate) trait Phase<S: Single, const W: usize, const M: usize>: Derivative<S, W> {
+    /// How many of a state's components, the first ones, have their error controlled.
+    const CHECKED: usize;
     /// Everything about a state, in one go.
-    fn look(&self, y: &State<S>) -> Look<S, M>;
+    fn look(&self, y: &[S; W]) -> Look<S, W, M>;
 }
 
 /// What a phase tells of a state.
 #[derive(Clone, Copy)]
-pub(crate) struct Look<S, const M: usize> {
+pub(crate) struct Look<S, const W: usize, const M: usize> {
     /// Derivative of the state in time.
-    pub rates: State<S>,
+    pub rates: [S; W],
     /// Guards: an event happens where one rises through 0.
     pub guards: [S; M],
     /// Time derivatives of the guards.
@@ -51,14 +75,16 @@ pub(crate) struct Look<S, const M: usize> {
 }
 
 /// A phase with the value of a guard as independent variable.
-struct AlongGuard<'a, P, const M: usize> {
+struct AlongGuard<'a, P, const W: usize, const M: usize> {
     phase: &'a P,
     guard: usize,
 }
 
-impl<S: Single, P: Phase<S, M>, const M: usize> Derivative<S, WIDTH> for AlongGuard<'_, P, M> {
+impl<S: Single, P: Phase<S, W, M>, const W: usize, const M: usize> Derivative<S, W>
+    for AlongGuard<'_, P, W, M>
+{
     #[inline(always)]
-    fn at(&self, y: &State<S>) -> State<S> {
+    fn at(&self, y: &[S; W]) -> [S; W] {
         let look = self.phase.look(y);
         let inverse = S::of(1.0) / look.guard_rates[self.guard];
         look.rates.map(|d| d * inverse)
@@ -116,12 +142,12 @@ impl Pace {
 /// The step that meets an event takes the guard as independent variable (Hénon 1982), so that it
 /// ends on the event to round-off without a search; where that fails, ordinary steps close in until
 /// it works. `observe` sees the state before and after each step.
-pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
+pub(crate) fn advance<S: Single, P: Phase<S, W, M>, const W: usize, const M: usize>(
     phase: &P,
-    y: &mut State<S>,
+    y: &mut [S; W],
     end: Option<S>,
     pace: &mut Pace,
-    observe: &mut impl FnMut(&State<S>, &State<S>),
+    observe: &mut impl FnMut(&[S; W], &[S; W]),
 ) -> Result<Option<usize>, StanceError> {
     let begin = y[TIME].value();
     let mut here = phase.look(y);
@@ -179,7 +205,7 @@ pub(crate) fn advance<S: Single, P: Phase<S, M>, const M: usize>(
 
 /// Goes on to `next`, which `observe` sees.
 #[inline(always)]
-fn go<S>(y: &mut State<S>, next: State<S>, observe: &mut impl FnMut(&State<S>, &State<S>)) {
+fn go<S, const W: usize>(y: &mut [S; W], next: [S; W], observe: &mut impl FnMut(&[S; W], &[S; W])) {
     observe(y, &next);
     *y = next;
 }
@@ -196,11 +222,11 @@ fn check_length(now: f64, length: f64, longest: f64) -> Result<(), StanceError> 
 }
 
 /// What came of a step.
-enum Step<S, const M: usize> {
+enum Step<S, const W: usize, const M: usize> {
     /// No event: the state at its end, what the phase tells of it, and the error.
-    Whole(State<S>, Look<S, M>, f64),
+    Whole([S; W], Look<S, W, M>, f64),
     /// An event, and the state there.
-    Onto(usize, State<S>),
+    Onto(usize, [S; W]),
     /// It must be shorter.
     TooLong,
 }
@@ -208,14 +234,14 @@ enum Step<S, const M: usize> {
 /// A step of `h` (s) from `from`, a state and what the phase tells of it. One that must be shorter
 /// sets the pace.
 #[inline(always)]
-fn step<S: Single, P: Phase<S, M>, const M: usize>(
+fn step<S: Single, P: Phase<S, W, M>, const W: usize, const M: usize>(
     phase: &P,
-    (y, here): (&State<S>, &Look<S, M>),
+    (y, here): (&[S; W], &Look<S, W, M>),
     h: S,
     armed: &[bool; M],
     pace: &mut Pace,
-) -> Step<S, M> {
-    let step = dop853::step(phase, y, &here.rates, h, CHECKED, pace.tolerance);
+) -> Step<S, W, M> {
+    let step = dop853::step(phase, y, &here.rates, h, P::CHECKED, pace.tolerance);
     let (next, length) = (step.state, h.value());
     if step.error.is_nan() || step.error > 1.0 {
         pace.step = length * dop853::step_factor(step.error);
@@ -236,7 +262,7 @@ fn step<S: Single, P: Phase<S, M>, const M: usize>(
 /// The guard that is at 0 and rises at the start of a phase: of two events at once, the other one
 /// is due now.
 #[inline(always)]
-fn due<S: Single, const M: usize>(look: &Look<S, M>) -> Option<usize> {
+fn due<S: Single, const W: usize, const M: usize>(look: &Look<S, W, M>) -> Option<usize> {
     (0..M).find(|&i| {
         let (guard, rate) = (look.guards[i].value(), look.guard_rates[i].value());
         (0.0..=-PASSED).contains(&guard) && rate > STANDING
@@ -245,7 +271,7 @@ fn due<S: Single, const M: usize>(look: &Look<S, M>) -> Option<usize> {
 
 /// The guards that may end a phase from its start: all but the one that was just passed.
 #[inline(always)]
-fn armed_at_start<S: Single, const M: usize>(look: &Look<S, M>) -> [bool; M] {
+fn armed_at_start<S: Single, const W: usize, const M: usize>(look: &Look<S, W, M>) -> [bool; M] {
     std::array::from_fn(|i| {
         let (guard, rate) = (look.guards[i].value(), look.guard_rates[i].value());
         guard < PASSED || (guard < 0.0 && rate > 0.0)
@@ -254,7 +280,10 @@ fn armed_at_start<S: Single, const M: usize>(look: &Look<S, M>) -> [bool; M] {
 
 /// Arms the guards after a step, up to one that should have been, as it is past 0: that one.
 #[inline(always)]
-fn arm<S: Single, const M: usize>(armed: &mut [bool; M], look: &Look<S, M>) -> Option<usize> {
+fn arm<S: Single, const W: usize, const M: usize>(
+    armed: &mut [bool; M],
+    look: &Look<S, W, M>,
+) -> Option<usize> {
     for i in 0..M {
         if !armed[i] && look.guards[i].value() >= 0.0 {
             return Some(i);
@@ -266,8 +295,8 @@ fn arm<S: Single, const M: usize>(armed: &mut [bool; M], look: &Look<S, M>) -> O
 
 /// The guard that straight extrapolation brings to 0 first, within `horizon` (s), and when.
 #[inline(always)]
-fn foresee<S: Single, const M: usize>(
-    look: &Look<S, M>,
+fn foresee<S: Single, const W: usize, const M: usize>(
+    look: &Look<S, W, M>,
     armed: &[bool; M],
     horizon: f64,
 ) -> Option<(usize, f64)> {
@@ -308,14 +337,14 @@ fn crossing<S: Single, const M: usize>(
 /// of it; none where the step is not accurate, ends before `earliest` or after `latest` (s), or is past
 /// another guard.
 #[inline(always)]
-fn event_within<S: Single, P: Phase<S, M>, const M: usize>(
+fn event_within<S: Single, P: Phase<S, W, M>, const W: usize, const M: usize>(
     phase: &P,
-    (y, look): (&State<S>, &Look<S, M>),
+    (y, look): (&[S; W], &Look<S, W, M>),
     i: usize,
     armed: &[bool; M],
     (earliest, latest): (f64, f64),
     pace: &Pace,
-) -> Option<State<S>> {
+) -> Option<[S; W]> {
     let event = event_step(phase, y, look, i, pace.tolerance)?;
     if !(earliest..=latest).contains(&event[TIME].value()) {
         return None;
@@ -327,16 +356,16 @@ fn event_within<S: Single, P: Phase<S, M>, const M: usize>(
 
 /// The state at which guard `i` vanishes, by one step along it from `y`, forwards or back; none
 /// where the step is not accurate.
-fn event_step<S: Single, P: Phase<S, M>, const M: usize>(
+fn event_step<S: Single, P: Phase<S, W, M>, const W: usize, const M: usize>(
     phase: &P,
-    y: &State<S>,
-    look: &Look<S, M>,
+    y: &[S; W],
+    look: &Look<S, W, M>,
     i: usize,
     tolerance: f64,
-) -> Option<State<S>> {
+) -> Option<[S; W]> {
     let inverse = S::of(1.0) / look.guard_rates[i];
     let k0 = look.rates.map(|d| d * inverse);
     let along = AlongGuard { phase, guard: i };
-    let step = dop853::step(&along, y, &k0, -look.guards[i], CHECKED, tolerance);
+    let step = dop853::step(&along, y, &k0, -look.guards[i], P::CHECKED, tolerance);
     (step.error <= 1.0).then_some(step.state)
 }

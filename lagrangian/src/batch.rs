@@ -12,7 +12,7 @@ use saltus_robot::Robot;
 
 use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
 use crate::advance::{CHECKED, State, WIDTH};
-use crate::jump::{FIRST_STEP, ended};
+use crate::observer::{FIRST_STEP, ended};
 use crate::phase::FORCE_SCALE;
 use crate::stance;
 use crate::{Launch, LiftOff, Outcome, Stance, StanceError};

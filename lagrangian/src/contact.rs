@@ -4,9 +4,9 @@ use saltus_numeric::Single;
 use saltus_numeric::dop853::{self, Derivative};
 
 use crate::advance::index::TIME;
-use crate::advance::{CHECKED, State, WIDTH};
-use crate::jump::Observer;
-use crate::phase::{Extension, Held};
+use crate::advance::{CHECKED, State, WIDE, Wide};
+use crate::observer::Observer;
+use crate::phase::{Drives, Extension, Held};
 use crate::{Launch, LiftOff, Reaction, Stance, StanceError};
 
 /// What the foot asks of the ground along a stance.
@@ -61,12 +61,15 @@ impl<S: Single> Observer<S> for Watch<'_, S> {
     fn extension(&mut self, phase: &Extension<'_, S>, from: &State<S>, to: &State<S>) {
         self.step(phase, from, to);
     }
+    fn fed(&mut self, phase: &impl Drives<S, WIDE>, from: &Wide<S>, to: &Wide<S>) {
+        self.step(phase, from, to);
+    }
     const STEPWISE: bool = true;
 }
 
 impl<S: Single> Watch<'_, S> {
     /// Takes in the step of `phase` between two states. A state inside a step is a shorter step.
-    fn step(&mut self, phase: &impl Derivative<S, WIDTH>, from: &State<S>, to: &State<S>) {
+    fn step<const W: usize>(&mut self, phase: &impl Derivative<S, W>, from: &[S; W], to: &[S; W]) {
         let rates = phase.at(from);
         let length = to[TIME] - from[TIME];
         let (first, last) = (
@@ -98,12 +101,17 @@ impl<S: Single> Watch<'_, S> {
         }
     }
 
-    fn keep(&mut self, y: &State<S>, around: &Around<S>) {
+    fn keep<const W: usize>(&mut self, y: &[S; W], around: &Around<S>) {
         self.contact.extend(y[TIME].value(), &around.here);
     }
 
     /// The reaction at `y` and a `moment` (s) later.
-    fn around(&self, phase: &impl Derivative<S, WIDTH>, y: &State<S>, moment: f64) -> Around<S> {
+    fn around<const W: usize>(
+        &self,
+        phase: &impl Derivative<S, W>,
+        y: &[S; W],
+        moment: f64,
+    ) -> Around<S> {
         let rates = phase.at(y);
         let mut near = *y;
         for (near, rate) in near.iter_mut().zip(&rates) {

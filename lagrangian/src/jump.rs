@@ -3,72 +3,12 @@
 use saltus_numeric::{Scalar, Single};
 use saltus_pneumatics::{Chamber, Drive, Flow, MEGA, Piece, Switches};
 
-use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
+use crate::advance::index::{GAS, LEAN, RATE, SPEED, TIME};
 use crate::advance::{Pace, State, WIDTH, advance};
+use crate::observer::{FIRST_STEP, MOST_PIECES, Next, Observer, Unobserved, ended};
 use crate::phase::{Extension, Held};
 use crate::stance;
 use crate::{Launch, LiftOff, Outcome, Stance, StanceError};
-
-/// The end of a stance in the state `y`.
-///
-/// The wheel's centre is at R (sin φ, cos φ) from the foot, R = r_s + d.
-pub(crate) fn ended<S: Scalar>(
-    stance: &Stance<S>,
-    outcome: Outcome,
-    time_fire: S,
-    y: &State<S>,
-) -> LiftOff<S> {
-    let reach = stance.radius + y[EXTENSION];
-    let (sin, cos) = y[LEAN].sin_cos();
-    let (along, across) = (y[SPEED], reach * y[RATE]);
-    LiftOff {
-        outcome,
-        time_fire,
-        time: y[TIME],
-        lean: y[LEAN],
-        rate: y[RATE],
-        extension: y[EXTENSION],
-        extension_rate: along,
-        pressure: y[GAS] * S::of(MEGA),
-        axle: [reach * sin, reach * cos],
-        axle_rates: [along * sin + across * cos, along * cos - across * sin],
-    }
-}
-
-/// Where a part of the stance leads.
-pub(crate) enum Next<S> {
-    /// On to the next part, from this state.
-    On(State<S>),
-    /// To an end.
-    End(Outcome, State<S>),
-}
-
-/// First step (s) tried in a stance.
-pub(crate) const FIRST_STEP: f64 = 3e-3;
-
-/// Pieces after which an extension is given up: a leg has a few switches, a measured table as many
-/// as it has rows.
-const MOST_PIECES: usize = 100_000;
-
-/// What watches the steps of a stance.
-pub(crate) trait Observer<S: Single> {
-    /// A step in a held phase.
-    fn held(&mut self, phase: &Held<'_, S>, from: &State<S>, to: &State<S>);
-    /// A step in the extension.
-    fn extension(&mut self, phase: &Extension<'_, S>, from: &State<S>, to: &State<S>);
-    /// Whether every part must be stepped through, closed forms left aside.
-    const STEPWISE: bool;
-}
-
-/// Watches nothing.
-pub(crate) struct Unobserved;
-
-impl<S: Single> Observer<S> for Unobserved {
-    fn held(&mut self, _: &Held<'_, S>, _: &State<S>, _: &State<S>) {}
-    #[inline(always)]
-    fn extension(&mut self, _: &Extension<'_, S>, _: &State<S>, _: &State<S>) {}
-    const STEPWISE: bool = false;
-}
 
 impl<S: Single> Stance<S> {
     /// One stance, from `launch` to its end.
@@ -92,6 +32,10 @@ impl<S: Single> Stance<S> {
         observer: &mut impl Observer<S>,
     ) -> Result<LiftOff<S>, StanceError> {
         stance::check(launch)?;
+        if let Some(feed) = &self.leg.feed {
+            let (end, _) = self.run_fed(feed, launch, feed.full(), observer)?;
+            return Ok(end);
+        }
         let start = self.start(launch);
         let invariant = self.pendulum.invariant(launch.lean, launch.rate);
         let early = self.pendulum.lift_off_lean(invariant, launch.lean);
@@ -349,13 +293,13 @@ impl<S: Single> Stance<S> {
         }
     }
 
-    fn port(&self) -> Option<S> {
+    pub(crate) fn port(&self) -> Option<S> {
         self.leg.chamber().and_then(Chamber::port)
     }
 
     /// The first extension (m) past `d` at which something switches; the end of the stroke at the
     /// latest.
-    fn next_switch(&self, d: S) -> S {
+    pub(crate) fn next_switch(&self, d: S) -> S {
         let mut next = self.leg.stroke;
         let mut consider = |x: S| {
             if x.value() > d.value() && x.value() < next.value() {

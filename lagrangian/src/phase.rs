@@ -8,7 +8,7 @@ use saltus_pneumatics::{Drive, Force, Piece, Switches};
 
 use crate::Stance;
 use crate::advance::index::{EXTENSION, GAS, LEAN, RATE, SPEED, TIME};
-use crate::advance::{Look, Phase, State, WIDTH};
+use crate::advance::{CHECKED, Look, Phase, State, WIDTH};
 
 /// The leg held at d = 0 by its end stop: the robot pivots, and the chamber may fill.
 pub(crate) struct Held<'a, S: Single> {
@@ -79,7 +79,7 @@ impl<S: Single> Held<'_, S> {
 }
 
 /// A guard that never acts.
-const NEVER: f64 = -1.0;
+pub(crate) const NEVER: f64 = -1.0;
 /// Forces (N) are scaled by this in guards, so that they are about 1.
 pub(crate) const FORCE_SCALE: f64 = 0.01;
 
@@ -98,8 +98,9 @@ impl<S: Single> Derivative<S, WIDTH> for Held<'_, S> {
     }
 }
 
-impl<S: Single> Phase<S, 6> for Held<'_, S> {
-    fn look(&self, y: &State<S>) -> Look<S, 6> {
+impl<S: Single> Phase<S, WIDTH, 6> for Held<'_, S> {
+    const CHECKED: usize = CHECKED;
+    fn look(&self, y: &State<S>) -> Look<S, WIDTH, 6> {
         let (never, zero, scale) = (S::of(NEVER), S::of(0.0), S::of(FORCE_SCALE));
         let dy = self.at(y);
         let idle = (never, zero);
@@ -207,9 +208,10 @@ impl<S: Single> Extension<'_, S> {
     }
 }
 
-impl<S: Single> Phase<S, 5> for Extension<'_, S> {
+impl<S: Single> Phase<S, WIDTH, 5> for Extension<'_, S> {
+    const CHECKED: usize = CHECKED;
     #[inline(always)]
-    fn look(&self, y: &State<S>) -> Look<S, 5> {
+    fn look(&self, y: &State<S>) -> Look<S, WIDTH, 5> {
         let (never, scale) = (S::of(NEVER), S::of(-FORCE_SCALE));
         let (dy, force, pressure_rate) = S::apart(|| self.dynamics(y));
         let change = force.wrt_pressure.mul_add(
@@ -233,5 +235,36 @@ impl<S: Single> Phase<S, 5> for Extension<'_, S> {
             ],
             guard_rates: [dy[EXTENSION], change * scale, rise, -rise, -dy[SPEED]],
         }
+    }
+}
+
+/// What a phase tells of a state.
+pub(crate) trait Drives<S: Single, const W: usize>: Derivative<S, W> {
+    /// Chamber pressure (Pa).
+    fn gas_pressure(&self, y: &[S; W]) -> S;
+    /// The drive's force and the leg's whole force (N).
+    fn forces(&self, y: &[S; W]) -> (S, S);
+}
+
+impl<S: Single> Drives<S, WIDTH> for Held<'_, S> {
+    fn gas_pressure(&self, y: &State<S>) -> S {
+        self.pressure(y)
+    }
+    fn forces(&self, _: &State<S>) -> (S, S) {
+        (S::of(0.0), S::of(0.0))
+    }
+}
+
+impl<S: Single> Drives<S, WIDTH> for Extension<'_, S> {
+    fn gas_pressure(&self, y: &State<S>) -> S {
+        self.pressure(y)
+    }
+    fn forces(&self, y: &State<S>) -> (S, S) {
+        let p = self.pressure(y);
+        let Force { value, .. } =
+            self.stance
+                .leg
+                .drive_force(self.switches, y[EXTENSION], y[SPEED], p);
+        (value, self.force(y))
     }
 }

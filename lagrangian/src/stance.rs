@@ -172,7 +172,7 @@ impl<S: Scalar> Stance<S> {
 
     /// The ground's reaction where the state `y` changes at the rates `dy`: m times the centre's
     /// acceleration, with the weight.
-    pub(crate) fn reaction(&self, y: &State<S>, dy: &State<S>) -> Reaction<S> {
+    pub(crate) fn reaction<const N: usize>(&self, y: &[S; N], dy: &[S; N]) -> Reaction<S> {
         let (sin, cos) = y[LEAN].sin_cos();
         let reach = self.radius + y[EXTENSION];
         let (rate, speed) = (y[RATE], y[SPEED]);

@@ -1,14 +1,12 @@
 //! A stance in full: its course, the ground's reaction, and where the energy went.
 
-use saltus_numeric::Single;
-use saltus_numeric::dop853::{self, Derivative};
 use saltus_numeric::root::greatest;
-use saltus_pneumatics::Force;
+use saltus_numeric::{Single, dop853};
 
 use crate::advance::index::{EXTENSION, LEAN, RATE, SPEED, TIME};
-use crate::advance::{CHECKED, State};
-use crate::jump::Observer;
-use crate::phase::{Extension, Held};
+use crate::advance::{CHECKED, State, WIDE, WIDTH, Wide};
+use crate::observer::Observer;
+use crate::phase::{Drives, Extension, Held};
 use crate::{Contact, Launch, LiftOff, Reaction, Stance, StanceError};
 
 /// A stance with what happened on the way.
@@ -94,37 +92,6 @@ impl<S: Single> Stance<S> {
     }
 }
 
-/// What a phase tells of a state.
-trait Look<S: Single>: Derivative<S, { crate::advance::WIDTH }> {
-    /// Chamber pressure (Pa).
-    fn gas_pressure(&self, y: &State<S>) -> S;
-    /// The drive's force and the leg's whole force (N).
-    fn forces(&self, y: &State<S>) -> (S, S);
-}
-
-impl<S: Single> Look<S> for Held<'_, S> {
-    fn gas_pressure(&self, y: &State<S>) -> S {
-        self.pressure(y)
-    }
-    fn forces(&self, _: &State<S>) -> (S, S) {
-        (S::of(0.0), S::of(0.0))
-    }
-}
-
-impl<S: Single> Look<S> for Extension<'_, S> {
-    fn gas_pressure(&self, y: &State<S>) -> S {
-        self.pressure(y)
-    }
-    fn forces(&self, y: &State<S>) -> (S, S) {
-        let p = self.pressure(y);
-        let Force { value, .. } =
-            self.stance
-                .leg
-                .drive_force(self.switches, y[EXTENSION], y[SPEED], p);
-        (value, self.force(y))
-    }
-}
-
 struct Recorder<'a, S: Single> {
     stance: &'a Stance<S>,
     samples: Vec<Sample<S>>,
@@ -142,7 +109,17 @@ impl<S: Single> Observer<S> for Recorder<'_, S> {
     fn extension(&mut self, phase: &Extension<'_, S>, from: &State<S>, to: &State<S>) {
         self.step(phase, from, to);
     }
+    fn fed(&mut self, phase: &impl Drives<S, WIDE>, from: &Wide<S>, to: &Wide<S>) {
+        self.step(phase, from, to);
+    }
     const STEPWISE: bool = true;
+}
+
+/// The part of a state that all have.
+fn common<S: Single, const W: usize>(y: &[S; W]) -> State<S> {
+    let mut common = [S::of(0.0); WIDTH];
+    common.copy_from_slice(&y[..WIDTH]);
+    common
 }
 
 impl<'a, S: Single> Recorder<'a, S> {
@@ -160,9 +137,9 @@ impl<'a, S: Single> Recorder<'a, S> {
     }
 
     /// Takes in the step of `phase` between two states. A state inside a step is a shorter step.
-    fn step(&mut self, phase: &impl Look<S>, from: &State<S>, to: &State<S>) {
-        self.first.get_or_insert(*from);
-        self.last = Some(*to);
+    fn step<const W: usize>(&mut self, phase: &impl Drives<S, W>, from: &[S; W], to: &[S; W]) {
+        self.first.get_or_insert(common(from));
+        self.last = Some(common(to));
         let start = phase.at(from);
         let length = to[TIME] - from[TIME];
         let inside = |fraction: f64| match fraction {
@@ -237,7 +214,7 @@ impl<'a, S: Single> Recorder<'a, S> {
 }
 
 impl<S: Single> Stance<S> {
-    fn sample(&self, phase: &impl Look<S>, y: &State<S>) -> Sample<S> {
+    fn sample<const W: usize>(&self, phase: &impl Drives<S, W>, y: &[S; W]) -> Sample<S> {
         Sample {
             time: y[TIME],
             lean: y[LEAN],

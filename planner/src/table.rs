@@ -360,7 +360,8 @@ impl<'a, M: JumpModel> Rows<'a, M> {
 
     fn label(&self, jump: &Flown<M>) -> Label {
         let end = &jump.stance;
-        let closing = end.time_fire + self.planner.robot().leg.delay + self.request.valve_open;
+        let closing =
+            end.time_fire + self.planner.robot().leg.shutting_delay() + self.request.valve_open;
         (
             end.outcome,
             self.planner.robot().leg.drive.has_valve() && end.time > closing,

@@ -6,6 +6,7 @@ use saltus_numeric::{Scalar, Single};
 use saltus_robot::{Robot, Term};
 
 use crate::chamber::Chamber;
+use crate::feed::Feed;
 use crate::table::ForceSurface;
 
 /// A leg: its drive and everything that resists it.
@@ -15,6 +16,11 @@ pub struct Leg<S> {
     pub stroke: S,
     /// From the command to the first flow or force (s).
     pub delay: S,
+    /// From the end of the command to the end of the flow (s), where it is not the same.
+    closing_delay: Option<S>,
+    /// How the gas comes to the chamber, where that takes more than a supply that never changes and a
+    /// valve at the chamber that switches at once.
+    pub feed: Option<Feed<S>>,
     /// Shortest command that the valve follows (s).
     least_pulse: S,
     /// What pushes.
@@ -80,9 +86,15 @@ impl<S: Scalar> Leg<S> {
         use saltus_robot::Drive as Kind;
         let leg = &robot.leg;
         let stroke = lift(Term::Stroke, leg.stroke);
+        let travel = travel_time(robot, lift);
+        let after_travel = |delay: S| travel.map_or(delay, |travel| delay + travel);
         Leg {
             stroke,
-            delay: lift(Term::Delay, leg.delay),
+            delay: after_travel(lift(Term::Delay, leg.delay)),
+            closing_delay: leg
+                .closing_delay
+                .map(|delay| after_travel(lift(Term::ClosingDelay, delay))),
+            feed: leg.cylinder().and_then(|c| Feed::new(robot, c, lift)),
             least_pulse: lift(Term::LeastPulse, leg.least_pulse),
             drive: match &leg.drive {
                 Kind::Pneumatic(c) => Drive::Pneumatic(Chamber::new(robot, c, lift)),
@@ -124,9 +136,10 @@ impl<S: Scalar> Leg<S> {
         !matches!(self.drive, Drive::Spring(..))
     }
 
-    /// Time (s) from a command to the drive's answer.
-    pub fn delay(&self) -> S {
-        self.delay
+    /// Time (s) from a command to the drive's answer: to switch on, or off.
+    pub fn delay(&self, on: bool) -> S {
+        let closing = self.closing_delay.filter(|_| !on);
+        closing.unwrap_or(self.delay)
     }
 
     /// When (s) the drive begins and ends to push for a command at the time `at` (s) of the valve
@@ -138,7 +151,11 @@ impl<S: Scalar> Leg<S> {
     pub fn answers(&self, at: S, opening: S) -> (S, Option<S>) {
         let begins = at + self.delay;
         let is_ignored = opening.less(self.least_pulse);
-        let ends = || begins + S::select(is_ignored, || S::of(0.0), || opening);
+        let ends = || match self.closing_delay {
+            None => begins + S::select(is_ignored, || S::of(0.0), || opening),
+            // A valve that closes faster than it opens may not come to open.
+            Some(delay) => S::select(is_ignored, || begins, || (at + opening + delay).max(begins)),
+        };
         (begins, self.has_valve().then(ends))
     }
 
@@ -176,10 +193,21 @@ impl<S: Scalar> Leg<S> {
     }
 }
 
+/// Time (s) that a pressure wave takes through the tube of the leg of `robot`: its length over
+/// √(κ R T); none without a tube.
+fn travel_time<S: Scalar>(robot: &Robot, lift: impl Fn(Term, f64) -> S) -> Option<S> {
+    let cylinder = robot.leg.cylinder()?;
+    let tube = cylinder.tube.filter(|tube| tube.length > 0.0)?;
+    let square = S::of(cylinder.gas.heat_ratio * cylinder.gas.constant)
+        * lift(Term::Temperature, cylinder.temperature);
+    Some(lift(Term::TubeLength, tube.length) / square.sqrt())
+}
+
 impl<S: Single> Leg<S> {
     /// Whether the leg is a pneumatic one with none of the optional terms.
     pub fn is_plain(&self) -> bool {
         self.chamber().is_some_and(|c| !c.has_extras())
+            && self.feed.is_none()
             && self.spring.is_none()
             && self.cushion.is_none()
             && self.seal.value() == 0.0

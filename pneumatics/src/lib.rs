@@ -7,6 +7,7 @@
 //! Source: thesis §4.3; the exact reading is in the reference model (`docs/model.md`).
 
 mod chamber;
+mod feed;
 mod leg;
 mod muscle;
 mod orifice;
@@ -15,6 +16,7 @@ mod supply;
 mod table;
 
 pub use chamber::{Chamber, Flow, GasState, MEGA, Valve, ValveLaw};
+pub use feed::{Feed, FeedRates, Held, Place, TankModel};
 pub use leg::{Drive, Force, Leg, Switches};
 pub use muscle::{Inflated, Muscle};
 pub use orifice::OrificeLaw;

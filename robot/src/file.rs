@@ -30,6 +30,7 @@ pub(crate) fn robot(document: Node, files: Files) -> Result<Robot, RobotError> {
     // What may stand there depends on the body.
     let (boom, struts) = (s.optional_table("boom", Ok), s.optional_table("struts", Ok));
     let (legs, ground) = (s.optional_table("legs", Ok), s.optional_table("ground", Ok));
+    let tank = s.optional_table("tank", Ok);
     s.finish(())?;
     let place = body.place().clone();
 
@@ -40,6 +41,9 @@ pub(crate) fn robot(document: Node, files: Files) -> Result<Robot, RobotError> {
     }
     robot.leg.drive = drive(&mut leg)?;
     read_leg(leg, &mut robot, files)?;
+    if let Some(s) = tank {
+        read_tank(s, &mut robot)?;
+    }
     if let Some(mut s) = boom {
         in_space::refuse(&s, &robot)?;
         robot.boom = Some(Boom::default());
@@ -123,12 +127,27 @@ fn read_leg(mut s: Section, robot: &mut Robot, files: Files) -> Result<(), Robot
     }
     match &mut robot.leg.drive {
         Drive::Pneumatic(_) => {
-            s.optional_table("exhaust_port", |s| table(s, "leg.exhaust_port", robot));
+            for part in ["exhaust_port", "tube"] {
+                s.optional_table(part, |s| table(s, &format!("leg.{part}"), robot));
+            }
         }
         Drive::Table(table) => *table = force_table(&mut s, robot.leg.stroke, files),
         _ => {}
     }
     s.finish(())
+}
+
+/// Reads the tank, which only legs that work by gas have.
+fn read_tank(s: Section, robot: &mut Robot) -> Result<(), RobotError> {
+    if robot.leg.cylinder().is_none() {
+        return Err(RobotError::NotAllowed {
+            place: s.place().clone(),
+            key: "tank".into(),
+            value: "a table".into(),
+            allowed: "left out for a leg that is not pneumatic: leg.kind".into(),
+        });
+    }
+    table(s, "tank", robot)
 }
 
 const GASES: [(&str, Gas); 3] = [

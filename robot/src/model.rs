@@ -38,6 +38,8 @@ pub struct Robot {
     pub leg: Leg,
     /// What it has that moves freely in space; none: it moves in its plane.
     pub space: Option<Space>,
+    /// The tank that feeds all its legs; none: a regulated supply, which does not empty.
+    pub tank: Option<Tank>,
     /// The boom that holds the axle; none: the robot moves freely in its plane, or in space.
     pub boom: Option<Boom>,
     /// The bars between the tubes of neighbouring legs, if there are any.
@@ -137,8 +139,11 @@ pub struct Body {
 pub struct Leg {
     /// Greatest extension d (m), > 0.
     pub stroke: f64,
-    /// From the command to the first flow or force, t_d (s), ≥ 0; the same on closing.
+    /// From the command to the first flow or force, t_d (s), ≥ 0; the same on closing, unless
+    /// `closing_delay` says otherwise.
     pub delay: f64,
+    /// From the end of the command to the end of the flow (s), ≥ 0; none: as `delay`.
+    pub closing_delay: Option<f64>,
     /// Shortest command that the valve follows (s), ≥ 0: a shorter one does nothing.
     pub least_pulse: f64,
     /// Mass (kg) at rest on the ground that the robot picks up as its leg reaches its stop, ≥ 0;
@@ -185,6 +190,22 @@ impl LegBody {
 }
 
 impl Leg {
+    /// From the command to the first flow into the chamber, or the first force (s): the delay of the
+    /// valve, and the time that a pressure wave takes through the tube.
+    pub fn opening_delay(&self) -> f64 {
+        self.delay + self.travel_time()
+    }
+
+    /// From the end of the command to the end of the flow (s), the same way.
+    pub fn shutting_delay(&self) -> f64 {
+        self.closing_delay.unwrap_or(self.delay) + self.travel_time()
+    }
+
+    /// Time (s) that a pressure wave takes through the tube between valve and chamber; 0 without.
+    fn travel_time(&self) -> f64 {
+        self.cylinder().map_or(0.0, Cylinder::travel_time)
+    }
+
     /// Its cylinder, if it is pneumatic.
     pub fn cylinder(&self) -> Option<&Cylinder> {
         match &self.drive {
@@ -288,15 +309,65 @@ pub struct Cylinder {
     /// Coulomb friction of the seal for each pascal of the chamber's gauge pressure (N/Pa), ≥ 0; 0
     /// is off.
     pub seal_friction: f64,
+    /// Time constant of the valve's spool (s), ≥ 0; 0: it switches at once.
+    pub spool_time: f64,
+    /// The tube between valve and chamber; none: they are one piece.
+    pub tube: Option<Tube>,
 }
 
 impl Cylinder {
+    /// Time (s) that a pressure wave takes through the tube: its length over the speed of sound
+    /// √(κ R T).
+    pub fn travel_time(&self) -> f64 {
+        let sound = (self.gas.heat_ratio * self.gas.constant * self.temperature).sqrt();
+        self.tube.map_or(0.0, |tube| tube.length / sound)
+    }
+
     /// Effective area of the valve's orifice, C_f A_v (m²).
     pub fn valve_area(&self) -> f64 {
         self.discharge_coefficient
             * std::f64::consts::PI
             * self.orifice_radius
             * self.orifice_radius
+    }
+}
+
+/// A tube between the valve of a leg and its chamber.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tube {
+    /// Length (m), ≥ 0; 0: no tube.
+    pub length: f64,
+    /// Inner diameter (m), > 0.
+    pub diameter: f64,
+    /// Height of the roughness of its wall (m), ≥ 0; 0: smooth.
+    pub roughness: f64,
+}
+
+impl Tube {
+    /// Volume inside (m³).
+    pub fn volume(&self) -> f64 {
+        0.25 * std::f64::consts::PI * self.diameter * self.diameter * self.length
+    }
+}
+
+/// A tank that a robot carries its gas in; at the start it has the leg's supply pressure and gas
+/// temperature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tank {
+    /// Volume (m³), > 0; infinite: its pressure does not fall.
+    pub volume: f64,
+    /// Thermal resistance between the gas and the wall, which keeps the gas temperature (K/W), ≥ 0:
+    /// 0, the gas is always as warm as the wall; infinite, no heat passes.
+    pub wall_resistance: f64,
+}
+
+/// One that does not empty.
+impl Default for Tank {
+    fn default() -> Tank {
+        Tank {
+            volume: f64::INFINITY,
+            wall_resistance: f64::INFINITY,
+        }
     }
 }
 

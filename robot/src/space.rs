@@ -307,6 +307,7 @@ impl Robot {
             return leg;
         };
         leg.delay *= factors.delay;
+        leg.closing_delay = leg.closing_delay.map(|delay| delay * factors.delay);
         leg.viscous_friction *= factors.friction;
         leg.coulomb_friction *= factors.friction;
         match &mut leg.drive {

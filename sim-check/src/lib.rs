@@ -4,6 +4,7 @@
 mod complementarity;
 mod contact;
 mod error;
+mod feeding;
 mod gas;
 mod jump;
 mod lemke;

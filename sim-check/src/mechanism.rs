@@ -1,6 +1,6 @@
 //! What is simulated: bodies, joints with what acts in them, legs, contact points, surroundings.
 
-use saltus_pneumatics::Leg;
+use saltus_pneumatics::{Feed, Leg};
 
 use crate::SimError;
 use crate::contact::{ContactPoint, Material, Surface, Travel};
@@ -103,6 +103,11 @@ impl JointParts {
 }
 
 impl Mechanism {
+    /// What feeds its legs from a tank, if they are fed: all have the same tank.
+    pub(crate) fn feed(&self) -> Option<&Feed<f64>> {
+        self.legs.iter().find_map(|part| part.leg.feed.as_ref())
+    }
+
     /// A mechanism of these bodies alone: nothing in their joints, nothing to touch.
     pub fn new(tree: Tree, gravity: Vec3) -> Mechanism {
         Mechanism {

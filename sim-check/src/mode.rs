@@ -1,6 +1,6 @@
 //! The discrete part of a state: what holds, slides, is open, is switched on.
 
-use saltus_pneumatics::Piece;
+use saltus_pneumatics::{Feed, Piece};
 
 use crate::complementarity::Grip;
 
@@ -46,8 +46,40 @@ pub(crate) struct LegMode {
     pub energized: bool,
     pub cushioned: bool,
     pub port_open: bool,
-    /// The chamber's piece, for a pneumatic leg.
+    /// The chamber's piece, for a pneumatic leg that is not fed.
     pub piece: Option<Piece<f64>>,
+    /// The valve's spool, for one that is.
+    pub spool: Spool,
+}
+
+/// Since when (s) a spool goes where its valve sends it, and from which opening.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Spool {
+    since: f64,
+    from: f64,
+}
+
+impl Spool {
+    /// Time constants after which a spool counts as shut.
+    const SHUT: f64 = 40.0;
+
+    /// How far the valve is open at `time` (s), sent `open` or shut.
+    pub(crate) fn opening(&self, feed: &Feed<f64>, open: bool, time: f64) -> f64 {
+        feed.opening(self.from, open, time - self.since)
+    }
+
+    /// Whether gas may come from the tank at `time` (s).
+    pub(crate) fn moves(&self, feed: &Feed<f64>, open: bool, time: f64) -> bool {
+        open || (self.from > 0.0 && time - self.since < Spool::SHUT * feed.spool_time())
+    }
+
+    /// Sent the other way at `time` (s), where it was sent `open` or shut.
+    pub(crate) fn turned(&self, feed: &Feed<f64>, open: bool, time: f64) -> Spool {
+        Spool {
+            since: time,
+            from: self.opening(feed, open, time),
+        }
+    }
 }
 
 /// The discrete part of a state.

@@ -176,7 +176,7 @@ impl Corrected {
             }
             _ => Lesson::Otherwise,
         };
-        let powered = stance.time - stance.time_fire - self.robot().leg.delay;
+        let powered = stance.time - stance.time_fire - self.robot().leg.opening_delay();
         self.learnt.push(Learnt {
             launch: *launch,
             place: self.place(launch),
@@ -238,7 +238,7 @@ impl Corrected {
                 ..learnt.launch
             };
             let end = self.planar.jump(&open).ok()?.stance;
-            let powered = end.time - end.time_fire - self.robot().leg.delay;
+            let powered = end.time - end.time_fire - self.robot().leg.opening_delay();
             Some(powered / learnt.powered.filter(|_| end.outcome.is_jump())?)
         });
         let shares: Vec<f64> = shares.filter(|x| x.is_finite() && *x > 0.0).collect();

@@ -159,7 +159,7 @@ impl<'a, M: JumpModel> Roller<'a, M> {
     fn roughly(&self, leap: &Leap, lift_off: [Slope; 2], firing_angle: f64) -> Path {
         let firing_angle = Slope::variable(firing_angle, 1);
         let start = self.crossing.start_lean.map_or(firing_angle, Slope::of);
-        let turned = self.crossing.rate(leap.jump) * self.planner.robot().leg.delay;
+        let turned = self.crossing.rate(leap.jump) * self.planner.robot().leg.opening_delay();
         let radius = Slope::of(self.planner.robot().body.radius);
         let pivot = [start, firing_angle + Slope::of(turned)].map(|lean| {
             let (sin, cos) = lean.sin_cos();
@@ -361,7 +361,9 @@ impl<M: JumpModel> Jumper for Roller<'_, M> {
             })
             .map_or(f64::INFINITY, |jump| {
                 // A little earlier, where the opening time begins to matter.
-                0.97 * (jump.stance.time - jump.stance.time_fire - self.planner.robot().leg.delay)
+                0.97 * (jump.stance.time
+                    - jump.stance.time_fire
+                    - self.planner.robot().leg.opening_delay())
             });
         [angle, self.crossing.valve_open.clamp(used)]
     }

@@ -19,7 +19,7 @@ use crate::domain::Domain;
 use crate::units::{
     ACCELERATION, ANGLE, ANGULAR_RATE, ANGULAR_STIFFNESS, AREA, DAMPING, FORCE, FORCE_PER_PRESSURE,
     GAS_CONSTANT, INERTIA, LENGTH, MASS, NUMBER, PER_LENGTH, PRESSURE, PRESSURE_PER_FLOW,
-    STIFFNESS, TEMPERATURE, TIME, TORQUE, VOLUME,
+    STIFFNESS, TEMPERATURE, THERMAL_RESISTANCE, TIME, TORQUE, VOLUME,
 };
 use crate::{Drive, LegBody, Robot, Sensors};
 
@@ -165,12 +165,23 @@ terms! {
         .shown("stroke_m = 0.06", "");
     /// From the command to the first flow or force, t_d (s).
     Delay = Spec::needed("leg.valve_delay", TIME, at!(robot, leg.delay))
-        .shown("valve_delay_ms = 10", "on opening and closing")
+        .shown("valve_delay_ms = 10", "on opening, and on closing unless the next key is given")
         .cause("valve-delay", "the valve opens and closes later than commanded", |_, now| {
             direct(now, (0.0, 0.2), 3e-4, &[0.5 * now, now + 4e-3, now + 0.012])
         })
         .hidden(&[0.001, 0.025])
         .drawn_to(1.0);
+    /// From the end of the command to the end of the flow (s).
+    ClosingDelay = Spec::optional(
+        "leg.valve_closing_delay",
+        TIME,
+        Lens { has: |r| r.leg.cylinder().is_some(), ..at!(optional robot, leg.closing_delay) },
+    )
+    .without(|r| Some(r.leg.delay))
+    .shown("valve_closing_delay_ms = 14", "on closing; left out: as valve_delay");
+    /// Time constant of the valve's spool (s).
+    SpoolTime = Spec::optional("leg.valve_time_constant", TIME, at!(cylinder, spool_time))
+        .shown("valve_time_constant_ms = 1", "of the valve's spool; 0: it switches at once");
     /// Shortest command that the valve follows (s).
     LeastPulse = Spec::optional(
         "leg.least_pulse",
@@ -365,6 +376,42 @@ terms! {
         .shown("area_mm2 = 20", "effective")
         .cause("exhaust-port", "", |_, _| direct(0.0, (1e-8, 1e-3), 5e-6, &[2e-5]))
     .seen_in(|r| r.leg.cylinder().is_some_and(|c| c.exhaust_port.is_none()));
+
+    /// Length of the tube between valve and chamber (m).
+    TubeLength = Spec::needed("leg.tube.length", LENGTH, at!(cylinder, tube => length))
+        .shown("length_m = 0.5", "0: no tube");
+    /// Inner diameter of that tube (m).
+    TubeDiameter = Spec::needed("leg.tube.diameter", LENGTH, at!(cylinder, tube => diameter))
+        .within(|_| Domain::POSITIVE)
+        .shown("diameter_mm = 4", "inside");
+    /// Height of the roughness of its wall (m).
+    TubeRoughness = Spec::optional("leg.tube.roughness", LENGTH, at!(cylinder, tube => roughness))
+        .within(|r| {
+            let diameter = r.leg.cylinder().and_then(|c| c.tube).map_or(0.0, |tube| tube.diameter);
+            Domain::NON_NEGATIVE.up_to(0.05 * diameter).because(", a twentieth of its diameter")
+        })
+        .shown("roughness_mm = 0.01", "of its wall; 0: smooth");
+
+    /// Volume of the tank (m³).
+    TankVolume = Spec::needed(
+        "tank.volume",
+        VOLUME,
+        Lens { has: |r| r.leg.cylinder().is_some(), ..at!(robot, tank => volume) },
+    )
+    .within(|_| Domain::POSITIVE.or_infinite())
+    .shown("volume_l = 0.4", "all legs draw on it; inf: it does not empty");
+    /// Thermal resistance between the tank's gas and its wall (K/W).
+    TankWall = Spec::optional(
+        "tank.wall_resistance",
+        THERMAL_RESISTANCE,
+        Lens { has: |r| r.leg.cylinder().is_some(), ..at!(robot, tank => wall_resistance) },
+    )
+    .within(|_| Domain::NON_NEGATIVE.or_infinite())
+    .without(|_| Some(f64::INFINITY))
+    .shown(
+        "wall_resistance_k_per_w = 5",
+        "heat from the wall, at gas_temperature; 0: isothermal; inf or left out: adiabatic",
+    );
 
     /// Length of the end-stop cushion (m).
     CushionLength =

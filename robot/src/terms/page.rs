@@ -49,6 +49,11 @@ pub(crate) const SECTIONS: &[Section] = &[
         "leg.cushion",
         "optional: over the last length of the stroke",
     ),
+    section("leg.tube", "optional: between the valve and the chamber"),
+    section(
+        "tank",
+        "optional: the robot carries its gas; full, it has the leg's supply pressure",
+    ),
     section(
         "boom",
         "optional: holds the axle; a cylinder on a universal joint at its base",

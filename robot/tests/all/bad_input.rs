@@ -596,7 +596,7 @@ fn overrides() {
     );
     check_set(
         &["mass_kg=1"],
-        "--set mass_kg=1: unknown key mass_kg; the nearest known key is name",
+        "--set mass_kg=1: unknown key mass_kg; the nearest known key is tank",
     );
     check_set(
         &["leg.bore_mm=-3"],
@@ -883,5 +883,69 @@ fn force_tables_in_the_robot_file() {
     assert!(
         missing.starts_with("./no-such.csv: cannot be read: "),
         "{missing}"
+    );
+}
+
+/// A tank, a tube and the lags of a valve.
+#[test]
+fn what_a_robot_carries_its_gas_in() {
+    let refused = |set: &[&str], expected: &str| check_set(set, expected);
+    refused(
+        &["tank.volume_l=0"],
+        "--set tank.volume_l=0: tank.volume_l = 0: must be a finite number > 0, or inf",
+    );
+    refused(
+        &["tank.volume_l=-1"],
+        "--set tank.volume_l=-1: tank.volume_l = -1: must be a finite number > 0, or inf",
+    );
+    refused(
+        &["tank.volume_m3=nan"],
+        "--set tank.volume_m3=nan: tank.volume_m3 = nan: must be a finite number > 0, or inf",
+    );
+    refused(
+        &["tank.wall_resistance_k_per_w=1"],
+        "--set tank.wall_resistance_k_per_w=1: missing key tank.volume_m3 or volume_cm3 or volume_l",
+    );
+    refused(
+        &["tank.volume_l=1", "tank.wall_resistance_k_per_w=-1"],
+        "--set tank.wall_resistance_k_per_w=-1: tank.wall_resistance_k_per_w = -1: must be a finite \
+         number ≥ 0, or inf",
+    );
+    refused(
+        &["leg.tube={length_m=1, diameter_mm=0}"],
+        "--set leg.tube={length_m=1, diameter_mm=0}: leg.tube.diameter_mm = 0: must be a finite \
+         number > 0",
+    );
+    refused(
+        &["leg.tube={length_m=-1, diameter_mm=4}"],
+        "--set leg.tube={length_m=-1, diameter_mm=4}: leg.tube.length_m = -1: must be a finite \
+         number ≥ 0",
+    );
+    refused(
+        &["leg.tube={length_m=1, diameter_mm=4, roughness_mm=1}"],
+        "--set leg.tube={length_m=1, diameter_mm=4, roughness_mm=1}: leg.tube.roughness_mm = 1: \
+         must be a finite number ≥ 0 and ≤ 0.0002 m, a twentieth of its diameter",
+    );
+    refused(
+        &["leg.valve_closing_delay_ms=-1"],
+        "--set leg.valve_closing_delay_ms=-1: leg.valve_closing_delay_ms = -1: must be a finite \
+         number ≥ 0",
+    );
+    refused(
+        &["leg.valve_time_constant_ms=nan"],
+        "--set leg.valve_time_constant_ms=nan: leg.valve_time_constant_ms = nan: must be a finite \
+         number ≥ 0",
+    );
+    // A tank is filled to the leg's supply pressure.
+    check(
+        "supply_pressure_gauge_psi = 120",
+        "supply_pressure_absolute_pa = 9e4",
+        "hopper.toml:15: leg.supply_pressure_absolute_pa = 9e4: must be a finite number ≥ 101325 Pa",
+    );
+    let error = resolve("spring-hopper", &["tank.volume_l=1".into()]).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "--set tank.volume_l=1: tank = a table: must be left out for a leg that is not pneumatic: \
+         leg.kind"
     );
 }

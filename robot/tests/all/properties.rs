@@ -117,7 +117,11 @@ fn complete(robot: &mut Robot) {
     let stroke = robot.leg.stroke;
     robot.leg.cushion = robot.leg.cushion.filter(|cushion| cushion.length > 0.0);
     robot.struts = robot.struts.filter(|struts| struts.distance > 0.0);
+    // A file leaves out what is as without it.
+    let delay = robot.leg.delay;
+    robot.leg.closing_delay = robot.leg.closing_delay.filter(|closing| *closing != delay);
     if let Some(cylinder) = robot.leg.cylinder_mut() {
+        cylinder.tube = cylinder.tube.filter(|tube| tube.diameter > 0.0);
         cylinder.exhaust_port = cylinder
             .exhaust_port
             .filter(|port| port.area > 0.0 && port.position > 0.0 && port.position < stroke);

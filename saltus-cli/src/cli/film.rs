@@ -59,7 +59,7 @@ impl Film {
         let cycles = (setup.seconds / setup.sensors().period).ceil() as u64;
         Film {
             legs,
-            delay: setup.robot.leg.delay,
+            delay: setup.robot.leg.opening_delay(),
             every: cycles.div_ceil(MOST).max(1),
             cycle: 0,
             times: Vec::new(),

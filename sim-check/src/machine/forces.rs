@@ -1,8 +1,9 @@
 //! Applied forces: joints, legs, drag.
 
-use saltus_pneumatics::Switches;
+use saltus_pneumatics::{Chamber, MEGA, Place, Switches};
 
 use super::{ACCOUNT, DRAG_LOSS, DRIVE, JOINT_LOSS, Machine, OUTSIDE};
+use crate::feeding::{gas_of, tank_of};
 use crate::mode::{JointMode, Mode};
 
 impl Machine<'_> {
@@ -38,9 +39,11 @@ impl Machine<'_> {
                 self.powers[OUTSIDE] += force * self.v[k];
             }
         }
+        self.drawn = [0.0; 2];
         for i in 0..self.mechanism.legs.len() {
             self.apply_leg(i, y, mode);
         }
+        self.apply_tank(y);
     }
 
     pub(super) fn apply_leg(&mut self, i: usize, y: &[f64], mode: &Mode) {
@@ -50,7 +53,9 @@ impl Machine<'_> {
         let speed = self.dof[part.body].map_or(0.0, |k| self.v[k]);
         let u = y[self.layout.gas() + i];
         let is_latched = mode.joints[part.body] == JointMode::Latched;
+        self.feed_leg(i, y, mode, (d, speed));
         (self.gas_rates[i], self.pressures[i]) = match (leg.chamber(), &state.piece) {
+            _ if leg.feed.is_some() => (self.gas_rates[i], u * MEGA),
             // Before it is fired nothing flows; once a leg without mass has been picked up, nothing
             // depends on its gas.
             (Some(chamber), Some(piece)) if is_latched => (0.0, chamber.pressure(piece.flow, u)),
@@ -84,6 +89,11 @@ impl Machine<'_> {
         self.powers[JOINT_LOSS] += (drive - force) * speed;
         if let Some(at) = self.layout.account(i) {
             let (supplied, released, pushed) = match (leg.chamber(), &state.piece) {
+                _ if leg.feed.is_some() => (
+                    self.powers[at + 2],
+                    self.powers[at + 3],
+                    self.powers[at + 4],
+                ),
                 (Some(chamber), Some(piece)) => {
                     let flows = piece.mass_flows(chamber, u, d, speed);
                     let [supplied, released] = flows.map(|flow| flow * chamber.pressure_per_mass());
@@ -102,6 +112,55 @@ impl Machine<'_> {
         }
         self.pushes[i] = force;
         self.free[k] += force;
+    }
+
+    /// Puts down what the gas of leg `i` does, if it is fed, at its extension (m) and speed (m/s).
+    fn feed_leg(&mut self, i: usize, y: &[f64], mode: &Mode, (extension, speed): (f64, f64)) {
+        let (layout, part) = (self.layout, &self.mechanism.legs[i]);
+        let Some(feed) = part.leg.feed.as_ref() else {
+            return;
+        };
+        self.gas_rates[i] = 0.0;
+        self.gas_rates[layout.legs + i] = 0.0;
+        let state = &mode.legs[i];
+        let is_still = mode.joints[part.body] == JointMode::Latched;
+        if is_still && !state.spool.moves(feed, state.energized, y[layout.clock()]) {
+            return;
+        }
+        let place = Place {
+            extension,
+            speed,
+            opening: state
+                .spool
+                .opening(feed, state.energized, y[layout.clock()]),
+            port_open: state.port_open,
+        };
+        let (tank, held) = (tank_of(layout, feed, y), gas_of(layout, feed, i, y));
+        let rates = feed.rates(tank, held, &place);
+        self.gas_rates[i] = rates.held.pressure / MEGA;
+        self.gas_rates[layout.legs + i] = rates.held.mass / feed.mass_units()[0];
+        for (all, one) in self.drawn.iter_mut().zip(rates.drawn) {
+            *all += one;
+        }
+        if let Some(at) = layout.account(i) {
+            let per_mass = part.leg.chamber().map_or(1.0, Chamber::pressure_per_mass);
+            let masses = [rates.drawn[0] * per_mass, rates.vented[0] * per_mass];
+            self.powers[at + 2..at + 4].copy_from_slice(&masses);
+            self.powers[at + 4] = rates.work;
+        }
+    }
+
+    /// Rates of the tank that feeds the legs, and of the time.
+    fn apply_tank(&mut self, y: &[f64]) {
+        let layout = self.layout;
+        let Some(feed) = self.mechanism.feed() else {
+            return;
+        };
+        let (rates, _) = feed.tank_rates(tank_of(layout, feed, y), self.drawn);
+        let at = layout.tank() - layout.gas();
+        self.gas_rates[at] = rates.pressure / MEGA;
+        self.gas_rates[at + 1] = rates.mass / feed.mass_units()[1];
+        self.gas_rates[at + 2] = 1.0;
     }
 
     pub(super) fn apply_drag(&mut self) {

@@ -13,13 +13,20 @@ use crate::mode::{JointMode, Mode};
 use crate::spatial::Vec3;
 use crate::tree::{Pose, Welded};
 
-/// Where things are in the continuous state: q | v | a chamber variable for each leg | works |
-/// an account for each leg, where they are kept.
+/// Where things are in the continuous state: q | v | a chamber variable for each leg | the gas of legs
+/// that are fed from a tank, where there are any | works | an account for each leg, where they are
+/// kept.
+///
+/// The chamber variable of a fed leg is its pressure (MPa); its gas has the mass in each chamber,
+/// the tank's pressure (MPa) and mass, and the time, by which spools move. Masses are in the units
+/// of the feed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
     pub coordinates: usize,
     pub velocities: usize,
     pub legs: usize,
+    /// Whether the legs are fed.
+    pub fed: bool,
     /// Legs of which an account is kept: all or none.
     pub accounts: usize,
 }
@@ -37,6 +44,9 @@ pub(crate) const OUTSIDE: usize = 4;
 /// supply and to the air, and the work ∫P dV of its gas.
 pub(crate) const ACCOUNT: usize = 5;
 
+/// Numbers of the tank of fed legs: pressure, mass, and the time.
+const TANK: usize = 3;
+
 impl Layout {
     pub(crate) fn size(&self) -> usize {
         self.works() + WORKS + ACCOUNT * self.accounts
@@ -51,7 +61,19 @@ impl Layout {
         self.coordinates + self.velocities
     }
     pub(crate) fn works(&self) -> usize {
+        self.gas() + self.legs + if self.fed { self.legs + TANK } else { 0 }
+    }
+    /// Where the masses of the chambers of fed legs begin.
+    pub(crate) fn masses(&self) -> usize {
         self.gas() + self.legs
+    }
+    /// Where the tank's pressure is, before its mass and the time.
+    pub(crate) fn tank(&self) -> usize {
+        self.masses() + self.legs
+    }
+    /// Where the time is, by which spools move.
+    pub(crate) fn clock(&self) -> usize {
+        self.tank() + 2
     }
     /// Where the account of leg `leg` begins, from [`works`](Self::works) on; none: not kept.
     pub(crate) fn account(&self, leg: usize) -> Option<usize> {
@@ -175,8 +197,10 @@ pub(crate) struct Machine<'a> {
     /// For each body: the leg that it is, and its joint's end stops.
     leg_of: Vec<Option<usize>>,
     stops: Vec<(f64, f64)>,
-    /// Chamber rates u̇.
+    /// Rates of all that the state has of gas: chambers, masses, tank, time.
     gas_rates: Vec<f64>,
+    /// Mass (kg/s) and enthalpy (W) that fed legs draw.
+    drawn: [f64; 2],
     /// Mass matrix was positive definite, and all was finite.
     pub sound: bool,
 }
@@ -187,6 +211,7 @@ impl<'a> Machine<'a> {
             coordinates: mechanism.tree.coordinates(),
             velocities: mechanism.tree.velocities(),
             legs: mechanism.legs.len(),
+            fed: mechanism.legs.iter().any(|part| part.leg.feed.is_some()),
             accounts: if keeps_accounts {
                 mechanism.legs.len()
             } else {
@@ -234,7 +259,8 @@ impl<'a> Machine<'a> {
             folded: Folded::default(),
             leg_of: bodies.clone().map(|body| mechanism.leg_of(body)).collect(),
             stops: bodies.map(|body| mechanism.stops(body)).collect(),
-            gas_rates: vec![0.0; layout.legs],
+            gas_rates: vec![0.0; layout.works() - layout.gas()],
+            drawn: [0.0; 2],
             sound: true,
         };
         machine.resize();

@@ -1,6 +1,6 @@
 //! What happens at an event.
 
-use saltus_pneumatics::Piece;
+use saltus_pneumatics::{MEGA, Piece};
 
 use super::guards::Guard;
 use super::{BACK_AGAIN, BURST, BURST_SPAN, CHATTER, Event, Happening, Sim, Stepping};
@@ -292,6 +292,11 @@ impl Sim<'_> {
     pub(super) fn switch_valve(&mut self, leg: usize, on: bool) -> Result<(), SimError> {
         self.log(Happening::Valve(leg, on));
         let body = self.machine.mechanism.legs[leg].body;
+        if let Some(feed) = &self.machine.mechanism.legs[leg].leg.feed {
+            let state = &mut self.mode.legs[leg];
+            let now = self.y[self.layout.clock()];
+            state.spool = state.spool.turned(feed, state.energized, now);
+        }
         self.mode.legs[leg].energized = on;
         self.renew_piece(leg, 0.0);
         // A leg without mass that was picked up stays as it is when its valve closes.
@@ -315,6 +320,10 @@ impl Sim<'_> {
         };
         let mode = &mut self.mode.legs[leg];
         let at = self.layout.gas() + leg;
+        if self.machine.mechanism.legs[leg].leg.feed.is_some() {
+            self.y[at] = pressure / MEGA;
+            return;
+        }
         let piece = Piece::new(chamber, mode.energized, pressure, side, mode.port_open);
         // Round-off leaves it on either side of the edge that it has crossed.
         let (from, to) = (piece.low.min(piece.high), piece.low.max(piece.high));

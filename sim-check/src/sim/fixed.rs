@@ -1,12 +1,13 @@
 //! Steps of fixed length.
 
 use saltus_numeric::root::past_root;
-use saltus_pneumatics::{Chamber, Leg, Piece};
+use saltus_pneumatics::{Chamber, Feed, Held, Leg, MEGA, Piece};
 
 use super::guards::Guard;
 use super::{Happening, Sim, Watch};
 use crate::SimError;
 use crate::complementarity::Grip;
+use crate::feeding::{self, Line, gas_of, put_gas, put_tank, tank_of};
 use crate::gas::{Gas, Path};
 use crate::machine::{Layout, Owner, STANDING};
 use crate::mode::{JointMode, Stop};
@@ -41,6 +42,8 @@ pub(super) struct Fixed {
 
 /// Events that may cut a step; later ones happen at its end.
 const CUTS: usize = 8;
+/// Part of the ambient pressure by which that of a chamber at rest may differ.
+const RESTS: f64 = 1e-9;
 /// Contacts that part more slowly (m/s) stay closed: it may be what is left of a step's error.
 const PARTING: f64 = 1e-6;
 /// A coordinate or velocity beyond this diverges.
@@ -192,6 +195,14 @@ impl Sim<'_> {
         for (i, rate) in fixed.rates.iter().enumerate() {
             fixed.middle[i] = q[i] + 0.5 * h * rate;
         }
+        if layout.fed {
+            let acceleration = std::mem::take(&mut fixed.acceleration);
+            let gas = layout.gas()..layout.works();
+            fixed.middle[gas.clone()].copy_from_slice(&self.y[gas]);
+            self.feed(&mut fixed.middle, &acceleration, (0.0, 0.5 * h));
+            fixed.acceleration = acceleration;
+            return;
+        }
         for leg in 0..layout.legs {
             let at = layout.gas() + leg;
             fixed.middle[at] = self.y[at];
@@ -238,6 +249,69 @@ impl Sim<'_> {
         }
         state.piece = Some(gas.piece);
         gas.u
+    }
+
+    /// Goes on with the gas of fed legs in `to`, from `from` into the step for `h` (s).
+    fn feed(&self, to: &mut [f64], acceleration: &[f64], (from, h): (f64, f64)) {
+        let (layout, mechanism) = (self.layout, self.machine.mechanism);
+        let Some(shared) = mechanism.feed() else {
+            return;
+        };
+        let now = to[layout.clock()];
+        let legs: Vec<(usize, &Feed<f64>, Path)> = (0..layout.legs)
+            .filter_map(|leg| {
+                let feed = mechanism.legs[leg].leg.feed.as_ref()?;
+                let path = self.path_of(leg, acceleration).from(from);
+                self.flows(leg, feed, &path, to)
+                    .then_some((leg, feed, path))
+            })
+            .collect();
+        let openings: Vec<_> = legs
+            .iter()
+            .map(|&(leg, feed, _)| {
+                let state = &self.mode.legs[leg];
+                move |t: f64| state.spool.opening(feed, state.energized, now + t)
+            })
+            .collect();
+        let mut lines: Vec<Line<'_>> = legs
+            .iter()
+            .zip(&openings)
+            .map(|(&(leg, feed, path), opening)| Line {
+                feed,
+                held: gas_of(layout, feed, leg, to),
+                path,
+                opening,
+                port_open: self.mode.legs[leg].port_open,
+            })
+            .collect();
+        let mut tank = tank_of(layout, shared, to);
+        if lines.is_empty() {
+            tank = shared.tank_after(tank, [0.0; 2], h);
+        }
+        feeding::advance(&mut lines, &mut tank, h);
+        let held: Vec<Held<f64>> = lines.iter().map(|line| line.held).collect();
+        for (&(leg, feed, _), held) in legs.iter().zip(held) {
+            put_gas(layout, feed, leg, held, to);
+        }
+        put_tank(layout, shared, tank, to);
+        to[layout.clock()] = now + h;
+    }
+
+    /// Whether gas flows to or from the chamber of leg `leg`: not where it rests at ambient pressure,
+    /// or is as it was left in the air.
+    fn flows(&self, leg: usize, feed: &Feed<f64>, path: &Path, y: &[f64]) -> bool {
+        let state = &self.mode.legs[leg];
+        if state
+            .spool
+            .moves(feed, state.energized, y[self.layout.clock()])
+        {
+            return true;
+        }
+        let body = self.machine.mechanism.legs[leg].body;
+        let is_still = path.speed == 0.0 && path.acceleration == 0.0;
+        let gauge = y[self.layout.gas() + leg] * MEGA / feed.at_rest(path.extension).pressure - 1.0;
+        let rests = is_still && gauge.abs() < RESTS;
+        self.mode.joints[body] != JointMode::Latched && !rests
     }
 
     /// Changes what the tried step shows to be wrong about who takes part; whether anything was.
@@ -292,10 +366,18 @@ impl Sim<'_> {
         for (i, rate) in fixed.rates.iter().enumerate() {
             self.next[i] = self.y[i] + h * rate;
         }
-        for leg in 0..layout.legs {
-            let path = self.path_of(leg, &fixed.next_acceleration).from(0.5 * h);
-            let at = layout.gas() + leg;
-            self.next[at] = self.fill(leg, fixed.middle[at], &path, 0.5 * h);
+        if layout.fed {
+            let mut next = std::mem::take(&mut self.next);
+            let gas = layout.gas()..layout.works();
+            next[gas.clone()].copy_from_slice(&fixed.middle[gas]);
+            self.feed(&mut next, &fixed.next_acceleration, (0.5 * h, 0.5 * h));
+            self.next = next;
+        } else {
+            for leg in 0..layout.legs {
+                let path = self.path_of(leg, &fixed.next_acceleration).from(0.5 * h);
+                let at = layout.gas() + leg;
+                self.next[at] = self.fill(leg, fixed.middle[at], &path, 0.5 * h);
+            }
         }
         let works = layout.works();
         self.next[works..].copy_from_slice(&self.y[works..]);

@@ -375,7 +375,7 @@ impl<'a> Sim<'a> {
     /// [`SimError::Input`] for a leg that is not there.
     pub fn switch(&mut self, leg: usize, on: bool) -> Result<(), SimError> {
         self.require_leg(leg)?;
-        let at = self.time + self.machine.mechanism.legs[leg].leg.delay();
+        let at = self.time + self.machine.mechanism.legs[leg].leg.delay(on);
         self.commands.push((at, leg, on));
         self.sort_commands();
         Ok(())

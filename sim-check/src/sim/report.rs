@@ -1,7 +1,10 @@
 //! What a motion tells: contacts, reactions, work and energy.
 
+use saltus_pneumatics::MEGA;
+
 use super::Sim;
 use crate::complementarity::Grip;
+use crate::feeding::{gas_of, tank_of};
 use crate::machine::{
     ACCOUNT, CONTACT_LOSS, DRAG_LOSS, DRIVE, JOINT_LOSS, OUTSIDE, Owner, STANDING, Touch, WORKS,
 };
@@ -25,11 +28,29 @@ impl Sim<'_> {
         let mode = &self.mode.legs[leg];
         let part = &self.machine.mechanism.legs[leg];
         match (part.leg.chamber(), &mode.piece) {
+            _ if part.leg.feed.is_some() => self.y[self.layout.gas() + leg] * MEGA,
             (Some(chamber), Some(piece)) => {
                 chamber.pressure(piece.flow, self.y[self.layout.gas() + leg])
             }
             _ => 0.0,
         }
+    }
+
+    /// Pressure (Pa, absolute) and temperature (K) of the gas in the tank; none for legs that are not
+    /// fed from one.
+    pub fn tank(&self) -> Option<[f64; 2]> {
+        let feed = self.machine.mechanism.feed()?;
+        feed.tank?;
+        let tank = tank_of(self.layout, feed, &self.y);
+        Some([tank.pressure, feed.tank_temperature(tank)])
+    }
+
+    /// Gas (kg) in the chamber of leg `leg` with its tube, and in the tank; none for legs that are
+    /// not fed from one.
+    pub fn gas(&self, leg: usize) -> Option<[f64; 2]> {
+        let feed = self.machine.mechanism.feed()?;
+        let tank = tank_of(self.layout, feed, &self.y);
+        Some([gas_of(self.layout, feed, leg, &self.y).mass, tank.mass])
     }
 
     /// The contacts that are closed, with their forces.
@@ -184,7 +205,9 @@ impl Sim<'_> {
     pub fn stored_gas(&self, leg: usize) -> f64 {
         let part = &self.machine.mechanism.legs[leg];
         let extension = self.y[self.machine.mechanism.tree.coordinate_of(part.body)];
-        let volume = part.leg.chamber().map(|c| c.volume(extension));
+        let feed = part.leg.feed.as_ref();
+        let plain = || part.leg.chamber().map(|c| c.volume(extension));
+        let volume = feed.map(|feed| feed.volume_at(extension)).or_else(plain);
         volume.map_or(0.0, |volume| self.pressure(leg) * volume)
     }
 }

@@ -5,9 +5,10 @@ use saltus_pneumatics::Piece;
 use super::{Settings, Sim, Stepping};
 use crate::SimError;
 use crate::error::{not_negative, positive, require};
+use crate::feeding::{put_gas, put_tank};
 use crate::machine::{Layout, STANDING};
 use crate::mechanism::Mechanism;
-use crate::mode::{ContactMode, JointMode, LegMode, Mode};
+use crate::mode::{ContactMode, JointMode, LegMode, Mode, Spool};
 use crate::tree::{Joint, Tree};
 
 /// A leg at the start of a motion.
@@ -42,6 +43,15 @@ impl Sim<'_> {
             mode.port_open = is_past(chamber.and_then(saltus_pneumatics::Chamber::port));
             mode.energized = is_open;
             self.put_on_piece(i, start.pressure, 0.0);
+            if let Some(feed) = &part.leg.feed {
+                let held = feed.at_pressure(start.pressure, extension);
+                put_gas(self.layout, feed, i, held, &mut self.y);
+                self.mode.legs[i].spool = Spool::default();
+                if is_open {
+                    // As long ago as it takes to be open.
+                    self.mode.legs[i].spool = Spool::default().turned(feed, true, f64::MAX);
+                }
+            }
             if !part.massless {
                 let speed = self.machine.joint_speed(&self.y, part.body);
                 self.mode.joints[part.body] = if speed.abs() > STANDING {
@@ -114,7 +124,13 @@ pub(super) fn first_mode(mechanism: &Mechanism, y: &mut [f64], layout: Layout) -
     let mut legs = Vec::new();
     for (i, part) in mechanism.legs.iter().enumerate() {
         joints[part.body] = JointMode::Latched;
-        let piece = part.leg.chamber().map(|chamber| {
+        if let Some(feed) = &part.leg.feed {
+            let extension = y[mechanism.tree.coordinate_of(part.body)];
+            put_gas(layout, feed, i, feed.at_rest(extension), y);
+            put_tank(layout, feed, feed.full(), y);
+        }
+        let plain = part.leg.chamber().filter(|_| part.leg.feed.is_none());
+        let piece = plain.map(|chamber| {
             let piece = Piece::new(chamber, false, chamber.ambient, 0.0, false);
             y[layout.gas() + i] = chamber.variable(piece.flow, chamber.ambient);
             piece
@@ -124,6 +140,7 @@ pub(super) fn first_mode(mechanism: &Mechanism, y: &mut [f64], layout: Layout) -
             cushioned: false,
             port_open: false,
             piece,
+            spool: Spool::default(),
         });
     }
     let pairs = mechanism.pairs().count();

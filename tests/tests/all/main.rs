@@ -14,6 +14,7 @@ mod reference;
 mod routes;
 mod slip;
 mod strides;
+mod tanks;
 mod terms;
 mod thesis;
 mod verdicts;
