@@ -127,7 +127,8 @@ impl<S: Single> Stance<S> {
         let first = gas_of(feed, &before);
         let energy = |gas: Gas<S>, d: S, tank: Gas<S>| {
             let volume = feed.tank.map_or(S::of(1.0), |tank| tank.volume);
-            feed.energy(gas.pressure, feed.volume_at(d)) + feed.energy(tank.pressure, volume)
+            feed.energy(gas.pressure, feed.volume_at(d, gas.pressure))
+                + feed.energy(tank.pressure, volume)
         };
         let stored = energy(first, before[EXTENSION], start);
         let left = energy(held, y[EXTENSION], after) + vented[1] + y[WORK] - y[HEAT];

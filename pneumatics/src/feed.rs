@@ -12,6 +12,7 @@
 use saltus_numeric::{Dual, Scalar, Single};
 use saltus_robot::{Cylinder, Gas, Robot, Term};
 
+use crate::contractor::{Contractor, tube_volume};
 use crate::orifice::OrificeLaw;
 use crate::supply::Passage;
 
@@ -75,9 +76,11 @@ pub struct Feed<S> {
     /// Effective areas of leak and exhaust port (m²).
     leak: S,
     port: S,
-    /// Volume of chamber and tube at d = 0 (m³), and piston area (m²).
+    /// Volume of chamber and tube at d = 0 (m³), and piston area (m²), of a cylinder.
     volume: S,
     area: S,
+    /// The muscle, where it is none.
+    muscle: Option<Contractor<S>>,
     /// Pressure (Pa) of the full tank, and of the atmosphere.
     supply: S,
     ambient: S,
@@ -107,7 +110,8 @@ impl<S: Scalar> Feed<S> {
     ) -> Option<Feed<S>> {
         let tank = robot.tank.filter(|tank| tank.volume.is_finite());
         let tube = cylinder.tube.filter(|tube| tube.length > 0.0);
-        if tank.is_none() && tube.is_none() && cylinder.spool_time == 0.0 {
+        let muscle = Contractor::new(robot, cylinder, &lift);
+        if tank.is_none() && tube.is_none() && cylinder.spool_time == 0.0 && muscle.is_none() {
             return None;
         }
         let (gas, pi) = (cylinder.gas, S::of(std::f64::consts::PI));
@@ -119,11 +123,6 @@ impl<S: Scalar> Feed<S> {
         let discharge = lift(Term::DischargeCoefficient, cylinder.discharge_coefficient);
         let exponent = cylinder.polytropic_exponent.unwrap_or(gas.heat_ratio);
         let dead = lift(Term::DeadVolume, cylinder.dead_volume);
-        let inside = tube.map_or(S::of(0.0), |tube| {
-            let diameter = lift(Term::TubeDiameter, tube.diameter);
-            let length = lift(Term::TubeLength, tube.length);
-            pi * diameter * diameter * length / S::of(4.0)
-        });
         let low = robot.environment.ambient.0;
         // Between equal pressures nothing flows, and there is no Reynolds number.
         let high = (low + cylinder.supply.0).max(1.01 * low);
@@ -146,7 +145,8 @@ impl<S: Scalar> Feed<S> {
             port: cylinder
                 .exhaust_port
                 .map_or(S::of(0.0), |port| lift(Term::PortArea, port.area)),
-            volume: dead + inside,
+            volume: dead + tube_volume(robot, &lift),
+            muscle,
             area: pi * bore * bore / S::of(4.0),
             supply,
             ambient,
@@ -172,12 +172,12 @@ impl<S: Single> Feed<S> {
 
     /// The chamber of a leg at rest at extension `d` (m): at ambient pressure.
     pub fn at_rest(&self, d: S) -> Held<S> {
-        self.filled(self.ambient, self.temperature, self.volume_at(d))
+        self.at_pressure(self.ambient, d)
     }
 
     /// The same at a pressure (Pa), as warm as the gas that fills it.
     pub fn at_pressure(&self, pressure: S, d: S) -> Held<S> {
-        self.filled(pressure, self.temperature, self.volume_at(d))
+        self.filled(pressure, self.temperature, self.volume_at(d, pressure))
     }
 
     /// The full tank; of a supply that never changes, a cubic metre of it.
@@ -197,9 +197,18 @@ impl<S: Single> Feed<S> {
         tank.pressure * volume / (tank.mass * S::of(self.gas.constant))
     }
 
-    /// Volume of chamber and tube (m³) at extension `d` (m).
-    pub fn volume_at(&self, d: S) -> S {
-        self.area.mul_add(d, self.volume)
+    /// Volume of chamber and tube (m³) at extension `d` (m); that of a muscle depends on its pressure
+    /// (Pa), too.
+    pub fn volume_at(&self, d: S, pressure: S) -> S {
+        self.space(d, pressure)[0]
+    }
+
+    /// The same, with its derivatives by extension (m²) and by pressure (m³/Pa).
+    fn space(&self, d: S, pressure: S) -> [S; 3] {
+        match &self.muscle {
+            None => [self.area.mul_add(d, self.volume), self.area, S::of(0.0)],
+            Some(muscle) => muscle.at(d, pressure - self.ambient).volume,
+        }
     }
 
     /// Internal energy (J) of gas at a pressure (Pa) in a volume (m³).
@@ -243,7 +252,7 @@ impl<S: Single> Feed<S> {
     /// from; n other than κ is heat from the wall.
     pub fn rates(&self, tank: Held<S>, held: Held<S>, at: &Place<S>) -> FeedRates<S> {
         let zero = S::of(0.0);
-        let volume = self.volume_at(at.extension);
+        let [volume, grows, swells] = self.space(at.extension, held.pressure);
         let constant = S::of(self.gas.constant);
         let own = held.pressure * volume / (held.mass * constant);
         let air = (self.ambient, self.temperature);
@@ -282,14 +291,17 @@ impl<S: Single> Feed<S> {
                 *all = *all - one;
             }
         }
-        let growth = self.area * at.speed;
-        let work = held.pressure * growth;
+        // V̇ = V_d ḋ + V_P Ṗ.
+        let pushed = constant * heating - held.pressure * grows * at.speed;
+        let room = volume + self.exponent * held.pressure * swells;
+        let rate = self.exponent * pushed / room;
+        let work = held.pressure * (grows * at.speed + swells * rate);
         let pushed = constant * heating - work;
         let exchange =
             (self.exponent - S::of(self.gas.heat_ratio)) / S::of(self.gas.heat_ratio - 1.0);
         FeedRates {
             held: Held {
-                pressure: self.exponent * pushed / volume,
+                pressure: rate,
                 mass: inflow,
             },
             drawn,

@@ -6,6 +6,7 @@ use saltus_numeric::{Scalar, Single};
 use saltus_robot::{Robot, Term};
 
 use crate::chamber::Chamber;
+use crate::contractor::Contractor;
 use crate::feed::Feed;
 use crate::table::ForceSurface;
 
@@ -50,6 +51,8 @@ struct Cushion<S> {
 pub enum Drive<S> {
     /// A chamber under pressure.
     Pneumatic(Chamber<S>),
+    /// A muscle under pressure, with the ambient one (Pa).
+    Muscle(Box<Contractor<S>>, S),
     /// A spring released from compression: stiffness (N/m), compression at d = 0 (m).
     Spring(S, S),
     /// A constant force (N).
@@ -97,7 +100,13 @@ impl<S: Scalar> Leg<S> {
             feed: leg.cylinder().and_then(|c| Feed::new(robot, c, lift)),
             least_pulse: lift(Term::LeastPulse, leg.least_pulse),
             drive: match &leg.drive {
-                Kind::Pneumatic(c) => Drive::Pneumatic(Chamber::new(robot, c, lift)),
+                Kind::Pneumatic(c) => match Contractor::new(robot, c, lift) {
+                    Some(muscle) => Drive::Muscle(
+                        Box::new(muscle),
+                        lift(Term::Ambient, robot.environment.ambient.0),
+                    ),
+                    None => Drive::Pneumatic(Chamber::new(robot, c, lift)),
+                },
                 Kind::Spring {
                     stiffness,
                     compression,
@@ -234,6 +243,14 @@ impl<S: Single> Leg<S> {
                 wrt_pressure: chamber.area,
                 ..constant(self.plain_drive_force(chamber, p))
             },
+            Drive::Muscle(muscle, ambient) => {
+                let [value, wrt_extension, wrt_pressure] = muscle.at(d, p - *ambient).force;
+                Force {
+                    wrt_extension,
+                    wrt_pressure,
+                    ..constant(value)
+                }
+            }
             // Not cut off at 0, where the stance ends: so the event is one of a smooth function.
             Drive::Spring(stiffness, compression) => Force {
                 wrt_extension: on(-*stiffness),

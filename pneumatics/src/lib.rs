@@ -7,6 +7,7 @@
 //! Source: thesis §4.3; the exact reading is in the reference model (`docs/model.md`).
 
 mod chamber;
+mod contractor;
 mod feed;
 mod leg;
 mod muscle;
@@ -16,6 +17,7 @@ mod supply;
 mod table;
 
 pub use chamber::{Chamber, Flow, GasState, MEGA, Valve, ValveLaw};
+pub use contractor::{Contracted, Contractor};
 pub use feed::{Feed, FeedRates, Held, Place, TankModel};
 pub use leg::{Drive, Force, Leg, Switches};
 pub use muscle::{Inflated, Muscle};

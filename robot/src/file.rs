@@ -3,14 +3,15 @@
 //! The document itself serves as the file's struct. With serde, each quantity would be one optional
 //! field for each of its units, and a value's line would be lost to the checks that come after.
 
-use crate::document::Node;
+use crate::document::{Node, Value};
 use crate::domain::Domain;
 use crate::files::Files;
 use crate::in_space;
 use crate::reading::terms;
 use crate::section::Section;
-use crate::table::force_table;
-use crate::{Boom, Cylinder, Drive, ForceTable, Gas, Robot, RobotError, Sensors, Term};
+use crate::table::{force_table, numbers};
+use crate::terms::FREE_CONTRACTION;
+use crate::{Boom, Cylinder, Drive, ForceTable, Gas, Muscle, Robot, RobotError, Sensors, Term};
 
 /// The robot that `document` describes; files that it names are found in `files`.
 pub(crate) fn robot(document: Node, files: Files) -> Result<Robot, RobotError> {
@@ -96,8 +97,10 @@ fn drive(s: &mut Section) -> Result<Drive, RobotError> {
         ("spring", 1),
         ("constant", 2),
         ("table", 3),
+        ("muscle", 4),
     ];
-    let kind = s.choice("kind", &kinds, "pneumatic, spring, constant or table");
+    let allowed = "pneumatic, muscle, spring, constant or table";
+    let kind = s.choice("kind", &kinds, allowed);
     // Without its kind, nobody knows the leg's keys.
     s.stop_at_problem()?;
     Ok(match kind {
@@ -107,6 +110,10 @@ fn drive(s: &mut Section) -> Result<Drive, RobotError> {
             compression: 0.0,
         },
         2 => Drive::Constant { force: 0.0 },
+        4 => Drive::Pneumatic(Cylinder {
+            muscle: Some(Muscle::default()),
+            ..Cylinder::default()
+        }),
         _ => Drive::Table(ForceTable::default()),
     })
 }
@@ -127,14 +134,34 @@ fn read_leg(mut s: Section, robot: &mut Robot, files: Files) -> Result<(), Robot
     }
     match &mut robot.leg.drive {
         Drive::Pneumatic(_) => {
-            for part in ["exhaust_port", "tube"] {
-                s.optional_table(part, |s| table(s, &format!("leg.{part}"), robot));
+            if robot.leg.cylinder().is_some_and(|c| c.muscle.is_some()) {
+                let mut muscle = s.table("muscle");
+                s.stop_at_problem()?;
+                free_contraction(&mut muscle, robot);
+                table(muscle, "leg.muscle", robot)?;
+            } else {
+                s.optional_table("exhaust_port", |s| table(s, "leg.exhaust_port", robot));
             }
+            s.optional_table("tube", |s| table(s, "leg.tube", robot));
         }
         Drive::Table(table) => *table = force_table(&mut s, robot.leg.stroke, files),
         _ => {}
     }
     s.finish(())
+}
+
+/// Reads the coefficients of a muscle's free contraction.
+fn free_contraction(s: &mut Section, robot: &mut Robot) {
+    let allowed = "a list of five finite numbers, of which the first, the free contraction without \
+                   pressure, is > 0";
+    let read = |value: &Value| {
+        let numbers: [f64; 5] = numbers(value)?.try_into().ok()?;
+        (numbers[0] > 0.0).then_some(numbers)
+    };
+    let found = s.value(FREE_CONTRACTION, allowed, read);
+    if let Some(muscle) = robot.leg.cylinder_mut().and_then(|c| c.muscle.as_mut()) {
+        muscle.free_contraction = found.unwrap_or_default();
+    }
 }
 
 /// Reads the tank, which only legs that work by gas have.
@@ -147,7 +174,21 @@ fn read_tank(s: Section, robot: &mut Robot) -> Result<(), RobotError> {
             allowed: "left out for a leg that is not pneumatic: leg.kind".into(),
         });
     }
-    table(s, "tank", robot)
+    let place = s.place().clone();
+    table(s, "tank", robot)?;
+    let scaled = robot.space.as_ref().and_then(|space| {
+        let mut legs = space.legs.iter();
+        legs.find(|leg| leg.force.to_bits() != 1.0_f64.to_bits())
+    });
+    match scaled {
+        None => Ok(()),
+        Some(leg) => Err(RobotError::NotAllowed {
+            place,
+            key: "legs.force".into(),
+            value: leg.force.to_string(),
+            allowed: "1 for legs that one tank feeds: they have one supply pressure".into(),
+        }),
+    }
 }
 
 const GASES: [(&str, Gas); 3] = [

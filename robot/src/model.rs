@@ -313,6 +313,8 @@ pub struct Cylinder {
     pub spool_time: f64,
     /// The tube between valve and chamber; none: they are one piece.
     pub tube: Option<Tube>,
+    /// The muscle in place of a piston; none: a cylinder of that bore.
+    pub muscle: Option<Muscle>,
 }
 
 impl Cylinder {
@@ -329,6 +331,54 @@ impl Cylinder {
             * std::f64::consts::PI
             * self.orifice_radius
             * self.orifice_radius
+    }
+}
+
+/// A pneumatic muscle that drives a leg: it contracts as the leg extends.
+///
+/// At full length its pull is `force` p, and falls there by `slope` p for each metre of contraction;
+/// it ends, with a slope of 0, at the free contraction, a polynomial in the gauge pressure p.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Muscle {
+    /// Force at full length for each pascal (N/Pa), > 0.
+    pub force: f64,
+    /// Its fall there with the contraction for each pascal (N/(Pa m)), ≥ 0.
+    pub slope: f64,
+    /// Coefficients of the free contraction (m), lowest power of the gauge pressure (Pa) first; the
+    /// first is > 0.
+    pub free_contraction: [f64; 5],
+    /// Contraction of muscle and tendon for each metre that the leg extends, > 0.
+    pub lever: f64,
+    /// Stiffness of the tendon in series (N/m), > 0; infinite: none.
+    pub tendon_stiffness: f64,
+}
+
+/// One without numbers, on a lever of 1 and without a tendon.
+impl Default for Muscle {
+    fn default() -> Muscle {
+        Muscle {
+            force: 0.0,
+            slope: 0.0,
+            free_contraction: [0.0; 5],
+            lever: 1.0,
+            tendon_stiffness: f64::INFINITY,
+        }
+    }
+}
+
+impl Muscle {
+    /// Greatest free contraction (m) between no pressure and a gauge pressure (Pa): on a thousand
+    /// points.
+    pub fn greatest_free_contraction(&self, pressure: f64) -> f64 {
+        const POINTS: u32 = 1000;
+        let at = |k: u32| {
+            let p = pressure * f64::from(k) / f64::from(POINTS);
+            self.free_contraction
+                .iter()
+                .rev()
+                .fold(0.0, |sum, c| sum * p + c)
+        };
+        (0..=POINTS).map(at).fold(0.0, f64::max)
     }
 }
 

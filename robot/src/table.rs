@@ -90,7 +90,7 @@ impl Axis {
 }
 
 /// The finite numbers of a list.
-fn numbers(value: &Value) -> Option<Vec<f64>> {
+pub(crate) fn numbers(value: &Value) -> Option<Vec<f64>> {
     let Value::Array(items) = value else {
         return None;
     };

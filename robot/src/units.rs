@@ -108,6 +108,7 @@ quantities! {
     PRESSURE, "Pa", [1, -1, -2]: "_pa" Unit::SI, "_kpa" Unit::Decimal(3), "_bar" Unit::Decimal(5), "_psi" PSI;
     PRESSURE_PER_FLOW, "Pa s/kg", [0, -1, -1]: "_pa_s_per_kg" Unit::SI;
     FORCE_PER_PRESSURE, "N/Pa", [0, 2, 0]: "_n_per_pa" Unit::SI, "_mm2" Unit::Decimal(-6);
+    FORCE_PER_PRESSURE_LENGTH, "N/(Pa m)", [0, 1, 0]: "_n_per_pa_m" Unit::SI;
     TEMPERATURE, "K", [0, 0, 0]: "_k" Unit::SI;
     THERMAL_RESISTANCE, "K/W", [-1, -2, 3]: "_k_per_w" Unit::SI;
     GAS_CONSTANT, "J/(kg K)", [0, 2, -2]: "_j_per_kg_k" Unit::SI;

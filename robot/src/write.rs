@@ -3,7 +3,7 @@
 use std::fmt::{self, Formatter};
 
 use crate::in_space;
-use crate::terms::SECTIONS;
+use crate::terms::{FREE_CONTRACTION, SECTIONS};
 use crate::{Drive, ForceTable, Robot, Term};
 
 impl Robot {
@@ -47,6 +47,7 @@ fn write_section(f: &mut Formatter<'_>, name: &str, robot: &Robot) -> fmt::Resul
             in_space::body_lines,
         ),
         "leg" => format!("kind = {}\n", quoted(kind(&robot.leg.drive))),
+        "leg.muscle" => muscle_line(robot),
         _ => String::new(),
     };
     let terms = Term::ALL
@@ -77,9 +78,18 @@ fn line(term: Term, robot: &Robot) -> Option<String> {
     Some(format!("{}{unit} = {value:?}\n", term.stem(robot)))
 }
 
+/// The coefficients of a muscle's free contraction.
+fn muscle_line(robot: &Robot) -> String {
+    let muscle = robot.leg.cylinder().and_then(|cylinder| cylinder.muscle);
+    muscle.map_or_else(String::new, |muscle| {
+        format!("{FREE_CONTRACTION} = {:?}\n", muscle.free_contraction)
+    })
+}
+
 /// The kind of a leg in a file.
 fn kind(drive: &Drive) -> &'static str {
     match drive {
+        Drive::Pneumatic(cylinder) if cylinder.muscle.is_some() => "muscle",
         Drive::Pneumatic(_) => "pneumatic",
         Drive::Spring { .. } => "spring",
         Drive::Constant { .. } => "constant",

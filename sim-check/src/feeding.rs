@@ -50,6 +50,8 @@ pub(crate) struct Line<'a> {
     /// How far its valve is open after a time (s).
     pub opening: &'a dyn Fn(f64) -> f64,
     pub port_open: bool,
+    /// So far: gas from the tank and to the atmosphere (kg), and the work of the gas (J).
+    pub moved: [f64; 3],
 }
 
 /// Longest sub-step (s).
@@ -86,6 +88,12 @@ pub(crate) fn advance(lines: &mut [Line<'_>], tank: &mut Held<f64>, h: f64) {
             .map(|(line, first)| line.step(middle, first, t, tau))
             .collect();
         *tank = feed.tank_after(*tank, drawn(&second), tau);
+        for (line, rates) in lines.iter_mut().zip(&second) {
+            let rates = [rates.drawn[0], rates.vented[0], rates.work];
+            for (moved, rate) in line.moved.iter_mut().zip(rates) {
+                *moved += tau * rate;
+            }
+        }
     }
 }
 

@@ -539,9 +539,13 @@ fn missing(robot: &Robot) -> Vec<String> {
 }
 
 /// The same of its legs.
-fn missing_of_leg(robot: &Robot) -> [Option<String>; 6] {
+fn missing_of_leg(robot: &Robot) -> [Option<String>; 8] {
     let leg = &robot.leg;
     let drive = match &leg.drive {
+        Drive::Pneumatic(cylinder) if cylinder.muscle.is_some() => {
+            "the muscles in the legs: integrate their gas outside, and give the motor the lever's \
+             ratio times the pull"
+        }
         Drive::Pneumatic(_) => {
             "the gas in the legs: integrate the chamber outside, and give the motor (P - P_a) A"
         }
@@ -551,6 +555,11 @@ fn missing_of_leg(robot: &Robot) -> [Option<String>; 6] {
     let constant = |spring: &ReturnSpring| spring.stiffness == 0.0 && spring.preload > 0.0;
     [
         Some(drive.into()),
+        robot.tank.map(|tank| {
+            let litres = 1e3 * tank.volume;
+            format!("the tank of {litres} l: its pressure falls with what the legs draw")
+        }),
+        lags(robot),
         scatter(robot),
         seal.map(|c| format!("seal friction of {} N/Pa", c.seal_friction)),
         leg.return_spring.filter(constant).map(|spring| {
@@ -567,6 +576,26 @@ fn missing_of_leg(robot: &Robot) -> [Option<String>; 6] {
                 .into()
         }),
     ]
+}
+
+/// What lies between the command of a valve and the gas in its chamber.
+fn lags(robot: &Robot) -> Option<String> {
+    let cylinder = robot.leg.cylinder()?;
+    let mut all = Vec::new();
+    if let Some(tube) = cylinder.tube.filter(|tube| tube.length > 0.0) {
+        let [length, diameter] = [tube.length, 1e3 * tube.diameter];
+        all.push(format!("a tube of {length} m and {diameter} mm"));
+    }
+    if cylinder.spool_time > 0.0 {
+        all.push(format!(
+            "a spool's time constant of {} s",
+            cylinder.spool_time
+        ));
+    }
+    if let Some(delay) = robot.leg.closing_delay {
+        all.push(format!("a delay of {delay} s on closing"));
+    }
+    (!all.is_empty()).then(|| format!("between valve and chamber: {}", all.join(", ")))
 }
 
 /// How the drives of its legs differ.

@@ -7,8 +7,8 @@
 mod page;
 mod spec;
 
-pub(crate) use page::SECTIONS;
 pub use page::page;
+pub(crate) use page::{FREE_CONTRACTION, SECTIONS};
 pub use spec::{Cause, Fit, Form, Plane, Spec};
 
 use std::f64::consts::FRAC_PI_4;
@@ -18,8 +18,8 @@ use spec::{Lens, direct, inverse};
 use crate::domain::Domain;
 use crate::units::{
     ACCELERATION, ANGLE, ANGULAR_RATE, ANGULAR_STIFFNESS, AREA, DAMPING, FORCE, FORCE_PER_PRESSURE,
-    GAS_CONSTANT, INERTIA, LENGTH, MASS, NUMBER, PER_LENGTH, PRESSURE, PRESSURE_PER_FLOW,
-    STIFFNESS, TEMPERATURE, THERMAL_RESISTANCE, TIME, TORQUE, VOLUME,
+    FORCE_PER_PRESSURE_LENGTH, GAS_CONSTANT, INERTIA, LENGTH, MASS, NUMBER, PER_LENGTH, PRESSURE,
+    PRESSURE_PER_FLOW, STIFFNESS, TEMPERATURE, THERMAL_RESISTANCE, TIME, TORQUE, VOLUME,
 };
 use crate::{Drive, LegBody, Robot, Sensors};
 
@@ -213,7 +213,7 @@ terms! {
     GasConstant = Spec::needed("leg.gas.constant", GAS_CONSTANT, at!(cylinder, gas.constant))
         .within(|_| Domain::POSITIVE);
     /// Bore diameter (m).
-    Bore = Spec::needed("leg.bore", LENGTH, at!(cylinder, bore))
+    Bore = Spec::needed("leg.bore", LENGTH, Lens { has: has_piston, ..at!(cylinder, bore) })
         .within(|_| Domain::POSITIVE)
         .shown("bore_mm = 19.05", "");
     /// Chamber volume at d = 0, V_0 (m³).
@@ -275,7 +275,11 @@ terms! {
             })
             .hidden(&[1.0]);
     /// Coulomb friction of the seal for each pascal of the chamber's gauge pressure (N/Pa).
-    SealFriction = Spec::optional("leg.seal_friction", FORCE_PER_PRESSURE, at!(cylinder, seal_friction))
+    SealFriction = Spec::optional(
+        "leg.seal_friction",
+        FORCE_PER_PRESSURE,
+        Lens { has: has_piston, ..at!(cylinder, seal_friction) },
+    )
         .shown(
             "seal_friction_n_per_pa = 1e-5",
             "or in _mm2: Coulomb friction for each pascal of gauge pressure",
@@ -356,7 +360,7 @@ terms! {
     PortPosition = Spec::needed(
         "leg.exhaust_port.position",
         LENGTH,
-        at!(cylinder, exhaust_port => position),
+        Lens { has: has_piston, ..at!(cylinder, exhaust_port => position) },
     )
     .within(|r| Domain::POSITIVE.below(r.leg.stroke))
     .shown("position_mm = 55", "")
@@ -371,11 +375,42 @@ terms! {
     )
     .seen_in(|r| r.leg.cylinder().is_some_and(|c| c.exhaust_port.is_none()));
     /// Effective area of the exhaust port (m²).
-    PortArea = Spec::needed("leg.exhaust_port.area", AREA, at!(cylinder, exhaust_port => area))
+    PortArea = Spec::needed("leg.exhaust_port.area", AREA, Lens { has: has_piston, ..at!(cylinder, exhaust_port => area) })
         .within(|_| Domain::POSITIVE)
         .shown("area_mm2 = 20", "effective")
         .cause("exhaust-port", "", |_, _| direct(0.0, (1e-8, 1e-3), 5e-6, &[2e-5]))
     .seen_in(|r| r.leg.cylinder().is_some_and(|c| c.exhaust_port.is_none()));
+
+    /// Force of a muscle at full length for each pascal (N/Pa).
+    MuscleForce = Spec::needed(
+        "leg.muscle.force",
+        FORCE_PER_PRESSURE,
+        Lens { has: has_muscle, ..at!(cylinder, muscle => force) },
+    )
+    .within(|_| Domain::POSITIVE);
+    /// Its fall with the contraction at full length, for each pascal (N/(Pa m)).
+    MuscleSlope = Spec::needed(
+        "leg.muscle.slope",
+        FORCE_PER_PRESSURE_LENGTH,
+        Lens { has: has_muscle, ..at!(cylinder, muscle => slope) },
+    )
+    .within(muscle_slope);
+    /// Contraction of muscle and tendon for each metre that the leg extends.
+    MuscleLever = Spec::optional(
+        "leg.muscle.lever",
+        NUMBER,
+        Lens { has: has_muscle, ..at!(cylinder, muscle => lever) },
+    )
+    .within(|_| Domain::POSITIVE)
+    .without(|_| Some(1.0));
+    /// Stiffness of the tendon in series with the muscle (N/m).
+    TendonStiffness = Spec::optional(
+        "leg.muscle.tendon_stiffness",
+        STIFFNESS,
+        Lens { has: has_muscle, ..at!(cylinder, muscle => tendon_stiffness) },
+    )
+    .within(|_| Domain::POSITIVE.or_infinite())
+    .without(|_| Some(f64::INFINITY));
 
     /// Length of the tube between valve and chamber (m).
     TubeLength = Spec::needed("leg.tube.length", LENGTH, at!(cylinder, tube => length))
@@ -693,6 +728,26 @@ pub(crate) const SUPPLY: &str = "leg.supply_pressure_gauge";
 
 fn heat_ratio(robot: &Robot) -> f64 {
     robot.leg.cylinder().map_or(1.0, |c| c.gas.heat_ratio)
+}
+
+fn has_muscle(robot: &Robot) -> bool {
+    robot.leg.cylinder().is_some_and(|c| c.muscle.is_some())
+}
+
+fn has_piston(robot: &Robot) -> bool {
+    robot.leg.cylinder().is_some_and(|c| c.muscle.is_none())
+}
+
+/// The slopes of a muscle that does not push before its free contraction.
+fn muscle_slope(robot: &Robot) -> Domain {
+    let most = robot.leg.cylinder().and_then(|c| {
+        let muscle = c.muscle?;
+        let end = muscle.greatest_free_contraction(c.supply.0);
+        (end > 0.0).then(|| 3.0 * muscle.force / end)
+    });
+    Domain::NON_NEGATIVE
+        .up_to(most.unwrap_or(0.0))
+        .because(", 3 times the force over the free contraction: a muscle does not push")
 }
 
 /// The masses (kg) that the legs of a robot may have: they leave some mass and inertia to the wheel.

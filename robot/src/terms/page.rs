@@ -31,7 +31,10 @@ pub(crate) const SECTIONS: &[Section] = &[
     },
     Section {
         first: &[
-            ("kind = \"pneumatic\"", "or spring, constant, table: below"),
+            (
+                "kind = \"pneumatic\"",
+                "or muscle, spring, constant, table: below",
+            ),
             (
                 "gas = { heat_ratio = 1.4, constant_j_per_kg_k = 287.05 }",
                 "or \"air\", \"co2\", \"nitrogen\"",
@@ -49,6 +52,7 @@ pub(crate) const SECTIONS: &[Section] = &[
         "leg.cushion",
         "optional: over the last length of the stroke",
     ),
+    section("leg.muscle", ""),
     section("leg.tube", "optional: between the valve and the chamber"),
     section(
         "tank",
@@ -72,6 +76,9 @@ pub(crate) const SECTIONS: &[Section] = &[
         "optional, as is each key: what a running robot measures with",
     ),
 ];
+
+/// Key of the coefficients of a muscle's free contraction (m; the gauge pressure in Pa).
+pub(crate) const FREE_CONTRACTION: &str = "free_contraction_m";
 
 /// Column in which the notes begin.
 const NOTES: usize = 38;

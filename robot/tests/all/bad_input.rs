@@ -390,7 +390,7 @@ fn values_of_the_wrong_type() {
     check(
         "\"pneumatic\"",
         "\"piston\"",
-        "hopper.toml:8: leg.kind = \"piston\": must be pneumatic, spring, constant or table",
+        "hopper.toml:8: leg.kind = \"piston\": must be pneumatic, muscle, spring, constant or table",
     );
     check(
         "\"air\"",
@@ -478,7 +478,7 @@ fn keys_unknown_missing_or_twice() {
     check(
         "kind = \"pneumatic\"",
         "",
-        "hopper.toml:7: missing key leg.kind: pneumatic, spring, constant or table",
+        "hopper.toml:7: missing key leg.kind: pneumatic, muscle, spring, constant or table",
     );
     check(
         "stroke_m = 0.06",
@@ -948,4 +948,60 @@ fn what_a_robot_carries_its_gas_in() {
         "--set tank.volume_l=1: tank = a table: must be left out for a leg that is not pneumatic: \
          leg.kind"
     );
+}
+
+/// A leg with a muscle, as `docs/robots.md` has it.
+#[test]
+fn what_is_no_muscle() {
+    let readme = include_str!("../../robots/README.md");
+    let examples = readme.split("```toml\n").skip(1);
+    let mut texts = examples.filter_map(|rest| rest.split("```").next());
+    let sound = texts
+        .find(|text| text.contains("kind = \"muscle\""))
+        .expect("it is there");
+    let robot = Robot::parse(sound, "leg.toml", Path::new(".")).expect("sound");
+    let again = Robot::parse(&robot.to_toml(), "leg.toml", Path::new("."));
+    assert_eq!(again.expect("sound"), robot);
+    let refused = |old: &str, new: &str, expected: &str| {
+        assert!(sound.contains(old), "{old}");
+        let said = complaint(&sound.replacen(old, new, 1)).replace("hopper.toml", "leg.toml");
+        assert!(said.contains(expected), "{said}");
+    };
+    refused(
+        "force_n_per_pa = 1.966e-3",
+        "force_n_per_pa = 0",
+        "leg.muscle.force_n_per_pa = 0: must be a finite number > 0",
+    );
+    refused(
+        "slope_n_per_pa_m = 0.03554",
+        "slope_n_per_pa_m = 0.2",
+        "3 times the force over the free contraction: a muscle does not push",
+    );
+    refused(
+        "free_contraction_m = [0.0305584,",
+        "free_contraction_m = [-0.0305584,",
+        "leg.muscle.free_contraction_m = [-0.0305584, 7.58362e-7, -4.9158e-12, 1.…: must be a list of \
+         five finite numbers, of which the first, the free contraction without pressure, is > 0",
+    );
+    refused(
+        "free_contraction_m = [0.0305584,",
+        "free_contraction_m = [",
+        "must be a list of five finite numbers",
+    );
+    refused(
+        "lever = 1 ",
+        "lever = nan ",
+        "leg.muscle.lever = nan: must be a finite number > 0",
+    );
+    refused(
+        "tendon_stiffness_n_per_m = 4000",
+        "tendon_stiffness_n_per_m = 0",
+        "leg.muscle.tendon_stiffness_n_per_m = 0: must be a finite number > 0, or inf",
+    );
+    refused(
+        "dead_volume_cm3 = 42.43",
+        "bore_mm = 20\ndead_volume_cm3 = 42.43",
+        "unknown key leg.bore_mm",
+    );
+    refused("[leg.muscle]", "[leg.muscles]", "unknown key leg.muscles");
 }

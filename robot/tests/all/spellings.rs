@@ -299,7 +299,7 @@ fn the_examples_of_the_readme_are_sound() {
         .skip(1)
         .filter_map(|rest| rest.split("```").next())
         .collect();
-    assert_eq!(examples.len(), 6);
+    assert_eq!(examples.len(), 7);
     let write_anew = "cargo run -p saltus-robot --example keys";
     assert_eq!(examples[0], saltus_robot::terms::page(), "{write_anew}");
     for example in examples {

@@ -36,6 +36,8 @@ pub(super) struct Fixed {
     rates: Vec<f64>,
     /// Watches at the start.
     watched: Vec<f64>,
+    /// What the gas of each fed leg has moved in the step: [`Line::moved`].
+    moved: Vec<[f64; 3]>,
     /// The ground's impulses (N s) on points since they were asked for, where somebody asks.
     pub(super) impulses: Option<Vec<(usize, Vec3)>>,
 }
@@ -64,6 +66,7 @@ impl Fixed {
             mean: vec![0.0; layout.velocities],
             rates: vec![0.0; layout.coordinates],
             watched: Vec::new(),
+            moved: vec![[0.0; 3]; layout.legs],
             impulses: None,
         }
     }
@@ -199,7 +202,9 @@ impl Sim<'_> {
             let acceleration = std::mem::take(&mut fixed.acceleration);
             let gas = layout.gas()..layout.works();
             fixed.middle[gas.clone()].copy_from_slice(&self.y[gas]);
-            self.feed(&mut fixed.middle, &acceleration, (0.0, 0.5 * h));
+            fixed.moved.fill([0.0; 3]);
+            let (middle, moved) = (&mut fixed.middle, &mut fixed.moved);
+            self.feed((middle, moved), &acceleration, (0.0, 0.5 * h));
             fixed.acceleration = acceleration;
             return;
         }
@@ -251,8 +256,31 @@ impl Sim<'_> {
         gas.u
     }
 
-    /// Goes on with the gas of fed legs in `to`, from `from` into the step for `h` (s).
-    fn feed(&self, to: &mut [f64], acceleration: &[f64], (from, h): (f64, f64)) {
+    /// Puts into the accounts at the end of the step what the gas of fed legs has moved, which the
+    /// rates in the middle of a step tell roughly alone.
+    fn account_gas(&mut self, fixed: &Fixed) {
+        let layout = self.layout;
+        for (leg, moved) in fixed.moved.iter().enumerate() {
+            let part = &self.machine.mechanism.legs[leg].leg;
+            let (Some(at), Some(_)) = (layout.account(leg), &part.feed) else {
+                continue;
+            };
+            let at = layout.works() + at;
+            let per_mass = part.chamber().map_or(1.0, Chamber::pressure_per_mass);
+            self.next[at + 2] = self.y[at + 2] + per_mass * moved[0];
+            self.next[at + 3] = self.y[at + 3] + per_mass * moved[1];
+            self.next[at + 4] = self.y[at + 4] + moved[2];
+        }
+    }
+
+    /// Goes on with the gas of fed legs in a state, and with what it moves, from `from` into the step
+    /// for `h` (s).
+    fn feed(
+        &self,
+        (to, moved): (&mut [f64], &mut [[f64; 3]]),
+        acceleration: &[f64],
+        (from, h): (f64, f64),
+    ) {
         let (layout, mechanism) = (self.layout, self.machine.mechanism);
         let Some(shared) = mechanism.feed() else {
             return;
@@ -282,6 +310,7 @@ impl Sim<'_> {
                 path,
                 opening,
                 port_open: self.mode.legs[leg].port_open,
+                moved: moved[leg],
             })
             .collect();
         let mut tank = tank_of(layout, shared, to);
@@ -289,9 +318,11 @@ impl Sim<'_> {
             tank = shared.tank_after(tank, [0.0; 2], h);
         }
         feeding::advance(&mut lines, &mut tank, h);
-        let held: Vec<Held<f64>> = lines.iter().map(|line| line.held).collect();
-        for (&(leg, feed, _), held) in legs.iter().zip(held) {
+        let after: Vec<(Held<f64>, [f64; 3])> =
+            lines.iter().map(|line| (line.held, line.moved)).collect();
+        for (&(leg, feed, _), (held, gone)) in legs.iter().zip(after) {
             put_gas(layout, feed, leg, held, to);
+            moved[leg] = gone;
         }
         put_tank(layout, shared, tank, to);
         to[layout.clock()] = now + h;
@@ -370,7 +401,8 @@ impl Sim<'_> {
             let mut next = std::mem::take(&mut self.next);
             let gas = layout.gas()..layout.works();
             next[gas.clone()].copy_from_slice(&fixed.middle[gas]);
-            self.feed(&mut next, &fixed.next_acceleration, (0.5 * h, 0.5 * h));
+            let to = (&mut next[..], &mut fixed.moved[..]);
+            self.feed(to, &fixed.next_acceleration, (0.5 * h, 0.5 * h));
             self.next = next;
         } else {
             for leg in 0..layout.legs {
@@ -382,6 +414,7 @@ impl Sim<'_> {
         let works = layout.works();
         self.next[works..].copy_from_slice(&self.y[works..]);
         self.machine.step_works(h, &mut self.next[works..]);
+        self.account_gas(fixed);
         let is_sound = self.next.iter().all(|x| x.abs() < BOUND);
         if is_sound {
             Ok(())

@@ -45,12 +45,15 @@ impl Sim<'_> {
         Some([tank.pressure, feed.tank_temperature(tank)])
     }
 
-    /// Gas (kg) in the chamber of leg `leg` with its tube, and in the tank; none for legs that are
-    /// not fed from one.
-    pub fn gas(&self, leg: usize) -> Option<[f64; 2]> {
+    /// Gas (kg) in the tank and in all chambers with their tubes; none for legs that are not fed.
+    pub fn gas(&self) -> Option<f64> {
         let feed = self.machine.mechanism.feed()?;
-        let tank = tank_of(self.layout, feed, &self.y);
-        Some([gas_of(self.layout, feed, leg, &self.y).mass, tank.mass])
+        let legs = self.machine.mechanism.legs.iter().enumerate();
+        let held = legs.filter_map(|(leg, part)| {
+            let feed = part.leg.feed.as_ref()?;
+            Some(gas_of(self.layout, feed, leg, &self.y).mass)
+        });
+        Some(tank_of(self.layout, feed, &self.y).mass + held.sum::<f64>())
     }
 
     /// The contacts that are closed, with their forces.
@@ -207,7 +210,9 @@ impl Sim<'_> {
         let extension = self.y[self.machine.mechanism.tree.coordinate_of(part.body)];
         let feed = part.leg.feed.as_ref();
         let plain = || part.leg.chamber().map(|c| c.volume(extension));
-        let volume = feed.map(|feed| feed.volume_at(extension)).or_else(plain);
+        let volume = feed
+            .map(|feed| feed.volume_at(extension, self.pressure(leg)))
+            .or_else(plain);
         volume.map_or(0.0, |volume| self.pressure(leg) * volume)
     }
 }

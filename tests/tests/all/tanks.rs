@@ -305,10 +305,7 @@ fn the_simulation_loses_no_gas() {
             ..Settings::default()
         };
         let mut sim = Sim::new(&rig.mechanism, &q, &v, settings).expect("a start");
-        let gas = |sim: &Sim<'_>| -> f64 {
-            let held: f64 = (0..5).map(|leg| sim.gas(leg).expect("a tank")[0]).sum();
-            held + sim.gas(0).expect("a tank")[1]
-        };
+        let gas = |sim: &Sim<'_>| sim.gas().expect("a tank");
         let (before, full) = (gas(&sim), sim.tank().expect("a tank"));
         sim.fire(0, 0.05).expect("a command");
         sim.run(0.1, &[]).expect("a motion");
@@ -320,14 +317,8 @@ fn the_simulation_loses_no_gas() {
         );
         let released: f64 = (0..5).map(|leg| sim.account(leg).released).sum();
         let left = gas(&sim) + released;
-        // In fixed steps the account is kept by the rates in the middle of each.
-        let close = if stepping == Stepping::Adaptive {
-            1e-9
-        } else {
-            2e-3
-        };
         assert!(
-            (left - before).abs() < close * before,
+            (left - before).abs() < 1e-9 * before,
             "{stepping:?}: {before} {left}"
         );
         let now = sim.tank().expect("a tank");
@@ -417,5 +408,144 @@ fn derivatives_are_those_of_differences() {
                 "{term:?} {what}: {found} {wanted}"
             );
         }
+    }
+}
+
+/// The muscle of `GTDynamics`' jumping robot in the leg of `rats-planar`, with more.
+fn muscle(more: &[&str]) -> Robot {
+    const LEG: &str = "leg={kind='muscle', gas='air', stroke_m=0.06, valve_delay_ms=10, \
+        viscous_friction_n_s_per_m=5, coulomb_friction_n=5, dead_volume_cm3=42.43, \
+        supply_pressure_gauge_pa=448159, discharge_coefficient=0.54, orifice_radius_mm=1.5, \
+        gas_temperature_k=296.15, muscle={force_n_per_pa=1.966409e-3, slope_n_per_pa_m=0.035541599, \
+        free_contraction_m=[0.0305583930, 7.58361626e-7, -4.91579771e-12, 1.42792618e-17, \
+        -1.54817477e-23]}}";
+    rats(&[&[LEG], more].concat())
+}
+
+#[test]
+fn a_muscle_is_the_same_in_both_models_and_loses_no_energy() {
+    for more in [
+        vec!["leg.muscle.lever=1"],
+        vec!["leg.muscle.tendon_stiffness_n_per_m=4000"],
+        vec![
+            "tank.volume_l=1.475",
+            "leg.muscle.tendon_stiffness_n_per_m=8200",
+            "leg.muscle.lever=0.8",
+        ],
+        [
+            vec![
+                "tank.volume_l=0.5",
+                "leg.muscle.tendon_stiffness_n_per_m=4000",
+            ],
+            ALL[1..].to_vec(),
+        ]
+        .concat(),
+    ] {
+        let robot = muscle(&more);
+        for launch in [
+            Launch::at_firing(5.0, -0.1, 0.2),
+            Launch::at_firing(0.0, 0.02, 0.1),
+        ] {
+            let stance = stance(&robot);
+            let planar = stance.jump(&launch).expect("a stance");
+            let found = simulated(&robot, &launch, Stepping::Adaptive)
+                .lift_off
+                .expect("a lift-off");
+            assert_eq!(planar.outcome, Outcome::Stroke, "{more:?}");
+            assert_eq!(planar.outcome, found.outcome, "{more:?}");
+            for (what, a, b) in [
+                ("time", planar.time, found.time),
+                ("lean", planar.lean, found.lean),
+                ("speed ahead", planar.axle_rates[0], found.axle_rates[0]),
+                ("speed up", planar.axle_rates[1], found.axle_rates[1]),
+                ("pressure", planar.pressure / 1e6, found.pressure / 1e6),
+            ] {
+                assert!(
+                    (a - b).abs() < NEAR * (1.0 + a.abs()),
+                    "{more:?} {what}: {a} {b}"
+                );
+            }
+            if let Some(full) = stance.full_tank() {
+                let drawn = stance
+                    .jump_from(&launch, &full)
+                    .expect("a stance")
+                    .expect("a tank");
+                let [mass, energy] = drawn.1.residuals;
+                assert!(
+                    mass.abs() < 1e-12 && energy.abs() < 1e-9,
+                    "{mass:e} {energy:e}"
+                );
+            }
+        }
+    }
+    // The pull through a tendon of no compliance, and what a lever does to it.
+    let apex = |more: &[&str]| {
+        let end = stance(&muscle(more))
+            .jump(&Launch::at_firing(0.0, 0.02, 0.2))
+            .expect("a stance");
+        end.axle_rates[1]
+    };
+    let rigid = apex(&[]);
+    let stiff = apex(&["leg.muscle.tendon_stiffness_n_per_m=1e9"]);
+    assert!((rigid - stiff).abs() < 1e-5, "{rigid} {stiff}");
+    assert!(apex(&["leg.muscle.tendon_stiffness_n_per_m=4000"]) < rigid - 0.1);
+}
+
+/// The laws that a plan needs: derivatives of a muscle's jump.
+#[test]
+fn derivatives_of_a_muscle_are_those_of_differences() {
+    let robot = muscle(&[
+        "tank.volume_l=0.5",
+        "leg.muscle.tendon_stiffness_n_per_m=4000",
+    ]);
+    let launch = Launch::at_firing(4.0, -0.1, 0.2);
+    for term in [
+        Term::MuscleForce,
+        Term::MuscleSlope,
+        Term::MuscleLever,
+        Term::TendonStiffness,
+        Term::DeadVolume,
+    ] {
+        let lift = |other: Term, x: f64| {
+            if other == term {
+                Dual::<1>::variable(x, 0)
+            } else {
+                Dual {
+                    value: x,
+                    slope: [0.0],
+                }
+            }
+        };
+        let constant = |x: f64| Dual::<1> {
+            value: x,
+            slope: [0.0],
+        };
+        let lifted = Launch {
+            rate: constant(launch.rate),
+            lean: constant(launch.lean),
+            firing_angle: constant(launch.firing_angle),
+            valve_open: constant(launch.valve_open),
+        };
+        let found = Stance::new(&robot, lift)
+            .jump(&lifted)
+            .expect("a stance")
+            .extension_rate
+            .slope[0];
+        let value = term.of(&robot).expect("it has it");
+        let at = |x: f64| {
+            let mut moved = robot.clone();
+            term.set(&mut moved, x);
+            stance(&moved)
+                .jump(&launch)
+                .expect("a stance")
+                .extension_rate
+        };
+        let h = 3e-4 * value;
+        let wanted = (at(value + h) - at(value - h)) / (2.0 * h);
+        let off = (found - wanted).abs() * value;
+        assert!(
+            off < 1e-5 * (1.0 + wanted.abs() * value),
+            "{term:?}: {found} {wanted}"
+        );
     }
 }
