@@ -500,3 +500,157 @@ fn rounded_flow<S: Single>(law: &OrificeLaw, up: S, down: S) -> S {
     let headroom = of(1.0) - cooling;
     up * of(law.subsonic) * (ratio / cooling) * rounded(headroom)
 }
+
+#[cfg(test)]
+mod tests {
+    use saltus_robot::resolve;
+
+    use super::*;
+    use crate::Leg;
+    use crate::supply::{Line, Opening, Supply, Wall};
+
+    fn feed(set: &[&str]) -> Feed<f64> {
+        let set: Vec<String> = set.iter().map(ToString::to_string).collect();
+        let robot = resolve("rats-planar", &set).expect("a legal robot");
+        Leg::<f64>::new(&robot, |_, x| x).feed.expect("it is fed")
+    }
+
+    /// Chamber and tank after `time` (s) in `steps` midpoint steps, with the leg held.
+    fn filled(feed: &Feed<f64>, opening: f64, time: f64, steps: u32) -> (Held<f64>, Held<f64>) {
+        let h = time / f64::from(steps);
+        let place = Place {
+            extension: 0.0,
+            speed: 0.0,
+            opening,
+            port_open: false,
+        };
+        let after = |at: Held<f64>, rates: Held<f64>, h: f64| Held {
+            pressure: at.pressure + h * rates.pressure,
+            mass: at.mass + h * rates.mass,
+        };
+        let (mut held, mut tank) = (feed.at_rest(0.0), feed.full());
+        for _ in 0..steps {
+            let first = feed.rates(tank, held, &place);
+            let middle = feed.tank_after(tank, first.drawn, 0.5 * h);
+            let second = feed.rates(middle, after(held, first.held, 0.5 * h), &place);
+            held = after(held, second.held, h);
+            tank = feed.tank_after(tank, second.drawn, h);
+        }
+        (held, tank)
+    }
+
+    /// By [`Supply`], which carries masses and energies, and does not round the orifice law off.
+    #[test]
+    fn a_chamber_fills_as_from_a_supply() {
+        for wall in ["inf", "2", "0"] {
+            let wall_key = format!("tank.wall_resistance_k_per_w={wall}");
+            let own = feed(&["tank.volume_l=0.05", &wall_key]);
+            let gas = own.gas;
+            let ambient = [own.ambient, own.temperature];
+            let fill = Passage::Orifice(own.law, own.valve);
+            let insulated = Wall {
+                temperature: own.temperature,
+                resistance: f64::INFINITY,
+            };
+            let supply = Supply {
+                gas,
+                ambient,
+                tank: 0.05e-3,
+                wall: Wall {
+                    resistance: wall.parse().expect("a number"),
+                    ..insulated
+                },
+                outlet: None,
+                lines: vec![Line {
+                    fill,
+                    vent: fill,
+                    leak: None,
+                    wall: insulated,
+                }],
+            };
+            let full = own.full();
+            let mut stock =
+                supply.stock([full.pressure, own.temperature], &[(own.volume, ambient)]);
+            let open = [Opening {
+                fill: 1.0,
+                vent: 0.0,
+            }];
+            let (time, steps) = (0.004, 20_000_u32);
+            for _ in 0..steps {
+                let volume = [own.volume];
+                supply.advance(&mut stock, time / f64::from(steps), [&volume; 3], &open);
+            }
+            let (held, tank) = filled(&own, 1.0, time, steps);
+            let [pressure, _] = supply.state(stock.lines[0], own.volume);
+            let [tank_pressure, temperature] = supply.tank_state(&stock);
+            for (what, a, b) in [
+                ("pressure", held.pressure, pressure),
+                ("mass", held.mass, stock.lines[0].mass),
+                ("tank", tank.pressure, tank_pressure),
+                ("temperature", own.tank_temperature(tank), temperature),
+            ] {
+                // What the rounding of the law leaves.
+                assert!((a - b).abs() < 2e-6 * b, "{wall} {what}: {a} {b}");
+            }
+            assert!(held.pressure > 1.5 * own.ambient, "{held:?}");
+        }
+    }
+
+    /// A valve and a tube in series let through what both would, each with the pressure between them
+    /// on its side.
+    #[test]
+    fn valve_and_tube_carry_one_flow() {
+        let own = feed(&["leg.tube.length_m=0.7", "leg.tube.diameter_mm=3"]);
+        let [a, b] = own.tube.expect("a tube");
+        let tube = Passage::Tube(a, b);
+        let cold = own.temperature;
+        for (from, to) in [(9e5, 1e5), (9e5, 8.9e5), (4e5, 1e5), (1.02e5, 1e5)] {
+            for inwards in [true, false] {
+                let (source, chamber) = if inwards { (from, to) } else { (to, from) };
+                let flow = own.through(own.valve, 0.0, (source, cold), (chamber, cold));
+                assert_eq!(flow > 0.0, inwards);
+                let flow = flow.abs();
+                let fall = flow * (a + b * flow);
+                // The pressure between them, by the tube; then the valve.
+                let (up, down) = if inwards {
+                    (from, (to * to + fall).sqrt())
+                } else {
+                    ((from * from - fall).sqrt(), to)
+                };
+                let by_valve = own.valve / cold.sqrt() * rounded_flow(&own.law, up, down);
+                assert!(
+                    (by_valve - flow).abs() < 1e-12 * flow,
+                    "{from} {to}: {by_valve} {flow}"
+                );
+                let by_tube = if inwards {
+                    tube.flow([down, cold], to)
+                } else {
+                    tube.flow([from, cold], up)
+                };
+                assert!(
+                    (by_tube - flow).abs() < 1e-9 * flow,
+                    "{from} {to}: {by_tube} {flow}"
+                );
+            }
+        }
+        // Nothing flows between equal pressures.
+        assert_eq!(own.through(own.valve, 0.0, (2e5, cold), (2e5, cold)), 0.0);
+    }
+
+    #[test]
+    fn a_spool_opens_and_shuts_exponentially() {
+        let own = feed(&["leg.valve_time_constant_ms=2"]);
+        let open = own.opening(0.0, true, 3e-3);
+        assert!((open - (1.0 - (-1.5_f64).exp())).abs() < 1e-15);
+        let shut = own.opening(open, false, 1e-3);
+        assert!((shut - open * (-0.5_f64).exp()).abs() < 1e-15);
+        let quick = feed(&["tank.volume_l=1"]);
+        assert_eq!(
+            [
+                quick.opening(0.0, true, 0.0),
+                quick.opening(1.0, false, 0.0)
+            ],
+            [1.0, 0.0]
+        );
+    }
+}

@@ -150,7 +150,9 @@ impl<'a> Shot<'a> {
     fn forget_chamber(&mut self) {
         let leg = self.rig.mechanism.tree.velocity_of(self.rig.legs[0]);
         let (q, v) = (self.sim.coordinates(), self.sim.velocities());
-        let chamber = self.rig.mechanism.legs[0].leg.chamber();
+        // A tank would be full again.
+        let part = &self.rig.mechanism.legs[0].leg;
+        let chamber = part.chamber().filter(|_| part.feed.is_none());
         let is_exhausted = chamber.is_some_and(|chamber| {
             let gauge = self.sim.pressure(0) - chamber.ambient;
             chamber.has_openings() && gauge.abs() < EXHAUSTED
