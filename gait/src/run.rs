@@ -444,6 +444,8 @@ struct Loop<'a, 's, F> {
     pressures: Vec<f64>,
     summary: Summary,
     stored: f64,
+    /// Gas (kg) at the start in the tank and in all chambers, where they are fed from one.
+    carried: Option<f64>,
     /// Travels (m) of the last 4 s.
     late: VecDeque<f64>,
 }
@@ -469,6 +471,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         };
         let ledger = world.sim().ledger();
         let stored = (0..legs).map(|leg| world.sim().stored_gas(leg)).sum();
+        let carried = world.sim().gas();
         Ok(Loop {
             setup,
             world,
@@ -512,6 +515,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
                 rear,
             },
             stored,
+            carried,
             late: VecDeque::new(),
         })
     }
@@ -671,7 +675,8 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         let lately = self.late.len() as f64 * self.setup.sensors().period;
         let is_to_stand = self.is_to_stand;
         let turned_at = self.turned_at;
-        let stored = self.stored;
+        let (stored, carried) = (self.stored, self.carried);
+        let gas = self.setup.robot.leg.cylinder().copied();
         let still = self.still;
         let residual = self.world.residual();
         let rig = self.world.rig();
@@ -691,6 +696,13 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             }
         }
         s.gas_residual = gas_now - stored - explained;
+        if let Some((before, now)) = carried.zip(sim.gas()) {
+            // Of gas with a temperature of its own, what is missing is told as a mass, by the work
+            // n R T that it does at the gas temperature.
+            let released: f64 = (0..legs).map(|leg| sim.account(leg).released).sum();
+            let worth = gas.map_or(0.0, |c| c.gas.heat_ratio * c.gas.constant * c.temperature);
+            s.gas_residual = worth * (now + released - before);
+        }
         s.time = end;
         s.travel = travel;
         s.way += (travel - turned_at).abs();

@@ -1,7 +1,9 @@
 //! The planar model as a [`JumpModel`]: the stance of `lagrangian`, the flight of `ballistic`.
 
 use saltus_ballistic::{DragFlight, Flight};
-use saltus_lagrangian::{Batch, Launch, LiftOff, Outcome, Sample, Stance, StanceError};
+use saltus_lagrangian::{
+    Batch, Drawn, Launch, LiftOff, Outcome, Sample, Stance, StanceError, TankState,
+};
 use saltus_numeric::{Dual, Scalar, Single};
 use saltus_robot::{Robot, Term};
 
@@ -57,6 +59,17 @@ impl Planar {
         launch: Launch<Dual<4>>,
     ) -> Result<SensitiveJump<Self>, StanceError> {
         Ok(self.fly(launch, self.sensitive.jump(&launch)?))
+    }
+
+    /// One jump with the tank as it is, and what it takes from it; none for a robot that does not carry
+    /// its gas.
+    pub(crate) fn jump_from(
+        &self,
+        launch: &Launch,
+        tank: &TankState,
+    ) -> Result<Option<(Flown<Self>, Drawn)>, StanceError> {
+        let drawn = self.stance().jump_from(launch, tank)?;
+        Ok(drawn.map(|(end, drawn)| (self.fly(*launch, end), drawn)))
     }
 
     /// The jump whose stance ends so.

@@ -1,6 +1,6 @@
 //! A robot, ready to plan its jumps.
 
-use saltus_lagrangian::{Launch, Stance, StanceError};
+use saltus_lagrangian::{Drawn, Launch, Stance, StanceError, TankState};
 use saltus_robot::Robot;
 
 use crate::model::{Flown, JumpModel, SensitiveJump};
@@ -21,6 +21,19 @@ impl Planner {
     /// The robot's stance.
     pub fn stance(&self) -> &Stance<f64> {
         self.model.stance()
+    }
+
+    /// One jump with the tank as it is, and what it takes from it; none for a robot that does not carry
+    /// its gas.
+    ///
+    /// # Errors
+    /// As [`Stance::jump_from`].
+    pub fn jump_from(
+        &self,
+        launch: &Launch,
+        tank: &TankState,
+    ) -> Result<Option<(Flown<Planar>, Drawn)>, StanceError> {
+        self.model.jump_from(launch, tank)
     }
 }
 

@@ -25,6 +25,7 @@ from .jumps import RobotLike
 __all__ = [
     "diagnose",
     "export",
+    "filling",
     "fit",
     "inject",
     "jump_over",
@@ -106,6 +107,26 @@ def law(
 ) -> Answer:
     """The linear law α_f = A ω + B that reaches a distance or a clearance."""
     return ask("law", (), locals())
+
+
+def filling(
+    *,
+    omega_rad_s: float,
+    alpha_f_rad: float,
+    clear_m: float | None = None,
+    pause_s: float | None = None,
+    most: int | None = None,
+    landing_height_m: float | str | None = None,
+    valve_open_s: float | None = None,
+    start_lean_rad: float | str | None = None,
+    plot: PathLike | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+) -> Answer:
+    """How far a filling of a robot's tank carries: jumps, and metres, until one does not count.
+
+    `answer.yes` is true if any jump counts."""
+    return ask("filling", (), locals())
 
 
 def map(

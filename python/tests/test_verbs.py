@@ -34,6 +34,10 @@ CALLS: dict[str, tuple[Callable[[], saltus.Answer], list[str]]] = {
         lambda: saltus.law(omega_rad_s=[4, 5, 6], distance_m=0.6, firing_angles_rad=(-0.6, 0.6)),
         "law --omega 4,5,6 --distance 0.6 --firing-angles=-0.6:0.6".split(),
     ),
+    "filling": (
+        lambda: saltus.filling(omega_rad_s=4.5, alpha_f_rad=-0.1, clear_m=0.1, set={"tank.volume_l": 0.5}),
+        "filling --omega 4.5 --alpha-f=-0.1 --clear 0.1 --set tank.volume_l=0.5".split(),
+    ),
     "map": (
         lambda: saltus.map(omega_rad_s=[4, 5], alpha_f_rad=[-0.1, 0.1], friction=True),
         "map --omega 4,5 --alpha-f=-0.1,0.1 --friction".split(),
@@ -169,6 +173,7 @@ FUNCTIONS: dict[str, list[Any]] = {
     "simulate": [saltus.simulate],
     "table": [saltus.table],
     "law": [saltus.law],
+    "filling": [saltus.filling],
     "map": [saltus.map],
     "plan": [saltus.plan],
     "verify": [saltus.verify],

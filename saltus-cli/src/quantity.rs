@@ -187,6 +187,11 @@ impl QuantityError {
 }
 
 /// Parser of a flag.
+pub(crate) fn rate(text: &str) -> Result<f64, QuantityError> {
+    Quantity::RATE.parse(text)
+}
+
+/// Parser of a flag.
 pub(crate) fn angle(text: &str) -> Result<f64, QuantityError> {
     Quantity::ANGLE.parse(text)
 }

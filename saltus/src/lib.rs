@@ -38,6 +38,7 @@ pub mod closed_loop;
 pub mod course;
 pub mod experiment;
 pub mod export;
+pub mod filling;
 pub mod fit;
 pub mod inject;
 pub mod input;

@@ -59,8 +59,22 @@ impl RobotFlags {
         any_robot(self.robot.as_deref().unwrap_or(usual), &self.overrides)
     }
 
-    /// The robot with its overrides, for the planar model: says what of it that model leaves out.
+    /// The robot with its overrides, for the planar model: says what of it that model leaves out, and
+    /// that jumps do not empty its tank.
     pub(crate) fn planned_robot(&self) -> Result<Robot, CliError> {
+        let robot = self.emptying_robot()?;
+        if robot.tank.is_some_and(|tank| tank.volume.is_finite()) {
+            message(&format!(
+                "note: robot {}: each jump of this command starts with a full tank; `saltus \
+                 filling` empties it",
+                robot.name
+            ));
+        }
+        Ok(robot)
+    }
+
+    /// The robot with its overrides, for the planar model, where its tank empties.
+    fn emptying_robot(&self) -> Result<Robot, CliError> {
         let robot = self.robot()?;
         let ignored = robot.beyond_the_plane();
         if !ignored.is_empty() {
@@ -168,6 +182,36 @@ pub(crate) fn any_robot(name: &str, overrides: &[String]) -> Result<Robot, CliEr
         message(&format!("warning: robot {}: {odd}", robot.name));
     }
     Ok(robot)
+}
+
+/// Refuses a robot whose gas the simulation that is fitted to data has not.
+pub(crate) fn plainly_fed(robot: Robot) -> Result<Robot, CliError> {
+    let cylinder = robot.leg.cylinder();
+    let has_tube = cylinder.is_some_and(|c| c.tube.is_some_and(|tube| tube.length > 0.0));
+    let named = [
+        (
+            "tank",
+            robot.tank.is_some_and(|tank| tank.volume.is_finite()),
+        ),
+        ("leg.tube", has_tube),
+        (
+            "leg.valve_time_constant",
+            cylinder.is_some_and(|c| c.spool_time > 0.0),
+        ),
+        (
+            "leg.kind = muscle",
+            cylinder.is_some_and(|c| c.muscle.is_some()),
+        ),
+    ];
+    match named.into_iter().find(|(_, is_on)| *is_on) {
+        None => Ok(robot),
+        Some((key, _)) => {
+            let reason = format!(
+                "{key}: must be left out: the simulation that is fitted to data has it not"
+            );
+            Err(CliError::content(&robot.name, reason))
+        }
+    }
 }
 
 /// The experiment in data folders, with all that the files say of it.
@@ -297,6 +341,11 @@ impl Common {
     /// The robot with its overrides, for the planar model: says what of it that model leaves out.
     pub(crate) fn planned_robot(&self) -> Result<Robot, CliError> {
         self.robot.planned_robot()
+    }
+
+    /// The robot with its overrides, for jumps in the plane that empty its tank.
+    pub(crate) fn emptying_robot(&self) -> Result<Robot, CliError> {
+        self.robot.emptying_robot()
     }
 
     /// The flags that say which robot.

@@ -163,6 +163,9 @@ pub(super) fn check(all: &[Typed], robot: &Robot) -> Result<(), CliError> {
             What::Supply(_) if robot.leg.cylinder().is_none() => {
                 return refused("of a robot with pneumatic legs, which this one is not");
             }
+            What::Supply(_) if robot.tank.is_some_and(|tank| tank.volume.is_finite()) => {
+                return refused("of a robot without a tank, whose pressure is that of its gas");
+            }
             _ => {}
         }
     }

@@ -6,6 +6,7 @@ mod completions;
 mod diagnose;
 mod disturb;
 mod export;
+mod filling;
 mod film;
 mod fit;
 mod jump;
@@ -59,6 +60,7 @@ Examples:
   saltus plan course.toml --plot plan.svg
   saltus verify course.toml --plant rats-boom --friction 0.3:1:8
   saltus run --gait closed-loop --seconds 5 --plot run.svg
+  saltus filling --omega 4.5 --alpha-f -0.1 --set tank.volume_l=0.5
   saltus jump --obstacle 0.16x0.21@1.3
   saltus learn run-zone --out policy.json --plot curve.svg
   saltus diagnose logs/monday --report monday.html
@@ -80,6 +82,7 @@ enum Command {
     Plan(plan::Plan),
     Verify(verify::Verify),
     Run(run::Run),
+    Filling(filling::FillingOf),
     Jump(jump::Jump),
     Learn(learn::Learn),
     Diagnose(diagnose::Diagnose),
@@ -117,6 +120,7 @@ impl Command {
             Command::Plan(command) => command.run(),
             Command::Verify(command) => command.run(),
             Command::Run(command) => command.run(),
+            Command::Filling(command) => command.run(),
             Command::Jump(command) => command.run(),
             Command::Learn(command) => command.run(),
             Command::Diagnose(command) => command.run(),

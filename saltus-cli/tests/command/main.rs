@@ -12,6 +12,7 @@ mod common;
 mod courses;
 mod diagnose;
 mod documents;
+mod filling;
 #[path = "../../../saltus/tests/experiment/folder.rs"]
 mod folder;
 mod inject;

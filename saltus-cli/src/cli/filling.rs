@@ -1,0 +1,378 @@
+//! `saltus filling`: how far a filling of a robot's tank carries.
+
+use clap::Args;
+use saltus::filling::{Filling, FillingError, Hop, Request, filling};
+use saltus::robot::{Gas, Robot};
+use saltus::{Launch, Outcome};
+use serde_json::json;
+
+use super::Status;
+use super::common::{Common, PlotOption};
+use super::terms::{TermFlags, Terms, VALVE_OPEN};
+use crate::error::CliError;
+use crate::output::{self, Cell, Format, Table as Rows, digits};
+use crate::plot::Drawing;
+use crate::plot::line::{Line, Mark};
+use crate::plot::palette::{BLUE, GREEN};
+use crate::plot::sheet::{Panel, Sheet};
+use crate::quantity;
+
+/// Count the jumps, and metres, to a filling of a robot's tank
+#[derive(Args, Debug)]
+#[command(after_help = "`saltus filling --help` explains the output.", after_long_help = LONG_HELP)]
+pub(crate) struct FillingOf {
+    /// Approach rate ω₀ (rad/s) of each jump: how fast the robot leans forward at the start
+    #[arg(long, value_name = "RATE", value_parser = quantity::rate, allow_hyphen_values = true)]
+    omega: f64,
+
+    /// Firing angle α_f (rad) of each jump; forward of the upright is positive
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
+    alpha_f: f64,
+
+    /// Height (m) that the wheel's lowest point has to come to for a jump to count [default: any]
+    #[arg(long, value_name = "HEIGHT", value_parser = quantity::extent, allow_hyphen_values = true)]
+    clear: Option<f64>,
+
+    /// Time (s) from the end of a valve opening to the next jump, in which the tank's wall warms its
+    /// gas up again
+    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true, default_value = "1")]
+    pause: f64,
+
+    /// Jumps after which the count ends
+    #[arg(long, value_name = "COUNT", value_parser = most, default_value = "10000")]
+    most: usize,
+
+    #[command(flatten)]
+    terms: TermFlags,
+
+    #[command(flatten)]
+    plot: PlotOption,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+const LONG_HELP: &str = "\
+Examples:
+  saltus filling --omega 4.5 --alpha-f -0.1 --set tank.volume_l=0.5
+  saltus filling --omega 4.5 --alpha-f -0.1 --set tank.volume_l=0.5 --set leg.gas=co2
+  saltus filling --omega 4.5 --alpha-f -0.1 --set tank.volume_l=0.5 --clear 20cm --valve-open 30ms --plot filling.svg
+
+The robot file has the tank ([tank]: volume, thermal resistance of its wall) and the gas (leg.gas: air, \
+co2, nitrogen or constants). At first the tank has the leg's supply pressure and gas temperature; every \
+jump starts with the gas that the last one left. A jump is one of the planar model: stance and flight. \
+Where the robot lifts off before its valve closes, the chamber goes on filling. The count ends where the \
+robot does not lift off, does not clear the height (or the ground), or does not land. Gas is perfect: a bottle of liquid \
+CO2 behind a regulator is no such tank.
+
+Suffixes: rad/s, deg/s; rad, deg; s, ms; m, cm, mm.
+
+CSV columns, one row for each jump, and a last one for that which does not count: jump, tank_pressure_pa \
+(absolute, before the jump), tank_temperature_k, gas_kg (that it takes), outcome (as for `saltus \
+simulate`), apex_m, clear_m (of the wheel's lowest point), distance_m, total_m (of all jumps that count), \
+counts. Then, as for `saltus table`: valve_open_s, start_lean_rad, landing_height_m, robot, robot_sha256, \
+saltus_version. Numbers have 17 significant digits; a cell is empty where there is no such thing.
+
+JSON: {\"command\": \"filling\", \"robot\": NAME, \"robot_sha256\", \"saltus_version\", \"landing_height_m\", \
+\"start_lean_rad\" (or \"firing\"), \"valve_open_s\", \"omega_rad_s\", \"alpha_f_rad\", \"clear_m\", \"pause_s\", \
+\"jumps\", \"distance_m\", \"end\" (no-lift-off, too-low, no-landing, most-jumps), \"gas_kg\" (in the full \
+tank), \"gas_left_pa\", \"gas_left_k\" (the tank after the last jump), \"rows\": [{the columns}]}.
+
+The exit code is 1 if no jump counts.";
+
+const COLUMNS: &[&str] = &[
+    "jump",
+    "tank_pressure_pa",
+    "tank_temperature_k",
+    "gas_kg",
+    "outcome",
+    "apex_m",
+    "clear_m",
+    "distance_m",
+    "total_m",
+    "counts",
+];
+
+/// Rows that the text shows: of many jumps the first and the last ones.
+const SHOWN: usize = 24;
+
+impl FillingOf {
+    pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.common.ready(&self.plot)?;
+        let robot = self.common.emptying_robot()?;
+        let terms = self.terms.of(&robot);
+        let request = self.request(&terms);
+        let found = filling(robot.clone(), &request).map_err(|error| self.failed(&robot, error))?;
+        let report = match self.common.format() {
+            Format::Csv => rows(&found, &terms, &robot, &request).csv(),
+            Format::Json => json(&found, &terms, &robot, &request),
+            Format::Text => text(&found, &terms, &robot, &request),
+        };
+        let drawing = || Ok(sheet(&found, &robot));
+        self.common.write_with_plot(report, &self.plot, drawing)?;
+        Ok(if found.jumps() > 0 {
+            Status::Done
+        } else {
+            Status::No
+        })
+    }
+
+    fn request(&self, terms: &Terms) -> Request {
+        let lean = terms.start_lean.unwrap_or(self.alpha_f);
+        Request {
+            launch: Launch {
+                rate: self.omega,
+                lean,
+                firing_angle: self.alpha_f,
+                valve_open: self.terms.valve_open().unwrap_or(VALVE_OPEN),
+            },
+            landing_height: terms.landing_height,
+            clear: self.clear.unwrap_or(0.0),
+            pause: self.pause,
+            most: self.most,
+        }
+    }
+
+    fn failed(&self, robot: &Robot, error: FillingError) -> CliError {
+        match error {
+            FillingError::Jump { jump, source } => CliError::Jump {
+                jump: format!(
+                    "--omega {} --alpha-f {}, jump {jump}",
+                    self.omega, self.alpha_f
+                ),
+                source,
+            },
+            other => CliError::content(&robot.name, other),
+        }
+    }
+}
+
+/// Parser of a flag.
+fn most(text: &str) -> Result<usize, String> {
+    const MOST: usize = 100_000;
+    let count = text.trim().parse().ok();
+    let allowed = |_: &usize| format!("must be a whole number from 1 to {MOST}");
+    count
+        .filter(|count| (1..=MOST).contains(count))
+        .ok_or_else(|| allowed(&0))
+}
+
+/// What the gas is called.
+fn gas(robot: &Robot) -> &'static str {
+    match robot.leg.cylinder().map(|c| c.gas) {
+        Some(gas) if gas == Gas::AIR => "air",
+        Some(gas) if gas == Gas::CO2 => "CO2",
+        Some(gas) if gas == Gas::NITROGEN => "nitrogen",
+        _ => "gas",
+    }
+}
+
+fn rows(found: &Filling, terms: &Terms, robot: &Robot, request: &Request) -> Rows {
+    let mut rows = Rows::new(&terms.columns(COLUMNS));
+    let mut total = 0.0;
+    for (i, hop) in found.hops.iter().enumerate() {
+        if hop.counts {
+            total += hop.distance.unwrap_or(0.0);
+        }
+        let mut row = vec![
+            Cell::Count(i + 1),
+            hop.tank.pressure.into(),
+            hop.tank.temperature.into(),
+            hop.gas.into(),
+            Cell::Word(hop.outcome.name()),
+            hop.apex.into(),
+            hop.apex.map(|apex| apex - robot.body.radius).into(),
+            hop.distance.into(),
+            total.into(),
+            Cell::Flag(hop.counts),
+        ];
+        row.extend(terms.cells(Some(request.launch.firing_angle)));
+        rows.push(row);
+    }
+    rows
+}
+
+fn json(found: &Filling, terms: &Terms, robot: &Robot, request: &Request) -> String {
+    let mut document = terms.json("filling");
+    let rows = rows(found, terms, robot, request).json();
+    for (key, value) in [
+        ("omega_rad_s", json!(request.launch.rate)),
+        ("alpha_f_rad", json!(request.launch.firing_angle)),
+        ("clear_m", json!(request.clear)),
+        ("pause_s", json!(request.pause)),
+        ("jumps", json!(found.jumps())),
+        ("distance_m", json!(found.distance())),
+        ("end", json!(found.end.name())),
+        ("gas_kg", json!(found.filled)),
+        ("gas_left_pa", json!(found.left.pressure)),
+        ("gas_left_k", json!(found.left.temperature)),
+        ("rows", json!(rows)),
+    ] {
+        document.insert(key.into(), value);
+    }
+    output::json(&document.into())
+}
+
+fn text(found: &Filling, terms: &Terms, robot: &Robot, request: &Request) -> String {
+    use saltus::filling::End;
+    let volume = robot.tank.map_or(0.0, |tank| tank.volume);
+    let full = found.hops.first().map_or(found.left, |hop| hop.tank);
+    let ambient = robot.environment.ambient.0;
+    let head = format!(
+        "{}: {} and {} m to a tank of {} l, {} g of {} at {} bar above ambient",
+        robot.name,
+        counted(found.jumps()),
+        digits(found.distance(), 4),
+        digits(1e3 * volume, 4),
+        digits(1e3 * found.filled, 4),
+        gas(robot),
+        digits(1e-5 * (full.pressure - ambient), 4),
+    );
+    let number = found.hops.len();
+    let outcome = found
+        .hops
+        .last()
+        .map_or(Outcome::Stall, |hop| hop.outcome)
+        .name();
+    let why = match found.end {
+        End::NoLiftOff => format!("jump {number} does not lift off: {outcome}"),
+        End::TooLow if request.clear == 0.0 => format!("jump {number} does not clear the ground"),
+        End::TooLow => {
+            let clear = digits(request.clear, 4);
+            format!("jump {number} does not clear {clear} m")
+        }
+        End::NoLanding => format!("jump {number} does not come down to the landing height"),
+        End::Most => format!("the count ends at {number} (--most)"),
+    };
+    let left = format!(
+        "{} bar above ambient and {} K are left",
+        digits(1e-5 * (found.left.pressure - ambient), 4),
+        digits(found.left.temperature, 4),
+    );
+    format!(
+        "{head}\n  {}\n  {why}; {left}\n{}",
+        terms.line(),
+        table(found, robot).text(&[
+            ("jump", "jump", ""),
+            ("tank_bar", "tank, gauge", "bar"),
+            ("tank_temperature_k", "tank", "K"),
+            ("gas_g", "gas", "g"),
+            ("apex_m", "apex", "m"),
+            ("distance_m", "distance", "m"),
+            ("total_m", "total", "m"),
+            ("outcome", "outcome", ""),
+        ])
+    )
+}
+
+fn counted(jumps: usize) -> String {
+    match jumps {
+        1 => "1 jump".into(),
+        n => format!("{n} jumps"),
+    }
+}
+
+/// The jumps for people: of many the first and the last ones.
+fn table(found: &Filling, robot: &Robot) -> Rows {
+    let mut rows = Rows::new(&[
+        "jump",
+        "tank_bar",
+        "tank_temperature_k",
+        "gas_g",
+        "apex_m",
+        "distance_m",
+        "total_m",
+        "outcome",
+    ]);
+    let (count, mut total) = (found.hops.len(), 0.0);
+    for (i, hop) in found.hops.iter().enumerate() {
+        if hop.counts {
+            total += hop.distance.unwrap_or(0.0);
+        }
+        let is_shown = count <= SHOWN || i < SHOWN / 2 || i + SHOWN / 2 >= count;
+        if is_shown {
+            rows.push(vec![
+                Cell::Count(i + 1),
+                (1e-5 * (hop.tank.pressure - robot.environment.ambient.0)).into(),
+                hop.tank.temperature.into(),
+                (1e3 * hop.gas).into(),
+                hop.apex.into(),
+                hop.distance.into(),
+                total.into(),
+                Cell::Word(hop.outcome.name()),
+            ]);
+        }
+    }
+    rows
+}
+
+fn sheet(found: &Filling, robot: &Robot) -> Drawing {
+    let line = |color, of: &dyn Fn(&Hop) -> Option<f64>| Line {
+        label: None,
+        points: found
+            .hops
+            .iter()
+            .enumerate()
+            .filter_map(|(i, hop)| Some(((i + 1) as f64, of(hop)?)))
+            .collect(),
+        color,
+        mark: if found.hops.len() <= 60 {
+            Mark::Dots
+        } else {
+            Mark::Solid
+        },
+    };
+    let mut total = 0.0;
+    let totals = found.hops.iter().enumerate().map(|(i, hop)| {
+        total += hop.distance.filter(|_| hop.counts).unwrap_or(0.0);
+        ((i + 1) as f64, total)
+    });
+    let totals = Line {
+        points: totals.collect(),
+        ..line(GREEN, &|_| None)
+    };
+    let ambient = robot.environment.ambient.0;
+    let panel = |title: &str, y, lines| Panel {
+        title: title.into(),
+        x: "jump",
+        y,
+        lines,
+        least: Some([[0.0, 1.0], [0.0, 0.0]]),
+    };
+    let pressure = |hop: &Hop| Some(1e-5 * (hop.tank.pressure - ambient));
+    let temperature = |hop: &Hop| Some(hop.tank.temperature);
+    let mut warmth = panel(
+        "tank before each jump",
+        "temperature (K)",
+        vec![line(GREEN, &temperature)],
+    );
+    warmth.least = None;
+    Drawing::Sheet(Sheet {
+        title: format!(
+            "{}: {} and {} m to a filling",
+            robot.name,
+            counted(found.jumps()),
+            digits(found.distance(), 4)
+        ),
+        course: None,
+        panels: vec![
+            panel(
+                "tank before each jump",
+                "pressure above ambient (bar)",
+                vec![line(BLUE, &pressure)],
+            ),
+            warmth,
+            panel(
+                "apex of the wheel's centre",
+                "height (m)",
+                vec![line(BLUE, &|hop| hop.apex)],
+            ),
+            panel(
+                "distance of each jump",
+                "distance (m)",
+                vec![line(BLUE, &|hop| hop.distance)],
+            ),
+            panel("distance of all jumps", "distance (m)", vec![totals]),
+        ],
+    })
+}
