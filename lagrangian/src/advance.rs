@@ -99,7 +99,7 @@ const STANDING: f64 = 1e-6;
 /// Shortest step (s).
 const LEAST_STEP: f64 = 1e-13;
 /// Most steps of one jump: an ordinary one takes ten to a hundred.
-const MOST_STEPS: u32 = 10_000;
+pub(crate) const MOST_STEPS: u32 = 10_000;
 /// Longest phase (s).
 const LONGEST: f64 = 30.0;
 
@@ -110,8 +110,9 @@ pub(crate) struct Pace {
     pub step: f64,
     /// Error tolerance.
     pub tolerance: f64,
-    /// Steps tried so far.
+    /// Steps tried so far, and how many may be.
     pub steps: u32,
+    pub most: u32,
 }
 
 impl Pace {
@@ -126,10 +127,10 @@ impl Pace {
     /// One step or event more, at the time `now` (s).
     fn count(&mut self, now: f64) -> Result<(), StanceError> {
         self.steps += 1;
-        if self.steps > MOST_STEPS {
+        if self.steps > self.most {
             return Err(StanceError::TooManySteps {
                 time: now,
-                steps: MOST_STEPS,
+                steps: self.most,
             });
         }
         Ok(())

@@ -44,6 +44,9 @@ pub struct Drawn<S = f64> {
 /// How a stance ended, and what it took from the tank.
 pub type FromTank<S = f64> = (LiftOff<S>, Drawn<S>);
 
+/// Most steps of one jump, each of which takes longer than one of a plain leg: an ordinary jump takes a
+/// hundred, one that ends at ambient pressure a thousand.
+const MOST_STEPS: u32 = 4000;
 /// Time constants of a spool after which it counts as shut.
 const SHUT: f64 = 40.0;
 
@@ -173,6 +176,7 @@ impl<S: Single> Stance<S> {
             step: FIRST_STEP,
             tolerance: self.tolerance,
             steps: 0,
+            most: MOST_STEPS,
         };
         let idle = Spool {
             since: S::of(0.0),
@@ -355,6 +359,7 @@ impl<S: Single> Stance<S> {
             step: FIRST_STEP,
             tolerance: self.tolerance,
             steps: 0,
+            most: MOST_STEPS,
         };
         let slow = S::of(SHUT) * feed.spool_time();
         let mut go = |course: &mut Course<S>, until: S| {

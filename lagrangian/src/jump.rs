@@ -4,7 +4,7 @@ use saltus_numeric::{Scalar, Single};
 use saltus_pneumatics::{Chamber, Drive, Flow, MEGA, Piece, Switches};
 
 use crate::advance::index::{GAS, LEAN, RATE, SPEED, TIME};
-use crate::advance::{Pace, State, WIDTH, advance};
+use crate::advance::{MOST_STEPS, Pace, State, WIDTH, advance};
 use crate::observer::{FIRST_STEP, MOST_PIECES, Next, Observer, Unobserved, ended};
 use crate::phase::{Extension, Held};
 use crate::stance;
@@ -43,6 +43,7 @@ impl<S: Single> Stance<S> {
             step: FIRST_STEP,
             tolerance: self.tolerance,
             steps: 0,
+            most: MOST_STEPS,
         };
         let end = |outcome, time_fire, y: &State<S>| Ok(ended(self, outcome, time_fire, y));
 
