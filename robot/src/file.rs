@@ -136,6 +136,8 @@ fn read_leg(mut s: Section, robot: &mut Robot, files: Files) -> Result<(), Robot
         Drive::Pneumatic(_) => {
             if robot.leg.cylinder().is_some_and(|c| c.muscle.is_some()) {
                 let mut muscle = s.table("muscle");
+                // A misspelt key is named before the one that it leaves missing.
+                s.check_keys(&["tube"])?;
                 s.stop_at_problem()?;
                 free_contraction(&mut muscle, robot);
                 table(muscle, "leg.muscle", robot)?;

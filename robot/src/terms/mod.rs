@@ -17,9 +17,10 @@ use spec::{Lens, direct, inverse};
 
 use crate::domain::Domain;
 use crate::units::{
-    ACCELERATION, ANGLE, ANGULAR_RATE, ANGULAR_STIFFNESS, AREA, DAMPING, FORCE, FORCE_PER_PRESSURE,
-    FORCE_PER_PRESSURE_LENGTH, GAS_CONSTANT, INERTIA, LENGTH, MASS, NUMBER, PER_LENGTH, PRESSURE,
-    PRESSURE_PER_FLOW, STIFFNESS, TEMPERATURE, THERMAL_RESISTANCE, TIME, TORQUE, VOLUME,
+    ACCELERATION, ANGLE, ANGULAR_RATE, ANGULAR_STIFFNESS, AREA, CAPACITY, DAMPING, FORCE,
+    FORCE_PER_PRESSURE, FORCE_PER_PRESSURE_LENGTH, GAS_CONSTANT, INERTIA, LENGTH, MASS, NUMBER,
+    PER_LENGTH, PRESSURE, PRESSURE_PER_FLOW, STIFFNESS, TEMPERATURE, THERMAL_RESISTANCE, TIME,
+    TORQUE, VOLUME,
 };
 use crate::{Drive, LegBody, Robot, Sensors};
 
@@ -430,7 +431,7 @@ terms! {
     /// Volume of the tank (m³).
     TankVolume = Spec::needed(
         "tank.volume",
-        VOLUME,
+        CAPACITY,
         Lens { has: |r| r.leg.cylinder().is_some(), ..at!(robot, tank => volume) },
     )
     .within(|_| Domain::POSITIVE.or_infinite())
