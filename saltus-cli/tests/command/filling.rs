@@ -46,9 +46,10 @@ fn a_tank_empties_jump_after_jump() {
         (filled - used - in_tank).abs() < 1e-9 * filled,
         "{filled} {used} {in_tank}"
     );
-    assert!(
-        (left / number(&rows[0], "tank_pressure_pa") - (in_tank / filled).powf(1.4)).abs() < 1e-9
-    );
+    let isentrope = (in_tank / filled).powf(1.4);
+    let fallen = left / number(&rows[0], "tank_pressure_pa");
+    // Steps are right to some 1e-9 each, of which a filling takes a thousand.
+    assert!((fallen - isentrope).abs() < 1e-7, "{fallen} {isentrope}");
     // The first one is the jump of a full tank.
     let simulated = format!("simulate {JUMP} --set tank.volume_l=0.2 --format json");
     let simulated = folder.run(&simulated.split_whitespace().collect::<Vec<_>>());
