@@ -942,7 +942,7 @@ fn what_a_robot_carries_its_gas_in() {
         "supply_pressure_absolute_pa = 9e4",
         "hopper.toml:15: leg.supply_pressure_absolute_pa = 9e4: must be a finite number ≥ 101325 Pa",
     );
-    let error = resolve("spring-hopper", &["tank.volume_l=1".into()]).unwrap_err();
+    let error = resolve("spring-hopper", &["tank.volume_l=1".into()]).expect_err("no gas");
     assert_eq!(
         error.to_string(),
         "--set tank.volume_l=1: tank = a table: must be left out for a leg that is not pneumatic: \
